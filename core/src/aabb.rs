@@ -1,0 +1,85 @@
+//! Axis-aligned bounding boxes.
+
+use glam::Vec3A;
+
+/// A closed axis-aligned box. `min > max` on every axis is the empty box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// Smallest corner.
+    pub min: [f32; 3],
+    /// Largest corner.
+    pub max: [f32; 3],
+}
+
+impl Aabb {
+    /// The box that contains nothing, and grows to whatever is added.
+    pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+
+    /// The tight box of some points. Taking minima rounds nothing, so it needs no padding.
+    #[inline]
+    #[must_use]
+    pub fn of(points: &[[f32; 3]]) -> Self {
+        points.iter().fold(Self::EMPTY, |b, p| b.union(&Self { min: *p, max: *p }))
+    }
+
+    /// The smallest box that contains both.
+    #[inline]
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        let mut out = *self;
+        for k in 0..3 {
+            out.min[k] = if other.min[k] < out.min[k] { other.min[k] } else { out.min[k] };
+            out.max[k] = if other.max[k] > out.max[k] { other.max[k] } else { out.max[k] };
+        }
+        out
+    }
+
+    /// Whether two closed boxes share a point; touching counts.
+    #[inline]
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
+    }
+
+    /// Whether `other` lies within this box.
+    #[inline]
+    #[must_use]
+    pub fn contains(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
+    }
+
+    /// Half the surface area; 0 for the empty box. The measure of the surface area heuristic.
+    #[inline]
+    #[must_use]
+    pub fn half_area(&self) -> f32 {
+        let [x, y, z] = [0, 1, 2].map(|k| {
+            let edge = self.max[k] - self.min[k];
+            if edge > 0.0 { edge } else { 0.0 }
+        });
+        x * y + y * z + z * x
+    }
+}
+
+/// An [`Aabb`] in vector registers, for the inner loops.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub(crate) min: Vec3A,
+    pub(crate) max: Vec3A,
+}
+
+impl Bounds {
+    #[inline]
+    pub(crate) fn new(aabb: &Aabb) -> Self {
+        Self { min: Vec3A::from_array(aabb.min), max: Vec3A::from_array(aabb.max) }
+    }
+
+    #[inline]
+    pub(crate) fn of(t: &[Vec3A; 3]) -> Self {
+        Self { min: t[0].min(t[1]).min(t[2]), max: t[0].max(t[1]).max(t[2]) }
+    }
+
+    #[inline]
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
+    }
+}

@@ -1,0 +1,83 @@
+//! Building a BVH into the caller's slices, and keeping it fit while the mesh deforms.
+//!
+//! [`sah()`] gives the tree that queries walk fastest; [`morton()`] is built several times faster, for
+//! those who rebuild every frame; [`refit()`] keeps the tree and moves its boxes.
+
+mod bins;
+mod morton;
+mod refit;
+mod sah;
+#[cfg(test)]
+mod tests;
+
+pub use morton::{morton, morton_scratch_bound};
+pub use refit::{REBUILD_RATIO, quality, refit};
+pub use sah::{SahItem, sah, sah_scratch_bound};
+
+use crate::bvh::{MAX_LEAF_SIZE, Node, node_bound};
+use crate::{Bvh, CapacityError, Mesh};
+
+/// How a BVH is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuildOptions {
+    /// The most triangles one leaf may hold. A value outside 1 ..= [`MAX_LEAF_SIZE`] counts as the
+    /// nearest one inside.
+    pub leaf_size: u32,
+}
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        Self { leaf_size: 4 }
+    }
+}
+
+impl BuildOptions {
+    fn max_leaf(self) -> usize {
+        self.leaf_size.clamp(1, MAX_LEAF_SIZE) as usize
+    }
+}
+
+/// Where a build writes the BVH.
+#[derive(Debug)]
+pub struct BvhStorage<'a> {
+    /// At least [`node_bound`] nodes.
+    pub nodes: &'a mut [Node],
+    /// At least one entry per triangle.
+    pub order: &'a mut [u32],
+}
+
+impl<'a> BvhStorage<'a> {
+    fn check(&self, triangles: usize) -> Result<(), CapacityError> {
+        CapacityError::check("nodes", node_bound(triangles), self.nodes.len())?;
+        CapacityError::check("order", triangles, self.order.len())
+    }
+
+    /// The finished tree over the first `nodes` nodes.
+    fn into_bvh(self, mesh: Mesh<'a>, nodes: usize) -> Bvh<'a> {
+        let (all_nodes, all_order): (&'a [Node], &'a [u32]) = (self.nodes, self.order);
+        Bvh::trusted(mesh, &all_nodes[..nodes], &all_order[..mesh.triangles().len()])
+    }
+}
+
+/// Hands out pairs of sibling slots.
+struct Slots {
+    used: usize,
+}
+
+impl Slots {
+    /// The root takes slot 0; slot 1 stays empty so that siblings start at even indices.
+    fn new() -> Self {
+        Self { used: 2 }
+    }
+
+    /// The index of the left of two new siblings.
+    fn pair(&mut self) -> usize {
+        self.used += 2;
+        self.used - 2
+    }
+
+    /// How many nodes are in use, once the tree is finished.
+    fn nodes(&self) -> usize {
+        if self.used == 2 { 1 } else { self.used }
+    }
+}

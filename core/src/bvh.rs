@@ -1,0 +1,227 @@
+//! The bounding volume hierarchy: one flat array of 32-byte nodes.
+//!
+//! The root is node 0, node 1 is unused, and the two children of an inner node are adjacent at an
+//! even index, so that siblings share a 64-byte cache line when the array is aligned to it. A child
+//! always comes after its parent: one backward pass over the array refits the whole tree.
+
+mod check;
+
+pub use check::{BvhError, check_scratch_bound};
+
+use crate::aabb::Bounds;
+use crate::{Aabb, Mesh};
+use bytemuck::{Pod, Zeroable};
+use core::convert::Infallible;
+
+/// The deepest a node may lie below the root (the root has depth 0).
+///
+/// Both builds keep it: SAH replaces a split that could break it by a median split, and halving
+/// 2^31 − 1 triangles needs at most 31 levels; the Morton build splits on one of 64 key bits a
+/// level. Every traversal stack is sized from it.
+pub const MAX_DEPTH: usize = 64;
+
+/// The most triangles one leaf may hold.
+pub const MAX_LEAF_SIZE: u32 = 8;
+
+/// How many nodes the BVH of so many triangles may need, whatever its leaf size.
+///
+/// A binary tree with n leaves has 2n − 1 nodes, and one slot is left unused to align siblings.
+/// A tree that is one leaf has no second slot.
+///
+/// # Examples
+/// ```
+/// use pfront_core::{Node, bvh::node_bound};
+/// static mut NODES: [Node; node_bound(1000)] = [Node::EMPTY; node_bound(1000)];
+/// assert_eq!(node_bound(1000) * size_of::<Node>(), 64_000);
+/// ```
+#[must_use]
+pub const fn node_bound(triangles: usize) -> usize {
+    2 * triangles
+}
+
+/// One BVH node: 32 bytes, the same on the CPU and in a storage buffer.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Node {
+    /// Smallest corner of the box.
+    pub min: [f32; 3],
+    /// Leaf: index of its first entry in the order array. Inner: index of its left child; the
+    /// right child is next to it.
+    pub first: u32,
+    /// Largest corner of the box.
+    pub max: [f32; 3],
+    /// Leaf: how many triangles it holds. Inner: 0.
+    pub count: u32,
+}
+
+impl Node {
+    /// A node with the empty box, to initialise buffers.
+    pub const EMPTY: Self = Self { min: Aabb::EMPTY.min, first: 0, max: Aabb::EMPTY.max, count: 0 };
+
+    /// The box of the node.
+    #[inline]
+    #[must_use]
+    pub fn aabb(&self) -> Aabb {
+        Aabb { min: self.min, max: self.max }
+    }
+
+    #[inline]
+    pub(crate) fn bounds(&self) -> Bounds {
+        Bounds::new(&self.aabb())
+    }
+
+    /// Whether the node holds triangles rather than children.
+    #[inline]
+    #[must_use]
+    pub fn is_leaf(&self) -> bool {
+        self.count != 0
+    }
+
+    pub(crate) fn set_aabb(&mut self, aabb: &Aabb) {
+        self.min = aabb.min;
+        self.max = aabb.max;
+    }
+}
+
+/// A mesh and its BVH, in borrowed arrays. Copying is free (four slices).
+///
+/// `order` lists the triangles leaf by leaf; a leaf names a run of it. The runs follow one another
+/// from left to right, so the triangles below any node are one run too.
+#[derive(Clone, Copy, Debug)]
+pub struct Bvh<'a> {
+    mesh: Mesh<'a>,
+    nodes: &'a [Node],
+    order: &'a [u32],
+}
+
+impl<'a> Bvh<'a> {
+    /// Adopts arrays from elsewhere (a file, a GPU) after checking all that a walk relies on.
+    ///
+    /// `scratch` marks the triangles seen: [`check_scratch_bound`] words do it in one pass. Fewer
+    /// are enough for the same answer, but every pass goes over the whole order.
+    ///
+    /// # Errors
+    /// [`BvhError`] names the first node or order entry at fault.
+    ///
+    /// # Complexity
+    /// O(triangles) with full scratch. Stops early at the first fault, however tangled the nodes.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{Bvh, BvhError, Mesh, Node};
+    /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
+    /// let root = Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 };
+    /// assert!(Bvh::new(mesh, &[root], &[0], &mut [0]).is_ok());
+    ///
+    /// let small = Node { max: [0.5; 3], ..root };
+    /// let refused = Bvh::new(mesh, &[small], &[0], &mut [0]).err();
+    /// assert_eq!(refused, Some(BvhError::Box { node: 0 }));
+    /// # Ok::<(), pfront_core::MeshError>(())
+    /// ```
+    pub fn new(
+        mesh: Mesh<'a>,
+        nodes: &'a [Node],
+        order: &'a [u32],
+        scratch: &mut [u32],
+    ) -> Result<Self, BvhError> {
+        let bvh = Self { mesh, nodes, order };
+        bvh.check(scratch)?;
+        Ok(bvh)
+    }
+
+    /// Borrows again arrays that a build, a refit or [`Bvh::new`] has already vouched for.
+    ///
+    /// Nothing is checked: with any other arrays a query may give wrong pairs or panic.
+    #[inline]
+    #[must_use]
+    pub fn trusted(mesh: Mesh<'a>, nodes: &'a [Node], order: &'a [u32]) -> Self {
+        Self { mesh, nodes, order }
+    }
+
+    /// The mesh.
+    #[inline]
+    #[must_use]
+    pub fn mesh(&self) -> Mesh<'a> {
+        self.mesh
+    }
+
+    /// The nodes in use; empty for an empty mesh.
+    #[inline]
+    #[must_use]
+    pub fn nodes(&self) -> &'a [Node] {
+        self.nodes
+    }
+
+    /// The triangles, leaf by leaf.
+    #[inline]
+    #[must_use]
+    pub fn order(&self) -> &'a [u32] {
+        self.order
+    }
+
+    /// The root node, or `None` for an empty mesh.
+    #[inline]
+    #[must_use]
+    pub fn root(&self) -> Option<&'a Node> {
+        self.nodes.first()
+    }
+
+    /// The triangles of a leaf.
+    #[inline]
+    pub(crate) fn leaf_triangles(&self, leaf: &Node) -> &'a [u32] {
+        &self.order[leaf.first as usize..][..leaf.count as usize]
+    }
+
+    /// The depth of the deepest node: 0 for a lone root, at most [`MAX_DEPTH`].
+    ///
+    /// # Complexity
+    /// O(nodes).
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        let mut deepest = 0;
+        let Ok(()) = preorder(self.nodes, |_, depth| {
+            deepest = deepest.max(depth);
+            Ok::<(), Infallible>(())
+        });
+        deepest
+    }
+
+    /// Checks the tree as [`Bvh::new`] does, for tests: call it after every change.
+    ///
+    /// # Panics
+    /// If the tree is not a well-formed BVH of its mesh.
+    #[expect(clippy::panic, reason = "a test helper: panicking is its purpose")]
+    pub fn assert_well_formed(&self) {
+        if let Err(error) = self.check(&mut [0; 256]) {
+            panic!("{error}");
+        }
+    }
+}
+
+/// Visits each node and its depth, parents first and left before right, until `visit` refuses one.
+///
+/// `visit` must refuse an inner node whose children are out of range or deeper than [`MAX_DEPTH`].
+fn preorder<E>(
+    nodes: &[Node],
+    mut visit: impl FnMut(usize, usize) -> Result<(), E>,
+) -> Result<(), E> {
+    // Each level above the current node left at most one right child waiting, and no node is
+    // deeper than MAX_DEPTH.
+    let mut waiting = [(0, 0); MAX_DEPTH];
+    let mut len = 0_usize;
+    let mut next = if nodes.is_empty() { None } else { Some((0, 0)) };
+    while let Some((index, depth)) = next {
+        visit(index, depth)?;
+        let node = &nodes[index];
+        next = if node.is_leaf() {
+            len = len.wrapping_sub(1);
+            waiting.get(len).copied()
+        } else {
+            let left = node.first as usize;
+            waiting[len] = (left + 1, depth + 1);
+            len += 1;
+            Some((left, depth + 1))
+        };
+    }
+    Ok(())
+}

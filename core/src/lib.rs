@@ -1,0 +1,19 @@
+#![no_std]
+#![doc = "The allocation-free heart of `pfront`."]
+
+pub mod aabb;
+pub mod build;
+pub mod bvh;
+mod error;
+pub mod mesh;
+pub mod pose;
+pub mod predicates;
+pub mod query;
+pub mod triangle;
+pub mod walk;
+
+pub use aabb::Aabb;
+pub use bvh::{Bvh, BvhError, Node};
+pub use error::CapacityError;
+pub use mesh::{Mesh, MeshError, Triangle};
+pub use pose::Pose;

@@ -1,0 +1,186 @@
+//! A borrowed triangle mesh, checked once.
+//!
+//! Everything below trusts a [`Mesh`]: indices are in range and coordinates finite, so no walk
+//! re-checks either (`accuracy.md`, contract 1).
+
+use core::fmt;
+
+/// Corner positions of one triangle, in the units of the mesh.
+pub type Triangle = [[f32; 3]; 3];
+
+/// The most triangles one mesh may have: 2^31 − 1, so that a node index of its BVH fits in a `u32`
+/// and a triangle index shares a `u64` with a 33-bit Morton code.
+pub const MAX_TRIANGLES: usize = (1 << 31) - 1;
+
+/// A triangle mesh borrowed from the caller and checked once, by [`Mesh::new`].
+///
+/// Copying is free (two slices). Duplicate triangles, zero-area triangles, unreferenced vertices
+/// and an empty mesh are all fine.
+///
+/// # Examples
+/// ```
+/// use pfront_core::Mesh;
+/// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
+/// assert_eq!(mesh.triangle(0)[1], [1.0, 0.0, 0.0]);
+/// # Ok::<(), pfront_core::MeshError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Mesh<'a> {
+    positions: &'a [[f32; 3]],
+    triangles: &'a [[u32; 3]],
+}
+
+impl<'a> Mesh<'a> {
+    /// Checks every coordinate and every index.
+    ///
+    /// `positions` are `[x, y, z]`; `glam::Vec3` slices can be passed through `bytemuck::cast_slice`.
+    /// `triangles` are indices into `positions`.
+    ///
+    /// # Errors
+    /// [`MeshError`] names the first vertex or triangle at fault.
+    ///
+    /// # Complexity
+    /// O(vertices + triangles).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{Mesh, MeshError};
+    /// let broken = Mesh::new(&[[0.0, f32::NAN, 0.0]], &[]);
+    /// assert_eq!(broken.err(), Some(MeshError::NonFinite { vertex: 0 }));
+    /// ```
+    pub fn new(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Result<Self, MeshError> {
+        if triangles.len() > MAX_TRIANGLES {
+            return Err(MeshError::TooManyTriangles { triangles: triangles.len() });
+        }
+        check_positions(positions)?;
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|&&i| i as usize >= positions.len()) {
+                let vertices = positions.len();
+                return Err(MeshError::IndexOutOfRange { triangle, index, vertices });
+            }
+        }
+        Ok(Self { positions, triangles })
+    }
+
+    /// The same triangles over other positions: what a deforming mesh becomes each frame.
+    ///
+    /// Only the positions are checked again.
+    ///
+    /// # Errors
+    /// [`MeshError::NonFinite`], or [`MeshError::VertexCount`] if the number of vertices differs.
+    ///
+    /// # Complexity
+    /// O(vertices).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Mesh;
+    /// let mesh = Mesh::new(&[[0.0; 3]; 3], &[[0, 1, 2]])?;
+    /// let moved = [[1.0; 3]; 3];
+    /// assert_eq!(mesh.with_positions(&moved)?.triangle(0)[0], [1.0; 3]);
+    /// # Ok::<(), pfront_core::MeshError>(())
+    /// ```
+    pub fn with_positions(self, positions: &'a [[f32; 3]]) -> Result<Self, MeshError> {
+        if positions.len() != self.positions.len() {
+            let (expected, found) = (self.positions.len(), positions.len());
+            return Err(MeshError::VertexCount { expected, found });
+        }
+        check_positions(positions)?;
+        Ok(Self { positions, ..self })
+    }
+
+    /// Borrows again what [`Mesh::new`] has already checked.
+    ///
+    /// Nothing is checked: with anything else a query may give wrong pairs or panic.
+    ///
+    /// # Complexity
+    /// O(1).
+    #[inline]
+    #[must_use]
+    pub fn trusted(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
+        Self { positions, triangles }
+    }
+
+    /// The vertex positions.
+    #[must_use]
+    pub fn positions(self) -> &'a [[f32; 3]] {
+        self.positions
+    }
+
+    /// The vertex indices of each triangle.
+    #[must_use]
+    pub fn triangles(self) -> &'a [[u32; 3]] {
+        self.triangles
+    }
+
+    /// The corner positions of triangle `index`.
+    ///
+    /// # Panics
+    /// If `index` is not below `self.triangles().len()`.
+    #[inline]
+    #[must_use]
+    pub fn triangle(self, index: u32) -> Triangle {
+        self.triangles[index as usize].map(|v| self.positions[v as usize])
+    }
+}
+
+fn check_positions(positions: &[[f32; 3]]) -> Result<(), MeshError> {
+    match positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        Some(vertex) => Err(MeshError::NonFinite { vertex }),
+        None => Ok(()),
+    }
+}
+
+/// Why positions and indices are not a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A coordinate is NaN or infinite.
+    NonFinite {
+        /// The vertex with that coordinate.
+        vertex: usize,
+    },
+    /// A triangle names a vertex that does not exist.
+    IndexOutOfRange {
+        /// The triangle at fault.
+        triangle: usize,
+        /// The index it holds.
+        index: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// More triangles than [`MAX_TRIANGLES`].
+    TooManyTriangles {
+        /// How many there are.
+        triangles: usize,
+    },
+    /// New positions for a deforming mesh are of another length.
+    VertexCount {
+        /// Vertices of the mesh.
+        expected: usize,
+        /// Vertices given.
+        found: usize,
+    },
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NonFinite { vertex } => {
+                write!(f, "vertex {vertex} has a NaN or infinite coordinate")
+            }
+            Self::IndexOutOfRange { triangle, index, vertices } => write!(
+                f,
+                "triangle {triangle} names vertex {index}, but there are {vertices} vertices"
+            ),
+            Self::TooManyTriangles { triangles } => {
+                write!(f, "{triangles} triangles are more than the {MAX_TRIANGLES} supported")
+            }
+            Self::VertexCount { expected, found } => {
+                write!(f, "{found} positions were given for a mesh of {expected} vertices")
+            }
+        }
+    }
+}
+
+impl core::error::Error for MeshError {}

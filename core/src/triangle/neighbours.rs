@@ -1,0 +1,172 @@
+//! Triangles of one mesh: what they share by index is not a contact.
+//!
+//! The rule of `accuracy.md` (contract 4), made precise where triangles have no area:
+//!
+//! - no shared index: the closed triangles meet;
+//! - one shared vertex: the rest of one, the hull of its corners that are not shared, meets the
+//!   other triangle;
+//! - a shared edge: the triangles have a point in common that is not on the closed edge, which for
+//!   triangles with area means that they lie in one plane on the same side of it;
+//! - three shared vertices, or the same set of vertices: always a hit.
+
+use super::flat::{order, proper, segment_meets};
+use super::{Accuracy, certain, meet};
+use crate::Mesh;
+use crate::predicates::{Exact, Fast, Filtered, Kernel, Point};
+use core::cmp::Ordering;
+
+/// Which pairs of triangles of one mesh a self-collision query looks at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Adjacency {
+    /// All pairs, with the shared-index rule above.
+    #[default]
+    SharedIndexRule,
+    /// Only pairs without a common vertex index.
+    SkipNeighbours,
+}
+
+/// Whether triangles `i` and `j` of one mesh collide.
+///
+/// # Panics
+/// If `i` or `j` is not a triangle of `mesh`.
+///
+/// # Examples
+/// ```
+/// use pfront_core::{Mesh, triangle::{Accuracy, Adjacency, intersects_in_mesh}};
+/// // Two faces of a fold: they share an edge and nothing else.
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let fold = Mesh::new(&points, &[[0, 1, 2], [1, 0, 3]])?;
+/// assert!(!intersects_in_mesh(fold, 0, 1, Adjacency::SharedIndexRule, Accuracy::Exact));
+/// # Ok::<(), pfront_core::MeshError>(())
+/// ```
+#[must_use]
+pub fn intersects_in_mesh(
+    mesh: Mesh<'_>,
+    i: u32,
+    j: u32,
+    adjacency: Adjacency,
+    accuracy: Accuracy,
+) -> bool {
+    let pair = Pair::new(mesh, i, j);
+    if pair.shared != 0 && adjacency == Adjacency::SkipNeighbours {
+        return false;
+    }
+    match accuracy {
+        Accuracy::Exact => certain(pair.hit::<Exact>()),
+        Accuracy::Conservative => pair.hit::<Filtered>().unwrap_or(true),
+        Accuracy::Fast => certain(pair.hit::<Fast>()),
+    }
+}
+
+/// Two triangles with their shared corners first.
+struct Pair {
+    a: [Point; 3],
+    b: [Point; 3],
+    /// How many different vertices they share.
+    shared: usize,
+    /// How many corners of each are shared vertices (more if an index repeats).
+    corners: [usize; 2],
+}
+
+impl Pair {
+    fn new(mesh: Mesh<'_>, i: u32, j: u32) -> Self {
+        let indices = [i, j].map(|t| mesh.triangles()[t as usize]);
+        let [(a, shared, m), (b, _, n)] = [(0, 1), (1, 0)].map(|(own, other)| {
+            let [own, other] = [&indices[own], &indices[other]];
+            let (sorted, shared, corners) = shared_first(own, other);
+            (sorted.map(|v| mesh.positions()[v as usize]), shared, corners)
+        });
+        Self { a, b, shared, corners: [m, n] }
+    }
+
+    fn hit<K: Kernel>(&self) -> Result<bool, K::Undecided> {
+        let Self { a, b, shared, corners } = self;
+        match (shared, corners) {
+            (0, _) => meet::<K>(a, b),
+            (3, _) | (_, [3, 3]) => Ok(true),
+            (2, _) => edge_rule::<K>(a, b),
+            _ => vertex_rule::<K>(a, b, *corners),
+        }
+    }
+}
+
+/// The indices of `own`, those that `other` has too first, each of them once before repeats; how
+/// many different ones these are; and how many corners have one of them.
+fn shared_first(own: &[u32; 3], other: &[u32; 3]) -> ([u32; 3], usize, usize) {
+    let is_shared = |i: usize| other.contains(&own[i]);
+    let rank = |i: usize| match (is_shared(i), own[..i].contains(&own[i])) {
+        (true, false) => 0,
+        (true, true) => 1,
+        (false, _) => 2,
+    };
+    let mut order = [0, 1, 2];
+    // An insertion sort of three.
+    for i in 1..3 {
+        let mut k = i;
+        while k > 0 && rank(order[k - 1]) > rank(order[k]) {
+            order.swap(k - 1, k);
+            k -= 1;
+        }
+    }
+    let shared = (0..3).filter(|&i| rank(i) == 0).count();
+    let corners = (0..3).filter(|&i| is_shared(i)).count();
+    (order.map(|i| own[i]), shared, corners)
+}
+
+/// One common vertex, in the first corner of both.
+fn vertex_rule<K: Kernel>(
+    a: &[Point; 3],
+    b: &[Point; 3],
+    corners: [usize; 2],
+) -> Result<bool, K::Undecided> {
+    // With both free corners of one strictly on one side of the other's plane, the planes cut each
+    // triangle in the common vertex alone: neighbours in a smooth surface end here.
+    for (t, free) in [(b, a), (a, b)] {
+        if let Ok([_, p, q]) = K::sides(t, free)
+            && p * q > 0
+        {
+            return Ok(false);
+        }
+    }
+    for (t, own, corners) in [(b, a, corners[0]), (a, b, corners[1])] {
+        // A repeated index leaves a point, or nothing, of the opposite edge.
+        let rest = match corners {
+            1 => [own[1], own[2]],
+            2 => [own[2], own[2]],
+            _ => continue,
+        };
+        if segment_meets::<K>(rest, t)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// A common edge e–f in the first two corners of both; `c` and `d` are the third corners.
+fn edge_rule<K: Kernel>(a: &[Point; 3], b: &[Point; 3]) -> Result<bool, K::Undecided> {
+    let ([e, f, c], d) = (*a, b[2]);
+    if K::orient3d(&e, &f, &c, &d)? != 0 {
+        return Ok(false);
+    }
+    match (proper::<K>(&[e, f, c])?, proper::<K>(&[e, f, d])?) {
+        (Some(p), Some(_)) => {
+            let [c, d] = [&c, &d].map(|x| K::orient2d(p.axes, &e, &f, x));
+            Ok(c? == d?)
+        }
+        // One lies on the line of the edge, which the other meets in the edge alone.
+        (Some(_), None) | (None, Some(_)) => Ok(false),
+        // All on one line, unless e = f; past the edge only if both go the same way.
+        (None, None) => {
+            if proper::<K>(&[e, c, d])?.is_some() {
+                return Ok(false);
+            }
+            let (low, high) = if order(&e, &f).is_le() { (e, f) } else { (f, e) };
+            let past = |x: &Point| match (order(x, &low), order(x, &high)) {
+                (Ordering::Less, _) => -1,
+                (_, Ordering::Greater) => 1,
+                _ => 0,
+            };
+            Ok(past(&c) != 0 && past(&c) == past(&d))
+        }
+    }
+}

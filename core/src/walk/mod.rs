@@ -1,0 +1,159 @@
+//! The bounding volume test tree (BVTT) and the one walk over it.
+//!
+//! A BVTT node is a pair of BVH nodes whose boxes overlap; its children are the overlapping pairs of
+//! their children (Zhang & Kim 2014, section 2.1). The tree is never stored. The walk keeps a stack of
+//! pending nodes of fixed size and no recursion; stack and place inside the current leaf pair
+//! together are a [`Cursor`], with which any query can stop after any triangle pair and go on later.
+//! That is what makes a full output buffer harmless.
+
+mod pair;
+mod within;
+
+pub(crate) use pair::PairTree;
+pub(crate) use within::SelfTree;
+
+use crate::bvh::MAX_DEPTH;
+use core::ops::ControlFlow;
+
+/// A BVTT node: a node of the first BVH and one of the second.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct NodePair {
+    /// Index of the node of the first BVH.
+    pub a: u32,
+    /// Index of the node of the second BVH; of the same BVH in self-collision.
+    pub b: u32,
+}
+
+/// Two triangles that meet: indices into the triangles of the first and the second mesh, or of one
+/// mesh with `a < b`. The order is that of `a`, then `b`.
+#[repr(C)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    bytemuck::Pod,
+    bytemuck::Zeroable,
+)]
+pub struct TrianglePair {
+    /// Triangle of the first mesh.
+    pub a: u32,
+    /// Triangle of the second mesh.
+    pub b: u32,
+}
+
+/// What a walk has done: the cost |n| = m1 + k·m2 of the paper counts these (section 2.2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Box tests (m1).
+    pub box_tests: u64,
+    /// Triangle tests (m2): pairs whose own boxes overlap.
+    pub triangle_tests: u64,
+}
+
+/// Most node pairs a stack can hold. A step takes one pair and puts back at most four that lie a level
+/// deeper, so each level leaves at most three behind; both trees descend together until one reaches a
+/// leaf and the other goes on, which makes no more levels than the deeper tree has.
+const STACK: usize = 3 * MAX_DEPTH + 1;
+
+/// Where a query stands: start one with `start`, pass it to `page` or `visit` until nothing is left.
+///
+/// Below 1.6 KiB, no allocation; a copy is a bookmark. It belongs to the query that made it.
+#[derive(Clone, Copy, Debug)]
+pub struct Cursor {
+    stack: [NodePair; STACK],
+    len: usize,
+    /// Triangle pairs of the topmost leaf pair that are done.
+    skip: u32,
+    work: Work,
+}
+
+impl Cursor {
+    pub(crate) fn new(root: Option<NodePair>) -> Self {
+        let mut cursor = Self {
+            stack: [NodePair::default(); STACK],
+            len: 0,
+            skip: 0,
+            work: Work { box_tests: 1, triangle_tests: 0 },
+        };
+        if let Some(root) = root {
+            cursor.push(root);
+        }
+        cursor
+    }
+
+    /// Whether the walk is over.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        self.len == 0
+    }
+
+    /// What the walk has done so far.
+    #[must_use]
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
+    #[inline]
+    fn push(&mut self, n: NodePair) {
+        // In bounds by the proof at STACK.
+        self.stack[self.len] = n;
+        self.len += 1;
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<NodePair> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.stack[self.len])
+    }
+}
+
+/// A BVTT: of two meshes, or of one with itself.
+pub(crate) trait Bvtt {
+    /// The root, if its boxes overlap.
+    fn root(&self) -> Option<NodePair>;
+
+    /// Whether both are leaves.
+    fn is_leaf(&self, n: NodePair) -> bool;
+
+    /// Hands on every child; returns the number of box tests.
+    fn children(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32;
+
+    /// Visits the triangle pairs of a leaf pair that meet, without the first `skip` combinations.
+    /// `Break` carries how many are done.
+    fn leaf(
+        &self,
+        n: NodePair,
+        skip: u32,
+        work: &mut Work,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<u32>;
+}
+
+/// Goes on from `cursor` until `visit` breaks or nothing is left.
+pub(crate) fn walk<T: Bvtt>(
+    tree: &T,
+    cursor: &mut Cursor,
+    mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    while let Some(n) = cursor.pop() {
+        if tree.is_leaf(n) {
+            let skip = core::mem::take(&mut cursor.skip);
+            if let ControlFlow::Break(done) = tree.leaf(n, skip, &mut cursor.work, &mut visit) {
+                cursor.push(n);
+                cursor.skip = done;
+                return ControlFlow::Break(());
+            }
+        } else {
+            let tests = tree.children(n, |child| cursor.push(child));
+            cursor.work.box_tests += u64::from(tests);
+        }
+    }
+    ControlFlow::Continue(())
+}

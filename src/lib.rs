@@ -1,0 +1,52 @@
+//! Every intersecting triangle pair of two meshes, or within one: exactly, sorted, and the same
+//! from every backend.
+//!
+//! `pfront` implements Zhang & Kim, *Scalable Collision Detection Using p-Partition Fronts on
+//! Many-Core Processors* (IEEE TVCG 2014), on triangle predicates that are exact for all finite f32
+//! input. A [`Model`] owns a mesh and its BVH; a [`PairQuery`] or [`SelfQuery`] owns the buffers
+//! that a question needs and keeps them from frame to frame.
+//!
+//! ```
+//! use pfront::{Model, PairQuery, Pose};
+//! # fn main() -> Result<(), pfront::Error> {
+//! let tetrahedron = || Model::new(
+//!     vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+//!     vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+//! );
+//! let (a, b) = (tetrahedron()?, tetrahedron()?);
+//! let mut query = PairQuery::new();
+//! for frame in 0..4 {
+//!     let a_from_b = Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]);
+//!     let pairs = query.all(&a, &b, &a_from_b)?;
+//!     println!("frame {frame}: {} pairs", pairs.len());
+//! }
+//! # Ok(()) }
+//! ```
+//!
+//! # What the answer is
+//! - Triangles are closed sets: touching counts, and a triangle without area is a segment or a point.
+//! - [`Accuracy::Exact`], the default, reports the true set for the posed f32 positions. The posed
+//!   position of a vertex is fixed to the bit by [`Pose::apply`]; a pair query poses the second
+//!   mesh into the frame of the first.
+//! - Within one mesh, what two triangles share by index is no contact: see
+//!   [`core::triangle::intersects_in_mesh`].
+//!
+//! The heart of it, [`core`], needs neither an allocator nor std.
+
+mod answer;
+mod error;
+mod model;
+mod pair;
+mod within;
+
+pub use error::Error;
+pub use model::Model;
+pub use pair::PairQuery;
+pub use within::SelfQuery;
+
+pub use pfront_core as core;
+pub use pfront_core::build::BuildOptions;
+pub use pfront_core::pose::PoseError;
+pub use pfront_core::query::TrianglePair;
+pub use pfront_core::triangle::{Accuracy, Adjacency, Contact, ContactKind};
+pub use pfront_core::{Aabb, Bvh, Mesh, MeshError, Node, Pose};

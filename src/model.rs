@@ -1,0 +1,123 @@
+//! A mesh and its BVH, owned.
+
+use crate::Error;
+use pfront_core::build::{self, BuildOptions, BvhStorage, REBUILD_RATIO, SahItem};
+use pfront_core::bvh::node_bound;
+use pfront_core::{Bvh, Mesh, Node};
+
+/// A triangle mesh with the BVH that queries walk.
+///
+/// Takes 12 bytes a vertex and, a triangle, 12 for its indices, 4 for the order and up to 64 for
+/// nodes (about 21 with the default leaf size).
+///
+/// # Examples
+/// ```
+/// use pfront::Model;
+/// let model = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// assert_eq!(model.mesh().triangles().len(), 1);
+/// # Ok::<(), pfront::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Model {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+    options: BuildOptions,
+    /// The quality figure right after the last build.
+    built: f32,
+}
+
+impl Model {
+    /// Checks the mesh and builds its BVH with the surface area heuristic.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] names the first vertex or triangle at fault.
+    ///
+    /// # Complexity
+    /// O(n log n) for n triangles.
+    pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        Self::with_options(positions, triangles, BuildOptions::default())
+    }
+
+    /// [`Model::new`] with other build options. They change speed and memory, never an answer.
+    ///
+    /// # Errors
+    /// As [`Model::new`].
+    pub fn with_options(
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions,
+    ) -> Result<Self, Error> {
+        Mesh::new(&positions, &triangles)?;
+        let (nodes, order) = (Vec::new(), Vec::new());
+        let mut model = Self { positions, triangles, nodes, order, options, built: 0.0 };
+        model.rebuild()?;
+        Ok(model)
+    }
+
+    /// The mesh.
+    #[must_use]
+    pub fn mesh(&self) -> Mesh<'_> {
+        Mesh::trusted(&self.positions, &self.triangles)
+    }
+
+    /// The BVH.
+    #[must_use]
+    pub fn bvh(&self) -> Bvh<'_> {
+        Bvh::trusted(self.mesh(), &self.nodes, &self.order)
+    }
+
+    /// Moves the vertices of a deforming mesh and refits the BVH; rebuilds it when its quality
+    /// figure has grown by [`REBUILD_RATIO`] since the last build. On error nothing has changed.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] if a coordinate is not finite or the number of vertices differs.
+    ///
+    /// # Complexity
+    /// O(vertices + triangles); a rebuild is O(n log n) and allocates 32 bytes a triangle while it
+    /// runs. A refit allocates nothing.
+    ///
+    /// # Examples
+    /// ```
+    /// # let mut model = pfront::Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?;
+    /// assert!(model.set_positions(&[[0.0, f32::INFINITY, 0.0]; 3]).is_err());
+    /// model.set_positions(&[[1.0; 3]; 3])?;
+    /// assert_eq!(model.mesh().positions()[2], [1.0; 3]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        self.mesh().with_positions(positions)?;
+        self.positions.copy_from_slice(positions);
+        let mesh = Mesh::trusted(&self.positions, &self.triangles);
+        let cost = build::refit(mesh, &mut self.nodes, &self.order);
+        if cost > self.built * REBUILD_RATIO {
+            self.rebuild()?;
+        }
+        Ok(())
+    }
+
+    /// Builds the BVH anew for the present positions.
+    fn rebuild(&mut self) -> Result<(), Error> {
+        let n = self.triangles.len();
+        let mesh = Mesh::trusted(&self.positions, &self.triangles);
+        self.nodes.resize(node_bound(n), Node::EMPTY);
+        self.order.resize(n, 0);
+        let mut scratch = vec![SahItem::default(); build::sah_scratch_bound(n)];
+        let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
+        let used = build::sah(mesh, &self.options, storage, &mut scratch)?.nodes().len();
+        self.nodes.truncate(used);
+        self.nodes.shrink_to_fit();
+        self.built = build::quality(&self.nodes);
+        Ok(())
+    }
+
+    /// Bytes of heap memory the model holds.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.positions.capacity() * size_of::<[f32; 3]>()
+            + self.triangles.capacity() * size_of::<[u32; 3]>()
+            + self.nodes.capacity() * size_of::<Node>()
+            + self.order.capacity() * size_of::<u32>()
+    }
+}

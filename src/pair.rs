@@ -1,0 +1,126 @@
+//! Two models.
+
+use crate::answer::Answer;
+use crate::{Accuracy, Contact, Error, Model, Pose, TrianglePair, core};
+use pfront_core::query::Query;
+use std::ops::ControlFlow;
+
+/// Asks which triangles of two models meet, the second in the pose `a_from_b`.
+///
+/// Keeps its buffers: make one and use it every frame, for any models. A frame that finds no more
+/// pairs than an earlier one allocates nothing.
+///
+/// # Examples
+/// ```
+/// use pfront::{Model, PairQuery, Pose, TrianglePair};
+/// let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+/// let b = Model::new(vec![[0.0; 3], [0.0, 0.0, 2.0], [1.0, 1.0, 2.0]], vec![[0, 1, 2]])?;
+/// let mut query = PairQuery::new();
+/// assert_eq!(query.all(&a, &b, &Pose::IDENTITY)?, [TrianglePair { a: 0, b: 0 }]);
+/// assert_eq!(query.count(&a, &b, &Pose::from_translation([0.0, 0.0, 1e-45]))?, 0);
+/// # Ok::<(), pfront::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct PairQuery {
+    accuracy: Accuracy,
+    answer: Answer,
+}
+
+impl PairQuery {
+    /// An exact query with empty buffers.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The same with another [`Accuracy`].
+    #[must_use]
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// All pairs that meet, sorted; `a` and `b` of a pair are triangles of `a` and `b`.
+    ///
+    /// # Errors
+    /// [`Error::Pose`] if the pose is not finite or takes `b` out of range.
+    pub fn all(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<&[TrianglePair], Error> {
+        let query = self.query(a, b, a_from_b)?;
+        Ok(self.answer.all(&query))
+    }
+
+    /// Some pair that meets, if any does; stops at the first.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    pub fn any(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: &Pose,
+    ) -> Result<Option<TrianglePair>, Error> {
+        Ok(self.query(a, b, a_from_b)?.any())
+    }
+
+    /// How many pairs meet.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    pub fn count(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<u64, Error> {
+        Ok(self.query(a, b, a_from_b)?.count())
+    }
+
+    /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
+    /// buffer at all.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    ///
+    /// # Examples
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// # use pfront::{Model, PairQuery, Pose};
+    /// # let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let mut left = 10;
+    /// let end = PairQuery::new().visit(&a, &a, &Pose::IDENTITY, |pair| {
+    ///     left -= 1;
+    ///     if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    /// })?;
+    /// assert!(end.is_continue());
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn visit(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: &Pose,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, Error> {
+        let query = self.query(a, b, a_from_b)?;
+        Ok(query.visit(&mut query.start(), visit))
+    }
+
+    /// All pairs that meet, sorted, with the segment in which they do and their normals, in the
+    /// frame of `a`.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    pub fn contacts(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: &Pose,
+    ) -> Result<&[(TrianglePair, Contact)], Error> {
+        let query = self.query(a, b, a_from_b)?;
+        Ok(self.answer.contacts(&query))
+    }
+
+    fn query<'m>(
+        &self,
+        a: &'m Model,
+        b: &'m Model,
+        a_from_b: &Pose,
+    ) -> Result<core::query::PairQuery<'m>, Error> {
+        let query = core::query::PairQuery::new(a.bvh(), b.bvh(), *a_from_b)?;
+        Ok(query.with_accuracy(self.accuracy))
+    }
+}

@@ -1,0 +1,90 @@
+//! One model with itself.
+
+use crate::answer::Answer;
+use crate::{Accuracy, Adjacency, Contact, Model, TrianglePair, core};
+use pfront_core::query::Query;
+use std::ops::ControlFlow;
+
+/// Asks which triangles of one model meet each other; each unordered pair is reported once, with
+/// `a < b`.
+///
+/// Keeps its buffers, as [`crate::PairQuery`] does. What two triangles share by index is no contact.
+///
+/// # Examples
+/// ```
+/// use pfront::{Model, SelfQuery, TrianglePair};
+/// // A fold of two triangles, and a third that pierces the first.
+/// let points = vec![
+///     [0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0],
+///     [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [9.0, 9.0, 9.0],
+/// ];
+/// let model = Model::new(points, vec![[0, 1, 2], [1, 0, 3], [4, 5, 6]])?;
+/// assert_eq!(SelfQuery::new().all(&model), [TrianglePair { a: 0, b: 2 }]);
+/// # Ok::<(), pfront::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct SelfQuery {
+    accuracy: Accuracy,
+    adjacency: Adjacency,
+    answer: Answer,
+}
+
+impl SelfQuery {
+    /// An exact query under the shared-index rule, with empty buffers.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The same with another [`Accuracy`].
+    #[must_use]
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// The same with another rule for triangles that share a vertex.
+    #[must_use]
+    pub fn with_adjacency(self, adjacency: Adjacency) -> Self {
+        Self { adjacency, ..self }
+    }
+
+    /// All pairs that meet, sorted.
+    pub fn all(&mut self, model: &Model) -> &[TrianglePair] {
+        let query = self.query(model);
+        self.answer.all(&query)
+    }
+
+    /// Some pair that meets, if any does; stops at the first.
+    pub fn any(&mut self, model: &Model) -> Option<TrianglePair> {
+        self.query(model).any()
+    }
+
+    /// How many pairs meet.
+    pub fn count(&mut self, model: &Model) -> u64 {
+        self.query(model).count()
+    }
+
+    /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
+    /// buffer at all.
+    pub fn visit(
+        &mut self,
+        model: &Model,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let query = self.query(model);
+        query.visit(&mut query.start(), visit)
+    }
+
+    /// All pairs that meet, sorted, with the segment in which they do and their normals. For
+    /// triangles that share a vertex or an edge the segment may include what they share.
+    pub fn contacts(&mut self, model: &Model) -> &[(TrianglePair, Contact)] {
+        let query = self.query(model);
+        self.answer.contacts(&query)
+    }
+
+    fn query<'m>(&self, model: &'m Model) -> core::query::SelfQuery<'m> {
+        core::query::SelfQuery::new(model.bvh())
+            .with_accuracy(self.accuracy)
+            .with_adjacency(self.adjacency)
+    }
+}
