@@ -67,6 +67,12 @@ pub(crate) struct Bounds {
     pub(crate) max: Vec3A,
 }
 
+impl From<Bounds> for Aabb {
+    fn from(bounds: Bounds) -> Self {
+        Self { min: bounds.min.to_array(), max: bounds.max.to_array() }
+    }
+}
+
 impl Bounds {
     #[inline]
     pub(crate) fn new(aabb: &Aabb) -> Self {

@@ -5,6 +5,8 @@
 //! always comes after its parent: one backward pass over the array refits the whole tree.
 
 mod check;
+#[cfg(test)]
+mod tests;
 
 pub use check::{BvhError, check_scratch_bound};
 
@@ -170,6 +172,29 @@ impl<'a> Bvh<'a> {
     #[inline]
     pub(crate) fn leaf_triangles(&self, leaf: &Node) -> &'a [u32] {
         &self.order[leaf.first as usize..][..leaf.count as usize]
+    }
+
+    /// How many triangles lie below a node: they are one run of the order, from its leftmost leaf to
+    /// its rightmost.
+    pub(crate) fn triangles_below(&self, node: u32) -> u32 {
+        let end = |side: u32| {
+            let mut node = &self.nodes[node as usize];
+            while !node.is_leaf() {
+                node = &self.nodes[(node.first + side) as usize];
+            }
+            node
+        };
+        let (left, right) = (end(0), end(1));
+        right.first + right.count - left.first
+    }
+
+    /// About the edge of a leaf's box: the longest edge of the root's over the root of the number of
+    /// leaves, to a power of two, as for leaves that tile a face of it.
+    pub(crate) fn leaf_edge(&self) -> f32 {
+        let leaves = self.nodes.len() / 2 + 1;
+        let Some(root) = self.root() else { return 0.0 };
+        let longest = (0..3).fold(0.0, |m: f32, k| m.max(root.max[k] * 0.5 - root.min[k] * 0.5));
+        longest / (1_u32 << (leaves.ilog2() / 2)) as f32 * 2.0
     }
 
     /// The depth of the deepest node: 0 for a lone root, at most [`MAX_DEPTH`].

@@ -150,6 +150,9 @@ pub(crate) struct Posed {
 /// 16 · 2^-24: see [`Posed::bounds`].
 const PADDING: f32 = 9.536_743_e-7;
 
+/// 2^-147: four times the smallest subnormal number.
+const SUBNORMAL_SLACK: f32 = f32::from_bits(4);
+
 impl Posed {
     pub(crate) fn new(pose: &Pose) -> Self {
         let column = |k: usize| Vec3A::from_array([0, 1, 2].map(|i| pose.rows[i][k]));
@@ -168,13 +171,14 @@ impl Placement for Posed {
     ///
     /// A posed vertex carries at most 6 roundings of u relative to |R||v| + |t|, and the centre
     /// and half extent computed here at most 9 together relative to the same sum, so that the true
-    /// and the computed posed vertex both lie inside. The smallest normal number is added for
-    /// underflow; [`Pose::check`] rules out overflow.
+    /// and the computed posed vertex both lie inside. Underflow costs centre and extent half a step of
+    /// the subnormal range a product, before a stretching pose magnifies it, and the posed vertex less
+    /// than the smallest normal number after; [`Pose::check`] rules out overflow.
     #[inline]
     fn bounds(&self, bounds: &Bounds) -> Bounds {
         let centre = bounds.min * 0.5 + bounds.max * 0.5;
         let extent = bounds.max * 0.5 - bounds.min * 0.5;
-        let grown = extent + (centre.abs() + extent) * PADDING;
+        let grown = extent + (centre.abs() + extent) * PADDING + Vec3A::splat(SUBNORMAL_SLACK);
         let [x, y, z] = self.columns;
         let middle = x * centre.x + y * centre.y + z * centre.z + self.translation;
         let [x, y, z] = self.magnitudes;

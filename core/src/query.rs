@@ -3,10 +3,10 @@
 //! [`PairQuery`] and [`SelfQuery`] say what is asked; a [`Cursor`] says how far the answer has come.
 //! The verbs are those of [`Query`].
 
-use crate::pose::{InPlace, PoseError, Posed};
+use crate::pose::{InPlace, Placement, PoseError, Posed};
 use crate::triangle::{Accuracy, Adjacency, Contact, contact};
 use crate::walk::{Bvtt, PairTree, SelfTree, walk};
-use crate::{Bvh, Pose};
+use crate::{Aabb, Bvh, Pose};
 use core::ops::ControlFlow;
 
 pub use crate::walk::{Cursor, NodePair, TrianglePair, Work};
@@ -14,7 +14,9 @@ pub use crate::walk::{Cursor, NodePair, TrianglePair, Work};
 /// What can be asked of two meshes, or of one.
 pub trait Query {
     /// A cursor before the first triangle pair.
-    fn start(&self) -> Cursor;
+    fn start(&self) -> Cursor {
+        Cursor::new(self.root())
+    }
 
     /// Goes on from `cursor`, calling `visit` for each triangle pair that meets, until it breaks or
     /// all have been visited. The pair at which it broke counts as visited.
@@ -36,6 +38,28 @@ pub trait Query {
     /// # Panics
     /// If the indices are not of these meshes.
     fn contact(&self, pair: TrianglePair) -> Option<Contact>;
+
+    /// The root of the BVTT, if its boxes overlap.
+    fn root(&self) -> Option<NodePair>;
+
+    /// Hands on the children of a BVTT node that overlap; returns the number of box tests, 0 for a
+    /// pair of leaves, which has none.
+    ///
+    /// # Panics
+    /// If `n` is not a node of this query; so do the next two.
+    fn expand(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32;
+
+    /// The boxes of a BVTT node, both in the frame of the first mesh.
+    fn boxes(&self, n: NodePair) -> [Aabb; 2];
+
+    /// How many triangles lie below each side of a BVTT node.
+    ///
+    /// # Complexity
+    /// O(depth).
+    fn triangles_below(&self, n: NodePair) -> [u32; 2];
+
+    /// About the edge of a leaf's box: the scale below which overlaps say nothing.
+    fn leaf_edge(&self) -> f32;
 
     /// Goes on from `cursor` into `out` and returns how many pairs it wrote. It stops when `out` is
     /// full or nothing is left: nothing is ever dropped, and when [`Cursor::is_done`] all pages
@@ -144,11 +168,35 @@ impl<'a> PairQuery<'a> {
 }
 
 impl Query for PairQuery<'_> {
-    fn start(&self) -> Cursor {
-        Cursor::new(match self.in_place() {
+    fn root(&self) -> Option<NodePair> {
+        match self.in_place() {
             Some(tree) => tree.root(),
             None => self.posed().root(),
-        })
+        }
+    }
+
+    fn expand(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
+        match self.in_place() {
+            Some(tree) => tree.children(n, push),
+            None => self.posed().children(n, push),
+        }
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        let [a, b] = [&self.a.nodes()[n.a as usize], &self.b.nodes()[n.b as usize]];
+        let placed = match self.in_place() {
+            Some(_) => b.aabb(),
+            None => Posed::new(&self.a_from_b).bounds(&b.bounds()).into(),
+        };
+        [a.aabb(), placed]
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        [self.a.triangles_below(n.a), self.b.triangles_below(n.b)]
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        self.a.leaf_edge().max(self.b.leaf_edge())
     }
 
     fn visit(
@@ -201,8 +249,24 @@ impl<'a> SelfQuery<'a> {
 }
 
 impl Query for SelfQuery<'_> {
-    fn start(&self) -> Cursor {
-        Cursor::new(self.tree().root())
+    fn root(&self) -> Option<NodePair> {
+        self.tree().root()
+    }
+
+    fn expand(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
+        self.tree().children(n, push)
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        [n.a, n.b].map(|node| self.bvh.nodes()[node as usize].aabb())
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        [n.a, n.b].map(|node| self.bvh.triangles_below(node))
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        self.bvh.leaf_edge()
     }
 
     fn visit(

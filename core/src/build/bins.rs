@@ -1,43 +1,21 @@
 //! Where to split a run of items: bins along each axis, and the cheapest plane between two bins.
 
 use super::sah::SahItem;
+use crate::aabb::Bounds;
 use glam::Vec3A;
 
 /// Bins per axis of a large run. Measured on a scan of 871,414 triangles; see [`Bins::count`].
 const MAX_BINS: usize = 16;
 
-/// What visiting an inner node costs, in triangle tests.
-const NODE_COST: f32 = 1.0;
-
-/// An [`Aabb`](crate::Aabb) in vector registers.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
-    pub(super) min: Vec3A,
-    pub(super) max: Vec3A,
-}
-
 impl Bounds {
     pub(super) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
-
-    pub(super) fn of(items: &[SahItem]) -> Self {
-        items.iter().fold(Self::EMPTY, |b, item| b.union(&item.bounds()))
-    }
-
-    /// The box of the items' centres.
-    pub(super) fn of_centres(items: &[SahItem]) -> Self {
-        items.iter().fold(Self::EMPTY, |b, item| {
-            let centre = item.bounds().centre();
-            Self { min: b.min.min(centre), max: b.max.max(centre) }
-        })
-    }
 
     pub(super) fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Half the centre of the box, so that neither it nor the difference of two can overflow.
-    pub(super) fn centre(&self) -> Vec3A {
-        self.min * 0.25 + self.max * 0.25
+    pub(super) fn with(&self, point: Vec3A) -> Self {
+        self.union(&Self { min: point, max: point })
     }
 }
 
@@ -69,8 +47,6 @@ pub(super) struct Split {
     grid: Grid,
     /// The first bin on the right.
     bin: u32,
-    /// Area times triangles, over both sides.
-    cost: f32,
     pub(super) left: Bounds,
     pub(super) right: Bounds,
 }
@@ -78,10 +54,6 @@ pub(super) struct Split {
 impl Split {
     pub(super) fn is_left(&self, item: &SahItem) -> bool {
         self.grid.bins(item)[self.axis] < self.bin
-    }
-
-    pub(super) fn beats_leaf(&self, node: &Bounds, triangles: usize, scale: AreaScale) -> bool {
-        self.cost < scale.half_area(node) * (triangles as f32 - NODE_COST)
     }
 }
 
@@ -106,7 +78,7 @@ impl Grid {
 
     #[inline]
     fn bins(&self, item: &SahItem) -> [u32; 3] {
-        let position = (item.bounds().centre() - self.origin) * self.bins_per_unit;
+        let position = (item.centre() - self.origin) * self.bins_per_unit;
         let rounded = (position - 0.5).max(Vec3A::ZERO) + Self::TO_BITS;
         rounded.to_array().map(|x| x.to_bits() % MAX_BINS as u32)
     }
@@ -155,7 +127,7 @@ impl Bins {
         let union = |bins: &[Bounds]| bins.iter().fold(Bounds::EMPTY, |a, b| a.union(b));
         let (left, right) = self.bounds[axis][..bins].split_at(bin);
         let (left, right) = (union(left), union(right));
-        Some(Split { axis, grid, bin: bin as u32, cost: best_cost, left, right })
+        Some(Split { axis, grid, bin: bin as u32, left, right })
     }
 
     fn fill(&mut self, items: &[SahItem], grid: &Grid, bins: usize) {
@@ -165,9 +137,7 @@ impl Bins {
         }
         for item in items {
             let bounds = item.bounds();
-            let at = grid.bins(item);
-            for axis in 0..3 {
-                let bin = at[axis] as usize;
+            for (axis, bin) in grid.bins(item).map(|bin| bin as usize).into_iter().enumerate() {
                 self.bounds[axis][bin] = self.bounds[axis][bin].union(&bounds);
                 self.counts[axis][bin] += 1;
             }

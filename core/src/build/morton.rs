@@ -91,7 +91,7 @@ fn write_keys(mesh: Mesh<'_>, keys: &mut [u64]) {
     for (triangle, key) in (0..).zip(keys) {
         let c = centre(triangle);
         let [x, y, z] = [0, 1, 2].map(|k| {
-            let cell = ((c[k] - range.min[k]) * cells_per_unit[k]) as u64;
+            let cell = ((c[k] - range.min[k]) * cells_per_unit[k]) as u32;
             spread(cell.min((1 << DIGIT_BITS) - 1))
         });
         *key = (x << 2 | y << 1 | z) << INDEX_BITS | u64::from(triangle);
@@ -99,11 +99,11 @@ fn write_keys(mesh: Mesh<'_>, keys: &mut [u64]) {
 }
 
 /// Moves bit i of an 11-bit number to bit 3i.
-fn spread(x: u64) -> u64 {
-    let x = (x | x << 16) & 0x0000_0000_ff00_00ff;
-    let x = (x | x << 8) & 0x0000_000f_00f0_0f00f;
-    let x = (x | x << 4) & 0x0000_00c3_0c30_c30c3;
-    (x | x << 2) & 0x0000_0249_2492_49249
+fn spread(x: u32) -> u64 {
+    let x = (x | x << 16) & 0x0700_00ff;
+    let x = (x | x << 8) & 0x0700_f00f;
+    let x = (x | x << 4) & 0x430c_30c3;
+    u64::from((x | x << 2) & 0x4924_9249)
 }
 
 /// One stable counting sort by the digit at `shift`.

@@ -6,8 +6,9 @@
 //! that the heuristic cannot find (equal centres, areas that are 0), becomes a median split, which
 //! always halves.
 
-use super::bins::{AreaScale, Bins, Bounds, Split};
+use super::bins::{AreaScale, Bins, Split};
 use super::{BuildOptions, BvhStorage, Slots};
+use crate::aabb::Bounds;
 use crate::bvh::{MAX_DEPTH, Node};
 use crate::{Aabb, Bvh, CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable};
@@ -35,6 +36,12 @@ impl SahItem {
         // The fourth lane takes part in all arithmetic, where an index would be a subnormal number
         // and slow everything down tenfold.
         Bounds { min: Vec3A::from_vec4(min.xyzz()), max: Vec3A::from_vec4(max.xyzz()) }
+    }
+
+    /// Half the centre of the box, so that neither it nor the difference of two can overflow.
+    pub(super) fn centre(&self) -> Vec3A {
+        let Bounds { min, max } = self.bounds();
+        min * 0.25 + max * 0.25
     }
 }
 
@@ -71,38 +78,55 @@ pub fn sah<'a>(
     if items.is_empty() {
         return Ok(storage.into_bvh(mesh, 0));
     }
-    let bounds = load(mesh, items);
+    let whole = load(mesh, items);
     let mut builder = Builder {
         max_leaf: options.max_leaf(),
-        scale: AreaScale::new(&bounds),
+        scale: AreaScale::new(&whole.bounds),
         nodes: &mut *storage.nodes,
         order: &mut *storage.order,
         bins: Bins::new(),
         slots: Slots::new(),
     };
-    builder.build(items, bounds);
+    builder.build(items, whole);
     let nodes = builder.slots.nodes();
     Ok(storage.into_bvh(mesh, nodes))
 }
 
-fn load(mesh: Mesh<'_>, items: &mut [SahItem]) -> Bounds {
-    let mut bounds = Bounds::EMPTY;
-    for (triangle, item) in (0..).zip(items) {
+fn load(mesh: Mesh<'_>, items: &mut [SahItem]) -> Part {
+    for (triangle, item) in (0..).zip(items.iter_mut()) {
         let Aabb { min, max } = Aabb::of(&mesh.triangle(triangle));
         *item = SahItem { min, triangle, max, unused: 0 };
-        bounds = bounds.union(&item.bounds());
     }
-    bounds
+    Part::of(items)
 }
 
-/// A node to be built from a run of the items.
+/// A run of the items.
+#[derive(Clone, Copy)]
+struct Part {
+    count: usize,
+    bounds: Bounds,
+    /// The box of the items' centres.
+    centres: Bounds,
+}
+
+impl Part {
+    fn of(items: &[SahItem]) -> Self {
+        let (mut bounds, mut centres) = (Bounds::EMPTY, Bounds::EMPTY);
+        for item in items {
+            bounds = bounds.union(&item.bounds());
+            centres = centres.with(item.centre());
+        }
+        Self { count: items.len(), bounds, centres }
+    }
+}
+
+/// A node to be built.
 #[derive(Clone, Copy)]
 struct Task {
     node: usize,
     depth: usize,
     first: usize,
-    count: usize,
-    bounds: Bounds,
+    part: Part,
 }
 
 struct Builder<'a> {
@@ -115,31 +139,19 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn build(&mut self, items: &mut [SahItem], bounds: Bounds) {
-        let mut task = Task { node: 0, depth: 0, first: 0, count: items.len(), bounds };
+    fn build(&mut self, items: &mut [SahItem], whole: Part) {
+        let mut task = Task { node: 0, depth: 0, first: 0, part: whole };
         // One right sibling waits for each level above the current node, and `split` lets no node
         // get deeper than MAX_DEPTH.
         let mut waiting = [task; MAX_DEPTH];
         let mut len = 0;
         self.nodes[1] = Node::EMPTY;
         loop {
-            let run = &mut items[task.first..task.first + task.count];
-            if let Some((middle, left_bounds, right_bounds)) = self.split(&task, run) {
-                let node = self.slots.pair();
-                self.write(&task, node, 0);
-                let depth = task.depth + 1;
-                waiting[len] = Task {
-                    node: node + 1,
-                    depth,
-                    first: task.first + middle,
-                    count: task.count - middle,
-                    bounds: right_bounds,
-                };
-                len += 1;
-                task = Task { node, depth, count: middle, bounds: left_bounds, ..task };
-            } else {
-                self.write(&task, task.first, task.count);
-                for (entry, item) in self.order[task.first..].iter_mut().zip(run) {
+            let Task { node, depth, first, part } = task;
+            let run = &mut items[first..first + part.count];
+            if part.count <= self.max_leaf {
+                self.write(node, &part.bounds, first, part.count);
+                for (entry, item) in self.order[first..].iter_mut().zip(run) {
                     *entry = item.triangle;
                 }
                 if len == 0 {
@@ -147,67 +159,74 @@ impl Builder<'_> {
                 }
                 len -= 1;
                 task = waiting[len];
+            } else {
+                let [left, right] = self.split(run, &part, depth);
+                let child = self.slots.pair();
+                self.write(node, &part.bounds, child, 0);
+                let depth = depth + 1;
+                waiting[len] =
+                    Task { node: child + 1, depth, first: first + left.count, part: right };
+                len += 1;
+                task = Task { node: child, depth, first, part: left };
             }
         }
     }
 
-    fn write(&mut self, task: &Task, first: usize, count: usize) {
-        let Bounds { min, max } = task.bounds;
-        self.nodes[task.node] = Node {
-            min: min.to_array(),
+    fn write(&mut self, node: usize, bounds: &Bounds, first: usize, count: usize) {
+        self.nodes[node] = Node {
+            min: bounds.min.to_array(),
             first: first as u32,
-            max: max.to_array(),
+            max: bounds.max.to_array(),
             count: count as u32,
         };
     }
 
-    /// Parts the run in two, or returns `None` to make it a leaf.
-    fn split(&mut self, task: &Task, run: &mut [SahItem]) -> Option<(usize, Bounds, Bounds)> {
-        if run.len() == 1 {
-            return None;
-        }
-        let fits_leaf = run.len() <= self.max_leaf;
+    /// Reorders the run into two parts.
+    fn split(&mut self, run: &mut [SahItem], part: &Part, depth: usize) -> [Part; 2] {
         // Halving the run down to single triangles takes `levels` more levels. SAH may not use a
         // level up unless they still fit below it; a median split needs them to fit below this
         // node, which holds at the root (31 ≤ MAX_DEPTH) and is handed down by either split.
         let levels = usize::BITS - (run.len() - 1).leading_zeros();
-        let centres = Bounds::of_centres(run);
-        if (levels as usize) < MAX_DEPTH - task.depth
-            && let Some(split) = self.bins.best_split(run, &centres, self.scale)
+        if (levels as usize) < MAX_DEPTH - depth
+            && let Some(split) = self.bins.best_split(run, &part.centres, self.scale)
         {
-            if fits_leaf && !split.beats_leaf(&task.bounds, run.len(), self.scale) {
-                return None;
-            }
-            let middle = partition(run, &split);
-            return Some((middle, split.left, split.right));
+            partition(run, &split)
+        } else {
+            median_split(run, &part.centres)
         }
-        if fits_leaf { None } else { Some(median_split(run, &centres)) }
     }
 }
 
-/// Moves the items left of the split plane to the front, and returns how many there are.
+/// Moves the items left of the split plane to the front.
 ///
 /// Every step swaps, whichever side the item is on: which one is a coin toss to a branch predictor.
-fn partition(run: &mut [SahItem], split: &Split) -> usize {
+fn partition(run: &mut [SahItem], split: &Split) -> [Part; 2] {
     let mut middle = 0;
+    let mut centres = [Bounds::EMPTY; 2];
     for i in 0..run.len() {
         let item = run[i];
+        let is_left = split.is_left(&item);
+        let side = usize::from(!is_left);
+        centres[side] = centres[side].with(item.centre());
         run[i] = run[middle];
         run[middle] = item;
-        middle += usize::from(split.is_left(&item));
+        middle += usize::from(is_left);
     }
-    middle
+    [
+        Part { count: middle, bounds: split.left, centres: centres[0] },
+        Part { count: run.len() - middle, bounds: split.right, centres: centres[1] },
+    ]
 }
 
 /// Halves the run by centre along the longest axis, or as it stands if the centres coincide.
-fn median_split(run: &mut [SahItem], centres: &Bounds) -> (usize, Bounds, Bounds) {
+fn median_split(run: &mut [SahItem], centres: &Bounds) -> [Part; 2] {
     let middle = run.len() / 2;
     let extent = (centres.max - centres.min).to_array();
     let axis = (0..3).fold(0, |best, k| if extent[k] > extent[best] { k } else { best });
     if extent[axis] > 0.0 {
-        let centre = |item: &SahItem| item.bounds().centre().to_array()[axis];
+        let centre = |item: &SahItem| item.centre().to_array()[axis];
         run.select_nth_unstable_by(middle, |a, b| centre(a).total_cmp(&centre(b)));
     }
     let (left, right) = run.split_at(middle);
-    (middle, Bounds::of(left), Bounds::of(right))
+    [Part::of(left), Part::of(right)]
 }

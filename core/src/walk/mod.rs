@@ -88,6 +88,20 @@ impl Cursor {
         cursor
     }
 
+    /// A walk over the part of a BVTT below one node, as a worker does from a node of its front.
+    #[must_use]
+    pub fn at(n: NodePair) -> Self {
+        let mut cursor = Self::new(Some(n));
+        cursor.work = Work::default();
+        cursor
+    }
+
+    /// Goes to another node without clearing the count of work.
+    pub fn restart(&mut self, n: NodePair) {
+        (self.len, self.skip) = (0, 0);
+        self.push(n);
+    }
+
     /// Whether the walk is over.
     #[must_use]
     pub fn is_done(&self) -> bool {

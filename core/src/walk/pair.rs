@@ -56,7 +56,7 @@ impl<P: Placement> Bvtt for PairTree<'_, P> {
                 }
                 2
             }
-            (true, _) => {
+            (true, false) => {
                 let bounds = a.bounds();
                 let placed = self.placed_children(b.first);
                 for (child, placed) in [b.first, b.first + 1].into_iter().zip(&placed) {
@@ -66,6 +66,7 @@ impl<P: Placement> Bvtt for PairTree<'_, P> {
                 }
                 2
             }
+            (true, true) => 0,
         }
     }
 

@@ -37,7 +37,7 @@ impl Bvtt for SelfTree<'_> {
                 push(NodePair { a: i, b: j });
             }
         };
-        if n.a == n.b {
+        if n.a == n.b && !a.is_leaf() {
             let (l, r) = (a.first, a.first + 1);
             test(l, r);
             push(NodePair { a: l, b: l });
@@ -57,11 +57,12 @@ impl Bvtt for SelfTree<'_> {
                 test(a.first + 1, n.b);
                 2
             }
-            (true, _) => {
+            (true, false) => {
                 test(n.a, b.first);
                 test(n.a, b.first + 1);
                 2
             }
+            (true, true) => 0,
         }
     }
 

@@ -1,0 +1,157 @@
+//! Tests of the checks on foreign arrays.
+
+extern crate std;
+
+use super::*;
+use crate::build::{BuildOptions, BvhStorage, SahItem, sah};
+use std::vec;
+use std::vec::Vec;
+
+/// A strip of triangles, its BVH with leaves of two, and a change to both arrays.
+fn check_after(change: impl Fn(&mut Vec<Node>, &mut Vec<u32>)) -> Result<(), BvhError> {
+    let positions: Vec<_> = (0..18).map(|i| [i as f32, (i % 2) as f32, 0.5]).collect();
+    let triangles: Vec<_> = (0..16).map(|i| [i, i + 1, i + 2]).collect();
+    let mesh = Mesh::new(&positions, &triangles).unwrap();
+    let (mut nodes, mut order) = (vec![Node::EMPTY; 32], vec![0; 16]);
+    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    let options = BuildOptions { leaf_size: 2 };
+    let used = sah(mesh, &options, storage, &mut [SahItem::default(); 16]).unwrap().nodes().len();
+    nodes.truncate(used);
+    change(&mut nodes, &mut order);
+    let in_one_pass = Bvh::new(mesh, &nodes, &order, &mut [7]).map(|_| ());
+    let big_scratch = Bvh::new(mesh, &nodes, &order, &mut [7; 99]).map(|_| ());
+    assert_eq!(in_one_pass, big_scratch);
+    in_one_pass
+}
+
+fn first_leaf(nodes: &[Node]) -> usize {
+    nodes.iter().position(Node::is_leaf).unwrap()
+}
+
+#[test]
+fn an_untouched_tree_is_accepted() {
+    assert_eq!(check_after(|_, _| ()), Ok(()));
+}
+
+#[test]
+fn a_wrong_order_is_refused() {
+    assert_eq!(check_after(|_, o| o[3] = 16), Err(BvhError::Order { entry: 3 }));
+    assert_eq!(check_after(|_, o| o[15] = u32::MAX), Err(BvhError::Order { entry: 15 }));
+    assert_eq!(check_after(|_, o| o[9] = o[2]), Err(BvhError::Order { entry: 9 }));
+    let short = BvhError::OrderLength { found: 15, expected: 16 };
+    assert_eq!(check_after(|_, o| o.truncate(15)), Err(short));
+    // A permutation, but not the one that the boxes were made for.
+    assert!(matches!(check_after(|_, o| o.swap(0, 15)), Err(BvhError::Box { .. })));
+}
+
+#[test]
+fn wrong_children_are_refused() {
+    for first in [0, 1, 3, u32::MAX - 1, u32::MAX, 1000] {
+        let found = check_after(|n, _| n[0].first = first);
+        assert_eq!(found, Err(BvhError::Child { node: 0 }), "{first}");
+    }
+    // Both children of the root lead to the nodes below the left one.
+    let twice = check_after(|n, _| n[3] = Node { first: n[2].first, ..n[3] });
+    assert!(matches!(twice, Err(BvhError::Leaf { .. } | BvhError::Box { .. })), "{twice:?}");
+}
+
+#[test]
+fn wrong_leaves_are_refused() {
+    for (first, count) in [(1, 2), (u32::MAX, 2), (0, 9), (0, u32::MAX), (15, 2)] {
+        let found = check_after(|n, _| {
+            let leaf = first_leaf(n);
+            n[leaf] = Node { first, count, ..n[leaf] };
+        });
+        assert!(matches!(found, Err(BvhError::Leaf { .. })), "{found:?}");
+    }
+    // One triangle less in the first leaf: the second leaf does not continue where it ends.
+    assert!(
+        check_after(|n, _| {
+            let leaf = first_leaf(n);
+            n[leaf].count -= 1;
+        })
+        .is_err()
+    );
+    // One less in the last leaf: an entry is left over.
+    let last = check_after(|n, _| {
+        let leaf = n.iter_mut().max_by_key(|n| if n.is_leaf() { n.first + 1 } else { 0 });
+        leaf.unwrap().count -= 1;
+    });
+    assert!(matches!(last, Err(BvhError::Uncovered { .. } | BvhError::Child { .. })), "{last:?}");
+}
+
+#[test]
+fn wrong_boxes_are_refused() {
+    for (node, axis) in (0..5).filter(|&node| node != 1).flat_map(|n| (0..3).map(move |k| (n, k))) {
+        let refused = |what: &str, change: &dyn Fn(&mut f32, &mut f32)| {
+            let found = check_after(|n, _| {
+                let n = &mut n[node];
+                change(&mut n.min[axis], &mut n.max[axis]);
+            });
+            assert!(matches!(found, Err(BvhError::Box { .. })), "{what}: {node} {axis} {found:?}");
+        };
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            refused("min", &|min, _| *min = bad);
+            refused("max", &|_, max| *max = bad);
+        }
+        refused("shrunk below its content", &|min, _| *min += 0.1);
+        refused("shrunk below its content", &|_, max| *max -= 0.1);
+        if node != 0 {
+            refused("grown beyond its parent", &|min, _| *min -= 99.0);
+            refused("grown beyond its parent", &|_, max| *max += 99.0);
+        }
+    }
+}
+
+#[test]
+fn wrong_node_counts_are_refused() {
+    let found = check_after(|n, _| n.push(Node::EMPTY));
+    assert!(matches!(found, Err(BvhError::NodeCount { .. })), "{found:?}");
+    let found = check_after(|n, _| n.truncate(n.len() - 1));
+    assert!(matches!(found, Err(BvhError::Child { .. })), "{found:?}");
+    assert_eq!(check_after(|n, _| n.clear()), Err(BvhError::Uncovered { entry: 0 }));
+}
+
+#[test]
+fn a_chain_is_accepted_up_to_the_depth_bound() {
+    for (depth, accepted) in [(MAX_DEPTH, true), (MAX_DEPTH + 1, false)] {
+        let triangles = vec![[0; 3]; depth + 1];
+        let mesh = Mesh::new(&[[0.0; 3]], &triangles).unwrap();
+        let point = Node { min: [0.0; 3], max: [0.0; 3], first: 0, count: 0 };
+        let mut nodes = vec![point; 2];
+        let mut parent = 0;
+        for leaf in 0..depth as u32 {
+            nodes[parent].first = nodes.len() as u32;
+            nodes.push(Node { first: leaf, count: 1, ..point });
+            parent = nodes.len();
+            nodes.push(point);
+        }
+        nodes[parent] = Node { first: depth as u32, count: 1, ..point };
+        let order: Vec<_> = (0..=depth as u32).collect();
+        match Bvh::new(mesh, &nodes, &order, &mut [0; 3]) {
+            Ok(bvh) => assert!(accepted && bvh.depth() == MAX_DEPTH),
+            Err(error) => assert!(!accepted && matches!(error, BvhError::Depth { .. })),
+        }
+    }
+}
+
+#[test]
+fn a_graph_that_folds_onto_itself_is_refused_at_once() {
+    // Each node has the same two children: 2^60 paths, if one walked them all.
+    let point = Node { min: [0.0; 3], max: [0.0; 3], first: 0, count: 0 };
+    let mut nodes: Vec<_> = (0..120).map(|i| Node { first: (i / 2 + 1) * 2, ..point }).collect();
+    nodes.extend([Node { first: 0, count: 1, ..point }; 2]);
+    let mesh = Mesh::new(&[[0.0; 3]], &[[0; 3]]).unwrap();
+    let found = Bvh::new(mesh, &nodes, &[0], &mut [0]).err();
+    assert_eq!(found, Some(BvhError::Leaf { node: 121 }));
+}
+
+#[test]
+fn an_empty_mesh_has_an_empty_tree() {
+    let mesh = Mesh::new(&[], &[]).unwrap();
+    assert!(Bvh::new(mesh, &[], &[], &mut []).is_ok());
+    assert!(Bvh::new(mesh, &[Node::EMPTY], &[], &mut []).is_err());
+    let one = Mesh::new(&[[0.0; 3]], &[[0; 3]]).unwrap();
+    let found = Bvh::new(one, &[], &[0], &mut []).err();
+    assert!(matches!(found, Some(BvhError::Scratch(_))));
+}
