@@ -105,10 +105,11 @@ impl Model {
         self.order.resize(n, 0);
         let mut scratch = vec![SahItem::default(); build::sah_scratch_bound(n)];
         let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
-        let used = build::sah(mesh, &self.options, storage, &mut scratch)?.nodes().len();
+        let bvh = build::sah(mesh, &self.options, storage, &mut scratch)?;
+        self.built = build::quality(&bvh);
+        let used = bvh.nodes().len();
         self.nodes.truncate(used);
         self.nodes.shrink_to_fit();
-        self.built = build::quality(&self.nodes);
         Ok(())
     }
 

@@ -4,7 +4,10 @@ use super::sah::SahItem;
 use crate::aabb::Bounds;
 use glam::Vec3A;
 
-/// Bins per axis of a large run. Measured on a scan of 871,414 triangles; see [`Bins::count`].
+/// Bins per axis of a large run.
+///
+/// On the dragon (871,414 triangles) 8, 12, 16 and 32 bins give a quality of 17.94, 17.75, 17.65 and
+/// 17.56, and 8, 16 and 32 take the same time.
 const MAX_BINS: usize = 16;
 
 impl Bounds {
@@ -25,15 +28,17 @@ pub(super) struct AreaScale(f32);
 
 impl AreaScale {
     pub(super) fn new(root: &Bounds) -> Self {
+        let exponent = |x: f32| x.to_bits() >> 23;
         let half_edge = (root.max * 0.5 - root.min * 0.5).max_element();
-        // Half the longest edge becomes 2^28 or a little more. The biased exponents of a number and
-        // of its reciprocal power of two add up to 254.
-        let exponent = (254 + 28 - (half_edge.to_bits() >> 23)).clamp(1, 254);
-        Self(f32::from_bits(exponent << 23))
+        let farthest = root.max.abs().max(root.min.abs()).max_element();
+        // Biased exponents, so those of a power of two and its reciprocal add up to 254: half the
+        // longest edge becomes about 2^28, unless that takes the farthest corner beyond 2^126.
+        let scale = (254 + 28 - exponent(half_edge)).min(254 + 125 - exponent(farthest));
+        Self(f32::from_bits(scale.clamp(1, 254) << 23))
     }
 
-    /// Half the surface area of a box in the scaled unit. Scaling first cannot overflow where
-    /// there is an extent to measure; where there is none, inf − inf counts as 0.
+    /// Half the surface area of a box in the scaled unit, 0 if it is empty. Corners are scaled
+    /// first: their difference may overflow before.
     fn half_area(self, bounds: &Bounds) -> f32 {
         let edges = (bounds.max * self.0 - bounds.min * self.0).max(Vec3A::ZERO);
         let [x, y, z] = edges.to_array();
@@ -84,6 +89,13 @@ impl Grid {
     }
 }
 
+struct Plane {
+    /// Area times triangles, summed over both sides.
+    cost: f32,
+    /// The bin right of the plane.
+    bin: usize,
+}
+
 /// The bins of the three axes.
 pub(super) struct Bins {
     bounds: [[Bounds; MAX_BINS]; 3],
@@ -95,14 +107,14 @@ impl Bins {
         Self { bounds: [[Bounds::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] }
     }
 
-    /// How many bins a run deserves: most nodes are small, and sweeping bins would cost them more
-    /// than filling them (after Wald 2007; Embree does the same).
+    /// How many bins a run deserves: most runs are small, and sweeping all bins would cost them more
+    /// than filling them. (With all 16 for every run: 25 % slower, quality 0.3 % better.)
     fn count(items: usize) -> usize {
         (4 + items / 16).min(MAX_BINS)
     }
 
-    /// The cheapest plane, or `None` where no plane has items and a finite cost on both sides, or
-    /// the areas are 0 and tell nothing.
+    /// The cheapest plane with items on both sides, or `None` where the centres coincide or all
+    /// areas are 0 and tell nothing.
     pub(super) fn best_split(
         &mut self,
         items: &[SahItem],
@@ -112,22 +124,16 @@ impl Bins {
         let bins = Self::count(items.len());
         let grid = Grid::new(centres, bins);
         self.fill(items, &grid, bins);
-        let mut best = None;
-        let mut best_cost = f32::INFINITY;
-        for axis in 0..3 {
-            if grid.bins_per_unit.to_array()[axis] > 0.0
-                && let Some((cost, bin)) = self.sweep(axis, bins, scale)
-                && cost < best_cost
-            {
-                best_cost = cost;
-                best = Some((axis, bin));
-            }
+        let usable = (0..3).filter(|&axis| grid.bins_per_unit[axis] > 0.0);
+        let planes = usable.map(|axis| (axis, self.sweep(axis, bins, scale)));
+        let (axis, plane) = planes.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
+        if !(plane.cost > 0.0 && plane.cost < f32::INFINITY) {
+            return None;
         }
-        let (axis, bin) = best?;
         let union = |bins: &[Bounds]| bins.iter().fold(Bounds::EMPTY, |a, b| a.union(b));
-        let (left, right) = self.bounds[axis][..bins].split_at(bin);
+        let (left, right) = self.bounds[axis][..bins].split_at(plane.bin);
         let (left, right) = (union(left), union(right));
-        Some(Split { axis, grid, bin: bin as u32, left, right })
+        Some(Split { axis, grid, bin: plane.bin as u32, left, right })
     }
 
     fn fill(&mut self, items: &[SahItem], grid: &Grid, bins: usize) {
@@ -144,8 +150,8 @@ impl Bins {
         }
     }
 
-    /// The least area times triangles over the planes of one axis, and the bin right of the plane.
-    fn sweep(&self, axis: usize, bins: usize, scale: AreaScale) -> Option<(f32, usize)> {
+    /// The cheapest plane of one axis with items on both sides.
+    fn sweep(&self, axis: usize, bins: usize, scale: AreaScale) -> Plane {
         let (bounds, counts) = (&self.bounds[axis], &self.counts[axis]);
         let mut right_costs = [0.0; MAX_BINS];
         let (mut side, mut items) = (Bounds::EMPTY, 0);
@@ -154,17 +160,15 @@ impl Bins {
             items += counts[bin];
             right_costs[bin] = scale.half_area(&side) * items as f32;
         }
-        let mut best = None;
-        let mut best_cost = f32::INFINITY;
         let all = items + counts[0];
+        let mut best = Plane { cost: f32::INFINITY, bin: 0 };
         (side, items) = (Bounds::EMPTY, 0);
         for bin in 1..bins {
             side = side.union(&bounds[bin - 1]);
             items += counts[bin - 1];
             let cost = scale.half_area(&side) * items as f32 + right_costs[bin];
-            if cost < best_cost && items > 0 && items < all {
-                best_cost = cost;
-                best = Some((cost, bin));
+            if cost < best.cost && items > 0 && items < all {
+                best = Plane { cost, bin };
             }
         }
         best

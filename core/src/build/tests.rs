@@ -59,7 +59,7 @@ fn meshes() -> Vec<(&'static str, Soup)> {
     let max = f32::MAX;
     let corners = (0..8).map(|i| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -max } else { max }));
     let corners: Vec<_> = corners.collect();
-    vec![
+    let mut meshes = vec![
         ("empty", soup(vec![])),
         ("one", soup(unit())),
         ("two", soup([unit(), unit()].concat())),
@@ -86,7 +86,11 @@ fn meshes() -> Vec<(&'static str, Soup)> {
         ("subnormal", random(300, 1e-42)),
         ("smallest", points((0..9).map(|i| [f32::from_bits(i % 3), 0.0, 0.0]))),
         ("flat and far", soup(random(200, 1e-3).0.iter().map(|p| [p[0], 1e30, p[2]]).collect())),
-    ]
+    ];
+    if cfg!(miri) {
+        meshes.iter_mut().for_each(|(_, (_, triangles))| triangles.truncate(40));
+    }
+    meshes
 }
 
 /// Runs `visit` on the BVH of each build; both start from dirty buffers.
@@ -108,18 +112,31 @@ fn with_builds(mesh: Mesh<'_>, leaf_size: u32, mut visit: impl FnMut(&str, Bvh<'
 fn every_build_of_every_mesh_is_well_formed() {
     for (name, (positions, triangles)) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
-        for leaf_size in 0..=9 {
+        for leaf_size in (0..=9).step_by(if cfg!(miri) { 3 } else { 1 }) {
             with_builds(mesh, leaf_size, |build, bvh| {
                 let context = format!("{build} of {name} with leaves of {leaf_size}");
                 bvh.assert_well_formed();
                 assert!(bvh.depth() <= MAX_DEPTH, "{context}");
                 let limit = leaf_size.clamp(1, MAX_LEAF_SIZE);
                 assert!(bvh.nodes().iter().all(|node| node.count <= limit), "{context}");
-                let found = quality(bvh.nodes());
+                let found = quality(&bvh);
                 assert!(found.is_finite() && found >= 0.0, "{context}: {found}");
             });
         }
     }
+}
+
+/// Tall triangles at x = 2^i: all planes cost about the same, and the heuristic peels off a few
+/// triangles a level.
+#[test]
+fn sah_stops_at_the_depth_bound() {
+    let corners = |x: f32| [[x, 0.0, 0.0], [x, 1e10, 0.0], [x, 0.0, 1e10]];
+    let (positions, triangles) = soup((-149..128).flat_map(|i| corners(2_f32.powi(i))).collect());
+    let mesh = Mesh::new(&positions, &triangles).unwrap();
+    with_builds(mesh, 1, |build, bvh| {
+        bvh.assert_well_formed();
+        assert_eq!(bvh.depth(), if build == "sah" { MAX_DEPTH } else { 20 });
+    });
 }
 
 #[test]
@@ -133,10 +150,12 @@ fn a_refit_restores_a_well_formed_tree() {
             let (mut nodes, order) = (bvh.nodes().to_vec(), bvh.order());
             let unmoved = refit(mesh, &mut nodes, order);
             assert_eq!(nodes, bvh.nodes(), "{build} of {name}: boxes were not tight");
-            assert_eq!(unmoved, quality(&nodes));
+            assert_eq!(unmoved, quality(&bvh), "{build} of {name}");
             let found = refit(moved, &mut nodes, order);
             assert!(found.is_finite() && found >= 0.0, "{build} of {name}: {found}");
-            Bvh::trusted(moved, &nodes, order).assert_well_formed();
+            let refitted = Bvh::trusted(moved, &nodes, order);
+            refitted.assert_well_formed();
+            assert_eq!(found, quality(&refitted), "{build} of {name}");
         });
     }
 }
@@ -145,23 +164,24 @@ fn a_refit_restores_a_well_formed_tree() {
 fn the_quality_of_a_small_tree_is_what_the_definition_says() {
     let corners = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [4.0, 0.0, 0.0], [5.0, 1.0, 1.0]];
     let mesh = Mesh::new(&corners, &[[0, 0, 1], [2, 2, 3]]).unwrap();
-    // The root's half-area is 5 + 5 + 1, that of each leaf 3.
-    with_builds(mesh, 1, |_, bvh| assert_eq!(quality(bvh.nodes()), 2.0 + 6.0 / 11.0));
-    with_builds(mesh, 2, |_, bvh| assert_eq!(quality(bvh.nodes()), 2.0));
+    // The root's half-area is 5 + 5 + 1, that of each triangle 3.
+    with_builds(mesh, 1, |_, bvh| assert_eq!(quality(&bvh), (2.0 * 11.0 + 6.0) / 6.0));
+    with_builds(mesh, 2, |_, bvh| assert_eq!(quality(&bvh), 2.0 * 11.0 / 6.0));
 }
 
 #[test]
-fn sah_is_better_than_morton_and_both_than_chance() {
+fn sah_is_better_than_morton() {
     let mut random = Random(5);
     let clustered = |r: &mut Random| r.point(1.0).map(|x| 8.0 * x * x * x);
-    let centres: Vec<_> = (0..3000).map(|_| clustered(&mut random)).collect();
+    let centres: Vec<_> =
+        (0..if cfg!(miri) { 200 } else { 3000 }).map(|_| clustered(&mut random)).collect();
     let corners = centres.iter().flat_map(|c| [*c, *c, *c]);
     let moved = corners.map(|c| [0, 1, 2].map(|k| c[k] + 0.02 * random.unit()));
     let (positions, triangles) = soup(moved.collect());
     let mesh = Mesh::new(&positions, &triangles).unwrap();
     let mut found = vec![];
-    with_builds(mesh, 4, |_, bvh| found.push(quality(bvh.nodes())));
-    assert!(found[0] < found[1] && found[1] < 0.1 * triangles.len() as f32, "{found:?}");
+    with_builds(mesh, 4, |_, bvh| found.push(quality(&bvh)));
+    assert!(found[0] < found[1], "{found:?}");
 }
 
 #[test]

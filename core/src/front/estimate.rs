@@ -1,5 +1,6 @@
 //! What a BVTT node is expected to cost, from how far its boxes overlap (eqs. 2–4).
 
+use super::FrontNode;
 use crate::Aabb;
 use crate::query::{NodePair, Query};
 
@@ -40,7 +41,8 @@ impl Estimate {
         let [a, b] = query.boxes(n);
         let margin = f64::from(query.leaf_edge()) * 0.5;
         let measure = |low: [f32; 3], high: [f32; 3]| {
-            let edges = [0, 1, 2].map(|k| (f64::from(high[k]) - f64::from(low[k]) + margin).max(0.0));
+            let edges =
+                [0, 1, 2].map(|k| (f64::from(high[k]) - f64::from(low[k]) + margin).max(0.0));
             match self.extent {
                 Extent::Volume => edges[0] * edges[1] * edges[2],
                 Extent::Penetration => edges[0].min(edges[1]).min(edges[2]),
@@ -66,8 +68,27 @@ impl Estimate {
     }
 }
 
-/// Splits `rest` among siblings by their weights, evenly where these tell nothing; each gets at least
-/// the one test that it costs to look at it.
+/// Prices the children of a node whose cost is an estimate, on the scale of that estimate.
+pub(super) fn reprice(
+    query: &impl Query,
+    estimate: Estimate,
+    children: &[NodePair],
+    parent: FrontNode,
+) -> [f32; 4] {
+    let whole = estimate.weight(query, parent.pair);
+    let scale = f64::from(parent.cost) / whole;
+    if !(whole > 0.0 && scale.is_finite()) {
+        return split(query, estimate, children, parent.cost);
+    }
+    let mut costs = [1.0; 4];
+    for (cost, &pair) in costs.iter_mut().zip(children) {
+        // A part is not dearer than the whole, even if it is denser.
+        *cost = ((scale * estimate.weight(query, pair)) as f32).min(parent.cost);
+    }
+    costs
+}
+
+/// Splits `rest` among siblings by their weights, evenly where these tell nothing.
 pub(super) fn split(
     query: &impl Query,
     estimate: Estimate,
@@ -82,7 +103,7 @@ pub(super) fn split(
     let even = 1.0 / siblings.len().max(1) as f64;
     weights.map(|w| {
         let share = if sum > 0.0 && sum.is_finite() { w / sum } else { even };
-        ((f64::from(rest) * share) as f32).max(1.0)
+        (f64::from(rest) * share) as f32
     })
 }
 

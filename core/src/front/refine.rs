@@ -1,0 +1,197 @@
+//! Algorithm 2: refining a front until its nodes are small enough to be dealt out evenly.
+
+use super::estimate::{reprice, split};
+use super::{Estimate, Front, FrontNode, Past, Path};
+use crate::query::{NodePair, Query};
+
+/// How small the nodes of a front must be: the g of eq. 1, in nodes per worker. No node that can be
+/// split costs more than 1/g of what a worker gets.
+///
+/// The paper has one g, and uses 2. Costs that were measured in the last frame can be relied on node by
+/// node; estimates are wrong by a factor of about 2.5 (measured as the standard deviation of cost over
+/// estimate), so that many nodes must make up for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grain {
+    /// g where the cost of a node was measured.
+    pub measured: f64,
+    /// g where it is an estimate.
+    pub estimated: f64,
+}
+
+impl Default for Grain {
+    fn default() -> Self {
+        Self { measured: 8.0, estimated: 32.0 }
+    }
+}
+
+impl Grain {
+    /// The same g for all nodes, as in the paper.
+    #[must_use]
+    pub const fn uniform(g: f64) -> Self {
+        Self { measured: g, estimated: g }
+    }
+
+    /// The grain with which a predicted makespan is at most (1 + ε)·W/p, up to leaf pairs and nodes too
+    /// small to be split; see [`crate::partition`].
+    #[must_use]
+    pub const fn epsilon(epsilon: f64) -> Self {
+        Self::uniform(1.0 / epsilon)
+    }
+}
+
+/// Below this cost a split takes more than it can balance.
+pub(super) const WORTH_SPLITTING: f32 = 8.0;
+
+impl Front<'_> {
+    /// Algorithm 2: replaces nodes by their overlapping children, down to leaf pairs, until each costs
+    /// less than ΣF/(g·p) for `workers` = p (eq. 1; eq. 5 when the front serves many queries). `query`
+    /// finds a query by its number.
+    ///
+    /// Children cost what they did in the last frame. Where that tells nothing, they share the measured
+    /// cost of their parent by α·V (eq. 2), or, if it is itself an estimate, are estimated anew.
+    ///
+    /// # Complexity
+    /// O(nodes added), one box test each at most, and a pass over the front for each time that new
+    /// estimates have lowered the sum so far that more nodes exceed the bound.
+    pub fn refine<'q, Q: Query + 'q>(
+        &mut self,
+        workers: usize,
+        grain: Grain,
+        estimate: Estimate,
+        past: Past<'_>,
+        query: impl Fn(u32) -> &'q Q,
+    ) {
+        let mean = |front: &Self| front.cost() / workers.max(1) as f64;
+        let mut share = mean(self);
+        while self.refine_below(share, grain, estimate, past, &query) && !self.full {
+            share = mean(self);
+        }
+    }
+
+    /// One pass, in which `share` is the ΣF/p that the bound derives from; for the parts of a front,
+    /// which must go by the sum of the whole. Returns whether any node was split.
+    pub fn refine_below<'q, Q: Query + 'q>(
+        &mut self,
+        share: f64,
+        grain: Grain,
+        estimate: Estimate,
+        past: Past<'_>,
+        query: impl Fn(u32) -> &'q Q,
+    ) -> bool {
+        let bounds = [grain.estimated, grain.measured].map(|g| (share / g) as f32);
+        let exceeds = |node: &FrontNode, measured: bool| {
+            node.cost >= bounds[usize::from(measured)].max(WORTH_SPLITTING)
+                && node.path.level() < Path::MAX_LEVEL
+        };
+        let tests_before = self.box_tests;
+        // The front moves to the end of the slice and is read from there, so that what is written
+        // from the beginning on stays in depth-first order.
+        let capacity = self.nodes.len();
+        let count = core::mem::take(&mut self.len);
+        self.nodes.copy_within(..count, capacity - count);
+        let mut descent = Descent::new();
+        for read in capacity - count..capacity {
+            let node = self.nodes[read];
+            let asked = query(node.query);
+            descent.restart(node, past.of_query(node.query).below(node.path));
+            while let Some(at) = descent.pop() {
+                let measured = !at.past.is_empty();
+                let wanted = exceeds(&at.node, measured);
+                let room = self.len + descent.waiting() + 4 <= read + 1;
+                let price = |children: &[NodePair]| {
+                    if measured {
+                        split(asked, estimate, children, at.node.cost)
+                    } else {
+                        reprice(asked, estimate, children, at.node)
+                    }
+                };
+                let tests = if wanted && room { open(asked, &at, &mut descent, price) } else { 0 };
+                self.box_tests += u64::from(tests);
+                if tests == 0 {
+                    self.full |= wanted && !room;
+                    self.push(at.node);
+                }
+            }
+        }
+        self.box_tests > tests_before
+    }
+}
+
+/// Puts the overlapping children of a node in its place and returns the number of box tests, 0 for a leaf
+/// pair, which stays. `price` costs children that the last frame did not tell apart.
+pub(super) fn open<'p>(
+    query: &impl Query,
+    at: &Step<'p>,
+    descent: &mut Descent<'p>,
+    price: impl Fn(&[NodePair]) -> [f32; 4],
+) -> u32 {
+    let mut children = [None; 4];
+    let tests = query.expand(at.node.pair, &mut |pair| {
+        children[child_number(pair) as usize] = Some(pair);
+    });
+    let known = at.past.goes_below(at.node.path);
+    let (mut pairs, mut count) = ([NodePair::default(); 4], 0);
+    for pair in children.into_iter().flatten() {
+        pairs[count] = pair;
+        count += 1;
+    }
+    let mut costs = None;
+    // Last first, so that they come off the stack in the order of their paths.
+    for i in (0..count).rev() {
+        let path = at.node.path.child(child_number(pairs[i]));
+        let past = if known { at.past.below(path) } else { Past::NOTHING };
+        let cost = if past.is_empty() {
+            costs.get_or_insert_with(|| price(&pairs[..count]))[i]
+        } else {
+            past.cost() as f32
+        };
+        let node = FrontNode { pair: pairs[i], path, cost: cost.max(1.0), ..at.node };
+        descent.push(Step { node, past });
+    }
+    tests
+}
+
+/// Which child a node pair is: siblings of a BVH are adjacent at an even and an odd index.
+fn child_number(pair: NodePair) -> u32 {
+    (pair.a & 1) << 1 | (pair.b & 1)
+}
+
+/// A node to be looked at, and what the last frame knew below it.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'p> {
+    pub(super) node: FrontNode,
+    pub(super) past: Past<'p>,
+}
+
+/// A depth-first descent from one node.
+pub(super) struct Descent<'p> {
+    /// Each of at most [`Path::MAX_LEVEL`] levels leaves at most three siblings waiting.
+    stack: [Step<'p>; 3 * Path::MAX_LEVEL as usize + 1],
+    len: usize,
+}
+
+impl<'p> Descent<'p> {
+    pub(super) fn new() -> Self {
+        let nothing = Step { node: FrontNode::default(), past: Past::NOTHING };
+        Self { stack: [nothing; 3 * Path::MAX_LEVEL as usize + 1], len: 0 }
+    }
+
+    pub(super) fn restart(&mut self, node: FrontNode, past: Past<'p>) {
+        self.len = 0;
+        self.push(Step { node, past });
+    }
+
+    pub(super) fn waiting(&self) -> usize {
+        self.len
+    }
+
+    pub(super) fn pop(&mut self) -> Option<Step<'p>> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.stack[self.len])
+    }
+
+    fn push(&mut self, step: Step<'p>) {
+        self.stack[self.len] = step;
+        self.len += 1;
+    }
+}

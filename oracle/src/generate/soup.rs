@@ -1,0 +1,117 @@
+//! Small meshes for the tests: smooth, flat, tangled, degenerate, from every scale of f32.
+
+use super::Family;
+use crate::Point;
+use rand::{Rng, RngExt};
+
+/// Positions and triangles.
+#[derive(Clone, Debug, Default)]
+pub struct Soup {
+    /// Vertex positions.
+    pub positions: Vec<Point>,
+    /// Vertex indices.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Soup {
+    /// The same triangles with every vertex changed.
+    #[must_use]
+    pub fn map(mut self, change: impl FnMut(Point) -> Point) -> Self {
+        self.positions = self.positions.into_iter().map(change).collect();
+        self
+    }
+}
+
+/// Triangles of a family, `pairs` times two, that share no index.
+pub fn family(family: Family, pairs: usize, rng: &mut impl Rng) -> Soup {
+    let mut soup = Soup::default();
+    for _ in 0..pairs {
+        let (a, b) = family.pair(rng);
+        for t in [a, b] {
+            let first = soup.positions.len() as u32;
+            soup.positions.extend(t);
+            soup.triangles.push([first, first + 1, first + 2]);
+        }
+    }
+    soup
+}
+
+/// Random indices into few lattice points: every degenerate triangle and every way to share.
+pub fn tangle(vertices: u32, triangles: usize, size: i32, rng: &mut impl Rng) -> Soup {
+    let mut lattice = || [0; 3].map(|_| rng.random_range(-size..=size) as f32);
+    let positions = (0..vertices).map(|_| lattice()).collect();
+    let mut corners = || [0; 3].map(|_| rng.random_range(0..vertices));
+    let triangles = (0..triangles).map(|_| corners()).collect();
+    Soup { positions, triangles }
+}
+
+/// A square of n × n cells over −1 ..= 1 at the heights of a function.
+#[must_use]
+pub fn sheet(n: u32, height: impl Fn(f32, f32) -> f32) -> Soup {
+    let at = |i: u32| i as f32 / n as f32 * 2.0 - 1.0;
+    let mut soup = Soup::default();
+    for j in 0..=n {
+        soup.positions.extend((0..=n).map(|i| [at(i), at(j), height(at(i), at(j))]));
+    }
+    for corner in (0..n * (n + 1)).filter(|v| v % (n + 1) != n) {
+        let [o, x, y, xy] = [corner, corner + 1, corner + n + 1, corner + n + 2];
+        soup.triangles.extend([[o, x, xy], [o, xy, y]]);
+    }
+    soup
+}
+
+/// A closed sphere of radius 1: a sheet bent round, with triangles without area at the poles.
+#[must_use]
+pub fn sphere(n: u32) -> Soup {
+    use std::f64::consts::PI;
+    let bend = |[u, v, _]: [f32; 3]| {
+        // The seam has the same positions, but not the same vertices, on both sides.
+        let (u, v) = (if u == 1.0 { -PI } else { f64::from(u) * PI }, f64::from(v) * PI / 2.0);
+        let ring = if v.abs() == PI / 2.0 { 0.0 } else { v.cos() };
+        [ring * u.cos(), ring * u.sin(), v.sin()].map(|x| x as f32)
+    };
+    sheet(n, |_, _| 0.0).map(bend)
+}
+
+/// Several soups as one mesh.
+#[must_use]
+pub fn union(soups: &[Soup]) -> Soup {
+    let mut all = Soup::default();
+    for soup in soups {
+        let first = all.positions.len() as u32;
+        all.positions.extend(&soup.positions);
+        all.triangles.extend(soup.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    all
+}
+
+/// A pose as its rows: `[r0, r1, r2, t]` for each coordinate.
+pub type Rows = [[f32; 4]; 3];
+
+/// A turn about a random axis, rounded to f32, and a move by at most `reach`.
+pub fn pose_rows(reach: f32, rng: &mut impl Rng) -> Rows {
+    let mut q = [0; 4].map(|_| rng.random_range(-1.0..1.0f64));
+    let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+    q = q.map(|x| x / length);
+    let [w, x, y, z] = q;
+    let rotation = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ];
+    let mut row =
+        |[x, y, z]: [f64; 3]| [x as f32, y as f32, z as f32, rng.random_range(-1.0..=1.0) * reach];
+    rotation.map(&mut row)
+}
+
+/// Positions posed as `accuracy.md` (contract 2) fixes it, written out here once more.
+#[must_use]
+pub fn posed(positions: &[Point], rows: &Rows) -> Vec<Point> {
+    let coordinate = |r: [f32; 4], p: &Point| {
+        let (x, y, z) = (r[0] * p[0], r[1] * p[1], r[2] * p[2]);
+        let xy = x + y;
+        let xyz = xy + z;
+        xyz + r[3]
+    };
+    positions.iter().map(|p| rows.map(|r| coordinate(r, p))).collect()
+}

@@ -1,0 +1,111 @@
+//! f32 points as integers.
+//!
+//! Every f32 is an integer times a power of two. Moving both sets and stretching an axis change
+//! nothing about which sets meet, so each axis gets the power of two that makes its integers small,
+//! and the first point is the origin.
+
+use crate::Point;
+use num_bigint::BigInt;
+use num_traits::float::FloatCore;
+use num_traits::{NumRef, RefNum};
+use std::ops::Shl;
+
+/// A point or vector in integers.
+pub(crate) type Vector<T> = [T; 3];
+
+/// Integers of some width. `i128` where the numbers are small, else [`BigInt`].
+pub(crate) trait Integer:
+    NumRef + Ord + Clone + From<i32> + Shl<u32, Output = Self>
+{
+    fn times(&self, other: &Self) -> Self;
+    fn minus(&self, other: &Self) -> Self;
+}
+
+impl<T> Integer for T
+where
+    T: NumRef + Ord + Clone + From<i32> + Shl<u32, Output = T>,
+    for<'a> &'a T: RefNum<T>,
+{
+    fn times(&self, other: &Self) -> Self {
+        self * other
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        self - other
+    }
+}
+
+/// The points as `i128`, if nothing computed from them can overflow.
+///
+/// With coordinates below 2^30, points are shorter than √3 · 2^30 and differences than √3 · 2^31.
+/// The longest normal, (w·w) d − (w·d) w, is then shorter than (√3 · 2^31)³, and no sum of its
+/// products with a point exceeds 9 · 2^123 < 2^127.
+pub(crate) fn small(a: &[Point], b: &[Point]) -> Option<[Vec<Vector<i128>>; 2]> {
+    let axes = axes(a, b);
+    // An f32 has 24 bits before the shift.
+    if axes.iter().any(|axis| axis.highest - axis.lowest > 100) {
+        return None;
+    }
+    let sets = on_lattice::<i128>(&axes, a, b);
+    let fits = |v: &Vector<i128>| v.iter().all(|x| x.abs() < 1 << 30);
+    sets.iter().flatten().all(fits).then_some(sets)
+}
+
+/// The points in integers of any width.
+pub(crate) fn wide(a: &[Point], b: &[Point]) -> [Vec<Vector<BigInt>>; 2] {
+    on_lattice(&axes(a, b), a, b)
+}
+
+/// The length of one step of the lattice along each axis.
+pub(crate) fn units(a: &[Point], b: &[Point]) -> [f64; 3] {
+    axes(a, b).map(|axis| 2f64.powi(axis.lowest))
+}
+
+/// The range of exponents along one axis, where a coordinate is an odd integer · 2^exponent.
+struct Axis {
+    lowest: i32,
+    highest: i32,
+}
+
+fn axes(a: &[Point], b: &[Point]) -> [Axis; 3] {
+    [0, 1, 2].map(|axis| {
+        let points = a.iter().chain(b);
+        let exponents = points.map(|p| decode(p[axis])).filter(|x| x.0 != 0).map(|x| x.1);
+        let (lowest, highest) = (exponents.clone().min(), exponents.max());
+        Axis { lowest: lowest.unwrap_or(0), highest: highest.unwrap_or(0) }
+    })
+}
+
+/// The odd integer m (or 0) and the exponent e of x = m · 2^e.
+fn decode(x: f32) -> (i32, i32) {
+    let (mantissa, exponent, sign) = x.integer_decode();
+    let zeros = if mantissa == 0 { 0 } else { mantissa.trailing_zeros() };
+    ((mantissa >> zeros) as i32 * i32::from(sign), i32::from(exponent) + zeros as i32)
+}
+
+fn on_lattice<T: Integer>(axes: &[Axis; 3], a: &[Point], b: &[Point]) -> [Vec<Vector<T>>; 2] {
+    let integer = |p: &Point| {
+        [0, 1, 2].map(|axis| match decode(p[axis]) {
+            (0, _) => T::zero(),
+            (odd, exponent) => T::from(odd) << (exponent - axes[axis].lowest) as u32,
+        })
+    };
+    let origin = integer(&a[0]);
+    [a, b].map(|set| set.iter().map(|p| minus(&integer(p), &origin)).collect())
+}
+
+pub(crate) fn dot<T: Integer>(u: &Vector<T>, v: &Vector<T>) -> T {
+    u[0].times(&v[0]) + u[1].times(&v[1]) + u[2].times(&v[2])
+}
+
+pub(crate) fn cross<T: Integer>(u: &Vector<T>, v: &Vector<T>) -> Vector<T> {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| u[i].times(&v[j]) - u[j].times(&v[i]))
+}
+
+pub(crate) fn minus<T: Integer>(u: &Vector<T>, v: &Vector<T>) -> Vector<T> {
+    [0, 1, 2].map(|i| u[i].minus(&v[i]))
+}
+
+pub(crate) fn times<T: Integer>(factor: &T, v: &Vector<T>) -> Vector<T> {
+    [0, 1, 2].map(|i| factor.times(&v[i]))
+}

@@ -1,0 +1,182 @@
+//! "Does not allocate", counted: nothing in the core, and no frame of a query after the first.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use pfront::core::build::{self, BvhStorage, SahItem};
+use pfront::core::bvh::{check_scratch_bound, node_bound};
+use pfront::core::query::{self, Query};
+use pfront::core::triangle::{contact, intersects};
+use pfront::{
+    Accuracy, Adjacency, BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SelfQuery,
+    TrianglePair,
+};
+use pfront_oracle::generate::soup::{Soup, pose_rows, sheet, sphere, tangle};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::ops::ControlFlow;
+
+struct Counting;
+
+thread_local! {
+    /// Allocations of this thread: tests run side by side.
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count_one() {
+    COUNT.set(COUNT.get() + 1);
+}
+
+#[expect(unsafe_code, reason = "an allocator can be counted only by being one")]
+// SAFETY: every call goes to the system allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count_one();
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count_one();
+        // SAFETY: the caller keeps the contract of `alloc_zeroed`.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, old: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count_one();
+        // SAFETY: the caller keeps the contract of `realloc`.
+        unsafe { System.realloc(old, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, old: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the contract of `dealloc`.
+        unsafe { System.dealloc(old, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn model(soup: &Soup) -> Model {
+    Model::new(soup.positions.clone(), soup.triangles.clone()).unwrap()
+}
+
+/// How many allocations a call makes on this thread.
+fn allocations(call: impl FnOnce()) -> usize {
+    let before = COUNT.get();
+    call();
+    COUNT.get() - before
+}
+
+#[test]
+fn the_count_works() {
+    assert_eq!(allocations(|| drop(std::hint::black_box(vec![1]))), 1);
+}
+
+#[test]
+fn the_core_allocates_nothing() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for soup in [sphere(20), sheet(20, |x, y| x * y), tangle(30, 300, 2, &mut rng)] {
+        let n = soup.triangles.len();
+        let mut nodes = vec![Node::EMPTY; node_bound(n)];
+        let mut order = vec![0; n];
+        let mut sah_scratch = vec![SahItem::default(); build::sah_scratch_bound(n)];
+        let mut morton_scratch = vec![0; build::morton_scratch_bound(n)];
+        let mut check_scratch = vec![0; check_scratch_bound(n)];
+        let moved: Vec<_> = soup.positions.iter().map(|p| p.map(|x| x * 0.9)).collect();
+        let options = BuildOptions::default();
+        let here = Pose::new(pose_rows(0.1, &mut rng));
+
+        let count = allocations(|| {
+            let mesh = Mesh::new(&soup.positions, &soup.triangles).unwrap();
+            let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+            let bvh = build::morton(mesh, &options, storage, &mut morton_scratch).unwrap();
+            ask_everything(bvh, here);
+            let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+            let used = build::sah(mesh, &options, storage, &mut sah_scratch).unwrap().nodes().len();
+            let mesh = mesh.with_positions(&moved).unwrap();
+            build::refit(mesh, &mut nodes[..used], &order);
+            ask_everything(
+                Bvh::new(mesh, &nodes[..used], &order, &mut check_scratch).unwrap(),
+                here,
+            );
+        });
+        assert_eq!(count, 0);
+    }
+}
+
+fn ask_everything(bvh: Bvh<'_>, pose: Pose) {
+    bvh.assert_well_formed();
+    for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
+        for pose in [pose, Pose::IDENTITY] {
+            let pair = query::PairQuery::new(bvh, bvh, pose).unwrap();
+            assert!(verbs(&pair.with_accuracy(accuracy)) > 0);
+        }
+        for adjacency in [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours] {
+            let own = query::SelfQuery::new(bvh).with_adjacency(adjacency);
+            verbs(&own.with_accuracy(accuracy));
+        }
+    }
+    let [a, b] = [0, 1].map(|i| bvh.mesh().triangle(i));
+    assert_eq!(intersects(&a, &b, Accuracy::Exact), contact(&a, &b).is_some());
+}
+
+fn verbs(query: &impl Query) -> u64 {
+    let mut page = [TrianglePair::default(); 7];
+    let (mut cursor, mut paged) = (query.start(), 0);
+    while !cursor.is_done() {
+        paged += query.page(&mut cursor, &mut page) as u64;
+    }
+    assert_eq!(paged, query.count());
+    assert_eq!(query.any().is_some(), paged > 0);
+    let _ = query.visit(&mut query.start(), |pair| {
+        std::hint::black_box(query.contact(pair));
+        ControlFlow::Continue(())
+    });
+    paged
+}
+
+#[test]
+fn steady_frames_allocate_nothing() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let (a, b) = (model(&sphere(20)), model(&sphere(16)));
+    let mut query = PairQuery::new();
+    let poses: Vec<_> = (0..30).map(|_| Pose::new(pose_rows(1.0, &mut rng))).collect();
+    let mut frame = |pose: &Pose| {
+        query.all(&a, &b, pose).unwrap();
+        query.contacts(&a, &b, pose).unwrap();
+        query.any(&a, &b, pose).unwrap();
+        query.count(&a, &b, pose).unwrap();
+        let _ = query.visit(&a, &b, pose, |_| ControlFlow::Continue(())).unwrap();
+    };
+    // The first round grows the buffers to the largest frame.
+    poses.iter().for_each(&mut frame);
+    assert_eq!(allocations(|| poses.iter().for_each(&mut frame)), 0);
+}
+
+#[test]
+fn steady_frames_of_a_deforming_mesh_allocate_nothing() {
+    let shapes: Vec<_> = (0..30)
+        .map(|frame| {
+            let bend = 3.0 + 0.01 * frame as f32;
+            let shape = sheet(20, |_, _| 0.0);
+            shape.map(|[x, y, _]| [(bend * x).sin(), y, 1.0 - (bend * x).cos()])
+        })
+        .collect();
+    let mut model = model(&shapes[0]);
+    let mut query = SelfQuery::new();
+    let mut frames = || {
+        for shape in &shapes {
+            // The motion is so small that the tree is refitted, never rebuilt.
+            model.set_positions(&shape.positions).unwrap();
+            query.all(&model);
+            query.contacts(&model);
+            query.any(&model);
+            query.count(&model);
+            let _ = query.visit(&model, |_| ControlFlow::Continue(()));
+        }
+    };
+    frames();
+    assert_eq!(allocations(frames), 0);
+}
