@@ -74,6 +74,8 @@ impl From<Bounds> for Aabb {
 }
 
 impl Bounds {
+    pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
     #[inline]
     pub(crate) fn new(aabb: &Aabb) -> Self {
         Self { min: Vec3A::from_array(aabb.min), max: Vec3A::from_array(aabb.max) }
@@ -87,5 +89,13 @@ impl Bounds {
     #[inline]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
+    }
+
+    pub(crate) fn union(&self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    pub(crate) fn with(&self, point: Vec3A) -> Self {
+        self.union(&Self { min: point, max: point })
     }
 }

@@ -10,18 +10,6 @@ use glam::Vec3A;
 /// 17.56, and 8, 16 and 32 take the same time.
 const MAX_BINS: usize = 16;
 
-impl Bounds {
-    pub(super) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
-
-    pub(super) fn union(&self, other: &Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    pub(super) fn with(&self, point: Vec3A) -> Self {
-        self.union(&Self { min: point, max: point })
-    }
-}
-
 /// A power of two that brings the root box to a size whose areas neither overflow nor vanish.
 #[derive(Clone, Copy)]
 pub(super) struct AreaScale(f32);

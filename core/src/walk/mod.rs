@@ -12,8 +12,11 @@ mod within;
 pub(crate) use pair::PairTree;
 pub(crate) use within::SelfTree;
 
-use crate::bvh::MAX_DEPTH;
+use crate::Bvh;
+use crate::aabb::Bounds;
+use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE};
 use core::ops::ControlFlow;
+use glam::Vec3A;
 
 /// A BVTT node: a node of the first BVH and one of the second.
 #[repr(C)]
@@ -148,6 +151,28 @@ pub(crate) trait Bvtt {
         work: &mut Work,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<u32>;
+}
+
+/// The boxes of the triangles of one leaf that reach the other; those that do not are empty.
+struct LeafBoxes([Bounds; MAX_LEAF_SIZE as usize]);
+
+impl LeafBoxes {
+    #[inline]
+    fn new(bvh: &Bvh<'_>, triangles: &[u32], other: &Bounds) -> Self {
+        let mut boxes = [Bounds::EMPTY; MAX_LEAF_SIZE as usize];
+        for (slot, &triangle) in boxes.iter_mut().zip(triangles) {
+            let bounds = Bounds::of(&bvh.mesh().triangle(triangle).map(Vec3A::from_array));
+            if bounds.overlaps(other) {
+                *slot = bounds;
+            }
+        }
+        Self(boxes)
+    }
+
+    #[inline]
+    fn overlap(&self, triangle: usize, bounds: &Bounds) -> bool {
+        self.0[triangle].overlaps(bounds)
+    }
 }
 
 /// Goes on from `cursor` until `visit` breaks or nothing is left.

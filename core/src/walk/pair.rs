@@ -1,6 +1,6 @@
 //! The BVTT of two meshes.
 
-use super::{Bvtt, NodePair, TrianglePair, Work};
+use super::{Bvtt, LeafBoxes, NodePair, TrianglePair, Work};
 use crate::aabb::Bounds;
 use crate::pose::Placement;
 use crate::triangle::{Accuracy, intersects};
@@ -78,35 +78,26 @@ impl<P: Placement> Bvtt for PairTree<'_, P> {
         work: &mut Work,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<u32> {
-        let leaf = &self.a.nodes()[n.a as usize];
-        let leaf_bounds = leaf.bounds();
-        let own = self.a.leaf_triangles(leaf);
-        let mut done = 0;
-        for &b in self.b.leaf_triangles(&self.b.nodes()[n.b as usize]) {
-            let after = done + own.len() as u32;
-            if after <= skip {
-                done = after;
-                continue;
-            }
+        let (a_leaf, b_leaf) = (&self.a.nodes()[n.a as usize], &self.b.nodes()[n.b as usize]);
+        let (a_bounds, b_bounds) = (a_leaf.bounds(), self.place.bounds(&b_leaf.bounds()));
+        let own = self.a.leaf_triangles(a_leaf);
+        let boxes = LeafBoxes::new(&self.a, own, &b_bounds);
+        for (row, &b) in self.b.leaf_triangles(b_leaf).iter().enumerate() {
             let tb = self.placed(b);
             let bounds = Bounds::of(&tb);
-            if !bounds.overlaps(&leaf_bounds) {
-                done = after;
+            if !bounds.overlaps(&a_bounds) {
                 continue;
             }
             let tb = tb.map(|p| p.to_array());
-            for &a in own {
-                done += 1;
-                if done <= skip {
-                    continue;
-                }
-                let ta = self.a.mesh().triangle(a);
-                if !Bounds::of(&ta.map(Vec3A::from_array)).overlaps(&bounds) {
+            for (column, &a) in own.iter().enumerate() {
+                let before = (row * own.len() + column) as u32;
+                if !boxes.overlap(column, &bounds) || before < skip {
                     continue;
                 }
                 work.triangle_tests += 1;
+                let ta = self.a.mesh().triangle(a);
                 if intersects(&ta, &tb, self.accuracy) && visit(TrianglePair { a, b }).is_break() {
-                    return ControlFlow::Break(done);
+                    return ControlFlow::Break(before + 1);
                 }
             }
         }

@@ -4,10 +4,10 @@
 //! two meshes do. Overlapping boxes of neighbours are the rule here, so the walk reaches all of
 //! them; the shared-index rule decides in the leaves.
 
-use super::{Bvtt, NodePair, TrianglePair, Work};
+use super::{Bvtt, LeafBoxes, NodePair, TrianglePair, Work};
+use crate::Bvh;
 use crate::aabb::Bounds;
 use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
-use crate::{Bvh, Mesh};
 use core::ops::ControlFlow;
 use glam::Vec3A;
 
@@ -76,20 +76,19 @@ impl Bvtt for SelfTree<'_> {
     ) -> ControlFlow<u32> {
         let nodes = self.bvh.nodes();
         let (first, second) = (&nodes[n.a as usize], &nodes[n.b as usize]);
-        let (mesh, second_bounds) = (self.bvh.mesh(), second.bounds());
-        let others = self.bvh.leaf_triangles(second);
-        let mut done = 0;
-        for (i, &a) in self.bvh.leaf_triangles(first).iter().enumerate() {
-            let bounds = triangle_bounds(mesh, a);
-            // Within one leaf, only what comes after.
-            let others = if n.a == n.b { &others[i + 1..] } else { others };
-            if n.a != n.b && !bounds.overlaps(&second_bounds) {
-                done += others.len() as u32;
+        let (mesh, first_bounds) = (self.bvh.mesh(), first.bounds());
+        let own = self.bvh.leaf_triangles(first);
+        let boxes = LeafBoxes::new(&self.bvh, own, &second.bounds());
+        for (row, &b) in self.bvh.leaf_triangles(second).iter().enumerate() {
+            let bounds = Bounds::of(&mesh.triangle(b).map(Vec3A::from_array));
+            if !bounds.overlaps(&first_bounds) {
                 continue;
             }
-            for &b in others {
-                done += 1;
-                if done <= skip || !triangle_bounds(mesh, b).overlaps(&bounds) {
+            // Within one leaf, only what comes before.
+            let own = if n.a == n.b { &own[..row] } else { own };
+            for (column, &a) in own.iter().enumerate() {
+                let before = row as u32 * first.count + column as u32;
+                if !boxes.overlap(column, &bounds) || before < skip {
                     continue;
                 }
                 work.triangle_tests += 1;
@@ -97,15 +96,10 @@ impl Bvtt for SelfTree<'_> {
                 if intersects_in_mesh(mesh, a, b, self.adjacency, self.accuracy)
                     && visit(TrianglePair { a, b }).is_break()
                 {
-                    return ControlFlow::Break(done);
+                    return ControlFlow::Break(before + 1);
                 }
             }
         }
         ControlFlow::Continue(())
     }
-}
-
-#[inline]
-fn triangle_bounds(mesh: Mesh<'_>, triangle: u32) -> Bounds {
-    Bounds::of(&mesh.triangle(triangle).map(Vec3A::from_array))
 }
