@@ -177,6 +177,9 @@ impl<'a> Bvh<'a> {
     /// How many triangles lie below a node: they are one run of the order, from its leftmost leaf to
     /// its rightmost.
     pub(crate) fn triangles_below(&self, node: u32) -> u32 {
+        if node == 0 {
+            return self.order.len() as u32;
+        }
         let end = |side: u32| {
             let mut node = &self.nodes[node as usize];
             while !node.is_leaf() {

@@ -3,10 +3,14 @@
 //! [`PairQuery`] and [`SelfQuery`] say what is asked; a [`Cursor`] says how far the answer has come.
 //! The verbs are those of [`Query`].
 
-use crate::pose::{InPlace, Placement, PoseError, Posed};
-use crate::triangle::{Accuracy, Adjacency, Contact, contact};
-use crate::walk::{Bvtt, PairTree, SelfTree, walk};
-use crate::{Aabb, Bvh, Pose};
+mod pair;
+mod within;
+
+pub use pair::{PairQuery, Placed};
+pub use within::SelfQuery;
+
+use crate::Aabb;
+use crate::triangle::Contact;
 use core::ops::ControlFlow;
 
 pub use crate::walk::{Cursor, NodePair, TrianglePair, Work};
@@ -32,7 +36,7 @@ pub trait Query {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()>;
 
-    /// Where a pair that a visit reported meets; in the frame of the first mesh. `None` for a pair
+    /// Where a pair that a visit reported meets, in the frame of the query. `None` for a pair
     /// that does not meet.
     ///
     /// # Panics
@@ -42,14 +46,19 @@ pub trait Query {
     /// The root of the BVTT, if its boxes overlap.
     fn root(&self) -> Option<NodePair>;
 
-    /// Hands on the children of a BVTT node that overlap; returns the number of box tests, 0 for a
-    /// pair of leaves, which has none.
+    /// Hands on the children of a BVTT node that overlap, at most four and in ascending order, each with
+    /// its [`Query::boxes`]; returns the number of box tests, 0 for a pair of leaves, which has none.
     ///
     /// # Panics
-    /// If `n` is not a node of this query; so do the next two.
-    fn expand(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32;
+    /// If `n` is not a node of this query; so do the next three.
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32;
 
-    /// The boxes of a BVTT node, both in the frame of the first mesh.
+    /// [`Query::children`] without their boxes.
+    fn expand(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
+        self.children(n, &mut |child, _| push(child))
+    }
+
+    /// The boxes of a BVTT node, both in the frame of the query.
     fn boxes(&self, n: NodePair) -> [Aabb; 2];
 
     /// How many triangles lie below each side of a BVTT node.
@@ -110,175 +119,5 @@ pub trait Query {
             ControlFlow::Break(())
         });
         found
-    }
-}
-
-/// Two meshes, the second in the pose `a_from_b`.
-///
-/// # Examples
-/// ```
-/// use pfront_core::{build::{self, *}, bvh::node_bound, query::*, *};
-/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
-/// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
-/// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-/// let mut scratch = [0; build::morton_scratch_bound(1)];
-/// let bvh = build::morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
-/// let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.5, 0.0, 0.0]))?;
-/// assert_eq!(query.any(), Some(TrianglePair { a: 0, b: 0 }));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Copy, Debug)]
-pub struct PairQuery<'a> {
-    a: Bvh<'a>,
-    b: Bvh<'a>,
-    a_from_b: Pose,
-    accuracy: Accuracy,
-}
-
-impl<'a> PairQuery<'a> {
-    /// Asks for `a` against `b` posed by `a_from_b`, exactly.
-    ///
-    /// # Errors
-    /// [`PoseError`] if the pose is not finite or takes `b` out of range.
-    pub fn new(a: Bvh<'a>, b: Bvh<'a>, a_from_b: Pose) -> Result<Self, PoseError> {
-        if let Some(root) = b.root()
-            && a_from_b != Pose::IDENTITY
-        {
-            a_from_b.check(&root.aabb())?;
-        }
-        Ok(Self { a, b, a_from_b, accuracy: Accuracy::Exact })
-    }
-
-    /// The same with another [`Accuracy`].
-    #[must_use]
-    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
-        Self { accuracy, ..self }
-    }
-
-    fn in_place(&self) -> Option<PairTree<'a, InPlace>> {
-        let Self { a, b, accuracy, .. } = *self;
-        (self.a_from_b == Pose::IDENTITY).then_some(PairTree { a, b, place: InPlace, accuracy })
-    }
-
-    fn posed(&self) -> PairTree<'a, Posed> {
-        let Self { a, b, accuracy, .. } = *self;
-        PairTree { a, b, place: Posed::new(&self.a_from_b), accuracy }
-    }
-}
-
-impl Query for PairQuery<'_> {
-    fn root(&self) -> Option<NodePair> {
-        match self.in_place() {
-            Some(tree) => tree.root(),
-            None => self.posed().root(),
-        }
-    }
-
-    fn expand(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
-        match self.in_place() {
-            Some(tree) => tree.children(n, push),
-            None => self.posed().children(n, push),
-        }
-    }
-
-    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
-        let [a, b] = [&self.a.nodes()[n.a as usize], &self.b.nodes()[n.b as usize]];
-        let placed = match self.in_place() {
-            Some(_) => b.aabb(),
-            None => Posed::new(&self.a_from_b).bounds(&b.bounds()).into(),
-        };
-        [a.aabb(), placed]
-    }
-
-    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
-        [self.a.triangles_below(n.a), self.b.triangles_below(n.b)]
-    }
-
-    fn leaf_edge(&self) -> f32 {
-        self.a.leaf_edge().max(self.b.leaf_edge())
-    }
-
-    fn visit(
-        &self,
-        cursor: &mut Cursor,
-        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        match self.in_place() {
-            Some(tree) => walk(&tree, cursor, visit),
-            None => walk(&self.posed(), cursor, visit),
-        }
-    }
-
-    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        contact(&self.a.mesh().triangle(pair.a), &self.posed().placed_triangle(pair.b))
-    }
-}
-
-/// One mesh against itself, each unordered pair of triangles once.
-#[derive(Clone, Copy, Debug)]
-pub struct SelfQuery<'a> {
-    bvh: Bvh<'a>,
-    accuracy: Accuracy,
-    adjacency: Adjacency,
-}
-
-impl<'a> SelfQuery<'a> {
-    /// Asks for all pairs under the shared-index rule, exactly.
-    #[must_use]
-    pub fn new(bvh: Bvh<'a>) -> Self {
-        Self { bvh, accuracy: Accuracy::Exact, adjacency: Adjacency::SharedIndexRule }
-    }
-
-    /// The same with another [`Accuracy`].
-    #[must_use]
-    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
-        Self { accuracy, ..self }
-    }
-
-    /// The same with another rule for neighbours.
-    #[must_use]
-    pub fn with_adjacency(self, adjacency: Adjacency) -> Self {
-        Self { adjacency, ..self }
-    }
-
-    fn tree(&self) -> SelfTree<'a> {
-        let Self { bvh, accuracy, adjacency } = *self;
-        SelfTree { bvh, accuracy, adjacency }
-    }
-}
-
-impl Query for SelfQuery<'_> {
-    fn root(&self) -> Option<NodePair> {
-        self.tree().root()
-    }
-
-    fn expand(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
-        self.tree().children(n, push)
-    }
-
-    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
-        [n.a, n.b].map(|node| self.bvh.nodes()[node as usize].aabb())
-    }
-
-    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
-        [n.a, n.b].map(|node| self.bvh.triangles_below(node))
-    }
-
-    fn leaf_edge(&self) -> f32 {
-        self.bvh.leaf_edge()
-    }
-
-    fn visit(
-        &self,
-        cursor: &mut Cursor,
-        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        walk(&self.tree(), cursor, visit)
-    }
-
-    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        let [a, b] = [pair.a, pair.b].map(|t| self.bvh.mesh().triangle(t));
-        contact(&a, &b)
     }
 }

@@ -88,7 +88,10 @@ fn meshes() -> Vec<(&'static str, Soup)> {
         ("flat and far", soup(random(200, 1e-3).0.iter().map(|p| [p[0], 1e30, p[2]]).collect())),
     ];
     if cfg!(miri) {
-        meshes.iter_mut().for_each(|(_, (_, triangles))| triangles.truncate(40));
+        for (_, (positions, triangles)) in &mut meshes {
+            triangles.truncate(6);
+            positions.truncate(25);
+        }
     }
     meshes
 }
@@ -112,7 +115,7 @@ fn with_builds(mesh: Mesh<'_>, leaf_size: u32, mut visit: impl FnMut(&str, Bvh<'
 fn every_build_of_every_mesh_is_well_formed() {
     for (name, (positions, triangles)) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
-        for leaf_size in (0..=9).step_by(if cfg!(miri) { 3 } else { 1 }) {
+        for leaf_size in (0..=9).step_by(if cfg!(miri) { 7 } else { 1 }) {
             with_builds(mesh, leaf_size, |build, bvh| {
                 let context = format!("{build} of {name} with leaves of {leaf_size}");
                 bvh.assert_well_formed();
@@ -131,11 +134,14 @@ fn every_build_of_every_mesh_is_well_formed() {
 #[test]
 fn sah_stops_at_the_depth_bound() {
     let corners = |x: f32| [[x, 0.0, 0.0], [x, 1e10, 0.0], [x, 0.0, 1e10]];
-    let (positions, triangles) = soup((-149..128).flat_map(|i| corners(2_f32.powi(i))).collect());
+    let powers = if cfg!(miri) { -9..9 } else { -149..128 };
+    let (positions, triangles) = soup(powers.flat_map(|i| corners(2_f32.powi(i))).collect());
     let mesh = Mesh::new(&positions, &triangles).unwrap();
     with_builds(mesh, 1, |build, bvh| {
         bvh.assert_well_formed();
-        assert_eq!(bvh.depth(), if build == "sah" { MAX_DEPTH } else { 20 });
+        // The few triangles that miri can bear do not come near the bound.
+        let deepest = if build == "sah" { MAX_DEPTH } else { 20 };
+        assert!(bvh.depth() == deepest || cfg!(miri) && bvh.depth() < deepest, "{build}");
     });
 }
 
@@ -174,7 +180,7 @@ fn sah_is_better_than_morton() {
     let mut random = Random(5);
     let clustered = |r: &mut Random| r.point(1.0).map(|x| 8.0 * x * x * x);
     let centres: Vec<_> =
-        (0..if cfg!(miri) { 200 } else { 3000 }).map(|_| clustered(&mut random)).collect();
+        (0..if cfg!(miri) { 60 } else { 3000 }).map(|_| clustered(&mut random)).collect();
     let corners = centres.iter().flat_map(|c| [*c, *c, *c]);
     let moved = corners.map(|c| [0, 1, 2].map(|k| c[k] + 0.02 * random.unit()));
     let (positions, triangles) = soup(moved.collect());

@@ -82,7 +82,8 @@ fn wrong_leaves_are_refused() {
 
 #[test]
 fn wrong_boxes_are_refused() {
-    for (node, axis) in (0..5).filter(|&node| node != 1).flat_map(|n| (0..3).map(move |k| (n, k))) {
+    let nodes = if cfg!(miri) { 2..3 } else { 0..5 };
+    for (node, axis) in nodes.filter(|&node| node != 1).flat_map(|n| (0..3).map(move |k| (n, k))) {
         let refused = |what: &str, change: &dyn Fn(&mut f32, &mut f32)| {
             let found = check_after(|n, _| {
                 let n = &mut n[node];

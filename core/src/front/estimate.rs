@@ -19,8 +19,8 @@ pub enum Extent {
 pub enum Alpha {
     /// The same for all nodes, eq. 3.
     Constant,
-    /// Triangles per unit of extent in the two boxes, added up, so that α·V is how many triangles
-    /// would lie in the overlap if they were spread evenly.
+    /// Triangles per unit of extent in the two boxes of a starting node, added up, so that α·V is how
+    /// many triangles would lie in the overlap if they were spread evenly; the same for all below it.
     #[default]
     Density,
 }
@@ -35,75 +35,85 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// α·V of a BVTT node; comparable between nodes of one query. Boxes are dilated so that flat ones
-    /// count too. At least 0, and finite.
+    /// α·V of a starting node; comparable between the nodes of all queries. At least 0, and finite.
     pub(super) fn weight(self, query: &impl Query, n: NodePair) -> f64 {
+        let margin = margin(query);
         let [a, b] = query.boxes(n);
-        let margin = f64::from(query.leaf_edge()) * 0.5;
-        let measure = |low: [f32; 3], high: [f32; 3]| {
-            let edges =
-                [0, 1, 2].map(|k| (f64::from(high[k]) - f64::from(low[k]) + margin).max(0.0));
-            match self.extent {
-                Extent::Volume => edges[0] * edges[1] * edges[2],
-                Extent::Penetration => edges[0].min(edges[1]).min(edges[2]),
-            }
-        };
-        let overlap = intersection(&a, &b);
-        let both = measure(overlap.min, overlap.max);
+        let both = self.extent.of(&intersection(&a, &b), margin);
         match self.alpha {
             Alpha::Constant => both,
             Alpha::Density => {
                 let counts = query.triangles_below(n);
-                [(a, counts[0]), (b, counts[1])]
-                    .into_iter()
-                    .map(|(aabb, count)| {
-                        let whole = measure(aabb.min, aabb.max);
-                        // Points without extent overlap as a whole or not at all.
-                        let share = if whole > 0.0 { both / whole } else { 1.0 };
-                        share.min(1.0) * f64::from(count)
-                    })
-                    .sum()
+                let spread = |aabb: &Aabb, count: u32| {
+                    let whole = self.extent.of(aabb, margin);
+                    // Points without extent overlap as a whole or not at all.
+                    let share = if whole > 0.0 { both / whole } else { 1.0 };
+                    share.min(1.0) * f64::from(count)
+                };
+                spread(&a, counts[0]) + spread(&b, counts[1])
             }
         }
     }
+
+    /// V of a node with these boxes, which is all that is asked below a starting node: counting triangles
+    /// takes longer than all else, and tells no more there.
+    fn overlap(self, query: &impl Query, [a, b]: &[Aabb; 2]) -> f64 {
+        self.extent.of(&intersection(a, b), margin(query))
+    }
+}
+
+impl Extent {
+    /// The size of a box dilated by `margin` in all, so that flat ones count too.
+    fn of(self, aabb: &Aabb, margin: f64) -> f64 {
+        let edge = |k: usize| (f64::from(aabb.max[k]) - f64::from(aabb.min[k]) + margin).max(0.0);
+        match self {
+            Self::Volume => edge(0) * edge(1) * edge(2),
+            Self::Penetration => edge(0).min(edge(1)).min(edge(2)),
+        }
+    }
+}
+
+/// Half the edge of a leaf: what boxes are dilated by.
+fn margin(query: &impl Query) -> f64 {
+    f64::from(query.leaf_edge()) * 0.5
 }
 
 /// Prices the children of a node whose cost is an estimate, on the scale of that estimate.
 pub(super) fn reprice(
     query: &impl Query,
     estimate: Estimate,
-    children: &[NodePair],
     parent: FrontNode,
+    children: &[[Aabb; 2]],
 ) -> [f32; 4] {
-    let whole = estimate.weight(query, parent.pair);
+    let whole = estimate.overlap(query, &query.boxes(parent.pair));
     let scale = f64::from(parent.cost) / whole;
     if !(whole > 0.0 && scale.is_finite()) {
-        return split(query, estimate, children, parent.cost);
+        return split(query, estimate, parent, children);
     }
     let mut costs = [1.0; 4];
-    for (cost, &pair) in costs.iter_mut().zip(children) {
-        // A part is not dearer than the whole, even if it is denser.
-        *cost = ((scale * estimate.weight(query, pair)) as f32).min(parent.cost);
+    for (cost, boxes) in costs.iter_mut().zip(children) {
+        // Rounding aside, a part has no more overlap than the whole.
+        *cost = ((scale * estimate.overlap(query, boxes)) as f32).min(parent.cost);
     }
     costs
 }
 
-/// Splits `rest` among siblings by their weights, evenly where these tell nothing.
+/// Splits the cost of a node among its children by their overlap, evenly where that tells nothing.
 pub(super) fn split(
     query: &impl Query,
     estimate: Estimate,
-    siblings: &[NodePair],
-    rest: f32,
+    parent: FrontNode,
+    children: &[[Aabb; 2]],
 ) -> [f32; 4] {
     let mut weights = [0.0; 4];
-    for (weight, &pair) in weights.iter_mut().zip(siblings) {
-        *weight = estimate.weight(query, pair);
+    for (weight, boxes) in weights.iter_mut().zip(children) {
+        *weight = estimate.overlap(query, boxes);
     }
     let sum: f64 = weights.iter().sum();
-    let even = 1.0 / siblings.len().max(1) as f64;
+    let even = 1.0 / children.len().max(1) as f64;
     weights.map(|w| {
         let share = if sum > 0.0 && sum.is_finite() { w / sum } else { even };
-        (f64::from(rest) * share) as f32
+        (f64::from(parent.cost) * share) as f32
     })
 }
 

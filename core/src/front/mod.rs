@@ -47,11 +47,15 @@ pub use refine::Grain;
 
 use crate::CapacityError;
 use crate::query::{NodePair, Query};
-use refine::{Descent, open};
+use refine::{Descent, Step, open};
 
 /// The least share of the last frame's cost that must lie in nodes that still overlap for its costs to
 /// be trusted.
 pub const COHERENT: f64 = 0.5;
+
+/// What a triangle that may lie in an overlap costs in box tests, before a frame has told: 13 for two
+/// spheres, 20 for finer ones.
+const FIRST_ALPHA: f64 = 16.0;
 
 /// One node of a front: 32 bytes.
 #[repr(C)]
@@ -80,6 +84,10 @@ pub struct Front<'a> {
     box_tests: u64,
     /// Cost of the last frame in nodes that overlap again.
     found: f64,
+    /// How far the past of the queries added so far reaches.
+    read: usize,
+    /// Nodes that [`Front::start`] may not use.
+    free: usize,
 }
 
 impl<'a> Front<'a> {
@@ -95,7 +103,7 @@ impl<'a> Front<'a> {
         for (index, node) in nodes[..len].iter_mut().enumerate() {
             node.index = index as u32;
         }
-        Self { nodes, len, full: false, box_tests: 0, found: 0.0 }
+        Self { nodes, len, full: false, box_tests: 0, found: 0.0, read: 0, free: 0 }
     }
 
     /// The nodes.
@@ -135,6 +143,11 @@ impl<'a> Front<'a> {
         if cost > 0.0 { self.found / cost } else { 0.0 }
     }
 
+    /// Makes [`Front::start`] leave so many nodes free, for the roots of queries still to be added.
+    pub fn keep_free(&mut self, nodes: usize) {
+        self.free = nodes;
+    }
+
     /// Adds the starting front of the query with number `number`: its overlapping nodes at level `depth`
     /// and the leaf pairs above. Queries are added in ascending order of their numbers.
     ///
@@ -155,17 +168,17 @@ impl<'a> Front<'a> {
     ) -> Result<(), CapacityError> {
         let Some(root) = query.root() else { return Ok(()) };
         CapacityError::check("front", self.len + 1, self.nodes.len())?;
-        let past = past.of_query(number);
+        let past = past.of_query(number, &mut self.read);
         let first = self.len;
         let root = FrontNode { pair: root, query: number, cost: 1.0, ..FrontNode::default() };
         let mut descent = Descent::new();
-        descent.restart(root, past);
+        descent.restart(Step { node: root, past });
         while let Some(at) = descent.pop() {
             if !at.past.goes_below(at.node.path) {
                 self.found += at.past.cost();
             }
             let wanted = at.node.path.level() < depth.min(Path::MAX_LEVEL);
-            let room = self.len + descent.waiting() + 4 <= self.nodes.len();
+            let room = self.len + descent.waiting() + 4 + self.free <= self.nodes.len();
             let tests =
                 if wanted && room { open(query, &at, &mut descent, |_| [1.0; 4]) } else { 0 };
             self.box_tests += u64::from(tests);
@@ -184,10 +197,10 @@ impl<'a> Front<'a> {
     /// Costs for a starting front: those of the last frame, and overlap for what it did not have, on
     /// the scale of what it had.
     fn price(&mut self, first: usize, query: &impl Query, estimate: Estimate, past: Past<'_>) {
-        let (mut known_weights, mut known) = (0.0, 0.0);
+        let (mut known_weights, mut known, mut rest) = (0.0, 0.0, past);
         for node in &mut self.nodes[first..self.len] {
             let weight = estimate.weight(query, node.pair);
-            let cost = past.below(node.path).cost();
+            let cost = rest.advance(node.query, node.path).cost();
             if cost > 0.0 {
                 known += cost;
                 known_weights += weight;
@@ -195,8 +208,8 @@ impl<'a> Front<'a> {
             // Both until the scale is known: a positive cost, or a negative weight.
             node.cost = if cost > 0.0 { cost } else { -weight } as f32;
         }
-        // α fitted to the last frame; any α will do for a first.
-        let alpha = if known_weights > 0.0 { known / known_weights } else { 1.0 };
+        // α fitted to the last frame; in a first only the floors depend on it.
+        let alpha = if known_weights > 0.0 { known / known_weights } else { FIRST_ALPHA };
         for node in &mut self.nodes[first..self.len] {
             if node.cost <= 0.0 {
                 node.cost = (alpha * -f64::from(node.cost)) as f32;

@@ -40,6 +40,12 @@ impl Path {
         Self(self.0 & keep | u64::from(level))
     }
 
+    /// How many levels two paths go together.
+    fn shared_levels(self, other: Self) -> u32 {
+        let differ = (self.0 ^ other.0) & !63;
+        (differ.leading_zeros() / 2).min(self.level()).min(other.level())
+    }
+
     /// The largest path of the subtree below the node.
     pub(super) fn last(self) -> Self {
         Self(self.0 | u64::MAX >> (2 * self.level()))
@@ -98,23 +104,93 @@ impl<'a> Past<'a> {
         self.entries.iter().map(|e| f64::from(e.cost)).sum()
     }
 
-    /// What is remembered of one query.
-    pub(super) fn of_query(self, query: u32) -> Self {
-        let first = self.entries.partition_point(|e| e.query < query);
-        let end = self.entries.partition_point(|e| e.query <= query);
-        Self { entries: &self.entries[first..end] }
+    /// Changes the numbers of queries, where other ones will be asked than in the frame before: entry by
+    /// entry of `memory`, which [`Past::record`] wrote, forgetting those whose query gets no number.
+    /// Returns how many entries are left.
+    ///
+    /// # Complexity
+    /// O(entries), and O(n log n) if the order of the queries changes; `number` is called once for
+    /// each query.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront_core::front::*;
+    /// let mut memory = [PastCost::default(); 3];
+    /// let node = |query, index| FrontNode { query, index, ..FrontNode::default() };
+    /// Past::record(&mut memory, &[node(0, 0), node(1, 1), node(5, 2)], |_| 1.0)?;
+    /// // The second query is gone, the third has moved up.
+    /// let left = Past::renumber(&mut memory, |query| [Some(0), None, None, None, None, Some(1)][query as usize]);
+    /// assert_eq!(Past::new(&memory[..left]).cost(), 2.0);
+    /// # Ok::<(), pfront_core::CapacityError>(())
+    /// ```
+    pub fn renumber(memory: &mut [PastCost], mut number: impl FnMut(u32) -> Option<u32>) -> usize {
+        let (mut left, mut last, mut sorted) = (0, None, true);
+        for read in 0..memory.len() {
+            let entry = memory[read];
+            let (_, new) = match last {
+                Some((old, new)) if old == entry.query => (old, new),
+                _ => *last.insert((entry.query, number(entry.query))),
+            };
+            if let Some(query) = new {
+                memory[left] = PastCost { query, ..entry };
+                sorted &= left == 0 || memory[left - 1].query <= query;
+                left += 1;
+            }
+        }
+        if !sorted {
+            memory[..left].sort_unstable_by_key(|entry| (entry.query, entry.path));
+        }
+        left
     }
 
-    /// What is remembered below a child of the node that `self` was narrowed to.
-    pub(super) fn below(self, path: Path) -> Self {
-        let first = self.entries.partition_point(|e| e.path < path);
-        let end = self.entries.partition_point(|e| e.path <= path.last());
-        Self { entries: &self.entries[first..end] }
+    /// What is remembered of a whole query, for queries asked for in ascending order: `read` tells how
+    /// far the last one reached.
+    pub(super) fn of_query(self, query: u32, read: &mut usize) -> Self {
+        let reached =
+            self.entries.get(..*read).filter(|e| e.last().is_none_or(|e| e.query < query));
+        let before = reached.map_or(0, <[_]>::len);
+        let mut rest = Self { entries: &self.entries[before..] };
+        let of_query = rest.advance(query, Path::ROOT);
+        *read = self.entries.len() - rest.entries.len();
+        of_query
+    }
+
+    /// What is remembered at and below a node, for nodes asked for in the order of a front: drops what
+    /// lies before it, so that all together take one pass.
+    #[inline]
+    pub(super) fn advance(&mut self, query: u32, path: Path) -> Self {
+        if self.entries.is_empty() {
+            return *self;
+        }
+        let before = |e: &&PastCost| (e.query, e.path) < (query, path);
+        let skipped = self.entries.iter().take_while(before).count();
+        let rest = &self.entries[skipped..];
+        let inside = |e: &&PastCost| e.query == query && e.path <= path.last();
+        let (below, rest) = rest.split_at(rest.iter().take_while(inside).count());
+        self.entries = rest;
+        Self { entries: below }
     }
 
     /// Whether the memory of a node goes further down than the node.
     pub(super) fn goes_below(self, path: Path) -> bool {
         self.entries.last().is_some_and(|e| e.path > path)
+    }
+
+    /// The box tests with which the last frame split the node at `path`, above all this: had it not been
+    /// split, it would have cost so much more.
+    pub(super) fn spent_above(self, path: Path) -> f32 {
+        const TESTS_PER_SPLIT: u32 = 4;
+        let mut splits = 0;
+        let (mut last, mut branch) = (path, path.level());
+        for entry in self.entries {
+            // New are the nodes from where this path leaves the last one down to its own.
+            if last != path {
+                branch = last.shared_levels(entry.path) + 1;
+            }
+            splits += entry.path.level().saturating_sub(branch);
+            last = entry.path;
+        }
+        (TESTS_PER_SPLIT * splits) as f32
     }
 
     pub(super) fn is_empty(self) -> bool {

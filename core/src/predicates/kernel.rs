@@ -10,8 +10,11 @@ pub(crate) trait Kernel {
     /// What a predicate returns when it cannot decide; [`Infallible`] costs nothing.
     type Undecided;
 
-    /// Sides of the plane of `t` on which three points lie.
-    fn sides(t: &Triangle, points: &Triangle) -> Result<[i32; 3], Self::Undecided>;
+    /// Sides of the plane of `t` on which points lie.
+    fn sides<const N: usize>(
+        t: &Triangle,
+        points: [&Point; N],
+    ) -> Result<[i32; N], Self::Undecided>;
 
     /// See [`super::orient3d`].
     fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Result<i32, Self::Undecided>;
@@ -33,13 +36,9 @@ impl Kernel for Exact {
     type Undecided = Infallible;
 
     #[inline]
-    fn sides(t: &Triangle, points: &Triangle) -> Result<[i32; 3], Infallible> {
-        let [p, q, r] = points;
-        let sides = filter_sides(t, [p, q, r]);
-        Ok([0, 1, 2].map(|i| match sides[i] {
-            Some(sign) => sign,
-            None => super::exact::orient3d(&t[0], &t[1], &t[2], &points[i]),
-        }))
+    fn sides<const N: usize>(t: &Triangle, points: [&Point; N]) -> Result<[i32; N], Infallible> {
+        let sides = filter_sides(t, points);
+        Ok(if sides.contains(&0) { settle(t, points, sides) } else { sides })
     }
 
     #[inline]
@@ -53,29 +52,41 @@ impl Kernel for Exact {
     }
 }
 
+/// Decides exactly what the filter left open.
+#[cold]
+fn settle<const N: usize>(t: &Triangle, points: [&Point; N], mut sides: [i32; N]) -> [i32; N] {
+    for (side, point) in sides.iter_mut().zip(points) {
+        if *side == 0 {
+            *side = super::exact::orient3d(&t[0], &t[1], &t[2], point);
+        }
+    }
+    sides
+}
+
 /// The filter left a sign open.
 pub(crate) struct Undecided;
+
+#[inline]
+fn known<const N: usize>(signs: [i32; N]) -> Result<[i32; N], Undecided> {
+    if signs.contains(&0) { Err(Undecided) } else { Ok(signs) }
+}
 
 impl Kernel for Filtered {
     type Undecided = Undecided;
 
     #[inline]
-    fn sides(t: &Triangle, points: &Triangle) -> Result<[i32; 3], Undecided> {
-        let [p, q, r] = points;
-        match filter_sides(t, [p, q, r]) {
-            [Some(p), Some(q), Some(r)] => Ok([p, q, r]),
-            _ => Err(Undecided),
-        }
+    fn sides<const N: usize>(t: &Triangle, points: [&Point; N]) -> Result<[i32; N], Undecided> {
+        known(filter_sides(t, points))
     }
 
     #[inline]
     fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Result<i32, Undecided> {
-        filter_orient3d(a, b, c, d).ok_or(Undecided)
+        known([filter_orient3d(a, b, c, d)]).map(|[sign]| sign)
     }
 
     #[inline]
     fn orient2d(axes: Axes, a: &Point, b: &Point, c: &Point) -> Result<i32, Undecided> {
-        filter_orient2d(axes, a, b, c).ok_or(Undecided)
+        known([filter_orient2d(axes, a, b, c)]).map(|[sign]| sign)
     }
 }
 
@@ -83,16 +94,19 @@ impl Kernel for Fast {
     type Undecided = Infallible;
 
     #[inline]
-    fn sides(t: &Triangle, points: &Triangle) -> Result<[i32; 3], Infallible> {
-        let [a, b, c] = t.map(Vec3::from_array);
-        let normal = (b - a).cross(c - a);
-        Ok(points.map(|p| sign(normal.dot(Vec3::from_array(p) - a))))
+    fn sides<const N: usize>(t: &Triangle, points: [&Point; N]) -> Result<[i32; N], Infallible> {
+        let a = Vec3::from_array(t[0]);
+        let normal = (Vec3::from_array(t[1]) - a).cross(Vec3::from_array(t[2]) - a);
+        let mut sides = [0; N];
+        for i in 0..N {
+            sides[i] = sign(normal.dot(Vec3::from_array(*points[i]) - a));
+        }
+        Ok(sides)
     }
 
     #[inline]
     fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Result<i32, Infallible> {
-        let [a, b, c, d] = [a, b, c, d].map(|p| Vec3::from_array(*p));
-        Ok(sign((b - a).cross(c - a).dot(d - a)))
+        Ok(Self::sides(&[*a, *b, *c], [d])?[0])
     }
 
     #[inline]

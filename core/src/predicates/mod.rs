@@ -63,7 +63,10 @@ const BOUND_2D: f64 = 9.0e-16;
 #[inline]
 #[must_use]
 pub fn orient3d(a: &[f32; 3], b: &[f32; 3], c: &[f32; 3], d: &[f32; 3]) -> i32 {
-    filter_orient3d(a, b, c, d).unwrap_or_else(|| exact::orient3d(a, b, c, d))
+    match filter_orient3d(a, b, c, d) {
+        0 => exact::orient3d(a, b, c, d),
+        sign => sign,
+    }
 }
 
 /// The exact turn of `a`, `b`, `c` seen along the axis that `axes` leaves out: the sign of
@@ -80,42 +83,49 @@ pub fn orient3d(a: &[f32; 3], b: &[f32; 3], c: &[f32; 3], d: &[f32; 3]) -> i32 {
 #[inline]
 #[must_use]
 pub fn orient2d(axes: [usize; 2], a: &[f32; 3], b: &[f32; 3], c: &[f32; 3]) -> i32 {
-    filter_orient2d(axes, a, b, c).unwrap_or_else(|| exact::orient2d(axes, a, b, c))
+    match filter_orient2d(axes, a, b, c) {
+        0 => exact::orient2d(axes, a, b, c),
+        sign => sign,
+    }
 }
 
-/// The sign if the f64 filter is sure of it.
+/// The sign if the f64 filter is sure of it, else 0.
 #[inline]
-pub(crate) fn filter_orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<i32> {
+pub(crate) fn filter_orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
     filter_sides(&[*a, *b, *c], [d])[0]
 }
 
 /// [`filter_orient3d`] of one triangle against several points, which share its normal and bound.
 #[inline]
-pub(crate) fn filter_sides<const N: usize>(t: &Triangle, points: [&Point; N]) -> [Option<i32>; N] {
+pub(crate) fn filter_sides<const N: usize>(t: &Triangle, points: [&Point; N]) -> [i32; N] {
     let (u, v) = (difference(&t[1], &t[0]), difference(&t[2], &t[0]));
-    let w = points.map(|p| difference(p, &t[0]));
     let normal = u.cross(v);
-    let extent = w.iter().fold(larger(u.abs(), v.abs()), |m, w| larger(m, w.abs()));
-    let bound = BOUND_3D * extent.x * extent.y * extent.z;
-    w.map(|w| certain(normal.dot(w), bound))
-}
-
-#[inline]
-pub(crate) fn filter_orient2d(axes: Axes, a: &Point, b: &Point, c: &Point) -> Option<i32> {
-    let [u, v] = [b, c].map(|p| axes.map(|k| f64::from(p[k]) - f64::from(a[k])));
-    let extent = [0, 1].map(|k| if u[k].abs() > v[k].abs() { u[k].abs() } else { v[k].abs() });
-    certain(u[0] * v[1] - u[1] * v[0], BOUND_2D * extent[0] * extent[1])
-}
-
-#[inline]
-fn certain(determinant: f64, bound: f64) -> Option<i32> {
-    if determinant > bound {
-        Some(1)
-    } else if determinant < -bound {
-        Some(-1)
-    } else {
-        None
+    let mut extent = larger(u.abs(), v.abs());
+    let mut w = [DVec3::ZERO; N];
+    for i in 0..N {
+        w[i] = difference(points[i], &t[0]);
+        extent = larger(extent, w[i].abs());
     }
+    let bound = BOUND_3D * extent.x * extent.y * extent.z;
+    let mut sides = [0; N];
+    for i in 0..N {
+        sides[i] = certain(normal.dot(w[i]), bound);
+    }
+    sides
+}
+
+/// Likewise for [`orient2d`].
+#[inline]
+pub(crate) fn filter_orient2d(axes: Axes, a: &Point, b: &Point, c: &Point) -> i32 {
+    let edge = |p: &Point, k: usize| f64::from(p[axes[k]]) - f64::from(a[axes[k]]);
+    let (u, v) = ([edge(b, 0), edge(b, 1)], [edge(c, 0), edge(c, 1)]);
+    let extent = |k: usize| if u[k].abs() > v[k].abs() { u[k].abs() } else { v[k].abs() };
+    certain(u[0] * v[1] - u[1] * v[0], BOUND_2D * extent(0) * extent(1))
+}
+
+#[inline]
+fn certain(determinant: f64, bound: f64) -> i32 {
+    i32::from(determinant > bound) - i32::from(determinant < -bound)
 }
 
 #[inline]

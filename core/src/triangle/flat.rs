@@ -22,9 +22,9 @@ pub(super) fn meet<K: Kernel>(a: &Triangle, b: &Triangle) -> Result<bool, K::Und
 /// Whether the closed segment `s` meets the closed triangle `t`; either may be degenerate.
 pub(super) fn segment_meets<K: Kernel>(s: [Point; 2], t: &Triangle) -> Result<bool, K::Undecided> {
     let [p, q] = s;
-    match K::sides(t, &[p, q, q])? {
-        [x, y, _] if x * y > 0 => Ok(false),
-        [0, 0, _] => meet::<K>(&[p, q, q], t),
+    match K::sides(t, [&p, &q])? {
+        [x, y] if x * y > 0 => Ok(false),
+        [0, 0] => meet::<K>(&[p, q, q], t),
         _ => pierces::<K>(s, t),
     }
 }
@@ -103,9 +103,9 @@ fn segment_meets_proper<K: Kernel>(
     t: &Triangle,
     proper: &Proper<K>,
 ) -> Result<bool, K::Undecided> {
-    match K::sides(t, &[s[0], s[1], s[1]])? {
-        [x, y, _] if x * y > 0 => Ok(false),
-        [0, 0, _] => polygons_meet::<K>(proper.axes, &s, &proper.corners),
+    match K::sides(t, [&s[0], &s[1]])? {
+        [x, y] if x * y > 0 => Ok(false),
+        [0, 0] => polygons_meet::<K>(proper.axes, &s, &proper.corners),
         _ => pierces::<K>(s, t),
     }
 }

@@ -7,11 +7,11 @@
 //! and touching needs no tolerance. Our two additions:
 //!
 //! - the case analysis (their permutations) is a table over the signs and covers every pattern with
-//!   zeros, see [`LONE`];
-//! - planes that coincide and triangles without area go to [`flat`], which treats a triangle as what
+//!   zeros, see `LONE`;
+//! - planes that coincide and triangles without area go to `flat`, which treats a triangle as what
 //!   it is, a segment or a point where it has no area, and is complete.
 //!
-//! The logic is written once over [`Kernel`]; an [`Accuracy`] only chooses how signs are decided.
+//! The logic is written once over `Kernel`; an [`Accuracy`] only chooses how signs are decided.
 
 mod flat;
 mod neighbours;
@@ -65,11 +65,11 @@ pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
 /// [`intersects`], for any way to decide signs.
 #[inline]
 pub(crate) fn meet<K: Kernel>(a: &Triangle, b: &Triangle) -> Result<bool, K::Undecided> {
-    let a_sides = K::sides(b, a);
+    let a_sides = K::sides(b, [&a[0], &a[1], &a[2]]);
     if matches!(&a_sides, Ok(s) if one_sided(s)) {
         return Ok(false);
     }
-    let b_sides = K::sides(a, b);
+    let b_sides = K::sides(a, [&b[0], &b[1], &b[2]]);
     if matches!(&b_sides, Ok(s) if one_sided(s)) {
         return Ok(false);
     }
@@ -157,9 +157,11 @@ mod tests {
     const FLOOR: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
 
     fn check(b: Triangle, expected: bool) {
+        // Miri is slow and gets two of the six.
+        let some = if cfg!(miri) { 4 } else { 1 };
         for (first, second) in [(&FLOOR, &b), (&b, &FLOOR)] {
-            for p in permutations(first) {
-                for q in permutations(second) {
+            for p in permutations(first).into_iter().step_by(some) {
+                for q in permutations(second).into_iter().rev().step_by(some) {
                     assert_eq!(intersects(&p, &q, Accuracy::Exact), expected, "{p:?} {q:?}");
                     assert!(!expected || intersects(&p, &q, Accuracy::Conservative));
                 }

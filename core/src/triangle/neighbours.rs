@@ -10,7 +10,7 @@
 //! - three shared vertices, or the same set of vertices: always a hit.
 
 use super::flat::{order, proper, segment_meets};
-use super::{Accuracy, certain, meet};
+use super::{Accuracy, certain, intersects};
 use crate::Mesh;
 use crate::predicates::{Exact, Fast, Filtered, Kernel, Point};
 use core::cmp::Ordering;
@@ -47,10 +47,14 @@ pub fn intersects_in_mesh(
     adjacency: Adjacency,
     accuracy: Accuracy,
 ) -> bool {
-    let pair = Pair::new(mesh, i, j);
-    if pair.shared != 0 && adjacency == Adjacency::SkipNeighbours {
+    let [own, other] = [&mesh.triangles()[i as usize], &mesh.triangles()[j as usize]];
+    if !own.iter().any(|v| other.contains(v)) {
+        return intersects(&mesh.triangle(i), &mesh.triangle(j), accuracy);
+    }
+    if adjacency == Adjacency::SkipNeighbours {
         return false;
     }
+    let pair = Pair::new(mesh, own, other);
     match accuracy {
         Accuracy::Exact => certain(pair.hit::<Exact>()),
         Accuracy::Conservative => pair.hit::<Filtered>().unwrap_or(true),
@@ -58,7 +62,7 @@ pub fn intersects_in_mesh(
     }
 }
 
-/// Two triangles with their shared corners first.
+/// Two triangles that share a vertex, with their shared corners first.
 struct Pair {
     a: [Point; 3],
     b: [Point; 3],
@@ -69,20 +73,16 @@ struct Pair {
 }
 
 impl Pair {
-    fn new(mesh: Mesh<'_>, i: u32, j: u32) -> Self {
-        let indices = [i, j].map(|t| mesh.triangles()[t as usize]);
-        let [(a, shared, m), (b, _, n)] = [(0, 1), (1, 0)].map(|(own, other)| {
-            let [own, other] = [&indices[own], &indices[other]];
-            let (sorted, shared, corners) = shared_first(own, other);
-            (sorted.map(|v| mesh.positions()[v as usize]), shared, corners)
-        });
-        Self { a, b, shared, corners: [m, n] }
+    fn new(mesh: Mesh<'_>, i: &[u32; 3], j: &[u32; 3]) -> Self {
+        let ((a, shared, m), (b, _, n)) = (shared_first(i, j), shared_first(j, i));
+        let at = |v: u32| mesh.positions()[v as usize];
+        let points = |[p, q, r]: [u32; 3]| [at(p), at(q), at(r)];
+        Self { a: points(a), b: points(b), shared, corners: [m, n] }
     }
 
     fn hit<K: Kernel>(&self) -> Result<bool, K::Undecided> {
         let Self { a, b, shared, corners } = self;
         match (shared, corners) {
-            (0, _) => meet::<K>(a, b),
             (3, _) | (_, [3, 3]) => Ok(true),
             (2, _) => edge_rule::<K>(a, b),
             _ => vertex_rule::<K>(a, b, *corners),
@@ -99,18 +99,18 @@ fn shared_first(own: &[u32; 3], other: &[u32; 3]) -> ([u32; 3], usize, usize) {
         (true, true) => 1,
         (false, _) => 2,
     };
-    let mut order = [0, 1, 2];
-    // An insertion sort of three.
-    for i in 1..3 {
-        let mut k = i;
-        while k > 0 && rank(order[k - 1]) > rank(order[k]) {
-            order.swap(k - 1, k);
-            k -= 1;
+    let ranks = [rank(0), rank(1), rank(2)];
+    let (mut sorted, mut len) = ([0; 3], 0);
+    for wanted in 0..3 {
+        for i in 0..3 {
+            if ranks[i] == wanted {
+                sorted[len] = own[i];
+                len += 1;
+            }
         }
     }
-    let shared = (0..3).filter(|&i| rank(i) == 0).count();
-    let corners = (0..3).filter(|&i| is_shared(i)).count();
-    (order.map(|i| own[i]), shared, corners)
+    let up_to = |most: usize| ranks.iter().filter(|&&rank| rank <= most).count();
+    (sorted, up_to(0), up_to(1))
 }
 
 /// One common vertex, in the first corner of both.
@@ -122,7 +122,7 @@ fn vertex_rule<K: Kernel>(
     // With both free corners of one strictly on one side of the other's plane, the planes cut each
     // triangle in the common vertex alone: neighbours in a smooth surface end here.
     for (t, free) in [(b, a), (a, b)] {
-        if let Ok([_, p, q]) = K::sides(t, free)
+        if let Ok([p, q]) = K::sides(t, [&free[1], &free[2]])
             && p * q > 0
         {
             return Ok(false);

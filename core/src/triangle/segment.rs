@@ -49,7 +49,8 @@ pub struct Contact {
 /// ```
 #[must_use]
 pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
-    let [a_sides, b_sides] = [(b, a), (a, b)].map(|(t, p)| super::certain(Exact::sides(t, p)));
+    let sides = |t, [p, q, r]: &Triangle| super::certain(Exact::sides(t, [p, q, r]));
+    let (a_sides, b_sides) = (sides(b, a), sides(a, b));
     if one_sided(&a_sides) || one_sided(&b_sides) {
         return None;
     }

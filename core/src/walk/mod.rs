@@ -9,10 +9,9 @@
 mod pair;
 mod within;
 
-pub(crate) use pair::PairTree;
+pub(crate) use pair::{PairTree, Side};
 pub(crate) use within::SelfTree;
 
-use crate::Bvh;
 use crate::aabb::Bounds;
 use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE};
 use core::ops::ControlFlow;
@@ -139,8 +138,8 @@ pub(crate) trait Bvtt {
     /// Whether both are leaves.
     fn is_leaf(&self, n: NodePair) -> bool;
 
-    /// Hands on every child; returns the number of box tests.
-    fn children(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32;
+    /// Hands on every child and its boxes, in ascending order; returns the number of box tests.
+    fn children(&self, n: NodePair, push: impl FnMut(NodePair, [&Bounds; 2])) -> u32;
 
     /// Visits the triangle pairs of a leaf pair that meet, without the first `skip` combinations.
     /// `Break` carries how many are done.
@@ -149,19 +148,23 @@ pub(crate) trait Bvtt {
         n: NodePair,
         skip: u32,
         work: &mut Work,
-        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+        visit: &mut Visit<'_>,
     ) -> ControlFlow<u32>;
 }
+
+/// What is done with a pair. Not a type parameter: one walk for each kind of tree is enough machine
+/// code, and a hit costs far more to find than to hand on.
+pub(crate) type Visit<'v> = dyn FnMut(TrianglePair) -> ControlFlow<()> + 'v;
 
 /// The boxes of the triangles of one leaf that reach the other; those that do not are empty.
 struct LeafBoxes([Bounds; MAX_LEAF_SIZE as usize]);
 
 impl LeafBoxes {
     #[inline]
-    fn new(bvh: &Bvh<'_>, triangles: &[u32], other: &Bounds) -> Self {
+    fn new(triangles: &[u32], other: &Bounds, corners: impl Fn(u32) -> [Vec3A; 3]) -> Self {
         let mut boxes = [Bounds::EMPTY; MAX_LEAF_SIZE as usize];
         for (slot, &triangle) in boxes.iter_mut().zip(triangles) {
-            let bounds = Bounds::of(&bvh.mesh().triangle(triangle).map(Vec3A::from_array));
+            let bounds = Bounds::of(&corners(triangle));
             if bounds.overlaps(other) {
                 *slot = bounds;
             }
@@ -179,18 +182,18 @@ impl LeafBoxes {
 pub(crate) fn walk<T: Bvtt>(
     tree: &T,
     cursor: &mut Cursor,
-    mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    visit: &mut Visit<'_>,
 ) -> ControlFlow<()> {
     while let Some(n) = cursor.pop() {
         if tree.is_leaf(n) {
             let skip = core::mem::take(&mut cursor.skip);
-            if let ControlFlow::Break(done) = tree.leaf(n, skip, &mut cursor.work, &mut visit) {
+            if let ControlFlow::Break(done) = tree.leaf(n, skip, &mut cursor.work, visit) {
                 cursor.push(n);
                 cursor.skip = done;
                 return ControlFlow::Break(());
             }
         } else {
-            let tests = tree.children(n, |child| cursor.push(child));
+            let tests = tree.children(n, |child, _| cursor.push(child));
             cursor.work.box_tests += u64::from(tests);
         }
     }

@@ -4,7 +4,7 @@
 //! two meshes do. Overlapping boxes of neighbours are the rule here, so the walk reaches all of
 //! them; the shared-index rule decides in the leaves.
 
-use super::{Bvtt, LeafBoxes, NodePair, TrianglePair, Work};
+use super::{Bvtt, LeafBoxes, NodePair, TrianglePair, Visit, Work};
 use crate::Bvh;
 use crate::aabb::Bounds;
 use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
@@ -16,6 +16,8 @@ pub(crate) struct SelfTree<'a> {
     pub(crate) bvh: Bvh<'a>,
     pub(crate) accuracy: Accuracy,
     pub(crate) adjacency: Adjacency,
+    /// Whether triangles meet as soon as their boxes do.
+    pub(crate) boxes_only: bool,
 }
 
 impl Bvtt for SelfTree<'_> {
@@ -29,19 +31,22 @@ impl Bvtt for SelfTree<'_> {
     }
 
     #[inline]
-    fn children(&self, n: NodePair, mut push: impl FnMut(NodePair)) -> u32 {
+    fn children(&self, n: NodePair, mut push: impl FnMut(NodePair, [&Bounds; 2])) -> u32 {
         let nodes = self.bvh.nodes();
         let (a, b) = (&nodes[n.a as usize], &nodes[n.b as usize]);
+        let bounds = |i: u32| nodes[i as usize].bounds();
         let mut test = |i: u32, j: u32| {
-            if nodes[i as usize].bounds().overlaps(&nodes[j as usize].bounds()) {
-                push(NodePair { a: i, b: j });
+            let (own, other) = (bounds(i), bounds(j));
+            if own.overlaps(&other) {
+                push(NodePair { a: i, b: j }, [&own, &other]);
             }
         };
         if n.a == n.b && !a.is_leaf() {
+            // A box always overlaps itself, so one of these is a test.
             let (l, r) = (a.first, a.first + 1);
-            test(l, r);
-            push(NodePair { a: l, b: l });
-            push(NodePair { a: r, b: r });
+            for (i, j) in [(l, l), (l, r), (r, r)] {
+                test(i, j);
+            }
             return 1;
         }
         match (a.is_leaf(), b.is_leaf()) {
@@ -72,15 +77,16 @@ impl Bvtt for SelfTree<'_> {
         n: NodePair,
         skip: u32,
         work: &mut Work,
-        mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+        visit: &mut Visit<'_>,
     ) -> ControlFlow<u32> {
         let nodes = self.bvh.nodes();
         let (first, second) = (&nodes[n.a as usize], &nodes[n.b as usize]);
         let (mesh, first_bounds) = (self.bvh.mesh(), first.bounds());
         let own = self.bvh.leaf_triangles(first);
-        let boxes = LeafBoxes::new(&self.bvh, own, &second.bounds());
+        let corners = |triangle| mesh.triangle(triangle).map(Vec3A::from_array);
+        let boxes = LeafBoxes::new(own, &second.bounds(), corners);
         for (row, &b) in self.bvh.leaf_triangles(second).iter().enumerate() {
-            let bounds = Bounds::of(&mesh.triangle(b).map(Vec3A::from_array));
+            let bounds = Bounds::of(&corners(b));
             if !bounds.overlaps(&first_bounds) {
                 continue;
             }
@@ -93,9 +99,9 @@ impl Bvtt for SelfTree<'_> {
                 }
                 work.triangle_tests += 1;
                 let (a, b) = if a < b { (a, b) } else { (b, a) };
-                if intersects_in_mesh(mesh, a, b, self.adjacency, self.accuracy)
-                    && visit(TrianglePair { a, b }).is_break()
-                {
+                let meet = self.boxes_only
+                    || intersects_in_mesh(mesh, a, b, self.adjacency, self.accuracy);
+                if meet && visit(TrianglePair { a, b }).is_break() {
                     return ControlFlow::Break(before + 1);
                 }
             }

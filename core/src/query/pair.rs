@@ -1,0 +1,148 @@
+//! Two meshes, one or both of them posed.
+
+use super::{Cursor, NodePair, Query, TrianglePair};
+use crate::pose::{InPlace, Place, PoseError};
+use crate::triangle::{Accuracy, Contact, contact};
+use crate::walk::{Bvtt, PairTree, Side, Visit, walk};
+use crate::{Aabb, Bvh, Node, Pose};
+use core::ops::ControlFlow;
+
+/// A BVH and where it stands in the frame of a query. Copying is free.
+///
+/// # Examples
+/// ```
+/// use pfront_core::{query::*, *};
+/// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+/// # let root = Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 };
+/// # let bvh = Bvh::trusted(mesh, std::slice::from_ref(&root), &[0]);
+/// let here = Placed::new(bvh, &Pose::from_translation([8.0, 0.0, 0.0]))?;
+/// let there = Placed::new(bvh, &Pose::from_translation([8.5, 0.0, 0.0]))?;
+/// assert_eq!(PairQuery::in_world(here, there).count(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<'a>(Side<'a, Place>);
+
+impl<'a> Placed<'a> {
+    /// In a pose. [`Pose::IDENTITY`] leaves every vertex as it is and costs a query nothing.
+    ///
+    /// # Errors
+    /// [`PoseError`] if the pose is not finite or takes the mesh out of range.
+    pub fn new(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
+        if *world_from_bvh != Pose::IDENTITY {
+            let origin = Aabb { min: [0.0; 3], max: [0.0; 3] };
+            world_from_bvh.check(&bvh.root().map_or(origin, Node::aabb))?;
+        }
+        Ok(Self::trusted(bvh, world_from_bvh))
+    }
+
+    /// In a pose that [`Placed::new`] or [`Pose::check`] has accepted for this mesh.
+    ///
+    /// Nothing is checked: in another one a query may miss pairs.
+    #[must_use]
+    pub fn trusted(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Self {
+        Self(Side { bvh, place: Place::new(world_from_bvh) })
+    }
+
+    /// A box that contains every posed vertex of every triangle, rounding included; `None` for an
+    /// empty mesh. What a broad phase goes by.
+    #[must_use]
+    pub fn aabb(&self) -> Option<Aabb> {
+        Some(self.0.bounds(self.0.bvh.root()?).into())
+    }
+}
+
+/// Two meshes in one frame: that of the first ([`PairQuery::new`]), or a world in which both are posed
+/// ([`PairQuery::in_world`]). The choice changes how vertices are rounded, and so what is found.
+///
+/// # Examples
+/// ```
+/// use pfront_core::{build::{self, *}, bvh::node_bound, query::*, *};
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+/// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
+/// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+/// let mut scratch = [0; build::morton_scratch_bound(1)];
+/// let bvh = build::morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
+/// let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.5, 0.0, 0.0]))?;
+/// assert_eq!(query.any(), Some(TrianglePair { a: 0, b: 0 }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct PairQuery<'a> {
+    tree: PairTree<'a, Place, Place>,
+    leaf_edge: f32,
+}
+
+impl<'a> PairQuery<'a> {
+    /// Asks for `a` against `b` posed by `a_from_b`, exactly.
+    ///
+    /// # Errors
+    /// [`PoseError`] if the pose is not finite or takes `b` out of range.
+    pub fn new(a: Bvh<'a>, b: Bvh<'a>, a_from_b: Pose) -> Result<Self, PoseError> {
+        Ok(Self::in_world(Placed::trusted(a, &Pose::IDENTITY), Placed::new(b, &a_from_b)?))
+    }
+
+    /// Asks for two meshes that are both posed into a third frame, exactly.
+    #[must_use]
+    pub fn in_world(a: Placed<'a>, b: Placed<'a>) -> Self {
+        let leaf_edge = a.0.bvh.leaf_edge().max(b.0.bvh.leaf_edge());
+        Self { tree: PairTree { a: a.0, b: b.0, accuracy: Accuracy::Exact }, leaf_edge }
+    }
+
+    /// Walks with each side placed as it is, so that no box or corner has to ask.
+    fn walk(&self, cursor: &mut Cursor, visit: &mut Visit<'_>) -> ControlFlow<()> {
+        let tree = &self.tree;
+        match (tree.a.place, tree.b.place) {
+            (Place::InPlace, Place::InPlace) => {
+                walk(&tree.through(InPlace, InPlace), cursor, visit)
+            }
+            (Place::InPlace, Place::Posed(b)) => walk(&tree.through(InPlace, b), cursor, visit),
+            (Place::Posed(a), Place::InPlace) => walk(&tree.through(a, InPlace), cursor, visit),
+            (Place::Posed(a), Place::Posed(b)) => walk(&tree.through(a, b), cursor, visit),
+        }
+    }
+
+    /// The same with another [`Accuracy`].
+    #[must_use]
+    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
+        self.tree.accuracy = accuracy;
+        self
+    }
+}
+
+impl Query for PairQuery<'_> {
+    fn root(&self) -> Option<NodePair> {
+        self.tree.root()
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        self.tree.children(n, |child, [a, b]| push(child, [(*a).into(), (*b).into()]))
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        let PairTree { a, b, .. } = &self.tree;
+        [a.bounds(a.node(n.a)).into(), b.bounds(b.node(n.b)).into()]
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        [self.tree.a.bvh.triangles_below(n.a), self.tree.b.bvh.triangles_below(n.b)]
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        self.leaf_edge
+    }
+
+    fn visit(
+        &self,
+        cursor: &mut Cursor,
+        mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.walk(cursor, &mut visit)
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        contact(&self.tree.a.triangle(pair.a), &self.tree.b.triangle(pair.b))
+    }
+}

@@ -1,0 +1,97 @@
+//! One mesh.
+
+use super::{Cursor, NodePair, Query, TrianglePair};
+use crate::triangle::{Accuracy, Adjacency, Contact, contact};
+use crate::walk::{Bvtt, SelfTree, walk};
+use crate::{Aabb, Bvh};
+use core::ops::ControlFlow;
+
+/// One mesh against itself, each unordered pair of triangles once.
+#[derive(Clone, Copy, Debug)]
+pub struct SelfQuery<'a> {
+    bvh: Bvh<'a>,
+    accuracy: Accuracy,
+    adjacency: Adjacency,
+    boxes_only: bool,
+}
+
+impl<'a> SelfQuery<'a> {
+    /// Asks for all pairs under the shared-index rule, exactly.
+    #[must_use]
+    pub fn new(bvh: Bvh<'a>) -> Self {
+        let (accuracy, adjacency) = (Accuracy::Exact, Adjacency::SharedIndexRule);
+        Self { bvh, accuracy, adjacency, boxes_only: false }
+    }
+
+    /// The same with another [`Accuracy`].
+    #[must_use]
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// The same with another rule for neighbours.
+    #[must_use]
+    pub fn with_adjacency(self, adjacency: Adjacency) -> Self {
+        Self { adjacency, ..self }
+    }
+
+    /// Asks for all pairs of triangles whose boxes overlap, whatever else. With each box of a set given
+    /// as a triangle through two opposite corners, that is the broad phase of the set.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{build::*, bvh::node_bound, query::*, *};
+    /// let corners = [[0.0; 3], [2.0; 3], [1.0; 3], [3.0; 3], [2.5, 0.0, 0.0], [4.0, 0.9, 9.0]];
+    /// let boxes = Mesh::new(&corners, &[[0, 1, 1], [2, 3, 3], [4, 5, 5]])?;
+    /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(3)], [0; 3]);
+    /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    /// let bvh = morton(boxes, &BuildOptions::default(), storage, &mut [0; 6])?;
+    /// let query = SelfQuery::new(bvh).boxes_only();
+    /// assert_eq!((query.count(), query.any()), (1, Some(TrianglePair { a: 0, b: 1 })));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn boxes_only(self) -> Self {
+        Self { boxes_only: true, ..self }
+    }
+
+    fn tree(&self) -> SelfTree<'a> {
+        let Self { bvh, accuracy, adjacency, boxes_only } = *self;
+        SelfTree { bvh, accuracy, adjacency, boxes_only }
+    }
+}
+
+impl Query for SelfQuery<'_> {
+    fn root(&self) -> Option<NodePair> {
+        self.tree().root()
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        self.tree().children(n, |child, [a, b]| push(child, [(*a).into(), (*b).into()]))
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        [n.a, n.b].map(|node| self.bvh.nodes()[node as usize].aabb())
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        [n.a, n.b].map(|node| self.bvh.triangles_below(node))
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        self.bvh.leaf_edge()
+    }
+
+    fn visit(
+        &self,
+        cursor: &mut Cursor,
+        mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        walk(&self.tree(), cursor, &mut visit)
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        let [a, b] = [pair.a, pair.b].map(|t| self.bvh.mesh().triangle(t));
+        contact(&a, &b)
+    }
+}
