@@ -1,5 +1,6 @@
 //! One error for everything a call can refuse.
 
+use crate::BodyId;
 use pfront_core::pose::PoseError;
 use pfront_core::{CapacityError, MeshError};
 
@@ -10,9 +11,15 @@ pub enum Error {
     /// The positions and indices are not a mesh.
     #[error("not a mesh: {0}")]
     Mesh(#[from] MeshError),
-    /// The second mesh cannot be posed so.
+    /// A mesh cannot be posed so.
     #[error("pose refused: {0}")]
     Pose(#[from] PoseError),
+    /// A body is no longer in the scene.
+    #[error("{id} is not in the scene; it has been removed or split")]
+    StaleBody {
+        /// The body asked for.
+        id: BodyId,
+    },
     /// A buffer of the core was too small.
     #[error(transparent)]
     Capacity(#[from] CapacityError),

@@ -4,7 +4,8 @@
 //! `pfront` implements Zhang & Kim, *Scalable Collision Detection Using p-Partition Fronts on
 //! Many-Core Processors* (IEEE TVCG 2014), on triangle predicates that are exact for all finite f32
 //! input. A [`Model`] owns a mesh and its BVH; a [`PairQuery`] or [`SelfQuery`] owns the buffers
-//! that a question needs and keeps them from frame to frame.
+//! that a question needs and keeps them from frame to frame; a [`SceneQuery`] owns many posed models
+//! as well.
 //!
 //! ```
 //! use pfront::{Model, PairQuery, Pose};
@@ -27,7 +28,7 @@
 //! - Triangles are closed sets: touching counts, and a triangle without area is a segment or a point.
 //! - [`Accuracy::Exact`], the default, reports the true set for the posed f32 positions. The posed
 //!   position of a vertex is fixed to the bit by [`Pose::apply`]; a pair query poses the second
-//!   mesh into the frame of the first.
+//!   mesh into the frame of the first, a scene poses every body into the world.
 //! - Within one mesh, what two triangles share by index is no contact: see
 //!   [`core::triangle::intersects_in_mesh`].
 //!
@@ -37,11 +38,13 @@ mod answer;
 mod error;
 mod model;
 mod pair;
+mod scene;
 mod within;
 
 pub use error::Error;
 pub use model::Model;
 pub use pair::PairQuery;
+pub use scene::{Body, BodyId, Piece, SceneHit, SceneQuery};
 pub use within::SelfQuery;
 
 pub use pfront_core as core;
@@ -50,3 +53,6 @@ pub use pfront_core::pose::PoseError;
 pub use pfront_core::query::TrianglePair;
 pub use pfront_core::triangle::{Accuracy, Adjacency, Contact, ContactKind};
 pub use pfront_core::{Aabb, Bvh, Mesh, MeshError, Node, Pose};
+/// The backend on several CPU threads, and what can be chosen about it.
+#[cfg(feature = "threads")]
+pub use pfront_cpu as threads;

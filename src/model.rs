@@ -68,6 +68,12 @@ impl Model {
         Bvh::trusted(self.mesh(), &self.nodes, &self.order)
     }
 
+    /// How the BVH is built.
+    #[must_use]
+    pub fn options(&self) -> BuildOptions {
+        self.options
+    }
+
     /// Moves the vertices of a deforming mesh and refits the BVH; rebuilds it when its quality
     /// figure has grown by [`REBUILD_RATIO`] since the last build. On error nothing has changed.
     ///

@@ -1,6 +1,8 @@
 //! Two models.
 
 use crate::answer::Answer;
+#[cfg(feature = "threads")]
+use crate::threads;
 use crate::{Accuracy, Contact, Error, Model, Pose, TrianglePair, core};
 use pfront_core::query::Query;
 use std::ops::ControlFlow;
@@ -39,6 +41,45 @@ impl PairQuery {
         Self { accuracy, ..self }
     }
 
+    /// The same on several threads: each frame is divided into `workers` parts, which run in the rayon
+    /// pool of whoever asks. The answers stay the same to the bit.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose};
+    /// # let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let mut query = PairQuery::new().with_threads(8);
+    /// assert_eq!(query.all(&a, &a, &Pose::IDENTITY)?.len(), 1);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn with_threads(self, workers: usize) -> Self {
+        self.with_traversal(threads::Traversal::new(workers))
+    }
+
+    /// [`PairQuery::with_threads`] with a pool and settings of your own.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::threads::{Schedule, Settings, Traversal};
+    /// let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
+    /// let query = pfront::PairQuery::new().with_traversal(Traversal::new(8).with_settings(settings));
+    /// ```
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn with_traversal(mut self, traversal: threads::Traversal) -> Self {
+        self.answer.traversal = Some(traversal);
+        self
+    }
+
+    /// What the last frame on threads did; see [`threads::Report`].
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn report(&self) -> Option<&threads::Report> {
+        Some(self.answer.traversal.as_ref()?.report())
+    }
+
     /// All pairs that meet, sorted; `a` and `b` of a pair are triangles of `a` and `b`.
     ///
     /// # Errors
@@ -58,7 +99,8 @@ impl PairQuery {
         b: &Model,
         a_from_b: &Pose,
     ) -> Result<Option<TrianglePair>, Error> {
-        Ok(self.query(a, b, a_from_b)?.any())
+        let query = self.query(a, b, a_from_b)?;
+        Ok(self.answer.any(&query))
     }
 
     /// How many pairs meet.
@@ -66,11 +108,12 @@ impl PairQuery {
     /// # Errors
     /// As [`PairQuery::all`].
     pub fn count(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<u64, Error> {
-        Ok(self.query(a, b, a_from_b)?.count())
+        let query = self.query(a, b, a_from_b)?;
+        Ok(self.answer.count(&query))
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
-    /// buffer at all.
+    /// buffer at all, and only the calling thread.
     ///
     /// # Errors
     /// As [`PairQuery::all`].

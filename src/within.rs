@@ -1,6 +1,8 @@
 //! One model with itself.
 
 use crate::answer::Answer;
+#[cfg(feature = "threads")]
+use crate::threads;
 use crate::{Accuracy, Adjacency, Contact, Model, TrianglePair, core};
 use pfront_core::query::Query;
 use std::ops::ControlFlow;
@@ -48,6 +50,28 @@ impl SelfQuery {
         Self { adjacency, ..self }
     }
 
+    /// The same on several threads; see [`crate::PairQuery::with_threads`].
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn with_threads(self, workers: usize) -> Self {
+        self.with_traversal(threads::Traversal::new(workers))
+    }
+
+    /// [`SelfQuery::with_threads`] with a pool and settings of your own.
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn with_traversal(mut self, traversal: threads::Traversal) -> Self {
+        self.answer.traversal = Some(traversal);
+        self
+    }
+
+    /// What the last frame on threads did; see [`threads::Report`].
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn report(&self) -> Option<&threads::Report> {
+        Some(self.answer.traversal.as_ref()?.report())
+    }
+
     /// All pairs that meet, sorted.
     pub fn all(&mut self, model: &Model) -> &[TrianglePair] {
         let query = self.query(model);
@@ -56,16 +80,18 @@ impl SelfQuery {
 
     /// Some pair that meets, if any does; stops at the first.
     pub fn any(&mut self, model: &Model) -> Option<TrianglePair> {
-        self.query(model).any()
+        let query = self.query(model);
+        self.answer.any(&query)
     }
 
     /// How many pairs meet.
     pub fn count(&mut self, model: &Model) -> u64 {
-        self.query(model).count()
+        let query = self.query(model);
+        self.answer.count(&query)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
-    /// buffer at all.
+    /// buffer at all, and only the calling thread.
     pub fn visit(
         &mut self,
         model: &Model,

@@ -1,0 +1,52 @@
+//! The queries of [`pfront_core`] on p CPU threads: the same answer, to the bit, for every number of
+//! workers and every schedule.
+//!
+//! A [`Traversal`] keeps what a frame leaves for the next: the measured cost of each node of its
+//! p-partition front, and every buffer. Each frame it generates a front, deals it out to p workers, lets
+//! each walk from its nodes without synchronisation, and gathers what they found (Zhang & Kim 2014,
+//! sections 3 and 3.4). Costs are counted in box and triangle tests, not timed, so that the
+//! [`Report`] of a frame means the same on every machine and for any p.
+//!
+//! ```
+//! use pfront_core::{build::*, bvh::node_bound, query::PairQuery, *};
+//! use pfront_cpu::Traversal;
+//! # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
+//! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+//! # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+//! # let mut scratch = [0; morton_scratch_bound(1)];
+//! # let bvh = morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
+//! let mut traversal = Traversal::new(8);
+//! let mut pairs = Vec::new();
+//! for frame in 0..3 {
+//!     let pose = Pose::from_translation([0.1 * frame as f32, 0.0, 0.0]);
+//!     traversal.all(&PairQuery::new(bvh, bvh, pose)?, &mut pairs);
+//!     assert_eq!(pairs.len(), 1);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Where the threads come from
+//! Work runs in the rayon pool of the calling thread, which outside of any pool is the global one:
+//! call from `pool.install(|| …)` to use another, or hand one over for good with
+//! [`Traversal::with_pool`]. The number of workers p is independent of the number of threads.
+
+mod calibrate;
+mod deal;
+mod parts;
+mod plan;
+mod reference;
+
+mod report;
+mod settings;
+mod sink;
+mod stealing;
+mod traversal;
+
+pub use calibrate::{TRIANGLE_COST, calibrate};
+pub use reference::Reference;
+
+pub use report::{Report, Share};
+pub use settings::{Schedule, Settings};
+pub use sink::Hit;
+pub use traversal::Traversal;

@@ -1,0 +1,103 @@
+//! Refining a large front in parallel: it is cut into parts, each with its share of the memory, and put
+//! together again in order.
+
+use crate::Settings;
+use crate::plan::Outcome;
+use pfront_core::front::{Front, FrontNode, Past};
+use pfront_core::query::Query;
+use rayon::prelude::*;
+
+/// Parts per thread, since some take longer than others.
+const PARTS_PER_THREAD: usize = 4;
+
+/// What [`Front::refine`] is told.
+pub(crate) struct Task<'t, Q> {
+    pub(crate) queries: &'t [Q],
+    pub(crate) workers: usize,
+    pub(crate) settings: &'t Settings,
+    pub(crate) past: Past<'t>,
+}
+
+impl<Q: Query> Task<'_, Q> {
+    /// Does to the first `len` of `nodes` what [`Front::refine`] does.
+    pub(crate) fn refine(&self, nodes: &mut [FrontNode], len: usize) -> Outcome {
+        let Settings { grain, estimate, .. } = *self.settings;
+        let mut front = Front::resume(nodes, len);
+        front.refine(self.workers, grain, estimate, self.past, |n| &self.queries[n as usize]);
+        Outcome { nodes: front.nodes().len(), box_tests: front.box_tests(), full: front.is_full() }
+    }
+}
+
+/// A stretch of the memory and how many nodes it holds.
+struct Part<'p> {
+    nodes: &'p mut [FrontNode],
+    len: usize,
+    cost: f64,
+    box_tests: u64,
+    full: bool,
+}
+
+/// [`Task::refine`] on all threads of the pool.
+pub(crate) fn refine<Q: Query + Sync>(
+    task: &Task<'_, Q>,
+    nodes: &mut [FrontNode],
+    len: usize,
+) -> Outcome {
+    let count = (PARTS_PER_THREAD * rayon::current_num_threads()).min(len).max(1);
+    let size = nodes.len() / count;
+    if size < len.div_ceil(count) {
+        return Outcome { nodes: len, box_tests: 0, full: true };
+    }
+    // From the last to the first, so that none is overwritten before it has moved: part i has at most
+    // as many nodes before it as room.
+    let bounds = |part: usize| part * len / count..(part + 1) * len / count;
+    for part in (0..count).rev() {
+        nodes.copy_within(bounds(part), part * size);
+    }
+    let mut parts: Vec<Part<'_>> = nodes
+        .chunks_mut(size)
+        .take(count)
+        .enumerate()
+        .map(|(i, nodes)| Part::new(nodes, bounds(i).len()))
+        .collect();
+    loop {
+        let share = parts.iter().map(|part| part.cost).sum::<f64>() / task.workers as f64;
+        let split = parts.par_iter_mut().with_max_len(1).map(|part| part.refine(task, share));
+        // All must have their turn.
+        if !split.reduce(|| false, |x, y| x | y) || parts.iter().any(|part| part.full) {
+            break;
+        }
+    }
+    let mut outcome = Outcome::default();
+    let lengths: Vec<usize> = parts.iter().map(|part| part.len).collect();
+    for part in &parts {
+        outcome.box_tests += part.box_tests;
+        outcome.full |= part.full;
+    }
+    for (part, len) in lengths.into_iter().enumerate() {
+        nodes.copy_within(part * size..part * size + len, outcome.nodes);
+        outcome.nodes += len;
+    }
+    // Numbers the nodes anew.
+    Front::resume(nodes, outcome.nodes);
+    outcome
+}
+
+impl<'p> Part<'p> {
+    fn new(nodes: &'p mut [FrontNode], len: usize) -> Self {
+        let cost = nodes[..len].iter().map(|node| f64::from(node.cost)).sum();
+        Self { nodes, len, cost, box_tests: 0, full: false }
+    }
+
+    fn refine<Q: Query>(&mut self, task: &Task<'_, Q>, share: f64) -> bool {
+        let Settings { grain, estimate, .. } = *task.settings;
+        let mut front = Front::resume(self.nodes, self.len);
+        let query = |number: u32| &task.queries[number as usize];
+        let split = front.refine_below(share, grain, estimate, task.past, query);
+        self.len = front.nodes().len();
+        self.cost = front.cost();
+        self.box_tests += front.box_tests();
+        self.full |= front.is_full();
+        split
+    }
+}

@@ -1,0 +1,87 @@
+//! What a frame did, counted: the figures that the paper plots.
+
+use pfront_core::query::Work;
+use std::time::Duration;
+
+/// What one worker was dealt, and what it did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Share {
+    /// The cost it was expected to have, in box tests.
+    pub predicted: f64,
+    /// What it really did.
+    pub work: Work,
+}
+
+/// A frame of a [`Traversal`](crate::Traversal). Under [`Static`](crate::Schedule::Static) the counts are the
+/// same on every machine, but for fronts of thousands of nodes, which several threads generate: there the
+/// rounding of sums may shift a node. Durations are measured.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Each worker; under [`Stealing`](crate::Schedule::Stealing) one entry for all of them.
+    pub shares: Vec<Share>,
+    /// The k that costs are counted with.
+    pub triangle_cost: f32,
+    /// Whether the costs of the last frame could be used.
+    pub coherent: bool,
+    /// How much of the last frame's cost lay in nodes that overlap again, 0 to 1.
+    pub found: f64,
+    /// Depth d_s of the starting front.
+    pub depth: u32,
+    /// Nodes of the starting front, N_s.
+    pub starting_nodes: usize,
+    /// Nodes of the p-partition front, N_p.
+    pub nodes: usize,
+    /// Box tests spent on the front; the shares do not include them.
+    pub front_box_tests: u64,
+    /// How many workers could still have helped, eq. 6, by predicted costs.
+    pub p_optimal: u32,
+    /// True cost of the dearest front node: no schedule that deals out this front has a makespan below.
+    pub dearest_node: f64,
+    /// Bytes of memory held for fronts and their costs; 48 a node of this front are in use.
+    pub front_bytes: usize,
+    /// Generating the front.
+    pub front_time: Duration,
+    /// Dealing it out.
+    pub partition_time: Duration,
+    /// Walking.
+    pub walk_time: Duration,
+    /// Gathering and sorting what was found.
+    pub gather_time: Duration,
+}
+
+impl Report {
+    /// Busiest worker over mean, in counted cost; 1 where there was nothing to do.
+    #[must_use]
+    pub fn imbalance(&self) -> f64 {
+        let costs = || self.shares.iter().map(|share| self.cost(share.work));
+        let total: f64 = costs().sum();
+        if total > 0.0 {
+            costs().fold(0.0, f64::max) * self.shares.len() as f64 / total
+        } else {
+            1.0
+        }
+    }
+
+    /// All box and triangle tests of the frame, those for the front included.
+    #[must_use]
+    pub fn work(&self) -> Work {
+        let front = Work { box_tests: self.front_box_tests, triangle_tests: 0 };
+        self.shares.iter().fold(front, |sum, Share { work, .. }| Work {
+            box_tests: sum.box_tests + work.box_tests,
+            triangle_tests: sum.triangle_tests + work.triangle_tests,
+        })
+    }
+
+    /// Work as one figure, in box tests.
+    #[must_use]
+    pub fn cost(&self, work: Work) -> f64 {
+        work.box_tests as f64 + f64::from(self.triangle_cost) * work.triangle_tests as f64
+    }
+
+    /// Forgets the last frame, keeping memory.
+    pub(crate) fn reset(&mut self, triangle_cost: f32) {
+        let mut shares = std::mem::take(&mut self.shares);
+        shares.clear();
+        *self = Self { shares, triangle_cost, ..Self::default() };
+    }
+}

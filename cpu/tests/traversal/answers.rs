@@ -1,0 +1,152 @@
+//! The same pairs as one core finds, for every number of workers, schedule and verb.
+
+use crate::common::{Body, Frames, sequential};
+use pfront_core::front::Grain;
+use pfront_core::query::{PairQuery, Query, SelfQuery, TrianglePair};
+use pfront_cpu::{Hit, Reference, Schedule, Settings, Traversal};
+use pfront_scenes::{Scene, TriMesh};
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
+const WORKERS: [usize; 7] = [1, 2, 3, 7, 16, 64, 1024];
+const SCHEDULES: [Schedule; 3] = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
+
+fn traversals() -> Vec<Traversal> {
+    let settings = |schedule| Settings { schedule, ..Settings::default() };
+    let all = WORKERS.iter().flat_map(|&p| SCHEDULES.map(|s| (p, s)));
+    all.map(|(p, schedule)| Traversal::new(p).with_settings(settings(schedule))).collect()
+}
+
+/// Asks everything of one query, of all traversals.
+fn conforms<Q: Query + Sync>(traversals: &mut [Traversal], query: &Q) -> usize {
+    let expected = sequential(query);
+    let mut pairs = vec![TrianglePair { a: 7, b: 7 }; 3];
+    for traversal in traversals {
+        traversal.all(query, &mut pairs);
+        let p = traversal.workers();
+        assert!(pairs == expected, "p = {p}: {} pairs, not {}", pairs.len(), expected.len());
+        assert_eq!(traversal.count(query), expected.len() as u64, "p = {p}");
+        match traversal.any(query) {
+            Some(pair) => assert!(expected.binary_search(&pair).is_ok(), "p = {p}"),
+            None => assert!(expected.is_empty(), "p = {p}"),
+        }
+        let visited = Mutex::new(Vec::new());
+        let end = traversal.visit(query, |pair| {
+            visited.lock().unwrap().push(pair);
+            ControlFlow::Continue(())
+        });
+        let mut visited = visited.into_inner().unwrap();
+        visited.sort_unstable();
+        assert!(end.is_continue() && visited == expected, "p = {p}");
+    }
+    expected.len()
+}
+
+#[test]
+fn pairs_in_motion() {
+    for (name, size) in [("worm-gear", 7_600), ("spheres", 6_000), ("torus-knots", 5_000)] {
+        let frames = Frames::named(name, size);
+        let mut traversals = traversals();
+        let met: usize =
+            (40..52).step_by(3).map(|i| conforms(&mut traversals, &frames.query(i))).sum();
+        assert!(met > 0, "{name}");
+    }
+}
+
+#[test]
+fn random_courses() {
+    let frames = Frames::named("course", 6_000);
+    let mut traversals = traversals();
+    let met: usize = (0..12).map(|i| conforms(&mut traversals, &frames.query(i))).sum();
+    assert!(met > 0);
+}
+
+#[test]
+fn a_deforming_mesh_with_itself() {
+    let scene = Scene::by_name("sheet", Some(5_000)).unwrap();
+    let mut body = Body::new(scene.meshes[0].clone());
+    let (mut traversals, mut positions, mut met) = (traversals(), Vec::new(), 0);
+    for frame in (40..70).step_by(10) {
+        scene.positions(frame, &mut positions);
+        body.deform(&positions);
+        met += conforms(&mut traversals, &SelfQuery::new(body.bvh()));
+    }
+    assert!(met > 0);
+}
+
+#[test]
+fn nothing_and_nearly_nothing() {
+    let empty = Body::new(TriMesh::default());
+    let one = Body::new(TriMesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2]],
+    });
+    let mut traversals = traversals();
+    for (a, b, met) in [(&empty, &empty, 0), (&one, &empty, 0), (&one, &one, 1)] {
+        let query = PairQuery::new(a.bvh(), b.bvh(), pfront_core::Pose::IDENTITY).unwrap();
+        assert_eq!(conforms(&mut traversals, &query), met);
+        assert_eq!(conforms(&mut traversals, &SelfQuery::new(a.bvh())), 0);
+    }
+}
+
+#[test]
+fn many_queries_at_once() {
+    let frames = Frames::named("spheres", 3_000);
+    let mut traversals = traversals();
+    let mut hits = Vec::new();
+    // Their number changes from frame to frame, and some find nothing.
+    for count in [9, 0, 4, 9] {
+        let queries: Vec<_> = (0..count).map(|i| frames.query(20 + 9 * i)).collect();
+        let one = |(query, q)| sequential(q).into_iter().map(move |pair| Hit { query, pair });
+        let expected: Vec<_> = (0..).zip(&queries).flat_map(one).collect();
+        for traversal in &mut traversals {
+            traversal.all_of(&queries, &mut hits);
+            assert!(hits == expected, "p = {}", traversal.workers());
+            assert_eq!(traversal.count_of(&queries), expected.len() as u64);
+            assert_eq!(traversal.any_of(&queries).is_some(), !expected.is_empty());
+        }
+    }
+}
+
+#[test]
+fn settings_change_no_answer() {
+    let frames = Frames::named("spheres", 4_000);
+    let default = Settings::default();
+    let mut pairs = Vec::new();
+    for grain in [0.1, 1.0, 2.0, 100.0].map(Grain::uniform) {
+        for (triangle_cost, coherence, most_nodes) in
+            [(0.0, true, 1), (1.0, false, 5), (40.0, true, 33), (4.0, true, 1 << 20)]
+        {
+            let settings = Settings { grain, triangle_cost, coherence, most_nodes, ..default };
+            let mut traversal = Traversal::new(13).with_settings(settings);
+            for frame in 50..54 {
+                let query = frames.query(frame);
+                traversal.all(&query, &mut pairs);
+                assert!(pairs == sequential(&query), "{settings:?}");
+                assert!(traversal.report().nodes <= most_nodes.max(1));
+            }
+        }
+    }
+}
+
+#[test]
+fn k_is_a_positive_number() {
+    assert!((0.25..64.0).contains(&pfront_cpu::calibrate()));
+}
+
+/// Algorithm 1 is never worse than its tolerance unless a leaf pair makes it so, and never better than the
+/// lower bound.
+#[test]
+fn the_reference_is_between_its_bounds() {
+    let frames = Frames::named("spheres", 6_000);
+    let settings = Settings::default();
+    for workers in [1, 2, 7, 64, 1024] {
+        let reference = Reference::of(&frames.query(50), workers, 0.02, &settings);
+        assert!(reference.imbalance >= reference.lower_bound * 0.999, "{reference:?}");
+        assert!(reference.imbalance <= 1.02 || workers > 7, "{reference:?}");
+        assert!(reference.nodes >= workers, "{reference:?}");
+    }
+    let empty = Body::new(TriMesh::default());
+    let nothing = Reference::of(&SelfQuery::new(empty.bvh()), 8, 0.02, &settings);
+    assert_eq!(nothing, Reference { nodes: 0, imbalance: 1.0, lower_bound: 1.0 });
+}

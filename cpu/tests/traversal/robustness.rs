@@ -1,0 +1,88 @@
+//! Breaks, panics and ten thousand frames leave everything usable.
+
+use crate::common::{Frames, sequential};
+use pfront_cpu::{Schedule, Settings, Traversal};
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+const SCHEDULES: [Schedule; 3] = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
+
+/// A pool of its own, so that there are threads to break between on any machine.
+fn traversal(threads: usize, schedule: Schedule) -> Traversal {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let settings = Settings { schedule, ..Settings::default() };
+    Traversal::with_pool(Arc::new(pool)).with_settings(settings)
+}
+
+#[test]
+fn a_break_stops_all_workers() {
+    let frames = Frames::named("spheres", 6_000);
+    let query = frames.query(60);
+    let expected = sequential(&query);
+    for schedule in SCHEDULES {
+        let mut traversal = traversal(4, schedule);
+        for after in [1, 2, 10, expected.len()] {
+            let seen = AtomicUsize::new(0);
+            let end = traversal.visit(&query, |_| {
+                let last = seen.fetch_add(1, Relaxed) + 1 >= after;
+                if last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            assert!(end.is_break());
+            // Each other worker may have been in a call.
+            assert!((after..after + 4).contains(&seen.into_inner()));
+            let mut pairs = Vec::new();
+            traversal.all(&query, &mut pairs);
+            assert_eq!(pairs, expected);
+        }
+    }
+}
+
+#[test]
+fn a_panic_leaves_it_usable() {
+    let frames = Frames::named("spheres", 6_000);
+    let query = frames.query(60);
+    let expected = sequential(&query);
+    for schedule in SCHEDULES {
+        let mut traversal = traversal(3, schedule);
+        for _ in 0..3 {
+            let seen = AtomicUsize::new(0);
+            let panicked = catch_unwind(AssertUnwindSafe(|| {
+                traversal.visit(&query, |_| {
+                    if seen.fetch_add(1, Relaxed) == 20 {
+                        resume_unwind(Box::new("visitor"));
+                    }
+                    ControlFlow::Continue(())
+                })
+            }));
+            assert!(panicked.is_err());
+            let mut pairs = Vec::new();
+            traversal.all(&query, &mut pairs);
+            assert_eq!(pairs, expected);
+        }
+    }
+}
+
+#[test]
+fn ten_thousand_frames() {
+    let frames = Frames::named("spheres", 300);
+    let queries: Vec<_> = (0..120).map(|i| frames.query(i)).collect();
+    let expected: Vec<_> = queries.iter().map(sequential).collect();
+    let mut traversals: Vec<_> = SCHEDULES.iter().map(|&schedule| traversal(3, schedule)).collect();
+    let (mut pairs, mut state) = (Vec::new(), 1_u32);
+    for frame in 0..10_000 {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        // Mostly onwards, at times elsewhere.
+        let i = if state >> 28 == 0 { (state >> 8) as usize } else { frame } % queries.len();
+        let traversal = &mut traversals[frame % 3];
+        match state >> 26 & 3 {
+            0 => assert_eq!(traversal.count(&queries[i]), expected[i].len() as u64),
+            1 => assert_eq!(traversal.any(&queries[i]).is_some(), !expected[i].is_empty()),
+            _ => {
+                traversal.all(&queries[i], &mut pairs);
+                assert!(pairs == expected[i], "frame {frame}");
+            }
+        }
+    }
+}

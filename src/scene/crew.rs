@@ -1,0 +1,77 @@
+//! A scene on several threads.
+
+use super::{BodyId, Frame, SceneHit};
+use crate::threads::{Hit, Report, Traversal};
+use pfront_core::query::PairQuery;
+
+#[derive(Clone, Debug)]
+pub(super) struct Crew {
+    traversal: Traversal,
+    /// The bodies of each query of the last frame: what it cost is remembered by its number.
+    asked: Vec<[BodyId; 2]>,
+    /// Those of this frame.
+    asking: Vec<[BodyId; 2]>,
+    /// Empty, to use its memory again.
+    queries: Vec<PairQuery<'static>>,
+    found: Vec<Hit>,
+}
+
+impl Crew {
+    pub(super) fn new(traversal: Traversal) -> Self {
+        let (asked, asking, queries, found) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { traversal, asked, asking, queries, found }
+    }
+
+    pub(super) fn report(&self) -> &Report {
+        self.traversal.report()
+    }
+
+    pub(super) fn all(&mut self, frame: &Frame<'_>, hits: &mut Vec<SceneHit>) {
+        let mut found = std::mem::take(&mut self.found);
+        self.ask(frame, |traversal, queries| traversal.all_of(queries, &mut found));
+        hits.extend(found.iter().map(|&hit| self.hit(hit)));
+        self.found = found;
+    }
+
+    pub(super) fn any(&mut self, frame: &Frame<'_>) -> Option<SceneHit> {
+        let found = self.ask(frame, |traversal, queries| traversal.any_of(queries));
+        found.map(|hit| self.hit(hit))
+    }
+
+    pub(super) fn count(&mut self, frame: &Frame<'_>) -> u64 {
+        self.ask(frame, |traversal, queries| traversal.count_of(queries))
+    }
+
+    /// Asks all queries of a frame at once.
+    fn ask<R>(
+        &mut self,
+        frame: &Frame<'_>,
+        verb: impl FnOnce(&mut Traversal, &[PairQuery<'_>]) -> R,
+    ) -> R {
+        let mut queries: Vec<PairQuery<'_>> = std::mem::take(&mut self.queries);
+        self.asking.clear();
+        for (bodies, query) in frame.queries() {
+            self.asking.push(bodies);
+            queries.push(query);
+        }
+        if self.asking != self.asked {
+            // Both ascend, so that one pass finds them all.
+            let mut rest = (0..).zip(&self.asking).peekable();
+            self.traversal.renumber(|old| {
+                let bodies = &self.asked[old as usize];
+                while rest.next_if(|(_, new)| *new < bodies).is_some() {}
+                rest.next_if(|(_, new)| *new == bodies).map(|(number, _)| number)
+            });
+            std::mem::swap(&mut self.asked, &mut self.asking);
+        }
+        let answer = verb(&mut self.traversal, &queries);
+        queries.clear();
+        // An empty vector of one lifetime becomes one of another, in place.
+        self.queries = queries.into_iter().map_while(|_| None).collect();
+        answer
+    }
+
+    fn hit(&self, hit: Hit) -> SceneHit {
+        SceneHit { bodies: self.asked[hit.query as usize], pair: hit.pair }
+    }
+}

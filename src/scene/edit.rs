@@ -1,0 +1,148 @@
+//! What happens to a scene between frames.
+
+use super::SceneQuery;
+use super::bodies::{Body, BodyId};
+use super::split::{Cutter, parts};
+use crate::{Aabb, Error, Model, Pose};
+use std::sync::Arc;
+
+/// What [`SceneQuery::split`] makes of one part of a body.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Piece {
+    /// The new body.
+    pub body: BodyId,
+    /// The number of the part.
+    pub part: u32,
+    /// The way back: triangle i of the new body was triangle `triangles[i]` of the old one. Ascending.
+    pub triangles: Vec<u32>,
+}
+
+/// Nothing changes where a call fails.
+impl SceneQuery {
+    /// Adds a body in the pose `world_from_body`. Many bodies may share one model.
+    ///
+    /// # Errors
+    /// [`Error::Pose`] if the pose is not finite or takes the model out of range.
+    pub fn add(
+        &mut self,
+        model: impl Into<Arc<Model>>,
+        world_from_body: Pose,
+    ) -> Result<BodyId, Error> {
+        let id = self.bodies.add(model.into(), world_from_body)?;
+        self.fresh = false;
+        Ok(id)
+    }
+
+    /// Takes a body out and returns it.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if it is not there.
+    pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
+        let body = self.bodies.remove(id)?;
+        self.fresh = false;
+        Ok(body)
+    }
+
+    /// Moves a body to the pose `world_from_body`.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if it is not there, [`Error::Pose`] as for [`SceneQuery::add`].
+    ///
+    /// # Complexity
+    /// O(log n) for n bodies.
+    pub fn set_pose(&mut self, id: BodyId, world_from_body: Pose) -> Result<(), Error> {
+        self.bodies.get_mut(id)?.set_pose(world_from_body)?;
+        self.fresh = false;
+        Ok(())
+    }
+
+    /// Moves the vertices of a body, given in its own frame: see [`Model::set_positions`].
+    ///
+    /// If the model is shared, with another body or a caller that has kept an [`Arc`] of it, it is copied
+    /// first, which takes as long as the refit and its [`Model::bytes`] of memory; from then on this body
+    /// has its own.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if the body is not there, [`Error::Mesh`] if a coordinate is not finite or
+    /// the number of vertices differs, [`Error::Pose`] if its pose takes a vertex out of range.
+    pub fn set_positions(&mut self, id: BodyId, positions: &[[f32; 3]]) -> Result<(), Error> {
+        let body = self.bodies.get_mut(id)?;
+        body.model().mesh().with_positions(positions)?;
+        if body.pose() != Pose::IDENTITY {
+            body.pose().check(&Aabb::of(positions))?;
+        }
+        Arc::make_mut(&mut body.model).set_positions(positions)?;
+        body.reshaped();
+        self.fresh = false;
+        Ok(())
+    }
+
+    /// Breaks a body into one for each part, that is each value of `part_of` over its triangles. The
+    /// pieces stay where they are; their ids follow all others, in ascending order of the parts.
+    ///
+    /// The triangles of a piece keep their order and are numbered anew, as [`Piece::triangles`] tells;
+    /// its vertices are those that its triangles use, so that one on the cut is doubled. The body itself
+    /// is gone afterwards, even if there is one piece, or none because there was no triangle.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if the body is not there.
+    ///
+    /// # Complexity
+    /// O(n log n) for n triangles, all of whose BVHs are built anew.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, Pose, SceneQuery};
+    /// let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    /// let square = Model::new(points, vec![[0, 1, 2], [1, 3, 2]])?;
+    /// let mut scene = SceneQuery::new();
+    /// let whole = scene.add(square, Pose::IDENTITY)?;
+    /// let pieces = scene.split(whole, |triangle| 1 - triangle)?;
+    /// assert_eq!(pieces[0].triangles, [1]);
+    /// assert_eq!(scene.body(pieces[0].body)?.model().mesh().triangles(), [[0, 1, 2]]);
+    /// // They touch along the cut.
+    /// assert_eq!(scene.count()?, 1);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn split(&mut self, id: BodyId, part_of: impl Fn(u32) -> u32) -> Result<Vec<Piece>, Error> {
+        let body = self.bodies.get(id)?;
+        let (model, pose) = (body.model().clone(), body.pose());
+        let mut cutter = Cutter::new(&model);
+        let parts = parts(model.mesh().triangles().len() as u32, part_of);
+        let models = parts.iter().map(|(_, triangles)| cutter.cut(triangles));
+        let models: Vec<Model> = models.collect::<Result<_, _>>()?;
+        self.bodies.remove(id)?;
+        self.fresh = false;
+        let pieces = parts.into_iter().zip(models).map(|((part, triangles), model)| {
+            // What the pose does to the whole it can do to a part.
+            let body = self.bodies.add(model.into(), pose)?;
+            Ok(Piece { body, part, triangles })
+        });
+        pieces.collect()
+    }
+
+    /// A body.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if it is not there.
+    pub fn body(&self, id: BodyId) -> Result<&Body, Error> {
+        self.bodies.get(id)
+    }
+
+    /// The bodies in the order in which they were added.
+    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
+        self.bodies.iter()
+    }
+
+    /// How many bodies there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Whether there is no body.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}

@@ -1,0 +1,259 @@
+//! Many posed models.
+
+mod bodies;
+mod broad;
+#[cfg(feature = "threads")]
+mod crew;
+mod edit;
+mod split;
+
+pub use bodies::{Body, BodyId};
+pub use edit::Piece;
+
+#[cfg(feature = "threads")]
+use crate::threads;
+use crate::{Accuracy, Contact, Error, TrianglePair};
+use bodies::Bodies;
+use broad::{Broad, Places};
+use pfront_core::query::{PairQuery, Query};
+use std::ops::ControlFlow;
+
+/// Two triangles of different bodies that meet. The order is that of `bodies`, then `pair`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SceneHit {
+    /// The bodies, the one that was added first before the other.
+    pub bodies: [BodyId; 2],
+    /// A triangle of the first body and one of the second.
+    pub pair: TrianglePair,
+}
+
+/// Asks which triangles of many bodies meet, each body against each.
+///
+/// A body is a [`crate::Model`] in a pose. Bodies are added, removed, moved, deformed and split between
+/// frames. Every vertex is posed into the world by [`crate::Pose::apply`], whatever the other body is, and
+/// that decides what meets: a cube that rests on another is found to touch it where both are rounded
+/// to the world, which is not where one would be rounded to the other's frame, as [`crate::PairQuery`]
+/// does. Vertices of a body at [`crate::Pose::IDENTITY`] stay as they are.
+///
+/// A deforming body is not asked whether it meets itself; [`crate::SelfQuery`] does that.
+///
+/// # Threads
+/// With [`SceneQuery::with_threads`] all pairs of bodies whose boxes overlap are divided among the
+/// workers together, by one front under one bound (Zhang & Kim 2014, eq. 5). What a pair of bodies
+/// cost is remembered as long as their boxes overlap.
+///
+/// # Complexity
+/// A frame takes O(n) for the boxes of n bodies, O(n log n) if one has come or gone, and then what the
+/// pairs take whose boxes overlap. Buffers are kept: while no body comes or goes, a frame that finds no
+/// more than an earlier one allocates nothing on a single thread.
+///
+/// # Examples
+/// ```
+/// use pfront::{Model, Pose, SceneQuery};
+/// use std::sync::Arc;
+/// let tile = Arc::new(Model::new(
+///     vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]],
+///     vec![[0, 1, 2]],
+/// )?);
+/// let mut scene = SceneQuery::new();
+/// let below = scene.add(tile.clone(), Pose::IDENTITY)?;
+/// let above = scene.add(tile, Pose::from_translation([0.0, 0.0, 1.0]))?;
+/// assert_eq!(scene.count()?, 0);
+///
+/// scene.set_pose(above, Pose::IDENTITY)?;
+/// let hits = scene.all()?;
+/// assert_eq!(hits.len(), 1);
+/// assert_eq!(hits[0].bodies, [below, above]);
+///
+/// scene.remove(below)?;
+/// assert_eq!(scene.count()?, 0);
+/// assert!(scene.body(below).is_err());
+/// # Ok::<(), pfront::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct SceneQuery {
+    accuracy: Accuracy,
+    bodies: Bodies,
+    broad: Broad,
+    /// Whether the broad phase knows of the last change.
+    fresh: bool,
+    hits: Vec<SceneHit>,
+    contacts: Vec<(SceneHit, Contact)>,
+    #[cfg(feature = "threads")]
+    crew: Option<crew::Crew>,
+}
+
+impl SceneQuery {
+    /// An exact query of no bodies.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The same with another [`Accuracy`].
+    #[must_use]
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// The same on several threads; see [`crate::PairQuery::with_threads`].
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn with_threads(self, workers: usize) -> Self {
+        self.with_traversal(threads::Traversal::new(workers))
+    }
+
+    /// [`SceneQuery::with_threads`] with a pool and settings of your own.
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn with_traversal(mut self, traversal: threads::Traversal) -> Self {
+        self.crew = Some(crew::Crew::new(traversal));
+        self
+    }
+
+    /// What the last frame on threads did; see [`threads::Report`].
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn report(&self) -> Option<&threads::Report> {
+        Some(self.crew.as_ref()?.report())
+    }
+
+    /// All pairs that meet, sorted.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] if there are more than 2^31 bodies.
+    pub fn all(&mut self) -> Result<&[SceneHit], Error> {
+        self.update()?;
+        let frame = Frame::of(self.accuracy, &self.bodies, &self.broad);
+        self.hits.clear();
+        #[cfg(feature = "threads")]
+        if let Some(crew) = &mut self.crew {
+            crew.all(&frame, &mut self.hits);
+            return Ok(&self.hits);
+        }
+        for (bodies, query) in frame.queries() {
+            let first = self.hits.len();
+            let _ = query.visit(&mut query.start(), |pair| {
+                self.hits.push(SceneHit { bodies, pair });
+                ControlFlow::Continue(())
+            });
+            self.hits[first..].sort_unstable();
+        }
+        Ok(&self.hits)
+    }
+
+    /// Some pair that meets, if any does; stops at the first.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::all`].
+    pub fn any(&mut self) -> Result<Option<SceneHit>, Error> {
+        self.update()?;
+        let frame = Frame::of(self.accuracy, &self.bodies, &self.broad);
+        #[cfg(feature = "threads")]
+        if let Some(crew) = &mut self.crew {
+            return Ok(crew.any(&frame));
+        }
+        let mut found = frame.queries().filter_map(|(bodies, query)| {
+            let pair = query.any()?;
+            Some(SceneHit { bodies, pair })
+        });
+        Ok(found.next())
+    }
+
+    /// How many pairs meet.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::all`].
+    pub fn count(&mut self) -> Result<u64, Error> {
+        self.update()?;
+        let frame = Frame::of(self.accuracy, &self.bodies, &self.broad);
+        #[cfg(feature = "threads")]
+        if let Some(crew) = &mut self.crew {
+            return Ok(crew.count(&frame));
+        }
+        Ok(frame.queries().map(|(_, query)| query.count()).sum())
+    }
+
+    /// Calls `visit` for each pair that meets, bodies in order and their triangles in none, until it
+    /// breaks. Uses only the calling thread.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::all`].
+    ///
+    /// # Examples
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// # let mut scene = pfront::SceneQuery::new();
+    /// let mut bodies = Vec::new();
+    /// let _ = scene.visit(|hit| {
+    ///     bodies.extend(hit.bodies);
+    ///     if bodies.len() < 20 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    /// })?;
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn visit(
+        &mut self,
+        mut visit: impl FnMut(SceneHit) -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, Error> {
+        self.update()?;
+        let frame = Frame::of(self.accuracy, &self.bodies, &self.broad);
+        let end = frame.queries().try_for_each(|(bodies, query)| {
+            query.visit(&mut query.start(), |pair| visit(SceneHit { bodies, pair }))
+        });
+        Ok(end)
+    }
+
+    /// All pairs that meet, sorted, with the segment in which they do and their normals, in the world. A
+    /// pair that only `Conservative` or `Fast` reports meets nowhere and is left out.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::all`].
+    pub fn contacts(&mut self) -> Result<&[(SceneHit, Contact)], Error> {
+        self.all()?;
+        self.contacts.clear();
+        for of_two in self.hits.chunk_by(|x, y| x.bodies == y.bodies) {
+            let [a, b] = of_two[0].bodies;
+            let query = meeting(self.bodies.get(a)?, self.bodies.get(b)?);
+            let found = of_two.iter().filter_map(|&hit| Some((hit, query.contact(hit.pair)?)));
+            self.contacts.extend(found);
+        }
+        Ok(&self.contacts)
+    }
+
+    /// The broad phase, unless nothing has changed since the last.
+    fn update(&mut self) -> Result<(), Error> {
+        if !self.fresh {
+            self.bodies.compact();
+            self.broad.update(&self.bodies)?;
+            self.fresh = true;
+        }
+        Ok(())
+    }
+}
+
+/// What has to be asked in a frame.
+struct Frame<'s> {
+    accuracy: Accuracy,
+    bodies: &'s Bodies,
+    pairs: &'s [Places],
+}
+
+impl<'s> Frame<'s> {
+    fn of(accuracy: Accuracy, bodies: &'s Bodies, broad: &'s Broad) -> Self {
+        Self { accuracy, bodies, pairs: broad.pairs() }
+    }
+
+    /// Bodies whose boxes overlap, in order.
+    fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairQuery<'s>)> {
+        self.pairs.iter().filter_map(|&[a, b]| {
+            // Always there: the places are those of this frame.
+            let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
+            Some(([a.id(), b.id()], meeting(a, b).with_accuracy(self.accuracy)))
+        })
+    }
+}
+
+/// Whether two bodies meet in the world.
+fn meeting<'s>(a: &'s Body, b: &'s Body) -> PairQuery<'s> {
+    PairQuery::in_world(a.placed(), b.placed())
+}

@@ -1,0 +1,91 @@
+//! Threads change no answer: the same queries with and without.
+
+#![cfg(feature = "threads")]
+
+use pfront::threads::{Schedule, Settings, Traversal};
+use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery};
+use pfront_scenes::Scene;
+use std::sync::Arc;
+
+fn traversals() -> impl Iterator<Item = Traversal> {
+    let schedules = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
+    [1, 3, 64].into_iter().flat_map(move |workers| {
+        schedules.map(|schedule| {
+            let settings = Settings { schedule, ..Settings::default() };
+            Traversal::new(workers).with_settings(settings)
+        })
+    })
+}
+
+#[test]
+fn two_models() {
+    let scene = Scene::by_name("worm-gear", Some(8_000)).unwrap();
+    let models: Vec<_> = scene
+        .meshes
+        .iter()
+        .map(|m| Model::new(m.positions.clone(), m.triangles.clone()).unwrap())
+        .collect();
+    let [a, b] = [0, 1].map(|i| &models[scene.objects[i]]);
+    let mut one = PairQuery::new();
+    for traversal in traversals() {
+        let mut many = PairQuery::new().with_traversal(traversal);
+        let mut poses = Vec::new();
+        for frame in 0..4 {
+            scene.poses(frame, &mut poses);
+            let pose = Pose::new(poses[1]);
+            assert_eq!(many.all(a, b, &pose).unwrap(), one.all(a, b, &pose).unwrap());
+            assert_eq!(many.contacts(a, b, &pose).unwrap(), one.contacts(a, b, &pose).unwrap());
+            assert_eq!(many.count(a, b, &pose).unwrap(), one.count(a, b, &pose).unwrap());
+            let (found, any) = (many.any(a, b, &pose).unwrap(), one.any(a, b, &pose).unwrap());
+            assert_eq!(found.is_some(), any.is_some());
+        }
+        assert!(many.report().is_some() && one.report().is_none());
+    }
+}
+
+#[test]
+fn one_model() {
+    let scene = Scene::by_name("sheet", Some(4_000)).unwrap();
+    let mesh = &scene.meshes[0];
+    let mut model = Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap();
+    let (mut one, mut positions) = (SelfQuery::new(), Vec::new());
+    for traversal in traversals() {
+        let mut many = SelfQuery::new().with_traversal(traversal);
+        for frame in 50..53 {
+            scene.positions(frame, &mut positions);
+            model.set_positions(&positions).unwrap();
+            assert_eq!(many.all(&model), one.all(&model));
+            assert_eq!(many.contacts(&model), one.contacts(&model));
+            assert_eq!(many.count(&model), one.count(&model));
+            assert_eq!(many.any(&model).is_some(), one.any(&model).is_some());
+        }
+    }
+}
+
+#[test]
+fn many_models() {
+    let train = Scene::by_name("epicyclic", None).unwrap();
+    let models = train.meshes.iter().map(|m| (m.positions.clone(), m.triangles.clone()));
+    let models: Vec<_> = models.map(|(p, t)| Arc::new(Model::new(p, t).unwrap())).collect();
+    let (mut one, mut poses) = (SceneQuery::new(), Vec::new());
+    let add = |scene: &mut SceneQuery| {
+        let objects = train.objects.iter();
+        objects.map(|&m| scene.add(models[m].clone(), Pose::IDENTITY).unwrap()).collect::<Vec<_>>()
+    };
+    let ids = add(&mut one);
+    for traversal in traversals() {
+        let mut many = SceneQuery::new().with_traversal(traversal);
+        assert_eq!(add(&mut many), ids);
+        for frame in [3, 4] {
+            train.poses(frame, &mut poses);
+            for (&id, &rows) in ids.iter().zip(&poses) {
+                one.set_pose(id, Pose::new(rows)).unwrap();
+                many.set_pose(id, Pose::new(rows)).unwrap();
+            }
+            assert!(many.all().unwrap() == one.all().unwrap() && !one.all().unwrap().is_empty());
+            assert_eq!(many.count().unwrap(), one.count().unwrap());
+            assert!(many.contacts().unwrap() == one.contacts().unwrap());
+        }
+        assert!(many.report().is_some() && one.report().is_none());
+    }
+}
