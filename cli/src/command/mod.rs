@@ -1,0 +1,35 @@
+//! What each command does. `Ok(false)` is only for a question whose answer is no.
+
+pub(crate) mod any;
+pub(crate) mod balance;
+pub(crate) mod demo;
+pub(crate) mod pairs;
+pub(crate) mod record;
+pub(crate) mod replay;
+pub(crate) mod within;
+
+use anyhow::{Context, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+use pfront::Model;
+use pfront_cli::mesh::{self, MeshData};
+use std::path::Path;
+use std::time::Duration;
+
+/// Reads a mesh and builds its BVH.
+fn model(path: &Path, change: impl FnOnce(MeshData) -> MeshData) -> Result<Model> {
+    let MeshData { positions, triangles } = change(mesh::read(path)?);
+    Model::new(positions, triangles).with_context(|| path.display().to_string())
+}
+
+/// Progress over frames, on a terminal's standard error; elsewhere nothing.
+fn progress(frames: u64) -> ProgressBar {
+    let bar = ProgressBar::new(frames);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} frame {pos} of {len}, {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    1e3 * time.as_secs_f64()
+}

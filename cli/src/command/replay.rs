@@ -1,0 +1,63 @@
+//! `pfront replay FILE`
+
+use super::{milliseconds, progress};
+use crate::args::{Mode, Replay};
+use crate::engine::engine;
+use crate::memory;
+use crate::recording::Recording;
+use anyhow::{Context, Result, ensure};
+use pfront::TrianglePair;
+use pfront_cli::pairs::PairWriter;
+use std::fs::File;
+use std::io::{BufWriter, Write, stdout};
+use std::time::Instant;
+
+pub(crate) fn run(replay: &Replay) -> Result<bool> {
+    ensure!(
+        replay.mode == Mode::All || replay.pairs.is_none(),
+        "--pairs needs --mode all, since any stops at the first pair"
+    );
+    let asked = replay.how.asked()?;
+    let mut recording = Recording::open(&replay.file, replay.size, replay.frames)?;
+    let header = recording.take_header()?;
+    let frames = header.frames;
+    let clock = Instant::now();
+    let mut engine = engine(header, asked).context(replay.file.clone())?;
+    let build = milliseconds(clock.elapsed());
+
+    let mut pairs = match &replay.pairs {
+        None => None,
+        Some(path) => {
+            let file = File::create(path).map(BufWriter::new);
+            let writer = file.and_then(|file| PairWriter::new(file, frames));
+            Some(writer.with_context(|| format!("writing {}", path.display()))?)
+        }
+    };
+    let mut out = stdout().lock();
+    writeln!(out, "BUILD\t{build:.3}")?;
+    let bar = progress(frames.into());
+    for number in 0.. {
+        let frame = recording.next_frame().with_context(|| replay.file.clone())?;
+        let Some(frame) = frame else { break };
+        let clock = Instant::now();
+        engine.update(frame).with_context(|| format!("frame {number}"))?;
+        let update = milliseconds(clock.elapsed());
+        let clock = Instant::now();
+        let found = match replay.mode {
+            Mode::All => engine.all()?,
+            Mode::Any => &[TrianglePair::default()][..usize::from(engine.any()?)],
+        };
+        let query = milliseconds(clock.elapsed());
+        writeln!(out, "FRAME\t{number}\t{update:.3}\t{query:.3}\t{}", found.len())?;
+        if let Some(pairs) = &mut pairs {
+            pairs.frame(found)?;
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if let Some(pairs) = pairs {
+        pairs.finish()?;
+    }
+    writeln!(out, "RSS\t{}", memory::peak())?;
+    Ok(true)
+}

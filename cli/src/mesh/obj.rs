@@ -1,0 +1,76 @@
+//! Wavefront OBJ: vertices and faces, everything else is passed over.
+//!
+//! By hand: `tobj` renumbers vertices group by group, so that faces of two groups share none, and `obj-rs`
+//! panics on statements it does not know.
+
+use super::MeshData;
+use super::error::Fault;
+use super::text::{Line, lines};
+
+pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+    let joined = join_continued(bytes);
+    let mut mesh = MeshData::default();
+    let mut corners = Vec::new();
+    // Faces may come before their vertices.
+    let mut farthest = (0, 0);
+    for line in lines(joined.as_deref().unwrap_or(bytes)) {
+        let mut words = line.words();
+        match words.next() {
+            Some(b"v") => mesh.positions.push(line.position(&mut words)?),
+            Some(b"f" | b"fo") => {
+                corners.clear();
+                for word in words {
+                    let corner = corner(&line, word, mesh.positions.len())?;
+                    farthest = farthest.max((corner, line.number));
+                    corners.push(corner);
+                }
+                if corners.len() < 3 {
+                    return Err(line.fault(format!("a face of {} corners", corners.len())));
+                }
+                mesh.push_fan(&corners);
+            }
+            _ => {}
+        }
+    }
+    match farthest {
+        (vertex, line) if vertex as usize >= mesh.positions.len() && !mesh.triangles.is_empty() => {
+            let all = mesh.positions.len();
+            Err(Fault::Line(line, format!("vertex {} of {all}", u64::from(vertex) + 1)))
+        }
+        _ => Ok(mesh),
+    }
+}
+
+/// `7`, `7/1`, `7//2`, `7/1/2`, each also counted from the end: −1 is the latest vertex.
+fn corner(line: &Line<'_>, word: &[u8], vertices: usize) -> Result<u32, Fault> {
+    let index: i64 = line.number(word.split(|&b| b == b'/').next())?;
+    let from_zero = match index {
+        1.. => Some(index - 1),
+        0 => None,
+        _ => Some(vertices as i64 + index),
+    };
+    let index = from_zero.and_then(|index| u32::try_from(index).ok());
+    index.ok_or_else(|| line.fault(format!("there is no vertex {}", String::from_utf8_lossy(word))))
+}
+
+/// Lines that end in a backslash go on in the next; numbers of later lines stay right. `None` if there
+/// are no such lines.
+fn join_continued(bytes: &[u8]) -> Option<Vec<u8>> {
+    if !bytes.windows(2).any(|w| w == b"\\\n" || w == b"\\\r") {
+        return None;
+    }
+    let mut joined = Vec::with_capacity(bytes.len());
+    let mut owed = 0;
+    for line in bytes.split(|&b| b == b'\n') {
+        let body = line.strip_suffix(b"\r").unwrap_or(line);
+        if let Some(body) = body.strip_suffix(b"\\") {
+            joined.extend_from_slice(body);
+            joined.push(b' ');
+            owed += 1;
+        } else {
+            joined.extend_from_slice(body);
+            joined.extend(std::iter::repeat_n(b'\n', 1 + std::mem::take(&mut owed)));
+        }
+    }
+    Some(joined)
+}

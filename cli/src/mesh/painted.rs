@@ -1,0 +1,52 @@
+//! Meshes with marked triangles, as a binary PLY that every viewer opens.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// A mesh to paint.
+#[derive(Clone, Copy, Debug)]
+pub struct PaintedMesh<'m> {
+    /// Vertex positions.
+    pub positions: &'m [[f32; 3]],
+    /// Three vertex indices per triangle, in range.
+    pub triangles: &'m [[u32; 3]],
+    /// Which triangles are marked, one entry each.
+    pub hit: &'m [bool],
+    /// Red, green and blue of triangles without and with a mark.
+    pub colours: [[u8; 3]; 2],
+}
+
+/// Writes meshes into one PLY file. Each triangle has three vertices of its own, since viewers colour
+/// vertices rather than faces.
+///
+/// # Errors
+/// If the file cannot be written.
+///
+/// # Panics
+/// If a triangle has an index out of range.
+pub fn write_painted(path: &Path, meshes: &[PaintedMesh<'_>]) -> io::Result<()> {
+    let triangles: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    let mut to = BufWriter::new(File::create(path)?);
+    write!(
+        to,
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\
+         property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+         element face {triangles}\nproperty list uchar uint vertex_indices\nend_header\n",
+        3 * triangles
+    )?;
+    for mesh in meshes {
+        for (triangle, &hit) in mesh.triangles.iter().zip(mesh.hit) {
+            for &v in triangle {
+                let position = mesh.positions[v as usize];
+                position.iter().try_for_each(|x| to.write_all(&x.to_le_bytes()))?;
+                to.write_all(&mesh.colours[usize::from(hit)])?;
+            }
+        }
+    }
+    for first in (0..triangles).map(|i| 3 * i as u32) {
+        to.write_all(&[3])?;
+        (first..first + 3).try_for_each(|v| to.write_all(&v.to_le_bytes()))?;
+    }
+    to.flush()
+}

@@ -1,0 +1,234 @@
+//! The command as a script sees it: standard output, standard error, exit codes.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use pfront_cli::{mesh, pairs};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+const TETRAHEDRON: &str =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+/// Pierces the faces x + y + z = 1 and z = 0 of the tetrahedron.
+const BLADE: &str = "v 0.2 0.2 -1\nv 0.2 0.3 -1\nv 0.2 0.2 3\nf 1 2 3\n";
+
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.obj"), TETRAHEDRON).unwrap();
+    fs::write(folder.path().join("b.obj"), BLADE).unwrap();
+    folder
+}
+
+fn pfront(folder: &Path, arguments: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pfront"));
+    command.current_dir(folder).args(arguments.split_whitespace()).output().unwrap()
+}
+
+/// Standard output of a run that must end well and say nothing else.
+fn out(folder: &Path, arguments: &str) -> String {
+    let Output { status, stdout, stderr } = pfront(folder, arguments);
+    let stderr = String::from_utf8(stderr).unwrap();
+    assert!(status.success() && stderr.is_empty(), "pfront {arguments}: {status}, {stderr}");
+    String::from_utf8(stdout).unwrap()
+}
+
+/// Standard error of a run that must be refused and print nothing.
+fn refused(folder: &Path, arguments: &str) -> String {
+    let Output { status, stdout, stderr } = pfront(folder, arguments);
+    assert_eq!(status.code(), Some(2), "pfront {arguments}");
+    assert!(stdout.is_empty(), "pfront {arguments}");
+    String::from_utf8(stderr).unwrap()
+}
+
+#[test]
+fn the_demonstration() {
+    let folder = folder();
+    let text = out(folder.path(), "");
+    for part in ["64512 in 2 meshes", "808 to 956 meet", "MiB", "ms (median"] {
+        assert!(text.contains(part), "no '{part}' in:\n{text}");
+    }
+}
+
+#[test]
+fn pairs_in_every_format() {
+    let folder = folder();
+    let at = folder.path();
+    assert_eq!(
+        out(at, "pairs a.obj b.obj"),
+        "         a          b\n         0          0\n         3          0\n2 pairs\n"
+    );
+    assert_eq!(out(at, "pairs a.obj b.obj --format csv"), "a,b\n0,0\n3,0\n");
+    assert_eq!(out(at, "pairs a.obj b.obj --format json"), "{\"pairs\":[[0,0],[3,0]]}\n");
+    let csv = out(at, "pairs a.obj b.obj --format csv --contacts");
+    assert!(csv.starts_with("a,b,kind,x0,y0,z0,x1"), "{csv}");
+    assert!(csv.lines().nth(1).unwrap().starts_with("0,0,crossing,0.2,"), "{csv}");
+    let json = out(at, "pairs a.obj b.obj --format json --contacts");
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["contacts"][1]["a"], 3);
+    assert_eq!(json["contacts"][0]["normals"][0], serde_json::json!([0.0, 0.0, -1.0]));
+    assert_eq!(out(at, "pairs a.obj b.obj --format csv --out found.csv"), "");
+    assert_eq!(fs::read_to_string(at.join("found.csv")).unwrap(), "a,b\n0,0\n3,0\n");
+    for threads in 1..4 {
+        let found = out(at, &format!("pairs a.obj b.obj --format csv --threads {threads}"));
+        assert_eq!(found, "a,b\n0,0\n3,0\n");
+    }
+    for accuracy in ["exact", "conservative", "fast"] {
+        let found = out(at, &format!("pairs a.obj b.obj --format csv --accuracy {accuracy}"));
+        assert_eq!(found, "a,b\n0,0\n3,0\n");
+    }
+}
+
+#[test]
+fn poses() {
+    let folder = folder();
+    let at = folder.path();
+    let none = "a,b\n";
+    for moved in [
+        "--translate 5,0,0",
+        "--translate -5,-5,-5",
+        "--pose 1,0,0,5,0,1,0,0,0,0,1,0",
+        "--rotate 0,0,1,180",
+        "--rotate 0,0,1,360 --translate 5,0,0",
+    ] {
+        assert_eq!(out(at, &format!("pairs a.obj b.obj --format csv {moved}")), none, "{moved}");
+    }
+    // A quarter turn about z takes (0.2, 0.2) to (-0.2, 0.2); the move takes it back.
+    let back = "pairs a.obj b.obj --format csv --rotate 0,0,2,90 --translate 0.5,0,0";
+    assert_eq!(out(at, back), "a,b\n0,0\n3,0\n");
+    for bad in ["--translate 1,2", "--pose 1,2,3", "--translate 1,2,x", "--translate 1,2,nan"] {
+        assert!(refused(at, &format!("pairs a.obj b.obj {bad}")).contains("number"), "{bad}");
+    }
+    refused(at, "pairs a.obj b.obj --pose 1,0,0,5,0,1,0,0,0,0,1,0 --translate 1,0,0");
+}
+
+#[test]
+fn pictures() {
+    let folder = folder();
+    let at = folder.path();
+    assert!(out(at, "pairs a.obj b.obj --out hits.ply").starts_with("2 pairs"));
+    let picture = mesh::read(&at.join("hits.ply")).unwrap();
+    assert_eq!((picture.positions.len(), picture.triangles.len()), (15, 5));
+    assert!(out(at, "self a.obj --out hits.ply").starts_with("0 pairs"));
+}
+
+#[test]
+fn any_tells_by_its_exit_code() {
+    let folder = folder();
+    let yes = out(folder.path(), "any a.obj b.obj");
+    assert!(yes.starts_with("triangles ") && yes.ends_with(" meet\n"), "{yes}");
+    let no = pfront(folder.path(), "any a.obj b.obj --translate 9,9,9");
+    assert_eq!((no.status.code(), &no.stdout[..]), (Some(1), &b"nothing meets\n"[..]));
+}
+
+#[test]
+fn within_one_mesh() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("both.obj"), TETRAHEDRON.to_owned() + &BLADE.replace("f 1 2 3", "f 5 6 7"))
+        .unwrap();
+    assert_eq!(out(at, "self both.obj --format csv"), "a,b\n0,4\n3,4\n");
+    // As a soup, neighbours touch; welded, they are neighbours again.
+    let soup = "solid s\n".to_owned()
+        + &[[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0], [0, 1, 0]]]
+            .map(|facet| {
+                let corner = |v: [i32; 3]| format!("vertex {} {} {}\n", v[0], v[1], v[2]);
+                format!(
+                    "facet normal 0 0 1\nouter loop\n{}endloop\nendfacet\n",
+                    facet.map(corner).concat()
+                )
+            })
+            .concat()
+        + "endsolid s\n";
+    fs::write(at.join("soup.stl"), soup).unwrap();
+    assert_eq!(out(at, "self soup.stl --format csv"), "a,b\n0,1\n");
+    assert_eq!(out(at, "self soup.stl --format csv --weld"), "a,b\n");
+}
+
+#[test]
+fn recordings_replay() {
+    let folder = folder();
+    let at = folder.path();
+    for (scene, size, kind) in
+        [("worm-gear", 8000, 0), ("sheet", 2000, 1), ("epicyclic", 62_000, 2)]
+    {
+        let recorded = out(at, &format!("record {scene} {scene}.tcw --size {size} --frames 3"));
+        assert!(recorded.contains("3 frames"), "{recorded}");
+        let kind_byte = fs::read(at.join(format!("{scene}.tcw"))).unwrap()[8];
+        assert_eq!(kind_byte, kind, "{scene}");
+        let mut answers = Vec::new();
+        for threads in [1, 3] {
+            let options = format!("--threads {threads} --pairs {scene}.tcp");
+            let text = out(at, &format!("replay {scene}.tcw {options}"));
+            let lines: Vec<Vec<&str>> = text.lines().map(|l| l.split('\t').collect()).collect();
+            assert_eq!(lines.len(), 5, "{text}");
+            assert_eq!((lines[0][0], lines[4][0]), ("BUILD", "RSS"));
+            assert!(lines[4][1].parse::<u64>().unwrap() > 1 << 20);
+            let frames = pairs::read(File::open(at.join(format!("{scene}.tcp"))).unwrap()).unwrap();
+            for (i, (line, frame)) in lines[1..4].iter().zip(&frames).enumerate() {
+                let wanted = [i, frame.len()].map(|n| n.to_string());
+                assert_eq!([line[0], line[1], line[4]], ["FRAME", &wanted[0], &wanted[1]]);
+            }
+            answers.push(frames);
+        }
+        assert_eq!(answers[0], answers[1], "{scene}");
+        let any = out(at, &format!("replay {scene}.tcw --mode any --frames 1"));
+        let meets = u8::from(!answers[0][0].is_empty()).to_string();
+        assert_eq!(any.lines().nth(1).unwrap().split('\t').next_back(), Some(&meets[..]), "{any}");
+        assert_eq!(any.lines().count(), 3);
+    }
+}
+
+#[test]
+fn refusals_say_what_and_where() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("nan.obj"), "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n").unwrap();
+    fs::write(at.join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
+    fs::write(at.join("short.tcw"), b"TRICOLW1\0\0").unwrap();
+    for (arguments, parts) in [
+        ("pairs a.obj missing.obj", vec!["missing.obj"]),
+        ("pairs a.obj nan.obj", vec!["nan.obj", "vertex 2"]),
+        ("pairs a.obj bad.obj", vec!["bad.obj", "line 4"]),
+        ("pairs a.obj short.tcw", vec!["short.tcw", "obj"]),
+        ("replay short.tcw", vec!["short.tcw", "at byte 8"]),
+        ("replay a.obj", vec!["a.obj", "not a workload"]),
+        ("pairs a.obj b.obj --backend gpu", vec!["GPU"]),
+        ("pairs a.obj b.obj --threads 0", vec!["threads"]),
+        ("pairs a.obj b.obj --out no/such/folder.csv", vec!["no/such/folder.csv"]),
+        ("record nothing x.tcw", vec!["worm-gear"]),
+        ("nonsense", vec!["nonsense"]),
+    ] {
+        let error = refused(at, arguments);
+        for part in parts {
+            assert!(error.contains(part), "no '{part}' in what 'pfront {arguments}' said: {error}");
+        }
+    }
+    out(at, "record sheet s.tcw --size 800 --frames 1");
+    assert!(refused(at, "replay s.tcw --mode any --pairs x.tcp").contains("--mode all"));
+    assert!(!PathBuf::from(at).join("x.tcp").exists());
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let folder = folder();
+    let at = folder.path();
+    // Enough lines that the pipe cannot hold them all.
+    let mut soup = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    soup.extend((0..200).map(|_| "f 1 2 3\n"));
+    fs::write(at.join("many.obj"), soup).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pfront"))
+        .current_dir(at)
+        .args(["pairs", "many.obj", "many.obj"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let Output { status, stderr, .. } = child.wait_with_output().unwrap();
+    assert!(
+        status.success() && stderr.is_empty(),
+        "{status}: {}",
+        String::from_utf8_lossy(&stderr)
+    );
+}

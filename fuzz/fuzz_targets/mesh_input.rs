@@ -1,0 +1,136 @@
+//! Arbitrary positions, indices, build options and poses: refused with an error or answered right.
+
+#![no_main]
+
+use libfuzzer_sys::arbitrary::{self, Arbitrary};
+use libfuzzer_sys::fuzz_target;
+use pfront::core::build::{self, BvhStorage};
+use pfront::core::bvh::{check_scratch_bound, node_bound};
+use pfront::core::query::{self, Query};
+use pfront::{BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair};
+use pfront_oracle::generate::soup::posed;
+use pfront_oracle::{pairs, self_pairs};
+
+#[derive(Arbitrary, Debug)]
+struct Input {
+    /// Coordinates of any bit pattern, for `positions` to pick from.
+    values: [u32; 8],
+    positions: Vec<[u8; 3]>,
+    triangles: Vec<[u8; 3]>,
+    /// An index that may be out of range.
+    stray: Option<u32>,
+    moved: Vec<[u8; 3]>,
+    leaf_size: u8,
+    pose: Option<[[u32; 4]; 3]>,
+    capacity: u8,
+    /// Words to change in a good BVH, which then comes from elsewhere.
+    edits: Vec<(u8, u32)>,
+}
+
+impl Input {
+    /// Even picks lie on a small lattice, so that things touch.
+    fn points(&self, picks: &[[u8; 3]]) -> Vec<[f32; 3]> {
+        let coordinate = |pick: u8| match (pick / 2, pick % 2) {
+            (k, 0) => f32::from(k % 16) - 8.0,
+            (k, _) => f32::from_bits(self.values[usize::from(k) % 8]),
+        };
+        picks.iter().map(|p| p.map(coordinate)).collect()
+    }
+}
+
+fuzz_target!(|input: Input| {
+    let positions = input.points(&input.positions);
+    let range = positions.len().max(1) as u32;
+    let mut triangles: Vec<_> =
+        input.triangles.iter().take(24).map(|t| t.map(|v| u32::from(v) % range)).collect();
+    if let (Some(stray), Some(last)) = (input.stray, triangles.last_mut()) {
+        last[1] = stray;
+    }
+
+    let finite = positions.iter().flatten().all(|x| x.is_finite());
+    let in_range = triangles.iter().flatten().all(|&v| (v as usize) < positions.len());
+    let options = BuildOptions { leaf_size: input.leaf_size.into() };
+    let model = Model::with_options(positions, triangles, options);
+    assert_eq!(model.is_ok(), finite && in_range);
+    let Ok(mut model) = model else { return };
+    check(&model, &input);
+    adopt(&model, &input);
+
+    let before = model.mesh().positions().to_vec();
+    if model.set_positions(&input.points(&input.moved)).is_err() {
+        assert_eq!(model.mesh().positions(), before);
+    }
+    check(&model, &input);
+});
+
+/// All answers of a model against itself in a pose, and within itself.
+fn check(model: &Model, input: &Input) {
+    model.bvh().assert_well_formed();
+    let (positions, triangles) = (model.mesh().positions(), model.mesh().triangles());
+    let truth = as_pairs(&self_pairs(positions, triangles));
+    assert_eq!(SelfQuery::new().all(model), truth);
+    pages(&query::SelfQuery::new(model.bvh()), input.capacity, &truth);
+    morton(model.mesh(), |bvh| pages(&query::SelfQuery::new(bvh), input.capacity, &truth));
+
+    let pose =
+        input.pose.map_or(Pose::IDENTITY, |rows| Pose::new(rows.map(|r| r.map(f32::from_bits))));
+    let mut query = PairQuery::new();
+    // A pose may be refused, with an error; what it takes is finite and answered right.
+    if let Ok(found) = query.all(model, model, &pose) {
+        let there = posed(positions, &pose.rows);
+        let corners = triangles.iter().flatten().map(|&v| there[v as usize]);
+        assert!(corners.flatten().all(|x| x.is_finite()));
+        let truth = as_pairs(&pairs(positions, triangles, &there, triangles));
+        assert_eq!(found, truth, "{pose:?}");
+        let query = query::PairQuery::new(model.bvh(), model.bvh(), pose).unwrap();
+        pages(&query, input.capacity, &truth);
+    }
+}
+
+fn morton(mesh: Mesh<'_>, ask: impl FnOnce(Bvh<'_>)) {
+    let n = mesh.triangles().len();
+    let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
+    let mut scratch = vec![0; build::morton_scratch_bound(n)];
+    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    let bvh = build::morton(mesh, &BuildOptions::default(), storage, &mut scratch).unwrap();
+    bvh.assert_well_formed();
+    ask(bvh);
+}
+
+fn pages(query: &impl Query, capacity: u8, truth: &[TrianglePair]) {
+    let mut page = vec![TrianglePair::default(); usize::from(capacity).max(1)];
+    let (mut cursor, mut all) = (query.start(), Vec::new());
+    while !cursor.is_done() {
+        let n = query.page(&mut cursor, &mut page);
+        all.extend_from_slice(&page[..n]);
+    }
+    all.sort_unstable();
+    assert_eq!(all, truth);
+}
+
+/// A BVH that the check accepts is safe to walk and gives the right answer.
+fn adopt(model: &Model, input: &Input) {
+    let bvh = model.bvh();
+    let mut nodes: Vec<[u32; 8]> = bvh.nodes().iter().map(|n| bytemuck::cast(*n)).collect();
+    let mut order = bvh.order().to_vec();
+    for &(at, word) in &input.edits {
+        let (at, words) = (usize::from(at), 8 * nodes.len());
+        if at < words {
+            nodes[at / 8][at % 8] = word;
+        } else if at - words < order.len() {
+            order[at - words] = word;
+        }
+    }
+    let nodes: &[Node] = bytemuck::cast_slice(&nodes);
+    let mut scratch = vec![0; check_scratch_bound(order.len())];
+    if let Ok(adopted) = Bvh::new(bvh.mesh(), nodes, &order, &mut scratch) {
+        adopted.assert_well_formed();
+        let query = query::SelfQuery::new(adopted);
+        let mut truth = SelfQuery::new();
+        pages(&query, input.capacity, truth.all(model));
+    }
+}
+
+fn as_pairs(truth: &[(u32, u32)]) -> Vec<TrianglePair> {
+    truth.iter().map(|&(a, b)| TrianglePair { a, b }).collect()
+}
