@@ -93,10 +93,28 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        self.deform(positions, build::refit)
+    }
+
+    /// [`Model::set_positions`] in the rayon pool of whoever asks; worth it from some 50,000 triangles on.
+    /// A rebuild runs on one thread, and may come a frame earlier or later.
+    ///
+    /// # Errors
+    /// As [`Model::set_positions`].
+    #[cfg(feature = "threads")]
+    pub fn set_positions_with_threads(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        self.deform(positions, crate::threads::refit)
+    }
+
+    fn deform(
+        &mut self,
+        positions: &[[f32; 3]],
+        refit: impl FnOnce(Mesh<'_>, &mut [Node], &[u32]) -> f32,
+    ) -> Result<(), Error> {
         self.mesh().with_positions(positions)?;
         self.positions.copy_from_slice(positions);
         let mesh = Mesh::trusted(&self.positions, &self.triangles);
-        let cost = build::refit(mesh, &mut self.nodes, &self.order);
+        let cost = refit(mesh, &mut self.nodes, &self.order);
         if cost > self.built * REBUILD_RATIO {
             self.rebuild()?;
         }

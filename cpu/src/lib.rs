@@ -36,7 +36,7 @@ mod deal;
 mod parts;
 mod plan;
 mod reference;
-
+mod refit;
 mod report;
 mod settings;
 mod sink;
@@ -45,7 +45,7 @@ mod traversal;
 
 pub use calibrate::{TRIANGLE_COST, calibrate};
 pub use reference::Reference;
-
+pub use refit::refit;
 pub use report::{Report, Share};
 pub use settings::{Schedule, Settings};
 pub use sink::Hit;

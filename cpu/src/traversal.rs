@@ -82,6 +82,17 @@ impl Traversal {
         self.plan.forget();
     }
 
+    /// Runs something else where its work is done: in its pool if it has one.
+    ///
+    /// # Examples
+    /// ```
+    /// let traversal = pfront_cpu::Traversal::new(2);
+    /// assert_eq!(traversal.install(|| rayon::join(|| 1, || 2)), (1, 2));
+    /// ```
+    pub fn install<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
+        in_pool(self.pool.as_deref(), run)
+    }
+
     /// Where the next frame asks other queries than the last: tells the number that each query of the
     /// last will have, or `None` if it is gone, so that what is remembered of it stays with it.
     ///

@@ -2,6 +2,7 @@
 
 use super::{BodyId, Frame, SceneHit};
 use crate::threads::{Hit, Report, Traversal};
+use crate::{Error, Model};
 use pfront_core::query::PairQuery;
 
 #[derive(Clone, Debug)]
@@ -24,6 +25,14 @@ impl Crew {
 
     pub(super) fn report(&self) -> &Report {
         self.traversal.report()
+    }
+
+    pub(super) fn set_positions(
+        &self,
+        model: &mut Model,
+        positions: &[[f32; 3]],
+    ) -> Result<(), Error> {
+        self.traversal.install(|| model.set_positions_with_threads(positions))
     }
 
     pub(super) fn all(&mut self, frame: &Frame<'_>, hits: &mut Vec<SceneHit>) {

@@ -56,7 +56,8 @@ impl SceneQuery {
         Ok(())
     }
 
-    /// Moves the vertices of a body, given in its own frame: see [`Model::set_positions`].
+    /// Moves the vertices of a body, given in its own frame, as [`Model::set_positions`] does, or on the
+    /// threads of the scene.
     ///
     /// If the model is shared, with another body or a caller that has kept an [`Arc`] of it, it is copied
     /// first, which takes as long as the refit and its [`Model::bytes`] of memory; from then on this body
@@ -71,7 +72,14 @@ impl SceneQuery {
         if body.pose() != Pose::IDENTITY {
             body.pose().check(&Aabb::of(positions))?;
         }
-        Arc::make_mut(&mut body.model).set_positions(positions)?;
+        let model = Arc::make_mut(&mut body.model);
+        #[cfg(feature = "threads")]
+        match &self.crew {
+            Some(crew) => crew.set_positions(model, positions),
+            None => model.set_positions(positions),
+        }?;
+        #[cfg(not(feature = "threads"))]
+        model.set_positions(positions)?;
         body.reshaped();
         self.fresh = false;
         Ok(())

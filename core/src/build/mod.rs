@@ -11,7 +11,7 @@ mod sah;
 mod tests;
 
 pub use morton::{morton, morton_scratch_bound};
-pub use refit::{REBUILD_RATIO, quality, refit};
+pub use refit::{Join, REBUILD_RATIO, quality, refit, refit_with};
 pub use sah::{SahItem, sah, sah_scratch_bound};
 
 use crate::bvh::{MAX_LEAF_SIZE, Node, node_bound};

@@ -46,18 +46,35 @@ pub const REBUILD_RATIO: f32 = 1.2;
 /// # Complexity
 /// O(triangles).
 pub fn refit(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32]) -> f32 {
-    let mut areas = Areas::default();
-    for index in (0..nodes.len()).rev().filter(|&index| index != 1) {
-        let node = nodes[index];
-        let first = node.first as usize;
-        let aabb = if node.is_leaf() {
-            areas.add_leaf(mesh, &order[first..first + node.count as usize])
-        } else {
-            areas.add_inner(nodes[first].aabb().union(&nodes[first + 1].aabb()))
-        };
-        nodes[index].set_aabb(&aabb);
-    }
-    areas.quality()
+    Fit { mesh, order, join: None }.whole(nodes)
+}
+
+/// Runs two tasks, side by side if it can, and returns when both are done.
+pub type Join<'j> = dyn Fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send)) + Sync + 'j;
+
+/// [`refit`] in parts that `join` may run side by side, as `rayon::join` does. The boxes are the same;
+/// the quality, a sum, may be rounded in another way.
+///
+/// # Panics
+/// If `nodes` and `order` are not of a tree that [`sah()`](super::sah()) or
+/// [`morton()`](super::morton()) has built for the same triangles: in those, all that lies below a node is
+/// one run.
+///
+/// # Complexity
+/// O(triangles), in parts of at most a few thousand.
+///
+/// # Examples
+/// ```
+/// # use pfront_core::{Mesh, Node, build::{refit, refit_with}};
+/// # fn f(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32]) {
+/// let one_after_the_other = refit_with(mesh, nodes, order, &|a, b| {
+///     a();
+///     b();
+/// });
+/// # }
+/// ```
+pub fn refit_with(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32], join: &Join<'_>) -> f32 {
+    Fit { mesh, order, join: Some(join) }.whole(nodes)
 }
 
 /// How many tests a random line is expected to need for each triangle whose box it meets: two box
@@ -80,6 +97,71 @@ pub fn quality(bvh: &Bvh<'_>) -> f32 {
         }
     }
     areas.quality()
+}
+
+/// A run of fewer nodes is not worth dividing: it takes some 50 µs.
+const PART: usize = 4096;
+
+struct Fit<'f> {
+    mesh: Mesh<'f>,
+    order: &'f [u32],
+    join: Option<&'f Join<'f>>,
+}
+
+impl Fit<'_> {
+    fn whole(&self, nodes: &mut [Node]) -> f32 {
+        // Slot 1 is no node.
+        let (upper, below) = nodes.split_at_mut(nodes.len().min(2));
+        upper.first_mut().map_or(0.0, |root| self.tree(root, below, 2).quality())
+    }
+
+    /// Fits a node after all that lie `below` it, the first of which has the index `base`.
+    fn tree(&self, node: &mut Node, below: &mut [Node], base: usize) -> Areas {
+        let halves = self.halves(below, base);
+        let mut areas = halves.unwrap_or_else(|| self.run(below, base));
+        node.set_aabb(&self.fitted(node, below, base, &mut areas));
+        areas
+    }
+
+    /// Fits what lies below a node as two trees, if there is enough of it.
+    fn halves(&self, below: &mut [Node], base: usize) -> Option<Areas> {
+        let join = self.join.filter(|_| below.len() > PART)?;
+        let (left, rest) = below.split_first_mut()?;
+        let (right, rest) = rest.split_first_mut()?;
+        // What lies below the left one comes first; below a leaf lies nothing.
+        let base = base + 2;
+        let middle = if right.is_leaf() { rest.len() } else { right.first as usize - base };
+        let (below_left, below_right) = rest.split_at_mut(middle);
+        let (mut areas, mut of_right) = (Areas::default(), Areas::default());
+        join(&mut || areas = self.tree(left, below_left, base), &mut || {
+            of_right = self.tree(right, below_right, base + middle);
+        });
+        areas.tests += of_right.tests;
+        areas.triangles += of_right.triangles;
+        Some(areas)
+    }
+
+    /// Fits nodes from the last to the first, the children of each being among them.
+    fn run(&self, nodes: &mut [Node], base: usize) -> Areas {
+        let mut areas = Areas::default();
+        for index in (0..nodes.len()).rev() {
+            let aabb = self.fitted(&nodes[index], nodes, base, &mut areas);
+            nodes[index].set_aabb(&aabb);
+        }
+        areas
+    }
+
+    /// The box of a node whose children are fitted.
+    #[inline(always)]
+    fn fitted(&self, node: &Node, nodes: &[Node], base: usize, areas: &mut Areas) -> Aabb {
+        let first = node.first as usize;
+        if node.is_leaf() {
+            areas.add_leaf(self.mesh, &self.order[first..first + node.count as usize])
+        } else {
+            let [left, right] = [first - base, first - base + 1].map(|child| nodes[child].aabb());
+            areas.add_inner(left.union(&right))
+        }
+    }
 }
 
 /// Half-areas summed over a tree from the last node to the root.

@@ -138,7 +138,11 @@ fn boxes_without_volume_get_sound_costs() {
         (&point, &point, Pose::IDENTITY),
         (&huge, &huge, Pose::IDENTITY),
         (&huge, &flat, lifted(0.0)),
-    ] {
+    ]
+    // Miri would take minutes over the wide integers of the last two.
+    .into_iter()
+    .take(if cfg!(miri) { 4 } else { 6 })
+    {
         for estimate in ESTIMATES.into_iter().step_by(if cfg!(miri) { 3 } else { 1 }) {
             let query = PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
             cut(&query, if cfg!(miri) { 9 } else { 3000 }, 3, Grain::default(), estimate);
