@@ -120,7 +120,8 @@ impl<'a> Mesh<'a> {
     #[inline]
     #[must_use]
     pub fn triangle(self, index: u32) -> Triangle {
-        self.triangles[index as usize].map(|v| self.positions[v as usize])
+        let [p, q, r] = self.triangles[index as usize];
+        [self.positions[p as usize], self.positions[q as usize], self.positions[r as usize]]
     }
 }
 

@@ -93,24 +93,31 @@ impl Pair {
 /// The indices of `own`, those that `other` has too first, each of them once before repeats; how
 /// many different ones these are; and how many corners have one of them.
 fn shared_first(own: &[u32; 3], other: &[u32; 3]) -> ([u32; 3], usize, usize) {
-    let is_shared = |i: usize| other.contains(&own[i]);
-    let rank = |i: usize| match (is_shared(i), own[..i].contains(&own[i])) {
+    let [p, q, r] = *own;
+    let shared = [other.contains(&p), other.contains(&q), other.contains(&r)];
+    if p == q || q == r || r == p {
+        return repeated_shared_first(own, &shared);
+    }
+    let [p, q, r] = [usize::from(shared[0]), usize::from(shared[1]), usize::from(shared[2])];
+    let [i, j, k] = SHARED_FIRST[4 * p + 2 * q + r];
+    ([own[i], own[j], own[k]], p + q + r, p + q + r)
+}
+
+/// Corners with those that are shared first, by whether the first, the second and the third are.
+const SHARED_FIRST: [[usize; 3]; 8] =
+    [[0, 1, 2], [2, 0, 1], [1, 2, 0], [1, 2, 0], [0, 1, 2], [0, 2, 1], [0, 1, 2], [0, 1, 2]];
+
+#[cold]
+fn repeated_shared_first(own: &[u32; 3], shared: &[bool; 3]) -> ([u32; 3], usize, usize) {
+    let rank = |i: usize| match (shared[i], own[..i].contains(&own[i])) {
         (true, false) => 0,
         (true, true) => 1,
         (false, _) => 2,
     };
-    let ranks = [rank(0), rank(1), rank(2)];
-    let (mut sorted, mut len) = ([0; 3], 0);
-    for wanted in 0..3 {
-        for i in 0..3 {
-            if ranks[i] == wanted {
-                sorted[len] = own[i];
-                len += 1;
-            }
-        }
-    }
-    let up_to = |most: usize| ranks.iter().filter(|&&rank| rank <= most).count();
-    (sorted, up_to(0), up_to(1))
+    let mut order = [0, 1, 2];
+    order.sort_unstable_by_key(|&i| (rank(i), i));
+    let up_to = |most: usize| (0..3).filter(|&i| rank(i) <= most).count();
+    (order.map(|i| own[i]), up_to(0), up_to(1))
 }
 
 /// One common vertex, in the first corner of both.

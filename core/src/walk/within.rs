@@ -83,7 +83,10 @@ impl Bvtt for SelfTree<'_> {
         let (first, second) = (&nodes[n.a as usize], &nodes[n.b as usize]);
         let (mesh, first_bounds) = (self.bvh.mesh(), first.bounds());
         let own = self.bvh.leaf_triangles(first);
-        let corners = |triangle| mesh.triangle(triangle).map(Vec3A::from_array);
+        let corners = |triangle| {
+            let [p, q, r] = mesh.triangle(triangle);
+            [Vec3A::from_array(p), Vec3A::from_array(q), Vec3A::from_array(r)]
+        };
         let boxes = LeafBoxes::new(own, &second.bounds(), corners);
         for (row, &b) in self.bvh.leaf_triangles(second).iter().enumerate() {
             let bounds = Bounds::of(&corners(b));
