@@ -9,10 +9,10 @@ use pfront_core::{CapacityError, MeshError};
 #[non_exhaustive]
 pub enum Error {
     /// The positions and indices are not a mesh.
-    #[error("not a mesh: {0}")]
+    #[error(transparent)]
     Mesh(#[from] MeshError),
     /// A mesh cannot be posed so.
-    #[error("pose refused: {0}")]
+    #[error(transparent)]
     Pose(#[from] PoseError),
     /// A body is no longer in the scene.
     #[error("{id} is not in the scene; it has been removed or split")]

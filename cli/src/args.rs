@@ -5,7 +5,7 @@ use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pfront::Pose;
 use pfront_scenes::Scene;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -99,10 +99,9 @@ impl TwoMeshes {
     }
 }
 
-/// Numbers between commas or blanks.
+/// Numbers between commas.
 fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
-    let parts = text.split([',', ' ']).filter(|part| !part.is_empty());
-    let parsed = parts.map(|part| match part.parse::<f32>() {
+    let parsed = text.split(',').map(|part| match part.trim().parse::<f32>() {
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err(format!("'{part}' is not a finite number")),
     });
@@ -140,7 +139,7 @@ pub(crate) struct Replay {
     /// Write the pairs of every frame here
     #[arg(long, value_name = "FILE")]
     pub(crate) pairs: Option<PathBuf>,
-    /// Run only so many frames
+    /// Run only so many frames; a built-in scene may go on beyond its own
     #[arg(long, value_name = "N")]
     pub(crate) frames: Option<u32>,
     #[command(flatten)]
@@ -173,7 +172,7 @@ pub(crate) struct Balance {
     /// Triangles of a built-in scene, several to compare
     #[arg(long, value_name = "TRIANGLES", value_delimiter = ',')]
     pub(crate) size: Vec<usize>,
-    /// Run only so many frames
+    /// Run only so many frames; a built-in scene may go on beyond its own
     #[arg(long, value_name = "N")]
     pub(crate) frames: Option<u32>,
     /// Divide each frame as if it were the first
@@ -207,6 +206,14 @@ pub(crate) struct Listing {
     /// Print into a file; one that ends in .ply gets the meshes, with the triangles that meet in red
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
+}
+
+impl Listing {
+    /// Where a picture is asked for.
+    pub(crate) fn picture(&self) -> Option<&Path> {
+        let is_ply = |path: &&Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
+        self.out.as_deref().filter(is_ply)
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -8,7 +8,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 #[non_exhaustive]
 pub enum FormatError {
     /// Reading failed.
-    #[error("at byte {offset}: {source}")]
+    #[error("at byte {offset}: cannot read on")]
     Io {
         /// Where.
         offset: u64,

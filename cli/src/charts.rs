@@ -5,7 +5,6 @@ use anyhow::{Result, anyhow};
 use pfront::threads::{Report, Share};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use std::path::Path;
 
 type Panel<'p> = DrawingArea<SVGBackend<'p>, Shift>;
 
@@ -22,17 +21,18 @@ struct Chart {
     curves: Vec<Curve>,
 }
 
-/// Draws all charts of `all` into an SVG file.
+/// All charts of `all`, as SVG.
 ///
 /// # Errors
-/// If the file cannot be written.
-pub(crate) fn draw(path: &Path, all: &[Series]) -> Result<()> {
+/// If plotters cannot draw them.
+pub(crate) fn draw(all: &[Series]) -> Result<String> {
     let largest = all.iter().map(|series| series.triangles).max();
     let frames: Vec<&Series> = all.iter().filter(|s| Some(s.triangles) == largest).collect();
     // More lines could not be told apart.
     let few = frames.iter().filter(|series| series.workers <= 8);
     let few = few.max_by_key(|series| series.workers).or(frames.first());
-    let Some(few) = few else { return Ok(()) };
+    let mut svg = String::new();
+    let Some(few) = few else { return Ok(svg) };
     let charts = [
         shares(few, "box tests", |share| share.work.box_tests as f64),
         shares(few, "triangle tests", |share| share.work.triangle_tests as f64),
@@ -50,12 +50,14 @@ pub(crate) fn draw(path: &Path, all: &[Series]) -> Result<()> {
             100.0 * report.error()
         }),
     ];
-    let root = SVGBackend::new(path, (1500, 1200)).into_drawing_area();
+    let root = SVGBackend::with_string(&mut svg, (1500, 1200)).into_drawing_area();
     root.fill(&WHITE).map_err(|e| anyhow!("{e}"))?;
     for (panel, chart) in root.split_evenly((3, 3)).iter().zip(&charts) {
         chart.draw(panel).map_err(|e| anyhow!("{e}"))?;
     }
-    root.present().map_err(|e| anyhow!("{e}"))
+    root.present().map_err(|e| anyhow!("{e}"))?;
+    drop(root);
+    Ok(svg)
 }
 
 /// The paper's Fig. 4: what each worker did in each frame.

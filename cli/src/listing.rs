@@ -1,12 +1,12 @@
 //! Printing triangle pairs, as text or as a picture.
 
 use crate::args::{Format, Listing};
+use crate::output::{Draft, out};
 use anyhow::{Context, Result};
 use pfront::{Contact, ContactKind, Mesh, TrianglePair};
 use pfront_cli::mesh::{PaintedMesh, write_painted};
-use serde::Serialize;
-use std::fs::File;
-use std::io::{BufWriter, Write, stdout};
+use serde::{Serialize, Serializer};
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 /// The colours of the first and the second mesh, and of triangles that meet.
@@ -17,6 +17,19 @@ const HIT: [u8; 3] = [214, 40, 40];
 pub(crate) enum Found<'f> {
     Pairs(&'f [TrianglePair]),
     Contacts(&'f [(TrianglePair, Contact)]),
+}
+
+/// What JSON gets, without a copy of it.
+#[derive(Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Json<'f> {
+    Pairs(&'f [[u32; 2]]),
+    #[serde(serialize_with = "rows")]
+    Contacts(&'f [(TrianglePair, Contact)]),
+}
+
+fn rows<S: Serializer>(contacts: &[(TrianglePair, Contact)], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(contacts.iter().map(Row::new))
 }
 
 /// A contact in the order of its columns.
@@ -44,17 +57,50 @@ impl Row {
 }
 
 impl Found<'_> {
-    /// Prints to where the options say, or paints `meshes`: the two in the frame of the first, or the
-    /// only one.
-    pub(crate) fn print(&self, listing: &Listing, meshes: &[Mesh<'_>]) -> Result<()> {
-        match &listing.out {
-            None => Ok(self.write(listing.format, &mut BufWriter::new(stdout().lock()))?),
-            Some(path) if is_picture(path) => self.paint(path, meshes),
-            Some(path) => {
-                let context = || format!("writing {}", path.display());
-                let mut file = File::create(path).map(BufWriter::new).with_context(context)?;
-                self.write(listing.format, &mut file).with_context(context)
-            }
+    /// Prints to where the options say.
+    pub(crate) fn print(&self, listing: &Listing) -> Result<()> {
+        let Some(path) = &listing.out else {
+            return Ok(self.write(listing.format, &mut BufWriter::new(out()))?);
+        };
+        let mut file = Draft::new(path)?;
+        let written = self.write(listing.format, &mut file);
+        written.with_context(|| format!("cannot write {}", path.display()))?;
+        file.finish()
+    }
+
+    /// Paints the two meshes in the frame of the first, or the only one.
+    pub(crate) fn paint(&self, path: &Path, meshes: &[Mesh<'_>]) -> Result<()> {
+        let mut hits: Vec<Vec<bool>> =
+            meshes.iter().map(|mesh| vec![false; mesh.triangles().len()]).collect();
+        let mut mark = |pair: &TrianglePair| {
+            hits[0][pair.a as usize] = true;
+            hits[meshes.len() - 1][pair.b as usize] = true;
+        };
+        match self {
+            Self::Pairs(pairs) => pairs.iter().for_each(mark),
+            Self::Contacts(contacts) => contacts.iter().for_each(|(pair, _)| mark(pair)),
+        }
+        let parts = meshes.iter().zip(&hits).zip(PLAIN);
+        let painted: Vec<_> = parts
+            .map(|((mesh, hit), plain)| PaintedMesh {
+                positions: mesh.positions(),
+                triangles: mesh.triangles(),
+                hit,
+                colours: [plain, HIT],
+            })
+            .collect();
+        let mut file = Draft::new(path)?;
+        let written = write_painted(&mut file, &painted);
+        written.with_context(|| format!("cannot write {}", path.display()))?;
+        file.finish()?;
+        writeln!(out(), "{}; see {}", count(self.len()), path.display())?;
+        Ok(())
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Pairs(pairs) => pairs.len(),
+            Self::Contacts(contacts) => contacts.len(),
         }
     }
 
@@ -89,46 +135,15 @@ impl Found<'_> {
                 }
             }
             (Self::Pairs(pairs), Format::Json) => {
-                let pairs: &[[u32; 2]] = bytemuck::cast_slice(pairs);
-                serde_json::to_writer(&mut *to, &serde_json::json!({ "pairs": pairs }))?;
+                serde_json::to_writer(&mut *to, &Json::Pairs(bytemuck::cast_slice(pairs)))?;
                 writeln!(to)?;
             }
             (Self::Contacts(contacts), Format::Json) => {
-                let rows: Vec<Row> = contacts.iter().map(Row::new).collect();
-                serde_json::to_writer(&mut *to, &serde_json::json!({ "contacts": rows }))?;
+                serde_json::to_writer(&mut *to, &Json::Contacts(contacts))?;
                 writeln!(to)?;
             }
         }
         to.flush()
-    }
-
-    fn pairs(&self) -> Vec<TrianglePair> {
-        match self {
-            Self::Pairs(pairs) => pairs.to_vec(),
-            Self::Contacts(contacts) => contacts.iter().map(|(pair, _)| *pair).collect(),
-        }
-    }
-
-    fn paint(&self, path: &Path, meshes: &[Mesh<'_>]) -> Result<()> {
-        let mut hits: Vec<Vec<bool>> =
-            meshes.iter().map(|mesh| vec![false; mesh.triangles().len()]).collect();
-        for pair in self.pairs() {
-            hits[0][pair.a as usize] = true;
-            hits[meshes.len() - 1][pair.b as usize] = true;
-        }
-        let parts = meshes.iter().zip(&hits).zip(PLAIN);
-        let painted: Vec<_> = parts
-            .map(|((mesh, hit), plain)| PaintedMesh {
-                positions: mesh.positions(),
-                triangles: mesh.triangles(),
-                hit,
-                colours: [plain, HIT],
-            })
-            .collect();
-        let written = write_painted(path, &painted);
-        written.with_context(|| format!("writing {}", path.display()))?;
-        writeln!(stdout(), "{}; see {}", count(self.pairs().len()), path.display())?;
-        Ok(())
     }
 }
 
@@ -137,8 +152,4 @@ const COLUMNS: [&str; 12] =
 
 fn count(pairs: usize) -> String {
     format!("{pairs} {}", if pairs == 1 { "pair" } else { "pairs" })
-}
-
-fn is_picture(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply"))
 }

@@ -7,11 +7,11 @@ mod engine;
 mod how;
 mod listing;
 mod memory;
+mod output;
 mod recording;
 
 use args::{Cli, Command};
 use clap::Parser;
-use std::io;
 use std::process::ExitCode;
 
 /// What a script can tell apart; 2 is also what clap exits with.
@@ -33,16 +33,9 @@ fn main() -> ExitCode {
     match done {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => NOTHING_MEETS.into(),
-        // Whoever reads has read enough.
-        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
             REFUSED.into()
         }
     }
-}
-
-fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    let io = error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>());
-    io.into_iter().any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }

@@ -35,9 +35,9 @@ impl<W: Write> PairWriter<W> {
         write_words(&mut self.to, pairs)
     }
 
-    /// Hands all to the file.
-    pub fn finish(mut self) -> io::Result<()> {
-        self.to.flush()
+    /// Gives back where it was written to, which may have a buffer.
+    pub fn finish(self) -> W {
+        self.to
     }
 }
 

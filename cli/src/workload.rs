@@ -207,8 +207,8 @@ impl<W: Write> WorkloadWriter<W> {
         }
     }
 
-    /// Hands all to the file.
-    pub fn finish(mut self) -> io::Result<()> {
-        self.to.flush()
+    /// Gives back where it was written to, which may have a buffer.
+    pub fn finish(self) -> W {
+        self.to
     }
 }

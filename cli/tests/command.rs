@@ -96,7 +96,13 @@ fn poses() {
     // A quarter turn about z takes (0.2, 0.2) to (-0.2, 0.2); the move takes it back.
     let back = "pairs a.obj b.obj --format csv --rotate 0,0,2,90 --translate 0.5,0,0";
     assert_eq!(out(at, back), "a,b\n0,0\n3,0\n");
-    for bad in ["--translate 1,2", "--pose 1,2,3", "--translate 1,2,x", "--translate 1,2,nan"] {
+    for bad in [
+        "--translate 1,2",
+        "--pose 1,2,3",
+        "--translate 1,2,x",
+        "--translate 1,,2,3",
+        "--translate 1,2,nan",
+    ] {
         assert!(refused(at, &format!("pairs a.obj b.obj {bad}")).contains("number"), "{bad}");
     }
     refused(at, "pairs a.obj b.obj --pose 1,0,0,5,0,1,0,0,0,0,1,0 --translate 1,0,0");
@@ -209,26 +215,68 @@ fn refusals_say_what_and_where() {
     assert!(!PathBuf::from(at).join("x.tcp").exists());
 }
 
+/// Runs with nobody reading standard output.
+fn unheard(folder: &Path, arguments: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pfront"))
+        .current_dir(folder)
+        .args(arguments.split_whitespace())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    child.wait_with_output().unwrap()
+}
+
 #[test]
-fn a_closed_pipe_is_no_failure() {
+fn a_closed_pipe_changes_neither_exit_code_nor_files() {
     let folder = folder();
     let at = folder.path();
     // Enough lines that the pipe cannot hold them all.
     let mut soup = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
     soup.extend((0..200).map(|_| "f 1 2 3\n"));
     fs::write(at.join("many.obj"), soup).unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_pfront"))
-        .current_dir(at)
-        .args(["pairs", "many.obj", "many.obj"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    drop(child.stdout.take());
-    let Output { status, stderr, .. } = child.wait_with_output().unwrap();
-    assert!(
-        status.success() && stderr.is_empty(),
-        "{status}: {}",
-        String::from_utf8_lossy(&stderr)
-    );
+    out(at, "record sheet s.tcw --size 800 --frames 3");
+    for (arguments, code) in [
+        ("pairs many.obj many.obj", 0),
+        ("any a.obj b.obj --translate 9,9,9", 1),
+        ("replay s.tcw --pairs s.tcp", 0),
+    ] {
+        let Output { status, stderr, .. } = unheard(at, arguments);
+        let stderr = String::from_utf8(stderr).unwrap();
+        assert!(
+            status.code() == Some(code) && stderr.is_empty(),
+            "{arguments}: {status}, {stderr}"
+        );
+    }
+    assert_eq!(pairs::read(File::open(at.join("s.tcp")).unwrap()).unwrap().len(), 3);
+}
+
+#[test]
+fn files_are_replaced_only_by_whole_ones() {
+    let folder = folder();
+    let at = folder.path();
+    out(at, "record sheet s.tcw --size 800 --frames 3");
+    let whole = fs::read(at.join("s.tcw")).unwrap();
+    // The pairs go where the workload is read from.
+    out(at, "replay s.tcw --pairs s.tcw");
+    assert_eq!(pairs::read(File::open(at.join("s.tcw")).unwrap()).unwrap().len(), 3);
+    fs::write(at.join("s.tcw"), &whole).unwrap();
+    // A frame that cannot be run leaves what stood there.
+    let mut broken = whole.clone();
+    let last = broken.len() - 4;
+    broken[last..].copy_from_slice(&f32::NAN.to_le_bytes());
+    fs::write(at.join("nan.tcw"), broken).unwrap();
+    fs::write(at.join("old.tcp"), "as it was").unwrap();
+    assert!(refused_late(at, "replay nan.tcw --pairs old.tcp").contains("frame 2"));
+    assert_eq!(fs::read(at.join("old.tcp")).unwrap(), b"as it was");
+    let left = fs::read_dir(at).unwrap().count();
+    assert_eq!(left, 5, "a.obj, b.obj, s.tcw, nan.tcw and old.tcp");
+}
+
+/// Standard error of a run that is refused after it has printed something.
+fn refused_late(folder: &Path, arguments: &str) -> String {
+    let Output { status, stderr, .. } = pfront(folder, arguments);
+    assert_eq!(status.code(), Some(2), "pfront {arguments}");
+    String::from_utf8(stderr).unwrap()
 }

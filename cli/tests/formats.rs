@@ -46,7 +46,6 @@ fn written(kind: Kind) -> Vec<u8> {
             _ => to.frame(Frame::Poses(&poses(frame, header.objects.len()))).unwrap(),
         }
     }
-    to.finish().unwrap();
     bytes
 }
 
@@ -173,7 +172,6 @@ fn pair_files_come_back() {
     let mut bytes = Vec::new();
     let mut to = PairWriter::new(&mut bytes, 3).unwrap();
     frames.iter().for_each(|pairs| to.frame(pairs).unwrap());
-    to.finish().unwrap();
     assert_eq!(bytes.len(), 16 + 3 * 8 + 4 * 8);
     assert_eq!(pairs::read(Cursor::new(&bytes)).unwrap(), frames);
     for length in 0..bytes.len() {

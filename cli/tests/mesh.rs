@@ -2,16 +2,16 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "mesh/files.rs"]
+mod files;
+
+use files::*;
 use pfront_cli::mesh::{MeshData, PaintedMesh, read, write_painted};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fs;
+use std::io::{Seek, Write};
 use tempfile::TempDir;
-
-/// A square whose second vertex is not used first, and a vertex that is not used at all.
-const POSITIONS: [[f32; 3]; 5] =
-    [[0.1, 0.0, 0.0], [1.0, 1.0, 1e-7], [1.0, 0.0, -2.5e10], [0.0, 1.0, 16_777_217.0], [7.0; 3]];
-const QUAD: [[u32; 3]; 2] = [[2, 1, 3], [2, 3, 0]];
 
 fn parse(name: &str, bytes: impl AsRef<[u8]>) -> Result<MeshData, String> {
     let folder = TempDir::new().unwrap();
@@ -26,91 +26,12 @@ fn fault(name: &str, bytes: impl AsRef<[u8]>) -> String {
     error
 }
 
+fn text(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).unwrap()
+}
+
 fn quad() -> MeshData {
     MeshData { positions: POSITIONS.to_vec(), triangles: QUAD.to_vec() }
-}
-
-fn obj() -> Vec<u8> {
-    b"# a square\no first\nv 0.1 0 0\nv 1 1 1e-7 0.5 0.5 nan\r\nv 1 0 -2.5e10\nvt 0 0\nvn 0 0 1\n\
-      g a b\nusemtl none\nv 0 1 16777217\nf 3/1/1 2//1 \\\n  4/1 -4\ncstype bezier\nv 7 7 7\n"
-        .to_vec()
-}
-
-fn off() -> Vec<u8> {
-    b"COFF # with colours\n5 1 0\n0.1 0 0 255 0 0 255\n1 1 1e-7 0 0 0 0\n\n1 0 -2.5e10 0 0 0 0\n\
-      0 1 16777217 0 0 0 0\n7 7 7 0 0 0 0\n4 2 1 3 0 0.5 0.5 0.5\n"
-        .to_vec()
-}
-
-/// How a number is written, as float and as int.
-type Binary = [fn(f32) -> [u8; 4]; 2];
-
-fn ply(format: &str, binary: Option<Binary>) -> Vec<u8> {
-    let header = format!(
-        "ply\nformat {format} 1.0\ncomment a square\nelement note 1\nproperty uchar what\n\
-         element vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
-         property float confidence\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-    );
-    let mut file = header.into_bytes();
-    let Some([float, int]) = binary else {
-        let vertices = POSITIONS.map(|[x, y, z]| format!("{x} {y} {z} 1\n")).concat();
-        file.extend(format!("9\n{vertices}4 2 1 3 0\n").bytes());
-        return file;
-    };
-    file.push(9);
-    file.extend(POSITIONS.iter().flat_map(|p| [p[0], p[1], p[2], 1.0]).flat_map(float));
-    file.push(4);
-    file.extend([2.0, 1.0, 3.0, 0.0].into_iter().flat_map(int));
-    file
-}
-
-fn ply_little() -> Vec<u8> {
-    ply("binary_little_endian", Some([f32::to_le_bytes, |x| (x as i32).to_le_bytes()]))
-}
-
-fn ply_big() -> Vec<u8> {
-    ply("binary_big_endian", Some([f32::to_be_bytes, |x| (x as i32).to_be_bytes()]))
-}
-
-fn stl_text() -> Vec<u8> {
-    let facet = |t: &[u32; 3]| {
-        let corner = |&v: &u32| {
-            let [x, y, z] = POSITIONS[v as usize];
-            format!("vertex {x} {y} {z}\n")
-        };
-        let corners: String = t.iter().map(corner).collect();
-        format!("facet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n")
-    };
-    format!("solid s\n{}endsolid s\n", QUAD.iter().map(facet).collect::<String>()).into_bytes()
-}
-
-/// Its header begins like a text file.
-fn stl_binary() -> Vec<u8> {
-    let mut file = b"solid but not text".to_vec();
-    file.resize(80, b' ');
-    file.extend(2_u32.to_le_bytes());
-    for t in QUAD {
-        file.extend([0; 12]);
-        file.extend(t.iter().flat_map(|&v| POSITIONS[v as usize]).flat_map(f32::to_le_bytes));
-        file.extend([0; 2]);
-    }
-    file
-}
-
-/// A triangle, and a strip of two moved by its node and that above. The buffer holds (0, 0, 0),
-/// (1, 0, 0), (0, 1, 0), (1, 1, 0).
-fn gltf() -> Vec<u8> {
-    br#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
-        "nodes":[{"mesh":0},{"translation":[0,0,5],"children":[2]},{"mesh":1,"translation":[0,2,0]}],
-        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]},
-                  {"primitives":[{"attributes":{"POSITION":1},"mode":5}]}],
-        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
-                      "min":[0,0,0],"max":[1,1,0]},
-                     {"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",
-                      "min":[0,0,0],"max":[1,1,0]}],
-        "bufferViews":[{"buffer":0,"byteLength":48}],
-        "buffers":[{"byteLength":48,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA"}]}"#
-        .to_vec()
 }
 
 #[test]
@@ -133,17 +54,34 @@ fn every_format_keeps_order_and_bits() {
     }
 }
 
+/// What the crates that read these formats refuse or take for something else.
+#[test]
+fn unusual_text_is_read() {
+    assert_eq!(
+        parse("mac.obj", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r").unwrap().triangles.len(),
+        1
+    );
+    let square = text(ply("ascii", None));
+    let [x, y, z] = parse("a.ply", square.replace("7 7 7", "nan .5 -inf")).unwrap().positions[4];
+    assert!(x.is_nan() && y == 0.5 && z == f32::NEG_INFINITY);
+    // Rounded to f64 first this is half way, and goes to 1.
+    let doubles = square.replace("float", "double").replace("7 7 7", "1.00000005960464477540 7 7");
+    assert_eq!(parse("a.ply", doubles).unwrap().positions[4], [1.0 + f32::EPSILON, 7.0, 7.0]);
+    let stl = text(stl_text()).to_uppercase().replace("SOLID\n", "SOLID a#1\n");
+    assert_eq!(parse("a.stl", stl).unwrap().triangles.len(), 2);
+}
+
 #[test]
 fn gltf_places_its_nodes() {
     let mesh = parse("scene.gltf", gltf()).unwrap();
+    assert_eq!(parse("scene.glb", glb()).unwrap(), mesh);
     assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5], [5, 4, 6]]);
     assert_eq!(mesh.positions[..3], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     assert_eq!(mesh.positions[6], [1.0, 3.0, 5.0]);
 }
 
 #[test]
-fn faults_say_where() {
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+fn faults_of_obj_and_off() {
     let obj = text(obj());
     assert!(fault("a.obj", obj.replace("1e-7", "1e--7")).contains("line 4: '1e--7'"));
     assert!(fault("b.obj", obj.replace("-2.5e10", "")).contains("line 5"));
@@ -160,31 +98,89 @@ fn faults_say_where() {
     );
     assert!(fault("c.off", off.replace("5 1 0", "6 1 0")).contains("the file ends before"));
     assert!(fault("d.off", "OFF BINARY\n").contains("convert"));
+    assert!(fault("a.txt", "").contains("known are obj, ply, stl, off, gltf, glb"));
+}
+
+#[test]
+fn faults_of_ply() {
     let ply = text(ply("ascii", None));
     assert!(fault("a.ply", ply.replace("float z", "float w")).contains("no z"));
     assert!(fault("b.ply", ply.replace("vertex_indices", "corners")).contains("no vertex_indices"));
     assert!(fault("c.ply", ply.replace("4 2 1 3 0", "2 2 1")).contains("face 0 has 2 corners"));
-    assert!(fault("d.ply", ply.replace("4 2 1 3 0", "4 2 1 3 -1")).contains("vertex_indices"));
+    assert!(fault("d.ply", ply.replace("4 2 1 3 0", "4 2 1 3 -1")).contains("line 20: '-1'"));
+    assert!(fault("f.ply", ply.replace("\n7 7 7 1", "")).contains("the file ends in face 0 of 1"));
+    assert!(fault("g.ply", ply.replace("element note", "elephant note")).contains("line 4"));
+    assert!(fault("h.ply", ply.replace("float confidence", "float x")).contains("the same name"));
+    assert!(fault("i.ply", ply.replace("element note", "element tristrips")).contains("convert"));
+    let (little, end) = (ply_little(), ply_little().len());
+    let face = format!("byte {}: ", end - 17);
+    assert!(fault("j.ply", &little[..end - 1]).contains(&format!("{face}the file ends in face 0")));
+    let negative = [&little[..end - 1], &[0xff]].concat();
+    assert!(fault("k.ply", negative).contains(&format!("{face}the indices of face 0")));
     assert!(
         fault("e.ply", ply.replace("element note 1", "element none 4000000000\nelement note 1"))
             .contains("none")
     );
+}
+
+#[test]
+fn faults_of_stl() {
     let mut stl = stl_binary();
     stl[..80].fill(0);
     assert!(fault("a.stl", &stl[..150]).contains("184 bytes, not 150"));
-    assert!(
-        fault("b.stl", stl_text().split_last_chunk::<30>().unwrap().0)
-            .contains("after 1 triangles")
-    );
-    assert!(fault("a.txt", "").contains("known are obj, ply, stl, off, gltf, glb"));
+    stl[..5].copy_from_slice(b"solid");
+    assert!(fault("b.stl", &stl[..150]).contains("184 bytes, not 150"));
+    let stl = text(stl_text());
+    assert!(fault("c.stl", stl.trim_end_matches("endsolid\n")).contains("the file ends before"));
+    assert!(fault("d.stl", stl.replacen("vertex", "vertex x", 1)).contains("line 4: 'x'"));
+    assert!(fault("e.stl", stl.replacen("endloop\n", "", 1)).contains("line 15: a facet of 6"));
+    assert!(fault("f.stl", stl.replacen("outer", "inner", 1)).contains("line 3: 'inner'"));
+}
+
+/// At the first six `gltf` by itself panics, reads what is no position, or never ends.
+#[test]
+fn faults_of_gltf() {
     let gltf = text(gltf());
-    assert!(fault("a.gltf", gltf.replace("\"count\":4", "\"count\":5")).contains("accessor 1"));
+    let (data, indices) = (r#""uri":"data:application/octet-stream;base64,"#, r#"},"indices":1}"#);
+    for (from, to, what) in [
+        (r#""byteLength":48}],"#, r#""byteLength":48,"byteStride":4}],"#, "overlaps itself"),
+        (r#""count":3,"type":"VEC3""#, r#""count":3,"type":"VEC4""#, "accessor 0: Vec4"),
+        (r#""POSITION":0}}"#, &format!(r#""POSITION":0{indices}"#), "accessor 1: Vec3 of F32"),
+        (r#""count":4"#, r#""count":0"#, "accessor 1 is empty"),
+        (data, r#""uri":"%FF","was":""#, "no file"),
+        (data, r#""uri":"/dev/zero","was":""#, "there is no file /dev/zero"),
+        (data, r#""uri":"http://localhost/","was":""#, "buffer 0: unsupported URI"),
+        (r#""count":4"#, r#""count":5"#, "accessor 1 is empty, overlaps itself or leaves"),
+        (r#""count":3"#, r#""count":2"#, "triangles of 2 corners"),
+        (r#""children":[2]"#, r#""children":[1]"#, "a node is below two others"),
+        (r#""scenes":[{"nodes":[0,1]}],"#, "", "glTF"),
+    ] {
+        assert!(gltf.contains(from), "{from}");
+        let error = fault("a.gltf", gltf.replacen(from, to, 1));
+        assert!(error.contains(what), "{error}");
+    }
+    let no_scene = gltf.replace(r#""scene":0,"scenes":[{"nodes":[0,1]}],"#, "");
+    assert!(fault("b.gltf", no_scene).contains("no scene"));
+    assert!(fault("a.glb", &glb()[..400]).contains("by its header"));
+    assert!(fault("b.glb", [b"glTF\x02\0\0\0", &[0; 4][..]].concat()).contains("0 bytes"));
+}
+
+#[test]
+fn gltf_reads_the_file_beside() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("scene.gltf");
+    let scene = text(gltf());
+    let (json, data) = scene.split_once("data:").unwrap();
+    let rest = data.split_once('"').unwrap().1;
+    fs::write(&path, format!("{json}my%20b%C3%BCffer.bin\"{rest}")).unwrap();
+    fs::write(folder.path().join("my büffer.bin"), glb().split_last_chunk::<48>().unwrap().1)
+        .unwrap();
+    assert_eq!(read(&path).unwrap(), parse("scene.gltf", scene).unwrap());
 }
 
 /// Counts in headers are not believed: no memory is asked for on their word, and reading ends at once.
 #[test]
 fn lying_counts_are_refused() {
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     fault("a.off", text(off()).replace("5 1 0", "4000000000 1 0"));
     fault("b.off", text(off()).replace("4 2 1 3 0", "4000000000 2 1 3 0"));
     for vertices in ["vertex 4000000000", "vertex 18446744073709551615"] {
@@ -212,8 +208,10 @@ fn changed_bytes_never_panic() {
         ("m.stl", stl_text()),
         ("n.stl", stl_binary()),
         ("m.gltf", gltf()),
+        ("m.glb", glb()),
     ] {
         let path = folder.path().join(name);
+        let mut file = fs::File::create(&path).unwrap();
         for _ in 0..3000 {
             let mut changed = bytes.clone();
             for _ in 0..random.random_range(1..4) {
@@ -225,7 +223,10 @@ fn changed_bytes_never_panic() {
                 };
             }
             changed.truncate(random.random_range(0..2 * changed.len()));
-            fs::write(&path, &changed).unwrap();
+            // Faster than another file each time.
+            file.rewind().unwrap();
+            file.write_all(&changed).unwrap();
+            file.set_len(changed.len() as u64).unwrap();
             // What is read may be nonsense, but a model says so.
             if let Ok(MeshData { positions, triangles }) = read(&path) {
                 let _ = pfront::Model::new(positions, triangles);
@@ -244,7 +245,7 @@ fn painted_meshes_come_back() {
         hit: &[false, true],
         colours: [[1, 2, 3], [4, 5, 6]],
     };
-    write_painted(&path, &[mesh, mesh]).unwrap();
+    write_painted(&mut fs::File::create(&path).unwrap(), &[mesh, mesh]).unwrap();
     let read = read(&path).unwrap();
     assert_eq!(read.triangles, [[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]);
     assert_eq!(read.positions[9..], QUAD[1].map(|v| POSITIONS[v as usize]));
@@ -252,4 +253,30 @@ fn painted_meshes_come_back() {
     let vertices = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
     assert_eq!(bytes[vertices + 12..][..3], [1, 2, 3]);
     assert_eq!(bytes[vertices + 3 * 15 + 12..][..3], [4, 5, 6]);
+}
+
+/// What is not understood is no mesh that meets nothing.
+#[test]
+fn a_file_without_triangles_is_refused() {
+    for (name, bytes) in [
+        ("lfs.obj", &b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n"[..]),
+        ("cloud.obj", b"v 0 0 0\nv 1 0 0\n"),
+        ("empty.off", b"OFF\n0 0 0\n"),
+        ("empty.obj", b""),
+    ] {
+        assert!(fault(name, bytes).contains("no triangle"), "{name}");
+    }
+    assert!(fault("more.off", text(off()) + "3 0 1 2\n").contains("goes on after its 1 faces"));
+}
+
+#[test]
+fn solids_of_one_file_are_all_read() {
+    let solids = [stl_text(), stl_text()].concat();
+    assert_eq!(parse("two.stl", solids).unwrap().triangles.len(), 4);
+}
+
+#[test]
+fn welding_leaves_bad_indices_to_be_named() {
+    let mesh = MeshData { positions: POSITIONS.to_vec(), triangles: vec![[0, 1, 9]] };
+    assert_eq!(mesh.clone().welded(), mesh);
 }

@@ -112,7 +112,7 @@ impl Plan {
         report: &mut Report,
     ) {
         let most = settings.most_nodes.max(queries.len());
-        let mut settings = *settings;
+        let mut settings = Settings { grain: settings.grain.sound(), ..*settings };
         let finest = match settings.schedule {
             // Stealing makes up for wrong estimates at less cost than a finer front: on random poses of
             // two bunnies, p = 8, a front of g = 8 takes 21 µs and leaves an imbalance of 1.16, one of
@@ -140,7 +140,8 @@ impl Plan {
                 if grain.estimated >= finest {
                     break;
                 }
-                settings.grain.estimated = (2.0 * grain.estimated).min(finest);
+                // From 0, which does not grow by doubling, to one node for each worker.
+                settings.grain.estimated = (2.0 * grain.estimated).max(1.0).min(finest);
             } else if grain.estimated <= coarsest {
                 if !self.grow(2 * self.nodes.len(), most) {
                     break;

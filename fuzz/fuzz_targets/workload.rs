@@ -27,7 +27,6 @@ fn workload(bytes: &[u8]) {
             Ok(Some(frame)) => to.frame(frame).unwrap(),
         }
     }
-    to.finish().unwrap();
     assert_eq!(again, bytes);
 }
 
@@ -36,6 +35,5 @@ fn pair_file(bytes: &[u8]) {
     let mut again = Vec::new();
     let mut to = PairWriter::new(&mut again, frames.len() as u32).unwrap();
     frames.iter().for_each(|pairs| to.frame(pairs).unwrap());
-    to.finish().unwrap();
     assert_eq!(again, bytes);
 }

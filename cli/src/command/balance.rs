@@ -4,11 +4,12 @@ use super::{milliseconds, progress};
 use crate::args::{Balance, BalanceFormat};
 use crate::charts;
 use crate::engine::{Asked, engine};
+use crate::output::{Draft, out};
 use crate::recording::Recording;
 use anyhow::{Context, Result};
 use pfront::Accuracy;
 use pfront::threads::{Reference, Report, Schedule, Settings, Share, Traversal};
-use std::io::{self, Write, stdout};
+use std::io::{self, Write};
 
 /// The frames of one scene under one number of workers.
 pub(crate) struct Series {
@@ -30,13 +31,15 @@ pub(crate) fn run(balance: &Balance) -> Result<bool> {
             all.push(series(balance, size, workers)?);
         }
     }
-    let mut out = stdout().lock();
+    let mut out = out();
     match balance.format {
         BalanceFormat::Table => table(&mut out, &all)?,
         BalanceFormat::Csv => lines(&mut out, &all)?,
     }
     if let Some(path) = &balance.svg {
-        charts::draw(path, &all).with_context(|| format!("writing {}", path.display()))?;
+        let mut file = Draft::new(path)?;
+        file.write_all(charts::draw(&all)?.as_bytes())?;
+        file.finish()?;
     }
     Ok(true)
 }

@@ -3,10 +3,11 @@
 use super::{milliseconds, progress};
 use crate::how::How;
 use crate::memory;
+use crate::output::out;
 use anyhow::Result;
 use pfront::{Model, Pose};
 use pfront_scenes::Scene;
-use std::io::{Write, stdout};
+use std::io::Write;
 use std::time::{Duration, Instant};
 
 pub(crate) fn run() -> Result<bool> {
@@ -39,7 +40,7 @@ pub(crate) fn run() -> Result<bool> {
     let mib = |bytes: usize| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
     let models_bytes = models.iter().map(Model::bytes).sum();
     let range = [counts.iter().min(), counts.iter().max()].map(|n| *n.unwrap_or(&0));
-    let mut out = stdout().lock();
+    let mut out = out();
     writeln!(out, "A worm drive for {} frames, exactly", scene.frames())?;
     writeln!(out, "  triangles  {} in {} meshes", scene.triangles(), models.len())?;
     writeln!(out, "  pairs      {} to {} meet in a frame", range[0], range[1])?;

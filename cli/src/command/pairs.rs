@@ -16,7 +16,12 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bo
     } else {
         Found::Pairs(query.all(&a, &b, &a_from_b)?)
     };
-    let posed: Vec<_> = b.mesh().positions().iter().map(|&p| a_from_b.apply(p)).collect();
-    found.print(listing, &[a.mesh(), b.mesh().with_positions(&posed)?])?;
+    match listing.picture() {
+        Some(path) => {
+            let posed: Vec<_> = b.mesh().positions().iter().map(|&p| a_from_b.apply(p)).collect();
+            found.paint(path, &[a.mesh(), b.mesh().with_positions(&posed)?])?;
+        }
+        None => found.print(listing)?,
+    }
     Ok(true)
 }

@@ -4,12 +4,12 @@ use super::{milliseconds, progress};
 use crate::args::{Mode, Replay};
 use crate::engine::engine;
 use crate::memory;
+use crate::output::{Draft, out};
 use crate::recording::Recording;
 use anyhow::{Context, Result, ensure};
 use pfront::TrianglePair;
 use pfront_cli::pairs::PairWriter;
-use std::fs::File;
-use std::io::{BufWriter, Write, stdout};
+use std::io::Write;
 use std::time::Instant;
 
 pub(crate) fn run(replay: &Replay) -> Result<bool> {
@@ -26,14 +26,10 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     let build = milliseconds(clock.elapsed());
 
     let mut pairs = match &replay.pairs {
+        Some(path) => Some(PairWriter::new(Draft::new(path)?, frames)?),
         None => None,
-        Some(path) => {
-            let file = File::create(path).map(BufWriter::new);
-            let writer = file.and_then(|file| PairWriter::new(file, frames));
-            Some(writer.with_context(|| format!("writing {}", path.display()))?)
-        }
     };
-    let mut out = stdout().lock();
+    let mut out = out();
     writeln!(out, "BUILD\t{build:.3}")?;
     let bar = progress(frames.into());
     for number in 0.. {
@@ -50,13 +46,13 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         let query = milliseconds(clock.elapsed());
         writeln!(out, "FRAME\t{number}\t{update:.3}\t{query:.3}\t{}", found.len())?;
         if let Some(pairs) = &mut pairs {
-            pairs.frame(found)?;
+            pairs.frame(found).context("cannot write the pairs")?;
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
     if let Some(pairs) = pairs {
-        pairs.finish()?;
+        pairs.finish().finish()?;
     }
     writeln!(out, "RSS\t{}", memory::peak())?;
     Ok(true)

@@ -17,6 +17,9 @@ pub(crate) fn run(within: &Within) -> Result<bool> {
     } else {
         Found::Pairs(query.all(&model))
     };
-    found.print(&within.listing, &[model.mesh()])?;
+    match within.listing.picture() {
+        Some(path) => found.paint(path, &[model.mesh()])?,
+        None => found.print(&within.listing)?,
+    }
     Ok(true)
 }

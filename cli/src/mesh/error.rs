@@ -15,7 +15,7 @@ pub enum ReadError {
         path: PathBuf,
     },
     /// The file could not be read.
-    #[error("{}: {source}", path.display())]
+    #[error("cannot read {}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -29,6 +29,16 @@ pub enum ReadError {
         path: PathBuf,
         /// The line, from 1.
         line: usize,
+        /// What is wrong.
+        what: String,
+    },
+    /// A record of a binary file is wrong.
+    #[error("{}, byte {byte}: {what}", path.display())]
+    Byte {
+        /// The file.
+        path: PathBuf,
+        /// Where the record begins, from 0.
+        byte: usize,
         /// What is wrong.
         what: String,
     },
@@ -47,6 +57,7 @@ pub enum ReadError {
 pub(super) enum Fault {
     Io(io::Error),
     Line(usize, String),
+    Byte(usize, String),
     Broken(String),
 }
 
@@ -60,6 +71,7 @@ impl Fault {
         match self {
             Self::Io(source) => ReadError::Io { path, source },
             Self::Line(line, what) => ReadError::Line { path, line, what },
+            Self::Byte(byte, what) => ReadError::Byte { path, byte, what },
             Self::Broken(what) => ReadError::Broken { path, what },
         }
     }

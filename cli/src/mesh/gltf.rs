@@ -2,34 +2,34 @@
 //! placed by their nodes, in f64 and rounded once. Strips and fans become triangles; points and lines are
 //! passed over.
 
+mod checked;
+
 use super::MeshData;
 use super::error::Fault;
-use glam::{DMat4, DVec3, Mat4};
+use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
 use gltf::buffer::Data;
-use gltf::json::Root;
-use gltf::mesh::Mode;
-use gltf::{Document, Gltf, Node, Primitive};
+use gltf::mesh::{Mode, Semantic};
+use gltf::scene::Transform;
+use gltf::{Node, Primitive};
 use std::path::Path;
 
-pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<MeshData, Fault> {
-    let broken = |e: gltf::Error| Fault::broken(e.to_string());
-    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(broken)?;
-    let root = document.into_json();
-    no_stray_positions(&root)?;
-    let document = Document::from_json(root).map_err(broken)?;
-    let buffers = gltf::import_buffers(&document, path.parent(), blob).map_err(broken)?;
-    for accessor in document.accessors() {
-        inside(&accessor, &buffers)?;
-    }
-    let mut mesh = MeshData::default();
+/// A small file may place a mesh any number of times.
+const MOST_VERTICES: usize = 1 << 26;
+
+pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<MeshData, Fault> {
+    let (document, mut blob) = checked::document(bytes)?;
+    let load = |buffer| checked::load(&buffer, folder, &mut blob);
+    let buffers = document.buffers().map(load).collect::<Result<Vec<_>, _>>()?;
     let scene = document.default_scene().or_else(|| document.scenes().next());
-    let roots = scene.iter().flat_map(gltf::Scene::nodes);
-    let mut pending: Vec<(Node<'_>, DMat4)> = roots.map(|node| (node, DMat4::IDENTITY)).collect();
+    let scene = scene.ok_or_else(|| Fault::broken("there is no scene"))?;
+
+    let mut mesh = MeshData::default();
+    let mut pending: Vec<_> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
     pending.reverse();
     let mut left = document.nodes().count();
     while let Some((node, above)) = pending.pop() {
-        left = left.checked_sub(1).ok_or_else(|| Fault::broken("a node is its own ancestor"))?;
-        let world = above * Mat4::from_cols_array_2d(&node.transform().matrix()).as_dmat4();
+        left = left.checked_sub(1).ok_or_else(|| Fault::broken("a node is below two others"))?;
+        let world = above * transform(&node);
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
             push(&mut mesh, &primitive, &buffers, &world)?;
         }
@@ -40,46 +40,15 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<MeshData, Fault> {
     Ok(mesh)
 }
 
-/// `gltf` takes for granted, before it checks, that the accessors of positions exist.
-fn no_stray_positions(root: &Root) -> Result<(), Fault> {
-    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let mut used = primitives.flat_map(|primitive| primitive.attributes.values());
-    match used.find(|accessor| accessor.value() >= root.accessors.len()) {
-        Some(stray) => Err(Fault::broken(format!("there is no accessor {}", stray.value()))),
-        None => Ok(()),
-    }
-}
-
-/// Checks that an accessor stays within its buffer, which `gltf` does not.
-fn inside(accessor: &gltf::Accessor<'_>, buffers: &[Data]) -> Result<(), Fault> {
-    let fault =
-        || Fault::broken(format!("accessor {} reaches beyond its buffer", accessor.index()));
-    let views = [
-        accessor.view().map(|view| (view, accessor.offset(), accessor.count(), accessor.size())),
-        accessor.sparse().map(|sparse| {
-            let (indices, count) = (sparse.indices(), sparse.count());
-            (indices.view(), indices.offset(), count, indices.index_type().size())
-        }),
-        accessor.sparse().map(|sparse| {
-            let values = sparse.values();
-            (values.view(), values.offset(), sparse.count(), accessor.size())
-        }),
-    ];
-    for (view, offset, count, size) in views.into_iter().flatten() {
-        let stride = view.stride().unwrap_or(size);
-        let last = count.saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(size));
-        let end = last.and_then(|n| n.checked_add(offset)).ok_or_else(fault)?;
-        let view_end = view.offset().checked_add(view.length()).ok_or_else(fault)?;
-        let buffer = buffers.get(view.buffer().index()).map_or(0, |data| data.len());
-        if end > view.length() || view_end > buffer {
-            return Err(fault());
+fn transform(node: &Node<'_>) -> DMat4 {
+    match node.transform() {
+        Transform::Matrix { matrix } => Mat4::from_cols_array_2d(&matrix).as_dmat4(),
+        Transform::Decomposed { translation, rotation, scale } => {
+            let rotation: DQuat = Quat::from_array(rotation).as_dquat().normalize();
+            let [scale, translation] = [scale, translation].map(|v| Vec3::from(v).as_dvec3());
+            DMat4::from_scale_rotation_translation(scale, rotation, translation)
         }
     }
-    // Without a view all is zero, and takes no bytes however much there is of it.
-    if accessor.view().is_none() && accessor.count() > buffers.iter().map(|data| data.len()).sum() {
-        return Err(fault());
-    }
-    Ok(())
 }
 
 fn push(
@@ -88,29 +57,41 @@ fn push(
     buffers: &[Data],
     world: &DMat4,
 ) -> Result<(), Fault> {
+    let mode = primitive.mode();
+    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+        return Ok(());
+    }
+    if let Some(positions) = primitive.get(&Semantic::Positions) {
+        checked::positions(&positions, buffers)?;
+    }
+    if let Some(indices) = primitive.indices() {
+        checked::indices(&indices, buffers)?;
+    }
+    let added = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
+    if mesh.positions.len() + added > MOST_VERTICES {
+        return Err(Fault::broken(format!("over {MOST_VERTICES} vertices, instances included")));
+    }
     let reader = primitive.reader(|buffer| buffers.get(buffer.index()).map(|data| &data[..]));
-    let Some(positions) = reader.read_positions() else { return Ok(()) };
-    let first = mesh.positions.len();
+    let first = mesh.positions.len() as u32;
     // What stays where it is stays so to the bit.
     let moves = *world != DMat4::IDENTITY;
     let place = |p: [f32; 3]| {
         let moved = |p| world.transform_point3(DVec3::from(p)).as_vec3().to_array();
         if moves { moved(p.map(f64::from)) } else { p }
     };
-    mesh.positions.extend(positions.map(place));
-    let added = mesh.positions.len() - first;
+    mesh.positions.extend(reader.read_positions().into_iter().flatten().map(place));
+    let end = mesh.positions.len() as u32;
+
     let corners: Vec<u32> = match reader.read_indices() {
-        Some(indices) => indices.into_u32().collect(),
-        None => (0..added as u32).collect(),
+        Some(indices) => indices.into_u32().map(|i| first.saturating_add(i)).collect(),
+        None => (first..end).collect(),
     };
-    if let Some(stray) = corners.iter().find(|&&corner| corner as usize >= added) {
-        return Err(Fault::broken(format!("there is no vertex {stray} among {added}")));
+    if let Some(stray) = corners.iter().find(|&&corner| corner >= end) {
+        let (stray, all) = (stray - first, end - first);
+        return Err(Fault::broken(format!("there is no vertex {stray} among {all}")));
     }
-    let corners: Vec<u32> = corners.into_iter().map(|corner| corner + first as u32).collect();
-    match primitive.mode() {
-        Mode::Triangles => {
-            mesh.triangles.extend(corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]));
-        }
+    match mode {
+        Mode::TriangleFan => mesh.push_fan(&corners),
         // Every other triangle of a strip is turned round.
         Mode::TriangleStrip => mesh.triangles.extend(
             corners
@@ -118,8 +99,13 @@ fn push(
                 .zip([false, true].into_iter().cycle())
                 .map(|(t, odd)| if odd { [t[1], t[0], t[2]] } else { [t[0], t[1], t[2]] }),
         ),
-        Mode::TriangleFan => mesh.push_fan(&corners),
-        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => {}
+        _ => {
+            let (triangles, over) = corners.as_chunks();
+            if !over.is_empty() {
+                return Err(Fault::broken(format!("triangles of {} corners", corners.len())));
+            }
+            mesh.triangles.extend(triangles);
+        }
     }
     Ok(())
 }

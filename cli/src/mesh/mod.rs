@@ -1,7 +1,8 @@
 //! Triangle meshes from files, and painted ones to look at.
 //!
-//! All readers keep the order of the file, so that the numbers of an answer are those of the file's
-//! vertices and faces; a polygon becomes a fan around its first corner. Coordinates are the nearest f32 to
+//! All readers keep the order of the file. A face of more than three corners becomes a fan of triangles around
+//! its first, so that triangles have the numbers of the file's faces where all of these are triangles,
+//! and count on through the fans where not. Coordinates are the nearest f32 to
 //! what is written. What is no number is refused; NaN is one, and left to [`pfront::Model::new`], which
 //! names the vertex.
 
@@ -46,6 +47,10 @@ impl MeshData {
     /// ```
     #[must_use]
     pub fn welded(self) -> Self {
+        // An index out of range is for [`pfront::Model::new`] to name.
+        if self.triangles.iter().flatten().any(|&v| v as usize >= self.positions.len()) {
+            return self;
+        }
         let mut seen = HashMap::with_capacity(self.positions.len());
         let mut positions = Vec::new();
         let mut join = |p: [f32; 3]| {
@@ -56,9 +61,8 @@ impl MeshData {
             })
         };
         let joined: Vec<u32> = self.positions.into_iter().map(&mut join).collect();
-        // An index out of range stays out of range.
-        let of = |v: u32| joined.get(v as usize).copied().unwrap_or(u32::MAX);
-        Self { triangles: self.triangles.into_iter().map(|t| t.map(of)).collect(), positions }
+        let triangles = self.triangles.into_iter().map(|t| t.map(|v| joined[v as usize]));
+        Self { triangles: triangles.collect(), positions }
     }
 
     /// Adds a polygon as a fan.
@@ -68,20 +72,42 @@ impl MeshData {
     }
 }
 
-/// Reads a mesh; the extension tells the format.
+/// Reads a mesh; the extension tells the format, in whatever case.
+///
+/// An STL file has three vertices of its own for each triangle, see [`MeshData::welded`]. Of glTF these
+/// are the triangles of all meshes of the default scene, placed by their nodes, in the order of the nodes,
+/// children after their parent; without skins and morphs. What a file says of its size is not believed;
+/// but a glTF mesh is read as often as nodes place it.
 ///
 /// # Errors
-/// [`ReadError`] names the file, and the line or what else is wrong.
+/// [`ReadError`] names the file, and the line or what else is wrong; a file without a triangle is taken for
+/// one that was not understood.
 pub fn read(path: &Path) -> Result<MeshData, ReadError> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let parse: fn(&[u8], &Path) -> Result<MeshData, Fault> = match extension.to_str() {
-        Some("obj") => |bytes, _| obj::parse(bytes),
-        Some("ply") => |bytes, _| ply::parse(bytes),
-        Some("stl") => |bytes, _| stl::parse(bytes),
-        Some("off") => |bytes, _| off::parse(bytes),
-        Some("gltf" | "glb") => gltf::parse,
-        _ => return Err(ReadError::UnknownFormat { path: path.to_owned() }),
-    };
-    let read = std::fs::read(path).map_err(Fault::from);
-    read.and_then(|bytes| parse(&bytes, path)).map_err(|fault| fault.at(path))
+    let format = FORMATS.iter().find(|&&format| extension == format);
+    let format = format.ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let bytes = std::fs::read(path).map_err(Fault::from);
+    let parsed = bytes.and_then(|bytes| parse(format, &bytes, folder));
+    parsed.map_err(|fault| fault.at(path))
+}
+
+/// For fuzzing: [`read`] of bytes in one of [`FORMATS`], without files beside.
+#[doc(hidden)]
+pub fn read_bytes(format: &str, bytes: &[u8]) -> Option<MeshData> {
+    parse(format, bytes, Path::new("/nowhere")).ok()
+}
+
+fn parse(format: &str, bytes: &[u8], folder: &Path) -> Result<MeshData, Fault> {
+    let mesh = match format {
+        "obj" => obj::parse(bytes),
+        "ply" => ply::parse(bytes),
+        "stl" => stl::parse(bytes),
+        "off" => off::parse(bytes),
+        _ => gltf::parse(bytes, folder),
+    }?;
+    if mesh.triangles.is_empty() {
+        return Err(Fault::broken("there is no triangle in it"));
+    }
+    Ok(mesh)
 }

@@ -43,18 +43,18 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
 
 /// `7`, `7/1`, `7//2`, `7/1/2`, each also counted from the end: −1 is the latest vertex.
 fn corner(line: &Line<'_>, word: &[u8], vertices: usize) -> Result<u32, Fault> {
-    let index: i64 = line.number(word.split(|&b| b == b'/').next())?;
-    let from_zero = match index {
-        1.. => Some(index - 1),
+    let written: i64 = line.number(word.split(|&b| b == b'/').next())?;
+    let from_zero = match written {
+        1.. => Some(written - 1),
         0 => None,
-        _ => Some(vertices as i64 + index),
+        _ => Some(vertices as i64 + written),
     };
     let index = from_zero.and_then(|index| u32::try_from(index).ok());
-    index.ok_or_else(|| line.fault(format!("there is no vertex {}", String::from_utf8_lossy(word))))
+    index.ok_or_else(|| line.fault(format!("there is no vertex {written}")))
 }
 
-/// Lines that end in a backslash go on in the next; numbers of later lines stay right. `None` if there
-/// are no such lines.
+/// Lines that end in a backslash go on in the next, but for comments, which may end in a Windows path;
+/// numbers of later lines stay right. `None` if there are no such lines.
 fn join_continued(bytes: &[u8]) -> Option<Vec<u8>> {
     if !bytes.windows(2).any(|w| w == b"\\\n" || w == b"\\\r") {
         return None;
@@ -63,7 +63,8 @@ fn join_continued(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut owed = 0;
     for line in bytes.split(|&b| b == b'\n') {
         let body = line.strip_suffix(b"\r").unwrap_or(line);
-        if let Some(body) = body.strip_suffix(b"\\") {
+        let continued = body.strip_suffix(b"\\").filter(|body| !body.contains(&b'#'));
+        if let Some(body) = continued {
             joined.extend_from_slice(body);
             joined.push(b' ');
             owed += 1;

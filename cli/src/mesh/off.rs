@@ -39,7 +39,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
         face(&line, vertices, &mut corners)?;
         mesh.push_fan(&corners);
     }
-    Ok(mesh)
+    match lines.next() {
+        Some(line) => Err(line.fault(format!("the file goes on after its {faces} faces"))),
+        None => Ok(mesh),
+    }
 }
 
 fn face(line: &Line<'_>, vertices: u32, corners: &mut Vec<u32>) -> Result<(), Fault> {

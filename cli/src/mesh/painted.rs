@@ -1,8 +1,6 @@
 //! Meshes with marked triangles, as a binary PLY that every viewer opens.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::io::{self, Write};
 
 /// A mesh to paint.
 #[derive(Clone, Copy, Debug)]
@@ -17,17 +15,16 @@ pub struct PaintedMesh<'m> {
     pub colours: [[u8; 3]; 2],
 }
 
-/// Writes meshes into one PLY file. Each triangle has three vertices of its own, since viewers colour
+/// Writes meshes as one PLY file. Each triangle has three vertices of its own, since viewers colour
 /// vertices rather than faces.
 ///
 /// # Errors
-/// If the file cannot be written.
+/// Those of `to`, which is written piece by piece and wants a buffer.
 ///
 /// # Panics
 /// If a triangle has an index out of range.
-pub fn write_painted(path: &Path, meshes: &[PaintedMesh<'_>]) -> io::Result<()> {
+pub fn write_painted(to: &mut impl Write, meshes: &[PaintedMesh<'_>]) -> io::Result<()> {
     let triangles: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-    let mut to = BufWriter::new(File::create(path)?);
     write!(
         to,
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\
@@ -48,5 +45,5 @@ pub fn write_painted(path: &Path, meshes: &[PaintedMesh<'_>]) -> io::Result<()> 
         to.write_all(&[3])?;
         (first..first + 3).try_for_each(|v| to.write_all(&v.to_le_bytes()))?;
     }
-    to.flush()
+    Ok(())
 }

@@ -1,108 +1,115 @@
-//! PLY, text and binary, through `ply-rs-bw`: x, y and z of `vertex`, `vertex_indices` (or
-//! `vertex_index`) of `face`; other elements and properties are passed over.
+//! PLY, text and binary: x, y and z of `vertex`, `vertex_indices` (or `vertex_index`) of `face`; other
+//! elements and properties are passed over.
+//!
+//! `ply-rs-bw` reads the header and binary elements. Not those in text: it knows no `nan` and no `.5`
+//! there, and rounds doubles twice.
+
+mod record;
 
 use super::MeshData;
 use super::error::Fault;
+use super::text::{Line, lines};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult};
-
-const AXES: [&str; 3] = ["x", "y", "z"];
-const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType};
+use record::{AXES, INDICES, Record};
+use std::io::ErrorKind;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+    let parser = Parser::<Record>::new();
     let mut reader = Reader::new(bytes);
-    let header = Parser::<Skipped>::new().read_header(&mut reader)?;
+    let header = parser.read_header(&mut reader)?;
+    let first = reader.line();
+    let mut rest = reader.into_inner();
+    check_header(&header, &bytes[..bytes.len() - rest.len()])?;
+
+    let mut lines = lines(bytes).skip_while(|line| line.number < first);
     let mut mesh = MeshData::default();
     for element in header.elements.values() {
-        match &element.name[..] {
-            "vertex" => {
-                AXES.iter().try_for_each(|&axis| has(element, &[axis]))?;
-                let parser = Parser::<Vertex>::new();
-                let vertices = parser.read_payload_for_element(&mut reader, element, &header)?;
-                mesh.positions.extend(vertices.iter().map(|vertex| vertex.0));
-            }
-            "face" => {
-                has(element, &INDICES)?;
-                let parser = Parser::<Face>::new();
-                let faces = parser.read_payload_for_element(&mut reader, element, &header)?;
-                for (Face(corners), number) in faces.iter().zip(0_usize..) {
-                    if corners.len() < 3 {
-                        let what = format!("face {number} has {} corners", corners.len());
-                        return Err(Fault::broken(what));
-                    }
-                    mesh.push_fan(corners);
+        for number in 0..element.count {
+            let at = bytes.len() - rest.len();
+            let fault = |e| binary_fault(&e, at, element, number);
+            let record = match header.encoding {
+                Encoding::Ascii => match lines.next() {
+                    Some(line) => Record::from_text(&line, element),
+                    None => Err(Fault::broken(ends_in(element, number))),
+                },
+                Encoding::BinaryLittleEndian => {
+                    parser.read_little_endian_element(&mut rest, element).map_err(fault)
                 }
-            }
-            // Any number of them would take no bytes.
-            name if element.properties.is_empty() => {
-                return Err(Fault::broken(format!("element {name} has no properties")));
-            }
-            _ => {
-                let parser = Parser::<Skipped>::new();
-                parser.read_payload_for_element(&mut reader, element, &header)?;
+                Encoding::BinaryBigEndian => {
+                    parser.read_big_endian_element(&mut rest, element).map_err(fault)
+                }
+            }?;
+            match (&element.name[..], record.corners.len()) {
+                ("vertex", _) => mesh.positions.push(record.position),
+                ("face", n @ 0..3) => {
+                    return Err(Fault::broken(format!("face {number} has {n} corners")));
+                }
+                ("face", _) => mesh.push_fan(&record.corners),
+                _ => {}
             }
         }
     }
     Ok(mesh)
 }
 
-fn has(element: &ElementDef, names: &[&str]) -> Result<(), Fault> {
-    if names.iter().any(|&name| element.properties.contains_key(name)) {
-        return Ok(());
+fn check_header(header: &Header, bytes: &[u8]) -> Result<(), Fault> {
+    // Of two with one name `ply-rs-bw` keeps one, and then takes bytes for what they are not.
+    let declares = |line: &Line<'_>| {
+        line.words().next().is_some_and(|word| word == b"element" || word == b"property")
+    };
+    let kept: usize = header.elements.values().map(|element| 1 + element.properties.len()).sum();
+    if lines(bytes).filter(declares).count() != kept {
+        return Err(Fault::broken("two elements or two properties have the same name"));
     }
-    Err(Fault::broken(format!("a {} has no {}", element.name, names.join(" or "))))
-}
-
-struct Vertex([f32; 3]);
-
-impl PropertyAccess for Vertex {
-    fn new() -> Self {
-        Self([0.0; 3])
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let Some(k) = AXES.iter().position(|&axis| axis == name) else {
-            return PropertyAccessResult::Ignored;
+    for element in header.elements.values() {
+        let has = |names: &[&str], list| {
+            let mut found = names.iter().filter_map(|&name| element.properties.get(name));
+            found.any(|property| matches!(property.data_type, PropertyType::List(..)) == list)
         };
-        // A double is rounded.
-        let Some(x) = property.to_f32_lossy() else {
-            return PropertyAccessResult::UnsupportedType;
+        let name = &element.name;
+        let missing = match &name[..] {
+            "vertex" => AXES.into_iter().find(|&axis| !has(&[axis], false)),
+            "face" if !has(&INDICES, true) => Some("vertex_indices or vertex_index"),
+            "tristrips" => return Err(Fault::broken("has tristrips: convert them to faces")),
+            // Any number of them would take no bytes.
+            _ if element.properties.is_empty() => Some("properties"),
+            _ => None,
         };
-        self.0[k] = x;
-        PropertyAccessResult::Set
-    }
-}
-
-struct Face(Vec<u32>);
-
-impl PropertyAccess for Face {
-    fn new() -> Self {
-        Self(Vec::new())
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        if !INDICES.contains(&name) {
-            return PropertyAccessResult::Ignored;
+        if let Some(missing) = missing {
+            return Err(Fault::broken(format!("element {name} has no {missing}")));
         }
-        // A negative index is of a wrong type too.
-        let Some(corners) = property.to_u32_list() else {
-            return PropertyAccessResult::UnsupportedType;
-        };
-        self.0 = corners;
-        PropertyAccessResult::Set
     }
+    Ok(())
 }
 
-struct Skipped;
-
-impl PropertyAccess for Skipped {
-    fn new() -> Self {
-        Self
-    }
+fn ends_in(element: &ElementDef, number: usize) -> String {
+    format!("the file ends in {} {number} of {}", element.name, element.count)
 }
 
+fn binary_fault(e: &ParseError, at: usize, element: &ElementDef, number: usize) -> Fault {
+    let what = match e.kind() {
+        ErrorKind::UnexpectedEof => ends_in(element, number),
+        // Of a type that `Record` does not take.
+        ErrorKind::InvalidData => {
+            format!("the indices of {} {number} are no natural numbers", element.name)
+        }
+        _ => format!("{} {number}: {e}", element.name),
+    };
+    Fault::Byte(at, what)
+}
+
+/// Of a header.
 impl From<ParseError> for Fault {
     fn from(error: ParseError) -> Self {
-        Self::broken(error.to_string())
+        let text = error.to_string();
+        // The rest is an account of the grammar, and the line again before it.
+        let what = text.lines().next().unwrap_or_default();
+        match error.line() {
+            Some(line) => {
+                Self::Line(line, what.trim_start_matches(&format!("Line {line}: ")).into())
+            }
+            None => Self::broken(what),
+        }
     }
 }

@@ -1,60 +1,85 @@
-//! STL, text and binary, through `stl_io`: a soup of three vertices a triangle, in the order of the file.
+//! STL, text and binary: a soup of three vertices a triangle, in the order of the file.
 //! [`welded`](MeshData::welded) joins them.
+//!
+//! By hand: of several solids `stl_io` reads the first, it takes text whose solid has no name for binary
+//! and binary that begins with `solid` for text, and it refuses the NaN normals that triangles without
+//! area have.
 
 use super::MeshData;
 use super::error::Fault;
-use std::io::Cursor;
-use stl_io::create_stl_reader;
+use super::text::{Line, lines, quote};
 
 /// Header and count of a binary file, and each of its triangles.
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
-    let mut mesh = MeshData::default();
-    let mut push = |corners: [[f32; 3]; 3]| {
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(corners);
-        mesh.triangles.push([first, first + 1, first + 2]);
-    };
-    if is_binary(bytes) {
-        // Not by `stl_io`, which takes a binary file whose header begins with `solid` for text.
-        for triangle in bytes[HEADER..].chunks_exact(TRIANGLE) {
-            let number = |i: usize| [0, 1, 2, 3].map(|k| triangle[4 * i + k]);
-            let corner = |i: usize| [i, i + 1, i + 2].map(|i| f32::from_le_bytes(number(i)));
-            push([corner(3), corner(6), corner(9)]);
+    let count = bytes.first_chunk::<HEADER>().map(|header| {
+        let [.., a, b, c, d] = *header;
+        u32::from_le_bytes([a, b, c, d]) as usize
+    });
+    match count {
+        // Text is never as long as its bytes 80 to 83 say: as a count they are 150 million at least.
+        Some(n) if HEADER + n * TRIANGLE == bytes.len() => Ok(binary(bytes)),
+        _ if is_text(bytes) => text(bytes),
+        Some(n) => {
+            let (due, found) = (HEADER + n * TRIANGLE, bytes.len());
+            Err(Fault::broken(format!(
+                "a binary STL of {n} triangles has {due} bytes, not {found}"
+            )))
         }
+        None => {
+            Err(Fault::broken("neither `solid` nor the 84 bytes that a binary STL has at least"))
+        }
+    }
+}
+
+/// Binary files may begin with `solid` too, but have zeros.
+fn is_text(bytes: &[u8]) -> bool {
+    let word = lines(bytes).next().and_then(|line| line.words().next());
+    word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes.contains(&0)
+}
+
+fn binary(bytes: &[u8]) -> MeshData {
+    let mut mesh = MeshData::default();
+    for triangle in bytes[HEADER..].chunks_exact(TRIANGLE) {
+        let number = |i: usize| f32::from_le_bytes([0, 1, 2, 3].map(|k| triangle[4 * i + k]));
+        // After the normal.
+        push(&mut mesh, [3, 6, 9].map(|i| [i, i + 1, i + 2].map(number)));
+    }
+    mesh
+}
+
+fn text(bytes: &[u8]) -> Result<MeshData, Fault> {
+    let mut mesh = MeshData::default();
+    let mut corners = Vec::new();
+    let mut ended = false;
+    for line in lines(bytes) {
+        let mut words = line.words();
+        let keyword = line.word(words.next())?.to_ascii_lowercase();
+        ended = keyword == b"endsolid";
+        match &keyword[..] {
+            b"vertex" => corners.push(line.position(&mut words)?),
+            b"endloop" => push(&mut mesh, three(&line, &mut corners)?),
+            b"solid" | b"facet" | b"outer" | b"endfacet" | b"endsolid" => {}
+            _ => return Err(line.fault(format!("{} is no word of STL", quote(&keyword)))),
+        }
+    }
+    if ended && corners.is_empty() {
         return Ok(mesh);
     }
-    if !bytes.starts_with(b"solid") {
-        return Err(Fault::broken(wrong_length(bytes)));
-    }
-    let mut file = Cursor::new(bytes);
-    let broken = |e: std::io::Error, n| Fault::broken(format!("after {n} triangles: {e}"));
-    for (triangle, n) in create_stl_reader(&mut file).map_err(|e| broken(e, 0))?.zip(0..) {
-        push(triangle.map_err(|e| broken(e, n))?.vertices.map(|v| v.0));
-    }
-    Ok(mesh)
+    Err(Fault::broken("the file ends before its last endsolid"))
 }
 
-/// Whether the file is just as long as its count says. Text never is: at the count it has letters, which
-/// would make over 500 million triangles.
-fn is_binary(bytes: &[u8]) -> bool {
-    count(bytes).is_some_and(|n| HEADER + n * TRIANGLE == bytes.len())
+fn three(line: &Line<'_>, corners: &mut Vec<[f32; 3]>) -> Result<[[f32; 3]; 3], Fault> {
+    let found = std::mem::take(corners);
+    found
+        .try_into()
+        .map_err(|found: Vec<_>| line.fault(format!("a facet of {} corners", found.len())))
 }
 
-fn count(bytes: &[u8]) -> Option<usize> {
-    let count = bytes.get(80..HEADER)?;
-    Some(u32::from_le_bytes(count.try_into().ok()?) as usize)
-}
-
-fn wrong_length(bytes: &[u8]) -> String {
-    let found = bytes.len();
-    match count(bytes) {
-        Some(n) => format!(
-            "a binary STL of {n} triangles has {} bytes, not {found}",
-            HEADER + n * TRIANGLE
-        ),
-        None => format!("an STL has 84 bytes at least, this file {found}"),
-    }
+fn push(mesh: &mut MeshData, corners: [[f32; 3]; 3]) {
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend(corners);
+    mesh.triangles.push([first, first + 1, first + 2]);
 }

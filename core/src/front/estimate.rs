@@ -17,7 +17,8 @@ pub enum Extent {
 /// The policy for α in |n| = α·V (eq. 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Alpha {
-    /// The same for all nodes, eq. 3.
+    /// The same for all nodes, eq. 3. In a first frame such that all nodes together cost what they do by
+    /// density, so that the unit of length is of no account.
     Constant,
     /// Triangles per unit of extent in the two boxes of a starting node, added up, so that α·V is how
     /// many triangles would lie in the overlap if they were spread evenly; the same for all below it.

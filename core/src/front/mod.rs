@@ -208,8 +208,17 @@ impl<'a> Front<'a> {
             // Both until the scale is known: a positive cost, or a negative weight.
             node.cost = if cost > 0.0 { cost } else { -weight } as f32;
         }
-        // α fitted to the last frame; in a first only the floors depend on it.
-        let alpha = if known_weights > 0.0 { known / known_weights } else { FIRST_ALPHA };
+        // α fitted to the last frame; in a first, all that lies in overlaps costs the same whatever V is.
+        let alpha = if known_weights > 0.0 {
+            known / known_weights
+        } else {
+            let sum = |alpha| -> f64 {
+                let estimate = Estimate { alpha, ..estimate };
+                let nodes = self.nodes[first..self.len].iter();
+                nodes.map(|node| estimate.weight(query, node.pair)).sum()
+            };
+            FIRST_ALPHA * sum(Alpha::Density) / sum(estimate.alpha)
+        };
         for node in &mut self.nodes[first..self.len] {
             if node.cost <= 0.0 {
                 node.cost = (alpha * -f64::from(node.cost)) as f32;

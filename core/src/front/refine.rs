@@ -11,6 +11,8 @@ use crate::query::{NodePair, Query};
 /// The paper has one g, and uses 2. Costs that were measured in the last frame can be relied on node by
 /// node. Estimates cannot: on random poses of two bunnies the standard deviation of true over
 /// estimated cost is 1.2 to 1.8, and many nodes must make up for it.
+///
+/// A g of 0 asks for nothing, an infinite one for nodes as small as are worth it: see [`Grain::sound`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grain {
     /// g where the cost of a node was measured.
@@ -37,6 +39,15 @@ impl Grain {
     #[must_use]
     pub const fn epsilon(epsilon: f64) -> Self {
         Self::uniform(1.0 / epsilon)
+    }
+
+    /// What is made of any two numbers: less than 0 or none at all is 0, and no g is more than the
+    /// number of nodes that there can be.
+    #[must_use]
+    pub const fn sound(self) -> Self {
+        const MOST: f64 = u32::MAX as f64;
+        let Self { measured, estimated } = self;
+        Self { measured: measured.max(0.0).min(MOST), estimated: estimated.max(0.0).min(MOST) }
     }
 }
 
@@ -84,8 +95,8 @@ impl Front<'_> {
         past: Past<'_>,
         query: impl Fn(u32) -> &'q Q,
     ) -> bool {
-        let bounds =
-            [grain.estimated, grain.measured].map(|g| ((share / g) as f32).max(WORTH_SPLITTING));
+        let Grain { measured, estimated } = grain.sound();
+        let bounds = [estimated, measured].map(|g| ((share / g) as f32).max(WORTH_SPLITTING));
         let exceeds = |at: &Step<'_>| {
             let bound = bounds[usize::from(!at.past.is_empty())];
             let again = at.past.goes_below(at.node.path);

@@ -157,8 +157,8 @@ mod tests {
     const FLOOR: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
 
     fn check(b: Triangle, expected: bool) {
-        // Miri is slow and gets two of the six.
-        let some = if cfg!(miri) { 4 } else { 1 };
+        // Miri is slow and gets one of the six: as given for one triangle, odd for the other.
+        let some = if cfg!(miri) { 6 } else { 1 };
         for (first, second) in [(&FLOOR, &b), (&b, &FLOOR)] {
             for p in permutations(first).into_iter().step_by(some) {
                 for q in permutations(second).into_iter().rev().step_by(some) {

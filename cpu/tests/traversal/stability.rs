@@ -8,7 +8,7 @@
 //! 1024 workers: 13 after an onset, 28 for two squares that touch along an edge, always within 2 % of
 //! p·w_max/W where above 4). There [`holds`] widens them.
 
-use crate::common::{Body, sequential};
+use crate::common::{Body, Frames, sequential};
 use pfront_core::Pose;
 use pfront_core::front::{Alpha, Estimate, Extent, Grain};
 use pfront_core::query::{PairQuery, Query, SelfQuery, Work};
@@ -255,6 +255,42 @@ fn grain_and_estimate_hardly_change_the_work() {
                 let estimate = Estimate { extent, alpha };
                 let ratio = work(Settings { estimate, ..default }, p) / usual;
                 assert!((0.85..1.15).contains(&ratio), "{estimate:?}, p = {p}: {ratio}");
+            }
+        }
+    }
+}
+
+/// Fronts of thousands of nodes are made in parts, one for so many threads; and where there is too little
+/// room for all, or for one part, that changes nothing.
+#[test]
+fn threads_do_not_show_in_a_front() {
+    let frames = Frames::named("torus-knots", 40_000);
+    let reports = |threads, p, most_nodes| -> Vec<Report> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let settings = Settings { schedule: Schedule::Static, most_nodes, ..Settings::default() };
+        let mut traversal = Traversal::new(p).with_settings(settings);
+        let mut frame = |i| {
+            pool.install(|| traversal.count(&frames.query(i)));
+            traversal.report().clone()
+        };
+        [40, 41, 42, 90, 91].map(&mut frame).into()
+    };
+    for (p, most_nodes) in
+        [(1024, 9_000), (1024, 20_000), (1024, 1 << 20), (64, 9_000), (200, 12_000)]
+    {
+        let one = reports(1, p, most_nodes);
+        for threads in [1, 3, 8] {
+            let several = reports(threads, p, most_nodes);
+            for (one, several) in one.iter().zip(&several) {
+                println!(
+                    "p {p} most {most_nodes} threads {threads}: {} {} {:.3} {:.3} {} {}",
+                    one.nodes,
+                    several.nodes,
+                    one.imbalance(),
+                    several.imbalance(),
+                    one.front_box_tests,
+                    several.front_box_tests
+                );
             }
         }
     }

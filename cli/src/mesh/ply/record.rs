@@ -1,0 +1,61 @@
+//! One vertex or face of a PLY file: what we want of it.
+
+use crate::mesh::error::Fault;
+use crate::mesh::text::Line;
+use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType};
+
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
+pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+#[derive(Default)]
+pub(super) struct Record {
+    pub(super) position: [f32; 3],
+    pub(super) corners: Vec<u32>,
+}
+
+impl Record {
+    /// Straight to f32 whatever the type is, so that all is rounded once.
+    pub(super) fn from_text(line: &Line<'_>, element: &ElementDef) -> Result<Self, Fault> {
+        let mut record = Self::default();
+        let mut words = line.words();
+        for (name, property) in &element.properties {
+            let word = line.word(words.next())?;
+            if let PropertyType::List(..) = property.data_type {
+                let count: u32 = line.number(Some(word))?;
+                let mut list = (0..count).map(|_| line.word(words.next()));
+                if INDICES.contains(&&name[..]) {
+                    let corners = list.map(|word| line.number(Some(word?)));
+                    record.corners = corners.collect::<Result<_, _>>()?;
+                } else {
+                    list.try_for_each(|word| word.map(drop))?;
+                }
+            } else if let Some(k) = axis(name) {
+                record.position[k] = line.number(Some(word))?;
+            }
+        }
+        Ok(record)
+    }
+}
+
+/// For what is binary.
+impl PropertyAccess for Record {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if let (Some(k), Some(x)) = (axis(name), property.to_f32_lossy()) {
+            self.position[k] = x;
+        } else if INDICES.contains(&name) {
+            let Some(corners) = property.to_u32_list() else {
+                return PropertyAccessResult::UnsupportedType;
+            };
+            self.corners = corners;
+        }
+        PropertyAccessResult::Set
+    }
+}
+
+fn axis(name: &str) -> Option<usize> {
+    AXES.iter().position(|&axis| axis == name)
+}

@@ -1,0 +1,111 @@
+//! Where results go: standard output, or a file that appears once it is whole.
+
+use anyhow::{Context, Result};
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, StdoutLock, Write, stdout};
+use std::path::{Path, PathBuf};
+use tempfile::{Builder, NamedTempFile};
+
+/// Standard output; when whoever reads it has read enough, the rest is dropped and the command still ends
+/// as it should.
+pub(crate) fn out() -> impl Write {
+    Out { to: Some(stdout().lock()) }
+}
+
+struct Out {
+    to: Option<StdoutLock<'static>>,
+}
+
+impl Out {
+    fn attempt<T>(
+        &mut self,
+        on: impl FnOnce(&mut StdoutLock<'static>) -> io::Result<T>,
+        dropped: T,
+    ) -> io::Result<T> {
+        match self.to.as_mut().map(on) {
+            Some(Err(error)) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+            Some(Ok(done)) => Ok(done),
+            _ => {
+                self.to = None;
+                Ok(dropped)
+            }
+        }
+    }
+}
+
+impl Write for Out {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.attempt(|to| to.write(bytes), bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.attempt(Write::flush, ())
+    }
+}
+
+/// A file being written. Until [`Draft::finish`] it has another name, so that whatever goes wrong, no half
+/// of it stands where a whole one is expected, or stood, or is still being read.
+pub(crate) struct Draft {
+    path: PathBuf,
+    to: BufWriter<Target>,
+}
+
+enum Target {
+    Temporary(NamedTempFile),
+    /// A pipe or a device.
+    Special(File),
+}
+
+impl Draft {
+    pub(crate) fn new(path: &Path) -> Result<Self> {
+        let special = path.metadata().is_ok_and(|found| !found.is_file());
+        let target = if special {
+            File::options().write(true).open(path).map(Target::Special)
+        } else {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            let mut builder = Builder::new();
+            #[cfg(unix)]
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+            builder.tempfile_in(folder.unwrap_or(Path::new("."))).map(Target::Temporary)
+        };
+        let target = target.with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Self { path: path.to_owned(), to: BufWriter::new(target) })
+    }
+
+    /// Gives the file its name.
+    pub(crate) fn finish(self) -> Result<()> {
+        let path = self.path;
+        let target = self.to.into_inner().map_err(io::IntoInnerError::into_error);
+        let named = target.and_then(|target| match target {
+            Target::Temporary(file) => Ok(file.persist(&path).map(drop)?),
+            Target::Special(_) => Ok(()),
+        });
+        named.with_context(|| format!("cannot write {}", path.display()))
+    }
+}
+
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.to.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.to.flush()
+    }
+}
+
+impl Write for Target {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Temporary(file) => file.write(bytes),
+            Self::Special(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Temporary(file) => file.flush(),
+            Self::Special(file) => file.flush(),
+        }
+    }
+}
