@@ -12,6 +12,7 @@ use pfront::core::triangle::intersects;
 use pfront::{Aabb, Accuracy, Model, PairQuery, Pose};
 use pfront_scenes::Scene;
 use std::hint::black_box;
+use std::sync::LazyLock;
 
 const ACCURACIES: [Accuracy; 3] = [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast];
 
@@ -21,6 +22,9 @@ struct Case {
     b: Model,
     a_from_b: Pose,
 }
+
+/// Built once.
+static CASES: LazyLock<Vec<Case>> = LazyLock::new(cases);
 
 fn cases() -> Vec<Case> {
     let mut cases = ["torus-knots", "worm-gear"].map(|name| generated(name, 60)).to_vec();
@@ -59,22 +63,31 @@ fn bunnies() -> Option<Case> {
 
 fn queries(c: &mut Criterion) {
     let mut group = c.benchmark_group("query");
-    for Case { name, a, b, a_from_b } in cases() {
+    for Case { name, a, b, a_from_b } in CASES.iter() {
+        let truth = all(&mut PairQuery::new(), a, b, a_from_b).to_vec();
         for accuracy in ACCURACIES {
             let mut query = PairQuery::new().with_accuracy(accuracy);
-            let id = BenchmarkId::new(name, format!("{accuracy:?}"));
+            let found = all(&mut query, a, b, a_from_b);
+            let missed = truth.iter().filter(|pair| found.binary_search(pair).is_err()).count();
+            assert!(missed == 0 || accuracy == Accuracy::Fast, "{name}: {missed} missed");
+            assert!(found.len() == truth.len() || accuracy != Accuracy::Exact, "{name}");
+            let id = BenchmarkId::new(*name, format!("{accuracy:?}"));
             group.bench_function(id, |bench| {
-                bench.iter(|| query.all(&a, &b, &a_from_b).map_or(0, <[_]>::len));
+                bench.iter(|| all(&mut query, a, b, a_from_b).len());
             });
         }
     }
     group.finish();
 }
 
+fn all<'q>(query: &'q mut PairQuery, a: &Model, b: &Model, pose: &Pose) -> &'q [TrianglePair] {
+    query.all(a, b, pose).unwrap_or_else(|e| panic!("{e}"))
+}
+
 fn triangle_pairs(c: &mut Criterion) {
     let mut group = c.benchmark_group("triangle pair");
-    for case in cases() {
-        let pairs = candidates(&case);
+    for case in CASES.iter() {
+        let pairs = candidates(case);
         group.throughput(Throughput::Elements(pairs.len() as u64));
         for accuracy in ACCURACIES {
             group.bench_function(BenchmarkId::new(case.name, format!("{accuracy:?}")), |bench| {
@@ -118,13 +131,15 @@ fn candidates(case: &Case) -> Vec<(Triangle, Triangle)> {
 }
 
 fn contacts(c: &mut Criterion) {
-    let Case { a, b, a_from_b, .. } = generated("torus-knots", 60);
+    let Case { a, b, a_from_b, .. } = &CASES[0];
     let mut query = PairQuery::new();
-    let pairs: Vec<TrianglePair> = query.all(&a, &b, &a_from_b).map_or(Vec::new(), <[_]>::to_vec);
+    let pairs = all(&mut query, a, b, a_from_b).to_vec();
+    let mut contacts = || query.contacts(a, b, a_from_b).map_or(0, <[_]>::len);
+    assert_eq!(contacts(), pairs.len());
     let mut group = c.benchmark_group("contacts");
     group.throughput(Throughput::Elements(pairs.len() as u64));
     group.bench_function("torus-knots", |bench| {
-        bench.iter(|| query.contacts(&a, &b, &a_from_b).map_or(0, <[_]>::len));
+        bench.iter(&mut contacts);
     });
     group.finish();
 }

@@ -16,7 +16,7 @@ use pfront_scenes::{Kind, Scene};
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::num::NonZero;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::thread::available_parallelism;
 
 const SCHEDULES: [Schedule; 3] = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
@@ -28,6 +28,9 @@ enum Case {
     Pair { name: &'static str, a: Model, b: Model, poses: Vec<Pose> },
     Within { name: &'static str, model: Model, frames: Vec<Model> },
 }
+
+/// Built once.
+static CASES: LazyLock<Vec<Case>> = LazyLock::new(cases);
 
 fn cases() -> Vec<Case> {
     let mut cases = vec![
@@ -130,7 +133,7 @@ fn thread_counts() -> Vec<usize> {
 }
 
 fn builds(c: &mut Criterion) {
-    for case in cases() {
+    for case in CASES.iter() {
         let mesh = case.model().mesh();
         let n = mesh.triangles().len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
@@ -161,7 +164,7 @@ fn builds(c: &mut Criterion) {
 }
 
 fn frames(c: &mut Criterion) {
-    for case in cases() {
+    for case in CASES.iter() {
         let mut alone = Asker::default();
         let truth: Vec<_> =
             (0..FRAMES).map(|frame| case.found(&mut alone, frame).to_vec()).collect();
@@ -195,7 +198,7 @@ fn frames(c: &mut Criterion) {
 
 fn first_frames(c: &mut Criterion) {
     let threads = available_parallelism().map_or(1, NonZero::get);
-    for case in cases() {
+    for case in CASES.iter() {
         let mut group = c.benchmark_group(format!("first frame/{}", case.name()));
         group.sample_size(10);
         for schedule in SCHEDULES {
