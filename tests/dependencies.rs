@@ -1,6 +1,7 @@
 //! What the core depends on is part of what it promises.
 
 use std::collections::BTreeSet;
+use std::error::Error;
 use std::process::Command;
 
 /// What `pfront-core` may link: libm is glam's float functions where there is no std.
@@ -11,21 +12,20 @@ const MACRO: [&str; 5] = ["bytemuck_derive", "proc-macro2", "quote", "syn", "uni
 
 /// The packages and features that `pfront-core` is built with on any target, as `cargo tree` lists
 /// them: `glam v0.34.2`, `glam feature "libm"`.
-fn tree() -> String {
+fn tree() -> Result<String, Box<dyn Error>> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| env!("CARGO").into());
     let output = Command::new(cargo)
         .args(["tree", "--package", "pfront-core", "--edges", "normal,features"])
         .args(["--target", "all", "--prefix", "none", "--locked", "--offline"])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .unwrap();
+        .output()?;
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
+    Ok(String::from_utf8(output.stdout)?)
 }
 
 #[test]
 fn the_core_depends_on_glam_and_bytemuck_only() {
-    let tree = tree();
+    let tree = tree().unwrap();
     let found: BTreeSet<_> = tree.lines().filter_map(|line| line.split(' ').next()).collect();
     let promised: BTreeSet<_> = LINKED.into_iter().chain(MACRO).collect();
     assert_eq!(
@@ -37,7 +37,7 @@ fn the_core_depends_on_glam_and_bytemuck_only() {
 
 #[test]
 fn the_core_takes_no_std_unless_asked() {
-    let tree = tree();
+    let tree = tree().unwrap();
     let asks = |line: &&str| line.contains("feature \"std\"") || line.contains("alloc");
     let found: Vec<_> = tree.lines().filter(asks).collect();
     assert!(found.is_empty(), "{found:?}: keep it off the default features in core/Cargo.toml");

@@ -178,6 +178,7 @@ fn none_one_and_empty_bodies() {
     assert_eq!(trial.check(), 0);
     trial.add(Soup::default(), IDENTITY);
     trial.add(Soup::default(), Pose::from_translation([1.0; 3]).rows);
+    trial.deform(2, &mut ChaCha8Rng::seed_from_u64(0));
     assert_eq!(trial.check(), 0);
     trial.split(1, 3);
     assert!(trial.known.len() == 2 && trial.scenes[0].len() == 2 && !trial.scenes[0].is_empty());

@@ -53,8 +53,8 @@ impl Pose {
         self.rows.map(|r| ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3])
     }
 
-    /// Checks that the pose is finite and keeps a mesh within `bounds` well inside the range of f32,
-    /// so that neither a posed corner nor a padded box can overflow.
+    /// Checks that the pose is finite and keeps a mesh within `bounds`, which may be empty, well inside the
+    /// range of f32, so that neither a posed corner nor a padded box can overflow.
     ///
     /// # Errors
     /// [`PoseError`] names the entry or the row.
@@ -71,7 +71,10 @@ impl Pose {
             if let Some(column) = entries.iter().position(|x| !x.is_finite()) {
                 return Err(PoseError::NonFinite { row, column });
             }
-            let extent = |k: usize| bounds.min[k].abs().max(bounds.max[k].abs());
+            let extent = |k: usize| match (bounds.min[k], bounds.max[k]) {
+                (min, max) if min <= max => min.abs().max(max.abs()),
+                _ => 0.0,
+            };
             let reach = (0..3).fold(entries[3].abs(), |sum, k| sum + entries[k].abs() * extent(k));
             if reach >= POSED_LIMIT {
                 return Err(PoseError::Range { row });
@@ -293,6 +296,8 @@ mod tests {
         assert_eq!(pose.check(&unit), Err(PoseError::NonFinite { row: 1, column: 3 }));
         pose.rows[1][3] = f32::MAX;
         assert_eq!(pose.check(&unit), Err(PoseError::Range { row: 1 }));
+        assert_eq!(pose.check(&Aabb::EMPTY), Err(PoseError::Range { row: 1 }));
         assert_eq!(Pose::IDENTITY.check(&unit), Ok(()));
+        assert_eq!(Pose::IDENTITY.check(&Aabb::EMPTY), Ok(()));
     }
 }

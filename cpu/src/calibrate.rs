@@ -15,7 +15,9 @@ pub const TRIANGLE_COST: f32 = 6.5;
 const SIDE: usize = 48;
 const RUNS: usize = 5;
 
-/// Measures what a triangle test costs in box tests on this machine, in about 10 ms.
+/// Measures what a triangle test costs in box tests on this machine, in about 10 ms: for
+/// [`Settings::triangle_cost`](crate::Settings::triangle_cost), which says when that is worth while. No
+/// two runs give quite the same.
 ///
 /// It walks two small sheets, once close together, which is mostly box tests, and once through each other,
 /// and solves for the time of either test. [`TRIANGLE_COST`] where the clock is too coarse for that.

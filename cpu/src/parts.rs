@@ -1,5 +1,8 @@
 //! Refining a large front in parallel: it is cut into parts, each with its share of the memory, and put
 //! together again in order.
+//!
+//! How many parts there are, and so the number of threads, must not show in the front. A part may run
+//! out of memory where the whole does not: then the calling thread finishes the pass, on the whole.
 
 use crate::Settings;
 use crate::plan::Outcome;
@@ -21,10 +24,19 @@ pub(crate) struct Task<'t, Q> {
 impl<Q: Query> Task<'_, Q> {
     /// Does to the first `len` of `nodes` what [`Front::refine`] does.
     pub(crate) fn refine(&self, nodes: &mut [FrontNode], len: usize) -> Outcome {
-        let Settings { grain, estimate, .. } = *self.settings;
         let mut front = Front::resume(nodes, len);
-        front.refine(self.workers, grain, estimate, self.past, |n| &self.queries[n as usize]);
+        self.all_passes(&mut front);
         Outcome { nodes: front.nodes().len(), box_tests: front.box_tests(), full: front.is_full() }
+    }
+
+    fn all_passes(&self, front: &mut Front<'_>) {
+        let Settings { grain, estimate, .. } = *self.settings;
+        front.refine(self.workers, grain, estimate, self.past, |n| &self.queries[n as usize]);
+    }
+
+    fn pass(&self, front: &mut Front<'_>, share: f64) -> bool {
+        let Settings { grain, estimate, .. } = *self.settings;
+        front.refine_below(share, grain, estimate, self.past, |n| &self.queries[n as usize])
     }
 }
 
@@ -46,7 +58,7 @@ pub(crate) fn refine<Q: Query + Sync>(
     let count = (PARTS_PER_THREAD * rayon::current_num_threads()).min(len).max(1);
     let size = nodes.len() / count;
     if size < len.div_ceil(count) {
-        return Outcome { nodes: len, box_tests: 0, full: true };
+        return task.refine(nodes, len);
     }
     // From the last to the first, so that none is overwritten before it has moved: part i has at most
     // as many nodes before it as room.
@@ -60,27 +72,36 @@ pub(crate) fn refine<Q: Query + Sync>(
         .enumerate()
         .map(|(i, nodes)| Part::new(nodes, bounds(i).len()))
         .collect();
-    loop {
+    let (share, full) = loop {
         let share = parts.iter().map(|part| part.cost).sum::<f64>() / task.workers as f64;
         let split = parts.par_iter_mut().with_max_len(1).map(|part| part.refine(task, share));
         // All must have their turn.
-        if !split.reduce(|| false, |x, y| x | y) || parts.iter().any(|part| part.full) {
-            break;
+        let split = split.reduce(|| false, |x, y| x | y);
+        let full = parts.iter().any(|part| part.full);
+        if full || !split {
+            break (share, full);
         }
-    }
-    let mut outcome = Outcome::default();
+    };
+    let box_tests: u64 = parts.iter().map(|part| part.box_tests).sum();
     let lengths: Vec<usize> = parts.iter().map(|part| part.len).collect();
-    for part in &parts {
-        outcome.box_tests += part.box_tests;
-        outcome.full |= part.full;
-    }
-    for (part, len) in lengths.into_iter().enumerate() {
-        nodes.copy_within(part * size..part * size + len, outcome.nodes);
-        outcome.nodes += len;
+    let mut len = 0;
+    for (part, own) in lengths.into_iter().enumerate() {
+        nodes.copy_within(part * size..part * size + own, len);
+        len += own;
     }
     // Numbers the nodes anew.
-    Front::resume(nodes, outcome.nodes);
-    outcome
+    let mut front = Front::resume(nodes, len);
+    if full {
+        task.pass(&mut front, share);
+        if !front.is_full() {
+            task.all_passes(&mut front);
+        }
+    }
+    Outcome {
+        nodes: front.nodes().len(),
+        box_tests: box_tests + front.box_tests(),
+        full: front.is_full(),
+    }
 }
 
 impl<'p> Part<'p> {
@@ -90,10 +111,8 @@ impl<'p> Part<'p> {
     }
 
     fn refine<Q: Query>(&mut self, task: &Task<'_, Q>, share: f64) -> bool {
-        let Settings { grain, estimate, .. } = *task.settings;
         let mut front = Front::resume(self.nodes, self.len);
-        let query = |number: u32| &task.queries[number as usize];
-        let split = front.refine_below(share, grain, estimate, task.past, query);
+        let split = task.pass(&mut front, share);
         self.len = front.nodes().len();
         self.cost = front.cost();
         self.box_tests += front.box_tests();

@@ -1,8 +1,8 @@
 //! The front of a frame, and what it remembers of the last.
 //!
-//! Memory is N nodes of 32 bytes and, for those of the last frame, 16 bytes each: at most 48·N, where
-//! N = max(1024, 80·p) and one for each query. Estimated nodes are made finer only as long as they fit
-//! in; N doubles only where the grain of measured ones asks for it.
+//! Memory is N nodes of 32 bytes and, for those of the last frame, 16 bytes each: at most 48·N. At first
+//! N = max(1024, 80·p) and one for each query. Estimated nodes are made finer only as long as all of
+//! them fit in; where the grain of measured ones asks for more, N doubles, up to `most_nodes`.
 
 use crate::{Report, Schedule, Settings, parts};
 use pfront_core::front::{COHERENT, Front, FrontNode, Past, PastCost};

@@ -14,7 +14,8 @@ pub struct Share {
 
 /// A frame of a [`Traversal`](crate::Traversal). Under [`Static`](crate::Schedule::Static) the counts are the
 /// same on every machine, but for fronts of thousands of nodes, which several threads generate: there the
-/// rounding of sums may shift a node. Durations are measured.
+/// rounding of sums may shift a node, and where [`most_nodes`](crate::Settings::most_nodes) are too few,
+/// which nodes stay coarse depends on the number of threads. Durations are measured.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// Each worker; under [`Stealing`](crate::Schedule::Stealing) one entry for all of them.
@@ -50,12 +51,16 @@ pub struct Report {
 }
 
 impl Report {
-    /// Busiest worker over mean, in counted cost; 1 where there was nothing to do.
+    /// Busiest worker over mean, in counted cost; 1 where there was nothing to do. NaN under
+    /// [`Stealing`](crate::Schedule::Stealing), which does not count what each worker did.
     #[must_use]
     pub fn imbalance(&self) -> f64 {
         let costs = || self.shares.iter().map(|share| self.cost(share.work));
         let total: f64 = costs().sum();
-        if total > 0.0 {
+        let dealt_out = self.nodes > 0;
+        if total > 0.0 && !dealt_out {
+            f64::NAN
+        } else if total > 0.0 {
             costs().fold(0.0, f64::max) * self.shares.len() as f64 / total
         } else {
             1.0

@@ -35,6 +35,15 @@ pub struct Settings {
     /// How costs are estimated where the last frame tells nothing.
     pub estimate: Estimate,
     /// The k of |n| = m1 + k·m2: what a triangle test costs, in box tests.
+    ///
+    /// A constant by default, [`TRIANGLE_COST`], measured once and not anew on each machine: fronts, and
+    /// all that a [`Report`](crate::Report) counts, are then the same everywhere and in each run. For the
+    /// last per cent of speed on a machine that differs, measure it at start-up and keep it:
+    ///
+    /// ```
+    /// # use pfront_cpu::Settings;
+    /// let settings = Settings { triangle_cost: pfront_cpu::calibrate(), ..Settings::default() };
+    /// ```
     pub triangle_cost: f32,
     /// Whether the costs of the last frame are used. Without, each frame stands for itself, as in
     /// section 3.2.2.

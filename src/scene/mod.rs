@@ -44,8 +44,9 @@ pub struct SceneHit {
 ///
 /// # Complexity
 /// A frame takes O(n) for the boxes of n bodies, O(n log n) if one has come or gone, and then what the
-/// pairs take whose boxes overlap. Buffers are kept: while no body comes or goes, a frame that finds no
-/// more than an earlier one allocates nothing on a single thread.
+/// pairs take whose boxes overlap. Buffers are kept: a frame in which no body comes or goes and that
+/// finds no more than an earlier one allocates nothing on a single thread, unless bodies have scattered
+/// so far that the BVH of their boxes is built anew.
 ///
 /// # Examples
 /// ```

@@ -197,32 +197,33 @@ impl<'a> Front<'a> {
     /// Costs for a starting front: those of the last frame, and overlap for what it did not have, on
     /// the scale of what it had.
     fn price(&mut self, first: usize, query: &impl Query, estimate: Estimate, past: Past<'_>) {
-        let (mut known_weights, mut known, mut rest) = (0.0, 0.0, past);
-        for node in &mut self.nodes[first..self.len] {
-            let weight = estimate.weight(query, node.pair);
-            let cost = rest.advance(node.query, node.path).cost();
-            if cost > 0.0 {
-                known += cost;
-                known_weights += weight;
-            }
-            // Both until the scale is known: a positive cost, or a negative weight.
-            node.cost = if cost > 0.0 { cost } else { -weight } as f32;
+        let nodes = &mut self.nodes[first..self.len];
+        let mut rest = past;
+        for node in &mut *nodes {
+            node.cost = rest.advance(node.query, node.path).cost() as f32;
         }
-        // α fitted to the last frame; in a first, all that lies in overlaps costs the same whatever V is.
-        let alpha = if known_weights > 0.0 {
-            known / known_weights
-        } else {
-            let sum = |alpha| -> f64 {
-                let estimate = Estimate { alpha, ..estimate };
-                let nodes = self.nodes[first..self.len].iter();
-                nodes.map(|node| estimate.weight(query, node.pair)).sum()
+        let is_known = |node: &FrontNode| node.cost > 0.0;
+        if !nodes.iter().all(is_known) {
+            let weight = |node: &FrontNode| estimate.weight(query, node.pair);
+            let known = || nodes.iter().filter(|node| is_known(node));
+            let cost: f64 = known().map(|node| f64::from(node.cost)).sum();
+            let weights: f64 = known().map(weight).sum();
+            let alpha = match estimate.alpha {
+                // Fitted to the last frame.
+                _ if weights > 0.0 => cost / weights,
+                Alpha::Density => FIRST_ALPHA,
+                // All that lies in overlaps costs the same whatever V is.
+                Alpha::Constant => {
+                    let density = Estimate { alpha: Alpha::Density, ..estimate };
+                    let triangles: f64 = nodes.iter().map(|n| density.weight(query, n.pair)).sum();
+                    FIRST_ALPHA * triangles / nodes.iter().map(weight).sum::<f64>()
+                }
             };
-            FIRST_ALPHA * sum(Alpha::Density) / sum(estimate.alpha)
-        };
-        for node in &mut self.nodes[first..self.len] {
-            if node.cost <= 0.0 {
-                node.cost = (alpha * -f64::from(node.cost)) as f32;
+            for node in nodes.iter_mut().filter(|node| !is_known(node)) {
+                node.cost = (alpha * weight(node)) as f32;
             }
+        }
+        for node in nodes {
             // Without any overlap to go by, all are alike.
             node.cost = if node.cost.is_finite() { node.cost.max(1.0) } else { 1.0 };
         }

@@ -31,8 +31,7 @@ impl<'a> Placed<'a> {
     /// [`PoseError`] if the pose is not finite or takes the mesh out of range.
     pub fn new(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
         if *world_from_bvh != Pose::IDENTITY {
-            let origin = Aabb { min: [0.0; 3], max: [0.0; 3] };
-            world_from_bvh.check(&bvh.root().map_or(origin, Node::aabb))?;
+            world_from_bvh.check(&bvh.root().map_or(Aabb::EMPTY, Node::aabb))?;
         }
         Ok(Self::trusted(bvh, world_from_bvh))
     }

@@ -130,6 +130,19 @@ fn settings_change_no_answer() {
 }
 
 #[test]
+fn only_what_was_dealt_out_has_an_imbalance() {
+    let frames = Frames::named("spheres", 2_000);
+    for schedule in SCHEDULES {
+        let settings = Settings { schedule, ..Settings::default() };
+        let mut traversal = Traversal::new(4).with_settings(settings);
+        traversal.count(&frames.query(50));
+        let imbalance = traversal.report().imbalance();
+        assert_eq!(imbalance.is_nan(), schedule == Schedule::Stealing);
+        assert!(imbalance.is_nan() || imbalance >= 1.0);
+    }
+}
+
+#[test]
 fn k_is_a_positive_number() {
     assert!((0.25..64.0).contains(&pfront_cpu::calibrate()));
 }
