@@ -121,9 +121,11 @@ impl Plan {
             Schedule::Static | Schedule::Stealing => settings.grain.estimated,
         };
         let coarsest = finest.min(settings.grain.measured);
-        // Hardly any cost is an estimate if motion is coherent, so that all may be done in one go.
-        settings.grain.estimated = if report.coherent { finest } else { coarsest };
-        let mut in_steps = !report.coherent;
+        // In one go where all is likely to fit in: hardly any cost is an estimate while motion is coherent,
+        // and of estimated nodes there are about 2.5 for each that is asked for.
+        let fits = 2.5 * workers as f64 * finest <= self.nodes.len() as f64;
+        let mut in_steps = !(report.coherent || fits);
+        settings.grain.estimated = if in_steps { coarsest } else { finest };
         loop {
             let past = Past::new(&self.past[..if report.coherent { self.remembered } else { 0 }]);
             let task = parts::Task { queries, workers, settings: &settings, past };
