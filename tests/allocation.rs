@@ -7,8 +7,8 @@ use pfront::core::bvh::{check_scratch_bound, node_bound};
 use pfront::core::query::{self, Query};
 use pfront::core::triangle::{contact, intersects};
 use pfront::{
-    Accuracy, Adjacency, BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SelfQuery,
-    TrianglePair,
+    Accuracy, Adjacency, BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SceneQuery,
+    SelfQuery, TrianglePair,
 };
 use pfront_oracle::generate::soup::{Soup, pose_rows, sheet, sphere, tangle};
 use rand_chacha::ChaCha8Rng;
@@ -16,6 +16,7 @@ use rand_chacha::rand_core::SeedableRng;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 struct Counting;
 
@@ -179,4 +180,30 @@ fn steady_frames_of_a_deforming_mesh_allocate_nothing() {
     };
     frames();
     assert_eq!(allocations(frames), 0);
+}
+
+#[test]
+fn steady_frames_of_a_scene_allocate_nothing() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let ball = Arc::new(model(&sphere(8)));
+    let mut scene = SceneQuery::new();
+    let mut place = |reach| Pose::new(pose_rows(reach, &mut rng));
+    let ids: Vec<_> = (0..20).map(|_| scene.add(ball.clone(), place(4.0)).unwrap()).collect();
+    let frames: Vec<Vec<Pose>> = (0..10)
+        .map(|frame| {
+            let step = |id: usize| [0.01 * (frame * id) as f32, 0.3 * id as f32, 0.0];
+            (0..20).map(|id| Pose::from_translation(step(id))).collect()
+        })
+        .collect();
+    let mut frame = |poses: &Vec<Pose>| {
+        ids.iter().zip(poses).for_each(|(&id, &pose)| scene.set_pose(id, pose).unwrap());
+        scene.all().unwrap();
+        scene.contacts().unwrap();
+        scene.any().unwrap();
+        scene.count().unwrap();
+        let _ = scene.visit(|_| ControlFlow::Continue(())).unwrap();
+    };
+    // The first round grows the buffers to the largest frame.
+    frames.iter().for_each(&mut frame);
+    assert_eq!(allocations(|| frames.iter().for_each(&mut frame)), 0);
 }

@@ -7,6 +7,7 @@ use crate::build::{self, BuildOptions, BvhStorage};
 use crate::partition::{Load, greedy};
 use crate::query::{Cursor, PairQuery, SelfQuery, TrianglePair};
 use crate::{Bvh, Mesh, Node, Pose};
+use core::cell::RefCell;
 use core::ops::ControlFlow;
 use std::vec;
 use std::vec::Vec;
@@ -52,9 +53,10 @@ fn cut(query: &impl Query, capacity: usize, depth: u32, grain: Grain, estimate: 
         front.assert_well_formed();
         front.refine(5, grain, estimate, past, |_| query);
         front.assert_well_formed();
-        assert_eq!(pairs(query, front.nodes().iter().map(|n| n.pair)), whole);
-        let fits = Past::record(&mut memory, front.nodes(), |node| true_cost(query, node.pair));
-        fits.unwrap();
+        let found = RefCell::new(Vec::new());
+        let walked = |node: &FrontNode| walk(query, node.pair, &mut found.borrow_mut());
+        Past::record(&mut memory, front.nodes(), walked).unwrap();
+        assert_eq!(sorted(found.into_inner()), whole);
         remembered = front.nodes().len();
     }
 }
@@ -94,12 +96,11 @@ fn one_front_serves_many_queries() {
 /// Where there is enough to do for all to be split that costs more, every node costs less than ε·W/p,
 /// and greedy stays within (1 + ε)·W/p.
 #[test]
-#[cfg_attr(miri, ignore = "there is never enough to do for miri's small bodies")]
 fn epsilon_bounds_the_predicted_makespan() {
     let body = Body::bumpy(120);
     let query = PairQuery::new(body.bvh(), body.bvh(), tilt(0.1)).unwrap();
     for (epsilon, workers) in [(1.0, 2), (0.5, 7), (0.2, 16), (0.1, 3)] {
-        for estimate in ESTIMATES {
+        for estimate in ESTIMATES.into_iter().step_by(if cfg!(miri) { 3 } else { 1 }) {
             let mut nodes = vec![FrontNode::default(); CAPACITY];
             let mut front = Front::new(&mut nodes);
             front.start(&query, 0, 3, estimate, Past::NOTHING).unwrap();
@@ -108,11 +109,14 @@ fn epsilon_bounds_the_predicted_makespan() {
             assert!(!front.is_full());
             let mean = front.cost() / workers as f64;
             let bound = epsilon * mean;
-            assert!(bound > f64::from(super::refine::WORTH_SPLITTING), "{bound}");
+            // There is never enough to do on miri's small bodies.
+            let enough = !cfg!(miri);
+            assert!(bound > f64::from(super::refine::WORTH_SPLITTING) || !enough, "{bound}");
             let dearest = front.nodes().iter().fold(0.0, |most, n| f64::max(most, n.cost.into()));
-            assert!(dearest < bound * 1.000_001, "{dearest} of {mean}");
+            assert!(dearest < bound * 1.000_001 || !enough, "{dearest} of {mean}");
             let mut loads = vec![Load::default(); workers];
-            assert!(greedy(front.nodes_mut(), &mut loads) <= (1.0 + epsilon) * mean * 1.000_001);
+            let makespan = greedy(front.nodes_mut(), &mut loads);
+            assert!(makespan <= (mean + if enough { bound } else { dearest }) * 1.000_001);
         }
     }
 }
@@ -120,10 +124,9 @@ fn epsilon_bounds_the_predicted_makespan() {
 /// By powers of two, so that all coordinates round alike: about 0.01, 1 and 100.
 #[test]
 fn the_unit_of_length_is_of_no_account() {
-    let side = if cfg!(miri) { 3 } else { 40 };
-    for estimate in ESTIMATES {
+    for estimate in ESTIMATES.into_iter().step_by(if cfg!(miri) { 3 } else { 1 }) {
         let fronts = [1.0 / 128.0, 1.0, 128.0].map(|unit| {
-            let mut body = Body::bumpy(side);
+            let mut body = Body::bumpy(40);
             let positions = body.positions.iter().map(|p| p.map(|x| unit * x)).collect();
             body = Body::of(positions, body.triangles.into_iter());
             let mut here = tilt(0.1);
@@ -234,7 +237,8 @@ impl Still {
         front.refine(8, Grain::default(), estimate, past, |_| query);
         front.assert_well_formed();
         self.nodes = front.nodes().len();
-        Past::record(&mut self.memory, front.nodes(), |n| true_cost(query, n.pair)).unwrap();
+        Past::record(&mut self.memory, front.nodes(), |n| walk(query, n.pair, &mut Vec::new()))
+            .unwrap();
         found
     }
 }
@@ -242,20 +246,25 @@ impl Still {
 fn pairs(query: &impl Query, roots: impl IntoIterator<Item = NodePair>) -> Vec<TrianglePair> {
     let mut found = Vec::new();
     for root in roots {
-        let _ = query.visit(&mut Cursor::at(root), |pair| {
-            found.push(pair);
-            ControlFlow::Continue(())
-        });
+        walk(query, root, &mut found);
     }
-    found.sort_unstable();
-    found
+    sorted(found)
 }
 
-fn true_cost(query: &impl Query, pair: NodePair) -> f32 {
-    let mut cursor = Cursor::at(pair);
-    let _ = query.visit(&mut cursor, |_| ControlFlow::Continue(()));
+/// Adds the pairs below a node pair to `found`; returns what it cost to find them.
+fn walk(query: &impl Query, root: NodePair, found: &mut Vec<TrianglePair>) -> f32 {
+    let mut cursor = Cursor::at(root);
+    let _ = query.visit(&mut cursor, |pair| {
+        found.push(pair);
+        ControlFlow::Continue(())
+    });
     let work = cursor.work();
     (1 + work.box_tests + 4 * work.triangle_tests) as f32
+}
+
+fn sorted(mut pairs: Vec<TrianglePair>) -> Vec<TrianglePair> {
+    pairs.sort_unstable();
+    pairs
 }
 
 /// A turn about x by a third, and a lift.
