@@ -48,13 +48,14 @@ pub fn intersects_in_mesh(
     accuracy: Accuracy,
 ) -> bool {
     let [own, other] = [&mesh.triangles()[i as usize], &mesh.triangles()[j as usize]];
-    if !own.iter().any(|v| other.contains(v)) {
+    let shared = shared_with(other, own);
+    if shared == [false; 3] {
         return intersects(&mesh.triangle(i), &mesh.triangle(j), accuracy);
     }
     if adjacency == Adjacency::SkipNeighbours {
         return false;
     }
-    let pair = Pair::new(mesh, own, other);
+    let pair = Pair::new(mesh, [own, other], [&shared, &shared_with(own, other)]);
     match accuracy {
         Accuracy::Exact => certain(pair.hit::<Exact>()),
         Accuracy::Conservative => pair.hit::<Filtered>().unwrap_or(true),
@@ -73,8 +74,9 @@ struct Pair {
 }
 
 impl Pair {
-    fn new(mesh: Mesh<'_>, i: &[u32; 3], j: &[u32; 3]) -> Self {
-        let ((a, shared, m), (b, _, n)) = (shared_first(i, j), shared_first(j, i));
+    fn new(mesh: Mesh<'_>, triangles: [&[u32; 3]; 2], are_shared: [&[bool; 3]; 2]) -> Self {
+        let (a, shared, m) = shared_first(triangles[0], are_shared[0]);
+        let (b, _, n) = shared_first(triangles[1], are_shared[1]);
         let at = |v: u32| mesh.positions()[v as usize];
         let points = |[p, q, r]: [u32; 3]| [at(p), at(q), at(r)];
         Self { a: points(a), b: points(b), shared, corners: [m, n] }
@@ -90,13 +92,22 @@ impl Pair {
     }
 }
 
-/// The indices of `own`, those that `other` has too first, each of them once before repeats; how
-/// many different ones these are; and how many corners have one of them.
-fn shared_first(own: &[u32; 3], other: &[u32; 3]) -> ([u32; 3], usize, usize) {
+/// Which indices of `own` the other triangle has too.
+#[inline]
+fn shared_with(other: &[u32; 3], own: &[u32; 3]) -> [bool; 3] {
+    let [p, q, r] = *other;
+    // All at once: three comparisons are cheaper than a jump that may be mispredicted.
+    let has = |v: u32| (v == p) | (v == q) | (v == r);
+    [has(own[0]), has(own[1]), has(own[2])]
+}
+
+/// The indices of a triangle, shared ones first, each of them once before repeats; how many different
+/// ones these are; and how many corners have one of them.
+#[inline]
+fn shared_first(own: &[u32; 3], shared: &[bool; 3]) -> ([u32; 3], usize, usize) {
     let [p, q, r] = *own;
-    let shared = [other.contains(&p), other.contains(&q), other.contains(&r)];
-    if p == q || q == r || r == p {
-        return repeated_shared_first(own, &shared);
+    if (p == q) | (q == r) | (r == p) {
+        return repeated_shared_first(own, shared);
     }
     let [p, q, r] = [usize::from(shared[0]), usize::from(shared[1]), usize::from(shared[2])];
     let [i, j, k] = SHARED_FIRST[4 * p + 2 * q + r];
