@@ -1,0 +1,232 @@
+//! Answering a question in one run, or in as many as the budget makes necessary.
+//!
+//! A run whose lists overflow is dropped, and what it started from is divided: a few node pairs are
+//! replaced by their children, many are split. Counters count on beyond what lists hold, so one failed
+//! run tells into how many parts. A single leaf pair always fits ([`Budget::LEAST`]), so this
+//! ends, and the parts together are the whole answer.
+//!
+//! [`Budget::LEAST`]: crate::Budget::LEAST
+
+use crate::Error;
+use crate::engine::{Engine, Entry, Found, Run, Start, Task};
+use crate::layout::{Counters, Query, Rest};
+use crate::model::LEAF;
+use crate::read::read_now;
+use pfront_core::Mesh;
+use pfront_core::query::TrianglePair;
+use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
+use pfront_shaders::constants::HIT_OVERFLOW;
+
+/// A front this long is split rather than refined. Its children fit in the least front.
+const LONG: usize = 64;
+
+/// What the last answer took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Runs of all passes: 1 where the budget holds everything.
+    pub runs: u32,
+    /// The longest front, in node pairs, over all runs; so are the others. Above what the budget
+    /// holds, it is the demand.
+    pub longest_front: u32,
+    /// Leaf pairs.
+    pub leaf_pairs: u32,
+    /// Triangle pairs that f32 left open.
+    pub undecided: u32,
+    /// Triangle pairs that were left to the CPU.
+    pub on_cpu: u32,
+}
+
+impl Report {
+    fn add(&mut self, counters: &Counters) {
+        self.runs += 1;
+        for (most, now) in [
+            (&mut self.longest_front, counters.longest_front()),
+            (&mut self.leaf_pairs, counters.leaves),
+            (&mut self.undecided, counters.undecided),
+            (&mut self.on_cpu, counters.rest),
+        ] {
+            *most = now.max(*most);
+        }
+    }
+}
+
+/// What is wanted of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Want {
+    /// Every pair.
+    All,
+    /// One pair, if there is any.
+    Any,
+    /// How many pairs.
+    Count,
+}
+
+/// An engine, and the answer that it brings.
+#[derive(Debug)]
+pub(crate) struct Answer {
+    pub(crate) engine: Engine,
+    /// The pairs found so far, if they are wanted.
+    pub(crate) pairs: Vec<TrianglePair>,
+    pub(crate) count: u64,
+    pub(crate) report: Report,
+    /// How many hits, and how many of the rest, the last answer had: about what the next will have.
+    expected: [u32; 2],
+}
+
+impl Answer {
+    /// The answer about nothing.
+    pub(crate) fn clear(&mut self) {
+        self.pairs.clear();
+        self.count = 0;
+        self.report = Report::default();
+    }
+
+    pub(crate) fn new(engine: Engine) -> Self {
+        Self {
+            engine,
+            pairs: Vec::new(),
+            count: 0,
+            report: Report::default(),
+            expected: [1024, 16],
+        }
+    }
+
+    /// How many results to copy with a run.
+    pub(crate) fn copies(&self, want: Want) -> [u32; 2] {
+        let [hits, rest] = self.expected;
+        match want {
+            Want::All => [hits.saturating_add(hits / 4), rest],
+            Want::Any => [1, rest],
+            Want::Count => [0, rest],
+        }
+    }
+
+    /// Takes the results of the first run over a task, and sees to it that they are complete.
+    pub(crate) fn finish(&mut self, task: &Task, first: Run, want: Want) -> Result<(), Error> {
+        self.pairs.clear();
+        self.count = 0;
+        self.report = Report::default();
+        let mut waiting: Vec<Vec<Entry>> = Vec::new();
+        let mut part = vec![task.root];
+        let mut run = first;
+        loop {
+            let found = self.engine.read(&run)?;
+            self.report.add(&found.counters);
+            let Counters { overflow, hits, rest, fronts, .. } = found.counters;
+            let refused = match want {
+                Want::All => overflow,
+                Want::Any if hits > 0 => 0,
+                Want::Any | Want::Count => overflow & !HIT_OVERFLOW,
+            };
+            if refused != 0 {
+                waiting.extend(self.divide(task, &part, &found.counters)?.into_iter().rev());
+            } else if fronts[run.last_front as usize] != 0 && !(want == Want::Any && hits > 0) {
+                run = self.run(task, Start::Left(run.last_front, &found.counters), want)?;
+                continue;
+            } else {
+                self.expected = [hits, rest];
+                self.take(task, found, want)?;
+                if want == Want::Any && self.count > 0 {
+                    break;
+                }
+            }
+            match waiting.pop() {
+                Some(next) => part = next,
+                None => break,
+            }
+            run = self.run(task, Start::Front(&part), want)?;
+        }
+        self.pairs.sort_unstable();
+        Ok(())
+    }
+
+    /// Records and submits a run.
+    pub(crate) fn run(&mut self, task: &Task, start: Start<'_>, want: Want) -> Result<Run, Error> {
+        let mut encoder = self.engine.gpu.device().create_command_encoder(&Default::default());
+        let run = self.engine.record(&mut encoder, task, start, self.copies(want))?;
+        self.engine.gpu.queue().submit([encoder.finish()]);
+        Ok(run)
+    }
+
+    /// Divides what was too much for one run.
+    fn divide(
+        &mut self,
+        task: &Task,
+        part: &[Entry],
+        counters: &Counters,
+    ) -> Result<Vec<Vec<Entry>>, Error> {
+        let is_leaf_pair = |pair: &Entry| pair.iter().all(|node| node & LEAF != 0);
+        if matches!(part, [pair] if is_leaf_pair(pair)) {
+            let reason = "a leaf pair overflowed lists that can hold its results".to_owned();
+            return Err(Error::Device { reason });
+        }
+        let mut front = part.to_vec();
+        while front.len() < LONG && !front.iter().all(is_leaf_pair) {
+            front = self.engine.refine(task, &front)?;
+        }
+        let length = front.len().div_ceil(self.parts(counters).clamp(2, LONG)).max(1);
+        Ok(front.chunks(length).map(<[Entry]>::to_vec).collect())
+    }
+
+    /// Into how many parts a run has to be divided, by what it counted.
+    fn parts(&self, counters: &Counters) -> usize {
+        let c = &self.engine.lists.capacities;
+        let demands = [
+            (counters.longest_front(), c.front),
+            (counters.leaves, c.leaves),
+            (counters.hits, c.hits),
+            (counters.undecided, c.undecided),
+            (counters.rest, c.rest),
+        ];
+        let times = demands.map(|(demand, capacity)| demand.div_ceil(capacity.max(1)));
+        // Parts are not equal.
+        times.into_iter().fold(1, u32::max) as usize * 2
+    }
+
+    /// Adds what a complete run found.
+    fn take(&mut self, task: &Task, found: Found, want: Want) -> Result<(), Error> {
+        let Found { counters, mut hits, mut rest } = found;
+        let (device, queue) = (self.engine.gpu.device(), self.engine.gpu.queue());
+        let again = || device.create_command_encoder(&Default::default());
+        if want == Want::All && hits.len() < counters.hits as usize {
+            let lists = &self.engine.lists;
+            hits = read_now(device, queue, again(), &lists.hits, counters.hits as usize)?;
+        }
+        if rest.len() < counters.rest as usize && (want != Want::Any || hits.is_empty()) {
+            let lists = &self.engine.lists;
+            rest = read_now(device, queue, again(), &lists.rest, counters.rest as usize)?;
+        }
+        let meeting: Vec<TrianglePair> =
+            rest.iter().filter_map(|rest| meet(&task.query, rest)).collect();
+        self.count += u64::from(counters.hits) + meeting.len() as u64;
+        if want != Want::Count {
+            self.pairs.append(&mut hits);
+            self.pairs.extend(meeting);
+        }
+        Ok(())
+    }
+}
+
+/// Decides a triangle pair on the CPU.
+fn meet(query: &Query, rest: &Rest) -> Option<TrianglePair> {
+    let [a, b] = rest.pair;
+    let positions = rest.corners.map(|corner| corner.position);
+    let meet = if query.within == 0 {
+        let [p, q, r, u, v, w] = positions;
+        intersects(&[p, q, r], &[u, v, w], Accuracy::Exact)
+    } else {
+        // A mesh of two triangles, whose corners are the same vertex where they were.
+        let first = |vertex| rest.corners.iter().position(|c| c.vertex == vertex).unwrap_or(0);
+        let [p, q, r, u, v, w] = rest.corners.map(|corner| first(corner.vertex) as u32);
+        let triangles = [[p, q, r], [u, v, w]];
+        let mesh = Mesh::trusted(&positions, &triangles);
+        let adjacency = match query.apart {
+            0 => Adjacency::SharedIndexRule,
+            _ => Adjacency::SkipNeighbours,
+        };
+        intersects_in_mesh(mesh, 0, 1, adjacency, Accuracy::Exact)
+    };
+    let in_order = query.within == 0 || a < b;
+    let pair = if in_order { TrianglePair { a, b } } else { TrianglePair { a: b, b: a } };
+    meet.then_some(pair)
+}

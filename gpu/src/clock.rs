@@ -1,0 +1,98 @@
+//! Device time of each pass, by timestamps.
+
+use crate::Error;
+use crate::gpu::Gpu;
+use crate::memory::Usage;
+use crate::read::map;
+use std::time::Duration;
+use wgpu::{Buffer, BufferUsages, CommandEncoder, ComputePass, Features, QuerySet};
+
+/// What a device needs to keep time.
+pub(crate) const FEATURES: Features =
+    Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_PASSES);
+
+/// Timestamps of a run.
+const MOST: u32 = 128;
+
+/// How long one pass took on the device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timing {
+    /// Its entry point.
+    pub pass: &'static str,
+    /// From the end of the pass before it to its own end.
+    pub time: Duration,
+}
+
+#[derive(Debug)]
+pub(crate) struct Clock {
+    set: QuerySet,
+    resolved: Buffer,
+    read_back: Buffer,
+    /// The pass that ended at each timestamp but the first.
+    marks: Vec<&'static str>,
+    /// Nanoseconds of a tick.
+    period: f32,
+}
+
+impl Clock {
+    /// `None` if the device cannot keep time.
+    pub(crate) fn new(gpu: &Gpu) -> Result<Option<Self>, Error> {
+        let device = gpu.device();
+        if !device.features().contains(FEATURES) {
+            return Ok(None);
+        }
+        let bytes = u64::from(MOST * wgpu::QUERY_SIZE);
+        Ok(Some(Self {
+            set: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("timestamps"),
+                ty: wgpu::QueryType::Timestamp,
+                count: MOST,
+            }),
+            resolved: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("timestamps"),
+                size: bytes,
+                usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            read_back: gpu.buffer("the timestamps", bytes, Usage::ReadBack)?,
+            marks: Vec::new(),
+            period: gpu.queue().get_timestamp_period(),
+        }))
+    }
+
+    /// Before the first pass of a run.
+    pub(crate) fn start(&mut self, compute: &mut ComputePass<'_>) {
+        self.marks.clear();
+        compute.write_timestamp(&self.set, 0);
+    }
+
+    /// After a pass.
+    pub(crate) fn mark(&mut self, compute: &mut ComputePass<'_>, pass: &'static str) {
+        let index = self.marks.len() as u32 + 1;
+        if index < MOST {
+            compute.write_timestamp(&self.set, index);
+            self.marks.push(pass);
+        }
+    }
+
+    /// After the last pass of a run.
+    pub(crate) fn finish(&self, encoder: &mut CommandEncoder) {
+        let count = self.marks.len() as u32 + 1;
+        encoder.resolve_query_set(&self.set, 0..count, &self.resolved, 0);
+        let bytes = u64::from(count * wgpu::QUERY_SIZE);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.read_back, 0, bytes);
+    }
+
+    /// The times of a run that has been submitted.
+    pub(crate) fn read(&self, gpu: &Gpu) -> Result<Vec<Timing>, Error> {
+        let bytes = (self.marks.len() as u64 + 1) * u64::from(wgpu::QUERY_SIZE);
+        let ticks: Vec<u64> =
+            map(gpu.device(), &self.read_back, bytes, bytemuck::pod_collect_to_vec)?;
+        let time = |pair: &[u64]| {
+            let nanoseconds = pair[1].saturating_sub(pair[0]) as f64 * f64::from(self.period);
+            Duration::from_nanos(nanoseconds as u64)
+        };
+        let times = ticks.windows(2).map(time);
+        Ok(self.marks.iter().zip(times).map(|(&pass, time)| Timing { pass, time }).collect())
+    }
+}

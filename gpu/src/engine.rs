@@ -1,0 +1,243 @@
+//! One run of the passes: recording it, and reading what it found.
+//!
+//! All passes of a run are known before it starts: the depth of both trees bounds how many it takes to
+//! get to the bottom. What a pass works on is counted on the device, so a run is one submission with
+//! nothing read back in between.
+
+use crate::clock::{Clock, Timing};
+use crate::gpu::Gpu;
+use crate::groups::{Dispatches, Groups, Meshes};
+use crate::layout::{Counters, Query, Rest};
+use crate::lists::Lists;
+use crate::memory::Usage;
+use crate::read::{map, read_now};
+use crate::{Error, Model, Settings};
+use bytemuck::Zeroable;
+use pfront_core::query::TrianglePair;
+use pfront_shaders::constants::FRONTS;
+use wgpu::{Buffer, CommandEncoder};
+
+/// A node pair as fronts hold it.
+pub(crate) type Entry = [u32; 2];
+
+/// What is asked, about the models that are bound. The engine fills in the capacities.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Task {
+    pub(crate) query: Query,
+    /// The root of the BVTT.
+    pub(crate) root: Entry,
+    /// Levels of the BVTT.
+    pub(crate) levels: u32,
+    /// The same below the seeds.
+    pub(crate) levels_below_seeds: u32,
+}
+
+/// Where a run starts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Start<'a> {
+    /// All pairs of seeds.
+    Seeds,
+    /// These node pairs.
+    Front(&'a [Entry]),
+    /// The front of this index, left over by a run that counted this. Its results stay.
+    Left(u32, &'a Counters),
+}
+
+/// A run that has been recorded.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run {
+    ticket: u32,
+    /// The front after the last pass, which is empty if the run got to the bottom.
+    pub(crate) last_front: u32,
+    /// How many hits, and how many of the rest, are copied for the host.
+    copied: [u32; 2],
+}
+
+/// What a run found, as far as it was copied.
+#[derive(Debug)]
+pub(crate) struct Found {
+    pub(crate) counters: Counters,
+    pub(crate) hits: Vec<TrianglePair>,
+    pub(crate) rest: Vec<Rest>,
+}
+
+/// Runs passes over the lists of one query.
+#[derive(Debug)]
+pub(crate) struct Engine {
+    pub(crate) gpu: Gpu,
+    pub(crate) lists: Lists,
+    depth: u32,
+    workgroups: u32,
+    groups: Groups,
+    meshes: Option<Meshes>,
+    ticket: u32,
+    read_back: Buffer,
+    /// If times are wanted.
+    clock: Option<Clock>,
+}
+
+impl Engine {
+    pub(crate) fn new(gpu: &Gpu, settings: &Settings) -> Result<Self, Error> {
+        let lists = Lists::new(gpu, settings)?;
+        Ok(Self {
+            gpu: gpu.clone(),
+            depth: settings.depth.max(1),
+            workgroups: settings.groups.clamp(1, 65_535),
+            groups: Groups::new(gpu, &lists)?,
+            meshes: None,
+            ticket: 0,
+            read_back: gpu.buffer("the read-back", 4096, Usage::ReadBack)?,
+            clock: None,
+            lists,
+        })
+    }
+
+    /// Keeps the time of each pass from now on, if the device can.
+    pub(crate) fn keep_time(&mut self) -> Result<(), Error> {
+        self.clock = Clock::new(&self.gpu)?;
+        Ok(())
+    }
+
+    /// The passes of the last run and their times.
+    pub(crate) fn timings(&self) -> Result<Vec<Timing>, Error> {
+        self.clock.as_ref().map_or(Ok(Vec::new()), |clock| clock.read(&self.gpu))
+    }
+
+    /// Makes two models those of the runs to come.
+    pub(crate) fn bind(&mut self, a: &Model, b: &Model) -> Result<(), Error> {
+        if self.meshes.as_ref().is_none_or(|bound| bound.ids != [a.id, b.id]) {
+            self.meshes = Some(Meshes::new(&self.gpu, a, b)?);
+        }
+        Ok(())
+    }
+
+    /// Records a run, and copies of so many hits and so many of the rest. Parameters reach the device
+    /// with the next submission.
+    pub(crate) fn record(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        task: &Task,
+        start: Start<'_>,
+        copies: [u32; 2],
+    ) -> Result<Run, Error> {
+        let (first, levels) = self.prepare(task, start);
+        // A pass reads the front of its own index and writes the next.
+        let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - first);
+        let Self { gpu, groups, workgroups, .. } = self;
+        let shaders = gpu.passes();
+        let mut dispatches = Dispatches::begin(encoder, self.clock.as_mut());
+        if let Some(Meshes { groups: meshes, .. }) = &self.meshes {
+            let lists = &groups.lists;
+            for index in first..first + passes {
+                if index == 0 && matches!(start, Start::Seeds) {
+                    let [x, y] = task.query.seeds;
+                    let groups = [&meshes.seed, &lists.seed, &groups.seed_step];
+                    dispatches.add(&shaders.seed, &groups, (*workgroups).min(x * y));
+                } else {
+                    let groups = [&meshes.expand, &lists.expand, &groups.steps[index as usize]];
+                    dispatches.add(&shaders.expand, &groups, *workgroups);
+                }
+            }
+            dispatches.add(&shaders.narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
+            dispatches.add(&shaders.decide, &[&meshes.decide, &lists.decide], *workgroups);
+        }
+        drop(dispatches);
+        if let Some(clock) = &self.clock {
+            clock.finish(encoder);
+        }
+        let copied = self.copy(encoder, copies)?;
+        Ok(Run { ticket: self.ticket, last_front: first + passes, copied })
+    }
+
+    /// Writes the parameters of a run; returns the index of its first front and how deep it goes.
+    fn prepare(&mut self, task: &Task, start: Start<'_>) -> (u32, u32) {
+        self.ticket = self.ticket.wrapping_add(1);
+        let mut counters = Counters { ticket: self.ticket, ..Counters::zeroed() };
+        let queue = self.gpu.queue();
+        let (first, levels) = match start {
+            Start::Seeds => (0, task.levels_below_seeds),
+            Start::Front(front) => {
+                counters.fronts[0] = front.len() as u32;
+                queue.write_buffer(&self.lists.fronts[0], 0, bytemuck::cast_slice(front));
+                (0, task.levels)
+            }
+            Start::Left(front, before) => {
+                // Front p is in buffer p mod 2.
+                let first = front % 2;
+                counters.fronts[first as usize] = before.fronts[front as usize];
+                (counters.hits, counters.rest) = (before.hits, before.rest);
+                (first, task.levels)
+            }
+        };
+        queue.write_buffer(&self.lists.counters, 0, bytemuck::bytes_of(&counters));
+        let query = self.lists.capacities.in_query(task.query);
+        queue.write_buffer(&self.lists.query, 0, bytemuck::bytes_of(&query));
+        (first, levels)
+    }
+
+    /// Copies counters and results for the host.
+    fn copy(&mut self, encoder: &mut CommandEncoder, most: [u32; 2]) -> Result<[u32; 2], Error> {
+        let capacities = &self.lists.capacities;
+        let copied = [most[0].min(capacities.hits), most[1].min(capacities.rest)];
+        let [hits_at, rest_at, end] = offsets(copied);
+        if self.read_back.size() < end {
+            // Half as much again, so that answers that grow do not replace it each time.
+            self.read_back = self.gpu.buffer("the read-back", end + end / 2, Usage::ReadBack)?;
+        }
+        let mut copy = |from: &Buffer, at: u64, bytes: u64| {
+            if bytes != 0 {
+                encoder.copy_buffer_to_buffer(from, 0, &self.read_back, at, bytes);
+            }
+        };
+        copy(&self.lists.counters, 0, hits_at);
+        copy(&self.lists.hits, hits_at, rest_at - hits_at);
+        copy(&self.lists.rest, rest_at, end - rest_at);
+        Ok(copied)
+    }
+
+    /// Waits for a run, and reads what it copied.
+    pub(crate) fn read(&mut self, run: &Run) -> Result<Found, Error> {
+        let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
+        let found = map(self.gpu.device(), &self.read_back, end as u64, |bytes| {
+            let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..hits_at]);
+            let hits = (counters.hits as usize * size_of::<TrianglePair>()).min(rest_at - hits_at);
+            let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
+            Found {
+                counters,
+                hits: bytemuck::pod_collect_to_vec(&bytes[hits_at..][..hits]),
+                rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]),
+            }
+        });
+        self.gpu.check()?;
+        let found = found?;
+        if found.counters.ticket != run.ticket {
+            return Err(Error::NotSubmitted);
+        }
+        Ok(found)
+    }
+
+    /// The children of some node pairs, leaf pairs among them staying what they are.
+    pub(crate) fn refine(&mut self, task: &Task, front: &[Entry]) -> Result<Vec<Entry>, Error> {
+        self.prepare(task, Start::Front(front));
+        let Self { gpu, groups, lists, .. } = self;
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        if let Some(Meshes { groups: meshes, .. }) = &self.meshes {
+            let all = [&meshes.expand, &groups.lists.expand, &groups.refine];
+            let expand = &gpu.passes().expand;
+            Dispatches::begin(&mut encoder, None).add(expand, &all, self.workgroups);
+        }
+        let (device, queue) = (gpu.device(), gpu.queue());
+        let [counters]: [Counters; 1] = read_now(device, queue, encoder, &lists.counters, 1)?
+            .try_into()
+            .map_err(|_| Error::NotSubmitted)?;
+        let encoder = device.create_command_encoder(&Default::default());
+        read_now(device, queue, encoder, &lists.fronts[1], counters.fronts[1] as usize)
+    }
+}
+
+/// Where hits and the rest begin in the read-back buffer, and where they end.
+fn offsets([hits, rest]: [u32; 2]) -> [u64; 3] {
+    let hits_at = size_of::<Counters>() as u64;
+    let rest_at = hits_at + u64::from(hits) * size_of::<TrianglePair>() as u64;
+    [hits_at, rest_at, rest_at + u64::from(rest) * size_of::<Rest>() as u64]
+}

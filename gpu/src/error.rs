@@ -1,0 +1,93 @@
+//! Why a GPU cannot answer, and what to do about it.
+
+use pfront_core::MeshError;
+use pfront_core::pose::PoseError;
+
+/// Why a call could not answer. Each message says what would help.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// There is no adapter.
+    #[error(
+        "no GPU adapter: {reason}. Install a Vulkan driver; the package mesa-vulkan-drivers (with \
+         libvulkan1) brings one that runs on the CPU. WGPU_BACKEND and WGPU_ADAPTER_NAME narrow \
+         the choice if they are set"
+    )]
+    NoAdapter {
+        /// What wgpu says.
+        reason: String,
+    },
+    /// The adapter gave no device.
+    #[error(
+        "the adapter {adapter} gave no device: {reason}. Choose another with WGPU_ADAPTER_NAME"
+    )]
+    NoDevice {
+        /// The name of the adapter.
+        adapter: String,
+        /// What wgpu says.
+        reason: String,
+    },
+    /// The device's limits are below those of WebGPU.
+    #[error(
+        "the device allows {available} for {limit}, and {needed} are needed: request it with at least \
+         the default limits of WebGPU, or choose another adapter"
+    )]
+    Limit {
+        /// The limit, by its name in wgpu.
+        limit: &'static str,
+        /// What the passes need.
+        needed: u64,
+        /// What the device has.
+        available: u64,
+    },
+    /// A buffer of a model or a query would be larger than the device can bind.
+    #[error(
+        "{what} take {needed} bytes, and the device binds at most {available} at once: divide the \
+         mesh, lower the budget, or request a device with the limits of its adapter"
+    )]
+    TooLarge {
+        /// What is too large.
+        what: &'static str,
+        /// Its size.
+        needed: u64,
+        /// The most the device can bind.
+        available: u64,
+    },
+    /// The device has no memory left.
+    #[error("no device memory for {bytes} bytes: drop models, or lower the budget of the queries")]
+    OutOfMemory {
+        /// What was asked for.
+        bytes: u64,
+    },
+    /// The device is gone, with everything on it.
+    #[error(
+        "the device is lost: {reason}. Make a new `Gpu`, upload the models again and ask again"
+    )]
+    DeviceLost {
+        /// What wgpu says.
+        reason: String,
+    },
+    /// The device did something that it should not have.
+    #[error("the device failed: {reason}. Update its driver, or choose another adapter")]
+    Device {
+        /// What went wrong.
+        reason: String,
+    },
+    /// The commands that were recorded have not been submitted.
+    #[error("submit the encoder that the query was recorded into before reading its answer")]
+    NotSubmitted,
+    /// A budget is below the minimum.
+    #[error("a budget of {bytes} bytes is below the minimum of {least}")]
+    Budget {
+        /// The budget.
+        bytes: u64,
+        /// The smallest one.
+        least: u64,
+    },
+    /// New positions do not fit the mesh.
+    #[error("positions refused: {0}")]
+    Mesh(#[from] MeshError),
+    /// A mesh cannot be posed so.
+    #[error("pose refused: {0}")]
+    Pose(#[from] PoseError),
+}

@@ -1,0 +1,202 @@
+//! A device with the passes compiled for it.
+
+use crate::pass::Pass;
+use crate::{Budget, Error, Settings, clock, probe};
+use pfront_shaders::{DECIDE, EXPAND, NARROW, REFIT, SEED};
+use std::sync::{Arc, Mutex, PoisonError};
+use wgpu::{Device, Queue};
+
+/// A device, its queue, and the passes compiled for it. Copying is free and shares them.
+///
+/// # Examples
+/// ```no_run
+/// let gpu = pfront_gpu::Gpu::new()?;
+/// println!("{}", gpu.device().adapter_info().name);
+/// # Ok::<(), pfront_gpu::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    device: Device,
+    queue: Queue,
+    passes: Passes,
+    arithmetic: Arithmetic,
+    failure: Failure,
+}
+
+/// The first thing that went wrong outside of any call.
+type Failure = Arc<Mutex<Option<Error>>>;
+
+/// The passes, but for the one that tests the adapter.
+#[derive(Debug)]
+pub(crate) struct Passes {
+    pub(crate) seed: Pass,
+    pub(crate) expand: Pass,
+    pub(crate) narrow: Pass,
+    pub(crate) decide: Pass,
+    pub(crate) refit: Pass,
+}
+
+/// Who computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
+/// same to the bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arithmetic {
+    /// The adapter's f32 units, which round as they should.
+    Hardware,
+    /// Integers: the adapter flushes subnormal numbers, or rounds in another way.
+    Integer,
+}
+
+impl Gpu {
+    /// The best adapter of this machine: a discrete GPU before an integrated one, and what runs on
+    /// the CPU last. WGPU_BACKEND and WGPU_ADAPTER_NAME choose another.
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`], [`Error::NoDevice`], and those of [`Gpu::from_device`].
+    pub fn new() -> Result<Self, Error> {
+        let instance =
+            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let adapter = pollster::block_on(adapter(&instance))?;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("pfront"),
+            // All the memory that there is; everything else stays within the defaults.
+            required_limits: adapter.limits(),
+            required_features: adapter.features() & clock::FEATURES,
+            ..Default::default()
+        };
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
+                Error::NoDevice { adapter: adapter.get_info().name, reason: error.to_string() }
+            })?;
+        let failure = Failure::default();
+        let seen = failure.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            note(&seen, Error::Device { reason: error.to_string() });
+        }));
+        let seen = failure.clone();
+        device.set_device_lost_callback(move |_, reason| {
+            note(&seen, Error::DeviceLost { reason });
+        });
+        Self::with_failure(device, queue, failure)
+    }
+
+    /// Works on a device of the caller's, so that a frame can use the results where they are.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if it was requested with less than the default limits of WebGPU;
+    /// [`Error::Device`] if its integer arithmetic is wrong or a shader does not compile.
+    pub fn from_device(device: Device, queue: Queue) -> Result<Self, Error> {
+        Self::with_failure(device, queue, Failure::default())
+    }
+
+    fn with_failure(device: Device, queue: Queue, failure: Failure) -> Result<Self, Error> {
+        check_limits(&device.limits())?;
+        let arithmetic = probe::arithmetic(&device, &queue)?;
+        Self::assemble(device, queue, arithmetic, failure)
+    }
+
+    fn assemble(
+        device: Device,
+        queue: Queue,
+        arithmetic: Arithmetic,
+        failure: Failure,
+    ) -> Result<Self, Error> {
+        let soft = arithmetic == Arithmetic::Integer;
+        let pass = |pass| Pass::new(&device, pass, soft);
+        let passes = Passes {
+            seed: pass(&SEED)?,
+            expand: pass(&EXPAND)?,
+            narrow: pass(&NARROW)?,
+            decide: pass(&DECIDE)?,
+            refit: pass(&REFIT)?,
+        };
+        let shared = Arc::new(Shared { device, queue, passes, arithmetic, failure });
+        let gpu = Self { shared };
+        gpu.check()?;
+        Ok(gpu)
+    }
+
+    /// The same device, with posed positions computed otherwise. Integers are right on every adapter.
+    ///
+    /// # Errors
+    /// [`Error::Device`] if a shader does not compile.
+    pub fn with_arithmetic(&self, arithmetic: Arithmetic) -> Result<Self, Error> {
+        let Shared { device, queue, failure, .. } = &*self.shared;
+        Self::assemble(device.clone(), queue.clone(), arithmetic, failure.clone())
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn device(&self) -> &Device {
+        &self.shared.device
+    }
+
+    /// Its queue.
+    #[must_use]
+    pub fn queue(&self) -> &Queue {
+        &self.shared.queue
+    }
+
+    /// How posed positions are computed on this adapter.
+    #[must_use]
+    pub fn arithmetic(&self) -> Arithmetic {
+        self.shared.arithmetic
+    }
+
+    /// What suits this device.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        let cpu = self.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
+        // On a GPU, enough to fill the largest; on a CPU, a few for each core.
+        let groups = if cpu { 64 } else { 1024 };
+        Settings { depth: 3, groups, budget: Budget::default() }
+    }
+
+    pub(crate) fn passes(&self) -> &Passes {
+        &self.shared.passes
+    }
+
+    /// Reports what has gone wrong on the device, if anything has.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let failure = self.shared.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure.clone().map_or(Ok(()), Err)
+    }
+}
+
+fn note(failure: &Failure, error: Error) {
+    failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+}
+
+async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, Error> {
+    let found = if std::env::var_os("WGPU_ADAPTER_NAME").is_some() {
+        wgpu::util::initialize_adapter_from_env(instance, None).await
+    } else {
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        };
+        instance.request_adapter(&options).await
+    };
+    found.map_err(|error| Error::NoAdapter { reason: error.to_string() })
+}
+
+/// The defaults of WebGPU, as far as the passes use them.
+fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
+    let least = wgpu::Limits::default();
+    let used = |name, of: fn(&wgpu::Limits) -> u32| (name, of(&least), of(limits));
+    for (limit, needed, available) in [
+        used("max_storage_buffers_per_shader_stage", |l| l.max_storage_buffers_per_shader_stage),
+        used("max_compute_workgroup_storage_size", |l| l.max_compute_workgroup_storage_size),
+        used("max_compute_invocations_per_workgroup", |l| l.max_compute_invocations_per_workgroup),
+        used("max_compute_workgroups_per_dimension", |l| l.max_compute_workgroups_per_dimension),
+    ] {
+        if available < needed {
+            return Err(Error::Limit { limit, needed: needed.into(), available: available.into() });
+        }
+    }
+    Ok(())
+}

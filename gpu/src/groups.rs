@@ -1,0 +1,113 @@
+//! Bind groups, made once: those of a query's lists, and those of two models.
+
+use crate::clock::Clock;
+use crate::gpu::{Gpu, Passes};
+use crate::lists::{Lists, REFINE};
+use crate::pass::Pass;
+use crate::{Error, Model};
+use pfront_shaders::constants::FRONTS;
+use wgpu::{BindGroup, CommandEncoder, ComputePass};
+
+/// One bind group for each pass.
+#[derive(Debug)]
+pub(crate) struct EachPass {
+    pub(crate) seed: BindGroup,
+    pub(crate) expand: BindGroup,
+    pub(crate) narrow: BindGroup,
+    pub(crate) decide: BindGroup,
+}
+
+impl EachPass {
+    fn new(
+        passes: &Passes,
+        bind: impl Fn(&Pass) -> Result<BindGroup, Error>,
+    ) -> Result<Self, Error> {
+        Ok(Self {
+            seed: bind(&passes.seed)?,
+            expand: bind(&passes.expand)?,
+            narrow: bind(&passes.narrow)?,
+            decide: bind(&passes.decide)?,
+        })
+    }
+}
+
+/// Bind groups that last as long as the lists.
+#[derive(Debug)]
+pub(crate) struct Groups {
+    pub(crate) lists: EachPass,
+    pub(crate) seed_step: BindGroup,
+    /// By the index of the front that is read.
+    pub(crate) steps: Vec<BindGroup>,
+    pub(crate) refine: BindGroup,
+}
+
+impl Groups {
+    pub(crate) fn new(gpu: &Gpu, lists: &Lists) -> Result<Self, Error> {
+        let passes = gpu.passes();
+        let step = |index| lists.bind_step(gpu, &passes.expand, index);
+        Ok(Self {
+            lists: EachPass::new(passes, |pass| lists.bind(gpu, pass))?,
+            seed_step: lists.bind_step(gpu, &passes.seed, 0)?,
+            steps: (0..FRONTS - 1).map(step).collect::<Result<_, _>>()?,
+            refine: step(REFINE)?,
+        })
+    }
+}
+
+/// Bind groups of two models. They keep the models' buffers alive.
+#[derive(Debug)]
+pub(crate) struct Meshes {
+    pub(crate) ids: [u64; 2],
+    pub(crate) groups: EachPass,
+}
+
+impl Meshes {
+    pub(crate) fn new(gpu: &Gpu, a: &Model, b: &Model) -> Result<Self, Error> {
+        let bind = |pass: &Pass| {
+            pass.bind(gpu.device(), 0, |name| {
+                let buffer = match name {
+                    "nodes_a" => &a.nodes,
+                    "nodes_b" => &b.nodes,
+                    "corners_a" => &a.corners,
+                    "corners_b" => &b.corners,
+                    "order_a" => &a.order,
+                    "order_b" => &b.order,
+                    "seeds_a" => &a.seeds,
+                    "seeds_b" => &b.seeds,
+                    _ => return None,
+                };
+                Some(buffer.as_entire_binding())
+            })
+        };
+        Ok(Self { ids: [a.id, b.id], groups: EachPass::new(gpu.passes(), bind)? })
+    }
+}
+
+/// A compute pass, whose dispatches may be timed.
+pub(crate) struct Dispatches<'e, 'c> {
+    compute: ComputePass<'e>,
+    clock: Option<&'c mut Clock>,
+}
+
+impl<'e, 'c> Dispatches<'e, 'c> {
+    pub(crate) fn begin(encoder: &'e mut CommandEncoder, clock: Option<&'c mut Clock>) -> Self {
+        let mut compute = encoder.begin_compute_pass(&Default::default());
+        let mut clock = clock;
+        if let Some(clock) = &mut clock {
+            clock.start(&mut compute);
+        }
+        Self { compute, clock }
+    }
+
+    /// Dispatches a pass with its bind groups in order.
+    pub(crate) fn add(&mut self, pass: &Pass, groups: &[&BindGroup], workgroups: u32) {
+        self.compute.set_pipeline(&pass.pipeline);
+        for (index, group) in (0..).zip(groups) {
+            self.compute.set_bind_group(index, *group, &[]);
+        }
+        self.compute.dispatch_workgroups(workgroups, 1, 1);
+        if let Some(clock) = &mut self.clock {
+            clock.mark(&mut self.compute, pass.entry);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! The structs that shaders and Rust share, field by field as in `parts/layout.wgsl`.
+//!
+//! A test compares every size and offset with what naga makes of the WGSL; nothing is kept in step by
+//! hand.
+
+use bytemuck::{Pod, Zeroable};
+use pfront_core::Pose;
+use pfront_shaders::constants::FRONTS;
+
+/// Declares a `#[repr(C)]` struct and the table of its fields, for the comparison.
+macro_rules! shared {
+    ($($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
+        $(
+            $(#[$doc])*
+            #[repr(C)]
+            #[derive(Clone, Copy, Debug, Pod, Zeroable)]
+            pub(crate) struct $name {
+                $($(#[$field_doc])* pub(crate) $field: $type,)*
+            }
+        )*
+
+        /// Name, size, and the name and offset of each field.
+        #[cfg(test)]
+        pub(crate) const SHARED: &[(&str, usize, &[(&str, usize)])] = &[
+            $((
+                stringify!($name),
+                size_of::<$name>(),
+                &[$((stringify!($field), core::mem::offset_of!($name, $field)),)*],
+            ),)*
+        ];
+    };
+}
+
+shared! {
+    /// A corner of a triangle; triangles lie in leaf order.
+    Corner {
+        position: [f32; 3],
+        vertex: u32,
+    }
+
+    /// How one side stands in the frame of the query.
+    Placement {
+        rows: [[f32; 4]; 3],
+        reach: [[f32; 4]; 3],
+    }
+
+    /// What is asked, and how much there is room for.
+    Query {
+        sides: [Placement; 2],
+        posed: [u32; 2],
+        seeds: [u32; 2],
+        front_capacity: u32,
+        leaf_capacity: u32,
+        hit_capacity: u32,
+        undecided_capacity: u32,
+        rest_capacity: u32,
+        within: u32,
+        apart: u32,
+        padding: u32,
+    }
+
+    /// One pass of a run.
+    Step {
+        pass_index: u32,
+        levels: u32,
+        keep_leaves: u32,
+    }
+
+    /// The jobs of one stage of a refit.
+    Stage {
+        first_job: u32,
+        end_job: u32,
+    }
+
+    /// What a run counts.
+    Counters {
+        ticket: u32,
+        overflow: u32,
+        leaves: u32,
+        hits: u32,
+        undecided: u32,
+        rest: u32,
+        fronts: [u32; FRONTS as usize],
+    }
+
+    /// A triangle pair for the CPU.
+    Rest {
+        corners: [Corner; 6],
+        pair: [u32; 2],
+        padding: [u32; 2],
+    }
+
+    /// One test of the adapter's arithmetic.
+    Trial {
+        row: [f32; 4],
+        point: [f32; 3],
+        product: f32,
+        sum: f32,
+        coordinate: f32,
+        padding: [u32; 2],
+    }
+}
+
+impl Counters {
+    pub(crate) fn longest_front(&self) -> u32 {
+        self.fronts.iter().fold(0, |longest, &front| longest.max(front))
+    }
+}
+
+impl Placement {
+    /// A pose as the shaders use it.
+    ///
+    /// The magnitudes in `reach` pad a box by 2^-19 of themselves (`boxes.wgsl`), which covers roundings
+    /// of normal numbers only. An adapter may flush an entry below 2^-126; to be covered then too, its
+    /// magnitude counts as 2^-107.
+    pub(crate) fn new(pose: &Pose) -> Self {
+        const PADDING: f32 = 1.907_348_6e-6;
+        const FLUSHED: f32 = f32::MIN_POSITIVE * 16.0;
+        let magnitude = |x: f32| {
+            if x.is_subnormal() { f32::MIN_POSITIVE * (1 << 19) as f32 } else { x.abs() }
+        };
+        let reach = pose.rows.map(|[x, y, z, t]| {
+            let [x, y, z] = [x, y, z].map(magnitude);
+            [x, y, z, t.abs() * PADDING + FLUSHED]
+        });
+        Self { rows: pose.rows, reach }
+    }
+}

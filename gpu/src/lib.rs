@@ -1,0 +1,49 @@
+//! The queries of [`pfront_core`] on any GPU: the same answer, to the bit, through wgpu.
+//!
+//! Zhang & Kim (TVCG 2014, section 4) traverse on a GPU in passes of bounded depth: a pass takes a
+//! front of node pairs, descends at most d_b levels, and leaves what is unfinished to the next; triangle
+//! tests run last. Here
+//! - the first pass pairs the nodes of one level of both trees, as their larger starting front does;
+//! - a pass descends in workgroup memory and adds what is left to the next front with one atomic
+//!   operation a workgroup; four invocations share a node pair;
+//! - counts stay on the device and the number of passes follows from the depth of the trees, so that a
+//!   query is one submission;
+//! - a triangle pair is decided in f32 where that is certain, in integers where it is not, and the few
+//!   that do not fit come back to the CPU. Nothing else needs it.
+//!
+//! A [`Model`] is a mesh with its BVH on the device, a [`Deforming`] one whose vertices move; a [`PairQuery`] or [`SelfQuery`] owns the lists
+//! that a question needs, within a [`Budget`]; when they are full, the query goes on in parts.
+
+mod answer;
+mod clock;
+mod deforming;
+mod engine;
+mod error;
+mod gpu;
+mod groups;
+mod layout;
+mod lists;
+mod memory;
+mod model;
+mod pair;
+mod pass;
+mod pending;
+mod probe;
+mod read;
+mod schedule;
+mod settings;
+#[cfg(test)]
+mod tests;
+mod within;
+
+pub use answer::Report;
+pub use clock::Timing;
+pub use deforming::Deforming;
+pub use error::Error;
+pub use gpu::{Arithmetic, Gpu};
+pub use model::Model;
+pub use pair::PairQuery;
+pub use pending::Pending;
+pub use settings::{Budget, Settings};
+pub use wgpu;
+pub use within::SelfQuery;

@@ -1,0 +1,94 @@
+//! The buffers of a query: fronts, lists, counters, parameters.
+
+use crate::gpu::Gpu;
+use crate::layout::{Counters, Query, Rest, Step};
+use crate::memory::Usage;
+use crate::pass::Pass;
+use crate::settings::Capacities;
+use crate::{Error, Settings};
+use pfront_shaders::constants::FRONTS;
+use wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferSize};
+
+/// Parameters of passes lie this far apart, as uniform bindings must.
+const STEP_STRIDE: usize = 256;
+
+/// The step that puts the children of front 0, leaf pairs among them, into front 1.
+pub(crate) const REFINE: u32 = FRONTS;
+
+/// Buffers of fixed size.
+#[derive(Debug)]
+pub(crate) struct Lists {
+    pub(crate) capacities: Capacities,
+    /// Read and written in turn: front p is in buffer p mod 2.
+    pub(crate) fronts: [Buffer; 2],
+    pub(crate) hits: Buffer,
+    pub(crate) rest: Buffer,
+    pub(crate) counters: Buffer,
+    pub(crate) query: Buffer,
+    leaves: Buffer,
+    undecided: Buffer,
+    steps: Buffer,
+}
+
+impl Lists {
+    pub(crate) fn new(gpu: &Gpu, settings: &Settings) -> Result<Self, Error> {
+        let capacities = Capacities::new(settings.budget)?;
+        let list = |what, elements: u32, size: usize| {
+            gpu.buffer(what, u64::from(elements) * size as u64, Usage::List)
+        };
+        let front = || list("a front", capacities.front, 8);
+        Ok(Self {
+            capacities,
+            fronts: [front()?, front()?],
+            leaves: list("the leaf pairs", capacities.leaves, 8)?,
+            hits: list("the results", capacities.hits, 8)?,
+            undecided: list("the undecided pairs", capacities.undecided, 8)?,
+            rest: list("the pairs for the CPU", capacities.rest, size_of::<Rest>())?,
+            counters: list("the counters", 1, size_of::<Counters>())?,
+            query: gpu.buffer("the query", size_of::<Query>() as u64, Usage::Uniform)?,
+            steps: gpu.upload("the steps", &steps(settings.depth.max(1)), Usage::Uniform)?,
+        })
+    }
+
+    /// What a pass binds beside meshes and steps.
+    pub(crate) fn bind(&self, gpu: &Gpu, pass: &Pass) -> Result<BindGroup, Error> {
+        pass.bind(gpu.device(), 1, |name| {
+            let buffer = match name {
+                "query" => &self.query,
+                "counters" => &self.counters,
+                "leaves" => &self.leaves,
+                "hits" => &self.hits,
+                "undecided" => &self.undecided,
+                "rest" => &self.rest,
+                _ => return None,
+            };
+            Some(buffer.as_entire_binding())
+        })
+    }
+
+    /// The fronts of pass `index` and its parameters.
+    pub(crate) fn bind_step(&self, gpu: &Gpu, pass: &Pass, index: u32) -> Result<BindGroup, Error> {
+        let from = if index == REFINE { 0 } else { index as usize % 2 };
+        pass.bind(gpu.device(), 2, |name| match name {
+            "step" => Some(BindingResource::Buffer(BufferBinding {
+                buffer: &self.steps,
+                offset: u64::from(index) * STEP_STRIDE as u64,
+                size: BufferSize::new(size_of::<Step>() as u64),
+            })),
+            "front_in" => Some(self.fronts[from].as_entire_binding()),
+            "front_out" => Some(self.fronts[1 - from].as_entire_binding()),
+            _ => None,
+        })
+    }
+}
+
+/// The parameters of every pass, each in its own [`STEP_STRIDE`] bytes.
+fn steps(depth: u32) -> Vec<u8> {
+    let descend = (0..FRONTS).map(|pass_index| Step { pass_index, levels: depth, keep_leaves: 0 });
+    let refine = Step { pass_index: 0, levels: 1, keep_leaves: 1 };
+    let mut bytes = vec![0; (FRONTS as usize + 1) * STEP_STRIDE];
+    for (slot, step) in bytes.chunks_exact_mut(STEP_STRIDE).zip(descend.chain([refine])) {
+        slot[..size_of::<Step>()].copy_from_slice(bytemuck::bytes_of(&step));
+    }
+    bytes
+}

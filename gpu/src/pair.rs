@@ -1,0 +1,165 @@
+//! Two models.
+
+use crate::answer::{Answer, Report, Want};
+use crate::engine::{Engine, Task};
+use crate::layout::{Placement, Query};
+use crate::{Error, Gpu, Model, Pending, Settings, Timing};
+use bytemuck::Zeroable;
+use pfront_core::Pose;
+use pfront_core::query::TrianglePair;
+
+/// Asks which triangles of two models meet, the second in the pose `a_from_b`. The answer is the same,
+/// to the bit, as that of the core.
+///
+/// Keeps its buffers: make one and use it every frame, for any models.
+///
+/// # Examples
+/// ```no_run
+/// use pfront_core::Pose;
+/// use pfront_gpu::{Gpu, Model, PairQuery};
+/// # fn demo(bvh: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::Error> {
+/// let gpu = Gpu::new()?;
+/// let model = Model::new(&gpu, bvh)?;
+/// let mut query = PairQuery::new(&gpu)?;
+/// for frame in 0..4 {
+///     let a_from_b = Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]);
+///     println!("{} pairs", query.all(&model, &model, &a_from_b)?.len());
+/// }
+/// # Ok(()) }
+/// ```
+#[derive(Debug)]
+pub struct PairQuery {
+    answer: Answer,
+}
+
+impl PairQuery {
+    /// A query with the settings that suit the device.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn new(gpu: &Gpu) -> Result<Self, Error> {
+        Self::with_settings(gpu, gpu.settings())
+    }
+
+    /// A query with other settings.
+    ///
+    /// # Errors
+    /// [`Error::Budget`], [`Error::TooLarge`], [`Error::OutOfMemory`].
+    pub fn with_settings(gpu: &Gpu, settings: Settings) -> Result<Self, Error> {
+        Ok(Self { answer: Answer::new(Engine::new(gpu, &settings)?) })
+    }
+
+    /// All pairs that meet, sorted; `a` and `b` of a pair are triangles of `a` and `b`.
+    ///
+    /// # Errors
+    /// [`Error::Pose`] if the pose is not finite or takes `b` out of range; [`Error::DeviceLost`],
+    /// [`Error::Device`], [`Error::OutOfMemory`].
+    pub fn all(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<&[TrianglePair], Error> {
+        self.ask(a, b, a_from_b, Want::All)?;
+        Ok(&self.answer.pairs)
+    }
+
+    /// Some pair that meets, if any does.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    pub fn any(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: &Pose,
+    ) -> Result<Option<TrianglePair>, Error> {
+        self.ask(a, b, a_from_b, Want::Any)?;
+        Ok(self.answer.pairs.first().copied())
+    }
+
+    /// How many pairs meet. Needs no memory for them.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    pub fn count(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<u64, Error> {
+        self.ask(a, b, a_from_b, Want::Count)?;
+        Ok(self.answer.count)
+    }
+
+    /// The same, keeping the device time of each pass.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn with_timings(mut self) -> Result<Self, Error> {
+        self.answer.engine.keep_time()?;
+        Ok(self)
+    }
+
+    /// The passes of the last run with their times on the device; empty without
+    /// [`Self::with_timings`], or if the device cannot tell.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`], [`Error::Device`].
+    pub fn timings(&self) -> Result<Vec<Timing>, Error> {
+        self.answer.engine.timings()
+    }
+
+    /// What the last answer took.
+    #[must_use]
+    pub fn report(&self) -> Report {
+        self.answer.report
+    }
+
+    /// Records the query into an encoder of the caller's, to be submitted with other work and read later.
+    /// The models stay borrowed until then, since a full list makes the query go on from them. An
+    /// encoder whose answer was not read must not be submitted after the query has been asked again.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    ///
+    /// # Examples
+    /// ```no_run
+    /// # use pfront_core::Pose;
+    /// # use pfront_gpu::*;
+    /// # fn demo(gpu: Gpu, a: Model, b: Model, mut query: PairQuery) -> Result<(), Error> {
+    /// let mut encoder = gpu.device().create_command_encoder(&Default::default());
+    /// let pending = query.record(&mut encoder, &a, &b, &Pose::IDENTITY)?;
+    /// // … record what else the frame needs …
+    /// gpu.queue().submit([encoder.finish()]);
+    /// let pairs = pending.read()?;
+    /// # Ok(()) }
+    /// ```
+    pub fn record<'q>(
+        &'q mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        a: &'q Model,
+        b: &'q Model,
+        a_from_b: &Pose,
+    ) -> Result<Pending<'q>, Error> {
+        let task = self.prepare(a, b, a_from_b)?;
+        Pending::record(&mut self.answer, encoder, task)
+    }
+
+    fn ask(&mut self, a: &Model, b: &Model, a_from_b: &Pose, want: Want) -> Result<(), Error> {
+        let task = self.prepare(a, b, a_from_b)?;
+        self.answer.ask(task, want)
+    }
+
+    /// Binds the models and says what to ask about them; `None` if one is empty.
+    fn prepare(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<Option<Task>, Error> {
+        let (Some(_), Some(bounds)) = (a.bounds, b.bounds) else { return Ok(None) };
+        let posed = *a_from_b != Pose::IDENTITY;
+        if posed {
+            a_from_b.check(&bounds)?;
+        }
+        self.answer.engine.bind(a, b)?;
+        let query = Query {
+            sides: [Placement::new(&Pose::IDENTITY), Placement::new(a_from_b)],
+            posed: [0, u32::from(posed)],
+            seeds: [a.seed_count, b.seed_count],
+            ..Query::zeroed()
+        };
+        Ok(Some(Task {
+            query,
+            root: [a.root, b.root],
+            levels: a.depth.max(b.depth),
+            levels_below_seeds: a.depth_below_seeds.max(b.depth_below_seeds),
+        }))
+    }
+}

@@ -1,0 +1,135 @@
+//! A pass on the device: its pipeline, with bind group layouts read off the shader by naga.
+//!
+//! Rust names the buffers and nothing else: which of them a pass binds, where, and whether it writes
+//! them, is what the WGSL says.
+
+use crate::Error;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{AddressSpace, GlobalVariable, Module, StorageAccess};
+use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, Device};
+
+/// A compiled pass.
+#[derive(Debug)]
+pub(crate) struct Pass {
+    pub(crate) entry: &'static str,
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    groups: Vec<Group>,
+}
+
+/// A bind group layout, and the name of the buffer at each binding.
+#[derive(Debug)]
+struct Group {
+    layout: wgpu::BindGroupLayout,
+    names: Vec<(u32, String)>,
+}
+
+impl Pass {
+    /// `soft` chooses integers for the arithmetic of poses.
+    pub(crate) fn new(
+        device: &Device,
+        pass: &pfront_shaders::Pass,
+        soft: bool,
+    ) -> Result<Self, Error> {
+        let source = pass.source();
+        let (module, info) = parse(&source)?;
+        let groups = groups(device, &module, &info);
+        let layouts: Vec<_> = groups.iter().map(|group| Some(&group.layout)).collect();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(pass.entry),
+            bind_group_layouts: &layouts,
+            immediate_size: 0,
+        });
+        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(pass.entry),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        let uses_soft = module.overrides.iter().next().is_some();
+        let constants: &[_] = if uses_soft { &[("SOFT", f64::from(u8::from(soft)))] } else { &[] };
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(pass.entry),
+            layout: Some(&layout),
+            module: &shader,
+            entry_point: Some(pass.entry),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants,
+                // Every pass clears what it reads.
+                zero_initialize_workgroup_memory: false,
+            },
+            cache: None,
+        });
+        Ok(Self { entry: pass.entry, pipeline, groups })
+    }
+
+    /// A bind group of this pass, of the buffers that `find` gives by name.
+    pub(crate) fn bind<'a>(
+        &self,
+        device: &Device,
+        group: usize,
+        find: impl Fn(&str) -> Option<wgpu::BindingResource<'a>>,
+    ) -> Result<wgpu::BindGroup, Error> {
+        let Group { layout, names } = &self.groups[group];
+        let entry = |(binding, name): &(u32, String)| {
+            let resource = find(name).ok_or_else(|| shader_error(&format!("no buffer {name}")))?;
+            Ok(wgpu::BindGroupEntry { binding: *binding, resource })
+        };
+        let entries = names.iter().map(entry).collect::<Result<Vec<_>, Error>>()?;
+        let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
+        Ok(device.create_bind_group(&descriptor))
+    }
+}
+
+/// Parses and validates WGSL.
+pub(crate) fn parse(source: &str) -> Result<(Module, ModuleInfo), Error> {
+    let module = naga::front::wgsl::parse_str(source)
+        .map_err(|error| shader_error(&error.emit_to_string(source)))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::default())
+        .validate(&module)
+        .map_err(|error| shader_error(&error.emit_to_string(source)))?;
+    Ok((module, info))
+}
+
+fn shader_error(reason: &str) -> Error {
+    Error::Device { reason: format!("a shader is wrong: {reason}") }
+}
+
+/// The buffers that the entry point uses: name, group, binding, type.
+pub(crate) fn bindings<'m>(
+    module: &'m Module,
+    info: &ModuleInfo,
+) -> Vec<(&'m str, u32, u32, BufferBindingType)> {
+    let entry = info.get_entry_point(0);
+    let used = module.global_variables.iter().filter(|(handle, _)| !entry[*handle].is_empty());
+    let bound = |(_, variable): (_, &'m GlobalVariable)| {
+        let binding = variable.binding?;
+        let ty = match variable.space {
+            AddressSpace::Uniform => BufferBindingType::Uniform,
+            AddressSpace::Storage { access } => {
+                BufferBindingType::Storage { read_only: !access.contains(StorageAccess::STORE) }
+            }
+            _ => return None,
+        };
+        Some((variable.name.as_deref()?, binding.group, binding.binding, ty))
+    };
+    used.filter_map(bound).collect()
+}
+
+fn groups(device: &Device, module: &Module, info: &ModuleInfo) -> Vec<Group> {
+    let bindings = bindings(module, info);
+    let count = bindings.iter().map(|&(_, group, ..)| group + 1).max().unwrap_or(0);
+    let group = |index: u32| {
+        let own = || bindings.iter().filter(move |&&(_, group, ..)| group == index);
+        let entries: Vec<_> = own()
+            .map(|&(_, _, binding, ty)| BindGroupLayoutEntry {
+                binding,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+                count: None,
+            })
+            .collect();
+        let descriptor = wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries };
+        let layout = device.create_bind_group_layout(&descriptor);
+        let names = own().map(|&(name, _, binding, _)| (binding, name.to_owned())).collect();
+        Group { layout, names }
+    };
+    (0..count).map(group).collect()
+}

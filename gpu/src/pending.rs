@@ -1,0 +1,61 @@
+//! Asking now, and asking now to read later.
+
+use crate::Error;
+use crate::answer::{Answer, Want};
+use crate::engine::{Run, Start, Task};
+use pfront_core::query::TrianglePair;
+
+/// A query that has been recorded, and waits for its answer to be read.
+#[derive(Debug)]
+#[must_use = "submit the encoder, and read the answer"]
+pub struct Pending<'q> {
+    answer: &'q mut Answer,
+    /// `None` if there is nothing to ask.
+    run: Option<(Task, Run)>,
+}
+
+impl<'q> Pending<'q> {
+    /// Waits for the device, and returns all pairs that meet, sorted.
+    ///
+    /// # Errors
+    /// [`Error::NotSubmitted`], and those of the query.
+    pub fn read(self) -> Result<&'q [TrianglePair], Error> {
+        match self.run {
+            Some((task, run)) => self.answer.finish(&task, run, Want::All)?,
+            None => self.answer.clear(),
+        }
+        Ok(&self.answer.pairs)
+    }
+
+    /// Records a query from its seeds.
+    pub(crate) fn record(
+        answer: &'q mut Answer,
+        encoder: &mut wgpu::CommandEncoder,
+        task: Option<Task>,
+    ) -> Result<Self, Error> {
+        let run = match task {
+            Some(task) => {
+                let copies = answer.copies(Want::All);
+                Some((task, answer.engine.record(encoder, &task, Start::Seeds, copies)?))
+            }
+            None => None,
+        };
+        Ok(Self { answer, run })
+    }
+}
+
+impl Answer {
+    /// Asks, waits and answers; `None` asks nothing.
+    pub(crate) fn ask(&mut self, task: Option<Task>, want: Want) -> Result<(), Error> {
+        match task {
+            Some(task) => {
+                let run = self.run(&task, Start::Seeds, want)?;
+                self.finish(&task, run, want)
+            }
+            None => {
+                self.clear();
+                Ok(())
+            }
+        }
+    }
+}

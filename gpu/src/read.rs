@@ -1,0 +1,60 @@
+//! Bringing bytes back to the host.
+
+use crate::Error;
+use bytemuck::Pod;
+use std::sync::mpsc::channel;
+use wgpu::{Buffer, BufferUsages, CommandEncoder, Device, Queue};
+
+/// Waits for everything submitted so far, and hands over what a mapped buffer then holds.
+pub(crate) fn map<T>(
+    device: &Device,
+    buffer: &Buffer,
+    bytes: u64,
+    take: impl FnOnce(&[u8]) -> T,
+) -> Result<T, Error> {
+    let failed = |reason: String| Error::Device { reason };
+    let (tell, told) = channel();
+    buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| {
+        // The receiver is gone only if polling failed.
+        let _ = tell.send(result);
+    });
+    device
+        .poll(wgpu::PollType::Wait { submission_index: None, timeout: None })
+        .map_err(|error| failed(error.to_string()))?;
+    // If another thread polled at the same time, it is that thread which calls back.
+    match told.recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => return Err(Error::DeviceLost { reason: error.to_string() }),
+        Err(error) => return Err(failed(error.to_string())),
+    }
+    let view = buffer.get_mapped_range(..bytes).map_err(|error| failed(error.to_string()))?;
+    let taken = take(&view);
+    drop(view);
+    buffer.unmap();
+    Ok(taken)
+}
+
+/// Submits an encoder and reads the first `count` elements of a buffer after it, through a buffer made
+/// for the purpose.
+pub(crate) fn read_now<T: Pod>(
+    device: &Device,
+    queue: &Queue,
+    mut encoder: CommandEncoder,
+    buffer: &Buffer,
+    count: usize,
+) -> Result<Vec<T>, Error> {
+    let bytes = (count * size_of::<T>()) as u64;
+    if bytes == 0 {
+        queue.submit([encoder.finish()]);
+        return Ok(Vec::new());
+    }
+    let staging = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read-back"),
+        size: bytes,
+        usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
+    queue.submit([encoder.finish()]);
+    map(device, &staging, bytes, |view| bytemuck::pod_collect_to_vec(view))
+}

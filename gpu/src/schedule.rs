@@ -1,0 +1,139 @@
+//! In what order the boxes of a tree are refitted on the device.
+//!
+//! A box waits for those of its children. One dispatch for each level would spend its time on launches,
+//! and waiting for other workgroups is not to be had in WebGPU. So a workgroup gets a job: a subtree small
+//! enough for it to fit alone, level by level. When all jobs of a stage are done, the nodes above
+//! them are a tree some hundred times smaller, and make the jobs of the next stage: two or three stages
+//! refit millions of triangles.
+
+use pfront_core::Node;
+use std::ops::Range;
+
+/// The most nodes of a job.
+const JOB: u32 = 512;
+
+/// Nodes by stage, job and round.
+#[derive(Debug, Default)]
+pub(crate) struct Schedule {
+    pub(crate) nodes: Vec<u32>,
+    /// Where each round begins in `nodes`, and the end of the last.
+    pub(crate) rounds: Vec<u32>,
+    /// Where each job begins in `rounds`, and the end of the last.
+    pub(crate) jobs: Vec<u32>,
+    /// The jobs of each stage.
+    pub(crate) stages: Vec<Range<u32>>,
+}
+
+impl Schedule {
+    /// # Complexity
+    /// O(nodes) for each stage.
+    pub(crate) fn new(tree: &[Node]) -> Self {
+        let mut schedule = Self::default();
+        let mut done = vec![false; tree.len()];
+        while done.first().is_some_and(|root| !root) {
+            let first = schedule.jobs.len() as u32;
+            schedule.add_stage(tree, &mut done);
+            schedule.stages.push(first..schedule.jobs.len() as u32);
+        }
+        schedule.jobs.push(schedule.rounds.len() as u32);
+        schedule.rounds.push(schedule.nodes.len() as u32);
+        schedule
+    }
+
+    /// Adds every largest subtree of at most [`JOB`] nodes that are not yet done.
+    fn add_stage(&mut self, tree: &[Node], done: &mut [bool]) {
+        // Children come after their parents.
+        let mut sizes = vec![0; tree.len()];
+        for (index, node) in tree.iter().enumerate().rev().filter(|&(index, _)| !done[index]) {
+            let left = node.first as usize;
+            sizes[index] = 1 + if node.is_leaf() { 0 } else { sizes[left] + sizes[left + 1] };
+        }
+        let mut waiting = vec![0];
+        while let Some(index) = waiting.pop() {
+            let node = &tree[index as usize];
+            match sizes[index as usize] {
+                0 => {}
+                1..=JOB => self.add_job(tree, index, done),
+                _ => waiting.extend([node.first, node.first + 1]),
+            }
+        }
+    }
+
+    /// Adds a subtree, its deepest level first.
+    fn add_job(&mut self, tree: &[Node], root: u32, done: &mut [bool]) {
+        self.jobs.push(self.rounds.len() as u32);
+        let mut levels = vec![vec![root]];
+        while let Some(level) = levels.last().filter(|level| !level.is_empty()) {
+            let inner = level.iter().map(|&index| &tree[index as usize]).filter(|n| !n.is_leaf());
+            let children = inner.flat_map(|node| [node.first, node.first + 1]);
+            let next = children.filter(|&child| !done[child as usize]).collect();
+            levels.push(next);
+        }
+        for level in levels.into_iter().rev().filter(|level| !level.is_empty()) {
+            self.rounds.push(self.nodes.len() as u32);
+            level.iter().for_each(|&index| done[index as usize] = true);
+            self.nodes.extend(level);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tree of n leaves whose left children are leaves with the given chance in 8.
+    fn tree(n: u32, skew: u32) -> Vec<Node> {
+        let mut tree = vec![Node::EMPTY; 2];
+        let mut waiting = vec![(0, 0, n)];
+        while let Some((index, first, count)) = waiting.pop() {
+            if count == 1 {
+                tree[index as usize] = Node { first, count, ..Node::EMPTY };
+                continue;
+            }
+            let left = if first % 8 < skew { 1 } else { count / 2 };
+            let children = tree.len() as u32;
+            tree[index as usize].first = children;
+            tree.extend([Node::EMPTY; 2]);
+            waiting.extend([(children, first, left), (children + 1, first + left, count - left)]);
+        }
+        tree
+    }
+
+    #[test]
+    fn every_node_is_scheduled_once_and_after_its_children() {
+        for (n, skew) in [(1, 0), (2, 0), (300, 4), (5_000, 0), (5_000, 3), (40_000, 5)] {
+            let tree = tree(n, skew);
+            let Schedule { nodes, rounds, jobs, stages } = Schedule::new(&tree);
+            assert_eq!(nodes.len() as u32, 2 * n - 1);
+            // When a node is done: stages follow one another, as do rounds of a job.
+            let mut when = vec![None; tree.len()];
+            for (stage, range) in stages.iter().enumerate() {
+                for job in range.clone() {
+                    let of_job = jobs[job as usize]..jobs[job as usize + 1];
+                    let [start, end] = [of_job.start, of_job.end].map(|r| rounds[r as usize]);
+                    assert!(end - start <= JOB);
+                    for round in of_job {
+                        let run = rounds[round as usize]..rounds[round as usize + 1];
+                        for i in run {
+                            let old = when[nodes[i as usize] as usize].replace((stage, job, round));
+                            assert_eq!(old, None);
+                        }
+                    }
+                }
+            }
+            for (index, node) in tree.iter().enumerate().filter(|(i, n)| *i != 1 && !n.is_leaf()) {
+                let (stage, job, round) = when[index].unwrap();
+                for child in [node.first, node.first + 1] {
+                    let (s, j, r) = when[child as usize].unwrap();
+                    assert!(s < stage || (s == stage && j == job && r < round));
+                }
+            }
+            assert!(stages.len() <= 4, "{} stages", stages.len());
+        }
+    }
+
+    #[test]
+    fn nothing_needs_no_stage() {
+        assert!(Schedule::new(&[]).stages.is_empty());
+    }
+}

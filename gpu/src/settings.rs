@@ -1,0 +1,88 @@
+//! What can be chosen about a query. None of it changes an answer.
+
+use crate::Error;
+use crate::layout::{Query, Rest};
+
+/// How a query works on the device.
+///
+/// # Examples
+/// ```no_run
+/// use pfront_gpu::{Budget, Gpu, PairQuery, Settings};
+/// let gpu = Gpu::new()?;
+/// let settings = Settings { depth: 2, budget: Budget { bytes: 16 << 20 }, ..gpu.settings() };
+/// let query = PairQuery::with_settings(&gpu, settings)?;
+/// # Ok::<(), pfront_gpu::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// The depth bound d_b of the paper: how many levels a pass descends. 0 counts as 1.
+    pub depth: u32,
+    /// Workgroups of a dispatch. A fixed number that suits the device, over which each pass deals out
+    /// what it finds: the count is on the device, and reading it there is cheaper than a dispatch that
+    /// turns it into arguments.
+    pub groups: u32,
+    /// Memory for fronts and lists.
+    pub budget: Budget,
+}
+
+/// Device memory of a query: fronts, lists and results. When they are full, the query goes on in
+/// parts; nothing is lost.
+///
+/// Of n = bytes / 64, a front holds n node pairs (there are two), the list of leaf pairs 2n, those of
+/// hits and of undecided triangle pairs n each, and that of triangle pairs for the CPU n / 8. Counters
+/// and parameters take 20 KiB more; a read-back buffer of the host is as large as the answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// At least [`Budget::LEAST`].
+    pub bytes: u64,
+}
+
+impl Budget {
+    /// 32 KiB: room for all results of a leaf pair, and for the children of 64 node pairs.
+    pub const LEAST: Self = Self { bytes: 512 * UNIT };
+}
+
+impl Default for Budget {
+    /// 64 MiB.
+    fn default() -> Self {
+        Self { bytes: 64 << 20 }
+    }
+}
+
+/// Bytes for each n.
+const UNIT: u64 = 64;
+const _: () = assert!(UNIT as usize >= 8 * (2 + 2 + 1 + 1) + size_of::<Rest>() / 8);
+
+/// How many elements each list holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Capacities {
+    pub(crate) front: u32,
+    pub(crate) leaves: u32,
+    pub(crate) hits: u32,
+    pub(crate) undecided: u32,
+    pub(crate) rest: u32,
+}
+
+impl Capacities {
+    pub(crate) fn new(budget: Budget) -> Result<Self, Error> {
+        let least = Budget::LEAST.bytes;
+        if budget.bytes < least {
+            return Err(Error::Budget { bytes: budget.bytes, least });
+        }
+        // Far more than any device binds, and counters still cannot wrap before they overflow.
+        let n = (budget.bytes / UNIT).min(1 << 28) as u32;
+        Ok(Self { front: n, leaves: 2 * n, hits: n, undecided: n, rest: n / 8 })
+    }
+
+    /// A query that knows them.
+    pub(crate) fn in_query(&self, query: Query) -> Query {
+        Query {
+            front_capacity: self.front,
+            leaf_capacity: self.leaves,
+            hit_capacity: self.hits,
+            undecided_capacity: self.undecided,
+            rest_capacity: self.rest,
+            ..query
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! What needs no adapter: every pass is valid WGSL, and its structs are those of Rust.
+
+use crate::layout::SHARED;
+use crate::pass::{bindings, parse};
+use crate::settings::{Budget, Capacities};
+use naga::{Module, TypeInner};
+use pfront_core::Node;
+use pfront_core::bvh::MAX_LEAF_SIZE;
+use pfront_shaders::{PASSES, constants};
+use std::collections::BTreeSet;
+use std::mem::offset_of;
+
+#[test]
+fn every_pass_is_valid_and_stays_within_the_limits_of_webgpu() {
+    let limits = wgpu::Limits::default();
+    for pass in PASSES {
+        let (module, info) =
+            parse(&pass.source()).unwrap_or_else(|e| panic!("{}: {e}", pass.entry));
+        let [entry] = &module.entry_points[..] else { panic!("{}: entry points", pass.entry) };
+        assert_eq!(entry.name, pass.entry);
+        assert_eq!(entry.workgroup_size, [constants::GROUP, 1, 1]);
+        assert!(constants::GROUP <= limits.max_compute_invocations_per_workgroup);
+
+        let storage = bindings(&module, &info);
+        let storage = storage.iter().filter(|(.., ty)| *ty != wgpu::BufferBindingType::Uniform);
+        assert!(storage.count() <= limits.max_storage_buffers_per_shader_stage as usize);
+
+        let used = info.get_entry_point(0);
+        let shared = module.global_variables.iter().filter(|(handle, variable)| {
+            variable.space == naga::AddressSpace::WorkGroup && !used[*handle].is_empty()
+        });
+        let bytes: u32 = shared.map(|(_, v)| module.types[v.ty].inner.size(module.to_ctx())).sum();
+        assert!(bytes <= limits.max_compute_workgroup_storage_size, "{}: {bytes}", pass.entry);
+    }
+}
+
+#[test]
+fn structs_have_the_same_layout_in_wgsl_and_in_rust() {
+    let node = (
+        "Node",
+        size_of::<Node>(),
+        &[
+            ("min", offset_of!(Node, min)),
+            ("first", offset_of!(Node, first)),
+            ("max", offset_of!(Node, max)),
+            ("count", offset_of!(Node, count)),
+        ][..],
+    );
+    let mut compared = BTreeSet::new();
+    for pass in PASSES {
+        let (module, _) = parse(&pass.source()).unwrap();
+        for &(name, size, fields) in SHARED.iter().chain([&node]) {
+            let Some(found) = layout(&module, name) else { continue };
+            let fields: Vec<_> = fields.iter().filter(|(field, _)| *field != "padding").collect();
+            let fields: Vec<_> = fields.iter().map(|(field, at)| (*field, *at)).collect();
+            assert_eq!(found, (size, fields), "{name}");
+            compared.insert(name);
+        }
+    }
+    assert_eq!(compared.len(), SHARED.len() + 1, "{compared:?}");
+}
+
+fn layout<'m>(module: &'m Module, name: &str) -> Option<(usize, Vec<(&'m str, usize)>)> {
+    let mut types = module.types.iter().map(|(_, ty)| ty);
+    let found = types.find(|ty| ty.name.as_deref() == Some(name))?;
+    let TypeInner::Struct { members, span } = &found.inner else { return None };
+    let field = |m: &'m naga::StructMember| Some((m.name.as_deref()?, m.offset as usize));
+    Some((*span as usize, members.iter().filter_map(field).collect()))
+}
+
+#[test]
+fn constants_fit_together() {
+    use constants::{CHUNK, FRONTS, GROUP, LEAF_PAIRS, MOST_PAIRS, QUEUE, RESULTS};
+    assert_eq!(MOST_PAIRS, MAX_LEAF_SIZE * MAX_LEAF_SIZE);
+    const {
+        assert!(RESULTS >= LEAF_PAIRS * MOST_PAIRS && RESULTS >= GROUP);
+        assert!(4 * CHUNK <= QUEUE && CHUNK <= GROUP && GROUP <= QUEUE);
+    }
+    assert!(FRONTS as usize > pfront_core::bvh::MAX_DEPTH + 1);
+    let least = Capacities::new(Budget::LEAST).unwrap();
+    let lists = [least.front / 4, least.leaves, least.hits, least.undecided, least.rest];
+    assert!(lists.iter().all(|&n| n >= MOST_PAIRS));
+}

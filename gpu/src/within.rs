@@ -1,0 +1,146 @@
+//! One model with itself.
+
+use crate::answer::{Answer, Report, Want};
+use crate::engine::{Engine, Task};
+use crate::layout::{Placement, Query};
+use crate::{Error, Gpu, Model, Pending, Settings, Timing};
+use bytemuck::Zeroable;
+use pfront_core::Pose;
+use pfront_core::query::TrianglePair;
+use pfront_core::triangle::Adjacency;
+
+/// Asks which triangles of one model meet each other; each unordered pair is reported once, with
+/// `a < b`. What two triangles share by index is no contact
+/// ([`pfront_core::triangle::intersects_in_mesh`]).
+///
+/// Keeps its buffers, as [`crate::PairQuery`] does.
+///
+/// # Examples
+/// ```no_run
+/// use pfront_gpu::{Gpu, Model, SelfQuery};
+/// # fn demo(bvh: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::Error> {
+/// let gpu = Gpu::new()?;
+/// let model = Model::new(&gpu, bvh)?;
+/// println!("{} pairs", SelfQuery::new(&gpu)?.all(&model)?.len());
+/// # Ok(()) }
+/// ```
+#[derive(Debug)]
+pub struct SelfQuery {
+    answer: Answer,
+    adjacency: Adjacency,
+}
+
+impl SelfQuery {
+    /// A query under the shared-index rule, with the settings that suit the device.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn new(gpu: &Gpu) -> Result<Self, Error> {
+        Self::with_settings(gpu, gpu.settings())
+    }
+
+    /// A query with other settings.
+    ///
+    /// # Errors
+    /// [`Error::Budget`], [`Error::TooLarge`], [`Error::OutOfMemory`].
+    pub fn with_settings(gpu: &Gpu, settings: Settings) -> Result<Self, Error> {
+        let answer = Answer::new(Engine::new(gpu, &settings)?);
+        Ok(Self { answer, adjacency: Adjacency::default() })
+    }
+
+    /// The same with another rule for triangles that share a vertex.
+    #[must_use]
+    pub fn with_adjacency(self, adjacency: Adjacency) -> Self {
+        Self { adjacency, ..self }
+    }
+
+    /// All pairs that meet, sorted.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`], [`Error::Device`], [`Error::OutOfMemory`].
+    pub fn all(&mut self, model: &Model) -> Result<&[TrianglePair], Error> {
+        self.ask(model, Want::All)?;
+        Ok(&self.answer.pairs)
+    }
+
+    /// Some pair that meets, if any does.
+    ///
+    /// # Errors
+    /// As [`SelfQuery::all`].
+    pub fn any(&mut self, model: &Model) -> Result<Option<TrianglePair>, Error> {
+        self.ask(model, Want::Any)?;
+        Ok(self.answer.pairs.first().copied())
+    }
+
+    /// How many pairs meet. Needs no memory for them.
+    ///
+    /// # Errors
+    /// As [`SelfQuery::all`].
+    pub fn count(&mut self, model: &Model) -> Result<u64, Error> {
+        self.ask(model, Want::Count)?;
+        Ok(self.answer.count)
+    }
+
+    /// The same, keeping the device time of each pass.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn with_timings(mut self) -> Result<Self, Error> {
+        self.answer.engine.keep_time()?;
+        Ok(self)
+    }
+
+    /// The passes of the last run with their times on the device; empty without
+    /// [`Self::with_timings`], or if the device cannot tell.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`], [`Error::Device`].
+    pub fn timings(&self) -> Result<Vec<Timing>, Error> {
+        self.answer.engine.timings()
+    }
+
+    /// What the last answer took.
+    #[must_use]
+    pub fn report(&self) -> Report {
+        self.answer.report
+    }
+
+    /// Records the query; see [`crate::PairQuery::record`].
+    ///
+    /// # Errors
+    /// As [`SelfQuery::all`].
+    pub fn record<'q>(
+        &'q mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        model: &'q Model,
+    ) -> Result<Pending<'q>, Error> {
+        let task = self.prepare(model)?;
+        Pending::record(&mut self.answer, encoder, task)
+    }
+
+    fn ask(&mut self, model: &Model, want: Want) -> Result<(), Error> {
+        let task = self.prepare(model)?;
+        self.answer.ask(task, want)
+    }
+
+    /// Binds the model and says what to ask about it; `None` if it is empty.
+    fn prepare(&mut self, model: &Model) -> Result<Option<Task>, Error> {
+        if model.bounds.is_none() {
+            return Ok(None);
+        }
+        self.answer.engine.bind(model, model)?;
+        let query = Query {
+            sides: [Placement::new(&Pose::IDENTITY); 2],
+            seeds: [model.seed_count; 2],
+            within: 1,
+            apart: u32::from(self.adjacency == Adjacency::SkipNeighbours),
+            ..Query::zeroed()
+        };
+        Ok(Some(Task {
+            query,
+            root: [model.root; 2],
+            levels: model.depth,
+            levels_below_seeds: model.depth_below_seeds,
+        }))
+    }
+}

@@ -1,0 +1,64 @@
+//! What the tests share: one device, and meshes on it beside the core's.
+
+use pfront_core::build::{self, BuildOptions, BvhStorage};
+use pfront_core::bvh::node_bound;
+use pfront_core::query::{self, Query, TrianglePair};
+use pfront_core::{Bvh, Mesh, Node, Pose};
+use pfront_gpu::{Gpu, Model};
+use std::ops::ControlFlow;
+use std::sync::OnceLock;
+
+/// The device of all tests. Without an adapter they fail, saying what to install.
+pub(crate) fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::new().unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// A mesh with its BVH, and both on the device.
+pub(crate) struct Both {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+    pub(crate) model: Model,
+}
+
+impl Both {
+    pub(crate) fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: u32) -> Self {
+        let n = triangles.len();
+        let mesh = Mesh::new(positions, triangles).unwrap();
+        let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
+        let mut scratch = vec![build::SahItem::default(); build::sah_scratch_bound(n)];
+        let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+        let bvh = build::sah(mesh, &BuildOptions { leaf_size }, storage, &mut scratch).unwrap();
+        let (used, model) = (bvh.nodes().len(), Model::new(gpu(), bvh).unwrap());
+        nodes.truncate(used);
+        Self { positions: positions.to_vec(), triangles: triangles.to_vec(), nodes, order, model }
+    }
+
+    /// Moves the mesh and refits the core's BVH; the device's stays.
+    pub(crate) fn set_positions(&mut self, positions: &[[f32; 3]]) {
+        self.positions = positions.to_vec();
+        let mesh = Mesh::new(&self.positions, &self.triangles).unwrap();
+        build::refit(mesh, &mut self.nodes, &self.order);
+    }
+
+    pub(crate) fn bvh(&self) -> Bvh<'_> {
+        Bvh::trusted(Mesh::trusted(&self.positions, &self.triangles), &self.nodes, &self.order)
+    }
+}
+
+/// What the core finds, sorted.
+pub(crate) fn truth(a: &Both, b: &Both, a_from_b: &Pose) -> Vec<TrianglePair> {
+    sorted(&query::PairQuery::new(a.bvh(), b.bvh(), *a_from_b).unwrap())
+}
+
+pub(crate) fn sorted(query: &impl Query) -> Vec<TrianglePair> {
+    let mut pairs = Vec::new();
+    let _ = query.visit(&mut query.start(), |pair| {
+        pairs.push(pair);
+        ControlFlow::Continue(())
+    });
+    pairs.sort_unstable();
+    pairs
+}

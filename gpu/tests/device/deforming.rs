@@ -1,0 +1,64 @@
+//! Meshes that move, refitted on the device, against the core's refit.
+
+use crate::common::{Both, gpu, sorted, truth};
+use pfront_core::{MeshError, Pose, query};
+use pfront_gpu::{Deforming, Error, PairQuery, SelfQuery};
+use pfront_oracle::generate::soup::{sheet, sphere};
+use pfront_scenes::Scene;
+
+#[test]
+fn a_sheet_that_folds() {
+    let scene = Scene::by_name("sheet", Some(20_000)).unwrap();
+    let mut positions = Vec::new();
+    scene.positions(0, &mut positions);
+    let mut sheet = Both::new(&positions, &scene.meshes[0].triangles, 4);
+    let soup = sphere(16).map(|p| p.map(|x| x * 0.3));
+    let ball = Both::new(&soup.positions, &soup.triangles, 4);
+    let mut moving = Deforming::new(gpu(), sheet.bvh()).unwrap();
+    let (mut own, mut pair) = (SelfQuery::new(gpu()).unwrap(), PairQuery::new(gpu()).unwrap());
+    let mut found = 0;
+    for frame in (0..scene.frames()).step_by(scene.frames() / 5).skip(1) {
+        scene.positions(frame, &mut positions);
+        moving.set_positions(&positions).unwrap();
+        sheet.set_positions(&positions);
+        let within = sorted(&query::SelfQuery::new(sheet.bvh()));
+        assert!(own.all(&moving).unwrap() == within, "frame {frame}");
+        let pose = Pose::from_translation(positions[frame]);
+        assert!(pair.all(&moving, &ball.model, &pose).unwrap() == truth(&sheet, &ball, &pose));
+        found += within.len();
+    }
+    assert!(found > 0);
+}
+
+#[test]
+fn positions_at_the_ends_of_the_range() {
+    let soup = sheet(12, |x, y| x * y);
+    let mut mesh = Both::new(&soup.positions, &soup.triangles, 2);
+    let mut moving = Deforming::new(gpu(), mesh.bvh()).unwrap();
+    let mut own = SelfQuery::new(gpu()).unwrap();
+    for scale in [f32::from_bits(7), f32::MIN_POSITIVE, -1e-20, 1e38, -0.0] {
+        let crumple = |[x, y, z]: [f32; 3]| [(x * 9.0).sin(), (y * 7.0).cos() * z, x - y];
+        let positions: Vec<_> =
+            soup.positions.iter().map(|&p| crumple(p).map(|x| x * scale)).collect();
+        moving.set_positions(&positions).unwrap();
+        mesh.set_positions(&positions);
+        assert!(own.all(&moving).unwrap() == sorted(&query::SelfQuery::new(mesh.bvh())));
+    }
+}
+
+#[test]
+fn positions_that_do_not_fit_change_nothing() {
+    let soup = sheet(2, |_, _| 0.0);
+    let mesh = Both::new(&soup.positions, &soup.triangles, 4);
+    let mut moving = Deforming::new(gpu(), mesh.bvh()).unwrap();
+    let refused = moving.set_positions(&soup.positions[1..]).unwrap_err();
+    assert_eq!(refused, Error::Mesh(MeshError::VertexCount { expected: 9, found: 8 }));
+    let mut broken = soup.positions.clone();
+    broken[4][1] = f32::INFINITY;
+    let refused = moving.set_positions(&broken).unwrap_err();
+    assert_eq!(refused, Error::Mesh(MeshError::NonFinite { vertex: 4 }));
+    let empty = Both::new(&[], &[], 4);
+    let mut moving = Deforming::new(gpu(), empty.bvh()).unwrap();
+    moving.set_positions(&[]).unwrap();
+    assert_eq!(SelfQuery::new(gpu()).unwrap().all(&moving).unwrap(), []);
+}

@@ -1,0 +1,8 @@
+//! Every query on the device against the core. One process, one device.
+
+#![expect(clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod common;
+mod deforming;
+mod pairs;
+mod within;

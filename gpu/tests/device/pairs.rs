@@ -1,0 +1,201 @@
+//! Two meshes: scenes, soups of every hard family, every setting, and the verbs.
+
+use crate::common::{Both, gpu, truth};
+use pfront_core::Pose;
+use pfront_gpu::{Arithmetic, Budget, Error, Gpu, PairQuery, Settings, wgpu};
+use pfront_oracle::generate::Family;
+use pfront_oracle::generate::soup::{Soup, family, pose_rows, posed, sheet, sphere, tangle};
+use pfront_scenes::{Kind, Scene};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// Checks every verb and returns how many pairs meet.
+fn check(query: &mut PairQuery, a: &Both, b: &Both, a_from_b: &Pose) -> usize {
+    let truth = truth(a, b, a_from_b);
+    assert_eq!(query.all(&a.model, &b.model, a_from_b).unwrap(), truth);
+    assert_eq!(query.count(&a.model, &b.model, a_from_b).unwrap(), truth.len() as u64);
+    let any = query.any(&a.model, &b.model, a_from_b).unwrap();
+    assert!(any.map_or(truth.is_empty(), |pair| truth.binary_search(&pair).is_ok()));
+    truth.len()
+}
+
+fn both(soup: &Soup) -> Both {
+    Both::new(&soup.positions, &soup.triangles, 4)
+}
+
+#[test]
+fn scenes_of_two_bodies() {
+    let mut query = PairQuery::new(gpu()).unwrap();
+    for name in ["worm-gear", "torus-knots", "spheres", "course"] {
+        let scene = Scene::by_name(name, Some(8_000)).unwrap();
+        assert_eq!(scene.kind(), Kind::Pair);
+        let [a, b] = [0, 1].map(|object| {
+            let mesh = &scene.meshes[scene.objects[object]];
+            Both::new(&mesh.positions, &mesh.triangles, 4)
+        });
+        let mut poses = Vec::new();
+        let found: usize = (0..scene.frames())
+            .step_by(scene.frames() / 12)
+            .map(|frame| {
+                scene.poses(frame, &mut poses);
+                check(&mut query, &a, &b, &Pose::new(poses[1]))
+            })
+            .sum();
+        assert!(found > 0, "{name}");
+    }
+}
+
+#[test]
+fn soups_of_every_family() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let mut query = PairQuery::new(gpu()).unwrap();
+    for f in Family::ALL {
+        for leaf_size in [1, 4, 8] {
+            let [a, b] = [0; 2].map(|_| {
+                let soup = family(f, 100, &mut rng);
+                Both::new(&soup.positions, &soup.triangles, leaf_size)
+            });
+            check(&mut query, &a, &b, &Pose::IDENTITY);
+            if !matches!(f, Family::Huge | Family::RawBits) {
+                check(&mut query, &a, &b, &Pose::new(pose_rows(0.1, &mut rng)));
+            }
+        }
+    }
+}
+
+#[test]
+fn coplanar_touching_and_stretched() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let mut query = PairQuery::new(gpu()).unwrap();
+    let flat = sheet(24, |_, _| 0.0);
+    let wavy = sheet(20, |x, y| 0.1 * (5.0 * x).sin() * (4.0 * y).cos());
+    let (flat, wavy, ball) = (both(&flat), both(&wavy), both(&sphere(24)));
+    for t in [[0.0; 3], [0.1, 0.05, 0.0], [0.0, 0.0, 1e-45], [2.0, 0.0, 0.0]] {
+        assert!(check(&mut query, &flat, &flat, &Pose::from_translation(t)) > 0 || t[2] > 0.0);
+    }
+    for x in [2.0f32, 2.0f32.next_up(), 2.0f32.next_down()] {
+        check(&mut query, &ball, &ball, &Pose::from_translation([x, 0.0, 0.0]));
+    }
+    for _ in 0..6 {
+        check(&mut query, &flat, &wavy, &Pose::new(pose_rows(0.2, &mut rng)));
+        check(&mut query, &ball, &ball, &Pose::new(pose_rows(1.0, &mut rng)));
+    }
+    for scale in [1e-38f32, 1e-30, 1e-3, 1e3, 1e20, 1e36] {
+        let lattice = tangle(60, 120, 3, &mut rng);
+        let tiny = lattice.clone().map(|p| p.map(|x| x * f32::from_bits(1)));
+        let stretch = Pose::new(pose_rows(0.0, &mut rng).map(|r| r.map(|x| x * scale)));
+        for soup in [lattice, tiny] {
+            let placed = Soup { positions: posed(&soup.positions, &stretch.rows), ..soup.clone() };
+            check(&mut query, &both(&placed), &both(&soup), &stretch);
+        }
+    }
+}
+
+#[test]
+fn nothing_and_nearly_nothing() {
+    let mut query = PairQuery::new(gpu()).unwrap();
+    let (none, one) = (both(&Soup::default()), both(&sheet(1, |_, _| 0.0)));
+    assert_eq!(check(&mut query, &none, &none, &Pose::IDENTITY), 0);
+    assert_eq!(check(&mut query, &one, &none, &Pose::IDENTITY), 0);
+    assert_eq!(check(&mut query, &one, &one, &Pose::IDENTITY), 4);
+    let mut nan = Pose::IDENTITY;
+    nan.rows[0][0] = f32::NAN;
+    assert!(matches!(query.all(&one.model, &one.model, &nan), Err(Error::Pose(_))));
+}
+
+#[test]
+fn every_depth_bound_and_budget_gives_the_same_list() {
+    let knot = Scene::by_name("torus-knots", Some(6_000)).unwrap();
+    let mut poses = Vec::new();
+    knot.poses(knot.frames() / 2, &mut poses);
+    let [a, b] = [0, 1].map(|i| &knot.meshes[knot.objects[i]]);
+    let [a, b] = [a, b].map(|mesh| Both::new(&mesh.positions, &mesh.triangles, 4));
+    // Two sheets in one plane: most of their pairs meet, and f32 decides none of them.
+    let flat = both(&sheet(40, |_, _| 0.0));
+    let scenes = [(&a, &b, Pose::new(poses[1])), (&flat, &flat, Pose::IDENTITY)];
+    let truths = scenes.map(|(a, b, pose)| truth(a, b, &pose));
+    assert!(truths[0].len() > 500 && truths[1].len() > 30_000);
+    for depth in 1..=4 {
+        for bytes in [Budget::LEAST.bytes, 100_000, 1 << 20, 16 << 20] {
+            let settings = Settings { depth, budget: Budget { bytes }, ..gpu().settings() };
+            let mut query = PairQuery::with_settings(gpu(), settings).unwrap();
+            for ((a, b, pose), truth) in scenes.iter().zip(&truths) {
+                let found = query.all(&a.model, &b.model, pose).unwrap();
+                assert!(found == truth, "depth {depth}, {bytes} bytes: {} pairs", found.len());
+                let report = query.report();
+                assert_eq!(report.on_cpu, 0, "these coordinates fit in the integers of the device");
+                let one = bytes >= 16 << 20 || (bytes >= 1 << 20 && truth.len() < 10_000);
+                assert_eq!(report.runs == 1, one, "{bytes} bytes: {report:?}");
+            }
+        }
+    }
+    let too_small = Budget { bytes: Budget::LEAST.bytes - 1 };
+    let settings = Settings { budget: too_small, ..gpu().settings() };
+    let refused = PairQuery::with_settings(gpu(), settings).unwrap_err();
+    assert_eq!(refused, Error::Budget { bytes: 32_767, least: 32_768 });
+}
+
+#[test]
+fn every_verb_within_the_least_budget() {
+    let settings = Settings { budget: Budget::LEAST, ..gpu().settings() };
+    let mut query = PairQuery::with_settings(gpu(), settings).unwrap();
+    let flat = both(&sheet(20, |_, _| 0.0));
+    assert!(check(&mut query, &flat, &flat, &Pose::IDENTITY) > 8_000);
+    assert_eq!(check(&mut query, &flat, &flat, &Pose::from_translation([0.0, 0.0, 1.0])), 0);
+}
+
+#[test]
+fn a_query_is_recorded_now_and_read_later() {
+    let mut query = PairQuery::new(gpu()).unwrap();
+    let ball = both(&sphere(16));
+    let pose = Pose::from_translation([0.7, 0.1, 0.2]);
+    let truth = truth(&ball, &ball, &pose);
+    for _ in 0..3 {
+        let mut encoder = gpu().device().create_command_encoder(&Default::default());
+        let pending = query.record(&mut encoder, &ball.model, &ball.model, &pose).unwrap();
+        gpu().queue().submit([encoder.finish()]);
+        assert_eq!(pending.read().unwrap(), truth);
+    }
+    let mut encoder = gpu().device().create_command_encoder(&Default::default());
+    let pending = query.record(&mut encoder, &ball.model, &ball.model, &pose).unwrap();
+    assert_eq!(pending.read().unwrap_err(), Error::NotSubmitted);
+    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap(), truth);
+}
+
+#[test]
+fn integers_pose_to_the_same_bits() {
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let gpu = gpu().with_arithmetic(Arithmetic::Integer).unwrap();
+    let mut query = PairQuery::new(&gpu).unwrap();
+    for f in [Family::Random, Family::CoplanarRotated, Family::Scaled, Family::Subnormal] {
+        let soups = [0; 2].map(|_| both(&family(f, 100, &mut rng)));
+        check(&mut query, &soups[0], &soups[1], &Pose::new(pose_rows(0.1, &mut rng)));
+    }
+    let ball = both(&sphere(24));
+    assert!(check(&mut query, &ball, &ball, &Pose::new(pose_rows(1.0, &mut rng))) > 0);
+}
+
+#[test]
+fn passes_are_timed_if_the_device_can_tell() {
+    let mut query = PairQuery::new(gpu()).unwrap().with_timings().unwrap();
+    let ball = both(&sphere(16));
+    let pose = Pose::from_translation([0.3, 0.0, 0.0]);
+    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap(), truth(&ball, &ball, &pose));
+    let timings = query.timings().unwrap();
+    if gpu().device().features().contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES) {
+        let passes: Vec<_> = timings.iter().map(|timing| timing.pass).collect();
+        assert_eq!((passes[0], passes[passes.len() - 1]), ("seed", "decide"));
+        assert!(timings.iter().any(|timing| !timing.time.is_zero()));
+    } else {
+        assert!(timings.is_empty());
+    }
+}
+
+#[test]
+fn a_device_of_the_callers_will_do() {
+    let gpu = Gpu::from_device(gpu().device().clone(), gpu().queue().clone()).unwrap();
+    let ball = both(&sphere(12));
+    let pose = Pose::from_translation([0.3, 0.0, 0.0]);
+    let mut query = PairQuery::new(&gpu).unwrap();
+    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap(), truth(&ball, &ball, &pose));
+}

@@ -1,0 +1,91 @@
+//! One mesh with itself: every way of sharing vertices, smooth, folded and flat surfaces.
+
+use crate::common::{Both, gpu, sorted};
+use pfront_core::query;
+use pfront_core::triangle::Adjacency;
+use pfront_gpu::{Budget, SelfQuery, Settings};
+use pfront_oracle::generate::Family;
+use pfront_oracle::generate::soup::{Soup, family, sheet, sphere, tangle, union};
+use pfront_scenes::Scene;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// Checks every verb under both rules and returns how many pairs meet.
+fn check(query: SelfQuery, mesh: &Both) -> (SelfQuery, usize) {
+    let (mut query, mut most) = (query, 0);
+    for adjacency in [Adjacency::SkipNeighbours, Adjacency::SharedIndexRule] {
+        let truth = sorted(&query::SelfQuery::new(mesh.bvh()).with_adjacency(adjacency));
+        query = query.with_adjacency(adjacency);
+        assert_eq!(query.all(&mesh.model).unwrap(), truth);
+        assert_eq!(query.count(&mesh.model).unwrap(), truth.len() as u64);
+        let any = query.any(&mesh.model).unwrap();
+        assert!(any.map_or(truth.is_empty(), |pair| truth.binary_search(&pair).is_ok()));
+        most = truth.len();
+    }
+    (query, most)
+}
+
+fn both(soup: &Soup, leaf_size: u32) -> Both {
+    Both::new(&soup.positions, &soup.triangles, leaf_size)
+}
+
+#[test]
+fn a_deforming_sheet() {
+    let mut query = SelfQuery::new(gpu()).unwrap();
+    let scene = Scene::by_name("sheet", Some(6_000)).unwrap();
+    let (mut positions, mut found) = (Vec::new(), 0);
+    for frame in (0..scene.frames()).step_by(scene.frames() / 6) {
+        scene.positions(frame, &mut positions);
+        let (next, n) = check(query, &Both::new(&positions, &scene.meshes[0].triangles, 4));
+        (query, found) = (next, found + n);
+    }
+    assert!(found > 0);
+    assert_eq!(query.report().on_cpu, 0);
+}
+
+#[test]
+fn flat_folded_and_coinciding_surfaces() {
+    let mut query = SelfQuery::new(gpu()).unwrap();
+    let flat = sheet(16, |_, _| 0.0);
+    let tilted = sheet(16, |x, _| x);
+    let rolled = sheet(24, |_, _| 0.0).map(|[x, y, _]| [(4.0 * x).cos(), (4.0 * x).sin() * 0.9, y]);
+    let folded = sheet(12, |_, _| 0.0).map(|[x, y, z]| [x.abs(), y, z]);
+    let balls = [sphere(16), sphere(16).map(|[x, y, z]| [x + 0.5, y, z])];
+    for soup in [flat.clone(), rolled, folded, union(&balls), union(&[flat.clone(), flat, tilted])]
+    {
+        for leaf_size in [1, 4] {
+            (query, _) = check(query, &both(&soup, leaf_size));
+        }
+    }
+    let settings = Settings { budget: Budget::LEAST, depth: 1, ..gpu().settings() };
+    let query = SelfQuery::with_settings(gpu(), settings).unwrap();
+    assert!(check(query, &both(&union(&balls), 8)).1 > 0);
+}
+
+#[test]
+fn tangles_of_shared_indices() {
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let mut query = SelfQuery::new(gpu()).unwrap();
+    for size in [0, 1, 3, 20] {
+        for vertices in [1, 3, 5, 8, 40] {
+            (query, _) = check(query, &both(&tangle(vertices, 100, size, &mut rng), 4));
+        }
+    }
+}
+
+#[test]
+fn pairs_of_every_family_that_share_indices() {
+    let mut rng = ChaCha8Rng::seed_from_u64(22);
+    let mut query = SelfQuery::new(gpu()).unwrap();
+    for f in Family::ALL {
+        let mut soup = Soup::default();
+        for _ in 0..300 {
+            let (positions, a, b) = f.indexed(&mut rng);
+            let first = soup.positions.len() as u32;
+            soup.positions.extend(positions);
+            soup.triangles.extend([a, b].map(|t| t.map(|v| v + first)));
+        }
+        (query, _) = check(query, &both(&soup, 2));
+        (query, _) = check(query, &both(&family(f, 60, &mut rng), 8));
+    }
+}

@@ -1,0 +1,113 @@
+// Whether two triangles meet, where f32 is sure of it (accuracy.md, f32 filters).
+//
+// WGSL may round either way, fuse, reassociate and flush, so a sign counts only beyond
+// 2^-19 · permanent + 2^-117 · (1 + M)², M being the largest difference of coordinates: 16 ulp for each
+// product of three, and what flushing may cost. Above M = 1e12 nothing is sure, which also catches what
+// is not finite; it is read from the bits, since compilers may assume that there is none.
+
+const RELATIVE = 1.9073486328125e-6;
+const ABSOLUTE = 6.018531076210112e-36;
+// The bits of 1e12.
+const SURE_BELOW = 0x5368d4a5u;
+
+alias Triangle = array<vec3f, 3>;
+
+fn difference(p: vec3f, q: vec3f) -> vec3f {
+    let d = p - q;
+    return vec3f(opaque(d.x), opaque(d.y), opaque(d.z));
+}
+
+fn size_bits(v: vec3f) -> u32 {
+    let bits = bitcast<vec3u>(v) & vec3u(0x7fffffffu);
+    return max(max(bits.x, bits.y), bits.z);
+}
+
+// The side of the plane of `t` on which each corner of `p` lies, 0 where unsure.
+fn filtered_sides(t: Triangle, p: Triangle) -> vec3i {
+    let u = difference(t[1], t[0]);
+    let v = difference(t[2], t[0]);
+    return vec3i(
+        filtered_sign(u, v, difference(p[0], t[0])),
+        filtered_sign(u, v, difference(p[1], t[0])),
+        filtered_sign(u, v, difference(p[2], t[0])),
+    );
+}
+
+// The sign of det(u, v, w).
+fn filtered_sign(u: vec3f, v: vec3f, w: vec3f) -> i32 {
+    let extent = max(max(size_bits(u), size_bits(v)), size_bits(w));
+    if extent > SURE_BELOW {
+        return 0;
+    }
+    let p = u.yzx * v.zxy;
+    let q = u.zxy * v.yzx;
+    let determinant = dot(p - q, w);
+    let scale = 1.0 + bitcast<f32>(extent);
+    let bound = RELATIVE * dot(abs(p) + abs(q), abs(w)) + ABSOLUTE * scale * scale;
+    return select(0, 1, determinant > bound) - select(0, 1, determinant < -bound);
+}
+
+fn filtered_orient3d(a: vec3f, b: vec3f, c: vec3f, d: vec3f) -> i32 {
+    return filtered_sign(difference(b, a), difference(c, a), difference(d, a));
+}
+
+// The logic of the core's `triangle::meet`, without zeros.
+fn filtered_meet(a: Triangle, b: Triangle) -> u32 {
+    let a_sides = filtered_sides(b, a);
+    if one_sided(a_sides) {
+        return MISS;
+    }
+    let b_sides = filtered_sides(a, b);
+    if one_sided(b_sides) {
+        return MISS;
+    }
+    if any(a_sides == vec3i(0)) || any(b_sides == vec3i(0)) {
+        return UNSURE;
+    }
+    let p = lone_first(a, a_sides);
+    var q = lone_first(b, b_sides);
+    let delta = lone_side(a_sides);
+    let epsilon = lone_side(b_sides);
+    if delta != epsilon {
+        q = Triangle(q[0], q[2], q[1]);
+    }
+    let start = filtered_orient3d(p[0], p[1], q[0], q[1]);
+    let end = filtered_orient3d(p[0], p[2], q[0], q[2]);
+    if start == epsilon || end == -epsilon {
+        return MISS;
+    }
+    return select(HIT, UNSURE, start == 0 || end == 0);
+}
+
+// Of three signs that are not all the same, two are.
+fn lone_side(sides: vec3i) -> i32 {
+    return -(sides.x + sides.y + sides.z);
+}
+
+fn lone_first(t: Triangle, sides: vec3i) -> Triangle {
+    return turned_to(t, select(select(2u, 1u, sides.x == sides.z), 0u, sides.y == sides.z));
+}
+
+fn turned_to(t: Triangle, first: u32) -> Triangle {
+    if first == 0u {
+        return t;
+    }
+    if first == 1u {
+        return Triangle(t[1], t[2], t[0]);
+    }
+    return Triangle(t[2], t[0], t[1]);
+}
+
+// Triangles of one mesh with so many corners in common, which come first in both: the part of the
+// core's `triangle::neighbours` that settles almost all of a smooth surface.
+fn filtered_neighbours(shared_corners: u32, a: Triangle, b: Triangle) -> u32 {
+    if shared_corners == 3u {
+        return HIT;
+    }
+    if shared_corners == 2u {
+        return select(MISS, UNSURE, filtered_orient3d(a[0], a[1], a[2], b[2]) == 0);
+    }
+    let own = filtered_sides(b, a);
+    let other = filtered_sides(a, b);
+    return select(UNSURE, MISS, own.y * own.z > 0 || other.y * other.z > 0);
+}

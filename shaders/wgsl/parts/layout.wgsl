@@ -1,0 +1,66 @@
+// The structs that Rust shares. A test compares size and offsets by reflection.
+
+struct Node {
+    min: vec3f,
+    // Leaf: its first slot in leaf order. Inner: its left child; the right one is next to it.
+    first: u32,
+    max: vec3f,
+    // Leaf: how many triangles it holds. Inner: 0.
+    count: u32,
+}
+
+// Three of them make a triangle. Triangles lie in leaf order: a leaf is one run of memory.
+struct Corner {
+    position: vec3f,
+    vertex: u32,
+}
+
+// How one side stands in the frame of the query.
+struct Placement {
+    rows: array<vec4f, 3>,
+    // |rows| for boxes, and in w what the translation and underflow may cost.
+    reach: array<vec4f, 3>,
+}
+
+struct Query {
+    sides: array<Placement, 2>,
+    // Whether each side is posed at all.
+    posed: vec2u,
+    seeds: vec2u,
+    front_capacity: u32,
+    leaf_capacity: u32,
+    hit_capacity: u32,
+    undecided_capacity: u32,
+    rest_capacity: u32,
+    // 1 for one mesh against itself.
+    within: u32,
+    // 1 if triangles that share a vertex are left out.
+    apart: u32,
+}
+
+struct Step {
+    // Index of this pass, and of the front it reads.
+    pass_index: u32,
+    // How many levels it descends.
+    levels: u32,
+    // 1 if leaf pairs stay in the front.
+    keep_leaves: u32,
+}
+
+// Demands, not contents: they count on beyond what a list can hold.
+struct Counters {
+    // What the host asked, to recognise the answer.
+    ticket: u32,
+    overflow: atomic<u32>,
+    leaves: atomic<u32>,
+    hits: atomic<u32>,
+    undecided: atomic<u32>,
+    rest: atomic<u32>,
+    fronts: array<atomic<u32>, FRONTS>,
+}
+
+// A triangle pair for the CPU: everything its predicates need.
+struct Rest {
+    corners: array<Corner, 6>,
+    pair: vec2u,
+}

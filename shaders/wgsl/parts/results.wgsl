@@ -1,0 +1,54 @@
+// Triangle pairs that a workgroup has decided on, and those it has not: one array filled from both
+// ends, written out with one addition to a global counter for each end. The pass says, with
+// `put_aside`, where a pair goes that it leaves open.
+
+// A leaf pair has MOST_PAIRS triangle pairs, and LEAF_PAIRS of them are worked on at once.
+var<workgroup> results: array<vec2u, RESULTS>;
+var<workgroup> sure: atomic<u32>;
+var<workgroup> open: atomic<u32>;
+
+fn clear_results(lane: u32) {
+    if lane == 0u {
+        atomicStore(&sure, 0u);
+        atomicStore(&open, 0u);
+    }
+    workgroupBarrier();
+}
+
+fn add_hit(slots: vec2u) {
+    results[atomicAdd(&sure, 1u)] = slots;
+}
+
+fn add_open(slots: vec2u) {
+    results[RESULTS - 1u - atomicAdd(&open, 1u)] = slots;
+}
+
+// After a barrier.
+fn write_results(lane: u32) {
+    let hit = tell(lane, atomicLoad(&sure));
+    if hit != 0u {
+        var base = 0u;
+        if lane == 0u {
+            base = atomicAdd(&counters.hits, hit);
+        }
+        base = tell(lane, base);
+        for (var i = lane; i < hit; i += GROUP) {
+            let pair = named(results[i]);
+            if base + i < query.hit_capacity {
+                hits[base + i] = pair;
+            } else {
+                overflowed(HIT_OVERFLOW);
+            }
+        }
+    }
+    let left = tell(lane, atomicLoad(&open));
+    if left != 0u {
+        put_aside(lane, left);
+    }
+}
+
+// The triangles in two slots; of one mesh, the lower index first.
+fn named(slots: vec2u) -> vec2u {
+    let pair = vec2u(order_a[slots.x], order_b[slots.y]);
+    return select(pair, pair.yx, (query.within == 1u) & (pair.x > pair.y));
+}

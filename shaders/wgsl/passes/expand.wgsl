@@ -1,0 +1,24 @@
+// Reads a front, writes the next front and leaf pairs.
+
+@compute @workgroup_size(GROUP)
+fn expand(
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+) {
+    let length = tell(lane, min(atomicLoad(&counters.fronts[step.pass_index]), query.front_capacity));
+    let mine = share(length, group.x, groups.x);
+    for (var done = 0u; done < mine; done += CHUNK) {
+        clear_queues(lane);
+        let pairs = min(CHUNK, mine - done);
+        if lane < pairs {
+            queue[lane] = front_in[group.x + (done + lane) * groups.x];
+        }
+        if lane == 0u {
+            atomicStore(&queued[0], pairs);
+        }
+        workgroupBarrier();
+        descend(lane);
+        workgroupBarrier();
+    }
+}

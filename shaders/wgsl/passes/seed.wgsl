@@ -1,0 +1,24 @@
+// Reads the seeds of both BVHs, writes the first front and leaf pairs: tests each node of one level of A
+// against each of one level of B, and descends.
+
+@compute @workgroup_size(GROUP)
+fn seed(
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+) {
+    let mine = share(query.seeds.x * query.seeds.y, group.x, groups.x);
+    for (var done = 0u; done < mine; done += GROUP) {
+        clear_queues(lane);
+        if done + lane < mine {
+            let product = group.x + (done + lane) * groups.x;
+            let pair = vec2u(product / query.seeds.y, product % query.seeds.y);
+            if (query.within == 0u) | (pair.x <= pair.y) {
+                visit(seeds_a[pair.x], seeds_b[pair.y], 0u);
+            }
+        }
+        workgroupBarrier();
+        descend(lane);
+        workgroupBarrier();
+    }
+}
