@@ -7,134 +7,35 @@
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a bench fails by panicking")]
 
+mod cases;
+
+use cases::{Asker, CASES, Case, FRAMES, all_threads, traversal, turn};
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use pfront::core::build::{self, BvhStorage};
 use pfront::core::bvh::node_bound;
-use pfront::threads::{Schedule, Settings, Traversal};
-use pfront::{BuildOptions, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair};
-use pfront_scenes::{Kind, Scene};
-use rayon::ThreadPoolBuilder;
+use pfront::threads::Schedule;
+use pfront::{BuildOptions, Model, Node};
 use std::hint::black_box;
-use std::num::NonZero;
-use std::sync::{Arc, LazyLock};
-use std::thread::available_parallelism;
 
 const SCHEDULES: [Schedule; 3] = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
-/// Frames that a bench goes to and fro over.
-const FRAMES: usize = 16;
-
-/// Consecutive frames of two models, or of one that deforms.
-enum Case {
-    Pair { name: &'static str, a: Model, b: Model, poses: Vec<Pose> },
-    Within { name: &'static str, model: Model, frames: Vec<Model> },
-}
-
-/// Built once.
-static CASES: LazyLock<Vec<Case>> = LazyLock::new(cases);
-
-fn cases() -> Vec<Case> {
-    let mut cases = vec![
-        generated("worm-gear", None, 60),
-        generated("torus-knots", Some(1_000_000), 60),
-        generated("sheet", None, 100),
-    ];
-    cases.extend(dragon().map(|model| {
-        let sway = |i: usize| Pose::from_translation([0.02 + 0.0002 * i as f32, 0.0, 0.0]);
-        let poses = (0..FRAMES).map(sway).collect();
-        Case::Pair { name: "dragons", a: model.clone(), b: model, poses }
-    }));
-    cases
-}
-
-fn generated(name: &'static str, size: Option<usize>, from: usize) -> Case {
-    let scene = Scene::by_name(name, size).unwrap();
-    let model = |object: usize| {
-        let mesh = &scene.meshes[scene.objects[object]];
-        Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap()
-    };
-    let frames = from..from + FRAMES;
-    if scene.kind() == Kind::Pair {
-        let mut rows = Vec::new();
-        let pose = |frame| {
-            scene.poses(frame, &mut rows);
-            Pose::new(rows[1])
-        };
-        return Case::Pair { name, a: model(0), b: model(1), poses: frames.map(pose).collect() };
-    }
-    let mut positions = Vec::new();
-    let mut moved = model(0);
-    let frame = |frame| {
-        scene.positions(frame, &mut positions);
-        moved.set_positions(&positions).unwrap();
-        moved.clone()
-    };
-    Case::Within { name, frames: frames.map(frame).collect(), model: model(0) }
-}
-
-fn dragon() -> Option<Model> {
-    let folder = std::env::var_os("PFRONT_DATA")?;
-    let path = std::path::Path::new(&folder).join("classic/dragon_871414.ply");
-    let mesh = pfront_cli::mesh::read(&path).unwrap_or_else(|e| panic!("{e}"));
-    Some(Model::new(mesh.positions, mesh.triangles).unwrap())
-}
-
-impl Case {
-    fn name(&self) -> &'static str {
-        match self {
-            Self::Pair { name, .. } | Self::Within { name, .. } => name,
-        }
-    }
-
-    fn model(&self) -> &Model {
-        match self {
-            Self::Pair { a, .. } => a,
-            Self::Within { model, .. } => model,
-        }
-    }
-
-    /// The pairs of a frame, counted to and fro.
-    fn found<'q>(&self, query: &'q mut Asker, frame: usize) -> &'q [TrianglePair] {
-        let turn = frame % (2 * FRAMES - 2);
-        let frame = turn.min(2 * FRAMES - 2 - turn);
-        match self {
-            Self::Pair { a, b, poses, .. } => query.pair.all(a, b, &poses[frame]).unwrap(),
-            Self::Within { frames, .. } => query.within.all(&frames[frame]),
-        }
-    }
-}
-
-/// A query of either kind.
-#[derive(Clone, Default)]
-struct Asker {
-    pair: PairQuery,
-    within: SelfQuery,
-}
-
-impl Asker {
-    fn on(traversal: &Traversal) -> Self {
-        Self {
-            pair: PairQuery::new().with_traversal(traversal.clone()),
-            within: SelfQuery::new().with_traversal(traversal.clone()),
-        }
-    }
-}
-
-/// A pool of `threads`, and a worker for each.
-fn traversal(threads: usize, schedule: Schedule) -> Traversal {
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let settings = Settings { schedule, ..Settings::default() };
-    Traversal::with_pool(Arc::new(pool)).with_settings(settings)
-}
 
 fn thread_counts() -> Vec<usize> {
-    let most = available_parallelism().map_or(1, NonZero::get);
+    let most = all_threads();
     let powers = (0..).map(|i| 1 << i);
     powers.take_while(|&threads| threads < most).chain([most]).collect()
 }
 
+/// What the case is built and refitted as.
+fn model(case: &Case) -> &Model {
+    match case {
+        Case::Pair { a, .. } => a,
+        Case::Within { model, .. } => model,
+    }
+}
+
 fn builds(c: &mut Criterion) {
     for case in CASES.iter() {
-        let mesh = case.model().mesh();
+        let mesh = model(case).mesh();
         let n = mesh.triangles().len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
         let mut items = vec![build::SahItem::default(); build::sah_scratch_bound(n)];
@@ -154,10 +55,10 @@ fn builds(c: &mut Criterion) {
                 build::morton(mesh, &options, storage, &mut keys).unwrap().nodes().len()
             });
         });
-        let mut model = case.model().clone();
+        let mut moving = model(case).clone();
         let positions = mesh.positions().to_vec();
         group.bench_function("refit", |bench| {
-            bench.iter(|| model.set_positions(black_box(&positions)).unwrap());
+            bench.iter(|| moving.set_positions(black_box(&positions)).unwrap());
         });
         group.finish();
     }
@@ -174,7 +75,7 @@ fn frames(c: &mut Criterion) {
             let mut frame = 0;
             bench.iter(|| {
                 frame += 1;
-                case.found(&mut alone, frame).len()
+                case.found(&mut alone, turn(frame)).len()
             });
         });
         for schedule in SCHEDULES {
@@ -187,7 +88,7 @@ fn frames(c: &mut Criterion) {
                     let mut frame = 0;
                     bench.iter(|| {
                         frame += 1;
-                        case.found(&mut query, frame).len()
+                        case.found(&mut query, turn(frame)).len()
                     });
                 });
             }
@@ -197,7 +98,7 @@ fn frames(c: &mut Criterion) {
 }
 
 fn first_frames(c: &mut Criterion) {
-    let threads = available_parallelism().map_or(1, NonZero::get);
+    let threads = all_threads();
     for case in CASES.iter() {
         let mut group = c.benchmark_group(format!("first frame/{}", case.name()));
         group.sample_size(10);

@@ -32,10 +32,16 @@
 //! - Within one mesh, what two triangles share by index is no contact: see
 //!   [`core::triangle::intersects_in_mesh`].
 //!
+//! # Features
+//! - `threads` (default): the queries on several CPU threads.
+//! - `gpu`: the module `gpu`, the queries on any GPU, with the same answers.
+//!
 //! The heart of it, [`core`], needs neither an allocator nor std.
 
 mod answer;
 mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod model;
 mod pair;
 mod scene;

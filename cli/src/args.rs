@@ -5,6 +5,7 @@ use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pfront::Pose;
 use pfront_scenes::Scene;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -62,6 +63,17 @@ pub(crate) enum Command {
     /// Work is counted in box and triangle tests, not timed (but for the share of time that the front takes),
     /// so that the figures mean the same on every machine and p may be larger than its number of cores.
     Balance(Balance),
+    /// Measure a backend
+    Bench {
+        #[command(subcommand)]
+        what: Bench,
+    },
+    /// List what a GPU query could run on, and which it would
+    Devices {
+        /// Print one JSON array
+        #[arg(long)]
+        json: bool,
+    },
 }
 
 #[derive(Debug, Args)]
@@ -187,6 +199,44 @@ pub(crate) struct Balance {
     /// Draw the charts of the paper
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Bench {
+    /// Show where a GPU spends its time, and how long the CPU takes for the same frames
+    ///
+    /// Passes are timed on the device, frames from outside: from the question to the pairs in the memory of
+    /// the host. A frame moves the objects (update: upload and refit where a mesh deforms) and asks (query).
+    /// The answers are compared.
+    Gpu(BenchGpu),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchGpu {
+    /// Built-in scenes, or workloads (.tcw)
+    #[arg(default_values_t = ["worm-gear", "torus-knots", "sheet"].map(str::to_owned))]
+    pub(crate) workloads: Vec<String>,
+    /// About so many triangles in a built-in scene, instead of its own number
+    #[arg(long, value_name = "TRIANGLES")]
+    pub(crate) size: Option<usize>,
+    /// Run only so many frames; a built-in scene may go on beyond its own
+    #[arg(long, value_name = "N")]
+    pub(crate) frames: Option<u32>,
+    /// CPU threads to compare with, beside one [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZero<usize>>,
+    /// How many levels a pass descends [default: what suits the device]
+    #[arg(long, value_name = "LEVELS")]
+    pub(crate) depth: Option<u32>,
+    /// Device memory for fronts and lists
+    #[arg(long, value_name = "BYTES")]
+    pub(crate) budget: Option<u64>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Draw the passes on top of each other
+    #[arg(long, value_name = "FILE")]
+    pub(crate) chart: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -1,10 +1,13 @@
 //! Who finds the pairs, and how exactly: the options that all queries share.
 
-use crate::engine::Asked;
-use anyhow::{Context, Result, bail};
+use crate::adapters;
+use crate::engine::{Asked, On, OnGpu};
+use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
-use pfront::Accuracy;
+use pfront::gpu::Gpu;
 use pfront::threads::Traversal;
+use pfront::{Accuracy, Adjacency};
+use pfront_scenes::Kind;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
 use std::sync::Arc;
@@ -23,7 +26,7 @@ pub(crate) struct How {
     backend: Backend,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Promise {
     /// The true set
     Exact,
@@ -35,8 +38,12 @@ enum Promise {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Backend {
+    /// The threads of this machine
     Cpu,
+    /// The best adapter, even if it computes on the CPU; see pfront devices
     Gpu,
+    /// A GPU if there is one, else the CPU; standard error says which
+    Auto,
 }
 
 impl How {
@@ -46,26 +53,73 @@ impl How {
 
     /// How many threads will work.
     pub(crate) fn threads(&self) -> usize {
-        let all = || available_parallelism().unwrap_or(NonZero::<usize>::MIN);
-        self.threads.unwrap_or_else(all).get()
+        threads(self.threads)
     }
 
+    /// What has to answer questions of this kind.
+    ///
     /// # Errors
-    /// If there is no such backend, or no pool of as many threads.
-    pub(crate) fn asked(&self) -> Result<Asked> {
-        if self.backend == Backend::Gpu {
-            bail!("this pfront has no GPU backend yet: leave out --backend gpu");
-        }
-        let traversal = match self.threads() {
-            1 => None,
-            threads => {
-                let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-                let pool = pool.with_context(|| format!("no pool of {threads} threads"))?;
-                Some(Traversal::with_pool(Arc::new(pool)))
+    /// If there is no adapter, none that could do it, or no pool of as many threads.
+    pub(crate) fn asked(&self, kind: Kind) -> Result<Asked> {
+        let on = match self.backend {
+            Backend::Cpu => self.on_cpu()?,
+            Backend::Gpu => self.on_gpu()?,
+            Backend::Auto => self.on_best(kind)?,
+        };
+        Ok(Asked { accuracy: self.accuracy.into(), adjacency: Adjacency::default(), on })
+    }
+
+    fn on_cpu(&self) -> Result<On> {
+        on_threads(self.threads())
+    }
+
+    fn on_gpu(&self) -> Result<On> {
+        ensure!(
+            self.accuracy == Promise::Exact,
+            "every answer of a GPU is exact: leave out --accuracy, or --backend"
+        );
+        Ok(On::Gpu(OnGpu::new(Gpu::new()?)))
+    }
+
+    /// Says on standard error what it took.
+    fn on_best(&self, kind: Kind) -> Result<On> {
+        let why_not = if kind == Kind::Many {
+            "many objects at once run there only".to_owned()
+        } else if self.accuracy != Promise::Exact {
+            "a GPU knows exact answers only".to_owned()
+        } else if !adapters::any_is_a_gpu() {
+            "there is no GPU".to_owned()
+        } else {
+            match Gpu::new() {
+                Ok(gpu) => {
+                    eprintln!("on {}", adapters::name(&gpu.device().adapter_info()));
+                    return Ok(On::Gpu(OnGpu::new(gpu)));
+                }
+                Err(error) => error.to_string(),
             }
         };
-        Ok(Asked { accuracy: self.accuracy.into(), traversal })
+        eprintln!("on the CPU: {why_not}");
+        self.on_cpu()
     }
+}
+
+/// As many threads as are asked for, or else all.
+pub(crate) fn threads(asked: Option<NonZero<usize>>) -> usize {
+    let all = || available_parallelism().unwrap_or(NonZero::<usize>::MIN);
+    asked.unwrap_or_else(all).get()
+}
+
+/// So many threads of the CPU.
+///
+/// # Errors
+/// If there is no pool of them.
+pub(crate) fn on_threads(threads: usize) -> Result<On> {
+    if threads == 1 {
+        return Ok(On::Cpu(None));
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.with_context(|| format!("no pool of {threads} threads"))?;
+    Ok(On::Cpu(Some(Box::new(Traversal::with_pool(Arc::new(pool))))))
 }
 
 impl From<Promise> for Accuracy {

@@ -1,5 +1,6 @@
 //! The `pfront` command. Standard output gets results and nothing else.
 
+mod adapters;
 mod args;
 mod charts;
 mod command;
@@ -9,8 +10,9 @@ mod listing;
 mod memory;
 mod output;
 mod recording;
+mod stacks;
 
-use args::{Cli, Command};
+use args::{Bench, Cli, Command};
 use clap::Parser;
 use std::process::ExitCode;
 
@@ -29,6 +31,8 @@ fn main() -> ExitCode {
         Some(Command::Replay(replay)) => command::replay::run(&replay),
         Some(Command::Record(record)) => command::record::run(&record),
         Some(Command::Balance(balance)) => command::balance::run(&balance),
+        Some(Command::Bench { what: Bench::Gpu(bench) }) => command::bench::run(&bench),
+        Some(Command::Devices { json }) => command::devices::run(json),
     };
     match done {
         Ok(true) => ExitCode::SUCCESS,

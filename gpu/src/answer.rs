@@ -12,9 +12,9 @@ use crate::engine::{Engine, Entry, Found, Run, Start, Task};
 use crate::layout::{Counters, Query, Rest};
 use crate::model::LEAF;
 use crate::read::read_now;
-use pfront_core::Mesh;
 use pfront_core::query::TrianglePair;
 use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
+use pfront_core::{Mesh, Pose};
 use pfront_shaders::constants::HIT_OVERFLOW;
 
 /// A front this long is split rather than refined. Its children fit in the least front.
@@ -30,7 +30,9 @@ pub struct Report {
     pub longest_front: u32,
     /// Leaf pairs.
     pub leaf_pairs: u32,
-    /// Triangle pairs that f32 left open.
+    /// Triangle pairs that boxes and planes did not separate.
+    pub triangle_pairs: u32,
+    /// Those of them that f32 left open.
     pub undecided: u32,
     /// Triangle pairs that were left to the CPU.
     pub on_cpu: u32,
@@ -42,6 +44,7 @@ impl Report {
         for (most, now) in [
             (&mut self.longest_front, counters.longest_front()),
             (&mut self.leaf_pairs, counters.leaves),
+            (&mut self.triangle_pairs, counters.kept),
             (&mut self.undecided, counters.undecided),
             (&mut self.on_cpu, counters.rest),
         ] {
@@ -175,7 +178,7 @@ impl Answer {
             (counters.longest_front(), c.front),
             (counters.leaves, c.leaves),
             (counters.hits, c.hits),
-            (counters.undecided, c.undecided),
+            (counters.kept, c.kept),
             (counters.rest, c.rest),
         ];
         let times = demands.map(|(demand, capacity)| demand.div_ceil(capacity.max(1)));
@@ -210,7 +213,13 @@ impl Answer {
 /// Decides a triangle pair on the CPU.
 fn meet(query: &Query, rest: &Rest) -> Option<TrianglePair> {
     let [a, b] = rest.pair;
-    let positions = rest.corners.map(|corner| corner.position);
+    let mut positions = rest.corners.map(|corner| corner.position);
+    for (side, triangle) in positions.chunks_exact_mut(3).enumerate() {
+        if query.posed[side] != 0 {
+            let pose = Pose::new(query.sides[side].rows);
+            triangle.iter_mut().for_each(|p| *p = pose.apply(*p));
+        }
+    }
     let meet = if query.within == 0 {
         let [p, q, r, u, v, w] = positions;
         intersects(&[p, q, r], &[u, v, w], Accuracy::Exact)

@@ -5,7 +5,10 @@ use crate::gpu::Gpu;
 use crate::memory::Usage;
 use crate::read::map;
 use std::time::Duration;
-use wgpu::{Buffer, BufferUsages, CommandEncoder, ComputePass, Features, QuerySet};
+use wgpu::{
+    Buffer, BufferUsages, CommandEncoder, ComputePass, ComputePassTimestampWrites, Features,
+    QuerySet,
+};
 
 /// What a device needs to keep time.
 pub(crate) const FEATURES: Features =
@@ -14,10 +17,13 @@ pub(crate) const FEATURES: Features =
 /// Timestamps of a run.
 const MOST: u32 = 128;
 
+/// The name of all passes together.
+const ALL: &str = "all";
+
 /// How long one pass took on the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
-    /// Its entry point.
+    /// Its entry point; "all" for all passes together.
     pub pass: &'static str,
     /// From the end of the pass before it to its own end.
     pub time: Duration,
@@ -28,6 +34,8 @@ pub(crate) struct Clock {
     set: QuerySet,
     resolved: Buffer,
     read_back: Buffer,
+    /// Whether each pass is timed, which makes it wait for the one before.
+    each: bool,
     /// The pass that ended at each timestamp but the first.
     marks: Vec<&'static str>,
     /// Nanoseconds of a tick.
@@ -35,8 +43,8 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    /// `None` if the device cannot keep time.
-    pub(crate) fn new(gpu: &Gpu) -> Result<Option<Self>, Error> {
+    /// Of each pass, or of all of them together. `None` if the device cannot keep time.
+    pub(crate) fn new(gpu: &Gpu, each: bool) -> Result<Option<Self>, Error> {
         let device = gpu.device();
         if !device.features().contains(FEATURES) {
             return Ok(None);
@@ -55,23 +63,31 @@ impl Clock {
                 mapped_at_creation: false,
             }),
             read_back: gpu.buffer("the timestamps", bytes, Usage::ReadBack)?,
+            each,
             marks: Vec::new(),
             period: gpu.queue().get_timestamp_period(),
         }))
     }
 
-    /// Before the first pass of a run.
-    pub(crate) fn start(&mut self, compute: &mut ComputePass<'_>) {
+    /// Before the first pass of a run: where the timestamps of the whole run go.
+    pub(crate) fn start(&mut self) -> Option<ComputePassTimestampWrites<'_>> {
         self.marks.clear();
-        compute.write_timestamp(&self.set, 0);
+        if !self.each {
+            self.marks.push(ALL);
+        }
+        (!self.each).then_some(ComputePassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: Some(0),
+            end_of_pass_write_index: Some(1),
+        })
     }
 
-    /// After a pass.
-    pub(crate) fn mark(&mut self, compute: &mut ComputePass<'_>, pass: &'static str) {
-        let index = self.marks.len() as u32 + 1;
-        if index < MOST {
+    /// Before the first pass of a run, and after each.
+    pub(crate) fn mark(&mut self, compute: &mut ComputePass<'_>, pass: Option<&'static str>) {
+        let index = self.marks.len() as u32 + u32::from(pass.is_some());
+        if self.each && index < MOST {
             compute.write_timestamp(&self.set, index);
-            self.marks.push(pass);
+            self.marks.extend(pass);
         }
     }
 

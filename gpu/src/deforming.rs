@@ -1,32 +1,37 @@
 //! A mesh that moves: positions are uploaded, everything else happens on the device.
 
+use crate::build::{Built, Source};
 use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
-use crate::groups::Dispatches;
-use crate::layout::Stage;
-use crate::memory::Usage;
 use crate::schedule::Schedule;
+use crate::sequence::Sequence;
 use crate::{Error, Model};
-use pfront_core::{Aabb, Bvh, MeshError};
+use pfront_core::build::BuildOptions;
+use pfront_core::{Aabb, Bvh, Mesh, MeshError};
 use std::ops::Deref;
-use wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferSize, CommandEncoder};
-
-/// Parameters of stages lie this far apart, as uniform bindings must.
-const STAGE_STRIDE: usize = 256;
+use wgpu::CommandEncoder;
 
 /// A [`Model`] whose vertices move. Ask about it as about any other.
 ///
-/// Takes 12 bytes a vertex and about 5 a node beside those of the model.
+/// A refit moves the boxes of the tree that is there, and queries slow down as the mesh leaves the shape
+/// that the tree was built for. A rebuild makes a new tree. The answers are the same.
+///
+/// Takes 12 bytes a vertex and 12 a triangle beside those of the model; about 5 a node while the tree is
+/// an uploaded one, and 16 a triangle from the first build on.
 ///
 /// # Examples
 /// ```no_run
-/// # fn demo(gpu: pfront_gpu::Gpu, bvh: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::Error> {
+/// # fn demo(gpu: pfront_gpu::Gpu, mesh: pfront_core::Mesh<'_>) -> Result<(), pfront_gpu::Error> {
 /// use pfront_gpu::{Deforming, SelfQuery};
-/// let mut cloth = Deforming::new(&gpu, bvh)?;
+/// let mut cloth = Deforming::build(&gpu, mesh, &Default::default())?;
 /// let mut query = SelfQuery::new(&gpu)?;
 /// # let frames: [Vec<[f32; 3]>; 0] = [];
-/// for positions in &frames {
-///     cloth.set_positions(positions)?;
+/// for (frame, positions) in frames.iter().enumerate() {
+///     if frame % 10 == 0 {
+///         cloth.rebuild_at(positions)?;
+///     } else {
+///         cloth.set_positions(positions)?;
+///     }
 ///     println!("{} pairs", query.all(&cloth)?.len());
 /// }
 /// # Ok(()) }
@@ -35,11 +40,11 @@ const STAGE_STRIDE: usize = 256;
 pub struct Deforming {
     gpu: Gpu,
     model: Model,
-    vertices: usize,
-    positions: Buffer,
-    mesh: BindGroup,
-    /// The parameters of each stage, and how many workgroups it is for.
-    stages: Vec<(BindGroup, u32)>,
+    source: Source,
+    options: BuildOptions,
+    refit: Sequence,
+    /// `None` while the tree is an uploaded one.
+    build: Option<Sequence>,
     /// If times are wanted.
     clock: Option<Clock>,
 }
@@ -61,65 +66,45 @@ impl Deforming {
     /// # Complexity
     /// O(triangles).
     pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, Error> {
-        let model = Model::new(gpu, bvh)?;
-        let points = bvh.mesh().positions();
-        let positions = gpu.upload("the positions", points, Usage::Input)?;
-        let Schedule { nodes, rounds, jobs, stages } = Schedule::new(bvh.nodes());
-        let schedule = gpu.upload("the schedule", &nodes, Usage::Input)?;
-        let rounds = gpu.upload("the rounds", &rounds, Usage::Input)?;
-        let jobs = gpu.upload("the jobs", &jobs, Usage::Input)?;
-        let pass = &gpu.passes().refit;
-        let mesh = pass.bind(gpu.device(), 0, |name| {
-            let buffer = match name {
-                "nodes" => &model.nodes,
-                "corners" => &model.corners,
-                "positions" => &positions,
-                "schedule" => &schedule,
-                "rounds" => &rounds,
-                "jobs" => &jobs,
-                _ => return None,
-            };
-            Some(buffer.as_entire_binding())
-        })?;
-        let mut bytes = vec![0; stages.len() * STAGE_STRIDE];
-        for (slot, jobs) in bytes.chunks_exact_mut(STAGE_STRIDE).zip(&stages) {
-            let stage = Stage { first_job: jobs.start, end_job: jobs.end };
-            slot[..size_of::<Stage>()].copy_from_slice(bytemuck::bytes_of(&stage));
-        }
-        let parameters = gpu.upload("the stages", &bytes, Usage::Uniform)?;
-        let most = gpu.settings().groups;
-        let stage = |(index, jobs): (usize, std::ops::Range<u32>)| {
-            let group = pass.bind(gpu.device(), 1, |_| {
-                Some(BindingResource::Buffer(BufferBinding {
-                    buffer: &parameters,
-                    offset: (index * STAGE_STRIDE) as u64,
-                    size: BufferSize::new(size_of::<Stage>() as u64),
-                }))
-            })?;
-            Ok((group, most.min(jobs.len() as u32)))
-        };
-        let stages = stages.into_iter().enumerate().map(stage).collect::<Result<_, Error>>()?;
-        Ok(Self {
-            gpu: gpu.clone(),
-            model,
-            vertices: points.len(),
-            positions,
-            mesh,
-            stages,
-            clock: None,
-        })
+        let (model, source) = (Model::new(gpu, bvh)?, Source::new(gpu, bvh.mesh())?);
+        let schedule = Schedule::new(bvh.nodes());
+        let refit = schedule.sequence(gpu, &model, &source.positions)?;
+        // A rebuild keeps to leaves of this size.
+        let leaf_size = bvh.nodes().iter().map(|node| node.count).max().unwrap_or(0);
+        let (gpu, options) = (gpu.clone(), BuildOptions { leaf_size });
+        Ok(Self { gpu, model, source, options, refit, build: None, clock: None })
     }
 
-    /// The same, keeping the device time of each refit.
+    /// Uploads a mesh and builds its BVH on the device.
+    ///
+    /// All leaves hold the same number of triangles or one more, at most `options.leaf_size`, of which 1
+    /// counts as 2.
+    ///
+    /// # Errors
+    /// As [`Model::new`].
+    ///
+    /// # Complexity
+    /// O(vertices + triangles) on the host, which waits for nothing, and on the device.
+    pub fn build(gpu: &Gpu, mesh: Mesh<'_>, options: &BuildOptions) -> Result<Self, Error> {
+        let source = Source::new(gpu, mesh)?;
+        let bounds = Aabb::of(mesh.positions());
+        let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
+        let (gpu, build) = (gpu.clone(), Some(build));
+        let mut own = Self { gpu, model, source, options: *options, refit, build, clock: None };
+        own.rebuild()?;
+        Ok(own)
+    }
+
+    /// The same, keeping the device time of each refit and rebuild.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn with_timings(mut self) -> Result<Self, Error> {
-        self.clock = Clock::new(&self.gpu)?;
+        self.clock = Clock::new(&self.gpu, false)?;
         Ok(self)
     }
 
-    /// The stages of the last refit with their times on the device; empty without
+    /// The dispatches of the last refit or rebuild with their times on the device; empty without
     /// [`Deforming::with_timings`], or if the device cannot tell.
     ///
     /// # Errors
@@ -136,10 +121,7 @@ impl Deforming {
     /// # Complexity
     /// O(vertices) on the host, which waits for nothing; O(triangles) on the device.
     pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
-        let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
-        self.record_positions(&mut encoder, positions)?;
-        self.gpu.queue().submit([encoder.finish()]);
-        self.gpu.check()
+        self.submit(|own, encoder| own.record_positions(encoder, positions))
     }
 
     /// The same in an encoder of the caller's, which has to be submitted before anything else is asked
@@ -152,24 +134,99 @@ impl Deforming {
         encoder: &mut CommandEncoder,
         positions: &[[f32; 3]],
     ) -> Result<(), Error> {
-        if positions.len() != self.vertices {
-            let (expected, found) = (self.vertices, positions.len());
+        self.check(positions)?;
+        self.write(positions);
+        self.refit.run(&self.gpu, encoder, self.clock.as_mut());
+        Ok(())
+    }
+
+    /// Builds a new BVH for the vertices where they are.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] and [`Error::TooLarge`], when it replaces an uploaded BVH.
+    ///
+    /// # Complexity
+    /// O(1) on the host, which waits for nothing; O(triangles) on the device.
+    pub fn rebuild(&mut self) -> Result<(), Error> {
+        self.submit(Self::record_rebuild)
+    }
+
+    /// The same in an encoder of the caller's, which has to be submitted before anything else is asked
+    /// about the model.
+    ///
+    /// # Errors
+    /// As [`Deforming::rebuild`].
+    pub fn record_rebuild(&mut self, encoder: &mut CommandEncoder) -> Result<(), Error> {
+        self.prepare_build()?;
+        if let Some(build) = &self.build {
+            build.run(&self.gpu, encoder, self.clock.as_mut());
+        }
+        Ok(())
+    }
+
+    /// Moves the vertices and builds a new BVH. On error none of them has moved.
+    ///
+    /// # Errors
+    /// As [`Deforming::set_positions`] and [`Deforming::rebuild`].
+    ///
+    /// # Complexity
+    /// As [`Deforming::set_positions`].
+    pub fn rebuild_at(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        self.submit(|own, encoder| own.record_rebuild_at(encoder, positions))
+    }
+
+    /// The same in an encoder of the caller's, which has to be submitted before anything else is asked
+    /// about the model.
+    ///
+    /// # Errors
+    /// As [`Deforming::rebuild_at`].
+    pub fn record_rebuild_at(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        positions: &[[f32; 3]],
+    ) -> Result<(), Error> {
+        self.check(positions)?;
+        self.prepare_build()?;
+        self.write(positions);
+        self.record_rebuild(encoder)
+    }
+
+    fn submit(
+        &mut self,
+        record: impl FnOnce(&mut Self, &mut CommandEncoder) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
+        record(self, &mut encoder)?;
+        self.gpu.queue().submit([encoder.finish()]);
+        self.gpu.check()
+    }
+
+    /// Puts a model to build in place of an uploaded one.
+    fn prepare_build(&mut self) -> Result<(), Error> {
+        if let (None, Some(bounds)) = (&self.build, &self.model.bounds) {
+            let Built { model, build, refit } =
+                Built::new(&self.gpu, &self.source, bounds, self.options)?;
+            (self.model, self.build, self.refit) = (model, Some(build), refit);
+        }
+        Ok(())
+    }
+
+    fn check(&self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        if positions.len() != self.source.vertices {
+            let (expected, found) = (self.source.vertices, positions.len());
             return Err(MeshError::VertexCount { expected, found }.into());
         }
-        if let Some(vertex) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-            return Err(MeshError::NonFinite { vertex }.into());
+        match positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            Some(vertex) => Err(MeshError::NonFinite { vertex }.into()),
+            None => Ok(()),
         }
-        self.gpu.queue().write_buffer(&self.positions, 0, bytemuck::cast_slice(positions));
-        let mut dispatches = Dispatches::begin(encoder, self.clock.as_mut());
-        for (stage, workgroups) in &self.stages {
-            dispatches.add(&self.gpu.passes().refit, &[&self.mesh, stage], *workgroups);
-        }
-        drop(dispatches);
-        if let Some(clock) = &self.clock {
-            clock.finish(encoder);
-        }
+    }
+
+    /// Uploads positions with the next submission.
+    fn write(&mut self, positions: &[[f32; 3]]) {
+        let bytes = bytemuck::cast_slice(positions);
+        self.gpu.queue().write_buffer(&self.source.positions, 0, bytes);
         // Of all vertices, so that no read-back is needed; it only bounds what a pose may do.
         self.model.bounds = self.model.bounds.map(|_| Aabb::of(positions));
-        Ok(())
     }
 }

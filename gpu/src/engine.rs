@@ -92,9 +92,9 @@ impl Engine {
         })
     }
 
-    /// Keeps the time of each pass from now on, if the device can.
-    pub(crate) fn keep_time(&mut self) -> Result<(), Error> {
-        self.clock = Clock::new(&self.gpu)?;
+    /// Keeps time from now on, if the device can: of each pass, or of all together.
+    pub(crate) fn keep_time(&mut self, each: bool) -> Result<(), Error> {
+        self.clock = Clock::new(&self.gpu, each)?;
         Ok(())
     }
 
@@ -120,9 +120,15 @@ impl Engine {
         start: Start<'_>,
         copies: [u32; 2],
     ) -> Result<Run, Error> {
-        let (first, levels) = self.prepare(task, start);
         // A pass reads the front of its own index and writes the next.
+        let (first, levels) = match start {
+            Start::Seeds => (0, task.levels_below_seeds),
+            Start::Front(_) => (0, task.levels),
+            // Front p is in buffer p mod 2.
+            Start::Left(front, _) => (front % 2, task.levels),
+        };
         let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - first);
+        self.prepare(task, start, levels.div_ceil(passes));
         let Self { gpu, groups, workgroups, .. } = self;
         let shaders = gpu.passes();
         let mut dispatches = Dispatches::begin(encoder, self.clock.as_mut());
@@ -149,30 +155,25 @@ impl Engine {
         Ok(Run { ticket: self.ticket, last_front: first + passes, copied })
     }
 
-    /// Writes the parameters of a run; returns the index of its first front and how deep it goes.
-    fn prepare(&mut self, task: &Task, start: Start<'_>) -> (u32, u32) {
+    /// Writes the parameters of a run whose passes descend so many levels each.
+    fn prepare(&mut self, task: &Task, start: Start<'_>, levels: u32) {
         self.ticket = self.ticket.wrapping_add(1);
         let mut counters = Counters { ticket: self.ticket, ..Counters::zeroed() };
         let queue = self.gpu.queue();
-        let (first, levels) = match start {
-            Start::Seeds => (0, task.levels_below_seeds),
+        match start {
+            Start::Seeds => {}
             Start::Front(front) => {
                 counters.fronts[0] = front.len() as u32;
                 queue.write_buffer(&self.lists.fronts[0], 0, bytemuck::cast_slice(front));
-                (0, task.levels)
             }
             Start::Left(front, before) => {
-                // Front p is in buffer p mod 2.
-                let first = front % 2;
-                counters.fronts[first as usize] = before.fronts[front as usize];
+                counters.fronts[front as usize % 2] = before.fronts[front as usize];
                 (counters.hits, counters.rest) = (before.hits, before.rest);
-                (first, task.levels)
             }
-        };
+        }
         queue.write_buffer(&self.lists.counters, 0, bytemuck::bytes_of(&counters));
-        let query = self.lists.capacities.in_query(task.query);
+        let query = self.lists.capacities.in_query(Query { levels, ..task.query });
         queue.write_buffer(&self.lists.query, 0, bytemuck::bytes_of(&query));
-        (first, levels)
     }
 
     /// Copies counters and results for the host.
@@ -218,7 +219,7 @@ impl Engine {
 
     /// The children of some node pairs, leaf pairs among them staying what they are.
     pub(crate) fn refine(&mut self, task: &Task, front: &[Entry]) -> Result<Vec<Entry>, Error> {
-        self.prepare(task, Start::Front(front));
+        self.prepare(task, Start::Front(front), 1);
         let Self { gpu, groups, lists, .. } = self;
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         if let Some(Meshes { groups: meshes, .. }) = &self.meshes {

@@ -2,7 +2,9 @@
 
 use crate::pass::Pass;
 use crate::{Budget, Error, Settings, clock, probe};
-use pfront_shaders::{DECIDE, EXPAND, NARROW, REFIT, SEED};
+use pfront_shaders::{
+    ARRANGE, COUNT, DECIDE, EXPAND, FIT, KEYS, NARROW, REFIT, SCAN, SCATTER, SEED, SURVEY,
+};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{Device, Queue};
 
@@ -39,6 +41,13 @@ pub(crate) struct Passes {
     pub(crate) narrow: Pass,
     pub(crate) decide: Pass,
     pub(crate) refit: Pass,
+    pub(crate) survey: Pass,
+    pub(crate) keys: Pass,
+    pub(crate) count: Pass,
+    pub(crate) scan: Pass,
+    pub(crate) scatter: Pass,
+    pub(crate) arrange: Pass,
+    pub(crate) fit: Pass,
 }
 
 /// Who computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
@@ -47,7 +56,9 @@ pub(crate) struct Passes {
 pub enum Arithmetic {
     /// The adapter's f32 units, which round as they should.
     Hardware,
-    /// Integers: the adapter flushes subnormal numbers, or rounds in another way.
+    /// The same, and integers for what may have been subnormal: the adapter flushes such numbers.
+    Flushing,
+    /// Integers: the adapter rounds in another way.
     Integer,
 }
 
@@ -105,14 +116,20 @@ impl Gpu {
         arithmetic: Arithmetic,
         failure: Failure,
     ) -> Result<Self, Error> {
-        let soft = arithmetic == Arithmetic::Integer;
-        let pass = |pass| Pass::new(&device, pass, soft);
+        let pass = |pass| Pass::new(&device, pass, arithmetic);
         let passes = Passes {
             seed: pass(&SEED)?,
             expand: pass(&EXPAND)?,
             narrow: pass(&NARROW)?,
             decide: pass(&DECIDE)?,
             refit: pass(&REFIT)?,
+            survey: pass(&SURVEY)?,
+            keys: pass(&KEYS)?,
+            count: pass(&COUNT)?,
+            scan: pass(&SCAN)?,
+            scatter: pass(&SCATTER)?,
+            arrange: pass(&ARRANGE)?,
+            fit: pass(&FIT)?,
         };
         let shared = Arc::new(Shared { device, queue, passes, arithmetic, failure });
         let gpu = Self { shared };
@@ -153,7 +170,7 @@ impl Gpu {
         let cpu = self.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
         // On a GPU, enough to fill the largest; on a CPU, a few for each core.
         let groups = if cpu { 64 } else { 1024 };
-        Settings { depth: 3, groups, budget: Budget::default() }
+        Settings { depth: 9, groups, budget: Budget::default() }
     }
 
     pub(crate) fn passes(&self) -> &Passes {

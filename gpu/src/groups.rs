@@ -6,7 +6,7 @@ use crate::lists::{Lists, REFINE};
 use crate::pass::Pass;
 use crate::{Error, Model};
 use pfront_shaders::constants::FRONTS;
-use wgpu::{BindGroup, CommandEncoder, ComputePass};
+use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePassDescriptor};
 
 /// One bind group for each pass.
 #[derive(Debug)]
@@ -91,10 +91,13 @@ pub(crate) struct Dispatches<'e, 'c> {
 
 impl<'e, 'c> Dispatches<'e, 'c> {
     pub(crate) fn begin(encoder: &'e mut CommandEncoder, clock: Option<&'c mut Clock>) -> Self {
-        let mut compute = encoder.begin_compute_pass(&Default::default());
         let mut clock = clock;
+        let mut compute = encoder.begin_compute_pass(&ComputePassDescriptor {
+            label: Some("pfront"),
+            timestamp_writes: clock.as_mut().and_then(|clock| clock.start()),
+        });
         if let Some(clock) = &mut clock {
-            clock.start(&mut compute);
+            clock.mark(&mut compute, None);
         }
         Self { compute, clock }
     }
@@ -107,7 +110,7 @@ impl<'e, 'c> Dispatches<'e, 'c> {
         }
         self.compute.dispatch_workgroups(workgroups, 1, 1);
         if let Some(clock) = &mut self.clock {
-            clock.mark(&mut self.compute, pass.entry);
+            clock.mark(&mut self.compute, Some(pass.entry));
         }
     }
 }

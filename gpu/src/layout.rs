@@ -52,17 +52,18 @@ shared! {
         front_capacity: u32,
         leaf_capacity: u32,
         hit_capacity: u32,
-        undecided_capacity: u32,
+        kept_capacity: u32,
         rest_capacity: u32,
+        leaf_size: u32,
         within: u32,
         apart: u32,
-        padding: u32,
+        levels: u32,
+        padding: [u32; 3],
     }
 
     /// One pass of a run.
     Step {
         pass_index: u32,
-        levels: u32,
         keep_leaves: u32,
     }
 
@@ -72,12 +73,31 @@ shared! {
         end_job: u32,
     }
 
+    /// What a dispatch of a build does.
+    Build {
+        triangles: u32,
+        depth: u32,
+        bottom: u32,
+        top: u32,
+        run: u32,
+        workgroups: u32,
+        shift: u32,
+    }
+
+    /// How to divide the triangles of a node.
+    Cut {
+        axis: u32,
+        low: f32,
+        cells: f32,
+    }
+
     /// What a run counts.
     Counters {
         ticket: u32,
         overflow: u32,
         leaves: u32,
         hits: u32,
+        kept: u32,
         undecided: u32,
         rest: u32,
         fronts: [u32; FRONTS as usize],
@@ -94,10 +114,9 @@ shared! {
     Trial {
         row: [f32; 4],
         point: [f32; 3],
-        product: f32,
-        sum: f32,
-        coordinate: f32,
-        padding: [u32; 2],
+        doubted: u32,
+        found: [f32; 3],
+        padding_after: u32,
     }
 }
 

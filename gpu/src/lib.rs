@@ -15,6 +15,7 @@
 //! that a question needs, within a [`Budget`]; when they are full, the query goes on in parts.
 
 mod answer;
+mod build;
 mod clock;
 mod deforming;
 mod engine;
@@ -26,11 +27,13 @@ mod lists;
 mod memory;
 mod model;
 mod pair;
+mod parameters;
 mod pass;
 mod pending;
 mod probe;
 mod read;
 mod schedule;
+mod sequence;
 mod settings;
 #[cfg(test)]
 mod tests;

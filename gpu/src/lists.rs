@@ -26,7 +26,7 @@ pub(crate) struct Lists {
     pub(crate) counters: Buffer,
     pub(crate) query: Buffer,
     leaves: Buffer,
-    undecided: Buffer,
+    kept: Buffer,
     steps: Buffer,
 }
 
@@ -42,11 +42,11 @@ impl Lists {
             fronts: [front()?, front()?],
             leaves: list("the leaf pairs", capacities.leaves, 8)?,
             hits: list("the results", capacities.hits, 8)?,
-            undecided: list("the undecided pairs", capacities.undecided, 8)?,
+            kept: list("the triangle pairs", capacities.kept, 8)?,
             rest: list("the pairs for the CPU", capacities.rest, size_of::<Rest>())?,
             counters: list("the counters", 1, size_of::<Counters>())?,
             query: gpu.buffer("the query", size_of::<Query>() as u64, Usage::Uniform)?,
-            steps: gpu.upload("the steps", &steps(settings.depth.max(1)), Usage::Uniform)?,
+            steps: gpu.upload("the steps", &steps(), Usage::Uniform)?,
         })
     }
 
@@ -58,7 +58,7 @@ impl Lists {
                 "counters" => &self.counters,
                 "leaves" => &self.leaves,
                 "hits" => &self.hits,
-                "undecided" => &self.undecided,
+                "kept" => &self.kept,
                 "rest" => &self.rest,
                 _ => return None,
             };
@@ -83,9 +83,9 @@ impl Lists {
 }
 
 /// The parameters of every pass, each in its own [`STEP_STRIDE`] bytes.
-fn steps(depth: u32) -> Vec<u8> {
-    let descend = (0..FRONTS).map(|pass_index| Step { pass_index, levels: depth, keep_leaves: 0 });
-    let refine = Step { pass_index: 0, levels: 1, keep_leaves: 1 };
+fn steps() -> Vec<u8> {
+    let descend = (0..FRONTS).map(|pass_index| Step { pass_index, keep_leaves: 0 });
+    let refine = Step { pass_index: 0, keep_leaves: 1 };
     let mut bytes = vec![0; (FRONTS as usize + 1) * STEP_STRIDE];
     for (slot, step) in bytes.chunks_exact_mut(STEP_STRIDE).zip(descend.chain([refine])) {
         slot[..size_of::<Step>()].copy_from_slice(bytemuck::bytes_of(&step));

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The most nodes of one level that the first pass of a query pairs with those of the other tree: both
 /// together give 4^7 node pairs at most, the larger starting front of the paper's GPU algorithm.
-const MOST_SEEDS: usize = 128;
+pub(crate) const MOST_SEEDS: usize = 128;
 
 /// A child index in this bit says that there are no children: the node's own index is in the others.
 /// The same as LEAF in `descend.wgsl`.
@@ -37,6 +37,8 @@ pub struct Model {
     pub(crate) depth: u32,
     /// The same below the seeds.
     pub(crate) depth_below_seeds: u32,
+    /// The most triangles of a leaf.
+    pub(crate) leaf_size: u32,
     /// `None` for an empty mesh.
     pub(crate) bounds: Option<Aabb>,
 }
@@ -50,13 +52,7 @@ impl Model {
     /// # Complexity
     /// O(triangles).
     pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, Error> {
-        static NEXT: AtomicU64 = AtomicU64::new(0);
-        let slots = bvh.order().len() as u64;
-        if slots >= 1 << LEAF_SHIFT {
-            let bytes = size_of::<[Corner; 3]>() as u64;
-            let (needed, available) = (slots * bytes, (1 << LEAF_SHIFT) * bytes);
-            return Err(Error::TooLarge { what: "the triangles", needed, available });
-        }
+        Self::check_size(bvh.order().len())?;
         let (level, seeds) = seeds(bvh.nodes());
         let mesh = bvh.mesh();
         let triangles = bvh.order().iter().map(|&t| mesh.triangles()[t as usize]);
@@ -65,7 +61,7 @@ impl Model {
         let depth = bvh.depth() as u32;
         let root = |node: &Node| if node.is_leaf() { LEAF } else { node.first };
         Ok(Self {
-            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            id: Self::next_id(),
             nodes: gpu.upload("the nodes", bvh.nodes(), Usage::Input)?,
             corners: gpu.upload("the triangles", &corners, Usage::Input)?,
             order: gpu.upload("the order of the triangles", bvh.order(), Usage::Input)?,
@@ -74,8 +70,26 @@ impl Model {
             root: bvh.root().map_or(LEAF, root),
             depth,
             depth_below_seeds: depth - level,
+            leaf_size: bvh.nodes().iter().map(|node| node.count).fold(1, u32::max),
             bounds: bvh.root().map(Node::aabb),
         })
+    }
+
+    /// An identity for another model.
+    pub(crate) fn next_id() -> u64 {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        NEXT.fetch_add(1, Ordering::Relaxed)
+    }
+
+    /// Whether the slots of so many triangles leave room for the size of a leaf.
+    pub(crate) fn check_size(triangles: usize) -> Result<(), Error> {
+        let slots = triangles as u64;
+        if slots >= 1 << LEAF_SHIFT {
+            let bytes = size_of::<[Corner; 3]>() as u64;
+            let (needed, available) = (slots * bytes, (1 << LEAF_SHIFT) * bytes);
+            return Err(Error::TooLarge { what: "the triangles", needed, available });
+        }
+        Ok(())
     }
 
     /// Bytes of device memory the model holds.

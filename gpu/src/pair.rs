@@ -82,12 +82,21 @@ impl PairQuery {
         Ok(self.answer.count)
     }
 
-    /// The same, keeping the device time of each pass.
+    /// The same, keeping the device time of a run as a whole.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn with_time(mut self) -> Result<Self, Error> {
+        self.answer.engine.keep_time(false)?;
+        Ok(self)
+    }
+
+    /// The same, keeping the device time of each pass, which takes some microseconds for each.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn with_timings(mut self) -> Result<Self, Error> {
-        self.answer.engine.keep_time()?;
+        self.answer.engine.keep_time(true)?;
         Ok(self)
     }
 
@@ -153,6 +162,7 @@ impl PairQuery {
             sides: [Placement::new(&Pose::IDENTITY), Placement::new(a_from_b)],
             posed: [0, u32::from(posed)],
             seeds: [a.seed_count, b.seed_count],
+            leaf_size: a.leaf_size,
             ..Query::zeroed()
         };
         Ok(Some(Task {

@@ -3,7 +3,7 @@
 //! Rust names the buffers and nothing else: which of them a pass binds, where, and whether it writes
 //! them, is what the WGSL says.
 
-use crate::Error;
+use crate::{Arithmetic, Error};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, GlobalVariable, Module, StorageAccess};
 use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, Device};
@@ -24,11 +24,11 @@ struct Group {
 }
 
 impl Pass {
-    /// `soft` chooses integers for the arithmetic of poses.
+    /// `arithmetic` is that of poses.
     pub(crate) fn new(
         device: &Device,
         pass: &pfront_shaders::Pass,
-        soft: bool,
+        arithmetic: Arithmetic,
     ) -> Result<Self, Error> {
         let source = pass.source();
         let (module, info) = parse(&source)?;
@@ -43,8 +43,9 @@ impl Pass {
             label: Some(pass.entry),
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        let uses_soft = module.overrides.iter().next().is_some();
-        let constants: &[_] = if uses_soft { &[("SOFT", f64::from(u8::from(soft)))] } else { &[] };
+        let poses = module.overrides.iter().next().is_some();
+        let chosen = [("ARITHMETIC", f64::from(arithmetic as u8))];
+        let constants = if poses { &chosen[..] } else { &[] };
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(pass.entry),
             layout: Some(&layout),

@@ -6,8 +6,14 @@
 //! them are a tree some hundred times smaller, and make the jobs of the next stage: two or three stages
 //! refit millions of triangles.
 
+use crate::layout::Stage;
+use crate::memory::Usage;
+use crate::parameters::Parameters;
+use crate::sequence::Sequence;
+use crate::{Error, Gpu, Model};
 use pfront_core::Node;
 use std::ops::Range;
+use wgpu::Buffer;
 
 /// The most nodes of a job.
 const JOB: u32 = 512;
@@ -40,39 +46,73 @@ impl Schedule {
         schedule
     }
 
+    /// The dispatches that refit a model by it.
+    pub(crate) fn sequence(
+        &self,
+        gpu: &Gpu,
+        model: &Model,
+        positions: &Buffer,
+    ) -> Result<Sequence, Error> {
+        let buffers = [
+            ("nodes", &model.nodes),
+            ("corners", &model.corners),
+            ("positions", positions),
+            ("schedule", &gpu.upload("the schedule", &self.nodes, Usage::Input)?),
+            ("rounds", &gpu.upload("the rounds", &self.rounds, Usage::Input)?),
+            ("jobs", &gpu.upload("the jobs", &self.jobs, Usage::Input)?),
+        ];
+        let stage = |jobs: &Range<u32>| Stage { first_job: jobs.start, end_job: jobs.end };
+        let stages: Vec<_> = self.stages.iter().map(stage).collect();
+        let parameters = Parameters::new(gpu, "the stages", &stages)?;
+        let mut sequence = Sequence::default();
+        for (index, jobs) in self.stages.iter().enumerate() {
+            let groups = gpu.settings().groups.min(jobs.len() as u32);
+            sequence.add(gpu, |p| &p.refit, &buffers, parameters.binding(index), groups)?;
+        }
+        Ok(sequence)
+    }
+
     /// Adds every largest subtree of at most [`JOB`] nodes that are not yet done.
     fn add_stage(&mut self, tree: &[Node], done: &mut [bool]) {
+        // How many nodes a subtree has, and how many rounds from its leaves it takes to fit it.
+        let mut subtrees = vec![(0, 0); tree.len()];
         // Children come after their parents.
-        let mut sizes = vec![0; tree.len()];
         for (index, node) in tree.iter().enumerate().rev().filter(|&(index, _)| !done[index]) {
             let left = node.first as usize;
-            sizes[index] = 1 + if node.is_leaf() { 0 } else { sizes[left] + sizes[left + 1] };
+            subtrees[index] = (1, 1);
+            if !node.is_leaf() {
+                let ((a, low), (b, high)) = (subtrees[left], subtrees[left + 1]);
+                subtrees[index] = (1 + a + b, 1 + u32::max(low, high));
+            }
         }
         let mut waiting = vec![0];
         while let Some(index) = waiting.pop() {
             let node = &tree[index as usize];
-            match sizes[index as usize] {
-                0 => {}
-                1..=JOB => self.add_job(tree, index, done),
+            match subtrees[index as usize] {
+                (0, _) => {}
+                (1..=JOB, _) => self.add_job(tree, index, &subtrees, done),
                 _ => waiting.extend([node.first, node.first + 1]),
             }
         }
     }
 
-    /// Adds a subtree, its deepest level first.
-    fn add_job(&mut self, tree: &[Node], root: u32, done: &mut [bool]) {
+    /// Adds a subtree, all leaves of it first: what takes longest has the most invocations.
+    fn add_job(&mut self, tree: &[Node], root: u32, subtrees: &[(u32, u32)], done: &mut [bool]) {
         self.jobs.push(self.rounds.len() as u32);
-        let mut levels = vec![vec![root]];
-        while let Some(level) = levels.last().filter(|level| !level.is_empty()) {
-            let inner = level.iter().map(|&index| &tree[index as usize]).filter(|n| !n.is_leaf());
-            let children = inner.flat_map(|node| [node.first, node.first + 1]);
-            let next = children.filter(|&child| !done[child as usize]).collect();
-            levels.push(next);
+        let mut nodes = vec![];
+        let mut waiting = vec![root];
+        while let Some(index) = waiting.pop() {
+            let node = &tree[index as usize];
+            let children = if node.is_leaf() { 0..0 } else { node.first..node.first + 2 };
+            waiting.extend(children.filter(|&child| !done[child as usize]));
+            nodes.push(index);
         }
-        for level in levels.into_iter().rev().filter(|level| !level.is_empty()) {
+        let round = |index: u32| subtrees[index as usize].1;
+        nodes.sort_unstable_by_key(|&index| (round(index), index));
+        for nodes in nodes.chunk_by(|&a, &b| round(a) == round(b)) {
             self.rounds.push(self.nodes.len() as u32);
-            level.iter().for_each(|&index| done[index as usize] = true);
-            self.nodes.extend(level);
+            nodes.iter().for_each(|&index| done[index as usize] = true);
+            self.nodes.extend(nodes);
         }
     }
 }

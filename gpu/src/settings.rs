@@ -15,7 +15,8 @@ use crate::layout::{Query, Rest};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// The depth bound d_b of the paper: how many levels a pass descends. 0 counts as 1.
+    /// The depth bound d_b of the paper: how many levels a pass descends at most. 0 counts as 1. A query
+    /// takes as few passes as it allows, and these descend about equally far.
     pub depth: u32,
     /// Workgroups of a dispatch. A fixed number that suits the device, over which each pass deals out
     /// what it finds: the count is on the device, and reading it there is cheaper than a dispatch that
@@ -29,7 +30,7 @@ pub struct Settings {
 /// parts; nothing is lost.
 ///
 /// Of n = bytes / 64, a front holds n node pairs (there are two), the list of leaf pairs 2n, those of
-/// hits and of undecided triangle pairs n each, and that of triangle pairs for the CPU n / 8. Counters
+/// hits and of triangle pairs to decide n each, and that of triangle pairs for the CPU n / 8. Counters
 /// and parameters take 20 KiB more; a read-back buffer of the host is as large as the answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
@@ -59,7 +60,7 @@ pub(crate) struct Capacities {
     pub(crate) front: u32,
     pub(crate) leaves: u32,
     pub(crate) hits: u32,
-    pub(crate) undecided: u32,
+    pub(crate) kept: u32,
     pub(crate) rest: u32,
 }
 
@@ -71,7 +72,7 @@ impl Capacities {
         }
         // Far more than any device binds, and counters still cannot wrap before they overflow.
         let n = (budget.bytes / UNIT).min(1 << 28) as u32;
-        Ok(Self { front: n, leaves: 2 * n, hits: n, undecided: n, rest: n / 8 })
+        Ok(Self { front: n, leaves: 2 * n, hits: n, kept: n, rest: n / 8 })
     }
 
     /// A query that knows them.
@@ -80,7 +81,7 @@ impl Capacities {
             front_capacity: self.front,
             leaf_capacity: self.leaves,
             hit_capacity: self.hits,
-            undecided_capacity: self.undecided,
+            kept_capacity: self.kept,
             rest_capacity: self.rest,
             ..query
         }

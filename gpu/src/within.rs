@@ -81,12 +81,21 @@ impl SelfQuery {
         Ok(self.answer.count)
     }
 
-    /// The same, keeping the device time of each pass.
+    /// The same, keeping the device time of a run as a whole.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn with_time(mut self) -> Result<Self, Error> {
+        self.answer.engine.keep_time(false)?;
+        Ok(self)
+    }
+
+    /// The same, keeping the device time of each pass, which takes some microseconds for each.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn with_timings(mut self) -> Result<Self, Error> {
-        self.answer.engine.keep_time()?;
+        self.answer.engine.keep_time(true)?;
         Ok(self)
     }
 
@@ -134,6 +143,7 @@ impl SelfQuery {
             seeds: [model.seed_count; 2],
             within: 1,
             apart: u32::from(self.adjacency == Adjacency::SkipNeighbours),
+            leaf_size: model.leaf_size,
             ..Query::zeroed()
         };
         Ok(Some(Task {

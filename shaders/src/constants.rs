@@ -16,32 +16,45 @@ constants! {
     GROUP = 128;
     /// Node pairs in each half of a workgroup's queue.
     QUEUE = 512;
-    /// Node pairs of a front that a workgroup takes at once: below a quarter of [`QUEUE`], so that the
+    /// Node pairs of a front that a workgroup takes at once: at most a quarter of [`QUEUE`], so that the
     /// first level cannot overflow it.
-    CHUNK = 64;
+    CHUNK = 128;
     /// Leaf pairs that a workgroup gathers before it writes them out.
     FOUND = 512;
     /// Counters of fronts, and so one more than passes in a run.
     FRONTS = 66;
-    /// The most triangle pairs of a leaf pair: the core's MAX_LEAF_SIZE squared.
-    MOST_PAIRS = 64;
-    /// Invocations that share a leaf pair.
-    LANES = 16;
-    /// Leaf pairs that a workgroup works on at once.
-    LEAF_PAIRS = GROUP / LANES;
-    /// Triangle pairs that these may give.
-    RESULTS = LEAF_PAIRS * MOST_PAIRS;
+    /// The most triangles of a leaf: the core's MAX_LEAF_SIZE.
+    MOST_LEAF = 8;
+    /// Triangle pairs that wait in a workgroup until there is one for each invocation: one more batch
+    /// of box tests must fit.
+    WAITING = GROUP * (MOST_LEAF + 1);
+    /// Triangle pairs that a workgroup gathers of those that a plane does not separate.
+    STAY = 2 * GROUP;
+    /// Invocations that decide a triangle pair in integers.
+    TEAM = 8;
+    /// Triangle pairs that a workgroup so decides at once.
+    TEAMS = GROUP / TEAM;
+    /// Triangle pairs that a workgroup gathers before it writes them out.
+    RESULTS = 512;
     /// A leaf in the list of leaf pairs: its first slot below this bit, its triangles less one from it
     /// up.
     LEAF_SHIFT = 28;
+    /// Values of a digit of the sort.
+    DIGITS = 256;
+    /// Bits of a coordinate across a cut, in a key below the node that is divided.
+    CUT_BITS = 13;
+    /// Bits of a coordinate within a block: three of them fit in a word.
+    AXIS_BITS = 10;
+    /// Slots for the triangles that a workgroup arranges at once.
+    BLOCK = 512;
     /// A front was too small.
     FRONT_OVERFLOW = 1;
     /// The list of leaf pairs was too small.
     LEAF_OVERFLOW = 2;
     /// The list of hits was too small.
     HIT_OVERFLOW = 4;
-    /// The list of undecided triangle pairs was too small.
-    UNDECIDED_OVERFLOW = 8;
+    /// The list of triangle pairs was too small.
+    KEPT_OVERFLOW = 8;
     /// The list of triangle pairs for the CPU was too small.
     REST_OVERFLOW = 16;
 }

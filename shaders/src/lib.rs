@@ -43,20 +43,29 @@ macro_rules! texts {
 }
 
 texts! {
+    BALANCED = "parts/balanced";
     BINDINGS = "parts/bindings";
     BOXES = "parts/boxes";
+    COUNTING = "parts/counting";
+    CUTS = "parts/cuts";
     DESCEND = "parts/descend";
     EXACT = "parts/exact";
+    EXTENT = "parts/extent";
     FILTER = "parts/filter";
+    FITTED = "parts/fitted";
     GROUP = "parts/group";
+    HALVES = "parts/halves";
     LATTICE = "parts/lattice";
     LAYOUT = "parts/layout";
     ORDERED = "parts/ordered";
     PLACE = "parts/place";
+    PREFIX = "parts/prefix";
     RESULTS = "parts/results";
     SHARING = "parts/sharing";
     SIGNS = "parts/signs";
     SOFT = "parts/soft";
+    SORTING = "parts/sorting";
+    SOURCE = "parts/source";
     TRIANGLES = "parts/triangles";
     WIDE = "parts/wide";
 }
@@ -76,23 +85,44 @@ pub const SEED: Pass = pass!("seed", LAYOUT, BINDINGS, GROUP, BOXES, DESCEND);
 /// One depth-bounded pass from a front.
 pub const EXPAND: Pass = pass!("expand", LAYOUT, BINDINGS, GROUP, BOXES, DESCEND);
 
-/// The triangle pairs of leaf pairs, in f32.
+/// The triangle pairs of leaf pairs that boxes and planes do not separate.
 pub const NARROW: Pass = pass!(
-    "narrow", LAYOUT, BINDINGS, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES, SHARING, SIGNS, FILTER,
-    RESULTS
+    "narrow", LAYOUT, BINDINGS, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES, SHARING, SIGNS, FILTER
 );
 
-/// What f32 left open, in integers.
+/// Which of them meet: in f32, and in integers what that leaves open.
 pub const DECIDE: Pass = pass!(
-    "decide", LAYOUT, BINDINGS, GROUP, PLACE, SOFT, WIDE, TRIANGLES, SHARING, SIGNS, LATTICE,
-    EXACT, RESULTS
+    "decide", LAYOUT, BINDINGS, GROUP, PLACE, SOFT, WIDE, TRIANGLES, SHARING, SIGNS, FILTER,
+    LATTICE, EXACT, RESULTS
 );
 
 /// Boxes and corners of a mesh that has moved.
-pub const REFIT: Pass = pass!("refit", LAYOUT, ORDERED);
+pub const REFIT: Pass = pass!("refit", LAYOUT, ORDERED, SOURCE, FITTED);
+
+/// How to divide the nodes of a level of a balanced tree.
+pub const SURVEY: Pass = pass!("survey", LAYOUT, BALANCED, ORDERED, EXTENT, SOURCE, CUTS);
+
+/// Keys of triangles, to sort them by, and counts of their first digit.
+pub const KEYS: Pass = pass!("keys", BALANCED, SORTING, COUNTING, SOURCE, CUTS);
+
+/// Counts of another digit.
+pub const COUNT: Pass = pass!("count", BALANCED, SORTING, COUNTING);
+
+/// From counts of a digit to where they begin.
+pub const SCAN: Pass = pass!("scan", BALANCED, SORTING, PREFIX);
+
+/// Sorts by one digit.
+pub const SCATTER: Pass = pass!("scatter", BALANCED, SORTING, PREFIX);
+
+/// Corners in the order of the leaves of a balanced tree.
+pub const ARRANGE: Pass = pass!("arrange", LAYOUT, BALANCED, ORDERED, EXTENT, SOURCE, HALVES);
+
+/// Some levels of a balanced tree.
+pub const FIT: Pass = pass!("fit", LAYOUT, BALANCED, ORDERED, SOURCE, FITTED);
 
 /// Whether the adapter rounds as posing needs.
 pub const PROBE: Pass = pass!("probe", PLACE, SOFT, WIDE);
 
 /// Every pass.
-pub const PASSES: [Pass; 6] = [SEED, EXPAND, NARROW, DECIDE, REFIT, PROBE];
+pub const PASSES: [Pass; 13] =
+    [SEED, EXPAND, NARROW, DECIDE, REFIT, SURVEY, KEYS, COUNT, SCAN, SCATTER, ARRANGE, FIT, PROBE];

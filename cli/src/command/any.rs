@@ -2,16 +2,22 @@
 
 use super::model;
 use crate::args::TwoMeshes;
+use crate::engine::Objects;
 use crate::how::How;
 use crate::output::out;
 use anyhow::Result;
+use pfront::Pose;
+use pfront_cli::workload::Frame;
+use pfront_scenes::Kind;
 use std::convert::identity;
 use std::io::Write;
 
 pub(crate) fn run(meshes: &TwoMeshes, how: &How) -> Result<bool> {
-    let mut query = how.asked()?.pair_query();
+    let asked = how.asked(Kind::Pair)?;
     let (a, b) = (model(&meshes.a, identity)?, model(&meshes.b, identity)?);
-    let found = query.any(&a, &b, &meshes.a_from_b())?;
+    let mut engine = Objects::pair(a, b).engine(asked)?;
+    engine.update(Frame::Poses(&[Pose::IDENTITY, meshes.a_from_b()]))?;
+    let found = engine.any()?;
     match found {
         Some(pair) => writeln!(out(), "triangles {} and {} meet", pair.a, pair.b)?,
         None => writeln!(out(), "nothing meets")?,

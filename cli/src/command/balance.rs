@@ -3,11 +3,10 @@
 use super::{milliseconds, progress};
 use crate::args::{Balance, BalanceFormat};
 use crate::charts;
-use crate::engine::{Asked, engine};
+use crate::engine::{Objects, On};
 use crate::output::{Draft, out};
 use crate::recording::Recording;
 use anyhow::{Context, Result};
-use pfront::Accuracy;
 use pfront::threads::{Reference, Report, Schedule, Settings, Share, Traversal};
 use std::io::{self, Write};
 
@@ -52,12 +51,11 @@ fn series(balance: &Balance, size: Option<usize>, workers: usize) -> Result<Seri
         coherence: !balance.no_coherence,
         ..Settings::default()
     };
-    let of = |&mesh: &u32| header.meshes[mesh as usize].triangles.len();
-    let triangles = header.objects.iter().map(of).sum();
     let (count, bar) = (header.frames, progress(header.frames.into()));
-    let traversal = Some(Traversal::new(workers).with_settings(settings));
-    let asked = Asked { accuracy: Accuracy::Exact, traversal };
-    let mut engine = engine(header, asked).with_context(|| balance.scene.clone())?;
+    let traversal = Some(Box::new(Traversal::new(workers).with_settings(settings)));
+    let objects = Objects::new(header).with_context(|| balance.scene.clone())?;
+    let triangles = objects.triangles();
+    let mut engine = objects.engine(On::Cpu(traversal).into())?;
     let (mut frames, mut reference) = (Vec::new(), None);
     while let Some(frame) = recording.next_frame()? {
         engine.update(frame)?;

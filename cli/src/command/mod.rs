@@ -2,7 +2,9 @@
 
 pub(crate) mod any;
 pub(crate) mod balance;
+pub(crate) mod bench;
 pub(crate) mod demo;
+pub(crate) mod devices;
 pub(crate) mod pairs;
 pub(crate) mod record;
 pub(crate) mod replay;
@@ -10,15 +12,23 @@ pub(crate) mod within;
 
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
-use pfront::Model;
+use pfront::core::query::Query;
+use pfront::{Contact, Model, TrianglePair};
 use pfront_cli::mesh::{self, MeshData};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Reads a mesh and builds its BVH.
-fn model(path: &Path, change: impl FnOnce(MeshData) -> MeshData) -> Result<Model> {
+fn model(path: &Path, change: impl FnOnce(MeshData) -> MeshData) -> Result<Arc<Model>> {
     let MeshData { positions, triangles } = change(mesh::read(path)?);
-    Model::new(positions, triangles).with_context(|| path.display().to_string())
+    let model = Model::new(positions, triangles);
+    model.map(Arc::new).with_context(|| path.display().to_string())
+}
+
+/// Where pairs meet. One that is only near, as other accuracies than exact report, meets nowhere.
+fn contacts(query: &impl Query, pairs: &[TrianglePair]) -> Vec<(TrianglePair, Contact)> {
+    pairs.iter().filter_map(|&pair| Some((pair, query.contact(pair)?))).collect()
 }
 
 /// Progress over frames, on a terminal's standard error; elsewhere nothing.

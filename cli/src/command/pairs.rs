@@ -1,20 +1,31 @@
 //! `pfront pairs A B`
 
-use super::model;
+use super::{contacts, model};
 use crate::args::{Listing, TwoMeshes};
+use crate::engine::Objects;
 use crate::how::How;
 use crate::listing::Found;
 use anyhow::Result;
+use pfront::Pose;
+use pfront::core::query;
+use pfront_cli::workload::Frame;
+use pfront_scenes::Kind;
 use std::convert::identity;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bool> {
-    let mut query = how.asked()?.pair_query();
+    let asked = how.asked(Kind::Pair)?;
     let (a, b) = (model(&meshes.a, identity)?, model(&meshes.b, identity)?);
     let a_from_b = meshes.a_from_b();
+    let mut engine = Objects::pair(a.clone(), b.clone()).engine(asked)?;
+    engine.update(Frame::Poses(&[Pose::IDENTITY, a_from_b]))?;
+    let pairs = engine.all()?;
+    let with_contacts;
     let found = if listing.contacts {
-        Found::Contacts(query.contacts(&a, &b, &a_from_b)?)
+        let query = query::PairQuery::new(a.bvh(), b.bvh(), a_from_b)?;
+        with_contacts = contacts(&query, pairs);
+        Found::Contacts(&with_contacts)
     } else {
-        Found::Pairs(query.all(&a, &b, &a_from_b)?)
+        Found::Pairs(pairs)
     };
     match listing.picture() {
         Some(path) => {

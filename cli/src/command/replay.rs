@@ -2,7 +2,7 @@
 
 use super::{milliseconds, progress};
 use crate::args::{Mode, Replay};
-use crate::engine::engine;
+use crate::engine::Objects;
 use crate::memory;
 use crate::output::{Draft, out};
 use crate::recording::Recording;
@@ -17,12 +17,14 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         replay.mode == Mode::All || replay.pairs.is_none(),
         "--pairs needs --mode all, since any stops at the first pair"
     );
-    let asked = replay.how.asked()?;
     let mut recording = Recording::open(&replay.file, replay.size, replay.frames)?;
     let header = recording.take_header()?;
     let frames = header.frames;
+    let asked = replay.how.asked(header.kind)?;
     let clock = Instant::now();
-    let mut engine = engine(header, asked).context(replay.file.clone())?;
+    let mut engine = Objects::new(header)
+        .and_then(|objects| objects.engine(asked))
+        .with_context(|| replay.file.clone())?;
     let build = milliseconds(clock.elapsed());
 
     let mut pairs = match &replay.pairs {
@@ -41,7 +43,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         let clock = Instant::now();
         let found = match replay.mode {
             Mode::All => engine.all()?,
-            Mode::Any => &[TrianglePair::default()][..usize::from(engine.any()?)],
+            Mode::Any => &[TrianglePair::default()][..usize::from(engine.any()?.is_some())],
         };
         let query = milliseconds(clock.elapsed());
         writeln!(out, "FRAME\t{number}\t{update:.3}\t{query:.3}\t{}", found.len())?;

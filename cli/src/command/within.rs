@@ -1,21 +1,29 @@
 //! `pfront self MESH`
 
-use super::model;
+use super::{contacts, model};
 use crate::args::Within;
+use crate::engine::{Asked, Objects};
 use crate::listing::Found;
 use anyhow::Result;
 use pfront::Adjacency;
+use pfront::core::query;
+use pfront_scenes::Kind;
 
 pub(crate) fn run(within: &Within) -> Result<bool> {
-    let mut query = within.how.asked()?.self_query();
-    if within.skip_neighbours {
-        query = query.with_adjacency(Adjacency::SkipNeighbours);
-    }
+    let adjacency = match within.skip_neighbours {
+        true => Adjacency::SkipNeighbours,
+        false => Adjacency::SharedIndexRule,
+    };
+    let asked = Asked { adjacency, ..within.how.asked(Kind::SelfMesh)? };
     let model = model(&within.mesh, |mesh| if within.weld { mesh.welded() } else { mesh })?;
+    let mut engine = Objects::within(model.clone()).engine(asked)?;
+    let pairs = engine.all()?;
+    let with_contacts;
     let found = if within.listing.contacts {
-        Found::Contacts(query.contacts(&model))
+        with_contacts = contacts(&query::SelfQuery::new(model.bvh()), pairs);
+        Found::Contacts(&with_contacts)
     } else {
-        Found::Pairs(query.all(&model))
+        Found::Pairs(pairs)
     };
     match within.listing.picture() {
         Some(path) => found.paint(path, &[model.mesh()])?,

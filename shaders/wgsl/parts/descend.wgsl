@@ -1,11 +1,10 @@
 // The depth-bounded descent (Zhang & Kim 2014, section 4): a workgroup takes node pairs into its own
-// memory, goes down `step.levels` levels breadth-first, and hands on what is left: node pairs to
+// memory, goes down `query.levels` levels breadth-first, and hands on what is left: node pairs to
 // the next front, leaf pairs to their list, each with one addition to a counter in global memory.
 //
 // A front holds node pairs whose boxes overlap, and of each node not its index but where its children
-// are (LEAF and its own index if it has none). Four invocations take one pair, and each tests
-// one pair of children: a level costs one load of nodes, not a load of parents and then one of
-// children. What does not fit in workgroup memory goes straight to the next front, so that nothing is
+// are (LEAF and its own index if it has none): a level costs one load of nodes, not a load of parents and
+// then one of children. Four invocations take one pair, each a pair of children. What does not fit in workgroup memory goes straight to the next front, so that nothing is
 // lost; the host sees a front left over after the last pass and goes on from it.
 
 const LEAF = 0x80000000u;
@@ -25,8 +24,8 @@ fn clear_queues(lane: u32) {
     workgroupBarrier();
 }
 
-fn reference(index: u32, node: Node) -> u32 {
-    return select(node.first, index | LEAF, node.count != 0u);
+fn node_of(low: vec4u, high: vec4u) -> Node {
+    return Node(bitcast<vec3f>(low.xyz), low.w, bitcast<vec3f>(high.xyz), high.w);
 }
 
 // A leaf as the narrow phase wants it: its triangles. Slots stay below 2^28, because 2^28 triangles
@@ -35,15 +34,35 @@ fn leaf_run(node: Node) -> u32 {
     return node.first | ((node.count - 1u) << LEAF_SHIFT);
 }
 
+// A node with its box in the frame of the query.
+struct Placed {
+    box: Box,
+    reference: u32,
+    run: u32,
+    is_leaf: bool,
+}
+
+fn placed_a(index: u32) -> Placed {
+    return placed_node(0u, index, node_of(nodes_a[2u * index], nodes_a[2u * index + 1u]));
+}
+
+fn placed_b(index: u32) -> Placed {
+    return placed_node(1u, index, node_of(nodes_b[2u * index], nodes_b[2u * index + 1u]));
+}
+
+fn placed_node(side: u32, index: u32, node: Node) -> Placed {
+    let box = placed_box(side, Box(node.min, node.max));
+    let is_leaf = node.count != 0u;
+    return Placed(box, select(node.first, index | LEAF, is_leaf), leaf_run(node), is_leaf);
+}
+
 // Puts a pair of nodes in its place, if their boxes overlap.
-fn visit(a: u32, b: u32, half: u32) {
-    let own = nodes_a[a];
-    let other = nodes_b[b];
-    if !overlap(placed_box(0u, Box(own.min, own.max)), placed_box(1u, Box(other.min, other.max))) {
+fn visit(a: Placed, b: Placed, half: u32) {
+    if !overlap(a.box, b.box) {
         return;
     }
-    if (own.count != 0u) & (other.count != 0u) & (step.keep_leaves == 0u) {
-        let runs = vec2u(leaf_run(own), leaf_run(other));
+    if a.is_leaf & b.is_leaf & (step.keep_leaves == 0u) {
+        let runs = vec2u(a.run, b.run);
         let slot = atomicAdd(&found_count, 1u);
         if slot < FOUND {
             found[slot] = runs;
@@ -52,7 +71,7 @@ fn visit(a: u32, b: u32, half: u32) {
         }
         return;
     }
-    let pair = vec2u(reference(a, own), reference(b, other));
+    let pair = vec2u(a.reference, b.reference);
     let slot = atomicAdd(&queued[half], 1u);
     if slot < QUEUE {
         queue[half * QUEUE + slot] = pair;
@@ -61,19 +80,19 @@ fn visit(a: u32, b: u32, half: u32) {
     }
 }
 
-// Tests one of the four pairs of children.
+// Tests one of the four pairs of children; a leaf is its own child.
 fn visit_children(pair: vec2u, which: u32, half: u32) {
     let right = vec2u(which & 1u, which >> 1u);
-    let leaf = (pair & vec2u(LEAF)) != vec2u(0u);
-    if any(leaf & (right != vec2u(0u))) {
+    let is_leaf = (pair & vec2u(LEAF)) != vec2u(0u);
+    if any(is_leaf & (right != vec2u(0u))) {
         return;
     }
-    // A node with itself has three children: (l, l), (r, r) and (l, r).
+    // A node with itself has three pairs: (l, l), (r, r) and (l, r).
     if (query.within == 1u) & (pair.x == pair.y) & (which == 1u) {
         return;
     }
-    let child = select(pair + right, pair & vec2u(~LEAF), leaf);
-    visit(child.x, child.y, half);
+    let child = (pair & vec2u(~LEAF)) + right;
+    visit(placed_a(child.x), placed_b(child.y), half);
 }
 
 // Descends from what is in the first half of the queue.
@@ -82,7 +101,7 @@ fn descend(lane: u32) {
     loop {
         let half = level & 1u;
         if lane == 0u {
-            told = select(min(atomicLoad(&queued[half]), QUEUE), 0u, level == step.levels);
+            told = select(min(atomicLoad(&queued[half]), QUEUE), 0u, level == query.levels);
         }
         let pairs = workgroupUniformLoad(&told);
         if pairs == 0u {

@@ -10,11 +10,8 @@ const ABSOLUTE = 6.018531076210112e-36;
 // The bits of 1e12.
 const SURE_BELOW = 0x5368d4a5u;
 
-alias Triangle = array<vec3f, 3>;
-
 fn difference(p: vec3f, q: vec3f) -> vec3f {
-    let d = p - q;
-    return vec3f(opaque(d.x), opaque(d.y), opaque(d.z));
+    return opaque(p - q);
 }
 
 fn size_bits(v: vec3f) -> u32 {
@@ -98,8 +95,8 @@ fn turned_to(t: Triangle, first: u32) -> Triangle {
     return Triangle(t[2], t[0], t[1]);
 }
 
-// Triangles of one mesh with so many corners in common, which come first in both: the part of the
-// core's `triangle::neighbours` that settles almost all of a smooth surface.
+// Triangles of one mesh with so many corners in common, which come first in both: the core's
+// `triangle::neighbours` where no sign is zero.
 fn filtered_neighbours(shared_corners: u32, a: Triangle, b: Triangle) -> u32 {
     if shared_corners == 3u {
         return HIT;
@@ -107,7 +104,31 @@ fn filtered_neighbours(shared_corners: u32, a: Triangle, b: Triangle) -> u32 {
     if shared_corners == 2u {
         return select(MISS, UNSURE, filtered_orient3d(a[0], a[1], a[2], b[2]) == 0);
     }
-    let own = filtered_sides(b, a);
-    let other = filtered_sides(a, b);
-    return select(UNSURE, MISS, own.y * own.z > 0 || other.y * other.z > 0);
+    let a_sides = filtered_sides(b, a).yz;
+    let b_sides = filtered_sides(a, b).yz;
+    if a_sides.x * a_sides.y > 0 || b_sides.x * b_sides.y > 0 {
+        return MISS;
+    }
+    // A line is past the triangle if it has edges on either side, wherever its ends are.
+    let own = filtered_pierces(a[1], a[2], b);
+    let other = filtered_pierces(b[1], b[2], a);
+    if own == MISS && other == MISS {
+        return MISS;
+    }
+    let reach = a_sides.x * a_sides.y < 0 && own == HIT || b_sides.x * b_sides.y < 0 && other == HIT;
+    return select(UNSURE, HIT, reach);
+}
+
+// Whether the line through two points goes through a triangle.
+fn filtered_pierces(start: vec3f, end: vec3f, t: Triangle) -> u32 {
+    let line = difference(end, start);
+    let p = difference(t[0], start);
+    let q = difference(t[1], start);
+    let r = difference(t[2], start);
+    let sides =
+        vec3i(filtered_sign(line, p, q), filtered_sign(line, q, r), filtered_sign(line, r, p));
+    if any(sides < vec3i(0)) && any(sides > vec3i(0)) {
+        return MISS;
+    }
+    return select(HIT, UNSURE, any(sides == vec3i(0)));
 }

@@ -30,19 +30,21 @@ struct Query {
     front_capacity: u32,
     leaf_capacity: u32,
     hit_capacity: u32,
-    undecided_capacity: u32,
+    kept_capacity: u32,
     rest_capacity: u32,
+    // The most triangles of a leaf of the first mesh.
+    leaf_size: u32,
     // 1 for one mesh against itself.
     within: u32,
     // 1 if triangles that share a vertex are left out.
     apart: u32,
+    // How many levels a pass descends.
+    levels: u32,
 }
 
 struct Step {
     // Index of this pass, and of the front it reads.
     pass_index: u32,
-    // How many levels it descends.
-    levels: u32,
     // 1 if leaf pairs stay in the front.
     keep_leaves: u32,
 }
@@ -54,6 +56,8 @@ struct Counters {
     overflow: atomic<u32>,
     leaves: atomic<u32>,
     hits: atomic<u32>,
+    // Triangle pairs that boxes and planes do not separate, and those of them that f32 leaves open.
+    kept: atomic<u32>,
     undecided: atomic<u32>,
     rest: atomic<u32>,
     fronts: array<atomic<u32>, FRONTS>,

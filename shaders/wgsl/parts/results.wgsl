@@ -2,7 +2,6 @@
 // ends, written out with one addition to a global counter for each end. The pass says, with
 // `put_aside`, where a pair goes that it leaves open.
 
-// A leaf pair has MOST_PAIRS triangle pairs, and LEAF_PAIRS of them are worked on at once.
 var<workgroup> results: array<vec2u, RESULTS>;
 var<workgroup> sure: atomic<u32>;
 var<workgroup> open: atomic<u32>;
@@ -21,6 +20,18 @@ fn add_hit(slots: vec2u) {
 
 fn add_open(slots: vec2u) {
     results[RESULTS - 1u - atomicAdd(&open, 1u)] = slots;
+}
+
+fn sort_out(slots: vec2u, outcome: u32) {
+    switch outcome {
+        case HIT: {
+            add_hit(slots);
+        }
+        case UNSURE: {
+            add_open(slots);
+        }
+        default: {}
+    }
 }
 
 // After a barrier.

@@ -9,25 +9,28 @@ struct Sharing {
     first: vec2u,
 }
 
-fn vertices_a(slot: u32) -> vec3u {
-    let at = 3u * slot;
-    return vec3u(corners_a[at].vertex, corners_a[at + 1u].vertex, corners_a[at + 2u].vertex);
+struct SharedCorners {
+    a: vec3<bool>,
+    b: vec3<bool>,
 }
 
-fn vertices_b(slot: u32) -> vec3u {
-    let at = 3u * slot;
-    return vec3u(corners_b[at].vertex, corners_b[at + 1u].vertex, corners_b[at + 2u].vertex);
-}
-
-fn sharing_of(slots: vec2u) -> Sharing {
-    let a = vertices_a(slots.x);
-    let b = vertices_b(slots.y);
+// Which corners of each are corners of the other too; none between two meshes.
+fn shared_corners_of(a: vec3u, b: vec3u) -> SharedCorners {
+    let within = vec3<bool>(query.within == 1u);
     let own = (a == b) | (a == b.yzx) | (a == b.zxy);
     let other = (b == a) | (b == a.yzx) | (b == a.zxy);
-    let count = countOneBits(bits_of_corners(own));
-    let repeats = any((a == a.yzx) | (b == b.yzx));
-    let first = vec2u(first_shared(own), first_shared(other));
-    return Sharing(select(0u, count, query.within == 1u), repeats, first);
+    return SharedCorners(own & within, other & within);
+}
+
+fn repeats(a: vec3u, b: vec3u) -> bool {
+    return any((a == a.yzx) | (b == b.yzx));
+}
+
+fn sharing_of(a: vec3u, b: vec3u) -> Sharing {
+    let corners = shared_corners_of(a, b);
+    let count = countOneBits(bits_of_corners(corners.a));
+    let first = vec2u(first_shared(corners.a), first_shared(corners.b));
+    return Sharing(count, repeats(a, b), first);
 }
 
 fn bits_of_corners(corners: vec3<bool>) -> u32 {

@@ -10,6 +10,17 @@ fn product_of(x: u32, y: u32) -> vec2u {
     return vec2u(x * y, high.x * high.y + (cross >> 16u) + (middle >> 16u));
 }
 
+// The same of two's complement limbs.
+fn product_of_signed(x: u32, y: u32) -> vec2u {
+    let p = product_of(x, y);
+    return vec2u(p.x, p.y - select(0u, y, x >= 0x80000000u) - select(0u, x, y >= 0x80000000u));
+}
+
+// A 64-bit number as one of 128 bits.
+fn extended(x: vec2u) -> vec4u {
+    return vec4u(x, vec2u(select(0u, 0xffffffffu, x.y >= 0x80000000u)));
+}
+
 fn add(x: vec4u, y: vec4u) -> vec4u {
     let sum = x + y;
     let carry = select(vec4u(0u), vec4u(1u), sum < x);
@@ -34,6 +45,14 @@ fn times_limb(x: vec4u, y: u32) -> vec4u {
     let q = product_of(x.y, y);
     let r = product_of(x.z, y);
     return add(vec4u(p.x, q.x, r.x, x.w * y), vec4u(0u, p.y, q.y, r.y));
+}
+
+// Two's complement both.
+fn times_signed_limb(x: vec4u, y: u32) -> vec4u {
+    let product = times_limb(x, y);
+    // A negative limb stands for y − 2^32.
+    let excess = vec4u(0u, x.xyz);
+    return select(product, subtract(product, excess), y >= 0x80000000u);
 }
 
 // For |y| < 2^64.

@@ -1,5 +1,17 @@
-// Reads triangle pairs that f32 left open, writes those that meet, decided in integers, and the rest
-// for the CPU.
+// Reads the triangle pairs that are left, writes those that meet, and the few for the CPU.
+//
+// Two kinds of work take turns: deciding pairs in f32, one an invocation, and those that f32 leaves open
+// in integers, one a team.
+
+var<workgroup> undecided: array<vec2u, 2 * GROUP>;
+var<workgroup> undecided_count: atomic<u32>;
+// For each team: its corners, whether they are in doubt, the bits of each axis, and the signs of two
+// rounds.
+var<workgroup> corners: array<Corner, TEAMS * POINTS>;
+var<workgroup> doubts: array<bool, TEAMS * POINTS>;
+var<workgroup> widths: array<u32, TEAMS * 3>;
+var<workgroup> first_signs: array<i32, TEAMS * POINTS>;
+var<workgroup> second_signs: array<i32, TEAMS * TEAM>;
 
 @compute @workgroup_size(GROUP)
 fn decide(
@@ -8,49 +20,174 @@ fn decide(
     @builtin(num_workgroups) groups: vec3u,
 ) {
     nothing = group.z;
-    let length = tell(lane, min(atomicLoad(&counters.undecided), query.undecided_capacity));
+    if lane == 0u {
+        atomicStore(&undecided_count, 0u);
+    }
+    clear_results(lane);
+    let length = tell(lane, min(atomicLoad(&counters.kept), query.kept_capacity));
     let mine = share(length, group.x, groups.x);
-    for (var done = 0u; done < mine; done += GROUP) {
-        clear_results(lane);
-        if done + lane < mine {
-            decide_in_integers(undecided[group.x + (done + lane) * groups.x]);
+    var next = 0u;
+    loop {
+        var ready = tell(lane, atomicLoad(&undecided_count));
+        while ready < TEAMS && next < mine {
+            if next + lane < mine {
+                decide_in_f32(kept[group.x + (next + lane) * groups.x]);
+            }
+            workgroupBarrier();
+            if lane == 0u && atomicLoad(&undecided_count) > ready {
+                atomicAdd(&counters.undecided, atomicLoad(&undecided_count) - ready);
+            }
+            next += GROUP;
+            ready = tell(lane, atomicLoad(&undecided_count));
+            make_room(lane, GROUP);
         }
-        workgroupBarrier();
+        if ready == 0u {
+            break;
+        }
+        let taken = min(ready, TEAMS);
+        decide_in_integers(lane, ready - taken, taken);
+        if lane == 0u {
+            atomicStore(&undecided_count, ready - taken);
+        }
+        make_room(lane, GROUP);
+    }
+    write_results(lane);
+}
+
+// Writes results out unless so many more fit; after a barrier.
+fn make_room(lane: u32, more: u32) {
+    if tell(lane, atomicLoad(&sure) + atomicLoad(&open)) > RESULTS - more {
         write_results(lane);
         workgroupBarrier();
+        clear_results(lane);
     }
 }
 
-fn decide_in_integers(slots: vec2u) {
-    switch meet_on_lattice(slots) {
-        case HIT: {
+fn decide_in_f32(slots: vec2u) {
+    doubt = false;
+    let own = triangle_a(slots.x);
+    let other = triangle_b(slots.y);
+    let a = placed(0u, own.positions);
+    let b = placed(1u, other.positions);
+    let sharing = sharing_of(own.vertices, other.vertices);
+    var outcome = UNSURE;
+    if sharing.count == 0u {
+        outcome = filtered_meet(a, b);
+    } else if !sharing.repeats {
+        outcome = filtered_neighbours(
+            sharing.count,
+            turned_to(a, sharing.first.x),
+            turned_to(b, sharing.first.y),
+        );
+    }
+    if outcome == UNSURE || doubt {
+        undecided[atomicAdd(&undecided_count, 1u)] = slots;
+    } else if outcome == HIT {
+        add_hit(slots);
+    }
+}
+
+// Decides so many of those that wait, from one of them on.
+fn decide_in_integers(lane: u32, first: u32, count: u32) {
+    let team = lane / TEAM;
+    let member = lane % TEAM;
+    lattice_at = team * 3u * POINTS;
+    let is_busy = team < count;
+    let slots = undecided[first + min(team, count - 1u)];
+    if is_busy && member < POINTS {
+        doubt = false;
+        corners[team * POINTS + member] = placed_corner(slots, member);
+        doubts[team * POINTS + member] = doubt;
+    }
+    workgroupBarrier();
+    if is_busy && member < 3u {
+        widths[team * 3u + member] = place_on_lattice(member);
+    }
+    workgroupBarrier();
+    let pair = pair_of(team);
+    let is_asked = is_busy && fit_in_integers(team) && pair.shared_corners < 3u;
+    if is_asked && member < POINTS {
+        first_signs[team * POINTS + member] = side_of_corner(pair, member);
+    }
+    workgroupBarrier();
+    let sides = sides_of(team);
+    let asked = question(pair, sides);
+    if is_asked && asked != MISS {
+        second_signs[team * TEAM + member] = reply(pair, sides, asked, member);
+    }
+    workgroupBarrier();
+    if is_busy && member == 0u {
+        let outcome = select(UNSURE, conclusion(sides, pair, asked, replies(team)), is_asked);
+        if outcome == HIT {
             add_hit(slots);
-        }
-        case UNSURE: {
+        } else if outcome == UNSURE {
             add_open(slots);
         }
-        default: {}
     }
+    workgroupBarrier();
 }
 
-fn meet_on_lattice(slots: vec2u) -> u32 {
-    let sharing = sharing_of(slots);
-    let a = triangle_a(slots.x);
-    let b = triangle_b(slots.y);
-    // What names a vertex twice is rare, and has rules of its own.
-    if (sharing.count != 0u && sharing.repeats)
-        || !place_on_lattice(array<vec3f, POINTS>(a[0], a[1], a[2], b[0], b[1], b[2])) {
-        return UNSURE;
+fn corner_of(slots: vec2u, member: u32) -> Corner {
+    var corner: vec4u;
+    if member < 3u {
+        corner = corners_a[3u * slots.x + member];
+    } else {
+        corner = corners_b[3u * slots.y + member - 3u];
     }
+    return Corner(bitcast<vec3f>(corner.xyz), corner.w);
+}
+
+fn placed_corner(slots: vec2u, member: u32) -> Corner {
+    let corner = corner_of(slots, member);
+    let side = member / 3u;
+    if query.posed[side] == 0u {
+        return corner;
+    }
+    return Corner(posed_position(rows_of(side), corner.position), corner.vertex);
+}
+
+// The bits of a coordinate of this team's.
+fn coordinate(axis: u32, point: u32) -> u32 {
+    return bitcast<u32>(corners[lattice_at / 3u + point].position[axis]);
+}
+
+// What names a vertex twice is rare, and has rules of its own: 3 shared corners.
+fn pair_of(team: u32) -> Pair {
+    let at = team * POINTS;
+    let a = vec3u(corners[at].vertex, corners[at + 1u].vertex, corners[at + 2u].vertex);
+    let b = vec3u(corners[at + 3u].vertex, corners[at + 4u].vertex, corners[at + 5u].vertex);
+    let sharing = sharing_of(a, b);
     let own = rotated(vec3u(0u, 1u, 2u), sharing.first.x);
     let other = rotated(vec3u(3u, 4u, 5u), sharing.first.y);
-    if sharing.count == 0u {
-        return exactly_meet(own, other);
+    let is_odd = sharing.count != 0u && sharing.repeats;
+    return Pair(own, other, select(sharing.count, 3u, is_odd));
+}
+
+fn fit_in_integers(team: u32) -> bool {
+    for (var i = 0u; i < POINTS; i++) {
+        if doubts[team * POINTS + i] {
+            return false;
+        }
     }
-    if sharing.count == 1u {
-        return beyond_vertex(own, other);
+    let bits = vec3u(widths[team * 3u], widths[team * 3u + 1u], widths[team * 3u + 2u]);
+    short = all(bits < vec3u(32u));
+    return bits.x + bits.y + bits.z <= MOST_BITS;
+}
+
+fn sides_of(team: u32) -> Sides {
+    let at = team * POINTS;
+    return Sides(
+        vec3i(first_signs[at], first_signs[at + 1u], first_signs[at + 2u]),
+        vec3i(first_signs[at + 3u], first_signs[at + 4u], first_signs[at + 5u]),
+    );
+}
+
+fn replies(team: u32) -> array<i32, TEAM> {
+    var all: array<i32, TEAM>;
+    for (var i = 0u; i < TEAM; i++) {
+        all[i] = second_signs[team * TEAM + i];
     }
-    return beyond_edge(own, other);
+    return all;
 }
 
 fn put_aside(lane: u32, count: u32) {
@@ -68,16 +205,11 @@ fn put_aside(lane: u32, count: u32) {
     }
 }
 
+// Unposed: the CPU poses what the device may doubt.
 fn rest_of(slots: vec2u) -> Rest {
-    let a = triangle_a(slots.x);
-    let b = triangle_b(slots.y);
-    let corners = array<Corner, 6>(
-        Corner(a[0], corners_a[3u * slots.x].vertex),
-        Corner(a[1], corners_a[3u * slots.x + 1u].vertex),
-        Corner(a[2], corners_a[3u * slots.x + 2u].vertex),
-        Corner(b[0], corners_b[3u * slots.y].vertex),
-        Corner(b[1], corners_b[3u * slots.y + 1u].vertex),
-        Corner(b[2], corners_b[3u * slots.y + 2u].vertex),
-    );
-    return Rest(corners, vec2u(order_a[slots.x], order_b[slots.y]));
+    var all: array<Corner, POINTS>;
+    for (var i = 0u; i < POINTS; i++) {
+        all[i] = corner_of(slots, i);
+    }
+    return Rest(all, vec2u(order_a[slots.x], order_b[slots.y]));
 }

@@ -1,7 +1,12 @@
-// Reads leaf pairs, writes triangle pairs that meet, and those that f32 cannot decide.
+// Reads leaf pairs, writes the triangle pairs that boxes and planes do not separate.
+//
+// Two kinds of work take turns: finding triangle pairs whose boxes overlap, and dropping those that a
+// plane separates. Pairs wait in workgroup memory until there is one for every invocation.
 
-var<workgroup> candidates: array<vec2u, RESULTS>;
-var<workgroup> candidate_count: atomic<u32>;
+var<workgroup> waiting: array<vec2u, WAITING>;
+var<workgroup> waiting_count: atomic<u32>;
+var<workgroup> stay: array<vec2u, STAY>;
+var<workgroup> stay_count: atomic<u32>;
 
 @compute @workgroup_size(GROUP)
 fn narrow(
@@ -10,87 +15,103 @@ fn narrow(
     @builtin(num_workgroups) groups: vec3u,
 ) {
     nothing = group.z;
+    if lane == 0u {
+        atomicStore(&waiting_count, 0u);
+        atomicStore(&stay_count, 0u);
+    }
     let length = tell(lane, min(atomicLoad(&counters.leaves), query.leaf_capacity));
-    let mine = share(length, group.x, groups.x);
-    for (var done = 0u; done < mine; done += LEAF_PAIRS) {
+    // An invocation takes one triangle of the first leaf against all of the second.
+    let batch = GROUP / query.leaf_size;
+    var next = group.x * batch;
+    loop {
+        var ready = tell(lane, atomicLoad(&waiting_count));
+        while ready < GROUP && next < length {
+            let own = lane / query.leaf_size;
+            if own < batch && next + own < length {
+                test_boxes(leaves[next + own], lane % query.leaf_size);
+            }
+            workgroupBarrier();
+            next += groups.x * batch;
+            ready = tell(lane, atomicLoad(&waiting_count));
+        }
+        let taken = min(ready, GROUP);
+        if lane < taken {
+            test_planes(waiting[ready - taken + lane]);
+        }
+        workgroupBarrier();
         if lane == 0u {
-            atomicStore(&candidate_count, 0u);
+            atomicStore(&waiting_count, ready - taken);
         }
-        clear_results(lane);
-        let own = done + lane / LANES;
-        if own < mine {
-            test_boxes(leaves[group.x + own * groups.x], lane % LANES);
+        let staying = tell(lane, atomicLoad(&stay_count));
+        let is_last = next >= length && ready == taken;
+        if staying > STAY - GROUP || is_last {
+            write_staying(lane, staying);
         }
-        workgroupBarrier();
-        let count = tell(lane, atomicLoad(&candidate_count));
-        for (var i = lane; i < count; i += GROUP) {
-            decide_in_f32(candidates[i]);
-        }
-        workgroupBarrier();
-        write_results(lane);
-        workgroupBarrier();
-    }
-}
-
-// Finds the triangle pairs of a leaf pair whose boxes overlap; LANES invocations share them.
-fn test_boxes(runs: vec2u, first: u32) {
-    let slots = runs & vec2u((1u << LEAF_SHIFT) - 1u);
-    let counts = (runs >> vec2u(LEAF_SHIFT)) + vec2u(1u);
-    for (var i = first; i < counts.x * counts.y; i += LANES) {
-        let pair = slots + vec2u(i % counts.x, i / counts.x);
-        // Within one leaf, each unordered pair once.
-        let again = (query.within == 1u) & (slots.x == slots.y) & (pair.x >= pair.y);
-        if !again && overlap(box_of(triangle_a(pair.x)), grown(box_of(triangle_b(pair.y)))) {
-            candidates[atomicAdd(&candidate_count, 1u)] = pair;
+        if is_last {
+            break;
         }
     }
 }
 
-fn box_of(t: array<vec3f, 3>) -> Box {
-    return Box(min(min(t[0], t[1]), t[2]), max(max(t[0], t[1]), t[2]));
-}
-
-// By what minima and maxima may lose where subnormal numbers are flushed.
-fn grown(box: Box) -> Box {
-    return Box(box.min - vec3f(FLUSHED), box.max + vec3f(FLUSHED));
-}
-
-fn decide_in_f32(slots: vec2u) {
-    let a = triangle_a(slots.x);
-    let b = triangle_b(slots.y);
-    let sharing = sharing_of(slots);
-    var outcome = UNSURE;
-    if sharing.count == 0u {
-        outcome = filtered_meet(a, b);
-    } else if query.apart == 1u {
-        outcome = MISS;
-    } else if !sharing.repeats {
-        let own = turned_to(a, sharing.first.x);
-        let other = turned_to(b, sharing.first.y);
-        outcome = filtered_neighbours(sharing.count, own, other);
-    }
-    switch outcome {
-        case HIT: {
-            add_hit(slots);
-        }
-        case UNSURE: {
-            add_open(slots);
-        }
-        default: {}
-    }
-}
-
-fn put_aside(lane: u32, count: u32) {
+fn write_staying(lane: u32, count: u32) {
     var base = 0u;
     if lane == 0u {
-        base = atomicAdd(&counters.undecided, count);
+        base = atomicAdd(&counters.kept, count);
+        atomicStore(&stay_count, 0u);
     }
     base = tell(lane, base);
     for (var i = lane; i < count; i += GROUP) {
-        if base + i < query.undecided_capacity {
-            undecided[base + i] = results[RESULTS - 1u - i];
+        if base + i < query.kept_capacity {
+            kept[base + i] = stay[i];
         } else {
-            overflowed(UNDECIDED_OVERFLOW);
+            overflowed(KEPT_OVERFLOW);
         }
     }
+    workgroupBarrier();
+}
+
+// Finds the triangles of the second leaf whose boxes overlap that of one triangle of the first.
+fn test_boxes(runs: vec2u, which: u32) {
+    let slots = runs & vec2u((1u << LEAF_SHIFT) - 1u);
+    let counts = (runs >> vec2u(LEAF_SHIFT)) + vec2u(1u);
+    if which >= counts.x {
+        return;
+    }
+    let own = slots.x + which;
+    let box = box_of_placed(0u, triangle_a(own).positions);
+    // Within one leaf, each unordered pair once.
+    let first = select(0u, which + 1u, (query.within == 1u) & (slots.x == slots.y));
+    for (var i = first; i < counts.y; i++) {
+        let other = slots.y + i;
+        if overlap(box, box_of_placed(1u, triangle_b(other).positions)) {
+            waiting[atomicAdd(&waiting_count, 1u)] = vec2u(own, other);
+        }
+    }
+}
+
+// Keeps a triangle pair unless a plane of either has the other on one side, but for corners in common:
+// cheap, the same for neighbours as for others, and the end of nearly all.
+fn test_planes(slots: vec2u) {
+    doubt = false;
+    let own = triangle_a(slots.x);
+    let other = triangle_b(slots.y);
+    let a = placed(0u, own.positions);
+    let b = placed(1u, other.positions);
+    let shared_corners = shared_corners_of(own.vertices, other.vertices);
+    let is_neighbour = any(shared_corners.a);
+    if !doubt && (!is_neighbour || query.apart == 1u || !repeats(own.vertices, other.vertices)) {
+        if (is_neighbour && query.apart == 1u)
+            || beyond(filtered_sides(b, a), shared_corners.a)
+            || beyond(filtered_sides(a, b), shared_corners.b) {
+            return;
+        }
+    }
+    stay[atomicAdd(&stay_count, 1u)] = slots;
+}
+
+// Whether all corners but those in common are strictly on one side.
+fn beyond(sides: vec3i, shared_corners: vec3<bool>) -> bool {
+    let above = all((sides > vec3i(0)) | shared_corners);
+    let below = all((sides < vec3i(0)) | shared_corners);
+    return above != below;
 }

@@ -4,9 +4,9 @@
 struct Trial {
     row: vec4f,
     point: vec3f,
-    product: f32,
-    sum: f32,
-    coordinate: f32,
+    // Whether the adapter doubts what it found.
+    doubted: u32,
+    found: vec3f,
 }
 
 @group(0) @binding(0) var<storage, read_write> trials: array<Trial>;
@@ -15,9 +15,15 @@ struct Trial {
 fn probe(@builtin(global_invocation_id) id: vec3u, @builtin(workgroup_id) group: vec3u) {
     nothing = group.z;
     if id.x < arrayLength(&trials) {
-        let trial = trials[id.x];
-        trials[id.x].product = times(trial.row.x, trial.point.x);
-        trials[id.x].sum = plus(trial.row.x, trial.point.x);
-        trials[id.x].coordinate = posed_coordinate(trial.row, trial.point);
+        doubt = false;
+        let row = trials[id.x].row;
+        let columns = array<vec3f, 3>(
+            vec3f(row.x, 1.0, row.x),
+            vec3f(0.0, 0.0, row.y),
+            vec3f(0.0, 0.0, row.z),
+        );
+        let rows = Rows(columns, vec3f(0.0, row.x, row.w));
+        trials[id.x].found = posed_position(rows, trials[id.x].point);
+        trials[id.x].doubted = u32(doubt);
     }
 }

@@ -1,23 +1,19 @@
 // Reads positions and a schedule, writes the corners of triangles and the boxes of nodes.
 //
 // A job is a part of the tree, whole below its root but for what earlier jobs have done. A
-// workgroup does it in rounds, from its deepest level up, each round being some entries of the
-// schedule.
+// workgroup does it in rounds, from the leaves up, each round being some entries of the schedule.
 
 struct Stage {
     first_job: u32,
     end_job: u32,
 }
 
-@group(0) @binding(0) var<storage, read_write> nodes: array<Node>;
-@group(0) @binding(1) var<storage, read_write> corners: array<Corner>;
-@group(0) @binding(2) var<storage, read> positions: array<f32>;
 // Nodes, in the order of jobs and rounds.
-@group(0) @binding(3) var<storage, read> schedule: array<u32>;
+@group(0) @binding(6) var<storage, read> schedule: array<u32>;
 // Where each round begins; it ends where the next begins.
-@group(0) @binding(4) var<storage, read> rounds: array<u32>;
+@group(0) @binding(7) var<storage, read> rounds: array<u32>;
 // The first round of each job, which ends likewise.
-@group(0) @binding(5) var<storage, read> jobs: array<u32>;
+@group(0) @binding(8) var<storage, read> jobs: array<u32>;
 @group(1) @binding(0) var<uniform> stage: Stage;
 
 @compute @workgroup_size(GROUP)
@@ -39,22 +35,9 @@ fn refit(
 fn fit(index: u32) {
     let first = nodes[index].first;
     let count = nodes[index].count;
-    var low: vec3i;
-    var high: vec3i;
     if count == 0u {
-        low = min(ordered(nodes[first].min), ordered(nodes[first + 1u].min));
-        high = max(ordered(nodes[first].max), ordered(nodes[first + 1u].max));
+        nodes[index] = fitted_inner(first);
     } else {
-        low = vec3i(0x7fffffff);
-        high = -low;
-        for (var i = 3u * first; i < 3u * (first + count); i++) {
-            let at = 3u * corners[i].vertex;
-            let position = vec3f(positions[at], positions[at + 1u], positions[at + 2u]);
-            corners[i].position = position;
-            low = min(low, ordered(position));
-            high = max(high, ordered(position));
-        }
+        nodes[index] = fitted_leaf(first, count);
     }
-    nodes[index].min = unordered(low);
-    nodes[index].max = unordered(high);
 }

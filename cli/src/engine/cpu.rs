@@ -1,70 +1,48 @@
-//! What a workload asks, frame by frame.
+//! Engines on the CPU.
 
-use anyhow::{Context, Result, ensure};
+use super::{Asked, Engine, Objects, On};
+use anyhow::{Result, ensure};
 use pfront::core::query;
 use pfront::threads::{Reference, Report, Settings, Traversal};
-use pfront::{Accuracy, BodyId, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
-use pfront_cli::workload::{Frame, Header};
+use pfront::{BodyId, Model, PairQuery, Pose, SceneHit, SceneQuery, SelfQuery, TrianglePair};
+use pfront_cli::workload::Frame;
 use pfront_scenes::Kind;
 use std::sync::Arc;
 
-/// Models and the query over them.
-pub(crate) trait Engine {
-    /// Moves everything to where it is in a frame.
-    fn update(&mut self, frame: Frame<'_>) -> Result<()>;
-    /// All pairs, sorted, numbered as in a pair file.
-    fn all(&mut self) -> Result<&[TrianglePair]>;
-    /// Whether anything meets.
-    fn any(&mut self) -> Result<bool>;
-    /// What the last frame on threads did.
-    fn report(&self) -> Option<&Report>;
-    /// Algorithm 1 for this frame; only of two objects or one.
-    fn reference(&self, workers: usize) -> Result<Option<Reference>>;
-}
-
-/// How exactly, and by which threads; none is the calling one.
-pub(crate) struct Asked {
-    pub(crate) accuracy: Accuracy,
-    pub(crate) traversal: Option<Traversal>,
-}
-
-/// Builds each mesh's BVH, once.
-///
-/// # Errors
-/// If a mesh is none, or there are more triangles than u32 can number.
-pub(crate) fn engine(header: Header, asked: Asked) -> Result<Box<dyn Engine>> {
-    let models = header.meshes.into_iter().zip(0..).map(|(mesh, number)| {
-        let model = Model::new(mesh.positions, mesh.triangles);
-        model.map(Arc::new).with_context(|| format!("mesh {number}"))
-    });
-    let models: Vec<Arc<Model>> = models.collect::<Result<_>>()?;
-    let mut objects: Vec<_> = header.objects.iter().map(|&m| models[m as usize].clone()).collect();
-    drop(models);
-    Ok(match (header.kind, &objects[..]) {
+pub(super) fn engine(objects: Objects, asked: Asked) -> Result<Box<dyn Engine>> {
+    let Objects { kind, mut models } = objects;
+    Ok(match (kind, &models[..]) {
         (Kind::Pair, [a, b]) => Box::new(Pair {
             models: [a.clone(), b.clone()],
             a_from_b: Pose::IDENTITY,
             query: asked.pair_query(),
         }),
         (Kind::SelfMesh, [_]) => {
-            Box::new(Within { model: objects.remove(0), query: asked.self_query() })
+            Box::new(Within { model: models.remove(0), query: asked.self_query() })
         }
-        _ => Box::new(Many::new(objects, asked.scene_query())?),
+        _ => Box::new(Many::new(models, asked.scene_query())?),
     })
 }
 
 impl Asked {
+    fn traversal(self) -> Option<Traversal> {
+        match self.on {
+            On::Cpu(traversal) => traversal.map(|traversal| *traversal),
+            On::Gpu(_) => None,
+        }
+    }
+
     pub(crate) fn pair_query(self) -> PairQuery {
         let query = PairQuery::new().with_accuracy(self.accuracy);
-        match self.traversal {
+        match self.traversal() {
             Some(traversal) => query.with_traversal(traversal),
             None => query,
         }
     }
 
-    pub(crate) fn self_query(self) -> SelfQuery {
-        let query = SelfQuery::new().with_accuracy(self.accuracy);
-        match self.traversal {
+    fn self_query(self) -> SelfQuery {
+        let query = SelfQuery::new().with_accuracy(self.accuracy).with_adjacency(self.adjacency);
+        match self.traversal() {
             Some(traversal) => query.with_traversal(traversal),
             None => query,
         }
@@ -72,7 +50,7 @@ impl Asked {
 
     fn scene_query(self) -> SceneQuery {
         let query = SceneQuery::new().with_accuracy(self.accuracy);
-        match self.traversal {
+        match self.traversal() {
             Some(traversal) => query.with_traversal(traversal),
             None => query,
         }
@@ -103,9 +81,9 @@ impl Engine for Pair {
         Ok(self.query.all(a, b, &self.a_from_b)?)
     }
 
-    fn any(&mut self) -> Result<bool> {
+    fn any(&mut self) -> Result<Option<TrianglePair>> {
         let [a, b] = &self.models;
-        Ok(self.query.any(a, b, &self.a_from_b)?.is_some())
+        Ok(self.query.any(a, b, &self.a_from_b)?)
     }
 
     fn report(&self) -> Option<&Report> {
@@ -136,8 +114,8 @@ impl Engine for Within {
         Ok(self.query.all(&self.model))
     }
 
-    fn any(&mut self) -> Result<bool> {
-        Ok(self.query.any(&self.model).is_some())
+    fn any(&mut self) -> Result<Option<TrianglePair>> {
+        Ok(self.query.any(&self.model))
     }
 
     fn report(&self) -> Option<&Report> {
@@ -170,6 +148,16 @@ impl Many {
     }
 }
 
+/// Numbers the triangles through in the order of the objects.
+fn numbered(bodies: &[(BodyId, u32)], hit: &SceneHit) -> TrianglePair {
+    let number = |body: BodyId, triangle: u32| {
+        let object = bodies.partition_point(|&(id, _)| id < body);
+        bodies[object].1 + triangle
+    };
+    let [a, b] = hit.bodies;
+    TrianglePair { a: number(a, hit.pair.a), b: number(b, hit.pair.b) }
+}
+
 impl Engine for Many {
     fn update(&mut self, frame: Frame<'_>) -> Result<()> {
         if let Frame::Poses(poses) = frame {
@@ -182,29 +170,18 @@ impl Engine for Many {
 
     fn all(&mut self) -> Result<&[TrianglePair]> {
         let Self { query, bodies, pairs } = self;
-        let number = |body: BodyId, triangle: u32| {
-            let object = bodies.partition_point(|&(id, _)| id < body);
-            bodies[object].1 + triangle
-        };
         pairs.clear();
-        pairs.extend(query.all()?.iter().map(|hit| {
-            let [a, b] = hit.bodies;
-            TrianglePair { a: number(a, hit.pair.a), b: number(b, hit.pair.b) }
-        }));
+        pairs.extend(query.all()?.iter().map(|hit| numbered(bodies, hit)));
         // They came by bodies first.
         pairs.sort_unstable();
         Ok(pairs)
     }
 
-    fn any(&mut self) -> Result<bool> {
-        Ok(self.query.any()?.is_some())
+    fn any(&mut self) -> Result<Option<TrianglePair>> {
+        Ok(self.query.any()?.map(|hit| numbered(&self.bodies, &hit)))
     }
 
     fn report(&self) -> Option<&Report> {
         self.query.report()
-    }
-
-    fn reference(&self, _: usize) -> Result<Option<Reference>> {
-        Ok(None)
     }
 }

@@ -1,0 +1,110 @@
+//! The same on a GPU, or on what stands in for one. Without any adapter these tests fail.
+
+use super::{command, folder, out, refused_late};
+use std::fs;
+use std::path::Path;
+
+#[test]
+fn a_gpu_gives_the_same_answers() {
+    let folder = folder();
+    let at = folder.path();
+    let both = |arguments: &str| {
+        let [cpu, gpu] = ["cpu", "gpu"].map(|on| out(at, &format!("{arguments} --backend {on}")));
+        assert_eq!(cpu, gpu, "{arguments}");
+        cpu
+    };
+    assert_eq!(both("pairs a.obj b.obj --format csv"), "a,b\n0,0\n3,0\n");
+    assert!(both("pairs a.obj b.obj --format csv --contacts").contains("0,0,crossing,0.2,"));
+    assert_eq!(both("pairs a.obj b.obj --format csv --translate 5,0,0"), "a,b\n");
+    assert_eq!(both("pairs a.obj a.obj --format csv").lines().count(), 17);
+    assert_eq!(both("self a.obj --format csv --skip-neighbours"), "a,b\n");
+    both("self a.obj --contacts");
+    assert!(out(at, "any a.obj b.obj --backend gpu").ends_with(" meet\n"));
+    let no = command(at, "any a.obj b.obj --translate 9,9,9 --backend gpu").output().unwrap();
+    assert_eq!((no.status.code(), &no.stdout[..]), (Some(1), &b"nothing meets\n"[..]));
+}
+
+#[test]
+fn recordings_replay_on_a_gpu() {
+    let folder = folder();
+    let at = folder.path();
+    for (scene, size) in [("worm-gear", 8000), ("sheet", 2000)] {
+        out(at, &format!("record {scene} w.tcw --size {size} --frames 3"));
+        let counts = |on: &str| {
+            let text = out(at, &format!("replay w.tcw --backend {on} --pairs {on}.tcp"));
+            let last = |line: &str| line.split('\t').next_back().map(str::to_owned);
+            let frames = text.lines().filter(|line| line.starts_with("FRAME"));
+            frames.map(last).collect::<Vec<_>>()
+        };
+        assert_eq!(counts("cpu"), counts("gpu"), "{scene}");
+        let [cpu, gpu] = ["cpu.tcp", "gpu.tcp"].map(|file| fs::read(at.join(file)).unwrap());
+        assert!(cpu == gpu, "{scene}");
+        let any = |on| out(at, &format!("replay w.tcw --mode any --backend {on}"));
+        assert_eq!(any("gpu").lines().count(), any("cpu").lines().count());
+    }
+}
+
+#[test]
+fn auto_says_what_it_took() {
+    let folder = folder();
+    let ended = command(folder.path(), "any a.obj b.obj --backend auto").output().unwrap();
+    assert!(ended.status.success());
+    assert!(String::from_utf8(ended.stderr).unwrap().starts_with("on "));
+    let found = without_drivers(folder.path(), "any a.obj b.obj --backend auto");
+    assert_eq!(found, (Some(0), "on the CPU: there is no GPU\n".to_owned()));
+}
+
+#[test]
+fn no_adapter_is_an_error_that_helps() {
+    let folder = folder();
+    for arguments in ["pairs a.obj b.obj --backend gpu", "devices", "bench gpu sheet"] {
+        let (code, error) = without_drivers(folder.path(), arguments);
+        assert_eq!(code, Some(2), "{arguments}");
+        assert!(error.contains("mesa-vulkan-drivers"), "{arguments}: {error}");
+    }
+}
+
+/// The exit code and standard error of a run that finds no adapter.
+fn without_drivers(folder: &Path, arguments: &str) -> (Option<i32>, String) {
+    let mut command = command(folder, arguments);
+    command.env("WGPU_BACKEND", "vulkan").env_remove("VK_ADD_DRIVER_FILES");
+    let ended = command.env("VK_DRIVER_FILES", "none").env("VK_ICD_FILENAMES", "none").output();
+    let ended = ended.unwrap();
+    (ended.status.code(), String::from_utf8(ended.stderr).unwrap())
+}
+
+#[test]
+fn devices_are_listed() {
+    let folder = folder();
+    let text = out(folder.path(), "devices");
+    let json = out(folder.path(), "devices --json");
+    let devices: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let devices = devices.as_array().unwrap();
+    let chosen: Vec<_> = devices.iter().filter(|device| device["chosen"] == true).collect();
+    assert_eq!(chosen.len(), 1, "{json}");
+    assert!(["hardware", "integer"].contains(&chosen[0]["poses"].as_str().unwrap()), "{json}");
+    assert!(chosen[0]["max_binding_bytes"].as_u64().unwrap() >= 128 << 20, "{json}");
+    assert!(
+        text.contains(&format!("{}, which queries take\n", chosen[0]["name"].as_str().unwrap()))
+    );
+}
+
+#[test]
+fn a_gpu_is_measured() {
+    let folder = folder();
+    let at = folder.path();
+    let text = out(at, "bench gpu sheet worm-gear --size 2000 --frames 2 --chart chart.svg");
+    for part in ["sheet: ", "worm-gear: ", "all answers are the same", "1 thread", "levels a pass"]
+    {
+        assert!(text.contains(part), "no '{part}' in:\n{text}");
+    }
+    let chart = fs::read_to_string(at.join("chart.svg")).unwrap();
+    assert!(chart.starts_with("<svg") && chart.contains("worm-gear"));
+    let json = out(at, "bench gpu sheet --size 800 --frames 2 --json --depth 1 --budget 40000");
+    let record: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((&record["depth"], &record["budget"]), (&1.into(), &40_000.into()));
+    let sheet = &record["workloads"][0];
+    assert_eq!((&sheet["name"], &sheet["frames"]), (&"sheet".into(), &2.into()));
+    assert!(sheet["gpu"]["frame"]["median"].as_f64().unwrap() > 0.0);
+    assert!(refused_late(at, "bench gpu sheet --budget 100").contains("minimum"));
+}

@@ -1,0 +1,59 @@
+//! Dispatches that are the same each time, bound once.
+
+use crate::Error;
+use crate::clock::Clock;
+use crate::gpu::{Gpu, Passes};
+use crate::groups::Dispatches;
+use crate::pass::Pass;
+use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder};
+
+/// Which pass a dispatch is of.
+type Which = fn(&Passes) -> &Pass;
+
+/// Buffers under the names that shaders give them.
+pub(crate) type Named<'a> = &'a [(&'a str, &'a Buffer)];
+
+/// Dispatches in order.
+#[derive(Debug, Default)]
+pub(crate) struct Sequence {
+    dispatches: Vec<(Which, [BindGroup; 2], u32)>,
+}
+
+impl Sequence {
+    /// Adds a pass over buffers, which may be more than it uses, and parameters.
+    pub(crate) fn add(
+        &mut self,
+        gpu: &Gpu,
+        which: Which,
+        buffers: Named<'_>,
+        parameters: BindingResource<'_>,
+        workgroups: u32,
+    ) -> Result<(), Error> {
+        let pass = which(gpu.passes());
+        let named = |name: &str| {
+            let (_, buffer) = buffers.iter().find(|(own, _)| *own == name)?;
+            Some(buffer.as_entire_binding())
+        };
+        let buffers = pass.bind(gpu.device(), 0, named)?;
+        let parameters = pass.bind(gpu.device(), 1, |_| Some(parameters.clone()))?;
+        self.dispatches.push((which, [buffers, parameters], workgroups));
+        Ok(())
+    }
+
+    /// Records all of them, and their times if those are wanted.
+    pub(crate) fn run(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        mut clock: Option<&mut Clock>,
+    ) {
+        let mut dispatches = Dispatches::begin(encoder, clock.as_deref_mut());
+        for (which, [buffers, parameters], workgroups) in &self.dispatches {
+            dispatches.add(which(gpu.passes()), &[buffers, parameters], *workgroups);
+        }
+        drop(dispatches);
+        if let Some(clock) = clock {
+            clock.finish(encoder);
+        }
+    }
+}

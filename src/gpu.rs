@@ -1,0 +1,37 @@
+//! The queries on a GPU: the same pairs, to the bit, through wgpu on Vulkan, Metal or Direct3D 12.
+//!
+//! A [`Gpu`] is a device of this machine or of the caller's; a [`Model`] is the BVH of a
+//! [`crate::Model`] in its memory, a [`Deforming`] one whose vertices move there. Queries ask what
+//! those of the CPU ask, in the same words.
+//!
+//! # Examples
+//! ```no_run
+//! use pfront::{Pose, gpu};
+//! # fn demo(body: pfront::Model, cloth: pfront::Model) -> Result<(), gpu::Error> {
+//! let gpu = gpu::Gpu::new()?;
+//! let body = gpu::Model::new(&gpu, body.bvh())?;
+//! let mut query = gpu::PairQuery::new(&gpu)?;
+//! for frame in 0..4 {
+//!     let a_from_b = Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]);
+//!     let pairs = query.all(&body, &body, &a_from_b)?; // &[TrianglePair], sorted
+//!     println!("frame {frame}: {} pairs", pairs.len());
+//! }
+//!
+//! // A mesh that deforms goes there once; then only its vertices do.
+//! let mut moving = gpu::Deforming::new(&gpu, cloth.bvh())?;
+//! let mut folds = gpu::SelfQuery::new(&gpu)?;
+//! # let frames: [Vec<[f32; 3]>; 0] = [];
+//! for positions in &frames {
+//!     moving.set_positions(positions)?;
+//!     println!("{} folds", folds.all(&moving)?.len());
+//! }
+//! # Ok(()) }
+//! ```
+//!
+//! # Which adapter
+//! [`Gpu::new`] takes the best one. A machine without a GPU needs a driver that computes on the CPU,
+//! such as lavapipe (`apt-get install mesa-vulkan-drivers libvulkan1`); with no adapter at all it is
+//! an error, which says so.
+
+#[doc(inline)]
+pub use pfront_gpu::*;
