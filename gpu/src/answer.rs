@@ -106,11 +106,22 @@ impl Answer {
 
     /// Takes the results of the first run over a task, and sees to it that they are complete.
     pub(crate) fn finish(&mut self, task: &Task, first: Run, want: Want) -> Result<(), Error> {
+        self.finish_parts(task, vec![vec![task.root]], first, want)
+    }
+
+    /// The same for a task in parts, of which the last is the first to be run.
+    pub(crate) fn finish_parts(
+        &mut self,
+        task: &Task,
+        parts: Vec<Vec<Entry>>,
+        first: Run,
+        want: Want,
+    ) -> Result<(), Error> {
         self.pairs.clear();
         self.count = 0;
         self.report = Report::default();
-        let mut waiting: Vec<Vec<Entry>> = Vec::new();
-        let mut part = vec![task.root];
+        let mut waiting = parts;
+        let mut part = waiting.pop().unwrap_or_default();
         let mut run = first;
         loop {
             let found = self.engine.read(&run)?;

@@ -95,17 +95,26 @@ impl Deforming {
         Ok(own)
     }
 
-    /// The same, keeping the device time of each refit and rebuild.
+    /// The same, keeping the device time of a refit or rebuild as a whole.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
-    pub fn with_timings(mut self) -> Result<Self, Error> {
+    pub fn with_time(mut self) -> Result<Self, Error> {
         self.clock = Clock::new(&self.gpu, false)?;
         Ok(self)
     }
 
-    /// The dispatches of the last refit or rebuild with their times on the device; empty without
-    /// [`Deforming::with_timings`], or if the device cannot tell.
+    /// The same, keeping the device time of each pass, which takes some microseconds for each.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn with_timings(mut self) -> Result<Self, Error> {
+        self.clock = Clock::new(&self.gpu, true)?;
+        Ok(self)
+    }
+
+    /// The passes of the last refit or rebuild with their times on the device; empty without
+    /// [`Self::with_time`] or [`Self::with_timings`], or if the device cannot tell.
     ///
     /// # Errors
     /// [`Error::DeviceLost`], [`Error::Device`].
@@ -136,7 +145,7 @@ impl Deforming {
     ) -> Result<(), Error> {
         self.check(positions)?;
         self.write(positions);
-        self.refit.run(&self.gpu, encoder, self.clock.as_mut());
+        self.refit.run(encoder, self.clock.as_mut());
         Ok(())
     }
 
@@ -159,7 +168,7 @@ impl Deforming {
     pub fn record_rebuild(&mut self, encoder: &mut CommandEncoder) -> Result<(), Error> {
         self.prepare_build()?;
         if let Some(build) = &self.build {
-            build.run(&self.gpu, encoder, self.clock.as_mut());
+            build.run(encoder, self.clock.as_mut());
         }
         Ok(())
     }

@@ -1,7 +1,8 @@
 //! Why a GPU cannot answer, and what to do about it.
 
-use pfront_core::MeshError;
+use crate::BodyId;
 use pfront_core::pose::PoseError;
+use pfront_core::{CapacityError, MeshError};
 
 /// Why a call could not answer. Each message says what would help.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -90,4 +91,13 @@ pub enum Error {
     /// A mesh cannot be posed so.
     #[error("pose refused: {0}")]
     Pose(#[from] PoseError),
+    /// A body is no longer in the scene.
+    #[error("{id} is not in the scene; it has been removed")]
+    StaleBody {
+        /// The body asked for.
+        id: BodyId,
+    },
+    /// A buffer of the core was too small.
+    #[error(transparent)]
+    Capacity(#[from] CapacityError),
 }

@@ -1,11 +1,9 @@
 //! A device with the passes compiled for it.
 
 use crate::pass::Pass;
-use crate::{Budget, Error, Settings, clock, probe};
-use pfront_shaders::{
-    ARRANGE, COUNT, DECIDE, EXPAND, FIT, KEYS, NARROW, REFIT, SCAN, SCATTER, SEED, SURVEY,
-};
-use std::sync::{Arc, Mutex, PoisonError};
+use crate::{Budget, Error, Settings, clock, moving, probe};
+use pfront_shaders::{DECIDE, EXPAND, NARROW, SEED};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wgpu::{Device, Queue};
 
 /// A device, its queue, and the passes compiled for it. Copying is free and shares them.
@@ -26,6 +24,7 @@ struct Shared {
     device: Device,
     queue: Queue,
     passes: Passes,
+    moving: OnceLock<Result<Arc<moving::Passes>, Error>>,
     arithmetic: Arithmetic,
     failure: Failure,
 }
@@ -33,21 +32,13 @@ struct Shared {
 /// The first thing that went wrong outside of any call.
 type Failure = Arc<Mutex<Option<Error>>>;
 
-/// The passes, but for the one that tests the adapter.
+/// The passes of queries.
 #[derive(Debug)]
 pub(crate) struct Passes {
     pub(crate) seed: Pass,
     pub(crate) expand: Pass,
     pub(crate) narrow: Pass,
     pub(crate) decide: Pass,
-    pub(crate) refit: Pass,
-    pub(crate) survey: Pass,
-    pub(crate) keys: Pass,
-    pub(crate) count: Pass,
-    pub(crate) scan: Pass,
-    pub(crate) scatter: Pass,
-    pub(crate) arrange: Pass,
-    pub(crate) fit: Pass,
 }
 
 /// Who computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
@@ -122,16 +113,9 @@ impl Gpu {
             expand: pass(&EXPAND)?,
             narrow: pass(&NARROW)?,
             decide: pass(&DECIDE)?,
-            refit: pass(&REFIT)?,
-            survey: pass(&SURVEY)?,
-            keys: pass(&KEYS)?,
-            count: pass(&COUNT)?,
-            scan: pass(&SCAN)?,
-            scatter: pass(&SCATTER)?,
-            arrange: pass(&ARRANGE)?,
-            fit: pass(&FIT)?,
         };
-        let shared = Arc::new(Shared { device, queue, passes, arithmetic, failure });
+        let moving = OnceLock::new();
+        let shared = Arc::new(Shared { device, queue, passes, moving, arithmetic, failure });
         let gpu = Self { shared };
         gpu.check()?;
         Ok(gpu)
@@ -175,6 +159,15 @@ impl Gpu {
 
     pub(crate) fn passes(&self) -> &Passes {
         &self.shared.passes
+    }
+
+    /// The passes for meshes that move, compiled when the first of them is made.
+    pub(crate) fn moving(&self) -> Result<Arc<moving::Passes>, Error> {
+        let compile = || {
+            let passes = moving::Passes::new(self.device(), self.arithmetic())?;
+            self.check().map(|()| Arc::new(passes))
+        };
+        self.shared.moving.get_or_init(compile).clone()
     }
 
     /// Reports what has gone wrong on the device, if anything has.

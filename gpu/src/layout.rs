@@ -67,6 +67,11 @@ shared! {
         keep_leaves: u32,
     }
 
+    /// How many vertices there are to pose.
+    Posing {
+        vertices: u32,
+    }
+
     /// The jobs of one stage of a refit.
     Stage {
         first_job: u32,

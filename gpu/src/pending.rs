@@ -2,8 +2,9 @@
 
 use crate::Error;
 use crate::answer::{Answer, Want};
-use crate::engine::{Run, Start, Task};
+use crate::engine::{Entry, Run, Start, Task};
 use pfront_core::query::TrianglePair;
+use wgpu::CommandEncoder;
 
 /// A query that has been recorded, and waits for its answer to be read.
 #[derive(Debug)]
@@ -30,7 +31,7 @@ impl<'q> Pending<'q> {
     /// Records a query from its seeds.
     pub(crate) fn record(
         answer: &'q mut Answer,
-        encoder: &mut wgpu::CommandEncoder,
+        encoder: &mut CommandEncoder,
         task: Option<Task>,
     ) -> Result<Self, Error> {
         let run = match task {
@@ -57,5 +58,21 @@ impl Answer {
                 Ok(())
             }
         }
+    }
+
+    /// The same from node pairs of the caller's, after what an encoder holds.
+    pub(crate) fn ask_from(
+        &mut self,
+        mut encoder: CommandEncoder,
+        task: &Task,
+        front: &[Entry],
+        want: Want,
+    ) -> Result<(), Error> {
+        let most = self.engine.lists.capacities.front as usize;
+        let parts: Vec<_> = front.chunks(most).rev().map(<[Entry]>::to_vec).collect();
+        let start = Start::Front(parts.last().map_or(&[], Vec::as_slice));
+        let run = self.engine.record(&mut encoder, task, start, self.copies(want))?;
+        self.engine.gpu.queue().submit([encoder.finish()]);
+        self.finish_parts(task, parts, run, want)
     }
 }

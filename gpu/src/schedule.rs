@@ -34,11 +34,16 @@ impl Schedule {
     /// # Complexity
     /// O(nodes) for each stage.
     pub(crate) fn new(tree: &[Node]) -> Self {
+        Self::of_forest(tree, if tree.is_empty() { &[] } else { &[0] })
+    }
+
+    /// The same for trees next to each other, with these roots.
+    pub(crate) fn of_forest(tree: &[Node], roots: &[u32]) -> Self {
         let mut schedule = Self::default();
         let mut done = vec![false; tree.len()];
-        while done.first().is_some_and(|root| !root) {
+        while roots.iter().any(|&root| !done[root as usize]) {
             let first = schedule.jobs.len() as u32;
-            schedule.add_stage(tree, &mut done);
+            schedule.add_stage(tree, roots, &mut done);
             schedule.stages.push(first..schedule.jobs.len() as u32);
         }
         schedule.jobs.push(schedule.rounds.len() as u32);
@@ -53,6 +58,19 @@ impl Schedule {
         model: &Model,
         positions: &Buffer,
     ) -> Result<Sequence, Error> {
+        let mut sequence = Sequence::new(gpu)?;
+        self.add_to(&mut sequence, gpu, model, positions)?;
+        Ok(sequence)
+    }
+
+    /// Adds them to others.
+    pub(crate) fn add_to(
+        &self,
+        sequence: &mut Sequence,
+        gpu: &Gpu,
+        model: &Model,
+        positions: &Buffer,
+    ) -> Result<(), Error> {
         let buffers = [
             ("nodes", &model.nodes),
             ("corners", &model.corners),
@@ -64,16 +82,21 @@ impl Schedule {
         let stage = |jobs: &Range<u32>| Stage { first_job: jobs.start, end_job: jobs.end };
         let stages: Vec<_> = self.stages.iter().map(stage).collect();
         let parameters = Parameters::new(gpu, "the stages", &stages)?;
-        let mut sequence = Sequence::default();
         for (index, jobs) in self.stages.iter().enumerate() {
             let groups = gpu.settings().groups.min(jobs.len() as u32);
             sequence.add(gpu, |p| &p.refit, &buffers, parameters.binding(index), groups)?;
         }
-        Ok(sequence)
+        Ok(())
+    }
+
+    /// Bytes of device memory that it takes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let words = self.nodes.len() + self.rounds.len() + self.jobs.len();
+        (words * size_of::<u32>()) as u64
     }
 
     /// Adds every largest subtree of at most [`JOB`] nodes that are not yet done.
-    fn add_stage(&mut self, tree: &[Node], done: &mut [bool]) {
+    fn add_stage(&mut self, tree: &[Node], roots: &[u32], done: &mut [bool]) {
         // How many nodes a subtree has, and how many rounds from its leaves it takes to fit it.
         let mut subtrees = vec![(0, 0); tree.len()];
         // Children come after their parents.
@@ -85,7 +108,7 @@ impl Schedule {
                 subtrees[index] = (1 + a + b, 1 + u32::max(low, high));
             }
         }
-        let mut waiting = vec![0];
+        let mut waiting = roots.to_vec();
         while let Some(index) = waiting.pop() {
             let node = &tree[index as usize];
             match subtrees[index as usize] {

@@ -2,9 +2,11 @@
 
 use crate::Error;
 use crate::clock::Clock;
-use crate::gpu::{Gpu, Passes};
+use crate::gpu::Gpu;
 use crate::groups::Dispatches;
+use crate::moving::Passes;
 use crate::pass::Pass;
+use std::sync::Arc;
 use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder};
 
 /// Which pass a dispatch is of.
@@ -14,12 +16,17 @@ type Which = fn(&Passes) -> &Pass;
 pub(crate) type Named<'a> = &'a [(&'a str, &'a Buffer)];
 
 /// Dispatches in order.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Sequence {
+    passes: Arc<Passes>,
     dispatches: Vec<(Which, [BindGroup; 2], u32)>,
 }
 
 impl Sequence {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, Error> {
+        Ok(Self { passes: gpu.moving()?, dispatches: Vec::new() })
+    }
+
     /// Adds a pass over buffers, which may be more than it uses, and parameters.
     pub(crate) fn add(
         &mut self,
@@ -29,7 +36,7 @@ impl Sequence {
         parameters: BindingResource<'_>,
         workgroups: u32,
     ) -> Result<(), Error> {
-        let pass = which(gpu.passes());
+        let pass = which(&self.passes);
         let named = |name: &str| {
             let (_, buffer) = buffers.iter().find(|(own, _)| *own == name)?;
             Some(buffer.as_entire_binding())
@@ -41,15 +48,10 @@ impl Sequence {
     }
 
     /// Records all of them, and their times if those are wanted.
-    pub(crate) fn run(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut CommandEncoder,
-        mut clock: Option<&mut Clock>,
-    ) {
+    pub(crate) fn run(&self, encoder: &mut CommandEncoder, mut clock: Option<&mut Clock>) {
         let mut dispatches = Dispatches::begin(encoder, clock.as_deref_mut());
         for (which, [buffers, parameters], workgroups) in &self.dispatches {
-            dispatches.add(which(gpu.passes()), &[buffers, parameters], *workgroups);
+            dispatches.add(which(&self.passes), &[buffers, parameters], *workgroups);
         }
         drop(dispatches);
         if let Some(clock) = clock {

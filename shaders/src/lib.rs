@@ -96,6 +96,9 @@ pub const DECIDE: Pass = pass!(
     LATTICE, EXACT, RESULTS
 );
 
+/// Where the vertices of posed bodies are in the world.
+pub const POSE: Pass = pass!("pose", PLACE, SOFT, WIDE);
+
 /// Boxes and corners of a mesh that has moved.
 pub const REFIT: Pass = pass!("refit", LAYOUT, ORDERED, SOURCE, FITTED);
 
@@ -124,5 +127,6 @@ pub const FIT: Pass = pass!("fit", LAYOUT, BALANCED, ORDERED, SOURCE, FITTED);
 pub const PROBE: Pass = pass!("probe", PLACE, SOFT, WIDE);
 
 /// Every pass.
-pub const PASSES: [Pass; 13] =
-    [SEED, EXPAND, NARROW, DECIDE, REFIT, SURVEY, KEYS, COUNT, SCAN, SCATTER, ARRANGE, FIT, PROBE];
+pub const PASSES: [Pass; 14] = [
+    SEED, EXPAND, NARROW, DECIDE, POSE, REFIT, SURVEY, KEYS, COUNT, SCAN, SCATTER, ARRANGE, FIT, PROBE,
+];

@@ -72,7 +72,7 @@ impl Device {
             timestamps: features.contains(Features::TIMESTAMP_QUERY_INSIDE_PASSES),
             works: match arithmetic(adapter) {
                 Ok(Arithmetic::Hardware) => Works::Poses("hardware"),
-                Ok(Arithmetic::Flushing) => Works::Poses("hardware, flushing"),
+                Ok(Arithmetic::Flushing) => Works::Poses("hardware, integer near zero"),
                 Ok(Arithmetic::Integer) => Works::Poses("integer"),
                 Err(error) => Works::Refused(format!("{error:#}")),
             },
@@ -93,8 +93,7 @@ impl Device {
         }
         writeln!(out, "  timestamps  {}", if self.timestamps { "yes" } else { "no" })?;
         match &self.works {
-            Works::Poses("hardware") => writeln!(out, "  poses       by its f32 units"),
-            Works::Poses(_) => writeln!(out, "  poses       in integers, as its f32 units differ"),
+            Works::Poses(arithmetic) => writeln!(out, "  poses       {arithmetic}"),
             Works::Refused(why) => writeln!(out, "  refused     {why}"),
         }
     }

@@ -31,7 +31,7 @@ pub(super) fn engine(
             let query = self_query(gpu, *settings, *timed)?.with_adjacency(adjacency);
             Ok(Box::new(Within { model, moved: false, query }))
         }
-        _ => bail!("many objects at once run on the CPU only: leave out --backend gpu"),
+        _ => bail!("many objects at once do not run on a GPU yet: leave out --backend gpu"),
     }
 }
 

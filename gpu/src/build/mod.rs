@@ -68,7 +68,7 @@ impl Built {
         Model::check_size(source.count)?;
         let shape = Balanced::new(source.count as u32, options);
         let model = model(gpu, shape, bounds)?;
-        let (mut build, mut refit) = (Sequence::default(), Sequence::default());
+        let (mut build, mut refit) = (Sequence::new(gpu)?, Sequence::new(gpu)?);
         if let Some(shape) = shape {
             arrange(gpu, source, shape, &model, &mut build)?;
             fit(gpu, source, shape, &model, &mut build)?;

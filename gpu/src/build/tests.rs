@@ -28,7 +28,7 @@ fn read<T: Pod>(buffer: &wgpu::Buffer, count: usize) -> Vec<T> {
 
 fn run(sequence: &Sequence) {
     let mut encoder = gpu().device().create_command_encoder(&Default::default());
-    sequence.run(gpu(), &mut encoder, None);
+    sequence.run(&mut encoder, None);
     gpu().queue().submit([encoder.finish()]);
     gpu().check().unwrap();
 }
@@ -38,7 +38,7 @@ fn the_sort_is_that_of_the_host() {
     let mut random = ChaCha8Rng::seed_from_u64(7);
     for n in [1, 2, 4, 5, 127, 128, 129, 255, 256, 257, 511, 513, 5_000, 70_000] {
         let mut sort = Sort::new(gpu(), n).unwrap();
-        let mut sequence = Sequence::default();
+        let mut sequence = Sequence::new(gpu()).unwrap();
         let round = Build { triangles: n, ..Build::zeroed() };
         // Four digits: the entries end where they began.
         sort.add(gpu(), &mut sequence, round, u32::BITS, None).unwrap();

@@ -115,7 +115,8 @@ fn filtered_neighbours(shared_corners: u32, a: Triangle, b: Triangle) -> u32 {
     if own == MISS && other == MISS {
         return MISS;
     }
-    let reach = a_sides.x * a_sides.y < 0 && own == HIT || b_sides.x * b_sides.y < 0 && other == HIT;
+    let reach =
+        (a_sides.x * a_sides.y < 0 && own == HIT) || (b_sides.x * b_sides.y < 0 && other == HIT);
     return select(UNSURE, HIT, reach);
 }
 

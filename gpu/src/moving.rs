@@ -1,0 +1,38 @@
+//! The passes for meshes that move.
+
+use crate::pass::Pass;
+use crate::{Arithmetic, Error};
+use pfront_shaders::{ARRANGE, COUNT, FIT, KEYS, POSE, REFIT, SCAN, SCATTER, SURVEY};
+use wgpu::Device;
+
+/// Each of them, compiled.
+#[derive(Debug)]
+pub(crate) struct Passes {
+    pub(crate) pose: Pass,
+    pub(crate) refit: Pass,
+    pub(crate) survey: Pass,
+    pub(crate) keys: Pass,
+    pub(crate) count: Pass,
+    pub(crate) scan: Pass,
+    pub(crate) scatter: Pass,
+    pub(crate) arrange: Pass,
+    pub(crate) fit: Pass,
+}
+
+impl Passes {
+    /// `arithmetic` is that of poses.
+    pub(crate) fn new(device: &Device, arithmetic: Arithmetic) -> Result<Self, Error> {
+        let pass = |pass| Pass::new(device, pass, arithmetic);
+        Ok(Self {
+            pose: pass(&POSE)?,
+            refit: pass(&REFIT)?,
+            survey: pass(&SURVEY)?,
+            keys: pass(&KEYS)?,
+            count: pass(&COUNT)?,
+            scan: pass(&SCAN)?,
+            scatter: pass(&SCATTER)?,
+            arrange: pass(&ARRANGE)?,
+            fit: pass(&FIT)?,
+        })
+    }
+}
