@@ -70,6 +70,8 @@ pub(crate) struct Answer {
     pub(crate) engine: Engine,
     /// The pairs found so far, if they are wanted.
     pub(crate) pairs: Vec<TrianglePair>,
+    /// Those of them that the CPU decided.
+    late: Vec<TrianglePair>,
     pub(crate) count: u64,
     pub(crate) report: Report,
     /// How many hits, and how many of the rest, the last answer had: about what the next will have.
@@ -80,6 +82,7 @@ impl Answer {
     /// The answer about nothing.
     pub(crate) fn clear(&mut self) {
         self.pairs.clear();
+        self.late.clear();
         self.count = 0;
         self.report = Report::default();
     }
@@ -88,6 +91,7 @@ impl Answer {
         Self {
             engine,
             pairs: Vec::new(),
+            late: Vec::new(),
             count: 0,
             report: Report::default(),
             expected: [1024, 16],
@@ -117,14 +121,13 @@ impl Answer {
         first: Run,
         want: Want,
     ) -> Result<(), Error> {
-        self.pairs.clear();
-        self.count = 0;
-        self.report = Report::default();
+        self.clear();
         let mut waiting = parts;
         let mut part = waiting.pop().unwrap_or_default();
         let mut run = first;
         loop {
-            let found = self.engine.read(&run)?;
+            let before = self.pairs.len();
+            let found = self.engine.read(&run, &mut self.pairs)?;
             self.report.add(&found.counters);
             let Counters { overflow, hits, rest, fronts, .. } = found.counters;
             let refused = match want {
@@ -133,13 +136,15 @@ impl Answer {
                 Want::Any | Want::Count => overflow & !HIT_OVERFLOW,
             };
             if refused != 0 {
+                self.pairs.truncate(before);
                 waiting.extend(self.divide(task, &part, &found.counters)?.into_iter().rev());
             } else if fronts[run.last_front as usize] != 0 && !(want == Want::Any && hits > 0) {
+                self.pairs.truncate(before);
                 run = self.run(task, Start::Left(run.last_front, &found.counters), want)?;
                 continue;
             } else {
                 self.expected = [hits, rest];
-                self.take(task, found, want)?;
+                self.take(task, before, found, want)?;
                 if want == Want::Any && self.count > 0 {
                     break;
                 }
@@ -150,14 +155,15 @@ impl Answer {
             }
             run = self.run(task, Start::Front(&part), want)?;
         }
-        self.pairs.sort_unstable();
+        self.put_in_order();
         Ok(())
     }
 
     /// Records and submits a run.
     pub(crate) fn run(&mut self, task: &Task, start: Start<'_>, want: Want) -> Result<Run, Error> {
         let mut encoder = self.engine.gpu.device().create_command_encoder(&Default::default());
-        let run = self.engine.record(&mut encoder, task, start, self.copies(want))?;
+        let run =
+            self.engine.record(&mut encoder, task, start, self.copies(want), want == Want::All)?;
         self.engine.gpu.queue().submit([encoder.finish()]);
         Ok(run)
     }
@@ -197,27 +203,39 @@ impl Answer {
         times.into_iter().fold(1, u32::max) as usize * 2
     }
 
-    /// Adds what a complete run found.
-    fn take(&mut self, task: &Task, found: Found, want: Want) -> Result<(), Error> {
-        let Found { counters, mut hits, mut rest } = found;
+    /// Adds what a complete run found beyond the hits that have been read already.
+    fn take(&mut self, task: &Task, before: usize, found: Found, want: Want) -> Result<(), Error> {
+        let Found { counters, mut rest } = found;
         let (device, queue) = (self.engine.gpu.device(), self.engine.gpu.queue());
         let again = || device.create_command_encoder(&Default::default());
-        if want == Want::All && hits.len() < counters.hits as usize {
-            let lists = &self.engine.lists;
-            hits = read_now(device, queue, again(), &lists.hits, counters.hits as usize)?;
+        let lists = &self.engine.lists;
+        if want == Want::All && self.pairs.len() - before < counters.hits as usize {
+            self.pairs.truncate(before);
+            let hits = read_now(device, queue, again(), &lists.hits, counters.hits as usize)?;
+            self.pairs.extend_from_slice(&hits);
         }
-        if rest.len() < counters.rest as usize && (want != Want::Any || hits.is_empty()) {
-            let lists = &self.engine.lists;
+        if rest.len() < counters.rest as usize && (want != Want::Any || counters.hits == 0) {
             rest = read_now(device, queue, again(), &lists.rest, counters.rest as usize)?;
         }
-        let meeting: Vec<TrianglePair> =
-            rest.iter().filter_map(|rest| meet(&task.query, rest)).collect();
-        self.count += u64::from(counters.hits) + meeting.len() as u64;
-        if want != Want::Count {
-            self.pairs.append(&mut hits);
-            self.pairs.extend(meeting);
-        }
+        let late = self.late.len();
+        self.late.extend(rest.iter().filter_map(|rest| meet(&task.query, rest)));
+        self.count += u64::from(counters.hits) + (self.late.len() - late) as u64;
         Ok(())
+    }
+
+    /// Sorts all pairs. Those of one run are in order already, but for the few that the CPU decided.
+    fn put_in_order(&mut self) {
+        /// So few are cheaper to insert.
+        const FEW: usize = 16;
+        if self.late.len() <= FEW && self.pairs.is_sorted() {
+            for pair in self.late.drain(..) {
+                let at = self.pairs.partition_point(|other| *other < pair);
+                self.pairs.insert(at, pair);
+            }
+        } else {
+            self.pairs.append(&mut self.late);
+            self.pairs.sort();
+        }
     }
 }
 

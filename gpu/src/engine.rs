@@ -14,7 +14,7 @@ use crate::read::{map, read_now};
 use crate::{Error, Model, Settings};
 use bytemuck::Zeroable;
 use pfront_core::query::TrianglePair;
-use pfront_shaders::constants::FRONTS;
+use pfront_shaders::constants::{BUCKETS, FRONTS, GROUP, RANKERS};
 use wgpu::{Buffer, CommandEncoder};
 
 /// A node pair as fronts hold it.
@@ -43,6 +43,15 @@ pub(crate) enum Start<'a> {
     Left(u32, &'a Counters),
 }
 
+/// How far passes go.
+#[derive(Clone, Copy, Debug)]
+struct Descent {
+    /// Each but the last.
+    levels: u32,
+    /// The one that goes to the bottom.
+    last_pass: u32,
+}
+
 /// A run that has been recorded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Run {
@@ -57,7 +66,6 @@ pub(crate) struct Run {
 #[derive(Debug)]
 pub(crate) struct Found {
     pub(crate) counters: Counters,
-    pub(crate) hits: Vec<TrianglePair>,
     pub(crate) rest: Vec<Rest>,
 }
 
@@ -111,7 +119,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Records a run, and copies of so many hits and so many of the rest. Parameters reach the device
+    /// Records a run, and copies of so many hits, sorted or not, and so many of the rest. Parameters reach the device
     /// with the next submission.
     pub(crate) fn record(
         &mut self,
@@ -119,6 +127,7 @@ impl Engine {
         task: &Task,
         start: Start<'_>,
         copies: [u32; 2],
+        sorts: bool,
     ) -> Result<Run, Error> {
         // A pass reads the front of its own index and writes the next.
         let (first, levels) = match start {
@@ -128,7 +137,8 @@ impl Engine {
             Start::Left(front, _) => (front % 2, task.levels),
         };
         let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - first);
-        self.prepare(task, start, levels.div_ceil(passes));
+        let descent = Descent { levels: levels.div_ceil(passes), last_pass: first + passes - 1 };
+        self.prepare(task, start, descent);
         let Self { gpu, groups, workgroups, .. } = self;
         let shaders = gpu.passes();
         let mut dispatches = Dispatches::begin(encoder, self.clock.as_mut());
@@ -146,6 +156,12 @@ impl Engine {
             }
             dispatches.add(&shaders.narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
             dispatches.add(&shaders.decide, &[&meshes.decide, &lists.decide], *workgroups);
+            if sorts {
+                let [sample, deal, settle] = &groups.sort;
+                dispatches.add(&shaders.sample, &[sample], BUCKETS * RANKERS / GROUP);
+                dispatches.add(&shaders.deal, &[deal], *workgroups);
+                dispatches.add(&shaders.settle, &[settle], BUCKETS);
+            }
         }
         drop(dispatches);
         if let Some(clock) = &self.clock {
@@ -155,8 +171,8 @@ impl Engine {
         Ok(Run { ticket: self.ticket, last_front: first + passes, copied })
     }
 
-    /// Writes the parameters of a run whose passes descend so many levels each.
-    fn prepare(&mut self, task: &Task, start: Start<'_>, levels: u32) {
+    /// Writes the parameters of a run.
+    fn prepare(&mut self, task: &Task, start: Start<'_>, descent: Descent) {
         self.ticket = self.ticket.wrapping_add(1);
         let mut counters = Counters { ticket: self.ticket, ..Counters::zeroed() };
         let queue = self.gpu.queue();
@@ -172,7 +188,8 @@ impl Engine {
             }
         }
         queue.write_buffer(&self.lists.counters, 0, bytemuck::bytes_of(&counters));
-        let query = self.lists.capacities.in_query(Query { levels, ..task.query });
+        let Descent { levels, last_pass } = descent;
+        let query = self.lists.capacities.in_query(Query { levels, last_pass, ..task.query });
         queue.write_buffer(&self.lists.query, 0, bytemuck::bytes_of(&query));
     }
 
@@ -196,18 +213,22 @@ impl Engine {
         Ok(copied)
     }
 
-    /// Waits for a run, and reads what it copied.
-    pub(crate) fn read(&mut self, run: &Run) -> Result<Found, Error> {
+    /// Waits for a run, and reads what it copied; adds the hits to `pairs`.
+    pub(crate) fn read(
+        &mut self,
+        run: &Run,
+        pairs: &mut Vec<TrianglePair>,
+    ) -> Result<Found, Error> {
         let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
         let found = map(self.gpu.device(), &self.read_back, end as u64, |bytes| {
             let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..hits_at]);
-            let hits = (counters.hits as usize * size_of::<TrianglePair>()).min(rest_at - hits_at);
+            let hits = (counters.hits as usize).min(run.copied[0] as usize);
             let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
-            Found {
-                counters,
-                hits: bytemuck::pod_collect_to_vec(&bytes[hits_at..][..hits]),
-                rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]),
-            }
+            let before = pairs.len();
+            pairs.resize(before + hits, TrianglePair { a: 0, b: 0 });
+            let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
+            bytemuck::cast_slice_mut(&mut pairs[before..]).copy_from_slice(copied);
+            Found { counters, rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]) }
         });
         self.gpu.check()?;
         let found = found?;
@@ -219,7 +240,7 @@ impl Engine {
 
     /// The children of some node pairs, leaf pairs among them staying what they are.
     pub(crate) fn refine(&mut self, task: &Task, front: &[Entry]) -> Result<Vec<Entry>, Error> {
-        self.prepare(task, Start::Front(front), 1);
+        self.prepare(task, Start::Front(front), Descent { levels: 1, last_pass: u32::MAX });
         let Self { gpu, groups, lists, .. } = self;
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         if let Some(Meshes { groups: meshes, .. }) = &self.meshes {

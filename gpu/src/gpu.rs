@@ -2,7 +2,7 @@
 
 use crate::pass::Pass;
 use crate::{Budget, Error, Settings, clock, moving, probe};
-use pfront_shaders::{DECIDE, EXPAND, NARROW, SEED};
+use pfront_shaders::{DEAL, DECIDE, EXPAND, NARROW, SAMPLE, SEED, SETTLE};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wgpu::{Device, Queue};
 
@@ -39,6 +39,9 @@ pub(crate) struct Passes {
     pub(crate) expand: Pass,
     pub(crate) narrow: Pass,
     pub(crate) decide: Pass,
+    pub(crate) sample: Pass,
+    pub(crate) deal: Pass,
+    pub(crate) settle: Pass,
 }
 
 /// Who computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
@@ -113,6 +116,9 @@ impl Gpu {
             expand: pass(&EXPAND)?,
             narrow: pass(&NARROW)?,
             decide: pass(&DECIDE)?,
+            sample: pass(&SAMPLE)?,
+            deal: pass(&DEAL)?,
+            settle: pass(&SETTLE)?,
         };
         let moving = OnceLock::new();
         let shared = Arc::new(Shared { device, queue, passes, moving, arithmetic, failure });
@@ -153,8 +159,8 @@ impl Gpu {
     pub fn settings(&self) -> Settings {
         let cpu = self.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
         // On a GPU, enough to fill the largest; on a CPU, a few for each core.
-        let groups = if cpu { 64 } else { 1024 };
-        Settings { depth: 9, groups, budget: Budget::default() }
+        let groups = if cpu { 16 } else { 512 };
+        Settings { depth: 7, groups, budget: Budget::default() }
     }
 
     pub(crate) fn passes(&self) -> &Passes {

@@ -39,6 +39,8 @@ pub(crate) struct Groups {
     /// By the index of the front that is read.
     pub(crate) steps: Vec<BindGroup>,
     pub(crate) refine: BindGroup,
+    /// Those of the passes that sort, in order.
+    pub(crate) sort: [BindGroup; 3],
 }
 
 impl Groups {
@@ -50,6 +52,11 @@ impl Groups {
             seed_step: lists.bind_step(gpu, &passes.seed, 0)?,
             steps: (0..FRONTS - 1).map(step).collect::<Result<_, _>>()?,
             refine: step(REFINE)?,
+            sort: [
+                lists.bind_sort(gpu, &passes.sample)?,
+                lists.bind_sort(gpu, &passes.deal)?,
+                lists.bind_sort(gpu, &passes.settle)?,
+            ],
         })
     }
 }

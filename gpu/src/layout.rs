@@ -58,7 +58,8 @@ shared! {
         within: u32,
         apart: u32,
         levels: u32,
-        padding: [u32; 3],
+        last_pass: u32,
+        padding: [u32; 2],
     }
 
     /// One pass of a run.

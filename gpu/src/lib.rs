@@ -49,7 +49,7 @@ pub use gpu::{Arithmetic, Gpu};
 pub use model::Model;
 pub use pair::PairQuery;
 pub use pending::Pending;
-pub use scene::{Body, BodyId, SceneHit, SceneQuery, Shape};
+pub use scene::{Body, BodyId, PendingScene, SceneHit, SceneQuery, Shape};
 pub use settings::{Budget, Settings};
 pub use wgpu;
 pub use within::SelfQuery;

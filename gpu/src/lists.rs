@@ -6,7 +6,7 @@ use crate::memory::Usage;
 use crate::pass::Pass;
 use crate::settings::Capacities;
 use crate::{Error, Settings};
-use pfront_shaders::constants::FRONTS;
+use pfront_shaders::constants::{BUCKETS, FRONTS};
 use wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferSize};
 
 /// Parameters of passes lie this far apart, as uniform bindings must.
@@ -27,6 +27,8 @@ pub(crate) struct Lists {
     pub(crate) query: Buffer,
     leaves: Buffer,
     kept: Buffer,
+    /// For sorting the hits.
+    buckets: Buffer,
     steps: Buffer,
 }
 
@@ -43,6 +45,7 @@ impl Lists {
             leaves: list("the leaf pairs", capacities.leaves, 8)?,
             hits: list("the results", capacities.hits, 8)?,
             kept: list("the triangle pairs", capacities.kept, 8)?,
+            buckets: list("the buckets", BUCKETS, 16)?,
             rest: list("the pairs for the CPU", capacities.rest, size_of::<Rest>())?,
             counters: list("the counters", 1, size_of::<Counters>())?,
             query: gpu.buffer("the query", size_of::<Query>() as u64, Usage::Uniform)?,
@@ -60,6 +63,21 @@ impl Lists {
                 "hits" => &self.hits,
                 "kept" => &self.kept,
                 "rest" => &self.rest,
+                _ => return None,
+            };
+            Some(buffer.as_entire_binding())
+        })
+    }
+
+    /// What a pass of the sort binds.
+    pub(crate) fn bind_sort(&self, gpu: &Gpu, pass: &Pass) -> Result<BindGroup, Error> {
+        pass.bind(gpu.device(), 0, |name| {
+            let buffer = match name {
+                "query" => &self.query,
+                "counters" => &self.counters,
+                "hits" => &self.hits,
+                "kept" => &self.kept,
+                "buckets" => &self.buckets,
                 _ => return None,
             };
             Some(buffer.as_entire_binding())

@@ -37,7 +37,7 @@ impl<'q> Pending<'q> {
         let run = match task {
             Some(task) => {
                 let copies = answer.copies(Want::All);
-                Some((task, answer.engine.record(encoder, &task, Start::Seeds, copies)?))
+                Some((task, answer.engine.record(encoder, &task, Start::Seeds, copies, true)?))
             }
             None => None,
         };
@@ -60,19 +60,20 @@ impl Answer {
         }
     }
 
-    /// The same from node pairs of the caller's, after what an encoder holds.
-    pub(crate) fn ask_from(
+    /// Records a query from node pairs of the caller's, and returns their parts with the run of the first,
+    /// for [`Answer::finish_parts`].
+    pub(crate) fn record_from(
         &mut self,
-        mut encoder: CommandEncoder,
+        encoder: &mut CommandEncoder,
         task: &Task,
         front: &[Entry],
         want: Want,
-    ) -> Result<(), Error> {
+    ) -> Result<(Vec<Vec<Entry>>, Run), Error> {
         let most = self.engine.lists.capacities.front as usize;
         let parts: Vec<_> = front.chunks(most).rev().map(<[Entry]>::to_vec).collect();
         let start = Start::Front(parts.last().map_or(&[], Vec::as_slice));
-        let run = self.engine.record(&mut encoder, task, start, self.copies(want))?;
-        self.engine.gpu.queue().submit([encoder.finish()]);
-        self.finish_parts(task, parts, run, want)
+        let sorts = want == Want::All;
+        let run = self.engine.record(encoder, task, start, self.copies(want), sorts)?;
+        Ok((parts, run))
     }
 }

@@ -12,6 +12,7 @@ use crate::parameters::Parameters;
 use crate::sequence::Sequence;
 use crate::{Error, Gpu, Model};
 use pfront_core::Node;
+use pfront_shaders::constants::GROUP;
 use std::ops::Range;
 use wgpu::Buffer;
 
@@ -108,22 +109,40 @@ impl Schedule {
                 subtrees[index] = (1 + a + b, 1 + u32::max(low, high));
             }
         }
+        let (mut job, mut size) = (Vec::new(), 0);
         let mut waiting = roots.to_vec();
         while let Some(index) = waiting.pop() {
             let node = &tree[index as usize];
             match subtrees[index as usize] {
                 (0, _) => {}
-                (1..=JOB, _) => self.add_job(tree, index, &subtrees, done),
+                (nodes @ 1..=JOB, _) => {
+                    // Small ones share a job, most of whose invocations they would leave idle.
+                    if size + nodes > GROUP && size != 0 {
+                        self.add_job(tree, std::mem::take(&mut job), &subtrees, done);
+                        size = 0;
+                    }
+                    job.push(index);
+                    size += nodes;
+                }
                 _ => waiting.extend([node.first, node.first + 1]),
             }
         }
+        if size != 0 {
+            self.add_job(tree, job, &subtrees, done);
+        }
     }
 
-    /// Adds a subtree, all leaves of it first: what takes longest has the most invocations.
-    fn add_job(&mut self, tree: &[Node], root: u32, subtrees: &[(u32, u32)], done: &mut [bool]) {
+    /// Adds subtrees, all leaves of them first: what takes longest has the most invocations.
+    fn add_job(
+        &mut self,
+        tree: &[Node],
+        roots: Vec<u32>,
+        subtrees: &[(u32, u32)],
+        done: &mut [bool],
+    ) {
         self.jobs.push(self.rounds.len() as u32);
         let mut nodes = vec![];
-        let mut waiting = vec![root];
+        let mut waiting = roots;
         while let Some(index) = waiting.pop() {
             let node = &tree[index as usize];
             let children = if node.is_leaf() { 0..0 } else { node.first..node.first + 2 };
@@ -165,34 +184,49 @@ mod tests {
     #[test]
     fn every_node_is_scheduled_once_and_after_its_children() {
         for (n, skew) in [(1, 0), (2, 0), (300, 4), (5_000, 0), (5_000, 3), (40_000, 5)] {
-            let tree = tree(n, skew);
-            let Schedule { nodes, rounds, jobs, stages } = Schedule::new(&tree);
-            assert_eq!(nodes.len() as u32, 2 * n - 1);
-            // When a node is done: stages follow one another, as do rounds of a job.
-            let mut when = vec![None; tree.len()];
-            for (stage, range) in stages.iter().enumerate() {
-                for job in range.clone() {
-                    let of_job = jobs[job as usize]..jobs[job as usize + 1];
-                    let [start, end] = [of_job.start, of_job.end].map(|r| rounds[r as usize]);
-                    assert!(end - start <= JOB);
-                    for round in of_job {
-                        let run = rounds[round as usize]..rounds[round as usize + 1];
-                        for i in run {
-                            let old = when[nodes[i as usize] as usize].replace((stage, job, round));
-                            assert_eq!(old, None);
-                        }
+            check(&tree(n, skew), &[0], 2 * n - 1);
+        }
+        let (mut forest, mut roots, mut count) = (vec![], vec![], 0);
+        for (n, skew) in (1..300).map(|i| (i % 17 * (i % 5) + 1, i % 4)).chain([(9_000, 0)]) {
+            let root = forest.len() as u32;
+            let shift = |node: Node| match node {
+                leaf if leaf.is_leaf() => leaf,
+                inner => Node { first: inner.first + root, ..inner },
+            };
+            forest.extend(tree(n, skew).into_iter().map(shift));
+            roots.push(root);
+            count += 2 * n - 1;
+        }
+        check(&forest, &roots, count);
+    }
+
+    fn check(tree: &[Node], roots: &[u32], count: u32) {
+        let Schedule { nodes, rounds, jobs, stages } = Schedule::of_forest(tree, roots);
+        assert_eq!(nodes.len() as u32, count);
+        // When a node is done: stages follow one another, as do rounds of a job.
+        let mut when = vec![None; tree.len()];
+        for (stage, range) in stages.iter().enumerate() {
+            for job in range.clone() {
+                let of_job = jobs[job as usize]..jobs[job as usize + 1];
+                let [start, end] = [of_job.start, of_job.end].map(|r| rounds[r as usize]);
+                assert!(end - start <= JOB);
+                for round in of_job {
+                    for i in rounds[round as usize]..rounds[round as usize + 1] {
+                        let old = when[nodes[i as usize] as usize].replace((stage, job, round));
+                        assert_eq!(old, None);
                     }
                 }
             }
-            for (index, node) in tree.iter().enumerate().filter(|(i, n)| *i != 1 && !n.is_leaf()) {
-                let (stage, job, round) = when[index].unwrap();
-                for child in [node.first, node.first + 1] {
-                    let (s, j, r) = when[child as usize].unwrap();
-                    assert!(s < stage || (s == stage && j == job && r < round));
-                }
-            }
-            assert!(stages.len() <= 4, "{} stages", stages.len());
         }
+        for (index, node) in tree.iter().enumerate().filter(|(_, node)| !node.is_leaf()) {
+            // The second slot of a tree is not used.
+            let Some((stage, job, round)) = when[index] else { continue };
+            for child in [node.first, node.first + 1] {
+                let (s, j, r) = when[child as usize].unwrap();
+                assert!(s < stage || (s == stage && j == job && r < round));
+            }
+        }
+        assert!(stages.len() <= 4, "{} stages", stages.len());
     }
 
     #[test]

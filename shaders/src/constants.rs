@@ -36,6 +36,12 @@ constants! {
     TEAMS = GROUP / TEAM;
     /// Triangle pairs that a workgroup gathers before it writes them out.
     RESULTS = 512;
+    /// Buckets of the sort of the hits, and hits of the sample that divides them.
+    BUCKETS = 1024;
+    /// Invocations that rank a hit of the sample.
+    RANKERS = 8;
+    /// Hits that a bucket can hold.
+    BUCKET = 1024;
     /// A leaf in the list of leaf pairs: its first slot below this bit, its triangles less one from it
     /// up.
     LEAF_SHIFT = 28;

@@ -60,6 +60,8 @@ texts! {
     ORDERED = "parts/ordered";
     PLACE = "parts/place";
     PREFIX = "parts/prefix";
+    RANK = "parts/rank";
+    RANKING = "parts/ranking";
     RESULTS = "parts/results";
     SHARING = "parts/sharing";
     SIGNS = "parts/signs";
@@ -96,6 +98,15 @@ pub const DECIDE: Pass = pass!(
     LATTICE, EXACT, RESULTS
 );
 
+/// Where the buckets of a sort of the hits begin.
+pub const SAMPLE: Pass = pass!("sample", LAYOUT, GROUP, RANKING, RANK);
+
+/// Hits by bucket.
+pub const DEAL: Pass = pass!("deal", LAYOUT, GROUP, RANKING);
+
+/// Hits in order.
+pub const SETTLE: Pass = pass!("settle", LAYOUT, GROUP, RANKING, RANK);
+
 /// Where the vertices of posed bodies are in the world.
 pub const POSE: Pass = pass!("pose", PLACE, SOFT, WIDE);
 
@@ -127,6 +138,7 @@ pub const FIT: Pass = pass!("fit", LAYOUT, BALANCED, ORDERED, SOURCE, FITTED);
 pub const PROBE: Pass = pass!("probe", PLACE, SOFT, WIDE);
 
 /// Every pass.
-pub const PASSES: [Pass; 14] = [
-    SEED, EXPAND, NARROW, DECIDE, POSE, REFIT, SURVEY, KEYS, COUNT, SCAN, SCATTER, ARRANGE, FIT, PROBE,
+pub const PASSES: [Pass; 17] = [
+    SEED, EXPAND, NARROW, DECIDE, SAMPLE, DEAL, SETTLE, POSE, REFIT, SURVEY, KEYS, COUNT, SCAN,
+    SCATTER, ARRANGE, FIT, PROBE,
 ];

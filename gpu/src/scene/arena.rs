@@ -14,7 +14,6 @@ use crate::{Error, Gpu, Model};
 use pfront_core::query::TrianglePair;
 use pfront_core::{Node, Pose};
 use pfront_shaders::constants::GROUP;
-use std::sync::Arc;
 use wgpu::{Buffer, CommandEncoder};
 
 /// The bodies that have triangles, in the world.
@@ -23,6 +22,8 @@ pub(super) struct Arena {
     /// Without seeds: a query starts from [`Arena::front`].
     pub(super) model: Model,
     tenants: Vec<Tenant>,
+    /// Where each vertex is in the frame of its body.
+    shapes: Buffer,
     poses: Buffer,
     /// From poses to corners and boxes.
     motion: Sequence,
@@ -34,9 +35,11 @@ pub(super) struct Arena {
 #[derive(Debug)]
 struct Tenant {
     id: BodyId,
-    shape: Arc<Shape>,
+    /// Among all bodies.
+    place: u32,
     first_node: u32,
     first_triangle: u32,
+    first_vertex: u32,
 }
 
 /// What is uploaded.
@@ -45,7 +48,6 @@ struct Contents {
     nodes: Vec<Node>,
     corners: Vec<Corner>,
     order: Vec<u32>,
-    /// Where each vertex is in the frame of its body.
     shapes: Vec<[f32; 3]>,
     /// The number of the tenant of each vertex.
     owners: Vec<u32>,
@@ -61,7 +63,9 @@ impl Arena {
         let triangles = bodies.solid().map(|(body, _)| body.shape().mesh().triangles().len()).sum();
         Model::check_size(triangles)?;
         let mut contents = Contents::default();
-        bodies.solid().for_each(|(body, _)| contents.add(body.id(), body.shape()));
+        for (body, place) in bodies.iter().zip(0..).filter(|(body, _)| body.aabb().is_some()) {
+            contents.add(body.id(), place, body.shape());
+        }
         let Contents { nodes, corners, order, shapes, owners, tenants } = contents;
         let model = Model {
             id: Model::next_id(),
@@ -76,7 +80,8 @@ impl Arena {
             leaf_size: nodes.iter().map(|node| node.count).fold(1, u32::max),
             bounds: None,
         };
-        let shapes = gpu.upload("the vertices", bytemuck::cast_slice::<_, u32>(&shapes), Usage::Input)?;
+        let shapes =
+            gpu.upload("the vertices", bytemuck::cast_slice::<_, u32>(&shapes), Usage::Input)?;
         let owner_count = owners.len() as u32;
         let owners = gpu.upload("the owners of vertices", &owners, Usage::Input)?;
         let positions = gpu.buffer("the positions", shapes.size(), Usage::Input)?;
@@ -96,12 +101,21 @@ impl Arena {
         let schedule = Schedule::of_forest(&nodes, &roots);
         schedule.add_to(&mut motion, gpu, &model, &positions)?;
         let bytes = buffers.iter().map(|(_, buffer)| buffer.size()).sum::<u64>() + schedule.bytes();
-        Ok(Self { model, tenants, poses, motion, bytes })
+        Ok(Self { model, tenants, shapes, poses, motion, bytes })
     }
 
     /// Bytes of device memory.
     pub(super) fn bytes(&self) -> u64 {
         self.model.bytes() + self.bytes
+    }
+
+    /// Moves the vertices of a body with the next submission.
+    pub(super) fn write_positions(&self, gpu: &Gpu, id: BodyId, positions: &[[f32; 3]]) {
+        // What has no triangles is not here.
+        if let Ok(number) = self.tenants.binary_search_by_key(&id, |tenant| tenant.id) {
+            let at = u64::from(self.tenants[number].first_vertex) * size_of::<[f32; 3]>() as u64;
+            gpu.queue().write_buffer(&self.shapes, at, bytemuck::cast_slice(positions));
+        }
     }
 
     /// Moves everybody to where they are now.
@@ -122,22 +136,22 @@ impl Arena {
     ///
     /// Few pairs of bodies start some levels below their roots, so that the first pass has work for many
     /// workgroups.
-    pub(super) fn front(&self, pairs: &[[u32; 2]]) -> (Vec<Entry>, u32) {
+    pub(super) fn front(&self, bodies: &Bodies, pairs: &[[u32; 2]]) -> (Vec<Entry>, u32) {
         let tenants = |pair: &[u32; 2]| pair.map(|number| &self.tenants[number as usize]);
+        let nodes = |tenant: &Tenant, level| bodies.at(tenant.place).shape().level(level);
         let node_pairs = |level: usize| -> usize {
             let of_pair = |pair| -> usize {
-                tenants(pair).iter().map(|tenant| tenant.shape.level(level).0.len()).product()
+                tenants(pair).into_iter().map(|tenant| nodes(tenant, level).0.len()).product()
             };
             pairs.iter().map(of_pair).sum()
         };
-        // Levels double, and more than this no shape has to offer.
+        // No balanced tree has more levels to offer.
         let deepest = MOST_PAIRS.ilog2() as usize;
         let level = (1..=deepest).rev().find(|&level| node_pairs(level) <= MOST_PAIRS).unwrap_or(0);
         let (mut front, mut levels) = (Vec::with_capacity(node_pairs(level)), 1);
         for pair in pairs {
             let [a, b] = tenants(pair);
-            let ((own, own_levels), (other, other_levels)) =
-                (a.shape.level(level), b.shape.level(level));
+            let ((own, own_levels), (other, other_levels)) = (nodes(a, level), nodes(b, level));
             levels = levels.max(own_levels).max(other_levels);
             for x in own {
                 front.extend(other.iter().map(|y| [x + a.first_node, y + b.first_node]));
@@ -153,14 +167,15 @@ impl Arena {
             &self.tenants[next - 1]
         };
         let (own, other) = (tenant(pair.a), tenant(pair.b));
-        let pair = TrianglePair { a: pair.a - own.first_triangle, b: pair.b - other.first_triangle };
+        let pair =
+            TrianglePair { a: pair.a - own.first_triangle, b: pair.b - other.first_triangle };
         SceneHit { bodies: [own.id, other.id], pair }
     }
 }
 
 impl Contents {
     /// Adds an instance of a shape.
-    fn add(&mut self, id: BodyId, shape: &Arc<Shape>) {
+    fn add(&mut self, id: BodyId, place: u32, shape: &Shape) {
         let [first_node, first_triangle, first_vertex] =
             [self.nodes.len(), self.order.len(), self.shapes.len()].map(|first| first as u32);
         let (bvh, mesh) = (shape.bvh(), shape.mesh());
@@ -177,6 +192,6 @@ impl Contents {
         }
         self.shapes.extend(mesh.positions());
         self.owners.resize(self.shapes.len(), self.tenants.len() as u32);
-        self.tenants.push(Tenant { id, shape: shape.clone(), first_node, first_triangle });
+        self.tenants.push(Tenant { id, place, first_node, first_triangle, first_vertex });
     }
 }

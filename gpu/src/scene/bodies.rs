@@ -57,6 +57,16 @@ impl Body {
         (self.pose, self.aabb) = (pose, aabb);
         Ok(())
     }
+
+    pub(super) fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        self.shape.mesh().with_positions(positions)?;
+        let bounds = Aabb::of(positions);
+        if self.pose != Pose::IDENTITY {
+            self.pose.check(&bounds)?;
+        }
+        Arc::make_mut(&mut self.shape).set_positions(positions, &bounds);
+        self.set_pose(self.pose)
+    }
 }
 
 /// Bodies by ascending id.
@@ -69,6 +79,11 @@ pub(super) struct Bodies {
 impl Bodies {
     pub(super) fn iter(&self) -> std::slice::Iter<'_, Body> {
         self.list.iter()
+    }
+
+    /// By place in the order.
+    pub(super) fn at(&self, place: u32) -> &Body {
+        &self.list[place as usize]
     }
 
     /// Those that have a triangle, with their boxes.

@@ -3,14 +3,17 @@
 mod arena;
 mod bodies;
 mod broad;
+mod edit;
+mod pending;
 mod shape;
 
 pub use bodies::{Body, BodyId};
+pub use pending::PendingScene;
 pub use shape::Shape;
 
 use crate::answer::{Answer, Report, Want};
 use crate::clock::Clock;
-use crate::engine::{Engine, Task};
+use crate::engine::{Engine, Entry, Run, Task};
 use crate::layout::{Placement, Query};
 use crate::{Error, Gpu, Settings, Timing};
 use arena::Arena;
@@ -19,7 +22,7 @@ use broad::Broad;
 use bytemuck::Zeroable;
 use pfront_core::Pose;
 use pfront_core::query::TrianglePair;
-use std::sync::Arc;
+use wgpu::CommandEncoder;
 
 /// Two triangles of different bodies that meet. The order is that of `bodies`, then `pair`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -34,9 +37,11 @@ pub struct SceneHit {
 /// as that of the CPU: every vertex is posed into the world by [`Pose::apply`], whatever the other body
 /// is.
 ///
-/// A body is a [`Shape`] in a pose. Bodies are added, removed and moved between frames. A frame uploads
-/// 48 bytes a body; the device poses all vertices, refits all trees and asks all pairs of bodies
-/// whose boxes overlap at once. Where nothing has moved, it only asks.
+/// A body is a [`Shape`] in a pose. Bodies are added, removed, moved and deformed between frames. A frame
+/// uploads 48 bytes a body; the device poses all vertices, refits all trees and asks all pairs of
+/// bodies whose boxes overlap at once. Where nothing has moved, it only asks.
+///
+/// A deforming body is not asked whether it meets itself; [`crate::SelfQuery`] does that.
 ///
 /// # Memory
 /// On the device, 52 bytes a triangle, 28 a vertex and 37 a node (about 25 a triangle with the default leaf
@@ -107,75 +112,6 @@ impl SceneQuery {
         })
     }
 
-    /// Adds a body in the pose `world_from_body`. Many bodies may share one shape. On error nothing has
-    /// changed.
-    ///
-    /// # Errors
-    /// [`Error::Pose`] if the pose is not finite or takes the shape out of range.
-    pub fn add(
-        &mut self,
-        shape: impl Into<Arc<Shape>>,
-        world_from_body: Pose,
-    ) -> Result<BodyId, Error> {
-        let id = self.bodies.add(shape.into(), world_from_body)?;
-        self.come_or_gone();
-        Ok(id)
-    }
-
-    /// Takes a body out and returns it.
-    ///
-    /// # Errors
-    /// [`Error::StaleBody`] if it is not there.
-    ///
-    /// # Complexity
-    /// O(n) for n bodies.
-    pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
-        let body = self.bodies.remove(id)?;
-        self.come_or_gone();
-        Ok(body)
-    }
-
-    /// Moves a body to the pose `world_from_body`. On error nothing has changed.
-    ///
-    /// # Errors
-    /// [`Error::StaleBody`] if it is not there, [`Error::Pose`] as for [`SceneQuery::add`].
-    ///
-    /// # Complexity
-    /// O(log n) for n bodies.
-    pub fn set_pose(&mut self, id: BodyId, world_from_body: Pose) -> Result<(), Error> {
-        let body = self.bodies.get_mut(id)?;
-        if body.pose() != world_from_body {
-            body.set_pose(world_from_body)?;
-            (self.is_paired, self.is_posed) = (false, false);
-        }
-        Ok(())
-    }
-
-    /// A body.
-    ///
-    /// # Errors
-    /// [`Error::StaleBody`] if it is not there.
-    pub fn body(&self, id: BodyId) -> Result<&Body, Error> {
-        self.bodies.get(id)
-    }
-
-    /// The bodies in the order in which they were added.
-    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
-        self.bodies.iter()
-    }
-
-    /// How many bodies there are.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.bodies.iter().len()
-    }
-
-    /// Whether there is no body.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// All pairs that meet, sorted.
     ///
     /// # Errors
@@ -183,11 +119,6 @@ impl SceneQuery {
     /// [`Error::Device`], [`Error::OutOfMemory`].
     pub fn all(&mut self) -> Result<&[SceneHit], Error> {
         self.ask(Want::All)?;
-        self.hits.clear();
-        if let Some(arena) = &self.arena {
-            self.hits.extend(self.answer.pairs.iter().map(|&pair| arena.hit(pair)));
-        }
-        self.hits.sort_unstable();
         Ok(&self.hits)
     }
 
@@ -197,8 +128,7 @@ impl SceneQuery {
     /// As [`SceneQuery::all`].
     pub fn any(&mut self) -> Result<Option<SceneHit>, Error> {
         self.ask(Want::Any)?;
-        let first = self.answer.pairs.first();
-        Ok(self.arena.as_ref().zip(first).map(|(arena, &pair)| arena.hit(pair)))
+        Ok(self.hits.first().copied())
     }
 
     /// How many pairs meet. Needs no memory for them.
@@ -208,6 +138,32 @@ impl SceneQuery {
     pub fn count(&mut self) -> Result<u64, Error> {
         self.ask(Want::Count)?;
         Ok(self.answer.count)
+    }
+
+    /// Records everything that [`SceneQuery::all`] does into an encoder of the caller's, to be submitted
+    /// with other work and read later. An encoder whose answer was not read must not be submitted after the
+    /// scene has been asked again.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::all`].
+    ///
+    /// # Examples
+    /// ```no_run
+    /// # use pfront_gpu::{Error, Gpu, SceneQuery};
+    /// # fn demo(gpu: Gpu, mut scene: SceneQuery) -> Result<(), Error> {
+    /// let mut encoder = gpu.device().create_command_encoder(&Default::default());
+    /// let pending = scene.record(&mut encoder)?;
+    /// // … record what else the frame needs …
+    /// gpu.queue().submit([encoder.finish()]);
+    /// let hits = pending.read()?;
+    /// # Ok(()) }
+    /// ```
+    pub fn record<'q>(
+        &'q mut self,
+        encoder: &mut CommandEncoder,
+    ) -> Result<PendingScene<'q>, Error> {
+        let question = self.start(encoder, Want::All)?;
+        Ok(PendingScene { scene: self, question })
     }
 
     /// The same, keeping the device time of moving all bodies and of a run, each as a whole.
@@ -258,12 +214,22 @@ impl SceneQuery {
         Ok(self)
     }
 
-    fn come_or_gone(&mut self) {
-        self.arena = None;
-        (self.is_paired, self.is_posed) = (false, false);
+    fn ask(&mut self, want: Want) -> Result<(), Error> {
+        let gpu = self.answer.engine.gpu.clone();
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        let question = self.start(&mut encoder, want)?;
+        if question.is_some() {
+            gpu.queue().submit([encoder.finish()]);
+        }
+        self.finish(question, want)
     }
 
-    fn ask(&mut self, want: Want) -> Result<(), Error> {
+    /// Records what brings the device up to date and the first run; `None` if no boxes overlap.
+    fn start(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        want: Want,
+    ) -> Result<Option<Question>, Error> {
         self.has_moved = false;
         if !self.is_paired {
             self.broad.update(self.bodies.solid().map(|(_, aabb)| aabb))?;
@@ -271,30 +237,53 @@ impl SceneQuery {
         }
         let pairs = self.broad.pairs();
         if pairs.is_empty() {
-            self.answer.clear();
-            return Ok(());
+            return Ok(None);
         }
         let gpu = self.answer.engine.gpu.clone();
         let arena = match &mut self.arena {
             Some(arena) => arena,
             none => none.insert(Arena::new(&gpu, &self.bodies)?),
         };
-        let (front, levels) = arena.front(pairs);
-        let mut encoder = gpu.device().create_command_encoder(&Default::default());
         if !self.is_posed {
-            arena.record_motion(&gpu, &mut encoder, &self.bodies, self.clock.as_mut());
+            arena.record_motion(&gpu, encoder, &self.bodies, self.clock.as_mut());
             self.has_moved = true;
         }
         self.answer.engine.bind(&arena.model, &arena.model)?;
+        let (front, levels) = arena.front(&self.bodies, pairs);
+        // No body is paired with itself, so that these are two meshes.
         let query = Query {
-            // No body is paired with itself, so that these are two meshes.
             sides: [Placement::new(&Pose::IDENTITY); 2],
             leaf_size: arena.model.leaf_size,
             ..Query::zeroed()
         };
         let task = Task { query, root: front[0], levels, levels_below_seeds: levels };
-        self.answer.ask_from(encoder, &task, &front, want)?;
-        self.is_posed = true;
+        let (parts, run) = self.answer.record_from(encoder, &task, &front, want)?;
+        Ok(Some(Question { task, parts, run }))
+    }
+
+    /// Reads the answer.
+    fn finish(&mut self, question: Option<Question>, want: Want) -> Result<(), Error> {
+        match question {
+            Some(Question { task, parts, run }) => {
+                self.answer.finish_parts(&task, parts, run, want)?;
+                self.is_posed = true;
+            }
+            None => self.answer.clear(),
+        }
+        self.hits.clear();
+        if let Some(arena) = &self.arena {
+            self.hits.extend(self.answer.pairs.iter().map(|&pair| arena.hit(pair)));
+        }
+        self.hits.sort_unstable();
         Ok(())
     }
+}
+
+/// What has been recorded.
+#[derive(Debug)]
+struct Question {
+    task: Task,
+    /// The last of them is what the run is about.
+    parts: Vec<Vec<Entry>>,
+    run: Run,
 }

@@ -1,8 +1,7 @@
 //! What a body is made of.
 
-use crate::engine::Entry;
 use crate::model::LEAF;
-use pfront_core::{Aabb, Bvh, Mesh, MeshError, Node, Pose};
+use pfront_core::{Aabb, Bvh, Mesh, Node};
 
 /// A first front pairs at most so many nodes: one level on, that is the larger starting front of the
 /// paper's GPU algorithm.
@@ -46,10 +45,18 @@ impl Shape {
         Mesh::trusted(&self.positions, &self.triangles)
     }
 
-    /// Its BVH.
-    #[must_use]
-    pub fn bvh(&self) -> Bvh<'_> {
+    /// Its BVH, of which the box of the root alone is that of the mesh once vertices have moved: the
+    /// device refits the others.
+    pub(super) fn bvh(&self) -> Bvh<'_> {
         Bvh::trusted(self.mesh(), &self.nodes, &self.order)
+    }
+
+    /// Moves the vertices, as many as there are, within `bounds`.
+    pub(super) fn set_positions(&mut self, positions: &[[f32; 3]], bounds: &Aabb) {
+        self.positions.copy_from_slice(positions);
+        if let Some(root) = self.nodes.first_mut() {
+            (root.min, root.max) = (bounds.min, bounds.max);
+        }
     }
 
     /// The nodes of a level, or of the last one there is, as a front holds them; and how many levels

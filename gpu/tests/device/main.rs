@@ -6,4 +6,5 @@ mod build;
 mod common;
 mod deforming;
 mod pairs;
+mod scene;
 mod within;

@@ -184,7 +184,7 @@ fn passes_are_timed_if_the_device_can_tell() {
     let timings = query.timings().unwrap();
     if gpu().device().features().contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES) {
         let passes: Vec<_> = timings.iter().map(|timing| timing.pass).collect();
-        assert_eq!((passes[0], passes[passes.len() - 1]), ("seed", "decide"));
+        assert_eq!((passes[0], passes[passes.len() - 1]), ("seed", "settle"));
         assert!(timings.iter().any(|timing| !timing.time.is_zero()));
     } else {
         assert!(timings.is_empty());

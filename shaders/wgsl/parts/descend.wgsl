@@ -56,8 +56,9 @@ fn placed_node(side: u32, index: u32, node: Node) -> Placed {
     return Placed(box, select(node.first, index | LEAF, is_leaf), leaf_run(node), is_leaf);
 }
 
-// Puts a pair of nodes in its place, if their boxes overlap.
-fn visit(a: Placed, b: Placed, half: u32) {
+// Puts a pair of nodes in its place, if their boxes overlap: in a stretch of the queue that has room for
+// so many.
+fn visit(a: Placed, b: Placed, half: u32, room: u32) {
     if !overlap(a.box, b.box) {
         return;
     }
@@ -73,7 +74,7 @@ fn visit(a: Placed, b: Placed, half: u32) {
     }
     let pair = vec2u(a.reference, b.reference);
     let slot = atomicAdd(&queued[half], 1u);
-    if slot < QUEUE {
+    if slot < room {
         queue[half * QUEUE + slot] = pair;
     } else {
         add_to_front(atomicAdd(&counters.fronts[step.pass_index + 1u], 1u), pair);
@@ -81,7 +82,7 @@ fn visit(a: Placed, b: Placed, half: u32) {
 }
 
 // Tests one of the four pairs of children; a leaf is its own child.
-fn visit_children(pair: vec2u, which: u32, half: u32) {
+fn visit_children(pair: vec2u, which: u32, half: u32, room: u32) {
     let right = vec2u(which & 1u, which >> 1u);
     let is_leaf = (pair & vec2u(LEAF)) != vec2u(0u);
     if any(is_leaf & (right != vec2u(0u))) {
@@ -92,11 +93,20 @@ fn visit_children(pair: vec2u, which: u32, half: u32) {
         return;
     }
     let child = (pair & vec2u(~LEAF)) + right;
-    visit(placed_a(child.x), placed_b(child.y), half);
+    visit(placed_a(child.x), placed_b(child.y), half, room);
 }
 
-// Descends from what is in the first half of the queue.
+// Descends from what is in the queue.
 fn descend(lane: u32) {
+    if step.pass_index == query.last_pass {
+        finish(lane);
+    } else {
+        descend_some_levels(lane);
+    }
+    write_leaf_pairs(lane);
+}
+
+fn descend_some_levels(lane: u32) {
     var level = 0u;
     loop {
         let half = level & 1u;
@@ -111,7 +121,7 @@ fn descend(lane: u32) {
             atomicStore(&queued[half], 0u);
         }
         for (var i = lane; i < 4u * pairs; i += GROUP) {
-            visit_children(queue[half * QUEUE + i / 4u], i % 4u, 1u - half);
+            visit_children(queue[half * QUEUE + i / 4u], i % 4u, 1u - half, QUEUE);
         }
         workgroupBarrier();
         level++;
@@ -119,7 +129,41 @@ fn descend(lane: u32) {
     hand_on(lane, level & 1u);
 }
 
-// Empties the queues into global memory.
+// The last pass goes to the bottom, from pairs on top of a stack: so few of them at once that their
+// children have room.
+fn finish(lane: u32) {
+    loop {
+        let size = tell(lane, min(atomicLoad(&queued[0]), 2u * QUEUE));
+        if size == 0u {
+            break;
+        }
+        let taken = clamp((2u * QUEUE - size) / 3u, 1u, min(size, GROUP));
+        var pairs: array<vec2u, 4>;
+        for (var i = 0u; i < 4u; i++) {
+            pairs[i] = queue[size - taken + min((lane + i * GROUP) / 4u, taken - 1u)];
+        }
+        workgroupBarrier();
+        if lane == 0u {
+            atomicStore(&queued[0], size - taken);
+        }
+        workgroupBarrier();
+        for (var i = 0u; i < 4u; i++) {
+            if lane + i * GROUP < 4u * taken {
+                visit_children(pairs[i], lane % 4u, 0u, 2u * QUEUE);
+            }
+        }
+        workgroupBarrier();
+        if tell(lane, atomicLoad(&found_count)) > FOUND / 2u {
+            write_leaf_pairs(lane);
+            if lane == 0u {
+                atomicStore(&found_count, 0u);
+            }
+            workgroupBarrier();
+        }
+    }
+}
+
+// Empties a half of the queue into global memory.
 fn hand_on(lane: u32, half: u32) {
     let pairs = tell(lane, min(atomicLoad(&queued[half]), QUEUE));
     if pairs != 0u {
@@ -132,6 +176,9 @@ fn hand_on(lane: u32, half: u32) {
             add_to_front(base + i, queue[half * QUEUE + i]);
         }
     }
+}
+
+fn write_leaf_pairs(lane: u32) {
     let leaf_pairs = tell(lane, min(atomicLoad(&found_count), FOUND));
     if leaf_pairs != 0u {
         var base = 0u;

@@ -38,8 +38,9 @@ struct Query {
     within: u32,
     // 1 if triangles that share a vertex are left out.
     apart: u32,
-    // How many levels a pass descends.
+    // How many levels a pass descends, but for the last, which goes to the bottom.
     levels: u32,
+    last_pass: u32,
 }
 
 struct Step {

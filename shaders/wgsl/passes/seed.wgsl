@@ -14,7 +14,7 @@ fn seed(
             let product = group.x + (done + lane) * groups.x;
             let pair = vec2u(product / query.seeds.y, product % query.seeds.y);
             if (query.within == 0u) | (pair.x <= pair.y) {
-                visit(placed_a(seeds_a[pair.x]), placed_b(seeds_b[pair.y]), 0u);
+                visit(placed_a(seeds_a[pair.x]), placed_b(seeds_b[pair.y]), 0u, QUEUE);
             }
         }
         workgroupBarrier();
