@@ -7,7 +7,6 @@ use clap::{Args, ValueEnum};
 use pfront::gpu::Gpu;
 use pfront::threads::Traversal;
 use pfront::{Accuracy, Adjacency};
-use pfront_scenes::Kind;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
 use std::sync::Arc;
@@ -56,15 +55,15 @@ impl How {
         threads(self.threads)
     }
 
-    /// What has to answer questions of this kind.
+    /// What has to answer.
     ///
     /// # Errors
     /// If there is no adapter, none that could do it, or no pool of as many threads.
-    pub(crate) fn asked(&self, kind: Kind) -> Result<Asked> {
+    pub(crate) fn asked(&self) -> Result<Asked> {
         let on = match self.backend {
             Backend::Cpu => self.on_cpu()?,
             Backend::Gpu => self.on_gpu()?,
-            Backend::Auto => self.on_best(kind)?,
+            Backend::Auto => self.on_best()?,
         };
         Ok(Asked { accuracy: self.accuracy.into(), adjacency: Adjacency::default(), on })
     }
@@ -82,10 +81,8 @@ impl How {
     }
 
     /// Says on standard error what it took.
-    fn on_best(&self, kind: Kind) -> Result<On> {
-        let why_not = if kind == Kind::Many {
-            "many objects at once run there only".to_owned()
-        } else if self.accuracy != Promise::Exact {
+    fn on_best(&self) -> Result<On> {
+        let why_not = if self.accuracy != Promise::Exact {
             "a GPU knows exact answers only".to_owned()
         } else if !adapters::any_is_a_gpu() {
             "there is no GPU".to_owned()

@@ -9,7 +9,7 @@
 use crate::layout::Stage;
 use crate::memory::Usage;
 use crate::parameters::Parameters;
-use crate::sequence::Sequence;
+use crate::sequence::{Sequence, groups_for};
 use crate::{Error, Gpu, Model};
 use pfront_core::Node;
 use pfront_shaders::constants::GROUP;
@@ -84,7 +84,7 @@ impl Schedule {
         let stages: Vec<_> = self.stages.iter().map(stage).collect();
         let parameters = Parameters::new(gpu, "the stages", &stages)?;
         for (index, jobs) in self.stages.iter().enumerate() {
-            let groups = gpu.settings().groups.min(jobs.len() as u32);
+            let groups = groups_for(jobs.len() as u32);
             sequence.add(gpu, |p| &p.refit, &buffers, parameters.binding(index), groups)?;
         }
         Ok(())

@@ -15,6 +15,11 @@ type Which = fn(&Passes) -> &Pass;
 /// Buffers under the names that shaders give them.
 pub(crate) type Named<'a> = &'a [(&'a str, &'a Buffer)];
 
+/// Workgroups for so many jobs that do not touch each other: one each, as far as a dispatch goes.
+pub(crate) fn groups_for(jobs: u32) -> u32 {
+    jobs.min(65_535)
+}
+
 /// Dispatches in order.
 #[derive(Debug)]
 pub(crate) struct Sequence {

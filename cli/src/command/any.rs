@@ -8,12 +8,11 @@ use crate::output::out;
 use anyhow::Result;
 use pfront::Pose;
 use pfront_cli::workload::Frame;
-use pfront_scenes::Kind;
 use std::convert::identity;
 use std::io::Write;
 
 pub(crate) fn run(meshes: &TwoMeshes, how: &How) -> Result<bool> {
-    let asked = how.asked(Kind::Pair)?;
+    let asked = how.asked()?;
     let (a, b) = (model(&meshes.a, identity)?, model(&meshes.b, identity)?);
     let mut engine = Objects::pair(a, b).engine(asked)?;
     engine.update(Frame::Poses(&[Pose::IDENTITY, meshes.a_from_b()]))?;

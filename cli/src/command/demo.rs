@@ -6,7 +6,7 @@ use crate::memory;
 use crate::output::out;
 use anyhow::Result;
 use pfront::{Model, Pose};
-use pfront_scenes::{Kind, Scene};
+use pfront_scenes::Scene;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
@@ -20,7 +20,7 @@ pub(crate) fn run() -> Result<bool> {
     let models: Vec<Model> = scene.objects.iter().map(build).collect::<Result<_, _>>()?;
     let build = clock.elapsed();
 
-    let mut query = How::DEFAULT.asked(Kind::Pair)?.pair_query();
+    let mut query = How::DEFAULT.asked()?.pair_query();
     let mut poses = Vec::new();
     let (mut counts, mut times) = (Vec::new(), Vec::new());
     let bar = progress(scene.frames() as u64);

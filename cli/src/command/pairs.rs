@@ -9,11 +9,10 @@ use anyhow::Result;
 use pfront::Pose;
 use pfront::core::query;
 use pfront_cli::workload::Frame;
-use pfront_scenes::Kind;
 use std::convert::identity;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bool> {
-    let asked = how.asked(Kind::Pair)?;
+    let asked = how.asked()?;
     let (a, b) = (model(&meshes.a, identity)?, model(&meshes.b, identity)?);
     let a_from_b = meshes.a_from_b();
     let mut engine = Objects::pair(a.clone(), b.clone()).engine(asked)?;

@@ -20,7 +20,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     let mut recording = Recording::open(&replay.file, replay.size, replay.frames)?;
     let header = recording.take_header()?;
     let frames = header.frames;
-    let asked = replay.how.asked(header.kind)?;
+    let asked = replay.how.asked()?;
     let clock = Instant::now();
     let mut engine = Objects::new(header)
         .and_then(|objects| objects.engine(asked))

@@ -7,14 +7,13 @@ use crate::listing::Found;
 use anyhow::Result;
 use pfront::Adjacency;
 use pfront::core::query;
-use pfront_scenes::Kind;
 
 pub(crate) fn run(within: &Within) -> Result<bool> {
     let adjacency = match within.skip_neighbours {
         true => Adjacency::SkipNeighbours,
         false => Adjacency::SharedIndexRule,
     };
-    let asked = Asked { adjacency, ..within.how.asked(Kind::SelfMesh)? };
+    let asked = Asked { adjacency, ..within.how.asked()? };
     let model = model(&within.mesh, |mesh| if within.weld { mesh.welded() } else { mesh })?;
     let mut engine = Objects::within(model.clone()).engine(asked)?;
     let pairs = engine.all()?;

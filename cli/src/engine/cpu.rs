@@ -1,10 +1,11 @@
 //! Engines on the CPU.
 
+use super::numbers::Numbers;
 use super::{Asked, Engine, Objects, On};
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use pfront::core::query;
 use pfront::threads::{Reference, Report, Settings, Traversal};
-use pfront::{BodyId, Model, PairQuery, Pose, SceneHit, SceneQuery, SelfQuery, TrianglePair};
+use pfront::{BodyId, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use pfront_cli::workload::Frame;
 use pfront_scenes::Kind;
 use std::sync::Arc;
@@ -129,39 +130,25 @@ impl Engine for Within {
 
 struct Many {
     query: SceneQuery,
-    /// Each object's body, ascending, and the number of its first triangle.
-    bodies: Vec<(BodyId, u32)>,
+    numbers: Numbers<BodyId>,
     pairs: Vec<TrianglePair>,
 }
 
 impl Many {
     fn new(objects: Vec<Arc<Model>>, mut query: SceneQuery) -> Result<Self> {
-        let (mut bodies, mut first) = (Vec::new(), 0_usize);
+        let mut numbers = Numbers::new();
         for model in objects {
             let triangles = model.mesh().triangles().len();
-            let number = u32::try_from(first);
-            bodies.push((query.add(model, Pose::IDENTITY)?, number.unwrap_or(u32::MAX)));
-            first += triangles;
-            ensure!(u32::try_from(first).is_ok(), "more triangles than u32 can number");
+            numbers.add(query.add(model, Pose::IDENTITY)?, triangles)?;
         }
-        Ok(Self { query, bodies, pairs: Vec::new() })
+        Ok(Self { query, numbers, pairs: Vec::new() })
     }
-}
-
-/// Numbers the triangles through in the order of the objects.
-fn numbered(bodies: &[(BodyId, u32)], hit: &SceneHit) -> TrianglePair {
-    let number = |body: BodyId, triangle: u32| {
-        let object = bodies.partition_point(|&(id, _)| id < body);
-        bodies[object].1 + triangle
-    };
-    let [a, b] = hit.bodies;
-    TrianglePair { a: number(a, hit.pair.a), b: number(b, hit.pair.b) }
 }
 
 impl Engine for Many {
     fn update(&mut self, frame: Frame<'_>) -> Result<()> {
         if let Frame::Poses(poses) = frame {
-            for (&(body, _), &pose) in self.bodies.iter().zip(poses) {
+            for (body, &pose) in self.numbers.bodies().zip(poses) {
                 self.query.set_pose(body, pose)?;
             }
         }
@@ -169,16 +156,16 @@ impl Engine for Many {
     }
 
     fn all(&mut self) -> Result<&[TrianglePair]> {
-        let Self { query, bodies, pairs } = self;
+        let Self { query, numbers, pairs } = self;
         pairs.clear();
-        pairs.extend(query.all()?.iter().map(|hit| numbered(bodies, hit)));
+        pairs.extend(query.all()?.iter().map(|hit| numbers.pair(hit.bodies, hit.pair)));
         // They came by bodies first.
         pairs.sort_unstable();
         Ok(pairs)
     }
 
     fn any(&mut self) -> Result<Option<TrianglePair>> {
-        Ok(self.query.any()?.map(|hit| numbered(&self.bodies, &hit)))
+        Ok(self.query.any()?.map(|hit| self.numbers.pair(hit.bodies, hit.pair)))
     }
 
     fn report(&self) -> Option<&Report> {

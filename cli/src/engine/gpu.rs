@@ -1,8 +1,10 @@
 //! Engines on a GPU.
 
+use super::numbers::Numbers;
 use super::{Engine, Objects, OnGpu};
-use anyhow::{Result, bail};
-use pfront::gpu::{Deforming, Gpu, Model, PairQuery, Report, SelfQuery, Settings, Timing};
+use anyhow::Result;
+use pfront::gpu::{BodyId, Deforming, Gpu, Model, PairQuery, Report, SceneQuery, SelfQuery};
+use pfront::gpu::{Settings, Shape, Timing};
 use pfront::{Adjacency, Pose, TrianglePair};
 use pfront_cli::workload::Frame;
 use pfront_scenes::Kind;
@@ -31,7 +33,11 @@ pub(super) fn engine(
             let query = self_query(gpu, *settings, *timed)?.with_adjacency(adjacency);
             Ok(Box::new(Within { model, moved: false, query }))
         }
-        _ => bail!("many objects at once do not run on a GPU yet: leave out --backend gpu"),
+        (_, models) => {
+            let query = SceneQuery::with_settings(gpu, *settings)?;
+            let query = if *timed { query.with_timings()? } else { query };
+            Ok(Box::new(Many::new(models, query)?))
+        }
     }
 }
 
@@ -119,5 +125,67 @@ impl Engine for Within {
         let mut timings = if self.moved { self.model.timings()? } else { Vec::new() };
         timings.extend(self.query.timings()?);
         Ok(timings)
+    }
+}
+
+struct Many {
+    query: SceneQuery,
+    numbers: Numbers<BodyId>,
+    pairs: Vec<TrianglePair>,
+}
+
+impl Many {
+    fn new(objects: &[Arc<pfront::Model>], mut query: SceneQuery) -> Result<Self> {
+        let (mut numbers, mut shapes) = (Numbers::new(), Vec::new());
+        for model in objects {
+            // Objects of one model share a shape.
+            let known = shapes.iter().find(|(own, _)| Arc::ptr_eq(own, model));
+            let shape = match known {
+                Some((_, shape)) => Arc::clone(shape),
+                None => {
+                    let shape = Arc::new(Shape::new(model.bvh()));
+                    shapes.push((model.clone(), shape.clone()));
+                    shape
+                }
+            };
+            numbers.add(query.add(shape, Pose::IDENTITY)?, model.mesh().triangles().len())?;
+        }
+        Ok(Self { query, numbers, pairs: Vec::new() })
+    }
+}
+
+impl Engine for Many {
+    fn update(&mut self, frame: Frame<'_>) -> Result<()> {
+        if let Frame::Poses(poses) = frame {
+            for (body, &pose) in self.numbers.bodies().zip(poses) {
+                self.query.set_pose(body, pose)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn all(&mut self) -> Result<&[TrianglePair]> {
+        let Self { query, numbers, pairs } = self;
+        pairs.clear();
+        pairs.extend(query.all()?.iter().map(|hit| numbers.pair(hit.bodies, hit.pair)));
+        // They came by bodies first.
+        pairs.sort();
+        Ok(pairs)
+    }
+
+    fn any(&mut self) -> Result<Option<TrianglePair>> {
+        Ok(self.query.any()?.map(|hit| self.numbers.pair(hit.bodies, hit.pair)))
+    }
+
+    fn gpu_report(&self) -> Option<Report> {
+        Some(self.query.report())
+    }
+
+    fn device_bytes(&self) -> u64 {
+        self.query.bytes()
+    }
+
+    fn timings(&self) -> Result<Vec<Timing>> {
+        Ok(self.query.timings()?)
     }
 }

@@ -2,6 +2,7 @@
 
 mod cpu;
 mod gpu;
+mod numbers;
 
 use anyhow::{Context, Result};
 use pfront::gpu::{Gpu, Settings, Timing};

@@ -19,7 +19,7 @@ use crate::layout::{Corner, Cut};
 use crate::memory::Usage;
 use crate::model::LEAF;
 use crate::parameters::Parameters;
-use crate::sequence::Sequence;
+use crate::sequence::{Sequence, groups_for};
 use crate::{Error, Gpu, Model};
 use pfront_core::build::BuildOptions;
 use pfront_core::{Aabb, Mesh, Node};
@@ -86,7 +86,6 @@ fn arrange(
     model: &Model,
     sequence: &mut Sequence,
 ) -> Result<(), Error> {
-    let most = gpu.settings().groups;
     let mut sort = Sort::new(gpu, shape.triangles)?;
     let (rounds, blocks) = (shape.rounds(), shape.blocks());
     let nodes = rounds.last().map_or(0, |round| 1 << round.top);
@@ -96,7 +95,7 @@ fn arrange(
     for round in rounds {
         let parameters = Parameters::new(gpu, "a round", &[round])?;
         let buffers = [&[("entries_in", sort.entries())], &of_mesh[..]].concat();
-        let groups = most.min(1 << round.top);
+        let groups = groups_for(1 << round.top);
         sequence.add(gpu, |p| &p.survey, &buffers, parameters.binding(0), groups)?;
         sort.add(gpu, sequence, round, CUT_BITS + round.top, Some(&of_mesh))?;
     }
@@ -104,7 +103,7 @@ fn arrange(
         [("entries_in", sort.entries()), ("corners", &model.corners), ("order", &model.order)];
     let buffers = [&to_model[..], &of_mesh].concat();
     let parameters = Parameters::new(gpu, "the blocks", &[blocks])?;
-    let groups = most.min(1 << blocks.top);
+    let groups = groups_for(1 << blocks.top);
     sequence.add(gpu, |p| &p.arrange, &buffers, parameters.binding(0), groups)
 }
 
@@ -121,7 +120,7 @@ fn fit(
     let stages = shape.stages();
     let parameters = Parameters::new(gpu, "the stages", &stages)?;
     for (index, stage) in stages.iter().enumerate() {
-        let groups = gpu.settings().groups.min(1 << stage.top);
+        let groups = groups_for(1 << stage.top);
         sequence.add(gpu, |p| &p.fit, &buffers, parameters.binding(index), groups)?;
     }
     Ok(())

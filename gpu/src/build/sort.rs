@@ -30,7 +30,7 @@ pub(crate) struct Sort {
 impl Sort {
     /// Takes 16 bytes an entry.
     pub(crate) fn new(gpu: &Gpu, entries: u32) -> Result<Self, Error> {
-        let most = gpu.settings().groups;
+        let most = 2 * gpu.settings().groups;
         let run = entries.div_ceil(most).max(LEAST_RUN).next_multiple_of(GROUP);
         let workgroups = entries.div_ceil(run);
         let pairs = || gpu.buffer("the entries to sort", 8 * u64::from(entries), Usage::List);

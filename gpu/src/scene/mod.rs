@@ -274,7 +274,8 @@ impl SceneQuery {
         if let Some(arena) = &self.arena {
             self.hits.extend(self.answer.pairs.iter().map(|&pair| arena.hit(pair)));
         }
-        self.hits.sort_unstable();
+        // The pairs are in order, and so are those of two bodies: this merges runs.
+        self.hits.sort();
         Ok(())
     }
 }
