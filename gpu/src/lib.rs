@@ -11,8 +11,9 @@
 //! - a triangle pair is decided in f32 where that is certain, in integers where it is not, and the few
 //!   that do not fit come back to the CPU. Nothing else needs it.
 //!
-//! A [`Model`] is a mesh with its BVH on the device, a [`Deforming`] one whose vertices move; a [`PairQuery`] or [`SelfQuery`] owns the lists
-//! that a question needs, within a [`Budget`]; when they are full, the query goes on in parts.
+//! A [`Model`] is a mesh with its BVH on the device, a [`Deforming`] one whose vertices move; a
+//! [`PairQuery`] or [`SelfQuery`] owns the lists that a question needs, within a [`Budget`]; when they
+//! are full, the query goes on in parts. A [`SceneQuery`] owns many posed bodies as well.
 
 mod answer;
 mod build;

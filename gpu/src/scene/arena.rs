@@ -9,7 +9,7 @@ use crate::layout::{Corner, Posing};
 use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::schedule::Schedule;
-use crate::sequence::Sequence;
+use crate::sequence::{Sequence, groups_for};
 use crate::{Error, Gpu, Model};
 use pfront_core::query::TrianglePair;
 use pfront_core::{Node, Pose};
@@ -95,7 +95,7 @@ impl Arena {
             ("positions", &positions),
         ];
         let parameters = Parameters::new(gpu, "the vertices", &[Posing { vertices: owner_count }])?;
-        let groups = gpu.settings().groups.min(owner_count.div_ceil(GROUP));
+        let groups = groups_for(owner_count.div_ceil(GROUP));
         motion.add(gpu, |p| &p.pose, &buffers, parameters.binding(0), groups)?;
         let roots: Vec<u32> = tenants.iter().map(|tenant| tenant.first_node).collect();
         let schedule = Schedule::of_forest(&nodes, &roots);

@@ -8,3 +8,4 @@ mod deforming;
 mod pairs;
 mod scene;
 mod within;
+mod world;
