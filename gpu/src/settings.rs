@@ -29,9 +29,10 @@ pub struct Settings {
 /// Device memory of a query: fronts, lists and results. When they are full, the query goes on in
 /// parts; nothing is lost.
 ///
-/// Of n = bytes / 64, a front holds n node pairs (there are two), the list of leaf pairs 2n, those of
-/// hits and of triangle pairs to decide n each, and that of triangle pairs for the CPU n / 8. Counters
-/// and parameters take 20 KiB more; a read-back buffer of the host is as large as the answer.
+/// Of n = bytes / 64, a front holds n node pairs (there are two), the lists of leaf pairs and of the
+/// triangle pairs that boxes and planes do not separate 2n each, that of hits n, and that of triangle
+/// pairs for the CPU n / 16. Counters, parameters and what sorts the hits take 32 KiB more; a read-back
+/// buffer of the host is as large as the answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
     /// At least [`Budget::LEAST`].
@@ -39,8 +40,8 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// 32 KiB: room for all results of a leaf pair, and for the children of 64 node pairs.
-    pub const LEAST: Self = Self { bytes: 512 * UNIT };
+    /// 64 KiB: room for all results of a leaf pair, and for the children of 64 node pairs.
+    pub const LEAST: Self = Self { bytes: 1024 * UNIT };
 }
 
 impl Default for Budget {
@@ -52,7 +53,7 @@ impl Default for Budget {
 
 /// Bytes for each n.
 const UNIT: u64 = 64;
-const _: () = assert!(UNIT as usize >= 8 * (2 + 2 + 1 + 1) + size_of::<Rest>() / 8);
+const _: () = assert!(UNIT as usize >= 8 * (2 + 2 + 2 + 1) + size_of::<Rest>() / 16);
 
 /// How many elements each list holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +73,7 @@ impl Capacities {
         }
         // Far more than any device binds, and counters still cannot wrap before they overflow.
         let n = (budget.bytes / UNIT).min(1 << 28) as u32;
-        Ok(Self { front: n, leaves: 2 * n, hits: n, kept: n, rest: n / 8 })
+        Ok(Self { front: n, leaves: 2 * n, hits: n, kept: 2 * n, rest: n / 16 })
     }
 
     /// A query that knows them.

@@ -57,6 +57,7 @@ texts! {
     HALVES = "parts/halves";
     LATTICE = "parts/lattice";
     LAYOUT = "parts/layout";
+    NOTHING = "parts/nothing";
     ORDERED = "parts/ordered";
     PLACE = "parts/place";
     PREFIX = "parts/prefix";
@@ -82,20 +83,21 @@ macro_rules! pass {
 }
 
 /// The first pass of a query: node pairs of one level of both BVHs, and down from there.
-pub const SEED: Pass = pass!("seed", LAYOUT, BINDINGS, GROUP, BOXES, DESCEND);
+pub const SEED: Pass = pass!("seed", LAYOUT, BINDINGS, NOTHING, GROUP, BOXES, DESCEND);
 
 /// One depth-bounded pass from a front.
-pub const EXPAND: Pass = pass!("expand", LAYOUT, BINDINGS, GROUP, BOXES, DESCEND);
+pub const EXPAND: Pass = pass!("expand", LAYOUT, BINDINGS, NOTHING, GROUP, BOXES, DESCEND);
 
 /// The triangle pairs of leaf pairs that boxes and planes do not separate.
 pub const NARROW: Pass = pass!(
-    "narrow", LAYOUT, BINDINGS, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES, SHARING, SIGNS, FILTER
+    "narrow", LAYOUT, BINDINGS, NOTHING, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES, SHARING,
+    SIGNS, FILTER
 );
 
 /// Which of them meet: in f32, and in integers what that leaves open.
 pub const DECIDE: Pass = pass!(
-    "decide", LAYOUT, BINDINGS, GROUP, PLACE, SOFT, WIDE, TRIANGLES, SHARING, SIGNS, FILTER,
-    LATTICE, EXACT, RESULTS
+    "decide", LAYOUT, BINDINGS, NOTHING, GROUP, PLACE, SOFT, WIDE, TRIANGLES, SHARING, SIGNS,
+    FILTER, LATTICE, EXACT, RESULTS
 );
 
 /// Where the buckets of a sort of the hits begin.
@@ -108,7 +110,7 @@ pub const DEAL: Pass = pass!("deal", LAYOUT, GROUP, RANKING);
 pub const SETTLE: Pass = pass!("settle", LAYOUT, GROUP, RANKING, RANK);
 
 /// Where the vertices of posed bodies are in the world.
-pub const POSE: Pass = pass!("pose", PLACE, SOFT, WIDE);
+pub const POSE: Pass = pass!("pose", NOTHING, PLACE, SOFT, WIDE);
 
 /// Boxes and corners of a mesh that has moved.
 pub const REFIT: Pass = pass!("refit", LAYOUT, ORDERED, SOURCE, FITTED);
@@ -135,7 +137,7 @@ pub const ARRANGE: Pass = pass!("arrange", LAYOUT, BALANCED, ORDERED, EXTENT, SO
 pub const FIT: Pass = pass!("fit", LAYOUT, BALANCED, ORDERED, SOURCE, FITTED);
 
 /// Whether the adapter rounds as posing needs.
-pub const PROBE: Pass = pass!("probe", PLACE, SOFT, WIDE);
+pub const PROBE: Pass = pass!("probe", NOTHING, PLACE, SOFT, WIDE);
 
 /// Every pass.
 pub const PASSES: [Pass; 17] = [

@@ -12,7 +12,7 @@ const PADDING = 1.9073486328125e-6;
 const FLUSHED = 4.70197740328915e-38;
 
 fn placed_box(side: u32, own: Box) -> Box {
-    if query.posed[side] == 0u {
+    if (query.posed[side] ^ nothing) == 0u {
         return own;
     }
     let centre = own.min * 0.5 + own.max * 0.5;
@@ -25,7 +25,7 @@ fn placed_box(side: u32, own: Box) -> Box {
 
 // The box of a triangle: tighter than a placed box, and as safe.
 fn box_of_placed(side: u32, t: array<vec3f, 3>) -> Box {
-    if query.posed[side] == 0u {
+    if (query.posed[side] ^ nothing) == 0u {
         let own = box_of(t);
         return Box(own.min - vec3f(FLUSHED), own.max + vec3f(FLUSHED));
     }

@@ -98,7 +98,7 @@ fn visit_children(pair: vec2u, which: u32, half: u32, room: u32) {
 
 // Descends from what is in the queue.
 fn descend(lane: u32) {
-    if step.pass_index == query.last_pass {
+    if step.pass_index == (query.last_pass ^ nothing) {
         finish(lane);
     } else {
         descend_some_levels(lane);

@@ -9,8 +9,6 @@ const FLUSHING = 1u;
 const INTEGER = 2u;
 override ARITHMETIC: u32 = HARDWARE;
 
-// Zero: dispatches are flat in z.
-var<private> nothing: u32;
 // Whether a subnormal number may have been flushed since this was last cleared.
 var<private> doubt: bool;
 

@@ -21,7 +21,7 @@ fn rows_of(side: u32) -> Rows {
 
 // To the bit.
 fn placed(side: u32, t: Triangle) -> Triangle {
-    if query.posed[side] == 0u {
+    if (query.posed[side] ^ nothing) == 0u {
         return t;
     }
     let rows = rows_of(side);

@@ -140,7 +140,7 @@ fn corner_of(slots: vec2u, member: u32) -> Corner {
 fn placed_corner(slots: vec2u, member: u32) -> Corner {
     let corner = corner_of(slots, member);
     let side = member / 3u;
-    if query.posed[side] == 0u {
+    if (query.posed[side] ^ nothing) == 0u {
         return corner;
     }
     return Corner(posed_position(rows_of(side), corner.position), corner.vertex);

@@ -6,6 +6,7 @@ fn expand(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
 ) {
+    nothing = group.z;
     let length = tell(lane, min(atomicLoad(&counters.fronts[step.pass_index]), query.front_capacity));
     let mine = share(length, group.x, groups.x);
     for (var done = 0u; done < mine; done += CHUNK) {

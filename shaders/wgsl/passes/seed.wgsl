@@ -7,6 +7,7 @@ fn seed(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
 ) {
+    nothing = group.z;
     let mine = share(query.seeds.x * query.seeds.y, group.x, groups.x);
     for (var done = 0u; done < mine; done += GROUP) {
         clear_queues(lane);
