@@ -1,7 +1,9 @@
 //! The frames of one workload, on the GPU and on threads.
 //!
 //! A GPU that keeps the time of its passes spends some on that. So there are two of it: one is asked
-//! how long its passes took, the other is timed from outside. All answers are compared.
+//! how long its passes took, the other is timed from outside. A GPU that waits for a CPU slows its clock
+//! down. So it plays all frames first, after half a second of the first one, and threads play them
+//! after it. All answers are compared.
 
 use super::super::{milliseconds, progress};
 use crate::args::BenchGpu;
@@ -13,7 +15,7 @@ use pfront::TrianglePair;
 use pfront::gpu::{Report, Timing};
 use pfront_cli::workload::Frame;
 use serde::Serialize;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What the frames of one workload took.
 #[derive(Serialize)]
@@ -84,52 +86,59 @@ pub(super) fn measure(
     let mut recording = Recording::open(name, bench.size, bench.frames)?;
     let header = recording.take_header()?;
     ensure!(header.frames > 0, "there is no frame to time");
-    let bar = progress(header.frames.into());
+    let bar = progress(2 * u64::from(header.frames));
     let objects = Objects::new(header)?;
     let triangles = objects.triangles();
-    let mut stage = Stage {
+    let mut device = OnDevice {
         timed: objects.clone().engine(On::Gpu(OnGpu { timed: true, ..on.clone() }).into())?,
         passes: Vec::new(),
         most: Most::default(),
-        pairs: Vec::new(),
-        gpu: Lane::new(objects.clone().engine(On::Gpu(on.clone()).into())?),
-        one_thread: Lane::new(objects.clone().engine(On::Cpu(None).into())?),
-        all_threads: Lane::new(objects.engine(on_threads(threads)?.into())?),
+        lane: Lane::new(objects.clone().engine(On::Gpu(on.clone()).into())?),
+        answers: Vec::new(),
     };
-    let mut number = 0;
     while let Some(frame) = recording.next_frame()? {
+        device.run(frame)?;
+        bar.inc(1);
+    }
+    let mut one_thread = Lane::new(objects.clone().engine(On::Cpu(None).into())?);
+    let mut all_threads = Lane::new(objects.engine(on_threads(threads)?.into())?);
+    let mut recording = Recording::open(name, bench.size, bench.frames)?;
+    for (number, answer) in device.answers.iter().enumerate() {
+        let Some(frame) = recording.next_frame()? else { break };
         if number == 0 {
-            stage.warm_up(frame)?;
+            // It makes buffers, and does not count.
+            for lane in [&mut one_thread, &mut all_threads] {
+                lane.engine.update(frame)?;
+                lane.engine.all()?;
+            }
         }
-        stage.run(frame, number)?;
-        number += 1;
+        let same = one_thread.run(frame)? == answer && all_threads.run(frame)? == answer;
+        ensure!(same, "the answers to frame {number} differ: please report this");
         bar.inc(1);
     }
     bar.finish_and_clear();
     Ok(Measured {
         name: name.to_owned(),
         triangles,
-        frames: number,
-        pairs: Spread::of(stage.pairs),
-        device: device(&stage.passes),
-        passes: by_pass(&stage.passes),
-        gpu: stage.gpu.took(),
-        one_thread: stage.one_thread.took(),
-        all_threads: stage.all_threads.took(),
-        device_bytes: stage.gpu.engine.device_bytes(),
-        most: stage.most,
+        frames: device.answers.len(),
+        pairs: Spread::of(device.answers.iter().map(|answer| answer.len() as f64).collect()),
+        device: all_passes(&device.passes),
+        passes: by_pass(&device.passes),
+        gpu: device.lane.took(),
+        one_thread: one_thread.took(),
+        all_threads: all_threads.took(),
+        device_bytes: device.lane.engine.device_bytes(),
+        most: device.most,
     })
 }
 
-/// All who answer, and what they have taken so far.
-struct Stage {
+/// What the device says.
+struct OnDevice {
     timed: Box<dyn Engine>,
     passes: Vec<Vec<Timing>>,
     most: Most,
-    pairs: Vec<f64>,
-    gpu: Lane,
-    one_thread: Lane,
-    all_threads: Lane,
+    lane: Lane,
+    answers: Vec<Vec<TrianglePair>>,
 }
 
 /// One who answers, timed from outside: milliseconds of updates and queries.
@@ -138,24 +147,24 @@ struct Lane {
     times: Vec<[f64; 2]>,
 }
 
-impl Stage {
-    /// The first frame makes buffers, and does not count.
-    fn warm_up(&mut self, frame: Frame<'_>) -> Result<()> {
-        let Self { timed, gpu, one_thread, all_threads, .. } = self;
-        for engine in [timed, &mut gpu.engine, &mut one_thread.engine, &mut all_threads.engine] {
-            engine.update(frame)?;
-            engine.all()?;
-        }
-        Ok(())
-    }
+/// How long the first frame is played before it counts.
+const WARM_UP: Duration = Duration::from_millis(500);
 
-    fn run(&mut self, frame: Frame<'_>, number: usize) -> Result<()> {
-        let truth = self.one_thread.run(frame)?;
-        self.pairs.push(truth.len() as f64);
-        let same = truth == self.all_threads.run(frame)? && truth == self.gpu.run(frame)?;
+impl OnDevice {
+    fn run(&mut self, frame: Frame<'_>) -> Result<()> {
+        let number = self.answers.len();
+        let clock = Instant::now();
+        while number == 0 && clock.elapsed() < WARM_UP {
+            for engine in [&mut self.timed, &mut self.lane.engine] {
+                engine.update(frame)?;
+                engine.all()?;
+            }
+        }
+        let answer = self.lane.run(frame)?.to_vec();
         self.timed.update(frame)?;
-        let same = same && truth == self.timed.all()?;
+        let same = self.timed.all()? == answer;
         ensure!(same, "the answers to frame {number} differ: please report this");
+        self.answers.push(answer);
         self.passes.push(self.timed.timings()?);
         if let Some(report) = self.timed.gpu_report() {
             self.most.add(&report);
@@ -218,7 +227,7 @@ fn microseconds(timing: &Timing) -> f64 {
 }
 
 /// Of all passes together.
-fn device(frames: &[Vec<Timing>]) -> Option<Spread> {
+fn all_passes(frames: &[Vec<Timing>]) -> Option<Spread> {
     let sums: Vec<f64> =
         frames.iter().map(|passes| passes.iter().map(microseconds).sum()).collect();
     frames.iter().any(|passes| !passes.is_empty()).then(|| Spread::of(sums))
