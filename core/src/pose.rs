@@ -76,7 +76,9 @@ impl Pose {
                 _ => 0.0,
             };
             let reach = (0..3).fold(entries[3].abs(), |sum, k| sum + entries[k].abs() * extent(k));
-            if reach >= POSED_LIMIT {
+            // Nor may a padded extent overflow before it is scaled: infinity times a zero is no number.
+            let is_padded = (0..3).all(|k| extent(k) < f32::MAX / 2.0);
+            if reach >= POSED_LIMIT || !is_padded {
                 return Err(PoseError::Range { row });
             }
         }

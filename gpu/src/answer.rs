@@ -85,6 +85,7 @@ impl Answer {
         self.late.clear();
         self.count = 0;
         self.report = Report::default();
+        self.engine.forget_times();
     }
 
     pub(crate) fn new(engine: Engine) -> Self {
@@ -121,7 +122,10 @@ impl Answer {
         first: Run,
         want: Want,
     ) -> Result<(), Error> {
-        self.clear();
+        self.pairs.clear();
+        self.late.clear();
+        self.count = 0;
+        self.report = Report::default();
         let mut waiting = parts;
         let mut part = waiting.pop().unwrap_or_default();
         let mut run = first;

@@ -122,7 +122,7 @@ impl Deforming {
         self.clock.as_ref().map_or(Ok(Vec::new()), |clock| clock.read(&self.gpu))
     }
 
-    /// Moves the vertices and refits the BVH. On error nothing has changed.
+    /// Moves the vertices and refits the BVH. On [`Error::Mesh`] nothing has changed.
     ///
     /// # Errors
     /// [`Error::Mesh`] if a coordinate is not finite or the number of vertices differs.

@@ -106,6 +106,13 @@ impl Engine {
         Ok(())
     }
 
+    /// What was asked last took no pass.
+    pub(crate) fn forget_times(&mut self) {
+        if let Some(clock) = &mut self.clock {
+            clock.forget();
+        }
+    }
+
     /// The passes of the last run and their times.
     pub(crate) fn timings(&self) -> Result<Vec<Timing>, Error> {
         self.clock.as_ref().map_or(Ok(Vec::new()), |clock| clock.read(&self.gpu))
@@ -113,14 +120,17 @@ impl Engine {
 
     /// Makes two models those of the runs to come.
     pub(crate) fn bind(&mut self, a: &Model, b: &Model) -> Result<(), Error> {
+        if [a.device, b.device] != [self.gpu.id(); 2] {
+            return Err(Error::OtherDevice);
+        }
         if self.meshes.as_ref().is_none_or(|bound| bound.ids != [a.id, b.id]) {
             self.meshes = Some(Meshes::new(&self.gpu, a, b)?);
         }
         Ok(())
     }
 
-    /// Records a run, and copies of so many hits, sorted or not, and so many of the rest. Parameters reach the device
-    /// with the next submission.
+    /// Records a run, and copies of so many hits, sorted or not, and so many of the rest. Parameters
+    /// reach the device with the next submission.
     pub(crate) fn record(
         &mut self,
         encoder: &mut CommandEncoder,

@@ -74,6 +74,9 @@ pub enum Error {
         /// What went wrong.
         reason: String,
     },
+    /// A model was uploaded through another `Gpu`.
+    #[error("the model was uploaded through another Gpu: upload it through the one of the query")]
+    OtherDevice,
     /// The commands that were recorded have not been submitted.
     #[error("submit the encoder that the query was recorded into before reading its answer")]
     NotSubmitted,

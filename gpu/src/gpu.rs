@@ -3,6 +3,7 @@
 use crate::pass::Pass;
 use crate::{Budget, Error, Settings, clock, moving, probe};
 use pfront_shaders::{DEAL, DECIDE, EXPAND, NARROW, SAMPLE, SEED, SETTLE};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wgpu::{Device, Queue};
 
@@ -21,6 +22,8 @@ pub struct Gpu {
 
 #[derive(Debug)]
 struct Shared {
+    /// Of the device: buffers of one look to wgpu like those of another.
+    id: u64,
     device: Device,
     queue: Queue,
     passes: Passes,
@@ -84,12 +87,15 @@ impl Gpu {
         }));
         let seen = failure.clone();
         device.set_device_lost_callback(move |_, reason| {
-            note(&seen, Error::DeviceLost { reason });
+            // Whatever else is a consequence.
+            *seen.lock().unwrap_or_else(PoisonError::into_inner) =
+                Some(Error::DeviceLost { reason });
         });
         Self::with_failure(device, queue, failure)
     }
 
-    /// Works on a device of the caller's, so that a frame can use the results where they are.
+    /// Works on a device of the caller's, so that a frame can use the results where they are. Set its
+    /// handlers, `on_uncaptured_error` and `set_device_lost_callback`: wgpu panics without.
     ///
     /// # Errors
     /// [`Error::Limit`] if it was requested with less than the default limits of WebGPU;
@@ -100,11 +106,16 @@ impl Gpu {
 
     fn with_failure(device: Device, queue: Queue, failure: Failure) -> Result<Self, Error> {
         check_limits(&device.limits())?;
-        let arithmetic = probe::arithmetic(&device, &queue)?;
-        Self::assemble(device, queue, arithmetic, failure)
+        // If a shader does not compile, that is what went wrong.
+        let arithmetic = probe::arithmetic(&device, &queue)
+            .map_err(|error| reported(&failure).unwrap_or(error))?;
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let id = NEXT.fetch_add(1, Ordering::Relaxed);
+        Self::assemble(id, device, queue, arithmetic, failure)
     }
 
     fn assemble(
+        id: u64,
         device: Device,
         queue: Queue,
         arithmetic: Arithmetic,
@@ -121,19 +132,20 @@ impl Gpu {
             settle: pass(&SETTLE)?,
         };
         let moving = OnceLock::new();
-        let shared = Arc::new(Shared { device, queue, passes, moving, arithmetic, failure });
+        let shared = Arc::new(Shared { id, device, queue, passes, moving, arithmetic, failure });
         let gpu = Self { shared };
         gpu.check()?;
         Ok(gpu)
     }
 
-    /// The same device, with posed positions computed otherwise. Integers are right on every adapter.
+    /// The same device, with posed positions computed otherwise. Integers are right on every adapter; what
+    /// the test of the adapter has refused is not, and serves to try it.
     ///
     /// # Errors
     /// [`Error::Device`] if a shader does not compile.
     pub fn with_arithmetic(&self, arithmetic: Arithmetic) -> Result<Self, Error> {
-        let Shared { device, queue, failure, .. } = &*self.shared;
-        Self::assemble(device.clone(), queue.clone(), arithmetic, failure.clone())
+        let Shared { id, device, queue, failure, .. } = &*self.shared;
+        Self::assemble(*id, device.clone(), queue.clone(), arithmetic, failure.clone())
     }
 
     /// The device.
@@ -176,10 +188,23 @@ impl Gpu {
         self.shared.moving.get_or_init(compile).clone()
     }
 
+    /// Which device this is, of those of the process.
+    pub(crate) fn id(&self) -> u64 {
+        self.shared.id
+    }
+
     /// Reports what has gone wrong on the device, if anything has.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let failure = self.shared.failure.lock().unwrap_or_else(PoisonError::into_inner);
-        failure.clone().map_or(Ok(()), Err)
+        reported(&self.shared.failure).map_or(Ok(()), Err)
+    }
+}
+
+/// What has been noted. A loss is for good; of anything else the device recovers.
+fn reported(failure: &Failure) -> Option<Error> {
+    let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
+    match &*failure {
+        Some(Error::DeviceLost { .. }) => failure.clone(),
+        _ => failure.take(),
     }
 }
 

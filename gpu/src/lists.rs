@@ -45,7 +45,7 @@ impl Lists {
             leaves: list("the leaf pairs", capacities.leaves, 8)?,
             hits: list("the results", capacities.hits, 8)?,
             kept: list("the triangle pairs", capacities.kept, 8)?,
-            buckets: list("the buckets", BUCKETS, 16)?,
+            buckets: list("the buckets", BUCKETS, 12)?,
             rest: list("the pairs for the CPU", capacities.rest, size_of::<Rest>())?,
             counters: list("the counters", 1, size_of::<Counters>())?,
             query: gpu.buffer("the query", size_of::<Query>() as u64, Usage::Uniform)?,

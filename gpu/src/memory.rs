@@ -4,7 +4,6 @@ use crate::layout::Query;
 use crate::{Error, Gpu};
 use bytemuck::Pod;
 use wgpu::BufferUsages;
-use wgpu::util::DeviceExt;
 
 /// What a buffer is for.
 #[derive(Clone, Copy, Debug)]
@@ -49,11 +48,22 @@ impl Gpu {
         if contents.is_empty() {
             return self.buffer(what, 0, usage);
         }
-        self.allocate(what, contents.len() as u64, usage, |usage| {
-            let descriptor =
-                wgpu::util::BufferInitDescriptor { label: Some(what), contents, usage };
-            self.device().create_buffer_init(&descriptor)
-        })
+        let size = contents.len() as u64;
+        let buffer = self.allocate(what, size, usage, |usage| {
+            self.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some(what),
+                size,
+                usage,
+                mapped_at_creation: true,
+            })
+        })?;
+        let mut view = buffer
+            .get_mapped_range_mut(..)
+            .map_err(|error| Error::Device { reason: error.to_string() })?;
+        view.copy_from_slice(contents);
+        drop(view);
+        buffer.unmap();
+        Ok(buffer)
     }
 
     fn allocate(
@@ -87,7 +97,8 @@ impl Gpu {
         let buffer = create(usage);
         match pollster::block_on(scope.pop()) {
             Some(_) => Err(Error::OutOfMemory { bytes }),
-            None => Ok(buffer),
+            // A lost device gives buffers too, but no good ones.
+            None => self.check().map(|()| buffer),
         }
     }
 }

@@ -26,6 +26,8 @@ pub(crate) const LEAF: u32 = 1 << 31;
 #[derive(Debug)]
 pub struct Model {
     pub(crate) id: u64,
+    /// The device it is on.
+    pub(crate) device: u64,
     pub(crate) nodes: wgpu::Buffer,
     pub(crate) corners: wgpu::Buffer,
     pub(crate) order: wgpu::Buffer,
@@ -62,6 +64,7 @@ impl Model {
         let root = |node: &Node| if node.is_leaf() { LEAF } else { node.first };
         Ok(Self {
             id: Self::next_id(),
+            device: gpu.id(),
             nodes: gpu.upload("the nodes", bvh.nodes(), Usage::Input)?,
             corners: gpu.upload("the triangles", &corners, Usage::Input)?,
             order: gpu.upload("the order of the triangles", bvh.order(), Usage::Input)?,

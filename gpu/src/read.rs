@@ -2,6 +2,7 @@
 
 use crate::Error;
 use bytemuck::Pod;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::channel;
 use wgpu::{Buffer, BufferUsages, CommandEncoder, Device, Queue};
 
@@ -18,9 +19,13 @@ pub(crate) fn map<T>(
         // The receiver is gone only if polling failed.
         let _ = tell.send(result);
     });
-    device
-        .poll(wgpu::PollType::Wait { submission_index: None, timeout: None })
-        .map_err(|error| failed(error.to_string()))?;
+    let wait = wgpu::PollType::Wait { submission_index: None, timeout: None };
+    // wgpu panics when the device is lost while somebody waits for it.
+    match catch_unwind(AssertUnwindSafe(|| device.poll(wait))) {
+        Ok(Ok(_)) => {}
+        Ok(Err(error)) => return Err(failed(error.to_string())),
+        Err(_) => return Err(Error::DeviceLost { reason: "it was lost while busy".to_owned() }),
+    }
     // If another thread polled at the same time, it is that thread which calls back.
     match told.recv() {
         Ok(Ok(())) => {}
@@ -48,12 +53,16 @@ pub(crate) fn read_now<T: Pod>(
         queue.submit([encoder.finish()]);
         return Ok(Vec::new());
     }
+    let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let staging = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("read-back"),
         size: bytes,
         usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
+    if pollster::block_on(scope.pop()).is_some() {
+        return Err(Error::OutOfMemory { bytes });
+    }
     encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
     queue.submit([encoder.finish()]);
     map(device, &staging, bytes, |view| bytemuck::pod_collect_to_vec(view))

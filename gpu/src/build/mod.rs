@@ -137,6 +137,7 @@ fn model(gpu: &Gpu, shape: Option<Balanced>, bounds: &Aabb) -> Result<Model, Err
     let depth = shape.map_or(0, |shape| shape.depth);
     Ok(Model {
         id: Model::next_id(),
+        device: gpu.id(),
         nodes: buffer("the nodes", size_of::<Node>(), shape.map_or(0, Balanced::nodes))?,
         corners: buffer("the triangles", size_of::<[Corner; 3]>(), triangles)?,
         order: buffer("the order of the triangles", size_of::<u32>(), triangles)?,

@@ -69,6 +69,7 @@ impl Arena {
         let Contents { nodes, corners, order, shapes, owners, tenants } = contents;
         let model = Model {
             id: Model::next_id(),
+            device: gpu.id(),
             nodes: gpu.upload("the nodes", &nodes, Usage::Input)?,
             corners: gpu.upload("the triangles", &corners, Usage::Input)?,
             order: gpu.upload("the order of the triangles", &order, Usage::Input)?,

@@ -2,7 +2,7 @@
 
 use crate::common::{Both, gpu, truth};
 use pfront_core::Pose;
-use pfront_gpu::{Arithmetic, Budget, Error, Gpu, PairQuery, Settings, wgpu};
+use pfront_gpu::{Arithmetic, Budget, Error, Gpu, Model, PairQuery, Settings, wgpu};
 use pfront_oracle::generate::Family;
 use pfront_oracle::generate::soup::{Soup, family, pose_rows, posed, sheet, sphere, tangle};
 use pfront_scenes::{Kind, Scene};
@@ -193,9 +193,28 @@ fn passes_are_timed_if_the_device_can_tell() {
 
 #[test]
 fn a_device_of_the_callers_will_do() {
-    let gpu = Gpu::from_device(gpu().device().clone(), gpu().queue().clone()).unwrap();
+    let own = Gpu::from_device(gpu().device().clone(), gpu().queue().clone()).unwrap();
     let ball = both(&sphere(12));
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
-    let mut query = PairQuery::new(&gpu).unwrap();
-    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap(), truth(&ball, &ball, &pose));
+    let mut query = PairQuery::new(&own).unwrap();
+    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap_err(), Error::OtherDevice);
+    let model = Model::new(&own, ball.bvh()).unwrap();
+    assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
+}
+
+#[test]
+fn a_lost_device_is_an_error_and_another_goes_on() {
+    let lost = Gpu::new().unwrap();
+    let ball = both(&sphere(12));
+    let model = Model::new(&lost, ball.bvh()).unwrap();
+    let mut query = PairQuery::new(&lost).unwrap();
+    let pose = Pose::from_translation([0.3, 0.0, 0.0]);
+    assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
+    lost.device().destroy();
+    assert!(matches!(query.all(&model, &model, &pose), Err(Error::DeviceLost { .. })));
+    assert!(matches!(Model::new(&lost, ball.bvh()), Err(Error::DeviceLost { .. })));
+    let next = Gpu::new().unwrap();
+    let model = Model::new(&next, ball.bvh()).unwrap();
+    let found = PairQuery::new(&next).unwrap().all(&model, &model, &pose).unwrap().to_vec();
+    assert_eq!(found, truth(&ball, &ball, &pose));
 }

@@ -40,6 +40,9 @@ struct Placed {
     reference: u32,
     run: u32,
     is_leaf: bool,
+    // Children come after their parents. What a buffer holds that nothing was written to is no tree, and
+    // not followed: a descent ends whatever it reads.
+    is_sound: bool,
 }
 
 fn placed_a(index: u32) -> Placed {
@@ -53,13 +56,15 @@ fn placed_b(index: u32) -> Placed {
 fn placed_node(side: u32, index: u32, node: Node) -> Placed {
     let box = placed_box(side, Box(node.min, node.max));
     let is_leaf = node.count != 0u;
-    return Placed(box, select(node.first, index | LEAF, is_leaf), leaf_run(node), is_leaf);
+    let is_sound = is_leaf || node.first > index;
+    let reference = select(node.first, index | LEAF, is_leaf);
+    return Placed(box, reference, leaf_run(node), is_leaf, is_sound);
 }
 
 // Puts a pair of nodes in its place, if their boxes overlap: in a stretch of the queue that has room for
 // so many.
 fn visit(a: Placed, b: Placed, half: u32, room: u32) {
-    if !overlap(a.box, b.box) {
+    if !overlap(a.box, b.box) || !a.is_sound || !b.is_sound {
         return;
     }
     if a.is_leaf & b.is_leaf & (step.keep_leaves == 0u) {
@@ -98,7 +103,8 @@ fn visit_children(pair: vec2u, which: u32, half: u32, room: u32) {
 
 // Descends from what is in the queue.
 fn descend(lane: u32) {
-    if step.pass_index == (query.last_pass ^ nothing) {
+    // Told, for lavapipe builds conditions on uniforms into shaders (see `nothing`).
+    if tell(lane, step.pass_index) == query.last_pass {
         finish(lane);
     } else {
         descend_some_levels(lane);
@@ -158,7 +164,10 @@ fn finish(lane: u32) {
             if lane == 0u {
                 atomicStore(&found_count, 0u);
             }
-            workgroupBarrier();
+            // The host drops a run that overflows: no need to go on.
+            if tell(lane, atomicLoad(&counters.overflow)) != 0u {
+                break;
+            }
         }
     }
 }

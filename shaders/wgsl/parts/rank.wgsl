@@ -3,44 +3,27 @@
 
 const RANKED = max(BUCKET, BUCKETS);
 
-// Two hits in each. No hit is there twice.
-var<workgroup> ranked: array<vec4u, RANKED / 2>;
+// No hit is there twice.
+var<workgroup> ranked: array<vec2u, RANKED>;
 
-fn put_ranked(index: u32, hit: vec2u) {
-    let at = 2u * (index % 2u);
-    ranked[index / 2u][at] = hit.x;
-    ranked[index / 2u][at + 1u] = hit.y;
-}
-
-fn get_ranked(index: u32) -> vec2u {
-    let both = ranked[index / 2u];
-    return select(both.xy, both.zw, index % 2u == 1u);
-}
-
-// What makes the number of hits a multiple of 8: later than any.
+// What makes the number of hits a multiple of 4: later than any.
 fn pad_ranked(lane: u32, length: u32) {
-    if lane < 7u && length + lane < RANKED {
-        put_ranked(length + lane, vec2u(0xffffffffu));
+    if lane < 3u && length + lane < RANKED {
+        ranked[length + lane] = vec2u(0xffffffffu);
     }
 }
 
-// How many of a stretch of hits precede one; the stretch begins at a multiple of 8.
+// How many of a stretch of hits precede one; the stretch begins at a multiple of 4.
 fn rank_among(own: vec2u, first: u32, end: u32) -> u32 {
-    var rank = 0u;
-    for (var i = first; i < end; i += 8u) {
-        let at = i / 2u;
-        let four = vec4u(
-            before(ranked[at], own),
-            before(ranked[at + 1u], own),
-            before(ranked[at + 2u], own),
-            before(ranked[at + 3u], own),
+    var rank = vec4u(0u);
+    for (var i = first; i < end; i += 4u) {
+        let four = vec4<bool>(
+            precedes(ranked[i], own),
+            precedes(ranked[i + 1u], own),
+            precedes(ranked[i + 2u], own),
+            precedes(ranked[i + 3u], own),
         );
-        rank += four.x + four.y + four.z + four.w;
+        rank += select(vec4u(0u), vec4u(1u), four);
     }
-    return rank;
-}
-
-// How many of two hits precede another.
-fn before(two: vec4u, own: vec2u) -> u32 {
-    return select(0u, 1u, precedes(two.xy, own)) + select(0u, 1u, precedes(two.zw, own));
+    return rank.x + rank.y + rank.z + rank.w;
 }

@@ -21,7 +21,7 @@ fn narrow(
     }
     let length = tell(lane, min(atomicLoad(&counters.leaves), query.leaf_capacity));
     // An invocation takes one triangle of the first leaf against all of the second.
-    let batch = GROUP / query.leaf_size;
+    let batch = max(GROUP / query.leaf_size, 1u);
     var next = group.x * batch;
     loop {
         var ready = tell(lane, atomicLoad(&waiting_count));

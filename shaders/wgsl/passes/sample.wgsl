@@ -11,9 +11,9 @@ fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
         let stretch = i * (count / BUCKETS) + i * (count % BUCKETS) / BUCKETS;
         let at = select(stretch, i, count < BUCKETS);
         if at < count {
-            put_ranked(i, hits[at]);
+            ranked[i] = hits[at];
         } else {
-            put_ranked(i, vec2u(0xffffffffu, i));
+            ranked[i] = vec2u(0xffffffffu, i);
         }
     }
     let mine = lane / RANKERS;
@@ -22,7 +22,7 @@ fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
         atomicStore(&ranks[mine], 0u);
     }
     workgroupBarrier();
-    let own = get_ranked(group.x * (GROUP / RANKERS) + mine);
+    let own = ranked[group.x * (GROUP / RANKERS) + mine];
     const PART = BUCKETS / RANKERS;
     atomicAdd(&ranks[mine], rank_among(own, part * PART, (part + 1u) * PART));
     workgroupBarrier();

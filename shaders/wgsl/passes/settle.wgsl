@@ -28,12 +28,12 @@ fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
         return;
     }
     for (var i = lane; i < size; i += GROUP) {
-        put_ranked(i, kept[group.x * room() + i]);
+        ranked[i] = kept[group.x * room() + i];
     }
     pad_ranked(lane, size);
     workgroupBarrier();
     for (var i = lane; i < size; i += GROUP) {
-        let own = get_ranked(i);
+        let own = ranked[i];
         hits[start + rank_among(own, 0u, size)] = own;
     }
 }
