@@ -8,7 +8,8 @@ var<workgroup> undecided_count: atomic<u32>;
 // For each team: its corners, whether they are in doubt, the bits of each axis, and the signs of two
 // rounds.
 var<workgroup> corners: array<Corner, TEAMS * POINTS>;
-var<workgroup> doubts: array<bool, TEAMS * POINTS>;
+// (As numbers: an H200 reads false from a truth value in workgroup memory.)
+var<workgroup> doubts: array<u32, TEAMS * POINTS>;
 var<workgroup> widths: array<u32, TEAMS * 3>;
 var<workgroup> first_signs: array<i32, TEAMS * POINTS>;
 var<workgroup> second_signs: array<i32, TEAMS * TEAM>;
@@ -97,7 +98,7 @@ fn decide_in_integers(lane: u32, first: u32, count: u32) {
     if is_busy && member < POINTS {
         doubt = false;
         corners[team * POINTS + member] = placed_corner(slots, member);
-        doubts[team * POINTS + member] = doubt;
+        doubts[team * POINTS + member] = select(0u, 1u, doubt);
     }
     workgroupBarrier();
     if is_busy && member < 3u {
@@ -166,7 +167,7 @@ fn pair_of(team: u32) -> Pair {
 
 fn fit_in_integers(team: u32) -> bool {
     for (var i = 0u; i < POINTS; i++) {
-        if doubts[team * POINTS + i] {
+        if doubts[team * POINTS + i] != 0u {
             return false;
         }
     }
