@@ -171,7 +171,7 @@ impl Gpu {
     pub fn settings(&self) -> Settings {
         let cpu = self.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
         // On a GPU, enough to fill the largest; on a CPU, a few for each core.
-        let groups = if cpu { 16 } else { 512 };
+        let groups = if cpu { 64 } else { 512 };
         Settings { depth: 7, groups, budget: Budget::default() }
     }
 

@@ -55,6 +55,9 @@ constants! {
     AXIS_BITS = 10;
     /// Slots for the triangles that a workgroup arranges at once.
     BLOCK = 512;
+    /// Rounds of work that a workgroup does in a pass before it gives up and the host divides the run. Mesa's
+    /// lavapipe ends every loop of an invocation, without a word, after 65,535 turns of all its loops.
+    MOST_ROUNDS = 800;
     /// A front was too small.
     FRONT_OVERFLOW = 1;
     /// The list of leaf pairs was too small.
@@ -65,6 +68,8 @@ constants! {
     KEPT_OVERFLOW = 8;
     /// The list of triangle pairs for the CPU was too small.
     REST_OVERFLOW = 16;
+    /// A workgroup would have taken more than MOST_ROUNDS.
+    WORK_OVERFLOW = 32;
 }
 
 /// All of them in WGSL.

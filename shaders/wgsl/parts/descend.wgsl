@@ -101,15 +101,18 @@ fn visit_children(pair: vec2u, which: u32, half: u32, room: u32) {
     visit(placed_a(child.x), placed_b(child.y), half, room);
 }
 
-// Descends from what is in the queue.
-fn descend(lane: u32) {
+// Descends from what is in the queue, after so many rounds; how many it was in the end.
+fn descend(lane: u32, before: u32) -> u32 {
+    var rounds = before;
     // Told, for lavapipe builds conditions on uniforms into shaders (see `nothing`).
     if tell(lane, step.pass_index) == query.last_pass {
-        finish(lane);
+        rounds = finish(lane, before);
     } else {
         descend_some_levels(lane);
+        rounds += query.levels;
     }
     write_leaf_pairs(lane);
+    return rounds;
 }
 
 fn descend_some_levels(lane: u32) {
@@ -137,12 +140,18 @@ fn descend_some_levels(lane: u32) {
 
 // The last pass goes to the bottom, from pairs on top of a stack: so few of them at once that their
 // children have room.
-fn finish(lane: u32) {
+fn finish(lane: u32, before: u32) -> u32 {
+    var rounds = before;
     loop {
         let size = tell(lane, min(atomicLoad(&queued[0]), 2u * QUEUE));
         if size == 0u {
             break;
         }
+        if rounds >= MOST_ROUNDS {
+            overflowed(WORK_OVERFLOW);
+            break;
+        }
+        rounds++;
         let taken = clamp((2u * QUEUE - size) / 3u, 1u, min(size, GROUP));
         var pairs: array<vec2u, 4>;
         for (var i = 0u; i < 4u; i++) {
@@ -170,6 +179,7 @@ fn finish(lane: u32) {
             }
         }
     }
+    return rounds;
 }
 
 // Empties a half of the queue into global memory.

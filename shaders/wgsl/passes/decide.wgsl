@@ -28,9 +28,16 @@ fn decide(
     let length = tell(lane, min(atomicLoad(&counters.kept), query.kept_capacity));
     let mine = share(length, group.x, groups.x);
     var next = 0u;
+    var rounds = 0u;
     loop {
+        rounds++;
+        if rounds > MOST_ROUNDS {
+            overflowed(WORK_OVERFLOW);
+            break;
+        }
         var ready = tell(lane, atomicLoad(&undecided_count));
-        while ready < TEAMS && next < mine {
+        while ready < TEAMS && next < mine && rounds < MOST_ROUNDS {
+            rounds++;
             if next + lane < mine {
                 decide_in_f32(kept[group.x + (next + lane) * groups.x]);
             }
@@ -43,6 +50,9 @@ fn decide(
             make_room(lane, GROUP);
         }
         if ready == 0u {
+            if next < mine {
+                overflowed(WORK_OVERFLOW);
+            }
             break;
         }
         let taken = min(ready, TEAMS);

@@ -9,7 +9,12 @@ fn expand(
     nothing = group.z;
     let length = tell(lane, min(atomicLoad(&counters.fronts[step.pass_index]), query.front_capacity));
     let mine = share(length, group.x, groups.x);
+    var rounds = 0u;
     for (var done = 0u; done < mine; done += CHUNK) {
+        if rounds >= MOST_ROUNDS {
+            overflowed(WORK_OVERFLOW);
+            break;
+        }
         clear_queues(lane);
         let pairs = min(CHUNK, mine - done);
         if lane < pairs {
@@ -19,7 +24,7 @@ fn expand(
             atomicStore(&queued[0], pairs);
         }
         workgroupBarrier();
-        descend(lane);
+        rounds = descend(lane, rounds);
         workgroupBarrier();
     }
 }

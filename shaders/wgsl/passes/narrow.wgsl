@@ -23,9 +23,11 @@ fn narrow(
     // An invocation takes one triangle of the first leaf against all of the second.
     let batch = max(GROUP / query.leaf_size, 1u);
     var next = group.x * batch;
+    var rounds = 0u;
     loop {
         var ready = tell(lane, atomicLoad(&waiting_count));
-        while ready < GROUP && next < length {
+        while ready < GROUP && next < length && rounds < 4u * MOST_ROUNDS {
+            rounds++;
             let own = lane / query.leaf_size;
             if own < batch && next + own < length {
                 test_boxes(leaves[next + own], lane % query.leaf_size);
@@ -43,6 +45,11 @@ fn narrow(
             atomicStore(&waiting_count, ready - taken);
         }
         let staying = tell(lane, atomicLoad(&stay_count));
+        rounds++;
+        if rounds >= 4u * MOST_ROUNDS {
+            overflowed(WORK_OVERFLOW);
+            break;
+        }
         let is_last = next >= length && ready == taken;
         if staying > STAY - GROUP || is_last {
             write_staying(lane, staying);

@@ -9,7 +9,12 @@ fn seed(
 ) {
     nothing = group.z;
     let mine = share(query.seeds.x * query.seeds.y, group.x, groups.x);
+    var rounds = 0u;
     for (var done = 0u; done < mine; done += GROUP) {
+        if rounds >= MOST_ROUNDS {
+            overflowed(WORK_OVERFLOW);
+            break;
+        }
         clear_queues(lane);
         if done + lane < mine {
             let product = group.x + (done + lane) * groups.x;
@@ -19,7 +24,7 @@ fn seed(
             }
         }
         workgroupBarrier();
-        descend(lane);
+        rounds = descend(lane, rounds);
         workgroupBarrier();
     }
 }
