@@ -77,8 +77,7 @@ impl Pose {
             };
             let reach = (0..3).fold(entries[3].abs(), |sum, k| sum + entries[k].abs() * extent(k));
             // Nor may a padded extent overflow before it is scaled: infinity times a zero is no number.
-            let is_padded = (0..3).all(|k| extent(k) < f32::MAX / 2.0);
-            if reach >= POSED_LIMIT || !is_padded {
+            if reach >= POSED_LIMIT || extent(row) >= f32::MAX / 2.0 {
                 return Err(PoseError::Range { row });
             }
         }
