@@ -82,11 +82,6 @@ impl Bounds {
     }
 
     #[inline]
-    pub(crate) fn of(t: &[Vec3A; 3]) -> Self {
-        Self { min: t[0].min(t[1]).min(t[2]), max: t[0].max(t[1]).max(t[2]) }
-    }
-
-    #[inline]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
     }

@@ -1,13 +1,18 @@
 #![no_std]
 #![doc = "The allocation-free heart of `pfront`."]
 
+#[cfg(feature = "std")]
+extern crate std;
+
 pub mod aabb;
 pub mod build;
 pub mod bvh;
 mod error;
 pub mod front;
+mod lanes;
 pub mod mesh;
 pub mod partition;
+mod place;
 pub mod pose;
 pub mod predicates;
 pub mod query;

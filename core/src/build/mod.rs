@@ -27,7 +27,7 @@ pub struct BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { leaf_size: 4 }
+        Self { leaf_size: 8 }
     }
 }
 

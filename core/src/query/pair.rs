@@ -1,7 +1,8 @@
 //! Two meshes, one or both of them posed.
 
 use super::{Cursor, NodePair, Query, TrianglePair};
-use crate::pose::{InPlace, Place, PoseError};
+use crate::place::{InPlace, Place};
+use crate::pose::PoseError;
 use crate::triangle::{Accuracy, Contact, contact};
 use crate::walk::{Bvtt, PairTree, Side, Visit, walk};
 use crate::{Aabb, Bvh, Node, Pose};

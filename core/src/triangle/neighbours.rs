@@ -12,8 +12,9 @@
 use super::flat::{order, proper, segment_meets};
 use super::{Accuracy, certain, intersects};
 use crate::Mesh;
-use crate::predicates::{Exact, Fast, Filtered, Kernel, Point};
+use crate::predicates::{Exact, Fast, Filtered, Kernel, Point, difference};
 use core::cmp::Ordering;
+use glam::DVec3;
 
 /// Which pairs of triangles of one mesh a self-collision query looks at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -137,6 +138,9 @@ fn vertex_rule<K: Kernel>(
     b: &[Point; 3],
     corners: [usize; 2],
 ) -> Result<bool, K::Undecided> {
+    if corners == [1, 1] && parted_at_vertex(a, b) {
+        return Ok(false);
+    }
     // With both free corners of one strictly on one side of the other's plane, the planes cut each
     // triangle in the common vertex alone: neighbours in a smooth surface end here.
     for (t, free) in [(b, a), (a, b)] {
@@ -160,9 +164,46 @@ fn vertex_rule<K: Kernel>(
     Ok(false)
 }
 
+/// Whether some plane through the common vertex, the first corner, surely parts two triangles: all other
+/// corners of one are strictly above it and those of the other below. That settles neighbours in a
+/// plane, which no side of their own planes does.
+///
+/// The plane may be any; this one is normal to the directions of one triangle minus those of the other.
+/// Its height over a corner is off by less than (1+u)^4 − 1 of the sum of the three products, u = 2^-53.
+fn parted_at_vertex(a: &[Point; 3], b: &[Point; 3]) -> bool {
+    let edges = [&a[1], &a[2], &b[1], &b[2]].map(|p| difference(p, &a[0]));
+    // An edge of no length has a direction that is no number, and nothing is above such a plane.
+    let [p, q, r, s] = edges.map(|e| e / e.abs().element_sum());
+    let normal = (p + q) - (r + s);
+    let least = |e: DVec3| normal.dot(e) - 4.5e-16 * normal.abs().dot(e.abs());
+    least(edges[0]) > 0.0
+        && least(edges[1]) > 0.0
+        && least(-edges[2]) > 0.0
+        && least(-edges[3]) > 0.0
+}
+
+/// Whether the triangle `a` and the corner `d` are surely on different sides of the plane through the
+/// first edge of `a` at a right angle to it, or as nearly so as comes out.
+///
+/// The six products of det(f − e, normal, x − e) are off by less than (1+u)^7 − 1 each.
+fn parted_at_edge(a: &[Point; 3], d: &Point) -> bool {
+    let [edge, c, d] = [&a[1], &a[2], d].map(|p| difference(p, &a[0]));
+    let normal = edge.cross(c);
+    let across = edge.cross(normal);
+    let unit = 4.8e-15 * edge.abs().max_element() * normal.abs().max_element();
+    let sure = |x: DVec3| {
+        let height = across.dot(x);
+        if height.abs() > unit * x.abs().max_element() { height } else { 0.0 }
+    };
+    sure(c) * sure(d) < 0.0
+}
+
 /// A common edge e–f in the first two corners of both; `c` and `d` are the third corners.
 fn edge_rule<K: Kernel>(a: &[Point; 3], b: &[Point; 3]) -> Result<bool, K::Undecided> {
     let ([e, f, c], d) = (*a, b[2]);
+    if parted_at_edge(a, &d) {
+        return Ok(false);
+    }
     if K::orient3d(&e, &f, &c, &d)? != 0 {
         return Ok(false);
     }

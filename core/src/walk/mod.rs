@@ -13,9 +13,9 @@ pub(crate) use pair::{PairTree, Side};
 pub(crate) use within::SelfTree;
 
 use crate::aabb::Bounds;
-use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE};
+use crate::bvh::MAX_DEPTH;
+use crate::lanes::{Blocks, Family, Simd, Task, widest};
 use core::ops::ControlFlow;
-use glam::Vec3A;
 
 /// A BVTT node: a node of the first BVH and one of the second.
 #[repr(C)]
@@ -59,14 +59,18 @@ pub struct Work {
     pub triangle_tests: u64,
 }
 
-/// Most node pairs a stack can hold. A step takes one pair and puts back at most four that lie a level
-/// deeper, so each level leaves at most three behind; both trees descend together until one reaches a
-/// leaf and the other goes on, which makes no more levels than the deeper tree has.
-const STACK: usize = 3 * MAX_DEPTH + 1;
+/// With more node pairs pending than this, steps go down one level instead of two.
+const FULL: usize = 64;
+
+/// Most node pairs a stack can hold. A step of two levels takes one of at most [`FULL`] + 1 and puts back
+/// at most 16. A step of one level puts back at most four that lie a level deeper, so each level leaves
+/// at most three behind; both trees descend together until one reaches a leaf and the other goes on,
+/// which makes no more levels than the deeper tree has.
+const STACK: usize = FULL + 16 + 3 * MAX_DEPTH;
 
 /// Where a query stands: start one with `start`, pass it to `page` or `visit` until nothing is left.
 ///
-/// Below 1.6 KiB, no allocation; a copy is a bookmark. It belongs to the query that made it.
+/// Below 2.2 KiB, no allocation; a copy is a bookmark. It belongs to the query that made it.
 #[derive(Clone, Copy, Debug)]
 pub struct Cursor {
     stack: [NodePair; STACK],
@@ -141,11 +145,16 @@ pub(crate) trait Bvtt {
     /// Hands on every child and its boxes, in ascending order; returns the number of box tests.
     fn children(&self, n: NodePair, push: impl FnMut(NodePair, [&Bounds; 2])) -> u32;
 
+    /// Hands on the overlapping pairs of what lies two levels below, see [`Family`]; returns the number
+    /// of box tests.
+    fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32;
+
     /// Visits the triangle pairs of a leaf pair that meet, without the first `skip` combinations.
     /// `Break` carries how many are done.
-    fn leaf(
+    fn leaf<S: Simd>(
         &self,
         n: NodePair,
+        kept: &mut [Blocks; 2],
         skip: u32,
         work: &mut Work,
         visit: &mut Visit<'_>,
@@ -156,26 +165,26 @@ pub(crate) trait Bvtt {
 /// code, and a hit costs far more to find than to hand on.
 pub(crate) type Visit<'v> = dyn FnMut(TrianglePair) -> ControlFlow<()> + 'v;
 
-/// The boxes of the triangles of one leaf that reach the other; those that do not are empty.
-struct LeafBoxes([Bounds; MAX_LEAF_SIZE as usize]);
-
-impl LeafBoxes {
-    #[inline]
-    fn new(triangles: &[u32], other: &Bounds, corners: impl Fn(u32) -> [Vec3A; 3]) -> Self {
-        let mut boxes = [Bounds::EMPTY; MAX_LEAF_SIZE as usize];
-        for (slot, &triangle) in boxes.iter_mut().zip(triangles) {
-            let bounds = Bounds::of(&corners(triangle));
-            if bounds.overlaps(other) {
-                *slot = bounds;
-            }
+/// The overlapping pairs of two families: of each node of the second with the first's in `lanes` of it.
+#[inline(always)]
+fn family_pairs(
+    [a, b]: [&Family; 2],
+    lanes: impl Fn(usize) -> u32,
+    mut push: impl FnMut(NodePair),
+) {
+    for (row, &node) in b.nodes().iter().enumerate() {
+        let mut found = a.boxes.overlapping(&b.boxes.splat(row)) & lanes(row);
+        while found != 0 {
+            push(NodePair { a: a.nodes()[found.trailing_zeros() as usize], b: node });
+            found &= found - 1;
         }
-        Self(boxes)
     }
+}
 
-    #[inline]
-    fn overlap(&self, triangle: usize, bounds: &Bounds) -> bool {
-        self.0[triangle].overlaps(bounds)
-    }
+/// Of 64 combinations, those without the first `skip`.
+#[inline]
+fn after(skip: u32) -> u64 {
+    u64::MAX.checked_shl(skip).unwrap_or(0)
 }
 
 /// Goes on from `cursor` until `visit` breaks or nothing is left.
@@ -184,18 +193,41 @@ pub(crate) fn walk<T: Bvtt>(
     cursor: &mut Cursor,
     visit: &mut Visit<'_>,
 ) -> ControlFlow<()> {
-    while let Some(n) = cursor.pop() {
-        if tree.is_leaf(n) {
-            let skip = core::mem::take(&mut cursor.skip);
-            if let ControlFlow::Break(done) = tree.leaf(n, skip, &mut cursor.work, visit) {
-                cursor.push(n);
-                cursor.skip = done;
-                return ControlFlow::Break(());
+    widest(Walk { tree, cursor, visit })
+}
+
+/// A walk yet to be done.
+struct Walk<'w, 'v, T> {
+    tree: &'w T,
+    cursor: &'w mut Cursor,
+    visit: &'w mut Visit<'v>,
+}
+
+impl<T: Bvtt> Task for Walk<'_, '_, T> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self) -> ControlFlow<()> {
+        let Self { tree, cursor, visit } = self;
+        let mut kept = [Blocks::EMPTY; 2];
+        while let Some(n) = cursor.pop() {
+            if tree.is_leaf(n) {
+                let skip = core::mem::take(&mut cursor.skip);
+                let found = tree.leaf::<S>(n, &mut kept, skip, &mut cursor.work, visit);
+                if let ControlFlow::Break(done) = found {
+                    cursor.push(n);
+                    cursor.skip = done;
+                    return ControlFlow::Break(());
+                }
+            } else {
+                let tests = if cursor.len <= FULL {
+                    tree.grandchildren(n, |below| cursor.push(below))
+                } else {
+                    tree.children(n, |child, _| cursor.push(child))
+                };
+                cursor.work.box_tests += u64::from(tests);
             }
-        } else {
-            let tests = tree.children(n, |child, _| cursor.push(child));
-            cursor.work.box_tests += u64::from(tests);
         }
+        ControlFlow::Continue(())
     }
-    ControlFlow::Continue(())
 }

@@ -1,9 +1,10 @@
 //! The BVTT of two meshes.
 
-use super::{Bvtt, LeafBoxes, NodePair, TrianglePair, Visit, Work};
+use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, family_pairs};
 use crate::aabb::Bounds;
 use crate::bvh::Node;
-use crate::pose::Placement;
+use crate::lanes::{Blocks, Family, LANES, Simd};
+use crate::place::Placement;
 use crate::triangle::{Accuracy, intersects};
 use crate::{Bvh, Triangle};
 use core::ops::ControlFlow;
@@ -43,18 +44,16 @@ impl<'a, P: Placement> Side<'a, P> {
         self.bounds(self.node(node))
     }
 
+    /// The triangles of a leaf.
     #[inline]
-    pub(crate) fn corners(&self, triangle: u32) -> [Vec3A; 3] {
-        let mesh = self.bvh.mesh();
-        let corner = |v: u32| self.place.point(Vec3A::from_array(mesh.positions()[v as usize]));
-        let [p, q, r] = mesh.triangles()[triangle as usize];
-        [corner(p), corner(q), corner(r)]
+    fn leaf(&self, node: u32) -> &'a [u32] {
+        self.bvh.leaf_triangles(self.node(node))
     }
 
-    #[inline]
+    /// The placed corners of a triangle.
     pub(crate) fn triangle(&self, triangle: u32) -> Triangle {
-        let [p, q, r] = self.corners(triangle);
-        [p.to_array(), q.to_array(), r.to_array()]
+        let corner = |p: [f32; 3]| self.place.point(Vec3A::from_array(p)).to_array();
+        self.bvh.mesh().triangle(triangle).map(corner)
     }
 }
 
@@ -113,37 +112,49 @@ impl<A: Placement, B: Placement> Bvtt for PairTree<'_, A, B> {
         }
     }
 
-    #[inline]
-    fn leaf(
+    #[inline(always)]
+    fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
+        let [mut a, mut b] =
+            [Family::below(self.a.bvh.nodes(), n.a), Family::below(self.b.bvh.nodes(), n.b)];
+        a.boxes = self.a.place.boxes(&a.boxes);
+        b.boxes = self.b.place.boxes(&b.boxes);
+        let lanes = a.lanes();
+        family_pairs([&a, &b], |_| lanes, push);
+        (a.nodes().len() * b.nodes().len()) as u32
+    }
+
+    #[inline(always)]
+    fn leaf<S: Simd>(
         &self,
         n: NodePair,
+        [kept_a, kept_b]: &mut [Blocks; 2],
         skip: u32,
         work: &mut Work,
         visit: &mut Visit<'_>,
     ) -> ControlFlow<u32> {
-        let (a_leaf, b_leaf) = (self.a.node(n.a), self.b.node(n.b));
-        let (a_bounds, b_bounds) = (self.a.bounds(a_leaf), self.b.bounds(b_leaf));
-        let own = self.a.bvh.leaf_triangles(a_leaf);
-        let boxes = LeafBoxes::new(own, &b_bounds, |a| self.a.corners(a));
-        for (row, &b) in self.b.bvh.leaf_triangles(b_leaf).iter().enumerate() {
-            let tb = self.b.corners(b);
-            let bounds = Bounds::of(&tb);
-            if !bounds.overlaps(&a_bounds) {
-                continue;
-            }
-            let tb = [tb[0].to_array(), tb[1].to_array(), tb[2].to_array()];
-            for (column, &a) in own.iter().enumerate() {
-                let before = (row * own.len() + column) as u32;
-                if !boxes.overlap(column, &bounds) || before < skip {
-                    continue;
-                }
-                work.triangle_tests += 1;
-                let ta = self.a.triangle(a);
-                if intersects(&ta, &tb, self.accuracy) && visit(TrianglePair { a, b }).is_break() {
-                    return ControlFlow::Break(before + 1);
-                }
+        let (own, others) = (self.a.leaf(n.a), self.b.leaf(n.b));
+        let first = kept_a.get::<S>(n.a, self.a.bvh.mesh(), own, &self.a.place);
+        let second = kept_b.get::<S>(n.b, self.b.bvh.mesh(), others, &self.b.place);
+        let bounds = self.a.bounds_of(n.a);
+        let mut pairs = first.overlapping::<S>(second, &bounds) & after(skip);
+        if pairs == 0 {
+            return ControlFlow::Continue(());
+        }
+        let tested = pairs;
+        pairs = first.undecided::<S, false>(second, pairs);
+        while pairs != 0 {
+            let bit = pairs.trailing_zeros();
+            pairs &= pairs - 1;
+            let (i, j) = (bit as usize % LANES, bit as usize / LANES);
+            if intersects(&first.triangle(i), &second.triangle(j), self.accuracy)
+                && visit(TrianglePair { a: own[i], b: others[j] }).is_break()
+            {
+                // The others count when their turn comes.
+                work.triangle_tests += u64::from((tested & !after(bit + 1)).count_ones());
+                return ControlFlow::Break(bit + 1);
             }
         }
+        work.triangle_tests += u64::from(tested.count_ones());
         ControlFlow::Continue(())
     }
 }

@@ -4,12 +4,13 @@
 //! two meshes do. Overlapping boxes of neighbours are the rule here, so the walk reaches all of
 //! them; the shared-index rule decides in the leaves.
 
-use super::{Bvtt, LeafBoxes, NodePair, TrianglePair, Visit, Work};
+use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, family_pairs};
 use crate::Bvh;
 use crate::aabb::Bounds;
+use crate::lanes::{Blocks, Family, LANES, Simd};
+use crate::place::InPlace;
 use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
 use core::ops::ControlFlow;
-use glam::Vec3A;
 
 /// One BVH against itself.
 pub(crate) struct SelfTree<'a> {
@@ -71,44 +72,63 @@ impl Bvtt for SelfTree<'_> {
         }
     }
 
-    #[inline]
-    fn leaf(
+    #[inline(always)]
+    fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
+        let a = Family::below(self.bvh.nodes(), n.a);
+        if n.a == n.b {
+            // Each with itself and those before it.
+            family_pairs([&a, &a], |row| (2 << row) - 1, push);
+            return [0, 1, 3, 6][a.nodes().len() - 1];
+        }
+        let b = Family::below(self.bvh.nodes(), n.b);
+        let lanes = a.lanes();
+        family_pairs([&a, &b], |_| lanes, push);
+        (a.nodes().len() * b.nodes().len()) as u32
+    }
+
+    #[inline(always)]
+    fn leaf<S: Simd>(
         &self,
         n: NodePair,
+        [kept_a, kept_b]: &mut [Blocks; 2],
         skip: u32,
         work: &mut Work,
         visit: &mut Visit<'_>,
     ) -> ControlFlow<u32> {
-        let nodes = self.bvh.nodes();
-        let (first, second) = (&nodes[n.a as usize], &nodes[n.b as usize]);
-        let (mesh, first_bounds) = (self.bvh.mesh(), first.bounds());
-        let own = self.bvh.leaf_triangles(first);
-        let corners = |triangle| {
-            let [p, q, r] = mesh.triangle(triangle);
-            [Vec3A::from_array(p), Vec3A::from_array(q), Vec3A::from_array(r)]
-        };
-        let boxes = LeafBoxes::new(own, &second.bounds(), corners);
-        for (row, &b) in self.bvh.leaf_triangles(second).iter().enumerate() {
-            let bounds = Bounds::of(&corners(b));
-            if !bounds.overlaps(&first_bounds) {
-                continue;
-            }
-            // Within one leaf, only what comes before.
-            let own = if n.a == n.b { &own[..row] } else { own };
-            for (column, &a) in own.iter().enumerate() {
-                let before = row as u32 * first.count + column as u32;
-                if !boxes.overlap(column, &bounds) || before < skip {
-                    continue;
-                }
-                work.triangle_tests += 1;
-                let (a, b) = if a < b { (a, b) } else { (b, a) };
-                let meet = self.boxes_only
-                    || intersects_in_mesh(mesh, a, b, self.adjacency, self.accuracy);
-                if meet && visit(TrianglePair { a, b }).is_break() {
-                    return ControlFlow::Break(before + 1);
-                }
+        let (nodes, mesh) = (self.bvh.nodes(), self.bvh.mesh());
+        let own = self.bvh.leaf_triangles(&nodes[n.a as usize]);
+        let others = self.bvh.leaf_triangles(&nodes[n.b as usize]);
+        let first = kept_a.get::<S>(n.a, mesh, own, &InPlace);
+        let second = kept_b.get::<S>(n.b, mesh, others, &InPlace);
+        let bounds = nodes[n.a as usize].bounds();
+        let mut pairs = first.overlapping::<S>(second, &bounds) & after(skip);
+        if n.a == n.b {
+            pairs &= BEFORE;
+        }
+        if pairs == 0 {
+            return ControlFlow::Continue(());
+        }
+        let tested = pairs;
+        if !self.boxes_only {
+            pairs = first.undecided::<S, true>(second, pairs);
+        }
+        while pairs != 0 {
+            let bit = pairs.trailing_zeros();
+            pairs &= pairs - 1;
+            let (i, j) = (own[bit as usize % LANES], others[bit as usize / LANES]);
+            let (a, b) = (i.min(j), i.max(j));
+            let meet =
+                self.boxes_only || intersects_in_mesh(mesh, a, b, self.adjacency, self.accuracy);
+            if meet && visit(TrianglePair { a, b }).is_break() {
+                // The others count when their turn comes.
+                work.triangle_tests += u64::from((tested & !after(bit + 1)).count_ones());
+                return ControlFlow::Break(bit + 1);
             }
         }
+        work.triangle_tests += u64::from(tested.count_ones());
         ControlFlow::Continue(())
     }
 }
+
+/// Pairs of a leaf with itself, each once: of triangle j with those before it.
+const BEFORE: u64 = 0x7f3f_1f0f_0703_0100;

@@ -1,0 +1,133 @@
+//! Eight floats, on any target.
+
+use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Neg, Sub};
+use glam::Vec4;
+
+/// How many floats there are side by side: as many as a leaf may hold triangles.
+pub(crate) const LANES: usize = 8;
+
+/// Eight floats. Every operation rounds as that on one float does, and none is fused.
+pub(crate) trait Simd:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// A truth value a lane.
+    type Mask: BitAnd<Output = Self::Mask>
+        + BitOr<Output = Self::Mask>
+        + BitXor<Output = Self::Mask>;
+
+    fn splat(x: f32) -> Self;
+    fn load(from: &[f32; LANES]) -> Self;
+    fn store(self, to: &mut [f32; LANES]);
+    fn min(self, other: Self) -> Self;
+    fn max(self, other: Self) -> Self;
+    fn abs(self) -> Self;
+    fn le(self, other: Self) -> Self::Mask;
+    fn lt(self, other: Self) -> Self::Mask;
+    fn eq(self, other: Self) -> Self::Mask;
+    fn select(mask: &Self::Mask, yes: Self, no: Self) -> Self;
+    /// A bit a lane.
+    fn bits(mask: Self::Mask) -> u32;
+}
+
+/// What is to be done with the widest registers there are.
+pub(crate) trait Task {
+    type Output;
+    fn run<S: Simd>(self) -> Self::Output;
+}
+
+#[inline]
+pub(crate) fn widest<T: Task>(task: T) -> T::Output {
+    #[cfg(target_arch = "x86_64")]
+    if super::avx::is_here() {
+        return super::avx::run(task);
+    }
+    task.run::<Halves>()
+}
+
+/// Two of glam's `Vec4`, which is SSE2, NEON or wasm's simd128 where the target has it and plain floats
+/// elsewhere.
+#[derive(Clone, Copy)]
+pub(crate) struct Halves(Vec4, Vec4);
+
+#[cfg(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128"))]
+type Mask4 = glam::BVec4A;
+#[cfg(not(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128")))]
+type Mask4 = glam::BVec4;
+
+/// Truth values of [`Halves`].
+#[derive(Clone, Copy)]
+pub(crate) struct HalfMasks(Mask4, Mask4);
+
+macro_rules! in_halves {
+    ($($trait:ident $method:ident $of:ty),*) => {$(
+        impl $trait for $of {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self($trait::$method(self.0, other.0), $trait::$method(self.1, other.1))
+            }
+        }
+    )*};
+}
+
+in_halves!(Add add Halves, Sub sub Halves, Mul mul Halves);
+in_halves!(BitAnd bitand HalfMasks, BitOr bitor HalfMasks, BitXor bitxor HalfMasks);
+
+impl Neg for Halves {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0, -self.1)
+    }
+}
+
+impl Simd for Halves {
+    type Mask = HalfMasks;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Self(Vec4::splat(x), Vec4::splat(x))
+    }
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        let [a, b, c, d, e, f, g, h] = *from;
+        Self(Vec4::new(a, b, c, d), Vec4::new(e, f, g, h))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES]) {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0.to_array(), self.1.to_array());
+        *to = [a, b, c, d, e, f, g, h];
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0), self.1.min(other.1))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0), self.1.max(other.1))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs(), self.1.abs())
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> HalfMasks {
+        HalfMasks(self.0.cmple(other.0), self.1.cmple(other.1))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> HalfMasks {
+        HalfMasks(self.0.cmplt(other.0), self.1.cmplt(other.1))
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> HalfMasks {
+        HalfMasks(self.0.cmpeq(other.0), self.1.cmpeq(other.1))
+    }
+    #[inline(always)]
+    fn select(mask: &HalfMasks, yes: Self, no: Self) -> Self {
+        Self(Vec4::select(mask.0, yes.0, no.0), Vec4::select(mask.1, yes.1, no.1))
+    }
+    #[inline(always)]
+    fn bits(mask: HalfMasks) -> u32 {
+        mask.0.bitmask() | mask.1.bitmask() << 4
+    }
+}
