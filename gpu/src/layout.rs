@@ -5,7 +5,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use pfront_core::Pose;
-use pfront_shaders::constants::{FRONTS, SUBNORMAL_POSE};
+use pfront_shaders::constants::FRONTS;
 
 /// Declares a `#[repr(C)]` struct and the table of its fields, for the comparison.
 macro_rules! shared {
@@ -149,11 +149,5 @@ impl Placement {
             [x, y, z, t.abs() * PADDING + FLUSHED]
         });
         Self { rows: pose.rows, reach }
-    }
-
-    /// What `Query::posed` says of a pose other than the identity.
-    pub(crate) fn posed(pose: &Pose) -> u32 {
-        let is_subnormal = pose.rows.as_flattened().iter().any(|x| x.is_subnormal());
-        if is_subnormal { SUBNORMAL_POSE } else { 1 }
     }
 }

@@ -160,7 +160,7 @@ impl PairQuery {
         self.answer.engine.bind(a, b)?;
         let query = Query {
             sides: [Placement::new(&Pose::IDENTITY), Placement::new(a_from_b)],
-            posed: [0, if posed { Placement::posed(a_from_b) } else { 0 }],
+            posed: [0, u32::from(posed)],
             seeds: [a.seed_count, b.seed_count],
             leaf_size: a.leaf_size,
             ..Query::zeroed()

@@ -36,8 +36,6 @@ constants! {
     TEAMS = GROUP / TEAM;
     /// Triangle pairs that a workgroup gathers before it writes them out.
     RESULTS = 512;
-    /// Of a pose that has subnormal numbers.
-    SUBNORMAL_POSE = 2;
     /// Buckets of the sort of the hits, and hits of the sample that divides them.
     BUCKETS = 1024;
     /// Invocations that rank a hit of the sample.

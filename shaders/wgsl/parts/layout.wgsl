@@ -24,7 +24,7 @@ struct Placement {
 
 struct Query {
     sides: array<Placement, 2>,
-    // Whether each side is posed at all: 0 if not, SUBNORMAL_POSE if by subnormal numbers among others.
+    // Whether each side is posed at all.
     posed: vec2u,
     seeds: vec2u,
     front_capacity: u32,

@@ -51,19 +51,18 @@ fn plus(x: vec3f, y: vec3f) -> vec3f {
     return sum;
 }
 
-// The bits without the sign, which is shifted out: an adapter takes a mask for the absolute value of a
-// number, and flushes it.
+// The bits without the sign. Integers, since an adapter that flushes may do so in comparisons, too.
 fn magnitude(v: vec3f) -> vec3u {
-    return bitcast<vec3u>(v) << vec3u(1u);
+    return bitcast<vec3u>(v) & vec3u(0x7fffffffu);
 }
 
 // Zero or subnormal, or the smallest normal number.
 fn is_small(v: vec3f) -> vec3<bool> {
-    return magnitude(v) <= vec3u(0x1000000u);
+    return magnitude(v) <= vec3u(0x800000u);
 }
 
 fn is_subnormal(v: vec3f) -> vec3<bool> {
-    return magnitude(v) - vec3u(1u) < vec3u(0xffffffu);
+    return magnitude(v) - vec3u(1u) < vec3u(0x7fffffu);
 }
 
 // One operation at a time, in a loop: compilers put every call in line.

@@ -19,20 +19,11 @@ fn rows_of(side: u32) -> Rows {
     );
 }
 
-// Where numbers are flushed, a pose that has subnormal ones is in doubt. The host says so: a shader may
-// find them flushed already (on an H200 it did).
-fn note_subnormal_pose(side: u32) {
-    if ARITHMETIC == FLUSHING {
-        doubt |= query.posed[side] == SUBNORMAL_POSE;
-    }
-}
-
 // To the bit.
 fn placed(side: u32, t: Triangle) -> Triangle {
     if (query.posed[side] ^ nothing) == 0u {
         return t;
     }
-    note_subnormal_pose(side);
     let rows = rows_of(side);
     var own = t;
     for (var i = 0u; i < 3u; i++) {

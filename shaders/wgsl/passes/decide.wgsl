@@ -154,7 +154,6 @@ fn placed_corner(slots: vec2u, member: u32) -> Corner {
     if (query.posed[side] ^ nothing) == 0u {
         return corner;
     }
-    note_subnormal_pose(side);
     return Corner(posed_position(rows_of(side), corner.position), corner.vertex);
 }
 
