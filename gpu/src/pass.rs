@@ -86,10 +86,8 @@ fn shader_module(device: &Device, entry: &str, source: String) -> wgpu::ShaderMo
         label: Some(entry),
         source: wgpu::ShaderSource::Wgsl(source.into()),
     };
-    // SAFETY: every loop of the passes ends. They count to a bound that does not change, halve or
-    // double a number, or, in `expand`, `narrow` and `decide`, take from a list that they or others
-    // have filled in earlier rounds: each round removes at least one entry, and what it adds is a
-    // level deeper in trees of bounded depth, or nothing.
+    // SAFETY: every loop of the passes ends. It counts to a bound that does not change, halves or
+    // doubles a number, or stops after MOST_ROUNDS or NARROW_ROUNDS, whatever trees and lists hold.
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
 }
 

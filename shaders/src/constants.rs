@@ -16,8 +16,8 @@ constants! {
     GROUP = 128;
     /// Node pairs in each half of a workgroup's queue.
     QUEUE = 512;
-    /// Node pairs of a front that a workgroup takes at once: at most a quarter of [`QUEUE`], so that the
-    /// first level cannot overflow it.
+    /// Node pairs of a front that a workgroup takes at once: at most a quarter of [`QUEUE`], so that
+    /// the first level cannot overflow it.
     CHUNK = 128;
     /// Leaf pairs that a workgroup gathers before it writes them out.
     FOUND = 512;
@@ -25,8 +25,8 @@ constants! {
     FRONTS = 66;
     /// The most triangles of a leaf: the core's MAX_LEAF_SIZE.
     MOST_LEAF = 8;
-    /// Triangle pairs that wait in a workgroup until there is one for each invocation: one more batch
-    /// of box tests must fit.
+    /// Triangle pairs that wait in a workgroup until there is one for each invocation: one more
+    /// batch of box tests must fit.
     WAITING = GROUP * (MOST_LEAF + 1);
     /// Triangle pairs that a workgroup gathers of those that a plane does not separate.
     STAY = 2 * GROUP;
@@ -42,8 +42,8 @@ constants! {
     RANKERS = 8;
     /// Hits that a bucket can hold.
     BUCKET = 1024;
-    /// A leaf in the list of leaf pairs: its first slot below this bit, its triangles less one from it
-    /// up.
+    /// A leaf in the list of leaf pairs: its first slot below this bit, its triangles less one from
+    /// it up.
     LEAF_SHIFT = 28;
     /// Values of a digit of the sort.
     DIGITS = 256;
@@ -53,9 +53,12 @@ constants! {
     AXIS_BITS = 10;
     /// Slots for the triangles that a workgroup arranges at once.
     BLOCK = 512;
-    /// Rounds of work that a workgroup does in a pass before it gives up and the host divides the run. Mesa's
-    /// lavapipe ends every loop of an invocation, without a word, after 65,535 turns of all its loops.
+    /// Rounds of work that a workgroup does in a pass before it gives up and the host divides the run.
+    /// Mesa's lavapipe (tried: 22.3.6) counts the turns of all loops of an invocation together, and
+    /// from 65,535 on ends every loop without a word; so many rounds take some 50,000.
     MOST_ROUNDS = 800;
+    /// The same for `narrow`, whose rounds are shorter.
+    NARROW_ROUNDS = 4 * MOST_ROUNDS;
     /// A front was too small.
     FRONT_OVERFLOW = 1;
     /// The list of leaf pairs was too small.
@@ -66,7 +69,7 @@ constants! {
     KEPT_OVERFLOW = 8;
     /// The list of triangle pairs for the CPU was too small.
     REST_OVERFLOW = 16;
-    /// A workgroup would have taken more than MOST_ROUNDS.
+    /// A workgroup had more to do than in the rounds it may take.
     WORK_OVERFLOW = 32;
 }
 

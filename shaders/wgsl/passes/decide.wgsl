@@ -6,9 +6,8 @@
 var<workgroup> undecided: array<vec2u, 2 * GROUP>;
 var<workgroup> undecided_count: atomic<u32>;
 // For each team: its corners, whether they are in doubt, the bits of each axis, and the signs of two
-// rounds.
+// rounds. Doubts are numbers, since an H200 reads false from a truth value in workgroup memory.
 var<workgroup> corners: array<Corner, TEAMS * POINTS>;
-// (As numbers: an H200 reads false from a truth value in workgroup memory.)
 var<workgroup> doubts: array<u32, TEAMS * POINTS>;
 var<workgroup> widths: array<u32, TEAMS * 3>;
 var<workgroup> first_signs: array<i32, TEAMS * POINTS>;
@@ -28,46 +27,40 @@ fn decide(
     let length = tell(lane, min(atomicLoad(&counters.kept), query.kept_capacity));
     let mine = share(length, group.x, groups.x);
     var next = 0u;
-    var rounds = 0u;
-    loop {
-        rounds++;
-        if rounds > MOST_ROUNDS {
+    var left_open = 0u;
+    for (var round = 0u; ; round++) {
+        if round >= MOST_ROUNDS {
             overflowed(WORK_OVERFLOW);
             break;
         }
-        var ready = tell(lane, atomicLoad(&undecided_count));
-        while ready < TEAMS && next < mine && rounds < MOST_ROUNDS {
-            rounds++;
+        let ready = tell(lane, atomicLoad(&undecided_count));
+        if ready < TEAMS && next < mine {
             if next + lane < mine {
                 decide_in_f32(kept[group.x + (next + lane) * groups.x]);
             }
-            workgroupBarrier();
-            if lane == 0u && atomicLoad(&undecided_count) > ready {
-                atomicAdd(&counters.undecided, atomicLoad(&undecided_count) - ready);
-            }
             next += GROUP;
-            ready = tell(lane, atomicLoad(&undecided_count));
-            make_room(lane, GROUP);
-        }
-        if ready == 0u {
-            if next < mine {
-                overflowed(WORK_OVERFLOW);
+            workgroupBarrier();
+        } else if ready > 0u {
+            let taken = min(ready, TEAMS);
+            decide_in_integers(lane, ready - taken, taken);
+            if lane == 0u {
+                atomicStore(&undecided_count, ready - taken);
             }
+            left_open += taken;
+        } else {
             break;
         }
-        let taken = min(ready, TEAMS);
-        decide_in_integers(lane, ready - taken, taken);
-        if lane == 0u {
-            atomicStore(&undecided_count, ready - taken);
-        }
-        make_room(lane, GROUP);
+        make_room(lane);
     }
     write_results(lane);
+    if lane == 0u {
+        atomicAdd(&counters.undecided, left_open);
+    }
 }
 
-// Writes results out unless so many more fit; after a barrier.
-fn make_room(lane: u32, more: u32) {
-    if tell(lane, atomicLoad(&sure) + atomicLoad(&open)) > RESULTS - more {
+// Writes results out unless those of another round fit; after a barrier.
+fn make_room(lane: u32) {
+    if tell(lane, atomicLoad(&sure) + atomicLoad(&open)) > RESULTS - GROUP {
         write_results(lane);
         workgroupBarrier();
         clear_results(lane);

@@ -23,44 +23,42 @@ fn narrow(
     // An invocation takes one triangle of the first leaf against all of the second.
     let batch = max(GROUP / query.leaf_size, 1u);
     var next = group.x * batch;
-    var rounds = 0u;
-    loop {
-        var ready = tell(lane, atomicLoad(&waiting_count));
-        while ready < GROUP && next < length && rounds < 4u * MOST_ROUNDS {
-            rounds++;
+    for (var round = 0u; ; round++) {
+        if round >= NARROW_ROUNDS {
+            overflowed(WORK_OVERFLOW);
+            break;
+        }
+        let ready = tell(lane, atomicLoad(&waiting_count));
+        if ready < GROUP && next < length {
             let own = lane / query.leaf_size;
             if own < batch && next + own < length {
                 test_boxes(leaves[next + own], lane % query.leaf_size);
             }
-            workgroupBarrier();
             next += groups.x * batch;
-            ready = tell(lane, atomicLoad(&waiting_count));
-        }
-        let taken = min(ready, GROUP);
-        if lane < taken {
-            test_planes(waiting[ready - taken + lane]);
-        }
-        workgroupBarrier();
-        if lane == 0u {
-            atomicStore(&waiting_count, ready - taken);
-        }
-        let staying = tell(lane, atomicLoad(&stay_count));
-        rounds++;
-        if rounds >= 4u * MOST_ROUNDS {
-            overflowed(WORK_OVERFLOW);
-            break;
-        }
-        let is_last = next >= length && ready == taken;
-        if staying > STAY - GROUP || is_last {
-            write_staying(lane, staying);
-        }
-        if is_last {
+            workgroupBarrier();
+        } else if ready > 0u {
+            let taken = min(ready, GROUP);
+            if lane < taken {
+                test_planes(waiting[ready - taken + lane]);
+            }
+            workgroupBarrier();
+            if lane == 0u {
+                atomicStore(&waiting_count, ready - taken);
+            }
+            write_staying(lane, STAY - GROUP);
+        } else {
             break;
         }
     }
+    write_staying(lane, 0u);
 }
 
-fn write_staying(lane: u32, count: u32) {
+// Writes what stays if it is more than this; after a barrier.
+fn write_staying(lane: u32, most: u32) {
+    let count = tell(lane, atomicLoad(&stay_count));
+    if count <= most {
+        return;
+    }
     var base = 0u;
     if lane == 0u {
         base = atomicAdd(&counters.kept, count);
