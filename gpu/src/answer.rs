@@ -7,51 +7,19 @@
 //!
 //! [`Budget::LEAST`]: crate::Budget::LEAST
 
-use crate::Error;
 use crate::engine::{Engine, Entry, Found, Run, Start, Task};
 use crate::layout::{Counters, Query, Rest};
 use crate::model::LEAF;
 use crate::read::read_now;
+use crate::{Error, Report};
 use pfront_core::query::TrianglePair;
 use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use pfront_core::{Mesh, Pose};
 use pfront_shaders::constants::HIT_OVERFLOW;
+use wgpu::CommandEncoder;
 
 /// A front this long is split rather than refined. Its children fit in the least front.
 const LONG: usize = 64;
-
-/// What the last answer took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Report {
-    /// Runs of all passes: 1 where the budget holds everything.
-    pub runs: u32,
-    /// The longest front, in node pairs, over all runs; so are the others. Above what the budget
-    /// holds, it is the demand.
-    pub longest_front: u32,
-    /// Leaf pairs.
-    pub leaf_pairs: u32,
-    /// Triangle pairs that boxes and planes did not separate.
-    pub triangle_pairs: u32,
-    /// Those of them that f32 left open.
-    pub undecided: u32,
-    /// Triangle pairs that were left to the CPU.
-    pub on_cpu: u32,
-}
-
-impl Report {
-    fn add(&mut self, counters: &Counters) {
-        self.runs += 1;
-        for (most, now) in [
-            (&mut self.longest_front, counters.longest_front()),
-            (&mut self.leaf_pairs, counters.leaves),
-            (&mut self.triangle_pairs, counters.kept),
-            (&mut self.undecided, counters.undecided),
-            (&mut self.on_cpu, counters.rest),
-        ] {
-            *most = now.max(*most);
-        }
-    }
-}
 
 /// What is wanted of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,15 +47,6 @@ pub(crate) struct Answer {
 }
 
 impl Answer {
-    /// The answer about nothing.
-    pub(crate) fn clear(&mut self) {
-        self.pairs.clear();
-        self.late.clear();
-        self.count = 0;
-        self.report = Report::default();
-        self.engine.forget_times();
-    }
-
     pub(crate) fn new(engine: Engine) -> Self {
         Self {
             engine,
@@ -99,14 +58,34 @@ impl Answer {
         }
     }
 
-    /// How many results to copy with a run.
-    pub(crate) fn copies(&self, want: Want) -> [u32; 2] {
+    /// The answer about nothing.
+    pub(crate) fn clear(&mut self) {
+        self.reset();
+        self.engine.forget_times();
+    }
+
+    fn reset(&mut self) {
+        self.pairs.clear();
+        self.late.clear();
+        self.count = 0;
+        self.report = Report::default();
+    }
+
+    /// Records a run, with copies of as many results as are likely to be wanted.
+    pub(crate) fn record(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        task: &Task,
+        start: Start<'_>,
+        want: Want,
+    ) -> Result<Run, Error> {
         let [hits, rest] = self.expected;
-        match want {
-            Want::All => [hits.saturating_add(hits / 4), rest],
-            Want::Any => [1, rest],
-            Want::Count => [0, rest],
-        }
+        let hits = match want {
+            Want::All => hits.saturating_add(hits / 4),
+            Want::Any => 1,
+            Want::Count => 0,
+        };
+        self.engine.record(encoder, task, start, [hits, rest], want == Want::All)
     }
 
     /// Takes the results of the first run over a task, and sees to it that they are complete.
@@ -122,10 +101,7 @@ impl Answer {
         first: Run,
         want: Want,
     ) -> Result<(), Error> {
-        self.pairs.clear();
-        self.late.clear();
-        self.count = 0;
-        self.report = Report::default();
+        self.reset();
         let mut waiting = parts;
         let mut part = waiting.pop().unwrap_or_default();
         let mut run = first;
@@ -166,8 +142,7 @@ impl Answer {
     /// Records and submits a run.
     pub(crate) fn run(&mut self, task: &Task, start: Start<'_>, want: Want) -> Result<Run, Error> {
         let mut encoder = self.engine.gpu.device().create_command_encoder(&Default::default());
-        let run =
-            self.engine.record(&mut encoder, task, start, self.copies(want), want == Want::All)?;
+        let run = self.record(&mut encoder, task, start, want)?;
         self.engine.gpu.queue().submit([encoder.finish()]);
         Ok(run)
     }

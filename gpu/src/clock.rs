@@ -104,19 +104,19 @@ impl Clock {
         self.marks.clear();
     }
 
-    /// The times of a run that has been submitted.
-    pub(crate) fn read(&self, gpu: &Gpu) -> Result<Vec<Timing>, Error> {
-        if self.marks.is_empty() {
+    /// The times of the last run, which has been submitted; none without a clock.
+    pub(crate) fn read(clock: Option<&Self>, gpu: &Gpu) -> Result<Vec<Timing>, Error> {
+        let Some(Self { marks, read_back, period, .. }) = clock else { return Ok(Vec::new()) };
+        if marks.is_empty() {
             return Ok(Vec::new());
         }
-        let bytes = (self.marks.len() as u64 + 1) * u64::from(wgpu::QUERY_SIZE);
-        let ticks: Vec<u64> =
-            map(gpu.device(), &self.read_back, bytes, bytemuck::pod_collect_to_vec)?;
+        let bytes = (marks.len() as u64 + 1) * u64::from(wgpu::QUERY_SIZE);
+        let ticks: Vec<u64> = map(gpu.device(), read_back, bytes, bytemuck::pod_collect_to_vec)?;
         let time = |pair: &[u64]| {
-            let nanoseconds = pair[1].saturating_sub(pair[0]) as f64 * f64::from(self.period);
+            let nanoseconds = pair[1].saturating_sub(pair[0]) as f64 * f64::from(*period);
             Duration::from_nanos(nanoseconds as u64)
         };
         let times = ticks.windows(2).map(time);
-        Ok(self.marks.iter().zip(times).map(|(&pass, time)| Timing { pass, time }).collect())
+        Ok(marks.iter().zip(times).map(|(&pass, time)| Timing { pass, time }).collect())
     }
 }

@@ -119,7 +119,7 @@ impl Deforming {
     /// # Errors
     /// [`Error::DeviceLost`], [`Error::Device`].
     pub fn timings(&self) -> Result<Vec<Timing>, Error> {
-        self.clock.as_ref().map_or(Ok(Vec::new()), |clock| clock.read(&self.gpu))
+        Clock::read(self.clock.as_ref(), &self.gpu)
     }
 
     /// Moves the vertices and refits the BVH. On [`Error::Mesh`] nothing has changed.

@@ -115,7 +115,7 @@ impl Engine {
 
     /// The passes of the last run and their times.
     pub(crate) fn timings(&self) -> Result<Vec<Timing>, Error> {
-        self.clock.as_ref().map_or(Ok(Vec::new()), |clock| clock.read(&self.gpu))
+        Clock::read(self.clock.as_ref(), &self.gpu)
     }
 
     /// Makes two models those of the runs to come.

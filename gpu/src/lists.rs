@@ -3,14 +3,12 @@
 use crate::gpu::Gpu;
 use crate::layout::{Counters, Query, Rest, Step};
 use crate::memory::Usage;
+use crate::parameters::Parameters;
 use crate::pass::Pass;
 use crate::settings::Capacities;
 use crate::{Error, Settings};
 use pfront_shaders::constants::{BUCKETS, FRONTS};
-use wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferSize};
-
-/// Parameters of passes lie this far apart, as uniform bindings must.
-const STEP_STRIDE: usize = 256;
+use wgpu::{BindGroup, Buffer};
 
 /// The step that puts the children of front 0, leaf pairs among them, into front 1.
 pub(crate) const REFINE: u32 = FRONTS;
@@ -29,7 +27,7 @@ pub(crate) struct Lists {
     kept: Buffer,
     /// For sorting the hits.
     buckets: Buffer,
-    steps: Buffer,
+    steps: Parameters<Step>,
 }
 
 impl Lists {
@@ -49,7 +47,7 @@ impl Lists {
             rest: list("the pairs for the CPU", capacities.rest, size_of::<Rest>())?,
             counters: list("the counters", 1, size_of::<Counters>())?,
             query: gpu.buffer("the query", size_of::<Query>() as u64, Usage::Uniform)?,
-            steps: gpu.upload("the steps", &steps(), Usage::Uniform)?,
+            steps: Parameters::new(gpu, "the steps", &steps())?,
         })
     }
 
@@ -88,11 +86,7 @@ impl Lists {
     pub(crate) fn bind_step(&self, gpu: &Gpu, pass: &Pass, index: u32) -> Result<BindGroup, Error> {
         let from = if index == REFINE { 0 } else { index as usize % 2 };
         pass.bind(gpu.device(), 2, |name| match name {
-            "step" => Some(BindingResource::Buffer(BufferBinding {
-                buffer: &self.steps,
-                offset: u64::from(index) * STEP_STRIDE as u64,
-                size: BufferSize::new(size_of::<Step>() as u64),
-            })),
+            "step" => Some(self.steps.binding(index as usize)),
             "front_in" => Some(self.fronts[from].as_entire_binding()),
             "front_out" => Some(self.fronts[1 - from].as_entire_binding()),
             _ => None,
@@ -100,13 +94,8 @@ impl Lists {
     }
 }
 
-/// The parameters of every pass, each in its own [`STEP_STRIDE`] bytes.
-fn steps() -> Vec<u8> {
+/// The parameters of every pass, and of [`REFINE`].
+fn steps() -> Vec<Step> {
     let descend = (0..FRONTS).map(|pass_index| Step { pass_index, keep_leaves: 0 });
-    let refine = Step { pass_index: 0, keep_leaves: 1 };
-    let mut bytes = vec![0; (FRONTS as usize + 1) * STEP_STRIDE];
-    for (slot, step) in bytes.chunks_exact_mut(STEP_STRIDE).zip(descend.chain([refine])) {
-        slot[..size_of::<Step>()].copy_from_slice(bytemuck::bytes_of(&step));
-    }
-    bytes
+    descend.chain([Step { pass_index: 0, keep_leaves: 1 }]).collect()
 }

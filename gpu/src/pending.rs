@@ -35,10 +35,7 @@ impl<'q> Pending<'q> {
         task: Option<Task>,
     ) -> Result<Self, Error> {
         let run = match task {
-            Some(task) => {
-                let copies = answer.copies(Want::All);
-                Some((task, answer.engine.record(encoder, &task, Start::Seeds, copies, true)?))
-            }
+            Some(task) => Some((task, answer.record(encoder, &task, Start::Seeds, Want::All)?)),
             None => None,
         };
         Ok(Self { answer, run })
@@ -72,8 +69,7 @@ impl Answer {
         let most = self.engine.lists.capacities.front as usize;
         let parts: Vec<_> = front.chunks(most).rev().map(<[Entry]>::to_vec).collect();
         let start = Start::Front(parts.last().map_or(&[], Vec::as_slice));
-        let sorts = want == Want::All;
-        let run = self.engine.record(encoder, task, start, self.copies(want), sorts)?;
+        let run = self.record(encoder, task, start, want)?;
         Ok((parts, run))
     }
 }

@@ -1,9 +1,10 @@
 //! One model with itself.
 
-use crate::answer::{Answer, Report, Want};
+use crate::answer::{Answer, Want};
 use crate::engine::{Engine, Task};
 use crate::layout::{Placement, Query};
-use crate::{Error, Gpu, Model, Pending, Settings, Timing};
+use crate::report::reports;
+use crate::{Error, Gpu, Model, Pending, Settings};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
 use pfront_core::query::TrianglePair;
@@ -81,39 +82,6 @@ impl SelfQuery {
         Ok(self.answer.count)
     }
 
-    /// The same, keeping the device time of a run as a whole.
-    ///
-    /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub fn with_time(mut self) -> Result<Self, Error> {
-        self.answer.engine.keep_time(false)?;
-        Ok(self)
-    }
-
-    /// The same, keeping the device time of each pass, which takes some microseconds for each.
-    ///
-    /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub fn with_timings(mut self) -> Result<Self, Error> {
-        self.answer.engine.keep_time(true)?;
-        Ok(self)
-    }
-
-    /// The passes of the last run with their times on the device; empty without
-    /// [`Self::with_timings`], or if the device cannot tell.
-    ///
-    /// # Errors
-    /// [`Error::DeviceLost`], [`Error::Device`].
-    pub fn timings(&self) -> Result<Vec<Timing>, Error> {
-        self.answer.engine.timings()
-    }
-
-    /// What the last answer took.
-    #[must_use]
-    pub fn report(&self) -> Report {
-        self.answer.report
-    }
-
     /// Records the query; see [`crate::PairQuery::record`].
     ///
     /// # Errors
@@ -154,3 +122,5 @@ impl SelfQuery {
         }))
     }
 }
+
+reports!(SelfQuery);

@@ -11,11 +11,11 @@ pub use bodies::{Body, BodyId};
 pub use pending::PendingScene;
 pub use shape::Shape;
 
-use crate::answer::{Answer, Report, Want};
+use crate::answer::{Answer, Want};
 use crate::clock::Clock;
 use crate::engine::{Engine, Entry, Run, Task};
 use crate::layout::{Placement, Query};
-use crate::{Error, Gpu, Settings, Timing};
+use crate::{Error, Gpu, Report, Settings, Timing};
 use arena::Arena;
 use bodies::Bodies;
 use broad::Broad;
@@ -79,10 +79,8 @@ pub struct SceneQuery {
     /// Whether the device does.
     is_posed: bool,
     hits: Vec<SceneHit>,
-    /// If times are wanted.
+    /// Of moving bodies, if times are wanted.
     clock: Option<Clock>,
-    /// Whether the last question had bodies to move.
-    has_moved: bool,
 }
 
 impl SceneQuery {
@@ -108,7 +106,6 @@ impl SceneQuery {
             is_posed: false,
             hits: Vec::new(),
             clock: None,
-            has_moved: false,
         })
     }
 
@@ -188,10 +185,7 @@ impl SceneQuery {
     /// # Errors
     /// [`Error::DeviceLost`], [`Error::Device`].
     pub fn timings(&self) -> Result<Vec<Timing>, Error> {
-        let mut timings = match &self.clock {
-            Some(clock) if self.has_moved => clock.read(&self.answer.engine.gpu)?,
-            _ => Vec::new(),
-        };
+        let mut timings = Clock::read(self.clock.as_ref(), &self.answer.engine.gpu)?;
         timings.extend(self.answer.engine.timings()?);
         Ok(timings)
     }
@@ -230,7 +224,9 @@ impl SceneQuery {
         encoder: &mut CommandEncoder,
         want: Want,
     ) -> Result<Option<Question>, Error> {
-        self.has_moved = false;
+        if let Some(clock) = &mut self.clock {
+            clock.forget();
+        }
         if !self.is_paired {
             self.broad.update(self.bodies.solid().map(|(_, aabb)| aabb))?;
             self.is_paired = true;
@@ -246,7 +242,6 @@ impl SceneQuery {
         };
         if !self.is_posed {
             arena.record_motion(&gpu, encoder, &self.bodies, self.clock.as_mut());
-            self.has_moved = true;
         }
         self.answer.engine.bind(&arena.model, &arena.model)?;
         let (front, levels) = arena.front(&self.bodies, pairs);
