@@ -1,9 +1,9 @@
 //! Answering a question in one run, or in as many as the budget makes necessary.
 //!
-//! A run whose lists overflow is dropped, and what it started from is divided: a few node pairs are
-//! replaced by their children, many are split. Counters count on beyond what lists hold, so one failed
-//! run tells into how many parts. A single leaf pair always fits ([`Budget::LEAST`]), so this
-//! ends, and the parts together are the whole answer.
+//! A run whose lists overflow, or which is too much work for a workgroup, is dropped, and what it
+//! started from is divided: a few node pairs are replaced by their children, many are split. Counters
+//! count on beyond what lists hold, so one failed run tells into how many parts. A single leaf pair
+//! always fits ([`Budget::LEAST`]), so this ends, and the parts together are the whole answer.
 //!
 //! [`Budget::LEAST`]: crate::Budget::LEAST
 

@@ -221,14 +221,12 @@ impl Deforming {
     }
 
     fn check(&self, positions: &[[f32; 3]]) -> Result<(), Error> {
-        if positions.len() != self.source.vertices {
-            let (expected, found) = (self.source.vertices, positions.len());
+        let (expected, found) = (self.source.vertices, positions.len());
+        if found != expected {
             return Err(MeshError::VertexCount { expected, found }.into());
         }
-        match positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-            Some(vertex) => Err(MeshError::NonFinite { vertex }.into()),
-            None => Ok(()),
-        }
+        Mesh::new(positions, &[])?;
+        Ok(())
     }
 
     /// Uploads positions with the next submission.

@@ -48,14 +48,14 @@ impl Groups {
         let passes = gpu.passes();
         let step = |index| lists.bind_step(gpu, &passes.expand, index);
         Ok(Self {
-            lists: EachPass::new(passes, |pass| lists.bind(gpu, pass))?,
+            lists: EachPass::new(passes, |pass| lists.bind(gpu, pass, 1))?,
             seed_step: lists.bind_step(gpu, &passes.seed, 0)?,
             steps: (0..FRONTS - 1).map(step).collect::<Result<_, _>>()?,
             refine: step(REFINE)?,
             sort: [
-                lists.bind_sort(gpu, &passes.sample)?,
-                lists.bind_sort(gpu, &passes.deal)?,
-                lists.bind_sort(gpu, &passes.settle)?,
+                lists.bind(gpu, &passes.sample, 0)?,
+                lists.bind(gpu, &passes.deal, 0)?,
+                lists.bind(gpu, &passes.settle, 0)?,
             ],
         })
     }
@@ -70,22 +70,17 @@ pub(crate) struct Meshes {
 
 impl Meshes {
     pub(crate) fn new(gpu: &Gpu, a: &Model, b: &Model) -> Result<Self, Error> {
-        let bind = |pass: &Pass| {
-            pass.bind(gpu.device(), 0, |name| {
-                let buffer = match name {
-                    "nodes_a" => &a.nodes,
-                    "nodes_b" => &b.nodes,
-                    "corners_a" => &a.corners,
-                    "corners_b" => &b.corners,
-                    "order_a" => &a.order,
-                    "order_b" => &b.order,
-                    "seeds_a" => &a.seeds,
-                    "seeds_b" => &b.seeds,
-                    _ => return None,
-                };
-                Some(buffer.as_entire_binding())
-            })
-        };
+        let buffers = [
+            ("nodes_a", &a.nodes),
+            ("nodes_b", &b.nodes),
+            ("corners_a", &a.corners),
+            ("corners_b", &b.corners),
+            ("order_a", &a.order),
+            ("order_b", &b.order),
+            ("seeds_a", &a.seeds),
+            ("seeds_b", &b.seeds),
+        ];
+        let bind = |pass: &Pass| pass.bind_buffers(gpu.device(), 0, &buffers);
         Ok(Self { ids: [a.id, b.id], groups: EachPass::new(gpu.passes(), bind)? })
     }
 }

@@ -51,35 +51,18 @@ impl Lists {
         })
     }
 
-    /// What a pass binds beside meshes and steps.
-    pub(crate) fn bind(&self, gpu: &Gpu, pass: &Pass) -> Result<BindGroup, Error> {
-        pass.bind(gpu.device(), 1, |name| {
-            let buffer = match name {
-                "query" => &self.query,
-                "counters" => &self.counters,
-                "leaves" => &self.leaves,
-                "hits" => &self.hits,
-                "kept" => &self.kept,
-                "rest" => &self.rest,
-                _ => return None,
-            };
-            Some(buffer.as_entire_binding())
-        })
-    }
-
-    /// What a pass of the sort binds.
-    pub(crate) fn bind_sort(&self, gpu: &Gpu, pass: &Pass) -> Result<BindGroup, Error> {
-        pass.bind(gpu.device(), 0, |name| {
-            let buffer = match name {
-                "query" => &self.query,
-                "counters" => &self.counters,
-                "hits" => &self.hits,
-                "kept" => &self.kept,
-                "buckets" => &self.buckets,
-                _ => return None,
-            };
-            Some(buffer.as_entire_binding())
-        })
+    /// What a pass binds beside meshes and steps, in the group where it does.
+    pub(crate) fn bind(&self, gpu: &Gpu, pass: &Pass, group: usize) -> Result<BindGroup, Error> {
+        let buffers = [
+            ("query", &self.query),
+            ("counters", &self.counters),
+            ("leaves", &self.leaves),
+            ("hits", &self.hits),
+            ("kept", &self.kept),
+            ("rest", &self.rest),
+            ("buckets", &self.buckets),
+        ];
+        pass.bind_buffers(gpu.device(), group, &buffers)
     }
 
     /// The fronts of pass `index` and its parameters.

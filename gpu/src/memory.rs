@@ -27,14 +27,7 @@ impl Gpu {
         usage: Usage,
     ) -> Result<wgpu::Buffer, Error> {
         let size = bytes.next_multiple_of(4).max(size_of::<Query>() as u64);
-        self.allocate(what, size, usage, |usage| {
-            self.device().create_buffer(&wgpu::BufferDescriptor {
-                label: Some(what),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        })
+        self.allocate(what, size, usage, false)
     }
 
     /// A buffer with contents.
@@ -48,15 +41,7 @@ impl Gpu {
         if contents.is_empty() {
             return self.buffer(what, 0, usage);
         }
-        let size = contents.len() as u64;
-        let buffer = self.allocate(what, size, usage, |usage| {
-            self.device().create_buffer(&wgpu::BufferDescriptor {
-                label: Some(what),
-                size,
-                usage,
-                mapped_at_creation: true,
-            })
-        })?;
+        let buffer = self.allocate(what, contents.len() as u64, usage, true)?;
         let mut view = buffer
             .get_mapped_range_mut(..)
             .map_err(|error| Error::Device { reason: error.to_string() })?;
@@ -69,34 +54,34 @@ impl Gpu {
     fn allocate(
         &self,
         what: &'static str,
-        bytes: u64,
+        size: u64,
         usage: Usage,
-        create: impl FnOnce(BufferUsages) -> wgpu::Buffer,
+        mapped_at_creation: bool,
     ) -> Result<wgpu::Buffer, Error> {
-        let limits = self.device().limits();
-        let (usage, available) = match usage {
-            Usage::Input => (
-                BufferUsages::STORAGE | BufferUsages::COPY_DST,
-                limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
-            ),
-            Usage::List => (
-                BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
-                limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
-            ),
-            Usage::Uniform => {
-                (BufferUsages::UNIFORM | BufferUsages::COPY_DST, limits.max_buffer_size)
-            }
-            Usage::ReadBack => {
-                (BufferUsages::MAP_READ | BufferUsages::COPY_DST, limits.max_buffer_size)
-            }
+        let own = match usage {
+            Usage::Input => BufferUsages::STORAGE,
+            Usage::List => BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+            Usage::Uniform => BufferUsages::UNIFORM,
+            Usage::ReadBack => BufferUsages::MAP_READ,
         };
-        if bytes > available {
-            return Err(Error::TooLarge { what, needed: bytes, available });
+        let limits = self.device().limits();
+        let bound = match usage {
+            Usage::Input | Usage::List => limits.max_storage_buffer_binding_size,
+            Usage::Uniform | Usage::ReadBack => u64::MAX,
+        };
+        let available = limits.max_buffer_size.min(bound);
+        if size > available {
+            return Err(Error::TooLarge { what, needed: size, available });
         }
         let scope = self.device().push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let buffer = create(usage);
+        let buffer = self.device().create_buffer(&wgpu::BufferDescriptor {
+            label: Some(what),
+            size,
+            usage: own | BufferUsages::COPY_DST,
+            mapped_at_creation,
+        });
         match pollster::block_on(scope.pop()) {
-            Some(_) => Err(Error::OutOfMemory { bytes }),
+            Some(_) => Err(Error::OutOfMemory { bytes: size }),
             // A lost device gives buffers too, but no good ones.
             None => self.check().map(|()| buffer),
         }

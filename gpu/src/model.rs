@@ -61,7 +61,6 @@ impl Model {
         let corner = |vertex: u32| Corner { position: mesh.positions()[vertex as usize], vertex };
         let corners: Vec<Corner> = triangles.flat_map(|t| t.map(corner)).collect();
         let depth = bvh.depth() as u32;
-        let root = |node: &Node| if node.is_leaf() { LEAF } else { node.first };
         Ok(Self {
             id: Self::next_id(),
             device: gpu.id(),
@@ -70,7 +69,7 @@ impl Model {
             order: gpu.upload("the order of the triangles", bvh.order(), Usage::Input)?,
             seeds: gpu.upload("the seeds", &seeds, Usage::Input)?,
             seed_count: seeds.len() as u32,
-            root: bvh.root().map_or(LEAF, root),
+            root: bvh.root().map_or(LEAF, |_| reference(bvh.nodes(), 0)),
             depth,
             depth_below_seeds: depth - level,
             leaf_size: bvh.nodes().iter().map(|node| node.count).fold(1, u32::max),
@@ -108,16 +107,25 @@ fn seeds(nodes: &[Node]) -> (u32, Vec<u32>) {
     let mut level = 0;
     let mut seeds: Vec<u32> = (0..nodes.len().min(1) as u32).collect();
     loop {
-        let node = |seed: u32| &nodes[seed as usize];
-        let inner = seeds.iter().filter(|&&seed| !node(seed).is_leaf()).count();
-        if inner == 0 || seeds.len() + inner > MOST_SEEDS {
+        let next = below(nodes, &seeds);
+        if next.len() == seeds.len() || next.len() > MOST_SEEDS {
             return (level, seeds);
         }
-        let children = |&seed: &u32| match node(seed) {
-            leaf if leaf.is_leaf() => vec![seed],
-            inner => vec![inner.first, inner.first + 1],
-        };
-        seeds = seeds.iter().flat_map(children).collect();
-        level += 1;
+        (level, seeds) = (level + 1, next);
     }
+}
+
+/// The nodes a level below others, of which leaves stay.
+pub(crate) fn below(nodes: &[Node], level: &[u32]) -> Vec<u32> {
+    let children = |&index: &u32| match &nodes[index as usize] {
+        leaf if leaf.is_leaf() => index..index + 1,
+        inner => inner.first..inner.first + 2,
+    };
+    level.iter().flat_map(children).collect()
+}
+
+/// A node as a front holds it.
+pub(crate) fn reference(nodes: &[Node], index: u32) -> u32 {
+    let node = &nodes[index as usize];
+    if node.is_leaf() { index | LEAF } else { node.first }
 }

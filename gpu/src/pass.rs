@@ -8,6 +8,9 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, GlobalVariable, Module, StorageAccess};
 use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, Device, ShaderRuntimeChecks};
 
+/// Buffers under the names that shaders give them.
+pub(crate) type Named<'a> = &'a [(&'a str, &'a wgpu::Buffer)];
+
 /// A compiled pass.
 #[derive(Debug)]
 pub(crate) struct Pass {
@@ -73,6 +76,19 @@ impl Pass {
         let entries = names.iter().map(entry).collect::<Result<Vec<_>, Error>>()?;
         let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
         Ok(device.create_bind_group(&descriptor))
+    }
+
+    /// A bind group of this pass, of buffers that may be more than it uses.
+    pub(crate) fn bind_buffers(
+        &self,
+        device: &Device,
+        group: usize,
+        buffers: Named<'_>,
+    ) -> Result<wgpu::BindGroup, Error> {
+        self.bind(device, group, |name| {
+            let (_, buffer) = buffers.iter().find(|(own, _)| *own == name)?;
+            Some(buffer.as_entire_binding())
+        })
     }
 }
 

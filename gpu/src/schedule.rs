@@ -22,13 +22,13 @@ const JOB: u32 = 512;
 /// Nodes by stage, job and round.
 #[derive(Debug, Default)]
 pub(crate) struct Schedule {
-    pub(crate) nodes: Vec<u32>,
+    nodes: Vec<u32>,
     /// Where each round begins in `nodes`, and the end of the last.
-    pub(crate) rounds: Vec<u32>,
+    rounds: Vec<u32>,
     /// Where each job begins in `rounds`, and the end of the last.
-    pub(crate) jobs: Vec<u32>,
+    jobs: Vec<u32>,
     /// The jobs of each stage.
-    pub(crate) stages: Vec<Range<u32>>,
+    stages: Vec<Range<u32>>,
 }
 
 impl Schedule {

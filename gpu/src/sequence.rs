@@ -5,15 +5,12 @@ use crate::clock::Clock;
 use crate::gpu::Gpu;
 use crate::groups::Dispatches;
 use crate::moving::Passes;
-use crate::pass::Pass;
+use crate::pass::{Named, Pass};
 use std::sync::Arc;
-use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder};
+use wgpu::{BindGroup, BindingResource, CommandEncoder};
 
 /// Which pass a dispatch is of.
 type Which = fn(&Passes) -> &Pass;
-
-/// Buffers under the names that shaders give them.
-pub(crate) type Named<'a> = &'a [(&'a str, &'a Buffer)];
 
 /// Workgroups for so many jobs that do not touch each other: one each, as far as a dispatch goes.
 pub(crate) fn groups_for(jobs: u32) -> u32 {
@@ -42,11 +39,7 @@ impl Sequence {
         workgroups: u32,
     ) -> Result<(), Error> {
         let pass = which(&self.passes);
-        let named = |name: &str| {
-            let (_, buffer) = buffers.iter().find(|(own, _)| *own == name)?;
-            Some(buffer.as_entire_binding())
-        };
-        let buffers = pass.bind(gpu.device(), 0, named)?;
+        let buffers = pass.bind_buffers(gpu.device(), 0, buffers)?;
         let parameters = pass.bind(gpu.device(), 1, |_| Some(parameters.clone()))?;
         self.dispatches.push((which, [buffers, parameters], workgroups));
         Ok(())

@@ -8,7 +8,8 @@
 use crate::layout::Build;
 use crate::memory::Usage;
 use crate::parameters::Parameters;
-use crate::sequence::{Named, Sequence};
+use crate::pass::Named;
+use crate::sequence::Sequence;
 use crate::{Error, Gpu};
 use pfront_shaders::constants::{DIGITS, GROUP};
 use wgpu::Buffer;

@@ -1,6 +1,6 @@
 //! What a body is made of.
 
-use crate::model::LEAF;
+use crate::model::{below, reference};
 use pfront_core::{Aabb, Bvh, Mesh, Node};
 
 /// A first front pairs at most so many nodes: one level on, that is the larger starting front of the
@@ -74,20 +74,11 @@ fn levels(nodes: &[Node]) -> Vec<Vec<u32>> {
     let mut levels = Vec::new();
     while !level.is_empty() && level.len().pow(2) <= MOST_PAIRS {
         levels.push(level.iter().map(|&index| reference(nodes, index)).collect());
-        if level.iter().all(|&index| nodes[index as usize].is_leaf()) {
+        let next = below(nodes, &level);
+        if next.len() == level.len() {
             break;
         }
-        let children = |&index: &u32| match &nodes[index as usize] {
-            leaf if leaf.is_leaf() => index..index + 1,
-            inner => inner.first..inner.first + 2,
-        };
-        level = level.iter().flat_map(children).collect();
+        level = next;
     }
     levels
-}
-
-/// A node as a front holds it.
-fn reference(nodes: &[Node], index: u32) -> u32 {
-    let node = &nodes[index as usize];
-    if node.is_leaf() { index | LEAF } else { node.first }
 }

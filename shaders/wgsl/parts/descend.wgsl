@@ -29,8 +29,8 @@ fn node_of(low: vec4u, high: vec4u) -> Node {
     return Node(bitcast<vec3f>(low.xyz), low.w, bitcast<vec3f>(high.xyz), high.w);
 }
 
-// A leaf as the narrow phase wants it: its triangles. Slots stay below 2^28, because 2^28 triangles
-// of 48 bytes are more than any binding holds.
+// A leaf as the narrow phase wants it: its triangles. The host sees to it that slots stay below
+// 2^LEAF_SHIFT.
 fn leaf_run(node: Node) -> u32 {
     return node.first | ((node.count - 1u) << LEAF_SHIFT);
 }
@@ -120,10 +120,8 @@ fn descend_some_levels(lane: u32) {
     var level = 0u;
     loop {
         let half = level & 1u;
-        if lane == 0u {
-            told = select(min(atomicLoad(&queued[half]), QUEUE), 0u, level == query.levels);
-        }
-        let pairs = workgroupUniformLoad(&told);
+        let ready = min(atomicLoad(&queued[half]), QUEUE);
+        let pairs = tell(lane, select(ready, 0u, level == query.levels));
         if pairs == 0u {
             break;
         }

@@ -22,18 +22,6 @@ fn add_open(slots: vec2u) {
     results[RESULTS - 1u - atomicAdd(&open, 1u)] = slots;
 }
 
-fn sort_out(slots: vec2u, outcome: u32) {
-    switch outcome {
-        case HIT: {
-            add_hit(slots);
-        }
-        case UNSURE: {
-            add_open(slots);
-        }
-        default: {}
-    }
-}
-
 // After a barrier.
 fn write_results(lane: u32) {
     let hit = tell(lane, atomicLoad(&sure));
