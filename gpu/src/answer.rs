@@ -1,9 +1,10 @@
 //! Answering a question in one run, or in as many as the budget makes necessary.
 //!
 //! A run whose lists overflow, or which is too much work for a workgroup, is dropped, and what it
-//! started from is divided: a few node pairs are replaced by their children, many are split. Counters
-//! count on beyond what lists hold, so one failed run tells into how many parts. A single leaf pair
-//! always fits ([`Budget::LEAST`]), so this ends, and the parts together are the whole answer.
+//! started from is divided: a few node pairs are replaced by their children, many are split.
+//! Counters count on beyond what lists hold, so one failed run tells into how many parts. A single
+//! leaf pair always fits ([`Budget::LEAST`]), so this ends, and the parts together are the whole
+//! answer.
 //!
 //! [`Budget::LEAST`]: crate::Budget::LEAST
 
@@ -202,7 +203,7 @@ impl Answer {
         Ok(())
     }
 
-    /// Sorts all pairs. Those of one run are in order already, but for the few that the CPU decided.
+    /// Sorts all pairs. Those of one run are in order already, but for those that the CPU decided.
     fn put_in_order(&mut self) {
         /// So few are cheaper to insert.
         const FEW: usize = 16;

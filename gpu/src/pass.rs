@@ -102,7 +102,7 @@ fn shader_module(device: &Device, entry: &str, source: String) -> wgpu::ShaderMo
         label: Some(entry),
         source: wgpu::ShaderSource::Wgsl(source.into()),
     };
-    // SAFETY: every loop of the passes ends. It counts to a bound that does not change, halves or
+    // SAFETY: every loop of the passes ends: it counts to a bound that does not change, halves or
     // doubles a number, or stops after MOST_ROUNDS or NARROW_ROUNDS, whatever trees and lists hold.
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
 }

@@ -35,7 +35,7 @@ impl Report {
     }
 }
 
-/// Adds to a query, which keeps an [`Answer`](crate::answer::Answer), what tells about the last one.
+/// Adds to a query, which has an `answer`, what tells about the last one.
 macro_rules! reports {
     ($query:ident) => {
         impl $query {

@@ -16,8 +16,8 @@ constants! {
     GROUP = 128;
     /// Node pairs in each half of a workgroup's queue.
     QUEUE = 512;
-    /// Node pairs of a front that a workgroup takes at once: at most a quarter of [`QUEUE`], so that
-    /// the first level cannot overflow it.
+    /// Node pairs of a front that a workgroup takes at once: at most a quarter of [`QUEUE`], so
+    /// that the first level cannot overflow it.
     CHUNK = 128;
     /// Leaf pairs that a workgroup gathers before it writes them out.
     FOUND = 512;
@@ -53,9 +53,9 @@ constants! {
     AXIS_BITS = 10;
     /// Slots for the triangles that a workgroup arranges at once.
     BLOCK = 512;
-    /// Rounds of work that a workgroup does in a pass before it gives up and the host divides the run.
-    /// Mesa's lavapipe (tried: 22.3.6) counts the turns of all loops of an invocation together, and
-    /// from 65,535 on ends every loop without a word; so many rounds take some 50,000.
+    /// Rounds of work that a workgroup does in a pass before it gives up and the host divides the
+    /// run. Mesa's lavapipe (tried: 22.3.6) counts the turns of all loops of an invocation together
+    /// and ends every loop from 65,535 on, without a word; so many rounds take some 50,000.
     MOST_ROUNDS = 800;
     /// The same for `narrow`, whose rounds are shorter.
     NARROW_ROUNDS = 4 * MOST_ROUNDS;

@@ -1,12 +1,13 @@
-// The depth-bounded descent (Zhang & Kim 2014, section 4): a workgroup takes node pairs into its own
-// memory, goes down `query.levels` levels breadth-first, and hands on what is left: node pairs to
-// the next front, leaf pairs to their list, each with one addition to a counter in global memory.
+// The depth-bounded descent (Zhang & Kim 2014, section 4): a workgroup takes node pairs into its
+// own memory, goes down `query.levels` levels breadth-first, and hands on what is left: node pairs
+// to the next front, leaf pairs to their list, each with one addition to a counter in global
+// memory.
 //
-// A front holds node pairs whose boxes overlap, and of each node not its index but where its children
-// are (LEAF and its own index if it has none): a level costs one load of nodes, not a load of parents
-// and then one of children. Four invocations take one pair, each a pair of children. What does not
-// fit in workgroup memory goes straight to the next front, so that nothing is lost; the host sees a
-// front left over after the last pass and goes on from it.
+// A front holds node pairs whose boxes overlap, and of each node not its index but where its
+// children are (LEAF and its own index if it has none): a level costs one load of nodes, not a load
+// of parents and then one of children. Four invocations take one pair, each a pair of children.
+// What does not fit in workgroup memory goes straight to the next front, so that nothing is lost;
+// the host sees a front left over after the last pass and goes on from it.
 
 const LEAF = 0x80000000u;
 
@@ -41,8 +42,8 @@ struct Placed {
     reference: u32,
     run: u32,
     is_leaf: bool,
-    // Children come after their parents. What a buffer holds that nothing was written to is no tree,
-    // and not followed: a descent ends whatever it reads.
+    // Children come after their parents. What a buffer holds that nothing was written to is no
+    // tree, and not followed: a descent ends whatever it reads.
     is_sound: bool,
 }
 
@@ -62,8 +63,8 @@ fn placed_node(side: u32, index: u32, node: Node) -> Placed {
     return Placed(box, reference, leaf_run(node), is_leaf, is_sound);
 }
 
-// Puts a pair of nodes in its place, if their boxes overlap: in a stretch of the queue that has room
-// for so many.
+// Puts a pair of nodes in its place, if their boxes overlap: in a stretch of the queue that has
+// room for so many.
 fn visit(a: Placed, b: Placed, half: u32, room: u32) {
     if !overlap(a.box, b.box) || !a.is_sound || !b.is_sound {
         return;
