@@ -3,12 +3,14 @@
 use crate::Error;
 use pfront_core::build::{self, BuildOptions, BvhStorage, REBUILD_RATIO, SahItem};
 use pfront_core::bvh::node_bound;
+use pfront_core::fans::{self, Fan};
 use pfront_core::{Bvh, Mesh, Node};
+use std::sync::OnceLock;
 
 /// A triangle mesh with the BVH that queries walk.
 ///
 /// Takes 12 bytes a vertex and, a triangle, 12 for its indices, 4 for the order and up to 64 for
-/// nodes (about 21 with the default leaf size).
+/// nodes (about 11 with the default leaf size); once it was asked about itself, 4 more a vertex.
 ///
 /// # Examples
 /// ```
@@ -26,6 +28,8 @@ pub struct Model {
     options: BuildOptions,
     /// The quality figure right after the last build.
     built: f32,
+    /// Made when the mesh is first asked about itself.
+    fans: OnceLock<Vec<Fan>>,
 }
 
 impl Model {
@@ -51,7 +55,8 @@ impl Model {
     ) -> Result<Self, Error> {
         Mesh::new(&positions, &triangles)?;
         let (nodes, order) = (Vec::new(), Vec::new());
-        let mut model = Self { positions, triangles, nodes, order, options, built: 0.0 };
+        let (built, fans) = (0.0, OnceLock::new());
+        let mut model = Self { positions, triangles, nodes, order, options, built, fans };
         model.rebuild()?;
         Ok(model)
     }
@@ -66,6 +71,22 @@ impl Model {
     #[must_use]
     pub fn bvh(&self) -> Bvh<'_> {
         Bvh::trusted(self.mesh(), &self.nodes, &self.order)
+    }
+
+    /// What self-collision knows of the triangles about each vertex: made at the first call, which takes
+    /// as long as a refit or two, and kept up to date by [`Model::set_positions`] from then on.
+    #[must_use]
+    pub fn fans(&self) -> &[Fan] {
+        self.fans.get_or_init(|| {
+            let mesh = self.mesh();
+            let mut fans = vec![Fan::default(); mesh.positions().len()];
+            let need = fans::link_scratch_bound(fans.len(), mesh.triangles().len());
+            // Neither fails with buffers of the right size; without a certificate a query is slower.
+            let made = fans::link(mesh, &mut vec![0; need], &mut fans)
+                .and_then(|()| fans::certify(mesh, &mut fans));
+            debug_assert_eq!(made, Ok(()));
+            fans
+        })
     }
 
     /// How the BVH is built.
@@ -114,6 +135,9 @@ impl Model {
         self.mesh().with_positions(positions)?;
         self.positions.copy_from_slice(positions);
         let mesh = Mesh::trusted(&self.positions, &self.triangles);
+        if let Some(fans) = self.fans.get_mut() {
+            fans::certify(mesh, fans)?;
+        }
         let cost = refit(mesh, &mut self.nodes, &self.order);
         if cost > self.built * REBUILD_RATIO {
             self.rebuild()?;
@@ -144,5 +168,6 @@ impl Model {
             + self.triangles.capacity() * size_of::<[u32; 3]>()
             + self.nodes.capacity() * size_of::<Node>()
             + self.order.capacity() * size_of::<u32>()
+            + self.fans.get().map_or(0, |fans| fans.capacity() * size_of::<Fan>())
     }
 }

@@ -112,5 +112,6 @@ impl SelfQuery {
         core::query::SelfQuery::new(model.bvh())
             .with_accuracy(self.accuracy)
             .with_adjacency(self.adjacency)
+            .with_fans(model.fans())
     }
 }

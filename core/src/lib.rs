@@ -8,6 +8,7 @@ pub mod aabb;
 pub mod build;
 pub mod bvh;
 mod error;
+pub mod fans;
 pub mod front;
 mod lanes;
 pub mod mesh;

@@ -20,13 +20,14 @@
 
 use super::{LANES, Simd};
 use crate::aabb::Bounds;
+use crate::fans::Fan;
 use crate::place::Placement;
 use crate::{Mesh, Triangle};
 
-const BOUND: f32 = 2.9e-6;
-const SLACK: f32 = 7.888_609e-31;
+pub(super) const BOUND: f32 = 2.9e-6;
+pub(super) const SLACK: f32 = 7.888_609e-31;
 /// 2^40.
-const MOST: f32 = 1.099_511_6e12;
+pub(super) const MOST: f32 = 1.099_511_6e12;
 
 /// Coordinates of the same corner of each triangle: all x, all y, all z.
 type Points = [[f32; LANES]; 3];
@@ -35,14 +36,16 @@ type Points = [[f32; LANES]; 3];
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
     len: usize,
-    corners: [Points; 3],
+    pub(super) corners: [Points; 3],
     /// Vertices as numbers that are equal as they are.
     vertices: Points,
+    /// For each corner, a bit for the triangles whose vertex there is certified.
+    certified: [u32; 3],
     min: Points,
     max: Points,
-    normal: Points,
+    pub(super) normal: Points,
     /// The largest extent of the two edges from the first corner, an axis.
-    extent: Points,
+    pub(super) extent: Points,
 }
 
 impl Block {
@@ -52,6 +55,7 @@ impl Block {
             len: 0,
             corners: [zero; 3],
             vertices: zero,
+            certified: [0; 3],
             min: zero,
             max: zero,
             normal: zero,
@@ -61,8 +65,15 @@ impl Block {
 
     /// Takes in the triangles of a leaf.
     #[inline(always)]
-    fn fill<S: Simd>(&mut self, mesh: Mesh<'_>, triangles: &[u32], place: &impl Placement) {
+    fn fill<S: Simd>(
+        &mut self,
+        mesh: Mesh<'_>,
+        triangles: &[u32],
+        place: &impl Placement,
+        fans: &[Fan],
+    ) {
         self.len = triangles.len().min(LANES);
+        self.certified = [0; 3];
         for (lane, &triangle) in triangles.iter().take(LANES).enumerate() {
             let t = &mesh.triangles()[triangle as usize];
             for k in 0..3 {
@@ -73,14 +84,17 @@ impl Block {
                 // No vertex becomes zero, of which floats have two; the last few, being no numbers,
                 // equal nothing.
                 self.vertices[k][lane] = f32::from_bits(t[k].saturating_add(0x0080_0000));
+                if let Some(fan) = fans.get(t[k] as usize) {
+                    self.certified[k] |= u32::from(fan.is_certified()) << lane;
+                }
             }
         }
-        let [p, q, r] = &mut self.corners;
-        let [p, q, r] = [p, q, r].map(|corner| {
-            let placed = place.points(load::<S>(corner));
-            store(placed, corner);
-            placed
-        });
+        let p = place.points(load::<S>(&self.corners[0]));
+        let q = place.points(load::<S>(&self.corners[1]));
+        let r = place.points(load::<S>(&self.corners[2]));
+        for (k, placed) in [p, q, r].into_iter().enumerate() {
+            store(placed, &mut self.corners[k]);
+        }
         store(lowest(lowest(p, q), r), &mut self.min);
         store(highest(highest(p, q), r), &mut self.max);
         let (u, v) = (difference(q, p), difference(r, p));
@@ -116,6 +130,59 @@ impl Block {
             pairs |= u64::from(found) << (LANES * row);
         }
         pairs
+    }
+
+    /// Those of some pairs that have no certified vertex in common.
+    #[inline(always)]
+    pub(crate) fn strangers<S: Simd>(&self, others: &Self, pairs: u64) -> u64 {
+        let [p, q, r] = load::<S>(&self.vertices);
+        let (mut left, mut pending) = (pairs, pairs);
+        while pending != 0 {
+            let row = pending.trailing_zeros() as usize / LANES % LANES;
+            let shift = LANES * row;
+            pending &= !(0xff << shift);
+            let u = S::splat(others.if_certified(0, row));
+            let v = S::splat(others.if_certified(1, row));
+            let w = S::splat(others.if_certified(2, row));
+            let shared = (p.eq(u) | q.eq(u) | r.eq(u))
+                | (p.eq(v) | q.eq(v) | r.eq(v))
+                | (p.eq(w) | q.eq(w) | r.eq(w));
+            left &= !(u64::from(S::bits(shared)) << shift);
+        }
+        left
+    }
+
+    /// Whether triangle `i` of these and `j` of others have a vertex in common.
+    #[inline]
+    pub(crate) fn share_vertex(&self, i: usize, others: &Self, j: usize) -> bool {
+        let [p, q, r] = [self.vertices[0][i], self.vertices[1][i], self.vertices[2][i]];
+        (0..3).any(|k| {
+            let v = others.vertices[k][j];
+            // One that is no number may be any.
+            (v == p) | (v == q) | (v == r) | v.is_nan()
+        })
+    }
+
+    /// A vertex that is certified, or no number.
+    #[inline(always)]
+    fn if_certified(&self, corner: usize, lane: usize) -> f32 {
+        let certified = self.certified[corner] >> lane & 1 != 0;
+        if certified { self.vertices[corner][lane] } else { f32::NAN }
+    }
+
+    /// Those of [`Block::strangers`] that may still have a vertex in common: both of a pair have one
+    /// that is not certified.
+    #[inline(always)]
+    pub(crate) fn doubtful(&self, others: &Self, pairs: u64) -> u64 {
+        let doubtful =
+            |b: &Self| u64::from(!(b.certified[0] & b.certified[1] & b.certified[2]) & 0xff);
+        let (own, mut rows) = (doubtful(self), doubtful(others));
+        let mut found = 0;
+        while own != 0 && rows != 0 {
+            found |= own << (LANES as u32 * rows.trailing_zeros());
+            rows &= rows - 1;
+        }
+        pairs & found
     }
 
     /// Those of some pairs that may meet. `ONE_MESH` if the triangles may have vertices in common.
@@ -253,7 +320,7 @@ fn overlap<S: Simd>([a_min, a_max]: [[S; 3]; 2], [b_min, b_max]: [[S; 3]; 2]) ->
 }
 
 /// How many blocks are kept, a power of two.
-const KEPT: usize = 4;
+const KEPT: usize = 8;
 
 /// The blocks of the leaves last met: a leaf meets several others in a row.
 pub(crate) struct Blocks {
@@ -273,11 +340,12 @@ impl Blocks {
         mesh: Mesh<'_>,
         triangles: &[u32],
         place: &impl Placement,
+        fans: &[Fan],
     ) -> &'s Block {
         let slot = leaf as usize % KEPT;
         if self.leaves[slot] != leaf {
             self.leaves[slot] = leaf;
-            self.blocks[slot].fill::<S>(mesh, triangles, place);
+            self.blocks[slot].fill::<S>(mesh, triangles, place, fans);
         }
         &self.blocks[slot]
     }

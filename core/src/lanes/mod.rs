@@ -16,9 +16,12 @@ mod avx;
 mod block;
 mod boxes;
 mod family;
+mod pair;
 mod simd;
+#[cfg(test)]
+mod tests;
 
-pub(crate) use block::Blocks;
+pub(crate) use block::{Block, Blocks};
 pub(crate) use boxes::Boxes;
 pub(crate) use family::Family;
 pub(crate) use simd::{LANES, Simd, Task, widest};

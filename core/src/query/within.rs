@@ -1,6 +1,7 @@
 //! One mesh.
 
 use super::{Cursor, NodePair, Query, TrianglePair};
+use crate::fans::Fan;
 use crate::triangle::{Accuracy, Adjacency, Contact, contact};
 use crate::walk::{Bvtt, SelfTree, walk};
 use crate::{Aabb, Bvh};
@@ -12,6 +13,7 @@ pub struct SelfQuery<'a> {
     bvh: Bvh<'a>,
     accuracy: Accuracy,
     adjacency: Adjacency,
+    fans: &'a [Fan],
     boxes_only: bool,
 }
 
@@ -20,7 +22,7 @@ impl<'a> SelfQuery<'a> {
     #[must_use]
     pub fn new(bvh: Bvh<'a>) -> Self {
         let (accuracy, adjacency) = (Accuracy::Exact, Adjacency::SharedIndexRule);
-        Self { bvh, accuracy, adjacency, boxes_only: false }
+        Self { bvh, accuracy, adjacency, fans: &[], boxes_only: false }
     }
 
     /// The same with another [`Accuracy`].
@@ -33,6 +35,30 @@ impl<'a> SelfQuery<'a> {
     #[must_use]
     pub fn with_adjacency(self, adjacency: Adjacency) -> Self {
         Self { adjacency, ..self }
+    }
+
+    /// The same answer, sooner where many neighbours are at peace: see [`fans`](crate::fans).
+    ///
+    /// `fans` must be certified for the positions of this mesh, else pairs may be missed; none at all
+    /// are fine.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{build::*, bvh::node_bound, fans::{self, *}, query::*, *};
+    /// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
+    /// let mesh = Mesh::new(&points, &[[0, 1, 2], [0, 2, 3]])?;
+    /// let mut known = [Fan::default(); 4];
+    /// fans::link(mesh, &mut [0; link_scratch_bound(4, 2)], &mut known)?;
+    /// fans::certify(mesh, &mut known)?;
+    /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
+    /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    /// let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 4])?;
+    /// assert_eq!(SelfQuery::new(bvh).with_fans(&known).count(), 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_fans(self, fans: &'a [Fan]) -> Self {
+        Self { fans, ..self }
     }
 
     /// Asks for all pairs of triangles whose boxes overlap, whatever else. With each box of a set given
@@ -56,8 +82,8 @@ impl<'a> SelfQuery<'a> {
     }
 
     fn tree(&self) -> SelfTree<'a> {
-        let Self { bvh, accuracy, adjacency, boxes_only } = *self;
-        SelfTree { bvh, accuracy, adjacency, boxes_only }
+        let Self { bvh, accuracy, adjacency, fans, boxes_only } = *self;
+        SelfTree { bvh, accuracy, adjacency, fans, boxes_only }
     }
 }
 

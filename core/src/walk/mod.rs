@@ -14,7 +14,8 @@ pub(crate) use within::SelfTree;
 
 use crate::aabb::Bounds;
 use crate::bvh::MAX_DEPTH;
-use crate::lanes::{Blocks, Family, Simd, Task, widest};
+use crate::lanes::{Block, Blocks, Family, Simd, Task, widest};
+use crate::triangle::{Accuracy, intersects};
 use core::ops::ControlFlow;
 
 /// A BVTT node: a node of the first BVH and one of the second.
@@ -179,6 +180,12 @@ fn family_pairs(
             found &= found - 1;
         }
     }
+}
+
+/// Whether triangles of two blocks that share no vertex meet.
+#[inline]
+fn meet(a: &Block, i: usize, b: &Block, j: usize, accuracy: Accuracy) -> bool {
+    a.meets(i, b, j).unwrap_or_else(|| intersects(&a.triangle(i), &b.triangle(j), accuracy))
 }
 
 /// Of 64 combinations, those without the first `skip`.

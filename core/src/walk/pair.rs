@@ -1,11 +1,11 @@
 //! The BVTT of two meshes.
 
-use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, family_pairs};
+use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, family_pairs, meet};
 use crate::aabb::Bounds;
 use crate::bvh::Node;
 use crate::lanes::{Blocks, Family, LANES, Simd};
 use crate::place::Placement;
-use crate::triangle::{Accuracy, intersects};
+use crate::triangle::Accuracy;
 use crate::{Bvh, Triangle};
 use core::ops::ControlFlow;
 use glam::Vec3A;
@@ -133,8 +133,8 @@ impl<A: Placement, B: Placement> Bvtt for PairTree<'_, A, B> {
         visit: &mut Visit<'_>,
     ) -> ControlFlow<u32> {
         let (own, others) = (self.a.leaf(n.a), self.b.leaf(n.b));
-        let first = kept_a.get::<S>(n.a, self.a.bvh.mesh(), own, &self.a.place);
-        let second = kept_b.get::<S>(n.b, self.b.bvh.mesh(), others, &self.b.place);
+        let first = kept_a.get::<S>(n.a, self.a.bvh.mesh(), own, &self.a.place, &[]);
+        let second = kept_b.get::<S>(n.b, self.b.bvh.mesh(), others, &self.b.place, &[]);
         let bounds = self.a.bounds_of(n.a);
         let mut pairs = first.overlapping::<S>(second, &bounds) & after(skip);
         if pairs == 0 {
@@ -146,7 +146,7 @@ impl<A: Placement, B: Placement> Bvtt for PairTree<'_, A, B> {
             let bit = pairs.trailing_zeros();
             pairs &= pairs - 1;
             let (i, j) = (bit as usize % LANES, bit as usize / LANES);
-            if intersects(&first.triangle(i), &second.triangle(j), self.accuracy)
+            if meet(first, i, second, j, self.accuracy)
                 && visit(TrianglePair { a: own[i], b: others[j] }).is_break()
             {
                 // The others count when their turn comes.

@@ -4,9 +4,10 @@
 //! two meshes do. Overlapping boxes of neighbours are the rule here, so the walk reaches all of
 //! them; the shared-index rule decides in the leaves.
 
-use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, family_pairs};
+use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, family_pairs, meet};
 use crate::Bvh;
 use crate::aabb::Bounds;
+use crate::fans::Fan;
 use crate::lanes::{Blocks, Family, LANES, Simd};
 use crate::place::InPlace;
 use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
@@ -17,6 +18,8 @@ pub(crate) struct SelfTree<'a> {
     pub(crate) bvh: Bvh<'a>,
     pub(crate) accuracy: Accuracy,
     pub(crate) adjacency: Adjacency,
+    /// What is known of the triangles about each vertex, or nothing.
+    pub(crate) fans: &'a [Fan],
     /// Whether triangles meet as soon as their boxes do.
     pub(crate) boxes_only: bool,
 }
@@ -98,8 +101,8 @@ impl Bvtt for SelfTree<'_> {
         let (nodes, mesh) = (self.bvh.nodes(), self.bvh.mesh());
         let own = self.bvh.leaf_triangles(&nodes[n.a as usize]);
         let others = self.bvh.leaf_triangles(&nodes[n.b as usize]);
-        let first = kept_a.get::<S>(n.a, mesh, own, &InPlace);
-        let second = kept_b.get::<S>(n.b, mesh, others, &InPlace);
+        let first = kept_a.get::<S>(n.a, mesh, own, &InPlace, self.fans);
+        let second = kept_b.get::<S>(n.b, mesh, others, &InPlace, self.fans);
         let bounds = nodes[n.a as usize].bounds();
         let mut pairs = first.overlapping::<S>(second, &bounds) & after(skip);
         if n.a == n.b {
@@ -109,16 +112,25 @@ impl Bvtt for SelfTree<'_> {
             return ControlFlow::Continue(());
         }
         let tested = pairs;
+        let mut neighbours = 0;
         if !self.boxes_only {
-            pairs = first.undecided::<S, true>(second, pairs);
+            pairs = first.strangers::<S>(second, pairs);
+            neighbours = first.doubtful(second, pairs);
+            pairs = first.undecided::<S, false>(second, pairs & !neighbours)
+                | first.undecided::<S, true>(second, neighbours);
         }
         while pairs != 0 {
             let bit = pairs.trailing_zeros();
             pairs &= pairs - 1;
-            let (i, j) = (own[bit as usize % LANES], others[bit as usize / LANES]);
-            let (a, b) = (i.min(j), i.max(j));
-            let meet =
-                self.boxes_only || intersects_in_mesh(mesh, a, b, self.adjacency, self.accuracy);
+            let (i, j) = (bit as usize % LANES, bit as usize / LANES);
+            let (a, b) = (own[i].min(others[j]), own[i].max(others[j]));
+            let meet = if self.boxes_only {
+                true
+            } else if neighbours >> bit & 1 == 0 || !first.share_vertex(i, second, j) {
+                meet(first, i, second, j, self.accuracy)
+            } else {
+                intersects_in_mesh(mesh, a, b, self.adjacency, self.accuracy)
+            };
             if meet && visit(TrianglePair { a, b }).is_break() {
                 // The others count when their turn comes.
                 work.triangle_tests += u64::from((tested & !after(bit + 1)).count_ones());

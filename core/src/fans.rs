@@ -1,0 +1,302 @@
+//! Vertices about which a mesh is no trouble.
+//!
+//! Nearly all triangle pairs of a deforming mesh whose boxes overlap are neighbours, and nearly all of
+//! these are at peace: the triangles about a vertex form a fan, and the fan does not touch itself. It
+//! cannot if there is an axis along which every triangle of the fan is seen from the same side and the
+//! fan goes round the vertex at most once, for then the projection along the axis takes the fan one to
+//! one into a plane, in which its triangles are sectors side by side. Any two of them then share just the
+//! corners that they share by index, and collide by none of the rules of
+//! [`Adjacency`](crate::triangle::Adjacency). One certificate a vertex so stands for some fifteen pairs,
+//! and needs no tolerance where the surface is flat. Where none is found (a sharp fold, a fan of
+//! several leaves) pairs are tested as ever.
+//!
+//! That all are seen from the same side takes the sign of one coordinate of each normal, in f32 beyond its
+//! bound: each of two products of two differences carries a relative error below (1+u)^4 − 1 with
+//! u = 2^-24, so 8.02u · mi·mj of the largest differences along the two axes, and underflow costs
+//! less than the smallest normal number. That the fan goes round once is counted without any rounding:
+//! a sector is below half a turn, so a fan that goes round passes from one half-plane into the other, by a
+//! comparison of coordinates, once a turn each way.
+
+use crate::{CapacityError, Mesh};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3A;
+
+/// What is known of the triangles about one vertex.
+///
+/// [`link`] makes these from the triangles of a mesh, once; [`certify`] brings them up to date with its
+/// positions, each time they change; [`SelfQuery::with_fans`](crate::query::SelfQuery::with_fans) uses them.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct Fan(u32);
+
+/// The triangles about the vertex are a ring, each next to the one before.
+const RING: u32 = 1 << 31;
+/// They are a row.
+const ROW: u32 = 1 << 30;
+const LINK: u32 = RING | ROW;
+const CERTIFIED: u32 = 1;
+
+/// The most triangles in a fan: they are counted in four bits.
+const MOST: usize = 15;
+
+impl Fan {
+    /// Whether no two triangles about the vertex collide, by the positions last given to [`certify`].
+    #[inline]
+    #[must_use]
+    pub fn is_certified(self) -> bool {
+        self.0 & CERTIFIED != 0
+    }
+
+    /// A ring must go round once; a row less than once, as it surely does if it enters only one
+    /// half-plane.
+    fn settled(self) -> Self {
+        let count = |coordinate: u32| {
+            let (up, down) = (self.0 >> (8 * coordinate) & 15, self.0 >> (8 * coordinate + 4) & 15);
+            if self.0 & RING != 0 { up == 1 } else { up + down <= 1 }
+        };
+        let once = u32::from(count(0)) | u32::from(count(1)) << 1 | u32::from(count(2)) << 2;
+        let doubts = self.0 >> DOUBTS;
+        let axes = !(doubts & doubts >> 3) & 7;
+        // An axis is no good with what is counted along itself.
+        let others = (once << 1 | once >> 2) | (once << 2 | once >> 1);
+        let certified = self.0 & LINK != 0 && axes & others != 0;
+        Self(self.0 & LINK | u32::from(certified))
+    }
+}
+
+/// While [`certify`] is at it, from here on a bit for each of the six sides from which some triangle of
+/// the fan is not surely seen; below, for each coordinate, four bits for the times that the fan goes up
+/// through that of the vertex and four for the times it goes down.
+const DOUBTS: u32 = 24;
+
+/// How many words [`link`] needs.
+#[must_use]
+pub const fn link_scratch_bound(vertices: usize, triangles: usize) -> usize {
+    vertices + 1 + 3 * triangles
+}
+
+/// Finds out which vertices have one fan, a ring or a row. None of them is certified yet.
+///
+/// # Errors
+/// [`CapacityError`] if `fans` has not one entry a vertex, or `scratch` fewer words than
+/// [`link_scratch_bound`].
+///
+/// # Complexity
+/// O(vertices + triangles).
+///
+/// # Examples
+/// ```
+/// use pfront_core::{Mesh, fans::{self, Fan, link_scratch_bound}};
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+/// let mut known = [Fan::default(); 3];
+/// fans::link(mesh, &mut [0; link_scratch_bound(3, 1)], &mut known)?;
+/// assert!(!known[0].is_certified());
+/// fans::certify(mesh, &mut known)?;
+/// assert!(known[0].is_certified());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn link(mesh: Mesh<'_>, scratch: &mut [u32], fans: &mut [Fan]) -> Result<(), CapacityError> {
+    let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+    CapacityError::check("fans", vertices, fans.len())?;
+    let need = link_scratch_bound(vertices, triangles.len());
+    CapacityError::check("scratch", need, scratch.len())?;
+    let (ends, corners) = scratch.split_at_mut(vertices + 1);
+    // Corners by vertex: their number 3t + k, the triangle and the corner.
+    ends.fill(0);
+    for &vertex in triangles.as_flattened() {
+        ends[vertex as usize + 1] += 1;
+    }
+    for vertex in 0..vertices {
+        ends[vertex + 1] += ends[vertex];
+    }
+    for (corner, &vertex) in triangles.as_flattened().iter().enumerate() {
+        let end = &mut ends[vertex as usize];
+        corners[*end as usize] = corner as u32;
+        *end += 1;
+    }
+    let mut start = 0;
+    for (fan, &end) in fans.iter_mut().zip(ends.iter()) {
+        *fan = linked(triangles, &corners[start..end as usize]);
+        start = end as usize;
+    }
+    Ok(())
+}
+
+/// Whether corners at one vertex make a ring or a row.
+fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> Fan {
+    if corners.len() > MOST {
+        return Fan(0);
+    }
+    let (mut from, mut to) = ([0; MOST], [0; MOST]);
+    for (i, &corner) in corners.iter().enumerate() {
+        let (t, k) = (&triangles[corner as usize / 3], corner as usize % 3);
+        (from[i], to[i]) = (t[(k + 1) % 3], t[(k + 2) % 3]);
+    }
+    let (from, to) = (&from[..corners.len()], &to[..corners.len()]);
+    let repeats = |v: &[u32]| (1..v.len()).any(|i| v[..i].contains(&v[i]));
+    if repeats(from) || repeats(to) {
+        return Fan(0);
+    }
+    let first = (0..from.len()).find(|&i| !to.contains(&from[i]));
+    let mut at = first.unwrap_or(0);
+    let mut seen = 1;
+    while let Some(next) = from.iter().position(|v| *v == to[at]) {
+        if seen == from.len() {
+            break;
+        }
+        seen += 1;
+        at = next;
+    }
+    match (seen == from.len(), first) {
+        (false, _) => Fan(0),
+        (true, None) => Fan(RING),
+        (true, Some(_)) => Fan(ROW),
+    }
+}
+
+/// Brings the fans of a mesh up to date with its positions. `fans` are those of [`link`] for the same
+/// triangles; others may make a query miss pairs.
+///
+/// # Errors
+/// [`CapacityError`] if `fans` has not one entry a vertex.
+///
+/// # Complexity
+/// O(vertices + triangles), about 15 ns a triangle.
+pub fn certify(mesh: Mesh<'_>, fans: &mut [Fan]) -> Result<(), CapacityError> {
+    let positions = mesh.positions();
+    CapacityError::check("fans", positions.len(), fans.len())?;
+    for fan in fans.iter_mut() {
+        fan.0 &= LINK;
+    }
+    for t in mesh.triangles() {
+        let at = |k: usize| Vec3A::from_array(positions[t[k] as usize]);
+        let [p, q, r] = [at(0), at(1), at(2)];
+        let doubts = sides_in_doubt(q - p, r - p) << DOUBTS;
+        // Seen from a corner, a fan goes from the next one to the one after.
+        let above = |x: Vec3A, y: Vec3A| x.cmpge(y).bitmask();
+        let passes =
+            [[above(q, p), above(r, p)], [above(r, q), above(p, q)], [above(p, r), above(q, r)]];
+        for (&vertex, [next, after]) in t.iter().zip(passes) {
+            let word = &mut fans[vertex as usize].0;
+            if *word & LINK != 0 {
+                let passed = SPREAD[(!next & after) as usize & 7]
+                    + (SPREAD[(next & !after) as usize & 7] << 4);
+                *word = (*word + passed) | doubts;
+            }
+        }
+    }
+    for fan in fans.iter_mut() {
+        *fan = fan.settled();
+    }
+    Ok(())
+}
+
+/// One in the byte of each bit.
+const SPREAD: [u32; 8] = [0, 1, 0x100, 0x101, 0x1_0000, 0x1_0001, 0x1_0100, 0x1_0101];
+
+/// A bit for each axis along which the triangle with these two edges is not surely seen counter-clockwise,
+/// and three bits on for clockwise.
+#[inline]
+fn sides_in_doubt(u: Vec3A, v: Vec3A) -> u32 {
+    const BOUND: f32 = 4.9e-7;
+    /// 2^60: products of two overflow nowhere near.
+    const MOST: f32 = 1.152_921_5e18;
+    let extent = u.abs().max(v.abs());
+    if extent.max_element() > MOST {
+        return 0x3f;
+    }
+    let normal = u.cross(v);
+    let bound = Vec3A::new(extent.y * extent.z, extent.z * extent.x, extent.x * extent.y) * BOUND
+        + Vec3A::splat(f32::MIN_POSITIVE);
+    let (seen, unseen) = (normal.cmpgt(bound).bitmask(), normal.cmplt(-bound).bitmask());
+    !(seen | unseen << 3) & 0x3f
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The fan of a vertex at the origin over these rim points, closed or not.
+    fn certified(rim: &[[f32; 3]], ring: bool) -> bool {
+        let n = rim.len() as u32;
+        let mut positions = [[0.0; 3]; MOST + 2];
+        positions[1..=rim.len()].copy_from_slice(rim);
+        let mut triangles = [[0; 3]; MOST + 1];
+        let count = if ring { n } else { n - 1 };
+        for i in 0..count {
+            // Each turned another way, which changes nothing.
+            let t = [0, i + 1, (i + 1) % n + 1];
+            triangles[i as usize] = [t, [t[1], t[2], t[0]], [t[2], t[0], t[1]]][i as usize % 3];
+        }
+        let mesh = Mesh::new(&positions, &triangles[..count as usize]).unwrap();
+        let mut fans = [Fan::default(); MOST + 2];
+        link(mesh, &mut [0; link_scratch_bound(MOST + 2, MOST + 1)], &mut fans).unwrap();
+        certify(mesh, &mut fans).unwrap();
+        fans[0].is_certified()
+    }
+
+    fn circle(n: usize, turns: f32, height: impl Fn(usize) -> f32) -> [[f32; 3]; MOST + 1] {
+        core::array::from_fn(|i| {
+            let angle = 0.1 + turns * core::f32::consts::TAU * i as f32 / n as f32;
+            [cos(angle), cos(angle - core::f32::consts::FRAC_PI_2), height(i)]
+        })
+    }
+
+    fn cos(x: f32) -> f32 {
+        glam::Vec2::from_angle(x).x
+    }
+
+    #[test]
+    fn rings_round_once() {
+        for n in 3..=MOST {
+            assert!(certified(&circle(n, 1.0, |_| 0.0)[..n], true), "flat, {n}");
+            assert!(certified(&circle(n, 1.0, |_| 0.5)[..n], true), "a cone, {n}");
+        }
+        assert!(certified(&circle(6, 1.0, |i| [0.3, -0.3][i % 2])[..6], true), "a saddle");
+        assert!(!certified(&circle(MOST + 1, 1.0, |_| 0.0), true), "too many to count");
+    }
+
+    #[test]
+    fn rings_round_twice_or_folded() {
+        for n in 5..=MOST {
+            assert!(!certified(&circle(n, 2.0, |i| i as f32 * 0.1)[..n], true), "{n}");
+        }
+        let mut folded = circle(6, 1.0, |_| 0.0);
+        folded.swap(2, 3);
+        assert!(!certified(&folded[..6], true));
+        folded[3] = folded[2];
+        assert!(!certified(&folded[..6], true), "a triangle without area");
+    }
+
+    #[test]
+    fn rows() {
+        for n in 2..=MOST {
+            // Of n − 1 triangles.
+            assert!(certified(&circle(2 * n, 1.0, |_| 0.0)[..n], false), "half a turn, {n}");
+        }
+        assert!(!certified(&circle(12, 1.2, |_| 0.0)[..13], false), "more than a turn");
+        assert!(!certified(&circle(12, 1.0, |_| 0.0)[..13], false), "a whole turn");
+    }
+
+    #[test]
+    fn what_is_not_one_fan() {
+        let square =
+            [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
+        let at_first = |triangles: &[[u32; 3]]| {
+            let mesh = Mesh::new(&square, triangles).unwrap();
+            let (mut fans, mut scratch) = ([Fan::default(); 5], [0; link_scratch_bound(5, 4)]);
+            link(mesh, &mut scratch, &mut fans).unwrap();
+            certify(mesh, &mut fans).unwrap();
+            fans[0].is_certified()
+        };
+        assert!(at_first(&[[0, 1, 2], [0, 2, 3]]));
+        assert!(!at_first(&[[0, 1, 2], [0, 3, 2]]), "turned over");
+        assert!(!at_first(&[[0, 1, 2], [0, 1, 2]]), "twice");
+        assert!(!at_first(&[[0, 1, 2], [0, 1, 3]]), "two on one side of an edge");
+        assert!(!at_first(&[[0, 1, 2], [0, 3, 4]]), "two rows");
+        assert!(!at_first(&[[0, 1, 2], [0, 0, 3]]), "an index twice");
+        assert!(!at_first(&[]), "none");
+        assert!(link(Mesh::new(&square, &[]).unwrap(), &mut [0; 5], &mut [Fan(0); 5]).is_err());
+    }
+}
