@@ -1,8 +1,6 @@
 //! Self-collision about one vertex against brute force with the exact oracle: fans are where it takes
 //! the short way.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use pfront::{Model, SelfQuery, TrianglePair};
 use pfront_oracle::self_pairs;
 use rand::{Rng, RngExt, SeedableRng};

@@ -139,10 +139,10 @@ impl Placement for Posed {
     #[inline(always)]
     fn points<S: Simd>(&self, p: [S; 3]) -> [S; 3] {
         let mut placed = p;
-        for i in 0..3 {
+        for (i, placed) in placed.iter_mut().enumerate() {
             let [x, y, z, t] =
                 [self.columns[0][i], self.columns[1][i], self.columns[2][i], self.translation[i]];
-            placed[i] =
+            *placed =
                 ((p[0] * S::splat(x) + p[1] * S::splat(y)) + p[2] * S::splat(z)) + S::splat(t);
         }
         placed

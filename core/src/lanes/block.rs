@@ -76,15 +76,15 @@ impl Block {
         self.certified = [0; 3];
         for (lane, &triangle) in triangles.iter().take(LANES).enumerate() {
             let t = &mesh.triangles()[triangle as usize];
-            for k in 0..3 {
-                let p = &mesh.positions()[t[k] as usize];
+            for (k, &vertex) in t.iter().enumerate() {
+                let p = &mesh.positions()[vertex as usize];
                 self.corners[k][0][lane] = p[0];
                 self.corners[k][1][lane] = p[1];
                 self.corners[k][2][lane] = p[2];
                 // No vertex becomes zero, of which floats have two; the last few, being no numbers,
                 // equal nothing.
-                self.vertices[k][lane] = f32::from_bits(t[k].saturating_add(0x0080_0000));
-                if let Some(fan) = fans.get(t[k] as usize) {
+                self.vertices[k][lane] = f32::from_bits(vertex.saturating_add(0x0080_0000));
+                if let Some(fan) = fans.get(vertex as usize) {
                     self.certified[k] |= u32::from(fan.is_certified()) << lane;
                 }
             }

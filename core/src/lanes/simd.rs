@@ -1,7 +1,7 @@
 //! Eight floats, on any target.
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Neg, Sub};
-use glam::Vec4;
+use glam::{BVec4A, Vec4};
 
 /// How many floats there are side by side: as many as a leaf may hold triangles.
 pub(crate) const LANES: usize = 8;
@@ -49,14 +49,9 @@ pub(crate) fn widest<T: Task>(task: T) -> T::Output {
 #[derive(Clone, Copy)]
 pub(crate) struct Halves(Vec4, Vec4);
 
-#[cfg(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128"))]
-type Mask4 = glam::BVec4A;
-#[cfg(not(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128")))]
-type Mask4 = glam::BVec4;
-
-/// Truth values of [`Halves`].
+/// Truth values of [`Halves`]: what glam compares `Vec4` to, but for its feature `scalar-math`.
 #[derive(Clone, Copy)]
-pub(crate) struct HalfMasks(Mask4, Mask4);
+pub(crate) struct HalfMasks(BVec4A, BVec4A);
 
 macro_rules! in_halves {
     ($($trait:ident $method:ident $of:ty),*) => {$(

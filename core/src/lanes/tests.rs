@@ -90,7 +90,7 @@ fn side_by_side_as_one_by_one() {
         ((state >> 33) as u32) % below
     };
     let (mut rejected, mut known, mut certified) = (0, 0, 0);
-    for round in 0..if cfg!(miri) { 12 } else { 20_000 } {
+    for round in 0..if cfg!(miri) { 4 } else { 20_000 } {
         let (positions, triangles) = mesh(&mut next);
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let mut known_fans = [Fan::default(); VERTICES];
@@ -140,7 +140,7 @@ fn side_by_side_as_one_by_one() {
             }
         }
     }
-    let least = if cfg!(miri) { 1 } else { 1_000 };
+    let least = if cfg!(miri) { 0 } else { 1_000 };
     assert!(
         rejected > least && known > least && certified > least,
         "{rejected} {known} {certified}"
