@@ -11,12 +11,15 @@
 //! The code is written once over [`Simd`], and compiled twice where a processor may turn out to have
 //! AVX2 ([`avx`]).
 
+mod apart;
 #[cfg(target_arch = "x86_64")]
 mod avx;
 mod block;
 mod boxes;
 mod family;
-mod pair;
+mod meets;
+mod pairs;
+mod points;
 mod simd;
 #[cfg(test)]
 mod tests;
@@ -24,4 +27,5 @@ mod tests;
 pub(crate) use block::{Block, Blocks};
 pub(crate) use boxes::Boxes;
 pub(crate) use family::Family;
+pub(crate) use pairs::Pairs;
 pub(crate) use simd::{LANES, Simd, Task, widest};

@@ -136,15 +136,11 @@ impl<A: Placement, B: Placement> Bvtt for PairTree<'_, A, B> {
         let first = kept_a.get::<S>(n.a, self.a.bvh.mesh(), own, &self.a.place, &[]);
         let second = kept_b.get::<S>(n.b, self.b.bvh.mesh(), others, &self.b.place, &[]);
         let bounds = self.a.bounds_of(n.a);
-        let mut pairs = first.overlapping::<S>(second, &bounds) & after(skip);
-        if pairs == 0 {
-            return ControlFlow::Continue(());
-        }
-        let tested = pairs;
-        pairs = first.undecided::<S, false>(second, pairs);
-        while pairs != 0 {
-            let bit = pairs.trailing_zeros();
-            pairs &= pairs - 1;
+        let pairs = first.pairs::<S, false>(second, &bounds, after(skip));
+        let (tested, mut left) = (pairs.tested, pairs.left);
+        while left != 0 {
+            let bit = left.trailing_zeros();
+            left &= left - 1;
             let (i, j) = (bit as usize % LANES, bit as usize / LANES);
             if meet(first, i, second, j, self.accuracy)
                 && visit(TrianglePair { a: own[i], b: others[j] }).is_break()

@@ -8,7 +8,7 @@ use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, family_pairs, meet
 use crate::Bvh;
 use crate::aabb::Bounds;
 use crate::fans::Fan;
-use crate::lanes::{Blocks, Family, LANES, Simd};
+use crate::lanes::{Blocks, Family, LANES, Pairs, Simd};
 use crate::place::InPlace;
 use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
 use core::ops::ControlFlow;
@@ -104,24 +104,16 @@ impl Bvtt for SelfTree<'_> {
         let first = kept_a.get::<S>(n.a, mesh, own, &InPlace, self.fans);
         let second = kept_b.get::<S>(n.b, mesh, others, &InPlace, self.fans);
         let bounds = nodes[n.a as usize].bounds();
-        let mut pairs = first.overlapping::<S>(second, &bounds) & after(skip);
-        if n.a == n.b {
-            pairs &= BEFORE;
-        }
-        if pairs == 0 {
-            return ControlFlow::Continue(());
-        }
-        let tested = pairs;
-        let mut neighbours = 0;
-        if !self.boxes_only {
-            pairs = first.strangers::<S>(second, pairs);
-            neighbours = first.doubtful(second, pairs);
-            pairs = first.undecided::<S, false>(second, pairs & !neighbours)
-                | first.undecided::<S, true>(second, neighbours);
-        }
-        while pairs != 0 {
-            let bit = pairs.trailing_zeros();
-            pairs &= pairs - 1;
+        let allowed = if n.a == n.b { after(skip) & BEFORE } else { after(skip) };
+        let Pairs { tested, mut left, neighbours } = if self.boxes_only {
+            let tested = first.boxes::<S>(second, &bounds, allowed);
+            Pairs { tested, left: tested, neighbours: 0 }
+        } else {
+            first.pairs::<S, true>(second, &bounds, allowed)
+        };
+        while left != 0 {
+            let bit = left.trailing_zeros();
+            left &= left - 1;
             let (i, j) = (bit as usize % LANES, bit as usize / LANES);
             let (a, b) = (own[i].min(others[j]), own[i].max(others[j]));
             let meet = if self.boxes_only {

@@ -1,10 +1,11 @@
 //! One triangle pair in f32, where that is sure of the answer: hits, mostly, since
-//! [`Block::undecided`] has rejected nearly all that miss.
+//! [`Block::pairs`] has rejected nearly all that miss.
 //!
 //! The test is that of [`crate::triangle`], its corners side by side in lanes, with the bound of
-//! [`super::block`]. Where a sign is not sure, the pair is left to the exact test.
+//! [`super::apart`]. Where a sign is not sure, the pair is left to the exact test.
 
-use super::block::{BOUND, Block, MOST, SLACK};
+use super::apart::{BOUND, MOST, SLACK};
+use super::block::Block;
 use glam::Vec4;
 
 impl Block {

@@ -1,0 +1,70 @@
+//! Triangles that lie on one side of another's plane.
+//!
+//! That settles nearly all pairs whose boxes overlap and who are no neighbours. Whatever it leaves goes
+//! to the exact test of [`crate::triangle`], so only a wrong rejection could change an answer, and the
+//! bound excludes that.
+//!
+//! # The bound
+//! As that of the f64 filter (`predicates`), with u = 2^-24: each of the six products of three
+//! differences carries a relative error below (1+u)^8 − 1, so that the determinant is off by less
+//! than 48.06u · mx·my·mz, the largest absolute differences an axis. The constant has room for the
+//! roundings of the bound. Unlike there, products may underflow or overflow. With no difference above
+//! 2^40 none overflows, and underflow costs less than 6 · 2^-150 · 2^40 before the last product and
+//! 4 · 2^-150 after; the bound may lose 2^-110. `SLACK`, 2^-100, is far above their sum.
+//!
+//! # Vertices in common
+//! Triangles of one mesh may have corners in common, which lie in both planes. With all other corners
+//! of one strictly on one side of the plane of the other they share nothing beside these corners, and
+//! so collide by none of the rules in `triangle::neighbours`. A corner in common that goes unnoticed is
+//! found too close to the plane to reject anything.
+
+use super::Simd;
+use super::points::{abs, difference, highest};
+
+pub(super) const BOUND: f32 = 2.9e-6;
+pub(super) const SLACK: f32 = 7.888_609e-31;
+/// 2^40.
+pub(super) const MOST: f32 = 1.099_511_6e12;
+
+/// The corners of a triangle in each lane.
+#[derive(Clone, Copy)]
+pub(super) struct Corners<S> {
+    pub(super) points: [[S; 3]; 3],
+    pub(super) vertices: [S; 3],
+}
+
+/// A triangle in each lane, with its plane.
+pub(super) struct Planes<S> {
+    pub(super) corners: Corners<S>,
+    pub(super) normal: [S; 3],
+    pub(super) extent: [S; 3],
+}
+
+impl<S: Simd> Planes<S> {
+    /// A bit for each lane in which all corners that the triangles do not share are strictly on one side
+    /// of the plane, and there is one.
+    #[inline(always)]
+    pub(super) fn apart<const ONE_MESH: bool>(&self, of: &Corners<S>) -> u32 {
+        let (infinity, base, n) = (S::splat(f32::INFINITY), self.corners.points[0], &self.normal);
+        let (mut low, mut high, mut extent) = (infinity, -infinity, self.extent);
+        for k in 0..3 {
+            let w = difference(of.points[k], base);
+            extent = highest(extent, abs(w));
+            let side = n[0] * w[0] + n[1] * w[1] + n[2] * w[2];
+            let (mut least, mut most) = (side, side);
+            if ONE_MESH {
+                let [p, q, r] = self.corners.vertices;
+                let v = of.vertices[k];
+                let shared = v.eq(p) | v.eq(q) | v.eq(r);
+                least = S::select(&shared, infinity, least);
+                most = S::select(&shared, -infinity, most);
+            }
+            low = low.min(least);
+            high = high.max(most);
+        }
+        let bound = extent[0] * extent[1] * extent[2] * S::splat(BOUND) + S::splat(SLACK);
+        let sure = extent[0].max(extent[1]).max(extent[2]).le(S::splat(MOST));
+        // Both if all corners are shared.
+        S::bits((bound.lt(low) ^ high.lt(-bound)) & sure)
+    }
+}

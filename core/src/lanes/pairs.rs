@@ -1,0 +1,159 @@
+//! The triangles of one leaf against those of another.
+//!
+//! # Vertices in common
+//! Triangles of one mesh that share a certified vertex ([`crate::fans`]) do not collide. For other
+//! neighbours, corners in common lie in both planes: with all other corners of one strictly on one side of
+//! the plane of the other they share nothing beside these corners, and so collide by none of the rules in
+//! `triangle::neighbours`. A corner in common that goes unnoticed is found too close to the plane to
+//! reject anything.
+
+use super::apart::{Corners, Planes};
+use super::block::Block;
+use super::points::{load, splat};
+use super::{LANES, Simd};
+use crate::aabb::Bounds;
+
+/// Sets of pairs: bit 8·j + i for triangle i of the first block and j of the second.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Pairs {
+    /// Those whose boxes overlap.
+    pub(crate) tested: u64,
+    /// Of these, those that may collide.
+    pub(crate) left: u64,
+    /// Of those left, those that may have a vertex in common.
+    pub(crate) neighbours: u64,
+}
+
+impl Block {
+    /// Tests the `allowed` pairs with others. `bounds` contains all of these triangles; `ONE_MESH` if
+    /// they may have vertices in common.
+    #[inline(always)]
+    pub(crate) fn pairs<S: Simd, const ONE_MESH: bool>(
+        &self,
+        others: &Self,
+        bounds: &Bounds,
+        allowed: u64,
+    ) -> Pairs {
+        let mut pairs = Pairs::default();
+        let own_doubtful = self.doubtful();
+        let doubtful = others.doubtful();
+        let mut rows = others.rows::<S>(bounds);
+        while rows != 0 {
+            let row = rows.trailing_zeros() as usize % LANES;
+            rows &= rows - 1;
+            let shift = LANES * row;
+            let mut found = self.overlapping::<S>(others, row) & (allowed >> shift) as u32;
+            pairs.tested |= u64::from(found) << shift;
+            let mut neighbours = 0;
+            if ONE_MESH {
+                found &= !self.at_peace::<S>(others, row);
+                neighbours = if doubtful >> row & 1 != 0 { found & own_doubtful } else { 0 };
+            }
+            if found == 0 {
+                continue;
+            }
+            found &= if ONE_MESH && neighbours != 0 {
+                self.undecided::<S, true>(others, row, found)
+            } else {
+                self.undecided::<S, false>(others, row, found)
+            };
+            pairs.left |= u64::from(found) << shift;
+            pairs.neighbours |= u64::from(found & neighbours) << shift;
+        }
+        pairs
+    }
+
+    /// Those of the `allowed` pairs whose boxes overlap.
+    #[inline(always)]
+    pub(crate) fn boxes<S: Simd>(&self, others: &Self, bounds: &Bounds, allowed: u64) -> u64 {
+        let (mut pairs, mut rows) = (0, others.rows::<S>(bounds));
+        while rows != 0 {
+            let row = rows.trailing_zeros() as usize % LANES;
+            rows &= rows - 1;
+            pairs |= u64::from(self.overlapping::<S>(others, row)) << (LANES * row);
+        }
+        pairs & allowed
+    }
+
+    /// A bit for each of these that reaches into some bounds.
+    #[inline(always)]
+    fn rows<S: Simd>(&self, bounds: &Bounds) -> u32 {
+        let (low, high) = (bounds.min, bounds.max);
+        let low = [S::splat(low.x), S::splat(low.y), S::splat(low.z)];
+        let high = [S::splat(high.x), S::splat(high.y), S::splat(high.z)];
+        S::bits(overlap(low, high, load(&self.min), load(&self.max))) & self.lanes()
+    }
+
+    /// A bit for each of these whose box overlaps one other.
+    #[inline(always)]
+    fn overlapping<S: Simd>(&self, others: &Self, row: usize) -> u32 {
+        let (low, high) = (splat::<S>(&others.min, row), splat::<S>(&others.max, row));
+        S::bits(overlap(low, high, load(&self.min), load(&self.max))) & self.lanes()
+    }
+
+    /// A bit for each of these that has a certified vertex in common with one other.
+    #[inline(always)]
+    fn at_peace<S: Simd>(&self, others: &Self, row: usize) -> u32 {
+        let [p, q, r] = load::<S>(&self.vertices);
+        let u = S::splat(others.if_certified(0, row));
+        let v = S::splat(others.if_certified(1, row));
+        let w = S::splat(others.if_certified(2, row));
+        let first = p.eq(u) | q.eq(u) | r.eq(u);
+        let second = p.eq(v) | q.eq(v) | r.eq(v);
+        S::bits(first | second | (p.eq(w) | q.eq(w) | r.eq(w)))
+    }
+
+    /// Those of some pairs with one other that are on neither's plane's one side.
+    #[inline(always)]
+    fn undecided<S: Simd, const ONE_MESH: bool>(
+        &self,
+        others: &Self,
+        row: usize,
+        mut found: u32,
+    ) -> u32 {
+        let own = Planes {
+            corners: Corners {
+                points: [load(&self.corners[0]), load(&self.corners[1]), load(&self.corners[2])],
+                vertices: load::<S>(&self.vertices),
+            },
+            normal: load(&self.normal),
+            extent: load(&self.extent),
+        };
+        let [p, q, r] = &others.corners;
+        let corners = Corners {
+            points: [splat(p, row), splat(q, row), splat(r, row)],
+            vertices: splat::<S>(&others.vertices, row),
+        };
+        found &= !own.apart::<ONE_MESH>(&corners);
+        if found != 0 {
+            let (normal, extent) = (splat(&others.normal, row), splat(&others.extent, row));
+            found &= !Planes { corners, normal, extent }.apart::<ONE_MESH>(&own.corners);
+        }
+        found
+    }
+
+    fn lanes(&self) -> u32 {
+        (1 << self.len) - 1
+    }
+
+    /// A bit for each triangle with a vertex that is not certified.
+    fn doubtful(&self) -> u32 {
+        !(self.certified[0] & self.certified[1] & self.certified[2]) & self.lanes()
+    }
+
+    /// A vertex that is certified, or no number.
+    #[inline(always)]
+    fn if_certified(&self, corner: usize, lane: usize) -> f32 {
+        let certified = self.certified[corner] >> lane & 1 != 0;
+        if certified { self.vertices[corner][lane] } else { f32::NAN }
+    }
+}
+
+/// Where boxes, by their smallest and largest corners, overlap others.
+#[inline(always)]
+fn overlap<S: Simd>(a_min: [S; 3], a_max: [S; 3], b_min: [S; 3], b_max: [S; 3]) -> S::Mask {
+    let x = a_min[0].le(b_max[0]) & b_min[0].le(a_max[0]);
+    let y = a_min[1].le(b_max[1]) & b_min[1].le(a_max[1]);
+    let z = a_min[2].le(b_max[2]) & b_min[2].le(a_max[2]);
+    x & y & z
+}
