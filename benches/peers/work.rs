@@ -1,0 +1,162 @@
+//! What is asked of everybody: bodies that move, and which of their triangles meet.
+
+use pfront::core::triangle::intersects;
+use pfront::{Accuracy, Model, PairQuery, Pose, TrianglePair};
+use pfront_scenes::{Kind, Scene, TriMesh, icosphere, torus_knot};
+
+/// Two bodies, the first of them first, and a triangle of each. Of one body both are the same, and the
+/// triangles ascend.
+pub(crate) type Hit = ([u32; 2], TrianglePair);
+
+/// Moves everything to a frame and adds its hits, in any order.
+pub(crate) type Finder<'w> = Box<dyn FnMut(usize, &mut Vec<Hit>) + 'w>;
+
+/// Bodies and where they are in each frame.
+pub(crate) struct Work {
+    pub(crate) name: String,
+    /// A mesh for each body.
+    pub(crate) meshes: Vec<TriMesh>,
+    motion: Motion,
+}
+
+enum Motion {
+    /// Poses of the bodies in each frame. A body in [`Pose::IDENTITY`] rests there in all of them.
+    Rigid(Vec<Vec<Pose>>),
+    /// Positions of the only body in each frame.
+    Deforming(Vec<Vec<[f32; 3]>>),
+}
+
+/// Distance of neighbours in a crowd, whose radii are 1.4 and 1.
+const GAP: f32 = 2.03;
+/// Random poses of the second of two bodies.
+const POSES: usize = 10;
+/// Frames of everything else.
+const FRAMES: usize = 5;
+const SEED: u64 = 5;
+
+impl Work {
+    /// Two torus knots of so many triangles each, the second in random poses in which coarse ones meet.
+    pub(crate) fn course(name: &str, triangles: usize) -> Self {
+        let course = |triangles| {
+            let knot = torus_knot(triangles);
+            Scene::course(knot.clone(), knot, usize::MAX, SEED)
+        };
+        let (scene, coarse) = (course(triangles), course(2000));
+        let [a, b] = [0, 1].map(|i| model(&coarse.meshes[i]));
+        let meet = |frame: &usize| {
+            PairQuery::new().any(&a, &b, &poses(&coarse, *frame)[1]).unwrap().is_some()
+        };
+        let poses = (0..).filter(meet).take(POSES).map(|frame| poses(&scene, frame)).collect();
+        Self { name: name.to_owned(), meshes: scene.meshes, motion: Motion::Rigid(poses) }
+    }
+
+    /// The folded sheet, in consecutive frames in which its pleats meet.
+    pub(crate) fn sheet(name: &str, triangles: usize) -> Self {
+        let scene = Scene::by_name("sheet", Some(triangles)).unwrap();
+        assert_eq!(scene.kind(), Kind::SelfMesh);
+        let frame = |frame| {
+            let mut positions = Vec::new();
+            scene.positions(frame, &mut positions);
+            positions
+        };
+        let frames = (100..100 + FRAMES).map(frame).collect();
+        Self { name: name.to_owned(), meshes: scene.meshes, motion: Motion::Deforming(frames) }
+    }
+
+    /// So many bodies of about 1,600 triangles in layers of 8 × 8, knots and spheres by turns. Each has
+    /// a mesh and a random orientation of its own, and turns and sways among its neighbours.
+    pub(crate) fn crowd(name: &str, count: usize) -> Self {
+        let shapes = [torus_knot(1600), icosphere(1600)];
+        let meshes = (0..count).map(|i| shapes[i % 2].clone()).collect();
+        let random = Scene::course(icosphere(20), icosphere(20), count, SEED);
+        let place = |i: usize| [i % 8, i / 8 % 8, i / 64];
+        let body = |i: usize, frame: usize| {
+            let time = 0.03 * frame as f32 + i as f32;
+            let [x, y, z] = poses(&random, i)[1].rows.map(|[x, y, z, _]| [x, y, z]);
+            let (sin, cos) = time.sin_cos();
+            let turned = [
+                [0, 1, 2].map(|k| cos * x[k] - sin * y[k]),
+                [0, 1, 2].map(|k| sin * x[k] + cos * y[k]),
+                z,
+            ];
+            let center = place(i).map(|k| GAP * k as f32 + 0.1 * (2.0 * time + k as f32).sin());
+            let row = |k: usize| [turned[k][0], turned[k][1], turned[k][2], center[k]];
+            Pose::new([0, 1, 2].map(row))
+        };
+        let frame = |frame| (0..count).map(|i| body(i, frame)).collect();
+        let motion = Motion::Rigid((0..FRAMES).map(frame).collect());
+        Self { name: name.to_owned(), meshes, motion }
+    }
+
+    pub(crate) fn frames(&self) -> usize {
+        match &self.motion {
+            Motion::Rigid(frames) => frames.len(),
+            Motion::Deforming(frames) => frames.len(),
+        }
+    }
+
+    /// The pose of a body in a frame.
+    pub(crate) fn pose(&self, frame: usize, body: usize) -> Pose {
+        match &self.motion {
+            Motion::Rigid(frames) => frames[frame][body],
+            Motion::Deforming(_) => Pose::IDENTITY,
+        }
+    }
+
+    /// The vertices of a body in a frame, before they are posed.
+    pub(crate) fn shape(&self, frame: usize, body: usize) -> &[[f32; 3]] {
+        match &self.motion {
+            Motion::Rigid(_) => &self.meshes[body].positions,
+            Motion::Deforming(frames) => &frames[frame],
+        }
+    }
+
+    /// The vertices of a body in a frame, posed: to the bit where pfront has them.
+    pub(crate) fn positions(
+        &self,
+        frame: usize,
+        body: usize,
+    ) -> impl Iterator<Item = [f32; 3]> + use<'_> {
+        let pose = self.pose(frame, body);
+        let posed = move |&p| if pose == Pose::IDENTITY { p } else { pose.apply(p) };
+        self.shape(frame, body).iter().map(posed)
+    }
+
+    /// Whether a body never moves.
+    pub(crate) fn rests(&self, body: usize) -> bool {
+        matches!(&self.motion, Motion::Rigid(frames) if frames[0][body] == Pose::IDENTITY)
+    }
+
+    /// Whether no vertex of one body belongs to both triangles.
+    pub(crate) fn apart(&self, &([a, b], pair): &Hit) -> bool {
+        let [ta, tb] = [(a, pair.a), (b, pair.b)]
+            .map(|(body, triangle)| self.meshes[body as usize].triangles[triangle as usize]);
+        a != b || !ta.iter().any(|vertex| tb.contains(vertex))
+    }
+
+    /// What an exact test leaves of candidates.
+    pub(crate) fn exact(&self, frame: usize, mut candidates: Vec<Hit>) -> Vec<Hit> {
+        let bodies = 0..self.meshes.len();
+        let positions: Vec<Vec<_>> =
+            bodies.map(|body| self.positions(frame, body).collect()).collect();
+        let triangle = |body: u32, triangle: u32| {
+            let of = &self.meshes[body as usize].triangles[triangle as usize];
+            of.map(|vertex| positions[body as usize][vertex as usize])
+        };
+        candidates.retain(|&([a, b], pair)| {
+            intersects(&triangle(a, pair.a), &triangle(b, pair.b), Accuracy::Exact)
+        });
+        candidates
+    }
+}
+
+pub(crate) fn model(mesh: &TriMesh) -> Model {
+    Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap()
+}
+
+/// All poses in a frame of a scene.
+fn poses(scene: &Scene, frame: usize) -> Vec<Pose> {
+    let mut rows = Vec::new();
+    scene.poses(frame, &mut rows);
+    rows.into_iter().map(Pose::new).collect()
+}
