@@ -3,7 +3,7 @@
 use crate::Pose;
 use crate::aabb::Bounds;
 use crate::lanes::{Boxes, Simd};
-use glam::{Vec3A, Vec4};
+use glam::{DMat3, DVec3, Vec3A, Vec4};
 
 /// How a walk sees a mesh: where its boxes and corners are in the frame of the query.
 pub(crate) trait Placement {
@@ -85,6 +85,50 @@ impl Posed {
             translation: column(3),
             slack: column(3).abs() * PADDING + Vec3A::splat(f32::MIN_POSITIVE),
         }
+    }
+}
+
+impl Posed {
+    /// How far from the origin posed points of some bounds get, about.
+    fn reach(&self, bounds: &Bounds) -> DVec3 {
+        let extent = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
+        let [x, y, z] = self.magnitudes.map(|column| column.as_dvec3());
+        x * extent.x + y * extent.y + z * extent.z + self.translation.abs().as_dvec3()
+    }
+
+    /// This pose as seen from a mesh in another one: what it takes boxes to overlaps each box of that
+    /// mesh, as it stands in its own frame, with which it has posed points in common. `None` if the other
+    /// pose is far from rigid, or the two far apart in scale.
+    ///
+    /// A point common to both as they are posed in f32 is A(x) + d = B(y) + e for points x and y of the
+    /// boxes, with d and e at most 6u of what the poses reach. So x = A⁻¹(B(y)) + A⁻¹(e − d) without
+    /// translation: a box of A⁻¹·B, padded by |A⁻¹| times 16u of both reaches, contains x. What is left
+    /// of these 16u is far more than the f64 roundings of A⁻¹ and the products with it.
+    pub(crate) fn seen_from(&self, own: &Bounds, from: &Self, of: &Bounds) -> Option<Self> {
+        const RIGID: f64 = 2.0;
+        const LIMIT: f64 = 1e30;
+        let matrix = |p: &Self| {
+            let [x, y, z] = p.columns.map(|column| column.as_dvec3());
+            DMat3::from_cols(x, y, z)
+        };
+        let turn = matrix(from);
+        let back = turn.inverse();
+        let entries = |m: &DMat3, limit: f64| m.to_cols_array().iter().all(|x| x.abs() <= limit);
+        if !entries(&turn, RIGID) || !entries(&back, RIGID) {
+            return None;
+        }
+        let seen = back * matrix(self);
+        let offset = back * (self.translation.as_dvec3() - from.translation.as_dvec3());
+        let doubt = back.abs() * (self.reach(own) + from.reach(of)) * (f64::from(PADDING) * 1.001);
+        if !entries(&seen, LIMIT) || offset.abs().max_element().max(doubt.max_element()) > LIMIT {
+            return None;
+        }
+        let [x, y, z] = [seen.x_axis, seen.y_axis, seen.z_axis].map(DVec3::as_vec3a);
+        let columns = [x, y, z];
+        let translation = offset.as_vec3a();
+        let tiny = Vec3A::splat(16.0 * f32::MIN_POSITIVE);
+        let slack = translation.abs() * PADDING + doubt.as_vec3a() * 1.001 + tiny;
+        Some(Self { columns, magnitudes: columns.map(Vec3A::abs), translation, slack })
     }
 }
 
@@ -263,6 +307,53 @@ mod tests {
                 let p = p.to_array().map(Vec4::splat);
                 assert_eq!(four.overlapping(&Boxes { min: p, max: p }), 0b1101);
             }
+        }
+    }
+
+    /// A rotation and a translation of the order of `far`.
+    fn rigid(points: &[[f32; 3]; 2], far: f32) -> Pose {
+        let [axis, offset] = points.map(glam::Vec3::from_array);
+        let turn = glam::Quat::from_scaled_axis(axis.normalize_or_zero() * axis.length().min(3.0));
+        glam::Affine3A::from_rotation_translation(turn, offset.normalize_or_zero() * far).into()
+    }
+
+    #[test]
+    fn boxes_seen_from_another_pose_contain_what_both_pose_alike() {
+        let mut course = course();
+        while let (Some((_, p)), Some((_, q)), Some((_, r))) =
+            (course.next(), course.next(), course.next())
+        {
+            for far in [0.0, 1.0, 1e5] {
+                let (a, b) = (rigid(&p, far), rigid(&q, far));
+                let y = r[0];
+                let back = glam::DAffine3::from_mat3_translation(
+                    DMat3::from_cols_array_2d(&core::array::from_fn(|k| {
+                        core::array::from_fn(|i| f64::from(a.rows[i][k]))
+                    })),
+                    DVec3::from_array(core::array::from_fn(|i| f64::from(a.rows[i][3]))),
+                )
+                .inverse();
+                let world = glam::Vec3::from_array(b.apply(y)).as_dvec3();
+                let x = back.transform_point3(world).as_vec3a();
+                let of = |p: [f32; 3]| Bounds::new(&Aabb { min: p, max: p });
+                let (a, b) = (Posed::new(&a), Posed::new(&b));
+                let seen = b.seen_from(&of(y), &a, &of(x.to_array())).unwrap().bounds(&of(y));
+                assert!(seen.min.cmple(x).all() && x.cmple(seen.max).all(), "{seen:?} {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_view_from_a_pose_that_flattens_or_stretches() {
+        let unit = Bounds::new(&Aabb { min: [0.0; 3], max: [1.0; 3] });
+        let mut flat = Pose::IDENTITY;
+        flat.rows[2] = [0.0; 4];
+        let mut stretched = Pose::IDENTITY;
+        stretched.rows[1][1] = 3.0;
+        let still = Posed::new(&Pose::IDENTITY);
+        for pose in [flat, stretched] {
+            assert!(still.seen_from(&unit, &Posed::new(&pose), &unit).is_none());
+            assert!(Posed::new(&pose).seen_from(&unit, &still, &unit).is_some());
         }
     }
 }

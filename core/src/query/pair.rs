@@ -1,7 +1,7 @@
 //! Two meshes, one or both of them posed.
 
 use super::{Cursor, NodePair, Query, TrianglePair};
-use crate::place::{InPlace, Place};
+use crate::place::{InPlace, Place, Placement};
 use crate::pose::PoseError;
 use crate::triangle::{Accuracy, Contact, contact};
 use crate::walk::{Bvtt, PairTree, Side, Visit, walk};
@@ -42,14 +42,15 @@ impl<'a> Placed<'a> {
     /// Nothing is checked: in another one a query may miss pairs.
     #[must_use]
     pub fn trusted(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Self {
-        Self(Side { bvh, place: Place::new(world_from_bvh) })
+        let place = Place::new(world_from_bvh);
+        Self(Side { bvh, place, view: place })
     }
 
     /// A box that contains every posed vertex of every triangle, rounding included; `None` for an
     /// empty mesh. What a broad phase goes by.
     #[must_use]
     pub fn aabb(&self) -> Option<Aabb> {
-        Some(self.0.bounds(self.0.bvh.root()?).into())
+        Some(self.0.place.bounds(&self.0.bvh.root()?.bounds()).into())
     }
 }
 
@@ -88,20 +89,42 @@ impl<'a> PairQuery<'a> {
     #[must_use]
     pub fn in_world(a: Placed<'a>, b: Placed<'a>) -> Self {
         let leaf_edge = a.0.bvh.leaf_edge().max(b.0.bvh.leaf_edge());
-        Self { tree: PairTree { a: a.0, b: b.0, accuracy: Accuracy::Exact }, leaf_edge }
+        let (Placed(mut a), Placed(mut b)) = (a, b);
+        if let (Place::Posed(place_a), Place::Posed(place_b)) = (&a.place, &b.place)
+            && let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root())
+            && let Some(seen) = place_b.seen_from(&root_b.bounds(), place_a, &root_a.bounds())
+        {
+            (a.view, b.view) = (Place::InPlace, Place::Posed(seen));
+        }
+        Self { tree: PairTree { a, b, accuracy: Accuracy::Exact }, leaf_edge }
     }
 
     /// Walks with each side placed as it is, so that no box or corner has to ask.
     fn walk(&self, cursor: &mut Cursor, visit: &mut Visit<'_>) -> ControlFlow<()> {
-        let tree = &self.tree;
-        match (tree.a.place, tree.b.place) {
-            (Place::InPlace, Place::InPlace) => {
-                walk(&tree.through(InPlace, InPlace), cursor, visit)
+        use Place::{InPlace as Still, Posed};
+        let (a, b, here) = (&self.tree.a, &self.tree.b, InPlace);
+        match (&a.place, &b.place, &a.view, &b.view) {
+            (Still, Still, ..) => self.through(cursor, visit, (here, here), (here, here)),
+            (Still, Posed(b), ..) => self.through(cursor, visit, (here, here), (b, b)),
+            (Posed(a), Still, ..) => self.through(cursor, visit, (a, a), (here, here)),
+            (Posed(a), Posed(b), Still, Posed(seen)) => {
+                self.through(cursor, visit, (a, here), (b, seen))
             }
-            (Place::InPlace, Place::Posed(b)) => walk(&tree.through(InPlace, b), cursor, visit),
-            (Place::Posed(a), Place::InPlace) => walk(&tree.through(a, InPlace), cursor, visit),
-            (Place::Posed(a), Place::Posed(b)) => walk(&tree.through(a, b), cursor, visit),
+            (Posed(a), Posed(b), ..) => self.through(cursor, visit, (a, a), (b, b)),
         }
+    }
+
+    /// Walks with the places and views of both sides.
+    fn through<A: Placement, V: Placement, B: Placement, W: Placement>(
+        &self,
+        cursor: &mut Cursor,
+        visit: &mut Visit<'_>,
+        a: (A, V),
+        b: (B, W),
+    ) -> ControlFlow<()> {
+        let a = Side { bvh: self.tree.a.bvh, place: a.0, view: a.1 };
+        let b = Side { bvh: self.tree.b.bvh, place: b.0, view: b.1 };
+        walk(&PairTree { a, b, accuracy: self.tree.accuracy }, cursor, visit)
     }
 
     /// The same with another [`Accuracy`].

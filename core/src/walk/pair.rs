@@ -10,25 +10,30 @@ use crate::{Bvh, Triangle};
 use core::ops::ControlFlow;
 use glam::Vec3A;
 
-/// A BVH and where it stands.
+/// A BVH, where it stands, and whence its boxes are looked at.
 ///
 /// Boxes are transformed as they are met, with the rounding bound of [`Placement::bounds`]; nothing is
 /// refitted, so a query pays only for the part of the tree it sees.
+///
+/// A box that is turned needs a larger one around it. So of two meshes that are both posed in a world it is
+/// best to look at the boxes from one of them: `view` may be of any frame in which boxes of triangles that
+/// meet overlap. What these triangles are is settled by `place` alone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Side<'a, P> {
+pub(crate) struct Side<'a, P, V = P> {
     pub(crate) bvh: Bvh<'a>,
     pub(crate) place: P,
+    pub(crate) view: V,
 }
 
 /// Two BVHs in one frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PairTree<'a, A, B> {
-    pub(crate) a: Side<'a, A>,
-    pub(crate) b: Side<'a, B>,
+pub(crate) struct PairTree<'a, A, B, V = A, W = B> {
+    pub(crate) a: Side<'a, A, V>,
+    pub(crate) b: Side<'a, B, W>,
     pub(crate) accuracy: Accuracy,
 }
 
-impl<'a, P: Placement> Side<'a, P> {
+impl<'a, P: Placement, V: Placement> Side<'a, P, V> {
     #[inline]
     pub(crate) fn node(&self, index: u32) -> &'a Node {
         &self.bvh.nodes()[index as usize]
@@ -36,7 +41,7 @@ impl<'a, P: Placement> Side<'a, P> {
 
     #[inline]
     pub(crate) fn bounds(&self, node: &Node) -> Bounds {
-        self.place.bounds(&node.bounds())
+        self.view.bounds(&node.bounds())
     }
 
     #[inline]
@@ -57,15 +62,7 @@ impl<'a, P: Placement> Side<'a, P> {
     }
 }
 
-impl<'a, A: Placement, B: Placement> PairTree<'a, A, B> {
-    /// The same tree, seen through other placements.
-    pub(crate) fn through<C, D>(&self, a: C, b: D) -> PairTree<'a, C, D> {
-        let (a, b) = (Side { bvh: self.a.bvh, place: a }, Side { bvh: self.b.bvh, place: b });
-        PairTree { a, b, accuracy: self.accuracy }
-    }
-}
-
-impl<A: Placement, B: Placement> Bvtt for PairTree<'_, A, B> {
+impl<A: Placement, B: Placement, V: Placement, W: Placement> Bvtt for PairTree<'_, A, B, V, W> {
     fn root(&self) -> Option<NodePair> {
         let (a, b) = (self.a.bvh.root()?, self.b.bvh.root()?);
         self.a.bounds(a).overlaps(&self.b.bounds(b)).then_some(NodePair { a: 0, b: 0 })
@@ -116,8 +113,8 @@ impl<A: Placement, B: Placement> Bvtt for PairTree<'_, A, B> {
     fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
         let [mut a, mut b] =
             [Family::below(self.a.bvh.nodes(), n.a), Family::below(self.b.bvh.nodes(), n.b)];
-        a.boxes = self.a.place.boxes(&a.boxes);
-        b.boxes = self.b.place.boxes(&b.boxes);
+        a.boxes = self.a.view.boxes(&a.boxes);
+        b.boxes = self.b.view.boxes(&b.boxes);
         let lanes = a.lanes();
         family_pairs([&a, &b], |_| lanes, push);
         (a.nodes().len() * b.nodes().len()) as u32
@@ -135,7 +132,7 @@ impl<A: Placement, B: Placement> Bvtt for PairTree<'_, A, B> {
         let (own, others) = (self.a.leaf(n.a), self.b.leaf(n.b));
         let first = kept_a.get::<S>(n.a, self.a.bvh.mesh(), own, &self.a.place, &[]);
         let second = kept_b.get::<S>(n.b, self.b.bvh.mesh(), others, &self.b.place, &[]);
-        let bounds = self.a.bounds_of(n.a);
+        let bounds = self.a.place.bounds(&self.a.node(n.a).bounds());
         let pairs = first.pairs::<S, false>(second, &bounds, after(skip));
         let (tested, mut left) = (pairs.tested, pairs.left);
         while left != 0 {
