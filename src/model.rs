@@ -4,7 +4,7 @@ use crate::Error;
 use pfront_core::build::{self, BuildOptions, BvhStorage, REBUILD_RATIO, SahItem};
 use pfront_core::bvh::node_bound;
 use pfront_core::fans::{self, Fan};
-use pfront_core::{Bvh, Mesh, Node};
+use pfront_core::{Bvh, CapacityError, Mesh, Node};
 use std::sync::OnceLock;
 
 /// A triangle mesh with the BVH that queries walk.
@@ -32,6 +32,36 @@ pub struct Model {
     fans: OnceLock<Vec<Fan>>,
 }
 
+/// The passes over a whole model, on as many threads as one likes.
+struct Passes {
+    sah: Sah,
+    refit: Refit,
+    /// The quality figure of a tree that fits.
+    quality: Refit,
+}
+
+type Sah = for<'a> fn(
+    Mesh<'a>,
+    &BuildOptions,
+    BvhStorage<'a>,
+    &mut [SahItem],
+) -> Result<Bvh<'a>, CapacityError>;
+type Refit = fn(Mesh<'_>, &mut [Node], &[u32]) -> f32;
+
+const ONE_THREAD: Passes = Passes {
+    sah: build::sah,
+    refit: build::refit,
+    quality: |mesh, nodes, order| build::quality(&Bvh::trusted(mesh, nodes, order)),
+};
+
+/// A refit changes no box that fits.
+#[cfg(feature = "threads")]
+const THREADS: Passes = Passes {
+    sah: crate::threads::sah,
+    refit: crate::threads::refit,
+    quality: crate::threads::refit,
+};
+
 impl Model {
     /// Checks the mesh and builds its BVH with the surface area heuristic.
     ///
@@ -53,11 +83,34 @@ impl Model {
         triangles: Vec<[u32; 3]>,
         options: BuildOptions,
     ) -> Result<Self, Error> {
+        Self::built_by(&ONE_THREAD, positions, triangles, options)
+    }
+
+    /// [`Model::with_options`] in the rayon pool of whoever asks; worth it from some 50,000 triangles
+    /// on. The BVH is the same.
+    ///
+    /// # Errors
+    /// As [`Model::new`].
+    #[cfg(feature = "threads")]
+    pub fn new_with_threads(
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions,
+    ) -> Result<Self, Error> {
+        Self::built_by(&THREADS, positions, triangles, options)
+    }
+
+    fn built_by(
+        passes: &Passes,
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions,
+    ) -> Result<Self, Error> {
         Mesh::new(&positions, &triangles)?;
         let (nodes, order) = (Vec::new(), Vec::new());
         let (built, fans) = (0.0, OnceLock::new());
         let mut model = Self { positions, triangles, nodes, order, options, built, fans };
-        model.rebuild()?;
+        model.rebuild(passes)?;
         Ok(model)
     }
 
@@ -114,50 +167,45 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
-        self.deform(positions, build::refit)
+        self.deform(positions, &ONE_THREAD)
     }
 
     /// [`Model::set_positions`] in the rayon pool of whoever asks; worth it from some 50,000 triangles on.
-    /// A rebuild runs on one thread, and may come a frame earlier or later.
+    /// A rebuild may come a frame earlier or later.
     ///
     /// # Errors
     /// As [`Model::set_positions`].
     #[cfg(feature = "threads")]
     pub fn set_positions_with_threads(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
-        self.deform(positions, crate::threads::refit)
+        self.deform(positions, &THREADS)
     }
 
-    fn deform(
-        &mut self,
-        positions: &[[f32; 3]],
-        refit: impl FnOnce(Mesh<'_>, &mut [Node], &[u32]) -> f32,
-    ) -> Result<(), Error> {
+    fn deform(&mut self, positions: &[[f32; 3]], passes: &Passes) -> Result<(), Error> {
         self.mesh().with_positions(positions)?;
         self.positions.copy_from_slice(positions);
         let mesh = Mesh::trusted(&self.positions, &self.triangles);
         if let Some(fans) = self.fans.get_mut() {
             fans::certify(mesh, fans)?;
         }
-        let cost = refit(mesh, &mut self.nodes, &self.order);
+        let cost = (passes.refit)(mesh, &mut self.nodes, &self.order);
         if cost > self.built * REBUILD_RATIO {
-            self.rebuild()?;
+            self.rebuild(passes)?;
         }
         Ok(())
     }
 
     /// Builds the BVH anew for the present positions.
-    fn rebuild(&mut self) -> Result<(), Error> {
+    fn rebuild(&mut self, passes: &Passes) -> Result<(), Error> {
         let n = self.triangles.len();
         let mesh = Mesh::trusted(&self.positions, &self.triangles);
         self.nodes.resize(node_bound(n), Node::EMPTY);
         self.order.resize(n, 0);
         let mut scratch = vec![SahItem::default(); build::sah_scratch_bound(n)];
         let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
-        let bvh = build::sah(mesh, &self.options, storage, &mut scratch)?;
-        self.built = build::quality(&bvh);
-        let used = bvh.nodes().len();
+        let used = (passes.sah)(mesh, &self.options, storage, &mut scratch)?.nodes().len();
         self.nodes.truncate(used);
         self.nodes.shrink_to_fit();
+        self.built = (passes.quality)(mesh, &mut self.nodes, &self.order);
         Ok(())
     }
 

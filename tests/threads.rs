@@ -3,7 +3,7 @@
 #![cfg(feature = "threads")]
 
 use pfront::threads::{Schedule, Settings, Traversal};
-use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery};
+use pfront::{BuildOptions, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 use pfront_scenes::Scene;
 use std::sync::Arc;
 
@@ -88,4 +88,28 @@ fn many_models() {
         }
         assert!(many.report().is_some() && one.report().is_none());
     }
+}
+
+#[test]
+fn a_model_and_its_rebuild() {
+    // Triangles that share nothing, and then change places, so that a refit does not do.
+    let scene = Scene::by_name("sheet", Some(40_000)).unwrap();
+    let mesh = &scene.meshes[0];
+    let count = mesh.triangles.len();
+    let corners = |i: usize| mesh.triangles[i].map(|corner| mesh.positions[corner as usize]);
+    let positions: Vec<_> = (0..count).flat_map(corners).collect();
+    let moved: Vec<_> = (0..count).flat_map(|i| corners(i * 7919 % count)).collect();
+    let triangles: Vec<_> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let options = BuildOptions { leaf_size: 3 };
+    let mut one = Model::with_options(positions.clone(), triangles.clone(), options).unwrap();
+    let mut many = Model::new_with_threads(positions, triangles, options).unwrap();
+    let same = |one: &Model, many: &Model| {
+        let (one, many) = (one.bvh(), many.bvh());
+        one.nodes() == many.nodes() && one.order() == many.order()
+    };
+    assert!(same(&one, &many));
+    let before = one.bvh().order().to_vec();
+    one.set_positions(&moved).unwrap();
+    many.set_positions_with_threads(&moved).unwrap();
+    assert!(same(&one, &many) && one.bvh().order() != before);
 }

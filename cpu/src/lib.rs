@@ -31,21 +31,21 @@
 //! call from `pool.install(|| …)` to use another, or hand one over for good with
 //! [`Traversal::with_pool`]. The number of workers p is independent of the number of threads.
 
+mod build;
 mod calibrate;
 mod deal;
 mod parts;
 mod plan;
 mod reference;
-mod refit;
 mod report;
 mod settings;
 mod sink;
 mod stealing;
 mod traversal;
 
+pub use build::{morton, refit, sah};
 pub use calibrate::{TRIANGLE_COST, calibrate};
 pub use reference::Reference;
-pub use refit::refit;
 pub use report::{Report, Share};
 pub use settings::{Schedule, Settings};
 pub use sink::Hit;

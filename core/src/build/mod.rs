@@ -1,18 +1,24 @@
 //! Building a BVH into the caller's slices, and keeping it fit while the mesh deforms.
 //!
 //! [`sah()`] gives the tree that queries walk fastest; [`morton()`] is built four times faster, for
-//! those who rebuild every frame; [`refit()`] keeps the tree and moves its boxes.
+//! those who rebuild every frame; [`refit()`] keeps the tree and moves its boxes. [`sah_with`],
+//! [`morton_with`] and [`refit_with`] do the same on as many threads as the caller has.
 
 mod bins;
+mod divide;
+mod item;
 mod morton;
+mod parts;
+mod radix;
 mod refit;
 mod sah;
 #[cfg(test)]
 mod tests;
 
-pub use morton::{morton, morton_scratch_bound};
+pub use item::SahItem;
+pub use morton::{morton, morton_scratch_bound, morton_with};
 pub use refit::{Join, REBUILD_RATIO, quality, refit, refit_with};
-pub use sah::{SahItem, sah, sah_scratch_bound};
+pub use sah::{sah, sah_scratch_bound, sah_with};
 
 use crate::bvh::{MAX_LEAF_SIZE, Node, node_bound};
 use crate::{Bvh, CapacityError, Mesh};
@@ -56,28 +62,5 @@ impl<'a> BvhStorage<'a> {
     fn into_bvh(self, mesh: Mesh<'a>, nodes: usize) -> Bvh<'a> {
         let (all_nodes, all_order): (&'a [Node], &'a [u32]) = (self.nodes, self.order);
         Bvh::trusted(mesh, &all_nodes[..nodes], &all_order[..mesh.triangles().len()])
-    }
-}
-
-/// Hands out pairs of sibling slots.
-struct Slots {
-    used: usize,
-}
-
-impl Slots {
-    /// The root takes slot 0; slot 1 stays empty so that siblings start at even indices.
-    fn new() -> Self {
-        Self { used: 2 }
-    }
-
-    /// The index of the left of two new siblings.
-    fn pair(&mut self) -> usize {
-        self.used += 2;
-        self.used - 2
-    }
-
-    /// How many nodes are in use, once the tree is finished.
-    fn nodes(&self) -> usize {
-        if self.used == 2 { 1 } else { self.used }
     }
 }

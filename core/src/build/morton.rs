@@ -5,17 +5,21 @@
 //! differs: a key holds the triangle index below the code, so that keys are unique, equal codes
 //! need no rule of their own, and sorted keys are the order.
 
-use super::{BuildOptions, BvhStorage, Slots, refit};
-use crate::bvh::{MAX_DEPTH, Node};
+use super::parts::{PART, Parts, Room, nodes_of_tree};
+use super::radix::sort;
+use super::{BuildOptions, BvhStorage, Join};
+use crate::aabb::Bounds;
+use crate::bvh::Node;
 use crate::{Aabb, Bvh, CapacityError, Mesh};
+use glam::Vec3A;
 
 /// Bits of a triangle index: [`MAX_TRIANGLES`](crate::mesh::MAX_TRIANGLES) fits.
 const INDEX_BITS: u32 = 31;
 
-/// Bits of a centre along one axis, and of one digit of the sort.
-const DIGIT_BITS: u32 = 11;
+/// Bits of a centre along one axis.
+const AXIS_BITS: u32 = 11;
 
-const _: () = assert!(INDEX_BITS + 3 * DIGIT_BITS == u64::BITS);
+const _: () = assert!(INDEX_BITS + 3 * AXIS_BITS == u64::BITS);
 
 /// How many words of scratch [`morton()`] needs for so many triangles.
 #[must_use]
@@ -50,6 +54,48 @@ pub fn morton<'a>(
     storage: BvhStorage<'a>,
     scratch: &mut [u64],
 ) -> Result<Bvh<'a>, CapacityError> {
+    build(mesh, options, storage, scratch, Parts::new(None))
+}
+
+/// [`morton()`] in parts that `join` may run side by side, as `rayon::join` does. The tree is the same
+/// to the bit.
+///
+/// # Errors
+/// As [`morton()`].
+///
+/// # Complexity
+/// As [`morton()`], in parts of at most 16,384 triangles.
+///
+/// # Examples
+/// ```
+/// use pfront_core::build::{BuildOptions, BvhStorage, morton_with};
+/// # use pfront_core::{Mesh, Node};
+/// # let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
+/// # let (mut nodes, mut order, mut scratch) = ([Node::EMPTY; 2], [0; 1], [0; 2]);
+/// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+/// let bvh = morton_with(mesh, &BuildOptions::default(), storage, &mut scratch, &|a, b| {
+///     a();
+///     b();
+/// })?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn morton_with<'a>(
+    mesh: Mesh<'a>,
+    options: &BuildOptions,
+    storage: BvhStorage<'a>,
+    scratch: &mut [u64],
+    join: &Join<'_>,
+) -> Result<Bvh<'a>, CapacityError> {
+    build(mesh, options, storage, scratch, Parts::new(Some(join)))
+}
+
+fn build<'a>(
+    mesh: Mesh<'a>,
+    options: &BuildOptions,
+    storage: BvhStorage<'a>,
+    scratch: &mut [u64],
+    parts: Parts<'_>,
+) -> Result<Bvh<'a>, CapacityError> {
     let count = mesh.triangles().len();
     storage.check(count)?;
     CapacityError::check("scratch", morton_scratch_bound(count), scratch.len())?;
@@ -57,44 +103,78 @@ pub fn morton<'a>(
         return Ok(storage.into_bvh(mesh, 0));
     }
     let (keys, spare) = scratch[..2 * count].split_at_mut(count);
-    write_keys(mesh, keys);
-    // Three passes end in the other array.
-    sort_pass(keys, spare, INDEX_BITS);
-    sort_pass(spare, keys, INDEX_BITS + DIGIT_BITS);
-    sort_pass(keys, spare, INDEX_BITS + 2 * DIGIT_BITS);
-    for (entry, &key) in storage.order.iter_mut().zip(&*spare) {
-        *entry = (key & ((1 << INDEX_BITS) - 1)) as u32;
-    }
-    let nodes = write_hierarchy(spare, options.max_leaf(), storage.nodes);
-    refit(mesh, &mut storage.nodes[..nodes], storage.order);
-    Ok(storage.into_bvh(mesh, nodes))
+    let curve = Curve::through(mesh, parts);
+    curve.write_keys(0, keys, parts);
+    sort(keys, spare, INDEX_BITS..u64::BITS, parts);
+    let hierarchy = Hierarchy { mesh, max_leaf: options.max_leaf(), parts };
+    let order = &mut storage.order[..count];
+    let below = hierarchy.tree(keys, order, 0, Room::of_root(storage.nodes));
+    Ok(storage.into_bvh(mesh, nodes_of_tree(below)))
+}
+
+#[inline(always)]
+fn bounds(mesh: Mesh<'_>, triangle: u32) -> Bounds {
+    let [a, b, c] = mesh.triangle(triangle).map(Vec3A::from_array);
+    Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
 }
 
 /// The centre of a box at half scale, so that neither it nor the difference of two can overflow.
-fn centre(aabb: &Aabb) -> [f32; 3] {
-    [0, 1, 2].map(|k| aabb.min[k] * 0.25 + aabb.max[k] * 0.25)
+#[inline(always)]
+fn centre(mesh: Mesh<'_>, triangle: u32) -> Vec3A {
+    let Bounds { min, max } = bounds(mesh, triangle);
+    min * 0.25 + max * 0.25
 }
 
-/// Puts the Morton code of each triangle's centre above its index.
-fn write_keys(mesh: Mesh<'_>, keys: &mut [u64]) {
-    let centre = |triangle| centre(&Aabb::of(&mesh.triangle(triangle)));
-    let range = (0..keys.len() as u32).fold(Aabb::EMPTY, |range, triangle| {
-        let c = centre(triangle);
-        range.union(&Aabb { min: c, max: c })
-    });
-    let cells = (1 << DIGIT_BITS) as f32;
-    let cells_per_unit = [0, 1, 2].map(|k| {
-        let per_unit = cells / (range.max[k] - range.min[k]);
-        if per_unit.is_finite() { per_unit } else { 0.0 }
-    });
-    for (triangle, key) in (0..).zip(keys) {
-        let c = centre(triangle);
-        let [x, y, z] = [0, 1, 2].map(|k| {
-            let cell = ((c[k] - range.min[k]) * cells_per_unit[k]) as u32;
-            spread(cell.min((1 << DIGIT_BITS) - 1))
-        });
-        *key = (x << 2 | y << 1 | z) << INDEX_BITS | u64::from(triangle);
+/// The cells that the curve runs through.
+struct Curve<'m> {
+    mesh: Mesh<'m>,
+    origin: Vec3A,
+    cells_per_unit: Vec3A,
+}
+
+impl<'m> Curve<'m> {
+    fn through(mesh: Mesh<'m>, parts: Parts<'_>) -> Self {
+        let Bounds { min, max } = centres(mesh, 0, mesh.triangles().len(), parts);
+        let per_unit = Vec3A::splat((1 << AXIS_BITS) as f32) / (max - min);
+        let usable = per_unit.cmple(Vec3A::splat(f32::MAX));
+        let cells_per_unit = Vec3A::select(usable, per_unit, Vec3A::ZERO);
+        Self { mesh, origin: min, cells_per_unit }
     }
+
+    /// Puts the Morton code of each triangle's centre above its index.
+    fn write_keys(&self, first: usize, keys: &mut [u64], parts: Parts<'_>) {
+        let count = keys.len();
+        if count > PART {
+            let (left, right) = keys.split_at_mut(count / 2);
+            parts.both(
+                count,
+                || self.write_keys(first, left, parts),
+                || self.write_keys(first + count / 2, right, parts),
+            );
+            return;
+        }
+        let last = Vec3A::splat(((1 << AXIS_BITS) - 1) as f32);
+        for (triangle, key) in (first as u32..).zip(keys) {
+            let cell = (centre(self.mesh, triangle) - self.origin) * self.cells_per_unit;
+            let [x, y, z] = cell.min(last).to_array().map(|cell| spread(cell as u32));
+            *key = (x << 2 | y << 1 | z) << INDEX_BITS | u64::from(triangle);
+        }
+    }
+}
+
+/// The box of the centres of so many triangles.
+fn centres(mesh: Mesh<'_>, first: usize, count: usize, parts: Parts<'_>) -> Bounds {
+    if count <= PART {
+        let triangles = first as u32..(first + count) as u32;
+        return triangles.fold(Bounds::EMPTY, |all, triangle| all.with(centre(mesh, triangle)));
+    }
+    let half = count / 2;
+    let (left, right) = parts.both(
+        count,
+        || centres(mesh, first, half, parts),
+        || centres(mesh, first + half, count - half, parts),
+    );
+    left.union(&right)
 }
 
 /// Moves bit i of an 11-bit number to bit 3i.
@@ -105,53 +185,44 @@ fn spread(x: u32) -> u64 {
     u64::from((x | x << 2) & 0x4924_9249)
 }
 
-/// One stable counting sort by the digit at `shift`.
-fn sort_pass(from: &[u64], to: &mut [u64], shift: u32) {
-    const DIGITS: usize = 1 << DIGIT_BITS;
-    let digit = |key: u64| (key >> shift) as usize % DIGITS;
-    let mut ends = [0_u32; DIGITS];
-    for &key in from {
-        ends[digit(key)] += 1;
-    }
-    let mut start = 0;
-    for end in &mut ends {
-        start += core::mem::replace(end, start);
-    }
-    for &key in from {
-        let next = &mut ends[digit(key)];
-        to[*next as usize] = key;
-        *next += 1;
-    }
+struct Hierarchy<'h> {
+    mesh: Mesh<'h>,
+    max_leaf: usize,
+    parts: Parts<'h>,
 }
 
-/// Writes children and leaf runs for sorted keys, boxes left open; returns the nodes used.
-///
-/// Depth: the highest differing bit of a run is above that of both its parts, and there are 64
-/// bits, so a leaf lies at most MAX_DEPTH = 64 below the root. Time: runs of about s keys are at
-/// most 64·n/s, and searching one takes log s, which adds up to O(n).
-fn write_hierarchy(keys: &[u64], max_leaf: usize, nodes: &mut [Node]) -> usize {
-    let mut slots = Slots::new();
-    // One right sibling waits for each level above the current node.
-    let mut waiting = [(0, 0, 0); MAX_DEPTH];
-    let mut len = 0;
-    let (mut node, mut first, mut end) = (0, 0, keys.len());
-    nodes[1] = Node::EMPTY;
-    loop {
-        if end - first <= max_leaf {
-            nodes[node] = Node { first: first as u32, count: (end - first) as u32, ..Node::EMPTY };
-            if len == 0 {
-                return slots.nodes();
+impl Hierarchy<'_> {
+    /// Builds a node over sorted keys, whose part of the order begins at `first`; returns how many
+    /// nodes lie below.
+    ///
+    /// Depth: the highest differing bit of a run is above that of both its parts, and there are 64
+    /// bits, so a leaf lies at most MAX_DEPTH = 64 below the root. Time: runs of about s keys are at
+    /// most 64·n/s, and searching one takes log s, which adds up to O(n).
+    fn tree(&self, keys: &[u64], order: &mut [u32], first: usize, room: Room<'_>) -> usize {
+        let count = keys.len();
+        if count <= self.max_leaf {
+            let mut all = Bounds::EMPTY;
+            for (entry, &key) in order.iter_mut().zip(keys) {
+                *entry = (key & ((1 << INDEX_BITS) - 1)) as u32;
+                all = all.union(&bounds(self.mesh, *entry));
             }
-            len -= 1;
-            (node, first, end) = waiting[len];
-        } else {
-            let left = slots.pair();
-            nodes[node] = Node { first: left as u32, ..Node::EMPTY };
-            let highest = 1 << (keys[first] ^ keys[end - 1]).ilog2();
-            let middle = first + keys[first..end].partition_point(|key| key & highest == 0);
-            waiting[len] = (left + 1, middle, end);
-            len += 1;
-            (node, end) = (left, middle);
+            let Aabb { min, max } = all.into();
+            *room.node = Node { min, first: first as u32, max, count: count as u32 };
+            return 0;
         }
+        let highest = 1 << (keys[0] ^ keys[count - 1]).ilog2();
+        let middle = keys.partition_point(|key| key & highest == 0);
+        let (left, right) = keys.split_at(middle);
+        let (left_order, right_order) = order.split_at_mut(middle);
+        let used = self.parts.siblings(
+            [middle, count - middle],
+            room.below,
+            room.base,
+            |room| self.tree(left, left_order, first, room),
+            |room| self.tree(right, right_order, first + middle, room),
+        );
+        let Aabb { min, max } = room.below[0].bounds().union(&room.below[1].bounds()).into();
+        *room.node = Node { min, first: room.base as u32, max, count: 0 };
+        used
     }
 }

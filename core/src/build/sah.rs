@@ -6,43 +6,18 @@
 //! that the heuristic cannot find (equal centres, areas that are 0), becomes a median split, which
 //! always halves.
 
-use super::bins::{AreaScale, Bins, Split};
-use super::{BuildOptions, BvhStorage, Slots};
-use crate::aabb::Bounds;
+use super::bins::{AreaScale, best_split};
+use super::divide::median_split;
+use super::item::{Run, SahItem, load};
+use super::parts::{Parts, Room, nodes_of_tree};
+use super::{BuildOptions, BvhStorage, Join};
 use crate::bvh::{MAX_DEPTH, Node};
-use crate::{Aabb, Bvh, CapacityError, Mesh};
-use bytemuck::{Pod, Zeroable};
-use glam::{Vec3A, Vec4, Vec4Swizzles};
+use crate::{Bvh, CapacityError, Mesh};
 
 /// How many items of scratch [`sah()`] needs for so many triangles.
 #[must_use]
 pub const fn sah_scratch_bound(triangles: usize) -> usize {
     triangles
-}
-
-/// Scratch of [`sah()`]: a triangle and its box.
-#[repr(C, align(16))]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct SahItem {
-    min: [f32; 3],
-    triangle: u32,
-    max: [f32; 3],
-    unused: u32,
-}
-
-impl SahItem {
-    pub(super) fn bounds(&self) -> Bounds {
-        let [min, max]: [Vec4; 2] = bytemuck::cast(*self);
-        // The fourth lane takes part in all arithmetic, where an index would be a subnormal number
-        // and slow everything down tenfold.
-        Bounds { min: Vec3A::from_vec4(min.xyzz()), max: Vec3A::from_vec4(max.xyzz()) }
-    }
-
-    /// Half the centre of the box, so that neither it nor the difference of two can overflow.
-    pub(super) fn centre(&self) -> Vec3A {
-        let Bounds { min, max } = self.bounds();
-        min * 0.25 + max * 0.25
-    }
 }
 
 /// Builds a BVH by binned SAH.
@@ -71,6 +46,50 @@ pub fn sah<'a>(
     storage: BvhStorage<'a>,
     scratch: &mut [SahItem],
 ) -> Result<Bvh<'a>, CapacityError> {
+    build(mesh, options, storage, scratch, Parts::new(None))
+}
+
+/// [`sah()`] in parts that `join` may run side by side, as `rayon::join` does. The tree is the same to
+/// the bit.
+///
+/// # Errors
+/// As [`sah()`].
+///
+/// # Complexity
+/// As [`sah()`]. Every pass over the triangles of a node is in parts of at most 16,384, down to nodes
+/// that have so few.
+///
+/// # Examples
+/// ```
+/// use pfront_core::build::{BuildOptions, BvhStorage, SahItem, sah_with};
+/// # use pfront_core::{Mesh, Node};
+/// # let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
+/// # let (mut nodes, mut order) = ([Node::EMPTY; 2], [0; 1]);
+/// # let mut scratch = [SahItem::default()];
+/// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+/// let bvh = sah_with(mesh, &BuildOptions::default(), storage, &mut scratch, &|a, b| {
+///     a();
+///     b();
+/// })?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn sah_with<'a>(
+    mesh: Mesh<'a>,
+    options: &BuildOptions,
+    storage: BvhStorage<'a>,
+    scratch: &mut [SahItem],
+    join: &Join<'_>,
+) -> Result<Bvh<'a>, CapacityError> {
+    build(mesh, options, storage, scratch, Parts::new(Some(join)))
+}
+
+fn build<'a>(
+    mesh: Mesh<'a>,
+    options: &BuildOptions,
+    storage: BvhStorage<'a>,
+    scratch: &mut [SahItem],
+    parts: Parts<'_>,
+) -> Result<Bvh<'a>, CapacityError> {
     let count = mesh.triangles().len();
     storage.check(count)?;
     CapacityError::check("scratch", sah_scratch_bound(count), scratch.len())?;
@@ -78,155 +97,74 @@ pub fn sah<'a>(
     if items.is_empty() {
         return Ok(storage.into_bvh(mesh, 0));
     }
-    let whole = load(mesh, items);
-    let mut builder = Builder {
-        max_leaf: options.max_leaf(),
-        scale: AreaScale::new(&whole.bounds),
-        nodes: &mut *storage.nodes,
-        order: &mut *storage.order,
-        bins: Bins::new(),
-        slots: Slots::new(),
-    };
-    builder.build(items, whole);
-    let nodes = builder.slots.nodes();
-    Ok(storage.into_bvh(mesh, nodes))
-}
-
-fn load(mesh: Mesh<'_>, items: &mut [SahItem]) -> Part {
-    for (triangle, item) in (0..).zip(items.iter_mut()) {
-        let Aabb { min, max } = Aabb::of(&mesh.triangle(triangle));
-        *item = SahItem { min, triangle, max, unused: 0 };
-    }
-    Part::of(items)
-}
-
-/// A run of the items.
-#[derive(Clone, Copy)]
-struct Part {
-    count: usize,
-    bounds: Bounds,
-    /// The box of the items' centres.
-    centres: Bounds,
-}
-
-impl Part {
-    fn of(items: &[SahItem]) -> Self {
-        let (mut bounds, mut centres) = (Bounds::EMPTY, Bounds::EMPTY);
-        for item in items {
-            bounds = bounds.union(&item.bounds());
-            centres = centres.with(item.centre());
-        }
-        Self { count: items.len(), bounds, centres }
-    }
+    let run = load(mesh, 0, items, parts);
+    let scale = AreaScale::new(&run.bounds);
+    let builder = Builder { max_leaf: options.max_leaf(), scale, parts };
+    let task = Task { items, run, depth: 0, order: &mut storage.order[..count], first: 0 };
+    let below = builder.tree(task, Room::of_root(storage.nodes));
+    Ok(storage.into_bvh(mesh, nodes_of_tree(below)))
 }
 
 /// A node to be built.
-#[derive(Clone, Copy)]
-struct Task {
-    node: usize,
+struct Task<'t> {
+    items: &'t mut [SahItem],
+    run: Run,
     depth: usize,
+    /// The run's part of the order, which begins at `first`.
+    order: &'t mut [u32],
     first: usize,
-    part: Part,
 }
 
-struct Builder<'a> {
+struct Builder<'b> {
     max_leaf: usize,
     scale: AreaScale,
-    nodes: &'a mut [Node],
-    order: &'a mut [u32],
-    bins: Bins,
-    slots: Slots,
+    parts: Parts<'b>,
 }
 
 impl Builder<'_> {
-    fn build(&mut self, items: &mut [SahItem], whole: Part) {
-        let mut task = Task { node: 0, depth: 0, first: 0, part: whole };
-        // One right sibling waits for each level above the current node, and `split` lets no node
-        // get deeper than MAX_DEPTH.
-        let mut waiting = [task; MAX_DEPTH];
-        let mut len = 0;
-        self.nodes[1] = Node::EMPTY;
-        loop {
-            let Task { node, depth, first, part } = task;
-            let run = &mut items[first..first + part.count];
-            if part.count <= self.max_leaf {
-                self.write(node, &part.bounds, first, part.count);
-                for (entry, item) in self.order[first..].iter_mut().zip(run) {
-                    *entry = item.triangle;
-                }
-                if len == 0 {
-                    return;
-                }
-                len -= 1;
-                task = waiting[len];
-            } else {
-                let [left, right] = self.split(run, &part, depth);
-                let child = self.slots.pair();
-                self.write(node, &part.bounds, child, 0);
-                let depth = depth + 1;
-                waiting[len] =
-                    Task { node: child + 1, depth, first: first + left.count, part: right };
-                len += 1;
-                task = Task { node: child, depth, first, part: left };
+    /// Returns how many nodes lie below.
+    fn tree(&self, task: Task<'_>, room: Room<'_>) -> usize {
+        let Task { items, run, depth, order, first } = task;
+        let (min, max) = (run.bounds.min.to_array(), run.bounds.max.to_array());
+        if run.count <= self.max_leaf {
+            for (entry, item) in order.iter_mut().zip(items) {
+                *entry = item.triangle();
             }
+            *room.node = Node { min, first: first as u32, max, count: run.count as u32 };
+            return 0;
         }
+        *room.node = Node { min, first: room.base as u32, max, count: 0 };
+        let [on_left, on_right] = self.split(items, &run, depth);
+        let (depth, middle) = (depth + 1, on_left.count);
+        let (left, right) = items.split_at_mut(middle);
+        let (left_order, right_order) = order.split_at_mut(middle);
+        self.parts.siblings(
+            [middle, on_right.count],
+            room.below,
+            room.base,
+            |room| {
+                let (items, order) = (&mut *left, &mut *left_order);
+                self.tree(Task { items, run: on_left, depth, order, first }, room)
+            },
+            |room| {
+                let (items, order, first) = (&mut *right, &mut *right_order, first + middle);
+                self.tree(Task { items, run: on_right, depth, order, first }, room)
+            },
+        )
     }
 
-    fn write(&mut self, node: usize, bounds: &Bounds, first: usize, count: usize) {
-        self.nodes[node] = Node {
-            min: bounds.min.to_array(),
-            first: first as u32,
-            max: bounds.max.to_array(),
-            count: count as u32,
-        };
-    }
-
-    /// Reorders the run into two parts.
-    fn split(&mut self, run: &mut [SahItem], part: &Part, depth: usize) -> [Part; 2] {
+    /// Reorders a run into two.
+    fn split(&self, items: &mut [SahItem], run: &Run, depth: usize) -> [Run; 2] {
         // Halving the run down to single triangles takes `levels` more levels. SAH may not use a
         // level up unless they still fit below it; a median split needs them to fit below this
         // node, which holds at the root (31 ≤ MAX_DEPTH) and is handed down by either split.
-        let levels = usize::BITS - (run.len() - 1).leading_zeros();
+        let levels = usize::BITS - (run.count - 1).leading_zeros();
         if (levels as usize) < MAX_DEPTH - depth
-            && let Some(split) = self.bins.best_split(run, &part.centres, self.scale)
+            && let Some(split) = best_split(items, &run.centres, self.scale, self.parts)
         {
-            partition(run, &split)
+            split.divide(items, self.parts)
         } else {
-            median_split(run, &part.centres)
+            median_split(items, &run.centres)
         }
     }
-}
-
-/// Moves the items left of the split plane to the front.
-///
-/// Every step swaps, whichever side the item is on: which one is a coin toss to a branch predictor.
-fn partition(run: &mut [SahItem], split: &Split) -> [Part; 2] {
-    let mut middle = 0;
-    let mut centres = [Bounds::EMPTY; 2];
-    for i in 0..run.len() {
-        let item = run[i];
-        let is_left = split.is_left(&item);
-        let side = usize::from(!is_left);
-        centres[side] = centres[side].with(item.centre());
-        run[i] = run[middle];
-        run[middle] = item;
-        middle += usize::from(is_left);
-    }
-    [
-        Part { count: middle, bounds: split.left, centres: centres[0] },
-        Part { count: run.len() - middle, bounds: split.right, centres: centres[1] },
-    ]
-}
-
-/// Halves the run by centre along the longest axis, or as it stands if the centres coincide.
-fn median_split(run: &mut [SahItem], centres: &Bounds) -> [Part; 2] {
-    let middle = run.len() / 2;
-    let extent = (centres.max - centres.min).to_array();
-    let axis = (0..3).fold(0, |best, k| if extent[k] > extent[best] { k } else { best });
-    if extent[axis] > 0.0 {
-        let centre = |item: &SahItem| item.centre().to_array()[axis];
-        run.select_nth_unstable_by(middle, |a, b| centre(a).total_cmp(&centre(b)));
-    }
-    let (left, right) = run.split_at(middle);
-    [Part::of(left), Part::of(right)]
 }

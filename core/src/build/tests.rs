@@ -111,6 +111,78 @@ fn with_builds(mesh: Mesh<'_>, leaf_size: u32, mut visit: impl FnMut(&str, Bvh<'
     visit("morton", morton(mesh, &options, storage, &mut keys).unwrap());
 }
 
+/// Ways to run two tasks, one of them none.
+fn joins() -> [&'static Join<'static>; 4] {
+    [
+        &|a, b| {
+            a();
+            b();
+        },
+        &|a, b| {
+            b();
+            a();
+        },
+        &|a, _| a(),
+        &|a, b| {
+            std::thread::scope(|scope| {
+                scope.spawn(a);
+                b();
+            });
+        },
+    ]
+}
+
+#[test]
+fn parts_give_the_tree_of_the_whole() {
+    for (name, (positions, triangles)) in meshes() {
+        let mesh = Mesh::new(&positions, &triangles).unwrap();
+        let count = triangles.len();
+        for leaf_size in [1, 3, 8] {
+            let options = BuildOptions { leaf_size };
+            with_builds(mesh, leaf_size, |build, whole| {
+                for (way, join) in joins().into_iter().enumerate() {
+                    let mut nodes = vec![Node::EMPTY; node_bound(count)];
+                    let mut order = vec![0; count];
+                    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+                    let in_parts = if build == "sah" {
+                        let mut items = vec![SahItem::default(); sah_scratch_bound(count)];
+                        sah_with(mesh, &options, storage, &mut items, join).unwrap()
+                    } else {
+                        let mut keys = vec![7; morton_scratch_bound(count)];
+                        morton_with(mesh, &options, storage, &mut keys, join).unwrap()
+                    };
+                    let context = format!("{build} of {name}, way {way}, leaves of {leaf_size}");
+                    let bits = |bvh: Bvh<'_>| bytemuck::cast_slice::<_, u32>(bvh.nodes()).to_vec();
+                    assert_eq!(bits(in_parts), bits(whole), "{context}");
+                    assert_eq!(in_parts.order(), whole.order(), "{context}");
+                }
+            });
+        }
+    }
+}
+
+#[test]
+fn keys_are_sorted_by_any_bits() {
+    let mut random = Random(11);
+    let mut key = |bits: u32| {
+        (0..3).fold(0, |k, _| k << 22 ^ u64::from(random.unit().to_bits())) & !0 >> (64 - bits)
+    };
+    for (count, width) in [(0, 9), (1, 64), (60, 33), (900, 1), (900, 33), (900, 64)] {
+        for range in [0..64, 31..64, 20..41, 63..64, 5..5] {
+            let mut keys: Vec<u64> = (0..few(count)).map(|_| key(width)).collect();
+            let mut sorted = keys.clone();
+            let picked = |key: &u64| key >> range.start & ((1_u128 << range.len()) - 1) as u64;
+            sorted.sort_by_key(picked);
+            // Bits above the range are the same for all keys.
+            let above = !0_u64.unbounded_shl(range.end);
+            keys.iter_mut().chain(&mut sorted).for_each(|key| *key &= above);
+            let mut spare = vec![0; keys.len()];
+            radix::sort(&mut keys, &mut spare, range.clone(), parts::Parts::new(None));
+            assert_eq!(keys, sorted, "{count} keys of {width} bits by {range:?}");
+        }
+    }
+}
+
 #[test]
 fn every_build_of_every_mesh_is_well_formed() {
     for (name, (positions, triangles)) in meshes() {

@@ -25,6 +25,8 @@ pub(crate) trait Simd:
     fn lt(self, other: Self) -> Self::Mask;
     fn eq(self, other: Self) -> Self::Mask;
     fn select(mask: &Self::Mask, yes: Self, no: Self) -> Self;
+    /// The last four lanes, then the first four.
+    fn swap_halves(self) -> Self;
     /// A bit a lane.
     fn bits(mask: Self::Mask) -> u32;
 }
@@ -120,6 +122,10 @@ impl Simd for Halves {
     #[inline(always)]
     fn select(mask: &HalfMasks, yes: Self, no: Self) -> Self {
         Self(Vec4::select(mask.0, yes.0, no.0), Vec4::select(mask.1, yes.1, no.1))
+    }
+    #[inline(always)]
+    fn swap_halves(self) -> Self {
+        Self(self.1, self.0)
     }
     #[inline(always)]
     fn bits(mask: HalfMasks) -> u32 {
