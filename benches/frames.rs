@@ -11,10 +11,11 @@ mod cases;
 
 use cases::{Asker, CASES, Case, FRAMES, all_threads, traversal, turn};
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
+use pfront::core::CapacityError;
 use pfront::core::build::{self, BvhStorage};
 use pfront::core::bvh::node_bound;
 use pfront::threads::Schedule;
-use pfront::{BuildOptions, Model, Node};
+use pfront::{BuildOptions, Bvh, Mesh, Model, Node};
 use std::hint::black_box;
 
 const SCHEDULES: [Schedule; 3] = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
@@ -33,6 +34,13 @@ fn model(case: &Case) -> &Model {
     }
 }
 
+/// A build with scratch of `S`.
+type Build<S> =
+    for<'a> fn(Mesh<'a>, &BuildOptions, BvhStorage<'a>, &mut [S]) -> Result<Bvh<'a>, CapacityError>;
+type Sah = Build<build::SahItem>;
+type Morton = Build<u64>;
+
+/// On one thread and on all; a test of `pfront-cpu` compares the trees.
 fn builds(c: &mut Criterion) {
     for case in CASES.iter() {
         let mesh = model(case).mesh();
@@ -43,22 +51,31 @@ fn builds(c: &mut Criterion) {
         let options = BuildOptions::default();
         let mut group = c.benchmark_group(format!("build/{}", case.name()));
         group.sample_size(10);
-        group.bench_function("sah", |bench| {
-            bench.iter(|| {
-                let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-                build::sah(mesh, &options, storage, &mut items).unwrap().nodes().len()
+        let threads = all_threads();
+        for (threads, sah) in [(1, build::sah as Sah), (threads, pfront::threads::sah)] {
+            group.bench_function(BenchmarkId::new("sah", threads), |bench| {
+                bench.iter(|| {
+                    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+                    sah(mesh, &options, storage, &mut items).unwrap().nodes().len()
+                });
             });
-        });
-        group.bench_function("morton", |bench| {
-            bench.iter(|| {
-                let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-                build::morton(mesh, &options, storage, &mut keys).unwrap().nodes().len()
+        }
+        for (threads, morton) in [(1, build::morton as Morton), (threads, pfront::threads::morton)]
+        {
+            group.bench_function(BenchmarkId::new("morton", threads), |bench| {
+                bench.iter(|| {
+                    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+                    morton(mesh, &options, storage, &mut keys).unwrap().nodes().len()
+                });
             });
-        });
+        }
         let mut moving = model(case).clone();
         let positions = mesh.positions().to_vec();
-        group.bench_function("refit", |bench| {
+        group.bench_function(BenchmarkId::new("refit", 1), |bench| {
             bench.iter(|| moving.set_positions(black_box(&positions)).unwrap());
+        });
+        group.bench_function(BenchmarkId::new("refit", threads), |bench| {
+            bench.iter(|| moving.set_positions_with_threads(black_box(&positions)).unwrap());
         });
         group.finish();
     }

@@ -16,8 +16,9 @@ use glam::Vec3A;
 /// Bits of a triangle index: [`MAX_TRIANGLES`](crate::mesh::MAX_TRIANGLES) fits.
 const INDEX_BITS: u32 = 31;
 
-/// Bits of a centre along one axis.
+/// Bits of a cell's number along one axis.
 const AXIS_BITS: u32 = 11;
+const LAST_CELL: u32 = (1 << AXIS_BITS) - 1;
 
 const _: () = assert!(INDEX_BITS + 3 * AXIS_BITS == u64::BITS);
 
@@ -103,8 +104,8 @@ fn build<'a>(
         return Ok(storage.into_bvh(mesh, 0));
     }
     let (keys, spare) = scratch[..2 * count].split_at_mut(count);
-    let curve = Curve::through(mesh, parts);
-    curve.write_keys(0, keys, parts);
+    let centres = write_centres(mesh, 0, keys, spare, parts);
+    Curve::through(&centres).write_keys(0, keys, spare, parts);
     sort(keys, spare, INDEX_BITS..u64::BITS, parts);
     let hierarchy = Hierarchy { mesh, max_leaf: options.max_leaf(), parts };
     let order = &mut storage.order[..count];
@@ -118,71 +119,85 @@ fn bounds(mesh: Mesh<'_>, triangle: u32) -> Bounds {
     Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
 }
 
-/// The centre of a box at half scale, so that neither it nor the difference of two can overflow.
-#[inline(always)]
-fn centre(mesh: Mesh<'_>, triangle: u32) -> Vec3A {
-    let Bounds { min, max } = bounds(mesh, triangle);
-    min * 0.25 + max * 0.25
+/// Writes the centre of each triangle's box at half scale, so that neither it nor the difference of two
+/// can overflow: x and y to `keys`, z to `spare`. Returns the box of them.
+fn write_centres(
+    mesh: Mesh<'_>,
+    first: usize,
+    keys: &mut [u64],
+    spare: &mut [u64],
+    parts: Parts<'_>,
+) -> Bounds {
+    let count = keys.len();
+    if count > PART {
+        let (keys, right_keys) = keys.split_at_mut(count / 2);
+        let (spare, right_spare) = spare.split_at_mut(count / 2);
+        let (left, right) = parts.both(
+            count,
+            || write_centres(mesh, first, keys, spare, parts),
+            || write_centres(mesh, first + count / 2, right_keys, right_spare, parts),
+        );
+        return left.union(&right);
+    }
+    let mut all = Bounds::EMPTY;
+    for ((triangle, key), spare) in (first as u32..).zip(keys).zip(spare) {
+        let Bounds { min, max } = bounds(mesh, triangle);
+        let centre = min * 0.25 + max * 0.25;
+        all = all.with(centre);
+        let [x, y, z] = centre.to_array().map(|x| u64::from(x.to_bits()));
+        (*key, *spare) = (x | y << 32, z);
+    }
+    all
 }
 
 /// The cells that the curve runs through.
-struct Curve<'m> {
-    mesh: Mesh<'m>,
+struct Curve {
     origin: Vec3A,
     cells_per_unit: Vec3A,
 }
 
-impl<'m> Curve<'m> {
-    fn through(mesh: Mesh<'m>, parts: Parts<'_>) -> Self {
-        let Bounds { min, max } = centres(mesh, 0, mesh.triangles().len(), parts);
-        let per_unit = Vec3A::splat((1 << AXIS_BITS) as f32) / (max - min);
+impl Curve {
+    fn through(centres: &Bounds) -> Self {
+        let per_unit = Vec3A::splat(LAST_CELL as f32) / (centres.max - centres.min);
         let usable = per_unit.cmple(Vec3A::splat(f32::MAX));
         let cells_per_unit = Vec3A::select(usable, per_unit, Vec3A::ZERO);
-        Self { mesh, origin: min, cells_per_unit }
+        Self { origin: centres.min, cells_per_unit }
     }
 
-    /// Puts the Morton code of each triangle's centre above its index.
-    fn write_keys(&self, first: usize, keys: &mut [u64], parts: Parts<'_>) {
+    /// Replaces the centre of each triangle by its key: a Morton code above the index.
+    fn write_keys(&self, first: usize, keys: &mut [u64], spare: &mut [u64], parts: Parts<'_>) {
         let count = keys.len();
         if count > PART {
-            let (left, right) = keys.split_at_mut(count / 2);
+            let (keys, right_keys) = keys.split_at_mut(count / 2);
+            let (spare, right_spare) = spare.split_at_mut(count / 2);
             parts.both(
                 count,
-                || self.write_keys(first, left, parts),
-                || self.write_keys(first + count / 2, right, parts),
+                || self.write_keys(first, keys, spare, parts),
+                || self.write_keys(first + count / 2, right_keys, right_spare, parts),
             );
             return;
         }
-        let last = Vec3A::splat(((1 << AXIS_BITS) - 1) as f32);
-        for (triangle, key) in (first as u32..).zip(keys) {
-            let cell = (centre(self.mesh, triangle) - self.origin) * self.cells_per_unit;
-            let [x, y, z] = cell.min(last).to_array().map(|cell| spread(cell as u32));
-            *key = (x << 2 | y << 1 | z) << INDEX_BITS | u64::from(triangle);
+        // A float this large has no room for fractions: its lowest bits are the nearest cell.
+        let to_bits = Vec3A::splat(8_388_608.0);
+        for ((triangle, key), &mut spare) in (first as u32..).zip(keys).zip(spare) {
+            let centre = [*key, *key >> 32, spare].map(|x| f32::from_bits(x as u32));
+            let cell = (Vec3A::from_array(centre) - self.origin) * self.cells_per_unit;
+            let [x, y, z] = (cell + to_bits).to_array().map(|cell| cell.to_bits() & LAST_CELL);
+            let code = spread(x, y) << 1 | spread(0, z);
+            *key = code << INDEX_BITS | u64::from(triangle);
         }
     }
 }
 
-/// The box of the centres of so many triangles.
-fn centres(mesh: Mesh<'_>, first: usize, count: usize, parts: Parts<'_>) -> Bounds {
-    if count <= PART {
-        let triangles = first as u32..(first + count) as u32;
-        return triangles.fold(Bounds::EMPTY, |all, triangle| all.with(centre(mesh, triangle)));
-    }
-    let half = count / 2;
-    let (left, right) = parts.both(
-        count,
-        || centres(mesh, first, half, parts),
-        || centres(mesh, first + half, count - half, parts),
-    );
-    left.union(&right)
-}
-
-/// Moves bit i of an 11-bit number to bit 3i.
-fn spread(x: u32) -> u64 {
-    let x = (x | x << 16) & 0x0700_00ff;
-    let x = (x | x << 8) & 0x0700_f00f;
-    let x = (x | x << 4) & 0x430c_30c3;
-    u64::from((x | x << 2) & 0x4924_9249)
+/// Moves bit i of two 11-bit numbers to bit 3i + 1 and 3i: both at once, in the halves of a word.
+fn spread(upper: u32, lower: u32) -> u64 {
+    let both = |mask: u64| mask << 32 | mask;
+    let x = u64::from(upper) << 32 | u64::from(lower);
+    let x = (x | x << 16) & both(0x0700_00ff);
+    let x = (x | x << 8) & both(0x0700_f00f);
+    let x = (x | x << 4) & both(0x430c_30c3);
+    let x = (x | x << 2) & both(0x4924_9249);
+    x >> 31 | x & 0xffff_ffff
 }
 
 struct Hierarchy<'h> {
