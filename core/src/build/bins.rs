@@ -13,6 +13,12 @@ use glam::Vec3A;
 /// 17.56, and 8, 16 and 32 take the same time.
 const MAX_BINS: usize = 16;
 
+/// No plane is sought across the shortest axis if the centres extend along it less than this times what
+/// they do along the longest.
+///
+/// Builds take 4 % (dragon) and 6 % (torus) less time, and quality is 0.03 % and 0.07 % worse.
+const THIN: f32 = 0.4;
+
 /// A power of two that brings the root box to a size whose areas neither overflow nor vanish.
 #[derive(Clone, Copy)]
 pub(super) struct AreaScale(f32);
@@ -80,10 +86,10 @@ struct Plane {
     bin: usize,
 }
 
-/// The bins of the three axes.
-struct Bins {
-    extents: [[Extent; MAX_BINS]; 3],
-    counts: [[u32; MAX_BINS]; 3],
+/// The bins along so many axes.
+struct Bins<const AXES: usize> {
+    extents: [[Extent; MAX_BINS]; AXES],
+    counts: [[u32; MAX_BINS]; AXES],
 }
 
 /// The cheapest plane with items on both sides, or `None` where the centres coincide or all areas are
@@ -98,41 +104,64 @@ pub(super) fn best_split(
     // for every run: 25 % slower, quality 0.3 % better.)
     let count = (4 + items.len() / 16).min(MAX_BINS);
     let grid = Grid::new(centres, count);
-    let mut bins = Bins::EMPTY;
-    bins.fill(items, &grid, parts);
-    let usable = (0..3).filter(|&axis| grid.bins_per_unit[axis] > 0.0);
-    let planes = usable.map(|axis| (axis, bins.sweep(axis, count, scale)));
-    let (axis, plane) = planes.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
+    let extent = (centres.max - centres.min).to_array();
+    let shorter = |a, b| if extent[b] < extent[a] { b } else { a };
+    let shortest = shorter(shorter(0, 1), 2);
+    if extent[shortest] < THIN * extent.into_iter().fold(0.0, f32::max) {
+        best_across([(shortest + 1) % 3, (shortest + 2) % 3], items, count, grid, scale, parts)
+    } else {
+        best_across([0, 1, 2], items, count, grid, scale, parts)
+    }
+}
+
+/// The cheapest plane across some axes.
+fn best_across<const AXES: usize>(
+    axes: [usize; AXES],
+    items: &[SahItem],
+    count: usize,
+    grid: Grid,
+    scale: AreaScale,
+    parts: Parts<'_>,
+) -> Option<Split> {
+    let mut bins = Bins::<AXES>::EMPTY;
+    bins.fill(items, &grid, axes, parts);
+    let usable = (0..AXES).filter(|&row| grid.bins_per_unit[axes[row]] > 0.0);
+    let planes = usable.map(|row| (row, bins.sweep(row, count, scale)));
+    let (row, plane) = planes.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
     if !(plane.cost > 0.0 && plane.cost < f32::INFINITY) {
         return None;
     }
     let union = |bins: &[Extent]| bins.iter().fold(Extent::EMPTY, |a, b| a.union(b)).bounds();
-    let (left, right) = bins.extents[axis][..count].split_at(plane.bin);
-    Some(Split::new(axis, grid, plane.bin, [union(left), union(right)]))
+    let (left, right) = bins.extents[row][..count].split_at(plane.bin);
+    Some(Split::new(axes[row], grid, plane.bin, [union(left), union(right)]))
 }
 
-impl Bins {
+impl<const AXES: usize> Bins<AXES> {
     const EMPTY: Self =
-        Self { extents: [[Extent::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
+        Self { extents: [[Extent::EMPTY; MAX_BINS]; AXES], counts: [[0; MAX_BINS]; AXES] };
 
-    fn fill(&mut self, items: &[SahItem], grid: &Grid, parts: Parts<'_>) {
+    fn fill(&mut self, items: &[SahItem], grid: &Grid, axes: [usize; AXES], parts: Parts<'_>) {
         if items.len() <= PART {
-            return widest(Fill { bins: self, items, grid });
+            return widest(Fill { bins: self, items, grid, axes });
         }
         let (left, right) = items.split_at(items.len() / 2);
         let mut other = Self::EMPTY;
-        parts.both(items.len(), || self.fill(left, grid, parts), || other.fill(right, grid, parts));
-        for axis in 0..3 {
+        parts.both(
+            items.len(),
+            || self.fill(left, grid, axes, parts),
+            || other.fill(right, grid, axes, parts),
+        );
+        for row in 0..AXES {
             for bin in 0..MAX_BINS {
-                self.extents[axis][bin] = self.extents[axis][bin].union(&other.extents[axis][bin]);
-                self.counts[axis][bin] += other.counts[axis][bin];
+                self.extents[row][bin] = self.extents[row][bin].union(&other.extents[row][bin]);
+                self.counts[row][bin] += other.counts[row][bin];
             }
         }
     }
 
     /// The cheapest plane of one axis with items on both sides.
-    fn sweep(&self, axis: usize, bins: usize, scale: AreaScale) -> Plane {
-        let (extents, counts) = (&self.extents[axis], &self.counts[axis]);
+    fn sweep(&self, row: usize, bins: usize, scale: AreaScale) -> Plane {
+        let (extents, counts) = (&self.extents[row], &self.counts[row]);
         let mut right_costs = [0.0; MAX_BINS];
         let (mut side, mut items) = (Extent::EMPTY, 0);
         for bin in (1..bins).rev() {
@@ -155,27 +184,30 @@ impl Bins {
     }
 }
 
-struct Fill<'f> {
-    bins: &'f mut Bins,
+struct Fill<'f, const AXES: usize> {
+    bins: &'f mut Bins<AXES>,
     items: &'f [SahItem],
     grid: &'f Grid,
+    axes: [usize; AXES],
 }
 
-impl Task for Fill<'_> {
+impl<const AXES: usize> Task for Fill<'_, AXES> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self) {
-        let Self { bins, items, grid } = self;
+        let Self { bins, items, grid, axes } = self;
         for item in items {
             let extent = S::load(&item.0.0);
             let mut at = [0.0; LANES];
             grid.bins(centre(extent)).store(&mut at);
-            for (axis, at) in at[..3].iter().enumerate() {
-                let bin = at.to_bits() as usize % MAX_BINS;
-                let grown = &mut bins.extents[axis][bin].0;
+            for (row, axis) in axes.into_iter().enumerate() {
+                // All three are in order: lanes known when compiling need not go through memory.
+                let axis = if AXES == 3 { row } else { axis };
+                let bin = at[axis % LANES].to_bits() as usize % MAX_BINS;
+                let grown = &mut bins.extents[row][bin].0;
                 S::load(grown).min(extent).store(grown);
-                bins.counts[axis][bin] += 1;
+                bins.counts[row][bin] += 1;
             }
         }
     }
