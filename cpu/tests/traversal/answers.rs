@@ -151,7 +151,7 @@ fn k_is_a_positive_number() {
 /// lower bound.
 #[test]
 fn the_reference_is_between_its_bounds() {
-    let frames = Frames::named("spheres", 6_000);
+    let frames = Frames::named("spheres", 20_000);
     let settings = Settings::default();
     for workers in [1, 2, 7, 64, 1024] {
         let reference = Reference::of(&frames.query(50), workers, 0.02, &settings);
