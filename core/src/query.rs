@@ -29,7 +29,7 @@ pub trait Query {
     ///
     /// # Complexity
     /// One box test a BVTT node and one triangle test a pair of overlapping triangle boxes; no
-    /// allocation, no recursion, below 8 KiB of stack.
+    /// allocation, no recursion, below 20 KiB of stack, 10 KiB without the feature `std`.
     fn visit(
         &self,
         cursor: &mut Cursor,

@@ -168,7 +168,10 @@ fn keys_are_sorted_by_any_bits() {
         (0..3).fold(0, |k, _| k << 22 ^ u64::from(random.unit().to_bits())) & !0 >> (64 - bits)
     };
     for (count, width) in [(0, 9), (1, 64), (60, 33), (900, 1), (900, 33), (900, 64)] {
-        for range in [0..64, 31..64, 20..41, 63..64, 5..5] {
+        // Miri takes seconds a digit.
+        for range in
+            [0..64, 31..64, 20..41, 63..64, 5..5].into_iter().skip(if cfg!(miri) { 3 } else { 0 })
+        {
             let mut keys: Vec<u64> = (0..few(count)).map(|_| key(width)).collect();
             let mut sorted = keys.clone();
             let picked = |key: &u64| key >> range.start & ((1_u128 << range.len()) - 1) as u64;

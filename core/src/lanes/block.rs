@@ -97,8 +97,8 @@ impl Block {
     }
 }
 
-/// How many blocks are kept, a power of two.
-const KEPT: usize = 8;
+/// How many blocks are kept on either side. Where stacks are small, a walk rather fills some again.
+const KEPT: usize = if cfg!(feature = "std") { 8 } else { 2 };
 
 /// The blocks of the leaves last met: a leaf meets several others in a row.
 pub(crate) struct Blocks {
