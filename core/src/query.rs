@@ -28,8 +28,9 @@ pub trait Query {
     /// The order is fixed for given BVHs, and otherwise arbitrary.
     ///
     /// # Complexity
-    /// One box test a BVTT node and one triangle test a pair of overlapping triangle boxes; no
-    /// allocation, no recursion, below 20 KiB of stack, 10 KiB without the feature `std`.
+    /// Up to 16 box tests a step of two levels of the BVTT and one triangle test a pair of overlapping
+    /// triangle boxes; no allocation, no recursion, below 28 KiB of stack, 16 KiB without the feature
+    /// `std`.
     fn visit(
         &self,
         cursor: &mut Cursor,
@@ -58,7 +59,7 @@ pub trait Query {
         self.children(n, &mut |child, _| push(child))
     }
 
-    /// The boxes of a BVTT node, both in the frame of the query.
+    /// The boxes of a BVTT node, both in one frame: that of the query, or of the first mesh.
     fn boxes(&self, n: NodePair) -> [Aabb; 2];
 
     /// How many triangles lie below each side of a BVTT node.

@@ -10,13 +10,16 @@ use core::array::from_fn;
 use core::mem::take;
 use core::ops::Range;
 
-/// Bits by which keys are dealt to buckets: with a slice for each run and bucket, 16 KiB of stack.
+/// Bits by which keys are dealt to buckets: with a slice for each run and bucket, 24 KiB of stack.
 const BUCKET_BITS: u32 = 6;
 const BUCKETS: usize = 1 << BUCKET_BITS;
 const RUNS: usize = 16;
 
 /// The most bits of one counting sort.
 const DIGIT_BITS: u32 = 11;
+
+/// Up to so many keys, no table of digits pays.
+const FEW: usize = 32;
 
 /// Sorts `keys` by those bits. `spare` is as long and left with anything.
 pub(super) fn sort(keys: &mut [u64], spare: &mut [u64], bits: Range<u32>, parts: Parts<'_>) {
@@ -127,8 +130,17 @@ impl Dealer<'_> {
     }
 }
 
-/// Counting sorts from the lowest digit to the highest.
+/// Counting sorts from the lowest digit to the highest; few keys take their places one by one.
 fn sort_small(here: &mut [u64], there: &mut [u64], bits: Range<u32>, stay: bool) {
+    if here.len() <= FEW {
+        let keys = if stay {
+            here
+        } else {
+            there.copy_from_slice(here);
+            there
+        };
+        return insert_each(keys, bits);
+    }
     // As few as there can be that end in the right place. A digit of no bits just copies.
     let width = bits.end - bits.start;
     let fewest = width.div_ceil(DIGIT_BITS);
@@ -139,6 +151,19 @@ fn sort_small(here: &mut [u64], there: &mut [u64], bits: Range<u32>, stay: bool)
         let lowest = bits.start + (pass * digit_bits).min(width);
         sort_pass(from, to, lowest, digit_bits.min(bits.end - lowest));
         (from, to) = (to, from);
+    }
+}
+
+/// A stable insertion sort.
+fn insert_each(keys: &mut [u64], bits: Range<u32>) {
+    let mask = !u64::MAX.unbounded_shl(bits.end - bits.start);
+    let part = |key: u64| key.unbounded_shr(bits.start) & mask;
+    for end in 1..keys.len() {
+        let key = keys[end];
+        let at =
+            keys[..end].iter().rposition(|&other| part(other) <= part(key)).map_or(0, |i| i + 1);
+        keys.copy_within(at..end, at + 1);
+        keys[at] = key;
     }
 }
 

@@ -49,7 +49,7 @@ pub fn refit(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32]) -> f32 {
     Fit { mesh, order, join: None }.whole(nodes)
 }
 
-/// Runs two tasks, side by side if it can, and returns when both are done.
+/// Runs two tasks, side by side if it can, each once, and returns when both are done.
 pub type Join<'j> = dyn Fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send)) + Sync + 'j;
 
 /// [`refit`] in parts that `join` may run side by side, as `rayon::join` does. The boxes are the same;

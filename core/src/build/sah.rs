@@ -100,13 +100,13 @@ fn build<'a>(
     let run = load(mesh, 0, items, parts);
     let scale = AreaScale::new(&run.bounds);
     let builder = Builder { max_leaf: options.max_leaf(), scale, parts };
-    let task = Task { items, run, depth: 0, order: &mut storage.order[..count], first: 0 };
-    let below = builder.tree(task, Room::of_root(storage.nodes));
+    let growth = Growth { items, run, depth: 0, order: &mut storage.order[..count], first: 0 };
+    let below = builder.tree(growth, Room::of_root(storage.nodes));
     Ok(storage.into_bvh(mesh, nodes_of_tree(below)))
 }
 
 /// A node to be built.
-struct Task<'t> {
+struct Growth<'t> {
     items: &'t mut [SahItem],
     run: Run,
     depth: usize,
@@ -123,8 +123,8 @@ struct Builder<'b> {
 
 impl Builder<'_> {
     /// Returns how many nodes lie below.
-    fn tree(&self, task: Task<'_>, room: Room<'_>) -> usize {
-        let Task { items, run, depth, order, first } = task;
+    fn tree(&self, growth: Growth<'_>, room: Room<'_>) -> usize {
+        let Growth { items, run, depth, order, first } = growth;
         let (min, max) = (run.bounds.min.to_array(), run.bounds.max.to_array());
         if run.count <= self.max_leaf {
             for (entry, item) in order.iter_mut().zip(items) {
@@ -144,11 +144,11 @@ impl Builder<'_> {
             room.base,
             |room| {
                 let (items, order) = (&mut *left, &mut *left_order);
-                self.tree(Task { items, run: on_left, depth, order, first }, room)
+                self.tree(Growth { items, run: on_left, depth, order, first }, room)
             },
             |room| {
                 let (items, order, first) = (&mut *right, &mut *right_order, first + middle);
-                self.tree(Task { items, run: on_right, depth, order, first }, room)
+                self.tree(Growth { items, run: on_right, depth, order, first }, room)
             },
         )
     }

@@ -11,12 +11,6 @@
 //! roundings of the bound. Unlike there, products may underflow or overflow. With no difference above
 //! 2^40 none overflows, and underflow costs less than 6 · 2^-150 · 2^40 before the last product and
 //! 4 · 2^-150 after; the bound may lose 2^-110. `SLACK`, 2^-100, is far above their sum.
-//!
-//! # Vertices in common
-//! Triangles of one mesh may have corners in common, which lie in both planes. With all other corners
-//! of one strictly on one side of the plane of the other they share nothing beside these corners, and
-//! so collide by none of the rules in `triangle::neighbours`. A corner in common that goes unnoticed is
-//! found too close to the plane to reject anything.
 
 use super::Simd;
 use super::points::{abs, difference, highest};

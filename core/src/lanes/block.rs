@@ -55,12 +55,12 @@ impl Block {
                 self.corners[k][0][lane] = p[0];
                 self.corners[k][1][lane] = p[1];
                 self.corners[k][2][lane] = p[2];
-                // No vertex becomes zero, of which floats have two; the last few, being no numbers,
-                // equal nothing.
-                self.vertices[k][lane] = f32::from_bits(vertex.saturating_add(0x0080_0000));
-                if let Some(fan) = fans.get(vertex as usize) {
-                    self.certified[k] |= u32::from(fan.is_certified()) << lane;
-                }
+                // No vertex that a mesh can have memory for becomes zero, of which floats have two. Some
+                // above 2^30 become no numbers: they equal nothing, and pass for not certified.
+                let number = f32::from_bits(vertex.saturating_add(0x0080_0000));
+                self.vertices[k][lane] = number;
+                let certified = fans.get(vertex as usize).is_some_and(|fan| fan.is_certified());
+                self.certified[k] |= u32::from(certified && !number.is_nan()) << lane;
             }
         }
         let p = place.points(load::<S>(&self.corners[0]));

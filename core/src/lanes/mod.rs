@@ -9,10 +9,10 @@
 //! pass after every refit, and could not start from any node of a front.
 //!
 //! The code is written once over [`Simd`], and compiled twice where a processor may turn out to have
-//! AVX2 ([`avx`]).
+//! AVX2 (`avx`).
 
 mod apart;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", any(feature = "std", target_feature = "avx2")))]
 mod avx;
 mod block;
 mod boxes;

@@ -5,6 +5,7 @@ use glam::{BVec4A, Vec4};
 
 /// How many floats there are side by side: as many as a leaf may hold triangles.
 pub(crate) const LANES: usize = 8;
+const _: () = assert!(LANES == crate::bvh::MAX_LEAF_SIZE as usize);
 
 /// Eight floats. Every operation rounds as that on one float does, and none is fused.
 pub(crate) trait Simd:
@@ -39,7 +40,7 @@ pub(crate) trait Task {
 
 #[inline]
 pub(crate) fn widest<T: Task>(task: T) -> T::Output {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", any(feature = "std", target_feature = "avx2")))]
     if super::avx::is_here() {
         return super::avx::run(task);
     }

@@ -38,19 +38,20 @@ impl Posed {
 impl Posed {
     /// How far from the origin posed points of some bounds get, about.
     fn reach(&self, bounds: &Bounds) -> DVec3 {
-        let extent = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
+        let extent = farthest(bounds);
         let [x, y, z] = self.magnitudes.map(|column| column.as_dvec3());
         x * extent.x + y * extent.y + z * extent.z + self.translation.abs().as_dvec3()
     }
 
     /// This pose as seen from a mesh in another one: what it takes boxes to overlaps each box of that
     /// mesh, as it stands in its own frame, with which it has posed points in common. `None` if the other
-    /// pose is far from rigid, or the two far apart in scale.
+    /// pose is far from rigid, or this one enormous beside it.
     ///
     /// A point common to both as they are posed in f32 is A(x) + d = B(y) + e for points x and y of the
     /// boxes, with d and e at most 6u of what the poses reach. So x = A⁻¹(B(y)) + A⁻¹(e − d) without
     /// translation: a box of A⁻¹·B, padded by |A⁻¹| times 16u of both reaches, contains x. What is left
-    /// of these 16u is far more than the f64 roundings of A⁻¹ and the products with it.
+    /// of these 16u is far more than the f64 roundings of A⁻¹ and the products with it. Entries of A⁻¹·B
+    /// that are subnormal in f32 lose half the smallest number each, and so less than that a coordinate.
     pub(crate) fn seen_from(&self, own: &Bounds, from: &Self, of: &Bounds) -> Option<Self> {
         const RIGID: f64 = 2.0;
         const LIMIT: f64 = 1e30;
@@ -59,14 +60,15 @@ impl Posed {
             DMat3::from_cols(x, y, z)
         };
         let turn = matrix(from);
-        let back = turn.inverse();
+        let back = turn.try_inverse()?;
         let entries = |m: &DMat3, limit: f64| m.to_cols_array().iter().all(|x| x.abs() <= limit);
         if !entries(&turn, RIGID) || !entries(&back, RIGID) {
             return None;
         }
         let seen = back * matrix(self);
         let offset = back * (self.translation.as_dvec3() - from.translation.as_dvec3());
-        let doubt = back.abs() * (self.reach(own) + from.reach(of)) * (f64::from(PADDING) * 1.001);
+        let doubt = back.abs() * (self.reach(own) + from.reach(of)) * (f64::from(PADDING) * 1.001)
+            + DVec3::splat(f64::from(f32::from_bits(1)) * farthest(own).element_sum());
         if !entries(&seen, LIMIT) || offset.abs().max_element().max(doubt.max_element()) > LIMIT {
             return None;
         }
@@ -138,4 +140,9 @@ impl Placement for Posed {
         }
         placed
     }
+}
+
+/// The largest coordinates in some bounds, without sign.
+fn farthest(bounds: &Bounds) -> DVec3 {
+    bounds.min.abs().max(bounds.max.abs()).as_dvec3()
 }

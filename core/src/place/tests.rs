@@ -118,3 +118,23 @@ fn no_view_from_a_pose_that_flattens_or_stretches() {
         assert!(Posed::new(&pose).seen_from(&unit, &still, &unit).is_some());
     }
 }
+
+#[test]
+fn what_shrinks_to_subnormal_numbers_is_still_seen() {
+    // A corner far out in b, which its pose takes down to some 1e-6: entries keep a digit or none.
+    for scale in [1e-38_f32, 1e-42, 1e-44, f32::from_bits(1)] {
+        let turn = glam::Affine3A::from_rotation_z(core::f32::consts::FRAC_PI_4);
+        let mut shrunk = Pose::IDENTITY;
+        (0..3).for_each(|k| shrunk.rows[k][k] = scale);
+        let (a, y) = (Pose::from(turn), [0.9e38, 0.9e38, 0.0]);
+        let world = glam::Vec3::from_array(shrunk.apply(y)).as_dvec3();
+        let back = DMat3::from_cols_array_2d(&core::array::from_fn(|k| {
+            core::array::from_fn(|i| f64::from(a.rows[i][k]))
+        }));
+        let x = (back.inverse() * world).as_vec3a();
+        let of = |p: [f32; 3]| Bounds::new(&Aabb { min: p, max: p });
+        let (a, b) = (Posed::new(&a), Posed::new(&shrunk));
+        let seen = b.seen_from(&of(y), &a, &of(x.to_array())).unwrap().bounds(&of(y));
+        assert!(seen.min.cmple(x).all() && x.cmple(seen.max).all(), "{scale:e}: {seen:?} {x}");
+    }
+}

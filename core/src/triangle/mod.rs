@@ -42,7 +42,7 @@ pub enum Accuracy {
 /// Coordinates must be finite.
 ///
 /// # Complexity
-/// O(1), no allocation, below 3 KiB of stack.
+/// O(1), no allocation, below 8 KiB of stack.
 ///
 /// # Examples
 /// ```

@@ -21,6 +21,9 @@ use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3A;
 
+#[cfg(test)]
+mod tests;
+
 /// What is known of the triangles about one vertex.
 ///
 /// [`link`] makes these from the triangles of a mesh, once; [`certify`] brings them up to date with its
@@ -75,7 +78,8 @@ pub const fn link_scratch_bound(vertices: usize, triangles: usize) -> usize {
     vertices + 1 + 3 * triangles
 }
 
-/// Finds out which vertices have one fan, a ring or a row. None of them is certified yet.
+/// Finds out which vertices have one fan, a ring or a row. None of them is certified yet. Of meshes of
+/// more than 2^32 / 3 triangles, none ever is.
 ///
 /// # Errors
 /// [`CapacityError`] if `fans` has not one entry a vertex, or `scratch` fewer words than
@@ -101,6 +105,11 @@ pub fn link(mesh: Mesh<'_>, scratch: &mut [u32], fans: &mut [Fan]) -> Result<(),
     CapacityError::check("fans", vertices, fans.len())?;
     let need = link_scratch_bound(vertices, triangles.len());
     CapacityError::check("scratch", need, scratch.len())?;
+    if triangles.len() > u32::MAX as usize / 3 {
+        // Their corners cannot be numbered.
+        fans.fill(Fan(0));
+        return Ok(());
+    }
     let (ends, corners) = scratch.split_at_mut(vertices + 1);
     // Corners by vertex: their number 3t + k, the triangle and the corner.
     ends.fill(0);
@@ -125,7 +134,7 @@ pub fn link(mesh: Mesh<'_>, scratch: &mut [u32], fans: &mut [Fan]) -> Result<(),
 
 /// Whether corners at one vertex make a ring or a row.
 fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> Fan {
-    if corners.len() > MOST {
+    if corners.is_empty() || corners.len() > MOST {
         return Fan(0);
     }
     let (mut from, mut to) = ([0; MOST], [0; MOST]);
@@ -139,12 +148,9 @@ fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> Fan {
         return Fan(0);
     }
     let first = (0..from.len()).find(|&i| !to.contains(&from[i]));
-    let mut at = first.unwrap_or(0);
-    let mut seen = 1;
-    while let Some(next) = from.iter().position(|v| *v == to[at]) {
-        if seen == from.len() {
-            break;
-        }
+    let start = first.unwrap_or(0);
+    let (mut at, mut seen) = (start, 1);
+    while let Some(next) = from.iter().position(|v| *v == to[at]).filter(|&next| next != start) {
         seen += 1;
         at = next;
     }
@@ -182,7 +188,7 @@ pub fn certify(mesh: Mesh<'_>, fans: &mut [Fan]) -> Result<(), CapacityError> {
             if *word & LINK != 0 {
                 let passed = SPREAD[(!next & after) as usize & 7]
                     + (SPREAD[(next & !after) as usize & 7] << 4);
-                *word = (*word + passed) | doubts;
+                *word = word.wrapping_add(passed) | doubts;
             }
         }
     }
@@ -211,92 +217,4 @@ fn sides_in_doubt(u: Vec3A, v: Vec3A) -> u32 {
         + Vec3A::splat(f32::MIN_POSITIVE);
     let (seen, unseen) = (normal.cmpgt(bound).bitmask(), normal.cmplt(-bound).bitmask());
     !(seen | unseen << 3) & 0x3f
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The fan of a vertex at the origin over these rim points, closed or not.
-    fn certified(rim: &[[f32; 3]], ring: bool) -> bool {
-        let n = rim.len() as u32;
-        let mut positions = [[0.0; 3]; MOST + 2];
-        positions[1..=rim.len()].copy_from_slice(rim);
-        let mut triangles = [[0; 3]; MOST + 1];
-        let count = if ring { n } else { n - 1 };
-        for i in 0..count {
-            // Each turned another way, which changes nothing.
-            let t = [0, i + 1, (i + 1) % n + 1];
-            triangles[i as usize] = [t, [t[1], t[2], t[0]], [t[2], t[0], t[1]]][i as usize % 3];
-        }
-        let mesh = Mesh::new(&positions, &triangles[..count as usize]).unwrap();
-        let mut fans = [Fan::default(); MOST + 2];
-        link(mesh, &mut [0; link_scratch_bound(MOST + 2, MOST + 1)], &mut fans).unwrap();
-        certify(mesh, &mut fans).unwrap();
-        fans[0].is_certified()
-    }
-
-    fn circle(n: usize, turns: f32, height: impl Fn(usize) -> f32) -> [[f32; 3]; MOST + 1] {
-        core::array::from_fn(|i| {
-            let angle = 0.1 + turns * core::f32::consts::TAU * i as f32 / n as f32;
-            [cos(angle), cos(angle - core::f32::consts::FRAC_PI_2), height(i)]
-        })
-    }
-
-    fn cos(x: f32) -> f32 {
-        glam::Vec2::from_angle(x).x
-    }
-
-    #[test]
-    fn rings_round_once() {
-        for n in 3..=MOST {
-            assert!(certified(&circle(n, 1.0, |_| 0.0)[..n], true), "flat, {n}");
-            assert!(certified(&circle(n, 1.0, |_| 0.5)[..n], true), "a cone, {n}");
-        }
-        assert!(certified(&circle(6, 1.0, |i| [0.3, -0.3][i % 2])[..6], true), "a saddle");
-        assert!(!certified(&circle(MOST + 1, 1.0, |_| 0.0), true), "too many to count");
-    }
-
-    #[test]
-    fn rings_round_twice_or_folded() {
-        for n in 5..=MOST {
-            assert!(!certified(&circle(n, 2.0, |i| i as f32 * 0.1)[..n], true), "{n}");
-        }
-        let mut folded = circle(6, 1.0, |_| 0.0);
-        folded.swap(2, 3);
-        assert!(!certified(&folded[..6], true));
-        folded[3] = folded[2];
-        assert!(!certified(&folded[..6], true), "a triangle without area");
-    }
-
-    #[test]
-    fn rows() {
-        for n in 2..=MOST {
-            // Of n − 1 triangles.
-            assert!(certified(&circle(2 * n, 1.0, |_| 0.0)[..n], false), "half a turn, {n}");
-        }
-        assert!(!certified(&circle(12, 1.2, |_| 0.0)[..13], false), "more than a turn");
-        assert!(!certified(&circle(12, 1.0, |_| 0.0)[..13], false), "a whole turn");
-    }
-
-    #[test]
-    fn what_is_not_one_fan() {
-        let square =
-            [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
-        let at_first = |triangles: &[[u32; 3]]| {
-            let mesh = Mesh::new(&square, triangles).unwrap();
-            let (mut fans, mut scratch) = ([Fan::default(); 5], [0; link_scratch_bound(5, 4)]);
-            link(mesh, &mut scratch, &mut fans).unwrap();
-            certify(mesh, &mut fans).unwrap();
-            fans[0].is_certified()
-        };
-        assert!(at_first(&[[0, 1, 2], [0, 2, 3]]));
-        assert!(!at_first(&[[0, 1, 2], [0, 3, 2]]), "turned over");
-        assert!(!at_first(&[[0, 1, 2], [0, 1, 2]]), "twice");
-        assert!(!at_first(&[[0, 1, 2], [0, 1, 3]]), "two on one side of an edge");
-        assert!(!at_first(&[[0, 1, 2], [0, 3, 4]]), "two rows");
-        assert!(!at_first(&[[0, 1, 2], [0, 0, 3]]), "an index twice");
-        assert!(!at_first(&[]), "none");
-        assert!(link(Mesh::new(&square, &[]).unwrap(), &mut [0; 5], &mut [Fan(0); 5]).is_err());
-    }
 }
