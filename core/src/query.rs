@@ -29,7 +29,7 @@ pub trait Query {
     ///
     /// # Complexity
     /// Up to 16 box tests a step of two levels of the BVTT and one triangle test a pair of overlapping
-    /// triangle boxes; no allocation, no recursion, below 28 KiB of stack, 16 KiB without the feature
+    /// triangle boxes; no allocation, no recursion, below 28 KiB of stack, 20 KiB without the feature
     /// `std`.
     fn visit(
         &self,

@@ -44,6 +44,12 @@ pub(crate) fn widest<T: Task>(task: T) -> T::Output {
     if super::avx::is_here() {
         return super::avx::run(task);
     }
+    in_halves(task)
+}
+
+/// Apart, so that what it needs of the stack does not add to what wider registers do.
+#[inline(never)]
+fn in_halves<T: Task>(task: T) -> T::Output {
     task.run::<Halves>()
 }
 
