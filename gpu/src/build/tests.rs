@@ -141,7 +141,7 @@ fn queries_take_little_more_work_than_with_the_tree_of_the_core() {
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
     let mut scratch = vec![SahItem::default(); sah_scratch_bound(n)];
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let core = sah(mesh, &BuildOptions::default(), storage, &mut scratch).unwrap();
+    let core = sah(mesh, &BuildOptions { leaf_size: 4 }, storage, &mut scratch).unwrap();
     let (nodes, order) = build(&knot.positions, &knot.triangles, 4);
     let own = Bvh::trusted(mesh, &nodes, &order);
     let pose = Pose::from_translation([0.3, 0.1, 0.2]);
