@@ -57,10 +57,16 @@ impl Block {
                 self.corners[k][2][lane] = p[2];
                 // No vertex that a mesh can have memory for becomes zero, of which floats have two. Some
                 // above 2^30 become no numbers: they equal nothing, and pass for not certified.
-                let number = f32::from_bits(vertex.saturating_add(0x0080_0000));
-                self.vertices[k][lane] = number;
-                let certified = fans.get(vertex as usize).is_some_and(|fan| fan.is_certified());
-                self.certified[k] |= u32::from(certified && !number.is_nan()) << lane;
+                self.vertices[k][lane] = f32::from_bits(vertex.saturating_add(0x0080_0000));
+                if let Some(fan) = fans.get(vertex as usize) {
+                    self.certified[k] |= u32::from(fan.is_certified()) << lane;
+                }
+            }
+        }
+        if !fans.is_empty() {
+            for (certified, numbers) in self.certified.iter_mut().zip(&self.vertices) {
+                let numbers = S::load(numbers);
+                *certified &= S::bits(numbers.eq(numbers));
             }
         }
         let p = place.points(load::<S>(&self.corners[0]));

@@ -81,7 +81,7 @@ pub(crate) fn meet<K: Kernel>(a: &Triangle, b: &Triangle) -> Result<bool, K::Und
 }
 
 /// All three strictly on one side.
-fn one_sided(sides: &[i32; 3]) -> bool {
+pub(crate) fn one_sided(sides: &[i32; 3]) -> bool {
     sides[0] != 0 && sides[0] == sides[1] && sides[0] == sides[2]
 }
 
@@ -114,7 +114,7 @@ fn cross<K: Kernel>(
 /// The corner with no other strictly on its side of the plane nor, if it lies in the plane, in the
 /// plane with it; and its side, which for a corner in the plane is the one the others are not on.
 #[inline]
-fn lone_corner(sides: &[i32; 3]) -> (usize, i32) {
+pub(crate) fn lone_corner(sides: &[i32; 3]) -> (usize, i32) {
     let index = (sides[0] + 1) * 9 + (sides[1] + 1) * 3 + (sides[2] + 1);
     let (corner, side) = LONE[index as usize];
     (corner as usize, i32::from(side))
