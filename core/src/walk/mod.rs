@@ -15,7 +15,7 @@ pub(crate) use within::SelfTree;
 
 use crate::aabb::Bounds;
 use crate::bvh::MAX_DEPTH;
-use crate::lanes::{Block, Blocks, Family, Simd, Task, widest};
+use crate::lanes::{Block, Blocks, Family, Pairs, Simd, Task, widest};
 use crate::triangle::{Accuracy, intersects};
 use core::ops::ControlFlow;
 
@@ -187,6 +187,28 @@ fn family_pairs(
 #[inline]
 fn meet(a: &Block, i: usize, b: &Block, j: usize, accuracy: Accuracy) -> bool {
     a.meets(i, b, j).unwrap_or_else(|| intersects(&a.triangle(i), &b.triangle(j), accuracy))
+}
+
+/// Decides those that are left of the pairs of two leaves, by their bits, until it breaks: then with how
+/// many combinations are done.
+#[inline(always)]
+fn decide(
+    pairs: Pairs,
+    work: &mut Work,
+    mut visit: impl FnMut(u32) -> ControlFlow<()>,
+) -> ControlFlow<u32> {
+    let Pairs { tested, mut left, .. } = pairs;
+    while left != 0 {
+        let bit = left.trailing_zeros();
+        left &= left - 1;
+        if visit(bit).is_break() {
+            // The others count when their turn comes.
+            work.triangle_tests += u64::from((tested & !after(bit + 1)).count_ones());
+            return ControlFlow::Break(bit + 1);
+        }
+    }
+    work.triangle_tests += u64::from(tested.count_ones());
+    ControlFlow::Continue(())
 }
 
 /// Of 64 combinations, those without the first `skip`.

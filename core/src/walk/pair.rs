@@ -1,6 +1,6 @@
 //! The BVTT of two meshes.
 
-use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, family_pairs, meet};
+use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, decide, family_pairs, meet};
 use crate::aabb::Bounds;
 use crate::bvh::Node;
 use crate::lanes::{Blocks, Family, LANES, Simd};
@@ -134,20 +134,13 @@ impl<A: Placement, B: Placement, V: Placement, W: Placement> Bvtt for PairTree<'
         let second = kept_b.get::<S>(n.b, self.b.bvh.mesh(), others, &self.b.place, &[]);
         let bounds = self.a.place.bounds(&self.a.node(n.a).bounds());
         let pairs = first.pairs::<S, false>(second, &bounds, after(skip));
-        let (tested, mut left) = (pairs.tested, pairs.left);
-        while left != 0 {
-            let bit = left.trailing_zeros();
-            left &= left - 1;
+        decide(pairs, work, |bit| {
             let (i, j) = (bit as usize % LANES, bit as usize / LANES);
-            if meet(first, i, second, j, self.accuracy)
-                && visit(TrianglePair { a: own[i], b: others[j] }).is_break()
-            {
-                // The others count when their turn comes.
-                work.triangle_tests += u64::from((tested & !after(bit + 1)).count_ones());
-                return ControlFlow::Break(bit + 1);
+            if meet(first, i, second, j, self.accuracy) {
+                visit(TrianglePair { a: own[i], b: others[j] })
+            } else {
+                ControlFlow::Continue(())
             }
-        }
-        work.triangle_tests += u64::from(tested.count_ones());
-        ControlFlow::Continue(())
+        })
     }
 }

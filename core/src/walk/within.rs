@@ -4,7 +4,7 @@
 //! two meshes do. Overlapping boxes of neighbours are the rule here, so the walk reaches all of
 //! them; the shared-index rule decides in the leaves.
 
-use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, family_pairs, meet};
+use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, decide, family_pairs, meet};
 use crate::Bvh;
 use crate::aabb::Bounds;
 use crate::fans::Fan;
@@ -105,32 +105,24 @@ impl Bvtt for SelfTree<'_> {
         let second = kept_b.get::<S>(n.b, mesh, others, &InPlace, self.fans);
         let bounds = nodes[n.a as usize].bounds();
         let allowed = if n.a == n.b { after(skip) & BEFORE } else { after(skip) };
-        let Pairs { tested, mut left, neighbours } = if self.boxes_only {
+        let pairs = if self.boxes_only {
             let tested = first.boxes::<S>(second, &bounds, allowed);
             Pairs { tested, left: tested, neighbours: 0 }
         } else {
             first.pairs::<S, true>(second, &bounds, allowed)
         };
-        while left != 0 {
-            let bit = left.trailing_zeros();
-            left &= left - 1;
+        decide(pairs, work, |bit| {
             let (i, j) = (bit as usize % LANES, bit as usize / LANES);
             let (a, b) = (own[i].min(others[j]), own[i].max(others[j]));
             let meet = if self.boxes_only {
                 true
-            } else if neighbours >> bit & 1 == 0 || !first.share_vertex(i, second, j) {
+            } else if pairs.neighbours >> bit & 1 == 0 || !first.share_vertex(i, second, j) {
                 meet(first, i, second, j, self.accuracy)
             } else {
                 intersects_in_mesh(mesh, a, b, self.adjacency, self.accuracy)
             };
-            if meet && visit(TrianglePair { a, b }).is_break() {
-                // The others count when their turn comes.
-                work.triangle_tests += u64::from((tested & !after(bit + 1)).count_ones());
-                return ControlFlow::Break(bit + 1);
-            }
-        }
-        work.triangle_tests += u64::from(tested.count_ones());
-        ControlFlow::Continue(())
+            if meet { visit(TrianglePair { a, b }) } else { ControlFlow::Continue(()) }
+        })
     }
 }
 
