@@ -1,0 +1,1 @@
+//! Slow slides through contact, and scenes whose answer has a closed form.

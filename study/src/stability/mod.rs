@@ -1,0 +1,1 @@
+//! Scenes in which a p-partition front could fail, run over frames.

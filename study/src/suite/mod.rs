@@ -1,0 +1,1 @@
+//! Triangle pairs with their truth.

@@ -1,0 +1,1 @@
+//! Triangle tests of the literature, as printed.
