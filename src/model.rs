@@ -4,6 +4,7 @@ use crate::Error;
 use pfront_core::build::{self, BuildOptions, BvhStorage, REBUILD_RATIO, SahItem};
 use pfront_core::bvh::node_bound;
 use pfront_core::fans::{self, Fan};
+use pfront_core::sphere::Sphere;
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 use std::sync::OnceLock;
 
@@ -30,6 +31,8 @@ pub struct Model {
     built: f32,
     /// Made when the mesh is first asked about itself.
     fans: OnceLock<Vec<Fan>>,
+    /// Made when a scene first asks for it.
+    sphere: OnceLock<Option<Sphere>>,
 }
 
 /// The passes over a whole model, on as many threads as one likes.
@@ -108,8 +111,8 @@ impl Model {
     ) -> Result<Self, Error> {
         Mesh::new(&positions, &triangles)?;
         let (nodes, order) = (Vec::new(), Vec::new());
-        let (built, fans) = (0.0, OnceLock::new());
-        let mut model = Self { positions, triangles, nodes, order, options, built, fans };
+        let (built, fans, sphere) = (0.0, OnceLock::new(), OnceLock::new());
+        let mut model = Self { positions, triangles, nodes, order, options, built, fans, sphere };
         model.rebuild(passes)?;
         Ok(model)
     }
@@ -140,6 +143,13 @@ impl Model {
             debug_assert_eq!(made, Ok(()));
             fans
         })
+    }
+
+    /// A sphere that contains every triangle, found at the first call and at the next after the model has
+    /// changed, in O(n); `None` if there is no triangle.
+    #[must_use]
+    pub fn sphere(&self) -> Option<Sphere> {
+        *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))
     }
 
     /// How the BVH is built.
@@ -183,6 +193,7 @@ impl Model {
     fn deform(&mut self, positions: &[[f32; 3]], passes: &Passes) -> Result<(), Error> {
         self.mesh().with_positions(positions)?;
         self.positions.copy_from_slice(positions);
+        self.sphere.take();
         let mesh = Mesh::trusted(&self.positions, &self.triangles);
         if let Some(fans) = self.fans.get_mut() {
             fans::certify(mesh, fans)?;

@@ -17,6 +17,7 @@ mod place;
 pub mod pose;
 pub mod predicates;
 pub mod query;
+pub mod sphere;
 pub mod triangle;
 pub mod walk;
 

@@ -2,6 +2,7 @@
 
 use crate::{Aabb, Error, Model, Pose};
 use pfront_core::query::Placed;
+use pfront_core::sphere::Sphere;
 use std::fmt;
 use std::sync::Arc;
 
@@ -21,7 +22,7 @@ pub struct Body {
     id: BodyId,
     pub(super) model: Arc<Model>,
     pose: Pose,
-    aabb: Option<Aabb>,
+    bounds: Option<(Aabb, Sphere)>,
 }
 
 impl Body {
@@ -47,18 +48,25 @@ impl Body {
     /// triangle.
     #[must_use]
     pub fn aabb(&self) -> Option<Aabb> {
-        self.aabb
+        Some(self.bounds?.0)
+    }
+
+    /// That box and a sphere of which the same is true.
+    pub(super) fn bounds(&self) -> Option<(Aabb, Sphere)> {
+        self.bounds
     }
 
     pub(super) fn set_pose(&mut self, pose: Pose) -> Result<(), Error> {
-        let aabb = Placed::new(self.model.bvh(), &pose)?.aabb();
-        (self.pose, self.aabb) = (pose, aabb);
+        Placed::new(self.model.bvh(), &pose)?;
+        self.pose = pose;
+        self.reshaped();
         Ok(())
     }
 
     /// To be called when the shape has changed, within what the pose can take.
     pub(super) fn reshaped(&mut self) {
-        self.aabb = self.placed().aabb();
+        let aabb = self.placed().aabb();
+        self.bounds = aabb.and_then(|aabb| Some((aabb, self.model.sphere()?.posed(&self.pose))));
     }
 
     pub(super) fn placed(&self) -> Placed<'_> {
@@ -85,7 +93,7 @@ impl Bodies {
 
     pub(super) fn add(&mut self, model: Arc<Model>, pose: Pose) -> Result<BodyId, Error> {
         let id = BodyId(self.next);
-        let mut body = Body { id, model, pose, aabb: None };
+        let mut body = Body { id, model, pose, bounds: None };
         body.set_pose(pose)?;
         self.entries.push((id, Some(body)));
         self.live += 1;

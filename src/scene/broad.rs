@@ -1,4 +1,4 @@
-//! The broad phase: which bodies' boxes overlap.
+//! The broad phase: which bodies' boxes and spheres overlap.
 //!
 //! A box is a triangle through two of its opposite corners, so that a BVH over boxes is the BVH of a
 //! [`Model`], which is refitted while the boxes move and rebuilt when its quality says so; and the pairs
@@ -7,6 +7,7 @@
 use super::bodies::Bodies;
 use crate::{BuildOptions, Error, Model};
 use pfront_core::query::{Query, SelfQuery};
+use pfront_core::sphere::Sphere;
 use std::ops::ControlFlow;
 
 /// Two bodies by their places in the list.
@@ -18,6 +19,7 @@ pub(super) struct Broad {
     boxes: Option<Model>,
     /// Smallest and largest corner of each box.
     corners: Vec<[f32; 3]>,
+    spheres: Vec<Sphere>,
     /// The place of the body of each box: empty ones have none.
     places: Vec<u32>,
     pairs: Vec<Places>,
@@ -30,10 +32,12 @@ impl Broad {
     /// O(n + pairs) for n bodies that move little, O(n log n) when their number has changed.
     pub(super) fn update(&mut self, bodies: &Bodies) -> Result<(), Error> {
         self.corners.clear();
+        self.spheres.clear();
         self.places.clear();
         for (body, place) in bodies.iter().zip(0..) {
-            if let Some(aabb) = body.aabb() {
+            if let Some((aabb, sphere)) = body.bounds() {
                 self.corners.extend([aabb.min, aabb.max]);
+                self.spheres.push(sphere);
                 self.places.push(place);
             }
         }
@@ -52,7 +56,10 @@ impl Broad {
         let query = SelfQuery::new(boxes.bvh()).boxes_only();
         self.pairs.clear();
         let _ = query.visit(&mut query.start(), |pair| {
-            self.pairs.push([pair.a, pair.b].map(|i| self.places[i as usize]));
+            let [a, b] = [pair.a, pair.b].map(|i| i as usize);
+            if self.spheres[a].overlaps(&self.spheres[b]) {
+                self.pairs.push([self.places[a], self.places[b]]);
+            }
             ControlFlow::Continue(())
         });
         self.pairs.sort_unstable();

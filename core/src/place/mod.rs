@@ -4,7 +4,7 @@ use crate::Pose;
 use crate::aabb::Bounds;
 use crate::lanes::{Boxes, Simd};
 use glam::Vec3A;
-pub(crate) use posed::Posed;
+pub(crate) use posed::{PADDING, Posed};
 
 mod posed;
 #[cfg(test)]

@@ -17,7 +17,7 @@ pub(crate) struct Posed {
 }
 
 /// 16 · 2^-24: see [`Posed::bounds`].
-const PADDING: f32 = 9.536_743_e-7;
+pub(crate) const PADDING: f32 = 9.536_743_e-7;
 
 /// 2^-147: four times the smallest subnormal number.
 const SUBNORMAL_SLACK: f32 = f32::from_bits(4);

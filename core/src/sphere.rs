@@ -1,0 +1,155 @@
+//! Bounding spheres.
+//!
+//! A box that is turned needs a larger one around it, a sphere does not: of bodies side by side whose boxes
+//! overlap, most are told apart by their spheres, before anything of their BVHs is read.
+
+use crate::place::PADDING;
+use crate::{Bvh, Pose};
+use glam::DVec3;
+
+/// A closed ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// The centre.
+    pub centre: [f32; 3],
+    /// The radius; may be infinite.
+    pub radius: f32,
+}
+
+impl Sphere {
+    /// A sphere about the middle of the root's box that contains every vertex of every triangle; `None` for
+    /// an empty mesh.
+    ///
+    /// # Complexity
+    /// O(n) for n triangles.
+    #[must_use]
+    pub fn of(bvh: &Bvh<'_>) -> Option<Self> {
+        let bounds = bvh.root()?.bounds();
+        let centre = bounds.min * 0.5 + bounds.max * 0.5;
+        let (mesh, middle) = (bvh.mesh(), centre.as_dvec3());
+        let corners = mesh.triangles().iter().flatten();
+        let away = |v: &u32| vector(&mesh.positions()[*v as usize]).distance_squared(middle);
+        let farthest = corners.map(away).fold(0.0, f64::max);
+        Some(Self { centre: centre.to_array(), radius: upwards(farthest.sqrt()) })
+    }
+
+    /// A sphere that contains, of everything in this one, the points as [`Pose::apply`] poses them, rounding
+    /// included. [`Pose::IDENTITY`] changes nothing.
+    ///
+    /// A ball is stretched at most by the square root of the largest eigenvalue of RᵀR, which is no larger
+    /// than its largest sum of absolute values along a row. The error of a posed point is that of
+    /// `place::Posed::bounds`.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{Pose, sphere::Sphere};
+    /// let unit = Sphere { centre: [0.0; 3], radius: 1.0 };
+    /// let moved = unit.posed(&Pose::from_translation([2.5, 0.0, 0.0]));
+    /// assert!(!unit.overlaps(&moved));
+    /// assert!(moved.overlaps(&unit.posed(&Pose::from_translation([1.0, 0.0, 0.0]))));
+    /// ```
+    #[must_use]
+    pub fn posed(&self, pose: &Pose) -> Self {
+        if *pose == Pose::IDENTITY {
+            return *self;
+        }
+        let column = |k: usize| vector(&[0, 1, 2].map(|i| pose.rows[i][k]));
+        let ([x, y, z], translation) = ([column(0), column(1), column(2)], column(3));
+        let (centre, radius) = (vector(&self.centre), f64::from(self.radius));
+        let row = |v: DVec3| v.dot(x).abs() + v.dot(y).abs() + v.dot(z).abs();
+        let stretch = row(x).max(row(y)).max(row(z)).sqrt();
+        let far = centre.abs() + DVec3::splat(radius);
+        let reach = x.abs() * far.x + y.abs() * far.y + z.abs() * far.z + translation.abs();
+        let error = reach * f64::from(PADDING) + DVec3::splat(2.0 * f64::from(f32::MIN_POSITIVE));
+        let centre = x * centre.x + y * centre.y + z * centre.z + translation;
+        Self {
+            centre: centre.as_vec3().to_array(),
+            radius: upwards(stretch * radius + error.length()),
+        }
+    }
+
+    /// Whether two balls may share a point; `false` is certain.
+    #[inline]
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let reach = f64::from(self.radius) + f64::from(other.radius);
+        let apart = vector(&self.centre).distance_squared(vector(&other.centre));
+        let parted = apart > reach * reach * (1.0 + 1e-12);
+        // What is no number parts nothing.
+        !parted
+    }
+}
+
+fn vector(p: &[f32; 3]) -> DVec3 {
+    DVec3::new(p[0].into(), p[1].into(), p[2].into())
+}
+
+/// In f32, and above what f64 made of it.
+fn upwards(radius: f64) -> f32 {
+    (radius * (1.0 + 1e-12)) as f32 * (1.0 + f32::EPSILON) + f32::MIN_POSITIVE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Mesh, Node};
+
+    /// Numbers in −1..1.
+    fn numbers() -> impl FnMut() -> f32 {
+        let mut state = 5_u32;
+        move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 9) as f32 / 4_194_304.0 - 1.0
+        }
+    }
+
+    fn contains(sphere: &Sphere, p: [f32; 3]) -> bool {
+        vector(&p).distance(vector(&sphere.centre)) <= f64::from(sphere.radius)
+    }
+
+    #[test]
+    fn posed_spheres_contain_posed_points() {
+        let mut next = numbers();
+        for round in 0..if cfg!(miri) { 20 } else { 20_000 } {
+            let scale = [1e-44, 1e-20, 1.0, 1e7, 1e30][round % 5];
+            let points = [[0; 3]; 3].map(|p| p.map(|_| next() * scale));
+            let aabb = crate::Aabb::of(&points);
+            let root = [Node { min: aabb.min, first: 0, max: aabb.max, count: 1 }];
+            let bvh = Bvh::trusted(Mesh::trusted(&points, &[[0, 1, 2]]), &root, &[0]);
+            let sphere = Sphere::of(&bvh).unwrap();
+            let far = [0.0, 1.0, 1e6][round % 3] * scale;
+            let turn = glam::Quat::from_axis_angle(
+                glam::Vec3::new(next(), next(), next()).normalize_or(glam::Vec3::X),
+                next() * 3.0,
+            );
+            let offset = glam::Vec3::new(next(), next(), next()) * far;
+            let mut pose: Pose = glam::Affine3A::from_rotation_translation(turn, offset).into();
+            if round % 7 == 0 {
+                // Shear.
+                pose.rows[0][1] += next() * 3.0;
+            }
+            let posed = sphere.posed(&pose);
+            for p in points {
+                assert!(contains(&sphere, p), "{p:?} {sphere:?}");
+                assert!(contains(&posed, pose.apply(p)), "{p:?} {posed:?}");
+            }
+            if round % 7 != 0 && (1e-20..1e30).contains(&scale) && far <= scale {
+                assert!(posed.radius <= sphere.radius * 1.00001 + far * 1e-5, "{posed:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_overflows_overlaps() {
+        let all = Sphere { centre: [0.0; 3], radius: f32::INFINITY };
+        let far = Sphere { centre: [3e38; 3], radius: 1.0 };
+        assert!(all.overlaps(&far) && far.overlaps(&all) && all.overlaps(&all));
+        assert!(!far.overlaps(&Sphere { centre: [-3e38; 3], radius: 1.0 }));
+    }
+
+    #[test]
+    fn balls_that_touch_overlap() {
+        let at = |x| Sphere { centre: [x, 0.0, 0.0], radius: 1.0 };
+        assert!(at(0.0).overlaps(&at(2.0)) && !at(0.0).overlaps(&at(2.0 + 1e-6)));
+    }
+}
