@@ -41,6 +41,8 @@ struct Passes {
     refit: Refit,
     /// The quality figure of a tree that fits.
     quality: Refit,
+    /// Does two things, at once if it can.
+    both: Both,
 }
 
 type Sah = for<'a> fn(
@@ -49,12 +51,17 @@ type Sah = for<'a> fn(
     BvhStorage<'a>,
     &mut [SahItem],
 ) -> Result<Bvh<'a>, CapacityError>;
+type Both = fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send));
 type Refit = fn(Mesh<'_>, &mut [Node], &[u32]) -> f32;
 
 const ONE_THREAD: Passes = Passes {
     sah: build::sah,
     refit: build::refit,
     quality: |mesh, nodes, order| build::quality(&Bvh::trusted(mesh, nodes, order)),
+    both: |one, other| {
+        one();
+        other();
+    },
 };
 
 /// A refit changes no box that fits.
@@ -63,6 +70,7 @@ const THREADS: Passes = Passes {
     sah: crate::threads::sah,
     refit: crate::threads::refit,
     quality: crate::threads::refit,
+    both: crate::threads::join,
 };
 
 impl Model {
@@ -195,10 +203,13 @@ impl Model {
         self.positions.copy_from_slice(positions);
         self.sphere.take();
         let mesh = Mesh::trusted(&self.positions, &self.triangles);
-        if let Some(fans) = self.fans.get_mut() {
-            fans::certify(mesh, fans)?;
+        let (mut cost, mut certified) = (0.0, Ok(()));
+        let mut refit = || cost = (passes.refit)(mesh, &mut self.nodes, &self.order);
+        match self.fans.get_mut() {
+            Some(fans) => (passes.both)(&mut refit, &mut || certified = fans::certify(mesh, fans)),
+            None => refit(),
         }
-        let cost = (passes.refit)(mesh, &mut self.nodes, &self.order);
+        certified?;
         if cost > self.built * REBUILD_RATIO {
             self.rebuild(passes)?;
         }

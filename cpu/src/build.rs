@@ -71,7 +71,16 @@ pub fn refit(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32]) -> f32 {
     build::refit_with(mesh, nodes, order, &join)
 }
 
-fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
+/// Does two things at once in the rayon pool of whoever asks. It is what `build::refit_with` and its like in
+/// `pfront-core` want.
+///
+/// # Examples
+/// ```
+/// let (mut a, mut b) = (1, 2);
+/// pfront_cpu::join(&mut || a += 1, &mut || b += 1);
+/// assert_eq!([a, b], [2, 3]);
+/// ```
+pub fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
     rayon::join(a, b);
 }
 

@@ -43,7 +43,7 @@ mod sink;
 mod stealing;
 mod traversal;
 
-pub use build::{morton, refit, sah};
+pub use build::{join, morton, refit, sah};
 pub use calibrate::{TRIANGLE_COST, calibrate};
 pub use reference::Reference;
 pub use report::{Report, Share};
