@@ -28,17 +28,20 @@ impl Sphere {
         let centre = bounds.min * 0.5 + bounds.max * 0.5;
         let (mesh, middle) = (bvh.mesh(), centre.as_dvec3());
         let corners = mesh.triangles().iter().flatten();
-        let away = |v: &u32| vector(&mesh.positions()[*v as usize]).distance_squared(middle);
-        let farthest = corners.map(away).fold(0.0, f64::max);
-        Some(Self { centre: centre.to_array(), radius: upwards(farthest.sqrt()) })
+        let out = corners.map(|v| vector(&mesh.positions()[*v as usize]) - middle);
+        let farther =
+            |x: DVec3, y: DVec3| if x.length_squared() > y.length_squared() { x } else { y };
+        let radius = upwards(out.fold(DVec3::ZERO, farther).length());
+        Some(Self { centre: centre.to_array(), radius })
     }
 
     /// A sphere that contains, of everything in this one, the points as [`Pose::apply`] poses them, rounding
     /// included. [`Pose::IDENTITY`] changes nothing.
     ///
-    /// A ball is stretched at most by the square root of the largest eigenvalue of RᵀR, which is no larger
-    /// than its largest sum of absolute values along a row. The error of a posed point is that of
-    /// `place::Posed::bounds`.
+    /// A ball is stretched at most by the square root of the largest eigenvalue of RᵀR. That is no larger than
+    /// the largest sum of absolute values along a row, which is l²·m for the longest column l of R, and
+    /// l·√m is at most l·(1 + m)/2; for rotations and scalings, m = 1. The error of a posed point is that
+    /// of `place::Posed::bounds`.
     ///
     /// # Examples
     /// ```
@@ -57,7 +60,9 @@ impl Sphere {
         let ([x, y, z], translation) = ([column(0), column(1), column(2)], column(3));
         let (centre, radius) = (vector(&self.centre), f64::from(self.radius));
         let row = |v: DVec3| v.dot(x).abs() + v.dot(y).abs() + v.dot(z).abs();
-        let stretch = row(x).max(row(y)).max(row(z)).sqrt();
+        let longest = x.length().max(y.length()).max(z.length()).max(1e-60);
+        let sum = row(x).max(row(y)).max(row(z)) / (longest * longest);
+        let stretch = longest * 0.5 * (1.0 + sum);
         let far = centre.abs() + DVec3::splat(radius);
         let reach = x.abs() * far.x + y.abs() * far.y + z.abs() * far.z + translation.abs();
         let error = reach * f64::from(PADDING) + DVec3::splat(2.0 * f64::from(f32::MIN_POSITIVE));

@@ -3,22 +3,10 @@
 //! That settles nearly all pairs whose boxes overlap and who are no neighbours. Whatever it leaves goes
 //! to the exact test of [`crate::triangle`], so only a wrong rejection could change an answer, and the
 //! bound excludes that.
-//!
-//! # The bound
-//! As that of the f64 filter (`predicates`), with u = 2^-24: each of the six products of three
-//! differences carries a relative error below (1+u)^8 − 1, so that the determinant is off by less
-//! than 48.06u · mx·my·mz, the largest absolute differences an axis. The constant has room for the
-//! roundings of the bound. Unlike there, products may underflow or overflow. With no difference above
-//! 2^40 none overflows, and underflow costs less than 6 · 2^-150 · 2^40 before the last product and
-//! 4 · 2^-150 after; the bound may lose 2^-110. `SLACK`, 2^-100, is far above their sum.
 
 use super::Simd;
 use super::points::{abs, difference, highest};
-
-pub(super) const BOUND: f32 = 2.9e-6;
-pub(super) const SLACK: f32 = 7.888_609e-31;
-/// 2^40.
-pub(super) const MOST: f32 = 1.099_511_6e12;
+use crate::predicates::sure::{BOUND, MOST, SLACK};
 
 /// The corners of a triangle in each lane.
 #[derive(Clone, Copy)]

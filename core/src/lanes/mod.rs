@@ -17,7 +17,6 @@ mod avx;
 mod block;
 mod boxes;
 mod family;
-mod meets;
 mod pairs;
 mod points;
 mod simd;

@@ -16,14 +16,12 @@ struct Two<'m> {
     fans: &'m [Fan],
 }
 
-/// What is found of all pairs, with regard to common vertices and without; boxes alone; and what f32 says
-/// of each pair.
+/// What is found of all pairs, with regard to common vertices and without; and by boxes alone.
 #[derive(Debug, PartialEq)]
 struct Found {
     in_mesh: Pairs,
     apart: Pairs,
     boxes: u64,
-    meet: [Option<bool>; LANES * LANES],
 }
 
 impl Task for Two<'_> {
@@ -40,17 +38,10 @@ impl Task for Two<'_> {
         let bounds = bounds.fold(Aabb::EMPTY, |x, y| x.union(&y));
         let bounds = crate::aabb::Bounds::new(&bounds);
         let boxes = a.boxes::<S>(b, &bounds, u64::MAX);
-        let mut meet = [None; LANES * LANES];
-        for (bit, meet) in meet.iter_mut().enumerate() {
-            if boxes >> bit & 1 != 0 {
-                *meet = a.meets(bit % LANES, b, bit / LANES);
-            }
-        }
         Found {
             in_mesh: a.pairs::<S, true>(b, &bounds, u64::MAX),
             apart: a.pairs::<S, false>(b, &bounds, u64::MAX),
             boxes,
-            meet,
         }
     }
 }
@@ -84,7 +75,7 @@ fn side_by_side_as_one_by_one() {
             state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((state >> 33) as u32) % below
     };
-    let (mut rejected, mut known, mut kept) = (0, 0, 0);
+    let (mut rejected, mut kept) = (0, 0);
     for round in 0..if cfg!(miri) { 4 } else { 20_000 } {
         let (positions, triangles) = random_mesh(&mut next);
         let mut known_fans = [Fan::default(); VERTICES];
@@ -112,9 +103,6 @@ fn side_by_side_as_one_by_one() {
                 }
                 let meet = intersects(&a, &b, Accuracy::Exact);
                 assert!(is(found.apart.left) || !meet);
-                let said = found.meet[LANES * j + i];
-                assert!(said.is_none_or(|said| said == meet), "{a:?} {b:?}");
-                known += u32::from(said == Some(true));
                 if ta == tb {
                     continue;
                 }
@@ -130,5 +118,5 @@ fn side_by_side_as_one_by_one() {
         }
     }
     let least = if cfg!(miri) { 0 } else { 1_000 };
-    assert!(rejected > least && known > least && kept > least, "{rejected} {known} {kept}");
+    assert!(rejected > least && kept > least, "{rejected} {kept}");
 }

@@ -19,6 +19,15 @@ pub(crate) trait Kernel {
     /// See [`super::orient3d`].
     fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Result<i32, Self::Undecided>;
 
+    /// Whether the sign of det(p − a, b − a, q − a) is neither of two, each with its p and q.
+    #[inline]
+    fn neither(
+        [a, b]: [&Point; 2],
+        [(p, q, sign), (r, s, other)]: [(&Point, &Point, i32); 2],
+    ) -> Result<bool, Self::Undecided> {
+        Ok(Self::orient3d(a, p, b, q)? != sign && Self::orient3d(a, r, b, s)? != other)
+    }
+
     /// See [`super::orient2d`].
     fn orient2d(axes: Axes, a: &Point, b: &Point, c: &Point) -> Result<i32, Self::Undecided>;
 }

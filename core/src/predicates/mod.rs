@@ -1,6 +1,7 @@
 //! Signs of determinants of f32 points: the only arithmetic an answer depends on.
 //!
-//! Each predicate runs through up to three stages, and the first that is sure of the sign ends it:
+//! Each predicate runs through up to three stages, and the first that is sure of the sign ends it. Tests of
+//! whole triangles go through f32 first (`sure`), which knows nearly all.
 //!
 //! 1. a determinant in f64 with a semi-static error bound (below), which settles almost everything;
 //! 2. the same determinant in `i128`, over the integers that the coordinates are on their common
@@ -24,10 +25,11 @@
 
 mod exact;
 mod kernel;
+pub(crate) mod sure;
 mod wide;
 
 pub(crate) use exact::determinants;
-pub(crate) use kernel::{Exact, Fast, Filtered, Kernel};
+pub(crate) use kernel::{Exact, Fast, Filtered, Kernel, Undecided};
 
 use crate::Triangle;
 use glam::DVec3;

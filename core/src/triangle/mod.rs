@@ -21,7 +21,8 @@ pub use neighbours::{Adjacency, intersects_in_mesh};
 pub use segment::{Contact, ContactKind, contact, unit_normal};
 
 use crate::Triangle;
-use crate::predicates::{Exact, Fast, Filtered, Kernel};
+use crate::predicates::sure::Sure;
+use crate::predicates::{Exact, Fast, Filtered, Kernel, Undecided};
 use core::convert::Infallible;
 
 /// What an answer promises (`accuracy.md`, contract 5).
@@ -56,8 +57,12 @@ pub enum Accuracy {
 #[must_use]
 pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
     match accuracy {
-        Accuracy::Exact => certain(meet::<Exact>(a, b)),
-        Accuracy::Conservative => meet::<Filtered>(a, b).unwrap_or(true),
+        Accuracy::Exact => {
+            meet::<Sure>(a, b).unwrap_or_else(|Undecided| certain(meet::<Exact>(a, b)))
+        }
+        Accuracy::Conservative => {
+            meet::<Sure>(a, b).or_else(|Undecided| meet::<Filtered>(a, b)).unwrap_or(true)
+        }
         Accuracy::Fast => certain(meet::<Fast>(a, b)),
     }
 }
@@ -108,7 +113,7 @@ fn cross<K: Kernel>(
     if delta != epsilon {
         core::mem::swap(&mut b1, &mut b2);
     }
-    Ok(K::orient3d(a0, a1, b0, b1)? != epsilon && K::orient3d(a0, a2, b0, b2)? != -epsilon)
+    K::neither([a0, b0], [(a1, b1, epsilon), (a2, b2, -epsilon)])
 }
 
 /// The corner with no other strictly on its side of the plane nor, if it lies in the plane, in the

@@ -186,7 +186,7 @@ fn family_pairs(
 /// Whether triangles of two blocks that share no vertex meet.
 #[inline]
 fn meet(a: &Block, i: usize, b: &Block, j: usize, accuracy: Accuracy) -> bool {
-    a.meets(i, b, j).unwrap_or_else(|| intersects(&a.triangle(i), &b.triangle(j), accuracy))
+    intersects(&a.triangle(i), &b.triangle(j), accuracy)
 }
 
 /// Decides those that are left of the pairs of two leaves, by their bits, until it breaks: then with how
