@@ -77,59 +77,132 @@ impl Body {
 /// Bodies by ascending id. What is removed leaves a gap until the next frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
-    entries: Vec<(BodyId, Option<Body>)>,
+    /// The ids, and when each body has last changed, or [`GONE`]: apart, since far more is asked of these.
+    known: Vec<(BodyId, u64)>,
+    bodies: Vec<Option<Body>>,
     live: usize,
     next: u64,
+    /// Counts changes.
+    time: u64,
+    /// When a body last came or went.
+    gathered: u64,
+    /// The places of bodies that have changed, some twice; as soon as there are more than bodies, not of all.
+    moved: Vec<u32>,
 }
+
+/// Later than any change.
+const GONE: u64 = u64::MAX;
 
 impl Bodies {
     pub(super) fn len(&self) -> usize {
         self.live
     }
 
+    /// Of the last change; 0 before any.
+    pub(super) fn time(&self) -> u64 {
+        self.time
+    }
+
+    /// When a body last came or went.
+    pub(super) fn gathered(&self) -> u64 {
+        self.gathered
+    }
+
+    /// When the later of two bodies changed, or was removed.
+    pub(super) fn changed(&self, two: [BodyId; 2]) -> u64 {
+        let [a, b] = two.map(|id| self.place(id).map_or(GONE, |place| self.known[place].1));
+        a.max(b)
+    }
+
+    /// The same by places, as [`Bodies::compact`] left them.
+    pub(super) fn changed_at(&self, two: [u32; 2]) -> u64 {
+        let [a, b] = two.map(|place| self.known[place as usize].1);
+        a.max(b)
+    }
+
+    /// The places of the bodies that have changed since the last call, each once, ascending; whether these
+    /// are all. Not to be asked if one has come or gone since.
+    pub(super) fn take_moved(&mut self, into: &mut Vec<u32>) -> bool {
+        into.clear();
+        into.append(&mut self.moved);
+        let all = into.len() <= self.live;
+        into.sort_unstable();
+        into.dedup();
+        all
+    }
+
     pub(super) fn iter(&self) -> impl Iterator<Item = &Body> {
-        self.entries.iter().filter_map(|(_, body)| body.as_ref())
+        self.bodies.iter().flatten()
     }
 
     pub(super) fn add(&mut self, model: Arc<Model>, pose: Pose) -> Result<BodyId, Error> {
         let id = BodyId(self.next);
         let mut body = Body { id, model, pose, bounds: None };
         body.set_pose(pose)?;
-        self.entries.push((id, Some(body)));
+        self.regathered();
+        self.known.push((id, self.time));
+        self.bodies.push(Some(body));
         self.live += 1;
         self.next += 1;
         Ok(id)
     }
 
     pub(super) fn get(&self, id: BodyId) -> Result<&Body, Error> {
-        let body = self.place(id).and_then(|place| self.entries[place].1.as_ref());
+        let body = self.place(id).and_then(|place| self.bodies[place].as_ref());
         body.ok_or(Error::StaleBody { id })
     }
 
-    pub(super) fn get_mut(&mut self, id: BodyId) -> Result<&mut Body, Error> {
-        let body = self.place(id).and_then(|place| self.entries[place].1.as_mut());
-        body.ok_or(Error::StaleBody { id })
+    /// Changes a body, unless that fails.
+    pub(super) fn change(
+        &mut self,
+        id: BodyId,
+        change: impl FnOnce(&mut Body) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let place = self.place(id).ok_or(Error::StaleBody { id })?;
+        change(self.bodies[place].as_mut().ok_or(Error::StaleBody { id })?)?;
+        self.time += 1;
+        self.known[place].1 = self.time;
+        // With as many as that it no longer pays to know which.
+        if self.moved.len() <= self.live {
+            self.moved.push(place as u32);
+        }
+        Ok(())
     }
 
     pub(super) fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
-        let body = self.place(id).and_then(|place| self.entries[place].1.take());
-        self.live -= usize::from(body.is_some());
-        body.ok_or(Error::StaleBody { id })
+        let place = self.place(id).ok_or(Error::StaleBody { id })?;
+        let body = self.bodies[place].take().ok_or(Error::StaleBody { id })?;
+        self.known[place].1 = GONE;
+        self.live -= 1;
+        self.regathered();
+        Ok(body)
+    }
+
+    fn regathered(&mut self) {
+        self.time += 1;
+        self.gathered = self.time;
     }
 
     /// By place, as [`Bodies::compact`] left them.
     pub(super) fn at(&self, place: u32) -> Option<&Body> {
-        self.entries[place as usize].1.as_ref()
+        self.bodies[place as usize].as_ref()
     }
 
     /// Closes the gaps.
     pub(super) fn compact(&mut self) {
-        if self.live < self.entries.len() {
-            self.entries.retain(|(_, body)| body.is_some());
+        if self.live < self.bodies.len() {
+            self.known.retain(|&(_, changed)| changed != GONE);
+            self.bodies.retain(Option::is_some);
         }
     }
 
+    /// Where no earlier body has gone, a body is as far from the first as their ids are.
     fn place(&self, id: BodyId) -> Option<usize> {
-        self.entries.binary_search_by_key(&id, |&(id, _)| id).ok()
+        let guess = id.0.checked_sub(self.known.first()?.0.0)?.min(self.known.len() as u64 - 1);
+        let guess = guess as usize;
+        if self.known[guess].0 == id {
+            return Some(guess);
+        }
+        self.known[..guess].binary_search_by_key(&id, |&(id, _)| id).ok()
     }
 }

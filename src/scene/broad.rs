@@ -2,16 +2,22 @@
 //!
 //! A box is a triangle through two of its opposite corners, so that a BVH over boxes is the BVH of a
 //! [`Model`], which is refitted while the boxes move and rebuilt when its quality says so; and the pairs
-//! that overlap are those of a self-query that looks at boxes only.
+//! that overlap are those of a self-query that looks at boxes only. Where few bodies have moved, only their
+//! boxes go down that BVH, and all other pairs are those of the last frame.
 
 use super::bodies::Bodies;
-use crate::{BuildOptions, Error, Model};
+use super::kept::merge;
+use crate::{Aabb, BuildOptions, Error, Model};
+use pfront_core::bvh::MAX_DEPTH;
 use pfront_core::query::{Query, SelfQuery};
 use pfront_core::sphere::Sphere;
 use std::ops::ControlFlow;
 
 /// Two bodies by their places in the list.
 pub(super) type Places = [u32; 2];
+
+/// With one in so many bodies moving, all pairs are found anew.
+const MANY: usize = 8;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Broad {
@@ -23,14 +29,36 @@ pub(super) struct Broad {
     /// The place of the body of each box: empty ones have none.
     places: Vec<u32>,
     pairs: Vec<Places>,
+    /// Pairs of bodies that have moved, and these.
+    found: Vec<Places>,
+    moved: Vec<u32>,
+    /// The time of the last frame.
+    at: u64,
 }
 
 impl Broad {
-    /// Finds the pairs anew.
+    /// Finds the pairs as of now.
     ///
     /// # Complexity
-    /// O(n + pairs) for n bodies that move little, O(n log n) when their number has changed.
-    pub(super) fn update(&mut self, bodies: &Bodies) -> Result<(), Error> {
+    /// O(n + pairs) for n bodies, O(n log n) when their number has changed. With m of them moving, the box
+    /// tests are O(m log n + pairs).
+    pub(super) fn update(&mut self, bodies: &mut Bodies) -> Result<(), Error> {
+        if self.at == bodies.time() {
+            return Ok(());
+        }
+        let same = bodies.gathered() <= self.at;
+        bodies.compact();
+        let known = bodies.take_moved(&mut self.moved) && same;
+        if known && self.moved.len() < self.places.len() / MANY {
+            self.update_moved(bodies)?;
+        } else {
+            self.update_all(bodies)?;
+        }
+        self.at = bodies.time();
+        Ok(())
+    }
+
+    fn update_all(&mut self, bodies: &Bodies) -> Result<(), Error> {
         self.corners.clear();
         self.spheres.clear();
         self.places.clear();
@@ -66,8 +94,66 @@ impl Broad {
         Ok(())
     }
 
+    /// Where the bodies are those of the last frame, and few have moved.
+    fn update_moved(&mut self, bodies: &Bodies) -> Result<(), Error> {
+        let Some(boxes) = &mut self.boxes else { return Ok(()) };
+        for &place in &self.moved {
+            let (Ok(i), Some(body)) = (self.places.binary_search(&place), bodies.at(place)) else {
+                continue;
+            };
+            if let Some((aabb, sphere)) = body.bounds() {
+                self.corners[2 * i..][..2].copy_from_slice(&[aabb.min, aabb.max]);
+                self.spheres[i] = sphere;
+            }
+        }
+        boxes.set_positions(&self.corners)?;
+        let at = self.at;
+        self.pairs.retain(|&pair| bodies.changed_at(pair) <= at);
+        self.found.clear();
+        for &place in &self.moved {
+            let Ok(own) = self.places.binary_search(&place) else { continue };
+            let [min, max] = [self.corners[2 * own], self.corners[2 * own + 1]];
+            overlapping(boxes, &Aabb { min, max }, |i| {
+                let other = self.places[i];
+                // Of two that have moved, the first finds the second.
+                let once = other > place || other < place && bodies.changed_at([other; 2]) <= at;
+                if once && self.spheres[own].overlaps(&self.spheres[i]) {
+                    self.found.push([place.min(other), place.max(other)]);
+                }
+            });
+        }
+        self.found.sort_unstable();
+        merge(&mut self.pairs, &self.found, |pair| *pair);
+        Ok(())
+    }
+
     /// The pairs in order of bodies, the first of each before the second.
     pub(super) fn pairs(&self) -> &[Places] {
         &self.pairs
+    }
+}
+
+/// The boxes that overlap one, which is perhaps among them.
+fn overlapping(boxes: &Model, aabb: &Aabb, mut visit: impl FnMut(usize)) {
+    let bvh = boxes.bvh();
+    let nodes = bvh.nodes();
+    // A descent leaves one node behind a level.
+    let (mut waiting, mut len) = ([0_u32; MAX_DEPTH + 1], usize::from(bvh.root().is_some()));
+    while len > 0 {
+        len -= 1;
+        let node = &nodes[waiting[len] as usize];
+        if !node.aabb().overlaps(aabb) {
+            continue;
+        }
+        if node.is_leaf() {
+            for &i in &bvh.order()[node.first as usize..][..node.count as usize] {
+                if Aabb::of(&bvh.mesh().triangle(i)).overlaps(aabb) {
+                    visit(i as usize);
+                }
+            }
+        } else {
+            waiting[len..len + 2].copy_from_slice(&[node.first, node.first + 1]);
+            len += 2;
+        }
     }
 }

@@ -28,9 +28,7 @@ impl SceneQuery {
         model: impl Into<Arc<Model>>,
         world_from_body: Pose,
     ) -> Result<BodyId, Error> {
-        let id = self.bodies.add(model.into(), world_from_body)?;
-        self.fresh = false;
-        Ok(id)
+        self.bodies.add(model.into(), world_from_body)
     }
 
     /// Takes a body out and returns it.
@@ -38,9 +36,7 @@ impl SceneQuery {
     /// # Errors
     /// [`Error::StaleBody`] if it is not there.
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
-        let body = self.bodies.remove(id)?;
-        self.fresh = false;
-        Ok(body)
+        self.bodies.remove(id)
     }
 
     /// Moves a body to the pose `world_from_body`.
@@ -51,9 +47,10 @@ impl SceneQuery {
     /// # Complexity
     /// O(log n) for n bodies.
     pub fn set_pose(&mut self, id: BodyId, world_from_body: Pose) -> Result<(), Error> {
-        self.bodies.get_mut(id)?.set_pose(world_from_body)?;
-        self.fresh = false;
-        Ok(())
+        if self.bodies.get(id)?.pose() == world_from_body {
+            return Ok(());
+        }
+        self.bodies.change(id, |body| body.set_pose(world_from_body))
     }
 
     /// Moves the vertices of a body, given in its own frame, as [`Model::set_positions`] does, or on the
@@ -67,22 +64,24 @@ impl SceneQuery {
     /// [`Error::StaleBody`] if the body is not there, [`Error::Mesh`] if a coordinate is not finite or
     /// the number of vertices differs, [`Error::Pose`] if its pose takes a vertex out of range.
     pub fn set_positions(&mut self, id: BodyId, positions: &[[f32; 3]]) -> Result<(), Error> {
-        let body = self.bodies.get_mut(id)?;
-        body.model().mesh().with_positions(positions)?;
-        if body.pose() != Pose::IDENTITY {
-            body.pose().check(&Aabb::of(positions))?;
-        }
-        let model = Arc::make_mut(&mut body.model);
         #[cfg(feature = "threads")]
-        match &self.crew {
-            Some(crew) => crew.set_positions(model, positions),
-            None => model.set_positions(positions),
-        }?;
-        #[cfg(not(feature = "threads"))]
-        model.set_positions(positions)?;
-        body.reshaped();
-        self.fresh = false;
-        Ok(())
+        let crew = self.crew.as_ref();
+        self.bodies.change(id, |body| {
+            body.model().mesh().with_positions(positions)?;
+            if body.pose() != Pose::IDENTITY {
+                body.pose().check(&Aabb::of(positions))?;
+            }
+            let model = Arc::make_mut(&mut body.model);
+            #[cfg(feature = "threads")]
+            match crew {
+                Some(crew) => crew.set_positions(model, positions),
+                None => model.set_positions(positions),
+            }?;
+            #[cfg(not(feature = "threads"))]
+            model.set_positions(positions)?;
+            body.reshaped();
+            Ok(())
+        })
     }
 
     /// Breaks a body into one for each part, that is each value of `part_of` over its triangles. The
@@ -120,7 +119,6 @@ impl SceneQuery {
         let models = parts.iter().map(|(_, triangles)| cutter.cut(triangles));
         let models: Vec<Model> = models.collect::<Result<_, _>>()?;
         self.bodies.remove(id)?;
-        self.fresh = false;
         let pieces = parts.into_iter().zip(models).map(|((part, triangles), model)| {
             // What the pose does to the whole it can do to a part.
             let body = self.bodies.add(model.into(), pose)?;

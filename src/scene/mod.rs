@@ -5,6 +5,7 @@ mod broad;
 #[cfg(feature = "threads")]
 mod crew;
 mod edit;
+mod kept;
 mod split;
 
 pub use bodies::{Body, BodyId};
@@ -15,6 +16,7 @@ use crate::threads;
 use crate::{Accuracy, Contact, Error, TrianglePair};
 use bodies::Bodies;
 use broad::{Broad, Places};
+use kept::Kept;
 use pfront_core::query::{PairQuery, Query};
 use std::ops::ControlFlow;
 
@@ -42,9 +44,14 @@ pub struct SceneHit {
 /// workers together, by one front under one bound (Zhang & Kim 2014, eq. 5). What a pair of bodies
 /// cost is remembered as long as their boxes overlap.
 ///
+/// # Still bodies
+/// What [`SceneQuery::all`] and [`SceneQuery::contacts`] find is kept: as long as neither of two bodies
+/// moves, deforms or is replaced, they are not asked again. A body that is set to the pose it has does not
+/// move.
+///
 /// # Complexity
-/// A frame takes O(n) for the boxes of n bodies, O(n log n) if one has come or gone, and then what the
-/// pairs take whose boxes overlap. Buffers are kept: a frame in which no body comes or goes and that
+/// A frame takes O(n) for the boxes of n bodies, O(n log n) if one has come or gone, and then what those
+/// pairs take whose bounds overlap and of which one has changed. Buffers are kept: a frame in which no body comes or goes and that
 /// finds no more than an earlier one allocates nothing on a single thread, unless bodies have scattered
 /// so far that the BVH of their boxes is built anew.
 ///
@@ -76,10 +83,11 @@ pub struct SceneQuery {
     accuracy: Accuracy,
     bodies: Bodies,
     broad: Broad,
-    /// Whether the broad phase knows of the last change.
-    fresh: bool,
-    hits: Vec<SceneHit>,
-    contacts: Vec<(SceneHit, Contact)>,
+    hits: Kept<SceneHit>,
+    contacts: Kept<(SceneHit, Contact)>,
+    /// Those of the bodies that have changed.
+    new_hits: Vec<SceneHit>,
+    new_contacts: Vec<(SceneHit, Contact)>,
     #[cfg(feature = "threads")]
     crew: Option<crew::Crew>,
 }
@@ -93,8 +101,11 @@ impl SceneQuery {
 
     /// The same with another [`Accuracy`].
     #[must_use]
-    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
-        Self { accuracy, ..self }
+    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
+        self.accuracy = accuracy;
+        self.hits.forget();
+        self.contacts.forget();
+        self
     }
 
     /// The same on several threads; see [`crate::PairQuery::with_threads`].
@@ -124,23 +135,28 @@ impl SceneQuery {
     /// # Errors
     /// [`Error::Mesh`] if there are more than 2^31 bodies.
     pub fn all(&mut self) -> Result<&[SceneHit], Error> {
-        self.update()?;
-        let frame = Frame::of(self.accuracy, &self.bodies, &self.broad);
-        self.hits.clear();
+        let since = self.update()?;
+        if since == self.bodies.time() {
+            return Ok(self.hits.list());
+        }
+        let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
+        self.new_hits.clear();
         #[cfg(feature = "threads")]
         if let Some(crew) = &mut self.crew {
-            crew.all(&frame, &mut self.hits);
-            return Ok(&self.hits);
+            crew.all(&frame, &mut self.new_hits);
+            self.hits.complete(&self.new_hits, &self.bodies);
+            return Ok(self.hits.list());
         }
         for (bodies, query) in frame.queries() {
-            let first = self.hits.len();
+            let first = self.new_hits.len();
             let _ = query.visit(&mut query.start(), |pair| {
-                self.hits.push(SceneHit { bodies, pair });
+                self.new_hits.push(SceneHit { bodies, pair });
                 ControlFlow::Continue(())
             });
-            self.hits[first..].sort_unstable();
+            self.new_hits[first..].sort_unstable();
         }
-        Ok(&self.hits)
+        self.hits.complete(&self.new_hits, &self.bodies);
+        Ok(self.hits.list())
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -148,8 +164,11 @@ impl SceneQuery {
     /// # Errors
     /// As [`SceneQuery::all`].
     pub fn any(&mut self) -> Result<Option<SceneHit>, Error> {
-        self.update()?;
-        let frame = Frame::of(self.accuracy, &self.bodies, &self.broad);
+        let since = self.update()?;
+        if let Some(hits) = self.hits.still_true(&self.bodies).next() {
+            return Ok(hits.first().copied());
+        }
+        let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
         #[cfg(feature = "threads")]
         if let Some(crew) = &mut self.crew {
             return Ok(crew.any(&frame));
@@ -166,13 +185,14 @@ impl SceneQuery {
     /// # Errors
     /// As [`SceneQuery::all`].
     pub fn count(&mut self) -> Result<u64, Error> {
-        self.update()?;
-        let frame = Frame::of(self.accuracy, &self.bodies, &self.broad);
+        let since = self.update()?;
+        let kept = self.hits.still_true(&self.bodies).map(|hits| hits.len() as u64).sum::<u64>();
+        let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
         #[cfg(feature = "threads")]
         if let Some(crew) = &mut self.crew {
-            return Ok(crew.count(&frame));
+            return Ok(kept + crew.count(&frame));
         }
-        Ok(frame.queries().map(|(_, query)| query.count()).sum())
+        Ok(kept + frame.queries().map(|(_, query)| query.count()).sum::<u64>())
     }
 
     /// Calls `visit` for each pair that meets, bodies in order and their triangles in none, until it
@@ -196,8 +216,11 @@ impl SceneQuery {
         &mut self,
         mut visit: impl FnMut(SceneHit) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
-        self.update()?;
-        let frame = Frame::of(self.accuracy, &self.bodies, &self.broad);
+        let since = self.update()?;
+        if since == self.bodies.time() {
+            return Ok(self.hits.list().iter().try_for_each(|&hit| visit(hit)));
+        }
+        let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
         let end = frame.queries().try_for_each(|(bodies, query)| {
             query.visit(&mut query.start(), |pair| visit(SceneHit { bodies, pair }))
         });
@@ -211,24 +234,25 @@ impl SceneQuery {
     /// As [`SceneQuery::all`].
     pub fn contacts(&mut self) -> Result<&[(SceneHit, Contact)], Error> {
         self.all()?;
-        self.contacts.clear();
-        for of_two in self.hits.chunk_by(|x, y| x.bodies == y.bodies) {
+        self.new_contacts.clear();
+        for of_two in self.hits.list().chunk_by(|x, y| x.bodies == y.bodies) {
             let [a, b] = of_two[0].bodies;
+            if self.bodies.changed([a, b]) <= self.contacts.at() {
+                continue;
+            }
             let query = meeting(self.bodies.get(a)?, self.bodies.get(b)?);
             let found = of_two.iter().filter_map(|&hit| Some((hit, query.contact(hit.pair)?)));
-            self.contacts.extend(found);
+            self.new_contacts.extend(found);
         }
-        Ok(&self.contacts)
+        self.contacts.complete(&self.new_contacts, &self.bodies);
+        Ok(self.contacts.list())
     }
 
-    /// The broad phase, unless nothing has changed since the last.
-    fn update(&mut self) -> Result<(), Error> {
-        if !self.fresh {
-            self.bodies.compact();
-            self.broad.update(&self.bodies)?;
-            self.fresh = true;
-        }
-        Ok(())
+    /// Brings the broad phase up to date. Hits are known of the bodies that have not changed since the time
+    /// that is returned.
+    fn update(&mut self) -> Result<u64, Error> {
+        self.broad.update(&mut self.bodies)?;
+        Ok(self.hits.at())
     }
 }
 
@@ -237,16 +261,19 @@ struct Frame<'s> {
     accuracy: Accuracy,
     bodies: &'s Bodies,
     pairs: &'s [Places],
+    /// Bodies that have not changed since are not asked about each other.
+    since: u64,
 }
 
 impl<'s> Frame<'s> {
-    fn of(accuracy: Accuracy, bodies: &'s Bodies, broad: &'s Broad) -> Self {
-        Self { accuracy, bodies, pairs: broad.pairs() }
+    fn since(since: u64, accuracy: Accuracy, bodies: &'s Bodies, broad: &'s Broad) -> Self {
+        Self { accuracy, bodies, pairs: broad.pairs(), since }
     }
 
-    /// Bodies whose boxes overlap, in order.
+    /// Bodies whose bounds overlap, in order.
     fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairQuery<'s>)> {
-        self.pairs.iter().filter_map(|&[a, b]| {
+        let changed = |two: &&Places| self.bodies.changed_at(**two) > self.since;
+        self.pairs.iter().filter(changed).filter_map(|&[a, b]| {
             // Always there: the places are those of this frame.
             let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
             Some(([a.id(), b.id()], meeting(a, b).with_accuracy(self.accuracy)))

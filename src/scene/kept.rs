@@ -1,0 +1,104 @@
+//! Answers that outlive their frame: two bodies that have not changed are not asked again.
+
+use super::bodies::{Bodies, BodyId};
+use super::{Contact, SceneHit};
+
+/// What is said of two bodies.
+pub(super) trait OfTwo: Copy {
+    fn bodies(&self) -> [BodyId; 2];
+}
+
+impl OfTwo for SceneHit {
+    fn bodies(&self) -> [BodyId; 2] {
+        self.bodies
+    }
+}
+
+impl OfTwo for (SceneHit, Contact) {
+    fn bodies(&self) -> [BodyId; 2] {
+        self.0.bodies
+    }
+}
+
+/// A list in order of bodies, and when it was complete.
+#[derive(Clone, Debug)]
+pub(super) struct Kept<T> {
+    list: Vec<T>,
+    at: u64,
+    /// The next list, or memory for it.
+    next: Vec<T>,
+}
+
+impl<T> Default for Kept<T> {
+    fn default() -> Self {
+        Self { list: Vec::new(), at: 0, next: Vec::new() }
+    }
+}
+
+impl<T: OfTwo> Kept<T> {
+    /// The time at which the list was complete; 0 if it never was.
+    pub(super) fn at(&self) -> u64 {
+        self.at
+    }
+
+    pub(super) fn list(&self) -> &[T] {
+        &self.list
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.list.clear();
+        self.at = 0;
+    }
+
+    /// What is said of bodies that are there and have not changed since, a piece for each two.
+    pub(super) fn still_true(&self, bodies: &Bodies) -> impl Iterator<Item = &[T]> {
+        let pieces = self.list.chunk_by(|x, y| x.bodies() == y.bodies());
+        pieces.filter(|piece| bodies.changed(piece[0].bodies()) <= self.at)
+    }
+
+    /// Adds what is said of all others, likewise in order, as of now.
+    pub(super) fn complete(&mut self, mut rest: &[T], bodies: &Bodies) {
+        if self.at == bodies.time() {
+            return;
+        }
+        let mut next = std::mem::take(&mut self.next);
+        next.clear();
+        for piece in self.still_true(bodies) {
+            let before = |said: &&T| said.bodies() < piece[0].bodies();
+            let (first, others) = rest.split_at(rest.iter().take_while(before).count());
+            next.extend_from_slice(first);
+            next.extend_from_slice(piece);
+            rest = others;
+        }
+        next.extend_from_slice(rest);
+        self.next = std::mem::replace(&mut self.list, next);
+        self.at = bodies.time();
+    }
+}
+
+/// Merges two ascending lists without a third, from their ends. Equal keys are not in both.
+pub(super) fn merge<T: Copy, K: Ord>(list: &mut Vec<T>, rest: &[T], key: impl Fn(&T) -> K) {
+    let mut left = list.len();
+    list.extend_from_slice(rest);
+    for (waiting, last) in rest.iter().enumerate().rev() {
+        while left > 0 && key(&list[left - 1]) > key(last) {
+            left -= 1;
+            list[left + waiting + 1] = list[left];
+        }
+        list[left + waiting] = *last;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::merge;
+
+    #[test]
+    fn merging_sorts() {
+        for mask in 0..1 << 10_u32 {
+            let (mut list, rest): (Vec<u32>, Vec<u32>) = (0..10).partition(|i| mask >> i & 1 == 0);
+            merge(&mut list, &rest, |x| *x);
+            assert!(list.into_iter().eq(0..10));
+        }
+    }
+}
