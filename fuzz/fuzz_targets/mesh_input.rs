@@ -4,17 +4,18 @@
 
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
-use pfront::core::build::{self, BvhStorage};
-use pfront::core::bvh::{check_scratch_bound, node_bound};
+use pfront::core::bvh::check_scratch_bound;
 use pfront::core::query::{self, Query};
-use pfront::{BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair};
+use pfront::{BuildOptions, Bvh, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair};
+use pfront_fuzz::input::Palette;
+use pfront_fuzz::{Builder, Tree, as_pairs};
 use pfront_oracle::generate::soup::posed;
 use pfront_oracle::{pairs, self_pairs};
 
 #[derive(Arbitrary, Debug)]
 struct Input {
-    /// Coordinates of any bit pattern, for `positions` to pick from.
-    values: [u32; 8],
+    /// What `positions` and `moved` pick from.
+    palette: Palette,
     positions: Vec<[u8; 3]>,
     triangles: Vec<[u8; 3]>,
     /// An index that may be out of range.
@@ -27,19 +28,8 @@ struct Input {
     edits: Vec<(u8, u32)>,
 }
 
-impl Input {
-    /// Even picks lie on a small lattice, so that things touch.
-    fn points(&self, picks: &[[u8; 3]]) -> Vec<[f32; 3]> {
-        let coordinate = |pick: u8| match (pick / 2, pick % 2) {
-            (k, 0) => f32::from(k % 16) - 8.0,
-            (k, _) => f32::from_bits(self.values[usize::from(k) % 8]),
-        };
-        picks.iter().map(|p| p.map(coordinate)).collect()
-    }
-}
-
 fuzz_target!(|input: Input| {
-    let positions = input.points(&input.positions);
+    let positions = input.palette.points(&input.positions);
     let range = positions.len().max(1) as u32;
     let mut triangles: Vec<_> =
         input.triangles.iter().take(24).map(|t| t.map(|v| u32::from(v) % range)).collect();
@@ -57,7 +47,7 @@ fuzz_target!(|input: Input| {
     adopt(&model, &input);
 
     let before = model.mesh().positions().to_vec();
-    if model.set_positions(&input.points(&input.moved)).is_err() {
+    if model.set_positions(&input.palette.points(&input.moved)).is_err() {
         assert_eq!(model.mesh().positions(), before);
     }
     check(&model, &input);
@@ -70,7 +60,8 @@ fn check(model: &Model, input: &Input) {
     let truth = as_pairs(&self_pairs(positions, triangles));
     assert_eq!(SelfQuery::new().all(model), truth);
     pages(&query::SelfQuery::new(model.bvh()), input.capacity, &truth);
-    morton(model.mesh(), |bvh| pages(&query::SelfQuery::new(bvh), input.capacity, &truth));
+    let tree = Tree::new(model.mesh(), 8, Builder::Morton);
+    pages(&query::SelfQuery::new(tree.bvh(model.mesh())), input.capacity, &truth);
 
     let pose =
         input.pose.map_or(Pose::IDENTITY, |rows| Pose::new(rows.map(|r| r.map(f32::from_bits))));
@@ -87,25 +78,8 @@ fn check(model: &Model, input: &Input) {
     }
 }
 
-fn morton(mesh: Mesh<'_>, ask: impl FnOnce(Bvh<'_>)) {
-    let n = mesh.triangles().len();
-    let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-    let mut scratch = vec![0; build::morton_scratch_bound(n)];
-    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let bvh = build::morton(mesh, &BuildOptions::default(), storage, &mut scratch).unwrap();
-    bvh.assert_well_formed();
-    ask(bvh);
-}
-
 fn pages(query: &impl Query, capacity: u8, truth: &[TrianglePair]) {
-    let mut page = vec![TrianglePair::default(); usize::from(capacity).max(1)];
-    let (mut cursor, mut all) = (query.start(), Vec::new());
-    while !cursor.is_done() {
-        let n = query.page(&mut cursor, &mut page);
-        all.extend_from_slice(&page[..n]);
-    }
-    all.sort_unstable();
-    assert_eq!(all, truth);
+    assert_eq!(pfront_fuzz::pages(query, usize::from(capacity).max(1)), truth);
 }
 
 /// A BVH that the check accepts is safe to walk and gives the right answer.
@@ -129,8 +103,4 @@ fn adopt(model: &Model, input: &Input) {
         let mut truth = SelfQuery::new();
         pages(&query, input.capacity, truth.all(model));
     }
-}
-
-fn as_pairs(truth: &[(u32, u32)]) -> Vec<TrianglePair> {
-    truth.iter().map(|&(a, b)| TrianglePair { a, b }).collect()
 }

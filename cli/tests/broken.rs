@@ -1,0 +1,225 @@
+//! Broken files through every command that reads any: refused in words that name the file, within bounds of
+//! time and memory, whatever a file says of its own size.
+
+#![cfg(unix)]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod capped;
+
+use capped::{FEW, run};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+const GOOD: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("good.obj"), GOOD).unwrap();
+    folder
+}
+
+/// Text files, and what is wrong with them.
+const TEXTS: [(&str, &str); 28] = [
+    ("empty.obj", ""),
+    ("no-triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"),
+    ("no-vertex.obj", "f 1 2 3\n"),
+    ("short-vertex.obj", "v 0 0\nf 1 1 1\n"),
+    ("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"),
+    ("infinite.obj", "v 0 0 0\nv 1e39 0 0\nv 0 1 0\nf 1 2 3\n"),
+    ("no-number.obj", "v 0 0 0\nv x 0 0\nv 0 1 0\nf 1 2 3\n"),
+    ("index-0.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n"),
+    ("index-before.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n"),
+    ("index-2^32.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4294967299\n"),
+    ("index-10^30.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 1000000000000000000000000000000\n"),
+    ("empty.off", ""),
+    ("zero.off", "OFF\n0 0 0\n"),
+    ("many-vertices.off", "OFF\n4000000000 1 0\n0 0 0\n"),
+    ("many-faces.off", "OFF\n3 4000000000 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+    ("10^7-sides.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n10000000 0 1 2\n"),
+    ("negative.off", "OFF\n-3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+    ("nan.off", "OFF\n3 1 0\n0 0 0\nnan 0 0\n0 1 0\n3 0 1 2\n"),
+    ("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+    ("empty.ply", ""),
+    ("header-only.ply", "ply\nformat ascii 1.0\n"),
+    (
+        "zero.ply",
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n",
+    ),
+    ("unfinished.stl", "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"),
+    (
+        "nan.stl",
+        "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n",
+    ),
+    ("empty.gltf", "{}"),
+    ("no-json.gltf", "{\"asset\": {\"version\": \"2.0\"},"),
+    ("deep.gltf", DEEP),
+    ("unknown.xyz", "0 0 0\n"),
+];
+
+/// JSON that nests without end.
+const DEEP: &str = {
+    const NESTED: [u8; 100_000] = [b'['; 100_000];
+    match str::from_utf8(&NESTED) {
+        Ok(text) => text,
+        Err(_) => "",
+    }
+};
+
+/// Binary files that say more of themselves than there is.
+fn binaries() -> Vec<(String, Vec<u8>)> {
+    let ply = |vertices: &str, count: &str, rest: &[u8]| {
+        let header = format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty float x\n\
+             property float y\nproperty float z\nelement face 1\n\
+             property list {count} int vertex_indices\nend_header\n"
+        );
+        [header.as_bytes(), rest].concat()
+    };
+    let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes).concat();
+    let face = |sides: u32| [&corners[..], &sides.to_le_bytes(), &[0; 12]].concat();
+    let nan = [&[0xff; 36][..], &3_u32.to_le_bytes(), &[0; 12]].concat();
+    let stl = |count: u32, rest: &[u8]| [&[0; 80][..], &count.to_le_bytes(), rest].concat();
+    let glb = |length: u32, chunk: u32| {
+        let words = [0x4654_6c67, 2, length, chunk, 0x4e4f_534a].map(u32::to_le_bytes).concat();
+        [&words[..], b"{}  "].concat()
+    };
+    let gltf = |count: &str, bytes: &str| {
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5126, "count": {count}, "type": "VEC3",
+            "min": [0, 0, 0], "max": [1, 1, 1]}}], "bufferViews": [{{"buffer": 0, "byteLength": {bytes}}}],
+            "buffers": [{{"byteLength": {bytes}, "uri": "data:application/octet-stream;base64,AAAA"}}]}}"#
+        )
+        .into_bytes()
+    };
+    let named = [
+        ("vertices.ply", ply("4000000000", "uchar", &corners)),
+        ("too-many-vertices.ply", ply("99999999999999999999", "uchar", &corners)),
+        ("10^7-sides.ply", ply("3", "uint", &face(10_000_000))),
+        ("2^32-sides.ply", ply("3", "uint", &face(u32::MAX))),
+        ("nan.ply", ply("3", "uint", &nan)),
+        ("triangles.stl", stl(u32::MAX, &[0; 50])),
+        ("none.stl", stl(0, &[])),
+        ("nan.stl", stl(1, &[0xff; 50])),
+        ("long.glb", glb(u32::MAX, 4)),
+        ("long-chunk.glb", glb(24, u32::MAX)),
+        ("short.glb", glb(24, 4)[..15].to_vec()),
+        ("accessor.gltf", gltf("4000000000", "3")),
+        ("buffer.gltf", gltf("1", "1000000000000000000")),
+    ];
+    let mut files: Vec<_> = named.map(|(name, bytes)| (name.to_owned(), bytes)).into();
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    for format in pfront_cli::mesh::FORMATS {
+        for length in [1, 84, 4096] {
+            let mut garbage = vec![0; length];
+            rng.fill_bytes(&mut garbage);
+            files.push((format!("garbage-{length}.{format}"), garbage));
+        }
+    }
+    files
+}
+
+#[test]
+fn broken_meshes_are_refused_by_every_command() {
+    let folder = folder();
+    let at = folder.path();
+    let texts = TEXTS.map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()));
+    for (name, bytes) in texts.into_iter().chain(binaries()) {
+        fs::write(at.join(&name), bytes).unwrap();
+        refused(at, &name);
+        fs::remove_file(at.join(&name)).unwrap();
+    }
+    fs::create_dir(at.join("folder.obj")).unwrap();
+    refused(at, "folder.obj");
+    refused(at, "missing.obj");
+    assert!(!at.join("hits.ply").exists());
+}
+
+/// By every command that reads a mesh, and those that would read something else.
+fn refused(at: &Path, name: &str) {
+    for command in ["self", "self --weld --contacts", "any good.obj", "pairs good.obj"] {
+        refuses(at, &format!("{command} {name} {FEW}"), name);
+    }
+    refuses(at, &format!("pairs {name} good.obj --out hits.ply {FEW}"), name);
+    refuses(at, &format!("replay {name} {FEW}"), name);
+    refuses(at, &format!("balance {name} -p 2"), name);
+}
+
+fn refuses(at: &Path, arguments: &str, name: &str) {
+    match run(at, arguments) {
+        Err(error) => assert!(error.contains(name), "'pfront {arguments}' says: {error}"),
+        Ok(answer) => panic!("'pfront {arguments}' answers: {answer}"),
+    }
+}
+
+#[test]
+fn broken_workloads_are_refused_by_every_command() {
+    let folder = folder();
+    let at = folder.path();
+    run(at, "record sheet whole.tcw --size 800 --frames 2").unwrap();
+    let whole = fs::read(at.join("whole.tcw")).unwrap();
+    let cuts = [0, 7, 8, 20, 24, 31, 40, whole.len() / 2, whole.len() - 1];
+    let mut broken: Vec<_> = cuts.map(|cut| whole[..cut].to_vec()).into();
+    // The kind, the numbers of meshes, objects and frames, and those of vertices and triangles.
+    for word in 2..8 {
+        for value in [0, 3, u32::MAX / 12, u32::MAX] {
+            let mut bytes = whole.clone();
+            bytes[4 * word..][..4].copy_from_slice(&value.to_le_bytes());
+            broken.push(bytes);
+        }
+    }
+    // A vertex of the mesh, and one of the last frame.
+    for place in [32, whole.len() - 4] {
+        let mut bytes = whole.clone();
+        bytes[place..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
+        broken.push(bytes);
+    }
+    let mut refusals = 0;
+    for (number, bytes) in broken.iter().enumerate() {
+        fs::write(at.join("broken.tcw"), bytes).unwrap();
+        let replayed = run(at, &format!("replay broken.tcw --pairs pairs.tcp {FEW}"));
+        let balanced = run(at, "balance broken.tcw -p 2");
+        // Fewer frames, or a kind that the file happens to be too, are no fault.
+        assert_eq!(replayed.is_err(), balanced.is_err(), "{number}: {replayed:?} {balanced:?}");
+        refusals += usize::from(replayed.is_err());
+    }
+    assert!(refusals >= broken.len() - 2, "{refusals} of {}", broken.len());
+    fs::write(at.join("broken.tcw"), &broken[6]).unwrap();
+    run(at, "bench gpu broken.tcw --frames 1").unwrap_err();
+}
+
+/// Unusual, but meshes: what is said of them has to be right.
+#[test]
+fn extremes_are_answered() {
+    let folder = folder();
+    let at = folder.path();
+    // A triangle as large as f32 can tell, one as small, one that is a point; each alone and the second through
+    // the first.
+    let huge = "v -3e38 -3e38 0\nv 3e38 -3e38 0\nv 0 3e38 0\nf 1 2 3\n";
+    let tiny = "v 0 0 -1e-45\nv 1e-45 0 1e-45\nv 0 1e-45 1e-45\nf 1 2 3\n";
+    let point = "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\nf 1 2 3\nf 1 1 1\n";
+    for (name, text) in [("huge.obj", huge), ("tiny.obj", tiny), ("point.obj", point)] {
+        fs::write(at.join(name), text).unwrap();
+    }
+    for (arguments, pairs) in [
+        ("self huge.obj", "a,b\n"),
+        ("pairs huge.obj tiny.obj", "a,b\n0,0\n"),
+        ("pairs tiny.obj huge.obj --backend gpu", "a,b\n0,0\n"),
+        ("pairs huge.obj point.obj", "a,b\n0,0\n0,1\n0,2\n"),
+        ("self point.obj", "a,b\n0,1\n0,2\n1,2\n"),
+        ("self point.obj --skip-neighbours", "a,b\n"),
+        ("pairs tiny.obj tiny.obj --translate 0,0,1", "a,b\n"),
+    ] {
+        assert_eq!(
+            run(at, &format!("{arguments} --format csv {FEW}")).unwrap(),
+            pairs,
+            "{arguments}"
+        );
+    }
+    let error = run(at, &format!("any good.obj huge.obj --translate 0,1,0 {FEW}")).unwrap_err();
+    assert!(error.contains("row 0 of the pose"), "{error}");
+}

@@ -1,0 +1,14 @@
+//! Any sequence of calls on any meshes, on every backend at once: bodies come, go, move, deform, break and
+//! are rebuilt, threads are divided anew, and every question is held against brute force.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use pfront_fuzz::World;
+use pfront_fuzz::input::Calls;
+
+fuzz_target!(|calls: Calls| {
+    let (palette, steps) = calls.parts();
+    let mut world = World::new(*palette);
+    steps.iter().for_each(|step| world.step(step));
+});

@@ -1,0 +1,149 @@
+//! The questions: each of every backend, in all verbs, against brute force.
+
+use crate::answers::{Answers, as_pairs, first_few, of_core};
+use crate::input::{Ask, Placing, adjacency};
+use crate::world::{World, placed};
+use pfront::core::query::{self, Placed};
+use pfront::{Error, Model, PairQuery, Pose, SceneHit, SceneQuery, SelfQuery, TrianglePair};
+use pfront_oracle::generate::soup::Soup;
+use pfront_oracle::{pairs, self_pairs, share_a_vertex};
+use std::mem::take;
+
+impl World {
+    pub(crate) fn ask_pair(&mut self, two: [usize; 2], placing: Placing, ask: Ask) {
+        let pose = placing.pose(&self.palette);
+        let [a, b] = two.map(|place| &self.bodies[place].body);
+        let core = query::PairQuery::new(a.bvh(), b.bvh(), pose)
+            .map(|query| of_core(&query.with_accuracy(ask.accuracy()), ask));
+        let said = [&mut self.one, &mut self.many]
+            .map(|queries| of_two(&mut queries.pair, &a.model, &b.model, &pose, ask));
+        match (core, said) {
+            (Ok(core), [Ok(one), Ok(many)]) => {
+                let truth = meeting(&a.soup, &placed(&b.soup, &pose));
+                one.same(&many);
+                [core, one, many].iter().for_each(|answers| answers.check(&truth, ask));
+            }
+            (core, [one, many]) => {
+                let error = core.err().map(Error::Pose);
+                assert!(error.is_some(), "{one:?} {many:?}");
+                assert_eq!([one.err(), many.err()], [error; 2]);
+            }
+        }
+    }
+
+    pub(crate) fn ask_world(&mut self, two: [usize; 2], ask: Ask) {
+        let [a, b] = two.map(|place| &self.bodies[place]);
+        let truth = meeting(&a.world(), &b.world());
+        for (s, t) in [
+            (a.body.bvh(), b.body.bvh()),
+            (a.body.model.bvh(), b.body.bvh()),
+            (a.body.model.bvh(), b.body.model.bvh()),
+        ] {
+            let [s, t] = [(s, a), (t, b)].map(|(bvh, it)| Placed::new(bvh, &it.pose).unwrap());
+            let query = query::PairQuery::in_world(s, t).with_accuracy(ask.accuracy());
+            of_core(&query, ask).check(&truth, ask);
+        }
+    }
+
+    pub(crate) fn ask_within(&mut self, place: usize, skip: bool, ask: Ask) {
+        let body = &self.bodies[place].body;
+        let Soup { positions, triangles } = &body.soup;
+        let mut truth = as_pairs(&self_pairs(positions, triangles));
+        let corners = |t: u32| triangles[t as usize];
+        truth.retain(|pair| !skip || !share_a_vertex(corners(pair.a), corners(pair.b)));
+
+        let [one, many] = [&mut self.one, &mut self.many].map(|queries| {
+            let query = take(&mut queries.within).with_accuracy(ask.accuracy());
+            queries.within = query.with_adjacency(adjacency(skip));
+            of_one(&mut queries.within, &body.model, ask)
+        });
+        one.same(&many);
+        [one, many].iter().for_each(|answers| answers.check(&truth, ask));
+        for bvh in [body.bvh(), body.model.bvh()] {
+            let query = query::SelfQuery::new(bvh)
+                .with_accuracy(ask.accuracy())
+                .with_adjacency(adjacency(skip));
+            of_core(&query, ask).check(&truth, ask);
+            of_core(&query.with_fans(body.model.fans()), ask).check(&truth, ask);
+            let boxes = crate::pages(&query.boxes_only(), ask.page());
+            assert_eq!(boxes, overlapping(&body.soup));
+        }
+    }
+
+    pub(crate) fn ask_scene(&mut self, ask: Ask) {
+        let worlds: Vec<_> = self.bodies.iter().map(|known| (known.id, known.world())).collect();
+        let mut truth = Vec::new();
+        for (i, (first, a)) in worlds.iter().enumerate() {
+            for (second, b) in &worlds[i + 1..] {
+                let hit = |pair| SceneHit { bodies: [*first, *second], pair };
+                truth.extend(meeting(a, b).into_iter().map(hit));
+            }
+        }
+        let [one, many] = [&mut self.one, &mut self.many].map(|queries| {
+            queries.scene = take(&mut queries.scene).with_accuracy(ask.accuracy());
+            assert_eq!(queries.scene.len(), worlds.len());
+            assert!(queries.scene.bodies().map(|body| body.id()).eq(worlds.iter().map(|w| w.0)));
+            of_many(&mut queries.scene, ask).unwrap()
+        });
+        one.same(&many);
+        [one, many].iter().for_each(|answers| answers.check(&truth, ask));
+    }
+}
+
+/// All verbs give the same error, if any.
+fn of_two(
+    query: &mut PairQuery,
+    a: &Model,
+    b: &Model,
+    pose: &Pose,
+    ask: Ask,
+) -> Result<Answers<TrianglePair>, Error> {
+    *query = take(query).with_accuracy(ask.accuracy());
+    let mut visited = Vec::new();
+    let visit = query.visit(a, b, pose, first_few(&mut visited, ask));
+    let any = query.any(a, b, pose);
+    let count = query.count(a, b, pose);
+    let contacts = query.contacts(a, b, pose).map(<[_]>::to_vec);
+    let all = query.all(a, b, pose).map(<[_]>::to_vec);
+    let errors = [visit.err(), any.err(), count.err(), contacts.as_ref().err().copied()];
+    assert_eq!(errors, [all.as_ref().err().copied(); 4]);
+    Ok(Answers { all: all?, count: count?, any: any?, visited, contacts: contacts? })
+}
+
+fn of_one(query: &mut SelfQuery, model: &Model, ask: Ask) -> Answers<TrianglePair> {
+    let mut visited = Vec::new();
+    let _ = query.visit(model, first_few(&mut visited, ask));
+    let (any, count) = (query.any(model), query.count(model));
+    let contacts = query.contacts(model).to_vec();
+    Answers { all: query.all(model).to_vec(), count, any, visited, contacts }
+}
+
+fn of_many(scene: &mut SceneQuery, ask: Ask) -> Result<Answers<SceneHit>, Error> {
+    let mut visited = Vec::new();
+    let _ = scene.visit(first_few(&mut visited, ask))?;
+    let (any, count) = (scene.any()?, scene.count()?);
+    let contacts = scene.contacts()?.to_vec();
+    Ok(Answers { all: scene.all()?.to_vec(), count, any, visited, contacts })
+}
+
+fn meeting(a: &Soup, b: &Soup) -> Vec<TrianglePair> {
+    as_pairs(&pairs(&a.positions, &a.triangles, &b.positions, &b.triangles))
+}
+
+/// Pairs of triangles of one mesh whose boxes overlap.
+fn overlapping(soup: &Soup) -> Vec<TrianglePair> {
+    let range = |t: &[u32; 3], k: usize| {
+        let [x, y, z] = t.map(|v| soup.positions[v as usize][k]);
+        (x.min(y).min(z), x.max(y).max(z))
+    };
+    let boxes: Vec<_> = soup.triangles.iter().map(|t| [0, 1, 2].map(|k| range(t, k))).collect();
+    let mut found = Vec::new();
+    for (a, s) in boxes.iter().enumerate() {
+        for (b, t) in boxes.iter().enumerate().skip(a + 1) {
+            if s.iter().zip(t).all(|(s, t)| s.0 <= t.1 && t.0 <= s.1) {
+                found.push(TrianglePair { a: a as u32, b: b as u32 });
+            }
+        }
+    }
+    found
+}

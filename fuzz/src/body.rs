@@ -1,0 +1,137 @@
+//! A mesh, what is known of it, and its BVHs.
+
+use crate::input::Build;
+use arbitrary::Arbitrary;
+use pfront::core::build::{self, BvhStorage, SahItem};
+use pfront::core::bvh::node_bound;
+use pfront::core::mesh::MeshError;
+use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
+use pfront_oracle::generate::soup::Soup;
+
+/// Who builds a tree.
+#[derive(Arbitrary, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Builder {
+    /// By surface area.
+    Sah,
+    /// The same, on threads.
+    SahThreads,
+    /// Along a Morton curve.
+    Morton,
+    /// The same, on threads.
+    MortonThreads,
+}
+
+/// The nodes and order of a BVH, without its mesh.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+}
+
+impl Tree {
+    /// Builds one.
+    ///
+    /// # Panics
+    /// If the library refuses buffers of the size it asked for.
+    #[must_use]
+    pub fn new(mesh: Mesh<'_>, leaf_size: u32, builder: Builder) -> Self {
+        let n = mesh.triangles().len();
+        let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
+        let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+        let options = BuildOptions { leaf_size };
+        let mut items = vec![SahItem::default(); build::sah_scratch_bound(n)];
+        let mut keys = vec![0; build::morton_scratch_bound(n)];
+        let built = match builder {
+            Builder::Sah => build::sah(mesh, &options, storage, &mut items),
+            Builder::SahThreads => threads::sah(mesh, &options, storage, &mut items),
+            Builder::Morton => build::morton(mesh, &options, storage, &mut keys),
+            Builder::MortonThreads => threads::morton(mesh, &options, storage, &mut keys),
+        };
+        let used = built.unwrap().nodes().len();
+        nodes.truncate(used);
+        let tree = Self { nodes, order };
+        tree.bvh(mesh).assert_well_formed();
+        tree
+    }
+
+    /// The BVH over its mesh.
+    #[must_use]
+    pub fn bvh<'t>(&'t self, mesh: Mesh<'t>) -> Bvh<'t> {
+        Bvh::trusted(mesh, &self.nodes, &self.order)
+    }
+
+    fn refit(&mut self, mesh: Mesh<'_>) {
+        let mut other = self.nodes.clone();
+        build::refit(mesh, &mut self.nodes, &self.order);
+        threads::refit(mesh, &mut other, &self.order);
+        assert_eq!(self.nodes, other);
+        self.bvh(mesh).assert_well_formed();
+    }
+}
+
+/// A model, and a tree that need not be the model's own.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    pub(crate) soup: Soup,
+    pub(crate) model: Model,
+    tree: Tree,
+}
+
+impl Body {
+    /// Refused in the same words by every way to make a model.
+    pub(crate) fn new(soup: Soup, build: Build) -> Result<Self, Error> {
+        let options = BuildOptions { leaf_size: build.leaf_size.into() };
+        let Soup { positions, triangles } = soup.clone();
+        let model = Model::with_options(positions.clone(), triangles.clone(), options);
+        let threaded = Model::new_with_threads(positions.clone(), triangles.clone(), options);
+        let error = mesh_error(&soup).map(Error::Mesh);
+        assert_eq!(Mesh::new(&positions, &triangles).err().map(Error::Mesh), error);
+        assert_eq!(threaded.err(), error);
+        assert_eq!(model.as_ref().err().copied(), error);
+        let model = model?;
+        let tree = Tree::new(model.mesh(), build.leaf_size.into(), build.builder);
+        Ok(Self { soup, model, tree })
+    }
+
+    /// The tree that is not the model's own.
+    pub(crate) fn bvh(&self) -> Bvh<'_> {
+        self.tree.bvh(self.model.mesh())
+    }
+
+    /// Moves the vertices, or says what is wrong with them, and then changes nothing.
+    pub(crate) fn deform(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        let error = position_error(positions, self.soup.positions.len()).map(Error::Mesh);
+        let mut threaded = self.model.clone();
+        assert_eq!(threaded.set_positions_with_threads(positions).err(), error);
+        assert_eq!(self.model.set_positions(positions).err(), error);
+        if error.is_none() {
+            self.soup.positions = positions.to_vec();
+        }
+        for model in [&self.model, &threaded] {
+            assert_eq!(model.mesh().positions(), self.soup.positions);
+            model.bvh().assert_well_formed();
+        }
+        self.tree.refit(self.model.mesh());
+        error.map_or(Ok(()), Err)
+    }
+}
+
+fn mesh_error(soup: &Soup) -> Option<MeshError> {
+    let vertices = soup.positions.len();
+    let stray = || {
+        let all = soup.triangles.iter().enumerate();
+        let mut corners = all.flat_map(|(triangle, t)| t.map(|index| (triangle, index)));
+        let (triangle, index) = corners.find(|&(_, index)| index as usize >= vertices)?;
+        Some(MeshError::IndexOutOfRange { triangle, index, vertices })
+    };
+    position_error(&soup.positions, vertices).or_else(stray)
+}
+
+fn position_error(positions: &[[f32; 3]], expected: usize) -> Option<MeshError> {
+    let found = positions.len();
+    if found != expected {
+        return Some(MeshError::VertexCount { expected, found });
+    }
+    let vertex = positions.iter().position(|p| p.iter().any(|x| !x.is_finite()))?;
+    Some(MeshError::NonFinite { vertex })
+}

@@ -1,0 +1,14 @@
+//! What the fuzz targets have in common, and a world in which any sequence of calls is checked.
+//!
+//! [`input`] turns bytes into meshes, poses and calls. A [`World`] makes the calls, on every backend at
+//! once, and compares all [`Answers`] with each other and with the exact oracle's loop over all pairs.
+
+mod answers;
+mod ask;
+mod body;
+pub mod input;
+mod world;
+
+pub use answers::{Answers, as_pairs, pages};
+pub use body::{Builder, Tree};
+pub use world::World;
