@@ -63,6 +63,11 @@ pub(crate) enum Command {
     /// Work is counted in box and triangle tests, not timed (but for the share of time that the front takes),
     /// so that the figures mean the same on every machine and p may be larger than its number of cores.
     Balance(Balance),
+    /// Count wrong answers to triangle pairs whose truth is known
+    ///
+    /// Without a file, pairs are generated: random, nearly touching, coplanar, degenerate, of every scale, and
+    /// harvested from meshes in contact. Exit code 1 if an answer is wrong that promises not to be.
+    Judge(Judge),
     /// Measure a backend
     Bench {
         #[command(subcommand)]
@@ -199,6 +204,27 @@ pub(crate) struct Balance {
     /// Draw the charts of the paper
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Judge {
+    /// Triangle pairs with their truth, as --out writes them
+    pub(crate) file: Option<PathBuf>,
+    /// Somebody's answers to the file, a byte for each pair: 1 if they meet, else 0 [default: ours]
+    #[arg(long, value_name = "FILE", requires = "file")]
+    pub(crate) answers: Option<PathBuf>,
+    /// How many pairs to generate, equally many of each set
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, conflicts_with = "file")]
+    pub(crate) pairs: u64,
+    /// What they are generated from
+    #[arg(long, value_name = "SEED", default_value_t = 1, conflicts_with = "file")]
+    pub(crate) seed: u64,
+    /// Write them here, with their truth
+    #[arg(long, value_name = "FILE", conflicts_with = "file")]
+    pub(crate) out: Option<PathBuf>,
+    /// Ask a GPU too
+    #[arg(long, conflicts_with = "answers")]
+    pub(crate) gpu: bool,
 }
 
 #[derive(Debug, Subcommand)]

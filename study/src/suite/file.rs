@@ -117,11 +117,7 @@ impl<W: Write> Writer<W> {
     ///
     /// # Errors
     /// [`FileError::Name`], [`FileError::Sets`], [`FileError::Io`].
-    pub fn new<'n>(
-        mut to: W,
-        seed: u64,
-        sets: impl ExactSizeIterator<Item = (&'n str, u64)>,
-    ) -> Result<Self, FileError> {
+    pub fn new(mut to: W, seed: u64, sets: &[(String, u64)]) -> Result<Self, FileError> {
         let count = sets.len() as u32;
         if count > MOST_SETS {
             return Err(FileError::Sets { found: count });
@@ -130,7 +126,7 @@ impl<W: Write> Writer<W> {
         to.write_all(&VERSION.to_le_bytes())?;
         to.write_all(&count.to_le_bytes())?;
         to.write_all(&seed.to_le_bytes())?;
-        for (set, (name, pairs)) in sets.enumerate() {
+        for (set, (name, pairs)) in sets.iter().enumerate() {
             let length = name.len() as u32;
             if length > LONGEST_NAME {
                 return Err(FileError::Name { set });
@@ -154,6 +150,11 @@ impl<W: Write> Writer<W> {
             bytes.push(u8::from(*meets));
         }
         Ok(self.to.write_all(&bytes)?)
+    }
+
+    /// Hands back what was written to.
+    pub fn finish(self) -> W {
+        self.to
     }
 }
 
