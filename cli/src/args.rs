@@ -68,6 +68,11 @@ pub(crate) enum Command {
     /// Without a file, pairs are generated: random, nearly touching, coplanar, degenerate, of every scale, and
     /// harvested from meshes in contact. Exit code 1 if an answer is wrong that promises not to be.
     Judge(Judge),
+    /// Chart speed against accuracy, of all that pfront offers and of tests from the literature
+    ///
+    /// Writes pairs.svg, contacts.svg, frames.svg and pareto.csv, and prints what Exact costs. With the meshes of
+    /// the folder that PFRONT_DATA names, if it does.
+    Chart(Chart),
     /// Measure a backend
     Bench {
         #[command(subcommand)]
@@ -225,6 +230,28 @@ pub(crate) struct Judge {
     /// Ask a GPU too
     #[arg(long, conflicts_with = "answers")]
     pub(crate) gpu: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Chart {
+    /// The folder to write into
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: PathBuf,
+    /// How many triangle pairs of all sets together [default: 4 million, or 80,000]
+    #[arg(long, value_name = "N")]
+    pub(crate) pairs: Option<u64>,
+    /// About so many triangles in a built-in scene, instead of its own number
+    #[arg(long, value_name = "TRIANGLES")]
+    pub(crate) size: Option<usize>,
+    /// What is random is generated from this
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// CPU threads [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZero<usize>>,
+    /// Measure little, to see that it works
+    #[arg(long)]
+    pub(crate) quick: bool,
 }
 
 #[derive(Debug, Subcommand)]

@@ -104,13 +104,13 @@ struct Case {
     translation: [f64; 3],
 }
 
-/// The suite of generated pairs, and what the folder that `PFRONT_DATA` names has recorded. Without it, standard
+/// The suite of generated pairs, of scenes of about `size` triangles or as many as is usual, and what the folder that `PFRONT_DATA` names has recorded. Without it, standard
 /// error says what is missing.
 ///
 /// # Errors
 /// As [`contacts`].
-pub fn suite(seed: u64) -> Result<Suite, RecordedError> {
-    let suite = Suite::generated(seed, None)?;
+pub fn suite(seed: u64, size: Option<usize>) -> Result<Suite, RecordedError> {
+    let suite = Suite::generated(seed, size)?;
     let Some(folder) = std::env::var_os("PFRONT_DATA") else {
         eprintln!(
             "PFRONT_DATA is not set: no pairs of bunnies, Buddhas, dragons, recorded gears, cloth, nasty"

@@ -90,7 +90,7 @@ impl Ours {
 }
 
 fn of_suite(args: &args::Judge) -> Result<Table> {
-    let suite = recorded::suite(args.seed)?;
+    let suite = recorded::suite(args.seed, None)?;
     let names: Vec<_> = suite.sets().iter().map(|set| set.name().to_owned()).collect();
     let sets: Vec<_> = names.iter().cloned().zip(suite.shares(args.pairs)).collect();
     let mut file = match &args.out {

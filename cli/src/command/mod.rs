@@ -3,6 +3,7 @@
 pub(crate) mod any;
 pub(crate) mod balance;
 pub(crate) mod bench;
+pub(crate) mod chart;
 pub(crate) mod demo;
 pub(crate) mod devices;
 pub(crate) mod judge;
