@@ -12,34 +12,33 @@ pub(super) struct Axes {
     pub(super) rates: Rates,
 }
 
-/// The y axis. A height is the decimal logarithm of a rate; below the lowest decade is the band.
+/// The y axis. A height is the decimal logarithm of a rate; below the lowest decade is the band, of named lines.
 #[derive(Clone, Debug)]
 pub(super) struct Rates {
     lowest: i32,
     highest: i32,
-    lines: usize,
-}
-
-/// Between lines of the band, and above the first, in decades of an axis that has `decades` of them.
-fn gap(decades: i32) -> f64 {
-    0.09 * f64::from(decades)
+    lines: Vec<String>,
 }
 
 impl Axes {
     /// With room for all points, misses and false hits alike.
-    pub(super) fn around(points: &[Point], lines: usize) -> Self {
+    pub(super) fn around(points: &[Point], lines: &[String]) -> Self {
         let rates = points.iter().flat_map(|point| {
             let Tally { missed, false_hits, .. } = point.tally;
             [missed, false_hits].map(|count| point.tally.per_million(count))
         });
         let decades = rates.filter(|rate| *rate > 0.0).map(f64::log10);
-        let (low, high) = decades.fold((0.0, 3.0), |(l, h), d| (f64::min(l, d), f64::max(h, d)));
+        let (low, high) = decades.fold((0.0, 1.0), |(l, h), d| (f64::min(l, d), f64::max(h, d)));
         let times = points.iter().map(|point| point.time);
         let (first, last) =
             times.fold((f64::MAX, 1e-9), |(l, h), t| (f64::min(l, t), f64::max(h, t)));
         Self {
             time: first.min(last) / 1.3..last * 1.3,
-            rates: Rates { lowest: low.floor() as i32, highest: high.floor() as i32 + 1, lines },
+            rates: Rates {
+                lowest: low.floor() as i32,
+                highest: high.floor() as i32 + 1,
+                lines: lines.to_vec(),
+            },
         }
     }
 }
@@ -52,12 +51,17 @@ impl Rates {
 
     /// Where a line of the band is.
     pub(super) fn line(&self, line: usize) -> f64 {
-        f64::from(self.lowest) - gap(self.highest - self.lowest) * (1.6 + line as f64)
+        f64::from(self.lowest) - self.gap() * (1.6 + line as f64)
     }
 
     /// Where the band is labelled.
     pub(super) fn label(&self) -> f64 {
-        f64::from(self.lowest) - 0.15 * gap(self.highest - self.lowest)
+        f64::from(self.lowest) - 0.8 * self.gap()
+    }
+
+    /// Between lines of the band.
+    fn gap(&self) -> f64 {
+        0.09 * f64::from(self.highest - self.lowest)
     }
 }
 
@@ -71,18 +75,30 @@ impl Ranged for Rates {
     }
 
     fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
-        (self.lowest..=self.highest).map(f64::from).collect()
+        let lines = (0..self.lines.len()).map(|line| self.line(line));
+        (self.lowest..=self.highest).map(f64::from).chain(lines).collect()
     }
 
     fn range(&self) -> Range<f64> {
-        self.line(self.lines)..f64::from(self.highest)
+        self.line(self.lines.len())..f64::from(self.highest)
     }
 }
 
 impl ValueFormatter<f64> for Rates {
     fn format_ext(&self, value: &f64) -> String {
-        plain(10f64.powf(*value))
+        let is_here = |line: &usize| self.line(*line) == *value;
+        match (0..self.lines.len()).find(is_here) {
+            Some(line) => self.lines[line].clone(),
+            None => plain(10f64.powf(*value)),
+        }
     }
+}
+
+/// What is written below a time: of each decade, not every digit.
+pub(super) fn tick(x: f64) -> String {
+    let digit = x / 10f64.powf(x.log10().floor() + 1e-9);
+    let is_written = [1.0, 2.0, 5.0, 10.0].iter().any(|d| (digit / d - 1.0).abs() < 1e-6);
+    if is_written { plain(x) } else { String::new() }
 }
 
 /// A number as short as it can be said.

@@ -1,11 +1,12 @@
 //! Charts as SVG: black on white, every configuration with a shape of its own or a word beside it, so that
 //! neither colour nor a screen is needed to read them.
 
-use super::axes::{Axes, plain};
+use super::axes::{Axes, plain, tick};
 use super::{ChartError, Look, Point, front};
 use crate::judge::Tally;
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::io;
 
 type Backend<'s> = SVGBackend<'s>;
@@ -107,7 +108,7 @@ impl Figure {
         self.draw_legend(&legend)?;
         for (row, area) in self.rows.iter().zip(charts.split_evenly((self.rows.len().max(1), 1))) {
             let (left, right) = area.split_horizontally((WIDTH - LEGEND) / 2);
-            let axes = Axes::around(&row.points, self.lines.len());
+            let axes = Axes::around(&row.points, &self.lines);
             self.draw_panel([root, &left], row, "missed", &axes, |tally| tally.missed)?;
             self.draw_panel([root, &right], row, "false hits", &axes, |tally| tally.false_hits)?;
         }
@@ -154,25 +155,19 @@ impl Figure {
             .build_cartesian_2d(axes.time.clone().log_scale(), axes.rates.clone())?;
         chart
             .configure_mesh()
-            .light_line_style(BLACK.mix(0.06))
-            .bold_line_style(BLACK.mix(0.18))
+            .light_line_style(WHITE)
+            .bold_line_style(BLACK.mix(0.15))
             .x_desc(&self.time)
             .y_desc(format!("{what} per million {}", self.counted))
-            .x_label_formatter(&|x| plain(*x))
+            .x_label_formatter(&|x| tick(*x))
             .label_style(font(12))
             .axis_desc_style(font(13))
             .draw()?;
-        let [left, right] = [axes.time.start, axes.time.end];
-        let note =
-            |y: f64, text: String| EmptyElement::at((left, y)) + Text::new(text, (5, 0), font(11));
-        for (line, name) in self.lines.iter().enumerate() {
-            let y = axes.rates.line(line);
-            chart.draw_series([PathElement::new([(left, y), (right, y)], BLACK.mix(0.3))])?;
-            chart.draw_series([note(y, name.clone())])?;
-        }
+        let right = axes.time.end;
         if let Some(Point { tally, .. }) = row.points.first() {
             let said = format!("0 of {} (< {} per million)", tally.pairs, plain(tally.bound()));
-            chart.draw_series([note(axes.rates.label(), said)])?;
+            let style = font(12).pos(Pos::new(HPos::Right, VPos::Center));
+            chart.draw_series([Text::new(said, (right, axes.rates.label()), style)])?;
         }
         let place = |p: &Point| (p.time, axes.rates.height(rate(p), p.look.line));
         let on_front = front(&row.points, &wrong);

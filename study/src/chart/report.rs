@@ -97,8 +97,8 @@ impl Charts {
         let candidates = "pairs of overlapping boxes";
         let accuracies = ["Exact", "Conservative", "Fast"];
         [
-            ("pairs.svg", figure(tests, time, "pairs", &["never wrong"], both.map(row).into())),
-            ("contacts.svg", figure(tests, time, "pairs", &["never wrong"], each)),
+            ("pairs.svg", figure(tests, time, "pairs", &["0"], both.map(row).into())),
+            ("contacts.svg", figure(tests, time, "pairs", &["0"], each)),
             ("frames.svg", figure(queries, "ms a frame", candidates, &accuracies, frames)),
         ]
     }
@@ -167,6 +167,9 @@ fn is_of_contact(set: &[Point]) -> bool {
     set.first().is_some_and(|point| point.is_real)
 }
 
+/// A time that is shorter by less than this is not: that much runs of the same differ.
+const NOISE: f64 = 0.05;
+
 /// Whether one of some configurations is on the Pareto front of a set, and if not, what is faster and as right.
 fn standing(set: &[Point], is_meant: impl Fn(&Point) -> bool) -> String {
     let on_front = front(set, Tally::wrong);
@@ -177,9 +180,12 @@ fn standing(set: &[Point], is_meant: impl Fn(&Point) -> bool) -> String {
     else {
         return String::new();
     };
-    let beats = |p: &&Point| p.time < best.time && p.tally.wrong() <= best.tally.wrong();
-    let beaten = set.iter().filter(beats).map(|p| {
-        format!("{} ({:.0} % faster)", p.configuration, 100.0 * (1.0 - p.time / best.time))
-    });
-    format!("beaten by {}", beaten.collect::<Vec<_>>().join(", "))
+    let faster = |p: &Point| 1.0 - p.time / best.time;
+    let beats = |p: &&Point| faster(p) > 0.0 && p.tally.wrong() <= best.tally.wrong();
+    let beaten = set.iter().filter(beats);
+    let most = beaten.clone().map(faster).fold(0.0, f64::max);
+    let said = beaten.map(|p| format!("{} ({:.0} % faster)", p.configuration, 100.0 * faster(p)));
+    let said = said.collect::<Vec<_>>().join(", ");
+    let where_ = if most < NOISE { "on the front but for noise:" } else { "beaten by" };
+    format!("{where_} {said}")
 }

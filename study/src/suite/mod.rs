@@ -5,8 +5,8 @@
 //! which shares no code with the predicates.
 //!
 //! A set is an endless stream of blocks of [`BLOCK`] pairs. A block follows from the seed, the name of the
-//! set and its number alone, so blocks come in parallel, on demand, and the same on every machine; a suite
-//! of 10^8 pairs takes no memory.
+//! set, its number and its length alone, so blocks come in parallel, on demand, and the same on every
+//! machine; a suite of 10^8 pairs takes no memory.
 
 mod answers;
 mod contacts;
@@ -153,7 +153,7 @@ impl Suite {
         })
     }
 
-    /// The first `length` pairs, [`BLOCK`] at most, of a block.
+    /// A block of `length` pairs, [`BLOCK`] at most.
     ///
     /// # Panics
     /// If there is no such set.
