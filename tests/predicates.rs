@@ -14,9 +14,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// Pairs of each family: 21 · 50,000 closed triangles, and 21 · 15,000 of one mesh.
-const CLOSED: u32 = 50_000;
-const WITHIN: u32 = 15_000;
+/// Pairs of each family: 29 · 35,000 closed triangles, and 29 · 10,000 of one mesh.
+const CLOSED: u32 = 35_000;
+const WITHIN: u32 = 10_000;
 
 /// One test a family, so that they run in parallel and a failure names its family.
 macro_rules! families {
@@ -37,9 +37,17 @@ macro_rules! families {
 families! {
     random: Random,
     mesh_like: MeshLike,
+    vertex_face_gap_3: VertexFaceGap3,
+    vertex_face_gap_5: VertexFaceGap5,
     vertex_face_gap_7: VertexFaceGap7,
     vertex_face_gap_8: VertexFaceGap8,
+    vertex_face_gap_9: VertexFaceGap9,
     edge_edge_gap: EdgeEdgeGap,
+    edge_edge_gap_3: EdgeEdgeGap3,
+    edge_edge_gap_5: EdgeEdgeGap5,
+    edge_edge_gap_7: EdgeEdgeGap7,
+    edge_edge_gap_8: EdgeEdgeGap8,
+    edge_edge_gap_9: EdgeEdgeGap9,
     coplanar_axis: CoplanarAxis,
     coplanar_rotated: CoplanarRotated,
     shared_vertex: SharedVertex,

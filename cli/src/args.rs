@@ -1,5 +1,9 @@
 //! What can be typed.
 
+mod study;
+
+pub(crate) use study::{Chart, Judge};
+
 use crate::how::How;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -63,6 +67,16 @@ pub(crate) enum Command {
     /// Work is counted in box and triangle tests, not timed (but for the share of time that the front takes),
     /// so that the figures mean the same on every machine and p may be larger than its number of cores.
     Balance(Balance),
+    /// Count wrong answers to triangle pairs whose truth is known
+    ///
+    /// Without a file, pairs are generated: random, nearly touching, coplanar, degenerate, of every scale, and
+    /// harvested from meshes in contact. Exit code 1 if an answer is wrong that promises not to be.
+    Judge(Judge),
+    /// Chart speed against accuracy, of all that pfront offers and of tests from the literature
+    ///
+    /// Writes pairs.svg, contacts.svg, frames.svg and pareto.csv, and prints what Exact costs. With the meshes of
+    /// the folder that PFRONT_DATA names, if it does.
+    Chart(Chart),
     /// Measure a backend
     Bench {
         #[command(subcommand)]

@@ -4,6 +4,8 @@
 
 #[path = "command/gpu.rs"]
 mod gpu;
+#[path = "command/study.rs"]
+mod study;
 
 use pfront_cli::{mesh, pairs};
 use std::fs::{self, File};

@@ -17,12 +17,28 @@ pub enum Family {
     Random,
     /// Edges of 0.01 near each other: two fine surfaces.
     MeshLike,
-    /// A corner of one ±1e-7 from the inside of the other.
+    /// A corner of one ±1e-3 from the inside of the other.
+    VertexFaceGap3,
+    /// The same with ±1e-5.
+    VertexFaceGap5,
+    /// The same with ±1e-7.
     VertexFaceGap7,
     /// The same with ±1e-8.
     VertexFaceGap8,
+    /// The same with ±1e-9.
+    VertexFaceGap9,
     /// Two edges that pass each other at 0 to 1e-6.
     EdgeEdgeGap,
+    /// The same at ±1e-3.
+    EdgeEdgeGap3,
+    /// The same at ±1e-5.
+    EdgeEdgeGap5,
+    /// The same at ±1e-7.
+    EdgeEdgeGap7,
+    /// The same at ±1e-8.
+    EdgeEdgeGap8,
+    /// The same at ±1e-9.
+    EdgeEdgeGap9,
     /// Both in one axis-aligned plane.
     CoplanarAxis,
     /// Both in one plane, rotated and then rounded.
@@ -59,12 +75,20 @@ pub enum Family {
 
 impl Family {
     /// Every family.
-    pub const ALL: [Family; 21] = [
+    pub const ALL: [Family; 29] = [
         Family::Random,
         Family::MeshLike,
+        Family::VertexFaceGap3,
+        Family::VertexFaceGap5,
         Family::VertexFaceGap7,
         Family::VertexFaceGap8,
+        Family::VertexFaceGap9,
         Family::EdgeEdgeGap,
+        Family::EdgeEdgeGap3,
+        Family::EdgeEdgeGap5,
+        Family::EdgeEdgeGap7,
+        Family::EdgeEdgeGap8,
+        Family::EdgeEdgeGap9,
         Family::CoplanarAxis,
         Family::CoplanarRotated,
         Family::SharedVertex,

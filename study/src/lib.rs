@@ -2,10 +2,14 @@
 //!
 //! - [`suite`]: triangle pairs with their truth, generated from a seed or harvested from real contacts, as a
 //!   file that any implementation can be judged by.
+//! - [`chart`]: speed against accuracy of all that pfront offers and of the textbook.
+//! - [`judge`]: how many answers of whom are wrong.
 //! - [`textbook`]: the triangle tests of the literature, as printed, to compare with.
 //! - [`motion`]: slow slides through contact, where an answer must not flicker; scenes of known answer.
 //! - [`stability`]: scenes in which a p-partition front could fail, and the paper's equations as printed.
 
+pub mod chart;
+pub mod judge;
 pub mod motion;
 pub mod stability;
 pub mod suite;

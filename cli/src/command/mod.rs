@@ -3,8 +3,10 @@
 pub(crate) mod any;
 pub(crate) mod balance;
 pub(crate) mod bench;
+pub(crate) mod chart;
 pub(crate) mod demo;
 pub(crate) mod devices;
+pub(crate) mod judge;
 pub(crate) mod pairs;
 pub(crate) mod record;
 pub(crate) mod replay;

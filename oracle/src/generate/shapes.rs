@@ -13,9 +13,20 @@ pub(super) fn pair(family: Family, rng: &mut impl Rng) -> [Triangle; 2] {
             let at = point(rng, 1.0);
             [0.01, 0.01].map(|edge| rounded(triangle(rng, edge).map(|p| add(p, at))))
         }
+        Family::VertexFaceGap3 => vertex_face(rng, 1e-3),
+        Family::VertexFaceGap5 => vertex_face(rng, 1e-5),
         Family::VertexFaceGap7 => vertex_face(rng, 1e-7),
         Family::VertexFaceGap8 => vertex_face(rng, 1e-8),
-        Family::EdgeEdgeGap => edge_edge(rng),
+        Family::VertexFaceGap9 => vertex_face(rng, 1e-9),
+        Family::EdgeEdgeGap => {
+            let gap = [0.0, 1e-8, 1e-7, 1e-6][rng.random_range(0..4usize)];
+            edge_edge(rng, gap)
+        }
+        Family::EdgeEdgeGap3 => edge_edge(rng, 1e-3),
+        Family::EdgeEdgeGap5 => edge_edge(rng, 1e-5),
+        Family::EdgeEdgeGap7 => edge_edge(rng, 1e-7),
+        Family::EdgeEdgeGap8 => edge_edge(rng, 1e-8),
+        Family::EdgeEdgeGap9 => edge_edge(rng, 1e-9),
         Family::CoplanarAxis => {
             let (axis, height) = (rng.random_range(0..3usize), rng.random_range(-1.0..1.0));
             [0, 1].map(|_| {
@@ -72,12 +83,12 @@ pub(super) fn pair(family: Family, rng: &mut impl Rng) -> [Triangle; 2] {
             each(pair, |p| add(p.map(|x| x * size), at))
         }
         Family::Scaled => {
-            let size = 10f64.powi(rng.random_range(-20..=20));
+            let size = ten_to(rng.random_range(-20..=20));
             each(moderate(rng), |p| p.map(|x| x * size))
         }
         Family::MixedScale => {
             let [a, b] = moderate(rng);
-            let mut size = || [0; 3].map(|_| 10f64.powi(rng.random_range(-20..=20)));
+            let mut size = || [0; 3].map(|_| ten_to(rng.random_range(-20..=20)));
             let (by_axis, [for_b, _, _]) = (size(), size());
             if rng.random() {
                 each([a, b], |p| [0, 1, 2].map(|i| p[i] * by_axis[i]))
@@ -121,9 +132,7 @@ fn moderate(rng: &mut impl Rng) -> [Triangle; 2] {
 fn vertex_face(rng: &mut impl Rng, gap: f64) -> [Triangle; 2] {
     let [p, q, r] = triangle(rng, 1.0);
     let (u, v) = (sub(q, p), sub(r, p));
-    let normal = cross(u, v);
-    let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
-    let up = normal.map(|x| x / length);
+    let up = unit(cross(u, v));
     let (s, t) = (rng.random_range(0.1..0.5), rng.random_range(0.1..0.5));
     let foot = combine(p, s, u, t, v);
     let mut above = |height: f64| {
@@ -135,17 +144,17 @@ fn vertex_face(rng: &mut impl Rng, gap: f64) -> [Triangle; 2] {
     [[p, q, r], [combine(foot, sign, up, 0.0, up), far[0], far[1]]].map(rounded)
 }
 
-/// Two edges that cross when seen from above, at heights that differ little.
-fn edge_edge(rng: &mut impl Rng) -> [Triangle; 2] {
+/// Two edges that cross when seen from above, at heights ±`gap` apart.
+fn edge_edge(rng: &mut impl Rng, gap: f64) -> [Triangle; 2] {
     let [at, u, v] = triangle(rng, 1.0);
-    let up = cross(u, v);
-    let gap = [0.0, 1e-8, -1e-8, 1e-7, -1e-7, 1e-6][rng.random_range(0..6usize)];
+    let up = unit(cross(u, v));
+    let gap = if rng.random() { gap } else { -gap };
     let mut edge = |along: Point64, height: f64, apex: f64| {
         let end = |t: f64| combine(at, t, along, height, up);
         let [s, t] = [-rng.random_range(0.1..1.0), rng.random_range(0.1..1.0)];
         [end(s), end(t), combine(at, rng.random_range(-0.3..0.3), along, apex, up)]
     };
-    [edge(u, 0.0, -0.5), edge(v, gap, 0.5)].map(rounded)
+    [edge(u, 0.0, -0.2), edge(v, gap, 0.2)].map(rounded)
 }
 
 /// A segment or point against a triangle, segment or point, mostly touching.
@@ -234,6 +243,19 @@ fn sub(p: Point64, q: Point64) -> Point64 {
 
 fn cross(u: Point64, v: Point64) -> Point64 {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| u[i] * v[j] - u[j] * v[i])
+}
+
+/// Of length 1, unless it is next to nothing.
+fn unit(v: Point64) -> Point64 {
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
+    v.map(|x| x / length)
+}
+
+/// 10^`exponent` for exponents of −22 to 22, correctly rounded and so the same on every machine, which
+/// `powi` does not promise: 10^22 is the last power of ten that f64 holds.
+fn ten_to(exponent: i32) -> f64 {
+    let power = (0..exponent.abs()).fold(1.0, |power, _| power * 10.0);
+    if exponent < 0 { 1.0 / power } else { power }
 }
 
 /// o + x·u + y·v.

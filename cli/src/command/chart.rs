@@ -1,0 +1,27 @@
+//! `pfront chart`: speed against accuracy.
+
+use crate::args;
+use crate::how;
+use crate::output::out;
+use anyhow::Result;
+use indicatif::ProgressBar;
+use pfront_cli::recorded;
+use pfront_study::chart::frames::Machine;
+use pfront_study::chart::{Charts, Plan};
+use std::io::Write;
+
+pub(crate) fn run(chart: &args::Chart) -> Result<bool> {
+    let suite = recorded::suite(chart.seed, chart.size)?;
+    let plan = if chart.quick { Plan::QUICK } else { Plan::FULL };
+    let plan = Plan { pairs: chart.pairs.unwrap_or(plan.pairs), ..plan };
+    let machine = Machine { threads: how::threads(chart.threads), ..Machine::this() };
+    let spinner = ProgressBar::new_spinner();
+    let charts = Charts::measure(&suite, &plan, &machine, |what| {
+        spinner.set_message(what.to_owned());
+        spinner.tick();
+    })?;
+    spinner.finish_and_clear();
+    charts.write(&chart.out)?;
+    write!(out(), "{}", charts.summary())?;
+    Ok(true)
+}

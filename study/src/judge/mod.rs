@@ -1,0 +1,116 @@
+//! Who is right, and how often: answers to triangle pairs against their truth.
+
+#[cfg(feature = "gpu")]
+mod gpu;
+mod ours;
+
+#[cfg(feature = "gpu")]
+pub use gpu::OnGpu;
+pub use ours::OURS;
+
+use crate::suite::{Block, Case};
+use pfront::core::Triangle;
+use rayon::prelude::*;
+
+/// A way to tell whether two triangles meet.
+#[derive(Clone, Copy, Debug)]
+pub struct Test {
+    /// What it is called.
+    pub name: &'static str,
+    /// The test.
+    pub meets: fn(&Triangle, &Triangle) -> bool,
+}
+
+/// How some answers compare with the truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Pairs asked about.
+    pub pairs: u64,
+    /// Of these, pairs that meet.
+    pub hits: u64,
+    /// Hits that were denied.
+    pub missed: u64,
+    /// Hits that are none.
+    pub false_hits: u64,
+}
+
+impl Tally {
+    /// Of answers to some pairs, one for each.
+    #[must_use]
+    pub fn of(cases: &[Case], answers: impl IntoIterator<Item = bool>) -> Self {
+        let mut tally = Self::default();
+        for (case, answer) in cases.iter().zip(answers) {
+            tally.pairs += 1;
+            tally.hits += u64::from(case.meets);
+            tally.missed += u64::from(case.meets && !answer);
+            tally.false_hits += u64::from(!case.meets && answer);
+        }
+        tally
+    }
+
+    /// Counts others too.
+    pub fn add(&mut self, other: &Self) {
+        self.pairs += other.pairs;
+        self.hits += other.hits;
+        self.missed += other.missed;
+        self.false_hits += other.false_hits;
+    }
+
+    /// Both kinds of wrong answers.
+    #[must_use]
+    pub fn wrong(&self) -> u64 {
+        self.missed + self.false_hits
+    }
+
+    /// `count` of all pairs, per million.
+    #[must_use]
+    pub fn per_million(&self, count: u64) -> f64 {
+        1e6 * count as f64 / self.pairs.max(1) as f64
+    }
+
+    /// What the rate of errors, per million, does not exceed with 95 % confidence where none was seen: 3/N.
+    #[must_use]
+    pub fn bound(&self) -> f64 {
+        3e6 / self.pairs.max(1) as f64
+    }
+}
+
+/// Hands on a block to tests, and keeps count.
+#[derive(Debug)]
+pub struct Judge {
+    tests: Vec<Test>,
+    /// For each set, a tally for each test.
+    scores: Vec<Vec<Tally>>,
+}
+
+impl Judge {
+    /// For so many sets.
+    #[must_use]
+    pub fn new(tests: &[Test], sets: usize) -> Self {
+        Self { tests: tests.to_vec(), scores: vec![vec![Tally::default(); tests.len()]; sets] }
+    }
+
+    /// Asks all tests about some blocks, in the rayon pool of the caller.
+    ///
+    /// # Panics
+    /// If a block is of a set that was not announced.
+    pub fn add(&mut self, blocks: &[Block]) {
+        let ask = |block: &Block| -> Vec<Tally> {
+            let answers = |test: &Test| {
+                Tally::of(&block.cases, block.cases.iter().map(|c| (test.meets)(&c.a, &c.b)))
+            };
+            self.tests.iter().map(answers).collect()
+        };
+        let tallies: Vec<_> = blocks.par_iter().map(ask).collect();
+        for (block, tallies) in blocks.iter().zip(tallies) {
+            let scores = self.scores[block.set].iter_mut();
+            scores.zip(tallies).for_each(|(score, tally)| score.add(&tally));
+        }
+    }
+
+    /// For each set, a tally for each test.
+    #[must_use]
+    pub fn scores(&self) -> &[Vec<Tally>] {
+        &self.scores
+    }
+}

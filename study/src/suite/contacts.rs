@@ -1,0 +1,197 @@
+//! Triangle pairs from real contact: two posed meshes, or one deforming mesh and itself.
+//!
+//! A site is a place of contact. Block 0 of a set visits the sites as they are, a later one any of them,
+//! moved by up to a thousandth of its size: coordinates are other ones each time, and faces that lie
+//! flush along an axis often stay so, since a move may leave out axes.
+
+use pfront::core::query::{self, Query};
+use pfront::core::{Aabb, Bvh, Triangle};
+use pfront::{Model, Pose};
+use pfront_oracle::share_a_vertex;
+use rand::{Rng, RngExt};
+use rayon::prelude::*;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// A body of a site.
+pub type Body = Arc<Model>;
+
+/// A place of contact.
+#[derive(Clone, Debug)]
+pub enum Site {
+    /// Two bodies, the second in a pose.
+    Pair {
+        /// The first, which stays where it is.
+        a: Body,
+        /// The second.
+        b: Body,
+        /// Its pose.
+        a_from_b: Pose,
+    },
+    /// A body and itself.
+    Within(Body),
+}
+
+/// Two triangles whose boxes overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// Their indices, for one mesh in ascending order.
+    pub indices: [u32; 2],
+    /// Their corners, posed.
+    pub triangles: [Triangle; 2],
+}
+
+/// A set of sites, of which each has candidates.
+#[derive(Clone, Debug)]
+pub struct Contacts {
+    name: String,
+    sites: Vec<Site>,
+}
+
+/// Nothing can be harvested.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("'{name}' has no two triangles whose boxes overlap: nothing can be harvested there")]
+pub struct NoContact {
+    /// The set.
+    pub name: String,
+}
+
+impl Contacts {
+    /// A set called `name`. Sites without candidates are left out.
+    ///
+    /// # Errors
+    /// [`NoContact`] if no site is left.
+    pub fn new(name: &str, sites: Vec<Site>) -> Result<Self, NoContact> {
+        let sites: Vec<_> =
+            sites.into_par_iter().filter(|site| !site.strangers().is_empty()).collect();
+        let name = name.to_owned();
+        if sites.is_empty() { Err(NoContact { name }) } else { Ok(Self { name, sites }) }
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The sites.
+    #[must_use]
+    pub fn sites(&self) -> &[Site] {
+        &self.sites
+    }
+
+    /// So many pairs for a block. Triangles that share a vertex of their mesh are left out: as closed
+    /// triangles they always meet.
+    pub(super) fn harvest(
+        &self,
+        block: u64,
+        length: usize,
+        rng: &mut impl Rng,
+    ) -> Vec<(Triangle, Triangle)> {
+        let mut found = Vec::with_capacity(length);
+        for visit in 0.. {
+            if found.len() >= length {
+                break;
+            }
+            let as_it_is = block == 0 && visit < self.sites.len();
+            let which = if as_it_is { visit } else { rng.random_range(0..self.sites.len()) };
+            let site = &self.sites[which];
+            let mut candidates = if as_it_is { Vec::new() } else { site.moved(rng).strangers() };
+            if candidates.is_empty() {
+                candidates = site.strangers();
+            }
+            // Several sites share the first block, and where there are more pairs than asked for, all
+            // parts of the contact.
+            let room = if as_it_is { length.div_ceil(self.sites.len()) } else { length };
+            let room = room.min(length - found.len());
+            let step = candidates.len().div_ceil(room).max(1);
+            let picked = candidates.iter().skip(rng.random_range(0..step)).step_by(step);
+            found.extend(picked.map(|c| (c.triangles[0], c.triangles[1])));
+        }
+        found
+    }
+}
+
+impl Site {
+    /// All triangle pairs whose boxes overlap, ordered by their indices.
+    #[must_use]
+    pub fn candidates(&self) -> Vec<Candidate> {
+        let (a, b, pose) = match self {
+            Self::Pair { a, b, a_from_b } => (a.bvh(), b.bvh(), *a_from_b),
+            Self::Within(body) => (body.bvh(), body.bvh(), Pose::IDENTITY),
+        };
+        let Ok(query) = query::PairQuery::new(a, b, pose) else { return Vec::new() };
+        let is_one = matches!(self, Self::Within(_));
+        let boxes = |bvh: &Bvh<'_>, node: u32, pose: &Pose| -> Vec<(u32, Triangle, Aabb)> {
+            let leaf = bvh.nodes()[node as usize];
+            let run = &bvh.order()[leaf.first as usize..][..leaf.count as usize];
+            let posed = |t: u32| bvh.mesh().triangle(t).map(|p| pose.apply(p));
+            run.iter().map(|&t| (t, posed(t), Aabb::of(&posed(t)))).collect()
+        };
+        let mut found = Vec::new();
+        let mut pending: Vec<_> = query.root().into_iter().collect();
+        while let Some(pair) = pending.pop() {
+            if query.expand(pair, &mut |child| pending.push(child)) > 0 {
+                continue;
+            }
+            let others = boxes(&b, pair.b, &pose);
+            for (i, ta, box_a) in boxes(&a, pair.a, &Pose::IDENTITY) {
+                let overlapping = others
+                    .iter()
+                    .filter(|(j, _, box_b)| box_a.overlaps(box_b) && (!is_one || i < *j));
+                found.extend(
+                    overlapping
+                        .map(|&(j, tb, _)| Candidate { indices: [i, j], triangles: [ta, tb] }),
+                );
+            }
+        }
+        found.sort_unstable_by_key(|candidate| candidate.indices);
+        found
+    }
+
+    /// The candidates that share no vertex of one mesh.
+    fn strangers(&self) -> Vec<Candidate> {
+        let mut candidates = self.candidates();
+        candidates.retain(|candidate| !self.are_neighbours(candidate));
+        candidates
+    }
+
+    /// Whether two triangles are of one mesh and share a vertex of it.
+    #[must_use]
+    pub fn are_neighbours(&self, candidate: &Candidate) -> bool {
+        let Self::Within(body) = self else { return false };
+        let [a, b] = candidate.indices.map(|t| body.mesh().triangles()[t as usize]);
+        share_a_vertex(a, b)
+    }
+
+    /// The site moved a little, along some of the axes at least; as it is if that takes it out of range.
+    fn moved(&self, rng: &mut impl Rng) -> Self {
+        let aabb = |body: &Body| body.bvh().root().map_or(Aabb::EMPTY, |root| root.aabb());
+        let mut along = |bounds: &Aabb| {
+            let size = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
+            let most = 1e-3 * size.into_iter().fold(0.0, f32::max);
+            let axes = rng.random_range(1..8u32);
+            [0, 1, 2].map(|k| {
+                let by = rng.random_range(-1.0..=1.0f32) * most;
+                if axes >> k & 1 == 1 { by } else { 0.0 }
+            })
+        };
+        match self {
+            Self::Pair { a, b, a_from_b } => {
+                let by = along(&aabb(a));
+                let mut rows = a_from_b.rows;
+                rows.iter_mut().zip(by).for_each(|(row, by)| row[3] += by);
+                Self::Pair { a: a.clone(), b: b.clone(), a_from_b: Pose::new(rows) }
+            }
+            // A mesh that moves as a whole is rounded anew.
+            Self::Within(body) => {
+                let by = Pose::from_translation(along(&aabb(body)));
+                let positions: Vec<_> =
+                    body.mesh().positions().iter().map(|&p| by.apply(p)).collect();
+                let mut moved = Model::clone(body);
+                let done = moved.set_positions(&positions);
+                if done.is_ok() { Self::Within(Arc::new(moved)) } else { self.clone() }
+            }
+        }
+    }
+}
