@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         Some(Command::Replay(replay)) => command::replay::run(&replay),
         Some(Command::Record(record)) => command::record::run(&record),
         Some(Command::Balance(balance)) => command::balance::run(&balance),
+        Some(Command::Stability(stability)) => command::stability::run(&stability),
         Some(Command::Bench { what: Bench::Gpu(bench) }) => command::bench::run(&bench),
         Some(Command::Devices { json }) => command::devices::run(json),
     };

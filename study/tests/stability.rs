@@ -11,7 +11,18 @@ fn look() {
         let mut f = out.findings.clone();
         f.sort_by_key(|f| (f.measure, f.method.name()));
         for f in f {
-            println!("  {:15} {:18} {:5} {:8.3} / {:6.3}{} {} {}  {}", f.measure, f.method.name(), f.workers, f.figure, f.limit, if f.thin {"~"} else {" "}, if f.holds() {"ok"} else {"FAIL"}, f.sound, f.place);
+            println!(
+                "  {:15} {:18} {:5} {:8.3} / {:6.3}{} {} {}  {}",
+                f.measure,
+                f.method.name(),
+                f.workers,
+                f.figure,
+                f.limit,
+                if f.widened { "~" } else { " " },
+                if f.holds() { "ok" } else { "FAIL" },
+                f.sound,
+                f.place
+            );
         }
     }
 }

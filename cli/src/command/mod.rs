@@ -8,6 +8,7 @@ pub(crate) mod devices;
 pub(crate) mod pairs;
 pub(crate) mod record;
 pub(crate) mod replay;
+pub(crate) mod stability;
 pub(crate) mod within;
 
 use anyhow::{Context, Result};

@@ -200,8 +200,10 @@ fn anew(
     bound: Bound,
     poses: impl Iterator<Item = Pose>,
 ) -> impl Iterator<Item = Step> {
-    poses.enumerate().map(move |(i, a_from_b)| {
-        Step { what, bound: if i == 0 { Bound::Estimated } else { bound }, a_from_b }
+    poses.enumerate().map(move |(i, a_from_b)| Step {
+        what,
+        bound: if i == 0 { Bound::Estimated } else { bound },
+        a_from_b,
     })
 }
 

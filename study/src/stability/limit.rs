@@ -5,9 +5,9 @@
 //! what p·w_max/W says relative to the mean. It comes from the BVTT and not from the front that is judged.
 //!
 //! One exception: below [`THIN`] box tests a worker, about a microsecond, a single node that is too small to
-//! be worth splitting is most of what a worker does, and more so the further its estimate is off: no forecast
-//! meets the limits (measured with 1024 workers of 26 tests each: 12 in a first frame, where p·w_max/W is
-//! 2.4). There limits are wider.
+//! be worth splitting is most of what a worker does. What dominates then counts everywhere, and more so the
+//! further its estimate is off: no forecast meets the limits (measured with 1024 workers of 26 tests each: 12
+//! in a first frame, where p·w_max/W is 2.4).
 
 use pfront::core::query::{Cursor, NodePair, Query};
 use pfront::threads::Report;
@@ -41,12 +41,11 @@ impl Bound {
     pub fn limit(self, dominance: f64, thin: bool) -> f64 {
         match (self, thin) {
             (Self::None, _) => f64::INFINITY,
-            (Self::Estimated, true) => f64::max(4.0, 5.0 * dominance),
-            (_, true) => f64::max(4.0, 2.0 * dominance),
-            (Self::Coherent, false) => f64::max(1.5, 1.1 * dominance),
             (Self::Even, false) => 1.5,
+            (Self::Coherent, _) | (Self::Even, true) => f64::max(1.5, 1.1 * dominance),
+            (Self::Scarce, _) => 1.1 * f64::max(1.36, dominance),
             (Self::Estimated, false) => 2.5,
-            (Self::Scarce, false) => 1.1 * f64::max(1.36, dominance),
+            (Self::Estimated, true) => f64::max(4.0, 5.0 * dominance),
         }
     }
 }

@@ -9,10 +9,9 @@
 //! - [`scene`]: what a scene is; the scenes themselves are private to the rows.
 //! - [`plain`]: the method as printed.
 //! - [`play`]: a scene with all methods. [`rows`]: the matrix and its findings.
-//! - [`times`]: the schedules by the clock. [`charts`]: all of it over frames, as SVG.
+//! - [`times`]: the schedules by the clock.
 
 mod catalogue;
-pub mod charts;
 mod extremes;
 pub mod limit;
 pub mod plain;

@@ -1,9 +1,9 @@
 //! Playing a scene with many numbers of workers and all methods, each frame checked against one core.
 
+use super::StabilityError;
 use super::limit::{self, Bound, THIN};
 use super::plain::{Evidence, Plain};
 use super::scene::{Scene, Step, Watch};
-use super::StabilityError;
 use pfront::TrianglePair;
 use pfront::core::front::Grain;
 use pfront::core::query::Query;
@@ -11,7 +11,7 @@ use pfront::threads::{Report, Schedule, Settings, TRIANGLE_COST, Traversal};
 use std::ops::ControlFlow;
 
 /// What the oracle looks at: no more triangle tests than it does in about a second.
-const ORACLE: u64 = 30_000;
+const ORACLE: u64 = 150_000;
 
 /// The g of the matrix.
 const GRAIN: f64 = 16.0;
@@ -99,8 +99,8 @@ pub struct Frame {
     pub imbalance: f64,
     /// What that may be.
     pub limit: f64,
-    /// Whether workers had so little to do that the limit is wider, see [`THIN`].
-    pub thin: bool,
+    /// Whether the limit is wider than usual, as workers had so little to do, see [`THIN`].
+    pub widened: bool,
     /// Nodes of the front.
     pub nodes: usize,
     /// Box tests spent on the front.
@@ -125,14 +125,15 @@ impl Frame {
         let predicted = || report.shares.iter().map(|share| share.predicted);
         let (total, p) = (costs().sum::<f64>(), report.shares.len() as f64);
         let dominance = if total > 0.0 { w_max * p / total } else { 0.0 };
-        let (thin, imbalance) = (total / p < THIN, report.imbalance());
+        let imbalance = report.imbalance();
+        let limit = bound.limit(dominance, total / p < THIN);
         Self {
             what,
             right,
             finite: imbalance.is_finite() && predicted().all(f64::is_finite),
             imbalance,
-            limit: bound.limit(dominance, thin),
-            thin,
+            limit,
+            widened: limit > bound.limit(dominance, false),
             nodes: report.nodes,
             front_box_tests: report.front_box_tests,
             predicted: predicted().fold(0.0, f64::max),

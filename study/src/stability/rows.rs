@@ -91,7 +91,7 @@ pub struct Finding {
     /// Where it was found.
     pub place: String,
     /// Whether the limit is wider than usual, as workers had hardly anything to do.
-    pub thin: bool,
+    pub widened: bool,
     /// Whether all answers were right and all figures numbers.
     pub sound: bool,
 }
@@ -105,7 +105,7 @@ impl Finding {
         limit: f64,
         place: String,
     ) -> Self {
-        Self { measure, method, workers, figure, limit, place, thin: false, sound: true }
+        Self { measure, method, workers, figure, limit, place, widened: false, sound: true }
     }
 
     /// Whether it passes.
@@ -129,7 +129,7 @@ impl Finding {
         let Series { scene, method, workers, .. } = *series;
         let place = format!("{scene}, frame {number}: {}", frame.what);
         let found = Self::new("imbalance", method, workers, frame.imbalance, frame.limit, place);
-        Self { thin: frame.thin, sound: frame.right && frame.finite, ..found }
+        Self { widened: frame.widened, sound: frame.right && frame.finite, ..found }
     }
 }
 

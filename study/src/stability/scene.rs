@@ -87,8 +87,8 @@ impl Scene {
             match &mut self.actors {
                 Actors::Two(models) => {
                     let [a, b] = &**models;
-                    let query =
-                        PairQuery::new(a.bvh(), b.bvh(), step.a_from_b).map_err(pfront::Error::from)?;
+                    let query = PairQuery::new(a.bvh(), b.bvh(), step.a_from_b)
+                        .map_err(pfront::Error::from)?;
                     watch.frame(i, step, &query, &|| pairs(a, b, &step.a_from_b));
                 }
                 Actors::Sheet(model, sheet, first) => {

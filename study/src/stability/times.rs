@@ -61,7 +61,9 @@ impl Watch for Clock {
         _: &dyn Fn() -> Vec<TrianglePair>,
     ) {
         let mut pairs = Vec::new();
-        for (traversal, Times { milliseconds, .. }) in self.traversals.iter_mut().zip(&mut self.times) {
+        for (traversal, Times { milliseconds, .. }) in
+            self.traversals.iter_mut().zip(&mut self.times)
+        {
             let clock = Instant::now();
             traversal.all(query, &mut pairs);
             let taken = 1e3 * clock.elapsed().as_secs_f64();
