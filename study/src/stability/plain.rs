@@ -198,3 +198,38 @@ fn volume([a, b]: [Aabb; 2]) -> f64 {
     let edge = |k: usize| f64::from(a.max[k].min(b.max[k])) - f64::from(a.min[k].max(b.min[k]));
     (0..3).map(|k| edge(k).max(0.0)).product()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deals_as_printed() {
+        let node =
+            |cost| Node { pair: NodePair::default(), cost, sprouted_from: NodePair::default() };
+        // Graham's: 15 where 12 is possible.
+        let mut front = [4.0, 7.0, 6.0, 5.0, 4.0, 7.0, 6.0, 5.0, 4.0].map(node);
+        let parts = deal(&mut front, 4);
+        let load = |part| -> f64 {
+            front.iter().zip(&parts).filter(|(_, p)| **p == part).map(|(node, _)| node.cost).sum()
+        };
+        assert_eq!([0, 1, 2, 3].map(load).into_iter().fold(0.0, f64::max), 15.0);
+        // Costs of 0 / 0 all go to one worker.
+        let mut front = [f64::NAN; 3].map(node);
+        assert_eq!(deal(&mut front, 2), [0, 0, 0]);
+    }
+
+    #[test]
+    fn flat_boxes_have_no_volume() {
+        let [flat, cube] = [0.0, 2.0].map(|z| Aabb { min: [0.0; 3], max: [1.0, 2.0, z] });
+        assert_eq!(volume([flat, cube]), 0.0);
+        assert_eq!(volume([cube, Aabb { min: [0.5, -1.0, 1.0], max: [3.0; 3] }]), 1.0);
+        assert_eq!(volume([cube, Aabb { min: [2.0; 3], max: [3.0; 3] }]), 0.0);
+    }
+
+    #[test]
+    fn starting_fronts_are_as_deep_as_the_papers() {
+        let depth = |workers| Plain::new(workers, 2.0, Evidence::LastFrame).depth();
+        assert_eq!([1, 8, 9, 64, 1024, 1 << 20].map(depth), [3, 3, 4, 5, 7, 7]);
+    }
+}
