@@ -9,6 +9,7 @@ use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pfront::Pose;
 use pfront_scenes::Scene;
+use pfront_study::stability::ROWS;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +24,7 @@ Examples:
 
 Exit codes:
   0  done; for any: something meets
-  1  for any: nothing meets
+  1  for any: nothing meets; for stability: a row fails
   2  the command line or a file was refused; standard error says why";
 
 /// Every intersecting triangle pair of two meshes, or within one, exactly
@@ -77,6 +78,12 @@ pub(crate) enum Command {
     /// Writes pairs.svg, contacts.svg, frames.svg and pareto.csv, and prints what Exact costs. With the meshes of
     /// the folder that PFRONT_DATA names, if it does.
     Chart(Chart),
+    /// Show that fronts divide work evenly where they could fail, beside the paper's equations as printed
+    ///
+    /// Each row of the matrix plays its scenes with every number of workers; answers are compared with those of
+    /// one core, small ones with an exact oracle too. Prints the figure nearest to its limit, or farthest
+    /// beyond, in counted work; exit code 1 if one of pfront's own is beyond.
+    Stability(Stability),
     /// Measure a backend
     Bench {
         #[command(subcommand)]
@@ -213,6 +220,27 @@ pub(crate) struct Balance {
     /// Draw the charts of the paper
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Stability {
+    /// Only these rows
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    #[arg(value_parser = PossibleValuesParser::new(ROWS.map(|row| row.name)))]
+    pub(crate) row: Vec<String>,
+    /// Numbers of workers
+    #[arg(short, long, value_delimiter = ',', default_values_t = [1, 2, 7, 64, 1024])]
+    #[arg(value_parser = RangedU64ValueParser::<usize>::new().range(1..=65_536))]
+    pub(crate) p: Vec<usize>,
+    /// Shorter scenes, and a smaller twin
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Draw the frames, and time the schedules on all threads
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
+    /// Write one line for each frame
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]

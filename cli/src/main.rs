@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         Some(Command::Balance(balance)) => command::balance::run(&balance),
         Some(Command::Chart(chart)) => command::chart::run(&chart),
         Some(Command::Judge(judge)) => command::judge::run(&judge),
+        Some(Command::Stability(stability)) => command::stability::run(&stability),
         Some(Command::Bench { what: Bench::Gpu(bench) }) => command::bench::run(&bench),
         Some(Command::Devices { json }) => command::devices::run(json),
     };

@@ -10,6 +10,7 @@ pub(crate) mod judge;
 pub(crate) mod pairs;
 pub(crate) mod record;
 pub(crate) mod replay;
+pub(crate) mod stability;
 pub(crate) mod within;
 
 use anyhow::{Context, Result};

@@ -5,4 +5,3 @@
 mod answers;
 mod common;
 mod robustness;
-mod stability;

@@ -1,0 +1,235 @@
+//! Playing a scene with many numbers of workers and all methods, each frame checked against one core.
+
+use super::StabilityError;
+use super::limit::{self, Bound, THIN};
+use super::plain::{Evidence, Plain};
+use super::scene::{Scene, Step, Watch};
+use pfront::TrianglePair;
+use pfront::core::front::Grain;
+use pfront::core::query::Query;
+use pfront::threads::{Report, Schedule, Settings, TRIANGLE_COST, Traversal};
+use std::ops::ControlFlow;
+
+/// What the oracle looks at: no more triangle tests than it does in about a second.
+const ORACLE: u64 = 150_000;
+
+/// The g of the matrix.
+const GRAIN: f64 = 16.0;
+
+/// Who divides the work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// [`Traversal`] with a static schedule and g = 16: nothing but the front and its dealing makes up the
+    /// balance.
+    Ours,
+    /// [`Plain`] with the paper's g = 2, by the costs of the last frame.
+    Printed,
+    /// The same with our g.
+    Finer,
+    /// [`Plain`] with our g, by overlap only.
+    Overlap,
+}
+
+impl Method {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Ours, Self::Printed, Self::Finer, Self::Overlap];
+
+    /// What tables call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ours => "pfront, g = 16",
+            Self::Printed => "eqs. 1-3, g = 2",
+            Self::Finer => "eqs. 1-3, g = 16",
+            Self::Overlap => "eqs. 3-4, g = 16",
+        }
+    }
+
+    pub(super) fn divider(self, workers: usize) -> Divider {
+        let plain = |grain, evidence| Divider::Plain(Plain::new(workers, grain, evidence));
+        match self {
+            Self::Ours => Divider::ours(workers, |_| ()),
+            Self::Printed => plain(2.0, Evidence::LastFrame),
+            Self::Finer => plain(GRAIN, Evidence::LastFrame),
+            Self::Overlap => plain(GRAIN, Evidence::Overlap),
+        }
+    }
+}
+
+/// A method at work.
+pub(super) enum Divider {
+    Ours(Box<Traversal>),
+    Plain(Plain),
+}
+
+impl Divider {
+    /// Ours, with some settings changed.
+    pub(super) fn ours(workers: usize, change: impl FnOnce(&mut Settings)) -> Self {
+        let grain = Grain::uniform(GRAIN);
+        let mut settings = Settings { schedule: Schedule::Static, grain, ..Settings::default() };
+        change(&mut settings);
+        Self::Ours(Box::new(Traversal::new(workers).with_settings(settings)))
+    }
+
+    pub(super) fn all<Q: Query + Sync>(&mut self, query: &Q, out: &mut Vec<TrianglePair>) {
+        match self {
+            Self::Ours(traversal) => traversal.all(query, out),
+            Self::Plain(plain) => plain.all(query, out),
+        }
+    }
+
+    pub(super) fn report(&self) -> &Report {
+        match self {
+            Self::Ours(traversal) => traversal.report(),
+            Self::Plain(plain) => plain.report(),
+        }
+    }
+}
+
+/// What a frame came to. Costs are in box tests.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// What happened in it.
+    pub what: &'static str,
+    /// Whether the pairs were those that one core finds, and the oracle where it looked.
+    pub right: bool,
+    /// Whether all that was counted and predicted is a number.
+    pub finite: bool,
+    /// Busiest worker over mean.
+    pub imbalance: f64,
+    /// What that may be.
+    pub limit: f64,
+    /// Whether the limit is wider than usual, as workers had so little to do, see [`THIN`].
+    pub widened: bool,
+    /// Nodes of the front.
+    pub nodes: usize,
+    /// Box tests spent on the front.
+    pub front_box_tests: u64,
+    /// The dearest worker's predicted cost.
+    pub predicted: f64,
+    /// The busiest worker's cost.
+    pub makespan: f64,
+    /// The cost of all workers.
+    pub total: f64,
+}
+
+impl Frame {
+    /// Whether the answer is right, all figures are numbers, and the balance is within its limit.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.right && self.finite && self.imbalance <= self.limit
+    }
+
+    fn new(what: &'static str, bound: Bound, report: &Report, w_max: f64, right: bool) -> Self {
+        let costs = || report.shares.iter().map(|share| report.cost(share.work));
+        let predicted = || report.shares.iter().map(|share| share.predicted);
+        let (total, p) = (costs().sum::<f64>(), report.shares.len() as f64);
+        let dominance = if total > 0.0 { w_max * p / total } else { 0.0 };
+        let imbalance = report.imbalance();
+        let limit = bound.limit(dominance, total / p < THIN);
+        Self {
+            what,
+            right,
+            finite: imbalance.is_finite() && predicted().all(f64::is_finite),
+            imbalance,
+            limit,
+            widened: limit > bound.limit(dominance, false),
+            nodes: report.nodes,
+            front_box_tests: report.front_box_tests,
+            predicted: predicted().fold(0.0, f64::max),
+            makespan: costs().fold(0.0, f64::max),
+            total,
+        }
+    }
+}
+
+/// The frames of one scene with one method and number of workers.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// The scene.
+    pub scene: &'static str,
+    /// The method.
+    pub method: Method,
+    /// p.
+    pub workers: usize,
+    /// Each frame.
+    pub frames: Vec<Frame>,
+}
+
+/// What a scene came to.
+#[derive(Clone, Debug, Default)]
+pub struct Played {
+    /// One for each number of workers and method.
+    pub series: Vec<Series>,
+    /// How many frames the oracle has confirmed or not: the first of each kind, where it is small.
+    pub by_oracle: usize,
+}
+
+/// Plays a scene with each of `workers` and each of [`Method::ALL`]; calls `tick` after each frame.
+///
+/// # Errors
+/// As [`Scene::play`].
+pub fn play(
+    scene: &mut Scene,
+    workers: &[usize],
+    tick: &mut dyn FnMut(),
+) -> Result<Played, StabilityError> {
+    let all = workers.iter().flat_map(|&p| Method::ALL.map(|method| (p, method)));
+    let (mut series, mut dividers) = (Vec::new(), Vec::new());
+    for (workers, method) in all {
+        series.push(Series { scene: scene.name, method, workers, frames: Vec::new() });
+        dividers.push(method.divider(workers));
+    }
+    let mut player = Player { series, dividers, by_oracle: 0, last: "", tick };
+    scene.play(&mut player)?;
+    Ok(Played { series: player.series, by_oracle: player.by_oracle })
+}
+
+struct Player<'t> {
+    series: Vec<Series>,
+    dividers: Vec<Divider>,
+    by_oracle: usize,
+    /// What happened in the last frame.
+    last: &'static str,
+    tick: &'t mut dyn FnMut(),
+}
+
+impl Watch for Player<'_> {
+    fn frame<Q: Query + Sync>(
+        &mut self,
+        _: usize,
+        step: &Step,
+        query: &Q,
+        oracle: &dyn Fn() -> Vec<TrianglePair>,
+    ) {
+        let (expected, triangle_tests) = one_core(query);
+        let is_new = std::mem::replace(&mut self.last, step.what) != step.what;
+        let mut agreed = true;
+        if is_new && triangle_tests <= ORACLE {
+            agreed = expected == oracle();
+            self.by_oracle += 1;
+        }
+        let counted = Report { triangle_cost: TRIANGLE_COST, ..Report::default() };
+        let w_max = limit::w_max(query, &counted);
+        let mut pairs = Vec::new();
+        for (series, divider) in self.series.iter_mut().zip(&mut self.dividers) {
+            divider.all(query, &mut pairs);
+            let right = agreed && pairs == expected;
+            let frame = Frame::new(step.what, step.bound, divider.report(), w_max, right);
+            series.frames.push(frame);
+        }
+        (self.tick)();
+    }
+}
+
+/// What one core finds, sorted, and its triangle tests.
+pub(super) fn one_core(query: &impl Query) -> (Vec<TrianglePair>, u64) {
+    let (mut pairs, mut cursor) = (Vec::new(), query.start());
+    // Never broken off.
+    let _ = query.visit(&mut cursor, |pair| {
+        pairs.push(pair);
+        ControlFlow::Continue(())
+    });
+    pairs.sort_unstable();
+    (pairs, cursor.work().triangle_tests)
+}

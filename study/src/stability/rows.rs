@@ -1,0 +1,250 @@
+//! The matrix: each row with its scenes, what is measured of them, and what is found.
+
+use super::catalogue::{self, Length, PERIOD, SETTLING};
+use super::play::{Frame, Method, Played, Series, play};
+use super::scene::Scene;
+use super::{StabilityError, extremes};
+
+/// A case of the matrix.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Its name, without spaces.
+    pub name: &'static str,
+    /// What it is about.
+    pub about: &'static str,
+    scenes: fn(Length) -> Result<Vec<Scene>, StabilityError>,
+    judge: Judge,
+}
+
+/// What is measured, beside that every answer is right and every figure a number.
+#[derive(Clone, Copy, Debug)]
+enum Judge {
+    /// The imbalance of every frame.
+    Balance,
+    /// That, and the size of the front in a scene that comes back to where it was after so many frames.
+    Settling { period: usize },
+    /// All work, as g and α change.
+    Work,
+    /// The answer, as capacities are one below need.
+    Capacity,
+}
+
+const fn balance(
+    name: &'static str,
+    about: &'static str,
+    scenes: fn(Length) -> Result<Vec<Scene>, StabilityError>,
+) -> Row {
+    Row { name, about, scenes, judge: Judge::Balance }
+}
+
+/// The matrix.
+pub const ROWS: [Row; 14] = [
+    balance("coherent", "coherent motion", catalogue::coherent),
+    balance("flat", "flat, touching and zero-volume boxes", catalogue::flat),
+    balance("teleport", "a jump within contact", catalogue::teleport),
+    balance("onset-and-loss", "contact from one frame to the next", catalogue::onset_and_loss),
+    balance("skewed", "trees that are chains", catalogue::skewed),
+    balance("one-against-many", "one triangle and 20,000", catalogue::one_against_many),
+    balance("few-nodes", "more workers than nodes", catalogue::few_nodes),
+    balance("identical", "a mesh and its double", catalogue::identical),
+    balance("contained", "a ball within a ball", catalogue::contained),
+    Row {
+        name: "still",
+        about: "200 frames at rest",
+        scenes: catalogue::still,
+        judge: Judge::Settling { period: 1 },
+    },
+    Row {
+        name: "swaying",
+        about: "to and fro in 16 frames",
+        scenes: catalogue::swaying,
+        judge: Judge::Settling { period: PERIOD },
+    },
+    Row {
+        name: "grain-and-alpha",
+        about: "g and α changed",
+        scenes: |_| Ok(vec![catalogue::at_rest()?]),
+        judge: Judge::Work,
+    },
+    Row {
+        name: "capacity",
+        about: "room for one fewer than needed",
+        scenes: catalogue::full,
+        judge: Judge::Capacity,
+    },
+    balance("twin", "all boxes overlap all boxes", catalogue::twin),
+];
+
+/// A figure and its limit, for one method and number of workers.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// What was measured.
+    pub measure: &'static str,
+    /// Of whom.
+    pub method: Method,
+    /// p.
+    pub workers: usize,
+    /// The worst figure: that nearest to its limit, or farthest beyond.
+    pub figure: f64,
+    /// What it may be.
+    pub limit: f64,
+    /// Where it was found.
+    pub place: String,
+    /// Whether the limit is wider than usual, as workers had hardly anything to do.
+    pub widened: bool,
+    /// Whether all answers were right and all figures numbers.
+    pub sound: bool,
+}
+
+impl Finding {
+    pub(super) fn new(
+        measure: &'static str,
+        method: Method,
+        workers: usize,
+        figure: f64,
+        limit: f64,
+        place: String,
+    ) -> Self {
+        Self { measure, method, workers, figure, limit, place, widened: false, sound: true }
+    }
+
+    /// Whether it passes.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.sound && self.figure <= self.limit
+    }
+
+    /// The one that fails, or comes closest to it.
+    fn worse(self, other: Self) -> Self {
+        let excess = |f: &Self| if f.limit > 0.0 { f.figure / f.limit } else { f.figure };
+        let key = |f: &Self| (!f.sound, !f.holds(), excess(f));
+        if key(&other) > key(&self) { other } else { self }
+    }
+
+    pub(super) fn worst(all: impl IntoIterator<Item = Self>) -> Option<Self> {
+        all.into_iter().reduce(Self::worse)
+    }
+
+    fn of_frame(series: &Series, number: usize, frame: &Frame) -> Self {
+        let Series { scene, method, workers, .. } = *series;
+        let place = format!("{scene}, frame {number}: {}", frame.what);
+        let found = Self::new("imbalance", method, workers, frame.imbalance, frame.limit, place);
+        Self { widened: frame.widened, sound: frame.right && frame.finite, ..found }
+    }
+}
+
+/// What a row came to.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// The frames of its scenes.
+    pub series: Vec<Series>,
+    /// What is wrong or right with them.
+    pub findings: Vec<Finding>,
+    /// How many frames were compared with the oracle.
+    pub by_oracle: usize,
+}
+
+impl Outcome {
+    /// Whether a method passes in all of it.
+    #[must_use]
+    pub fn holds(&self, method: Method) -> bool {
+        self.findings.iter().filter(|found| found.method == method).all(Finding::holds)
+    }
+}
+
+impl Row {
+    /// The row of that name.
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<&'static Self> {
+        ROWS.iter().find(|row| row.name == name)
+    }
+
+    /// Its scenes.
+    ///
+    /// # Errors
+    /// If a mesh is refused, which those of the matrix are not.
+    pub fn scenes(&self, length: Length) -> Result<Vec<Scene>, StabilityError> {
+        (self.scenes)(length)
+    }
+
+    /// Plays its scenes with each of `workers` and judges them; calls `tick` after each frame.
+    ///
+    /// # Errors
+    /// If a pose is refused, which those of the matrix are not.
+    pub fn run(
+        &self,
+        scenes: &mut [Scene],
+        workers: &[usize],
+        tick: &mut dyn FnMut(),
+    ) -> Result<Outcome, StabilityError> {
+        let mut outcome = Outcome::default();
+        for scene in scenes {
+            let findings = match self.judge {
+                Judge::Work => extremes::work(scene, workers, tick)?,
+                Judge::Capacity => extremes::capacity(scene, workers, tick)?,
+                Judge::Balance | Judge::Settling { .. } => {
+                    let Played { series, by_oracle } = play(scene, workers, tick)?;
+                    outcome.by_oracle += by_oracle;
+                    let findings = series.iter().flat_map(|s| self.judge_series(s)).collect();
+                    outcome.series.extend(series);
+                    findings
+                }
+            };
+            outcome.add(findings);
+        }
+        Ok(outcome)
+    }
+
+    fn judge_series(&self, series: &Series) -> Vec<Finding> {
+        let frames = series.frames.iter().enumerate();
+        let frames = frames.map(|(i, frame)| Finding::of_frame(series, i, frame));
+        let mut found: Vec<Finding> = Finding::worst(frames).into_iter().collect();
+        if let Judge::Settling { period } = self.judge {
+            found.extend(settling(series, period));
+        }
+        found
+    }
+}
+
+impl Outcome {
+    /// Keeps the worst of each measure, method and p.
+    fn add(&mut self, findings: Vec<Finding>) {
+        for found in findings {
+            let key = |f: &Finding| (f.measure, f.method, f.workers);
+            match self.findings.iter_mut().find(|f| key(f) == key(&found)) {
+                Some(worst) => *worst = worst.clone().worse(found),
+                None => self.findings.push(found),
+            }
+        }
+    }
+}
+
+/// How the size of a front behaves in a scene that comes back after `period` frames: whether it is what it was
+/// (drift), whether it goes up and down from frame to frame (alternation: what a period of 2 adds, relative),
+/// and, at rest, whether it comes to rest.
+///
+/// With few workers a front at rest is a fixed point. With many a swing of 0.4 % is left: what a node costs
+/// depends a little on whether those above it are split, as a walk takes two levels in a step.
+fn settling(series: &Series, period: usize) -> Vec<Finding> {
+    let nodes = |frame: &Frame| frame.nodes as f64;
+    let settled: Vec<f64> = series.frames.iter().skip(SETTLING - 1).map(nodes).collect();
+    let drift = (period..settled.len())
+        .map(|i| (settled[i] / settled[i % period] - 1.0).abs())
+        .fold(0.0, f64::max);
+    let even = &settled[..settled.len() / 2 * 2];
+    let [ups, downs] = [0, 1].map(|odd| even.iter().skip(odd).step_by(2).sum::<f64>());
+    let alternation = 2.0 * (ups - downs).abs() / (ups + downs);
+    let found = |measure, figure, limit| {
+        let place = series.scene.to_owned();
+        Finding::new(measure, series.method, series.workers, figure, limit, place)
+    };
+    let mut all =
+        vec![found("front drift", drift, 0.05), found("period-2 swing", alternation, 0.01)];
+    if period == 1 {
+        let last = &settled[settled.len().saturating_sub(8)..];
+        let [most, least] = [f64::max, f64::min].map(|of| last.iter().copied().fold(last[0], of));
+        let limit = if series.workers > 7 { 0.01 } else { 0.0 };
+        all.push(found("last 8 frames", (most - least) / settled[0], limit));
+    }
+    all
+}

@@ -1,0 +1,76 @@
+//! The schedules by the clock, frame by frame, on the threads of the calling pool.
+
+use super::StabilityError;
+use super::scene::{Scene, Step, Watch};
+use pfront::TrianglePair;
+use pfront::core::query::Query;
+use pfront::threads::{Schedule, Settings, Traversal};
+use std::time::Instant;
+
+/// The shortest of so many runs counts.
+const RUNS: usize = 3;
+
+/// What is timed; the name of a schedule, and how many workers it has on so many threads.
+const TIMED: [(&str, Schedule, fn(usize) -> usize); 4] = [
+    ("one thread", Schedule::Static, |_| 1),
+    ("static partition", Schedule::Static, |threads| threads),
+    ("work stealing", Schedule::Stealing, |threads| threads),
+    ("partition, then stealing", Schedule::Hybrid, |threads| threads),
+];
+
+/// How long the frames of a scene took with one schedule.
+#[derive(Clone, Debug)]
+pub struct Times {
+    /// The schedule.
+    pub name: &'static str,
+    /// Each frame in milliseconds: the front, the walk, and sorting what was found.
+    pub milliseconds: Vec<f64>,
+}
+
+/// Times every frame of a scene under each schedule, in turn.
+///
+/// # Errors
+/// As [`Scene::play`].
+pub fn time(scene: &mut Scene) -> Result<Vec<Times>, StabilityError> {
+    let threads = rayon::current_num_threads();
+    let timed = TIMED.map(|(name, ..)| Times { name, milliseconds: Vec::new() });
+    let mut clock = Clock { traversals: Vec::new(), times: timed.into() };
+    for _ in 0..RUNS {
+        clock.traversals = TIMED
+            .map(|(_, schedule, workers)| {
+                let settings = Settings { schedule, ..Settings::default() };
+                Traversal::new(workers(threads)).with_settings(settings)
+            })
+            .into();
+        scene.play(&mut clock)?;
+    }
+    Ok(clock.times)
+}
+
+struct Clock {
+    traversals: Vec<Traversal>,
+    times: Vec<Times>,
+}
+
+impl Watch for Clock {
+    fn frame<Q: Query + Sync>(
+        &mut self,
+        index: usize,
+        _: &Step,
+        query: &Q,
+        _: &dyn Fn() -> Vec<TrianglePair>,
+    ) {
+        let mut pairs = Vec::new();
+        for (traversal, Times { milliseconds, .. }) in
+            self.traversals.iter_mut().zip(&mut self.times)
+        {
+            let clock = Instant::now();
+            traversal.all(query, &mut pairs);
+            let taken = 1e3 * clock.elapsed().as_secs_f64();
+            match milliseconds.get_mut(index) {
+                Some(least) => *least = least.min(taken),
+                None => milliseconds.push(taken),
+            }
+        }
+    }
+}
