@@ -33,6 +33,7 @@
 
 mod build;
 mod calibrate;
+mod damping;
 mod deal;
 mod parts;
 mod plan;

@@ -4,6 +4,7 @@
 //! N = max(1024, 80·p) and one for each query. Estimated nodes are made finer only as long as all of
 //! them fit in; where the grain of measured ones asks for more, N doubles, up to `most_nodes`.
 
+use crate::damping::Damping;
 use crate::{Report, Schedule, Settings, parts};
 use pfront_core::front::{COHERENT, Front, FrontNode, Past, PastCost};
 use pfront_core::partition::{Load, greedy, p_optimal};
@@ -32,6 +33,7 @@ pub(crate) struct Plan {
     loads: Vec<Load>,
     /// Depth of the starting front, once there was one.
     depth: Option<u32>,
+    damping: Damping,
 }
 
 /// How a front came out.
@@ -71,6 +73,7 @@ impl Plan {
         if workers > 1 {
             self.refine(queries, workers, settings, report);
         }
+        self.damping.note(self.len, report.coherent);
         self.adjust_depth(report.starting_nodes);
         report.front_time = clock.elapsed();
         self.deal(workers, report);
@@ -127,7 +130,8 @@ impl Plan {
         let mut in_steps = !(report.coherent || fits);
         settings.grain.estimated = if in_steps { coarsest } else { finest };
         loop {
-            let past = Past::new(&self.past[..if report.coherent { self.remembered } else { 0 }]);
+            let past = Past::new(&self.past[..if report.coherent { self.remembered } else { 0 }])
+                .with_hold(self.damping.hold());
             let task = parts::Task { queries, workers, settings: &settings, past };
             let grain = settings.grain;
             let goal = workers as f64 * grain.measured.max(grain.estimated);

@@ -42,7 +42,7 @@ mod refine;
 mod tests;
 
 pub use estimate::{Alpha, Estimate, Extent};
-pub use past::{Past, PastCost, Path};
+pub use past::{HOLD, Past, PastCost, Path};
 pub use refine::Grain;
 
 use crate::CapacityError;

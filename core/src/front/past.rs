@@ -61,18 +61,30 @@ pub struct PastCost {
     query: u32,
 }
 
+/// The inertia of a front. Fronts change the costs they are derived from, if only by the box tests that splitting
+/// takes out of the walk, and as a walk takes two levels in a step; without some inertia a still scene may swing
+/// between two of them.
+pub const HOLD: f32 = 0.9;
+
 /// The measured costs of the last front, in its depth-first order: 16 bytes a node.
 ///
 /// Any BVTT node at or above that front finds in it what its whole subtree cost, so that a frame
 /// refines by measured costs as far as the last one did and has to estimate only beyond.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Past<'a> {
     entries: &'a [PastCost],
+    hold: f32,
+}
+
+impl Default for Past<'_> {
+    fn default() -> Self {
+        Self::NOTHING
+    }
 }
 
 impl<'a> Past<'a> {
     /// Nothing remembered: the first frame, or motion without coherence.
-    pub const NOTHING: Past<'static> = Past { entries: &[] };
+    pub const NOTHING: Past<'static> = Past { entries: &[], hold: HOLD };
 
     /// Writes down a frame: `nodes` are all nodes of its front in any order, and `cost` tells what the
     /// walk from a node really did.
@@ -89,13 +101,24 @@ impl<'a> Past<'a> {
             memory[node.index as usize] =
                 PastCost { path: node.path, cost: cost(node), query: node.query };
         }
-        Ok(Self { entries: &memory[..nodes.len()] })
+        Ok(Self::new(&memory[..nodes.len()]))
     }
 
     /// Borrows again what [`Past::record`] wrote for a front of so many nodes.
     #[must_use]
     pub fn new(memory: &'a [PastCost]) -> Self {
-        Self { entries: memory }
+        Self { entries: memory, hold: HOLD }
+    }
+
+    /// The same with another inertia than [`HOLD`]: a node that the last frame split is split again until its
+    /// cost has fallen below this share of the bound.
+    #[must_use]
+    pub fn with_hold(self, hold: f32) -> Self {
+        Self { hold, ..self }
+    }
+
+    pub(super) fn hold(self) -> f32 {
+        self.hold
     }
 
     /// The whole cost of the last frame.
@@ -149,7 +172,7 @@ impl<'a> Past<'a> {
         let reached =
             self.entries.get(..*read).filter(|e| e.last().is_none_or(|e| e.query < query));
         let before = reached.map_or(0, <[_]>::len);
-        let mut rest = Self { entries: &self.entries[before..] };
+        let mut rest = Self { entries: &self.entries[before..], ..self };
         let of_query = rest.advance(query, Path::ROOT);
         *read = self.entries.len() - rest.entries.len();
         of_query
@@ -168,7 +191,7 @@ impl<'a> Past<'a> {
         let inside = |e: &&PastCost| e.query == query && e.path <= path.last();
         let (below, rest) = rest.split_at(rest.iter().take_while(inside).count());
         self.entries = rest;
-        Self { entries: below }
+        Self { entries: below, ..*self }
     }
 
     /// Whether the memory of a node goes further down than the node.

@@ -54,14 +54,6 @@ impl Grain {
 /// Below this cost no node is split: a split takes about as long as 20 box tests (0.25 µs).
 pub(super) const WORTH_SPLITTING: f32 = 64.0;
 
-/// A node that the last frame split is split again until its cost has fallen below this share of the
-/// bound. Fronts change the costs they are derived from, if only by the box tests that splitting takes
-/// out of the walk, and as a walk takes two levels in a step; without some inertia a still scene swings between
-/// two of them. Of 24 still scenes with 16 workers and the default grain, seven swing at 0.9, by up to 2.4 %
-/// of their nodes, and none at 0.7; with 64 workers 22, by up to 1.2 %, and five, by up to 0.3 %. Moving
-/// scenes have 3 to 8 % more nodes for it, a folded sheet 20 %, and are about as well balanced.
-const HOLD: f32 = 0.7;
-
 impl Front<'_> {
     /// Algorithm 2: replaces nodes by their overlapping children, down to leaf pairs, until each costs
     /// less than ΣF/(g·p) for `workers` = p (eq. 1; eq. 5 when the front serves many queries). `query`
@@ -103,7 +95,7 @@ impl Front<'_> {
         let exceeds = |at: &Step<'_>| {
             let bound = bounds[usize::from(!at.past.is_empty())];
             let again = at.past.goes_below(at.node.path);
-            let least = if again { HOLD * bound } else { bound };
+            let least = if again { past.hold() * bound } else { bound };
             let mut cost = at.node.cost;
             if again && cost < least {
                 cost += at.past.spent_above(at.node.path);

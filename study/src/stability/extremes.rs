@@ -1,7 +1,7 @@
 //! Settings at their extremes, on scenes at rest: g and α, and capacities one below need.
 
 use super::StabilityError;
-use super::plain::{Evidence, Plain};
+use super::plain::Evidence;
 use super::play::{Divider, Method, one_core};
 use super::rows::Finding;
 use super::scene::{Scene, Step, Watch};
@@ -57,7 +57,7 @@ impl Sweep {
     }
 
     fn of_plain(workers: usize) -> Self {
-        let plain = |g| Divider::Plain(Plain::new(workers, g, Evidence::LastFrame));
+        let plain = |g| Divider::plain(workers, g, Evidence::LastFrame);
         let others = vec![("g/2".to_owned(), plain(1.0)), ("2g".to_owned(), plain(4.0))];
         Self { method: Method::Printed, workers, usual: plain(2.0), others }
     }

@@ -1,7 +1,7 @@
 //! Playing a scene with many numbers of workers and all methods, each frame checked against one core.
 
 use super::StabilityError;
-use super::limit::{self, Bound, THIN};
+use super::limit::{Bound, Census, Hardness, THIN};
 use super::plain::{Evidence, Plain};
 use super::scene::{Scene, Step, Watch};
 use pfront::TrianglePair;
@@ -46,7 +46,7 @@ impl Method {
     }
 
     pub(super) fn divider(self, workers: usize) -> Divider {
-        let plain = |grain, evidence| Divider::Plain(Plain::new(workers, grain, evidence));
+        let plain = |grain, evidence| Divider::plain(workers, grain, evidence);
         match self {
             Self::Ours => Divider::ours(workers, |_| ()),
             Self::Printed => plain(2.0, Evidence::LastFrame),
@@ -59,7 +59,7 @@ impl Method {
 /// A method at work.
 pub(super) enum Divider {
     Ours(Box<Traversal>),
-    Plain(Plain),
+    Plain(Box<Plain>),
 }
 
 impl Divider {
@@ -69,6 +69,10 @@ impl Divider {
         let mut settings = Settings { schedule: Schedule::Static, grain, ..Settings::default() };
         change(&mut settings);
         Self::Ours(Box::new(Traversal::new(workers).with_settings(settings)))
+    }
+
+    pub(super) fn plain(workers: usize, grain: f64, evidence: Evidence) -> Self {
+        Self::Plain(Box::new(Plain::new(workers, grain, evidence)))
     }
 
     pub(super) fn all<Q: Query + Sync>(&mut self, query: &Q, out: &mut Vec<TrianglePair>) {
@@ -99,7 +103,7 @@ pub struct Frame {
     pub imbalance: f64,
     /// What that may be.
     pub limit: f64,
-    /// Whether the limit is wider than usual, as workers had so little to do, see [`THIN`].
+    /// Whether the limit is wider than usual, as workers had so little to do, see [`Hardness`].
     pub widened: bool,
     /// Nodes of the front.
     pub nodes: usize,
@@ -120,20 +124,27 @@ impl Frame {
         self.right && self.finite && self.imbalance <= self.limit
     }
 
-    fn new(what: &'static str, bound: Bound, report: &Report, w_max: f64, right: bool) -> Self {
+    fn new(
+        what: &'static str,
+        bound: Bound,
+        report: &Report,
+        census: &Census,
+        right: bool,
+    ) -> Self {
         let costs = || report.shares.iter().map(|share| report.cost(share.work));
         let predicted = || report.shares.iter().map(|share| share.predicted);
         let (total, p) = (costs().sum::<f64>(), report.shares.len() as f64);
-        let dominance = if total > 0.0 { w_max * p / total } else { 0.0 };
-        let imbalance = report.imbalance();
-        let limit = bound.limit(dominance, total / p < THIN);
+        let relative = |w: f64| if total > 0.0 { w * p / total } else { 0.0 };
+        let (dominance, rise) = (relative(census.w_max), relative(census.w_rise));
+        let hardness = Hardness { dominance, rise, thin: total / p < THIN };
+        let (imbalance, limit) = (report.imbalance(), bound.limit(hardness));
         Self {
             what,
             right,
             finite: imbalance.is_finite() && predicted().all(f64::is_finite),
             imbalance,
             limit,
-            widened: limit > bound.limit(dominance, false),
+            widened: limit > bound.usual(hardness),
             nodes: report.nodes,
             front_box_tests: report.front_box_tests,
             predicted: predicted().fold(0.0, f64::max),
@@ -180,7 +191,8 @@ pub fn play(
         series.push(Series { scene: scene.name, method, workers, frames: Vec::new() });
         dividers.push(method.divider(workers));
     }
-    let mut player = Player { series, dividers, by_oracle: 0, last: "", tick };
+    let mut player =
+        Player { series, dividers, by_oracle: 0, census: Census::default(), last: "", tick };
     scene.play(&mut player)?;
     Ok(Played { series: player.series, by_oracle: player.by_oracle })
 }
@@ -189,6 +201,7 @@ struct Player<'t> {
     series: Vec<Series>,
     dividers: Vec<Divider>,
     by_oracle: usize,
+    census: Census,
     /// What happened in the last frame.
     last: &'static str,
     tick: &'t mut dyn FnMut(),
@@ -209,13 +222,12 @@ impl Watch for Player<'_> {
             agreed = expected == oracle();
             self.by_oracle += 1;
         }
-        let counted = Report { triangle_cost: TRIANGLE_COST, ..Report::default() };
-        let w_max = limit::w_max(query, &counted);
+        self.census.take(query, &Report { triangle_cost: TRIANGLE_COST, ..Report::default() });
         let mut pairs = Vec::new();
         for (series, divider) in self.series.iter_mut().zip(&mut self.dividers) {
             divider.all(query, &mut pairs);
             let right = agreed && pairs == expected;
-            let frame = Frame::new(step.what, step.bound, divider.report(), w_max, right);
+            let frame = Frame::new(step.what, step.bound, divider.report(), &self.census, right);
             series.frames.push(frame);
         }
         (self.tick)();

@@ -5,17 +5,17 @@ use super::scene::{Scene, Step, Watch};
 use pfront::TrianglePair;
 use pfront::core::query::Query;
 use pfront::threads::{Schedule, Settings, Traversal};
+use std::iter::once;
 use std::time::Instant;
 
 /// The shortest of so many runs counts.
 const RUNS: usize = 3;
 
-/// What is timed; the name of a schedule, and how many workers it has on so many threads.
-const TIMED: [(&str, Schedule, fn(usize) -> usize); 4] = [
-    ("one thread", Schedule::Static, |_| 1),
-    ("static partition", Schedule::Static, |threads| threads),
-    ("work stealing", Schedule::Stealing, |threads| threads),
-    ("partition, then stealing", Schedule::Hybrid, |threads| threads),
+/// What is timed on all threads.
+const SCHEDULES: [(&str, Schedule); 3] = [
+    ("static partition", Schedule::Static),
+    ("work stealing", Schedule::Stealing),
+    ("partition, then stealing", Schedule::Hybrid),
 ];
 
 /// How long the frames of a scene took with one schedule.
@@ -33,15 +33,15 @@ pub struct Times {
 /// As [`Scene::play`].
 pub fn time(scene: &mut Scene) -> Result<Vec<Times>, StabilityError> {
     let threads = rayon::current_num_threads();
-    let timed = TIMED.map(|(name, ..)| Times { name, milliseconds: Vec::new() });
-    let mut clock = Clock { traversals: Vec::new(), times: timed.into() };
+    let all =
+        || once(("one thread", Schedule::Static, 1)).chain(SCHEDULES.map(|(n, s)| (n, s, threads)));
+    let times = all().map(|(name, ..)| Times { name, milliseconds: Vec::new() }).collect();
+    let mut clock = Clock { traversals: Vec::new(), times };
     for _ in 0..RUNS {
-        clock.traversals = TIMED
-            .map(|(_, schedule, workers)| {
-                let settings = Settings { schedule, ..Settings::default() };
-                Traversal::new(workers(threads)).with_settings(settings)
-            })
-            .into();
+        let traversal = |(_, schedule, workers)| {
+            Traversal::new(workers).with_settings(Settings { schedule, ..Settings::default() })
+        };
+        clock.traversals = all().map(traversal).collect();
         scene.play(&mut clock)?;
     }
     Ok(clock.times)

@@ -31,7 +31,7 @@ pub(super) fn table(out: &mut impl Write, workers: &[usize], all: &[Played]) -> 
     writeln!(
         out,
         "\nfigure/limit, the worst of all frames; ! beyond it, ? an answer wrong or a cost that is no number,\n\
-         ~ workers with less than 100 box tests each, for which the limit is wider"
+         ~ workers with so little to do that the limit is wider"
     )?;
     summary(out, all)
 }
