@@ -123,6 +123,8 @@ pub enum Placing {
     Here,
     /// Moved.
     Moved([u8; 3]),
+    /// Moved so far that bodies lie apart as often as not.
+    Away([u8; 3]),
     /// Turned by a quaternion and moved.
     Turned([i8; 4], [u8; 3]),
     /// Any bits.
@@ -143,6 +145,7 @@ impl Placing {
         match *self {
             Placing::Here => Pose::IDENTITY,
             Placing::Moved(t) => Pose::from_translation(translation(t)),
+            Placing::Away(t) => Pose::from_translation(translation(t).map(|x| 3.0 * x)),
             Placing::Turned(q, t) => turned(q.map(f64::from), translation(t)),
             Placing::Any(rows) => Pose::new(rows.map(|row| row.map(f32::from_bits))),
         }
@@ -195,7 +198,7 @@ pub enum Change {
 /// What may be asked.
 #[derive(Arbitrary, Debug)]
 pub enum Question {
-    /// All bodies: what is remembered from question to question.
+    /// No more than of all bodies, which is asked every time.
     Scene,
     /// Two bodies, the second posed into the frame of the first.
     Pair([u8; 2], Placing),

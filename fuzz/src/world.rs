@@ -77,14 +77,16 @@ impl World {
             self.remove(0);
         }
         match &step.question {
-            Question::Scene => self.ask_scene(step.ask),
             _ if self.bodies.is_empty() => {}
+            Question::Scene => {}
             Question::Pair(two, placing) => self.ask_pair(self.two(*two), *placing, step.ask),
             Question::World(two) => self.ask_world(self.two(*two), step.ask),
             Question::Within(place, skip) => {
                 self.ask_within(self.place(*place), *skip, step.ask);
             }
         }
+        // What it remembers of one frame must not spoil the next, whatever has changed.
+        self.ask_scene(step.ask);
     }
 
     fn change(&mut self, change: &Change) {
