@@ -4,11 +4,6 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pfront_fuzz::World;
 use pfront_fuzz::input::Calls;
 
-fuzz_target!(|calls: Calls| {
-    let (palette, steps) = calls.parts();
-    let mut world = World::new(*palette);
-    steps.iter().for_each(|step| world.step(step));
-});
+fuzz_target!(|calls: Calls| calls.run());

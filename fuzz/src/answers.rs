@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 /// What all verbs of a query said.
 #[derive(Debug, PartialEq)]
-pub struct Answers<H> {
+pub(crate) struct Answers<H> {
     /// All hits.
     pub all: Vec<H>,
     /// How many.
@@ -36,7 +36,7 @@ impl<H: Copy + Ord + Debug> Answers<H> {
         }
         assert_eq!(*count, all.len() as u64);
         assert_eq!(any.is_some(), !all.is_empty());
-        assert_eq!(visited.len(), all.len().min(stop_after(ask)));
+        assert_eq!(visited.len(), all.len().min(ask.stop()));
         let mut seen: Vec<_> = visited.iter().chain(any).collect();
         assert!(seen.iter().all(|hit| all.binary_search(hit).is_ok()), "{seen:?} of {all:?}");
         seen = visited.iter().collect();
@@ -60,20 +60,11 @@ impl<H: Copy + Ord + Debug> Answers<H> {
     }
 }
 
-/// A visitor that breaks off has seen at least one.
-pub(crate) fn stop_after(ask: Ask) -> usize {
-    usize::from(ask.stop).max(1)
-}
-
 /// Keeps the first few hits, and then breaks.
 pub(crate) fn first_few<H>(few: &mut Vec<H>, ask: Ask) -> impl FnMut(H) -> ControlFlow<()> {
     move |hit| {
         few.push(hit);
-        if few.len() == stop_after(ask) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        if few.len() == ask.stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -82,7 +73,7 @@ pub(crate) fn of_core(query: &impl Query, ask: Ask) -> Answers<TrianglePair> {
     let all = pages(query, ask.page());
     let (mut cursor, mut visited) = (query.start(), Vec::new());
     let end = query.visit(&mut cursor, first_few(&mut visited, ask));
-    assert_eq!(end.is_break(), all.len() >= stop_after(ask));
+    assert_eq!(end.is_break(), all.len() >= ask.stop());
     let mut rest = visited.clone();
     let end = query.visit(&mut cursor, |pair| {
         rest.push(pair);

@@ -1,15 +1,24 @@
 //! The questions: each of every backend, in all verbs, against brute force.
 
-use crate::answers::{Answers, as_pairs, first_few, of_core};
+use crate::answers::{Answers, first_few, of_core};
 use crate::input::{Ask, Placing, adjacency};
+use crate::truth::overlapping;
 use crate::world::{World, placed};
 use pfront::core::query::{self, Placed};
 use pfront::{Error, Model, PairQuery, Pose, SceneHit, SceneQuery, SelfQuery, TrianglePair};
-use pfront_oracle::generate::soup::Soup;
-use pfront_oracle::{pairs, self_pairs, share_a_vertex};
 use std::mem::take;
 
 impl World {
+    pub(crate) fn ask_everything(&mut self, ask: Ask) {
+        self.ask_scene(ask);
+        for place in 0..self.bodies.len() {
+            self.ask_within(place, false, ask);
+            let two = [place, (place + 1) % self.bodies.len()];
+            self.ask_pair(two, Placing::Here, ask);
+            self.ask_world(two, ask);
+        }
+    }
+
     pub(crate) fn ask_pair(&mut self, two: [usize; 2], placing: Placing, ask: Ask) {
         let pose = placing.pose(&self.palette);
         let [a, b] = two.map(|place| &self.bodies[place].body);
@@ -19,7 +28,7 @@ impl World {
             .map(|queries| of_two(&mut queries.pair, &a.model, &b.model, &pose, ask));
         match (core, said) {
             (Ok(core), [Ok(one), Ok(many)]) => {
-                let truth = meeting(&a.soup, &placed(&b.soup, &pose));
+                let truth = self.truth.between(&a.soup, &placed(&b.soup, &pose));
                 one.same(&many);
                 [core, one, many].iter().for_each(|answers| answers.check(&truth, ask));
             }
@@ -33,7 +42,7 @@ impl World {
 
     pub(crate) fn ask_world(&mut self, two: [usize; 2], ask: Ask) {
         let [a, b] = two.map(|place| &self.bodies[place]);
-        let truth = meeting(&a.world(), &b.world());
+        let truth = self.truth.between(&a.world(), &b.world());
         for (s, t) in [
             (a.body.bvh(), b.body.bvh()),
             (a.body.model.bvh(), b.body.bvh()),
@@ -47,11 +56,7 @@ impl World {
 
     pub(crate) fn ask_within(&mut self, place: usize, skip: bool, ask: Ask) {
         let body = &self.bodies[place].body;
-        let Soup { positions, triangles } = &body.soup;
-        let mut truth = as_pairs(&self_pairs(positions, triangles));
-        let corners = |t: u32| triangles[t as usize];
-        truth.retain(|pair| !skip || !share_a_vertex(corners(pair.a), corners(pair.b)));
-
+        let truth = self.truth.within(&body.soup, skip);
         let [one, many] = [&mut self.one, &mut self.many].map(|queries| {
             let query = take(&mut queries.within).with_accuracy(ask.accuracy());
             queries.within = query.with_adjacency(adjacency(skip));
@@ -76,7 +81,7 @@ impl World {
         for (i, (first, a)) in worlds.iter().enumerate() {
             for (second, b) in &worlds[i + 1..] {
                 let hit = |pair| SceneHit { bodies: [*first, *second], pair };
-                truth.extend(meeting(a, b).into_iter().map(hit));
+                truth.extend(self.truth.between(a, b).into_iter().map(hit));
             }
         }
         let [one, many] = [&mut self.one, &mut self.many].map(|queries| {
@@ -124,26 +129,4 @@ fn of_many(scene: &mut SceneQuery, ask: Ask) -> Result<Answers<SceneHit>, Error>
     let (any, count) = (scene.any()?, scene.count()?);
     let contacts = scene.contacts()?.to_vec();
     Ok(Answers { all: scene.all()?.to_vec(), count, any, visited, contacts })
-}
-
-fn meeting(a: &Soup, b: &Soup) -> Vec<TrianglePair> {
-    as_pairs(&pairs(&a.positions, &a.triangles, &b.positions, &b.triangles))
-}
-
-/// Pairs of triangles of one mesh whose boxes overlap.
-fn overlapping(soup: &Soup) -> Vec<TrianglePair> {
-    let range = |t: &[u32; 3], k: usize| {
-        let [x, y, z] = t.map(|v| soup.positions[v as usize][k]);
-        (x.min(y).min(z), x.max(y).max(z))
-    };
-    let boxes: Vec<_> = soup.triangles.iter().map(|t| [0, 1, 2].map(|k| range(t, k))).collect();
-    let mut found = Vec::new();
-    for (a, s) in boxes.iter().enumerate() {
-        for (b, t) in boxes.iter().enumerate().skip(a + 1) {
-            if s.iter().zip(t).all(|(s, t)| s.0 <= t.1 && t.0 <= s.1) {
-                found.push(TrianglePair { a: a as u32, b: b as u32 });
-            }
-        }
-    }
-    found
 }

@@ -1,37 +1,62 @@
 //! Meshes, poses and calls, as they are made from bytes.
 
+use crate::World;
 use crate::body::Builder;
-use arbitrary::Arbitrary;
+use arbitrary::{Arbitrary, Result, Unstructured};
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{Accuracy, Adjacency, Pose};
 use pfront_oracle::generate::soup::{Soup, sheet};
 
-/// A sequence of calls.
+/// Two bodies, at most 16 steps, and how everything is asked at the end.
 #[derive(Arbitrary, Debug)]
 pub struct Calls {
     palette: Palette,
+    first: [(Shape, Placing, Build); 2],
+    last: Ask,
     steps: Vec<Step>,
 }
 
 impl Calls {
-    /// The numbers that all steps pick from, and the steps, of which the first few say enough.
-    #[must_use]
-    pub fn parts(&self) -> (&Palette, &[Step]) {
-        (&self.palette, &self.steps[..self.steps.len().min(32)])
+    /// Makes them in an empty world.
+    ///
+    /// # Panics
+    /// If an answer is wrong, or two of them differ.
+    pub fn run(&self) {
+        let mut world = World::new(self.palette);
+        for (shape, placing, build) in &self.first {
+            world.add(shape, *placing, *build);
+        }
+        self.steps.iter().take(16).for_each(|step| world.step(step));
+        world.ask_everything(self.last);
     }
 }
 
-/// Coordinates of any bit pattern, to pick from: independent ones would never coincide.
+/// Up to `N` of something. The number comes first, so that many are as likely as few.
+#[derive(Clone, Debug)]
+pub struct Few<T, const N: usize>(Vec<T>);
+
+impl<'a, T: Arbitrary<'a>, const N: usize> Arbitrary<'a> for Few<T, N> {
+    fn arbitrary(bytes: &mut Unstructured<'a>) -> Result<Self> {
+        let count = usize::from(bytes.arbitrary::<u8>()?) % (N + 1);
+        (0..count).map(|_| bytes.arbitrary()).collect::<Result<_>>().map(Self)
+    }
+}
+
+/// Coordinates to pick from: independent ones would never coincide.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 pub struct Palette([u32; 8]);
 
 impl Palette {
-    /// Even picks lie on a small lattice, so that things touch.
+    /// Most picks lie on a small lattice, so that things touch; some within a few bits of it; and few are any
+    /// bits, which the oracle needs long integers for.
     #[must_use]
     pub fn number(&self, pick: u8) -> f32 {
-        match (pick / 2, pick % 2) {
-            (k, 0) => f32::from(k % 16) - 8.0,
-            (k, _) => f32::from_bits(self.0[usize::from(k) % 8]),
+        let bits = self.0[usize::from(pick / 32)];
+        let lattice = |k: u32| (k % 16) as f32 / 2.0 - 4.0;
+        match pick % 32 {
+            31 => f32::from_bits(bits),
+            k @ 28..31 => f32::from_bits(lattice(bits >> k).to_bits() ^ (bits & 7)),
+            k => lattice(k.into()),
         }
     }
 
@@ -42,19 +67,19 @@ impl Palette {
     }
 }
 
-/// A mesh of at most [`MOST`] triangles, perhaps a broken one.
+/// A mesh of at most `MOST` triangles, perhaps a broken one.
 #[derive(Arbitrary, Clone, Debug)]
 pub enum Shape {
     /// Any triangles: without area, twice the same, sharing what they like.
-    Soup { positions: Vec<[u8; 3]>, triangles: Vec<[u8; 3]>, stray: Option<u32> },
+    Soup { positions: Few<[u8; 3], 16>, triangles: Few<[u8; 3], MOST>, stray: Option<Option<u32>> },
     /// A sheet over −1 ..= 1, stretched, at any heights, which are used over and over.
-    Sheet { cells: u8, heights: Vec<u8>, size: u8 },
+    Sheet { cells: u8, heights: Few<u8, 16>, size: u8 },
     /// Triangles about the first of some points.
-    Fan { points: Vec<[u8; 3]>, closed: bool },
+    Fan { points: Few<[u8; 3], 18>, closed: bool },
 }
 
 /// Brute force in big integers takes its time.
-const MOST: usize = 50;
+const MOST: usize = 32;
 
 impl Shape {
     /// Its vertices and triangles, whether or not they are a mesh.
@@ -62,26 +87,26 @@ impl Shape {
     pub fn soup(&self, palette: &Palette) -> Soup {
         match self {
             Shape::Soup { positions, triangles, stray } => {
-                let positions = palette.points(positions);
+                let positions = palette.points(&positions.0);
                 let range = positions.len().max(1) as u32;
                 let corners = |t: &[u8; 3]| t.map(|v| u32::from(v) % range);
-                let mut triangles: Vec<_> = triangles.iter().take(MOST).map(corners).collect();
-                if let (Some(stray), Some(last)) = (*stray, triangles.last_mut()) {
+                let mut triangles: Vec<_> = triangles.0.iter().map(corners).collect();
+                if let (Some(Some(stray)), Some(last)) = (*stray, triangles.last_mut()) {
                     last[1] = stray;
                 }
                 Soup { positions, triangles }
             }
             Shape::Sheet { cells, heights, size } => {
-                let mut heights = heights.iter().cycle();
+                let mut heights = heights.0.iter().cycle();
                 let size = palette.number(*size);
                 // Two triangles a cell.
-                sheet(u32::from(cells % 5) + 1, |_, _| 0.0).map(|[x, y, _]| {
+                sheet(u32::from(cells % 4) + 1, |_, _| 0.0).map(|[x, y, _]| {
                     let z = heights.next().map_or(0.0, |&pick| palette.number(pick));
                     [x * size, y * size, z]
                 })
             }
             Shape::Fan { points, closed } => {
-                let positions = palette.points(&points[..points.len().min(18)]);
+                let positions = palette.points(&points.0);
                 let rim = positions.len().saturating_sub(1) as u32;
                 let sectors = if *closed { rim } else { rim.saturating_sub(1) };
                 let triangles = (0..sectors).map(|i| [0, i + 1, (i + 1) % rim + 1]).collect();
@@ -98,10 +123,18 @@ pub enum Placing {
     Here,
     /// Moved.
     Moved([u8; 3]),
+    /// Moved so far that bodies lie apart as often as not.
+    Away([u8; 3]),
     /// Turned by a quaternion and moved.
     Turned([i8; 4], [u8; 3]),
     /// Any bits.
     Any([[u32; 4]; 3]),
+}
+
+impl<T, const N: usize> Few<T, N> {
+    pub(crate) fn all(&self) -> &[T] {
+        &self.0
+    }
 }
 
 impl Placing {
@@ -112,6 +145,7 @@ impl Placing {
         match *self {
             Placing::Here => Pose::IDENTITY,
             Placing::Moved(t) => Pose::from_translation(translation(t)),
+            Placing::Away(t) => Pose::from_translation(translation(t).map(|x| 3.0 * x)),
             Placing::Turned(q, t) => turned(q.map(f64::from), translation(t)),
             Placing::Any(rows) => Pose::new(rows.map(|row| row.map(f32::from_bits))),
         }
@@ -130,9 +164,19 @@ fn turned([w, x, y, z]: [f64; 4], t: [f32; 3]) -> Pose {
     Pose::new([0, 1, 2].map(row))
 }
 
-/// One call, or a few that belong together. Bodies are named by their place, modulo their number.
+/// Something happens, and a question is asked. Bodies are named by their place, modulo their number.
 #[derive(Arbitrary, Debug)]
-pub enum Step {
+pub struct Step {
+    pub(crate) change: Change,
+    pub(crate) question: Question,
+    pub(crate) ask: Ask,
+}
+
+/// What may happen between questions.
+#[derive(Arbitrary, Debug)]
+pub enum Change {
+    /// Nothing.
+    Nothing,
     /// A new body.
     Add(Shape, Placing, Build),
     /// Another body with the model of one.
@@ -143,20 +187,25 @@ pub enum Step {
     Split(u8, u8),
     /// A body moves.
     Move(u8, Placing),
-    /// The vertices of a body move, those named, or all by a number that may be wrong.
-    Deform(u8, Vec<(u8, [u8; 3])>, Option<Vec<[u8; 3]>>),
+    /// Some vertices of a body move, or now and then all, by a number that may be wrong.
+    Deform(u8, Few<(u8, [u8; 3]), 6>, Option<Option<Few<[u8; 3], 16>>>),
     /// A body gets another BVH.
     Rebuild(u8, Build),
     /// The threads are others from now on.
     Divide(Crew),
+}
+
+/// What may be asked.
+#[derive(Arbitrary, Debug)]
+pub enum Question {
+    /// No more than of all bodies, which is asked every time.
+    Scene,
     /// Two bodies, the second posed into the frame of the first.
-    Pair([u8; 2], Placing, Ask),
+    Pair([u8; 2], Placing),
     /// Two bodies where they are.
-    World([u8; 2], Ask),
+    World([u8; 2]),
     /// One body with itself.
-    Within(u8, bool, Ask),
-    /// All bodies.
-    Scene(Ask),
+    Within(u8, bool),
 }
 
 /// How BVHs are built.
@@ -171,8 +220,7 @@ pub struct Build {
 pub struct Ask {
     accuracy: u8,
     page: u8,
-    /// After how many hits to stop.
-    pub(crate) stop: u8,
+    stop: u8,
 }
 
 impl Ask {
@@ -182,8 +230,14 @@ impl Ask {
             [usize::from(self.accuracy % 4)]
     }
 
+    /// How many pairs a page holds.
     pub(crate) fn page(self) -> usize {
         usize::from(self.page).max(1)
+    }
+
+    /// After how many hits a visitor breaks off: it has seen one at least.
+    pub(crate) fn stop(self) -> usize {
+        usize::from(self.stop).max(1)
     }
 }
 

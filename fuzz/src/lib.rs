@@ -1,14 +1,16 @@
 //! What the fuzz targets have in common, and a world in which any sequence of calls is checked.
 //!
-//! [`input`] turns bytes into meshes, poses and calls. A [`World`] makes the calls, on every backend at
-//! once, and compares all [`Answers`] with each other and with the exact oracle's loop over all pairs.
+//! [`input`] turns bytes into meshes, poses and calls. A world makes the calls, on every backend at
+//! once, and compares all answers with each other and with the exact oracle's loop over all pairs.
 
 mod answers;
 mod ask;
 mod body;
 pub mod input;
+mod truth;
 mod world;
 
-pub use answers::{Answers, as_pairs, pages};
+use world::World;
+
+pub use answers::{as_pairs, pages};
 pub use body::{Builder, Tree};
-pub use world::World;

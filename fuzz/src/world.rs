@@ -1,7 +1,8 @@
 //! Bodies that come, go, move, deform and break, as two scenes are told and as they are known to be.
 
 use crate::body::Body;
-use crate::input::{Build, Crew, Palette, Placing, Step};
+use crate::input::{Build, Change, Crew, Few, Palette, Placing, Question, Shape, Step};
+use crate::truth::Truth;
 use pfront::core::query::Placed;
 use pfront::{BodyId, Bvh, Error, PairQuery, Piece, Pose, SceneQuery, SelfQuery};
 use pfront_oracle::generate::soup::{Soup, posed};
@@ -12,11 +13,12 @@ use std::sync::Arc;
 /// Bodies, and two sets of queries that are asked the same from call to call: one on the calling thread,
 /// one divided among workers, who remember what the last frame cost.
 #[derive(Debug)]
-pub struct World {
+pub(crate) struct World {
     pub(crate) palette: Palette,
     pub(crate) bodies: Vec<Known>,
     pub(crate) one: Queries,
     pub(crate) many: Queries,
+    pub(crate) truth: Truth,
 }
 
 /// What a body is known to be.
@@ -54,55 +56,62 @@ pub(crate) struct Queries {
 }
 
 /// Every pair of bodies is asked of the oracle.
-const MOST_BODIES: usize = 6;
+const MOST_BODIES: usize = 4;
 
 impl World {
     /// An empty one.
-    #[must_use]
-    pub fn new(palette: Palette) -> Self {
+    pub(crate) fn new(palette: Palette) -> Self {
         let one = Queries::default();
         let many = Queries {
             pair: PairQuery::new().with_threads(3),
             within: SelfQuery::new().with_threads(3),
             scene: SceneQuery::new().with_threads(3),
         };
-        Self { palette, bodies: Vec::new(), one, many }
+        Self { palette, bodies: Vec::new(), one, many, truth: Truth::default() }
     }
 
-    /// Makes one call on all backends.
-    ///
-    /// # Panics
-    /// If an answer is wrong, or two of them differ.
-    pub fn step(&mut self, step: &Step) {
-        match step {
-            Step::Add(shape, placing, build) => {
-                if let Ok(body) = Body::new(shape.soup(&self.palette), *build) {
-                    self.add(body, *placing);
-                }
-            }
-            Step::Divide(crew) => self.divide(*crew),
-            Step::Scene(ask) => self.ask_scene(*ask),
-            _ if self.bodies.is_empty() => {}
-            Step::Again(place, placing) => {
-                let body = self.bodies[self.place(*place)].body.clone();
-                self.add(body, *placing);
-            }
-            Step::Remove(place) => self.remove(self.place(*place)),
-            Step::Split(place, parts) => self.split(self.place(*place), *parts),
-            Step::Move(place, placing) => self.set_pose(self.place(*place), *placing),
-            Step::Deform(place, some, all) => {
-                self.deform(self.place(*place), some, all.as_deref());
-            }
-            Step::Rebuild(place, build) => self.rebuild(self.place(*place), *build),
-            Step::Pair(two, placing, ask) => {
-                self.ask_pair(two.map(|place| self.place(place)), *placing, *ask);
-            }
-            Step::World(two, ask) => self.ask_world(two.map(|place| self.place(place)), *ask),
-            Step::Within(place, skip, ask) => self.ask_within(self.place(*place), *skip, *ask),
-        }
+    /// Lets something happen and asks all backends.
+    pub(crate) fn step(&mut self, step: &Step) {
+        self.change(&step.change);
         while self.bodies.len() > MOST_BODIES {
             self.remove(0);
         }
+        match &step.question {
+            _ if self.bodies.is_empty() => {}
+            Question::Scene => {}
+            Question::Pair(two, placing) => self.ask_pair(self.two(*two), *placing, step.ask),
+            Question::World(two) => self.ask_world(self.two(*two), step.ask),
+            Question::Within(place, skip) => {
+                self.ask_within(self.place(*place), *skip, step.ask);
+            }
+        }
+        // What it remembers of one frame must not spoil the next, whatever has changed.
+        self.ask_scene(step.ask);
+    }
+
+    fn change(&mut self, change: &Change) {
+        match change {
+            Change::Nothing => {}
+            Change::Add(shape, placing, build) => self.add(shape, *placing, *build),
+            Change::Divide(crew) => self.divide(*crew),
+            _ if self.bodies.is_empty() => {}
+            Change::Again(place, placing) => {
+                let body = self.bodies[self.place(*place)].body.clone();
+                self.push(body, *placing);
+            }
+            Change::Remove(place) => self.remove(self.place(*place)),
+            Change::Split(place, parts) => self.split(self.place(*place), *parts),
+            Change::Move(place, placing) => self.set_pose(self.place(*place), *placing),
+            Change::Deform(place, some, all) => {
+                let all = all.as_ref().and_then(Option::as_ref);
+                self.deform(self.place(*place), some.all(), all.map(Few::all));
+            }
+            Change::Rebuild(place, build) => self.rebuild(self.place(*place), *build),
+        }
+    }
+
+    fn two(&self, places: [u8; 2]) -> [usize; 2] {
+        places.map(|place| self.place(place))
     }
 
     fn place(&self, place: u8) -> usize {
@@ -116,7 +125,13 @@ impl World {
         said
     }
 
-    fn add(&mut self, body: Body, placing: Placing) {
+    pub(crate) fn add(&mut self, shape: &Shape, placing: Placing, build: Build) {
+        if let Ok(body) = Body::new(shape.soup(&self.palette), build) {
+            self.push(body, placing);
+        }
+    }
+
+    fn push(&mut self, body: Body, placing: Placing) {
         let (model, pose) = (Arc::new(body.model.clone()), placing.pose(&self.palette));
         let id = self.tell(|scene| scene.add(model.clone(), pose));
         assert_eq!(id.err(), refusal(body.bvh(), &pose));

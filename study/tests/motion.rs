@@ -1,8 +1,6 @@
 //! Answers over slow motion: the exact one changes where the truth does and nowhere else, triangle by triangle
 //! and mesh by mesh.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use pfront::{Adjacency, Model, SelfQuery, TrianglePair};
 use pfront_oracle::intersect;
 use pfront_study::motion::{Method, NAMES, Row, STEPS, Slide, SlideError, draw, run};

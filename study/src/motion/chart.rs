@@ -8,8 +8,10 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 type Panel<'p> = DrawingArea<SVGBackend<'p>, Shift>;
 
+type Count = fn(&Row) -> u64;
+
 /// What is counted, as the axis has it.
-const COUNTED: [(&str, fn(&Row) -> u64); 2] = [
+const COUNTED: [(&str, Count); 2] = [
     ("flips: changes that the truth has not", |row| row.flips),
     ("wrong answers", |row| row.wrong),
 ];
@@ -41,7 +43,7 @@ pub fn draw(rows: &[Row]) -> Result<String, String> {
 struct Chart<'r> {
     name: &'r str,
     counted: &'r str,
-    count: fn(&Row) -> u64,
+    count: Count,
     rows: &'r [&'r Row],
     /// In powers of ten.
     top: f64,
