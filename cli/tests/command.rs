@@ -4,6 +4,8 @@
 
 #[path = "command/gpu.rs"]
 mod gpu;
+#[path = "command/stability.rs"]
+mod stability;
 
 use pfront_cli::{mesh, pairs};
 use std::fs::{self, File};
