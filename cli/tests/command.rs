@@ -6,6 +6,8 @@
 mod gpu;
 #[path = "command/study.rs"]
 mod study;
+#[path = "command/stability.rs"]
+mod stability;
 
 use pfront_cli::{mesh, pairs};
 use std::fs::{self, File};

@@ -79,6 +79,10 @@ fn margin(query: &impl Query) -> f64 {
     f64::from(query.leaf_edge()) * 0.5
 }
 
+/// How much dearer children that are priced anew may be than their parent, all together. With four times as
+/// much, no split would make a node cheaper.
+const MOST_EXCESS: f32 = 2.0;
+
 /// Prices the children of a node whose cost is an estimate, on the scale of that estimate.
 pub(super) fn reprice(
     query: &impl Query,
@@ -91,12 +95,19 @@ pub(super) fn reprice(
     if !(whole > 0.0 && scale.is_finite()) {
         return split(query, estimate, parent, children);
     }
-    let mut costs = [1.0; 4];
+    let mut costs = [0.0; 4];
     for (cost, boxes) in costs.iter_mut().zip(children) {
         // Rounding aside, a part has no more overlap than the whole.
         *cost = ((scale * estimate.overlap(query, boxes)) as f32).min(parent.cost);
     }
-    costs
+    // Where siblings lie in the same place, each overlaps as much as their parent. Were all to cost as much, a
+    // front would grow dearer with every split and never fine enough.
+    let sum: f32 = costs.iter().sum();
+    if sum > MOST_EXCESS * parent.cost {
+        costs.map(|cost| cost * (parent.cost / sum))
+    } else {
+        costs
+    }
 }
 
 /// Splits the cost of a node among its children by their overlap, evenly where that tells nothing.

@@ -5,9 +5,9 @@
 //! what p·w_max/W says relative to the mean. It comes from the BVTT and not from the front that is judged.
 //!
 //! Two exceptions, where workers have little to do:
-//! - A leaf pair that comes into contact adds its cost to a worker that has its full share. Nothing in the last
-//!   frame tells of it, so that the most by which one has risen, relative to the mean, comes on top of 1. (With
-//!   1024 workers of 451 box tests each a sheet has one frame in 60 with 1.95, where one rises by 416.)
+//! - A contact that comes where there was none, or hardly any, adds its cost to a worker that has its full
+//!   share. Nothing in the last frame tells of it, so that the most by which a node has risen that was not worth
+//!   splitting comes on top of 1. (With 1024 workers of 452 box tests each a sheet has one frame in 60 with 1.95.)
 //! - Below [`THIN`] box tests a worker, about a microsecond, a single node that is too small to be worth
 //!   splitting is most of what a worker does. What dominates then counts everywhere, and more so the further its
 //!   estimate is off: no forecast meets the limits (measured with 1024 workers of 26 tests each: 12 in a first
@@ -44,7 +44,8 @@ pub enum Bound {
 pub struct Hardness {
     /// p·w_max/W.
     pub dominance: f64,
-    /// The most by which a leaf pair has become dearer since the last frame.
+    /// The most by which a node has become dearer that was a leaf pair, or not worth splitting, in the last
+    /// frame.
     pub rise: f64,
     /// Whether workers have less than [`THIN`] to do.
     pub thin: bool,
@@ -76,13 +77,14 @@ impl Bound {
     }
 }
 
-/// The BVTT of a frame, node by node, and the leaf pairs of the last.
+/// The BVTT of a frame, node by node, compared with that of the last.
 #[derive(Debug, Default)]
 pub struct Census {
-    leaves: HashMap<NodePair, f64>,
+    costs: HashMap<NodePair, f64>,
+    last: HashMap<NodePair, f64>,
     /// w_max: the cost of the dearest node that no front splits.
     pub w_max: f64,
-    /// The most by which the cost of a leaf pair has risen.
+    /// The most by which the cost of a node has risen that no front split.
     pub w_rise: f64,
 }
 
@@ -92,11 +94,19 @@ impl Census {
     /// # Complexity
     /// Visits the whole BVTT.
     pub fn take(&mut self, query: &impl Query, report: &Report) {
-        let last = std::mem::take(&mut self.leaves);
+        std::mem::swap(&mut self.costs, &mut self.last);
+        self.costs.clear();
+        self.w_rise = 0.0;
         let root = query.root();
         self.w_max = root.map_or(0.0, |root| self.cost_and_w_max(query, root, report).1);
-        let rise = |(n, cost): (&NodePair, &f64)| cost - last.get(n).unwrap_or(&0.0);
-        self.w_rise = self.leaves.iter().map(rise).fold(0.0, f64::max);
+    }
+
+    fn keep(&mut self, n: NodePair, cost: f64, is_leaf: bool) {
+        let last = self.last.get(&n).copied().unwrap_or(0.0);
+        if is_leaf || last < WORTH_SPLITTING {
+            self.w_rise = self.w_rise.max(cost - last);
+        }
+        self.costs.insert(n, cost);
     }
 
     /// What a BVTT node costs, and the dearest at or below it that no front splits.
@@ -111,7 +121,7 @@ impl Census {
             // Never broken off.
             let _ = query.visit(&mut cursor, |_| ControlFlow::Continue(()));
             let cost = report.cost(cursor.work());
-            self.leaves.insert(n, cost);
+            self.keep(n, cost, true);
             return (cost, cost);
         }
         let (mut cost, mut w_max) = (f64::from(tests), 0.0);
@@ -119,6 +129,7 @@ impl Census {
             let (below, dearest) = self.cost_and_w_max(query, child, report);
             (cost, w_max) = (cost + below, f64::max(w_max, dearest));
         }
+        self.keep(n, cost, false);
         (cost, if cost < WORTH_SPLITTING { cost } else { w_max })
     }
 }

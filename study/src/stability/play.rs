@@ -176,16 +176,17 @@ pub struct Played {
     pub by_oracle: usize,
 }
 
-/// Plays a scene with each of `workers` and each of [`Method::ALL`]; calls `tick` after each frame.
+/// Plays a scene with each of `workers` and of `methods`; calls `tick` after each frame.
 ///
 /// # Errors
 /// As [`Scene::play`].
 pub fn play(
     scene: &mut Scene,
+    methods: &[Method],
     workers: &[usize],
     tick: &mut dyn FnMut(),
 ) -> Result<Played, StabilityError> {
-    let all = workers.iter().flat_map(|&p| Method::ALL.map(|method| (p, method)));
+    let all = workers.iter().flat_map(|&p| methods.iter().map(move |&method| (p, method)));
     let (mut series, mut dividers) = (Vec::new(), Vec::new());
     for (workers, method) in all {
         series.push(Series { scene: scene.name, method, workers, frames: Vec::new() });

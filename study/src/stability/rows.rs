@@ -13,6 +13,7 @@ pub struct Row {
     /// What it is about.
     pub about: &'static str,
     scenes: fn(Length) -> Result<Vec<Scene>, StabilityError>,
+    methods: &'static [Method],
     judge: Judge,
 }
 
@@ -34,7 +35,7 @@ const fn balance(
     about: &'static str,
     scenes: fn(Length) -> Result<Vec<Scene>, StabilityError>,
 ) -> Row {
-    Row { name, about, scenes, judge: Judge::Balance }
+    Row { name, about, scenes, methods: &Method::ALL, judge: Judge::Balance }
 }
 
 /// The matrix.
@@ -52,27 +53,35 @@ pub const ROWS: [Row; 14] = [
         name: "still",
         about: "200 frames at rest",
         scenes: catalogue::still,
+        methods: &Method::ALL,
         judge: Judge::Settling { period: 1 },
     },
     Row {
         name: "swaying",
         about: "to and fro in 16 frames",
         scenes: catalogue::swaying,
+        methods: &Method::ALL,
         judge: Judge::Settling { period: PERIOD },
     },
     Row {
         name: "grain-and-alpha",
         about: "g and α changed",
         scenes: |_| Ok(vec![catalogue::at_rest()?]),
+        methods: &[Method::Ours, Method::Printed],
         judge: Judge::Work,
     },
     Row {
         name: "capacity",
         about: "room for one fewer than needed",
         scenes: catalogue::full,
+        methods: &[Method::Ours],
         judge: Judge::Capacity,
     },
-    balance("twin", "all boxes overlap all boxes", catalogue::twin),
+    Row {
+        // A frame takes seconds, for each of them.
+        methods: &[Method::Ours, Method::Printed],
+        ..balance("twin", "all boxes overlap all boxes", catalogue::twin)
+    },
 ];
 
 /// A figure and its limit, for one method and number of workers.
@@ -183,7 +192,7 @@ impl Row {
                 Judge::Work => extremes::work(scene, workers, tick)?,
                 Judge::Capacity => extremes::capacity(scene, workers, tick)?,
                 Judge::Balance | Judge::Settling { .. } => {
-                    let Played { series, by_oracle } = play(scene, workers, tick)?;
+                    let Played { series, by_oracle } = play(scene, self.methods, workers, tick)?;
                     outcome.by_oracle += by_oracle;
                     let findings = series.iter().flat_map(|s| self.judge_series(s)).collect();
                     outcome.series.extend(series);
