@@ -1,7 +1,5 @@
 //! Charts of very little.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use pfront_study::chart::frames::Machine;
 use pfront_study::chart::{Charts, Look, Plan, Point, front, together};
 use pfront_study::judge::Tally;

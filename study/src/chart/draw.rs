@@ -151,7 +151,7 @@ impl Figure {
             .caption(format!("{}: {what}", row.title), font(15))
             .margin(8)
             .x_label_area_size(38)
-            .y_label_area_size(66)
+            .y_label_area_size(104)
             .build_cartesian_2d(axes.time.clone().log_scale(), axes.rates.clone())?;
         chart
             .configure_mesh()

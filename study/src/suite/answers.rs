@@ -12,7 +12,7 @@ pub struct Answers<R> {
 }
 
 impl<R: Read> Answers<R> {
-    /// Answers as [`file`](super) describes them. Give it a buffered reader.
+    /// Answers as [`file`](super::file) describes them. Give it a buffered reader.
     #[must_use]
     pub fn new(from: R) -> Self {
         Self { from, read: 0 }

@@ -116,17 +116,28 @@ impl Site {
     /// All triangle pairs whose boxes overlap, ordered by their indices.
     #[must_use]
     pub fn candidates(&self) -> Vec<Candidate> {
+        self.overlapping(|_| true)
+    }
+
+    /// The candidates that share no vertex of one mesh.
+    fn strangers(&self) -> Vec<Candidate> {
+        let Self::Within(body) = self else { return self.candidates() };
+        let triangles = body.mesh().triangles();
+        self.overlapping(|[i, j]| !share_a_vertex(triangles[i as usize], triangles[j as usize]))
+    }
+
+    fn overlapping(&self, is_meant: impl Fn([u32; 2]) -> bool) -> Vec<Candidate> {
         let (a, b, pose) = match self {
             Self::Pair { a, b, a_from_b } => (a.bvh(), b.bvh(), *a_from_b),
             Self::Within(body) => (body.bvh(), body.bvh(), Pose::IDENTITY),
         };
         let Ok(query) = query::PairQuery::new(a, b, pose) else { return Vec::new() };
         let is_one = matches!(self, Self::Within(_));
-        let boxes = |bvh: &Bvh<'_>, node: u32, pose: &Pose| -> Vec<(u32, Triangle, Aabb)> {
+        let placed = |bvh: &Bvh<'_>, node: u32, pose: &Pose| -> Vec<(u32, Triangle, Aabb)> {
             let leaf = bvh.nodes()[node as usize];
             let run = &bvh.order()[leaf.first as usize..][..leaf.count as usize];
-            let posed = |t: u32| bvh.mesh().triangle(t).map(|p| pose.apply(p));
-            run.iter().map(|&t| (t, posed(t), Aabb::of(&posed(t)))).collect()
+            let triangle = |t: u32| bvh.mesh().triangle(t).map(|p| pose.apply(p));
+            run.iter().map(|&t| (t, triangle(t))).map(|(t, at)| (t, at, Aabb::of(&at))).collect()
         };
         let mut found = Vec::new();
         let mut pending: Vec<_> = query.root().into_iter().collect();
@@ -134,34 +145,17 @@ impl Site {
             if query.expand(pair, &mut |child| pending.push(child)) > 0 {
                 continue;
             }
-            let others = boxes(&b, pair.b, &pose);
-            for (i, ta, box_a) in boxes(&a, pair.a, &Pose::IDENTITY) {
-                let overlapping = others
-                    .iter()
-                    .filter(|(j, _, box_b)| box_a.overlaps(box_b) && (!is_one || i < *j));
-                found.extend(
-                    overlapping
-                        .map(|&(j, tb, _)| Candidate { indices: [i, j], triangles: [ta, tb] }),
-                );
+            let others = placed(&b, pair.b, &pose);
+            for (i, ta, box_a) in placed(&a, pair.a, &Pose::IDENTITY) {
+                for &(j, tb, box_b) in &others {
+                    if box_a.overlaps(&box_b) && (!is_one || i < j) && is_meant([i, j]) {
+                        found.push(Candidate { indices: [i, j], triangles: [ta, tb] });
+                    }
+                }
             }
         }
         found.sort_unstable_by_key(|candidate| candidate.indices);
         found
-    }
-
-    /// The candidates that share no vertex of one mesh.
-    fn strangers(&self) -> Vec<Candidate> {
-        let mut candidates = self.candidates();
-        candidates.retain(|candidate| !self.are_neighbours(candidate));
-        candidates
-    }
-
-    /// Whether two triangles are of one mesh and share a vertex of it.
-    #[must_use]
-    pub fn are_neighbours(&self, candidate: &Candidate) -> bool {
-        let Self::Within(body) = self else { return false };
-        let [a, b] = candidate.indices.map(|t| body.mesh().triangles()[t as usize]);
-        share_a_vertex(a, b)
     }
 
     /// The site moved a little, along some of the axes at least; as it is if that takes it out of range.
