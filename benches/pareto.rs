@@ -23,5 +23,5 @@ fn main() {
     let charts = Charts::measure(&suite, &plan, &Machine::this(), tell).unwrap();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/pareto");
     charts.write(&folder).unwrap();
-    print!("{}in {}\n", charts.summary(), folder.display());
+    println!("{}in {}", charts.summary(), folder.display());
 }

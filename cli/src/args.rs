@@ -75,8 +75,8 @@ pub(crate) enum Command {
     Judge(Judge),
     /// Chart speed against accuracy, of all that pfront offers and of tests from the literature
     ///
-    /// Writes pairs.svg, contacts.svg, frames.svg and pareto.csv, and prints what Exact costs. With the meshes of
-    /// the folder that PFRONT_DATA names, if it does.
+    /// Writes pairs.svg, contacts.svg, frames.svg and pareto.csv, for slow slides through contact flips.svg and
+    /// flips.csv, and prints what Exact costs. With the meshes of the folder that PFRONT_DATA names, if it does.
     Chart(Chart),
     /// Show that fronts divide work evenly where they could fail, beside the paper's equations as printed
     ///

@@ -4,10 +4,10 @@
 
 #[path = "command/gpu.rs"]
 mod gpu;
-#[path = "command/study.rs"]
-mod study;
 #[path = "command/stability.rs"]
 mod stability;
+#[path = "command/study.rs"]
+mod study;
 
 use pfront_cli::{mesh, pairs};
 use std::fs::{self, File};

@@ -3,11 +3,13 @@
 use crate::args;
 use crate::how;
 use crate::output::out;
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use indicatif::ProgressBar;
 use pfront_cli::recorded;
 use pfront_study::chart::frames::Machine;
 use pfront_study::chart::{Charts, Plan};
+use pfront_study::motion;
+use std::fs::{self, File};
 use std::io::Write;
 
 pub(crate) fn run(chart: &args::Chart) -> Result<bool> {
@@ -20,8 +22,12 @@ pub(crate) fn run(chart: &args::Chart) -> Result<bool> {
         spinner.set_message(what.to_owned());
         spinner.tick();
     })?;
+    spinner.set_message("slow motion");
+    let flips = motion::run(if chart.quick { 16 } else { 256 })?;
     spinner.finish_and_clear();
     charts.write(&chart.out)?;
+    fs::write(chart.out.join("flips.svg"), motion::draw(&flips).map_err(|e| anyhow!("{e}"))?)?;
+    motion::write_csv(File::create(chart.out.join("flips.csv"))?, &flips)?;
     write!(out(), "{}", charts.summary())?;
     Ok(true)
 }

@@ -5,7 +5,8 @@
 //! builds on it sees contacts come and go. [`run`] moves four scenes through contact in steps from one unit in
 //! the last place up, asks each [`Method`] about the same triangle pairs in every frame, and counts the
 //! [`Row::flips`]: changes of an answer where the truth, from exact arithmetic that shares no code with the
-//! library, does not change. [`draw`] charts them.
+//! library, does not change. [`draw`] charts
+//! them, and [`write_csv`] lists them.
 //!
 //! The truth flickers too where a face slides over a face, since posed positions are rounded to f32 in every
 //! frame; an exact answer follows it, and that is no flip.
@@ -13,7 +14,9 @@
 mod chart;
 mod flips;
 mod slide;
+mod table;
 
 pub use chart::draw;
 pub use flips::{Method, Row, STEPS, run};
 pub use slide::{NAMES, Slide, SlideError};
+pub use table::write_csv;
