@@ -3,13 +3,13 @@
 //!
 //! | here | paper |
 //! |---|---|
-//! | [`Plain::starting_front`] | F_s at depth d_s, sections 3.2.1 and 5.2: 4^d_s nodes, fixed |
+//! | `Plain::starting_front` | F_s at depth d_s, sections 3.2.1 and 5.2: 4^d_s nodes, fixed |
 //! | `bound` | the right side of eq. 1 (last frame) or eq. 4 (overlap only) |
-//! | [`Plain::front`] | Algorithm 2 |
+//! | `Plain::front` | Algorithm 2 |
 //! | `share` | eq. 3, that is eq. 2 with a constant α |
-//! | [`volume`] | V of eqs. 2 to 4, raw |
-//! | [`deal`] | section 3.3: descending order, each to the least loaded |
-//! | [`Plain::walk`] | section 3.4: costs are saved back to F_s by the backward index |
+//! | `volume` | V of eqs. 2 to 4, raw |
+//! | `deal` | section 3.3: descending order, each to the least loaded |
+//! | `Plain::walk` | section 3.4: costs are saved back to F_s by the backward index |
 //!
 //! Three things the paper leaves open had to be settled:
 //! - A leaf pair above the bound has no children. Algorithm 2 would drop it, and with it an answer; it stays
