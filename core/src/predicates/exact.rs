@@ -6,6 +6,9 @@ use super::{Axes, Point, wide::Wide};
 #[cold]
 #[inline(never)]
 pub(super) fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
+    if is_flat([a, b, c, d], [0, 1, 2]) {
+        return 0;
+    }
     let axes = [0, 1, 2].map(|k| Axis::new([a[k], b[k], c[k], d[k]]));
     match small(&axes) {
         // 3 bits for the sum of six products, 1 for the sign.
@@ -14,10 +17,22 @@ pub(super) fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
     }
 }
 
+/// Whether two points are equal, or all have one coordinate in common: nearly every zero of bodies that lie
+/// flush or share corners, for which integers would take ten times as long.
+#[inline]
+fn is_flat<const D: usize, const N: usize>(points: [&Point; N], axes: [usize; D]) -> bool {
+    let equal = |p: &Point, q: &Point| axes.iter().all(|&k| p[k] == q[k]);
+    let twice = |i: usize| points[..i].iter().any(|p| equal(p, points[i]));
+    axes.iter().any(|&k| points.iter().all(|p| p[k] == points[0][k])) || (1..N).any(twice)
+}
+
 /// Exact sign of det(b − a, c − a) in two of the coordinates.
 #[cold]
 #[inline(never)]
 pub(super) fn orient2d(axes: Axes, a: &Point, b: &Point, c: &Point) -> i32 {
+    if is_flat([a, b, c], axes) {
+        return 0;
+    }
     let axes = axes.map(|k| Axis::new([a[k], b[k], c[k]]));
     match small(&axes) {
         Some(([x, y], bits)) if bits + 2 <= 128 => {
