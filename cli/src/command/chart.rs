@@ -3,7 +3,7 @@
 use crate::args;
 use crate::how;
 use crate::output::out;
-use anyhow::{Result, anyhow};
+use anyhow::{Context, Result, anyhow};
 use indicatif::ProgressBar;
 use pfront_cli::recorded;
 use pfront_study::chart::frames::Machine;
@@ -13,6 +13,9 @@ use std::fs::{self, File};
 use std::io::Write;
 
 pub(crate) fn run(chart: &args::Chart) -> Result<bool> {
+    // Before the work, not after it.
+    fs::create_dir_all(&chart.out)
+        .with_context(|| format!("cannot make the folder {}", chart.out.display()))?;
     let suite = recorded::suite(chart.seed, chart.size)?;
     let plan = if chart.quick { Plan::QUICK } else { Plan::FULL };
     let plan = Plan { pairs: chart.pairs.unwrap_or(plan.pairs), ..plan };

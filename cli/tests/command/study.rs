@@ -9,10 +9,8 @@ fn generated(folder: &Path, arguments: &str) -> String {
     let output = command(folder, arguments).env_remove("PFRONT_DATA").output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success(), "{arguments}: {stderr}");
-    assert!(
-        stderr.starts_with("PFRONT_DATA is not set") && stderr.lines().count() == 1,
-        "{stderr}"
-    );
+    // Drivers may have something to say too.
+    assert!(stderr.lines().any(|line| line.starts_with("PFRONT_DATA is not set")), "{stderr}");
     String::from_utf8(output.stdout).unwrap()
 }
 
@@ -47,6 +45,7 @@ fn judging_ours_and_somebodys_answers() {
         ("judge nothing.bin", "cannot read nothing.bin"),
         ("judge pairs.bin --pairs 9", "cannot be used with"),
         ("judge --answers right.bin", "required"),
+        ("chart --out right.bin", "cannot make the folder right.bin"),
     ] {
         let refused = refused(at, arguments);
         assert!(refused.contains(message), "{arguments}: {refused}");
