@@ -57,14 +57,22 @@ pub enum Accuracy {
 #[must_use]
 pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
     match accuracy {
-        Accuracy::Exact => {
-            meet::<Sure>(a, b).unwrap_or_else(|Undecided| certain(meet::<Exact>(a, b)))
-        }
+        Accuracy::Exact => meet::<Sure>(a, b).unwrap_or_else(|Undecided| settle(a, b)),
         Accuracy::Conservative => {
             meet::<Sure>(a, b).or_else(|Undecided| meet::<Filtered>(a, b)).unwrap_or(true)
         }
         Accuracy::Fast => certain(meet::<Fast>(a, b)),
     }
+}
+
+/// What f32 left open. Bodies that lie flush often do so across an axis, which needs no sign to be seen.
+#[inline]
+fn settle(a: &Triangle, b: &Triangle) -> bool {
+    let is_flush = |k: usize| {
+        let level = |p: &[f32; 3]| p[k] == a[0][k];
+        level(&b[0]) && level(&a[1]) && level(&a[2]) && level(&b[1]) && level(&b[2])
+    };
+    certain(if (0..3).any(is_flush) { flat::meet::<Exact>(a, b) } else { meet::<Exact>(a, b) })
 }
 
 /// [`intersects`], for any way to decide signs.
