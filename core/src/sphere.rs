@@ -66,11 +66,11 @@ impl Sphere {
         let far = centre.abs() + DVec3::splat(radius);
         let reach = x.abs() * far.x + y.abs() * far.y + z.abs() * far.z + translation.abs();
         let error = reach * f64::from(PADDING) + DVec3::splat(2.0 * f64::from(f32::MIN_POSITIVE));
-        let centre = x * centre.x + y * centre.y + z * centre.z + translation;
-        Self {
-            centre: centre.as_vec3().to_array(),
-            radius: upwards(stretch * radius + error.length()),
+        let centre = (x * centre.x + y * centre.y + z * centre.z + translation).as_vec3();
+        if !centre.is_finite() {
+            return Self { centre: [0.0; 3], radius: f32::INFINITY };
         }
+        Self { centre: centre.to_array(), radius: upwards(stretch * radius + error.length()) }
     }
 
     /// Whether two balls may share a point; `false` is certain.
@@ -146,7 +146,8 @@ mod tests {
 
     #[test]
     fn what_overflows_overlaps() {
-        let all = Sphere { centre: [0.0; 3], radius: f32::INFINITY };
+        let all = Sphere { centre: [3e38; 3], radius: 1e37 };
+        let all = all.posed(&Pose::from_translation([1e38, 0.0, 0.0]));
         let far = Sphere { centre: [3e38; 3], radius: 1.0 };
         assert!(all.overlaps(&far) && far.overlaps(&all) && all.overlaps(&all));
         assert!(!far.overlaps(&Sphere { centre: [-3e38; 3], radius: 1.0 }));

@@ -2,8 +2,9 @@
 //!
 //! What a node costs depends a little on whether it is split, so that the next front may undo what the last one
 //! did, for ever (the "oscillation" of the paper's section 2.3). It shows as a size that comes back after some
-//! frames but not after one; periods of 2, 3 and 6 were seen. Each time it does, fronts get more inertia, up to where hardly any scene swings; in
-//! motion, where sizes do not come back, they lose it again, as it leaves them with more nodes than they need.
+//! frames but not after one; periods of 2, 3 and 6 were seen. Each time it does, fronts get more inertia, up to
+//! where hardly any scene swings; in motion, where sizes seldom come back, they lose it again, as it leaves
+//! them with more nodes than they need.
 
 use pfront_core::front::HOLD;
 
@@ -37,7 +38,7 @@ impl Damping {
         let (last, is_known) = (self.sizes[0], self.sizes.contains(&size));
         self.sizes.rotate_right(1);
         self.sizes[0] = size;
-        self.new = if is_known { 0 } else { self.new + 1 };
+        self.new = if is_known { 0 } else { (self.new + 1).min(MOVING) };
         if !coherent || self.new >= MOVING {
             self.level = 0;
         } else if is_known && size != last {

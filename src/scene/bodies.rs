@@ -121,7 +121,7 @@ impl Bodies {
     }
 
     /// The places of the bodies that have changed since the last call, each once, ascending; whether these
-    /// are all. Not to be asked if one has come or gone since.
+    /// are all. If one has come or gone since, that means nothing, but the call must be made.
     pub(super) fn take_moved(&mut self, into: &mut Vec<u32>) -> bool {
         into.clear();
         into.append(&mut self.moved);

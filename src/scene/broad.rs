@@ -46,11 +46,12 @@ impl Broad {
         if self.at == bodies.time() {
             return Ok(());
         }
-        let same = bodies.gathered() <= self.at;
+        // After an error nothing is known of the last frame.
+        let at = std::mem::take(&mut self.at);
         bodies.compact();
-        let known = bodies.take_moved(&mut self.moved) && same;
+        let known = bodies.take_moved(&mut self.moved) && bodies.gathered() <= at;
         if known && self.moved.len() < self.places.len() / MANY {
-            self.update_moved(bodies)?;
+            self.update_moved(bodies, at)?;
         } else {
             self.update_all(bodies)?;
         }
@@ -94,8 +95,8 @@ impl Broad {
         Ok(())
     }
 
-    /// Where the bodies are those of the last frame, and few have moved.
-    fn update_moved(&mut self, bodies: &Bodies) -> Result<(), Error> {
+    /// Where the bodies are those of the last frame, at the time `at`, and few have moved.
+    fn update_moved(&mut self, bodies: &Bodies, at: u64) -> Result<(), Error> {
         let Some(boxes) = &mut self.boxes else { return Ok(()) };
         for &place in &self.moved {
             let (Ok(i), Some(body)) = (self.places.binary_search(&place), bodies.at(place)) else {
@@ -107,7 +108,6 @@ impl Broad {
             }
         }
         boxes.set_positions(&self.corners)?;
-        let at = self.at;
         self.pairs.retain(|&pair| bodies.changed_at(pair) <= at);
         self.found.clear();
         for &place in &self.moved {

@@ -54,7 +54,7 @@ impl SceneQuery {
     }
 
     /// Moves the vertices of a body, given in its own frame, as [`Model::set_positions`] does, or on the
-    /// threads of the scene.
+    /// threads of the scene; its bounding sphere follows on this one.
     ///
     /// If the model is shared, with another body or a caller that has kept an [`Arc`] of it, it is copied
     /// first, which takes as long as the refit and its [`Model::bytes`] of memory; from then on this body

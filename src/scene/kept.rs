@@ -56,7 +56,8 @@ impl<T: OfTwo> Kept<T> {
         pieces.filter(|piece| bodies.changed(piece[0].bodies()) <= self.at)
     }
 
-    /// Adds what is said of all others, likewise in order, as of now.
+    /// Adds what is said of all others, likewise in order, as of now. Whole pieces are copied into another
+    /// list, which takes half the time of closing gaps and opening others in place.
     pub(super) fn complete(&mut self, mut rest: &[T], bodies: &Bodies) {
         if self.at == bodies.time() {
             return;

@@ -79,10 +79,6 @@ fn margin(query: &impl Query) -> f64 {
     f64::from(query.leaf_edge()) * 0.5
 }
 
-/// How much dearer children that are priced anew may be than their parent, all together. With four times as
-/// much, no split would make a node cheaper.
-const MOST_EXCESS: f32 = 2.0;
-
 /// Prices the children of a node whose cost is an estimate, on the scale of that estimate.
 pub(super) fn reprice(
     query: &impl Query,
@@ -101,9 +97,9 @@ pub(super) fn reprice(
         *cost = ((scale * estimate.overlap(query, boxes)) as f32).min(parent.cost);
     }
     // Where siblings lie in the same place, each overlaps as much as their parent. Were all to cost as much, a
-    // front would grow dearer with every split and never fine enough.
+    // front would grow dearer with every split and never fine enough. Half of that is taken for true.
     let sum: f32 = costs.iter().sum();
-    if sum > MOST_EXCESS * parent.cost {
+    if sum > parent.cost * (1.0 + 0.25 * children.len() as f32) {
         costs.map(|cost| cost * (parent.cost / sum))
     } else {
         costs

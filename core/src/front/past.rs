@@ -111,7 +111,7 @@ impl<'a> Past<'a> {
     }
 
     /// The same with another inertia than [`HOLD`]: a node that the last frame split is split again until its
-    /// cost has fallen below this share of the bound.
+    /// cost has fallen below this share of the bound, above 0 and at most 1.
     #[must_use]
     pub fn with_hold(self, hold: f32) -> Self {
         Self { hold, ..self }

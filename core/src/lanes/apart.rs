@@ -2,7 +2,7 @@
 //!
 //! That settles nearly all pairs whose boxes overlap and who are no neighbours. Whatever it leaves goes
 //! to the exact test of [`crate::triangle`], so only a wrong rejection could change an answer, and the
-//! bound excludes that.
+//! bound of `predicates::sure` excludes that.
 
 use super::Simd;
 use super::points::{abs, difference, highest};

@@ -1,14 +1,15 @@
 //! Signs of determinants of f32 points: the only arithmetic an answer depends on.
 //!
-//! Each predicate runs through up to three stages, and the first that is sure of the sign ends it. Tests of
-//! whole triangles go through f32 first (`sure`), which knows nearly all.
+//! Each predicate runs through up to four stages, and the first that is sure of the sign ends it. Exact
+//! tests of triangles that share no vertex go through f32 before (`sure`), which knows nearly all.
 //!
 //! 1. a determinant in f64 with a semi-static error bound (below), which settles almost everything;
-//! 2. the same determinant in `i128`, over the integers that the coordinates are on their common
+//! 2. zero where two points are equal or all have a coordinate in common;
+//! 3. the determinant in `i128`, over the integers that the coordinates are on their common
 //!    power-of-two lattice, when it fits;
-//! 3. the same in 896-bit integers, which hold every determinant of finite f32 coordinates.
+//! 4. the same in 896-bit integers, which hold every determinant of finite f32 coordinates.
 //!
-//! Stages 2 and 3 are exact, use a few hundred bytes of stack and never fail. Scaling one axis by a
+//! Stages 2 to 4 are exact, use a few hundred bytes of stack and never fail. Scaling one axis by a
 //! power of two does not change a sign, so every axis has a lattice of its own; real meshes then
 //! need 22 bits a coordinate difference in the median (`accuracy.md`), far inside `i128`.
 //!
