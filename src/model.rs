@@ -155,6 +155,13 @@ impl Model {
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
     /// changed, in O(n); `None` if there is no triangle.
+    ///
+    /// # Examples
+    /// ```
+    /// let model = pfront::Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// assert!(model.sphere().is_some_and(|sphere| (1.41..1.42).contains(&sphere.radius)));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
     #[must_use]
     pub fn sphere(&self) -> Option<Sphere> {
         *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))

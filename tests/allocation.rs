@@ -207,3 +207,25 @@ fn steady_frames_of_a_scene_allocate_nothing() {
     frames.iter().for_each(&mut frame);
     assert_eq!(allocations(|| frames.iter().for_each(&mut frame)), 0);
 }
+
+#[test]
+fn the_second_frame_of_a_scene_allocates_nothing() {
+    let ball = Arc::new(model(&sphere(8)));
+    let mut scene = SceneQuery::new();
+    let ids: Vec<_> = (0..20).map(|_| scene.add(ball.clone(), Pose::IDENTITY).unwrap()).collect();
+    // Farther apart each time, so that less is found.
+    let mut found = [0.3, 0.31].map(|step| {
+        let mut hits = 0;
+        let count = allocations(|| {
+            for (i, &id) in ids.iter().enumerate() {
+                scene.set_pose(id, Pose::from_translation([step * i as f32, 0.0, 0.0])).unwrap();
+            }
+            hits = scene.all().unwrap().len();
+            scene.contacts().unwrap();
+        });
+        (hits, count)
+    });
+    found.reverse();
+    let [(fewer, none), (hits, some)] = found;
+    assert!(0 < fewer && fewer <= hits && some > 0 && none == 0, "{found:?}");
+}

@@ -2,14 +2,13 @@
 
 mod study;
 
-pub(crate) use study::{Chart, Judge};
+pub(crate) use study::{Chart, Judge, Stability};
 
 use crate::how::How;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pfront::Pose;
 use pfront_scenes::Scene;
-use pfront_study::stability::ROWS;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
@@ -220,27 +219,6 @@ pub(crate) struct Balance {
     /// Draw the charts of the paper
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Stability {
-    /// Only these rows
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    #[arg(value_parser = PossibleValuesParser::new(ROWS.map(|row| row.name)))]
-    pub(crate) row: Vec<String>,
-    /// Numbers of workers
-    #[arg(short, long, value_delimiter = ',', default_values_t = [1, 2, 7, 64, 1024])]
-    #[arg(value_parser = RangedU64ValueParser::<usize>::new().range(1..=65_536))]
-    pub(crate) p: Vec<usize>,
-    /// Shorter scenes, and a smaller twin
-    #[arg(long)]
-    pub(crate) quick: bool,
-    /// Draw the frames, and time the schedules on all threads
-    #[arg(long, value_name = "FILE")]
-    pub(crate) svg: Option<PathBuf>,
-    /// Write one line for each frame
-    #[arg(long, value_name = "FILE")]
-    pub(crate) csv: Option<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]

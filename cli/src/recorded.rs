@@ -104,8 +104,8 @@ struct Case {
     translation: [f64; 3],
 }
 
-/// The suite of generated pairs, of scenes of about `size` triangles or as many as is usual, and what the folder that `PFRONT_DATA` names has recorded. Without it, standard
-/// error says what is missing.
+/// The suite of generated pairs, of scenes of about `size` triangles or as many as is usual, and what the folder
+/// that `PFRONT_DATA` names has recorded. Without it, standard error says what is missing.
 ///
 /// # Errors
 /// As [`contacts`].

@@ -25,7 +25,7 @@ impl OfTwo for (SceneHit, Contact) {
 pub(super) struct Kept<T> {
     list: Vec<T>,
     at: u64,
-    /// The next list, or memory for it.
+    /// Memory for the next list: empty.
     next: Vec<T>,
 }
 
@@ -63,7 +63,6 @@ impl<T: OfTwo> Kept<T> {
             return;
         }
         let mut next = std::mem::take(&mut self.next);
-        next.clear();
         for piece in self.still_true(bodies) {
             let before = |said: &&T| said.bodies() < piece[0].bodies();
             let (first, others) = rest.split_at(rest.iter().take_while(before).count());
@@ -73,6 +72,9 @@ impl<T: OfTwo> Kept<T> {
         }
         next.extend_from_slice(rest);
         self.next = std::mem::replace(&mut self.list, next);
+        // The next list is the other one, whose turn comes later.
+        self.next.clear();
+        self.next.reserve(self.list.len());
         self.at = bodies.time();
     }
 }

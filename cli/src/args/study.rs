@@ -1,6 +1,8 @@
 //! The options of studies.
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
+use pfront_study::stability::ROWS;
 use std::num::NonZero;
 use std::path::PathBuf;
 
@@ -45,4 +47,25 @@ pub(crate) struct Chart {
     /// Measure little, to see that it works
     #[arg(long)]
     pub(crate) quick: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Stability {
+    /// Only these rows
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    #[arg(value_parser = PossibleValuesParser::new(ROWS.map(|row| row.name)))]
+    pub(crate) row: Vec<String>,
+    /// Numbers of workers
+    #[arg(short, long, value_delimiter = ',', default_values_t = [1, 2, 7, 64, 1024])]
+    #[arg(value_parser = RangedU64ValueParser::<usize>::new().range(1..=65_536))]
+    pub(crate) p: Vec<usize>,
+    /// Shorter scenes, and a smaller twin
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Draw the frames, and time the schedules on all threads
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
+    /// Write one line for each frame
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
 }

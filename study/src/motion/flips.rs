@@ -1,12 +1,13 @@
 //! Who changes an answer when, and whether the truth did.
 
 use super::slide::{NAMES, Slide, SlideError};
+#[cfg(feature = "parry")]
+use crate::textbook::parry;
 use pfront::Accuracy;
+use pfront::core::Triangle;
 use pfront::core::triangle::intersects;
 use pfront_oracle::intersect;
 use rayon::prelude::*;
-
-type Triangle = [[f32; 3]; 3];
 
 /// A test of two triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,15 +48,7 @@ impl Method {
             Self::Exact => intersects(a, b, Accuracy::Exact),
             Self::Fast => intersects(a, b, Accuracy::Fast),
             #[cfg(feature = "parry")]
-            Self::Parry => {
-                use parry3d::query::details::intersection_test_support_map_support_map as gjk;
-                use parry3d::{math, shape};
-                let triangle = |t: &Triangle| {
-                    let [p, q, r] = t.map(math::Vec3::from_array);
-                    shape::Triangle::new(p, q, r)
-                };
-                gjk(&math::Pose::IDENTITY, &triangle(a), &triangle(b))
-            }
+            Self::Parry => parry::meet(a, b),
         }
     }
 }

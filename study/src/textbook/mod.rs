@@ -12,7 +12,7 @@ mod axes;
 mod moller;
 mod orientation;
 #[cfg(feature = "parry")]
-mod parry;
+pub(crate) mod parry;
 
 use crate::judge::Test;
 
