@@ -4,7 +4,7 @@ use super::StabilityError;
 use super::plain::Evidence;
 use super::play::{Divider, Method, one_core};
 use super::rows::Finding;
-use super::scene::{Scene, Step, Watch};
+use super::scene::{Scene, Shown, Watch};
 use pfront::TrianglePair;
 use pfront::core::front::{Alpha, Estimate, Extent, Grain};
 use pfront::core::query::Query;
@@ -81,13 +81,7 @@ struct Sweeps<'t> {
 }
 
 impl Watch for Sweeps<'_> {
-    fn frame<Q: Query + Sync>(
-        &mut self,
-        _: usize,
-        _: &Step,
-        query: &Q,
-        _: &dyn Fn() -> Vec<TrianglePair>,
-    ) {
+    fn frame<Q: Query + Sync>(&mut self, _: &Shown<'_>, query: &Q) {
         let mut pairs = Vec::new();
         for sweep in &mut self.sweeps {
             sweep.usual.all(query, &mut pairs);
@@ -121,13 +115,7 @@ struct Tight<'t> {
 }
 
 impl Watch for Tight<'_> {
-    fn frame<Q: Query + Sync>(
-        &mut self,
-        _: usize,
-        _: &Step,
-        query: &Q,
-        _: &dyn Fn() -> Vec<TrianglePair>,
-    ) {
+    fn frame<Q: Query + Sync>(&mut self, _: &Shown<'_>, query: &Q) {
         let (expected, _) = one_core(query);
         let capacities = [expected.len().saturating_sub(1).max(1), 1];
         let by_page = capacities.map(|capacity| differences(&pages(query, capacity), &expected));

@@ -3,7 +3,7 @@
 use super::StabilityError;
 use super::limit::{Bound, Census, Hardness, THIN};
 use super::plain::{Evidence, Plain};
-use super::scene::{Scene, Step, Watch};
+use super::scene::{Scene, Shown, Watch};
 use pfront::TrianglePair;
 use pfront::core::front::Grain;
 use pfront::core::query::Query;
@@ -209,13 +209,7 @@ struct Player<'t> {
 }
 
 impl Watch for Player<'_> {
-    fn frame<Q: Query + Sync>(
-        &mut self,
-        _: usize,
-        step: &Step,
-        query: &Q,
-        oracle: &dyn Fn() -> Vec<TrianglePair>,
-    ) {
+    fn frame<Q: Query + Sync>(&mut self, &Shown { step, oracle, .. }: &Shown<'_>, query: &Q) {
         let (expected, triangle_tests) = one_core(query);
         let is_new = std::mem::replace(&mut self.last, step.what) != step.what;
         let mut agreed = true;

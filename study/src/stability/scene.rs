@@ -33,16 +33,20 @@ enum Actors {
     Sheet(Box<Model>, pfront_scenes::Scene, usize),
 }
 
+/// What is known of a frame beside its query.
+pub struct Shown<'f> {
+    /// Its number.
+    pub index: usize,
+    /// What happens in it.
+    pub step: &'f Step,
+    /// Finds the true pairs by brute force, sorted, in exact arithmetic.
+    pub oracle: &'f dyn Fn() -> Vec<TrianglePair>,
+}
+
 /// Whoever looks at the frames of a scene.
 pub trait Watch {
-    /// Frame `index`; `oracle` finds the true pairs by brute force, sorted, in exact arithmetic.
-    fn frame<Q: Query + Sync>(
-        &mut self,
-        index: usize,
-        step: &Step,
-        query: &Q,
-        oracle: &dyn Fn() -> Vec<TrianglePair>,
-    );
+    /// A frame, and the query to ask.
+    fn frame<Q: Query + Sync>(&mut self, shown: &Shown<'_>, query: &Q);
 }
 
 impl Scene {
@@ -83,20 +87,22 @@ impl Scene {
     /// # Errors
     /// If a pose or a shape is refused, which those of the matrix are not.
     pub fn play(&mut self, watch: &mut impl Watch) -> Result<(), StabilityError> {
-        for (i, step) in self.steps.iter().enumerate() {
+        for (index, step) in self.steps.iter().enumerate() {
             match &mut self.actors {
                 Actors::Two(models) => {
                     let [a, b] = &**models;
                     let query = PairQuery::new(a.bvh(), b.bvh(), step.a_from_b)
                         .map_err(pfront::Error::from)?;
-                    watch.frame(i, step, &query, &|| pairs(a, b, &step.a_from_b));
+                    let oracle = || pairs(a, b, &step.a_from_b);
+                    watch.frame(&Shown { index, step, oracle: &oracle }, &query);
                 }
                 Actors::Sheet(model, sheet, first) => {
                     let mut positions = Vec::new();
-                    sheet.positions(*first + i, &mut positions);
+                    sheet.positions(*first + index, &mut positions);
                     model.set_positions(&positions)?;
                     let query = SelfQuery::new(model.bvh());
-                    watch.frame(i, step, &query, &|| self_pairs(model));
+                    let oracle = || self_pairs(model);
+                    watch.frame(&Shown { index, step, oracle: &oracle }, &query);
                 }
             }
         }

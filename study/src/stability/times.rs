@@ -1,8 +1,7 @@
 //! The schedules by the clock, frame by frame, on the threads of the calling pool.
 
 use super::StabilityError;
-use super::scene::{Scene, Step, Watch};
-use pfront::TrianglePair;
+use super::scene::{Scene, Shown, Watch};
 use pfront::core::query::Query;
 use pfront::threads::{Schedule, Settings, Traversal};
 use std::iter::once;
@@ -53,13 +52,7 @@ struct Clock {
 }
 
 impl Watch for Clock {
-    fn frame<Q: Query + Sync>(
-        &mut self,
-        index: usize,
-        _: &Step,
-        query: &Q,
-        _: &dyn Fn() -> Vec<TrianglePair>,
-    ) {
+    fn frame<Q: Query + Sync>(&mut self, &Shown { index, .. }: &Shown<'_>, query: &Q) {
         let mut pairs = Vec::new();
         for (traversal, Times { milliseconds, .. }) in
             self.traversals.iter_mut().zip(&mut self.times)
