@@ -48,7 +48,7 @@ mod scene;
 mod within;
 
 pub use error::Error;
-pub use model::Model;
+pub use model::{Model, Stamp};
 pub use pair::PairQuery;
 pub use scene::{Body, BodyId, Piece, SceneHit, SceneQuery};
 pub use within::SelfQuery;

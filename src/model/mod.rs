@@ -1,5 +1,9 @@
 //! A mesh and its BVH, owned.
 
+mod stamp;
+
+pub use stamp::Stamp;
+
 use crate::Error;
 use pfront_core::build::{self, BuildOptions, BvhStorage, REBUILD_RATIO, SahItem};
 use pfront_core::bvh::node_bound;
@@ -27,6 +31,7 @@ pub struct Model {
     nodes: Vec<Node>,
     order: Vec<u32>,
     options: BuildOptions,
+    stamp: Stamp,
     /// The quality figure right after the last build.
     built: f32,
     /// Made when the mesh is first asked about itself.
@@ -118,9 +123,10 @@ impl Model {
         options: BuildOptions,
     ) -> Result<Self, Error> {
         Mesh::new(&positions, &triangles)?;
-        let (nodes, order) = (Vec::new(), Vec::new());
+        let (nodes, order, stamp) = (Vec::new(), Vec::new(), Stamp::new());
         let (built, fans, sphere) = (0.0, OnceLock::new(), OnceLock::new());
-        let mut model = Self { positions, triangles, nodes, order, options, built, fans, sphere };
+        let mut model =
+            Self { positions, triangles, nodes, order, options, stamp, built, fans, sphere };
         model.rebuild(passes)?;
         Ok(model)
     }
@@ -167,6 +173,16 @@ impl Model {
         *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))
     }
 
+    /// Which mesh, BVH and positions these are: what is equal to an earlier stamp need not be looked at
+    /// again.
+    ///
+    /// # Complexity
+    /// O(1).
+    #[must_use]
+    pub fn stamp(&self) -> Stamp {
+        self.stamp
+    }
+
     /// How the BVH is built.
     #[must_use]
     pub fn options(&self) -> BuildOptions {
@@ -207,7 +223,11 @@ impl Model {
 
     fn deform(&mut self, positions: &[[f32; 3]], passes: &Passes) -> Result<(), Error> {
         self.mesh().with_positions(positions)?;
+        if same_bits(positions, &self.positions) {
+            return Ok(());
+        }
         self.positions.copy_from_slice(positions);
+        self.stamp.moved();
         self.sphere.take();
         let mesh = Mesh::trusted(&self.positions, &self.triangles);
         let (mut cost, mut certified) = (0.0, Ok(()));
@@ -218,6 +238,7 @@ impl Model {
         }
         certified?;
         if cost > self.built * REBUILD_RATIO {
+            self.stamp.rebuilt();
             self.rebuild(passes)?;
         }
         Ok(())
@@ -247,4 +268,9 @@ impl Model {
             + self.order.capacity() * size_of::<u32>()
             + self.fans.get().map_or(0, |fans| fans.capacity() * size_of::<Fan>())
     }
+}
+
+/// Whether the same numbers are in both, zeros with their signs.
+fn same_bits(a: &[[f32; 3]], b: &[[f32; 3]]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a.map(f32::to_bits) == b.map(f32::to_bits))
 }
