@@ -44,6 +44,7 @@ mod error;
 pub mod gpu;
 mod model;
 mod pair;
+pub mod planner;
 mod scene;
 mod within;
 
