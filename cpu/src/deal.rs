@@ -8,6 +8,7 @@ use pfront_core::query::{Cursor, NodePair, Query, Work};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+use std::time::Instant;
 
 /// A front that costs less than this in box tests, some 20 µs, is walked by the calling thread: waking
 /// others takes as long.
@@ -23,7 +24,7 @@ pub(crate) struct Deal {
     /// How many of its nodes each worker, or a thief, has begun.
     begun: Vec<AtomicUsize>,
     workers: Vec<Worker>,
-    /// True cost of each node by its index.
+    /// True cost of each node by its index, 0 for those of a device.
     costs: Vec<f32>,
 }
 
@@ -66,6 +67,7 @@ impl Deal {
         sinks: &mut [S],
         report: &mut Report,
     ) -> bool {
+        let clock = Instant::now();
         self.group(plan, sinks.len());
         let shared = Shared {
             plan,
@@ -91,15 +93,16 @@ impl Deal {
             share.work = worker.work;
         }
         self.costs.clear();
-        self.costs.resize(plan.nodes().len(), 0.0);
+        self.costs.resize(plan.len(), 0.0);
         for &(index, cost) in self.workers.iter().flat_map(|worker| &worker.costs) {
             self.costs[index as usize] = cost;
         }
         report.dearest_node = f64::from(self.costs.iter().copied().fold(0.0, f32::max));
+        report.walk_time = clock.elapsed();
         complete
     }
 
-    /// True cost of each node by its index.
+    /// True cost of each node by its index, 0 for those of a device.
     pub(crate) fn costs(&self) -> &[f32] {
         &self.costs
     }
