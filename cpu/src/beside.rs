@@ -33,8 +33,7 @@ impl Crew {
 
     /// The same beside a device.
     pub(crate) fn beside(self, share: f64) -> Self {
-        // NaN counts as nothing.
-        Self { share: share.max(0.0).min(1.0), ..self }
+        Self { share: if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }, ..self }
     }
 
     /// How many workers would each get as much of the whole as these get of their part of it.
