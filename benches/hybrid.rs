@@ -63,26 +63,26 @@ impl Backend for Both<'_> {
             Asked::Pair { host: [a, b], device: [on_a, on_b], poses, query } => {
                 let pose = &poses[frame];
                 let asked = query::PairQuery::new(a.bvh(), b.bvh(), *pose).unwrap();
-                let start = |below: &[_]| {
-                    let mut encoder = gpu.device().create_command_encoder(&Default::default());
-                    let pending = query.record_below(&mut encoder, on_a, on_b, pose, below);
-                    gpu.queue().submit([encoder.finish()]);
-                    pending.unwrap()
-                };
-                traversal.all_beside(&asked, *share, start, pairs)
+                traversal.all_beside(
+                    &asked,
+                    *share,
+                    |below| {
+                        submit(gpu, |encoder| query.record_below(encoder, on_a, on_b, pose, below))
+                    },
+                    pairs,
+                )
             }
             Asked::Within { host, device, frames, query } => {
                 let positions = frames[frame].mesh().positions();
                 device.set_positions(positions).unwrap();
                 host.set_positions_with_threads(positions).unwrap();
                 let asked = query::SelfQuery::new(host.bvh()).with_fans(host.fans());
-                let start = |below: &[_]| {
-                    let mut encoder = gpu.device().create_command_encoder(&Default::default());
-                    let pending = query.record_below(&mut encoder, device, below);
-                    gpu.queue().submit([encoder.finish()]);
-                    pending.unwrap()
-                };
-                traversal.all_beside(&asked, *share, start, pairs)
+                traversal.all_beside(
+                    &asked,
+                    *share,
+                    |below| submit(gpu, |encoder| query.record_below(encoder, device, below)),
+                    pairs,
+                )
             }
         };
         pairs.extend_from_slice(pending.read().unwrap());
@@ -90,6 +90,17 @@ impl Backend for Both<'_> {
         pairs.sort();
         pairs
     }
+}
+
+/// Has the GPU begin with what is recorded.
+fn submit<'q>(
+    gpu: &Gpu,
+    record: impl FnOnce(&mut gpu::wgpu::CommandEncoder) -> Result<Pending<'q>, gpu::Error>,
+) -> Pending<'q> {
+    let mut encoder = gpu.device().create_command_encoder(&Default::default());
+    let pending = record(&mut encoder).unwrap();
+    gpu.queue().submit([encoder.finish()]);
+    pending
 }
 
 fn frames(c: &mut Criterion) {

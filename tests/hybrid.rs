@@ -87,7 +87,7 @@ fn a_model_that_deforms() {
     };
     let mut sheet = Model::new(at(100), scene.meshes[0].triangles.clone()).unwrap();
     let mut moving = Deforming::new(&gpu, sheet.bvh()).unwrap();
-    let order = sheet.bvh().order().to_vec();
+    let mut order = sheet.bvh().order().to_vec();
     for (mut traversal, settings) in askers(&gpu) {
         let mut query = gpu::SelfQuery::with_settings(&gpu, settings).unwrap();
         let mut met = 0;
@@ -95,7 +95,11 @@ fn a_model_that_deforms() {
             let moved = at(frame);
             sheet.set_positions(&moved).unwrap();
             moving.set_positions(&moved).unwrap();
-            assert!(sheet.bvh().order() == order, "a rebuild has other nodes than the device");
+            // A tree that has been rebuilt has other nodes than the device's.
+            if sheet.bvh().order() != order {
+                moving = Deforming::new(&gpu, sheet.bvh()).unwrap();
+                order = sheet.bvh().order().to_vec();
+            }
             for share in [share, 0.5] {
                 let core = query::SelfQuery::new(sheet.bvh()).with_fans(sheet.fans());
                 let found = on_both(&gpu, &mut traversal, &core, share, |encoder, below| {

@@ -88,8 +88,8 @@ fn two_meshes_from_every_level() {
         let mut query = PairQuery::with_settings(gpu(), with_budget(bytes)).unwrap();
         for (a, b, pose) in [(&a, &b, Pose::new(poses[1])), (&flat, &flat, Pose::IDENTITY)] {
             let core = query::PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
-            for levels in [0, 1, 3, 5, 7, 40] {
-                for modulus in [1, 2, 9] {
+            for levels in [0, 3, 7, 40] {
+                for modulus in [1, 5] {
                     let found = check(
                         &core,
                         levels,
