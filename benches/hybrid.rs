@@ -12,7 +12,8 @@ mod cases;
 use backends::{Backend, Cpu, on_gpu};
 use cases::{Asker, CASES, Case, FRAMES, all_threads, traversal, turn};
 use criterion::{Criterion, criterion_group, criterion_main};
-use pfront::core::query;
+use pfront::core::query::{self, NodePair, Query};
+use pfront::gpu::wgpu::CommandEncoder;
 use pfront::gpu::{self, Deforming, Gpu, Pending};
 use pfront::threads::{Schedule, Traversal};
 use pfront::{Model, Pose, TrianglePair};
@@ -20,71 +21,34 @@ use pfront::{Model, Pose, TrianglePair};
 /// What the GPU gets, in per cent.
 const SHARES: [u32; 5] = [5, 10, 20, 35, 50];
 
-/// All threads and the GPU.
-struct Both<'c> {
+/// All threads and the GPU, which gets a share.
+struct Both {
     gpu: Gpu,
-    asked: Asked<'c>,
     share: f64,
     traversal: Traversal,
     pairs: Vec<TrianglePair>,
 }
 
-enum Asked<'c> {
-    Pair { host: [&'c Model; 2], device: [gpu::Model; 2], poses: &'c [Pose], query: gpu::PairQuery },
-    Within { host: Model, device: Deforming, frames: &'c [Model], query: gpu::SelfQuery },
-}
-
-impl<'c> Both<'c> {
-    fn new(gpu: &Gpu, case: &'c Case, share: f64) -> Self {
-        let asked = match case {
-            Case::Pair { a, b, poses, .. } => Asked::Pair {
-                host: [a, b],
-                device: [a, b].map(|model| gpu::Model::new(gpu, model.bvh()).unwrap()),
-                poses,
-                query: gpu::PairQuery::new(gpu).unwrap(),
-            },
-            // A tree made for these frames, which no refit among them replaces.
-            Case::Within { frames, .. } => Asked::Within {
-                host: frames[0].clone(),
-                device: Deforming::new(gpu, frames[0].bvh()).unwrap(),
-                frames,
-                query: gpu::SelfQuery::new(gpu).unwrap(),
-            },
-        };
+impl Both {
+    fn new(gpu: &Gpu, share: f64) -> Self {
         let traversal = traversal(all_threads(), Schedule::Hybrid);
-        Self { gpu: gpu.clone(), asked, share, traversal, pairs: Vec::new() }
+        Self { gpu: gpu.clone(), share, traversal, pairs: Vec::new() }
     }
-}
 
-impl Backend for Both<'_> {
-    fn frame(&mut self, frame: usize) -> &[TrianglePair] {
-        let Self { gpu, asked, share, traversal, pairs } = self;
-        let pending: Pending<'_> = match asked {
-            Asked::Pair { host: [a, b], device: [on_a, on_b], poses, query } => {
-                let pose = &poses[frame];
-                let asked = query::PairQuery::new(a.bvh(), b.bvh(), *pose).unwrap();
-                traversal.all_beside(
-                    &asked,
-                    *share,
-                    |below| {
-                        submit(gpu, |encoder| query.record_below(encoder, on_a, on_b, pose, below))
-                    },
-                    pairs,
-                )
-            }
-            Asked::Within { host, device, frames, query } => {
-                let positions = frames[frame].mesh().positions();
-                device.set_positions(positions).unwrap();
-                host.set_positions_with_threads(positions).unwrap();
-                let asked = query::SelfQuery::new(host.bvh()).with_fans(host.fans());
-                traversal.all_beside(
-                    &asked,
-                    *share,
-                    |below| submit(gpu, |encoder| query.record_below(encoder, device, below)),
-                    pairs,
-                )
-            }
+    /// Asks; `record` records what lies below the nodes of the GPU.
+    fn ask<'q>(
+        &mut self,
+        query: &(impl Query + Sync),
+        record: impl FnOnce(&mut CommandEncoder, &[NodePair]) -> Result<Pending<'q>, gpu::Error> + Send,
+    ) -> &[TrianglePair] {
+        let Self { gpu, share, traversal, pairs } = self;
+        let start = |below: &[NodePair]| {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            let pending = record(&mut encoder, below);
+            gpu.queue().submit([encoder.finish()]);
+            pending.unwrap()
         };
+        let pending = traversal.all_beside(query, *share, start, pairs);
         pairs.extend_from_slice(pending.read().unwrap());
         // Two runs, which this merges.
         pairs.sort();
@@ -92,15 +56,61 @@ impl Backend for Both<'_> {
     }
 }
 
-/// Has the GPU begin with what is recorded.
-fn submit<'q>(
-    gpu: &Gpu,
-    record: impl FnOnce(&mut gpu::wgpu::CommandEncoder) -> Result<Pending<'q>, gpu::Error>,
-) -> Pending<'q> {
-    let mut encoder = gpu.device().create_command_encoder(&Default::default());
-    let pending = record(&mut encoder).unwrap();
-    gpu.queue().submit([encoder.finish()]);
-    pending
+struct Pair<'c> {
+    both: Both,
+    host: [&'c Model; 2],
+    device: [gpu::Model; 2],
+    poses: &'c [Pose],
+    query: gpu::PairQuery,
+}
+
+impl Backend for Pair<'_> {
+    fn frame(&mut self, frame: usize) -> &[TrianglePair] {
+        let Self { both, host: [a, b], device: [on_a, on_b], poses, query } = self;
+        let pose = &poses[frame];
+        let asked = query::PairQuery::new(a.bvh(), b.bvh(), *pose).unwrap();
+        both.ask(&asked, |encoder, below| query.record_below(encoder, on_a, on_b, pose, below))
+    }
+}
+
+struct Within<'c> {
+    both: Both,
+    host: Model,
+    device: Deforming,
+    frames: &'c [Model],
+    query: gpu::SelfQuery,
+}
+
+impl Backend for Within<'_> {
+    fn frame(&mut self, frame: usize) -> &[TrianglePair] {
+        let Self { both, host, device, frames, query } = self;
+        let positions = frames[frame].mesh().positions();
+        device.set_positions(positions).unwrap();
+        host.set_positions_with_threads(positions).unwrap();
+        let asked = query::SelfQuery::new(host.bvh()).with_fans(host.fans());
+        both.ask(&asked, |encoder, below| query.record_below(encoder, device, below))
+    }
+}
+
+fn on_both<'c>(gpu: &Gpu, case: &'c Case, share: f64) -> Box<dyn Backend + 'c> {
+    let both = Both::new(gpu, share);
+    match case {
+        Case::Pair { a, b, poses, .. } => Box::new(Pair {
+            both,
+            host: [a, b],
+            device: [a, b].map(|model| gpu::Model::new(gpu, model.bvh()).unwrap()),
+            poses,
+            query: gpu::PairQuery::new(gpu).unwrap(),
+        }),
+        // A tree made for these frames, which no refit among them replaces: its nodes are the device's too.
+        Case::Within { frames, .. } => Box::new(Within {
+            both,
+            host: frames[0].clone(),
+            device: Deforming::new(gpu, frames[0].bvh()).unwrap(),
+            frames,
+            query: gpu::SelfQuery::new(gpu).unwrap(),
+        }),
+    }
 }
 
 fn frames(c: &mut Criterion) {
@@ -114,8 +124,8 @@ fn frames(c: &mut Criterion) {
             (adapter.clone(), on_gpu(&gpu, case)),
         ];
         for share in SHARES {
-            let both = Both::new(&gpu, case, f64::from(share) / 100.0);
-            backends.push((format!("both, {share} % on the GPU"), Box::new(both)));
+            let both = on_both(&gpu, case, f64::from(share) / 100.0);
+            backends.push((format!("both, {share} % on the GPU"), both));
         }
         for frame in 0..FRAMES {
             let truth = case.found(&mut Asker::default(), frame).to_vec();
