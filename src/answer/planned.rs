@@ -108,7 +108,8 @@ impl Planned {
             self.decider.keep();
             return given;
         }
-        let offer = self.offer(question);
+        let mut offer = self.offer(question);
+        offer.both &= want == Want::All;
         let mut choice = self.decider.choose(&offer, want == Want::Any);
         let accuracy = self.decider.accuracy(question.accuracy());
         let deadline = self.decider.deadline();
@@ -166,11 +167,22 @@ impl Planned {
         }
         let query = question.query(accuracy);
         #[cfg(feature = "threads")]
-        if let Way::Threads(workers) = choice.way {
+        if let Way::Threads(workers) | Way::Both(workers, _) = choice.way {
             let planner = self.decider.planner();
             let traversal = self.traversal.get_or_insert_with(|| planner.traversal(workers));
             traversal.set_workers(workers as usize);
             traversal.set_deadline(self.decider.deadline());
+            #[cfg(feature = "gpu")]
+            if let (Way::Both(_, share), Some(device)) = (choice.way, &mut self.device) {
+                match device.ask_beside(question.on_gpu(), &query, share, traversal, pairs) {
+                    Ok(given) => return Outcome { given, ..Outcome::default() },
+                    Err(error) => {
+                        self.device = None;
+                        let offer = Offer { gpu: None, both: false, ..*offer };
+                        *choice = self.decider.gpu_failed(&offer, &error);
+                    }
+                }
+            }
             return on_threads(traversal, &query, want, pairs);
         }
         on_one(query, want, pairs, Leash { tests: u64::MAX, deadline: self.decider.deadline() })
@@ -187,6 +199,7 @@ impl Planned {
             && question.accuracy() == Accuracy::Exact
         {
             offer.gpu = planner.upload(device.owed(question.on_gpu()));
+            offer.both = cfg!(feature = "threads");
         }
         offer
     }
