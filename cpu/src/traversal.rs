@@ -161,8 +161,8 @@ impl Traversal {
     /// # fn frame(traversal: &mut pfront_cpu::Traversal, query: &(impl Query + Sync)) {
     /// let (mut pairs, mut found) = (Vec::new(), Vec::new());
     /// let device = |nodes: &[NodePair]| {
-    ///     let each = |pair| ControlFlow::<()>::Continue(found.push(pair));
-    ///     nodes.iter().try_for_each(|&node| query.visit(&mut Cursor::at(node), each))
+    ///     let mut each = |pair| ControlFlow::Continue(found.push(pair));
+    ///     nodes.iter().try_for_each(|&node| query.visit(&mut Cursor::at(node), &mut each))
     /// };
     /// let _ = traversal.all_beside(query, 0.25, device, &mut pairs);
     /// pairs.extend(found);

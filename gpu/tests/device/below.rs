@@ -82,7 +82,7 @@ fn two_meshes_from_every_level() {
     knots.poses(knots.frames() / 2, &mut poses);
     let [a, b] = [0, 1].map(|i| &knots.meshes[knots.objects[i]]);
     let [a, b] = [a, b].map(|mesh| Both::new(&mesh.positions, &mesh.triangles, 4));
-    let flat = both(&sheet(40, |_, _| 0.0), 4);
+    let flat = both(&sheet(20, |_, _| 0.0), 4);
     // In the least budget a front has 1,024 nodes, fewer than the deepest of these.
     for bytes in [Budget::LEAST.bytes, 16 << 20] {
         let mut query = PairQuery::with_settings(gpu(), with_budget(bytes)).unwrap();
