@@ -1,12 +1,12 @@
 //! Who finds the pairs, and how exactly: the options that all queries share.
 
 use crate::adapters;
-use crate::engine::{Asked, On, OnGpu};
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use pfront::gpu::Gpu;
 use pfront::threads::Traversal;
 use pfront::{Accuracy, Adjacency};
+use pfront_study::engine::{Asked, On, OnGpu};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
 use std::sync::Arc;

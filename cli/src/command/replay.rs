@@ -2,7 +2,7 @@
 
 use super::{milliseconds, progress};
 use crate::args::{Mode, Replay};
-use crate::engine::Objects;
+use crate::engine::{objects, update};
 use crate::memory;
 use crate::output::{Draft, out};
 use crate::recording::Recording;
@@ -22,9 +22,8 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     let frames = header.frames;
     let asked = replay.how.asked()?;
     let clock = Instant::now();
-    let mut engine = Objects::new(header)
-        .and_then(|objects| objects.engine(asked))
-        .with_context(|| replay.file.clone())?;
+    let objects = objects(header).with_context(|| replay.file.clone())?;
+    let mut engine = objects.engine(asked).with_context(|| replay.file.clone())?;
     let build = milliseconds(clock.elapsed());
 
     let mut pairs = match &replay.pairs {
@@ -38,7 +37,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         let frame = recording.next_frame().with_context(|| replay.file.clone())?;
         let Some(frame) = frame else { break };
         let clock = Instant::now();
-        engine.update(frame).with_context(|| format!("frame {number}"))?;
+        update(&mut *engine, frame).with_context(|| format!("frame {number}"))?;
         let update = milliseconds(clock.elapsed());
         let clock = Instant::now();
         let found = match replay.mode {

@@ -2,11 +2,11 @@
 
 use super::{contacts, model};
 use crate::args::Within;
-use crate::engine::{Asked, Objects};
 use crate::listing::Found;
 use anyhow::Result;
 use pfront::Adjacency;
 use pfront::core::query;
+use pfront_study::engine::{Asked, Objects};
 
 pub(crate) fn run(within: &Within) -> Result<bool> {
     let adjacency = match within.skip_neighbours {
