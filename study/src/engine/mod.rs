@@ -107,6 +107,20 @@ pub enum EngineError {
     },
 }
 
+impl EngineError {
+    /// Whether more memory would help.
+    #[must_use]
+    pub fn is_for_want_of_memory(&self) -> bool {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(
+                pfront::gpu::Error::TooLarge { .. } | pfront::gpu::Error::OutOfMemory { .. },
+            ) => true,
+            _ => false,
+        }
+    }
+}
+
 /// What is wanted of an answer, and of whom.
 #[derive(Clone)]
 pub struct Asked {
