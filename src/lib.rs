@@ -44,11 +44,12 @@ mod error;
 pub mod gpu;
 mod model;
 mod pair;
+pub mod planner;
 mod scene;
 mod within;
 
 pub use error::Error;
-pub use model::Model;
+pub use model::{Model, Stamp};
 pub use pair::PairQuery;
 pub use scene::{Body, BodyId, Piece, SceneHit, SceneQuery};
 pub use within::SelfQuery;

@@ -1,9 +1,10 @@
 //! Two models.
 
-use crate::answer::Answer;
+use crate::answer::{Answer, OfTwo, Planned, Question};
+use crate::planner::{Plan, Planner};
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Contact, Error, Model, Pose, TrianglePair, core};
+use crate::{Accuracy, Contact, Error, Model, Pose, TrianglePair};
 use pfront_core::query::Query;
 use std::ops::ControlFlow;
 
@@ -80,13 +81,33 @@ impl PairQuery {
         Some(self.answer.traversal.as_ref()?.report())
     }
 
+    /// The same by a [`Planner`]: the query decides for itself, from frame to frame, who answers. The answers
+    /// stay the same to the bit.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{PairQuery, planner::{Machine, Planner}};
+    /// let query = PairQuery::new().with_planner(Planner::new(Machine::typical()));
+    /// ```
+    #[must_use]
+    pub fn with_planner(mut self, planner: Planner) -> Self {
+        self.answer.planned = Some(Box::new(Planned::new(planner)));
+        self
+    }
+
+    /// How the last frame was answered by a planner, and why so.
+    #[must_use]
+    pub fn plan(&self) -> Option<&Plan> {
+        self.answer.planned.as_ref()?.plan()
+    }
+
     /// All pairs that meet, sorted; `a` and `b` of a pair are triangles of `a` and `b`.
     ///
     /// # Errors
     /// [`Error::Pose`] if the pose is not finite or takes `b` out of range.
     pub fn all(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<&[TrianglePair], Error> {
-        let query = self.query(a, b, a_from_b)?;
-        Ok(self.answer.all(&query))
+        let question = self.question(a, b, a_from_b)?;
+        Ok(self.answer.all(&question))
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -99,8 +120,8 @@ impl PairQuery {
         b: &Model,
         a_from_b: &Pose,
     ) -> Result<Option<TrianglePair>, Error> {
-        let query = self.query(a, b, a_from_b)?;
-        Ok(self.answer.any(&query))
+        let question = self.question(a, b, a_from_b)?;
+        Ok(self.answer.any(&question))
     }
 
     /// How many pairs meet.
@@ -108,8 +129,8 @@ impl PairQuery {
     /// # Errors
     /// As [`PairQuery::all`].
     pub fn count(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<u64, Error> {
-        let query = self.query(a, b, a_from_b)?;
-        Ok(self.answer.count(&query))
+        let question = self.question(a, b, a_from_b)?;
+        Ok(self.answer.count(&question))
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
@@ -138,7 +159,8 @@ impl PairQuery {
         a_from_b: &Pose,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
-        let query = self.query(a, b, a_from_b)?;
+        let question = self.question(a, b, a_from_b)?;
+        let query = question.query(self.accuracy);
         Ok(query.visit(&mut query.start(), visit))
     }
 
@@ -153,17 +175,16 @@ impl PairQuery {
         b: &Model,
         a_from_b: &Pose,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
-        let query = self.query(a, b, a_from_b)?;
-        Ok(self.answer.contacts(&query))
+        let question = self.question(a, b, a_from_b)?;
+        Ok(self.answer.contacts(&question))
     }
 
-    fn query<'m>(
+    fn question<'m>(
         &self,
         a: &'m Model,
         b: &'m Model,
         a_from_b: &Pose,
-    ) -> Result<core::query::PairQuery<'m>, Error> {
-        let query = core::query::PairQuery::new(a.bvh(), b.bvh(), *a_from_b)?;
-        Ok(query.with_accuracy(self.accuracy))
+    ) -> Result<OfTwo<'m>, Error> {
+        OfTwo::new([a, b], a_from_b, self.accuracy)
     }
 }

@@ -1,9 +1,10 @@
 //! One model with itself.
 
-use crate::answer::Answer;
+use crate::answer::{Answer, OfOne, Planned, Question};
+use crate::planner::{Plan, Planner};
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Adjacency, Contact, Model, TrianglePair, core};
+use crate::{Accuracy, Adjacency, Contact, Model, TrianglePair};
 use pfront_core::query::Query;
 use std::ops::ControlFlow;
 
@@ -72,22 +73,35 @@ impl SelfQuery {
         Some(self.answer.traversal.as_ref()?.report())
     }
 
+    /// The same by a [`Planner`]; see [`crate::PairQuery::with_planner`].
+    #[must_use]
+    pub fn with_planner(mut self, planner: Planner) -> Self {
+        self.answer.planned = Some(Box::new(Planned::new(planner)));
+        self
+    }
+
+    /// How the last frame was answered by a planner, and why so.
+    #[must_use]
+    pub fn plan(&self) -> Option<&Plan> {
+        self.answer.planned.as_ref()?.plan()
+    }
+
     /// All pairs that meet, sorted.
     pub fn all(&mut self, model: &Model) -> &[TrianglePair] {
-        let query = self.query(model);
-        self.answer.all(&query)
+        let question = self.question(model);
+        self.answer.all(&question)
     }
 
     /// Some pair that meets, if any does; stops at the first.
     pub fn any(&mut self, model: &Model) -> Option<TrianglePair> {
-        let query = self.query(model);
-        self.answer.any(&query)
+        let question = self.question(model);
+        self.answer.any(&question)
     }
 
     /// How many pairs meet.
     pub fn count(&mut self, model: &Model) -> u64 {
-        let query = self.query(model);
-        self.answer.count(&query)
+        let question = self.question(model);
+        self.answer.count(&question)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
@@ -97,21 +111,19 @@ impl SelfQuery {
         model: &Model,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let query = self.query(model);
+        let question = self.question(model);
+        let query = question.query(self.accuracy);
         query.visit(&mut query.start(), visit)
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals. For
     /// triangles that share a vertex or an edge the segment may include what they share.
     pub fn contacts(&mut self, model: &Model) -> &[(TrianglePair, Contact)] {
-        let query = self.query(model);
-        self.answer.contacts(&query)
+        let question = self.question(model);
+        self.answer.contacts(&question)
     }
 
-    fn query<'m>(&self, model: &'m Model) -> core::query::SelfQuery<'m> {
-        core::query::SelfQuery::new(model.bvh())
-            .with_accuracy(self.accuracy)
-            .with_adjacency(self.adjacency)
-            .with_fans(model.fans())
+    fn question<'m>(&self, model: &'m Model) -> OfOne<'m> {
+        OfOne { model, adjacency: self.adjacency, accuracy: self.accuracy }
     }
 }

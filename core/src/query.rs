@@ -35,6 +35,45 @@ pub trait Query {
         &self,
         cursor: &mut Cursor,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.step(cursor, u64::MAX, visit)
+    }
+
+    /// [`Query::visit`] for at most about `budget` tests, to spread a query over frames: stops when as
+    /// many box and triangle tests are done, as [`Cursor::work`] counts them, and goes on from there with
+    /// the next call. Pairs and their order are the same for every sequence of budgets; with one of 0
+    /// nothing is done.
+    ///
+    /// `Break` if `visit` broke, else [`Cursor::is_done`] tells whether anything is left. A `visit` that
+    /// breaks when a page is full, or at the first pair, does in steps what [`Query::page`] and
+    /// [`Query::any`] do.
+    ///
+    /// # Complexity
+    /// At most `budget` + 15 tests: box tests come up to 16 at a time, triangle tests one by one. A leaf
+    /// pair without triangle tests counts as one test against the budget, so there are no more than
+    /// `budget` of these. On top come at most 16 triangles loaded for each leaf pair, again for one that
+    /// the last step left in the middle.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront_core::query::*;
+    /// # use std::ops::ControlFlow;
+    /// # fn frames(query: &impl Query) -> u64 {
+    /// let (mut cursor, mut pairs) = (query.start(), 0);
+    /// while !cursor.is_done() {
+    ///     // One frame.
+    ///     let _ = query.step(&mut cursor, 1_000, |_| {
+    ///         pairs += 1;
+    ///         ControlFlow::Continue(())
+    ///     });
+    /// }
+    /// # pairs }
+    /// ```
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()>;
 
     /// Where a pair that a visit reported meets, in the frame of the query. `None` for a pair

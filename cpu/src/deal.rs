@@ -8,6 +8,7 @@ use pfront_core::query::{Cursor, NodePair, Query, Work};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+use std::time::Instant;
 
 /// A front that costs less than this in box tests, some 20 µs, is walked by the calling thread: waking
 /// others takes as long.
@@ -53,6 +54,9 @@ struct Shared<'s, Q> {
     /// How many workers have started.
     started: AtomicUsize,
     stop: AtomicBool,
+    deadline: Option<Instant>,
+    /// Whether it was missed.
+    late: AtomicBool,
 }
 
 impl Deal {
@@ -63,6 +67,7 @@ impl Deal {
         plan: &Plan,
         queries: &[Q],
         schedule: Schedule,
+        deadline: Option<Instant>,
         sinks: &mut [S],
         report: &mut Report,
     ) -> bool {
@@ -77,6 +82,8 @@ impl Deal {
             steal: schedule == Schedule::Hybrid,
             started: AtomicUsize::new(0),
             stop: AtomicBool::new(false),
+            deadline,
+            late: AtomicBool::new(false),
         };
         let predicted: f64 = report.shares.iter().map(|share| share.predicted).sum();
         if sinks.len() == 1 || predicted < WORTH_THREADS {
@@ -87,6 +94,7 @@ impl Deal {
             workers.for_each(|(part, (worker, sink))| worker.run(&shared, part, sink));
         }
         let complete = !shared.stop.load(Relaxed);
+        report.late = shared.late.load(Relaxed);
         for (share, worker) in report.shares.iter_mut().zip(&self.workers) {
             share.work = worker.work;
         }
@@ -132,11 +140,17 @@ impl Deal {
 }
 
 impl<Q: Query> Shared<'_, Q> {
-    /// The next node of a worker's that nobody has begun.
+    /// The next node of a worker's that nobody has begun, if it is not too late.
     fn next(&self, part: usize) -> Option<u32> {
         let nodes = &self.order[self.first[part]..self.first[part + 1]];
         // Without thieves nobody else counts, and the increment costs next to nothing.
-        nodes.get(self.begun[part].fetch_add(1, Relaxed)).copied()
+        let next = nodes.get(self.begun[part].fetch_add(1, Relaxed)).copied()?;
+        if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            self.late.store(true, Relaxed);
+            self.stop.store(true, Relaxed);
+            return None;
+        }
+        Some(next)
     }
 }
 

@@ -50,4 +50,4 @@ pub use reference::Reference;
 pub use report::{Report, Share};
 pub use settings::{Schedule, Settings};
 pub use sink::Hit;
-pub use traversal::Traversal;
+pub use traversal::{Traversal, current_threads};

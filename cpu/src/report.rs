@@ -20,6 +20,8 @@ pub struct Share {
 pub struct Report {
     /// Each worker; under [`Stealing`](crate::Schedule::Stealing) one entry for all of them.
     pub shares: Vec<Share>,
+    /// Whether time ran out before the front was walked to its end.
+    pub late: bool,
     /// The k that costs are counted with.
     pub triangle_cost: f32,
     /// Whether the costs of the last frame could be used.

@@ -30,6 +30,7 @@ pub struct Traversal {
     workers: usize,
     settings: Settings,
     pool: Option<Arc<ThreadPool>>,
+    deadline: Option<Instant>,
     plan: Plan,
     deal: Deal,
     pairs: Vec<Vec<TrianglePair>>,
@@ -45,6 +46,7 @@ impl Traversal {
             workers: workers.max(1),
             settings: Settings::default(),
             pool: None,
+            deadline: None,
             plan: Plan::default(),
             deal: Deal::default(),
             pairs: Vec::new(),
@@ -63,6 +65,31 @@ impl Traversal {
     #[must_use]
     pub fn with_settings(self, settings: Settings) -> Self {
         Self { settings, ..self }
+    }
+
+    /// Changes the number of workers p. What is remembered of the last frame stays.
+    pub fn set_workers(&mut self, workers: usize) {
+        self.workers = workers.max(1);
+    }
+
+    /// Frames end at this instant, complete or not: see [`Report::late`]. Workers look at the clock before
+    /// each node of the front.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront_cpu::Traversal;
+    /// use std::time::{Duration, Instant};
+    /// let mut traversal = Traversal::new(2);
+    /// traversal.set_deadline(Instant::now().checked_add(Duration::from_millis(2)));
+    /// ```
+    pub fn set_deadline(&mut self, deadline: Option<Instant>) {
+        self.deadline = deadline;
+    }
+
+    /// How it works.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     /// The number of workers p.
@@ -195,7 +222,7 @@ impl Traversal {
         sinks: &mut Vec<S>,
         new_sink: impl Fn() -> S + Send + Sync,
     ) -> bool {
-        let Self { workers, settings, pool, plan, deal, report, .. } = self;
+        let Self { workers, settings, pool, deadline, plan, deal, report, .. } = self;
         report.reset(settings.triangle_cost);
         in_pool(pool.as_deref(), || {
             if settings.schedule == Schedule::Stealing {
@@ -210,7 +237,7 @@ impl Traversal {
             report.shares.resize(*workers, Share::default());
             plan.make(queries, *workers, settings, report);
             let clock = Instant::now();
-            let complete = deal.walk(plan, queries, settings.schedule, sinks, report);
+            let complete = deal.walk(plan, queries, settings.schedule, *deadline, sinks, report);
             if complete {
                 plan.remember(deal.costs());
             }
@@ -218,6 +245,12 @@ impl Traversal {
             complete
         })
     }
+}
+
+/// How many threads the rayon pool of whoever asks has.
+#[must_use]
+pub fn current_threads() -> usize {
+    rayon::current_num_threads()
 }
 
 /// Runs in a pool, or where it is.

@@ -60,6 +60,22 @@ impl PairQuery {
         Ok(&self.answer.pairs)
     }
 
+    /// The same into a list of the caller's, whose memory the query takes in exchange.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    pub fn all_into(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: &Pose,
+        out: &mut Vec<TrianglePair>,
+    ) -> Result<(), Error> {
+        self.ask(a, b, a_from_b, Want::All)?;
+        std::mem::swap(&mut self.answer.pairs, out);
+        Ok(())
+    }
+
     /// Some pair that meets, if any does.
     ///
     /// # Errors

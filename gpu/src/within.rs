@@ -64,6 +64,20 @@ impl SelfQuery {
         Ok(&self.answer.pairs)
     }
 
+    /// The same into a list of the caller's, whose memory the query takes in exchange.
+    ///
+    /// # Errors
+    /// As [`SelfQuery::all`].
+    pub fn all_into(
+        &mut self,
+        model: &Model,
+        out: &mut Vec<TrianglePair>,
+    ) -> Result<(), Error> {
+        self.ask(model, Want::All)?;
+        std::mem::swap(&mut self.answer.pairs, out);
+        Ok(())
+    }
+
     /// Some pair that meets, if any does.
     ///
     /// # Errors

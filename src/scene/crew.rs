@@ -1,13 +1,14 @@
 //! A scene on several threads.
 
-use super::{BodyId, Frame, SceneHit};
+use super::frame::Frame;
+use super::{BodyId, SceneHit};
 use crate::threads::{Hit, Report, Traversal};
 use crate::{Error, Model};
 use pfront_core::query::PairQuery;
 
 #[derive(Clone, Debug)]
 pub(super) struct Crew {
-    traversal: Traversal,
+    pub(super) traversal: Traversal,
     /// The bodies of each query of the last frame: what it cost is remembered by its number.
     asked: Vec<[BodyId; 2]>,
     /// Those of this frame.

@@ -64,21 +64,14 @@ impl SceneQuery {
     /// [`Error::StaleBody`] if the body is not there, [`Error::Mesh`] if a coordinate is not finite or
     /// the number of vertices differs, [`Error::Pose`] if its pose takes a vertex out of range.
     pub fn set_positions(&mut self, id: BodyId, positions: &[[f32; 3]]) -> Result<(), Error> {
-        #[cfg(feature = "threads")]
-        let crew = self.crew.as_ref();
+        let asker = &self.asker;
         self.bodies.change(id, |body| {
             body.model().mesh().with_positions(positions)?;
             if body.pose() != Pose::IDENTITY {
                 body.pose().check(&Aabb::of(positions))?;
             }
             let model = Arc::make_mut(&mut body.model);
-            #[cfg(feature = "threads")]
-            match crew {
-                Some(crew) => crew.set_positions(model, positions),
-                None => model.set_positions(positions),
-            }?;
-            #[cfg(not(feature = "threads"))]
-            model.set_positions(positions)?;
+            asker.set_positions(model, positions)?;
             body.reshaped();
             Ok(())
         })

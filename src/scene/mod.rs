@@ -1,11 +1,16 @@
 //! Many posed models.
 
+mod asker;
 mod bodies;
 mod broad;
 #[cfg(feature = "threads")]
 mod crew;
+#[cfg(feature = "gpu")]
+mod device;
 mod edit;
+mod frame;
 mod kept;
+mod planned;
 mod split;
 
 pub use bodies::{Body, BodyId};
@@ -13,11 +18,14 @@ pub use edit::Piece;
 
 #[cfg(feature = "threads")]
 use crate::threads;
+use crate::planner::{Plan, Planner};
 use crate::{Accuracy, Contact, Error, TrianglePair};
+use asker::Asker;
 use bodies::Bodies;
-use broad::{Broad, Places};
+use broad::Broad;
+use frame::{Found, Frame, meeting};
 use kept::Kept;
-use pfront_core::query::{PairQuery, Query};
+use pfront_core::query::Query;
 use std::ops::ControlFlow;
 
 /// Two triangles of different bodies that meet. The order is that of `bodies`, then `pair`.
@@ -89,8 +97,7 @@ pub struct SceneQuery {
     /// Those of the bodies that have changed.
     new_hits: Vec<SceneHit>,
     new_contacts: Vec<(SceneHit, Contact)>,
-    #[cfg(feature = "threads")]
-    crew: Option<crew::Crew>,
+    asker: Asker,
 }
 
 impl SceneQuery {
@@ -120,7 +127,7 @@ impl SceneQuery {
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn with_traversal(mut self, traversal: threads::Traversal) -> Self {
-        self.crew = Some(crew::Crew::new(traversal));
+        self.asker = Asker::Crew(Box::new(crew::Crew::new(traversal)));
         self
     }
 
@@ -128,7 +135,26 @@ impl SceneQuery {
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
-        Some(self.crew.as_ref()?.report())
+        match &self.asker {
+            Asker::Crew(crew) => Some(crew.report()),
+            _ => None,
+        }
+    }
+
+    /// The same by a [`Planner`]; see [`crate::PairQuery::with_planner`].
+    #[must_use]
+    pub fn with_planner(mut self, planner: Planner) -> Self {
+        self.asker = Asker::Planned(Box::new(planned::Planned::new(planner)));
+        self
+    }
+
+    /// How the last frame was answered by a planner, and why so.
+    #[must_use]
+    pub fn plan(&self) -> Option<&Plan> {
+        match &self.asker {
+            Asker::Planned(planned) => planned.plan(),
+            _ => None,
+        }
     }
 
     /// All pairs that meet, sorted.
@@ -138,25 +164,18 @@ impl SceneQuery {
     pub fn all(&mut self) -> Result<&[SceneHit], Error> {
         let since = self.update()?;
         if since == self.bodies.time() {
+            self.asker.keep();
             return Ok(self.hits.list());
         }
         let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
         self.new_hits.clear();
-        #[cfg(feature = "threads")]
-        if let Some(crew) = &mut self.crew {
-            crew.all(&frame, &mut self.new_hits);
-            self.hits.complete(&self.new_hits, &self.bodies);
-            return Ok(self.hits.list());
+        match self.asker.all(&frame, &mut self.new_hits) {
+            Found::New(()) => self.hits.complete(&self.new_hits, &self.bodies),
+            Found::All(()) => self.hits.replace(&mut self.new_hits, &self.bodies),
         }
-        for (bodies, query) in frame.queries() {
-            let first = self.new_hits.len();
-            let _ = query.visit(&mut query.start(), |pair| {
-                self.new_hits.push(SceneHit { bodies, pair });
-                ControlFlow::Continue(())
-            });
-            self.new_hits[first..].sort_unstable();
+        if self.asker.has_conceded() {
+            self.hits.distrust();
         }
-        self.hits.complete(&self.new_hits, &self.bodies);
         Ok(self.hits.list())
     }
 
@@ -167,21 +186,15 @@ impl SceneQuery {
     pub fn any(&mut self) -> Result<Option<SceneHit>, Error> {
         let since = self.update()?;
         if let Some(hits) = self.hits.still_true(&self.bodies).next() {
+            self.asker.keep();
             return Ok(hits.first().copied());
         }
         if since == self.bodies.time() {
+            self.asker.keep();
             return Ok(None);
         }
         let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
-        #[cfg(feature = "threads")]
-        if let Some(crew) = &mut self.crew {
-            return Ok(crew.any(&frame));
-        }
-        let mut found = frame.queries().filter_map(|(bodies, query)| {
-            let pair = query.any()?;
-            Some(SceneHit { bodies, pair })
-        });
-        Ok(found.next())
+        Ok(self.asker.any(&frame))
     }
 
     /// How many pairs meet.
@@ -192,14 +205,14 @@ impl SceneQuery {
         let since = self.update()?;
         let kept = self.hits.still_true(&self.bodies).map(|hits| hits.len() as u64).sum::<u64>();
         if since == self.bodies.time() {
+            self.asker.keep();
             return Ok(kept);
         }
         let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
-        #[cfg(feature = "threads")]
-        if let Some(crew) = &mut self.crew {
-            return Ok(kept + crew.count(&frame));
-        }
-        Ok(kept + frame.queries().map(|(_, query)| query.count()).sum::<u64>())
+        Ok(match self.asker.count(&frame) {
+            Found::New(count) => kept + count,
+            Found::All(count) => count,
+        })
     }
 
     /// Calls `visit` for each pair that meets, bodies in order and their triangles in none, until it
@@ -261,37 +274,8 @@ impl SceneQuery {
     /// Brings the broad phase up to date. Hits are known of the bodies that have not changed since the time
     /// that is returned.
     fn update(&mut self) -> Result<u64, Error> {
+        self.asker.start();
         self.broad.update(&mut self.bodies)?;
         Ok(self.hits.at())
     }
-}
-
-/// What has to be asked in a frame.
-struct Frame<'s> {
-    accuracy: Accuracy,
-    bodies: &'s Bodies,
-    pairs: &'s [Places],
-    /// Bodies that have not changed since are not asked about each other.
-    since: u64,
-}
-
-impl<'s> Frame<'s> {
-    fn since(since: u64, accuracy: Accuracy, bodies: &'s Bodies, broad: &'s Broad) -> Self {
-        Self { accuracy, bodies, pairs: broad.pairs(), since }
-    }
-
-    /// Bodies whose bounds overlap, in order.
-    fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairQuery<'s>)> {
-        let changed = |two: &&Places| self.bodies.changed_at(**two) > self.since;
-        self.pairs.iter().filter(changed).filter_map(|&[a, b]| {
-            // Always there: the places are those of this frame.
-            let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
-            Some(([a.id(), b.id()], meeting(a, b).with_accuracy(self.accuracy)))
-        })
-    }
-}
-
-/// Whether two bodies meet in the world.
-fn meeting<'s>(a: &'s Body, b: &'s Body) -> PairQuery<'s> {
-    PairQuery::in_world(a.placed(), b.placed())
 }

@@ -2,7 +2,8 @@
 //!
 //! [`sah()`] gives the tree that queries walk fastest; [`morton()`] is built four times faster, for
 //! those who rebuild every frame; [`refit()`] keeps the tree and moves its boxes. [`sah_with`],
-//! [`morton_with`] and [`refit_with`] do the same on as many threads as the caller has.
+//! [`morton_with`] and [`refit_with`] do the same on as many threads as the caller has. Where few vertices
+//! have moved, [`refit_moved()`] looks only at what is near them.
 //!
 //! Nothing is allocated. A build recurses, at most 64 levels, and takes up to 64 KiB of stack.
 
@@ -10,17 +11,21 @@ mod bins;
 mod divide;
 mod item;
 mod morton;
+pub(crate) mod moved;
 mod parts;
 mod radix;
 mod refit;
 mod sah;
+pub(crate) mod survey;
 #[cfg(test)]
 mod tests;
 
 pub use item::SahItem;
 pub use morton::{morton, morton_scratch_bound, morton_with};
+pub use moved::{Moved, mark_moved, moved_bound};
 pub use refit::{Join, REBUILD_RATIO, quality, refit, refit_with};
 pub use sah::{sah, sah_scratch_bound, sah_with};
+pub use survey::{Below, refit_moved, survey, survey_bound};
 
 use crate::bvh::{MAX_LEAF_SIZE, Node, node_bound};
 use crate::{Bvh, CapacityError, Mesh};

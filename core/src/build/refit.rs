@@ -88,6 +88,7 @@ pub fn refit_with(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32], join: &Join
 /// O(triangles).
 #[must_use]
 pub fn quality(bvh: &Bvh<'_>) -> f32 {
+    let Some(root) = bvh.root() else { return 0.0 };
     let mut areas = Areas::default();
     for (_, node) in bvh.nodes().iter().enumerate().rev().filter(|&(index, _)| index != 1) {
         if node.is_leaf() {
@@ -96,11 +97,11 @@ pub fn quality(bvh: &Bvh<'_>) -> f32 {
             areas.add_inner(node.aabb());
         }
     }
-    areas.quality()
+    areas.quality(&root.aabb())
 }
 
 /// A run of fewer nodes is not worth dividing: it takes some 50 µs.
-const PART: usize = 4096;
+pub(super) const PART: usize = 4096;
 
 struct Fit<'f> {
     mesh: Mesh<'f>,
@@ -112,7 +113,7 @@ impl Fit<'_> {
     fn whole(&self, nodes: &mut [Node]) -> f32 {
         // Slot 1 is no node.
         let (upper, below) = nodes.split_at_mut(nodes.len().min(2));
-        upper.first_mut().map_or(0.0, |root| self.tree(root, below, 2).quality())
+        upper.first_mut().map_or(0.0, |root| self.tree(root, below, 2).quality(&root.aabb()))
     }
 
     /// Fits a node after all that lie `below` it, the first of which has the index `base`.
@@ -132,13 +133,11 @@ impl Fit<'_> {
         let base = base + 2;
         let middle = if right.is_leaf() { rest.len() } else { right.first as usize - base };
         let (below_left, below_right) = rest.split_at_mut(middle);
-        let (mut areas, mut of_right) = (Areas::default(), Areas::default());
-        join(&mut || areas = self.tree(left, below_left, base), &mut || {
+        let (mut of_left, mut of_right) = (Areas::default(), Areas::default());
+        join(&mut || of_left = self.tree(left, below_left, base), &mut || {
             of_right = self.tree(right, below_right, base + middle);
         });
-        areas.tests += of_right.tests;
-        areas.triangles += of_right.triangles;
-        Some(areas)
+        Some(of_left.and(&of_right))
     }
 
     /// Fits nodes from the last to the first, the children of each being among them.
@@ -164,21 +163,19 @@ impl Fit<'_> {
     }
 }
 
-/// Half-areas summed over a tree from the last node to the root.
-#[derive(Default)]
-struct Areas {
+/// Half-areas summed over the nodes of a tree.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Areas {
     /// Times the tests that meeting the box entails.
     tests: f64,
     triangles: f64,
-    /// Of the last node added.
-    root: f64,
 }
 
 impl Areas {
     /// Returns the box of the triangles.
     // Unless inlined, the box comes back through memory, and a refit takes a sixth longer.
     #[inline(always)]
-    fn add_leaf(&mut self, mesh: Mesh<'_>, triangles: &[u32]) -> Aabb {
+    pub(super) fn add_leaf(&mut self, mesh: Mesh<'_>, triangles: &[u32]) -> Aabb {
         let (mut aabb, mut area) = (Aabb::EMPTY, 0.0);
         for &triangle in triangles {
             let of_one = Aabb::of(&mesh.triangle(triangle));
@@ -186,19 +183,22 @@ impl Areas {
             aabb = aabb.union(&of_one);
         }
         self.triangles += area;
-        self.root = half_area(&aabb);
-        self.tests += triangles.len() as f64 * self.root;
+        self.tests += triangles.len() as f64 * half_area(&aabb);
         aabb
     }
 
-    fn add_inner(&mut self, aabb: Aabb) -> Aabb {
-        self.root = half_area(&aabb);
-        self.tests += 2.0 * self.root;
+    #[inline(always)]
+    pub(super) fn add_inner(&mut self, aabb: Aabb) -> Aabb {
+        self.tests += 2.0 * half_area(&aabb);
         aabb
     }
 
-    fn quality(&self) -> f32 {
-        let unit = if self.triangles > 0.0 { self.triangles } else { self.root };
+    pub(super) fn and(&self, other: &Self) -> Self {
+        Self { tests: self.tests + other.tests, triangles: self.triangles + other.triangles }
+    }
+
+    pub(super) fn quality(&self, root: &Aabb) -> f32 {
+        let unit = if self.triangles > 0.0 { self.triangles } else { half_area(root) };
         if unit > 0.0 { (self.tests / unit).min(f32::MAX.into()) as f32 } else { 0.0 }
     }
 }

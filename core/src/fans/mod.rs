@@ -9,20 +9,15 @@
 //! [`Adjacency`](crate::triangle::Adjacency). One certificate a vertex so stands for some fifteen pairs,
 //! and needs no tolerance where the surface is flat. Where none is found (a sharp fold, a fan of
 //! several leaves) pairs are tested as ever.
-//!
-//! That all are seen from the same side takes the sign of one coordinate of each normal, in f32 beyond its
-//! bound: each of two products of two differences carries a relative error below (1+u)^4 − 1 with
-//! u = 2^-24, so 8.02u · mi·mj of the largest differences along the two axes, and underflow costs
-//! less than the smallest normal number. That the fan goes round once is counted without any rounding:
-//! a sector is below half a turn, so a fan that goes round passes from one half-plane into the other, by a
-//! comparison of coordinates, once a turn each way.
+
+mod certify;
+#[cfg(test)]
+mod tests;
+
+pub use certify::{certify, certify_moved};
 
 use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3A;
-
-#[cfg(test)]
-mod tests;
 
 /// What is known of the triangles about one vertex.
 ///
@@ -159,62 +154,4 @@ fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> Fan {
         (true, None) => Fan(RING),
         (true, Some(_)) => Fan(ROW),
     }
-}
-
-/// Brings the fans of a mesh up to date with its positions. `fans` are those of [`link`] for the same
-/// triangles; others may make a query miss pairs.
-///
-/// # Errors
-/// [`CapacityError`] if `fans` has not one entry a vertex.
-///
-/// # Complexity
-/// O(vertices + triangles), about 15 ns a triangle.
-pub fn certify(mesh: Mesh<'_>, fans: &mut [Fan]) -> Result<(), CapacityError> {
-    let positions = mesh.positions();
-    CapacityError::check("fans", positions.len(), fans.len())?;
-    for fan in fans.iter_mut() {
-        fan.0 &= LINK;
-    }
-    for t in mesh.triangles() {
-        let at = |k: usize| Vec3A::from_array(positions[t[k] as usize]);
-        let [p, q, r] = [at(0), at(1), at(2)];
-        let doubts = sides_in_doubt(q - p, r - p) << DOUBTS;
-        // Seen from a corner, a fan goes from the next one to the one after.
-        let above = |x: Vec3A, y: Vec3A| x.cmpge(y).bitmask();
-        let passes =
-            [[above(q, p), above(r, p)], [above(r, q), above(p, q)], [above(p, r), above(q, r)]];
-        for (&vertex, [next, after]) in t.iter().zip(passes) {
-            let word = &mut fans[vertex as usize].0;
-            if *word & LINK != 0 {
-                let passed = SPREAD[(!next & after) as usize & 7]
-                    + (SPREAD[(next & !after) as usize & 7] << 4);
-                *word = word.wrapping_add(passed) | doubts;
-            }
-        }
-    }
-    for fan in fans.iter_mut() {
-        *fan = fan.settled();
-    }
-    Ok(())
-}
-
-/// One in the byte of each bit.
-const SPREAD: [u32; 8] = [0, 1, 0x100, 0x101, 0x1_0000, 0x1_0001, 0x1_0100, 0x1_0101];
-
-/// A bit for each axis along which the triangle with these two edges is not surely seen counter-clockwise,
-/// and three bits on for clockwise.
-#[inline]
-fn sides_in_doubt(u: Vec3A, v: Vec3A) -> u32 {
-    const BOUND: f32 = 4.9e-7;
-    /// 2^60: products of two overflow nowhere near.
-    const MOST: f32 = 1.152_921_5e18;
-    let extent = u.abs().max(v.abs());
-    if extent.max_element() > MOST {
-        return 0x3f;
-    }
-    let normal = u.cross(v);
-    let bound = Vec3A::new(extent.y * extent.z, extent.z * extent.x, extent.x * extent.y) * BOUND
-        + Vec3A::splat(f32::MIN_POSITIVE);
-    let (seen, unseen) = (normal.cmpgt(bound).bitmask(), normal.cmplt(-bound).bitmask());
-    !(seen | unseen << 3) & 0x3f
 }

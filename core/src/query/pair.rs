@@ -100,17 +100,17 @@ impl<'a> PairQuery<'a> {
     }
 
     /// Walks with each side placed as it is, so that no box or corner has to ask.
-    fn walk(&self, cursor: &mut Cursor, visit: &mut Visit<'_>) -> ControlFlow<()> {
+    fn walk(&self, cursor: &mut Cursor, budget: u64, visit: &mut Visit<'_>) -> ControlFlow<()> {
         use Place::{InPlace as Still, Posed};
         let (a, b, here) = (&self.tree.a, &self.tree.b, InPlace);
         match (&a.place, &b.place, &a.view, &b.view) {
-            (Still, Still, ..) => self.through(cursor, visit, (here, here), (here, here)),
-            (Still, Posed(b), ..) => self.through(cursor, visit, (here, here), (b, b)),
-            (Posed(a), Still, ..) => self.through(cursor, visit, (a, a), (here, here)),
+            (Still, Still, ..) => self.through(cursor, budget, visit, (here, here), (here, here)),
+            (Still, Posed(b), ..) => self.through(cursor, budget, visit, (here, here), (b, b)),
+            (Posed(a), Still, ..) => self.through(cursor, budget, visit, (a, a), (here, here)),
             (Posed(a), Posed(b), Still, Posed(seen)) => {
-                self.through(cursor, visit, (a, here), (b, seen))
+                self.through(cursor, budget, visit, (a, here), (b, seen))
             }
-            (Posed(a), Posed(b), ..) => self.through(cursor, visit, (a, a), (b, b)),
+            (Posed(a), Posed(b), ..) => self.through(cursor, budget, visit, (a, a), (b, b)),
         }
     }
 
@@ -118,13 +118,14 @@ impl<'a> PairQuery<'a> {
     fn through<A: Placement, V: Placement, B: Placement, W: Placement>(
         &self,
         cursor: &mut Cursor,
+        budget: u64,
         visit: &mut Visit<'_>,
         a: (A, V),
         b: (B, W),
     ) -> ControlFlow<()> {
         let a = Side { bvh: self.tree.a.bvh, place: a.0, view: a.1 };
         let b = Side { bvh: self.tree.b.bvh, place: b.0, view: b.1 };
-        walk(&PairTree { a, b, accuracy: self.tree.accuracy }, cursor, visit)
+        walk(&PairTree { a, b, accuracy: self.tree.accuracy }, cursor, budget, visit)
     }
 
     /// The same with another [`Accuracy`].
@@ -157,12 +158,13 @@ impl Query for PairQuery<'_> {
         self.leaf_edge
     }
 
-    fn visit(
+    fn step(
         &self,
         cursor: &mut Cursor,
+        budget: u64,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        self.walk(cursor, &mut visit)
+        self.walk(cursor, budget, &mut visit)
     }
 
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {

@@ -108,12 +108,13 @@ impl Query for SelfQuery<'_> {
         self.bvh.leaf_edge()
     }
 
-    fn visit(
+    fn step(
         &self,
         cursor: &mut Cursor,
+        budget: u64,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        walk(&self.tree(), cursor, &mut visit)
+        walk(&self.tree(), cursor, budget, &mut visit)
     }
 
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {

@@ -5,7 +5,8 @@
 //! its levels in a step, all pairs of up to four nodes and four others, which suits vector units. It keeps a stack of
 //! pending nodes of fixed size and no recursion; stack and place inside the current leaf pair
 //! together are a [`Cursor`], with which any query can stop after any triangle pair and go on later.
-//! That is what makes a full output buffer harmless.
+//! That is what makes a full output buffer harmless, and what lets a query be spread over frames: a walk
+//! also stops when it has used up a budget of tests, see [`Query::step`](crate::query::Query::step).
 
 mod pair;
 mod within;
@@ -61,6 +62,16 @@ pub struct Work {
     pub triangle_tests: u64,
 }
 
+/// How far a walk has come.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Progress {
+    /// Combinations of the topmost leaf pair that are done.
+    skip: u32,
+    work: Work,
+    /// How many tests may still be done; below zero if the last step took more.
+    budget: i64,
+}
+
 /// With more node pairs pending than this, steps go down one level instead of two.
 const FULL: usize = 64;
 
@@ -77,9 +88,7 @@ const STACK: usize = FULL + 16 + 3 * MAX_DEPTH;
 pub struct Cursor {
     stack: [NodePair; STACK],
     len: usize,
-    /// Triangle pairs of the topmost leaf pair that are done.
-    skip: u32,
-    work: Work,
+    progress: Progress,
 }
 
 impl Cursor {
@@ -87,8 +96,11 @@ impl Cursor {
         let mut cursor = Self {
             stack: [NodePair::default(); STACK],
             len: 0,
-            skip: 0,
-            work: Work { box_tests: 1, triangle_tests: 0 },
+            progress: Progress {
+                skip: 0,
+                work: Work { box_tests: 1, triangle_tests: 0 },
+                budget: 0,
+            },
         };
         if let Some(root) = root {
             cursor.push(root);
@@ -100,13 +112,13 @@ impl Cursor {
     #[must_use]
     pub fn at(n: NodePair) -> Self {
         let mut cursor = Self::new(Some(n));
-        cursor.work = Work::default();
+        cursor.progress.work = Work::default();
         cursor
     }
 
     /// Goes to another node without clearing the count of work.
     pub fn restart(&mut self, n: NodePair) {
-        (self.len, self.skip) = (0, 0);
+        (self.len, self.progress.skip) = (0, 0);
         self.push(n);
     }
 
@@ -119,7 +131,7 @@ impl Cursor {
     /// What the walk has done so far.
     #[must_use]
     pub fn work(&self) -> Work {
-        self.work
+        self.progress.work
     }
 
     #[inline]
@@ -151,16 +163,15 @@ pub(crate) trait Bvtt {
     /// of box tests.
     fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32;
 
-    /// Visits the triangle pairs of a leaf pair that meet, without the first `skip` combinations.
-    /// `Break` carries how many are done.
+    /// Visits the triangle pairs of a leaf pair that meet, from where `progress` is on and as far as its
+    /// budget lasts, see [`decide`].
     fn leaf<S: Simd>(
         &self,
         n: NodePair,
         kept: &mut [Blocks; 2],
-        skip: u32,
-        work: &mut Work,
+        progress: &mut Progress,
         visit: &mut Visit<'_>,
-    ) -> ControlFlow<u32>;
+    ) -> ControlFlow<()>;
 }
 
 /// What is done with a pair. Not a type parameter: one walk for each kind of tree is enough machine
@@ -189,26 +200,56 @@ fn meet(a: &Block, i: usize, b: &Block, j: usize, accuracy: Accuracy) -> bool {
     intersects(&a.triangle(i), &b.triangle(j), accuracy)
 }
 
-/// Decides those that are left of the pairs of two leaves, by their bits, until it breaks: then with how
-/// many combinations are done.
+/// Decides those that are left of the pairs of two leaves, by their bits, until `visit` breaks or the
+/// budget is used up; `skip` is 0 again if nothing remains.
 #[inline(always)]
 fn decide(
     pairs: Pairs,
-    work: &mut Work,
+    progress: &mut Progress,
     mut visit: impl FnMut(u32) -> ControlFlow<()>,
-) -> ControlFlow<u32> {
-    let Pairs { tested, mut left, .. } = pairs;
+) -> ControlFlow<()> {
+    let Pairs { mut tested, mut left, .. } = pairs;
+    progress.skip = 0;
+    if i64::from(tested.count_ones()) > progress.budget {
+        let affordable = progress.cut(tested);
+        tested &= affordable;
+        left &= affordable;
+    }
     while left != 0 {
         let bit = left.trailing_zeros();
         left &= left - 1;
         if visit(bit).is_break() {
             // The others count when their turn comes.
-            work.triangle_tests += u64::from((tested & !after(bit + 1)).count_ones());
-            return ControlFlow::Break(bit + 1);
+            progress.skip = bit + 1;
+            progress.spend(tested & !after(bit + 1));
+            return ControlFlow::Break(());
         }
     }
-    work.triangle_tests += u64::from(tested.count_ones());
+    progress.spend(tested);
     ControlFlow::Continue(())
+}
+
+impl Progress {
+    /// Of a leaf pair with more tests than the budget allows, the combinations up to where it ends, and
+    /// there the next step begins.
+    #[cold]
+    #[inline(never)]
+    fn cut(&mut self, mut tested: u64) -> u64 {
+        for _ in 1..self.budget {
+            tested &= tested - 1;
+        }
+        self.skip = tested.trailing_zeros() + 1;
+        !after(self.skip)
+    }
+
+    /// Counts the tests of a leaf pair. One without any counts against the budget too, since it has to be
+    /// looked at.
+    #[inline]
+    fn spend(&mut self, tested: u64) {
+        let tests = tested.count_ones();
+        self.work.triangle_tests += u64::from(tests);
+        self.budget -= i64::from(tests.max(1));
+    }
 }
 
 /// Of 64 combinations, those without the first `skip`.
@@ -217,16 +258,19 @@ fn after(skip: u32) -> u64 {
     u64::MAX.checked_shl(skip).unwrap_or(0)
 }
 
-/// Goes on from `cursor` until `visit` breaks or nothing is left.
+/// Goes on from `cursor` until `visit` breaks, the budget is used up or nothing is left.
 pub(crate) fn walk<T: Bvtt>(
     tree: &T,
     cursor: &mut Cursor,
+    budget: u64,
     visit: &mut Visit<'_>,
 ) -> ControlFlow<()> {
     // Setting up takes longer than many a query does.
-    if cursor.is_done() {
+    if cursor.is_done() || budget == 0 {
         return ControlFlow::Continue(());
     }
+    // No walk lasts longer.
+    cursor.progress.budget = i64::try_from(budget).unwrap_or(i64::MAX);
     widest(Walk { tree, cursor, visit })
 }
 
@@ -246,20 +290,22 @@ impl<T: Bvtt> Task for Walk<'_, '_, T> {
         let mut kept = [Blocks::EMPTY; 2];
         while let Some(n) = cursor.pop() {
             if tree.is_leaf(n) {
-                let skip = core::mem::take(&mut cursor.skip);
-                let found = tree.leaf::<S>(n, &mut kept, skip, &mut cursor.work, visit);
-                if let ControlFlow::Break(done) = found {
+                let end = tree.leaf::<S>(n, &mut kept, &mut cursor.progress, visit);
+                if cursor.progress.skip != 0 {
                     cursor.push(n);
-                    cursor.skip = done;
-                    return ControlFlow::Break(());
                 }
+                end?;
             } else {
                 let tests = if cursor.len <= FULL {
                     tree.grandchildren(n, |below| cursor.push(below))
                 } else {
                     tree.children(n, |child, _| cursor.push(child))
                 };
-                cursor.work.box_tests += u64::from(tests);
+                cursor.progress.work.box_tests += u64::from(tests);
+                cursor.progress.budget -= i64::from(tests);
+            }
+            if cursor.progress.budget <= 0 {
+                break;
             }
         }
         ControlFlow::Continue(())

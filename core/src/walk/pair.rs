@@ -1,6 +1,6 @@
 //! The BVTT of two meshes.
 
-use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, decide, family_pairs, meet};
+use super::{Bvtt, NodePair, Progress, TrianglePair, Visit, after, decide, family_pairs, meet};
 use crate::aabb::Bounds;
 use crate::bvh::Node;
 use crate::lanes::{Blocks, Family, LANES, Simd};
@@ -125,16 +125,15 @@ impl<A: Placement, B: Placement, V: Placement, W: Placement> Bvtt for PairTree<'
         &self,
         n: NodePair,
         [kept_a, kept_b]: &mut [Blocks; 2],
-        skip: u32,
-        work: &mut Work,
+        progress: &mut Progress,
         visit: &mut Visit<'_>,
-    ) -> ControlFlow<u32> {
+    ) -> ControlFlow<()> {
         let (own, others) = (self.a.leaf(n.a), self.b.leaf(n.b));
         let first = kept_a.get::<S>(n.a, self.a.bvh.mesh(), own, &self.a.place, &[]);
         let second = kept_b.get::<S>(n.b, self.b.bvh.mesh(), others, &self.b.place, &[]);
         let bounds = self.a.place.bounds(&self.a.node(n.a).bounds());
-        let pairs = first.pairs::<S, false>(second, &bounds, after(skip));
-        decide(pairs, work, |bit| {
+        let pairs = first.pairs::<S, false>(second, &bounds, after(progress.skip));
+        decide(pairs, progress, |bit| {
             let (i, j) = (bit as usize % LANES, bit as usize / LANES);
             if meet(first, i, second, j, self.accuracy) {
                 visit(TrianglePair { a: own[i], b: others[j] })

@@ -4,7 +4,7 @@
 //! two meshes do. Overlapping boxes of neighbours are the rule here, so the walk reaches all of
 //! them; the shared-index rule decides in the leaves.
 
-use super::{Bvtt, NodePair, TrianglePair, Visit, Work, after, decide, family_pairs, meet};
+use super::{Bvtt, NodePair, Progress, TrianglePair, Visit, after, decide, family_pairs, meet};
 use crate::Bvh;
 use crate::aabb::Bounds;
 use crate::fans::Fan;
@@ -94,24 +94,23 @@ impl Bvtt for SelfTree<'_> {
         &self,
         n: NodePair,
         [kept_a, kept_b]: &mut [Blocks; 2],
-        skip: u32,
-        work: &mut Work,
+        progress: &mut Progress,
         visit: &mut Visit<'_>,
-    ) -> ControlFlow<u32> {
+    ) -> ControlFlow<()> {
         let (nodes, mesh) = (self.bvh.nodes(), self.bvh.mesh());
         let own = self.bvh.leaf_triangles(&nodes[n.a as usize]);
         let others = self.bvh.leaf_triangles(&nodes[n.b as usize]);
         let first = kept_a.get::<S>(n.a, mesh, own, &InPlace, self.fans);
         let second = kept_b.get::<S>(n.b, mesh, others, &InPlace, self.fans);
         let bounds = nodes[n.a as usize].bounds();
-        let allowed = if n.a == n.b { after(skip) & BEFORE } else { after(skip) };
+        let allowed = if n.a == n.b { after(progress.skip) & BEFORE } else { after(progress.skip) };
         let pairs = if self.boxes_only {
             let tested = first.boxes::<S>(second, &bounds, allowed);
             Pairs { tested, left: tested, neighbours: 0 }
         } else {
             first.pairs::<S, true>(second, &bounds, allowed)
         };
-        decide(pairs, work, |bit| {
+        decide(pairs, progress, |bit| {
             let (i, j) = (bit as usize % LANES, bit as usize / LANES);
             let (a, b) = (own[i].min(others[j]), own[i].max(others[j]));
             let meet = if self.boxes_only {

@@ -1,4 +1,16 @@
-//! What both queries keep: buffers, lent out, and who walks, which is the core or several threads.
+//! What both queries keep: buffers, lent out, and who walks, which is the core, several threads, or whoever a
+//! planner picks.
+
+mod alone;
+#[cfg(feature = "gpu")]
+mod device;
+mod kept;
+mod planned;
+mod question;
+
+pub(crate) use alone::{End, Leash, alone, cost};
+pub(crate) use planned::{Planned, Want};
+pub(crate) use question::{OfOne, OfTwo, Question};
 
 use pfront_core::query::{Query, TrianglePair};
 use pfront_core::triangle::Contact;
@@ -10,11 +22,17 @@ pub(crate) struct Answer {
     contacts: Vec<(TrianglePair, Contact)>,
     #[cfg(feature = "threads")]
     pub(crate) traversal: Option<pfront_cpu::Traversal>,
+    pub(crate) planned: Option<Box<Planned>>,
 }
 
 impl Answer {
     /// All pairs, sorted. Allocates only when there are more than ever before.
-    pub(crate) fn all(&mut self, query: &(impl Query + Sync)) -> &[TrianglePair] {
+    pub(crate) fn all(&mut self, question: &impl Question) -> &[TrianglePair] {
+        if let Some(planned) = &mut self.planned {
+            planned.ask(question, Want::All, &mut self.pairs);
+            return &self.pairs;
+        }
+        let query = &question.query(question.accuracy());
         #[cfg(feature = "threads")]
         if let Some(traversal) = &mut self.traversal {
             traversal.all(query, &mut self.pairs);
@@ -30,7 +48,11 @@ impl Answer {
     }
 
     /// How many pairs meet.
-    pub(crate) fn count(&mut self, query: &(impl Query + Sync)) -> u64 {
+    pub(crate) fn count(&mut self, question: &impl Question) -> u64 {
+        if let Some(planned) = &mut self.planned {
+            return planned.ask(question, Want::Count, &mut self.pairs).count;
+        }
+        let query = &question.query(question.accuracy());
         #[cfg(feature = "threads")]
         if let Some(traversal) = &mut self.traversal {
             return traversal.count(query);
@@ -39,7 +61,11 @@ impl Answer {
     }
 
     /// Some pair that meets.
-    pub(crate) fn any(&mut self, query: &(impl Query + Sync)) -> Option<TrianglePair> {
+    pub(crate) fn any(&mut self, question: &impl Question) -> Option<TrianglePair> {
+        if let Some(planned) = &mut self.planned {
+            return planned.ask(question, Want::Any, &mut self.pairs).first;
+        }
+        let query = &question.query(question.accuracy());
         #[cfg(feature = "threads")]
         if let Some(traversal) = &mut self.traversal {
             return traversal.any(query);
@@ -49,9 +75,10 @@ impl Answer {
 
     /// All pairs that meet, sorted, with where. A pair that only `Conservative` or `Fast` reports
     /// meets nowhere and is left out.
-    pub(crate) fn contacts(&mut self, query: &(impl Query + Sync)) -> &[(TrianglePair, Contact)] {
-        self.all(query);
+    pub(crate) fn contacts(&mut self, question: &impl Question) -> &[(TrianglePair, Contact)] {
+        self.all(question);
         self.contacts.clear();
+        let query = question.query(question.accuracy());
         let found = self.pairs.iter().filter_map(|&pair| Some((pair, query.contact(pair)?)));
         self.contacts.extend(found);
         &self.contacts

@@ -2,6 +2,8 @@
 
 extern crate std;
 
+mod moved;
+
 use super::*;
 use crate::Mesh;
 use crate::bvh::MAX_DEPTH;

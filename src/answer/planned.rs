@@ -1,0 +1,212 @@
+//! Answering by a planner.
+
+#[cfg(feature = "gpu")]
+use super::device::Device;
+use super::alone::{End, Leash, alone, cost};
+use super::kept::Kept;
+use super::question::Question;
+use crate::Accuracy;
+use crate::planner::{Choice, Decider, Offer, Plan, Planner, Way};
+#[cfg(feature = "threads")]
+use crate::threads::Traversal;
+use pfront_core::query::{Query, TrianglePair};
+use std::ops::ControlFlow;
+
+/// What is wanted of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Want {
+    All,
+    Count,
+    Any,
+}
+
+/// What an answer says, beside the list.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Given {
+    pub(crate) count: u64,
+    pub(crate) first: Option<TrianglePair>,
+}
+
+/// Who answers, and what is known to decide that.
+#[derive(Clone, Debug)]
+pub(crate) struct Planned {
+    decider: Decider,
+    kept: Kept,
+    #[cfg(feature = "threads")]
+    traversal: Option<Traversal>,
+    #[cfg(feature = "gpu")]
+    device: Option<Device>,
+}
+
+/// What one way came to.
+#[derive(Default)]
+struct Outcome {
+    given: Given,
+    /// In box tests, if they were counted.
+    cost: Option<f64>,
+    /// If a GPU counted them.
+    leaf_pairs: Option<u32>,
+    end: End,
+}
+
+impl Planned {
+    pub(crate) fn new(planner: Planner) -> Self {
+        Self {
+            kept: Kept::default(),
+            #[cfg(feature = "threads")]
+            traversal: None,
+            #[cfg(feature = "gpu")]
+            device: Device::new(&planner),
+            decider: Decider::new(planner),
+        }
+    }
+
+    pub(crate) fn plan(&self) -> Option<&Plan> {
+        self.decider.plan()
+    }
+
+    /// Answers; into `pairs` if all are wanted, which otherwise stay what they are.
+    pub(crate) fn ask<Q: Question>(
+        &mut self,
+        question: &Q,
+        want: Want,
+        pairs: &mut Vec<TrianglePair>,
+    ) -> Given {
+        self.decider.start();
+        let subject = question.subject();
+        if let Some(given) = self.kept.find(&subject, want) {
+            self.decider.keep();
+            return given;
+        }
+        let until_first = want == Want::Any;
+        let offer = self.offer(question);
+        let mut choice = self.decider.choose(&offer, until_first);
+        let accuracy = self.decider.accuracy(question.accuracy());
+        let deadline = self.decider.deadline();
+        if want == Want::All {
+            self.kept.forget();
+        }
+        let mut outcome = Outcome { end: End::Outgrown, ..Outcome::default() };
+        if choice.way == Way::Alone || choice.alone_first.is_some() {
+            let leash = Leash { tests: choice.alone_first.unwrap_or(u64::MAX), deadline };
+            outcome = on_one(question.query(accuracy), want, pairs, leash);
+            match outcome.end {
+                End::Outgrown => {
+                    let cost = outcome.cost.unwrap_or_default();
+                    choice = self.decider.outgrown(&offer, &choice, cost);
+                }
+                _ => choice.way = Way::Alone,
+            }
+        }
+        if outcome.end == End::Outgrown {
+            outcome = self.others(question, want, pairs, &offer, &mut choice, accuracy);
+        }
+        if outcome.end == End::Complete {
+            self.decider.end(choice.way, until_first, outcome.cost, outcome.leaf_pairs);
+            if accuracy == question.accuracy() {
+                self.kept.keep(subject, want, outcome.given);
+            }
+        } else {
+            self.decider.end_incomplete(choice.way);
+        }
+        outcome.given
+    }
+
+    /// Answers on threads or a GPU; says by which way it was done in the end.
+    fn others<Q: Question>(
+        &mut self,
+        question: &Q,
+        want: Want,
+        pairs: &mut Vec<TrianglePair>,
+        offer: &Offer,
+        choice: &mut Choice,
+        accuracy: Accuracy,
+    ) -> Outcome {
+        #[cfg(feature = "gpu")]
+        if let (Way::Gpu, Some(device)) = (choice.way, &mut self.device) {
+            match device.ask(question.on_gpu(), want, pairs) {
+                Ok((given, leaf_pairs)) => {
+                    return Outcome { given, leaf_pairs: Some(leaf_pairs), ..Outcome::default() };
+                }
+                Err(error) => {
+                    self.device = None;
+                    let offer = Offer { gpu: None, both: false, ..*offer };
+                    *choice = self.decider.gpu_failed(&offer, &error);
+                }
+            }
+        }
+        let query = question.query(accuracy);
+        #[cfg(feature = "threads")]
+        if let Way::Threads(workers) = choice.way {
+            let planner = self.decider.planner();
+            let traversal = self.traversal.get_or_insert_with(|| planner.traversal(workers));
+            traversal.set_workers(workers as usize);
+            traversal.set_deadline(self.decider.deadline());
+            return on_threads(traversal, &query, want, pairs);
+        }
+        on_one(query, want, pairs, Leash { tests: u64::MAX, deadline: self.decider.deadline() })
+    }
+
+    /// Which ways there are for a question.
+    fn offer(&self, question: &impl Question) -> Offer {
+        let planner = self.decider.planner();
+        let pairs = self.kept.most();
+        let mut offer = Offer { threads: planner.threads(pairs), gpu: None, both: false, upkeep: 0.0 };
+        #[cfg(feature = "gpu")]
+        if let Some(device) = &self.device
+            && question.accuracy() == Accuracy::Exact
+        {
+            offer.gpu = planner.upload(device.owed(question.on_gpu()));
+        }
+        offer
+    }
+}
+
+/// Answers on the calling thread.
+fn on_one(query: impl Query, want: Want, pairs: &mut Vec<TrianglePair>, leash: Leash) -> Outcome {
+    let mut given = Given::default();
+    if want == Want::All {
+        pairs.clear();
+    }
+    let (cost, end) = alone([((), query)], leash, |(), pair| {
+        given.count += 1;
+        match want {
+            Want::All => pairs.push(pair),
+            Want::Count => {}
+            Want::Any => {
+                given.first = Some(pair);
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    });
+    if want == Want::All && end != End::Outgrown {
+        pairs.sort_unstable();
+        given.first = pairs.first().copied();
+    }
+    Outcome { given, cost: Some(cost), leaf_pairs: None, end }
+}
+
+/// Answers on threads.
+#[cfg(feature = "threads")]
+fn on_threads(
+    traversal: &mut Traversal,
+    query: &(impl Query + Sync),
+    want: Want,
+    pairs: &mut Vec<TrianglePair>,
+) -> Outcome {
+    let given = match want {
+        Want::All => {
+            traversal.all(query, pairs);
+            Given { count: pairs.len() as u64, first: pairs.first().copied() }
+        }
+        Want::Count => Given { count: traversal.count(query), first: None },
+        Want::Any => {
+            let first = traversal.any(query);
+            Given { count: u64::from(first.is_some()), first }
+        }
+    };
+    let report = traversal.report();
+    let end = if report.late { End::Late } else { End::Complete };
+    Outcome { given, cost: Some(cost(report.work())), leaf_pairs: None, end }
+}

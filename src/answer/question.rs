@@ -1,0 +1,116 @@
+//! What is asked of the models of a frame.
+
+use crate::model::Stamp;
+use crate::{Accuracy, Adjacency, Error, Model, Pose, core};
+use pfront_core::query::Query;
+
+/// A question about models, before it is settled who answers and how exactly.
+pub(crate) trait Question {
+    /// What the CPU walks. Fits the BVHs to the positions, if that has not been done.
+    fn query(&self, accuracy: Accuracy) -> impl Query + Sync;
+
+    /// What an answer is about: the same one is true of whatever is equal.
+    fn subject(&self) -> Subject;
+
+    /// What has to be true of an answer.
+    fn accuracy(&self) -> Accuracy;
+
+    #[cfg(feature = "gpu")]
+    /// What a GPU is asked.
+    fn on_gpu(&self) -> OnGpu<'_>;
+}
+
+/// What a question is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Subject {
+    pub(crate) models: [Stamp; 2],
+    /// None within one mesh.
+    pub(crate) a_from_b: Option<Pose>,
+    pub(crate) accuracy: Accuracy,
+    pub(crate) adjacency: Adjacency,
+}
+
+#[cfg(feature = "gpu")]
+#[derive(Clone, Copy)]
+pub(crate) enum OnGpu<'m> {
+    Pair([&'m Model; 2], &'m Pose),
+    Within(&'m Model, Adjacency),
+}
+
+/// Whether two models meet.
+pub(crate) struct OfTwo<'m> {
+    models: [&'m Model; 2],
+    a_from_b: Pose,
+    query: core::query::PairQuery<'m>,
+    accuracy: Accuracy,
+}
+
+impl<'m> OfTwo<'m> {
+    pub(crate) fn new(
+        models: [&'m Model; 2],
+        a_from_b: &Pose,
+        accuracy: Accuracy,
+    ) -> Result<Self, Error> {
+        let [a, b] = models.map(Model::bvh);
+        let query = core::query::PairQuery::new(a, b, *a_from_b)?;
+        Ok(Self { models, a_from_b: *a_from_b, query, accuracy })
+    }
+}
+
+impl Question for OfTwo<'_> {
+    fn query(&self, accuracy: Accuracy) -> impl Query + Sync {
+        self.query.with_accuracy(accuracy)
+    }
+
+    fn subject(&self) -> Subject {
+        Subject {
+            models: self.models.map(Model::stamp),
+            a_from_b: Some(self.a_from_b),
+            accuracy: self.accuracy,
+            adjacency: Adjacency::default(),
+        }
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        self.accuracy
+    }
+
+    #[cfg(feature = "gpu")]
+    fn on_gpu(&self) -> OnGpu<'_> {
+        OnGpu::Pair(self.models, &self.a_from_b)
+    }
+}
+
+/// Whether a model meets itself.
+pub(crate) struct OfOne<'m> {
+    pub(crate) model: &'m Model,
+    pub(crate) adjacency: Adjacency,
+    pub(crate) accuracy: Accuracy,
+}
+
+impl Question for OfOne<'_> {
+    fn query(&self, accuracy: Accuracy) -> impl Query + Sync {
+        core::query::SelfQuery::new(self.model.bvh())
+            .with_accuracy(accuracy)
+            .with_adjacency(self.adjacency)
+            .with_fans(self.model.fans())
+    }
+
+    fn subject(&self) -> Subject {
+        Subject {
+            models: [self.model.stamp(); 2],
+            a_from_b: None,
+            accuracy: self.accuracy,
+            adjacency: self.adjacency,
+        }
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        self.accuracy
+    }
+
+    #[cfg(feature = "gpu")]
+    fn on_gpu(&self) -> OnGpu<'_> {
+        OnGpu::Within(self.model, self.adjacency)
+    }
+}

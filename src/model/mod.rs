@@ -1,0 +1,211 @@
+//! A mesh and its BVH, owned.
+
+mod deform;
+mod fans;
+mod moves;
+mod passes;
+mod renewed;
+mod stamp;
+mod tree;
+
+pub use stamp::Stamp;
+
+use crate::Error;
+use fans::Fans;
+use moves::Moves;
+#[cfg(feature = "threads")]
+use passes::THREADS;
+use passes::{ONE_THREAD, Passes};
+use pfront_core::build::BuildOptions;
+use pfront_core::fans::Fan;
+use pfront_core::sphere::Sphere;
+use pfront_core::{Bvh, Mesh};
+use renewed::Renewed;
+use std::sync::OnceLock;
+use tree::Tree;
+
+/// A triangle mesh with the BVH that queries walk.
+///
+/// Takes 12 bytes a vertex and, a triangle, 12 for its indices, 4 for the order and up to 64 for
+/// nodes (about 11 with the default leaf size); once it was asked about itself, 4 more a vertex; once few
+/// of its vertices have moved, up to 24 more a triangle (about 4).
+///
+/// # Examples
+/// ```
+/// use pfront::Model;
+/// let model = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// assert_eq!(model.mesh().triangles().len(), 1);
+/// # Ok::<(), pfront::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Model {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    options: BuildOptions,
+    stamp: Stamp,
+    /// Since the tree fitted, or fitted last.
+    moves: Moves,
+    tree: Renewed<Tree>,
+    /// Made when the mesh is first asked about itself.
+    fans: Renewed<Fans>,
+    /// Made when a scene first asks for it.
+    sphere: OnceLock<Option<Sphere>>,
+}
+
+impl Model {
+    /// Checks the mesh and builds its BVH with the surface area heuristic.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] names the first vertex or triangle at fault.
+    ///
+    /// # Complexity
+    /// O(n log n) for n triangles.
+    pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        Self::with_options(positions, triangles, BuildOptions::default())
+    }
+
+    /// [`Model::new`] with other build options. They change speed and memory, never an answer.
+    ///
+    /// # Errors
+    /// As [`Model::new`].
+    pub fn with_options(
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions,
+    ) -> Result<Self, Error> {
+        Self::built_by(&ONE_THREAD, positions, triangles, options)
+    }
+
+    /// [`Model::with_options`] in the rayon pool of whoever asks; worth it from some 50,000 triangles
+    /// on. The BVH is the same.
+    ///
+    /// # Errors
+    /// As [`Model::new`].
+    #[cfg(feature = "threads")]
+    pub fn new_with_threads(
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions,
+    ) -> Result<Self, Error> {
+        Self::built_by(&THREADS, positions, triangles, options)
+    }
+
+    fn built_by(
+        passes: &Passes,
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions,
+    ) -> Result<Self, Error> {
+        let tree = Tree::build(Mesh::new(&positions, &triangles)?, &options, passes);
+        Ok(Self {
+            positions,
+            triangles,
+            options,
+            stamp: Stamp::new(),
+            moves: Moves::default(),
+            tree: Renewed::new(tree),
+            fans: Renewed::unmade(),
+            sphere: OnceLock::new(),
+        })
+    }
+
+    /// The mesh.
+    #[must_use]
+    pub fn mesh(&self) -> Mesh<'_> {
+        Mesh::trusted(&self.positions, &self.triangles)
+    }
+
+    /// The BVH. After [`Model::set_positions_unfitted`], it is refitted at the first call.
+    #[must_use]
+    pub fn bvh(&self) -> Bvh<'_> {
+        self.tree().bvh(self.mesh())
+    }
+
+    /// What self-collision knows of the triangles about each vertex: made at the first call, which takes
+    /// as long as a refit or two, and kept up to date from then on, as the BVH is.
+    #[must_use]
+    pub fn fans(&self) -> &[Fan] {
+        let tree = self.tree();
+        let renewed = self.fans.get(|stale| match stale {
+            Some(mut fans) => {
+                fans.certify_moved(self.mesh(), tree, &self.moves);
+                fans
+            }
+            None => Fans::new(self.mesh()),
+        });
+        renewed.as_slice()
+    }
+
+    /// A sphere that contains every triangle, found at the first call and at the next after the model has
+    /// changed, in O(n); `None` if there is no triangle.
+    ///
+    /// # Examples
+    /// ```
+    /// let model = pfront::Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// assert!(model.sphere().is_some_and(|sphere| (1.41..1.42).contains(&sphere.radius)));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    #[must_use]
+    pub fn sphere(&self) -> Option<Sphere> {
+        *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))
+    }
+
+    /// Which mesh, BVH and positions these are: what is equal to an earlier stamp need not be looked at
+    /// again.
+    ///
+    /// # Complexity
+    /// O(1).
+    #[must_use]
+    pub fn stamp(&self) -> Stamp {
+        self.stamp
+    }
+
+    /// How the BVH is built.
+    #[must_use]
+    pub fn options(&self) -> BuildOptions {
+        self.options
+    }
+
+    /// Bytes of heap memory the model holds.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.positions.capacity() * size_of::<[f32; 3]>()
+            + self.triangles.capacity() * size_of::<[u32; 3]>()
+            + self.moves.bytes()
+            + self.tree.map(Tree::bytes).unwrap_or_else(|| self.tree().bytes())
+            + self.fans.map(Fans::bytes).unwrap_or_default()
+    }
+
+    /// The tree as it fits the positions. This is no place for threads: see [`Renewed`].
+    #[inline]
+    fn tree(&self) -> &Tree {
+        self.tree.get(|stale| match stale {
+            Some(mut tree) => {
+                tree.fit(self.mesh(), &self.options, &self.moves, &ONE_THREAD);
+                tree
+            }
+            // Lost by a thread that panicked.
+            None => Tree::build(self.mesh(), &self.options, &ONE_THREAD),
+        })
+    }
+}
+
+impl Clone for Model {
+    fn clone(&self) -> Self {
+        let mut tree = self.tree.clone();
+        // A thread that fits it is waited for: built anew it would be another.
+        if tree.map(|_| ()).is_none() {
+            tree = Renewed::new(self.tree().clone());
+        }
+        Self {
+            positions: self.positions.clone(),
+            triangles: self.triangles.clone(),
+            options: self.options,
+            stamp: self.stamp,
+            moves: self.moves.clone(),
+            tree,
+            fans: self.fans.clone(),
+            sphere: self.sphere.clone(),
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! What the frames so far tell of the next, and which way to take.
+//!
+//! A frame costs about as many box tests as the last one, or, where frames jump, as frames do on average. What
+//! that takes each way is predicted by the [`Machine`], and corrected by what the way took before. Another way is
+//! taken once it would have saved more than changing costs: an upload to the GPU, or some part of a frame
+//! elsewhere. That is the rule of ski rental, at most twice what the best would have taken who knew the future;
+//! and it is what keeps plans from swinging to and fro.
+
+use super::Machine;
+use super::forecast::Forecast;
+use super::machine::Device;
+
+/// A way to answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Way {
+    Alone,
+    Threads(u32),
+    Gpu,
+    /// So many threads, and the GPU with this share.
+    Both(u32, f64),
+}
+
+/// The ways without their numbers, as indices.
+pub(crate) const WAYS: usize = 4;
+const ALONE: usize = 0;
+const THREADS: usize = 1;
+const GPU: usize = 2;
+const BOTH: usize = 3;
+
+impl Way {
+    fn family(self) -> usize {
+        match self {
+            Self::Alone => ALONE,
+            Self::Threads(_) => THREADS,
+            Self::Gpu => GPU,
+            Self::Both(..) => BOTH,
+        }
+    }
+}
+
+/// Which ways there are for a question.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Offer {
+    /// The most threads; 1 if there are no others.
+    pub(crate) threads: u32,
+    /// What has to be brought to the GPU first, in nanoseconds; `None` if it cannot be asked.
+    pub(crate) gpu: Option<f64>,
+    /// Whether a question can be divided between GPU and threads.
+    pub(crate) both: bool,
+    /// What has to be done first on the CPU, in nanoseconds, unless the GPU does it.
+    pub(crate) upkeep: f64,
+}
+
+/// What is decided.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Choice {
+    pub(crate) way: Way,
+    /// Begun by the calling thread, and only for so many tests if there is a number; if that is not enough, see
+    /// [`History::outgrown`].
+    pub(crate) alone_first: Option<u64>,
+    /// Expected box tests.
+    pub(crate) expected: Option<f64>,
+    /// Predicted nanoseconds of each way.
+    pub(crate) times: [Option<f64>; WAYS],
+    /// Whether the way is the one with the least of them.
+    pub(crate) is_best: bool,
+}
+
+impl Choice {
+    /// What it will take, in nanoseconds, if that is known.
+    pub(crate) fn time(&self) -> Option<f64> {
+        self.times[self.way.family()]
+    }
+}
+
+/// An unknown question is begun on the calling thread for as long as it takes to fork so many times: it then
+/// has cost little beside what it will.
+const FORKS: f64 = 2.0;
+/// A question that outgrew what it was begun with is taken to be so many times larger: ...
+const OUTGROWN: f64 = 2.0;
+/// ... and so many if nothing was known of it.
+const UNKNOWN: f64 = 8.0;
+/// Part of a frame that changing costs, unless it is known better.
+const CHANGING: f64 = 0.15;
+/// Weight of the last frame in what is known of a way.
+const WEIGHT: f64 = 0.25;
+/// After so many frames elsewhere half is forgotten of what a way took too long, at first.
+const HALF_LIFE: f64 = 64.0;
+/// A stay shorter than this was a mistake.
+const SHORT: u32 = 8;
+
+/// What is known of one way.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    /// What frames took over what was predicted for their costs.
+    ratio: f64,
+    frames: u32,
+    /// What it would have saved since it was last thought worse, in nanoseconds.
+    saved: f64,
+    half_life: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct History {
+    ways: [Known; WAYS],
+    current: Option<usize>,
+    /// Frames since the way was changed.
+    stay: u32,
+    /// Of whole answers, and of those that stop at the first pair.
+    forecasts: [Forecast; 2],
+    /// Box tests for each leaf pair that a GPU counts.
+    per_leaf_pair: Option<f64>,
+}
+
+impl Default for History {
+    fn default() -> Self {
+        let known = Known { ratio: 1.0, frames: 0, saved: 0.0, half_life: HALF_LIFE };
+        Self {
+            ways: [known; WAYS],
+            current: None,
+            stay: 0,
+            forecasts: [Forecast::default(); 2],
+            per_leaf_pair: None,
+        }
+    }
+}
+
+impl History {
+    /// Decides. `until_first` says whether one pair will do.
+    pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer, until_first: bool) -> Choice {
+        let forecast = self.forecasts[usize::from(until_first)];
+        let alone = Choice {
+            way: Way::Alone,
+            alone_first: None,
+            expected: forecast.cost(),
+            times: [None; WAYS],
+            is_best: true,
+        };
+        if offer.threads <= 1 && offer.gpu.is_none() {
+            return alone;
+        }
+        let Some(cost) = forecast.cost() else {
+            return Choice { alone_first: Some(begin(machine)), ..alone };
+        };
+        let (times, ways) = self.predict(machine, offer, cost);
+        let best = least(&times);
+        let family = self.change(best, &times, offer);
+        let way = ways[family];
+        let begin = match way {
+            // Else a surprise would be walked to its end, however large.
+            Way::Alone => Some(begin(machine).max((4.0 * cost) as u64)),
+            _ if forecast.is_jumpy() => {
+                let tenth = 0.1 * times[family].unwrap_or(0.0) / machine.test;
+                Some((tenth as u64).max(1))
+            }
+            _ => None,
+        };
+        Choice { way, alone_first: begin, times, is_best: family == best, ..alone }
+    }
+
+    /// Decides once more, where a question that was begun alone is not over after this cost.
+    pub(crate) fn outgrown(
+        &mut self,
+        machine: &Machine,
+        offer: &Offer,
+        choice: &Choice,
+        cost: f64,
+    ) -> Choice {
+        if choice.way != Way::Alone {
+            return Choice { alone_first: None, ..*choice };
+        }
+        let expected = if choice.expected.is_some() { OUTGROWN } else { UNKNOWN } * cost;
+        let (mut times, ways) = self.predict(machine, offer, expected);
+        times[ALONE] = None;
+        let best = least(&times);
+        Choice {
+            way: ways[best],
+            alone_first: None,
+            expected: Some(expected),
+            times,
+            is_best: true,
+        }
+    }
+
+    /// Takes note of what a frame took, of its cost in box tests if that was counted, else of the leaf pairs
+    /// that a GPU found.
+    pub(crate) fn learn(&mut self, machine: &Machine, way: Way, until_first: bool, frame: &Frame) {
+        let forecast = &mut self.forecasts[usize::from(until_first)];
+        let cost = match (frame.cost, frame.leaf_pairs, self.per_leaf_pair) {
+            (Some(cost), ..) => Some(cost),
+            (None, Some(pairs), Some(each)) => Some(each * f64::from(pairs)),
+            (None, Some(pairs), None) => {
+                let known = forecast.cost().filter(|_| pairs > 0);
+                self.per_leaf_pair = known.map(|cost| cost / f64::from(pairs));
+                known
+            }
+            (None, None, _) => None,
+        };
+        if let Some(cost) = cost {
+            forecast.learn(cost);
+        }
+        let family = way.family();
+        if self.current != Some(family) {
+            if let Some(left) = self.current.filter(|_| self.stay < SHORT) {
+                self.ways[left].half_life *= 2.0;
+            }
+            (self.current, self.stay) = (Some(family), 0);
+            self.ways.iter_mut().for_each(|known| known.saved = 0.0);
+        }
+        self.stay = self.stay.saturating_add(1);
+        for (other, known) in self.ways.iter_mut().enumerate() {
+            if other != family && known.ratio > 1.0 {
+                known.ratio = known.ratio.powf(0.5_f64.powf(1.0 / known.half_life));
+            }
+        }
+        let Some(cost) = cost.or(forecast.cost()) else { return };
+        let known = &mut self.ways[family];
+        let sample = (frame.nanoseconds - frame.beside) / predicted(machine, way, cost);
+        known.ratio = match known.frames {
+            // The first frame also wakes threads or uploads, and says little; the second replaces it.
+            0 => sample.clamp(0.25, 2.0),
+            1 => sample.clamp(0.05, 20.0),
+            _ => known.ratio * (sample / known.ratio).clamp(0.5, 2.0).powf(WEIGHT),
+        };
+        known.frames = known.frames.saturating_add(1);
+    }
+
+    /// The current way, or `best` if that has earned it.
+    fn change(&mut self, best: usize, times: &[Option<f64>; WAYS], offer: &Offer) -> usize {
+        let Some((current, now)) = self.current.and_then(|way| Some((way, times[way]?))) else {
+            return best;
+        };
+        for (known, time) in self.ways.iter_mut().zip(times) {
+            known.saved = time.map_or(0.0, |time| (known.saved + now - time).max(0.0));
+        }
+        let upload = if best >= GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
+        if self.ways[best].saved >= upload.max(CHANGING * now) { best } else { current }
+    }
+
+    /// What each way will take, and what it is exactly.
+    fn predict(
+        &self,
+        machine: &Machine,
+        offer: &Offer,
+        cost: f64,
+    ) -> ([Option<f64>; WAYS], [Way; WAYS]) {
+        // Of a way that was never taken, what is known of its sibling.
+        let ratio = |own: usize, sibling: usize| match self.ways[own].frames {
+            0 => self.ways[sibling].ratio,
+            _ => self.ways[own].ratio,
+        };
+        let (cpu, gpu) = (ratio(THREADS, ALONE), ratio(GPU, GPU));
+        let alone = ratio(ALONE, THREADS) * machine.alone(cost) + offer.upkeep;
+        let mut times = [Some(alone), None, None, None];
+        let mut ways = [Way::Alone, Way::Alone, Way::Gpu, Way::Gpu];
+        let (workers, threaded) = machine.best_workers(cost, offer.threads);
+        if offer.threads > 1 {
+            (times[THREADS], ways[THREADS]) =
+                (Some(cpu * threaded + offer.upkeep), Way::Threads(workers));
+        }
+        if let (Some(_), Some(device)) = (offer.gpu, &machine.device) {
+            times[GPU] = Some(gpu * device.ask(cost));
+            if offer.both && offer.threads > 1 {
+                let all = Halves::new(machine, device, offer.threads, cost, [cpu, gpu]);
+                let both = self.ways[BOTH].ratio;
+                (times[BOTH], ways[BOTH]) =
+                    (Some(both * all.time + offer.upkeep), Way::Both(offer.threads, all.share));
+            }
+        }
+        (times, ways)
+    }
+}
+
+/// What a frame took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Frame {
+    pub(crate) nanoseconds: f64,
+    /// Of which not for the question itself: a refit before it, and what was begun in vain.
+    pub(crate) beside: f64,
+    pub(crate) cost: Option<f64>,
+    pub(crate) leaf_pairs: Option<u32>,
+}
+
+/// A question divided so that both parts end at once.
+struct Halves {
+    share: f64,
+    time: f64,
+}
+
+impl Halves {
+    fn new(machine: &Machine, device: &Device, workers: u32, cost: f64, [cpu, gpu]: [f64; 2]) -> Self {
+        let on_cpu = cpu * cost * machine.test / machine.speedup_of(workers);
+        let on_gpu = gpu * cost * device.test;
+        let (fork, question) = (cpu * machine.fork_of(workers), gpu * device.question);
+        // fork + (1 - share) on_cpu = question + share on_gpu.
+        let share = ((fork + on_cpu - question) / (on_cpu + on_gpu)).clamp(0.0, 1.0);
+        Self { share, time: (question + share * on_gpu).max(fork + (1.0 - share) * on_cpu) }
+    }
+}
+
+fn predicted(machine: &Machine, way: Way, cost: f64) -> f64 {
+    let device = |cost: f64| machine.device.as_ref().map_or(f64::INFINITY, |d| d.ask(cost));
+    let time = match way {
+        Way::Alone => machine.alone(cost),
+        Way::Threads(workers) => machine.threaded(cost, workers),
+        Way::Gpu => device(cost),
+        Way::Both(workers, share) => {
+            device(share * cost).max(machine.threaded((1.0 - share) * cost, workers))
+        }
+    };
+    // Of next to nothing, what surrounds it is most.
+    time.max(100.0)
+}
+
+fn least(times: &[Option<f64>; WAYS]) -> usize {
+    let times = times.iter().enumerate().filter_map(|(way, time)| Some((way, (*time)?)));
+    times.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(ALONE, |(way, _)| way)
+}
+
+/// Tests with which an unknown question is begun.
+fn begin(machine: &Machine) -> u64 {
+    (FORKS * machine.fork_of(machine.threads.max(2)) / machine.test) as u64
+}

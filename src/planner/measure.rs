@@ -1,0 +1,178 @@
+//! Measuring a [`Machine`]: two questions, a short and a long one, are asked each way. What they take on top of
+//! a time that grows with their cost is what the way takes to get going.
+
+use super::{Machine, TRIANGLE_COST};
+use crate::core::query::{PairQuery, Query};
+use crate::{Error, Model, Pose, TrianglePair};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// Cells along a side of the sheets that are asked about; two triangles each.
+const SHORT: usize = 32;
+const LONG: usize = 192;
+/// The least and most runs of a question, and how long more than the least of them may take.
+const RUNS: [usize; 2] = [3, 15];
+const MOST: Duration = Duration::from_millis(60);
+
+/// Two wavy sheets through each other.
+struct Sheets {
+    sheet: Model,
+    a_from_b: Pose,
+    /// In box tests.
+    cost: f64,
+}
+
+impl Sheets {
+    fn new(side: usize) -> Result<Self, Error> {
+        let at = |i: usize| i as f32 / side as f32;
+        let wave = |x: f32, y: f32| 0.1 * (9.0 * x).sin() * (7.0 * y).cos();
+        let grid = (0..=side).flat_map(|j| (0..=side).map(move |i| (at(i), at(j))));
+        let positions = grid.map(|(x, y)| [x, y, wave(x, y)]).collect();
+        let corner = |i: usize, j: usize| (j * (side + 1) + i) as u32;
+        let cells = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
+        let triangles = cells.flat_map(|(i, j)| {
+            let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| corner(i + x, j + y));
+            [[a, b, c], [b, d, c]]
+        });
+        let sheet = Model::new(positions, triangles.collect())?;
+        let a_from_b = Pose::from_translation([0.011, 0.007, 0.003]);
+        let own = Self { sheet, a_from_b, cost: 0.0 };
+        let query = own.query()?;
+        let mut cursor = query.start();
+        // Never broken off.
+        let _ = query.visit(&mut cursor, |_| ControlFlow::Continue(()));
+        let work = cursor.work();
+        let triangle_tests = f64::from(TRIANGLE_COST) * work.triangle_tests as f64;
+        Ok(Self { cost: work.box_tests as f64 + triangle_tests, ..own })
+    }
+
+    fn query(&self) -> Result<PairQuery<'_>, Error> {
+        Ok(PairQuery::new(self.sheet.bvh(), self.sheet.bvh(), self.a_from_b)?)
+    }
+}
+
+/// What a way takes, in nanoseconds.
+struct Line {
+    start: f64,
+    each: f64,
+}
+
+impl Line {
+    /// Through what a short and a long question take.
+    fn through(costs: [f64; 2], times: [f64; 2]) -> Self {
+        // Where noise is more than what they differ by, it is taken for that.
+        let each = (times[1] - times[0]).max(0.05 * times[0]) / (costs[1] - costs[0]);
+        Self { start: (times[0] - each * costs[0]).max(0.0), each }
+    }
+}
+
+impl Machine {
+    /// Measures this machine, but no GPU, in less than a second; where the clock or memory fails,
+    /// [`Machine::typical`]. No two runs give quite the same.
+    ///
+    /// Threads are those of the rayon pool of whoever asks.
+    #[must_use]
+    pub fn measure() -> Self {
+        let typical = Self::typical();
+        measured(&typical).unwrap_or(typical)
+    }
+
+    /// The same with a GPU, measured in less than a second too, unless it is one that computes on the CPU. Makes
+    /// it a choice of planners that have both.
+    ///
+    /// # Errors
+    /// What the GPU reports.
+    #[cfg(feature = "gpu")]
+    pub fn measure_gpu(mut self, gpu: &crate::gpu::Gpu) -> Result<Self, crate::gpu::Error> {
+        let (Ok(short), Ok(long)) = (Sheets::new(SHORT), Sheets::new(LONG)) else { return Ok(self) };
+        self.device = Some(on_gpu(gpu, &short, &long)?);
+        Ok(self)
+    }
+}
+
+fn measured(typical: &Machine) -> Result<Machine, Error> {
+    let (short, long) = (Sheets::new(SHORT)?, Sheets::new(LONG)?);
+    let mut pairs: Vec<TrianglePair> = Vec::new();
+    let query = long.query()?;
+    let alone = median(|| {
+        pairs.clear();
+        let _ = query.visit(&mut query.start(), |pair| {
+            pairs.push(pair);
+            ControlFlow::Continue(())
+        });
+        pairs.sort_unstable();
+        Ok::<_, Error>(())
+    })?;
+    let test = alone / long.cost;
+    let machine = Machine { test, threads: 1, speedup: 1.0, ..typical.clone() };
+    #[cfg(feature = "threads")]
+    let machine = on_threads(machine, &short, &long)?;
+    Ok(machine)
+}
+
+#[cfg(feature = "threads")]
+fn on_threads(machine: Machine, short: &Sheets, long: &Sheets) -> Result<Machine, Error> {
+    let threads = crate::threads::current_threads() as u32;
+    let on = |workers: u32| -> Result<Line, Error> {
+        let mut traversal = crate::threads::Traversal::new(workers as usize);
+        let (mut pairs, mut times) = (Vec::new(), [0.0; 2]);
+        for (time, sheets) in times.iter_mut().zip([short, long]) {
+            let query = sheets.query()?;
+            *time = median(|| {
+                traversal.all(&query, &mut pairs);
+                Ok::<_, Error>(())
+            })?;
+        }
+        Ok(Line::through([short.cost, long.cost], times))
+    };
+    if threads < 2 {
+        return Ok(machine);
+    }
+    let (two, all) = (on(2)?, on(threads)?);
+    let more = f64::from(threads.max(3) - 2);
+    Ok(Machine {
+        threads,
+        speedup: (machine.test / all.each).clamp(1.0, f64::from(threads)),
+        fork: two.start.max(1000.0),
+        fork_more: ((all.start - two.start) / more).max(0.0),
+        ..machine
+    })
+}
+
+#[cfg(feature = "gpu")]
+fn on_gpu(
+    gpu: &crate::gpu::Gpu,
+    short: &Sheets,
+    long: &Sheets,
+) -> Result<super::Device, crate::gpu::Error> {
+    use crate::gpu;
+    let mut query = gpu::PairQuery::new(gpu)?;
+    let mut times = [0.0; 2];
+    let mut upload = 0.0;
+    for (time, sheets) in times.iter_mut().zip([short, long]) {
+        let clock = Instant::now();
+        let model = gpu::Model::new(gpu, sheets.sheet.bvh())?;
+        query.all(&model, &model, &sheets.a_from_b)?;
+        let first = clock.elapsed().as_secs_f64() * 1e9;
+        *time = median(|| query.all(&model, &model, &sheets.a_from_b).map(|_| ()))?;
+        upload = (first - *time).max(0.0) / sheets.sheet.mesh().triangles().len() as f64;
+    }
+    let line = Line::through([short.cost, long.cost], times);
+    let name = gpu.device().adapter_info().name;
+    Ok(super::Device { name, question: line.start, test: line.each, upload })
+}
+
+/// What a run takes, in nanoseconds.
+fn median<E>(mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
+    let begun = Instant::now();
+    let mut times = Vec::new();
+    // The first wakes threads, fills caches and grows buffers.
+    run()?;
+    while times.len() < RUNS[0] || times.len() < RUNS[1] && begun.elapsed() < MOST {
+        let clock = Instant::now();
+        run()?;
+        times.push(clock.elapsed().as_secs_f64() * 1e9);
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(times[times.len() / 2])
+}

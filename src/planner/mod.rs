@@ -1,0 +1,190 @@
+//! Picking the cheapest way to answer, frame by frame: one thread, several, a GPU, both at once, or nothing
+//! at all where nothing has changed.
+//!
+//! A [`Planner`] says what there is to choose from: a [`Machine`], perhaps a GPU, and [`Limits`]. A query that
+//! is given one, as in [`crate::PairQuery::with_planner`], decides for itself from then on; the answers stay
+//! what they were, to the bit. What it decided and why is in its [`Plan`].
+//!
+//! # How it decides
+//! - What was asked last, of models that have not changed, in the same place, is not asked again.
+//! - The unknown is begun on the calling thread, for as long as it takes to get other threads to work: most
+//!   questions are over by then, and the others have cost little beside what they will. This is also what keeps
+//!   a small scene small: until some question is larger than that, no thread is started.
+//! - From then on the cost of the next frame is known about: box tests and triangle tests, as the paper counts
+//!   them (Zhang & Kim 2014, section 2.2). A [`Machine`] predicts how long they take each way. What ways took in
+//!   earlier frames corrects that, and another one is taken once it would have saved what changing costs.
+//! - How many threads: as many as make up for getting them to work. How fine a front and what it starts from is
+//!   the business of [`pfront_cpu`](crate::threads), how deep a pass that of the GPU; both adapt.
+//!
+//! # Examples
+//! ```
+//! use pfront::{Model, PairQuery, Pose, planner::{Machine, Planner}};
+//! # let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+//! # let b = a.clone();
+//! let planner = Planner::new(Machine::typical()); // or Machine::measure()
+//! let mut query = PairQuery::new().with_planner(planner);
+//! for frame in 0..4 {
+//!     let a_from_b = Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]);
+//!     query.all(&a, &b, &a_from_b)?;
+//! }
+//! # Ok::<(), pfront::Error>(())
+//! ```
+
+mod decider;
+mod forecast;
+mod history;
+mod limits;
+mod machine;
+mod measure;
+mod plan;
+
+pub use limits::{Concession, Limits};
+pub use machine::{Device, Machine};
+pub use plan::{Backend, Plan, Reason};
+
+pub(crate) use decider::Decider;
+pub(crate) use history::{Choice, Offer, Way};
+
+#[cfg(feature = "gpu")]
+use crate::gpu::{self, Gpu};
+#[cfg(feature = "threads")]
+use crate::threads::{Settings, Traversal};
+use crate::{Error, Model};
+
+/// What a triangle test counts, in box tests.
+pub const TRIANGLE_COST: f32 = 6.5;
+
+/// Bytes that threads take for a node of a front, for the least front that is worth while, and for each pair
+/// before all are gathered, with room to grow.
+const NODE: usize = 48;
+const FRONT: usize = 2 * 64 * NODE;
+const LISTED: usize = 16;
+/// From so many triangles on a refit is worth several threads.
+#[cfg(feature = "threads")]
+const LARGE: usize = 8192;
+
+/// What a query may choose from. Cheap to clone; each query that gets one learns for itself.
+#[derive(Clone, Debug)]
+pub struct Planner {
+    machine: Machine,
+    limits: Limits,
+    #[cfg(feature = "threads")]
+    traversal: Option<Traversal>,
+    #[cfg(feature = "gpu")]
+    gpu: Option<Gpu>,
+}
+
+impl Planner {
+    /// One thread, or those of the machine in the rayon pool of whoever asks.
+    #[must_use]
+    pub fn new(machine: Machine) -> Self {
+        Self {
+            machine,
+            limits: Limits::default(),
+            #[cfg(feature = "threads")]
+            traversal: None,
+            #[cfg(feature = "gpu")]
+            gpu: None,
+        }
+    }
+
+    /// The same with limits.
+    #[must_use]
+    pub fn with_limits(self, limits: Limits) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// The same on at most so many threads; 1 leaves only the calling one.
+    #[must_use]
+    pub fn with_threads(mut self, threads: u32) -> Self {
+        let speedup = self.machine.speedup_of(threads);
+        (self.machine.threads, self.machine.speedup) = (threads.max(1), speedup);
+        self
+    }
+
+    /// The same with a pool and settings of your own, and its threads.
+    #[cfg(feature = "threads")]
+    #[must_use]
+    pub fn with_traversal(self, traversal: Traversal) -> Self {
+        let planner = self.with_threads(traversal.workers() as u32);
+        Self { traversal: Some(traversal), ..planner }
+    }
+
+    /// The same with a GPU as well. One that the [`Machine`] was not measured with is not used: see
+    /// [`Machine::with_gpu`].
+    #[cfg(feature = "gpu")]
+    #[must_use]
+    pub fn with_gpu(self, gpu: &Gpu) -> Self {
+        Self { gpu: Some(gpu.clone()), ..self }
+    }
+
+    /// What it goes by.
+    #[must_use]
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// What a frame may take.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// How many threads may work on a question with so many pairs.
+    pub(crate) fn threads(&self, pairs: u64) -> u32 {
+        match self.limits.memory {
+            Some(memory) if FRONT + pairs as usize * LISTED > memory => 1,
+            _ => self.machine.threads,
+        }
+    }
+
+    /// Threads for a query.
+    #[cfg(feature = "threads")]
+    pub(crate) fn traversal(&self, workers: u32) -> Traversal {
+        let traversal = self.traversal.clone();
+        let traversal = traversal.unwrap_or_else(|| Traversal::new(workers as usize));
+        let Some(memory) = self.limits.memory else { return traversal };
+        let most = traversal.settings().most_nodes.min(memory / 2 / NODE);
+        let settings = Settings { most_nodes: most, ..*traversal.settings() };
+        traversal.with_settings(settings)
+    }
+
+    /// The GPU, if it is the one that was measured, and how much of it may be used.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn device(&self) -> Option<(Gpu, gpu::Settings)> {
+        let (gpu, device) = (self.gpu.clone()?, self.machine.device.as_ref()?);
+        let mut settings = gpu.settings();
+        if let Some(memory) = self.limits.memory {
+            settings.budget.bytes = settings.budget.bytes.min(memory as u64 / 2);
+        }
+        let fits = settings.budget.bytes >= gpu::Budget::LEAST.bytes;
+        let is_it = gpu.device().adapter_info().name == device.name;
+        (fits && is_it).then_some((gpu, settings))
+    }
+
+    /// What it takes to bring so many triangles to the GPU, in nanoseconds, if a query may hold that many bytes.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn upload(&self, (triangles, bytes): (usize, u64)) -> Option<f64> {
+        let device = self.machine.device.as_ref()?;
+        let fits = self.limits.memory.is_none_or(|memory| bytes <= memory as u64);
+        fits.then_some(triangles as f64 * device.upload)
+    }
+
+    /// Moves the vertices of a model on as many threads as are worth while.
+    pub(crate) fn set_positions(
+        &self,
+        model: &mut Model,
+        positions: &[[f32; 3]],
+    ) -> Result<(), Error> {
+        #[cfg(feature = "threads")]
+        if self.machine.threads > 1 && model.mesh().triangles().len() >= LARGE {
+            return match &self.traversal {
+                Some(traversal) => {
+                    traversal.install(|| model.set_positions_with_threads(positions))
+                }
+                None => model.set_positions_with_threads(positions),
+            };
+        }
+        model.set_positions(positions)
+    }
+}

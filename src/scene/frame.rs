@@ -1,0 +1,70 @@
+//! What has to be asked in a frame.
+
+use super::bodies::{Bodies, Body, BodyId};
+use super::broad::{Broad, Places};
+use super::Accuracy;
+use pfront_core::query::PairQuery;
+
+/// The bodies of a frame, and which of them may meet.
+#[derive(Clone, Copy)]
+pub(super) struct Frame<'s> {
+    pub(super) accuracy: Accuracy,
+    pub(super) bodies: &'s Bodies,
+    pairs: &'s [Places],
+    /// Bodies that have not changed since are not asked about each other.
+    since: u64,
+}
+
+/// What was found.
+pub(super) enum Found<T> {
+    /// Between bodies of which one has changed.
+    New(T),
+    /// Between all.
+    All(T),
+}
+
+impl<T> Found<T> {
+    pub(super) fn map<U>(self, of: impl FnOnce(T) -> U) -> Found<U> {
+        match self {
+            Self::New(found) => Found::New(of(found)),
+            Self::All(found) => Found::All(of(found)),
+        }
+    }
+
+    pub(super) fn get(&self) -> &T {
+        let (Self::New(found) | Self::All(found)) = self;
+        found
+    }
+}
+
+impl<'s> Frame<'s> {
+    pub(super) fn since(
+        since: u64,
+        accuracy: Accuracy,
+        bodies: &'s Bodies,
+        broad: &'s Broad,
+    ) -> Self {
+        Self { accuracy, bodies, pairs: broad.pairs(), since }
+    }
+
+    /// The same, less accurately.
+    pub(super) fn with_accuracy(self, accuracy: Accuracy) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// Bodies whose bounds overlap, in order.
+    pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairQuery<'s>)> {
+        let Self { accuracy, bodies, pairs, since } = *self;
+        let changed = move |two: &&Places| bodies.changed_at(**two) > since;
+        pairs.iter().filter(changed).filter_map(move |&[a, b]| {
+            // Always there: the places are those of this frame.
+            let (a, b) = (bodies.at(a)?, bodies.at(b)?);
+            Some(([a.id(), b.id()], meeting(a, b).with_accuracy(accuracy)))
+        })
+    }
+}
+
+/// Whether two bodies meet in the world.
+pub(super) fn meeting<'s>(a: &'s Body, b: &'s Body) -> PairQuery<'s> {
+    PairQuery::in_world(a.placed(), b.placed())
+}

@@ -1,0 +1,210 @@
+//! A scene by a planner.
+
+#[cfg(feature = "threads")]
+use super::crew::Crew;
+#[cfg(feature = "gpu")]
+use super::device::Device;
+use super::SceneHit;
+use super::frame::{Found, Frame};
+use crate::answer::{End, Leash, Want, alone};
+#[cfg(feature = "threads")]
+use crate::answer::cost;
+use crate::planner::{Choice, Decider, Offer, Plan, Planner, Way};
+use std::ops::ControlFlow;
+
+#[derive(Clone, Debug)]
+pub(super) struct Planned {
+    decider: Decider,
+    #[cfg(feature = "threads")]
+    crew: Option<Crew>,
+    #[cfg(feature = "gpu")]
+    device: Option<Device>,
+    /// The most hits of a frame.
+    most: u64,
+}
+
+/// What an answer says, beside the list.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Given {
+    pub(super) count: u64,
+    pub(super) first: Option<SceneHit>,
+}
+
+/// What one way came to.
+struct Outcome {
+    given: Found<Given>,
+    cost: Option<f64>,
+    leaf_pairs: Option<u32>,
+    end: End,
+}
+
+impl Planned {
+    pub(super) fn new(planner: Planner) -> Self {
+        Self {
+            #[cfg(feature = "threads")]
+            crew: None,
+            #[cfg(feature = "gpu")]
+            device: Device::new(&planner),
+            most: 0,
+            decider: Decider::new(planner),
+        }
+    }
+
+    pub(super) fn plan(&self) -> Option<&Plan> {
+        self.decider.plan()
+    }
+
+    pub(super) fn planner(&self) -> &Planner {
+        self.decider.planner()
+    }
+
+    pub(super) fn start(&mut self) {
+        self.decider.start();
+    }
+
+    pub(super) fn keep(&mut self) {
+        self.decider.keep();
+    }
+
+    /// Answers; into `hits`, which are empty, if all are wanted.
+    pub(super) fn ask(
+        &mut self,
+        frame: &Frame<'_>,
+        want: Want,
+        hits: &mut Vec<SceneHit>,
+    ) -> Found<Given> {
+        // What it took so far to know which bodies may meet, it takes each way.
+        self.decider.set_aside();
+        let until_first = want == Want::Any;
+        let offer = self.offer(frame);
+        let mut choice = self.decider.choose(&offer, until_first);
+        let accuracy = self.decider.accuracy(frame.accuracy);
+        let frame = &frame.with_accuracy(accuracy);
+        let mut outcome = None;
+        if choice.way == Way::Alone || choice.alone_first.is_some() {
+            let tests = choice.alone_first.unwrap_or(u64::MAX);
+            let alone = self.on_one(frame, want, hits, tests);
+            if alone.end == End::Outgrown {
+                let cost = alone.cost.unwrap_or_default();
+                choice = self.decider.outgrown(&offer, &choice, cost);
+                hits.clear();
+            } else {
+                choice.way = Way::Alone;
+                outcome = Some(alone);
+            }
+        }
+        let outcome =
+            outcome.unwrap_or_else(|| self.others(frame, want, hits, &offer, &mut choice));
+        if outcome.end == End::Complete {
+            self.decider.end(choice.way, until_first, outcome.cost, outcome.leaf_pairs);
+        } else {
+            self.decider.end_incomplete(choice.way);
+        }
+        self.most = self.most.max(outcome.given.get().count);
+        outcome.given
+    }
+
+    /// Answers on the calling thread.
+    fn on_one(
+        &self,
+        frame: &Frame<'_>,
+        want: Want,
+        hits: &mut Vec<SceneHit>,
+        tests: u64,
+    ) -> Outcome {
+        let leash = Leash { tests, deadline: self.decider.deadline() };
+        let mut given = Given::default();
+        let (cost, end) = alone(frame.queries(), leash, |bodies, pair| {
+            let hit = SceneHit { bodies, pair };
+            given.count += 1;
+            match want {
+                Want::All => hits.push(hit),
+                Want::Count => {}
+                Want::Any => {
+                    given.first = Some(hit);
+                    return ControlFlow::Break(());
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        hits.chunk_by_mut(|x, y| x.bodies == y.bodies).for_each(<[_]>::sort_unstable);
+        Outcome { given: Found::New(given), cost: Some(cost), leaf_pairs: None, end }
+    }
+
+    /// Answers on threads or a GPU; says by which way it was done in the end.
+    fn others(
+        &mut self,
+        frame: &Frame<'_>,
+        want: Want,
+        hits: &mut Vec<SceneHit>,
+        offer: &Offer,
+        choice: &mut Choice,
+    ) -> Outcome {
+        #[cfg(feature = "gpu")]
+        if let (Way::Gpu, Some(device)) = (choice.way, &mut self.device) {
+            match device.ask(frame.bodies, want, hits) {
+                Ok((given, leaf_pairs)) => {
+                    let given = Found::All(given);
+                    let end = End::Complete;
+                    return Outcome { given, cost: None, leaf_pairs: Some(leaf_pairs), end };
+                }
+                Err(error) => {
+                    self.device = None;
+                    hits.clear();
+                    let offer = Offer { gpu: None, ..*offer };
+                    *choice = self.decider.gpu_failed(&offer, &error);
+                }
+            }
+        }
+        #[cfg(feature = "threads")]
+        if let Way::Threads(workers) = choice.way {
+            return self.on_threads(frame, want, hits, workers);
+        }
+        self.on_one(frame, want, hits, u64::MAX)
+    }
+
+    #[cfg(feature = "threads")]
+    fn on_threads(
+        &mut self,
+        frame: &Frame<'_>,
+        want: Want,
+        hits: &mut Vec<SceneHit>,
+        workers: u32,
+    ) -> Outcome {
+        let planner = self.decider.planner();
+        let crew = self.crew.get_or_insert_with(|| Crew::new(planner.traversal(workers)));
+        crew.traversal.set_workers(workers as usize);
+        crew.traversal.set_deadline(self.decider.deadline());
+        let given = match want {
+            Want::All => {
+                crew.all(frame, hits);
+                Given { count: hits.len() as u64, first: hits.first().copied() }
+            }
+            Want::Count => Given { count: crew.count(frame), first: None },
+            Want::Any => {
+                let first = crew.any(frame);
+                Given { count: u64::from(first.is_some()), first }
+            }
+        };
+        let report = crew.report();
+        let end = if report.late { End::Late } else { End::Complete };
+        Outcome { given: Found::New(given), cost: Some(cost(report.work())), leaf_pairs: None, end }
+    }
+
+    /// Which ways there are.
+    fn offer(&self, frame: &Frame<'_>) -> Offer {
+        let planner = self.decider.planner();
+        let threads = planner.threads(self.most);
+        #[cfg(feature = "gpu")]
+        let gpu = match &self.device {
+            Some(device) if frame.accuracy == crate::Accuracy::Exact => {
+                planner.upload(device.owed(frame.bodies))
+            }
+            _ => None,
+        };
+        #[cfg(not(feature = "gpu"))]
+        let gpu = None;
+        let _ = frame;
+        Offer { threads, gpu, both: false, upkeep: 0.0 }
+    }
+}
