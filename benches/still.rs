@@ -6,6 +6,7 @@
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use pfront::planner::{Machine, Planner};
 use pfront::{BodyId, Model, Pose, SceneQuery};
 use pfront_scenes::icosphere;
 use rand::{RngExt, SeedableRng};
@@ -61,7 +62,8 @@ fn still(c: &mut Criterion) {
     let mut group = c.benchmark_group("still");
     group.sample_size(20);
     for (name, moving) in [("all move", BODIES), ("1 % move", BODIES / 100), ("none moves", 0)] {
-        for (who, query) in [("one thread", SceneQuery::new())] {
+        let planned = SceneQuery::new().with_planner(Planner::new(Machine::measure()));
+        for (who, query) in [("one thread", SceneQuery::new()), ("planner", planned)] {
             let mut crowd = Crowd::new(query, moving);
             for _ in 0..3 {
                 let found = crowd.step();

@@ -68,11 +68,7 @@ impl SelfQuery {
     ///
     /// # Errors
     /// As [`SelfQuery::all`].
-    pub fn all_into(
-        &mut self,
-        model: &Model,
-        out: &mut Vec<TrianglePair>,
-    ) -> Result<(), Error> {
+    pub fn all_into(&mut self, model: &Model, out: &mut Vec<TrianglePair>) -> Result<(), Error> {
         self.ask(model, Want::All)?;
         std::mem::swap(&mut self.answer.pairs, out);
         Ok(())

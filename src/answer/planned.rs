@@ -1,8 +1,8 @@
 //! Answering by a planner.
 
+use super::alone::{End, Leash, alone, cost};
 #[cfg(feature = "gpu")]
 use super::device::Device;
-use super::alone::{End, Leash, alone, cost};
 use super::kept::Kept;
 use super::question::Question;
 use crate::Accuracy;
@@ -151,7 +151,8 @@ impl Planned {
     fn offer(&self, question: &impl Question) -> Offer {
         let planner = self.decider.planner();
         let pairs = self.kept.most();
-        let mut offer = Offer { threads: planner.threads(pairs), gpu: None, both: false, upkeep: 0.0 };
+        let mut offer =
+            Offer { threads: planner.threads(pairs), gpu: None, both: false, upkeep: 0.0 };
         #[cfg(feature = "gpu")]
         if let Some(device) = &self.device
             && question.accuracy() == Accuracy::Exact

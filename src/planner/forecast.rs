@@ -53,7 +53,10 @@ mod tests {
     #[test]
     fn coherent_frames_cost_what_the_last_did_and_jumping_ones_their_mean() {
         assert_eq!(after([]).cost(), None);
-        assert_eq!(after((0..50).map(|i| 1e5 * 1.05_f64.powi(i))).cost(), Some(1e5 * 1.05_f64.powi(49)));
+        assert_eq!(
+            after((0..50).map(|i| 1e5 * 1.05_f64.powi(i))).cost(),
+            Some(1e5 * 1.05_f64.powi(49))
+        );
         let jumping = after([1e6, 1e3].repeat(20));
         assert!(jumping.is_jumpy());
         assert!((2e5..8e5).contains(&jumping.cost().unwrap_or(0.0)));

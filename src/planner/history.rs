@@ -288,7 +288,13 @@ struct Halves {
 }
 
 impl Halves {
-    fn new(machine: &Machine, device: &Device, workers: u32, cost: f64, [cpu, gpu]: [f64; 2]) -> Self {
+    fn new(
+        machine: &Machine,
+        device: &Device,
+        workers: u32,
+        cost: f64,
+        [cpu, gpu]: [f64; 2],
+    ) -> Self {
         let on_cpu = cpu * cost * machine.test / machine.speedup_of(workers);
         let on_gpu = gpu * cost * device.test;
         let (fork, question) = (cpu * machine.fork_of(workers), gpu * device.question);

@@ -84,7 +84,9 @@ impl Machine {
     /// What the GPU reports.
     #[cfg(feature = "gpu")]
     pub fn measure_gpu(mut self, gpu: &crate::gpu::Gpu) -> Result<Self, crate::gpu::Error> {
-        let (Ok(short), Ok(long)) = (Sheets::new(SHORT), Sheets::new(LONG)) else { return Ok(self) };
+        let (Ok(short), Ok(long)) = (Sheets::new(SHORT), Sheets::new(LONG)) else {
+            return Ok(self);
+        };
         self.device = Some(on_gpu(gpu, &short, &long)?);
         Ok(self)
     }

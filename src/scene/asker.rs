@@ -1,10 +1,10 @@
 //! Who asks: the calling thread, several, or whoever a planner picks.
 
+use super::SceneHit;
 #[cfg(feature = "threads")]
 use super::crew::Crew;
 use super::frame::{Found, Frame};
 use super::planned::Planned;
-use super::SceneHit;
 use crate::answer::Want;
 use crate::{Error, Model};
 use pfront_core::query::Query;

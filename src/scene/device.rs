@@ -51,8 +51,7 @@ impl Device {
     pub(super) fn owed(&self, bodies: &Bodies) -> (usize, u64) {
         let triangles = |body: &Body| body.model().mesh().triangles().len();
         let all: usize = bodies.iter().map(triangles).sum();
-        let vertices: usize =
-            bodies.iter().map(|body| body.model().mesh().positions().len()).sum();
+        let vertices: usize = bodies.iter().map(|body| body.model().mesh().positions().len()).sum();
         // What gpu::SceneQuery says that it takes.
         let bytes = self.settings.budget.bytes + 77 * all as u64 + 28 * vertices as u64;
         // One that comes or goes makes it bring all.

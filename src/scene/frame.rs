@@ -1,8 +1,8 @@
 //! What has to be asked in a frame.
 
+use super::Accuracy;
 use super::bodies::{Bodies, Body, BodyId};
 use super::broad::{Broad, Places};
-use super::Accuracy;
 use pfront_core::query::PairQuery;
 
 /// The bodies of a frame, and which of them may meet.

@@ -16,9 +16,9 @@ mod split;
 pub use bodies::{Body, BodyId};
 pub use edit::Piece;
 
+use crate::planner::{Plan, Planner};
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::planner::{Plan, Planner};
 use crate::{Accuracy, Contact, Error, TrianglePair};
 use asker::Asker;
 use bodies::Bodies;

@@ -1,14 +1,14 @@
 //! A scene by a planner.
 
+use super::SceneHit;
 #[cfg(feature = "threads")]
 use super::crew::Crew;
 #[cfg(feature = "gpu")]
 use super::device::Device;
-use super::SceneHit;
 use super::frame::{Found, Frame};
-use crate::answer::{End, Leash, Want, alone};
 #[cfg(feature = "threads")]
 use crate::answer::cost;
+use crate::answer::{End, Leash, Want, alone};
 use crate::planner::{Choice, Decider, Offer, Plan, Planner, Way};
 use std::ops::ControlFlow;
 

@@ -1,6 +1,6 @@
 //! `pfront any A B`
 
-use super::model;
+use super::{explain, model};
 use crate::args::TwoMeshes;
 use crate::how::How;
 use crate::output::out;
@@ -19,5 +19,6 @@ pub(crate) fn run(meshes: &TwoMeshes, how: &How) -> Result<bool> {
         Some(pair) => writeln!(out(), "triangles {} and {} meet", pair.a, pair.b)?,
         None => writeln!(out(), "nothing meets")?,
     }
+    explain(&*engine);
     Ok(found.is_some())
 }

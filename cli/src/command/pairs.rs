@@ -1,6 +1,6 @@
 //! `pfront pairs A B`
 
-use super::{contacts, model};
+use super::{contacts, explain, model};
 use crate::args::{Listing, TwoMeshes};
 use crate::how::How;
 use crate::listing::Found;
@@ -31,5 +31,6 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bo
         }
         None => found.print(listing)?,
     }
+    explain(&*engine);
     Ok(true)
 }

@@ -9,6 +9,7 @@ use crate::recording::Recording;
 use anyhow::{Context, Result, ensure};
 use pfront::TrianglePair;
 use pfront_cli::pairs::PairWriter;
+use pfront_study::engine::Tally;
 use std::io::Write;
 use std::time::Instant;
 
@@ -33,6 +34,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     let mut out = out();
     writeln!(out, "BUILD\t{build:.3}")?;
     let bar = progress(frames.into());
+    let mut tally = Tally::default();
     for number in 0.. {
         let frame = recording.next_frame().with_context(|| replay.file.clone())?;
         let Some(frame) = frame else { break };
@@ -49,11 +51,17 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         if let Some(pairs) = &mut pairs {
             pairs.frame(found).context("cannot write the pairs")?;
         }
+        if let Some(plan) = engine.plan() {
+            tally.add(plan);
+        }
         bar.inc(1);
     }
     bar.finish_and_clear();
     if let Some(pairs) = pairs {
         pairs.finish().finish()?;
+    }
+    if tally != Tally::default() {
+        eprintln!("{tally}");
     }
     writeln!(out, "RSS\t{}", memory::peak())?;
     Ok(true)

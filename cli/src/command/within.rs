@@ -1,6 +1,6 @@
 //! `pfront self MESH`
 
-use super::{contacts, model};
+use super::{contacts, explain, model};
 use crate::args::Within;
 use crate::listing::Found;
 use anyhow::Result;
@@ -28,5 +28,6 @@ pub(crate) fn run(within: &Within) -> Result<bool> {
         Some(path) => found.paint(path, &[model.mesh()])?,
         None => found.print(&within.listing)?,
     }
+    explain(&*engine);
     Ok(true)
 }

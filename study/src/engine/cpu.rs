@@ -1,8 +1,9 @@
-//! Engines on the CPU.
+//! Engines on the CPU, and those that decide for themselves.
 
 use super::numbers::Numbers;
 use super::{Engine, EngineError, Objects, second};
 use pfront::core::query;
+use pfront::planner::{Plan, Planner};
 use pfront::threads::{Reference, Report, Settings, Traversal};
 use pfront::{
     Accuracy, Adjacency, BodyId, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair,
@@ -10,13 +11,30 @@ use pfront::{
 use pfront_scenes::Kind;
 use std::sync::Arc;
 
+/// Who works on a query.
+pub(super) enum Hands {
+    One,
+    Threads(Box<Traversal>),
+    Planned(Box<Planner>),
+}
+
+/// Gives a query of any kind its hands.
+macro_rules! by {
+    ($query:ident, $hands:ident) => {
+        match $hands {
+            Hands::One => $query,
+            Hands::Threads(traversal) => $query.with_traversal(*traversal),
+            Hands::Planned(planner) => $query.with_planner(*planner),
+        }
+    };
+}
+
 pub(super) fn engine(
     objects: Objects,
     accuracy: Accuracy,
     adjacency: Adjacency,
-    traversal: Option<Box<Traversal>>,
+    hands: Hands,
 ) -> Result<Box<dyn Engine>, EngineError> {
-    let traversal = traversal.map(|traversal| *traversal);
     let Objects { kind, mut models } = objects;
     Ok(match (kind, &models[..]) {
         (Kind::Pair, [a, b]) => {
@@ -24,30 +42,20 @@ pub(super) fn engine(
             Box::new(Pair {
                 models: [a.clone(), b.clone()],
                 a_from_b: Pose::IDENTITY,
-                query: match traversal {
-                    Some(traversal) => query.with_traversal(traversal),
-                    None => query,
-                },
+                query: by!(query, hands),
             })
         }
         (Kind::SelfMesh, [_]) => {
             let query = SelfQuery::new().with_accuracy(accuracy).with_adjacency(adjacency);
-            let threads = traversal.clone();
-            let query = match traversal {
-                Some(traversal) => query.with_traversal(traversal),
-                None => query,
+            let threads = match &hands {
+                Hands::Threads(traversal) => Some(Traversal::clone(traversal)),
+                Hands::One | Hands::Planned(_) => None,
             };
-            Box::new(Within { model: models.remove(0), query, threads })
+            Box::new(Within { model: models.remove(0), query: by!(query, hands), threads })
         }
         _ => {
             let query = SceneQuery::new().with_accuracy(accuracy);
-            Box::new(Many::new(
-                models,
-                match traversal {
-                    Some(traversal) => query.with_traversal(traversal),
-                    None => query,
-                },
-            )?)
+            Box::new(Many::new(models, by!(query, hands))?)
         }
     })
 }
@@ -85,6 +93,10 @@ impl Engine for Pair {
 
     fn report(&self) -> Option<&Report> {
         self.query.report()
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        self.query.plan()
     }
 
     fn reference(&self, workers: usize) -> Result<Option<Reference>, EngineError> {
@@ -130,6 +142,10 @@ impl Engine for Within {
 
     fn report(&self) -> Option<&Report> {
         self.query.report()
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        self.query.plan()
     }
 
     fn reference(&self, workers: usize) -> Result<Option<Reference>, EngineError> {
@@ -182,5 +198,9 @@ impl Engine for Many {
 
     fn report(&self) -> Option<&Report> {
         self.query.report()
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        self.query.plan()
     }
 }

@@ -1,4 +1,5 @@
-//! Who answers what is asked of moving objects, frame by frame: one thread, several, or a GPU.
+//! Who answers what is asked of moving objects, frame by frame: one thread, several, a GPU, or
+//! whoever a planner picks.
 //!
 //! One driver for all studies and for the command: [`Objects`] are what is asked about, [`Asked`] says how and
 //! of whom, and the [`Engine`] that both make keeps its buffers from frame to frame.
@@ -7,9 +8,14 @@ mod cpu;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod numbers;
+mod tally;
 
+pub use tally::Tally;
+
+use cpu::Hands;
 #[cfg(feature = "gpu")]
 use pfront::gpu::{Gpu, Settings, Timing};
+use pfront::planner::{Plan, Planner};
 use pfront::threads::{Reference, Report, Traversal};
 use pfront::{Accuracy, Adjacency, Model, Pose, TrianglePair};
 use pfront_scenes::Kind;
@@ -48,6 +54,11 @@ pub trait Engine {
     /// Finds all pairs as the query gives them, and says how many there are.
     fn find(&mut self) -> Result<usize, EngineError> {
         Ok(self.all()?.len())
+    }
+
+    /// How the last frame was answered, if there was a choice.
+    fn plan(&self) -> Option<&Plan> {
+        None
     }
 
     /// What the last frame on threads did.
@@ -137,6 +148,8 @@ pub struct Asked {
 pub enum On {
     /// Several threads, or else the calling one.
     Cpu(Option<Box<Traversal>>),
+    /// Whoever is the fastest, frame by frame.
+    Planner(Box<Planner>),
     /// A GPU, whose answers are all exact.
     #[cfg(feature = "gpu")]
     Gpu(OnGpu),
@@ -219,13 +232,15 @@ impl Objects {
     /// # Errors
     /// If there are more triangles than u32 can number, or than the GPU has memory for.
     pub fn engine(self, asked: Asked) -> Result<Box<dyn Engine>, EngineError> {
-        match asked.on {
+        let Asked { accuracy, adjacency, on } = asked;
+        match on {
             #[cfg(feature = "gpu")]
-            On::Gpu(on) => gpu::engine(&self, asked.adjacency, &on),
-            On::Cpu(traversal) => {
-                let Asked { accuracy, adjacency, .. } = asked;
-                cpu::engine(self, accuracy, adjacency, traversal)
+            On::Gpu(on) => gpu::engine(&self, adjacency, &on),
+            On::Cpu(None) => cpu::engine(self, accuracy, adjacency, Hands::One),
+            On::Cpu(Some(traversal)) => {
+                cpu::engine(self, accuracy, adjacency, Hands::Threads(traversal))
             }
+            On::Planner(planner) => cpu::engine(self, accuracy, adjacency, Hands::Planned(planner)),
         }
     }
 }

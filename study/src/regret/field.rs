@@ -8,6 +8,7 @@ use crate::engine::On;
 use crate::engine::OnGpu;
 #[cfg(feature = "gpu")]
 use pfront::gpu::Gpu;
+use pfront::planner::Planner;
 use pfront::threads::Traversal;
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
@@ -17,7 +18,7 @@ pub struct Field {
     /// Plans that never change; the first is one thread.
     pub fixed: Vec<Lane>,
     /// Who chooses.
-    pub planner: On,
+    pub planner: Planner,
 }
 
 /// A fixed plan.
@@ -33,7 +34,7 @@ impl Field {
     ///
     /// # Errors
     /// If there is no pool of as many threads.
-    pub fn new(threads: usize, planner: On) -> Result<Self, RegretError> {
+    pub fn new(threads: usize, planner: Planner) -> Result<Self, RegretError> {
         let mut fixed = vec![Lane { name: "sequential".to_owned(), on: On::Cpu(None) }];
         let powers = (1..).map(|i| 1 << i).take_while(|&p| p < threads);
         for p in powers.chain((threads > 1).then_some(threads)) {
@@ -52,6 +53,12 @@ impl Field {
         self
     }
 
+    /// Whoever the planner picks.
+    #[must_use]
+    pub fn chosen(&self) -> On {
+        On::Planner(Box::new(self.planner.clone()))
+    }
+
     /// Lets everyone play something of each kind, so that threads are up and shaders compiled before anything is
     /// timed.
     ///
@@ -60,7 +67,7 @@ impl Field {
     pub fn warm_up(&self) -> Result<(), RegretError> {
         for recipe in samples() {
             let case = recipe.build(&Scale::QUICK)?;
-            for on in self.fixed.iter().map(|lane| &lane.on).chain([&self.planner]) {
+            for on in self.fixed.iter().map(|lane| &lane.on).chain([&self.chosen()]) {
                 play(&case, on)?;
             }
         }

@@ -5,7 +5,7 @@
 //!
 //! - [`recipes`]: the cases, drawn from a seed; [`Case`]: one of them, built.
 //! - [`Field`]: who plays. [`race`]: a case, played by all of them in turn.
-//! - [`Row`], [`Summary`]: what that came to. [`write_csv`] and [`Table`] show it.
+//! - [`Row`], [`Summary`]: what that came to, as text or with [`write_csv`].
 
 mod case;
 mod cloth;
@@ -24,7 +24,7 @@ pub use field::{Field, Lane};
 pub use race::{Effort, HOPELESS, race};
 pub use recipe::{Recipe, Scale, recipes};
 pub use row::{Outcome, Row, Summary};
-pub use table::{Table, write_csv};
+pub use table::{Heading, write_csv};
 
 use crate::engine::EngineError;
 

@@ -11,7 +11,7 @@ use super::case::Case;
 use super::field::Field;
 use super::row::{Outcome, Row};
 use crate::chart::median;
-use crate::engine::{EngineError, On};
+use crate::engine::{EngineError, On, Tally};
 use std::time::{Duration, Instant};
 
 /// How long to play.
@@ -39,7 +39,8 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
     // Never given up: all others are compared with it.
     let [first, others @ ..] = &field.fixed[..] else { return Err(RegretError::NoPlan) };
     outcomes.push(rehearsal.play(&first.name, &first.on, f64::INFINITY)?);
-    rehearsal.play("planner", &field.planner, f64::INFINITY)?;
+    let chosen = field.chosen();
+    rehearsal.play("planner", &chosen, f64::INFINITY)?;
     for lane in others {
         outcomes.push(rehearsal.play(&lane.name, &lane.on, HOPELESS)?);
     }
@@ -57,7 +58,7 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
         turns.rotate_left(1);
         for &turn in &turns {
             let on = match turn {
-                turn if turn == planner => &field.planner,
+                turn if turn == planner => &chosen,
                 turn if turn == again => &field.fixed[twin].on,
                 lane => &field.fixed[lane].on,
             };
@@ -82,6 +83,7 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
         twin: (twin, medians.next_back().unwrap_or(0.0)),
         planner: medians.next().unwrap_or(0.0),
         fixed,
+        tally: watch(case, &chosen)?,
     })
 }
 
@@ -96,6 +98,20 @@ pub(super) fn play(case: &Case, on: &On) -> Result<f64, EngineError> {
         case.verb.ask(&mut *engine)?;
     }
     Ok(clock.elapsed().as_secs_f64())
+}
+
+/// What a planner does, after everything else.
+fn watch(case: &Case, chosen: &On) -> Result<Tally, EngineError> {
+    let mut engine = case.fresh().engine(chosen.clone().into())?;
+    let mut tally = Tally::default();
+    for frame in &case.frames {
+        frame.apply(&mut *engine)?;
+        case.verb.ask(&mut *engine)?;
+        if let Some(plan) = engine.plan() {
+            tally.add(plan);
+        }
+    }
+    Ok(tally)
 }
 
 /// The first round.
@@ -148,23 +164,31 @@ impl Rehearsal<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::regret::{Field, Lane, Scale, Table, recipes, write_csv};
+    use crate::regret::{Field, Heading, Lane, Scale, Summary, recipes, write_csv};
+    use pfront::planner::{Machine, Planner};
     use pfront::threads::Traversal;
+
+    fn planner() -> Planner {
+        Planner::new(Machine::typical()).with_threads(2)
+    }
 
     const ONCE: Effort = Effort { rounds: 1, time: Duration::ZERO };
 
     #[test]
     fn everyone_answers_alike_and_is_timed() {
-        let field = Field::new(2, On::Cpu(None)).unwrap();
+        let field = Field::new(2, planner()).unwrap();
         field.warm_up().unwrap();
         let cases = recipes(3, 24).into_iter().map(|recipe| recipe.build(&Scale::QUICK).unwrap());
         let rows: Vec<_> = cases.map(|case| race(&case, &field, &ONCE).unwrap()).collect();
         for row in &rows {
             assert!(row.planner > 0.0 && row.fixed[0].1.is_timed(), "{row:?}");
+            assert_eq!(row.tally.frames.iter().sum::<usize>(), row.frames, "{row:?}");
             assert!(row.best().1.is_finite() && row.regret() > -1.0, "{row:?}");
         }
-        let table = Table(&rows).to_string();
-        assert!(table.contains("24 cases") && table.contains("2 threads"), "{table}");
+        assert!(Heading(&rows[0]).to_string().contains("2 threads"));
+        assert!(rows[0].to_string().starts_with("pair 1 "), "{}", rows[0]);
+        let summary = Summary::of(&rows).to_string();
+        assert!(summary.contains("24 cases") && summary.contains("regret"), "{summary}");
         let mut lines = Vec::new();
         write_csv(&mut lines, &rows).unwrap();
         let lines = String::from_utf8(lines).unwrap();
@@ -190,7 +214,7 @@ mod tests {
     #[test]
     fn without_a_fixed_plan_there_is_no_regret() {
         let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
-        let field = Field { fixed: Vec::<Lane>::new(), planner: On::Cpu(None) };
+        let field = Field { fixed: Vec::<Lane>::new(), planner: planner() };
         assert!(matches!(race(&case, &field, &ONCE), Err(RegretError::NoPlan)));
     }
 }

@@ -1,6 +1,7 @@
 //! What a case came to, and what all cases did.
 
 use super::case::Verb;
+use crate::engine::Tally;
 
 /// How a fixed plan did.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +61,8 @@ pub struct Row {
     pub fixed: Vec<(String, Outcome)>,
     /// Who chooses.
     pub planner: f64,
+    /// What was chosen, once everything was warm.
+    pub tally: Tally,
     /// The fixed plan that played twice in each round, and how long it took the second time.
     pub twin: (usize, f64),
 }
@@ -107,6 +110,8 @@ pub struct Summary {
     pub noise: f64,
     /// What 95 of a hundred such distances do not exceed.
     pub noise_p95: f64,
+    /// The largest share of deciding in a case, see [`Tally::deciding`].
+    pub deciding: f64,
 }
 
 impl Summary {
@@ -126,6 +131,7 @@ impl Summary {
             to_sequential: all(Row::to_sequential).last().copied().unwrap_or(0.0),
             noise: mean(&noises),
             noise_p95: quantile(&noises, 0.95),
+            deciding: all(|row| row.tally.deciding()).last().copied().unwrap_or(0.0),
         }
     }
 }
@@ -156,6 +162,7 @@ mod tests {
             rounds: 1,
             fixed: fixed.map(|(name, outcome)| (name.to_owned(), outcome)).into(),
             planner,
+            tally: Tally::default(),
             twin: (0, twin),
         }
     }

@@ -1,68 +1,58 @@
 //! Rows as text and as comma-separated values.
 
-use super::{Outcome, Row, Summary};
+use super::{HOPELESS, Outcome, Row, Summary};
+use crate::engine::Tally;
 use std::fmt;
 use std::io::Write;
 
-/// Rows as aligned columns, and the figures of all of them.
-pub struct Table<'r>(pub &'r [Row]);
+/// Letters of what moves.
+const CLASS: usize = 42;
 
-impl fmt::Display for Table<'_> {
+/// The line above rows that have the same fixed plans as this one.
+pub struct Heading<'r>(pub &'r Row);
+
+impl fmt::Display for Heading<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(first) = self.0.first() else { return writeln!(f, "no case") };
-        write!(
-            f,
-            "{:<9} {:<42} {:>9} {:>6} {:>6} {:<5}",
-            "case", "what moves", "triangles", "bodies", "frames", "verb"
-        )?;
-        for (name, _) in &first.fixed {
-            write!(f, " {name:>11}")?;
-        }
-        writeln!(f, " {:>11} {:>8} {:>8} {:>8}", "planner", "regret", "to seq.", "A/A")?;
-        for row in self.0 {
-            let class: String = row.class.chars().take(42).collect();
-            write!(
-                f,
-                "{:<9} {class:<42} {:>9} {:>6} {:>6} {:<5}",
-                row.name,
-                row.triangles,
-                row.bodies,
-                row.frames,
-                row.verb.name()
-            )?;
-            for (_, outcome) in &row.fixed {
-                write!(f, " {:>11}", cell(outcome, row))?;
-            }
-            write!(f, " {:>11} {:>7.1}%", time(row.planner), 100.0 * row.regret())?;
-            writeln!(f, " {:>8.2} {:>7.1}%", row.to_sequential(), 100.0 * row.noise())?;
-        }
-        let Summary { cases, mean, p95, to_sequential, noise, noise_p95 } = Summary::of(self.0);
-        writeln!(
-            f,
-            "\n{cases} cases; times of all frames, the median over rounds; > at least, given up; - no memory"
-        )?;
-        writeln!(
-            f,
-            "regret          mean {:.1} %, 95th percentile {:.1} %",
-            100.0 * mean,
-            100.0 * p95
-        )?;
-        writeln!(f, "to sequential   {to_sequential:.2} at worst")?;
-        writeln!(
-            f,
-            "A/A             mean {:.1} %, 95th percentile {:.1} %",
-            100.0 * noise,
-            100.0 * noise_p95
-        )
+        write!(f, "{:<9} {:<CLASS$} {:>9} ", "case", "what moves", "triangles")?;
+        write!(f, "{:>6} {:>6} {:<5}", "bodies", "frames", "verb")?;
+        self.0.fixed.iter().try_for_each(|(name, _)| write!(f, " {name:>11}"))?;
+        write!(f, " {:>11} {:>8} {:>7} {:>7}  mostly", "planner", "regret", "to seq.", "A/A")
     }
 }
 
-fn cell(outcome: &Outcome, row: &Row) -> String {
-    match outcome {
-        Outcome::Took { seconds } if *seconds == row.best().1 => format!("*{}", time(*seconds)),
-        Outcome::Took { seconds } => time(*seconds),
-        Outcome::Hopeless { seconds, .. } => format!(">{}", time(*seconds)),
-        Outcome::Refused { .. } => "-".to_owned(),
+/// One line of a table.
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let class: String = self.class.chars().take(CLASS).collect();
+        write!(f, "{:<9} {class:<CLASS$} {:>9} ", self.name, self.triangles)?;
+        write!(f, "{:>6} {:>6} {:<5}", self.bodies, self.frames, self.verb.name())?;
+        let best = self.best().1;
+        for (_, outcome) in &self.fixed {
+            let cell = match outcome {
+                Outcome::Took { seconds } if *seconds == best => format!("*{}", time(*seconds)),
+                Outcome::Took { seconds } => time(*seconds),
+                Outcome::Hopeless { seconds, .. } => format!(">{}", time(*seconds)),
+                Outcome::Refused { .. } => "-".to_owned(),
+            };
+            write!(f, " {cell:>11}")?;
+        }
+        write!(f, " {:>11} {:>7.1}%", time(self.planner), 100.0 * self.regret())?;
+        write!(f, " {:>7.2} {:>6.1}%", self.to_sequential(), 100.0 * self.noise())?;
+        write!(f, "  {}", self.tally.mostly())
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        let Self { cases, mean, p95, to_sequential, noise, noise_p95, deciding } = *self;
+        writeln!(f, "Times of all frames, the median over rounds; * the best fixed plan,")?;
+        writeln!(f, "> given up by then, as {HOPELESS} times slower; - not enough memory.")?;
+        writeln!(f, "{cases} cases")?;
+        writeln!(f, "regret      mean {}, 95th percentile {}", percent(mean), percent(p95))?;
+        writeln!(f, "sequential  at worst {to_sequential:.2} times as long")?;
+        writeln!(f, "A/A         mean {}, 95th percentile {}", percent(noise), percent(noise_p95))?;
+        write!(f, "deciding    at worst {} of frames of 10 µs and more", percent(deciding))
     }
 }
 
@@ -75,21 +65,23 @@ fn time(seconds: f64) -> String {
     }
 }
 
-/// Writes a line for each row, with times in milliseconds.
+/// Writes a line for each row, with times in milliseconds. What was not played to the end has none.
 ///
 /// # Errors
 /// If it cannot be written.
 pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
     let mut table = csv::Writer::from_writer(to);
     let Some(first) = rows.first() else { return Ok(table.flush()?) };
+    let column = |name: &str| name.replace(' ', "_");
     let facts = ["case", "what_moves", "triangles", "bodies", "frames", "verb", "rounds"];
-    let plans = first.fixed.iter().map(|(name, _)| format!("{}_ms", name.replace(' ', "_")));
-    let judged = ["planner_ms", "best", "regret", "to_sequential", "a_a"];
-    table.write_record(
-        facts.map(str::to_owned).into_iter().chain(plans).chain(judged.map(str::to_owned)),
-    )?;
+    let judged = ["planner_ms", "best", "regret", "to_sequential", "a_a", "changes", "deciding"];
+    let mut head = facts.map(str::to_owned).to_vec();
+    head.extend(first.fixed.iter().map(|(name, _)| format!("{}_ms", column(name))));
+    head.extend(judged.map(str::to_owned));
+    head.extend(Tally::NAMES.map(|name| format!("frames_{}", column(name))));
+    table.write_record(head)?;
     for row in rows {
-        let facts = [
+        let mut line = vec![
             row.name.clone(),
             row.class.clone(),
             row.triangles.to_string(),
@@ -98,19 +90,21 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
             row.verb.name().to_owned(),
             row.rounds.to_string(),
         ];
-        // What was not played to the end has no time.
-        let plans = row.fixed.iter().map(|(_, outcome)| match outcome {
+        line.extend(row.fixed.iter().map(|(_, outcome)| match outcome {
             Outcome::Took { seconds } => format!("{:.6}", 1e3 * seconds),
             Outcome::Hopeless { .. } | Outcome::Refused { .. } => String::new(),
-        });
-        let judged = [
+        }));
+        line.extend([
             format!("{:.6}", 1e3 * row.planner),
             row.best().0.to_owned(),
             format!("{:.4}", row.regret()),
             format!("{:.4}", row.to_sequential()),
             format!("{:.4}", row.noise()),
-        ];
-        table.write_record(facts.into_iter().chain(plans).chain(judged))?;
+            row.tally.changes.to_string(),
+            format!("{:.4}", row.tally.deciding()),
+        ]);
+        line.extend(row.tally.frames.map(|count| count.to_string()));
+        table.write_record(line)?;
     }
     Ok(table.flush()?)
 }
