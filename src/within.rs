@@ -4,7 +4,7 @@ use crate::answer::{Answer, OfOne, Planned, Question};
 use crate::planner::{Plan, Planner};
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Adjacency, Contact, Model, TrianglePair};
+use crate::{Accuracy, Adjacency, Contact, Error, Model, TrianglePair};
 use pfront_core::query::Query;
 use std::ops::ControlFlow;
 
@@ -84,6 +84,38 @@ impl SelfQuery {
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
         self.answer.planned.as_ref()?.plan()
+    }
+
+    /// Moves the vertices of a model before it is asked about, as [`Model::set_positions`] does, on the threads
+    /// that this query has, or so as its [`Planner`] will want it: on a GPU, for one, nothing has to be refitted
+    /// here.
+    ///
+    /// # Errors
+    /// As [`Model::set_positions`].
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, SelfQuery};
+    /// let mut cloth = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let mut query = SelfQuery::new();
+    /// query.set_positions(&mut cloth, &[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]])?;
+    /// assert_eq!(query.count(&cloth), 0);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn set_positions(
+        &mut self,
+        model: &mut Model,
+        positions: &[[f32; 3]],
+    ) -> Result<(), Error> {
+        let Self { accuracy, adjacency, answer } = self;
+        if let Some(planned) = &mut answer.planned {
+            return planned.set_positions(model, positions, *adjacency, *accuracy);
+        }
+        #[cfg(feature = "threads")]
+        if let Some(traversal) = &answer.traversal {
+            return traversal.install(|| model.set_positions_with_threads(positions));
+        }
+        model.set_positions(positions)
     }
 
     /// All pairs that meet, sorted.

@@ -39,12 +39,7 @@ pub fn greedy(nodes: &mut [FrontNode], loads: &mut [Load]) -> f64 {
     for (part, load) in loads.iter_mut().enumerate() {
         *load = Load { cost: 0.0, part: part as u32 };
     }
-    // One number to compare, without branches.
-    nodes.sort_unstable_by_key(|n| {
-        // Costs are positive, so that their bits sort as they do.
-        let place = u128::from(n.query) << 64 | u128::from(n.pair.a) << 32 | u128::from(n.pair.b);
-        u128::from(!n.cost.to_bits()) << 96 | place
-    });
+    dearest_first(nodes);
     for node in nodes {
         let Some(least) = loads.first_mut() else { return 0.0 };
         node.part = least.part;
@@ -52,6 +47,19 @@ pub fn greedy(nodes: &mut [FrontNode], loads: &mut [Load]) -> f64 {
         sift_down(loads);
     }
     loads.iter().fold(0.0, |most, load| most.max(load.cost))
+}
+
+/// Sorts nodes by cost, dearest first; equal ones by query and pair.
+///
+/// # Complexity
+/// O(N log N), O(N) if they are in order; no allocation.
+pub fn dearest_first(nodes: &mut [FrontNode]) {
+    // One number to compare, without branches.
+    nodes.sort_unstable_by_key(|n| {
+        // Costs are positive, so that their bits sort as they do.
+        let place = u128::from(n.query) << 64 | u128::from(n.pair.a) << 32 | u128::from(n.pair.b);
+        u128::from(!n.cost.to_bits()) << 96 | place
+    });
 }
 
 /// Restores the heap, least load first, after its first element has grown.

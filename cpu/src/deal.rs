@@ -24,7 +24,7 @@ pub(crate) struct Deal {
     /// How many of its nodes each worker, or a thief, has begun.
     begun: Vec<AtomicUsize>,
     workers: Vec<Worker>,
-    /// True cost of each node by its index.
+    /// True cost of each node by its index, 0 for those of a device.
     costs: Vec<f32>,
 }
 
@@ -71,6 +71,7 @@ impl Deal {
         sinks: &mut [S],
         report: &mut Report,
     ) -> bool {
+        let clock = Instant::now();
         self.group(plan, sinks.len());
         let shared = Shared {
             plan,
@@ -99,15 +100,16 @@ impl Deal {
             share.work = worker.work;
         }
         self.costs.clear();
-        self.costs.resize(plan.nodes().len(), 0.0);
+        self.costs.resize(plan.len(), 0.0);
         for &(index, cost) in self.workers.iter().flat_map(|worker| &worker.costs) {
             self.costs[index as usize] = cost;
         }
         report.dearest_node = f64::from(self.costs.iter().copied().fold(0.0, f32::max));
+        report.walk_time = clock.elapsed();
         complete
     }
 
-    /// True cost of each node by its index.
+    /// True cost of each node by its index, 0 for those of a device.
     pub(crate) fn costs(&self) -> &[f32] {
         &self.costs
     }

@@ -4,11 +4,12 @@
 //! N = max(1024, 80·p) and one for each query. Estimated nodes are made finer only as long as all of
 //! them fit in; where the grain of measured ones asks for more, N doubles, up to `most_nodes`.
 
+use crate::beside::{self, Crew, DEVICE};
 use crate::damping::Damping;
 use crate::{Report, Schedule, Settings, parts};
 use pfront_core::front::{COHERENT, Front, FrontNode, Past, PastCost};
-use pfront_core::partition::{Load, greedy, p_optimal};
-use pfront_core::query::Query;
+use pfront_core::partition::{Load, dearest_first, greedy, p_optimal};
+use pfront_core::query::{NodePair, Query};
 use std::time::Instant;
 
 /// Fronts of fewer nodes are not worth several threads: a node takes about 0.1 µs.
@@ -28,6 +29,12 @@ const MANY: usize = 16 * FEW;
 pub(crate) struct Plan {
     nodes: Vec<FrontNode>,
     len: usize,
+    /// So many of them are for workers, and come first; the others are for a device ...
+    own: usize,
+    /// ... and are these.
+    device: Vec<NodePair>,
+    /// Frames of which a device took a part.
+    shared_frames: u32,
     past: Vec<PastCost>,
     remembered: usize,
     loads: Vec<Load>,
@@ -46,20 +53,31 @@ pub(crate) struct Outcome {
 }
 
 impl Plan {
-    /// The front; once dealt out, dearest nodes first.
+    /// The nodes for workers, dearest first.
     pub(crate) fn nodes(&self) -> &[FrontNode] {
-        &self.nodes[..self.len]
+        &self.nodes[..self.own]
     }
 
-    /// Generates the front of `queries` and deals it out to `workers`.
+    /// Those for a device.
+    pub(crate) fn device(&self) -> &[NodePair] {
+        &self.device
+    }
+
+    /// How many nodes the whole front has.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Generates the front of `queries` and deals it out.
     pub(crate) fn make<Q: Query + Sync>(
         &mut self,
         queries: &[Q],
-        workers: usize,
+        crew: Crew,
         settings: &Settings,
         report: &mut Report,
     ) {
         let clock = Instant::now();
+        let workers = crew.parts();
         let most = settings.most_nodes.max(queries.len());
         self.grow(FEWEST_NODES.max(NODES_PER_WORKER * workers) + queries.len(), most);
         // One worker needs no front: the roots will do.
@@ -76,7 +94,7 @@ impl Plan {
         self.damping.note(self.len, report.coherent);
         self.adjust_depth(report.starting_nodes);
         report.front_time = clock.elapsed();
-        self.deal(workers, report);
+        self.deal(crew, report);
     }
 
     /// The starting fronts of all queries.
@@ -162,21 +180,34 @@ impl Plan {
         }
     }
 
-    fn deal(&mut self, workers: usize, report: &mut Report) {
+    /// Gives the device its share, and deals out the rest.
+    fn deal(&mut self, crew: Crew, report: &mut Report) {
         let clock = Instant::now();
-        self.loads.resize(workers, Load::default());
-        greedy(&mut self.nodes[..self.len], &mut self.loads);
+        report.p_optimal = p_optimal(&self.nodes[..self.len]);
+        self.own = self.len;
+        self.device.clear();
+        if crew.share > 0.0 {
+            let nodes = &mut self.nodes[..self.len];
+            dearest_first(nodes);
+            self.own = beside::choose(nodes, crew.share, self.shared_frames);
+            self.shared_frames = self.shared_frames.wrapping_add(1);
+            self.device.extend(nodes[self.own..].iter().map(|node| node.pair));
+            report.device_cost = nodes[self.own..].iter().map(|node| f64::from(node.cost)).sum();
+        }
+        self.loads.resize(crew.workers, Load::default());
+        greedy(&mut self.nodes[..self.own], &mut self.loads);
         for load in &self.loads {
             report.shares[load.part as usize].predicted = load.cost;
         }
         report.nodes = self.len;
-        report.p_optimal = p_optimal(self.nodes());
+        report.device_nodes = self.device.len();
         report.front_bytes = self.nodes.capacity() * size_of::<FrontNode>()
             + self.past.capacity() * size_of::<PastCost>();
         report.partition_time = clock.elapsed();
     }
 
-    /// Keeps what each node of the front really cost, by its index, for the next frame.
+    /// Keeps what each node of the front really cost, by its index, for the next frame; of those that a device
+    /// has walked, what they were expected to cost, as much more or less as the others did.
     pub(crate) fn remember(&mut self, costs: &[f32]) {
         if self.past.len() < self.len {
             // In steps, but not by doubling, which would break the bound on memory.
@@ -184,7 +215,16 @@ impl Plan {
             self.past.reserve_exact(to - self.past.len());
             self.past.resize(to, PastCost::default());
         }
-        let cost = |node: &FrontNode| costs[node.index as usize];
+        let (mut walked, mut predicted) = (0.0, 0.0);
+        for node in self.nodes() {
+            walked += f64::from(costs[node.index as usize]);
+            predicted += f64::from(node.cost);
+        }
+        let scale = if predicted > 0.0 { (walked / predicted) as f32 } else { 1.0 };
+        let cost = |node: &FrontNode| match node.part {
+            DEVICE => (scale * node.cost).max(1.0),
+            _ => costs[node.index as usize],
+        };
         let past = Past::record(&mut self.past, &self.nodes[..self.len], cost);
         // The memory has just been made large enough.
         self.remembered = if past.is_ok() { self.len } else { 0 };

@@ -49,6 +49,12 @@ impl<T: Element> Sink for Vec<T> {
     }
 }
 
+/// Makes it one empty list for each worker.
+pub(crate) fn clear<T>(sinks: &mut Vec<Vec<T>>, workers: usize) {
+    sinks.resize_with(workers, Vec::new);
+    sinks.iter_mut().for_each(Vec::clear);
+}
+
 impl Sink for u64 {
     #[inline]
     fn take(&mut self, _: u32, _: TrianglePair) -> ControlFlow<()> {

@@ -156,13 +156,16 @@ impl Answer {
         counters: &Counters,
     ) -> Result<Vec<Vec<Entry>>, Error> {
         let is_leaf_pair = |pair: &Entry| pair.iter().all(|node| node & LEAF != 0);
-        if matches!(part, [pair] if is_leaf_pair(pair)) {
+        let mut front = part.to_vec();
+        // The caller's entries look like leaf pairs until the device has looked them up (`below.rs`).
+        let mut is_known = false;
+        while front.len() < LONG && !(is_known && front.iter().all(is_leaf_pair)) {
+            front = self.engine.refine(task, &front)?;
+            is_known = true;
+        }
+        if part.len() == 1 && front == part {
             let reason = "a leaf pair overflowed lists that can hold its results".to_owned();
             return Err(Error::Device { reason });
-        }
-        let mut front = part.to_vec();
-        while front.len() < LONG && !front.iter().all(is_leaf_pair) {
-            front = self.engine.refine(task, &front)?;
         }
         let length = front.len().div_ceil(self.parts(counters).clamp(2, LONG)).max(1);
         Ok(front.chunks(length).map(<[Entry]>::to_vec).collect())

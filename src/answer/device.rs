@@ -5,8 +5,12 @@ use super::question::OnGpu;
 use crate::gpu::{self, Deforming, Error, Gpu, Settings};
 use crate::model::Stamp;
 use crate::planner::Planner;
+#[cfg(feature = "threads")]
+use crate::threads::Traversal;
 use crate::{Adjacency, Model};
 use pfront_core::query::TrianglePair;
+#[cfg(feature = "threads")]
+use pfront_core::query::{NodePair, Query};
 
 #[derive(Debug)]
 pub(crate) struct Device {
@@ -108,22 +112,12 @@ impl Device {
         want: Want,
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<(Given, u32), Error> {
-        let Self { gpu, settings, models: [first, second], pair, within } = self;
+        self.bring(on)?;
         match on {
-            OnGpu::Pair([a, b], a_from_b) => {
-                Mirror::bring(first, gpu, a, false)?;
-                let one = a.stamp() == b.stamp();
-                if !one {
-                    Mirror::bring(second, gpu, b, false)?;
-                }
-                let query = match pair {
-                    Some(query) => query,
-                    none => none.insert(gpu::PairQuery::with_settings(gpu, *settings)?),
+            OnGpu::Pair(_, a_from_b) => {
+                let (Some(query), Some([a, b])) = (&mut self.pair, both(&self.models)) else {
+                    return Ok(Default::default());
                 };
-                let (Some(a), Some(b)) = (&*first, if one { &*first } else { &*second }) else {
-                    return Ok((Given::default(), 0));
-                };
-                let (a, b) = (a.model(), b.model());
                 let given = match want {
                     Want::All => {
                         query.all_into(a, b, a_from_b, pairs)?;
@@ -134,17 +128,11 @@ impl Device {
                 };
                 Ok((given, query.report().leaf_pairs))
             }
-            OnGpu::Within(model, adjacency) => {
-                Mirror::bring(first, gpu, model, true)?;
-                let query = match within {
-                    Some((own, query)) if *own == adjacency => query,
-                    none => {
-                        let query = gpu::SelfQuery::with_settings(gpu, *settings)?;
-                        &mut none.insert((adjacency, query.with_adjacency(adjacency))).1
-                    }
+            OnGpu::Within(..) => {
+                let (Some((_, query)), Some([model, _])) = (&mut self.within, both(&self.models))
+                else {
+                    return Ok(Default::default());
                 };
-                let Some(model) = first else { return Ok((Given::default(), 0)) };
-                let model = model.model();
                 let given = match want {
                     Want::All => {
                         query.all_into(model, pairs)?;
@@ -157,6 +145,73 @@ impl Device {
             }
         }
     }
+
+    #[cfg(feature = "threads")]
+    /// All pairs, of which the device finds a share and threads the rest.
+    pub(crate) fn ask_beside(
+        &mut self,
+        on: OnGpu<'_>,
+        query: &(impl Query + Sync),
+        share: f64,
+        traversal: &mut Traversal,
+        pairs: &mut Vec<TrianglePair>,
+    ) -> Result<Given, Error> {
+        self.bring(on)?;
+        let Some([a, b]) = both(&self.models) else { return Ok(Given::default()) };
+        let (gpu, pair, within) = (&self.gpu, &mut self.pair, &mut self.within);
+        let start = |below: &[NodePair]| {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            let pending = match (on, pair, within) {
+                (OnGpu::Pair(_, a_from_b), Some(query), _) => {
+                    Some(query.record_below(&mut encoder, a, b, a_from_b, below)?)
+                }
+                (OnGpu::Within(..), _, Some((_, query))) => {
+                    Some(query.record_below(&mut encoder, a, below)?)
+                }
+                _ => None,
+            };
+            gpu.queue().submit([encoder.finish()]);
+            Ok::<_, Error>(pending)
+        };
+        if let Some(pending) = traversal.all_beside(query, share, start, pairs)? {
+            pairs.extend_from_slice(pending.read()?);
+            // Two runs, which this merges.
+            pairs.sort();
+        }
+        Ok(listed(pairs))
+    }
+
+    /// Brings there what is asked about, and makes the query.
+    fn bring(&mut self, on: OnGpu<'_>) -> Result<(), Error> {
+        let Self { gpu, settings, models: [first, second], pair, within } = self;
+        match on {
+            OnGpu::Pair([a, b], _) => {
+                Mirror::bring(first, gpu, a, false)?;
+                if a.stamp() == b.stamp() {
+                    *second = None;
+                } else {
+                    Mirror::bring(second, gpu, b, false)?;
+                }
+                if pair.is_none() {
+                    *pair = Some(gpu::PairQuery::with_settings(gpu, *settings)?);
+                }
+            }
+            OnGpu::Within(model, adjacency) => {
+                Mirror::bring(first, gpu, model, true)?;
+                if within.as_ref().is_none_or(|(own, _)| *own != adjacency) {
+                    let query = gpu::SelfQuery::with_settings(gpu, *settings)?;
+                    *within = Some((adjacency, query.with_adjacency(adjacency)));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The models there, of which the second may be the first.
+fn both([first, second]: &[Option<Mirror>; 2]) -> Option<[&gpu::Model; 2]> {
+    let first = first.as_ref()?.model();
+    Some([first, second.as_ref().map_or(first, Mirror::model)])
 }
 
 fn listed(pairs: &[TrianglePair]) -> Given {

@@ -4,13 +4,14 @@ use super::alone::{End, Leash, alone, cost};
 #[cfg(feature = "gpu")]
 use super::device::Device;
 use super::kept::Kept;
-use super::question::Question;
-use crate::Accuracy;
+use super::question::{OfOne, Question};
 use crate::planner::{Choice, Decider, Offer, Plan, Planner, Way};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
+use crate::{Accuracy, Adjacency, Error, Model};
 use pfront_core::query::{Query, TrianglePair};
 use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 /// What is wanted of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,11 +33,16 @@ pub(crate) struct Given {
 pub(crate) struct Planned {
     decider: Decider,
     kept: Kept,
+    /// What the last refit took.
+    refit: Option<Duration>,
     #[cfg(feature = "threads")]
     traversal: Option<Traversal>,
     #[cfg(feature = "gpu")]
     device: Option<Device>,
 }
+
+/// A refit before there was one: of so many nanoseconds a triangle.
+const REFIT: f64 = 20.0;
 
 /// What one way came to.
 #[derive(Default)]
@@ -53,6 +59,7 @@ impl Planned {
     pub(crate) fn new(planner: Planner) -> Self {
         Self {
             kept: Kept::default(),
+            refit: None,
             #[cfg(feature = "threads")]
             traversal: None,
             #[cfg(feature = "gpu")]
@@ -63,6 +70,29 @@ impl Planned {
 
     pub(crate) fn plan(&self) -> Option<&Plan> {
         self.decider.plan()
+    }
+
+    /// Moves the vertices of a model that will be asked about next, and refits it, unless the GPU will do that.
+    pub(crate) fn set_positions(
+        &mut self,
+        model: &mut Model,
+        positions: &[[f32; 3]],
+        adjacency: Adjacency,
+        accuracy: Accuracy,
+    ) -> Result<(), Error> {
+        let clock = Instant::now();
+        let guess = model.mesh().triangles().len() as f64 * REFIT;
+        let upkeep = self.refit.map_or(guess, |refit| refit.as_secs_f64() * 1e9);
+        let question = OfOne { model, adjacency, accuracy };
+        let offer = Offer { upkeep, ..self.offer(&question) };
+        if self.decider.look_ahead(&offer).way == Way::Gpu {
+            model.set_positions_unfitted(positions)?;
+        } else {
+            self.decider.planner().set_positions(model, positions)?;
+            self.refit = Some(clock.elapsed());
+        }
+        self.decider.prepared(clock.elapsed());
+        Ok(())
     }
 
     /// Answers; into `pairs` if all are wanted, which otherwise stay what they are.
@@ -78,9 +108,9 @@ impl Planned {
             self.decider.keep();
             return given;
         }
-        let until_first = want == Want::Any;
-        let offer = self.offer(question);
-        let mut choice = self.decider.choose(&offer, until_first);
+        let mut offer = self.offer(question);
+        offer.both &= want == Want::All;
+        let mut choice = self.decider.choose(&offer, want == Want::Any);
         let accuracy = self.decider.accuracy(question.accuracy());
         let deadline = self.decider.deadline();
         if want == Want::All {
@@ -102,7 +132,7 @@ impl Planned {
             outcome = self.others(question, want, pairs, &offer, &mut choice, accuracy);
         }
         if outcome.end == End::Complete {
-            self.decider.end(choice.way, until_first, outcome.cost, outcome.leaf_pairs);
+            self.decider.end(choice.way, outcome.cost, outcome.leaf_pairs);
             if accuracy == question.accuracy() {
                 self.kept.keep(subject, want, outcome.given);
             }
@@ -137,11 +167,22 @@ impl Planned {
         }
         let query = question.query(accuracy);
         #[cfg(feature = "threads")]
-        if let Way::Threads(workers) = choice.way {
+        if let Way::Threads(workers) | Way::Both(workers, _) = choice.way {
             let planner = self.decider.planner();
             let traversal = self.traversal.get_or_insert_with(|| planner.traversal(workers));
             traversal.set_workers(workers as usize);
             traversal.set_deadline(self.decider.deadline());
+            #[cfg(feature = "gpu")]
+            if let (Way::Both(_, share), Some(device)) = (choice.way, &mut self.device) {
+                match device.ask_beside(question.on_gpu(), &query, share, traversal, pairs) {
+                    Ok(given) => return Outcome { given, ..Outcome::default() },
+                    Err(error) => {
+                        self.device = None;
+                        let offer = Offer { gpu: None, both: false, ..*offer };
+                        *choice = self.decider.gpu_failed(&offer, &error);
+                    }
+                }
+            }
             return on_threads(traversal, &query, want, pairs);
         }
         on_one(query, want, pairs, Leash { tests: u64::MAX, deadline: self.decider.deadline() })
@@ -158,6 +199,7 @@ impl Planned {
             && question.accuracy() == Accuracy::Exact
         {
             offer.gpu = planner.upload(device.owed(question.on_gpu()));
+            offer.both = cfg!(feature = "threads");
         }
         offer
     }

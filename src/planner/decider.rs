@@ -9,7 +9,10 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug)]
 pub(crate) struct Decider {
     planner: Planner,
-    history: History,
+    /// Of whole answers, and of those that stop at the first pair.
+    histories: [History; 2],
+    /// The history of the last question.
+    asked: usize,
     plan: Plan,
     begun: Option<Instant>,
     /// What has been decided before the question was asked.
@@ -24,7 +27,8 @@ impl Decider {
     pub(crate) fn new(planner: Planner) -> Self {
         Self {
             planner,
-            history: History::default(),
+            histories: Default::default(),
+            asked: 0,
             plan: Plan::default(),
             begun: None,
             ahead: None,
@@ -45,7 +49,7 @@ impl Decider {
     /// Decides who will answer the next question, before it is asked: whoever moves a model can then prepare it
     /// for that, and says with [`Decider::prepared`] how long it took.
     pub(crate) fn look_ahead(&mut self, offer: &Offer) -> Choice {
-        let choice = self.history.choose(&self.planner.machine, offer, false);
+        let choice = self.histories[0].choose(&self.planner.machine, offer);
         self.ahead = Some(choice);
         choice
     }
@@ -76,9 +80,13 @@ impl Decider {
 
     /// Decides who answers.
     pub(crate) fn choose(&mut self, offer: &Offer, until_first: bool) -> Choice {
+        self.asked = usize::from(until_first);
         let choice = match self.ahead.take().filter(|_| !until_first) {
             Some(choice) => choice,
-            None => self.history.choose(&self.planner.machine, offer, until_first),
+            None => {
+                let history = &mut self.histories[self.asked];
+                history.choose(&self.planner.machine, offer)
+            }
         };
         self.plan.concession = None;
         self.note(&choice);
@@ -89,7 +97,7 @@ impl Decider {
     /// Decides once more: what was begun alone is not over after so many tests.
     pub(crate) fn outgrown(&mut self, offer: &Offer, choice: &Choice, cost: f64) -> Choice {
         self.lost = self.elapsed();
-        let next = self.history.outgrown(&self.planner.machine, offer, choice, cost);
+        let next = self.histories[self.asked].outgrown(&self.planner.machine, offer, choice, cost);
         self.note(&next);
         if choice.way == Way::Alone {
             self.plan.reason = Reason::Outgrown;
@@ -101,7 +109,7 @@ impl Decider {
     #[cfg(feature = "gpu")]
     pub(crate) fn gpu_failed(&mut self, offer: &Offer, error: &crate::gpu::Error) -> Choice {
         self.lost = self.elapsed();
-        let next = self.history.choose(&self.planner.machine, offer, false);
+        let next = self.histories[self.asked].choose(&self.planner.machine, offer);
         self.note(&next);
         self.plan.reason = Reason::GpuFailed;
         self.plan.failure = Some(format!("the GPU is not used any more: {error}"));
@@ -109,13 +117,7 @@ impl Decider {
     }
 
     /// Ends a frame.
-    pub(crate) fn end(
-        &mut self,
-        way: Way,
-        until_first: bool,
-        cost: Option<f64>,
-        leaf_pairs: Option<u32>,
-    ) {
+    pub(crate) fn end(&mut self, way: Way, cost: Option<f64>, leaf_pairs: Option<u32>) {
         let prepared = std::mem::take(&mut self.prepared);
         self.plan.backend = backend(way);
         self.plan.cost = cost;
@@ -127,7 +129,7 @@ impl Decider {
             cost,
             leaf_pairs,
         };
-        self.history.learn(&self.planner.machine, way, until_first, &frame);
+        self.histories[self.asked].learn(&self.planner.machine, way, &frame);
     }
 
     /// How exact an answer has to be of which this is wanted.

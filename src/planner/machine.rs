@@ -50,6 +50,9 @@ pub struct Device {
     pub upload: f64,
 }
 
+/// What surrounds a question of nothing, in nanoseconds.
+const AROUND: f64 = 300.0;
+
 impl Machine {
     /// A machine that was not measured: this one's number of threads, and times that were found on an Intel
     /// Xeon of 2.7 GHz.
@@ -65,12 +68,12 @@ impl Machine {
 
     /// A question of so many box tests on one thread, in nanoseconds.
     pub(crate) fn alone(&self, cost: f64) -> f64 {
-        cost * self.test
+        AROUND + cost * self.test
     }
 
     /// The same on several threads.
     pub(crate) fn threaded(&self, cost: f64, workers: u32) -> f64 {
-        cost * self.test / self.speedup_of(workers) + self.fork_of(workers)
+        AROUND + cost * self.test / self.speedup_of(workers) + self.fork_of(workers)
     }
 
     /// How many times faster some threads are than one.

@@ -14,6 +14,9 @@ const LONG: usize = 192;
 const RUNS: [usize; 2] = [3, 15];
 const MOST: Duration = Duration::from_millis(60);
 
+/// Nobody wakes a thread in less, in nanoseconds.
+const LEAST_FORK: f64 = 2000.0;
+
 /// Two wavy sheets through each other.
 struct Sheets {
     sheet: Model,
@@ -93,50 +96,61 @@ impl Machine {
 }
 
 fn measured(typical: &Machine) -> Result<Machine, Error> {
-    let (short, long) = (Sheets::new(SHORT)?, Sheets::new(LONG)?);
+    let sheets = [Sheets::new(SHORT)?, Sheets::new(LONG)?];
     let mut pairs: Vec<TrianglePair> = Vec::new();
-    let query = long.query()?;
-    let alone = median(|| {
-        pairs.clear();
-        let _ = query.visit(&mut query.start(), |pair| {
-            pairs.push(pair);
-            ControlFlow::Continue(())
-        });
-        pairs.sort_unstable();
-        Ok::<_, Error>(())
-    })?;
-    let test = alone / long.cost;
+    let mut times = [0.0; 2];
+    for (time, sheets) in times.iter_mut().zip(&sheets) {
+        let query = sheets.query()?;
+        *time = median(|| {
+            pairs.clear();
+            let _ = query.visit(&mut query.start(), |pair| {
+                pairs.push(pair);
+                ControlFlow::Continue(())
+            });
+            pairs.sort_unstable();
+            Ok::<_, Error>(())
+        })?;
+    }
+    let test = times[1] / sheets[1].cost;
     let machine = Machine { test, threads: 1, speedup: 1.0, ..typical.clone() };
     #[cfg(feature = "threads")]
-    let machine = on_threads(machine, &short, &long)?;
+    let machine = on_threads(machine, &sheets, times)?;
     Ok(machine)
 }
 
+/// `alone` is what the questions take on one thread.
 #[cfg(feature = "threads")]
-fn on_threads(machine: Machine, short: &Sheets, long: &Sheets) -> Result<Machine, Error> {
+fn on_threads(machine: Machine, sheets: &[Sheets; 2], alone: [f64; 2]) -> Result<Machine, Error> {
     let threads = crate::threads::current_threads() as u32;
-    let on = |workers: u32| -> Result<Line, Error> {
+    if threads < 2 {
+        return Ok(machine);
+    }
+    let on = |workers: u32| -> Result<[f64; 2], Error> {
         let mut traversal = crate::threads::Traversal::new(workers as usize);
         let (mut pairs, mut times) = (Vec::new(), [0.0; 2]);
-        for (time, sheets) in times.iter_mut().zip([short, long]) {
+        for (time, sheets) in times.iter_mut().zip(sheets) {
             let query = sheets.query()?;
             *time = median(|| {
                 traversal.all(&query, &mut pairs);
                 Ok::<_, Error>(())
             })?;
         }
-        Ok(Line::through([short.cost, long.cost], times))
+        Ok(times)
     };
-    if threads < 2 {
-        return Ok(machine);
-    }
     let (two, all) = (on(2)?, on(threads)?);
+    let speedup = |times: [f64; 2], workers: u32| {
+        let each = (times[1] - times[0]).max(0.05 * times[0]);
+        ((alone[1] - alone[0]) / each).clamp(1.0, f64::from(workers))
+    };
+    // What a short question takes beyond its part of the work.
+    let fork =
+        |times: [f64; 2], workers| (times[0] - alone[0] / speedup(times, workers)).max(LEAST_FORK);
     let more = f64::from(threads.max(3) - 2);
     Ok(Machine {
         threads,
-        speedup: (machine.test / all.each).clamp(1.0, f64::from(threads)),
-        fork: two.start.max(1000.0),
-        fork_more: ((all.start - two.start) / more).max(0.0),
+        speedup: speedup(all, threads),
+        fork: fork(two, 2),
+        fork_more: ((fork(all, threads) - fork(two, 2)) / more).max(0.0),
         ..machine
     })
 }

@@ -75,9 +75,8 @@ impl Planned {
     ) -> Found<Given> {
         // What it took so far to know which bodies may meet, it takes each way.
         self.decider.set_aside();
-        let until_first = want == Want::Any;
         let offer = self.offer(frame);
-        let mut choice = self.decider.choose(&offer, until_first);
+        let mut choice = self.decider.choose(&offer, want == Want::Any);
         let accuracy = self.decider.accuracy(frame.accuracy);
         let frame = &frame.with_accuracy(accuracy);
         let mut outcome = None;
@@ -96,7 +95,7 @@ impl Planned {
         let outcome =
             outcome.unwrap_or_else(|| self.others(frame, want, hits, &offer, &mut choice));
         if outcome.end == End::Complete {
-            self.decider.end(choice.way, until_first, outcome.cost, outcome.leaf_pairs);
+            self.decider.end(choice.way, outcome.cost, outcome.leaf_pairs);
         } else {
             self.decider.end_incomplete(choice.way);
         }

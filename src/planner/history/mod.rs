@@ -6,9 +6,11 @@
 //! elsewhere. That is the rule of ski rental, at most twice what the best would have taken who knew the future;
 //! and it is what keeps plans from swinging to and fro.
 
+mod predict;
+
 use super::Machine;
 use super::forecast::Forecast;
-use super::machine::Device;
+use predict::predicted;
 
 /// A way to answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,10 +86,14 @@ const UNKNOWN: f64 = 8.0;
 const CHANGING: f64 = 0.15;
 /// Weight of the last frame in what is known of a way.
 const WEIGHT: f64 = 0.25;
-/// After so many frames elsewhere half is forgotten of what a way took too long, at first.
-const HALF_LIFE: f64 = 64.0;
+/// How many frames elsewhere it takes to forget most of what a way took too long, at first. Each time it proves
+/// to be a mistake to have forgotten, twice as many.
+const FORGET: f64 = 100.0;
 /// A stay shorter than this was a mistake.
 const SHORT: u32 = 8;
+
+/// Frames that take less than so many nanoseconds tell nothing of a way.
+const TELLING: f64 = 3000.0;
 
 /// What is known of one way.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +103,7 @@ struct Known {
     frames: u32,
     /// What it would have saved since it was last thought worse, in nanoseconds.
     saved: f64,
-    half_life: f64,
+    forget: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -106,29 +112,28 @@ pub(crate) struct History {
     current: Option<usize>,
     /// Frames since the way was changed.
     stay: u32,
-    /// Of whole answers, and of those that stop at the first pair.
-    forecasts: [Forecast; 2],
+    forecast: Forecast,
     /// Box tests for each leaf pair that a GPU counts.
     per_leaf_pair: Option<f64>,
 }
 
 impl Default for History {
     fn default() -> Self {
-        let known = Known { ratio: 1.0, frames: 0, saved: 0.0, half_life: HALF_LIFE };
+        let known = Known { ratio: 1.0, frames: 0, saved: 0.0, forget: FORGET };
         Self {
             ways: [known; WAYS],
             current: None,
             stay: 0,
-            forecasts: [Forecast::default(); 2],
+            forecast: Forecast::default(),
             per_leaf_pair: None,
         }
     }
 }
 
 impl History {
-    /// Decides. `until_first` says whether one pair will do.
-    pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer, until_first: bool) -> Choice {
-        let forecast = self.forecasts[usize::from(until_first)];
+    /// Decides.
+    pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer) -> Choice {
+        let forecast = self.forecast;
         let alone = Choice {
             way: Way::Alone,
             alone_first: None,
@@ -184,8 +189,8 @@ impl History {
 
     /// Takes note of what a frame took, of its cost in box tests if that was counted, else of the leaf pairs
     /// that a GPU found.
-    pub(crate) fn learn(&mut self, machine: &Machine, way: Way, until_first: bool, frame: &Frame) {
-        let forecast = &mut self.forecasts[usize::from(until_first)];
+    pub(crate) fn learn(&mut self, machine: &Machine, way: Way, frame: &Frame) {
+        let forecast = &mut self.forecast;
         let cost = match (frame.cost, frame.leaf_pairs, self.per_leaf_pair) {
             (Some(cost), ..) => Some(cost),
             (None, Some(pairs), Some(each)) => Some(each * f64::from(pairs)),
@@ -202,7 +207,7 @@ impl History {
         let family = way.family();
         if self.current != Some(family) {
             if let Some(left) = self.current.filter(|_| self.stay < SHORT) {
-                self.ways[left].half_life *= 2.0;
+                self.ways[left].forget *= 2.0;
             }
             (self.current, self.stay) = (Some(family), 0);
             self.ways.iter_mut().for_each(|known| known.saved = 0.0);
@@ -210,17 +215,25 @@ impl History {
         self.stay = self.stay.saturating_add(1);
         for (other, known) in self.ways.iter_mut().enumerate() {
             if other != family && known.ratio > 1.0 {
-                known.ratio = known.ratio.powf(0.5_f64.powf(1.0 / known.half_life));
+                known.ratio -= (known.ratio - 1.0) / known.forget;
             }
         }
         let Some(cost) = cost.or(forecast.cost()) else { return };
+        let predicted = predicted(machine, way, cost);
+        if predicted < TELLING {
+            return;
+        }
         let known = &mut self.ways[family];
-        let sample = (frame.nanoseconds - frame.beside) / predicted(machine, way, cost);
+        let sample = (frame.nanoseconds - frame.beside) / predicted;
         known.ratio = match known.frames {
             // The first frame also wakes threads or uploads, and says little; the second replaces it.
             0 => sample.clamp(0.25, 2.0),
             1 => sample.clamp(0.05, 20.0),
-            _ => known.ratio * (sample / known.ratio).clamp(0.5, 2.0).powf(WEIGHT),
+            // What interrupts a frame now and then says nothing either.
+            _ => {
+                let likely = sample.clamp(0.5 * known.ratio, 2.0 * known.ratio);
+                known.ratio + WEIGHT * (likely - known.ratio)
+            }
         };
         known.frames = known.frames.saturating_add(1);
     }
@@ -236,39 +249,6 @@ impl History {
         let upload = if best >= GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
         if self.ways[best].saved >= upload.max(CHANGING * now) { best } else { current }
     }
-
-    /// What each way will take, and what it is exactly.
-    fn predict(
-        &self,
-        machine: &Machine,
-        offer: &Offer,
-        cost: f64,
-    ) -> ([Option<f64>; WAYS], [Way; WAYS]) {
-        // Of a way that was never taken, what is known of its sibling.
-        let ratio = |own: usize, sibling: usize| match self.ways[own].frames {
-            0 => self.ways[sibling].ratio,
-            _ => self.ways[own].ratio,
-        };
-        let (cpu, gpu) = (ratio(THREADS, ALONE), ratio(GPU, GPU));
-        let alone = ratio(ALONE, THREADS) * machine.alone(cost) + offer.upkeep;
-        let mut times = [Some(alone), None, None, None];
-        let mut ways = [Way::Alone, Way::Alone, Way::Gpu, Way::Gpu];
-        let (workers, threaded) = machine.best_workers(cost, offer.threads);
-        if offer.threads > 1 {
-            (times[THREADS], ways[THREADS]) =
-                (Some(cpu * threaded + offer.upkeep), Way::Threads(workers));
-        }
-        if let (Some(_), Some(device)) = (offer.gpu, &machine.device) {
-            times[GPU] = Some(gpu * device.ask(cost));
-            if offer.both && offer.threads > 1 {
-                let all = Halves::new(machine, device, offer.threads, cost, [cpu, gpu]);
-                let both = self.ways[BOTH].ratio;
-                (times[BOTH], ways[BOTH]) =
-                    (Some(both * all.time + offer.upkeep), Way::Both(offer.threads, all.share));
-            }
-        }
-        (times, ways)
-    }
 }
 
 /// What a frame took.
@@ -281,6 +261,7 @@ pub(crate) struct Frame {
     pub(crate) leaf_pairs: Option<u32>,
 }
 
+<<<<<<< HEAD:src/planner/history.rs
 /// A question divided so that both parts end at once.
 struct Halves {
     share: f64,
@@ -318,6 +299,8 @@ fn predicted(machine: &Machine, way: Way, cost: f64) -> f64 {
     time.max(100.0)
 }
 
+=======
+>>>>>>> main:src/planner/history/mod.rs
 fn least(times: &[Option<f64>; WAYS]) -> usize {
     let times = times.iter().enumerate().filter_map(|(way, time)| Some((way, (*time)?)));
     times.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(ALONE, |(way, _)| way)
@@ -327,3 +310,6 @@ fn least(times: &[Option<f64>; WAYS]) -> usize {
 fn begin(machine: &Machine) -> u64 {
     (FORKS * machine.fork_of(machine.threads.max(2)) / machine.test) as u64
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,92 @@
+//! Who finds the pairs of a frame: threads of the CPU, or the GPU.
+
+use crate::cases::{Asker, Case, all_threads, traversal};
+use pfront::gpu::{self, Deforming, Gpu};
+use pfront::threads::Schedule;
+use pfront::{Model, Pose, TrianglePair};
+
+/// Moves what moves to a frame, and finds its pairs.
+pub(crate) trait Backend {
+    fn frame(&mut self, frame: usize) -> &[TrianglePair];
+}
+
+/// Threads of the CPU, or one.
+pub(crate) struct Cpu<'c> {
+    case: &'c Case,
+    asker: Asker,
+    /// What deforms.
+    moving: Option<Model>,
+    threads: bool,
+}
+
+impl<'c> Cpu<'c> {
+    pub(crate) fn new(case: &'c Case, threads: bool) -> Self {
+        let moving = match case {
+            Case::Pair { .. } => None,
+            Case::Within { model, .. } => Some(model.clone()),
+        };
+        let asker = match threads {
+            true => Asker::on(&traversal(all_threads(), Schedule::Hybrid)),
+            false => Asker::default(),
+        };
+        Self { case, asker, moving, threads }
+    }
+}
+
+impl Backend for Cpu<'_> {
+    fn frame(&mut self, frame: usize) -> &[TrianglePair] {
+        match (self.case, &mut self.moving) {
+            (Case::Within { frames, .. }, Some(moving)) => {
+                let positions = frames[frame].mesh().positions();
+                match self.threads {
+                    true => moving.set_positions_with_threads(positions).unwrap(),
+                    false => moving.set_positions(positions).unwrap(),
+                }
+                self.asker.within.all(moving)
+            }
+            _ => self.case.found(&mut self.asker, frame),
+        }
+    }
+}
+
+struct Pair<'c> {
+    models: [gpu::Model; 2],
+    poses: &'c [Pose],
+    query: gpu::PairQuery,
+}
+
+impl Backend for Pair<'_> {
+    fn frame(&mut self, frame: usize) -> &[TrianglePair] {
+        let [a, b] = &self.models;
+        self.query.all(a, b, &self.poses[frame]).unwrap()
+    }
+}
+
+struct Within<'c> {
+    moving: Deforming,
+    frames: &'c [Model],
+    query: gpu::SelfQuery,
+}
+
+impl Backend for Within<'_> {
+    fn frame(&mut self, frame: usize) -> &[TrianglePair] {
+        self.moving.set_positions(self.frames[frame].mesh().positions()).unwrap();
+        self.query.all(&self.moving).unwrap()
+    }
+}
+
+/// The best adapter's.
+pub(crate) fn on_gpu<'c>(gpu: &Gpu, case: &'c Case) -> Box<dyn Backend + 'c> {
+    match case {
+        Case::Pair { a, b, poses, .. } => Box::new(Pair {
+            models: [a, b].map(|model| gpu::Model::new(gpu, model.bvh()).unwrap()),
+            poses,
+            query: gpu::PairQuery::new(gpu).unwrap(),
+        }),
+        Case::Within { model, frames, .. } => Box::new(Within {
+            moving: Deforming::new(gpu, model.bvh()).unwrap(),
+            frames,
+            query: gpu::SelfQuery::new(gpu).unwrap(),
+        }),
+    }
+}

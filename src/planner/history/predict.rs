@@ -1,0 +1,76 @@
+//! What a question takes each way.
+
+use super::{ALONE, BOTH, GPU, History, Offer, THREADS, WAYS, Way};
+use crate::planner::Machine;
+use crate::planner::machine::Device;
+
+impl History {
+    /// What each way will take, and what it is exactly.
+    pub(super) fn predict(
+        &self,
+        machine: &Machine,
+        offer: &Offer,
+        cost: f64,
+    ) -> ([Option<f64>; WAYS], [Way; WAYS]) {
+        // Of a way that was never taken, what is known of its sibling.
+        let ratio = |own: usize, sibling: usize| match self.ways[own].frames {
+            0 => self.ways[sibling].ratio,
+            _ => self.ways[own].ratio,
+        };
+        let (cpu, gpu) = (ratio(THREADS, ALONE), ratio(GPU, GPU));
+        let alone = ratio(ALONE, THREADS) * machine.alone(cost) + offer.upkeep;
+        let mut times = [Some(alone), None, None, None];
+        let mut ways = [Way::Alone, Way::Alone, Way::Gpu, Way::Gpu];
+        let (workers, threaded) = machine.best_workers(cost, offer.threads);
+        if offer.threads > 1 {
+            (times[THREADS], ways[THREADS]) =
+                (Some(cpu * threaded + offer.upkeep), Way::Threads(workers));
+        }
+        if let (Some(_), Some(device)) = (offer.gpu, &machine.device) {
+            times[GPU] = Some(gpu * device.ask(cost));
+            if offer.both && offer.threads > 1 {
+                let all = Halves::new(machine, device, offer.threads, cost, [cpu, gpu]);
+                let both = self.ways[BOTH].ratio;
+                (times[BOTH], ways[BOTH]) =
+                    (Some(both * all.time + offer.upkeep), Way::Both(offer.threads, all.share));
+            }
+        }
+        (times, ways)
+    }
+}
+
+/// What a machine should take, before anything is known of the question but its cost.
+pub(super) fn predicted(machine: &Machine, way: Way, cost: f64) -> f64 {
+    let device = |cost: f64| machine.device.as_ref().map_or(f64::INFINITY, |d| d.ask(cost));
+    match way {
+        Way::Alone => machine.alone(cost),
+        Way::Threads(workers) => machine.threaded(cost, workers),
+        Way::Gpu => device(cost),
+        Way::Both(workers, share) => {
+            device(share * cost).max(machine.threaded((1.0 - share) * cost, workers))
+        }
+    }
+}
+
+/// A question divided so that both parts end at once.
+struct Halves {
+    share: f64,
+    time: f64,
+}
+
+impl Halves {
+    fn new(
+        machine: &Machine,
+        device: &Device,
+        workers: u32,
+        cost: f64,
+        [cpu, gpu]: [f64; 2],
+    ) -> Self {
+        let on_cpu = cpu * cost * machine.test / machine.speedup_of(workers);
+        let on_gpu = gpu * cost * device.test;
+        let (fork, question) = (cpu * machine.fork_of(workers), gpu * device.question);
+        // fork + (1 - share) on_cpu = question + share on_gpu.
+        let share = ((fork + on_cpu - question) / (on_cpu + on_gpu)).clamp(0.0, 1.0);
+        Self { share, time: (question + share * on_gpu).max(fork + (1.0 - share) * on_cpu) }
+    }
+}

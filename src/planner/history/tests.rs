@@ -1,0 +1,151 @@
+//! The rules against machines that are not what they were measured to be.
+
+use super::*;
+use crate::planner::Machine;
+use crate::planner::machine::Device;
+
+const THREADS_THERE: u32 = 16;
+
+fn measured() -> Machine {
+    let device = Device { name: "a GPU".to_owned(), question: 2e5, test: 0.05, upload: 20.0 };
+    Machine {
+        threads: THREADS_THERE,
+        test: 3.0,
+        speedup: 11.0,
+        fork: 8000.0,
+        fork_more: 1000.0,
+        device: Some(device),
+    }
+}
+
+/// A machine on which each way takes so many times what is expected.
+struct World {
+    machine: Machine,
+    off: [f64; WAYS],
+    upload: f64,
+    there: bool,
+    /// Pseudo-random, so that frames of equal cost do not take equally long.
+    noise: u32,
+}
+
+impl World {
+    fn new(off: [f64; WAYS]) -> Self {
+        Self { machine: measured(), off, upload: 5e5, there: false, noise: 1 }
+    }
+
+    fn offer(&self) -> Offer {
+        let gpu = Some(if self.there { 0.0 } else { self.upload });
+        Offer { threads: THREADS_THERE, gpu, both: false, upkeep: 0.0 }
+    }
+
+    fn takes(&self, way: Way, cost: f64) -> f64 {
+        self.off[way.family()] * predicted(&self.machine, way, cost)
+    }
+
+    /// Asks a question of this cost, and returns by which way and what it took.
+    fn frame(&mut self, history: &mut History, cost: f64) -> (Way, f64) {
+        let (machine, offer) = (self.machine.clone(), self.offer());
+        let mut choice = history.choose(&machine, &offer);
+        let mut beside = 0.0;
+        if let Some(tests) = choice.alone_first {
+            if cost > tests as f64 {
+                beside = self.takes(Way::Alone, tests as f64);
+                choice = history.outgrown(&machine, &offer, &choice, tests as f64);
+            } else {
+                choice.way = Way::Alone;
+            }
+        }
+        self.noise = self.noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let noise = 0.9 + 0.2 * f64::from(self.noise >> 8) / f64::from(1 << 24);
+        let mut took = beside + noise * self.takes(choice.way, cost);
+        if choice.way == Way::Gpu && !self.there {
+            took += self.upload;
+            self.there = true;
+        }
+        let on_gpu = choice.way == Way::Gpu;
+        let leaf_pairs = on_gpu.then_some((cost / 7.0) as u32);
+        let cost = (!on_gpu).then_some(cost);
+        history.learn(&machine, choice.way, &Frame { nanoseconds: took, beside, cost, leaf_pairs });
+        (choice.way, took)
+    }
+
+    /// What all frames take over what the best single way takes for them.
+    fn regret(mut self, costs: impl Iterator<Item = f64> + Clone) -> f64 {
+        let ways = [Way::Alone, Way::Threads(2), Way::Threads(8), Way::Threads(16), Way::Gpu];
+        let best = ways.map(|way| {
+            let upload = if way == Way::Gpu { self.upload } else { 0.0 };
+            upload + costs.clone().map(|cost| self.takes(way, cost)).sum::<f64>()
+        });
+        let best = best.into_iter().fold(f64::INFINITY, f64::min);
+        let mut history = History::default();
+        costs.map(|cost| self.frame(&mut history, cost).1).sum::<f64>() / best
+    }
+}
+
+#[test]
+fn the_best_way_is_found_whatever_the_machine_was_thought_to_be() {
+    for off in [
+        [1.0; WAYS],
+        [1.0, 1.0, 30.0, 1.0],
+        [1.0, 4.0, 30.0, 1.0],
+        [2.0, 0.5, 0.5, 1.0],
+        [0.5, 2.0, 2.0, 1.0],
+    ] {
+        for cost in [10.0, 1e3, 1e4, 1e5, 1e6, 1e7] {
+            let still = World::new(off).regret((0..300).map(|_| cost));
+            assert!(still < 1.2, "{off:?} {cost}: {still}");
+            let slow = World::new(off)
+                .regret((0..300).map(|i| cost * (1.0 + (0.02 * f64::from(i)).sin().powi(2))));
+            assert!(slow < 1.25, "{off:?} {cost}, changing: {slow}");
+        }
+    }
+}
+
+#[test]
+fn jumps_cost_little() {
+    for cost in [1e4, 1e5, 1e6] {
+        let jumping = (0..300)
+            .map(|i: u32| if i.wrapping_mul(2_654_435_761) >> 31 == 0 { cost } else { 100.0 });
+        let regret = World::new([1.0; WAYS]).regret(jumping);
+        assert!(regret < 1.25, "{cost}: {regret}");
+    }
+}
+
+#[test]
+fn plans_do_not_flap() {
+    // Where one thread and several take just as long.
+    let mut world = World::new([1.0, 1.0, 9.0, 1.0]);
+    let cost = (4000.0..9000.0).step_by_hundreds().find(|&cost| {
+        let (_, threaded) = world.machine.best_workers(cost, THREADS_THERE);
+        threaded < world.machine.alone(cost)
+    });
+    let cost = cost.expect("several threads are faster at some point");
+    let mut history = History::default();
+    let families: Vec<_> = (0..500).map(|_| world.frame(&mut history, cost).0.family()).collect();
+    let changes = families.windows(2).filter(|two| two[0] != two[1]).count();
+    assert!(changes < 20, "{changes}");
+}
+
+#[test]
+fn without_a_choice_nothing_is_chosen() {
+    let mut history = History::default();
+    let offer = Offer { threads: 1, gpu: None, both: false, upkeep: 0.0 };
+    for cost in [1e2, 1e8, 1e2] {
+        let choice = history.choose(&measured(), &offer);
+        assert_eq!((choice.way, choice.alone_first), (Way::Alone, None));
+        let frame = Frame { nanoseconds: cost, cost: Some(cost), ..Frame::default() };
+        history.learn(&measured(), choice.way, &frame);
+    }
+}
+
+/// Steps over a range of floats.
+trait Hundreds {
+    fn step_by_hundreds(self) -> impl Iterator<Item = f64>;
+}
+
+impl Hundreds for std::ops::Range<f64> {
+    fn step_by_hundreds(self) -> impl Iterator<Item = f64> {
+        std::iter::successors(Some(self.start), |x| Some(x + 100.0))
+            .take_while(move |&x| x < self.end)
+    }
+}
