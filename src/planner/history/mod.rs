@@ -261,46 +261,6 @@ pub(crate) struct Frame {
     pub(crate) leaf_pairs: Option<u32>,
 }
 
-<<<<<<< HEAD:src/planner/history.rs
-/// A question divided so that both parts end at once.
-struct Halves {
-    share: f64,
-    time: f64,
-}
-
-impl Halves {
-    fn new(
-        machine: &Machine,
-        device: &Device,
-        workers: u32,
-        cost: f64,
-        [cpu, gpu]: [f64; 2],
-    ) -> Self {
-        let on_cpu = cpu * cost * machine.test / machine.speedup_of(workers);
-        let on_gpu = gpu * cost * device.test;
-        let (fork, question) = (cpu * machine.fork_of(workers), gpu * device.question);
-        // fork + (1 - share) on_cpu = question + share on_gpu.
-        let share = ((fork + on_cpu - question) / (on_cpu + on_gpu)).clamp(0.0, 1.0);
-        Self { share, time: (question + share * on_gpu).max(fork + (1.0 - share) * on_cpu) }
-    }
-}
-
-fn predicted(machine: &Machine, way: Way, cost: f64) -> f64 {
-    let device = |cost: f64| machine.device.as_ref().map_or(f64::INFINITY, |d| d.ask(cost));
-    let time = match way {
-        Way::Alone => machine.alone(cost),
-        Way::Threads(workers) => machine.threaded(cost, workers),
-        Way::Gpu => device(cost),
-        Way::Both(workers, share) => {
-            device(share * cost).max(machine.threaded((1.0 - share) * cost, workers))
-        }
-    };
-    // Of next to nothing, what surrounds it is most.
-    time.max(100.0)
-}
-
-=======
->>>>>>> main:src/planner/history/mod.rs
 fn least(times: &[Option<f64>; WAYS]) -> usize {
     let times = times.iter().enumerate().filter_map(|(way, time)| Some((way, (*time)?)));
     times.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(ALONE, |(way, _)| way)

@@ -47,11 +47,7 @@ pub(super) fn engine(
         }
         (Kind::SelfMesh, [_]) => {
             let query = SelfQuery::new().with_accuracy(accuracy).with_adjacency(adjacency);
-            let threads = match &hands {
-                Hands::Threads(traversal) => Some(Traversal::clone(traversal)),
-                Hands::One | Hands::Planned(_) => None,
-            };
-            Box::new(Within { model: models.remove(0), query: by!(query, hands), threads })
+            Box::new(Within { model: models.remove(0), query: by!(query, hands) })
         }
         _ => {
             let query = SceneQuery::new().with_accuracy(accuracy);
@@ -110,8 +106,6 @@ impl Engine for Pair {
 struct Within {
     model: Arc<Model>,
     query: SelfQuery,
-    /// Who refits, unless it is the calling thread.
-    threads: Option<Traversal>,
 }
 
 impl Engine for Within {
@@ -120,12 +114,7 @@ impl Engine for Within {
     }
 
     fn deform(&mut self, positions: &[[f32; 3]]) -> Result<(), EngineError> {
-        let model = Arc::make_mut(&mut self.model);
-        match &self.threads {
-            Some(threads) => threads.install(|| model.set_positions_with_threads(positions)),
-            None => model.set_positions(positions),
-        }?;
-        Ok(())
+        Ok(self.query.set_positions(Arc::make_mut(&mut self.model), positions)?)
     }
 
     fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
