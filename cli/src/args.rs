@@ -2,9 +2,10 @@
 
 mod study;
 
-pub(crate) use study::{Chart, Judge, Stability};
+pub(crate) use study::{Chart, Judge, Regret, Stability};
 
 use crate::how::How;
+use crate::planning::Gpus;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pfront::Pose;
@@ -83,6 +84,15 @@ pub(crate) enum Command {
     /// one core, small ones with an exact oracle too. Prints the figure nearest to its limit, or farthest
     /// beyond, in counted work; exit code 1 if one of pfront's own is beyond.
     Stability(Stability),
+    /// Run a workload with a planner, and print each change of plan with its reason
+    ///
+    /// Times are those of a frame: moving the objects of one mesh against itself, and asking.
+    Plan(Plan),
+    /// Measure what a planner's choices cost, against the best of all plans that never change
+    ///
+    /// Cases are generated from a seed, from one triangle to three million and from two bodies to ten thousand;
+    /// everyone plays each of them in turn, and answers are compared. A/A is how far a plan is from itself.
+    Regret(Regret),
     /// Measure a backend
     Bench {
         #[command(subcommand)]
@@ -176,6 +186,37 @@ pub(crate) struct Replay {
     pub(crate) frames: Option<u32>,
     #[command(flatten)]
     pub(crate) how: How,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Plan {
+    /// The workload (.tcw), or the name of a built-in scene
+    #[arg(value_name = "SCENE", required_unless_present = "calibrate")]
+    pub(crate) scene: Option<String>,
+    /// About so many triangles in a built-in scene, instead of its own number
+    #[arg(long, value_name = "TRIANGLES")]
+    pub(crate) size: Option<usize>,
+    /// Run only so many frames; a built-in scene may go on beyond its own
+    #[arg(long, value_name = "N")]
+    pub(crate) frames: Option<u32>,
+    /// Find all pairs of a frame, or stop at the first
+    #[arg(long, value_enum, default_value_t = Mode::All)]
+    pub(crate) mode: Mode,
+    /// CPU threads [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZero<usize>>,
+    /// What else there is to choose from
+    #[arg(long, value_enum, default_value_t = Gpus::Auto)]
+    pub(crate) backend: Gpus,
+    /// What to know of this machine, as --calibrate writes it [default: measured]
+    #[arg(long, value_name = "FILE", conflicts_with = "calibrate")]
+    pub(crate) machine: Option<PathBuf>,
+    /// Measure this machine, and write what was found here, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibrate: Option<PathBuf>,
+    /// Print every plan, one JSON object a line, and nothing else
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]

@@ -1,14 +1,16 @@
 //! Who finds the pairs, and how exactly: the options that all queries share.
 
-use crate::adapters;
-use crate::engine::{Asked, On, OnGpu};
+use crate::planning::{self, Gpus};
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use pfront::gpu::Gpu;
+use pfront::planner::Machine;
 use pfront::threads::Traversal;
 use pfront::{Accuracy, Adjacency};
+use pfront_study::engine::{Asked, On, OnGpu};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
@@ -23,6 +25,9 @@ pub(crate) struct How {
     /// What to run on
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     backend: Backend,
+    /// What auto is to know of this machine, as plan --calibrate writes it
+    #[arg(long, value_name = "FILE")]
+    machine: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -41,14 +46,14 @@ enum Backend {
     Cpu,
     /// The best adapter, even if it computes on the CPU; see pfront devices
     Gpu,
-    /// A GPU if there is one, else the CPU; standard error says which
+    /// Whoever is the fastest, frame by frame; standard error says who it was, and why
     Auto,
 }
 
 impl How {
     /// All threads, exactly.
     pub(crate) const DEFAULT: Self =
-        Self { accuracy: Promise::Exact, threads: None, backend: Backend::Cpu };
+        Self { accuracy: Promise::Exact, threads: None, backend: Backend::Cpu, machine: None };
 
     /// How many threads will work.
     pub(crate) fn threads(&self) -> usize {
@@ -60,10 +65,14 @@ impl How {
     /// # Errors
     /// If there is no adapter, none that could do it, or no pool of as many threads.
     pub(crate) fn asked(&self) -> Result<Asked> {
+        ensure!(
+            self.backend == Backend::Auto || self.machine.is_none(),
+            "--machine is for --backend auto, which has a choice"
+        );
         let on = match self.backend {
             Backend::Cpu => self.on_cpu()?,
             Backend::Gpu => self.on_gpu()?,
-            Backend::Auto => self.on_best()?,
+            Backend::Auto => self.on_fastest()?,
         };
         Ok(Asked { accuracy: self.accuracy.into(), adjacency: Adjacency::default(), on })
     }
@@ -80,23 +89,21 @@ impl How {
         Ok(On::Gpu(OnGpu::new(Gpu::new()?)))
     }
 
-    /// Says on standard error what it took.
-    fn on_best(&self) -> Result<On> {
-        let why_not = if self.accuracy != Promise::Exact {
-            "a GPU knows exact answers only".to_owned()
-        } else if !adapters::any_is_a_gpu() {
-            "there is no GPU".to_owned()
-        } else {
-            match Gpu::new() {
-                Ok(gpu) => {
-                    eprintln!("on {}", adapters::name(&gpu.device().adapter_info()));
-                    return Ok(On::Gpu(OnGpu::new(gpu)));
-                }
-                Err(error) => error.to_string(),
+    /// What is known of this machine; else, if there is a GPU to open, what a second of measuring tells.
+    fn on_fastest(&self) -> Result<On> {
+        let (machine, gpu) = match &self.machine {
+            Some(path) => {
+                let machine = planning::read(path)?;
+                let gpu = machine.device.is_some().then(|| Gpus::Auto.open()).transpose()?;
+                (machine, gpu.flatten())
             }
+            None => match Gpus::Auto.open()? {
+                Some(gpu) => (planning::measure(Some(&gpu))?, Some(gpu)),
+                None => (Machine::typical(), None),
+            },
         };
-        eprintln!("on the CPU: {why_not}");
-        self.on_cpu()
+        let planner = planning::planner(machine, self.threads, gpu.as_ref())?;
+        Ok(On::Planner(Box::new(planner)))
     }
 }
 

@@ -4,6 +4,8 @@
 
 #[path = "command/gpu.rs"]
 mod gpu;
+#[path = "command/plan.rs"]
+mod plan;
 #[path = "command/stability.rs"]
 mod stability;
 #[path = "command/study.rs"]

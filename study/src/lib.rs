@@ -6,11 +6,15 @@
 //! - [`judge`]: how many answers of whom are wrong.
 //! - [`textbook`]: the triangle tests of the literature, as printed, to compare with.
 //! - [`motion`]: slow slides through contact, where an answer must not flicker; scenes of known answer.
+//! - [`engine`]: who answers, whatever is asked about.
+//! - [`regret`]: what a plan costs that was chosen, against the best of all fixed ones.
 //! - [`stability`]: scenes in which a p-partition front could fail, and the paper's equations as printed.
 
 pub mod chart;
+pub mod engine;
 pub mod judge;
 pub mod motion;
+pub mod regret;
 pub mod stability;
 pub mod suite;
 pub mod textbook;

@@ -1,5 +1,6 @@
 //! The options of studies.
 
+use crate::planning::Gpus;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use pfront_study::stability::ROWS;
@@ -68,4 +69,32 @@ pub(crate) struct Stability {
     /// Write one line for each frame
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Regret {
+    /// What the cases are generated from
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// How many of them [default: 48, or 8]
+    #[arg(long, value_name = "N")]
+    pub(crate) cases: Option<NonZero<usize>>,
+    /// How often everyone plays a case; short ones are played more often [default: 5, or 1]
+    #[arg(long, value_name = "N")]
+    pub(crate) rounds: Option<NonZero<usize>>,
+    /// CPU threads [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZero<usize>>,
+    /// What else there is to choose from
+    #[arg(long, value_enum, default_value_t = Gpus::Auto)]
+    pub(crate) backend: Gpus,
+    /// What the planner is to know of this machine, as plan --calibrate writes it [default: measured]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) machine: Option<PathBuf>,
+    /// Write one line for each case
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Few and small cases, to see that it works
+    #[arg(long)]
+    pub(crate) quick: bool,
 }

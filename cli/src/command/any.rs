@@ -1,13 +1,11 @@
 //! `pfront any A B`
 
-use super::model;
+use super::{explain, model};
 use crate::args::TwoMeshes;
-use crate::engine::Objects;
 use crate::how::How;
 use crate::output::out;
 use anyhow::Result;
-use pfront::Pose;
-use pfront_cli::workload::Frame;
+use pfront_study::engine::Objects;
 use std::convert::identity;
 use std::io::Write;
 
@@ -15,11 +13,12 @@ pub(crate) fn run(meshes: &TwoMeshes, how: &How) -> Result<bool> {
     let asked = how.asked()?;
     let (a, b) = (model(&meshes.a, identity)?, model(&meshes.b, identity)?);
     let mut engine = Objects::pair(a, b).engine(asked)?;
-    engine.update(Frame::Poses(&[Pose::IDENTITY, meshes.a_from_b()]))?;
+    engine.place(1, meshes.a_from_b())?;
     let found = engine.any()?;
     match found {
         Some(pair) => writeln!(out(), "triangles {} and {} meet", pair.a, pair.b)?,
         None => writeln!(out(), "nothing meets")?,
     }
+    explain(&*engine);
     Ok(found.is_some())
 }

@@ -3,11 +3,12 @@
 use super::{milliseconds, progress};
 use crate::args::{Balance, BalanceFormat};
 use crate::charts;
-use crate::engine::{Objects, On};
+use crate::engine::{objects, update};
 use crate::output::{Draft, out};
 use crate::recording::Recording;
 use anyhow::{Context, Result};
 use pfront::threads::{Reference, Report, Schedule, Settings, Share, Traversal};
+use pfront_study::engine::On;
 use std::io::{self, Write};
 
 /// The frames of one scene under one number of workers.
@@ -53,12 +54,12 @@ fn series(balance: &Balance, size: Option<usize>, workers: usize) -> Result<Seri
     };
     let (count, bar) = (header.frames, progress(header.frames.into()));
     let traversal = Some(Box::new(Traversal::new(workers).with_settings(settings)));
-    let objects = Objects::new(header).with_context(|| balance.scene.clone())?;
+    let objects = objects(header).with_context(|| balance.scene.clone())?;
     let triangles = objects.triangles();
     let mut engine = objects.engine(On::Cpu(traversal).into())?;
     let (mut frames, mut reference) = (Vec::new(), None);
     while let Some(frame) = recording.next_frame()? {
-        engine.update(frame)?;
+        update(&mut *engine, frame)?;
         engine.all()?;
         if balance.reference && frames.len() == count as usize / 2 {
             reference = engine.reference(workers)?;

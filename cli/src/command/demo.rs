@@ -7,7 +7,9 @@ use crate::output::out;
 use anyhow::Result;
 use pfront::{Model, Pose};
 use pfront_scenes::Scene;
+use pfront_study::engine::Objects;
 use std::io::Write;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 pub(crate) fn run() -> Result<bool> {
@@ -15,19 +17,21 @@ pub(crate) fn run() -> Result<bool> {
     let clock = Instant::now();
     let build = |&object: &usize| {
         let mesh = &scene.meshes[object];
-        Model::new(mesh.positions.clone(), mesh.triangles.clone())
+        Model::new(mesh.positions.clone(), mesh.triangles.clone()).map(Arc::new)
     };
-    let models: Vec<Model> = scene.objects.iter().map(build).collect::<Result<_, _>>()?;
+    let models: Vec<Arc<Model>> = scene.objects.iter().map(build).collect::<Result<_, _>>()?;
     let build = clock.elapsed();
 
-    let mut query = How::DEFAULT.asked()?.pair_query();
+    let objects = Objects::new(scene.kind(), models.clone());
+    let mut engine = objects.engine(How::DEFAULT.asked()?)?;
     let mut poses = Vec::new();
     let (mut counts, mut times) = (Vec::new(), Vec::new());
     let bar = progress(scene.frames() as u64);
     for frame in 0..scene.frames() {
         scene.poses(frame, &mut poses);
         let clock = Instant::now();
-        counts.push(query.all(&models[0], &models[1], &Pose::new(poses[1]))?.len());
+        engine.place(1, Pose::new(poses[1]))?;
+        counts.push(engine.all()?.len());
         times.push(clock.elapsed());
         bar.inc(1);
     }
@@ -38,7 +42,7 @@ pub(crate) fn run() -> Result<bool> {
     let [median, slowest] = [times[times.len() / 2], times[times.len() - 1]];
     let ms = |time: Duration| format!("{:.2} ms", milliseconds(time));
     let mib = |bytes: usize| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
-    let models_bytes = models.iter().map(Model::bytes).sum();
+    let models_bytes = models.iter().map(|model| model.bytes()).sum();
     let range = [counts.iter().min(), counts.iter().max()].map(|n| *n.unwrap_or(&0));
     let mut out = out();
     writeln!(out, "A worm drive for {} frames, exactly", scene.frames())?;

@@ -8,7 +8,9 @@ pub(crate) mod demo;
 pub(crate) mod devices;
 pub(crate) mod judge;
 pub(crate) mod pairs;
+pub(crate) mod plan;
 pub(crate) mod record;
+pub(crate) mod regret;
 pub(crate) mod replay;
 pub(crate) mod stability;
 pub(crate) mod within;
@@ -18,6 +20,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use pfront::core::query::Query;
 use pfront::{Contact, Model, TrianglePair};
 use pfront_cli::mesh::{self, MeshData};
+use pfront_study::engine::Engine;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -32,6 +35,13 @@ fn model(path: &Path, change: impl FnOnce(MeshData) -> MeshData) -> Result<Arc<M
 /// Where pairs meet. One that is only near, as other accuracies than exact report, meets nowhere.
 fn contacts(query: &impl Query, pairs: &[TrianglePair]) -> Vec<(TrianglePair, Contact)> {
     pairs.iter().filter_map(|&pair| Some((pair, query.contact(pair)?))).collect()
+}
+
+/// Says on standard error who has answered, and why, if there was a choice.
+fn explain(engine: &dyn Engine) {
+    if let Some(plan) = engine.plan() {
+        eprintln!("{plan}");
+    }
 }
 
 /// Progress over frames, on a terminal's standard error; elsewhere nothing.

@@ -1,14 +1,12 @@
 //! `pfront pairs A B`
 
-use super::{contacts, model};
+use super::{contacts, explain, model};
 use crate::args::{Listing, TwoMeshes};
-use crate::engine::Objects;
 use crate::how::How;
 use crate::listing::Found;
 use anyhow::Result;
-use pfront::Pose;
 use pfront::core::query;
-use pfront_cli::workload::Frame;
+use pfront_study::engine::Objects;
 use std::convert::identity;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bool> {
@@ -16,7 +14,7 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bo
     let (a, b) = (model(&meshes.a, identity)?, model(&meshes.b, identity)?);
     let a_from_b = meshes.a_from_b();
     let mut engine = Objects::pair(a.clone(), b.clone()).engine(asked)?;
-    engine.update(Frame::Poses(&[Pose::IDENTITY, a_from_b]))?;
+    engine.place(1, a_from_b)?;
     let pairs = engine.all()?;
     let with_contacts;
     let found = if listing.contacts {
@@ -33,5 +31,6 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bo
         }
         None => found.print(listing)?,
     }
+    explain(&*engine);
     Ok(true)
 }

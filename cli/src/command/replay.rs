@@ -2,13 +2,14 @@
 
 use super::{milliseconds, progress};
 use crate::args::{Mode, Replay};
-use crate::engine::Objects;
+use crate::engine::{objects, update};
 use crate::memory;
 use crate::output::{Draft, out};
 use crate::recording::Recording;
 use anyhow::{Context, Result, ensure};
 use pfront::TrianglePair;
 use pfront_cli::pairs::PairWriter;
+use pfront_study::engine::Tally;
 use std::io::Write;
 use std::time::Instant;
 
@@ -22,9 +23,8 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     let frames = header.frames;
     let asked = replay.how.asked()?;
     let clock = Instant::now();
-    let mut engine = Objects::new(header)
-        .and_then(|objects| objects.engine(asked))
-        .with_context(|| replay.file.clone())?;
+    let objects = objects(header).with_context(|| replay.file.clone())?;
+    let mut engine = objects.engine(asked).with_context(|| replay.file.clone())?;
     let build = milliseconds(clock.elapsed());
 
     let mut pairs = match &replay.pairs {
@@ -34,11 +34,12 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     let mut out = out();
     writeln!(out, "BUILD\t{build:.3}")?;
     let bar = progress(frames.into());
+    let mut tally = Tally::default();
     for number in 0.. {
         let frame = recording.next_frame().with_context(|| replay.file.clone())?;
         let Some(frame) = frame else { break };
         let clock = Instant::now();
-        engine.update(frame).with_context(|| format!("frame {number}"))?;
+        update(&mut *engine, frame).with_context(|| format!("frame {number}"))?;
         let update = milliseconds(clock.elapsed());
         let clock = Instant::now();
         let found = match replay.mode {
@@ -50,11 +51,17 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         if let Some(pairs) = &mut pairs {
             pairs.frame(found).context("cannot write the pairs")?;
         }
+        if let Some(plan) = engine.plan() {
+            tally.add(plan);
+        }
         bar.inc(1);
     }
     bar.finish_and_clear();
     if let Some(pairs) = pairs {
         pairs.finish().finish()?;
+    }
+    if tally != Tally::default() {
+        eprintln!("{tally}");
     }
     writeln!(out, "RSS\t{}", memory::peak())?;
     Ok(true)

@@ -1,12 +1,12 @@
 //! `pfront self MESH`
 
-use super::{contacts, model};
+use super::{contacts, explain, model};
 use crate::args::Within;
-use crate::engine::{Asked, Objects};
 use crate::listing::Found;
 use anyhow::Result;
 use pfront::Adjacency;
 use pfront::core::query;
+use pfront_study::engine::{Asked, Objects};
 
 pub(crate) fn run(within: &Within) -> Result<bool> {
     let adjacency = match within.skip_neighbours {
@@ -28,5 +28,6 @@ pub(crate) fn run(within: &Within) -> Result<bool> {
         Some(path) => found.paint(path, &[model.mesh()])?,
         None => found.print(&within.listing)?,
     }
+    explain(&*engine);
     Ok(true)
 }

@@ -7,13 +7,14 @@
 
 use super::super::{milliseconds, progress};
 use crate::args::BenchGpu;
-use crate::engine::{Engine, Objects, On, OnGpu};
+use crate::engine::{objects, update};
 use crate::how::on_threads;
 use crate::recording::Recording;
 use anyhow::{Result, ensure};
 use pfront::TrianglePair;
 use pfront::gpu::{Report, Timing};
 use pfront_cli::workload::Frame;
+use pfront_study::engine::{Engine, On, OnGpu};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -87,7 +88,7 @@ pub(super) fn measure(
     let header = recording.take_header()?;
     ensure!(header.frames > 0, "there is no frame to time");
     let bar = progress(2 * u64::from(header.frames));
-    let objects = Objects::new(header)?;
+    let objects = objects(header)?;
     let triangles = objects.triangles();
     let mut device = OnDevice {
         timed: objects.clone().engine(On::Gpu(OnGpu { timed: true, ..on.clone() }).into())?,
@@ -108,7 +109,7 @@ pub(super) fn measure(
         if number == 0 {
             // It makes buffers, and does not count.
             for lane in [&mut one_thread, &mut all_threads] {
-                lane.engine.update(frame)?;
+                update(&mut *lane.engine, frame)?;
                 lane.engine.all()?;
             }
         }
@@ -156,12 +157,12 @@ impl OnDevice {
         let clock = Instant::now();
         while number == 0 && clock.elapsed() < WARM_UP {
             for engine in [&mut self.timed, &mut self.lane.engine] {
-                engine.update(frame)?;
+                update(&mut **engine, frame)?;
                 engine.all()?;
             }
         }
         let answer = self.lane.run(frame)?.to_vec();
-        self.timed.update(frame)?;
+        update(&mut *self.timed, frame)?;
         let same = self.timed.all()? == answer;
         ensure!(same, "the answers to frame {number} differ: please report this");
         self.answers.push(answer);
@@ -180,7 +181,7 @@ impl Lane {
 
     fn run(&mut self, frame: Frame<'_>) -> Result<&[TrianglePair]> {
         let clock = Instant::now();
-        self.engine.update(frame)?;
+        update(&mut *self.engine, frame)?;
         let update = milliseconds(clock.elapsed());
         let clock = Instant::now();
         let pairs = self.engine.all()?;

@@ -5,13 +5,13 @@ mod print;
 
 use crate::adapters;
 use crate::args::BenchGpu;
-use crate::engine::OnGpu;
 use crate::how;
 use crate::output::{Draft, out};
 use crate::stacks;
 use anyhow::{Context, Result};
 use measure::measure;
 use pfront::gpu::{Budget, Gpu, Settings};
+use pfront_study::engine::OnGpu;
 use serde::Serialize;
 use std::io::Write;
 

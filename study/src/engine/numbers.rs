@@ -1,6 +1,6 @@
 //! Pairs of many objects, whose triangles are numbered through in the order of the objects.
 
-use anyhow::{Context, Result};
+use super::EngineError;
 use pfront::TrianglePair;
 
 /// The body of each object, ascending, and the number of its first triangle.
@@ -18,16 +18,18 @@ impl<B: Copy + Ord> Numbers<B> {
     ///
     /// # Errors
     /// If there are more triangles than u32 can number.
-    pub(super) fn add(&mut self, body: B, triangles: usize) -> Result<()> {
+    pub(super) fn add(&mut self, body: B, triangles: usize) -> Result<(), EngineError> {
         let first = self.next;
         let next = u32::try_from(triangles).ok().and_then(|triangles| first.checked_add(triangles));
-        self.next = next.context("more triangles than u32 can number")?;
+        self.next = next.ok_or(EngineError::TooMany)?;
         self.bodies.push((body, first));
         Ok(())
     }
 
-    pub(super) fn bodies(&self) -> impl Iterator<Item = B> {
-        self.bodies.iter().map(|&(body, _)| body)
+    /// The body of an object.
+    pub(super) fn body(&self, object: usize) -> Result<B, EngineError> {
+        let body = self.bodies.get(object).map(|&(body, _)| body);
+        body.ok_or(EngineError::NoObject { object, objects: self.bodies.len() })
     }
 
     /// A pair of two bodies.

@@ -1,12 +1,10 @@
 //! Engines on a GPU.
 
 use super::numbers::Numbers;
-use super::{Engine, Objects, OnGpu};
-use anyhow::Result;
+use super::{Engine, EngineError, Objects, OnGpu, second};
 use pfront::gpu::{BodyId, Deforming, Gpu, Model, PairQuery, Report, SceneQuery, SelfQuery};
 use pfront::gpu::{Settings, Shape, Timing};
 use pfront::{Adjacency, Pose, TrianglePair};
-use pfront_cli::workload::Frame;
 use pfront_scenes::Kind;
 use std::sync::Arc;
 
@@ -15,7 +13,7 @@ pub(super) fn engine(
     objects: &Objects,
     adjacency: Adjacency,
     on: &OnGpu,
-) -> Result<Box<dyn Engine>> {
+) -> Result<Box<dyn Engine>, EngineError> {
     let OnGpu { gpu, settings, timed } = on;
     match (objects.kind, &objects.models[..]) {
         (Kind::Pair, [a, b]) => {
@@ -41,12 +39,12 @@ pub(super) fn engine(
     }
 }
 
-fn pair_query(gpu: &Gpu, settings: Settings, timed: bool) -> Result<PairQuery> {
+fn pair_query(gpu: &Gpu, settings: Settings, timed: bool) -> Result<PairQuery, EngineError> {
     let query = PairQuery::with_settings(gpu, settings)?;
     Ok(if timed { query.with_timings()? } else { query })
 }
 
-fn self_query(gpu: &Gpu, settings: Settings, timed: bool) -> Result<SelfQuery> {
+fn self_query(gpu: &Gpu, settings: Settings, timed: bool) -> Result<SelfQuery, EngineError> {
     let query = SelfQuery::with_settings(gpu, settings)?;
     Ok(if timed { query.with_timings()? } else { query })
 }
@@ -58,21 +56,23 @@ struct Pair {
 }
 
 impl Engine for Pair {
-    fn update(&mut self, frame: Frame<'_>) -> Result<()> {
-        if let Frame::Poses(&[_, a_from_b]) = frame {
-            self.a_from_b = a_from_b;
-        }
-        Ok(())
+    fn place(&mut self, object: usize, world_from_object: Pose) -> Result<(), EngineError> {
+        second(object, world_from_object, &mut self.a_from_b)
     }
 
-    fn all(&mut self) -> Result<&[TrianglePair]> {
+    fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
         let [a, b] = &self.models;
         Ok(self.query.all(a, b, &self.a_from_b)?)
     }
 
-    fn any(&mut self) -> Result<Option<TrianglePair>> {
+    fn any(&mut self) -> Result<Option<TrianglePair>, EngineError> {
         let [a, b] = &self.models;
         Ok(self.query.any(a, b, &self.a_from_b)?)
+    }
+
+    fn count(&mut self) -> Result<u64, EngineError> {
+        let [a, b] = &self.models;
+        Ok(self.query.count(a, b, &self.a_from_b)?)
     }
 
     fn gpu_report(&self) -> Option<Report> {
@@ -84,7 +84,7 @@ impl Engine for Pair {
         a.bytes() + if Arc::ptr_eq(a, b) { 0 } else { b.bytes() }
     }
 
-    fn timings(&self) -> Result<Vec<Timing>> {
+    fn timings(&self) -> Result<Vec<Timing>, EngineError> {
         Ok(self.query.timings()?)
     }
 }
@@ -97,20 +97,26 @@ struct Within {
 }
 
 impl Engine for Within {
-    fn update(&mut self, frame: Frame<'_>) -> Result<()> {
-        if let Frame::Positions(positions) = frame {
-            self.model.set_positions(positions)?;
-            self.moved = true;
-        }
+    fn place(&mut self, _object: usize, _world_from_object: Pose) -> Result<(), EngineError> {
+        Err(EngineError::Unmovable { what: "a mesh as a whole that is asked about itself" })
+    }
+
+    fn deform(&mut self, positions: &[[f32; 3]]) -> Result<(), EngineError> {
+        self.model.set_positions(positions)?;
+        self.moved = true;
         Ok(())
     }
 
-    fn all(&mut self) -> Result<&[TrianglePair]> {
+    fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
         Ok(self.query.all(&self.model)?)
     }
 
-    fn any(&mut self) -> Result<Option<TrianglePair>> {
+    fn any(&mut self) -> Result<Option<TrianglePair>, EngineError> {
         Ok(self.query.any(&self.model)?)
+    }
+
+    fn count(&mut self) -> Result<u64, EngineError> {
+        Ok(self.query.count(&self.model)?)
     }
 
     fn gpu_report(&self) -> Option<Report> {
@@ -121,7 +127,7 @@ impl Engine for Within {
         self.model.bytes()
     }
 
-    fn timings(&self) -> Result<Vec<Timing>> {
+    fn timings(&self) -> Result<Vec<Timing>, EngineError> {
         let mut timings = if self.moved { self.model.timings()? } else { Vec::new() };
         timings.extend(self.query.timings()?);
         Ok(timings)
@@ -135,7 +141,7 @@ struct Many {
 }
 
 impl Many {
-    fn new(objects: &[Arc<pfront::Model>], mut query: SceneQuery) -> Result<Self> {
+    fn new(objects: &[Arc<pfront::Model>], mut query: SceneQuery) -> Result<Self, EngineError> {
         let (mut numbers, mut shapes) = (Numbers::new(), Vec::new());
         for model in objects {
             // Objects of one model share a shape.
@@ -155,16 +161,11 @@ impl Many {
 }
 
 impl Engine for Many {
-    fn update(&mut self, frame: Frame<'_>) -> Result<()> {
-        if let Frame::Poses(poses) = frame {
-            for (body, &pose) in self.numbers.bodies().zip(poses) {
-                self.query.set_pose(body, pose)?;
-            }
-        }
-        Ok(())
+    fn place(&mut self, object: usize, world_from_object: Pose) -> Result<(), EngineError> {
+        Ok(self.query.set_pose(self.numbers.body(object)?, world_from_object)?)
     }
 
-    fn all(&mut self) -> Result<&[TrianglePair]> {
+    fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
         let Self { query, numbers, pairs } = self;
         pairs.clear();
         pairs.extend(query.all()?.iter().map(|hit| numbers.pair(hit.bodies, hit.pair)));
@@ -173,8 +174,16 @@ impl Engine for Many {
         Ok(pairs)
     }
 
-    fn any(&mut self) -> Result<Option<TrianglePair>> {
+    fn any(&mut self) -> Result<Option<TrianglePair>, EngineError> {
         Ok(self.query.any()?.map(|hit| self.numbers.pair(hit.bodies, hit.pair)))
+    }
+
+    fn count(&mut self) -> Result<u64, EngineError> {
+        Ok(self.query.count()?)
+    }
+
+    fn find(&mut self) -> Result<usize, EngineError> {
+        Ok(self.query.all()?.len())
     }
 
     fn gpu_report(&self) -> Option<Report> {
@@ -185,7 +194,7 @@ impl Engine for Many {
         self.query.bytes()
     }
 
-    fn timings(&self) -> Result<Vec<Timing>> {
+    fn timings(&self) -> Result<Vec<Timing>, EngineError> {
         Ok(self.query.timings()?)
     }
 }

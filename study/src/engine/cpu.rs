@@ -1,0 +1,195 @@
+//! Engines on the CPU, and those that decide for themselves.
+
+use super::numbers::Numbers;
+use super::{Engine, EngineError, Objects, second};
+use pfront::core::query;
+use pfront::planner::{Plan, Planner};
+use pfront::threads::{Reference, Report, Settings, Traversal};
+use pfront::{
+    Accuracy, Adjacency, BodyId, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair,
+};
+use pfront_scenes::Kind;
+use std::sync::Arc;
+
+/// Who works on a query.
+pub(super) enum Hands {
+    One,
+    Threads(Box<Traversal>),
+    Planned(Box<Planner>),
+}
+
+/// Gives a query of any kind its hands.
+macro_rules! by {
+    ($query:ident, $hands:ident) => {
+        match $hands {
+            Hands::One => $query,
+            Hands::Threads(traversal) => $query.with_traversal(*traversal),
+            Hands::Planned(planner) => $query.with_planner(*planner),
+        }
+    };
+}
+
+pub(super) fn engine(
+    objects: Objects,
+    accuracy: Accuracy,
+    adjacency: Adjacency,
+    hands: Hands,
+) -> Result<Box<dyn Engine>, EngineError> {
+    let Objects { kind, mut models } = objects;
+    Ok(match (kind, &models[..]) {
+        (Kind::Pair, [a, b]) => {
+            let query = PairQuery::new().with_accuracy(accuracy);
+            Box::new(Pair {
+                models: [a.clone(), b.clone()],
+                a_from_b: Pose::IDENTITY,
+                query: by!(query, hands),
+            })
+        }
+        (Kind::SelfMesh, [_]) => {
+            let query = SelfQuery::new().with_accuracy(accuracy).with_adjacency(adjacency);
+            Box::new(Within { model: models.remove(0), query: by!(query, hands) })
+        }
+        _ => {
+            let query = SceneQuery::new().with_accuracy(accuracy);
+            Box::new(Many::new(models, by!(query, hands))?)
+        }
+    })
+}
+
+/// To within 2 %, which is nearer than estimates come.
+fn reference(query: &impl query::Query, workers: usize) -> Reference {
+    Reference::of(query, workers, 0.02, &Settings::default())
+}
+
+struct Pair {
+    models: [Arc<Model>; 2],
+    a_from_b: Pose,
+    query: PairQuery,
+}
+
+impl Engine for Pair {
+    fn place(&mut self, object: usize, world_from_object: Pose) -> Result<(), EngineError> {
+        second(object, world_from_object, &mut self.a_from_b)
+    }
+
+    fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
+        let [a, b] = &self.models;
+        Ok(self.query.all(a, b, &self.a_from_b)?)
+    }
+
+    fn any(&mut self) -> Result<Option<TrianglePair>, EngineError> {
+        let [a, b] = &self.models;
+        Ok(self.query.any(a, b, &self.a_from_b)?)
+    }
+
+    fn count(&mut self) -> Result<u64, EngineError> {
+        let [a, b] = &self.models;
+        Ok(self.query.count(a, b, &self.a_from_b)?)
+    }
+
+    fn report(&self) -> Option<&Report> {
+        self.query.report()
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        self.query.plan()
+    }
+
+    fn reference(&self, workers: usize) -> Result<Option<Reference>, EngineError> {
+        let [a, b] = &self.models;
+        let query =
+            query::PairQuery::new(a.bvh(), b.bvh(), self.a_from_b).map_err(pfront::Error::from)?;
+        Ok(Some(reference(&query, workers)))
+    }
+}
+
+struct Within {
+    model: Arc<Model>,
+    query: SelfQuery,
+}
+
+impl Engine for Within {
+    fn place(&mut self, _object: usize, _world_from_object: Pose) -> Result<(), EngineError> {
+        Err(EngineError::Unmovable { what: "a mesh as a whole that is asked about itself" })
+    }
+
+    fn deform(&mut self, positions: &[[f32; 3]]) -> Result<(), EngineError> {
+        Ok(self.query.set_positions(Arc::make_mut(&mut self.model), positions)?)
+    }
+
+    fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
+        Ok(self.query.all(&self.model))
+    }
+
+    fn any(&mut self) -> Result<Option<TrianglePair>, EngineError> {
+        Ok(self.query.any(&self.model))
+    }
+
+    fn count(&mut self) -> Result<u64, EngineError> {
+        Ok(self.query.count(&self.model))
+    }
+
+    fn report(&self) -> Option<&Report> {
+        self.query.report()
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        self.query.plan()
+    }
+
+    fn reference(&self, workers: usize) -> Result<Option<Reference>, EngineError> {
+        Ok(Some(reference(&query::SelfQuery::new(self.model.bvh()), workers)))
+    }
+}
+
+struct Many {
+    query: SceneQuery,
+    numbers: Numbers<BodyId>,
+    pairs: Vec<TrianglePair>,
+}
+
+impl Many {
+    fn new(objects: Vec<Arc<Model>>, mut query: SceneQuery) -> Result<Self, EngineError> {
+        let mut numbers = Numbers::new();
+        for model in objects {
+            let triangles = model.mesh().triangles().len();
+            numbers.add(query.add(model, Pose::IDENTITY)?, triangles)?;
+        }
+        Ok(Self { query, numbers, pairs: Vec::new() })
+    }
+}
+
+impl Engine for Many {
+    fn place(&mut self, object: usize, world_from_object: Pose) -> Result<(), EngineError> {
+        Ok(self.query.set_pose(self.numbers.body(object)?, world_from_object)?)
+    }
+
+    fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
+        let Self { query, numbers, pairs } = self;
+        pairs.clear();
+        pairs.extend(query.all()?.iter().map(|hit| numbers.pair(hit.bodies, hit.pair)));
+        // They came by bodies first.
+        pairs.sort_unstable();
+        Ok(pairs)
+    }
+
+    fn any(&mut self) -> Result<Option<TrianglePair>, EngineError> {
+        Ok(self.query.any()?.map(|hit| self.numbers.pair(hit.bodies, hit.pair)))
+    }
+
+    fn count(&mut self) -> Result<u64, EngineError> {
+        Ok(self.query.count()?)
+    }
+
+    fn find(&mut self) -> Result<usize, EngineError> {
+        Ok(self.query.all()?.len())
+    }
+
+    fn report(&self) -> Option<&Report> {
+        self.query.report()
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        self.query.plan()
+    }
+}

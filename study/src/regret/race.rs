@@ -1,0 +1,220 @@
+//! A case, played by everyone in turn.
+//!
+//! In a first round, which is not counted, all answers are compared, and who is hopelessly slow drops out. In
+//! those that follow, everyone plays the whole case with a new query, and whoever begins moves on by one: what
+//! else the machine does hits all alike. A plan's time is the median over rounds of its total, which is what a
+//! user sees, and not the minimum, which is what threads take when nobody else wants the cores. The best of
+//! the first round plays twice in each: how far it is from itself is how far figures can be trusted.
+
+use super::RegretError;
+use super::case::Case;
+use super::field::Field;
+use super::row::{Outcome, Row};
+use crate::chart::median;
+use crate::engine::{EngineError, On, Tally};
+use std::time::{Duration, Instant};
+
+/// How long to play.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// At least so many rounds, and ...
+    pub rounds: usize,
+    /// ... as many as go into this, up to [`MOST`] times as many.
+    pub time: Duration,
+}
+
+/// Of the rounds asked for.
+const MOST: usize = 40;
+
+/// A fixed plan that takes so many times as long as the best is not played again.
+pub const HOPELESS: f64 = 20.0;
+
+/// Plays a case.
+///
+/// # Errors
+/// [`RegretError::Differs`] if two do not agree; those of the engines, except that a fixed plan may lack memory.
+pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretError> {
+    let mut rehearsal = Rehearsal { case, digests: Vec::new(), best: f64::INFINITY };
+    let mut outcomes = Vec::new();
+    // Never given up: all others are compared with it.
+    let [first, others @ ..] = &field.fixed[..] else { return Err(RegretError::NoPlan) };
+    outcomes.push(rehearsal.play(&first.name, &first.on, f64::INFINITY)?);
+    let chosen = field.chosen();
+    rehearsal.play("planner", &chosen, f64::INFINITY)?;
+    for lane in others {
+        outcomes.push(rehearsal.play(&lane.name, &lane.on, HOPELESS)?);
+    }
+    let seconds = |lane: &usize| outcomes[*lane].seconds();
+    let mut turns: Vec<usize> =
+        (0..outcomes.len()).filter(|&lane| outcomes[lane].is_timed()).collect();
+    let twin = turns.iter().copied().min_by(|x, y| seconds(x).total_cmp(&seconds(y))).unwrap_or(0);
+    let (planner, again) = (outcomes.len(), outcomes.len() + 1);
+    turns.extend([planner, again]);
+
+    let mut times = vec![Vec::new(); outcomes.len() + 2];
+    let clock = Instant::now();
+    let mut rounds = 0;
+    while rounds < effort.rounds || rounds < MOST * effort.rounds && clock.elapsed() < effort.time {
+        turns.rotate_left(1);
+        for &turn in &turns {
+            let on = match turn {
+                turn if turn == planner => &chosen,
+                turn if turn == again => &field.fixed[twin].on,
+                lane => &field.fixed[lane].on,
+            };
+            times[turn].push(play(case, on)?);
+        }
+        rounds += 1;
+    }
+    let mut medians = times.iter_mut().map(|times| median(times));
+    let names = field.fixed.iter().map(|lane| lane.name.clone());
+    let fixed = names.zip(outcomes).zip(&mut medians).map(|((name, outcome), seconds)| {
+        (name, if outcome.is_timed() { Outcome::Took { seconds } } else { outcome })
+    });
+    let fixed: Vec<_> = fixed.collect();
+    Ok(Row {
+        name: case.name.clone(),
+        class: case.class.clone(),
+        triangles: case.objects.triangles(),
+        bodies: case.objects.models().len(),
+        frames: case.frames.len(),
+        verb: case.verb,
+        rounds,
+        twin: (twin, medians.next_back().unwrap_or(0.0)),
+        planner: medians.next().unwrap_or(0.0),
+        fixed,
+        tally: watch(case, &chosen)?,
+    })
+}
+
+/// Seconds that a whole case takes: making the query, which uploads what a GPU needs, and all frames. Models are
+/// there.
+pub(super) fn play(case: &Case, on: &On) -> Result<f64, EngineError> {
+    let (objects, asked) = (case.fresh(), on.clone().into());
+    let clock = Instant::now();
+    let mut engine = objects.engine(asked)?;
+    for frame in &case.frames {
+        frame.apply(&mut *engine)?;
+        case.verb.ask(&mut *engine)?;
+    }
+    Ok(clock.elapsed().as_secs_f64())
+}
+
+/// What a planner does, after everything else.
+fn watch(case: &Case, chosen: &On) -> Result<Tally, EngineError> {
+    let mut engine = case.fresh().engine(chosen.clone().into())?;
+    let mut tally = Tally::default();
+    for frame in &case.frames {
+        frame.apply(&mut *engine)?;
+        case.verb.ask(&mut *engine)?;
+        if let Some(plan) = engine.plan() {
+            tally.add(plan);
+        }
+    }
+    Ok(tally)
+}
+
+/// The first round.
+struct Rehearsal<'c> {
+    case: &'c Case,
+    /// What the first player found in each frame.
+    digests: Vec<u64>,
+    /// Seconds of the best so far.
+    best: f64,
+}
+
+impl Rehearsal<'_> {
+    /// Plays until `patience` times the best time so far is over.
+    fn play(&mut self, name: &str, on: &On, patience: f64) -> Result<Outcome, RegretError> {
+        let (case, most) = (self.case, patience * self.best);
+        let (objects, asked) = (case.fresh(), on.clone().into());
+        let clock = Instant::now();
+        let mut engine = match objects.engine(asked) {
+            Err(error) if error.is_for_want_of_memory() => {
+                return Ok(Outcome::Refused { why: error.to_string() });
+            }
+            made => made?,
+        };
+        let mut seconds = clock.elapsed().as_secs_f64();
+        for (number, frame) in case.frames.iter().enumerate() {
+            let clock = Instant::now();
+            frame.apply(&mut *engine)?;
+            let digest = match case.verb.digest(&mut *engine) {
+                Err(error) if error.is_for_want_of_memory() => {
+                    return Ok(Outcome::Refused { why: error.to_string() });
+                }
+                digest => digest?,
+            };
+            seconds += clock.elapsed().as_secs_f64();
+            if number == self.digests.len() {
+                self.digests.push(digest);
+            } else if self.digests[number] != digest {
+                let (case, plan) = (case.name.clone(), name.to_owned());
+                return Err(RegretError::Differs { case, plan, frame: number });
+            }
+            if seconds > most {
+                return Ok(Outcome::Hopeless { seconds, frames: number + 1 });
+            }
+        }
+        self.best = self.best.min(seconds);
+        Ok(Outcome::Took { seconds })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::regret::{Field, Heading, Lane, Scale, Summary, recipes, write_csv};
+    use pfront::planner::{Machine, Planner};
+    use pfront::threads::Traversal;
+
+    fn planner() -> Planner {
+        Planner::new(Machine::typical()).with_threads(2)
+    }
+
+    const ONCE: Effort = Effort { rounds: 1, time: Duration::ZERO };
+
+    #[test]
+    fn everyone_answers_alike_and_is_timed() {
+        let field = Field::new(2, planner()).unwrap();
+        field.warm_up().unwrap();
+        let cases = recipes(3, 24).into_iter().map(|recipe| recipe.build(&Scale::QUICK).unwrap());
+        let rows: Vec<_> = cases.map(|case| race(&case, &field, &ONCE).unwrap()).collect();
+        for row in &rows {
+            assert!(row.planner > 0.0 && row.fixed[0].1.is_timed(), "{row:?}");
+            assert_eq!(row.tally.frames.iter().sum::<usize>(), row.frames, "{row:?}");
+            assert!(row.best().1.is_finite() && row.regret() > -1.0, "{row:?}");
+        }
+        assert!(Heading(&rows[0]).to_string().contains("2 threads"));
+        assert!(rows[0].to_string().starts_with("pair 1 "), "{}", rows[0]);
+        let summary = Summary::of(&rows).to_string();
+        assert!(summary.contains("24 cases") && summary.contains("regret"), "{summary}");
+        let mut lines = Vec::new();
+        write_csv(&mut lines, &rows).unwrap();
+        let lines = String::from_utf8(lines).unwrap();
+        assert!(lines.starts_with("case,what_moves,") && lines.lines().count() == 25, "{lines}");
+    }
+
+    #[test]
+    fn whoever_is_hopeless_is_not_played_again_and_whoever_differs_is_told() {
+        let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
+        let mut rehearsal = Rehearsal { case: &case, digests: Vec::new(), best: f64::INFINITY };
+        rehearsal.play("first", &On::Cpu(None), f64::INFINITY).unwrap();
+        let threads = On::Cpu(Some(Box::new(Traversal::new(2))));
+        let outcome = rehearsal.play("second", &threads, 0.0).unwrap();
+        assert!(matches!(outcome, Outcome::Hopeless { frames: 1, .. }), "{outcome:?}");
+        rehearsal.digests[0] ^= 1;
+        let error = rehearsal.play("second", &threads, 1.0).unwrap_err();
+        assert!(
+            error.to_string().contains("frame 0 of pair 1: second answers otherwise"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn without_a_fixed_plan_there_is_no_regret() {
+        let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
+        let field = Field { fixed: Vec::<Lane>::new(), planner: planner() };
+        assert!(matches!(race(&case, &field, &ONCE), Err(RegretError::NoPlan)));
+    }
+}

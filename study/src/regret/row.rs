@@ -1,0 +1,190 @@
+//! What a case came to, and what all cases did.
+
+use super::case::Verb;
+use crate::engine::Tally;
+
+/// How a fixed plan did.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// The median over rounds.
+    Took {
+        /// All frames.
+        seconds: f64,
+    },
+    /// In the first round, by when it was more than [`super::HOPELESS`] times as slow as the best.
+    Hopeless {
+        /// Until then.
+        seconds: f64,
+        /// Until then.
+        frames: usize,
+    },
+    /// There was not enough memory.
+    Refused {
+        /// The error.
+        why: String,
+    },
+}
+
+impl Outcome {
+    pub(super) fn is_timed(&self) -> bool {
+        matches!(self, Self::Took { .. })
+    }
+
+    /// Of all frames; infinite where they were not all played.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        match self {
+            Self::Took { seconds } => *seconds,
+            Self::Hopeless { .. } | Self::Refused { .. } => f64::INFINITY,
+        }
+    }
+}
+
+/// A case with the times of all who played it, in seconds for all frames.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The case.
+    pub name: String,
+    /// What moves, and how.
+    pub class: String,
+    /// Of all bodies together.
+    pub triangles: usize,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Number of frames.
+    pub frames: usize,
+    /// What was asked.
+    pub verb: Verb,
+    /// How many rounds were counted.
+    pub rounds: usize,
+    /// Each fixed plan; the first is one thread.
+    pub fixed: Vec<(String, Outcome)>,
+    /// Who chooses.
+    pub planner: f64,
+    /// What was chosen, once everything was warm.
+    pub tally: Tally,
+    /// The fixed plan that played twice in each round, and how long it took the second time.
+    pub twin: (usize, f64),
+}
+
+impl Row {
+    /// The best fixed plan, and its time.
+    #[must_use]
+    pub fn best(&self) -> (&str, f64) {
+        let times = self.fixed.iter().map(|(name, outcome)| (&**name, outcome.seconds()));
+        times.min_by(|x, y| x.1.total_cmp(&y.1)).unwrap_or(("none", f64::INFINITY))
+    }
+
+    /// By how much the planner took longer than the best fixed plan, as a share of that.
+    #[must_use]
+    pub fn regret(&self) -> f64 {
+        self.planner / self.best().1 - 1.0
+    }
+
+    /// The planner's time over that of one thread.
+    #[must_use]
+    pub fn to_sequential(&self) -> f64 {
+        self.planner / self.fixed.first().map_or(f64::INFINITY, |(_, outcome)| outcome.seconds())
+    }
+
+    /// By how much a fixed plan took longer than itself, as a share; less than nothing if it took less.
+    #[must_use]
+    pub fn noise(&self) -> f64 {
+        let (lane, again) = self.twin;
+        again / self.fixed.get(lane).map_or(f64::INFINITY, |(_, outcome)| outcome.seconds()) - 1.0
+    }
+}
+
+/// Figures of all cases.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// How many.
+    pub cases: usize,
+    /// The mean regret.
+    pub mean: f64,
+    /// What 95 of a hundred regrets do not exceed.
+    pub p95: f64,
+    /// The worst time over that of one thread.
+    pub to_sequential: f64,
+    /// The mean distance of a plan from itself.
+    pub noise: f64,
+    /// What 95 of a hundred such distances do not exceed.
+    pub noise_p95: f64,
+    /// The largest share of deciding in a case, see [`Tally::deciding`].
+    pub deciding: f64,
+}
+
+impl Summary {
+    /// Of some cases.
+    #[must_use]
+    pub fn of(rows: &[Row]) -> Self {
+        let all = |value: fn(&Row) -> f64| -> Vec<f64> {
+            let mut values: Vec<f64> = rows.iter().map(value).collect();
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        let (regrets, noises) = (all(Row::regret), all(|row| row.noise().abs()));
+        Self {
+            cases: rows.len(),
+            mean: mean(&regrets),
+            p95: quantile(&regrets, 0.95),
+            to_sequential: all(Row::to_sequential).last().copied().unwrap_or(0.0),
+            noise: mean(&noises),
+            noise_p95: quantile(&noises, 0.95),
+            deciding: all(|row| row.tally.deciding()).last().copied().unwrap_or(0.0),
+        }
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// The least of ascending values that a share `q` of them does not exceed.
+fn quantile(ascending: &[f64], q: f64) -> f64 {
+    let rank = (q * ascending.len() as f64).ceil() as usize;
+    ascending.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(sequential: f64, threads: Outcome, planner: f64, twin: f64) -> Row {
+        let fixed = [("sequential", Outcome::Took { seconds: sequential }), ("2 threads", threads)];
+        Row {
+            name: String::new(),
+            class: String::new(),
+            triangles: 1,
+            bodies: 2,
+            frames: 1,
+            verb: Verb::All,
+            rounds: 1,
+            fixed: fixed.map(|(name, outcome)| (name.to_owned(), outcome)).into(),
+            planner,
+            tally: Tally::default(),
+            twin: (0, twin),
+        }
+    }
+
+    #[test]
+    fn regret_is_against_the_best_that_was_played_to_the_end() {
+        let hopeless = Outcome::Hopeless { seconds: 0.5, frames: 1 };
+        let alone = row(2.0, hopeless, 3.0, 2.5);
+        assert_eq!((alone.best(), alone.regret()), (("sequential", 2.0), 0.5));
+        assert_eq!((alone.to_sequential(), alone.noise()), (1.5, 0.25));
+        let both = row(2.0, Outcome::Took { seconds: 1.0 }, 1.1, 1.0);
+        assert!((both.regret() - 0.1).abs() < 1e-12 && both.to_sequential() == 0.55);
+        assert_eq!(both.noise(), -0.5);
+        let summary = Summary::of(&[alone, both]);
+        assert!((summary.mean - 0.3).abs() < 1e-12);
+        assert_eq!((summary.p95, summary.to_sequential, summary.noise), (0.5, 1.5, 0.375));
+    }
+
+    #[test]
+    fn quantiles_are_values_that_enough_do_not_exceed() {
+        let values: Vec<f64> = (1..=40).map(f64::from).collect();
+        assert_eq!([0.0, 0.5, 0.95, 1.0].map(|q| quantile(&values, q)), [1.0, 20.0, 38.0, 40.0]);
+        assert_eq!(quantile(&[], 0.5), 0.0);
+    }
+}
