@@ -183,6 +183,32 @@ fn steady_frames_of_a_deforming_mesh_allocate_nothing() {
 }
 
 #[test]
+fn steady_frames_of_a_mesh_that_is_fitted_late_or_in_part_allocate_nothing() {
+    let flat = sheet(30, |_, _| 0.0);
+    let lifted = |rows: std::ops::Range<usize>| {
+        let mut positions = flat.positions.clone();
+        rows.flat_map(|row| row * 31..row * 31 + 9).for_each(|i| positions[i][2] += 0.001);
+        positions
+    };
+    let shapes: Vec<_> = [0..1, 0..2, 0..31, 4..6, 4..31, 4..5].map(lifted).into();
+    let mut model = model(&flat);
+    let mut query = SelfQuery::new();
+    let mut frames = || {
+        for shape in &shapes {
+            model.set_positions(shape).unwrap();
+            query.all(&model);
+            model.set_positions_unfitted(&flat.positions).unwrap();
+            query.all(&model);
+            model.set_positions_unfitted(shape).unwrap();
+            model.set_positions_unfitted(&flat.positions).unwrap();
+            model.fit();
+        }
+    };
+    frames();
+    assert_eq!(allocations(frames), 0);
+}
+
+#[test]
 fn steady_frames_of_a_scene_allocate_nothing() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let ball = Arc::new(model(&sphere(8)));

@@ -1,0 +1,171 @@
+//! What moves the vertices of a model, and brings along what depends on them.
+
+use super::Model;
+use super::moves::same_bits;
+#[cfg(feature = "threads")]
+use super::passes::THREADS;
+use super::passes::{ONE_THREAD, Passes};
+use super::tree::Tree;
+use crate::Error;
+use pfront_core::Mesh;
+
+impl Model {
+    /// Moves the vertices of a deforming mesh and refits the BVH; rebuilds it when its quality
+    /// figure has grown by [`REBUILD_RATIO`](crate::core::build::REBUILD_RATIO) since the last build.
+    ///
+    /// On error nothing has changed, nor if the positions are the present ones to the bit: the
+    /// [`Model::stamp`] stays. Where few vertices have moved, only the BVH near these is looked at.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] if a coordinate is not finite or the number of vertices differs.
+    ///
+    /// # Complexity
+    /// O(vertices + triangles); O(vertices) if few have moved that are near one another. A rebuild is
+    /// O(n log n) and allocates 32 bytes a triangle while it runs. A refit allocates nothing, but for the
+    /// first of few vertices: see [`Model`].
+    ///
+    /// # Examples
+    /// ```
+    /// # let mut model = pfront::Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?;
+    /// assert!(model.set_positions(&[[0.0, f32::INFINITY, 0.0]; 3]).is_err());
+    /// model.set_positions(&[[1.0; 3]; 3])?;
+    /// assert_eq!(model.mesh().positions()[2], [1.0; 3]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        self.deform(positions, &ONE_THREAD)
+    }
+
+    /// [`Model::set_positions`] in the rayon pool of whoever asks; worth it from some 50,000 triangles on.
+    /// A rebuild may come a frame earlier or later.
+    ///
+    /// # Errors
+    /// As [`Model::set_positions`].
+    #[cfg(feature = "threads")]
+    pub fn set_positions_with_threads(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        self.deform(positions, &THREADS)
+    }
+
+    /// [`Model::set_positions`] that leaves the BVH alone until it is asked for, as a query on a GPU never
+    /// does.
+    ///
+    /// Whoever asks first then refits it on his own thread; [`Model::fit`] and `Model::fit_with_threads` do
+    /// it ahead of time. If the quality figure has grown too much by then, these rebuild the BVH; else the
+    /// refit after the next call of this is a rebuild, and the [`Model::stamp`] says so from that call on.
+    ///
+    /// # Errors
+    /// As [`Model::set_positions`].
+    ///
+    /// # Complexity
+    /// O(vertices).
+    ///
+    /// # Examples
+    /// ```
+    /// # let mut model = pfront::Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?;
+    /// model.set_positions_unfitted(&[[1.0; 3]; 3])?;
+    /// model.set_positions_unfitted(&[[2.0; 3]; 3])?;
+    /// assert_eq!(model.bvh().nodes()[0].min, [2.0; 3]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn set_positions_unfitted(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+        self.store(positions).map(drop)
+    }
+
+    /// Fits the BVH, and rebuilds it if that is due, after [`Model::set_positions_unfitted`].
+    ///
+    /// # Complexity
+    /// As [`Model::set_positions`]; O(1) if the BVH fits.
+    pub fn fit(&mut self) {
+        self.fit_by(&ONE_THREAD);
+    }
+
+    /// [`Model::fit`] in the rayon pool of whoever asks.
+    #[cfg(feature = "threads")]
+    pub fn fit_with_threads(&mut self) {
+        self.fit_by(&THREADS);
+    }
+
+    fn deform(&mut self, positions: &[[f32; 3]], passes: &Passes) -> Result<(), Error> {
+        if self.store(positions)? {
+            self.fit_by(passes);
+        }
+        Ok(())
+    }
+
+    /// Takes other positions, after which nothing fits any more; returns whether they are others.
+    fn store(&mut self, positions: &[[f32; 3]]) -> Result<bool, Error> {
+        self.mesh().with_positions(positions)?;
+        if same_bits(positions, &self.positions) {
+            return Ok(false);
+        }
+        if let Some(tree) = self.tree.fresh_mut() {
+            if tree.is_worn() {
+                self.stamp.rebuilt();
+            }
+            self.moves.clear();
+            if let Some(fans) = self.fans.stale_mut() {
+                fans.fall_behind();
+            }
+        }
+        self.moves.add(&self.positions, positions);
+        self.positions.copy_from_slice(positions);
+        self.stamp.moved();
+        self.tree.outdate();
+        self.fans.outdate();
+        self.sphere.take();
+        Ok(true)
+    }
+
+    fn fit_by(&mut self, passes: &Passes) {
+        let mesh = Mesh::trusted(&self.positions, &self.triangles);
+        let (moves, options) = (&self.moves, &self.options);
+        let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, passes);
+        match (self.tree.stale_mut(), self.fans.stale_mut()) {
+            (Some(tree), Some(fans)) => {
+                (passes.both)(&mut || fit(tree), &mut || fans.renew(mesh, moves));
+            }
+            (Some(tree), None) => fit(tree),
+            (None, Some(fans)) => fans.renew(mesh, moves),
+            (None, None) => {}
+        }
+        self.tree.renewed();
+        self.fans.renewed();
+        if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
+            tree.rebuild(mesh, options, passes);
+            self.stamp.rebuilt();
+        }
+    }
+
+    /// Makes room for what refits need that are of few vertices, so that not even the first allocates.
+    pub(crate) fn reserve(&mut self) {
+        self.moves.reserve(self.positions.len());
+        if let Some(tree) = self.tree.fresh_mut() {
+            tree.reserve();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pfront_scenes::icosphere;
+
+    #[test]
+    fn with_room_made_for_it_no_refit_grows_a_model() {
+        let ball = icosphere(2_000);
+        let grown = |reserve: bool| {
+            let mut model = Model::new(ball.positions.clone(), ball.triangles.clone()).unwrap();
+            if reserve {
+                model.reserve();
+            }
+            let before = model.bytes();
+            let mut moved = ball.positions.clone();
+            for _ in 0..2 {
+                moved[7][0] += 0.01;
+                model.set_positions(&moved).unwrap();
+            }
+            model.bytes() - before
+        };
+        assert!(grown(false) > 0 && grown(true) == 0);
+    }
+}

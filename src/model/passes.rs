@@ -1,0 +1,41 @@
+//! The passes over a whole model, on as many threads as one likes.
+
+use pfront_core::build::{self, BuildOptions, BvhStorage, SahItem};
+use pfront_core::{Bvh, CapacityError, Mesh, Node};
+
+pub(super) struct Passes {
+    pub(super) sah: Sah,
+    pub(super) refit: Refit,
+    /// The quality figure of a tree that fits.
+    pub(super) quality: Refit,
+    /// Does two things, at once if it can.
+    pub(super) both: Both,
+}
+
+type Sah = for<'a> fn(
+    Mesh<'a>,
+    &BuildOptions,
+    BvhStorage<'a>,
+    &mut [SahItem],
+) -> Result<Bvh<'a>, CapacityError>;
+type Both = fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send));
+type Refit = fn(Mesh<'_>, &mut [Node], &[u32]) -> f32;
+
+pub(super) const ONE_THREAD: Passes = Passes {
+    sah: build::sah,
+    refit: build::refit,
+    quality: |mesh, nodes, order| build::quality(&Bvh::trusted(mesh, nodes, order)),
+    both: |one, other| {
+        one();
+        other();
+    },
+};
+
+/// A refit changes no box that fits.
+#[cfg(feature = "threads")]
+pub(super) const THREADS: Passes = Passes {
+    sah: crate::threads::sah,
+    refit: crate::threads::refit,
+    quality: crate::threads::refit,
+    both: crate::threads::join,
+};
