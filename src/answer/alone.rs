@@ -8,8 +8,8 @@ use std::time::Instant;
 /// How far a walk may go.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leash {
-    /// The most box and triangle tests.
-    pub(crate) tests: u64,
+    /// In box tests.
+    pub(crate) cost: f64,
     pub(crate) deadline: Option<Instant>,
 }
 
@@ -19,7 +19,7 @@ pub(crate) enum End {
     /// Nothing is left, or no more is wanted.
     #[default]
     Complete,
-    /// Not over after as many tests as were allowed.
+    /// It has cost what it may, and is not over.
     Outgrown,
     /// Time ran out.
     Late,
@@ -27,6 +27,8 @@ pub(crate) enum End {
 
 /// Tests between two looks at the clock: some 20 us.
 const BETWEEN_LOOKS: u64 = 8192;
+/// The fewest tests that are worth a step.
+const STEP: u64 = 256;
 
 /// Hands on what is found, with the name of the query, until it is told to stop. Returns the cost in box
 /// tests.
@@ -35,34 +37,30 @@ pub(crate) fn alone<N: Copy, Q: Query>(
     leash: Leash,
     mut found: impl FnMut(N, TrianglePair) -> ControlFlow<()>,
 ) -> (f64, End) {
-    let Leash { mut tests, deadline } = leash;
-    let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
-    let mut sum = 0.0;
+    let late = || leash.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+    let most = if leash.deadline.is_some() { BETWEEN_LOOKS } else { u64::MAX };
+    let mut before = 0.0;
     for (name, query) in queries {
         let mut cursor = query.start();
-        let mut end = None;
-        while end.is_none() && !cursor.is_done() {
-            let before = count(cursor.work());
-            let step = if deadline.is_some() { tests.min(BETWEEN_LOOKS) } else { tests };
+        loop {
+            // All of them could be triangle tests.
+            let left = (leash.cost - before - cost(cursor.work())) / f64::from(TRIANGLE_COST);
+            let step = (left as u64).clamp(STEP, most);
             let stopped = query.step(&mut cursor, step, |pair| found(name, pair)).is_break();
-            tests = tests.saturating_sub((count(cursor.work()) - before).max(1));
-            end = match stopped {
-                true => Some(End::Complete),
-                false if cursor.is_done() => None,
-                false if tests == 0 => Some(End::Outgrown),
-                false => late().then_some(End::Late),
-            };
-        }
-        sum += cost(cursor.work());
-        if let Some(end) = end {
-            return (sum, end);
+            let now = before + cost(cursor.work());
+            if stopped {
+                return (now, End::Complete);
+            } else if cursor.is_done() {
+                before = now;
+                break;
+            } else if now >= leash.cost {
+                return (now, End::Outgrown);
+            } else if late() {
+                return (now, End::Late);
+            }
         }
     }
-    (sum, End::Complete)
-}
-
-fn count(work: Work) -> u64 {
-    work.box_tests + work.triangle_tests
+    (before, End::Complete)
 }
 
 /// As one figure, in box tests.

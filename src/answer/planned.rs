@@ -105,7 +105,7 @@ impl Planned {
         if question.is_small() {
             self.kept.forget();
             self.decider.small();
-            let leash = Leash { tests: u64::MAX, deadline: None };
+            let leash = Leash { cost: f64::INFINITY, deadline: None };
             return on_one(question.query(question.accuracy()), want, pairs, leash).given;
         }
         self.decider.start();
@@ -124,7 +124,7 @@ impl Planned {
         }
         let mut outcome = Outcome { end: End::Outgrown, ..Outcome::default() };
         if choice.way == Way::Alone || choice.alone_first.is_some() {
-            let leash = Leash { tests: choice.alone_first.unwrap_or(u64::MAX), deadline };
+            let leash = Leash { cost: choice.alone_first.unwrap_or(f64::INFINITY), deadline };
             outcome = on_one(question.query(accuracy), want, pairs, leash);
             match outcome.end {
                 End::Outgrown => {
@@ -181,7 +181,13 @@ impl Planned {
             #[cfg(feature = "gpu")]
             if let (Way::Both(_, share), Some(device)) = (choice.way, &mut self.device) {
                 match device.ask_beside(question.on_gpu(), &query, share, traversal, pairs) {
-                    Ok(given) => return Outcome { given, ..Outcome::default() },
+                    Ok(given) => {
+                        let report = traversal.report();
+                        // What the device did is not counted.
+                        let own = (1.0 - report.device_share()).max(0.05);
+                        let cost = Some(cost(report.work()) / own);
+                        return Outcome { given, cost, ..Outcome::default() };
+                    }
                     Err(error) => {
                         self.device = None;
                         let offer = Offer { gpu: None, both: false, ..*offer };
@@ -191,7 +197,7 @@ impl Planned {
             }
             return on_threads(traversal, &query, want, pairs);
         }
-        on_one(query, want, pairs, Leash { tests: u64::MAX, deadline: self.decider.deadline() })
+        on_one(query, want, pairs, Leash { cost: f64::INFINITY, deadline: self.decider.deadline() })
     }
 
     /// Which ways there are for a question.

@@ -81,8 +81,8 @@ impl Planned {
         let frame = &frame.with_accuracy(accuracy);
         let mut outcome = None;
         if choice.way == Way::Alone || choice.alone_first.is_some() {
-            let tests = choice.alone_first.unwrap_or(u64::MAX);
-            let alone = self.on_one(frame, want, hits, tests);
+            let most = choice.alone_first.unwrap_or(f64::INFINITY);
+            let alone = self.on_one(frame, want, hits, most);
             if alone.end == End::Outgrown {
                 let cost = alone.cost.unwrap_or_default();
                 choice = self.decider.outgrown(&offer, &choice, cost);
@@ -109,9 +109,9 @@ impl Planned {
         frame: &Frame<'_>,
         want: Want,
         hits: &mut Vec<SceneHit>,
-        tests: u64,
+        most: f64,
     ) -> Outcome {
-        let leash = Leash { tests, deadline: self.decider.deadline() };
+        let leash = Leash { cost: most, deadline: self.decider.deadline() };
         let mut given = Given::default();
         let (cost, end) = alone(frame.queries(), leash, |bodies, pair| {
             let hit = SceneHit { bodies, pair };
@@ -159,7 +159,7 @@ impl Planned {
         if let Way::Threads(workers) = choice.way {
             return self.on_threads(frame, want, hits, workers);
         }
-        self.on_one(frame, want, hits, u64::MAX)
+        self.on_one(frame, want, hits, f64::INFINITY)
     }
 
     #[cfg(feature = "threads")]

@@ -2,9 +2,9 @@
 //!
 //! A frame costs about as many box tests as the last one, or, where frames jump, as frames do on average. What
 //! that takes each way is predicted by the [`Machine`], and corrected by what the way took before. Another way is
-//! taken once it would have saved more than changing costs: an upload to the GPU, or some part of a frame
-//! elsewhere. That is the rule of ski rental, at most twice what the best would have taken who knew the future;
-//! and it is what keeps plans from swinging to and fro.
+//! taken once it saves what changing costs: some part of a frame elsewhere, or an upload to the GPU, in as many
+//! frames as there were so far. That is about the rule of ski rental, which takes at most twice what the best would
+//! have taken who knew the future; and it is what keeps plans from swinging to and fro.
 
 mod predict;
 
@@ -57,9 +57,9 @@ pub(crate) struct Offer {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice {
     pub(crate) way: Way,
-    /// Begun by the calling thread, and only for so many tests if there is a number; if that is not enough, see
+    /// Begun by the calling thread, and only up to this cost if there is a number; if that is not enough, see
     /// [`History::outgrown`].
-    pub(crate) alone_first: Option<u64>,
+    pub(crate) alone_first: Option<f64>,
     /// Expected box tests.
     pub(crate) expected: Option<f64>,
     /// Predicted nanoseconds of each way.
@@ -78,10 +78,18 @@ impl Choice {
 /// An unknown question is begun on the calling thread for as long as it takes to fork so many times: it then
 /// has cost little beside what it will.
 const FORKS: f64 = 2.0;
+/// A question that is asked alone may cost so many times what is expected before others are called in.
+const SURELY: f64 = 4.0;
+/// Where costs jump, others are called in only after this part of their time has been spent alone.
+const PROBE: f64 = 0.1;
 /// A question that outgrew what it was begun with is taken to be so many times larger: ...
 const OUTGROWN: f64 = 2.0;
 /// ... and so many if nothing was known of it.
 const UNKNOWN: f64 = 8.0;
+/// Box tests for each leaf pair that a GPU counts, before that is known.
+const PER_LEAF_PAIR: f64 = 60.0;
+/// At least so many frames will follow.
+const FRAMES: f64 = 8.0;
 /// Part of a frame that changing costs, unless it is known better.
 const CHANGING: f64 = 0.15;
 /// Weight of the last frame in what is known of a way.
@@ -116,6 +124,7 @@ pub(crate) struct History {
     /// Frames since the way was changed.
     stay: u32,
     forecast: Forecast,
+    frames: u32,
     /// Box tests for each leaf pair that a GPU counts.
     per_leaf_pair: Option<f64>,
 }
@@ -128,6 +137,7 @@ impl Default for History {
             current: None,
             stay: 0,
             forecast: Forecast::default(),
+            frames: 0,
             per_leaf_pair: None,
         }
     }
@@ -156,11 +166,8 @@ impl History {
         let way = ways[family];
         let begin = match way {
             // Else a surprise would be walked to its end, however large.
-            Way::Alone => Some(begin(machine).max((4.0 * cost) as u64)),
-            _ if forecast.is_jumpy() => {
-                let tenth = 0.1 * times[family].unwrap_or(0.0) / machine.test;
-                Some((tenth as u64).max(1))
-            }
+            Way::Alone => Some(begin(machine).max(SURELY * cost)),
+            _ if forecast.is_jumpy() => times[family].map(|time| PROBE * time / machine.test),
             _ => None,
         };
         Choice { way, alone_first: begin, times, is_best: family == best, ..alone }
@@ -180,7 +187,11 @@ impl History {
         let expected = if choice.expected.is_some() { OUTGROWN } else { UNKNOWN } * cost;
         let (mut times, ways) = self.predict(machine, offer, expected);
         times[ALONE] = None;
-        let best = least(&times);
+        if choice.expected.is_none() && offer.threads > 1 {
+            // A guess is not worth an upload, and threads count what it costs.
+            (times[GPU], times[BOTH]) = (None, None);
+        }
+        let best = least(&self.with_upload(&times, offer));
         Choice {
             way: ways[best],
             alone_first: None,
@@ -197,13 +208,16 @@ impl History {
         let cost = match (frame.cost, frame.leaf_pairs, self.per_leaf_pair) {
             (Some(cost), ..) => Some(cost),
             (None, Some(pairs), Some(each)) => Some(each * f64::from(pairs)),
-            (None, Some(pairs), None) => {
-                let known = forecast.cost().filter(|_| pairs > 0);
-                self.per_leaf_pair = known.map(|cost| cost / f64::from(pairs));
-                known
-            }
+            (None, Some(pairs), None) => match forecast.cost().filter(|_| pairs > 0) {
+                Some(cost) => {
+                    self.per_leaf_pair = Some(cost / f64::from(pairs));
+                    Some(cost)
+                }
+                None => Some(PER_LEAF_PAIR * f64::from(pairs)),
+            },
             (None, None, _) => None,
         };
+        self.frames = self.frames.saturating_add(1);
         if let Some(cost) = cost {
             forecast.learn(cost);
         }
@@ -244,7 +258,7 @@ impl History {
     /// The current way, or `best` if that has earned it.
     fn change(&mut self, best: usize, times: &[Option<f64>; WAYS], offer: &Offer) -> usize {
         let Some((current, now)) = self.current.and_then(|way| Some((way, times[way]?))) else {
-            return best;
+            return least(&self.with_upload(times, offer));
         };
         // One frame is no trial.
         if self.ways[current].frames == 1 && now < HOPELESS * times[best].unwrap_or(now) {
@@ -253,8 +267,24 @@ impl History {
         for (known, time) in self.ways.iter_mut().zip(times) {
             known.saved = time.map_or(0.0, |time| (known.saved + now - time).max(0.0));
         }
+        let (saved, time) = (self.ways[best].saved, times[best].unwrap_or(now));
         let upload = if best >= GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
-        if self.ways[best].saved >= upload.max(CHANGING * now) { best } else { current }
+        let pays = saved + (now - time) * self.horizon() >= upload;
+        if pays && saved >= CHANGING * now { best } else { current }
+    }
+
+    /// What each way takes with its part of an upload.
+    fn with_upload(&self, times: &[Option<f64>; WAYS], offer: &Offer) -> [Option<f64>; WAYS] {
+        let mut times = *times;
+        for time in times[GPU..].iter_mut().flatten() {
+            *time += offer.gpu.unwrap_or(0.0) / self.horizon();
+        }
+        times
+    }
+
+    /// How many frames there will be, for all that is known: as many more as there were.
+    fn horizon(&self) -> f64 {
+        FRAMES + f64::from(self.frames)
     }
 }
 
@@ -273,9 +303,9 @@ fn least(times: &[Option<f64>; WAYS]) -> usize {
     times.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(ALONE, |(way, _)| way)
 }
 
-/// Tests with which an unknown question is begun.
-fn begin(machine: &Machine) -> u64 {
-    (FORKS * machine.fork_of(machine.threads.max(2)) / machine.test) as u64
+/// The cost with which an unknown question is begun.
+fn begin(machine: &Machine) -> f64 {
+    FORKS * machine.fork_of(machine.threads.max(2)) / machine.test
 }
 
 #[cfg(test)]

@@ -28,7 +28,8 @@ impl History {
         }
         if let (Some(_), Some(device)) = (offer.gpu, &machine.device) {
             times[GPU] = Some(gpu * device.ask(cost));
-            if offer.both && offer.threads > 1 {
+            // Two guesses are none.
+            if offer.both && self.ways[THREADS].frames > 1 && self.ways[GPU].frames > 1 {
                 let all = Halves::new(machine, device, offer.threads, cost, [cpu, gpu]);
                 let both = self.ways[BOTH].ratio;
                 (times[BOTH], ways[BOTH]) =

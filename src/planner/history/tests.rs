@@ -48,9 +48,9 @@ impl World {
         let mut choice = history.choose(&machine, &offer);
         let mut beside = 0.0;
         if let Some(tests) = choice.alone_first {
-            if cost > tests as f64 {
-                beside = self.takes(Way::Alone, tests as f64);
-                choice = history.outgrown(&machine, &offer, &choice, tests as f64);
+            if cost > tests {
+                beside = self.takes(Way::Alone, tests);
+                choice = history.outgrown(&machine, &offer, &choice, tests);
             } else {
                 choice.way = Way::Alone;
             }
