@@ -12,31 +12,28 @@ const AMONG_SURPRISES: f64 = 0.2;
 /// The cost of frames that resemble each other, as the last one, or of frames that jump, as their mean.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Forecast {
-    cost: Option<f64>,
-    /// How far off it is on average, on the logarithm's scale.
+    /// The last cost and the mean.
+    costs: Option<[f64; 2]>,
+    /// How far one cost is from the next on average, on the logarithm's scale.
     surprise: f64,
 }
 
 impl Forecast {
     /// In box tests; `None` before the first frame.
     pub(super) fn cost(&self) -> Option<f64> {
-        self.cost
+        self.costs.map(|[last, mean]| if self.is_jumpy() { mean } else { last })
     }
 
-    /// Whether frames are often far from what is expected.
+    /// Whether frames are often far from what the last one cost.
     pub(super) fn is_jumpy(&self) -> bool {
         self.surprise > SURPRISE
     }
 
     pub(super) fn learn(&mut self, cost: f64) {
-        let Some(expected) = self.cost else {
-            self.cost = Some(cost);
-            return;
-        };
-        let off = ((cost + NOTHING) / (expected + NOTHING)).ln().abs();
+        let [last, mean] = self.costs.unwrap_or([cost; 2]);
+        let off = ((cost + NOTHING) / (last + NOTHING)).ln().abs();
         self.surprise += WEIGHT * (off - self.surprise);
-        let weight = if self.is_jumpy() { AMONG_SURPRISES } else { 1.0 };
-        self.cost = Some(expected + weight * (cost - expected));
+        self.costs = Some([cost, mean + AMONG_SURPRISES * (cost - mean)]);
     }
 }
 
@@ -53,14 +50,11 @@ mod tests {
     #[test]
     fn coherent_frames_cost_what_the_last_did_and_jumping_ones_their_mean() {
         assert_eq!(after([]).cost(), None);
-        assert_eq!(
-            after((0..50).map(|i| 1e5 * 1.05_f64.powi(i))).cost(),
-            Some(1e5 * 1.05_f64.powi(49))
-        );
+        assert_eq!(after((0..50).map(|i| 1e5 + f64::from(i * i))).cost(), Some(1e5 + 2401.0));
         let jumping = after([1e6, 1e3].repeat(20));
         assert!(jumping.is_jumpy());
         assert!((2e5..8e5).contains(&jumping.cost().unwrap_or(0.0)));
-        // One jump is none, nor is anything among costs that are next to nothing.
+        // One jump is soon forgotten, and nothing is one among costs that are next to nothing.
         assert!(!after([1e4; 20].into_iter().chain([1e6; 5])).is_jumpy());
         assert!(!after([1.0, 100.0].repeat(20)).is_jumpy());
         assert!(!after([1e6, 1e3].repeat(20).into_iter().chain([1e5; 20])).is_jumpy());

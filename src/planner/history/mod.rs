@@ -95,6 +95,9 @@ const SHORT: u32 = 8;
 /// Frames that take less than so many nanoseconds tell nothing of a way.
 const TELLING: f64 = 3000.0;
 
+/// A way that takes so many times longer than another is not tried any further.
+const HOPELESS: f64 = 4.0;
+
 /// What is known of one way.
 #[derive(Clone, Copy, Debug)]
 struct Known {
@@ -226,8 +229,8 @@ impl History {
         let known = &mut self.ways[family];
         let sample = (frame.nanoseconds - frame.beside) / predicted;
         known.ratio = match known.frames {
-            // The first frame also wakes threads or uploads, and says little; the second replaces it.
-            0 => sample.clamp(0.25, 2.0),
+            // The first frame also wakes threads or uploads, and says little, unless it is far off.
+            0 => sample.max(HOPELESS) / HOPELESS * known.ratio,
             1 => sample.clamp(0.05, 20.0),
             // What interrupts a frame now and then says nothing either.
             _ => {
@@ -243,6 +246,10 @@ impl History {
         let Some((current, now)) = self.current.and_then(|way| Some((way, times[way]?))) else {
             return best;
         };
+        // One frame is no trial.
+        if self.ways[current].frames == 1 && now < HOPELESS * times[best].unwrap_or(now) {
+            return current;
+        }
         for (known, time) in self.ways.iter_mut().zip(times) {
             known.saved = time.map_or(0.0, |time| (known.saved + now - time).max(0.0));
         }

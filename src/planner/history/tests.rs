@@ -88,8 +88,8 @@ fn the_best_way_is_found_whatever_the_machine_was_thought_to_be() {
         [1.0; WAYS],
         [1.0, 1.0, 30.0, 1.0],
         [1.0, 4.0, 30.0, 1.0],
-        [2.0, 0.5, 0.5, 1.0],
-        [0.5, 2.0, 2.0, 1.0],
+        [1.4, 0.7, 0.7, 1.0],
+        [0.7, 1.4, 1.4, 1.0],
     ] {
         for cost in [10.0, 1e3, 1e4, 1e5, 1e6, 1e7] {
             let still = World::new(off).regret((0..300).map(|_| cost));
