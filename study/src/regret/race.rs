@@ -23,11 +23,11 @@ use std::time::{Duration, Instant};
 pub struct Effort {
     /// At least so many rounds, and ...
     pub rounds: usize,
-    /// ... as many as go into this, up to [`MOST`] times as many.
+    /// ... as many as go into this, up to forty times as many.
     pub time: Duration,
 }
 
-/// Of the rounds asked for.
+/// Times the rounds asked for.
 const MOST: usize = 40;
 
 /// A fixed plan that takes so many times as long as the best is not played again.
