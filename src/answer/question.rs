@@ -4,10 +4,16 @@ use crate::model::Stamp;
 use crate::{Accuracy, Adjacency, Error, Model, Pose, core};
 use pfront_core::query::Query;
 
+/// No more pairs of triangles than this are small change.
+const SMALL: usize = 256;
+
 /// A question about models, before it is settled who answers and how exactly.
 pub(crate) trait Question {
     /// What the CPU walks. Fits the BVHs to the positions, if that has not been done.
     fn query(&self, accuracy: Accuracy) -> impl Query + Sync;
+
+    /// Whether to think about who answers would take longer than the answer.
+    fn is_small(&self) -> bool;
 
     /// What an answer is about: the same one is true of whatever is equal.
     fn subject(&self) -> Subject;
@@ -62,6 +68,11 @@ impl Question for OfTwo<'_> {
         self.query.with_accuracy(accuracy)
     }
 
+    fn is_small(&self) -> bool {
+        let [a, b] = self.models.map(|model| model.mesh().triangles().len());
+        a.saturating_mul(b) <= SMALL || self.query.root().is_none()
+    }
+
     fn subject(&self) -> Subject {
         Subject {
             models: self.models.map(Model::stamp),
@@ -94,6 +105,11 @@ impl Question for OfOne<'_> {
             .with_accuracy(accuracy)
             .with_adjacency(self.adjacency)
             .with_fans(self.model.fans())
+    }
+
+    fn is_small(&self) -> bool {
+        let n = self.model.mesh().triangles().len();
+        n.saturating_mul(n) <= SMALL
     }
 
     fn subject(&self) -> Subject {

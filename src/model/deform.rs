@@ -5,6 +5,7 @@ use super::moves::same_bits;
 #[cfg(feature = "threads")]
 use super::passes::THREADS;
 use super::passes::{ONE_THREAD, Passes};
+use super::tree::Tree;
 use crate::Error;
 use pfront_core::Mesh;
 
@@ -21,7 +22,7 @@ impl Model {
     /// # Complexity
     /// O(vertices + triangles); O(vertices) if few have moved that are near one another. A rebuild is
     /// O(n log n) and allocates 32 bytes a triangle while it runs. A refit allocates nothing, but for the
-    /// first ones of which few vertices have moved, after a build: see [`Model`].
+    /// first of few vertices: see [`Model`].
     ///
     /// # Examples
     /// ```
@@ -97,14 +98,12 @@ impl Model {
         if same_bits(positions, &self.positions) {
             return Ok(false);
         }
-        if let Some(tree) = self.tree.fresh() {
+        if let Some(tree) = self.tree.fresh_mut() {
             if tree.is_worn() {
                 self.stamp.rebuilt();
             }
             self.moves.clear();
-            if self.fans.fresh().is_none()
-                && let Some(fans) = self.fans.outdate()
-            {
+            if let Some(fans) = self.fans.stale_mut() {
                 fans.fall_behind();
             }
         }
@@ -120,29 +119,53 @@ impl Model {
     fn fit_by(&mut self, passes: &Passes) {
         let mesh = Mesh::trusted(&self.positions, &self.triangles);
         let (moves, options) = (&self.moves, &self.options);
-        let due = (self.tree.fresh().is_none(), self.fans.fresh().is_none());
-        let (Some(tree), fans) = (self.tree.outdate(), self.fans.outdate()) else { return };
-        let fans = fans.filter(|_| due.1);
-        let mut fit = || {
-            if due.0 {
-                tree.fit(mesh, options, moves, passes);
+        let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, passes);
+        match (self.tree.stale_mut(), self.fans.stale_mut()) {
+            (Some(tree), Some(fans)) => {
+                (passes.both)(&mut || fit(tree), &mut || fans.renew(mesh, moves));
             }
-        };
-        match fans {
-            Some(fans) if moves.few().is_none() => {
-                (passes.both)(&mut fit, &mut || fans.certify(mesh));
-            }
-            Some(fans) => {
-                fit();
-                fans.certify_moved(mesh, tree, moves);
-            }
-            None => fit(),
-        }
-        if tree.is_worn() {
-            tree.rebuild(mesh, options, passes);
-            self.stamp.rebuilt();
+            (Some(tree), None) => fit(tree),
+            (None, Some(fans)) => fans.renew(mesh, moves),
+            (None, None) => {}
         }
         self.tree.renewed();
         self.fans.renewed();
+        if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
+            tree.rebuild(mesh, options, passes);
+            self.stamp.rebuilt();
+        }
+    }
+
+    /// Makes room for what refits need that are of few vertices, so that not even the first allocates.
+    pub(crate) fn reserve(&mut self) {
+        self.moves.reserve(self.positions.len());
+        if let Some(tree) = self.tree.fresh_mut() {
+            tree.reserve();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pfront_scenes::icosphere;
+
+    #[test]
+    fn with_room_made_for_it_no_refit_grows_a_model() {
+        let ball = icosphere(2_000);
+        let grown = |reserve: bool| {
+            let mut model = Model::new(ball.positions.clone(), ball.triangles.clone()).unwrap();
+            if reserve {
+                model.reserve();
+            }
+            let before = model.bytes();
+            let mut moved = ball.positions.clone();
+            for _ in 0..2 {
+                moved[7][0] += 0.01;
+                model.set_positions(&moved).unwrap();
+            }
+            model.bytes() - before
+        };
+        assert!(grown(false) > 0 && grown(true) == 0);
     }
 }

@@ -1,14 +1,14 @@
 //! The fans of a model.
 
 use super::moves::Moves;
-use super::tree::Tree;
 use pfront_core::build::{Moved, moved_bound};
-use pfront_core::fans::{self, Fan};
+use pfront_core::fans::{self, Fan, Span};
 use pfront_core::{CapacityError, Mesh};
 
 #[derive(Clone, Debug)]
 pub(super) struct Fans {
     fans: Vec<Fan>,
+    spans: Vec<Span>,
     scratch: Vec<Moved>,
     /// More has moved since they were up to date than since the tree fitted.
     behind: bool,
@@ -16,32 +16,30 @@ pub(super) struct Fans {
 
 impl Fans {
     pub(super) fn new(mesh: Mesh<'_>) -> Self {
-        let mut fans = vec![Fan::default(); mesh.positions().len()];
-        let need = fans::link_scratch_bound(fans.len(), mesh.triangles().len());
-        let linked = fans::link(mesh, &mut vec![0; need], &mut fans);
-        check(linked);
-        let mut fans = Self { fans, scratch: Vec::new(), behind: false };
-        fans.certify(mesh);
-        fans
+        let (vertices, triangles) = (mesh.positions().len(), mesh.triangles().len());
+        let mut fans = vec![Fan::default(); vertices];
+        let mut spans = vec![Span::default(); fans::span_bound(triangles)];
+        check(fans::link(
+            mesh,
+            &mut vec![0; fans::link_scratch_bound(vertices, triangles)],
+            &mut fans,
+        ));
+        check(fans::certify(mesh, &mut fans));
+        check(fans::find_spans(mesh, &mut spans));
+        Self { fans, spans, scratch: vec![Moved::default(); moved_bound(vertices)], behind: false }
     }
 
-    /// Brings all up to date.
-    pub(super) fn certify(&mut self, mesh: Mesh<'_>) {
-        check(fans::certify(mesh, &mut self.fans));
+    /// Brings the fans up to date with positions that have moved since they were.
+    pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves) {
+        let (fans, scratch) = (&mut self.fans, &mut self.scratch);
+        check(match moves.few().filter(|_| !self.behind) {
+            Some(moved) => fans::certify_moved(mesh, &self.spans, moved, scratch, fans),
+            None => fans::certify(mesh, fans),
+        });
         self.behind = false;
     }
 
-    /// The same where it is enough to look at what has moved since a tree fitted that fits again.
-    pub(super) fn certify_moved(&mut self, mesh: Mesh<'_>, tree: &Tree, moves: &Moves) {
-        let (Some(moved), Some(table), false) = (moves.few(), tree.table(), self.behind) else {
-            return self.certify(mesh);
-        };
-        self.scratch.resize(moved_bound(self.fans.len()), Moved::default());
-        let (scratch, fans) = (&mut self.scratch, &mut self.fans);
-        check(fans::certify_moved(&tree.bvh(mesh), table, moved, scratch, fans));
-    }
-
-    /// To be called when the tree fits and they do not, before anything moves.
+    /// To be called when the tree fits and they are not up to date, before anything moves.
     pub(super) fn fall_behind(&mut self) {
         self.behind = true;
     }
@@ -51,7 +49,9 @@ impl Fans {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.fans.capacity() * size_of::<Fan>() + self.scratch.capacity() * size_of::<Moved>()
+        self.fans.capacity() * size_of::<Fan>()
+            + self.spans.capacity() * size_of::<Span>()
+            + self.scratch.capacity() * size_of::<Moved>()
     }
 }
 

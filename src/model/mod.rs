@@ -116,6 +116,7 @@ impl Model {
     }
 
     /// The BVH. After [`Model::set_positions_unfitted`], it is refitted at the first call.
+    #[inline]
     #[must_use]
     pub fn bvh(&self) -> Bvh<'_> {
         self.tree().bvh(self.mesh())
@@ -125,15 +126,8 @@ impl Model {
     /// as long as a refit or two, and kept up to date from then on, as the BVH is.
     #[must_use]
     pub fn fans(&self) -> &[Fan] {
-        let tree = self.tree();
-        let renewed = self.fans.get(|stale| match stale {
-            Some(mut fans) => {
-                fans.certify_moved(self.mesh(), tree, &self.moves);
-                fans
-            }
-            None => Fans::new(self.mesh()),
-        });
-        renewed.as_slice()
+        let mesh = self.mesh();
+        self.fans.get(|fans| fans.renew(mesh, &self.moves), || Fans::new(mesh)).as_slice()
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
@@ -176,17 +170,21 @@ impl Model {
             + self.fans.map(Fans::bytes).unwrap_or_default()
     }
 
-    /// The tree as it fits the positions. This is no place for threads: see [`Renewed`].
+    /// The tree as it fits the positions.
     #[inline]
     fn tree(&self) -> &Tree {
-        self.tree.get(|stale| match stale {
-            Some(mut tree) => {
-                tree.fit(self.mesh(), &self.options, &self.moves, &ONE_THREAD);
-                tree
-            }
+        self.tree.fresh().unwrap_or_else(|| self.fitted())
+    }
+
+    /// The tree, after it has been fitted. This is no place for threads: see [`Renewed`].
+    #[cold]
+    fn fitted(&self) -> &Tree {
+        let (mesh, options) = (self.mesh(), &self.options);
+        self.tree.get(
+            |tree| tree.fit(mesh, options, &self.moves, &ONE_THREAD),
             // Lost by a thread that panicked.
-            None => Tree::build(self.mesh(), &self.options, &ONE_THREAD),
-        })
+            || Tree::build(mesh, options, &ONE_THREAD),
+        )
     }
 }
 

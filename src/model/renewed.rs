@@ -9,14 +9,15 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 /// thread, which might be one that waits here: no rayon.
 #[derive(Debug)]
 pub(super) struct Renewed<T> {
-    fresh: OnceLock<T>,
+    /// In a box, since there are two places for it.
+    fresh: OnceLock<Box<T>>,
     /// `None` as soon as somebody is at it.
-    stale: Mutex<Option<T>>,
+    stale: Mutex<Option<Box<T>>>,
 }
 
 impl<T> Renewed<T> {
     pub(super) fn new(fresh: T) -> Self {
-        Self { fresh: OnceLock::from(fresh), stale: Mutex::new(None) }
+        Self { fresh: OnceLock::from(Box::new(fresh)), stale: Mutex::new(None) }
     }
 
     /// A value that is not made yet.
@@ -24,45 +25,61 @@ impl<T> Renewed<T> {
         Self { fresh: OnceLock::new(), stale: Mutex::new(None) }
     }
 
-    /// The value, once `renew` has made it of what it was, if it was anything.
+    /// The value, if it is up to date.
     #[inline]
-    pub(super) fn get(&self, renew: impl FnOnce(Option<T>) -> T) -> &T {
-        self.fresh.get_or_init(|| {
-            let stale = self.stale().take();
-            renew(stale)
-        })
+    pub(super) fn fresh(&self) -> Option<&T> {
+        self.fresh.get().map(AsRef::as_ref)
     }
 
-    /// The value, if it is up to date.
-    pub(super) fn fresh(&self) -> Option<&T> {
-        self.fresh.get()
+    /// The value, after it has been renewed or made, if need be.
+    pub(super) fn get(&self, renew: impl FnOnce(&mut T), make: impl FnOnce() -> T) -> &T {
+        self.fresh.get_or_init(|| {
+            let stale = self.stale().take();
+            match stale {
+                Some(mut value) => {
+                    renew(&mut value);
+                    value
+                }
+                None => Box::new(make()),
+            }
+        })
     }
 
     /// What `f` says of the value, up to date or not; `None` if it is not made or somebody is at it.
     pub(super) fn map<R>(&self, f: impl Fn(&T) -> R) -> Option<R> {
-        let of_stale = self.stale().as_ref().map(&f);
-        of_stale.or_else(|| self.fresh.get().map(f))
+        let of_stale = self.stale().as_deref().map(&f);
+        of_stale.or_else(|| self.fresh.get().map(|value| f(value)))
     }
 
-    /// The value, from now on out of date.
-    pub(super) fn outdate(&mut self) -> Option<&mut T> {
-        let stale = self.stale.get_mut().unwrap_or_else(PoisonError::into_inner);
-        if let Some(fresh) = self.fresh.take() {
-            *stale = Some(fresh);
+    pub(super) fn fresh_mut(&mut self) -> Option<&mut T> {
+        self.fresh.get_mut().map(AsMut::as_mut)
+    }
+
+    /// The value, if it is out of date.
+    pub(super) fn stale_mut(&mut self) -> Option<&mut T> {
+        self.as_stale().as_deref_mut()
+    }
+
+    /// From now on the value, if it is made, is out of date.
+    pub(super) fn outdate(&mut self) {
+        if let Some(value) = self.fresh.take() {
+            *self.as_stale() = Some(value);
         }
-        stale.as_mut()
     }
 
     /// From now on the value, if it is made, is up to date.
     pub(super) fn renewed(&mut self) {
-        let stale = self.stale.get_mut().unwrap_or_else(PoisonError::into_inner);
-        if let Some(value) = stale.take() {
+        if let Some(value) = self.as_stale().take() {
             self.fresh = OnceLock::from(value);
         }
     }
 
+    fn as_stale(&mut self) -> &mut Option<Box<T>> {
+        self.stale.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Nothing is ever half done under this lock, whoever panics.
-    fn stale(&self) -> MutexGuard<'_, Option<T>> {
+    fn stale(&self) -> MutexGuard<'_, Option<Box<T>>> {
         self.stale.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

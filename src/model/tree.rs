@@ -76,18 +76,50 @@ impl Tree {
         self.quality > self.built * REBUILD_RATIO
     }
 
+    #[inline]
     pub(super) fn bvh<'a>(&'a self, mesh: Mesh<'a>) -> Bvh<'a> {
         Bvh::trusted(mesh, &self.nodes, &self.order)
     }
 
-    /// What the last refit went by, if it was partial.
-    pub(super) fn table(&self) -> Option<&[Below]> {
-        (!self.table.is_empty()).then_some(&self.table)
+    /// Makes room for what a partial refit goes by, whatever tree a rebuild will make.
+    pub(super) fn reserve(&mut self) {
+        let rows = survey_bound(node_bound(self.order.len()));
+        self.table.reserve(rows - self.table.len());
     }
 
     pub(super) fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>()
             + self.order.capacity() * size_of::<u32>()
             + self.table.capacity() * size_of::<Below>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::passes::ONE_THREAD;
+    use pfront_scenes::icosphere;
+
+    #[test]
+    fn the_quality_is_known_after_few_moves_and_many() {
+        let ball = icosphere(2_000);
+        let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
+        let options = BuildOptions::default();
+        let mut tree = Tree::build(mesh, &options, &ONE_THREAD);
+        let mut before = ball.positions.clone();
+        // Flatter from time to time, so that the figure changes but little.
+        for (round, moving) in [9, 5, 1_000, 7, 0, 1_000, 1_000, 30].into_iter().enumerate() {
+            let mut after = before.clone();
+            after.iter_mut().take(moving).for_each(|p| p[2] *= 0.9);
+            let mut moves = Moves::default();
+            moves.add(&before, &after);
+            assert_eq!(moves.few().is_some(), moving < 100);
+            let mesh = mesh.with_positions(&after).unwrap();
+            tree.fit(mesh, &options, &moves, &ONE_THREAD);
+            let expected = build::quality(&tree.bvh(mesh));
+            assert!((tree.quality - expected).abs() < 1e-5 * expected, "round {round}");
+            before = after;
+        }
+        assert!(!tree.is_worn(), "never rebuilt");
     }
 }

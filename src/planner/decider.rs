@@ -15,6 +15,8 @@ pub(crate) struct Decider {
     asked: usize,
     plan: Plan,
     begun: Option<Instant>,
+    /// Whether there was a frame.
+    is_planned: bool,
     /// What has been decided before the question was asked.
     ahead: Option<Choice>,
     /// What was done before the question, for its sake.
@@ -31,6 +33,7 @@ impl Decider {
             asked: 0,
             plan: Plan::default(),
             begun: None,
+            is_planned: false,
             ahead: None,
             prepared: Duration::ZERO,
             lost: Duration::ZERO,
@@ -43,7 +46,7 @@ impl Decider {
 
     /// Of the last frame, once there was one.
     pub(crate) fn plan(&self) -> Option<&Plan> {
-        self.begun.map(|_| &self.plan)
+        self.is_planned.then_some(&self.plan)
     }
 
     /// Decides who will answer the next question, before it is asked: whoever moves a model can then prepare it
@@ -58,9 +61,18 @@ impl Decider {
         self.prepared += took;
     }
 
+    /// A frame is not worth a thought, nor a look at the clock.
+    pub(crate) fn small(&mut self) {
+        let failure = self.plan.failure.take();
+        self.plan = Plan { reason: Reason::Small, failure, ..Plan::default() };
+        (self.ahead, self.prepared) = (None, Duration::ZERO);
+        self.is_planned = true;
+    }
+
     /// Begins a frame.
     pub(crate) fn start(&mut self) {
         self.begun = Some(Instant::now());
+        self.is_planned = true;
         self.lost = Duration::ZERO;
     }
 

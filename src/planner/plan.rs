@@ -35,6 +35,8 @@ pub enum Backend {
 pub enum Reason {
     /// Neither what was asked nor where it is has changed.
     Unchanged,
+    /// The question is too small to think about.
+    Small,
     /// There is no other way here, or none that the limits allow.
     OnlyWay,
     /// Nothing is known yet of a question like this: it is begun as the cheapest, which was enough.
@@ -78,7 +80,7 @@ pub struct Plan {
     pub predicted: Option<Duration>,
     /// What each way would have taken, where it was thought of: alone, on threads, on the GPU, on both.
     pub alternatives: [Option<Duration>; 4],
-    /// What it took, deciding included.
+    /// What it took, deciding included; 0 for what is too small to look at the clock.
     pub actual: Duration,
     /// What deciding took.
     pub deciding: Duration,
@@ -123,6 +125,7 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Unchanged => "nothing has changed",
+            Self::Small => "too small to think about",
             Self::OnlyWay => "there is no other way here",
             Self::Unknown => "nothing is known yet, and this was enough",
             Self::Outgrown => "it turned out larger than expected",

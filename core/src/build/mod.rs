@@ -16,7 +16,7 @@ mod parts;
 mod radix;
 mod refit;
 mod sah;
-pub(crate) mod survey;
+mod survey;
 #[cfg(test)]
 mod tests;
 

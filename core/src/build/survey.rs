@@ -9,8 +9,8 @@
 use super::moved::{holds, holds_any};
 use super::refit::{Areas, Join, PART};
 use super::{Moved, moved_bound};
-use crate::bvh::{MAX_DEPTH, Node};
-use crate::{Bvh, CapacityError, Mesh};
+use crate::bvh::Node;
+use crate::{CapacityError, Mesh};
 
 /// What a refit knows of two siblings and all that lies below them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -99,36 +99,6 @@ pub fn refit_moved(
     CapacityError::check("table", survey_bound(nodes.len()), table.len())?;
     CapacityError::check("moved", moved_bound(mesh.positions().len()), moved.len())?;
     Ok(Pass { mesh, order, moved: Some(moved), join }.whole(nodes, table))
-}
-
-/// Calls `visit` with the triangles of each leaf, but for some below which no vertex is in the set.
-pub(crate) fn leaves_near(
-    bvh: &Bvh<'_>,
-    table: &[Below],
-    set: &[Moved],
-    mut visit: impl FnMut(&[u32]),
-) {
-    let Some(root) = bvh.root() else { return };
-    if root.is_leaf() {
-        return visit(bvh.leaf_triangles(root));
-    }
-    // A descent leaves one pair behind a level.
-    let (mut waiting, mut len) = ([root.first; MAX_DEPTH + 1], 1);
-    while len > 0 {
-        len -= 1;
-        let left = waiting[len] as usize;
-        if !holds_any(set, table[left / 2 - 1].range) {
-            continue;
-        }
-        for node in &bvh.nodes()[left..left + 2] {
-            if node.is_leaf() {
-                visit(bvh.leaf_triangles(node));
-            } else {
-                waiting[len] = node.first;
-                len += 1;
-            }
-        }
-    }
 }
 
 struct Pass<'p> {

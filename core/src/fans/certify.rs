@@ -8,13 +8,12 @@
 //! comparison of coordinates, once a turn each way.
 
 use super::{DOUBTS, Fan, LINK};
-use crate::build::moved::{holds, mark, number, vertices};
-use crate::build::survey::leaves_near;
-use crate::build::{Below, Moved, moved_bound, survey_bound};
-use crate::{Bvh, CapacityError, Mesh};
+use crate::build::moved::{holds, holds_any, mark, number, vertices};
+use crate::build::{Moved, moved_bound};
+use crate::{CapacityError, Mesh};
 use glam::Vec3A;
 
-/// Brings the fans of a mesh up to date with its positions. `fans` are those of [`link`] for the same
+/// Brings the fans of a mesh up to date with its positions. `fans` are those of [`link`](super::link) for the same
 /// triangles; others may make a query miss pairs.
 ///
 /// # Errors
@@ -37,52 +36,99 @@ pub fn certify(mesh: Mesh<'_>, fans: &mut [Fan]) -> Result<(), CapacityError> {
     Ok(())
 }
 
+/// How many consecutive triangles one [`Span`] tells of.
+const SPAN: usize = 64;
+
+/// The smallest and the largest index of a vertex of some consecutive triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span([u32; 2]);
+
+/// How many spans so many triangles have.
+#[must_use]
+pub const fn span_bound(triangles: usize) -> usize {
+    triangles.div_ceil(SPAN)
+}
+
+/// Finds the spans of the triangles, which [`certify_moved`] goes by. They are short if triangles that are
+/// near one another in the mesh have vertices that are.
+///
+/// # Errors
+/// [`CapacityError`] if there are fewer than [`span_bound`].
+///
+/// # Complexity
+/// O(triangles).
+pub fn find_spans(mesh: Mesh<'_>, spans: &mut [Span]) -> Result<(), CapacityError> {
+    CapacityError::check("spans", span_bound(mesh.triangles().len()), spans.len())?;
+    for (span, triangles) in spans.iter_mut().zip(mesh.triangles().chunks(SPAN)) {
+        let all = triangles.as_flattened().iter();
+        span.0 = all.fold([u32::MAX, 0], |[first, last], &v| [first.min(v), last.max(v)]);
+    }
+    Ok(())
+}
+
 /// [`certify`] after some vertices of a mesh have moved: brings up to date the fans of these and of their
 /// neighbours, on which alone that has a bearing.
 ///
-/// `bvh` and `table` are as [`refit_moved`](crate::build::refit_moved) or
-/// [`survey`](crate::build::survey()) left them, `moved` is what has moved since the fans were up to date.
-/// `scratch` may hold anything.
+/// `spans` are those of [`find_spans`]. `moved` holds what has moved since the fans were up to date, by
+/// [`mark_moved`](crate::build::mark_moved). `scratch` may hold anything.
 ///
 /// # Errors
-/// [`CapacityError`] if `fans` has not one entry a vertex, `table` fewer rows than [`survey_bound`], or
-/// `moved` or `scratch` fewer words than [`moved_bound`].
+/// [`CapacityError`] if `fans` has not one entry a vertex, `spans` fewer than [`span_bound`], or `moved` or
+/// `scratch` fewer words than [`moved_bound`].
 ///
 /// # Complexity
-/// As [`refit_moved`](crate::build::refit_moved).
+/// O(m + vertices / 32 + triangles / 64) for m triangles in spans that hold a vertex which has moved or
+/// its neighbour.
+///
+/// # Examples
+/// ```
+/// use pfront_core::{Mesh, build::{Moved, mark_moved}, fans::{self, Fan, Span, link_scratch_bound}};
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+/// let (mut known, mut spans) = ([Fan::default(); 3], [Span::default()]);
+/// fans::link(mesh, &mut [0; link_scratch_bound(3, 1)], &mut known)?;
+/// fans::certify(mesh, &mut known)?;
+/// fans::find_spans(mesh, &mut spans)?;
+///
+/// let after = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+/// let mut moved = [Moved::default()];
+/// mark_moved(&points, &after, &mut moved)?;
+/// let mesh = mesh.with_positions(&after)?;
+/// fans::certify_moved(mesh, &spans, &moved, &mut [Moved::default()], &mut known)?;
+/// assert!(!known[0].is_certified(), "a triangle without area");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn certify_moved(
-    bvh: &Bvh<'_>,
-    table: &[Below],
+    mesh: Mesh<'_>,
+    spans: &[Span],
     moved: &[Moved],
     scratch: &mut [Moved],
     fans: &mut [Fan],
 ) -> Result<(), CapacityError> {
-    let (positions, triangles) = (bvh.mesh().positions(), bvh.mesh().triangles());
+    let positions = mesh.positions();
     CapacityError::check("fans", positions.len(), fans.len())?;
-    CapacityError::check("table", survey_bound(bvh.nodes().len()), table.len())?;
+    CapacityError::check("spans", span_bound(mesh.triangles().len()), spans.len())?;
     CapacityError::check("moved", moved_bound(positions.len()), moved.len())?;
     CapacityError::check("scratch", moved_bound(positions.len()), scratch.len())?;
     // Whatever shares a triangle with a vertex that has moved.
     let near = scratch;
     near.fill(Moved::default());
-    leaves_near(bvh, table, moved, |leaf| {
-        for t in leaf.iter().map(|&t| triangles[t as usize]) {
-            if t.iter().any(|&vertex| holds(moved, vertex)) {
-                t.iter().for_each(|&vertex| mark(near, vertex));
-            }
-        }
-    });
+    with_any(mesh, spans, moved, |t| t.iter().for_each(|&vertex| mark(near, vertex)));
     number(near);
     vertices(near).for_each(|vertex| fans[vertex].0 &= LINK);
-    leaves_near(bvh, table, near, |leaf| {
-        for t in leaf.iter().map(|&t| &triangles[t as usize]) {
-            if t.iter().any(|&vertex| holds(near, vertex)) {
-                count(positions, t, fans, |vertex| holds(near, vertex));
-            }
-        }
-    });
+    with_any(mesh, spans, near, |t| count(positions, t, fans, |vertex| holds(near, vertex)));
     vertices(near).for_each(|vertex| fans[vertex] = fans[vertex].settled());
     Ok(())
+}
+
+/// Calls `visit` for each triangle that has a vertex of the set.
+#[inline(always)]
+fn with_any(mesh: Mesh<'_>, spans: &[Span], set: &[Moved], mut visit: impl FnMut(&[u32; 3])) {
+    let spans = spans.iter().zip(mesh.triangles().chunks(SPAN));
+    for (_, triangles) in spans.filter(|(span, _)| holds_any(set, span.0)) {
+        let any = |t: &&[u32; 3]| t.iter().any(|&vertex| holds(set, vertex));
+        triangles.iter().filter(any).for_each(&mut visit);
+    }
 }
 
 /// Counts a triangle in those fans of its corners that are `due`.

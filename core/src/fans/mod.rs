@@ -14,7 +14,7 @@ mod certify;
 #[cfg(test)]
 mod tests;
 
-pub use certify::{certify, certify_moved};
+pub use certify::{Span, certify, certify_moved, find_spans, span_bound};
 
 use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable};

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::build::moved::{holds, holds_any, vertices};
-use crate::fans::{Fan, certify, certify_moved, link, link_scratch_bound};
+use crate::fans::{
+    Fan, Span, certify, certify_moved, find_spans, link, link_scratch_bound, span_bound,
+};
 
 fn bits<T: bytemuck::NoUninit>(values: &[T]) -> &[u32] {
     bytemuck::cast_slice(values)
@@ -38,6 +40,8 @@ fn what_has_moved_is_all_that_a_refit_needs() {
         let need = link_scratch_bound(positions.len(), triangles.len());
         link(mesh, &mut vec![0; need], &mut fans).unwrap();
         certify(mesh, &mut fans).unwrap();
+        let mut spans = vec![Span::default(); span_bound(triangles.len())];
+        find_spans(mesh, &mut spans).unwrap();
         with_builds(mesh, 2, |build, bvh| {
             let (mut nodes, order) = (bvh.nodes().to_vec(), bvh.order());
             let (mut whole, mut fans) = (nodes.clone(), fans.clone());
@@ -62,8 +66,7 @@ fn what_has_moved_is_all_that_a_refit_needs() {
                 // Nothing drifts.
                 let surveyed = survey(moved, &mut whole, order, &mut fresh, join).unwrap();
                 assert!(found == surveyed && table == fresh, "{context}");
-                let tree = Bvh::trusted(moved, &nodes, order);
-                certify_moved(&tree, &table, &marks, &mut scratch, &mut fans).unwrap();
+                certify_moved(moved, &spans, &marks, &mut scratch, &mut fans).unwrap();
                 certify(moved, &mut all_fans).unwrap();
                 assert_eq!(fans, all_fans, "{context}");
                 before = after;
@@ -97,28 +100,32 @@ fn a_set_knows_what_it_holds() {
 fn a_table_or_a_set_one_short_is_an_error_that_names_the_need() {
     let (positions, triangles) = grid(8);
     let mesh = Mesh::new(&positions, &triangles).unwrap();
+    let short = |error: CapacityError| (error.buffer, error.needed, error.capacity);
     with_builds(mesh, 1, |_, bvh| {
-        let run = |rows: usize, words: usize, scratch: usize, fans: usize| {
+        let run = |rows: usize, words: usize| {
             let (mut nodes, order) = (bvh.nodes().to_vec(), bvh.order());
             let (table, moved) =
                 (&mut *vec![Below::default(); rows], vec![Moved::default(); words]);
             let made = survey(mesh, &mut nodes, order, table, joins()[0]).err();
             let refitted = refit_moved(mesh, &mut nodes, order, &moved, table, joins()[0]).err();
-            let scratch = &mut *vec![Moved::default(); scratch];
-            let fans = &mut *vec![Fan::default(); fans];
-            let certified = certify_moved(&bvh, table, &moved, scratch, fans).err();
-            [made, refitted, certified].map(|e| e.map(|e| (e.buffer, e.needed, e.capacity)))
+            [made, refitted].map(|error| error.map(short))
         };
-        let (rows, words) = (bvh.nodes().len() / 2 - 1, 3);
-        assert_eq!(run(rows, words, words, 81), [None; 3]);
-        let table = Some(("table", rows, rows - 1));
-        assert_eq!(run(rows - 1, words, words, 81), [table; 3]);
-        let moved = Some(("moved", words, words - 1));
-        assert_eq!(run(rows, words - 1, words, 81), [None, moved, moved]);
-        let scratch = Some(("scratch", words, words - 1));
-        assert_eq!(run(rows, words, words - 1, 81), [None, None, scratch]);
-        assert_eq!(run(rows, words, words, 80), [None, None, Some(("fans", 81, 80))]);
+        assert_eq!(run(127, 3), [None; 2]);
+        assert_eq!(run(126, 3), [Some(("table", 127, 126)); 2]);
+        assert_eq!(run(127, 2), [None, Some(("moved", 3, 2))]);
     });
-    let short = mark_moved(&positions, &positions, &mut [Moved::default(); 2]).err();
-    assert_eq!(short.map(|e| e.needed), Some(3));
+    let run = |fans: usize, spans: usize, moved: usize, scratch: usize| {
+        let (spans, fans) = (&mut *vec![Span::default(); spans], &mut *vec![Fan::default(); fans]);
+        let found = find_spans(mesh, spans).err();
+        let [moved, mut scratch] = [moved, scratch].map(|words| vec![Moved::default(); words]);
+        let certified = certify_moved(mesh, spans, &moved, &mut scratch, fans).err();
+        [found, certified].map(|error| error.map(short))
+    };
+    assert_eq!(run(81, 2, 3, 3), [None; 2]);
+    assert_eq!(run(80, 2, 3, 3), [None, Some(("fans", 81, 80))]);
+    assert_eq!(run(81, 1, 3, 3), [Some(("spans", 2, 1)); 2]);
+    assert_eq!(run(81, 2, 2, 3), [None, Some(("moved", 3, 2))]);
+    assert_eq!(run(81, 2, 3, 2), [None, Some(("scratch", 3, 2))]);
+    let marked = mark_moved(&positions, &positions, &mut [Moved::default(); 2]).err();
+    assert_eq!(marked.map(short), Some(("moved", 3, 2)));
 }
