@@ -1,4 +1,4 @@
-//! What pfront is worth, measured: speed against accuracy, and stability where methods fail.
+//! What pfront is worth, measured: speed against accuracy, stability where methods fail, and the regret of plans.
 //!
 //! - [`suite`]: triangle pairs with their truth, generated from a seed or harvested from real contacts, as a
 //!   file that any implementation can be judged by.

@@ -4,6 +4,8 @@
 //! One driver for all studies and for the command: [`Objects`] are what is asked about, [`Asked`] says how and
 //! of whom, and the [`Engine`] that both make keeps its buffers from frame to frame.
 
+#[cfg(feature = "gpu")]
+mod both;
 mod cpu;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -108,6 +110,12 @@ pub enum EngineError {
         /// What was to be moved.
         what: &'static str,
     },
+    /// Not everyone can do everything.
+    #[error("there is no way {what}: ask somebody else")]
+    Unable {
+        /// What was to be done.
+        what: &'static str,
+    },
     /// There is no such object.
     #[error("there is no object {object}; there are {objects}")]
     NoObject {
@@ -119,10 +127,11 @@ pub enum EngineError {
 }
 
 impl EngineError {
-    /// Whether more memory would help.
+    /// Whether somebody else could do it, or the same with more memory.
     #[must_use]
-    pub fn is_for_want_of_memory(&self) -> bool {
+    pub fn is_want_of_means(&self) -> bool {
         match self {
+            Self::Unable { .. } => true,
             #[cfg(feature = "gpu")]
             Self::Gpu(
                 pfront::gpu::Error::TooLarge { .. } | pfront::gpu::Error::OutOfMemory { .. },
@@ -153,6 +162,16 @@ pub enum On {
     /// A GPU, whose answers are all exact.
     #[cfg(feature = "gpu")]
     Gpu(OnGpu),
+    /// Several threads and a GPU at once.
+    #[cfg(feature = "gpu")]
+    Both {
+        /// The threads.
+        traversal: Box<Traversal>,
+        /// The GPU.
+        gpu: OnGpu,
+        /// What it gets of the work, from 0 to 1.
+        share: f64,
+    },
 }
 
 /// A GPU, and how it is used.
@@ -236,6 +255,10 @@ impl Objects {
         match on {
             #[cfg(feature = "gpu")]
             On::Gpu(on) => gpu::engine(&self, adjacency, &on),
+            #[cfg(feature = "gpu")]
+            On::Both { traversal, gpu, share } => {
+                both::engine(&self, adjacency, gpu, *traversal, share)
+            }
             On::Cpu(None) => cpu::engine(self, accuracy, adjacency, Hands::One),
             On::Cpu(Some(traversal)) => {
                 cpu::engine(self, accuracy, adjacency, Hands::Threads(traversal))

@@ -84,7 +84,8 @@ impl Crowd {
 
     /// Triangles of the body in the middle.
     fn triangles(&self, scale: &Scale) -> usize {
-        let most = (scale.triangles / self.bodies(scale)).min(scale.triangles / 30);
+        // A body that sweeps has as many again as all others.
+        let most = (scale.triangles / 2 / self.bodies(scale)).min(scale.triangles / 30);
         by_factors(1, most.max(1), self.size)
     }
 

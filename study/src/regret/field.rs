@@ -13,6 +13,10 @@ use pfront::threads::Traversal;
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 
+/// What a GPU gets, in per cent, in plans that divide a frame between it and all threads.
+#[cfg(feature = "gpu")]
+const SHARES: [u32; 2] = [20, 50];
+
 /// All who play a case.
 pub struct Field {
     /// Plans that never change; the first is one thread.
@@ -45,11 +49,23 @@ impl Field {
         Ok(Self { fixed, planner })
     }
 
-    /// The same with a GPU among the fixed plans.
+    /// The same with a GPU among the fixed plans, alone and, where there are several threads, with all of them.
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn with_gpu(mut self, gpu: &Gpu) -> Self {
-        self.fixed.push(Lane { name: "GPU".to_owned(), on: On::Gpu(OnGpu::new(gpu.clone())) });
+        let gpu = OnGpu::new(gpu.clone());
+        let mut with = vec![Lane { name: "GPU".to_owned(), on: On::Gpu(gpu.clone()) }];
+        if let Some(Lane { on: On::Cpu(Some(traversal)), .. }) = self.fixed.last() {
+            with.extend(SHARES.map(|share| Lane {
+                name: format!("{share} % GPU"),
+                on: On::Both {
+                    traversal: traversal.clone(),
+                    gpu: gpu.clone(),
+                    share: f64::from(share) / 100.0,
+                },
+            }));
+        }
+        self.fixed.extend(with);
         self
     }
 
@@ -68,7 +84,10 @@ impl Field {
         for recipe in samples() {
             let case = recipe.build(&Scale::QUICK)?;
             for on in self.fixed.iter().map(|lane| &lane.on).chain([&self.chosen()]) {
-                play(&case, on)?;
+                match play(&case, on) {
+                    Err(error) if error.is_want_of_means() => continue,
+                    played => played?,
+                };
             }
         }
         Ok(())

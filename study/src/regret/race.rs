@@ -1,10 +1,11 @@
 //! A case, played by everyone in turn.
 //!
 //! In a first round, which is not counted, all answers are compared, and who is hopelessly slow drops out. In
-//! those that follow, everyone plays the whole case with a new query, and whoever begins moves on by one: what
-//! else the machine does hits all alike. A plan's time is the median over rounds of its total, which is what a
-//! user sees, and not the minimum, which is what threads take when nobody else wants the cores. The best of
-//! the first round plays twice in each: how far it is from itself is how far figures can be trusted.
+//! those that follow, everyone plays the whole case with a new query, in another order each time: what else the
+//! machine does, and what one play leaves behind for the next, hits all alike. A plan's time is the median over
+//! rounds of its total, which is what a user sees, and not the minimum, which is what threads take when nobody
+//! else wants the cores. The best of the first round plays twice in each: how far it is from itself is how far
+//! figures can be trusted.
 
 use super::RegretError;
 use super::case::Case;
@@ -12,6 +13,9 @@ use super::field::Field;
 use super::row::{Outcome, Row};
 use crate::chart::median;
 use crate::engine::{EngineError, On, Tally};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
 
 /// How long to play.
@@ -19,11 +23,11 @@ use std::time::{Duration, Instant};
 pub struct Effort {
     /// At least so many rounds, and ...
     pub rounds: usize,
-    /// ... as many as go into this, up to [`MOST`] times as many.
+    /// ... as many as go into this, up to forty times as many.
     pub time: Duration,
 }
 
-/// Of the rounds asked for.
+/// Times the rounds asked for.
 const MOST: usize = 40;
 
 /// A fixed plan that takes so many times as long as the best is not played again.
@@ -32,18 +36,21 @@ pub const HOPELESS: f64 = 20.0;
 /// Plays a case.
 ///
 /// # Errors
-/// [`RegretError::Differs`] if two do not agree; those of the engines, except that a fixed plan may lack memory.
+/// [`RegretError::Differs`] if two do not agree; those of the engines, except that a fixed plan may lack the means.
 pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretError> {
-    let mut rehearsal = Rehearsal { case, digests: Vec::new(), best: f64::INFINITY };
-    let mut outcomes = Vec::new();
-    // Never given up: all others are compared with it.
-    let [first, others @ ..] = &field.fixed[..] else { return Err(RegretError::NoPlan) };
-    outcomes.push(rehearsal.play(&first.name, &first.on, f64::INFINITY)?);
+    if field.fixed.is_empty() {
+        return Err(RegretError::NoPlan);
+    }
+    let mut rehearsal = Rehearsal { case, digests: Vec::new() };
+    let (mut outcomes, mut best) = (Vec::<Outcome>::new(), f64::INFINITY);
+    for lane in &field.fixed {
+        // The first is never given up: all others are compared with it.
+        let outcome = rehearsal.play(&lane.name, &lane.on, HOPELESS * best)?;
+        best = best.min(outcome.seconds());
+        outcomes.push(outcome);
+    }
     let chosen = field.chosen();
     rehearsal.play("planner", &chosen, f64::INFINITY)?;
-    for lane in others {
-        outcomes.push(rehearsal.play(&lane.name, &lane.on, HOPELESS)?);
-    }
     let seconds = |lane: &usize| outcomes[*lane].seconds();
     let mut turns: Vec<usize> =
         (0..outcomes.len()).filter(|&lane| outcomes[lane].is_timed()).collect();
@@ -51,11 +58,12 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
     let (planner, again) = (outcomes.len(), outcomes.len() + 1);
     turns.extend([planner, again]);
 
+    let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut times = vec![Vec::new(); outcomes.len() + 2];
     let clock = Instant::now();
     let mut rounds = 0;
     while rounds < effort.rounds || rounds < MOST * effort.rounds && clock.elapsed() < effort.time {
-        turns.rotate_left(1);
+        turns.shuffle(&mut random);
         for &turn in &turns {
             let on = match turn {
                 turn if turn == planner => &chosen,
@@ -119,18 +127,16 @@ struct Rehearsal<'c> {
     case: &'c Case,
     /// What the first player found in each frame.
     digests: Vec<u64>,
-    /// Seconds of the best so far.
-    best: f64,
 }
 
 impl Rehearsal<'_> {
-    /// Plays until `patience` times the best time so far is over.
-    fn play(&mut self, name: &str, on: &On, patience: f64) -> Result<Outcome, RegretError> {
-        let (case, most) = (self.case, patience * self.best);
+    /// Plays until more than `most` seconds are over.
+    fn play(&mut self, name: &str, on: &On, most: f64) -> Result<Outcome, RegretError> {
+        let case = self.case;
         let (objects, asked) = (case.fresh(), on.clone().into());
         let clock = Instant::now();
         let mut engine = match objects.engine(asked) {
-            Err(error) if error.is_for_want_of_memory() => {
+            Err(error) if error.is_want_of_means() => {
                 return Ok(Outcome::Refused { why: error.to_string() });
             }
             made => made?,
@@ -140,7 +146,7 @@ impl Rehearsal<'_> {
             let clock = Instant::now();
             frame.apply(&mut *engine)?;
             let digest = match case.verb.digest(&mut *engine) {
-                Err(error) if error.is_for_want_of_memory() => {
+                Err(error) if error.is_want_of_means() => {
                     return Ok(Outcome::Refused { why: error.to_string() });
                 }
                 digest => digest?,
@@ -156,7 +162,6 @@ impl Rehearsal<'_> {
                 return Ok(Outcome::Hopeless { seconds, frames: number + 1 });
             }
         }
-        self.best = self.best.min(seconds);
         Ok(Outcome::Took { seconds })
     }
 }
@@ -198,13 +203,13 @@ mod tests {
     #[test]
     fn whoever_is_hopeless_is_not_played_again_and_whoever_differs_is_told() {
         let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
-        let mut rehearsal = Rehearsal { case: &case, digests: Vec::new(), best: f64::INFINITY };
+        let mut rehearsal = Rehearsal { case: &case, digests: Vec::new() };
         rehearsal.play("first", &On::Cpu(None), f64::INFINITY).unwrap();
         let threads = On::Cpu(Some(Box::new(Traversal::new(2))));
         let outcome = rehearsal.play("second", &threads, 0.0).unwrap();
         assert!(matches!(outcome, Outcome::Hopeless { frames: 1, .. }), "{outcome:?}");
         rehearsal.digests[0] ^= 1;
-        let error = rehearsal.play("second", &threads, 1.0).unwrap_err();
+        let error = rehearsal.play("second", &threads, f64::INFINITY).unwrap_err();
         assert!(
             error.to_string().contains("frame 0 of pair 1: second answers otherwise"),
             "{error}"

@@ -18,7 +18,7 @@ pub enum Outcome {
         /// Until then.
         frames: usize,
     },
-    /// There was not enough memory.
+    /// There was not enough memory, or it cannot do such a case.
     Refused {
         /// The error.
         why: String,
@@ -102,6 +102,8 @@ pub struct Summary {
     pub cases: usize,
     /// The mean regret.
     pub mean: f64,
+    /// The same where a planner that beats all fixed plans, as one that keeps answers does, counts as 0.
+    pub mean_loss: f64,
     /// What 95 of a hundred regrets do not exceed.
     pub p95: f64,
     /// The worst time over that of one thread.
@@ -127,6 +129,7 @@ impl Summary {
         Self {
             cases: rows.len(),
             mean: mean(&regrets),
+            mean_loss: mean(&all(|row| row.regret().max(0.0))),
             p95: quantile(&regrets, 0.95),
             to_sequential: all(Row::to_sequential).last().copied().unwrap_or(0.0),
             noise: mean(&noises),

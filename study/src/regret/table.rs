@@ -45,11 +45,19 @@ impl fmt::Display for Row {
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let Self { cases, mean, p95, to_sequential, noise, noise_p95, deciding } = *self;
+        let Self { cases, mean, mean_loss, p95, to_sequential, noise, noise_p95, deciding } = *self;
         writeln!(f, "Times of all frames, the median over rounds; * the best fixed plan,")?;
-        writeln!(f, "> given up by then, as {HOPELESS} times slower; - not enough memory.")?;
+        writeln!(
+            f,
+            "> given up by then, as {HOPELESS} times slower; - it cannot do that, or for want of memory."
+        )?;
         writeln!(f, "{cases} cases")?;
         writeln!(f, "regret      mean {}, 95th percentile {}", percent(mean), percent(p95))?;
+        writeln!(
+            f,
+            "            mean {} where beating all of them counts as 0",
+            percent(mean_loss)
+        )?;
         writeln!(f, "sequential  at worst {to_sequential:.2} times as long")?;
         writeln!(f, "A/A         mean {}, 95th percentile {}", percent(noise), percent(noise_p95))?;
         write!(f, "deciding    at worst {} of frames of 10 µs and more", percent(deciding))

@@ -87,7 +87,7 @@ impl Two {
     pub(super) fn seconds(&self, scale: &Scale) -> f64 {
         match self.motion {
             Motion::Apart => 1e-7,
-            _ => 20e-9 * self.triangles(scale) as f64,
+            _ => 40e-9 * self.triangles(scale) as f64,
         }
     }
 
