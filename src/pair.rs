@@ -97,7 +97,7 @@ impl PairQuery {
 
     /// How the last frame was answered by a planner, and why so.
     #[must_use]
-    pub fn plan(&self) -> Option<&Plan> {
+    pub fn plan(&self) -> Option<Plan> {
         self.answer.planned.as_ref()?.plan()
     }
 

@@ -68,7 +68,7 @@ impl Planned {
         }
     }
 
-    pub(crate) fn plan(&self) -> Option<&Plan> {
+    pub(crate) fn plan(&self) -> Option<Plan> {
         self.decider.plan()
     }
 
@@ -108,20 +108,29 @@ impl Planned {
             let leash = Leash { cost: f64::INFINITY, deadline: None };
             return on_one(question.query(question.accuracy()), want, pairs, leash).given;
         }
-        self.decider.start();
         let subject = question.subject();
         if let Some(given) = self.kept.find(&subject, want) {
             self.decider.keep();
             return given;
         }
+        if want == Want::All {
+            self.kept.forget();
+        }
+        if let Some(cost) = self.decider.brief(want == Want::Any) {
+            let leash = Leash { cost, deadline: None };
+            let brief = on_one(question.query(question.accuracy()), want, pairs, leash);
+            if brief.end == End::Complete {
+                self.decider.was_brief(brief.cost.unwrap_or_default());
+                self.kept.keep(subject, want, brief.given);
+                return brief.given;
+            }
+        }
+        self.decider.start();
         let mut offer = self.offer(question);
         offer.both &= want == Want::All;
         let mut choice = self.decider.choose(&offer, want == Want::Any);
         let accuracy = self.decider.accuracy(question.accuracy());
         let deadline = self.decider.deadline();
-        if want == Want::All {
-            self.kept.forget();
-        }
         let mut outcome = Outcome { end: End::Outgrown, ..Outcome::default() };
         if choice.way == Way::Alone || choice.alone_first.is_some() {
             let leash = Leash { cost: choice.alone_first.unwrap_or(f64::INFINITY), deadline };

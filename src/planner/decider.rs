@@ -1,4 +1,4 @@
-//! One query's planner at work: a clock, what is known, and the plan of the last frame.
+//! One query's planner at work: a clock, what is known, and what was decided in the last frame.
 
 use super::history::{Choice, Frame, History, Offer, Way};
 use super::plan::{Backend, Plan, Reason};
@@ -13,17 +13,34 @@ pub(crate) struct Decider {
     histories: [History; 2],
     /// The history of the last question.
     asked: usize,
-    plan: Plan,
     begun: Option<Instant>,
-    /// Whether there was a frame.
-    is_planned: bool,
     /// What has been decided before the question was asked.
     ahead: Option<Choice>,
     /// What was done before the question, for its sake.
     prepared: Duration,
     /// What was done in vain.
     lost: Duration,
+    /// The last frame, if there was one.
+    last: Option<Last>,
+    failure: Option<String>,
+    /// Counts frames in which deciding may be timed.
+    frames: u32,
+    deciding: Duration,
 }
+
+/// A frame, from which its plan is made if anyone asks.
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    backend: Backend,
+    reason: Reason,
+    choice: Option<Choice>,
+    cost: Option<f64>,
+    actual: Duration,
+    concession: Option<Concession>,
+}
+
+/// Deciding is timed in one of so many frames: to look at the clock takes as long.
+const TIMED: u32 = 16;
 
 impl Decider {
     pub(crate) fn new(planner: Planner) -> Self {
@@ -31,12 +48,14 @@ impl Decider {
             planner,
             histories: Default::default(),
             asked: 0,
-            plan: Plan::default(),
             begun: None,
-            is_planned: false,
             ahead: None,
             prepared: Duration::ZERO,
             lost: Duration::ZERO,
+            last: None,
+            failure: None,
+            frames: 0,
+            deciding: Duration::ZERO,
         }
     }
 
@@ -45,8 +64,26 @@ impl Decider {
     }
 
     /// Of the last frame, once there was one.
-    pub(crate) fn plan(&self) -> Option<&Plan> {
-        self.is_planned.then_some(&self.plan)
+    pub(crate) fn plan(&self) -> Option<Plan> {
+        let Last { backend, reason, choice, cost, actual, concession } = self.last?;
+        let time = |nanoseconds: f64| Duration::from_nanos(nanoseconds as u64);
+        Some(Plan {
+            backend,
+            reason,
+            expected_cost: choice.and_then(|choice| choice.expected),
+            cost,
+            predicted: choice.and_then(|choice| choice.time()).map(time),
+            alternatives: choice.map_or([None; 4], |choice| choice.times.map(|t| t.map(time))),
+            actual,
+            deciding: self.deciding,
+            concession,
+            failure: self.failure.clone(),
+        })
+    }
+
+    /// Whether the last answer is not what was asked for.
+    pub(crate) fn has_conceded(&self) -> bool {
+        self.last.is_some_and(|last| last.concession.is_some())
     }
 
     /// Decides who will answer the next question, before it is asked: whoever moves a model can then prepare it
@@ -61,33 +98,47 @@ impl Decider {
         self.prepared += took;
     }
 
-    /// A frame is not worth a thought, nor a look at the clock.
-    pub(crate) fn small(&mut self) {
-        let failure = self.plan.failure.take();
-        self.plan = Plan { reason: Reason::Small, failure, ..Plan::default() };
+    /// The cost up to which the next question is not worth a thought, nor a look at the clock, if it is likely to
+    /// stay below.
+    pub(crate) fn brief(&mut self, until_first: bool) -> Option<f64> {
+        self.asked = usize::from(until_first);
+        let limits = &self.planner.limits;
+        let free = self.ahead.is_none() && limits.time.is_none();
+        self.histories[self.asked].brief(&self.planner.machine).filter(|_| free)
+    }
+
+    /// It did stay below.
+    pub(crate) fn was_brief(&mut self, cost: f64) {
+        self.histories[self.asked].learn_cost(cost);
+        self.end_as(Backend::Sequential, Reason::Small, Some(cost));
+    }
+
+    /// There is nothing to do.
+    pub(crate) fn keep(&mut self) {
         (self.ahead, self.prepared) = (None, Duration::ZERO);
-        self.is_planned = true;
+        self.end_as(Backend::Kept, Reason::Unchanged, None);
+    }
+
+    /// There is hardly anything to do.
+    pub(crate) fn small(&mut self) {
+        (self.ahead, self.prepared) = (None, Duration::ZERO);
+        self.end_as(Backend::Sequential, Reason::Small, None);
+    }
+
+    fn end_as(&mut self, backend: Backend, reason: Reason, cost: Option<f64>) {
+        let (choice, actual, concession) = (None, Duration::ZERO, None);
+        self.last = Some(Last { backend, reason, choice, cost, actual, concession });
     }
 
     /// Begins a frame.
     pub(crate) fn start(&mut self) {
         self.begun = Some(Instant::now());
-        self.is_planned = true;
         self.lost = Duration::ZERO;
     }
 
     /// What was done up to now in this frame is the same each way.
     pub(crate) fn set_aside(&mut self) {
         self.lost = self.elapsed();
-    }
-
-    /// There is nothing to do.
-    pub(crate) fn keep(&mut self) {
-        let failure = self.plan.failure.take();
-        let (backend, reason) = (Backend::Kept, Reason::Unchanged);
-        self.plan = Plan { backend, reason, failure, ..Plan::default() };
-        (self.ahead, self.prepared) = (None, Duration::ZERO);
-        self.plan.actual = self.elapsed();
     }
 
     /// Decides who answers.
@@ -100,20 +151,30 @@ impl Decider {
                 history.choose(&self.planner.machine, offer)
             }
         };
-        self.plan.concession = None;
-        self.note(&choice);
-        self.plan.deciding = self.elapsed() - self.lost;
+        let reason = if choice.expected.is_none() && choice.alone_first.is_some() {
+            Reason::Unknown
+        } else if choice.time().is_none() {
+            Reason::OnlyWay
+        } else if choice.is_best {
+            Reason::Fastest
+        } else {
+            Reason::NotWorthChanging
+        };
+        self.note(choice, reason);
+        if self.frames.is_multiple_of(TIMED) {
+            self.deciding = self.elapsed().saturating_sub(self.lost);
+        }
+        self.frames = self.frames.wrapping_add(1);
         choice
     }
 
-    /// Decides once more: what was begun alone is not over after so many tests.
+    /// Decides once more: what was begun alone is not over at this cost.
     pub(crate) fn outgrown(&mut self, offer: &Offer, choice: &Choice, cost: f64) -> Choice {
         self.lost = self.elapsed();
-        let next = self.histories[self.asked].outgrown(&self.planner.machine, offer, choice, cost);
-        self.note(&next);
-        if choice.way == Way::Alone {
-            self.plan.reason = Reason::Outgrown;
-        }
+        let history = &mut self.histories[self.asked];
+        let next = history.outgrown(&self.planner.machine, offer, choice, cost);
+        let before = self.last.map_or(Reason::Fastest, |last| last.reason);
+        self.note(next, if choice.way == Way::Alone { Reason::Outgrown } else { before });
         next
     }
 
@@ -122,35 +183,51 @@ impl Decider {
     pub(crate) fn gpu_failed(&mut self, offer: &Offer, error: &crate::gpu::Error) -> Choice {
         self.lost = self.elapsed();
         let next = self.histories[self.asked].choose(&self.planner.machine, offer);
-        self.note(&next);
-        self.plan.reason = Reason::GpuFailed;
-        self.plan.failure = Some(format!("the GPU is not used any more: {error}"));
+        self.note(next, Reason::GpuFailed);
+        self.failure = Some(format!("the GPU is not used any more: {error}"));
         Choice { alone_first: None, ..next }
     }
 
     /// Ends a frame.
     pub(crate) fn end(&mut self, way: Way, cost: Option<f64>, leaf_pairs: Option<u32>) {
-        let prepared = std::mem::take(&mut self.prepared);
-        self.plan.backend = backend(way);
-        self.plan.cost = cost;
-        self.plan.actual = self.elapsed() + prepared;
+        let beside = self.lost + std::mem::take(&mut self.prepared);
+        let actual = self.finish(way, beside - self.lost, cost);
         let nanoseconds = |time: Duration| time.as_secs_f64() * 1e9;
         let frame = Frame {
-            nanoseconds: nanoseconds(self.plan.actual),
-            beside: nanoseconds(prepared + self.lost),
+            nanoseconds: nanoseconds(actual),
+            beside: nanoseconds(beside),
             cost,
             leaf_pairs,
         };
         self.histories[self.asked].learn(&self.planner.machine, way, &frame);
     }
 
+    /// Ends a frame for which time ran out, and which tells nothing of others.
+    pub(crate) fn end_incomplete(&mut self, way: Way) {
+        let prepared = std::mem::take(&mut self.prepared);
+        self.finish(way, prepared, None);
+        if let Some(last) = &mut self.last {
+            last.concession = Some(Concession::Incomplete);
+        }
+    }
+
+    fn finish(&mut self, way: Way, prepared: Duration, cost: Option<f64>) -> Duration {
+        let actual = self.elapsed() + prepared;
+        if let Some(last) = &mut self.last {
+            (last.backend, last.cost, last.actual) = (backend(way), cost, actual);
+        }
+        actual
+    }
+
     /// How exact an answer has to be of which this is wanted.
     pub(crate) fn accuracy(&mut self, wanted: Accuracy) -> Accuracy {
         let limits = &self.planner.limits;
-        let late = self.plan.predicted.zip(limits.time).is_some_and(|(time, most)| time > most);
+        let (Some(most), Some(last)) = (limits.time, &mut self.last) else { return wanted };
+        let predicted = last.choice.and_then(|choice| choice.time());
+        let late = predicted.is_some_and(|time| time > most.as_secs_f64() * 1e9);
         // They are in the order of what they promise.
         if late && limits.accuracy as u8 > wanted as u8 {
-            self.plan.concession = Some(Concession::LessAccurate);
+            last.concession = Some(Concession::LessAccurate);
             return limits.accuracy;
         }
         wanted
@@ -162,30 +239,18 @@ impl Decider {
         limits.time.filter(|_| limits.incomplete).and_then(|time| self.begun?.checked_add(time))
     }
 
-    /// Ends a frame for which time ran out, and which tells nothing of others.
-    pub(crate) fn end_incomplete(&mut self, way: Way) {
-        let prepared = std::mem::take(&mut self.prepared);
-        self.plan.backend = backend(way);
-        self.plan.cost = None;
-        self.plan.concession = Some(Concession::Incomplete);
-        self.plan.actual = self.elapsed() + prepared;
-    }
-
-    fn note(&mut self, choice: &Choice) {
-        let time = |nanoseconds: f64| Duration::from_nanos(nanoseconds as u64);
-        self.plan.expected_cost = choice.expected;
-        self.plan.alternatives = choice.times.map(|t| t.map(time));
-        self.plan.predicted = choice.time().map(time);
-        self.plan.backend = backend(choice.way);
-        self.plan.reason = if choice.expected.is_none() && choice.alone_first.is_some() {
-            Reason::Unknown
-        } else if choice.time().is_none() {
-            Reason::OnlyWay
-        } else if choice.is_best {
-            Reason::Fastest
-        } else {
-            Reason::NotWorthChanging
-        };
+    fn note(&mut self, choice: Choice, reason: Reason) {
+        self.last = Some(Last {
+            backend: backend(choice.way),
+            reason,
+            choice: Some(choice),
+            cost: None,
+            actual: Duration::ZERO,
+            concession: self
+                .last
+                .and_then(|last| last.concession)
+                .filter(|_| reason == Reason::Outgrown),
+        });
     }
 
     fn elapsed(&self) -> Duration {

@@ -90,11 +90,10 @@ impl Machine {
         }
     }
 
-    /// The number of workers that is best for a question, and what it takes.
-    pub(crate) fn best_workers(&self, cost: f64, most: u32) -> (u32, f64) {
-        let doubled = std::iter::successors(Some(2), |p| Some(2 * p)).take_while(|&p| p < most);
-        let times = doubled.chain([most]).map(|p| (p, self.threaded(cost, p)));
-        times.min_by(|x, y| x.1.total_cmp(&y.1)).unwrap_or((most, f64::INFINITY))
+    /// The numbers of workers that are worth a thought: powers of two, and all.
+    pub(crate) fn worker_counts(most: u32) -> impl Iterator<Item = u32> {
+        let doubled = std::iter::successors(Some(2_u32), |p| p.checked_mul(2));
+        doubled.take_while(move |&p| p < most).chain([most])
     }
 }
 

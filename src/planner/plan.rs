@@ -82,7 +82,7 @@ pub struct Plan {
     pub alternatives: [Option<Duration>; 4],
     /// What it took, deciding included; 0 for what is too small to look at the clock.
     pub actual: Duration,
-    /// What deciding took.
+    /// What deciding took when that was last timed, in one of sixteen frames.
     pub deciding: Duration,
     /// What was given up to keep within the limits.
     pub concession: Option<super::Concession>,

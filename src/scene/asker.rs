@@ -82,7 +82,7 @@ impl Asker {
     /// Whether the last answer is not what was asked for.
     pub(super) fn has_conceded(&self) -> bool {
         match self {
-            Self::Planned(planned) => planned.plan().is_some_and(|plan| plan.concession.is_some()),
+            Self::Planned(planned) => planned.has_conceded(),
             _ => false,
         }
     }

@@ -150,7 +150,7 @@ impl SceneQuery {
 
     /// How the last frame was answered by a planner, and why so.
     #[must_use]
-    pub fn plan(&self) -> Option<&Plan> {
+    pub fn plan(&self) -> Option<Plan> {
         match &self.asker {
             Asker::Planned(planned) => planned.plan(),
             _ => None,

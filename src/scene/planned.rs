@@ -50,8 +50,12 @@ impl Planned {
         }
     }
 
-    pub(super) fn plan(&self) -> Option<&Plan> {
+    pub(super) fn plan(&self) -> Option<Plan> {
         self.decider.plan()
+    }
+
+    pub(super) fn has_conceded(&self) -> bool {
+        self.decider.has_conceded()
     }
 
     pub(super) fn planner(&self) -> &Planner {
@@ -73,6 +77,14 @@ impl Planned {
         want: Want,
         hits: &mut Vec<SceneHit>,
     ) -> Found<Given> {
+        if let Some(cost) = self.decider.brief(want == Want::Any) {
+            let brief = self.on_one(frame, want, hits, cost);
+            if brief.end == End::Complete {
+                self.decider.was_brief(brief.cost.unwrap_or_default());
+                return brief.given;
+            }
+            hits.clear();
+        }
         // What it took so far to know which bodies may meet, it takes each way.
         self.decider.set_aside();
         let offer = self.offer(frame);

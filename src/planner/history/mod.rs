@@ -77,7 +77,7 @@ impl Choice {
 
 /// An unknown question is begun on the calling thread for as long as it takes to fork so many times: it then
 /// has cost little beside what it will.
-const FORKS: f64 = 2.0;
+const FORKS: f64 = 1.0;
 /// A question that is asked alone may cost so many times what is expected before others are called in.
 const SURELY: f64 = 4.0;
 /// Where costs jump, others are called in only after this part of their time has been spent alone.
@@ -89,7 +89,9 @@ const UNKNOWN: f64 = 8.0;
 /// Box tests for each leaf pair that a GPU counts, before that is known.
 const PER_LEAF_PAIR: f64 = 60.0;
 /// At least so many frames will follow.
-const FRAMES: f64 = 8.0;
+const FRAMES: f64 = 2.0;
+/// Another number of threads has to be so much better.
+const OTHER_NUMBER: f64 = 0.93;
 /// Part of a frame that changing costs, unless it is known better.
 const CHANGING: f64 = 0.15;
 /// Weight of the last frame in what is known of a way.
@@ -120,6 +122,10 @@ struct Known {
 #[derive(Clone, Debug)]
 pub(crate) struct History {
     ways: [Known; WAYS],
+    /// The ratio of each number of threads that was tried, by its logarithm.
+    workers: [Option<f64>; 17],
+    /// The last number of them.
+    last_workers: u32,
     current: Option<usize>,
     /// Frames since the way was changed.
     stay: u32,
@@ -134,6 +140,8 @@ impl Default for History {
         let known = Known { ratio: 1.0, frames: 0, saved: 0.0, forget: FORGET };
         Self {
             ways: [known; WAYS],
+            workers: [None; 17],
+            last_workers: 0,
             current: None,
             stay: 0,
             forecast: Forecast::default(),
@@ -144,6 +152,22 @@ impl Default for History {
 }
 
 impl History {
+    /// The cost up to which a question can be asked alone without a thought, if it is likely to stay below.
+    pub(crate) fn brief(&self, machine: &Machine) -> Option<f64> {
+        // In less nobody else has even begun.
+        let question = machine.device.as_ref().map_or(f64::INFINITY, |device| device.question);
+        let others = if machine.threads > 1 { machine.fork } else { TELLING };
+        let most = others.min(question).max(TELLING) / machine.test;
+        let expected = self.forecast.cost().unwrap_or(0.0);
+        (SURELY * expected <= most && !self.forecast.is_jumpy()).then_some(most)
+    }
+
+    /// Takes note of the cost of a frame that was asked so.
+    pub(crate) fn learn_cost(&mut self, cost: f64) {
+        self.forecast.learn(cost);
+        self.frames = self.frames.saturating_add(1);
+    }
+
     /// Decides.
     pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer) -> Choice {
         let forecast = self.forecast;
@@ -253,6 +277,14 @@ impl History {
             }
         };
         known.frames = known.frames.saturating_add(1);
+        if let Way::Threads(workers) = way {
+            let own = &mut self.workers[slot(workers)];
+            // What is known of all is what is known of one that was not tried.
+            *own = Some(own.map_or(known.ratio, |own| {
+                own + WEIGHT * (sample.clamp(0.5 * own, 2.0 * own) - own)
+            }));
+            self.last_workers = workers;
+        }
     }
 
     /// The current way, or `best` if that has earned it.
@@ -301,6 +333,11 @@ pub(crate) struct Frame {
 fn least(times: &[Option<f64>; WAYS]) -> usize {
     let times = times.iter().enumerate().filter_map(|(way, time)| Some((way, (*time)?)));
     times.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(ALONE, |(way, _)| way)
+}
+
+/// The place of a number of threads.
+fn slot(workers: u32) -> usize {
+    (workers.max(1).ilog2() as usize).min(16)
 }
 
 /// The cost with which an unknown question is begun.

@@ -1,6 +1,6 @@
 //! What a question takes each way.
 
-use super::{ALONE, BOTH, GPU, History, Offer, THREADS, WAYS, Way};
+use super::{ALONE, BOTH, GPU, History, OTHER_NUMBER, Offer, THREADS, WAYS, Way, slot};
 use crate::planner::Machine;
 use crate::planner::machine::Device;
 
@@ -21,10 +21,16 @@ impl History {
         let alone = ratio(ALONE, THREADS) * machine.alone(cost) + offer.upkeep;
         let mut times = [Some(alone), None, None, None];
         let mut ways = [Way::Alone, Way::Alone, Way::Gpu, Way::Gpu];
-        let (workers, threaded) = machine.best_workers(cost, offer.threads);
         if offer.threads > 1 {
-            (times[THREADS], ways[THREADS]) =
-                (Some(cpu * threaded + offer.upkeep), Way::Threads(workers));
+            let time = |workers: u32| {
+                let ratio = self.workers[slot(workers)].unwrap_or(cpu);
+                let last = if workers == self.last_workers { OTHER_NUMBER } else { 1.0 };
+                (workers, last * ratio * machine.threaded(cost, workers))
+            };
+            let all = Machine::worker_counts(offer.threads).map(time);
+            let (workers, time) =
+                all.fold((1, f64::INFINITY), |x, y| if y.1 < x.1 { y } else { x });
+            (times[THREADS], ways[THREADS]) = (Some(time + offer.upkeep), Way::Threads(workers));
         }
         if let (Some(_), Some(device)) = (offer.gpu, &machine.device) {
             times[GPU] = Some(gpu * device.ask(cost));

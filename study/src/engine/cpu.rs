@@ -91,7 +91,7 @@ impl Engine for Pair {
         self.query.report()
     }
 
-    fn plan(&self) -> Option<&Plan> {
+    fn plan(&self) -> Option<Plan> {
         self.query.plan()
     }
 
@@ -133,7 +133,7 @@ impl Engine for Within {
         self.query.report()
     }
 
-    fn plan(&self) -> Option<&Plan> {
+    fn plan(&self) -> Option<Plan> {
         self.query.plan()
     }
 
@@ -189,7 +189,7 @@ impl Engine for Many {
         self.query.report()
     }
 
-    fn plan(&self) -> Option<&Plan> {
+    fn plan(&self) -> Option<Plan> {
         self.query.plan()
     }
 }

@@ -59,7 +59,7 @@ pub trait Engine {
     }
 
     /// How the last frame was answered, if there was a choice.
-    fn plan(&self) -> Option<&Plan> {
+    fn plan(&self) -> Option<Plan> {
         None
     }
 

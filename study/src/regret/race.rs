@@ -116,7 +116,7 @@ fn watch(case: &Case, chosen: &On) -> Result<Tally, EngineError> {
         frame.apply(&mut *engine)?;
         case.verb.ask(&mut *engine)?;
         if let Some(plan) = engine.plan() {
-            tally.add(plan);
+            tally.add(&plan);
         }
     }
     Ok(tally)
