@@ -1,8 +1,9 @@
-//! The options of studies.
+//! The options of studies, and of what else measures.
 
+use super::Mode;
 use crate::planning::Gpus;
-use clap::Args;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
+use clap::{Args, Subcommand};
 use pfront_study::stability::ROWS;
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -97,4 +98,73 @@ pub(crate) struct Regret {
     /// Few and small cases, to see that it works
     #[arg(long)]
     pub(crate) quick: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Plan {
+    /// The workload (.tcw), or the name of a built-in scene
+    #[arg(value_name = "SCENE", required_unless_present = "calibrate")]
+    pub(crate) scene: Option<String>,
+    /// About so many triangles in a built-in scene, instead of its own number
+    #[arg(long, value_name = "TRIANGLES")]
+    pub(crate) size: Option<usize>,
+    /// Run only so many frames; a built-in scene may go on beyond its own
+    #[arg(long, value_name = "N")]
+    pub(crate) frames: Option<u32>,
+    /// Find all pairs of a frame, or stop at the first
+    #[arg(long, value_enum, default_value_t = Mode::All)]
+    pub(crate) mode: Mode,
+    /// CPU threads [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZero<usize>>,
+    /// What else there is to choose from
+    #[arg(long, value_enum, default_value_t = Gpus::Auto)]
+    pub(crate) backend: Gpus,
+    /// What to know of this machine, as --calibrate writes it [default: measured]
+    #[arg(long, value_name = "FILE", conflicts_with = "calibrate")]
+    pub(crate) machine: Option<PathBuf>,
+    /// Measure this machine, and write what was found here, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibrate: Option<PathBuf>,
+    /// Print every plan, one JSON object a line, and nothing else
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Bench {
+    /// Show where a GPU spends its time, and how long the CPU takes for the same frames
+    ///
+    /// Passes are timed on the device, frames from outside: from the question to the pairs in the memory of
+    /// the host. A frame moves the objects (update: upload and refit where a mesh deforms) and asks (query).
+    /// The answers are compared.
+    Gpu(BenchGpu),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchGpu {
+    /// Built-in scenes, or workloads (.tcw)
+    #[arg(default_values_t = ["worm-gear", "torus-knots", "sheet"].map(str::to_owned))]
+    pub(crate) workloads: Vec<String>,
+    /// About so many triangles in a built-in scene, instead of its own number
+    #[arg(long, value_name = "TRIANGLES")]
+    pub(crate) size: Option<usize>,
+    /// Run only so many frames; a built-in scene may go on beyond its own
+    #[arg(long, value_name = "N")]
+    pub(crate) frames: Option<u32>,
+    /// CPU threads to compare with, beside one [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZero<usize>>,
+    /// How many levels a pass descends [default: what suits the device]
+    #[arg(long, value_name = "LEVELS")]
+    pub(crate) depth: Option<u32>,
+    /// Device memory for fronts and lists
+    #[arg(long, value_name = "BYTES")]
+    pub(crate) budget: Option<u64>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Draw the passes on top of each other
+    #[arg(long, value_name = "FILE")]
+    pub(crate) chart: Option<PathBuf>,
 }
