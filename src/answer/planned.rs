@@ -213,8 +213,14 @@ impl Planned {
     fn offer(&self, question: &impl Question) -> Offer {
         let planner = self.decider.planner();
         let pairs = self.kept.most();
-        let mut offer =
-            Offer { threads: planner.threads(pairs), gpu: None, both: false, upkeep: 0.0 };
+        let mut offer = Offer {
+            threads: planner.threads(pairs),
+            gpu: None,
+            both: false,
+            guess: question.guess(),
+            queries: 1,
+            upkeep: 0.0,
+        };
         #[cfg(feature = "gpu")]
         if let Some(device) = &self.device
             && question.accuracy() == Accuracy::Exact

@@ -4,6 +4,8 @@ use crate::model::Stamp;
 use crate::{Accuracy, Adjacency, Error, Model, Pose, core};
 use pfront_core::query::Query;
 
+/// What a mesh that hardly meets itself costs for each triangle, in box tests: its neighbours.
+const PER_TRIANGLE: f64 = 40.0;
 /// No more pairs of triangles than this are small change.
 const SMALL: usize = 256;
 
@@ -14,6 +16,9 @@ pub(crate) trait Question {
 
     /// Whether to think about who answers would take longer than the answer.
     fn is_small(&self) -> bool;
+
+    /// What it may cost in box tests, before anything is known.
+    fn guess(&self) -> Option<f64>;
 
     /// What an answer is about: the same one is true of whatever is equal.
     fn subject(&self) -> Subject;
@@ -73,6 +78,11 @@ impl Question for OfTwo<'_> {
         a.saturating_mul(b) <= SMALL || self.query.root().is_none()
     }
 
+    /// That depends on how they lie.
+    fn guess(&self) -> Option<f64> {
+        None
+    }
+
     fn subject(&self) -> Subject {
         Subject {
             models: self.models.map(Model::stamp),
@@ -110,6 +120,10 @@ impl Question for OfOne<'_> {
     fn is_small(&self) -> bool {
         let n = self.model.mesh().triangles().len();
         n.saturating_mul(n) <= SMALL
+    }
+
+    fn guess(&self) -> Option<f64> {
+        Some(PER_TRIANGLE * self.model.mesh().triangles().len() as f64)
     }
 
     fn subject(&self) -> Subject {

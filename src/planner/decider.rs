@@ -89,7 +89,7 @@ impl Decider {
     /// Decides who will answer the next question, before it is asked: whoever moves a model can then prepare it
     /// for that, and says with [`Decider::prepared`] how long it took.
     pub(crate) fn look_ahead(&mut self, offer: &Offer) -> Choice {
-        let choice = self.histories[0].choose(&self.planner.machine, offer);
+        let choice = self.histories[0].choose(self.planner.machine(), offer);
         self.ahead = Some(choice);
         choice
     }
@@ -102,9 +102,9 @@ impl Decider {
     /// stay below.
     pub(crate) fn brief(&mut self, until_first: bool) -> Option<f64> {
         self.asked = usize::from(until_first);
-        let limits = &self.planner.limits;
+        let limits = self.planner.limits();
         let free = self.ahead.is_none() && limits.time.is_none();
-        self.histories[self.asked].brief(&self.planner.machine).filter(|_| free)
+        self.histories[self.asked].brief(self.planner.machine()).filter(|_| free)
     }
 
     /// It did stay below.
@@ -148,7 +148,7 @@ impl Decider {
             Some(choice) => choice,
             None => {
                 let history = &mut self.histories[self.asked];
-                history.choose(&self.planner.machine, offer)
+                history.choose(self.planner.machine(), offer)
             }
         };
         let reason = if choice.expected.is_none() && choice.alone_first.is_some() {
@@ -172,7 +172,7 @@ impl Decider {
     pub(crate) fn outgrown(&mut self, offer: &Offer, choice: &Choice, cost: f64) -> Choice {
         self.lost = self.elapsed();
         let history = &mut self.histories[self.asked];
-        let next = history.outgrown(&self.planner.machine, offer, choice, cost);
+        let next = history.outgrown(self.planner.machine(), offer, choice, cost);
         let before = self.last.map_or(Reason::Fastest, |last| last.reason);
         self.note(next, if choice.way == Way::Alone { Reason::Outgrown } else { before });
         next
@@ -182,7 +182,7 @@ impl Decider {
     #[cfg(feature = "gpu")]
     pub(crate) fn gpu_failed(&mut self, offer: &Offer, error: &crate::gpu::Error) -> Choice {
         self.lost = self.elapsed();
-        let next = self.histories[self.asked].choose(&self.planner.machine, offer);
+        let next = self.histories[self.asked].choose(self.planner.machine(), offer);
         self.note(next, Reason::GpuFailed);
         self.failure = Some(format!("the GPU is not used any more: {error}"));
         Choice { alone_first: None, ..next }
@@ -199,7 +199,7 @@ impl Decider {
             cost,
             leaf_pairs,
         };
-        self.histories[self.asked].learn(&self.planner.machine, way, &frame);
+        self.histories[self.asked].learn(self.planner.machine(), way, &frame);
     }
 
     /// Ends a frame for which time ran out, and which tells nothing of others.
@@ -221,7 +221,7 @@ impl Decider {
 
     /// How exact an answer has to be of which this is wanted.
     pub(crate) fn accuracy(&mut self, wanted: Accuracy) -> Accuracy {
-        let limits = &self.planner.limits;
+        let limits = self.planner.limits();
         let (Some(most), Some(last)) = (limits.time, &mut self.last) else { return wanted };
         let predicted = last.choice.and_then(|choice| choice.time());
         let late = predicted.is_some_and(|time| time > most.as_secs_f64() * 1e9);
@@ -235,7 +235,7 @@ impl Decider {
 
     /// When to end, complete or not.
     pub(crate) fn deadline(&self) -> Option<Instant> {
-        let limits = &self.planner.limits;
+        let limits = self.planner.limits();
         limits.time.filter(|_| limits.incomplete).and_then(|time| self.begun?.checked_add(time))
     }
 

@@ -80,8 +80,8 @@ impl Machine {
         measured(&typical).unwrap_or(typical)
     }
 
-    /// The same with a GPU, measured in less than a second too, unless it is one that computes on the CPU. Makes
-    /// it a choice of planners that have both.
+    /// The same with a GPU, measured which takes less than a second too, or two on an adapter that computes on the
+    /// CPU. Makes it a choice of planners that have both.
     ///
     /// # Errors
     /// What the GPU reports.

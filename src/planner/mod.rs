@@ -50,6 +50,7 @@ use crate::gpu::{self, Gpu};
 #[cfg(feature = "threads")]
 use crate::threads::{Settings, Traversal};
 use crate::{Error, Model};
+use std::sync::Arc;
 
 /// What a triangle test counts, in box tests.
 pub const TRIANGLE_COST: f32 = 6.5;
@@ -65,7 +66,10 @@ const LARGE: usize = 8192;
 
 /// What a query may choose from. Cheap to clone; each query that gets one learns for itself.
 #[derive(Clone, Debug)]
-pub struct Planner {
+pub struct Planner(Arc<Choices>);
+
+#[derive(Clone, Debug)]
+struct Choices {
     machine: Machine,
     limits: Limits,
     #[cfg(feature = "threads")]
@@ -78,28 +82,29 @@ impl Planner {
     /// One thread, or those of the machine in the rayon pool of whoever asks.
     #[must_use]
     pub fn new(machine: Machine) -> Self {
-        Self {
+        Self(Arc::new(Choices {
             machine,
             limits: Limits::default(),
             #[cfg(feature = "threads")]
             traversal: None,
             #[cfg(feature = "gpu")]
             gpu: None,
-        }
+        }))
     }
 
     /// The same with limits.
     #[must_use]
     pub fn with_limits(self, limits: Limits) -> Self {
-        Self { limits, ..self }
+        self.with(|choices| choices.limits = limits)
     }
 
     /// The same on at most so many threads; 1 leaves only the calling one.
     #[must_use]
-    pub fn with_threads(mut self, threads: u32) -> Self {
-        let speedup = self.machine.speedup_of(threads);
-        (self.machine.threads, self.machine.speedup) = (threads.max(1), speedup);
-        self
+    pub fn with_threads(self, threads: u32) -> Self {
+        self.with(|choices| {
+            let machine = &mut choices.machine;
+            (machine.speedup, machine.threads) = (machine.speedup_of(threads), threads.max(1));
+        })
     }
 
     /// The same with a pool and settings of your own, and its threads.
@@ -107,43 +112,48 @@ impl Planner {
     #[must_use]
     pub fn with_traversal(self, traversal: Traversal) -> Self {
         let planner = self.with_threads(traversal.workers() as u32);
-        Self { traversal: Some(traversal), ..planner }
+        planner.with(|choices| choices.traversal = Some(traversal))
     }
 
     /// The same with a GPU as well. One that the [`Machine`] was not measured with is not used: see
-    /// [`Machine::with_gpu`].
+    /// [`Machine::measure_gpu`].
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn with_gpu(self, gpu: &Gpu) -> Self {
-        Self { gpu: Some(gpu.clone()), ..self }
+        self.with(|choices| choices.gpu = Some(gpu.clone()))
     }
 
     /// What it goes by.
     #[must_use]
     pub fn machine(&self) -> &Machine {
-        &self.machine
+        &self.0.machine
     }
 
     /// What a frame may take.
     #[must_use]
     pub fn limits(&self) -> &Limits {
-        &self.limits
+        &self.0.limits
+    }
+
+    fn with(mut self, change: impl FnOnce(&mut Choices)) -> Self {
+        change(Arc::make_mut(&mut self.0));
+        self
     }
 
     /// How many threads may work on a question with so many pairs.
     pub(crate) fn threads(&self, pairs: u64) -> u32 {
-        match self.limits.memory {
+        match self.0.limits.memory {
             Some(memory) if FRONT + pairs as usize * LISTED > memory => 1,
-            _ => self.machine.threads,
+            _ => self.0.machine.threads,
         }
     }
 
     /// Threads for a query.
     #[cfg(feature = "threads")]
     pub(crate) fn traversal(&self, workers: u32) -> Traversal {
-        let traversal = self.traversal.clone();
+        let traversal = self.0.traversal.clone();
         let traversal = traversal.unwrap_or_else(|| Traversal::new(workers as usize));
-        let Some(memory) = self.limits.memory else { return traversal };
+        let Some(memory) = self.0.limits.memory else { return traversal };
         let most = traversal.settings().most_nodes.min(memory / 2 / NODE);
         let settings = Settings { most_nodes: most, ..*traversal.settings() };
         traversal.with_settings(settings)
@@ -152,9 +162,9 @@ impl Planner {
     /// The GPU, if it is the one that was measured, and how much of it may be used.
     #[cfg(feature = "gpu")]
     pub(crate) fn device(&self) -> Option<(Gpu, gpu::Settings)> {
-        let (gpu, device) = (self.gpu.clone()?, self.machine.device.as_ref()?);
+        let (gpu, device) = (self.0.gpu.clone()?, self.0.machine.device.as_ref()?);
         let mut settings = gpu.settings();
-        if let Some(memory) = self.limits.memory {
+        if let Some(memory) = self.0.limits.memory {
             settings.budget.bytes = settings.budget.bytes.min(memory as u64 / 2);
         }
         let fits = settings.budget.bytes >= gpu::Budget::LEAST.bytes;
@@ -165,8 +175,8 @@ impl Planner {
     /// What it takes to bring so many triangles to the GPU, in nanoseconds, if a query may hold that many bytes.
     #[cfg(feature = "gpu")]
     pub(crate) fn upload(&self, (triangles, bytes): (usize, u64)) -> Option<f64> {
-        let device = self.machine.device.as_ref()?;
-        let fits = self.limits.memory.is_none_or(|memory| bytes <= memory as u64);
+        let device = self.0.machine.device.as_ref()?;
+        let fits = self.0.limits.memory.is_none_or(|memory| bytes <= memory as u64);
         fits.then_some(triangles as f64 * device.upload)
     }
 
@@ -177,8 +187,8 @@ impl Planner {
         positions: &[[f32; 3]],
     ) -> Result<(), Error> {
         #[cfg(feature = "threads")]
-        if self.machine.threads > 1 && model.mesh().triangles().len() >= LARGE {
-            return match &self.traversal {
+        if self.0.machine.threads > 1 && model.mesh().triangles().len() >= LARGE {
+            return match &self.0.traversal {
                 Some(traversal) => {
                     traversal.install(|| model.set_positions_with_threads(positions))
                 }

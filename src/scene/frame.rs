@@ -52,6 +52,12 @@ impl<'s> Frame<'s> {
         Self { accuracy, ..self }
     }
 
+    /// How many queries there are.
+    pub(super) fn len(&self) -> usize {
+        let changed = |two: &&Places| self.bodies.changed_at(**two) > self.since;
+        self.pairs.iter().filter(changed).count()
+    }
+
     /// Bodies whose bounds overlap, in order.
     pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairQuery<'s>)> {
         let Self { accuracy, bodies, pairs, since } = *self;

@@ -215,7 +215,7 @@ impl Planned {
         };
         #[cfg(not(feature = "gpu"))]
         let gpu = None;
-        let _ = frame;
-        Offer { threads, gpu, both: false, upkeep: 0.0 }
+        let queries = frame.len();
+        Offer { threads, gpu, both: false, guess: None, queries, upkeep: 0.0 }
     }
 }

@@ -49,6 +49,10 @@ pub(crate) struct Offer {
     pub(crate) gpu: Option<f64>,
     /// Whether a question can be divided between GPU and threads.
     pub(crate) both: bool,
+    /// What it may cost in box tests, if nothing else is known.
+    pub(crate) guess: Option<f64>,
+    /// Of how many queries it consists.
+    pub(crate) queries: usize,
     /// What has to be done first on the CPU, in nanoseconds, unless the GPU does it.
     pub(crate) upkeep: f64,
 }
@@ -90,6 +94,8 @@ const UNKNOWN: f64 = 8.0;
 const PER_LEAF_PAIR: f64 = 60.0;
 /// At least so many frames will follow.
 const FRAMES: f64 = 2.0;
+/// Numbers of threads that are told apart.
+const NUMBERS: usize = 9;
 /// Another number of threads has to be so much better.
 const OTHER_NUMBER: f64 = 0.93;
 /// Part of a frame that changing costs, unless it is known better.
@@ -108,12 +114,40 @@ const TELLING: f64 = 3000.0;
 /// A way that takes so many times longer than another is not tried any further.
 const HOPELESS: f64 = 4.0;
 
+/// What frames took over what was predicted for their costs.
+#[derive(Clone, Copy, Debug)]
+struct Ratio {
+    value: f64,
+    /// How many frames have told.
+    frames: u32,
+}
+
+impl Ratio {
+    fn learn(&mut self, sample: f64) {
+        let Self { value, frames } = *self;
+        self.value = match frames {
+            // The first frame also wakes threads or uploads, and says little, unless it is far off.
+            0 => value * sample.max(HOPELESS) / HOPELESS,
+            1 => sample.clamp(0.05, 20.0),
+            // What interrupts a frame now and then says nothing either.
+            _ => {
+                let weight = if frames < SHORT { 0.5 } else { WEIGHT };
+                value + weight * (sample.clamp(0.5 * value, 2.0 * value) - value)
+            }
+        };
+        self.frames = frames.saturating_add(1);
+    }
+
+    /// Forgets, in so many frames, most of what was too much.
+    fn forget(&mut self, frames: f64) {
+        self.value -= (self.value - 1.0).max(0.0) / frames;
+    }
+}
+
 /// What is known of one way.
 #[derive(Clone, Copy, Debug)]
 struct Known {
-    /// What frames took over what was predicted for their costs.
-    ratio: f64,
-    frames: u32,
+    ratio: Ratio,
     /// What it would have saved since it was last thought worse, in nanoseconds.
     saved: f64,
     forget: f64,
@@ -122,8 +156,8 @@ struct Known {
 #[derive(Clone, Debug)]
 pub(crate) struct History {
     ways: [Known; WAYS],
-    /// The ratio of each number of threads that was tried, by its logarithm.
-    workers: [Option<f64>; 17],
+    /// The ratio of each number of threads, by its logarithm.
+    workers: [Ratio; NUMBERS],
     /// The last number of them.
     last_workers: u32,
     current: Option<usize>,
@@ -137,10 +171,11 @@ pub(crate) struct History {
 
 impl Default for History {
     fn default() -> Self {
-        let known = Known { ratio: 1.0, frames: 0, saved: 0.0, forget: FORGET };
+        let ratio = Ratio { value: 1.0, frames: 0 };
+        let known = Known { ratio, saved: 0.0, forget: FORGET };
         Self {
             ways: [known; WAYS],
-            workers: [None; 17],
+            workers: [ratio; NUMBERS],
             last_workers: 0,
             current: None,
             stay: 0,
@@ -171,17 +206,18 @@ impl History {
     /// Decides.
     pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer) -> Choice {
         let forecast = self.forecast;
+        let expected = forecast.cost().or(offer.guess);
         let alone = Choice {
             way: Way::Alone,
             alone_first: None,
-            expected: forecast.cost(),
+            expected,
             times: [None; WAYS],
             is_best: true,
         };
         if offer.threads <= 1 && offer.gpu.is_none() {
             return alone;
         }
-        let Some(cost) = forecast.cost() else {
+        let Some(cost) = expected else {
             return Choice { alone_first: Some(begin(machine)), ..alone };
         };
         let (times, ways) = self.predict(machine, offer, cost);
@@ -254,9 +290,10 @@ impl History {
             self.ways.iter_mut().for_each(|known| known.saved = 0.0);
         }
         self.stay = self.stay.saturating_add(1);
-        for (other, known) in self.ways.iter_mut().enumerate() {
-            if other != family && known.ratio > 1.0 {
-                known.ratio -= (known.ratio - 1.0) / known.forget;
+        for (other, known) in self.ways.iter_mut().enumerate().filter(|&(way, _)| way != family) {
+            known.ratio.forget(known.forget);
+            if other == THREADS {
+                self.workers.iter_mut().for_each(|own| own.forget(known.forget));
             }
         }
         let Some(cost) = cost.or(forecast.cost()) else { return };
@@ -264,27 +301,17 @@ impl History {
         if predicted < TELLING {
             return;
         }
-        let known = &mut self.ways[family];
         let sample = (frame.nanoseconds - frame.beside) / predicted;
-        known.ratio = match known.frames {
-            // The first frame also wakes threads or uploads, and says little, unless it is far off.
-            0 => sample.max(HOPELESS) / HOPELESS * known.ratio,
-            1 => sample.clamp(0.05, 20.0),
-            // What interrupts a frame now and then says nothing either.
-            _ => {
-                let likely = sample.clamp(0.5 * known.ratio, 2.0 * known.ratio);
-                known.ratio + WEIGHT * (likely - known.ratio)
-            }
-        };
-        known.frames = known.frames.saturating_add(1);
+        let known = &mut self.ways[family];
         if let Way::Threads(workers) = way {
             let own = &mut self.workers[slot(workers)];
-            // What is known of all is what is known of one that was not tried.
-            *own = Some(own.map_or(known.ratio, |own| {
-                own + WEIGHT * (sample.clamp(0.5 * own, 2.0 * own) - own)
-            }));
+            if own.frames == 0 {
+                *own = known.ratio;
+            }
+            own.learn(sample);
             self.last_workers = workers;
         }
+        known.ratio.learn(sample);
     }
 
     /// The current way, or `best` if that has earned it.
@@ -293,7 +320,7 @@ impl History {
             return least(&self.with_upload(times, offer));
         };
         // One frame is no trial.
-        if self.ways[current].frames == 1 && now < HOPELESS * times[best].unwrap_or(now) {
+        if self.ways[current].ratio.frames == 1 && now < HOPELESS * times[best].unwrap_or(now) {
             return current;
         }
         for (known, time) in self.ways.iter_mut().zip(times) {
@@ -337,7 +364,7 @@ fn least(times: &[Option<f64>; WAYS]) -> usize {
 
 /// The place of a number of threads.
 fn slot(workers: u32) -> usize {
-    (workers.max(1).ilog2() as usize).min(16)
+    (workers.max(1).ilog2() as usize).min(NUMBERS - 1)
 }
 
 /// The cost with which an unknown question is begun.

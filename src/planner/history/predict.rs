@@ -4,6 +4,9 @@ use super::{ALONE, BOTH, GPU, History, OTHER_NUMBER, Offer, THREADS, WAYS, Way, 
 use crate::planner::Machine;
 use crate::planner::machine::Device;
 
+/// What each query adds on threads, for its node of the front, in nanoseconds.
+const QUERY: f64 = 300.0;
+
 impl History {
     /// What each way will take, and what it is exactly.
     pub(super) fn predict(
@@ -13,9 +16,10 @@ impl History {
         cost: f64,
     ) -> ([Option<f64>; WAYS], [Way; WAYS]) {
         // Of a way that was never taken, what is known of its sibling.
-        let ratio = |own: usize, sibling: usize| match self.ways[own].frames {
-            0 => self.ways[sibling].ratio,
-            _ => self.ways[own].ratio,
+        let ratio = |own: usize, sibling: usize| match self.ways[own].ratio.frames {
+            // It may be the question that takes longer or the other way: half of it each.
+            0 => self.ways[sibling].ratio.value.sqrt(),
+            _ => self.ways[own].ratio.value,
         };
         let (cpu, gpu) = (ratio(THREADS, ALONE), ratio(GPU, GPU));
         let alone = ratio(ALONE, THREADS) * machine.alone(cost) + offer.upkeep;
@@ -23,9 +27,11 @@ impl History {
         let mut ways = [Way::Alone, Way::Alone, Way::Gpu, Way::Gpu];
         if offer.threads > 1 {
             let time = |workers: u32| {
-                let ratio = self.workers[slot(workers)].unwrap_or(cpu);
+                let known = self.workers[slot(workers)];
+                let ratio = if known.frames > 0 { known.value } else { cpu };
                 let last = if workers == self.last_workers { OTHER_NUMBER } else { 1.0 };
-                (workers, last * ratio * machine.threaded(cost, workers))
+                let each = offer.queries.saturating_sub(1) as f64 * QUERY;
+                (workers, last * ratio * machine.threaded(cost, workers) + each)
             };
             let all = Machine::worker_counts(offer.threads).map(time);
             let (workers, time) =
@@ -35,9 +41,10 @@ impl History {
         if let (Some(_), Some(device)) = (offer.gpu, &machine.device) {
             times[GPU] = Some(gpu * device.ask(cost));
             // Two guesses are none.
-            if offer.both && self.ways[THREADS].frames > 1 && self.ways[GPU].frames > 1 {
+            if offer.both && self.ways[THREADS].ratio.frames > 1 && self.ways[GPU].ratio.frames > 1
+            {
                 let all = Halves::new(machine, device, offer.threads, cost, [cpu, gpu]);
-                let both = self.ways[BOTH].ratio;
+                let both = self.ways[BOTH].ratio.value;
                 (times[BOTH], ways[BOTH]) =
                     (Some(both * all.time + offer.upkeep), Way::Both(offer.threads, all.share));
             }

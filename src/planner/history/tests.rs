@@ -35,7 +35,7 @@ impl World {
 
     fn offer(&self) -> Offer {
         let gpu = Some(if self.there { 0.0 } else { self.upload });
-        Offer { threads: THREADS_THERE, gpu, both: false, upkeep: 0.0 }
+        Offer { threads: THREADS_THERE, gpu, both: false, guess: None, queries: 1, upkeep: 0.0 }
     }
 
     fn takes(&self, way: Way, cost: f64) -> f64 {
@@ -130,7 +130,7 @@ fn plans_do_not_flap() {
 #[test]
 fn without_a_choice_nothing_is_chosen() {
     let mut history = History::default();
-    let offer = Offer { threads: 1, gpu: None, both: false, upkeep: 0.0 };
+    let offer = Offer { threads: 1, gpu: None, both: false, guess: None, queries: 1, upkeep: 0.0 };
     for cost in [1e2, 1e8, 1e2] {
         let choice = history.choose(&measured(), &offer);
         assert_eq!((choice.way, choice.alone_first), (Way::Alone, None));
