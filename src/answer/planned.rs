@@ -216,6 +216,7 @@ impl Planned {
         let mut offer = Offer {
             threads: planner.threads(pairs),
             gpu: None,
+            gpu_upkeep: 0.0,
             both: false,
             guess: question.guess(),
             queries: 1,

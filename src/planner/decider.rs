@@ -196,6 +196,10 @@ impl Decider {
         let frame = Frame {
             nanoseconds: nanoseconds(actual),
             beside: nanoseconds(beside),
+            gpu_upkeep: self
+                .last
+                .and_then(|last| last.choice)
+                .map_or(0.0, |choice| choice.gpu_upkeep),
             cost,
             leaf_pairs,
         };

@@ -81,6 +81,9 @@ pub(super) struct Bodies {
     known: Vec<(BodyId, u64)>,
     bodies: Vec<Option<Body>>,
     live: usize,
+    /// Of all of them together.
+    triangles: usize,
+    vertices: usize,
     next: u64,
     /// Counts changes.
     time: u64,
@@ -96,6 +99,12 @@ const GONE: u64 = u64::MAX;
 impl Bodies {
     pub(super) fn len(&self) -> usize {
         self.live
+    }
+
+    /// Triangles and vertices of all bodies together.
+    #[cfg(feature = "gpu")]
+    pub(super) fn sizes(&self) -> [usize; 2] {
+        [self.triangles, self.vertices]
     }
 
     /// Of the last change; 0 before any.
@@ -137,12 +146,16 @@ impl Bodies {
 
     pub(super) fn add(&mut self, model: Arc<Model>, pose: Pose) -> Result<BodyId, Error> {
         let id = BodyId(self.next);
+        let sizes = sizes(&model);
         let mut body = Body { id, model, pose, bounds: None };
         body.set_pose(pose)?;
         self.regathered();
         self.known.push((id, self.time));
         self.bodies.push(Some(body));
         self.live += 1;
+        let [triangles, vertices] = sizes;
+        self.triangles += triangles;
+        self.vertices += vertices;
         self.next += 1;
         Ok(id)
     }
@@ -174,6 +187,9 @@ impl Bodies {
         let body = self.bodies[place].take().ok_or(Error::StaleBody { id })?;
         self.known[place].1 = GONE;
         self.live -= 1;
+        let [triangles, vertices] = sizes(&body.model);
+        self.triangles -= triangles;
+        self.vertices -= vertices;
         self.regathered();
         Ok(body)
     }
@@ -205,4 +221,9 @@ impl Bodies {
         }
         self.known[..guess].binary_search_by_key(&id, |&(id, _)| id).ok()
     }
+}
+
+/// Triangles and vertices, which no move changes.
+fn sizes(model: &Model) -> [usize; 2] {
+    [model.mesh().triangles().len(), model.mesh().positions().len()]
 }

@@ -206,16 +206,15 @@ impl Planned {
     fn offer(&self, frame: &Frame<'_>) -> Offer {
         let planner = self.decider.planner();
         let threads = planner.threads(self.most);
+        let (mut gpu, mut gpu_upkeep) = (None, 0.0);
         #[cfg(feature = "gpu")]
-        let gpu = match &self.device {
-            Some(device) if frame.accuracy == crate::Accuracy::Exact => {
-                planner.upload(device.owed(frame.bodies))
-            }
-            _ => None,
-        };
-        #[cfg(not(feature = "gpu"))]
-        let gpu = None;
+        if let Some(device) = &self.device
+            && frame.accuracy == crate::Accuracy::Exact
+        {
+            gpu = planner.upload(device.owed(frame.bodies));
+            gpu_upkeep = device.upkeep(frame.bodies, planner);
+        }
         let queries = frame.len();
-        Offer { threads, gpu, both: false, guess: None, queries, upkeep: 0.0 }
+        Offer { threads, gpu, gpu_upkeep, both: false, guess: None, queries, upkeep: 0.0 }
     }
 }

@@ -48,9 +48,9 @@ fn play(asked: &Plan, mut recording: Recording, planner: Planner) -> Result<()> 
         }
         took += clock.elapsed();
         let Some(plan) = engine.plan() else { continue };
-        let is_new = tally.add(plan) || number == 0;
+        let is_new = tally.add(&plan) || number == 0;
         if asked.json {
-            serde_json::to_writer(&mut out, plan)?;
+            serde_json::to_writer(&mut out, &plan)?;
             writeln!(out)?;
         } else if is_new {
             bar.suspend(|| writeln!(out, "frame {number:>5}  {plan}"))?;

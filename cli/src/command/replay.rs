@@ -52,7 +52,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
             pairs.frame(found).context("cannot write the pairs")?;
         }
         if let Some(plan) = engine.plan() {
-            tally.add(plan);
+            tally.add(&plan);
         }
         bar.inc(1);
     }

@@ -47,6 +47,8 @@ pub(crate) struct Offer {
     pub(crate) threads: u32,
     /// What has to be brought to the GPU first, in nanoseconds; `None` if it cannot be asked.
     pub(crate) gpu: Option<f64>,
+    /// What the GPU has to do first in each frame, in nanoseconds.
+    pub(crate) gpu_upkeep: f64,
     /// Whether a question can be divided between GPU and threads.
     pub(crate) both: bool,
     /// What it may cost in box tests, if nothing else is known.
@@ -66,6 +68,8 @@ pub(crate) struct Choice {
     pub(crate) alone_first: Option<f64>,
     /// Expected box tests.
     pub(crate) expected: Option<f64>,
+    /// That of the offer.
+    pub(crate) gpu_upkeep: f64,
     /// Predicted nanoseconds of each way.
     pub(crate) times: [Option<f64>; WAYS],
     /// Whether the way is the one with the least of them.
@@ -85,7 +89,7 @@ const FORKS: f64 = 1.0;
 /// A question that is asked alone may cost so many times what is expected before others are called in.
 const SURELY: f64 = 4.0;
 /// Where costs jump, others are called in only after this part of their time has been spent alone.
-const PROBE: f64 = 0.1;
+const PROBE: f64 = 0.05;
 /// A question that outgrew what it was begun with is taken to be so many times larger: ...
 const OUTGROWN: f64 = 2.0;
 /// ... and so many if nothing was known of it.
@@ -211,6 +215,7 @@ impl History {
             way: Way::Alone,
             alone_first: None,
             expected,
+            gpu_upkeep: offer.gpu_upkeep,
             times: [None; WAYS],
             is_best: true,
         };
@@ -258,6 +263,7 @@ impl History {
             expected: Some(expected),
             times,
             is_best: true,
+            ..*choice
         }
     }
 
@@ -297,7 +303,8 @@ impl History {
             }
         }
         let Some(cost) = cost.or(forecast.cost()) else { return };
-        let predicted = predicted(machine, way, cost);
+        let upkeep = if way == Way::Gpu { frame.gpu_upkeep } else { 0.0 };
+        let predicted = predicted(machine, way, cost) + upkeep;
         if predicted < TELLING {
             return;
         }
@@ -353,6 +360,8 @@ pub(crate) struct Frame {
     pub(crate) nanoseconds: f64,
     /// Of which not for the question itself: a refit before it, and what was begun in vain.
     pub(crate) beside: f64,
+    /// That of the offer.
+    pub(crate) gpu_upkeep: f64,
     pub(crate) cost: Option<f64>,
     pub(crate) leaf_pairs: Option<u32>,
 }

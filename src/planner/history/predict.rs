@@ -39,7 +39,7 @@ impl History {
             (times[THREADS], ways[THREADS]) = (Some(time + offer.upkeep), Way::Threads(workers));
         }
         if let (Some(_), Some(device)) = (offer.gpu, &machine.device) {
-            times[GPU] = Some(gpu * device.ask(cost));
+            times[GPU] = Some(gpu * (device.ask(cost) + offer.gpu_upkeep));
             // Two guesses are none.
             if offer.both && self.ways[THREADS].ratio.frames > 1 && self.ways[GPU].ratio.frames > 1
             {
