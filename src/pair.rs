@@ -1,6 +1,6 @@
 //! Two models.
 
-use crate::answer::{Answer, OfTwo, Planned, Question};
+use crate::answer::{Answer, OfTwo, Planning, Question};
 use crate::planner::{Plan, Planner};
 #[cfg(feature = "threads")]
 use crate::threads;
@@ -91,14 +91,14 @@ impl PairQuery {
     /// ```
     #[must_use]
     pub fn with_planner(mut self, planner: Planner) -> Self {
-        self.answer.planned = Some(Box::new(Planned::new(planner)));
+        self.answer.planning = Some(Planning::new(planner));
         self
     }
 
     /// How the last frame was answered by a planner, and why so.
     #[must_use]
     pub fn plan(&self) -> Option<Plan> {
-        self.answer.planned.as_ref()?.plan()
+        self.answer.planning.as_ref()?.plan()
     }
 
     /// All pairs that meet, sorted; `a` and `b` of a pair are triangles of `a` and `b`.

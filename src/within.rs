@@ -1,6 +1,6 @@
 //! One model with itself.
 
-use crate::answer::{Answer, OfOne, Planned, Question};
+use crate::answer::{Answer, OfOne, Planning, Question};
 use crate::planner::{Plan, Planner};
 #[cfg(feature = "threads")]
 use crate::threads;
@@ -76,14 +76,14 @@ impl SelfQuery {
     /// The same by a [`Planner`]; see [`crate::PairQuery::with_planner`].
     #[must_use]
     pub fn with_planner(mut self, planner: Planner) -> Self {
-        self.answer.planned = Some(Box::new(Planned::new(planner)));
+        self.answer.planning = Some(Planning::new(planner));
         self
     }
 
     /// How the last frame was answered by a planner, and why so.
     #[must_use]
     pub fn plan(&self) -> Option<Plan> {
-        self.answer.planned.as_ref()?.plan()
+        self.answer.planning.as_ref()?.plan()
     }
 
     /// Moves the vertices of a model before it is asked about, as [`Model::set_positions`] does, on the threads
@@ -108,8 +108,8 @@ impl SelfQuery {
         positions: &[[f32; 3]],
     ) -> Result<(), Error> {
         let Self { accuracy, adjacency, answer } = self;
-        if let Some(planned) = &mut answer.planned {
-            return planned.set_positions(model, positions, *adjacency, *accuracy);
+        if let Some(planning) = &mut answer.planning {
+            return planning.planned().set_positions(model, positions, *adjacency, *accuracy);
         }
         #[cfg(feature = "threads")]
         if let Some(traversal) = &answer.traversal {

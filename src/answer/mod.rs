@@ -12,6 +12,7 @@ pub(crate) use alone::{End, Leash, alone, cost};
 pub(crate) use planned::{Planned, Want};
 pub(crate) use question::{OfOne, OfTwo, Question};
 
+use crate::planner::{Plan, Planner};
 use pfront_core::query::{Query, TrianglePair};
 use pfront_core::triangle::Contact;
 use std::ops::ControlFlow;
@@ -22,13 +23,50 @@ pub(crate) struct Answer {
     contacts: Vec<(TrianglePair, Contact)>,
     #[cfg(feature = "threads")]
     pub(crate) traversal: Option<pfront_cpu::Traversal>,
-    pub(crate) planned: Option<Box<Planned>>,
+    pub(crate) planning: Option<Planning>,
+}
+
+/// A planner, and what it knows once there was a question that was worth a thought.
+#[derive(Clone, Debug)]
+pub(crate) struct Planning {
+    planner: Planner,
+    planned: Option<Box<Planned>>,
+    /// Whether the last question was not.
+    was_small: bool,
+}
+
+impl Planning {
+    pub(crate) fn new(planner: Planner) -> Self {
+        Self { planner, planned: None, was_small: false }
+    }
+
+    pub(crate) fn plan(&self) -> Option<Plan> {
+        match &self.planned {
+            _ if self.was_small => Some(Plan::SMALL),
+            planned => planned.as_ref()?.plan(),
+        }
+    }
+
+    pub(crate) fn planned(&mut self) -> &mut Planned {
+        self.planned.get_or_insert_with(|| Box::new(Planned::new(self.planner.clone())))
+    }
+
+    /// Whoever answers, if the question is worth a thought.
+    fn asked(&mut self, question: &impl Question) -> Option<&mut Planned> {
+        self.was_small = question.is_small();
+        if self.was_small {
+            // The list will be overwritten.
+            self.planned.iter_mut().for_each(|planned| planned.forget());
+            return None;
+        }
+        Some(self.planned())
+    }
 }
 
 impl Answer {
     /// All pairs, sorted. Allocates only when there are more than ever before.
     pub(crate) fn all(&mut self, question: &impl Question) -> &[TrianglePair] {
-        if let Some(planned) = &mut self.planned {
+        if let Some(planned) = self.planning.as_mut().and_then(|own| own.asked(question)) {
             planned.ask(question, Want::All, &mut self.pairs);
             return &self.pairs;
         }
@@ -49,7 +87,7 @@ impl Answer {
 
     /// How many pairs meet.
     pub(crate) fn count(&mut self, question: &impl Question) -> u64 {
-        if let Some(planned) = &mut self.planned {
+        if let Some(planned) = self.planning.as_mut().and_then(|own| own.asked(question)) {
             return planned.ask(question, Want::Count, &mut self.pairs).count;
         }
         let query = &question.query(question.accuracy());
@@ -62,7 +100,7 @@ impl Answer {
 
     /// Some pair that meets.
     pub(crate) fn any(&mut self, question: &impl Question) -> Option<TrianglePair> {
-        if let Some(planned) = &mut self.planned {
+        if let Some(planned) = self.planning.as_mut().and_then(|own| own.asked(question)) {
             return planned.ask(question, Want::Any, &mut self.pairs).first;
         }
         let query = &question.query(question.accuracy());

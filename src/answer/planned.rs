@@ -72,6 +72,11 @@ impl Planned {
         self.decider.plan()
     }
 
+    /// The list is overwritten by others.
+    pub(crate) fn forget(&mut self) {
+        self.kept.forget();
+    }
+
     /// Moves the vertices of a model that will be asked about next, and refits it, unless the GPU will do that.
     pub(crate) fn set_positions(
         &mut self,
@@ -102,12 +107,6 @@ impl Planned {
         want: Want,
         pairs: &mut Vec<TrianglePair>,
     ) -> Given {
-        if question.is_small() {
-            self.kept.forget();
-            self.decider.small();
-            let leash = Leash { cost: f64::INFINITY, deadline: None };
-            return on_one(question.query(question.accuracy()), want, pairs, leash).given;
-        }
         let subject = question.subject();
         if let Some(given) = self.kept.find(&subject, want) {
             self.decider.keep();

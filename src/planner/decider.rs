@@ -39,7 +39,7 @@ struct Last {
     concession: Option<Concession>,
 }
 
-/// Deciding is timed in one of so many frames: to look at the clock takes as long.
+/// Deciding is timed in so many frames at first and in one of so many from then on: to look at the clock takes as long.
 const TIMED: u32 = 16;
 
 impl Decider {
@@ -119,12 +119,6 @@ impl Decider {
         self.end_as(Backend::Kept, Reason::Unchanged, None);
     }
 
-    /// There is hardly anything to do.
-    pub(crate) fn small(&mut self) {
-        (self.ahead, self.prepared) = (None, Duration::ZERO);
-        self.end_as(Backend::Sequential, Reason::Small, None);
-    }
-
     fn end_as(&mut self, backend: Backend, reason: Reason, cost: Option<f64>) {
         let (choice, actual, concession) = (None, Duration::ZERO, None);
         self.last = Some(Last { backend, reason, choice, cost, actual, concession });
@@ -161,7 +155,7 @@ impl Decider {
             Reason::NotWorthChanging
         };
         self.note(choice, reason);
-        if self.frames.is_multiple_of(TIMED) {
+        if self.frames < TIMED || self.frames.is_multiple_of(TIMED) {
             self.deciding = self.elapsed().saturating_sub(self.lost);
         }
         self.frames = self.frames.wrapping_add(1);

@@ -82,7 +82,8 @@ pub struct Plan {
     pub alternatives: [Option<Duration>; 4],
     /// What it took, deciding included; 0 for what is too small to look at the clock.
     pub actual: Duration,
-    /// What deciding took when that was last timed, in one of sixteen frames.
+    /// What deciding took when that was last timed, which is done in the first sixteen frames and in
+    /// each sixteenth after these.
     pub deciding: Duration,
     /// What was given up to keep within the limits.
     pub concession: Option<super::Concession>,
@@ -90,21 +91,20 @@ pub struct Plan {
     pub failure: Option<String>,
 }
 
-impl Default for Plan {
-    fn default() -> Self {
-        Self {
-            backend: Backend::Sequential,
-            reason: Reason::OnlyWay,
-            expected_cost: None,
-            cost: None,
-            predicted: None,
-            alternatives: [None; 4],
-            actual: Duration::ZERO,
-            deciding: Duration::ZERO,
-            concession: None,
-            failure: None,
-        }
-    }
+impl Plan {
+    /// Of what is too small to think about.
+    pub(crate) const SMALL: Self = Self {
+        backend: Backend::Sequential,
+        reason: Reason::Small,
+        expected_cost: None,
+        cost: None,
+        predicted: None,
+        alternatives: [None; 4],
+        actual: Duration::ZERO,
+        deciding: Duration::ZERO,
+        concession: None,
+        failure: None,
+    };
 }
 
 impl fmt::Display for Backend {

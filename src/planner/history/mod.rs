@@ -88,6 +88,8 @@ impl Choice {
 const FORKS: f64 = 1.0;
 /// A question that is asked alone may cost so many times what is expected before others are called in.
 const SURELY: f64 = 4.0;
+/// A question is brief if it would have to cost so many times what is expected before others could help.
+const BRIEF: f64 = 2.0;
 /// Where costs jump, others are called in only after this part of their time has been spent alone.
 const PROBE: f64 = 0.05;
 /// A question that outgrew what it was begun with is taken to be so many times larger: ...
@@ -100,6 +102,8 @@ const PER_LEAF_PAIR: f64 = 60.0;
 const FRAMES: f64 = 2.0;
 /// Numbers of threads that are told apart.
 const NUMBERS: usize = 9;
+/// One that was not tried is hoped to be so much better than thought, so that it is.
+const UNTRIED: f64 = 0.8;
 /// Another number of threads has to be so much better.
 const OTHER_NUMBER: f64 = 0.93;
 /// Part of a frame that changing costs, unless it is known better.
@@ -198,7 +202,7 @@ impl History {
         let others = if machine.threads > 1 { machine.fork } else { TELLING };
         let most = others.min(question).max(TELLING) / machine.test;
         let expected = self.forecast.cost().unwrap_or(0.0);
-        (SURELY * expected <= most && !self.forecast.is_jumpy()).then_some(most)
+        (BRIEF * expected <= most && !self.forecast.is_jumpy()).then_some(most)
     }
 
     /// Takes note of the cost of a frame that was asked so.

@@ -1,6 +1,8 @@
 //! What a question takes each way.
 
-use super::{ALONE, BOTH, GPU, History, OTHER_NUMBER, Offer, THREADS, WAYS, Way, slot};
+use super::{
+    ALONE, BOTH, GPU, History, OTHER_NUMBER, Offer, SHORT, THREADS, UNTRIED, WAYS, Way, slot,
+};
 use crate::planner::Machine;
 use crate::planner::machine::Device;
 
@@ -26,9 +28,11 @@ impl History {
         let mut times = [Some(alone), None, None, None];
         let mut ways = [Way::Alone, Way::Alone, Way::Gpu, Way::Gpu];
         if offer.threads > 1 {
+            // Which number is best, a first frame does not tell.
+            let hope = if self.ways[THREADS].ratio.frames > SHORT { UNTRIED } else { 1.0 };
             let time = |workers: u32| {
                 let known = self.workers[slot(workers)];
-                let ratio = if known.frames > 0 { known.value } else { cpu };
+                let ratio = if known.frames > 0 { known.value } else { hope * cpu };
                 let last = if workers == self.last_workers { OTHER_NUMBER } else { 1.0 };
                 let each = offer.queries.saturating_sub(1) as f64 * QUERY;
                 (workers, last * ratio * machine.threaded(cost, workers) + each)
