@@ -11,6 +11,7 @@ mod tests;
 pub use check::{BvhError, check_scratch_bound};
 
 use crate::aabb::Bounds;
+use crate::items::{item, run};
 use crate::{Aabb, Mesh};
 use bytemuck::{Pod, Zeroable};
 use core::convert::Infallible;
@@ -133,7 +134,7 @@ impl<'a> Bvh<'a> {
 
     /// Borrows again arrays that a build, a refit or [`Bvh::new`] has already vouched for.
     ///
-    /// Nothing is checked: with any other arrays a query may give wrong pairs or panic.
+    /// Nothing is checked: with any other arrays a query may give wrong pairs, not end, or panic.
     #[inline]
     #[must_use]
     pub fn trusted(mesh: Mesh<'a>, nodes: &'a [Node], order: &'a [u32]) -> Self {
@@ -171,7 +172,7 @@ impl<'a> Bvh<'a> {
     /// The triangles of a leaf.
     #[inline]
     pub(crate) fn leaf_triangles(&self, leaf: &Node) -> &'a [u32] {
-        &self.order[leaf.first as usize..][..leaf.count as usize]
+        run(self.order, leaf.first, leaf.count)
     }
 
     /// How many triangles lie below a node: they are one run of the order, from its leftmost leaf to
@@ -181,9 +182,9 @@ impl<'a> Bvh<'a> {
             return self.order.len() as u32;
         }
         let end = |side: u32| {
-            let mut node = &self.nodes[node as usize];
+            let mut node = item(self.nodes, node);
             while !node.is_leaf() {
-                node = &self.nodes[(node.first + side) as usize];
+                node = item(self.nodes, node.first + side);
             }
             node
         };
@@ -240,14 +241,16 @@ fn preorder<E>(
     let mut next = if nodes.is_empty() { None } else { Some((0, 0)) };
     while let Some((index, depth)) = next {
         visit(index, depth)?;
-        let node = &nodes[index];
+        let node = item(nodes, index as u32);
         next = if node.is_leaf() {
             len = len.wrapping_sub(1);
             waiting.get(len).copied()
         } else {
             let left = node.first as usize;
-            waiting[len] = (left + 1, depth + 1);
-            len += 1;
+            if let Some(free) = waiting.get_mut(len) {
+                *free = (left + 1, depth + 1);
+                len += 1;
+            }
             Some((left, depth + 1))
         };
     }

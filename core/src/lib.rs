@@ -10,6 +10,8 @@ pub mod bvh;
 mod error;
 pub mod fans;
 pub mod front;
+mod heap;
+mod items;
 mod lanes;
 pub mod mesh;
 pub mod partition;

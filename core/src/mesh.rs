@@ -3,6 +3,7 @@
 //! Everything below trusts a [`Mesh`]: indices are in range and coordinates finite, so no walk
 //! re-checks either (`accuracy.md`, contract 1).
 
+use crate::items::item;
 use core::fmt;
 
 /// Corner positions of one triangle, in the units of the mesh.
@@ -116,12 +117,12 @@ impl<'a> Mesh<'a> {
     /// The corner positions of triangle `index`.
     ///
     /// # Panics
-    /// If `index` is not below `self.triangles().len()`.
+    /// With the feature `std`, if `index` is not below `self.triangles().len()`; without it, such corners are
+    /// no numbers.
     #[inline]
     #[must_use]
     pub fn triangle(self, index: u32) -> Triangle {
-        let [p, q, r] = self.triangles[index as usize];
-        [self.positions[p as usize], self.positions[q as usize], self.positions[r as usize]]
+        item(self.triangles, index).map(|vertex| *item(self.positions, vertex))
     }
 }
 

@@ -8,6 +8,7 @@
 //! all at most ε·W/p gives a makespan of at most (1 + ε)·W/p.
 
 use crate::front::FrontNode;
+use crate::heap::{sift_down, sort};
 
 /// What one worker has been dealt. The caller's slice of these is the heap.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,11 +41,12 @@ pub fn greedy(nodes: &mut [FrontNode], loads: &mut [Load]) -> f64 {
         *load = Load { cost: 0.0, part: part as u32 };
     }
     dearest_first(nodes);
+    let less = |x: &Load, y: &Load| (x.cost < y.cost) | ((x.cost == y.cost) & (x.part < y.part));
     for node in nodes {
         let Some(least) = loads.first_mut() else { return 0.0 };
         node.part = least.part;
         least.cost += f64::from(node.cost);
-        sift_down(loads);
+        sift_down(loads, 0, less);
     }
     loads.iter().fold(0.0, |most, load| most.max(load.cost))
 }
@@ -52,36 +54,14 @@ pub fn greedy(nodes: &mut [FrontNode], loads: &mut [Load]) -> f64 {
 /// Sorts nodes by cost, dearest first; equal ones by query and pair.
 ///
 /// # Complexity
-/// O(N log N), O(N) if they are in order; no allocation.
+/// O(N log N), with std O(N) if they are in order; no allocation.
 pub fn dearest_first(nodes: &mut [FrontNode]) {
     // One number to compare, without branches.
-    nodes.sort_unstable_by_key(|n| {
+    sort(nodes, |n| {
         // Costs are positive, so that their bits sort as they do.
         let place = u128::from(n.query) << 64 | u128::from(n.pair.a) << 32 | u128::from(n.pair.b);
         u128::from(!n.cost.to_bits()) << 96 | place
     });
-}
-
-/// Restores the heap, least load first, after its first element has grown.
-fn sift_down(heap: &mut [Load]) {
-    // Without branches: which child is less is a coin toss to a predictor.
-    let less = |x: &Load, y: &Load| (x.cost < y.cost) | ((x.cost == y.cost) & (x.part < y.part));
-    let Some(&grown) = heap.first() else { return };
-    let mut at = 0;
-    loop {
-        let mut child = 2 * at + 1;
-        if child >= heap.len() {
-            break;
-        }
-        let other = (child + 1).min(heap.len() - 1);
-        child += usize::from(less(&heap[other], &heap[child]));
-        if !less(&heap[child], &grown) {
-            break;
-        }
-        heap[at] = heap[child];
-        at = child;
-    }
-    heap[at] = grown;
 }
 
 /// How many workers can still help, eq. 6 of the paper: the whole cost over the dearest node, since
@@ -127,6 +107,7 @@ mod tests {
             let mut front = nodes(front);
             let mut loads = [Load::default(); 64];
             let makespan = greedy(&mut front, &mut loads[..workers]);
+            assert!(front.is_sorted_by(|x, y| (-x.cost, x.pair.a) < (-y.cost, y.pair.a)));
             let total: f64 = front.iter().map(|n| f64::from(n.cost)).sum();
             let mean = total / workers as f64;
             let epsilon = f64::from(front[0].cost) / mean;

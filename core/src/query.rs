@@ -80,7 +80,8 @@ pub trait Query {
     /// that does not meet.
     ///
     /// # Panics
-    /// If the indices are not of these meshes.
+    /// With the feature `std`, if the indices are not of these meshes; without it, the answer to that means
+    /// nothing. So do those that follow if `n` is not a node of this query.
     fn contact(&self, pair: TrianglePair) -> Option<Contact>;
 
     /// The root of the BVTT, if its boxes overlap.
@@ -88,9 +89,6 @@ pub trait Query {
 
     /// Hands on the children of a BVTT node that overlap, at most four and in ascending order, each with
     /// its [`Query::boxes`]; returns the number of box tests, 0 for a pair of leaves, which has none.
-    ///
-    /// # Panics
-    /// If `n` is not a node of this query; so do the next three.
     fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32;
 
     /// [`Query::children`] without their boxes.
@@ -128,17 +126,19 @@ pub trait Query {
     /// # total }
     /// ```
     fn page(&self, cursor: &mut Cursor, out: &mut [TrianglePair]) -> usize {
-        let mut len = 0;
-        if out.is_empty() {
+        let capacity = out.len();
+        if capacity == 0 {
             return 0;
         }
+        let mut free = out.iter_mut();
         // Whether it broke or ended, the cursor knows.
         let _ = self.visit(cursor, |pair| {
-            out[len] = pair;
-            len += 1;
-            if len == out.len() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if let Some(slot) = free.next() {
+                *slot = pair;
+            }
+            if free.len() == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
-        len
+        capacity - free.len()
     }
 
     /// How many pairs meet.

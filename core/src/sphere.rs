@@ -3,6 +3,7 @@
 //! A box that is turned needs a larger one around it, a sphere does not: of bodies side by side whose boxes
 //! overlap, most are told apart by their spheres, before anything of their BVHs is read.
 
+use crate::items::item;
 use crate::place::PADDING;
 use crate::{Bvh, Pose};
 use glam::DVec3;
@@ -28,7 +29,7 @@ impl Sphere {
         let centre = bounds.min * 0.5 + bounds.max * 0.5;
         let (mesh, middle) = (bvh.mesh(), centre.as_dvec3());
         let corners = mesh.triangles().iter().flatten();
-        let out = corners.map(|v| vector(&mesh.positions()[*v as usize]) - middle);
+        let out = corners.map(|v| vector(item(mesh.positions(), *v)) - middle);
         let farther =
             |x: DVec3, y: DVec3| if x.length_squared() > y.length_squared() { x } else { y };
         let radius = upwards(out.fold(DVec3::ZERO, farther).length());
@@ -56,8 +57,13 @@ impl Sphere {
         if *pose == Pose::IDENTITY {
             return *self;
         }
-        let column = |k: usize| vector(&[0, 1, 2].map(|i| pose.rows[i][k]));
-        let ([x, y, z], translation) = ([column(0), column(1), column(2)], column(3));
+        let [a, b, c] = pose.rows.map(|row| row.map(f64::from));
+        let [x, y, z] = [
+            DVec3::new(a[0], b[0], c[0]),
+            DVec3::new(a[1], b[1], c[1]),
+            DVec3::new(a[2], b[2], c[2]),
+        ];
+        let translation = DVec3::new(a[3], b[3], c[3]);
         let (centre, radius) = (vector(&self.centre), f64::from(self.radius));
         let row = |v: DVec3| v.dot(x).abs() + v.dot(y).abs() + v.dot(z).abs();
         let longest = x.length().max(y.length()).max(z.length()).max(1e-60);

@@ -4,7 +4,7 @@ use super::divide::Split;
 use super::item::{Extent, SahItem};
 use super::parts::{PART, Parts};
 use crate::aabb::Bounds;
-use crate::lanes::{LANES, Simd, Task, widest};
+use crate::lanes::{Eight, LANES, Task, widest};
 use glam::Vec3A;
 
 /// Bins per axis of a large run.
@@ -66,15 +66,15 @@ impl Grid {
 
     /// The bin of a centre on each axis, plus [`Grid::TO_BITS`].
     #[inline(always)]
-    pub(super) fn bins<S: Simd>(&self, centre: S) -> S {
-        let position = (centre - S::load(&self.origin)) * S::load(&self.bins_per_unit);
+    pub(super) fn bins<S: Eight>(&self, centre: S) -> S {
+        let position = (centre - S::load(&self.origin, 0)) * S::load(&self.bins_per_unit, 0);
         (position - S::splat(0.5)).max(S::splat(0.0)) + S::splat(Self::TO_BITS)
     }
 }
 
 /// [`SahItem::centre`] of an item in lanes, and its negation in the upper half.
 #[inline(always)]
-pub(super) fn centre<S: Simd>(item: S) -> S {
+pub(super) fn centre<S: Eight>(item: S) -> S {
     let quarter = item * S::splat(0.25);
     quarter - quarter.swap_halves()
 }
@@ -195,18 +195,18 @@ impl<const AXES: usize> Task for Fill<'_, AXES> {
     type Output = ();
 
     #[inline(always)]
-    fn run<S: Simd>(self) {
+    fn run<S: Eight>(self) {
         let Self { bins, items, grid, axes } = self;
         for item in items {
-            let extent = S::load(&item.0.0);
+            let extent = S::load(&item.0.0, 0);
             let mut at = [0.0; LANES];
-            grid.bins(centre(extent)).store(&mut at);
+            grid.bins(centre(extent)).store(&mut at, 0);
             for (row, axis) in axes.into_iter().enumerate() {
                 // All three are in order: lanes known when compiling need not go through memory.
                 let axis = if AXES == 3 { row } else { axis };
                 let bin = at[axis % LANES].to_bits() as usize % MAX_BINS;
                 let grown = &mut bins.extents[row][bin].0;
-                S::load(grown).min(extent).store(grown);
+                S::load(grown, 0).min(extent).store(grown, 0);
                 bins.counts[row][bin] += 1;
             }
         }

@@ -4,7 +4,7 @@ use super::bins::{Grid, centre};
 use super::item::{Extent, Run, SahItem};
 use super::parts::{PART, Parts};
 use crate::aabb::Bounds;
-use crate::lanes::{LANES, Simd, Task, widest};
+use crate::lanes::{Eight, LANES, Task, widest};
 
 /// A plane between two bins.
 pub(super) struct Split {
@@ -80,16 +80,16 @@ impl Task for Divide<'_> {
     /// Every step swaps and grows the centres of both sides, whichever side the item is on: which one
     /// is a coin toss to a branch predictor.
     #[inline(always)]
-    fn run<S: Simd>(self) -> Divided {
+    fn run<S: Eight>(self) -> Divided {
         let Self { split, items } = self;
         let (bin, none) = (S::splat(split.bin), S::splat(f32::INFINITY));
         let (mut left, mut right) = (none, none);
         let mut middle = 0;
         for i in 0..items.len() {
             let item = items[i];
-            let centre = centre(S::load(&item.0.0));
+            let centre = centre(S::load(&item.0.0, 0));
             let mut bins = [0.0; LANES];
-            split.grid.bins(centre).store(&mut bins);
+            split.grid.bins(centre).store(&mut bins, 0);
             let is_left = S::splat(bins[split.axis % LANES]).lt(bin);
             left = left.min(S::select(&is_left, centre, none));
             right = right.min(S::select(&is_left, none, centre));
@@ -98,8 +98,8 @@ impl Task for Divide<'_> {
             middle += (S::bits(is_left) & 1) as usize;
         }
         let mut centres = [Extent::EMPTY; 2];
-        left.store(&mut centres[0].0);
-        right.store(&mut centres[1].0);
+        left.store(&mut centres[0].0, 0);
+        right.store(&mut centres[1].0, 0);
         Divided { left: middle, centres }
     }
 }

@@ -11,6 +11,7 @@
 
 use super::Join;
 use crate::bvh::{Node, node_bound};
+use crate::items::split;
 
 /// No more triangles are worth dividing: a pass over them takes some 50 µs. The meshes of tests are
 /// small, and under miri tiny.
@@ -19,6 +20,12 @@ pub(super) const PART: usize = match (cfg!(test), cfg!(miri)) {
     (true, false) => 1 << 6,
     (true, true) => 2,
 };
+
+/// Whether so many triangles are worth dividing. Without std hardly anyone is there to take the other half,
+/// and a loop over all of them takes less machine code and stack.
+pub(super) fn worth_dividing(triangles: usize) -> bool {
+    cfg!(any(feature = "std", test)) && triangles > PART
+}
 
 /// Who runs the parts: the caller's `join`, or one after the other.
 #[derive(Clone, Copy)]
@@ -35,13 +42,14 @@ pub(super) struct Room<'n> {
 }
 
 impl<'n> Room<'n> {
-    /// For a tree of at least one triangle in at least [`node_bound`] nodes.
+    /// For a whole tree, if there is any room.
     ///
     /// The root takes slot 0; slot 1 stays empty so that siblings start at even indices.
-    pub(super) fn of_root(nodes: &'n mut [Node]) -> Self {
-        let (upper, below) = nodes.split_at_mut(2);
-        upper[1] = Node::EMPTY;
-        Self { node: &mut upper[0], below, base: 2 }
+    pub(super) fn of_root(nodes: &'n mut [Node]) -> Option<Self> {
+        let (node, rest) = nodes.split_first_mut()?;
+        let (unused, below) = split(rest, 1);
+        unused.fill(Node::EMPTY);
+        Some(Self { node, below, base: 2 })
     }
 }
 
@@ -62,7 +70,7 @@ impl<'j> Parts<'j> {
         mut a: impl FnMut() -> A + Send,
         mut b: impl FnMut() -> B + Send,
     ) -> (A, B) {
-        let Some(join) = self.join.filter(|_| size > PART) else { return (a(), b()) };
+        let Some(join) = self.join.filter(|_| worth_dividing(size)) else { return (a(), b()) };
         let (mut of_a, mut of_b) = (None, None);
         join(&mut || of_a = Some(a()), &mut || of_b = Some(b()));
         (of_a.unwrap_or_else(a), of_b.unwrap_or_else(b))
@@ -79,17 +87,16 @@ impl<'j> Parts<'j> {
         mut left: impl FnMut(Room<'_>) -> usize + Send,
         mut right: impl FnMut(Room<'_>) -> usize + Send,
     ) -> usize {
-        let (pair, rest) = below.split_at_mut(2);
-        let (first, second) = pair.split_at_mut(1);
-        let (first, second, base) = (&mut first[0], &mut second[0], base + 2);
+        let Some(([first, second], rest)) = below.split_first_chunk_mut() else { return 0 };
+        let base = base + 2;
         let size = triangles[0] + triangles[1];
-        if self.join.is_none() || size <= PART {
+        if self.join.is_none() || !worth_dividing(size) {
             let used = left(Room { node: first, below: rest, base });
-            let below = &mut rest[used..];
+            let (_, below) = split(rest, used);
             return 2 + used + right(Room { node: second, below, base: base + used });
         }
         let room = node_bound(triangles[0]) - 2;
-        let (on_left, on_right) = rest.split_at_mut(room);
+        let (on_left, on_right) = split(rest, room);
         let (left_used, right_used) = self.both(
             size,
             || left(Room { node: first, below: on_left, base }),
@@ -99,7 +106,10 @@ impl<'j> Parts<'j> {
         if gap > 0 {
             *second = moved_up(second, gap);
             for index in left_used..left_used + right_used {
-                rest[index] = moved_up(&rest[index + gap], gap);
+                let node = rest.get(index + gap).map(|node| moved_up(node, gap));
+                if let (Some(slot), Some(node)) = (rest.get_mut(index), node) {
+                    *slot = node;
+                }
             }
         }
         2 + left_used + right_used

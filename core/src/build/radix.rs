@@ -5,9 +5,10 @@
 //! runs of the keys are counted first, and each gets a slice of its own in every bucket. Everything is
 //! stable: keys that agree in those bits keep their order.
 
-use super::parts::{PART, Parts};
+use super::parts::{Parts, worth_dividing};
+use crate::items::split;
 use core::array::from_fn;
-use core::mem::take;
+use core::mem::{swap, take};
 use core::ops::Range;
 
 /// Bits by which keys are dealt to buckets: with a slice for each run and bucket, 24 KiB of stack.
@@ -28,7 +29,7 @@ pub(super) fn sort(keys: &mut [u64], spare: &mut [u64], bits: Range<u32>, parts:
 
 /// Leaves the sorted keys where they were, or else in `there`.
 fn sort_to(here: &mut [u64], there: &mut [u64], bits: Range<u32>, parts: Parts<'_>, stay: bool) {
-    if here.len() <= PART || bits.is_empty() {
+    if !worth_dividing(here.len()) || bits.is_empty() {
         return sort_small(here, there, bits, stay);
     }
     let lowest = bits.end - BUCKET_BITS.min(bits.end - bits.start);
@@ -51,8 +52,8 @@ impl Buckets<'_> {
         }
         let (left, right) = sizes.split_at(sizes.len() / 2);
         let middle = left.iter().sum();
-        let (left_here, right_here) = here.split_at_mut(middle);
-        let (left_there, right_there) = there.split_at_mut(middle);
+        let (left_here, right_here) = split(here, middle);
+        let (left_there, right_there) = split(there, middle);
         self.parts.both(
             left_here.len() + right_here.len(),
             || self.sort(left_here, left_there, left),
@@ -63,7 +64,8 @@ impl Buckets<'_> {
 
 /// Deals keys out by [`BUCKET_BITS`] from the `lowest` on; returns how many each bucket got.
 ///
-/// The bits above are the same for all keys.
+/// The bits above are the same for all keys. Apart, so that few keys do without its 24 KiB of stack.
+#[inline(never)]
 fn deal(from: &[u64], to: &mut [u64], lowest: u32, parts: Parts<'_>) -> [usize; BUCKETS] {
     let dealer = Dealer { lowest, run: from.len().div_ceil(RUNS), parts };
     let mut counts = [[0; BUCKETS]; RUNS];
@@ -73,7 +75,7 @@ fn deal(from: &[u64], to: &mut [u64], lowest: u32, parts: Parts<'_>) -> [usize; 
     for bucket in 0..BUCKETS {
         for run in 0..RUNS {
             let count = counts[run][bucket];
-            (slices[run][bucket], rest) = take(&mut rest).split_at_mut(count);
+            (slices[run][bucket], rest) = split(take(&mut rest), count);
         }
     }
     dealer.write(from, &mut slices);
@@ -110,7 +112,9 @@ impl Dealer<'_> {
             let mut used = [0; BUCKETS];
             for &key in from {
                 let bucket = self.bucket(key);
-                slices[bucket][used[bucket]] = key;
+                if let Some(slot) = slices[bucket].get_mut(used[bucket]) {
+                    *slot = key;
+                }
                 used[bucket] += 1;
             }
             return;
@@ -136,7 +140,9 @@ fn sort_small(here: &mut [u64], there: &mut [u64], bits: Range<u32>, stay: bool)
         let keys = if stay {
             here
         } else {
-            there.copy_from_slice(here);
+            for (to, &from) in there.iter_mut().zip(&*here) {
+                *to = from;
+            }
             there
         };
         return insert_each(keys, bits);
@@ -158,16 +164,21 @@ fn sort_small(here: &mut [u64], there: &mut [u64], bits: Range<u32>, stay: bool)
 fn insert_each(keys: &mut [u64], bits: Range<u32>) {
     let mask = !u64::MAX.unbounded_shl(bits.end - bits.start);
     let part = |key: u64| key.unbounded_shr(bits.start) & mask;
-    for end in 1..keys.len() {
-        let key = keys[end];
-        let at =
-            keys[..end].iter().rposition(|&other| part(other) <= part(key)).map_or(0, |i| i + 1);
-        keys.copy_within(at..end, at + 1);
-        keys[at] = key;
+    for end in 1..=keys.len() {
+        let mut run = keys.get_mut(..end).unwrap_or_default();
+        while let Some((last, rest)) = run.split_last_mut()
+            && let Some(before) = rest.last_mut()
+            && part(*before) > part(*last)
+        {
+            swap(before, last);
+            run = rest;
+        }
     }
 }
 
-/// One stable counting sort by so many bits from the `lowest` on.
+/// One stable counting sort by so many bits from the `lowest` on. Apart, so that what comes after does
+/// without its 8 KiB of stack.
+#[inline(never)]
 fn sort_pass(from: &[u64], to: &mut [u64], lowest: u32, bits: u32) {
     const DIGITS: usize = 1 << DIGIT_BITS;
     let mask = (1 << bits) - 1;
@@ -177,12 +188,14 @@ fn sort_pass(from: &[u64], to: &mut [u64], lowest: u32, bits: u32) {
         ends[digit(key)] += 1;
     }
     let mut start = 0;
-    for end in &mut ends[..1 << bits] {
+    for end in ends.iter_mut().take(1 << bits) {
         start += core::mem::replace(end, start);
     }
     for &key in from {
         let next = &mut ends[digit(key)];
-        to[*next as usize] = key;
+        if let Some(slot) = to.get_mut(*next as usize) {
+            *slot = key;
+        }
         *next += 1;
     }
 }

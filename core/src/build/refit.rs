@@ -6,6 +6,7 @@
 //! or folds up nor one that moves as a whole changes much.
 
 use crate::bvh::Node;
+use crate::items::{item, run, split};
 use crate::{Aabb, Bvh, Mesh};
 
 /// Rebuild once the [`quality()`] of a refitted tree is above this many times what it was when
@@ -132,7 +133,7 @@ impl Fit<'_> {
         // What lies below the left one comes first; below a leaf lies nothing.
         let base = base + 2;
         let middle = if right.is_leaf() { rest.len() } else { right.first as usize - base };
-        let (below_left, below_right) = rest.split_at_mut(middle);
+        let (below_left, below_right) = split(rest, middle);
         let (mut of_left, mut of_right) = (Areas::default(), Areas::default());
         join(&mut || of_left = self.tree(left, below_left, base), &mut || {
             of_right = self.tree(right, below_right, base + middle);
@@ -144,8 +145,10 @@ impl Fit<'_> {
     fn run(&self, nodes: &mut [Node], base: usize) -> Areas {
         let mut areas = Areas::default();
         for index in (0..nodes.len()).rev() {
-            let aabb = self.fitted(&nodes[index], nodes, base, &mut areas);
-            nodes[index].set_aabb(&aabb);
+            let aabb = self.fitted(item(nodes, index as u32), nodes, base, &mut areas);
+            if let Some(node) = nodes.get_mut(index) {
+                node.set_aabb(&aabb);
+            }
         }
         areas
     }
@@ -153,11 +156,11 @@ impl Fit<'_> {
     /// The box of a node whose children are fitted.
     #[inline(always)]
     fn fitted(&self, node: &Node, nodes: &[Node], base: usize, areas: &mut Areas) -> Aabb {
-        let first = node.first as usize;
         if node.is_leaf() {
-            areas.add_leaf(self.mesh, &self.order[first..first + node.count as usize])
+            areas.add_leaf(self.mesh, run(self.order, node.first, node.count))
         } else {
-            let [left, right] = [first - base, first - base + 1].map(|child| nodes[child].aabb());
+            let left = node.first - base as u32;
+            let [left, right] = [left, left + 1].map(|child| item(nodes, child).aabb());
             areas.add_inner(left.union(&right))
         }
     }
@@ -206,6 +209,8 @@ impl Areas {
 /// In f64, whose range holds the areas of all f32 boxes. An edge longer than [`f32::MAX`] counts as
 /// that long.
 fn half_area(aabb: &Aabb) -> f64 {
-    let [x, y, z] = [0, 1, 2].map(|k| f64::from((aabb.max[k] - aabb.min[k]).min(f32::MAX)));
+    let edge = |min: f32, max: f32| f64::from((max - min).min(f32::MAX));
+    let ([a, b, c], [d, e, f]) = (aabb.min, aabb.max);
+    let (x, y, z) = (edge(a, d), edge(b, e), edge(c, f));
     x * (y + z) + y * z
 }

@@ -101,7 +101,7 @@ fn build<'a>(
     let scale = AreaScale::new(&run.bounds);
     let builder = Builder { max_leaf: options.max_leaf(), scale, parts };
     let growth = Growth { items, run, depth: 0, order: &mut storage.order[..count], first: 0 };
-    let below = builder.tree(growth, Room::of_root(storage.nodes));
+    let below = Room::of_root(storage.nodes).map_or(0, |room| builder.tree(growth, room));
     Ok(storage.into_bvh(mesh, nodes_of_tree(below)))
 }
 

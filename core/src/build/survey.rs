@@ -10,6 +10,7 @@ use super::moved::{holds, holds_any};
 use super::refit::{Areas, Join, PART};
 use super::{Moved, moved_bound};
 use crate::bvh::Node;
+use crate::items::{item, run, split};
 use crate::{CapacityError, Mesh};
 
 /// What a refit knows of two siblings and all that lies below them.
@@ -131,8 +132,8 @@ impl Pass<'_> {
         let base = base + 2;
         let middle = if right.is_leaf() { below.len() } else { right.first as usize - base };
         let long = below.len() > PART;
-        let (below_left, below_right) = below.split_at_mut(middle);
-        let (table_left, table_right) = table.split_at_mut(middle / 2);
+        let (below_left, below_right) = split(below, middle);
+        let (table_left, table_right) = split(table, middle / 2);
         let (mut in_left, mut in_right) = (false, false);
         let mut fit_left = || in_left = self.has_moved(left, below_left, table_left, base);
         let mut fit_right =
@@ -156,7 +157,7 @@ impl Pass<'_> {
             return self.pair(below, table, base);
         }
         self.moved.is_none_or(|moved| {
-            let corners = self.leaf(node).iter().flat_map(|&t| self.mesh.triangles()[t as usize]);
+            let corners = self.leaf(node).iter().flat_map(|&t| *item(self.mesh.triangles(), t));
             corners.into_iter().any(|vertex| holds(moved, vertex))
         })
     }
@@ -173,14 +174,14 @@ impl Pass<'_> {
         let triangles = self.leaf(node);
         let mut all = Below { areas: Areas::default(), range: [u32::MAX, 0] };
         node.set_aabb(&all.areas.add_leaf(self.mesh, triangles));
-        for vertex in triangles.iter().flat_map(|&t| self.mesh.triangles()[t as usize]) {
+        for vertex in triangles.iter().flat_map(|&t| *item(self.mesh.triangles(), t)) {
             all.range = [all.range[0].min(vertex), all.range[1].max(vertex)];
         }
         all
     }
 
     fn leaf(&self, node: &Node) -> &[u32] {
-        &self.order[node.first as usize..][..node.count as usize]
+        run(self.order, node.first, node.count)
     }
 }
 

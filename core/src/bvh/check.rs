@@ -6,6 +6,7 @@
 //! a tree could be.
 
 use super::{Bvh, MAX_DEPTH, MAX_LEAF_SIZE, Node, preorder};
+use crate::items::item;
 use crate::{Aabb, CapacityError};
 use core::fmt;
 
@@ -28,7 +29,7 @@ impl Bvh<'_> {
     fn check_nodes(&self) -> Result<(), BvhError> {
         let (mut reached, mut covered) = (0, 0);
         preorder(self.nodes, |index, depth| {
-            let node = &self.nodes[index];
+            let node = item(self.nodes, index as u32);
             reached += 1;
             let content = if node.is_leaf() {
                 let run = self.run(node, covered).ok_or(BvhError::Leaf { node: index })?;
@@ -68,7 +69,7 @@ impl Bvh<'_> {
     }
 
     fn children(&self, index: usize) -> Option<&[Node; 2]> {
-        let left = self.nodes[index].first as usize;
+        let left = item(self.nodes, index as u32).first as usize;
         let pair = self.nodes.get(left..left.checked_add(2)?)?;
         (left > index && left.is_multiple_of(2)).then_some(pair.try_into().ok()?)
     }

@@ -10,6 +10,7 @@
 use super::{DOUBTS, Fan, LINK};
 use crate::build::moved::{holds, holds_any, mark, number, vertices};
 use crate::build::{Moved, moved_bound};
+use crate::items::item;
 use crate::{CapacityError, Mesh};
 use glam::Vec3A;
 
@@ -115,10 +116,19 @@ pub fn certify_moved(
     near.fill(Moved::default());
     with_any(mesh, spans, moved, |t| t.iter().for_each(|&vertex| mark(near, vertex)));
     number(near);
-    vertices(near).for_each(|vertex| fans[vertex].0 &= LINK);
+    update(near, fans, |fan| Fan(fan.0 & LINK));
     with_any(mesh, spans, near, |t| count(positions, t, fans, |vertex| holds(near, vertex)));
-    vertices(near).for_each(|vertex| fans[vertex] = fans[vertex].settled());
+    update(near, fans, Fan::settled);
     Ok(())
+}
+
+/// Changes the fans of a set of vertices.
+fn update(set: &[Moved], fans: &mut [Fan], change: impl Fn(Fan) -> Fan) {
+    for vertex in vertices(set) {
+        if let Some(fan) = fans.get_mut(vertex) {
+            *fan = change(*fan);
+        }
+    }
 }
 
 /// Calls `visit` for each triangle that has a vertex of the set.
@@ -134,15 +144,14 @@ fn with_any(mesh: Mesh<'_>, spans: &[Span], set: &[Moved], mut visit: impl FnMut
 /// Counts a triangle in those fans of its corners that are `due`.
 #[inline(always)]
 fn count(positions: &[[f32; 3]], t: &[u32; 3], fans: &mut [Fan], due: impl Fn(u32) -> bool) {
-    let at = |k: usize| Vec3A::from_array(positions[t[k] as usize]);
-    let [p, q, r] = [at(0), at(1), at(2)];
+    let [p, q, r] = t.map(|vertex| Vec3A::from_array(*item(positions, vertex)));
     let doubts = sides_in_doubt(q - p, r - p) << DOUBTS;
     // Seen from a corner, a fan goes from the next one to the one after.
     let above = |x: Vec3A, y: Vec3A| x.cmpge(y).bitmask();
     let passes =
         [[above(q, p), above(r, p)], [above(r, q), above(p, q)], [above(p, r), above(q, r)]];
     for (&vertex, [next, after]) in t.iter().zip(passes) {
-        let word = &mut fans[vertex as usize].0;
+        let Some(Fan(word)) = fans.get_mut(vertex as usize) else { continue };
         if *word & LINK != 0 && due(vertex) {
             let passed =
                 SPREAD[(!next & after) as usize & 7] + (SPREAD[(next & !after) as usize & 7] << 4);

@@ -16,6 +16,7 @@ mod tests;
 
 pub use certify::{Span, certify, certify_moved, find_spans, span_bound};
 
+use crate::items::{item, split};
 use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable};
 
@@ -105,26 +106,45 @@ pub fn link(mesh: Mesh<'_>, scratch: &mut [u32], fans: &mut [Fan]) -> Result<(),
         fans.fill(Fan(0));
         return Ok(());
     }
-    let (ends, corners) = scratch.split_at_mut(vertices + 1);
+    let (ends, corners) = split(scratch, vertices + 1);
     // Corners by vertex: their number 3t + k, the triangle and the corner.
     ends.fill(0);
     for &vertex in triangles.as_flattened() {
-        ends[vertex as usize + 1] += 1;
+        if let Some(count) = ends.get_mut(vertex as usize + 1) {
+            *count += 1;
+        }
     }
-    for vertex in 0..vertices {
-        ends[vertex + 1] += ends[vertex];
+    let mut sum = 0;
+    for end in &mut *ends {
+        sum += *end;
+        *end = sum;
     }
     for (corner, &vertex) in triangles.as_flattened().iter().enumerate() {
-        let end = &mut ends[vertex as usize];
-        corners[*end as usize] = corner as u32;
-        *end += 1;
+        if let Some(end) = ends.get_mut(vertex as usize)
+            && let Some(slot) = corners.get_mut(*end as usize)
+        {
+            *slot = corner as u32;
+            *end += 1;
+        }
     }
     let mut start = 0;
     for (fan, &end) in fans.iter_mut().zip(ends.iter()) {
-        *fan = linked(triangles, &corners[start..end as usize]);
+        *fan = linked(triangles, corners.get(start..end as usize).unwrap_or_default());
         start = end as usize;
     }
     Ok(())
+}
+
+/// Whether a vertex is there twice.
+fn repeats(vertices: &[u32]) -> bool {
+    let mut rest = vertices;
+    while let [first, others @ ..] = rest {
+        if others.contains(first) {
+            return true;
+        }
+        rest = others;
+    }
+    false
 }
 
 /// Whether corners at one vertex make a ring or a row.
@@ -133,19 +153,20 @@ fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> Fan {
         return Fan(0);
     }
     let (mut from, mut to) = ([0; MOST], [0; MOST]);
-    for (i, &corner) in corners.iter().enumerate() {
-        let (t, k) = (&triangles[corner as usize / 3], corner as usize % 3);
-        (from[i], to[i]) = (t[(k + 1) % 3], t[(k + 2) % 3]);
+    for ((&corner, from), to) in corners.iter().zip(&mut from).zip(&mut to) {
+        let (t, k) = (item(triangles, corner / 3), corner as usize % 3);
+        (*from, *to) = (t[(k + 1) % 3], t[(k + 2) % 3]);
     }
-    let (from, to) = (&from[..corners.len()], &to[..corners.len()]);
-    let repeats = |v: &[u32]| (1..v.len()).any(|i| v[..i].contains(&v[i]));
+    let [from, to] = [&from, &to].map(|v| v.get(..corners.len()).unwrap_or_default());
     if repeats(from) || repeats(to) {
         return Fan(0);
     }
-    let first = (0..from.len()).find(|&i| !to.contains(&from[i]));
+    let first = from.iter().position(|v| !to.contains(v));
     let start = first.unwrap_or(0);
     let (mut at, mut seen) = (start, 1);
-    while let Some(next) = from.iter().position(|v| *v == to[at]).filter(|&next| next != start) {
+    while let Some(next) = from.iter().position(|v| to.get(at) == Some(v))
+        && next != start
+    {
         seen += 1;
         at = next;
     }

@@ -59,7 +59,7 @@ const FIRST_ALPHA: f64 = 16.0;
 
 /// One node of a front: 32 bytes.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct FrontNode {
     /// The BVTT node.
     pub pair: NodePair,
@@ -100,7 +100,7 @@ impl<'a> Front<'a> {
     /// front side by side, or to put them together again. Numbers the nodes anew.
     pub fn resume(nodes: &'a mut [FrontNode], len: usize) -> Self {
         let len = len.min(nodes.len());
-        for (index, node) in nodes[..len].iter_mut().enumerate() {
+        for (index, node) in nodes.iter_mut().take(len).enumerate() {
             node.index = index as u32;
         }
         Self { nodes, len, full: false, box_tests: 0, found: 0.0, read: 0, free: 0 }
@@ -109,12 +109,12 @@ impl<'a> Front<'a> {
     /// The nodes.
     #[must_use]
     pub fn nodes(&self) -> &[FrontNode] {
-        &self.nodes[..self.len]
+        self.nodes.get(..self.len).unwrap_or_default()
     }
 
     /// The nodes, to deal them out.
     pub fn nodes_mut(&mut self) -> &mut [FrontNode] {
-        &mut self.nodes[..self.len]
+        self.nodes.get_mut(..self.len).unwrap_or_default()
     }
 
     /// Σ|n| over the front.
@@ -197,7 +197,7 @@ impl<'a> Front<'a> {
     /// Costs for a starting front: those of the last frame, and overlap for what it did not have, on
     /// the scale of what it had.
     fn price(&mut self, first: usize, query: &impl Query, estimate: Estimate, past: Past<'_>) {
-        let nodes = &mut self.nodes[first..self.len];
+        let nodes = self.nodes_mut().get_mut(first..).unwrap_or_default();
         let mut rest = past;
         for node in &mut *nodes {
             node.cost = rest.advance(node.query, node.path).cost() as f32;
@@ -230,7 +230,9 @@ impl<'a> Front<'a> {
     }
 
     fn push(&mut self, node: FrontNode) {
-        self.nodes[self.len] = FrontNode { index: self.len as u32, ..node };
-        self.len += 1;
+        if let Some(free) = self.nodes.get_mut(self.len) {
+            *free = FrontNode { index: self.len as u32, ..node };
+            self.len += 1;
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What a frame remembers of the last: one cost for each node of its front, by path.
 
 use super::FrontNode;
+use crate::heap::sort;
 use bytemuck::{Pod, Zeroable};
 
 /// The way from the root of a BVTT to a node: the child taken at each level, 2 bits each from the top,
@@ -98,10 +99,11 @@ impl<'a> Past<'a> {
     ) -> Result<Self, crate::CapacityError> {
         crate::CapacityError::check("memory", nodes.len(), memory.len())?;
         for node in nodes {
-            memory[node.index as usize] =
-                PastCost { path: node.path, cost: cost(node), query: node.query };
+            if let Some(entry) = memory.get_mut(node.index as usize) {
+                *entry = PastCost { path: node.path, cost: cost(node), query: node.query };
+            }
         }
-        Ok(Self::new(&memory[..nodes.len()]))
+        Ok(Self::new(memory.get(..nodes.len()).unwrap_or_default()))
     }
 
     /// Borrows again what [`Past::record`] wrote for a front of so many nodes.
@@ -147,21 +149,24 @@ impl<'a> Past<'a> {
     /// # Ok::<(), pfront_core::CapacityError>(())
     /// ```
     pub fn renumber(memory: &mut [PastCost], mut number: impl FnMut(u32) -> Option<u32>) -> usize {
-        let (mut left, mut last, mut sorted) = (0, None, true);
+        let (mut left, mut last, mut before, mut sorted) = (0, None, 0, true);
         for read in 0..memory.len() {
-            let entry = memory[read];
+            let Some(&entry) = memory.get(read) else { break };
             let (_, new) = match last {
                 Some((old, new)) if old == entry.query => (old, new),
                 _ => *last.insert((entry.query, number(entry.query))),
             };
-            if let Some(query) = new {
-                memory[left] = PastCost { query, ..entry };
-                sorted &= left == 0 || memory[left - 1].query <= query;
+            if let Some(query) = new
+                && let Some(free) = memory.get_mut(left)
+            {
+                *free = PastCost { query, ..entry };
+                sorted &= before <= query;
+                before = query;
                 left += 1;
             }
         }
         if !sorted {
-            memory[..left].sort_unstable_by_key(|entry| (entry.query, entry.path));
+            sort(memory.get_mut(..left).unwrap_or_default(), |entry| (entry.query, entry.path));
         }
         left
     }
@@ -172,7 +177,7 @@ impl<'a> Past<'a> {
         let reached =
             self.entries.get(..*read).filter(|e| e.last().is_none_or(|e| e.query < query));
         let before = reached.map_or(0, <[_]>::len);
-        let mut rest = Self { entries: &self.entries[before..], ..self };
+        let mut rest = Self { entries: self.entries.get(before..).unwrap_or_default(), ..self };
         let of_query = rest.advance(query, Path::ROOT);
         *read = self.entries.len() - rest.entries.len();
         of_query
@@ -187,9 +192,10 @@ impl<'a> Past<'a> {
         }
         let before = |e: &&PastCost| (e.query, e.path) < (query, path);
         let skipped = self.entries.iter().take_while(before).count();
-        let rest = &self.entries[skipped..];
+        let rest = self.entries.get(skipped..).unwrap_or_default();
         let inside = |e: &&PastCost| e.query == query && e.path <= path.last();
-        let (below, rest) = rest.split_at(rest.iter().take_while(inside).count());
+        let count = rest.iter().take_while(inside).count();
+        let (below, rest) = rest.split_at_checked(count).unwrap_or_default();
         self.entries = rest;
         Self { entries: below, ..*self }
     }

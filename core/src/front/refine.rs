@@ -111,12 +111,17 @@ impl Front<'_> {
         // From there on the front moves to the end of the slice and is read from there, so that what
         // is written in its place stays in depth-first order.
         let (count, capacity) = (core::mem::replace(&mut self.len, first), self.nodes.len());
-        self.nodes.copy_within(first..count, capacity - (count - first));
+        for from in (first..count).rev() {
+            let node = self.nodes.get(from).copied().unwrap_or_default();
+            if let Some(to) = self.nodes.get_mut(capacity - (count - from)) {
+                *to = node;
+            }
+        }
         let tests_before = self.box_tests;
         let mut descent = Descent::new();
         let mut rest = past;
         for read in capacity - (count - first)..capacity {
-            let node = self.nodes[read];
+            let node = self.nodes.get(read).copied().unwrap_or_default();
             let whole = Step { node, past: rest.advance(node.query, node.path) };
             if !exceeds(&whole) {
                 self.push(node);
@@ -155,22 +160,23 @@ pub(super) fn open<'p>(
     let (mut pairs, mut boxes) = ([NodePair::default(); 4], [[Aabb::EMPTY; 2]; 4]);
     let mut count = 0;
     let tests = query.children(at.node.pair, &mut |pair, both| {
-        (pairs[count], boxes[count]) = (pair, both);
+        (pairs[count % 4], boxes[count % 4]) = (pair, both);
         count += 1;
     });
+    let boxes = boxes.get(..count).unwrap_or_default();
     let mut rest = if at.past.goes_below(at.node.path) { at.past } else { Past::NOTHING };
     let mut costs = None;
     // Last first, so that they come off the stack in the order of their paths.
     for (i, step) in descent.grow(count).iter_mut().rev().enumerate() {
-        let path = at.node.path.child(child_number(pairs[i]));
+        let pair = pairs[i % 4];
+        let path = at.node.path.child(child_number(pair));
         let past = rest.advance(at.node.query, path);
         let cost = if past.is_empty() {
-            costs.get_or_insert_with(|| price(&boxes[..count]))[i]
+            costs.get_or_insert_with(|| price(boxes))[i % 4]
         } else {
             past.cost() as f32
         };
-        *step =
-            Step { node: FrontNode { pair: pairs[i], path, cost: cost.max(1.0), ..at.node }, past };
+        *step = Step { node: FrontNode { pair, path, cost: cost.max(1.0), ..at.node }, past };
     }
     tests
 }
@@ -212,12 +218,13 @@ impl<'p> Descent<'p> {
 
     pub(super) fn pop(&mut self) -> Option<Step<'p>> {
         self.len = self.len.checked_sub(1)?;
-        Some(self.stack[self.len])
+        self.stack.get(self.len).copied()
     }
 
     /// Room for `count` more.
     fn grow(&mut self, count: usize) -> &mut [Step<'p>] {
+        let free = self.stack.get_mut(self.len..).unwrap_or_default();
         self.len += count;
-        &mut self.stack[self.len - count..self.len]
+        free.get_mut(..count).unwrap_or_default()
     }
 }

@@ -10,7 +10,7 @@
 
 #![expect(unsafe_code, reason = "calls intrinsics that need a feature found at run time")]
 
-use super::simd::{LANES, Simd, Task};
+use super::simd::{Eight, LANES, Simd, Task};
 use core::arch::x86_64::*;
 use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Neg, Sub};
 
@@ -88,6 +88,7 @@ impl Neg for Avx {
 }
 
 impl Simd for Avx {
+    const WIDTH: usize = LANES;
     type Mask = Mask;
 
     #[inline(always)]
@@ -95,11 +96,11 @@ impl Simd for Avx {
         Self(call!(_mm256_set1_ps(x)))
     }
     #[inline(always)]
-    fn load(from: &[f32; LANES]) -> Self {
+    fn load(from: &[f32; LANES], _: usize) -> Self {
         Self(bytemuck::must_cast(*from))
     }
     #[inline(always)]
-    fn store(self, to: &mut [f32; LANES]) {
+    fn store(self, to: &mut [f32; LANES], _: usize) {
         *to = bytemuck::must_cast(self.0);
     }
     #[inline(always)]
@@ -131,12 +132,15 @@ impl Simd for Avx {
         Self(call!(_mm256_blendv_ps(no.0, yes.0, mask.0)))
     }
     #[inline(always)]
+    fn bits(mask: Mask) -> u32 {
+        call!(_mm256_movemask_ps(mask.0)).cast_unsigned()
+    }
+}
+
+impl Eight for Avx {
+    #[inline(always)]
     fn swap_halves(self) -> Self {
         const SWAPPED: i32 = 1;
         Self(call!(_mm256_permute2f128_ps::<SWAPPED>(self.0, self.0)))
-    }
-    #[inline(always)]
-    fn bits(mask: Mask) -> u32 {
-        call!(_mm256_movemask_ps(mask.0)).cast_unsigned()
     }
 }

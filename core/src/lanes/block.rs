@@ -1,8 +1,9 @@
 //! The triangles of a leaf, side by side.
 
-use super::points::{Points, abs, difference, highest, load, lowest, store};
+use super::points::{Points, abs, difference, highest, lanes, load, lowest, store};
 use super::{LANES, Simd};
 use crate::fans::Fan;
+use crate::items::item;
 use crate::place::Placement;
 use crate::{Mesh, Triangle};
 
@@ -49,9 +50,9 @@ impl Block {
         self.len = triangles.len().min(LANES);
         self.certified = [0; 3];
         for (lane, &triangle) in triangles.iter().take(LANES).enumerate() {
-            let t = &mesh.triangles()[triangle as usize];
+            let t = item(mesh.triangles(), triangle);
             for (k, &vertex) in t.iter().enumerate() {
-                let p = &mesh.positions()[vertex as usize];
+                let p = item(mesh.positions(), vertex);
                 self.corners[k][0][lane] = p[0];
                 self.corners[k][1][lane] = p[1];
                 self.corners[k][2][lane] = p[2];
@@ -65,35 +66,61 @@ impl Block {
         }
         if !fans.is_empty() {
             for (certified, numbers) in self.certified.iter_mut().zip(&self.vertices) {
-                let numbers = S::load(numbers);
-                *certified &= S::bits(numbers.eq(numbers));
+                let mut found = 0;
+                for at in lanes::<S>() {
+                    let numbers = S::load(numbers, at);
+                    found |= S::bits(numbers.eq(numbers)) << at;
+                }
+                *certified &= found;
             }
         }
-        let p = place.points(load::<S>(&self.corners[0]));
-        let q = place.points(load::<S>(&self.corners[1]));
-        let r = place.points(load::<S>(&self.corners[2]));
-        for (k, placed) in [p, q, r].into_iter().enumerate() {
-            store(placed, &mut self.corners[k]);
+        for at in lanes::<S>() {
+            self.place::<S>(place, at);
         }
-        store(lowest(lowest(p, q), r), &mut self.min);
-        store(highest(highest(p, q), r), &mut self.max);
+    }
+
+    /// Apart, for both sides of a walk.
+    #[inline(never)]
+    fn fill_one_by_one(
+        &mut self,
+        mesh: Mesh<'_>,
+        triangles: &[u32],
+        place: &impl Placement,
+        fans: &[Fan],
+    ) {
+        self.fill::<f32>(mesh, triangles, place, fans);
+    }
+
+    /// Places the triangles in some lanes, and derives the rest.
+    #[inline(always)]
+    fn place<S: Simd>(&mut self, place: &impl Placement, at: usize) {
+        let p = place.points(load::<S>(&self.corners[0], at));
+        let q = place.points(load::<S>(&self.corners[1], at));
+        let r = place.points(load::<S>(&self.corners[2], at));
+        for (k, placed) in [p, q, r].into_iter().enumerate() {
+            store(placed, &mut self.corners[k], at);
+        }
+        store(lowest(lowest(p, q), r), &mut self.min, at);
+        store(highest(highest(p, q), r), &mut self.max, at);
         let (u, v) = (difference(q, p), difference(r, p));
         let normal =
             [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        store(normal, &mut self.normal);
-        store(highest(abs(u), abs(v)), &mut self.extent);
+        store(normal, &mut self.normal, at);
+        store(highest(abs(u), abs(v)), &mut self.extent, at);
     }
 
     /// The corners of one of them.
     #[inline]
-    pub(crate) fn triangle(&self, lane: usize) -> Triangle {
+    pub(crate) fn triangle(&self, lane: u32) -> Triangle {
+        let lane = lane as usize % LANES;
         let corner = |p: &Points| [p[0][lane], p[1][lane], p[2][lane]];
         [corner(&self.corners[0]), corner(&self.corners[1]), corner(&self.corners[2])]
     }
 
     /// Whether triangle `i` of these and `j` of others have a vertex in common.
     #[inline]
-    pub(crate) fn share_vertex(&self, i: usize, others: &Self, j: usize) -> bool {
+    pub(crate) fn share_vertex(&self, i: u32, others: &Self, j: u32) -> bool {
+        let (i, j) = (i as usize % LANES, j as usize % LANES);
         let [p, q, r] = [self.vertices[0][i], self.vertices[1][i], self.vertices[2][i]];
         (0..3).any(|k| {
             let v = others.vertices[k][j];
@@ -113,8 +140,15 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    pub(crate) const EMPTY: Self =
-        Self { leaves: [u32::MAX; KEPT], blocks: [const { Block::EMPTY }; KEPT] };
+    /// To begin with; all zero, which takes no constant. [`Blocks::forget`] comes next.
+    pub(crate) const ZERO: Self =
+        Self { leaves: [0; KEPT], blocks: [const { Block::EMPTY }; KEPT] };
+
+    /// Keeps none.
+    #[inline(always)]
+    pub(crate) fn forget(&mut self) {
+        self.leaves = [u32::MAX; KEPT];
+    }
 
     /// The block of a leaf, the node `leaf`.
     #[inline(always)]
@@ -129,7 +163,11 @@ impl Blocks {
         let slot = leaf as usize % KEPT;
         if self.leaves[slot] != leaf {
             self.leaves[slot] = leaf;
-            self.blocks[slot].fill::<S>(mesh, triangles, place, fans);
+            if S::WIDTH == 1 {
+                self.blocks[slot].fill_one_by_one(mesh, triangles, place, fans);
+            } else {
+                self.blocks[slot].fill::<S>(mesh, triangles, place, fans);
+            }
         }
         &self.blocks[slot]
     }

@@ -1,7 +1,8 @@
 //! Four boxes.
 
 use crate::Node;
-use glam::Vec4;
+use crate::aabb::Bounds;
+use glam::{Vec3A, Vec4};
 
 /// Four closed boxes. One with a bound that is no number overlaps nothing.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,21 @@ impl Boxes {
         let low = |k: usize| Vec4::new(n[0].min[k], n[1].min[k], n[2].min[k], n[3].min[k]);
         let high = |k: usize| Vec4::new(n[0].max[k], n[1].max[k], n[2].max[k], n[3].max[k]);
         Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
+    }
+
+    /// Each of them after the other.
+    #[inline]
+    pub(crate) fn map(&self, change: impl Fn(&Bounds) -> Bounds) -> Self {
+        let [mut min, mut max] = [self.min, self.max].map(|v| v.map(|v| v.to_array()));
+        for lane in 0..4 {
+            let corner = |of: &[[f32; 4]; 3]| Vec3A::new(of[0][lane], of[1][lane], of[2][lane]);
+            let changed = change(&Bounds { min: corner(&min), max: corner(&max) });
+            let (low, high) = (changed.min.to_array(), changed.max.to_array());
+            for k in 0..3 {
+                (min[k][lane], max[k][lane]) = (low[k], high[k]);
+            }
+        }
+        Self { min: min.map(Vec4::from_array), max: max.map(Vec4::from_array) }
     }
 
     /// One of them, four times.

@@ -2,6 +2,7 @@
 
 use super::Boxes;
 use crate::Node;
+use crate::items::item;
 
 /// The grandchildren of a node; where a child is a leaf, the child; of a leaf, the leaf itself.
 #[derive(Clone, Copy, Debug)]
@@ -14,31 +15,42 @@ pub(crate) struct Family {
 impl Family {
     #[inline(always)]
     pub(crate) fn below(tree: &[Node], node: u32) -> Self {
-        let (mut nodes, mut len) = ([node; 4], 0);
-        let parent = &tree[node as usize];
-        if parent.is_leaf() {
-            len = 1;
+        let parent = item(tree, node);
+        let [l, r] = [parent.first, parent.first + 1];
+        let below = |child: u32| {
+            let child = item(tree, child);
+            (!child.is_leaf()).then_some([child.first, child.first + 1])
+        };
+        let (nodes, len) = if parent.is_leaf() {
+            ([node; 4], 1)
         } else {
-            for index in [parent.first, parent.first + 1] {
-                let child = &tree[index as usize];
-                if child.is_leaf() {
-                    nodes[len] = index;
-                    len += 1;
-                } else {
-                    nodes[len] = child.first;
-                    nodes[len + 1] = child.first + 1;
-                    len += 2;
-                }
+            match (below(l), below(r)) {
+                (None, None) => ([l, r, r, r], 2),
+                (None, Some([p, q])) => ([l, p, q, q], 3),
+                (Some([p, q]), None) => ([p, q, r, r], 3),
+                (Some([p, q]), Some([s, t])) => ([p, q, s, t], 4),
             }
-        }
+        };
         // Lanes to spare hold some node, which nobody asks for.
-        let at = |lane: usize| &tree[nodes[lane] as usize];
-        Self { nodes, len, boxes: Boxes::of_nodes([at(0), at(1), at(2), at(3)]) }
+        let box_of = |lane: usize| item(tree, nodes[lane]);
+        Self { nodes, len, boxes: Boxes::of_nodes([box_of(0), box_of(1), box_of(2), box_of(3)]) }
+    }
+
+    /// How many they are.
+    #[inline(always)]
+    pub(crate) fn len(&self) -> u32 {
+        self.len as u32
     }
 
     #[inline(always)]
-    pub(crate) fn nodes(&self) -> &[u32] {
-        &self.nodes[..self.len]
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = u32> {
+        self.nodes.into_iter().take(self.len)
+    }
+
+    /// The node in a lane.
+    #[inline(always)]
+    pub(crate) fn node(&self, lane: u32) -> u32 {
+        self.nodes[lane as usize % self.nodes.len()]
     }
 
     /// A bit for each lane in use.

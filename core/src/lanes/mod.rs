@@ -27,4 +27,4 @@ pub(crate) use block::{Block, Blocks};
 pub(crate) use boxes::Boxes;
 pub(crate) use family::Family;
 pub(crate) use pairs::Pairs;
-pub(crate) use simd::{LANES, Simd, Task, widest};
+pub(crate) use simd::{Eight, LANES, Simd, Task, VECTORS, widest};

@@ -9,7 +9,7 @@
 
 use super::apart::{Corners, Planes};
 use super::block::Block;
-use super::points::{load, splat};
+use super::points::{lanes, load, splat};
 use super::{LANES, Simd};
 use crate::aabb::Bounds;
 
@@ -81,26 +81,38 @@ impl Block {
         let (low, high) = (bounds.min, bounds.max);
         let low = [S::splat(low.x), S::splat(low.y), S::splat(low.z)];
         let high = [S::splat(high.x), S::splat(high.y), S::splat(high.z)];
-        S::bits(overlap(low, high, load(&self.min), load(&self.max))) & self.lanes()
+        self.reach_into(low, high)
     }
 
     /// A bit for each of these whose box overlaps one other.
     #[inline(always)]
     fn overlapping<S: Simd>(&self, others: &Self, row: usize) -> u32 {
-        let (low, high) = (splat::<S>(&others.min, row), splat::<S>(&others.max, row));
-        S::bits(overlap(low, high, load(&self.min), load(&self.max))) & self.lanes()
+        self.reach_into(splat::<S>(&others.min, row), splat::<S>(&others.max, row))
+    }
+
+    #[inline(always)]
+    fn reach_into<S: Simd>(&self, low: [S; 3], high: [S; 3]) -> u32 {
+        let mut found = 0;
+        for at in lanes::<S>() {
+            found |= S::bits(overlap(low, high, load(&self.min, at), load(&self.max, at))) << at;
+        }
+        found & self.lanes()
     }
 
     /// A bit for each of these that has a certified vertex in common with one other.
     #[inline(always)]
     fn at_peace<S: Simd>(&self, others: &Self, row: usize) -> u32 {
-        let [p, q, r] = load::<S>(&self.vertices);
         let u = S::splat(others.if_certified(0, row));
         let v = S::splat(others.if_certified(1, row));
         let w = S::splat(others.if_certified(2, row));
-        let first = p.eq(u) | q.eq(u) | r.eq(u);
-        let second = p.eq(v) | q.eq(v) | r.eq(v);
-        S::bits(first | second | (p.eq(w) | q.eq(w) | r.eq(w)))
+        let mut found = 0;
+        for at in lanes::<S>() {
+            let [p, q, r] = load::<S>(&self.vertices, at);
+            let first = p.eq(u) | q.eq(u) | r.eq(u);
+            let second = p.eq(v) | q.eq(v) | r.eq(v);
+            found |= S::bits(first | second | (p.eq(w) | q.eq(w) | r.eq(w))) << at;
+        }
+        found
     }
 
     /// Those of some pairs with one other that are on neither's plane's one side.
@@ -109,15 +121,35 @@ impl Block {
         &self,
         others: &Self,
         row: usize,
+        found: u32,
+    ) -> u32 {
+        let mut left = 0;
+        for at in lanes::<S>() {
+            let some = found >> at & (u32::MAX >> (u32::BITS as usize - S::WIDTH));
+            if S::WIDTH == LANES || some != 0 {
+                left |= self.undecided_from::<S, ONE_MESH>(at, others, row, some) << at;
+            }
+        }
+        left
+    }
+
+    /// The same of the lanes from `at` on.
+    #[inline(always)]
+    fn undecided_from<S: Simd, const ONE_MESH: bool>(
+        &self,
+        at: usize,
+        others: &Self,
+        row: usize,
         mut found: u32,
     ) -> u32 {
+        let [p, q, r] = &self.corners;
         let own = Planes {
             corners: Corners {
-                points: [load(&self.corners[0]), load(&self.corners[1]), load(&self.corners[2])],
-                vertices: load::<S>(&self.vertices),
+                points: [load(p, at), load(q, at), load(r, at)],
+                vertices: load::<S>(&self.vertices, at),
             },
-            normal: load(&self.normal),
-            extent: load(&self.extent),
+            normal: load(&self.normal, at),
+            extent: load(&self.extent, at),
         };
         let [p, q, r] = &others.corners;
         let corners = Corners {

@@ -5,9 +5,15 @@ use super::{LANES, Simd};
 /// Eight points in memory, from which one can be had as fast as all.
 pub(super) type Points = [[f32; LANES]; 3];
 
+/// Where those lanes begin that are worked on together.
 #[inline(always)]
-pub(super) fn load<S: Simd>(p: &Points) -> [S; 3] {
-    [S::load(&p[0]), S::load(&p[1]), S::load(&p[2])]
+pub(super) fn lanes<S: Simd>() -> impl Iterator<Item = usize> {
+    (0..LANES / S::WIDTH).map(|i| i * S::WIDTH)
+}
+
+#[inline(always)]
+pub(super) fn load<S: Simd>(p: &Points, at: usize) -> [S; 3] {
+    [S::load(&p[0], at), S::load(&p[1], at), S::load(&p[2], at)]
 }
 
 #[inline(always)]
@@ -16,9 +22,9 @@ pub(super) fn splat<S: Simd>(p: &Points, lane: usize) -> [S; 3] {
 }
 
 #[inline(always)]
-pub(super) fn store<S: Simd>(from: [S; 3], to: &mut Points) {
+pub(super) fn store<S: Simd>(from: [S; 3], to: &mut Points, at: usize) {
     for k in 0..3 {
-        from[k].store(&mut to[k]);
+        from[k].store(&mut to[k], at);
     }
 }
 

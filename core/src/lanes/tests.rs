@@ -1,7 +1,7 @@
-//! What is done side by side against the same done one by one, at the widest and in halves.
+//! What is done side by side against the same done one by one, at the widest, in halves and singly.
 
 use super::simd::Halves;
-use super::{Block, Blocks, LANES, Pairs, Simd, Task, widest};
+use super::{Block, Blocks, Eight, LANES, Pairs, Simd, Task, widest};
 use crate::fans::{self, Fan, link_scratch_bound};
 use crate::place::InPlace;
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
@@ -28,9 +28,17 @@ impl Task for Two<'_> {
     type Output = Found;
 
     #[inline(always)]
-    fn run<S: Simd>(self) -> Found {
+    fn run<S: Eight>(self) -> Found {
+        self.find::<S>()
+    }
+}
+
+impl Two<'_> {
+    #[inline(always)]
+    fn find<S: Simd>(self) -> Found {
         let Self { mesh, leaves: [own, others], fans } = self;
-        let mut kept = [Blocks::EMPTY; 2];
+        let mut kept = [Blocks::ZERO; 2];
+        kept.iter_mut().for_each(Blocks::forget);
         let [first, second] = &mut kept;
         let a: &Block = first.get::<S>(1, mesh, own, &InPlace, fans);
         let b: &Block = second.get::<S>(2, mesh, others, &InPlace, fans);
@@ -92,6 +100,7 @@ fn side_by_side_as_one_by_one() {
         let two = || Two { mesh, leaves, fans };
         let found = widest(two());
         assert_eq!(found, two().run::<Halves>());
+        assert_eq!(found, two().find::<f32>());
         for (j, &tb) in leaves[1].iter().enumerate() {
             for (i, &ta) in leaves[0].iter().enumerate() {
                 let is = |pairs: u64| pairs >> (LANES * j + i) & 1 != 0;

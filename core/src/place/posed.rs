@@ -3,7 +3,7 @@
 use super::Placement;
 use crate::Pose;
 use crate::aabb::Bounds;
-use crate::lanes::{Boxes, Simd};
+use crate::lanes::{Boxes, Simd, VECTORS};
 use glam::{DMat3, DVec3, Vec3A, Vec4};
 
 /// A pose by columns, with what box transformation needs beside it.
@@ -24,13 +24,18 @@ const SUBNORMAL_SLACK: f32 = f32::from_bits(4);
 
 impl Posed {
     pub(crate) fn new(pose: &Pose) -> Self {
-        let column = |k: usize| Vec3A::from_array([0, 1, 2].map(|i| pose.rows[i][k]));
-        let columns = [column(0), column(1), column(2)];
+        let [x, y, z] = pose.rows;
+        let columns = [
+            Vec3A::new(x[0], y[0], z[0]),
+            Vec3A::new(x[1], y[1], z[1]),
+            Vec3A::new(x[2], y[2], z[2]),
+        ];
+        let translation = Vec3A::new(x[3], y[3], z[3]);
         Self {
             columns,
             magnitudes: columns.map(Vec3A::abs),
-            translation: column(3),
-            slack: column(3).abs() * PADDING + Vec3A::splat(f32::MIN_POSITIVE),
+            translation,
+            slack: translation.abs() * PADDING + Vec3A::splat(f32::MIN_POSITIVE),
         }
     }
 }
@@ -103,6 +108,9 @@ impl Placement for Posed {
 
     #[inline(always)]
     fn boxes(&self, boxes: &Boxes) -> Boxes {
+        if !VECTORS {
+            return boxes.map(|bounds| self.bounds(bounds));
+        }
         let (mut centre, mut grown) = ([Vec4::ZERO; 3], [Vec4::ZERO; 3]);
         for k in 0..3 {
             let (min, max) = (boxes.min[k] * 0.5, boxes.max[k] * 0.5);
@@ -131,12 +139,13 @@ impl Placement for Posed {
 
     #[inline(always)]
     fn points<S: Simd>(&self, p: [S; 3]) -> [S; 3] {
+        let [x, y, z] = &self.columns;
+        let [x, y, z, t]: [&[f32; 3]; 4] =
+            [x.as_ref(), y.as_ref(), z.as_ref(), self.translation.as_ref()];
         let mut placed = p;
-        for (i, placed) in placed.iter_mut().enumerate() {
-            let [x, y, z, t] =
-                [self.columns[0][i], self.columns[1][i], self.columns[2][i], self.translation[i]];
-            *placed =
-                ((p[0] * S::splat(x) + p[1] * S::splat(y)) + p[2] * S::splat(z)) + S::splat(t);
+        for i in 0..3 {
+            placed[i] = ((p[0] * S::splat(x[i]) + p[1] * S::splat(y[i])) + p[2] * S::splat(z[i]))
+                + S::splat(t[i]);
         }
         placed
     }

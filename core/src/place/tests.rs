@@ -1,9 +1,9 @@
 //! Corners to the bit, and boxes that contain them.
 
 use super::*;
-use crate::lanes::{LANES, Task, widest};
+use crate::lanes::{Eight, LANES, Task, widest};
 use crate::{Aabb, Node};
-use glam::{DMat3, DVec3, Vec4};
+use glam::{DMat3, DVec3, Vec4, Vec4Swizzles};
 
 /// Places a point in all lanes but the first and returns the last.
 struct Lanes {
@@ -15,15 +15,15 @@ impl Task for Lanes {
     type Output = [f32; 3];
 
     #[inline(always)]
-    fn run<S: Simd>(self) -> [f32; 3] {
+    fn run<S: Eight>(self) -> [f32; 3] {
         let placed = self.place.points(self.point.map(|x| {
             let mut lanes = [x; LANES];
             lanes[0] = -x;
-            S::load(&lanes)
+            S::load(&lanes, 0)
         }));
         placed.map(|x| {
             let mut lanes = [0.0; LANES];
-            x.store(&mut lanes);
+            x.store(&mut lanes, 0);
             lanes[LANES - 1]
         })
     }
@@ -61,7 +61,10 @@ fn posed_boxes_contain_posed_corners() {
         let placed = Posed::new(&pose).bounds(&Bounds::new(&aabb));
         let one = Node { min: aabb.min, max: aabb.max, ..Node::EMPTY };
         let four = Boxes::of_nodes([&one, &Node::EMPTY, &one, &one]);
+        let singly = four.map(|bounds| Posed::new(&pose).bounds(bounds));
         let four = Posed::new(&pose).boxes(&four);
+        let same = |a: [Vec4; 3], b: [Vec4; 3]| a.iter().zip(&b).all(|(a, b)| a.xzw() == b.xzw());
+        assert!(same(four.min, singly.min) && same(four.max, singly.max));
         for corner in 0..8 {
             let p = [0, 1, 2].map(|k| [aabb.min, aabb.max][corner >> k & 1][k]);
             let p = Vec3A::from_array(pose.apply(p));

@@ -1,6 +1,6 @@
 //! Determinants over the integers that f32 coordinates are.
 
-use super::{Axes, Point, wide::Wide};
+use super::{Axes, Point, coordinate, wide::Wide};
 
 /// Exact sign of det(b − a, c − a, d − a).
 #[cold]
@@ -9,7 +9,7 @@ pub(super) fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
     if is_flat([a, b, c, d], [0, 1, 2]) {
         return 0;
     }
-    let axes = [0, 1, 2].map(|k| Axis::new([a[k], b[k], c[k], d[k]]));
+    let axes = Axis::all([a, b, c, d]);
     match small(&axes) {
         // 3 bits for the sum of six products, 1 for the sign.
         Some(([x, y, z], bits)) if bits + 4 <= 128 => det3(x, y, z).signum() as i32,
@@ -21,9 +21,20 @@ pub(super) fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
 /// flush or share corners, for which integers would take ten times as long.
 #[inline]
 fn is_flat<const D: usize, const N: usize>(points: [&Point; N], axes: [usize; D]) -> bool {
-    let equal = |p: &Point, q: &Point| axes.iter().all(|&k| p[k] == q[k]);
-    let twice = |i: usize| points[..i].iter().any(|p| equal(p, points[i]));
-    axes.iter().any(|&k| points.iter().all(|p| p[k] == points[0][k])) || (1..N).any(twice)
+    let [first, ..] = points.as_slice() else { return true };
+    let level = |k: usize| points.iter().all(|p| coordinate(p, k) == coordinate(first, k));
+    if axes.iter().any(|&k| level(k)) {
+        return true;
+    }
+    let equal = |p: &Point, q: &Point| axes.iter().all(|&k| coordinate(p, k) == coordinate(q, k));
+    let mut rest = points.as_slice();
+    while let [first, others @ ..] = rest {
+        if others.iter().any(|p| equal(p, first)) {
+            return true;
+        }
+        rest = others;
+    }
+    false
 }
 
 /// Exact sign of det(b − a, c − a) in two of the coordinates.
@@ -33,7 +44,7 @@ pub(super) fn orient2d(axes: Axes, a: &Point, b: &Point, c: &Point) -> i32 {
     if is_flat([a, b, c], axes) {
         return 0;
     }
-    let axes = axes.map(|k| Axis::new([a[k], b[k], c[k]]));
+    let axes = axes.map(|k| Axis::new([a, b, c].map(|p| coordinate(p, k))));
     match small(&axes) {
         Some(([x, y], bits)) if bits + 2 <= 128 => {
             let [x, y] = [x, y].map(|d| d.map(i128::from));
@@ -53,12 +64,14 @@ pub(super) fn orient2d(axes: Axes, a: &Point, b: &Point, c: &Point) -> i32 {
 #[inline(never)]
 pub(crate) fn determinants(t: &crate::Triangle, points: [&Point; 2]) -> [f64; 2] {
     let [p, q] = points;
-    let axes = [0, 1, 2].map(|k| Axis::new([t[0][k], t[1][k], t[2][k], p[k], q[k]]));
+    let axes = Axis::all([&t[0], &t[1], &t[2], p, q]);
     let [x, y, z] = axes.map(|axis| axis.wide_differences());
-    let both = [3, 4].map(|i| {
-        let pick = |v: &[Wide; 5]| [v[0], v[1], v[2], v[i]];
-        wide_terms(&pick(&x), &pick(&y), &pick(&z))
-    });
+    let first = |[a, b, c, p, _]: [Wide; 5]| [a, b, c, p];
+    let second = |[a, b, c, _, q]: [Wide; 5]| [a, b, c, q];
+    let both = [
+        wide_terms(&first(x), &first(y), &first(z)),
+        wide_terms(&second(x), &second(y), &second(z)),
+    ];
     let scale = both[0].bits().max(both[1].bits()) as i32;
     both.map(|d| d.to_f64(scale))
 }
@@ -70,6 +83,14 @@ struct Axis<const N: usize> {
 }
 
 impl<const N: usize> Axis<N> {
+    fn all(points: [&Point; N]) -> [Self; 3] {
+        [
+            Self::new(points.map(|p| p[0])),
+            Self::new(points.map(|p| p[1])),
+            Self::new(points.map(|p| p[2])),
+        ]
+    }
+
     fn new(values: [f32; N]) -> Self {
         let parts = values.map(odd_significand);
         let finest = parts.iter().filter(|p| p.0 != 0).map(|p| p.1).min().unwrap_or(0);
@@ -85,19 +106,19 @@ impl<const N: usize> Axis<N> {
         if self.shift.iter().any(|&s| s > 38) {
             return None;
         }
-        let mut out = [0; N];
-        for (i, out) in out.iter_mut().enumerate() {
-            let [p, q] = [i, 0].map(|i| self.significand[i] << self.shift[i]);
-            *out = p - q;
+        let mut out = self.significand;
+        for (position, shift) in out.iter_mut().zip(self.shift) {
+            *position <<= shift & 63;
         }
-        Some(out)
+        let first = out[0];
+        Some(out.map(|position| position - first))
     }
 
     fn wide_differences(&self) -> [Wide; N] {
-        let at = |i: usize| Wide::new(self.significand[i], self.shift[i]);
-        let mut out = [at(0).sub(at(0)); N];
-        for (i, out) in out.iter_mut().enumerate().skip(1) {
-            *out = at(i).sub(at(0));
+        let first = Wide::new(self.significand[0], self.shift[0]);
+        let mut out = [first; N];
+        for ((out, significand), shift) in out.iter_mut().zip(self.significand).zip(self.shift) {
+            *out = Wide::new(significand, shift).sub(first);
         }
         out
     }
@@ -137,8 +158,8 @@ fn det3(x: [i64; 4], y: [i64; 4], z: [i64; 4]) -> i128 {
 }
 
 fn wide_det3(axes: &[Axis<4>; 3]) -> Wide {
-    let [x, y, z] = [0, 1, 2].map(|k| axes[k].wide_differences());
-    wide_terms(&x, &y, &z)
+    let [x, y, z] = axes;
+    wide_terms(&x.wide_differences(), &y.wide_differences(), &z.wide_differences())
 }
 
 fn wide_terms(x: &[Wide; 4], y: &[Wide; 4], z: &[Wide; 4]) -> Wide {

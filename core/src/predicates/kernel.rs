@@ -1,6 +1,6 @@
 //! The three accuracies, as three ways to decide the same signs.
 
-use super::{Axes, Point, filter_orient2d, filter_orient3d, filter_sides};
+use super::{Axes, FILTERS, Point, coordinate, filter_orient2d, filter_orient3d, filter_sides};
 use crate::Triangle;
 use core::convert::Infallible;
 use glam::Vec3;
@@ -44,8 +44,11 @@ pub(crate) enum Fast {}
 impl Kernel for Exact {
     type Undecided = Infallible;
 
-    #[inline]
+    #[inline(always)]
     fn sides<const N: usize>(t: &Triangle, points: [&Point; N]) -> Result<[i32; N], Infallible> {
+        if !FILTERS {
+            return Ok(settle(t, points, [0; N]));
+        }
         let sides = filter_sides(t, points);
         Ok(if sides.contains(&0) { settle(t, points, sides) } else { sides })
     }
@@ -120,7 +123,7 @@ impl Kernel for Fast {
 
     #[inline]
     fn orient2d(axes: Axes, a: &Point, b: &Point, c: &Point) -> Result<i32, Infallible> {
-        let [u, v] = [b, c].map(|p| axes.map(|k| p[k] - a[k]));
+        let [u, v] = [b, c].map(|p| axes.map(|k| coordinate(p, k) - coordinate(a, k)));
         Ok(sign(u[0] * v[1] - u[1] * v[0]))
     }
 }

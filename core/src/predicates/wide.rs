@@ -14,10 +14,11 @@ impl Wide {
     /// `value · 2^shift`; `value` is a 24-bit significand with its sign.
     pub(super) fn new(value: i64, shift: u32) -> Self {
         let mut limbs = [0; LIMBS];
-        let (limb, bit) = ((shift / 64) as usize, shift % 64);
-        let shifted = u128::from(value.unsigned_abs()) << bit;
-        limbs[limb] = shifted as u64;
-        limbs[limb + 1] = (shifted >> 64) as u64;
+        let shifted = u128::from(value.unsigned_abs()) << (shift % 64);
+        let from = limbs.iter_mut().skip((shift / 64) as usize);
+        for (limb, part) in from.zip([shifted as u64, (shifted >> 64) as u64]) {
+            *limb = part;
+        }
         if value < 0 { Self([0; LIMBS]).sub(Self(limbs)) } else { Self(limbs) }
     }
 
@@ -48,7 +49,7 @@ impl Wide {
         let mut out = [0; LIMBS];
         for (i, &x) in self.0.iter().enumerate().filter(|(_, x)| **x != 0) {
             let mut carry = 0;
-            for (slot, &y) in out[i..].iter_mut().zip(&other.0) {
+            for (slot, &y) in out.iter_mut().skip(i).zip(&other.0) {
                 // (2^64 − 1)² + 2 (2^64 − 1) = 2^128 − 1: fits.
                 let wide = u128::from(x) * u128::from(y) + u128::from(*slot) + carry;
                 *slot = wide as u64;
@@ -66,20 +67,31 @@ impl Wide {
     pub(super) fn to_f64(self, scale: i32) -> f64 {
         let negative = self.is_negative();
         let magnitude = if negative { Self([0; LIMBS]).sub(self) } else { self };
-        let Some(top) = magnitude.0.iter().rposition(|&x| x != 0) else { return 0.0 };
-        let below = if top == 0 { 0 } else { magnitude.0[top - 1] };
-        let leading = (u128::from(magnitude.0[top]) << 64) | u128::from(below);
-        let value = scale_by_power(leading as f64, 64 * (top as i32 - 1) - scale);
+        let mut limbs = magnitude.0.as_slice();
+        while let [lower @ .., 0] = limbs {
+            limbs = lower;
+        }
+        let (top, below) = match limbs {
+            [] => return 0.0,
+            [top] => (top, &0),
+            [.., below, top] => (top, below),
+        };
+        let leading = (u128::from(*top) << 64) | u128::from(*below);
+        let value = scale_by_power(leading as f64, 64 * (limbs.len() as i32 - 2) - scale);
         if negative { -value } else { value }
     }
 
     /// The number of bits of the magnitude.
     pub(super) fn bits(self) -> u32 {
         let magnitude = if self.is_negative() { Self([0; LIMBS]).sub(self) } else { self };
-        match magnitude.0.iter().rposition(|&x| x != 0) {
-            Some(top) => 64 * (top as u32 + 1) - magnitude.0[top].leading_zeros(),
-            None => 0,
+        let mut leading = 0;
+        for limb in magnitude.0.iter().rev() {
+            leading += limb.leading_zeros();
+            if *limb != 0 {
+                break;
+            }
         }
+        64 * LIMBS as u32 - leading
     }
 
     fn is_negative(self) -> bool {

@@ -42,8 +42,7 @@ impl<'a> Placed<'a> {
     /// Nothing is checked: in another one a query may miss pairs.
     #[must_use]
     pub fn trusted(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Self {
-        let place = Place::new(world_from_bvh);
-        Self(Side { bvh, place, view: place })
+        Self(Side::new(bvh, Place::new(world_from_bvh)))
     }
 
     /// A box that contains every posed vertex of every triangle, rounding included; `None` for an
@@ -82,13 +81,12 @@ impl<'a> PairQuery<'a> {
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes `b` out of range.
     pub fn new(a: Bvh<'a>, b: Bvh<'a>, a_from_b: Pose) -> Result<Self, PoseError> {
-        Ok(Self::in_world(Placed::trusted(a, &Pose::IDENTITY), Placed::new(b, &a_from_b)?))
+        Ok(Self::of(Side::new(a, Place::InPlace), Placed::new(b, &a_from_b)?.0))
     }
 
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
     pub fn in_world(a: Placed<'a>, b: Placed<'a>) -> Self {
-        let leaf_edge = a.0.bvh.leaf_edge().max(b.0.bvh.leaf_edge());
         let (Placed(mut a), Placed(mut b)) = (a, b);
         if let (Place::Posed(place_a), Place::Posed(place_b)) = (&a.place, &b.place)
             && let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root())
@@ -96,12 +94,21 @@ impl<'a> PairQuery<'a> {
         {
             (a.view, b.view) = (Place::InPlace, Place::Posed(seen));
         }
-        Self { tree: PairTree { a, b, accuracy: Accuracy::Exact }, leaf_edge }
+        Self::of(a, b)
+    }
+
+    fn of(a: Side<'a, Place>, b: Side<'a, Place>) -> Self {
+        let leaf_edge = a.bvh.leaf_edge().max(b.bvh.leaf_edge());
+        Self { tree: PairTree { a, b, inexact: None }, leaf_edge }
     }
 
     /// Walks with each side placed as it is, so that no box or corner has to ask.
     fn walk(&self, cursor: &mut Cursor, budget: u64, visit: &mut Visit<'_>) -> ControlFlow<()> {
         use Place::{InPlace as Still, Posed};
+        if cfg!(not(feature = "std")) {
+            // A fifth of the machine code.
+            return walk(&self.tree, cursor, budget, visit);
+        }
         let (a, b, here) = (&self.tree.a, &self.tree.b, InPlace);
         match (&a.place, &b.place, &a.view, &b.view) {
             (Still, Still, ..) => self.through(cursor, budget, visit, (here, here), (here, here)),
@@ -125,13 +132,13 @@ impl<'a> PairQuery<'a> {
     ) -> ControlFlow<()> {
         let a = Side { bvh: self.tree.a.bvh, place: a.0, view: a.1 };
         let b = Side { bvh: self.tree.b.bvh, place: b.0, view: b.1 };
-        walk(&PairTree { a, b, accuracy: self.tree.accuracy }, cursor, budget, visit)
+        walk(&PairTree { a, b, inexact: self.tree.inexact }, cursor, budget, visit)
     }
 
     /// The same with another [`Accuracy`].
     #[must_use]
     pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
-        self.tree.accuracy = accuracy;
+        self.tree.inexact = accuracy.inexact();
         self
     }
 }

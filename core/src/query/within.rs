@@ -2,6 +2,7 @@
 
 use super::{Cursor, NodePair, Query, TrianglePair};
 use crate::fans::Fan;
+use crate::items::item;
 use crate::triangle::{Accuracy, Adjacency, Contact, contact};
 use crate::walk::{Bvtt, SelfTree, walk};
 use crate::{Aabb, Bvh};
@@ -83,7 +84,7 @@ impl<'a> SelfQuery<'a> {
 
     fn tree(&self) -> SelfTree<'a> {
         let Self { bvh, accuracy, adjacency, fans, boxes_only } = *self;
-        SelfTree { bvh, accuracy, adjacency, fans, boxes_only }
+        SelfTree { bvh, accuracy, inexact: accuracy.inexact(), adjacency, fans, boxes_only }
     }
 }
 
@@ -97,7 +98,7 @@ impl Query for SelfQuery<'_> {
     }
 
     fn boxes(&self, n: NodePair) -> [Aabb; 2] {
-        [n.a, n.b].map(|node| self.bvh.nodes()[node as usize].aabb())
+        [n.a, n.b].map(|node| item(self.bvh.nodes(), node).aabb())
     }
 
     fn triangles_below(&self, n: NodePair) -> [u32; 2] {

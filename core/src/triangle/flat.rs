@@ -113,11 +113,13 @@ fn segment_meets_proper<K: Kernel>(
 /// Whether a segment that reaches the plane of `t` in one point does so within `t`: its line passes
 /// all three edges on the same side, or through one.
 fn pierces<K: Kernel>([p, q]: [Point; 2], t: &Triangle) -> Result<bool, K::Undecided> {
-    let mut seen = [false; 3];
-    for i in 0..3 {
-        let side = K::orient3d(&p, &q, &t[i], &t[(i + 1) % 3])?;
-        seen[(side + 1) as usize] = true;
-        if seen[0] && seen[2] {
+    let (mut left, mut right) = (false, false);
+    let [a, b, c] = t;
+    for (from, to) in [(a, b), (b, c), (c, a)] {
+        let side = K::orient3d(&p, &q, from, to)?;
+        left |= side < 0;
+        right |= side > 0;
+        if left && right {
             return Ok(false);
         }
     }

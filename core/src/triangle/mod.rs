@@ -24,6 +24,7 @@ use crate::Triangle;
 use crate::predicates::sure::Sure;
 use crate::predicates::{Exact, Fast, Filtered, Kernel, Undecided};
 use core::convert::Infallible;
+use glam::Vec3A;
 
 /// What an answer promises (`accuracy.md`, contract 5).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -57,22 +58,42 @@ pub enum Accuracy {
 #[must_use]
 pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
     match accuracy {
-        Accuracy::Exact => meet::<Sure>(a, b).unwrap_or_else(|Undecided| settle(a, b)),
-        Accuracy::Conservative => {
-            meet::<Sure>(a, b).or_else(|Undecided| meet::<Filtered>(a, b)).unwrap_or(true)
-        }
+        Accuracy::Exact => exactly(a, b),
+        Accuracy::Conservative => conservatively(a, b),
         Accuracy::Fast => certain(meet::<Fast>(a, b)),
     }
+}
+
+/// [`intersects`] at another accuracy than `Exact`. A query holds it, if any, so that a program which asks for
+/// none does not link them.
+pub(crate) type Inexact = fn(&Triangle, &Triangle) -> bool;
+
+impl Accuracy {
+    pub(crate) fn inexact(self) -> Option<Inexact> {
+        match self {
+            Self::Exact => None,
+            Self::Conservative => Some(conservatively),
+            Self::Fast => Some(|a, b| certain(meet::<Fast>(a, b))),
+        }
+    }
+}
+
+#[inline]
+pub(crate) fn exactly(a: &Triangle, b: &Triangle) -> bool {
+    meet::<Sure>(a, b).unwrap_or_else(|Undecided| settle(a, b))
+}
+
+#[inline]
+fn conservatively(a: &Triangle, b: &Triangle) -> bool {
+    meet::<Sure>(a, b).or_else(|Undecided| meet::<Filtered>(a, b)).unwrap_or(true)
 }
 
 /// What f32 left open. Bodies that lie flush often do so across an axis, which needs no sign to be seen.
 #[inline]
 fn settle(a: &Triangle, b: &Triangle) -> bool {
-    let is_flush = |k: usize| {
-        let level = |p: &[f32; 3]| p[k] == a[0][k];
-        level(&b[0]) && level(&a[1]) && level(&a[2]) && level(&b[1]) && level(&b[2])
-    };
-    certain(if (0..3).any(is_flush) { flat::meet::<Exact>(a, b) } else { meet::<Exact>(a, b) })
+    let level = |p: &[f32; 3]| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
+    let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
+    certain(if flush.any() { flat::meet::<Exact>(a, b) } else { meet::<Exact>(a, b) })
 }
 
 /// [`intersects`], for any way to decide signs.
@@ -116,8 +137,7 @@ fn cross<K: Kernel>(
 ) -> Result<bool, K::Undecided> {
     let (i, delta) = lone_corner(a_sides);
     let (j, epsilon) = lone_corner(b_sides);
-    let [a0, a1, a2] = [&a[i], &a[(i + 1) % 3], &a[(i + 2) % 3]];
-    let [b0, mut b1, mut b2] = [&b[j], &b[(j + 1) % 3], &b[(j + 2) % 3]];
+    let ([a0, a1, a2], [b0, mut b1, mut b2]) = (from_corner(a, i), from_corner(b, j));
     if delta != epsilon {
         core::mem::swap(&mut b1, &mut b2);
     }
@@ -128,9 +148,19 @@ fn cross<K: Kernel>(
 /// plane with it; and its side, which for a corner in the plane is the one the others are not on.
 #[inline]
 pub(crate) fn lone_corner(sides: &[i32; 3]) -> (usize, i32) {
-    let index = (sides[0] + 1) * 9 + (sides[1] + 1) * 3 + (sides[2] + 1);
-    let (corner, side) = LONE[index as usize];
+    let pattern = (sides[0] + 1) * 9 + (sides[1] + 1) * 3 + (sides[2] + 1);
+    let (corner, side) = LONE.get(pattern as usize).copied().unwrap_or_default();
     (corner as usize, i32::from(side))
+}
+
+/// The corners, beginning with one.
+#[inline]
+pub(crate) fn from_corner([p, q, r]: &Triangle, corner: usize) -> [&[f32; 3]; 3] {
+    match corner {
+        0 => [p, q, r],
+        1 => [q, r, p],
+        _ => [r, p, q],
+    }
 }
 
 /// [`lone_corner`] for each of the 27 patterns of signs.

@@ -12,6 +12,7 @@
 use super::flat::{order, proper, segment_meets};
 use super::{Accuracy, certain, intersects};
 use crate::Mesh;
+use crate::items::item;
 use crate::predicates::{Exact, Fast, Filtered, Kernel, Point, difference};
 use core::cmp::Ordering;
 use glam::DVec3;
@@ -29,7 +30,7 @@ pub enum Adjacency {
 /// Whether triangles `i` and `j` of one mesh collide.
 ///
 /// # Panics
-/// If `i` or `j` is not a triangle of `mesh`.
+/// With the feature `std`, if `i` or `j` is not a triangle of `mesh`.
 ///
 /// # Examples
 /// ```
@@ -48,7 +49,7 @@ pub fn intersects_in_mesh(
     adjacency: Adjacency,
     accuracy: Accuracy,
 ) -> bool {
-    let [own, other] = [&mesh.triangles()[i as usize], &mesh.triangles()[j as usize]];
+    let (own, other) = (item(mesh.triangles(), i), item(mesh.triangles(), j));
     let shared = shared_with(other, own);
     if shared == [false; 3] {
         return intersects(&mesh.triangle(i), &mesh.triangle(j), accuracy);
@@ -78,7 +79,7 @@ impl Pair {
     fn new(mesh: Mesh<'_>, triangles: [&[u32; 3]; 2], are_shared: [&[bool; 3]; 2]) -> Self {
         let (a, shared, m) = shared_first(triangles[0], are_shared[0]);
         let (b, _, n) = shared_first(triangles[1], are_shared[1]);
-        let at = |v: u32| mesh.positions()[v as usize];
+        let at = |v: u32| *item(mesh.positions(), v);
         let points = |[p, q, r]: [u32; 3]| [at(p), at(q), at(r)];
         Self { a: points(a), b: points(b), shared, corners: [m, n] }
     }
@@ -110,9 +111,10 @@ fn shared_first(own: &[u32; 3], shared: &[bool; 3]) -> ([u32; 3], usize, usize) 
     if (p == q) | (q == r) | (r == p) {
         return repeated_shared_first(own, shared);
     }
+    let corners = [p, q, r, r];
     let [p, q, r] = [usize::from(shared[0]), usize::from(shared[1]), usize::from(shared[2])];
-    let [i, j, k] = SHARED_FIRST[4 * p + 2 * q + r];
-    ([own[i], own[j], own[k]], p + q + r, p + q + r)
+    let first = SHARED_FIRST[(4 * p + 2 * q + r) % 8].map(|corner| corners[corner % 4]);
+    (first, p + q + r, p + q + r)
 }
 
 /// Corners with those that are shared first, by whether the first, the second and the third are.
@@ -121,15 +123,20 @@ const SHARED_FIRST: [[usize; 3]; 8] =
 
 #[cold]
 fn repeated_shared_first(own: &[u32; 3], shared: &[bool; 3]) -> ([u32; 3], usize, usize) {
-    let rank = |i: usize| match (shared[i], own[..i].contains(&own[i])) {
+    let rank = |shared: bool, repeats: bool| match (shared, repeats) {
         (true, false) => 0,
         (true, true) => 1,
         (false, _) => 2,
     };
-    let mut order = [0, 1, 2];
-    order.sort_unstable_by_key(|&i| (rank(i), i));
-    let up_to = |most: usize| (0..3).filter(|&i| rank(i) <= most).count();
-    (order.map(|i| own[i]), up_to(0), up_to(1))
+    let ([p, q, r], [first, second, third]) = (*own, *shared);
+    let ranks = [rank(first, false), rank(second, q == p), rank(third, r == p || r == q)];
+    let mut ordered = [0; 3];
+    let by_rank = (0..3).flat_map(|rank| own.iter().zip(&ranks).filter(move |of| *of.1 == rank));
+    for (slot, (index, _)) in ordered.iter_mut().zip(by_rank) {
+        *slot = *index;
+    }
+    let up_to = |most: u32| ranks.iter().filter(|rank| **rank <= most).count();
+    (ordered, up_to(0), up_to(1))
 }
 
 /// One common vertex, in the first corner of both.

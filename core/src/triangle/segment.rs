@@ -5,7 +5,7 @@
 //! edge, with d and e the determinants of its ends over that plane. When f64 does not know these to
 //! 2^-30 they come from integers, so nearly parallel triangles lose no accuracy.
 
-use super::{Accuracy, flat, intersects, lone_corner, one_sided};
+use super::{Accuracy, flat, from_corner, intersects, lone_corner, one_sided};
 use crate::Triangle;
 use crate::predicates::{
     Exact, Kernel, PROJECTIONS, Point, determinants, difference, orient2d, orient3d,
@@ -81,8 +81,7 @@ fn crossing(
 ) -> Option<[Point; 2]> {
     let (i, delta) = lone_corner(a_sides);
     let (j, epsilon) = lone_corner(b_sides);
-    let [a0, a1, a2] = [&a[i], &a[(i + 1) % 3], &a[(i + 2) % 3]];
-    let [b0, mut b1, mut b2] = [&b[j], &b[(j + 1) % 3], &b[(j + 2) % 3]];
+    let ([a0, a1, a2], [b0, mut b1, mut b2]) = (from_corner(a, i), from_corner(b, j));
     if delta != epsilon {
         core::mem::swap(&mut b1, &mut b2);
     }
@@ -107,15 +106,9 @@ fn crossing(
 fn edge_point(p: &Point, q: &Point, t: &Triangle) -> Point {
     let [d, e] = plane_distances(t, [p, q]);
     let s = d / (d - e);
-    let step = difference(q, p);
-    [0, 1, 2].map(|k| {
-        // From the nearer end, so that an end in the plane is returned unchanged.
-        if s <= 0.5 {
-            (f64::from(p[k]) + s * step[k]) as f32
-        } else {
-            (f64::from(q[k]) - (1.0 - s) * step[k]) as f32
-        }
-    })
+    // From the nearer end, so that an end in the plane is returned unchanged.
+    let (end, part) = if s <= 0.5 { (p, s) } else { (q, s - 1.0) };
+    (difference(end, &[0.0; 3]) + part * difference(q, p)).as_vec3().to_array()
 }
 
 /// Determinants of two points over a plane, up to one common factor, each within 2^-29.
@@ -137,8 +130,10 @@ fn flat_chord(a: &Triangle, b: &Triangle) -> Option<[Point; 2]> {
     let mut found = [[0.0; 3]; 15];
     let mut count = 0;
     let mut add = |p: Point| {
-        found[count] = p;
-        count += 1;
+        if let Some(free) = found.get_mut(count) {
+            *free = p;
+            count += 1;
+        }
     };
     for (own, other) in [(a, b), (b, a)] {
         for p in own {
@@ -156,7 +151,7 @@ fn flat_chord(a: &Triangle, b: &Triangle) -> Option<[Point; 2]> {
             }
         }
     }
-    longest(&found[..count])
+    longest(found.get(..count).unwrap_or_default())
 }
 
 /// Points in which an edge of one crosses an edge of the other in their common plane; whether there
@@ -175,7 +170,7 @@ fn edge_crossings(a: &Triangle, b: &Triangle, add: &mut impl FnMut(Point)) -> bo
                 if across(p, q, r, s) && across(r, s, p, q) && orient3d(p, q, r, s) == 0 {
                     // The plane through r–s along the axis that the projection leaves out.
                     let mut up = *r;
-                    up[k] = if r[k] == 0.0 { 1.0 } else { 0.0 };
+                    up[k % 3] = if r[k % 3] == 0.0 { 1.0 } else { 0.0 };
                     add(edge_point(p, q, &[*r, *s, up]));
                     any = true;
                 }
@@ -195,13 +190,15 @@ fn edges(t: &Triangle) -> [(&Point, &Point); 3] {
 fn longest(points: &[Point]) -> Option<[Point; 2]> {
     let mut best = None;
     let mut length = -1.0;
-    for (i, p) in points.iter().enumerate() {
-        for q in &points[i..] {
+    let mut rest = points;
+    while let [p, others @ ..] = rest {
+        for q in rest {
             let squared = difference(p, q).length_squared();
             if squared > length {
                 (length, best) = (squared, Some([*p, *q]));
             }
         }
+        rest = others;
     }
     best
 }

@@ -3,9 +3,10 @@
 use super::{Bvtt, NodePair, Progress, TrianglePair, Visit, after, decide, family_pairs, meet};
 use crate::aabb::Bounds;
 use crate::bvh::Node;
+use crate::items::item;
 use crate::lanes::{Blocks, Family, LANES, Simd};
 use crate::place::Placement;
-use crate::triangle::Accuracy;
+use crate::triangle::Inexact;
 use crate::{Bvh, Triangle};
 use core::ops::ControlFlow;
 use glam::Vec3A;
@@ -30,13 +31,19 @@ pub(crate) struct Side<'a, P, V = P> {
 pub(crate) struct PairTree<'a, A, B, V = A, W = B> {
     pub(crate) a: Side<'a, A, V>,
     pub(crate) b: Side<'a, B, W>,
-    pub(crate) accuracy: Accuracy,
+    pub(crate) inexact: Option<Inexact>,
+}
+
+impl<'a, P: Placement + Copy> Side<'a, P> {
+    pub(crate) fn new(bvh: Bvh<'a>, place: P) -> Self {
+        Self { bvh, place, view: place }
+    }
 }
 
 impl<'a, P: Placement, V: Placement> Side<'a, P, V> {
     #[inline]
     pub(crate) fn node(&self, index: u32) -> &'a Node {
-        &self.bvh.nodes()[index as usize]
+        item(self.bvh.nodes(), index)
     }
 
     #[inline]
@@ -117,7 +124,7 @@ impl<A: Placement, B: Placement, V: Placement, W: Placement> Bvtt for PairTree<'
         b.boxes = self.b.view.boxes(&b.boxes);
         let lanes = a.lanes();
         family_pairs([&a, &b], |_| lanes, push);
-        (a.nodes().len() * b.nodes().len()) as u32
+        a.len() * b.len()
     }
 
     #[inline(always)]
@@ -134,9 +141,9 @@ impl<A: Placement, B: Placement, V: Placement, W: Placement> Bvtt for PairTree<'
         let bounds = self.a.place.bounds(&self.a.node(n.a).bounds());
         let pairs = first.pairs::<S, false>(second, &bounds, after(progress.skip));
         decide(pairs, progress, |bit| {
-            let (i, j) = (bit as usize % LANES, bit as usize / LANES);
-            if meet(first, i, second, j, self.accuracy) {
-                visit(TrianglePair { a: own[i], b: others[j] })
+            let (i, j) = (bit % LANES as u32, bit / LANES as u32);
+            if meet(first, i, second, j, self.inexact) {
+                visit(TrianglePair { a: *item(own, i), b: *item(others, j) })
             } else {
                 ControlFlow::Continue(())
             }

@@ -8,15 +8,17 @@ use super::{Bvtt, NodePair, Progress, TrianglePair, Visit, after, decide, family
 use crate::Bvh;
 use crate::aabb::Bounds;
 use crate::fans::Fan;
+use crate::items::item;
 use crate::lanes::{Blocks, Family, LANES, Pairs, Simd};
 use crate::place::InPlace;
-use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
+use crate::triangle::{Accuracy, Adjacency, Inexact, intersects_in_mesh};
 use core::ops::ControlFlow;
 
 /// One BVH against itself.
 pub(crate) struct SelfTree<'a> {
     pub(crate) bvh: Bvh<'a>,
     pub(crate) accuracy: Accuracy,
+    pub(crate) inexact: Option<Inexact>,
     pub(crate) adjacency: Adjacency,
     /// What is known of the triangles about each vertex, or nothing.
     pub(crate) fans: &'a [Fan],
@@ -31,14 +33,14 @@ impl Bvtt for SelfTree<'_> {
 
     #[inline]
     fn is_leaf(&self, n: NodePair) -> bool {
-        self.bvh.nodes()[n.a as usize].is_leaf() && self.bvh.nodes()[n.b as usize].is_leaf()
+        item(self.bvh.nodes(), n.a).is_leaf() && item(self.bvh.nodes(), n.b).is_leaf()
     }
 
     #[inline]
     fn children(&self, n: NodePair, mut push: impl FnMut(NodePair, [&Bounds; 2])) -> u32 {
         let nodes = self.bvh.nodes();
-        let (a, b) = (&nodes[n.a as usize], &nodes[n.b as usize]);
-        let bounds = |i: u32| nodes[i as usize].bounds();
+        let (a, b) = (item(nodes, n.a), item(nodes, n.b));
+        let bounds = |i: u32| item(nodes, i).bounds();
         let mut test = |i: u32, j: u32| {
             let (own, other) = (bounds(i), bounds(j));
             if own.overlaps(&other) {
@@ -81,12 +83,12 @@ impl Bvtt for SelfTree<'_> {
         if n.a == n.b {
             // Each with itself and those before it.
             family_pairs([&a, &a], |row| (2 << row) - 1, push);
-            return [0, 1, 3, 6][a.nodes().len() - 1];
+            return a.len() * (a.len() - 1) / 2;
         }
         let b = Family::below(self.bvh.nodes(), n.b);
         let lanes = a.lanes();
         family_pairs([&a, &b], |_| lanes, push);
-        (a.nodes().len() * b.nodes().len()) as u32
+        a.len() * b.len()
     }
 
     #[inline(always)]
@@ -98,11 +100,11 @@ impl Bvtt for SelfTree<'_> {
         visit: &mut Visit<'_>,
     ) -> ControlFlow<()> {
         let (nodes, mesh) = (self.bvh.nodes(), self.bvh.mesh());
-        let own = self.bvh.leaf_triangles(&nodes[n.a as usize]);
-        let others = self.bvh.leaf_triangles(&nodes[n.b as usize]);
+        let (a, b) = (item(nodes, n.a), item(nodes, n.b));
+        let (own, others) = (self.bvh.leaf_triangles(a), self.bvh.leaf_triangles(b));
         let first = kept_a.get::<S>(n.a, mesh, own, &InPlace, self.fans);
         let second = kept_b.get::<S>(n.b, mesh, others, &InPlace, self.fans);
-        let bounds = nodes[n.a as usize].bounds();
+        let bounds = a.bounds();
         let allowed = if n.a == n.b { after(progress.skip) & BEFORE } else { after(progress.skip) };
         let pairs = if self.boxes_only {
             let tested = first.boxes::<S>(second, &bounds, allowed);
@@ -111,12 +113,13 @@ impl Bvtt for SelfTree<'_> {
             first.pairs::<S, true>(second, &bounds, allowed)
         };
         decide(pairs, progress, |bit| {
-            let (i, j) = (bit as usize % LANES, bit as usize / LANES);
-            let (a, b) = (own[i].min(others[j]), own[i].max(others[j]));
+            let (i, j) = (bit % LANES as u32, bit / LANES as u32);
+            let (t, u) = (*item(own, i), *item(others, j));
+            let (a, b) = (t.min(u), t.max(u));
             let meet = if self.boxes_only {
                 true
             } else if pairs.neighbours >> bit & 1 == 0 || !first.share_vertex(i, second, j) {
-                meet(first, i, second, j, self.accuracy)
+                meet(first, i, second, j, self.inexact)
             } else {
                 intersects_in_mesh(mesh, a, b, self.adjacency, self.accuracy)
             };

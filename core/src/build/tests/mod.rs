@@ -268,6 +268,38 @@ fn sah_is_better_than_morton() {
 }
 
 #[test]
+fn morton_needs_no_more_nodes_than_there_are_and_says_how_many() {
+    for (name, (positions, triangles)) in meshes() {
+        let mesh = Mesh::new(&positions, &triangles).unwrap();
+        let count = triangles.len();
+        // Miri is slow, and slower to make threads.
+        let some = if cfg!(miri) { 1 } else { 4 };
+        for leaf_size in [8, 3, 1].into_iter().take(some) {
+            let context = format!("{name} with leaves of {leaf_size}");
+            let mut roomy = vec![];
+            with_builds(mesh, leaf_size, |_, bvh| roomy = bvh.nodes().to_vec());
+            let in_nodes = |nodes: usize, join: Option<&Join<'_>>| {
+                let (mut nodes, mut order) = (vec![Node::EMPTY; nodes], vec![0; count]);
+                let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+                let (options, mut scratch) = (BuildOptions { leaf_size }, vec![0; 2 * count]);
+                match join {
+                    Some(join) => morton_with(mesh, &options, storage, &mut scratch, join),
+                    None => morton(mesh, &options, storage, &mut scratch),
+                }
+                .map(|bvh| bvh.nodes().to_vec())
+            };
+            for join in [None].into_iter().chain(joins().map(Some).into_iter().take(some)) {
+                assert_eq!(in_nodes(roomy.len(), join).as_ref(), Ok(&roomy), "{context}");
+            }
+            if let Some(short) = roomy.len().checked_sub(1) {
+                let error = in_nodes(short, None).unwrap_err();
+                assert_eq!((error.buffer, error.needed), ("nodes", roomy.len()), "{context}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_buffer_one_short_is_an_error_that_names_the_need() {
     let (positions, triangles) = grid(5);
     let mesh = Mesh::new(&positions, &triangles).unwrap();
@@ -281,7 +313,8 @@ fn a_buffer_one_short_is_an_error_that_names_the_need() {
         [by_sah, by_morton].map(|e| e.map(|e| (e.buffer, e.needed, e.capacity)))
     };
     assert_eq!(run(100, 50, 100), [None; 2]);
-    assert_eq!(run(99, 50, 100), [Some(("nodes", 100, 99)); 2]);
+    // Morton needs no more than there are.
+    assert_eq!(run(99, 50, 100), [Some(("nodes", 100, 99)), None]);
     assert_eq!(run(100, 49, 100), [Some(("order", 50, 49)); 2]);
     assert_eq!(run(100, 50, 99), [None, Some(("scratch", 100, 99))]);
     assert_eq!(run(100, 50, 49)[0], Some(("scratch", 50, 49)));

@@ -1,0 +1,118 @@
+//! Everything public of `pfront_core` that works without std, to be linked and searched for panics.
+//!
+//! Not here are the SAH build, which selects medians as `core` does, and needs 32 bytes a triangle and
+//! 64 KiB of stack; and those functions whose purpose it is to panic, `assert_well_formed`.
+
+#![no_std]
+#![no_main]
+
+use core::hint::black_box as any;
+use core::ops::ControlFlow::Continue;
+use core::panic::PanicInfo;
+use pfront_core::build::*;
+use pfront_core::fans::{self, Fan, Span};
+use pfront_core::front::*;
+use pfront_core::partition::{Load, dearest_first, greedy, p_optimal};
+use pfront_core::predicates::{orient2d, orient3d};
+use pfront_core::query::*;
+use pfront_core::sphere::Sphere;
+use pfront_core::triangle::*;
+use pfront_core::*;
+
+/// Anything of a type, or nothing.
+fn some<T>() -> Option<T> {
+    any(None)
+}
+
+/// Slices of any length.
+struct Slices<'s> {
+    positions: &'s [[f32; 3]],
+    triangles: &'s [[u32; 3]],
+    nodes: [&'s mut [Node]; 2],
+    order: &'s mut [u32],
+    keys: &'s mut [u64],
+    words: &'s mut [u32],
+    table: &'s mut [Below],
+    moved: [&'s mut [Moved]; 2],
+    fans: &'s mut [Fan],
+    spans: &'s mut [Span],
+    front: &'s mut [FrontNode],
+    past: &'s mut [PastCost],
+    loads: &'s mut [Load],
+    page: &'s mut [TrianglePair],
+}
+
+fn everything(slices: Slices<'_>) -> Option<()> {
+    let Slices { positions, triangles, nodes: [nodes, others], order, keys, words, .. } = slices;
+    let mesh = Mesh::new(positions, triangles).ok()?;
+    let mesh = mesh.with_positions(some()?).ok()?;
+    let join: &Join<'_> = some()?;
+    let storage = BvhStorage { nodes, order };
+    let bvh = morton_with(mesh, &some()?, storage, keys, join).ok()?;
+    any((Bvh::new(mesh, bvh.nodes(), bvh.order(), words).ok()?.depth(), quality(&bvh)));
+    any(Bvh::trusted(mesh, some()?, some()?));
+    any([refit_with(mesh, others, some()?, join), refit(mesh, others, some()?)]);
+    let [moved, near] = slices.moved;
+    any(mark_moved(positions, mesh.positions(), moved).is_ok());
+    any(survey(mesh, others, some()?, slices.table, join).is_ok());
+    any(refit_moved(mesh, others, some()?, moved, slices.table, join).is_ok());
+    any(fans::link(mesh, words, slices.fans).is_ok());
+    any(fans::certify(mesh, slices.fans).is_ok());
+    any(fans::find_spans(mesh, slices.spans).is_ok());
+    any(fans::certify_moved(mesh, slices.spans, moved, near, slices.fans).is_ok());
+    let within = SelfQuery::new(bvh).with_fans(slices.fans).with_adjacency(some()?);
+    asked(&within.with_accuracy(some()?).boxes_only(), slices.page)?;
+    let placed: Placed<'_> = Placed::new(bvh, &some()?).ok()?;
+    any((placed.aabb(), PairQuery::new(bvh, bvh, some()?).ok()?));
+    let pair = PairQuery::in_world(placed, some()?).with_accuracy(some()?);
+    asked(&pair, slices.page)?;
+    let past = Past::new(slices.past);
+    let mut front = Front::resume(slices.front, some()?);
+    front.start(&pair, some()?, some()?, some()?, past.with_hold(some()?)).ok()?;
+    front.refine(some()?, some()?, some()?, past, |_| &pair);
+    front.refine_below(some()?, some()?, some()?, past, |_| &pair);
+    any((greedy(front.nodes_mut(), slices.loads), p_optimal(front.nodes()), front.found(past)));
+    dearest_first(front.nodes_mut());
+    any(Past::record(slices.past, front.nodes(), |node| node.cost).is_ok());
+    any(Past::renumber(slices.past, |_| some()));
+    let sphere = Sphere::of(&bvh)?.posed(&some()?);
+    any(sphere.overlaps(&some()?));
+    let [p, q, r, s]: [[f32; 3]; 4] = some()?;
+    any((orient3d(&p, &q, &r, &s), orient2d(some()?, &p, &q, &r)));
+    any(intersects(&some()?, &some()?, some()?));
+    any(intersects_in_mesh(mesh, some()?, some()?, some()?, some()?));
+    any((contact(&some()?, &some()?), mesh.triangle(some()?)));
+    Some(())
+}
+
+fn asked(query: &impl Query, page: &mut [TrianglePair]) -> Option<()> {
+    let (mut cursor, n) = (Cursor::at(some()?), some()?);
+    cursor.restart(n);
+    let ended = query.step(&mut cursor, some()?, |pair| {
+        any(pair);
+        Continue(())
+    });
+    any((
+        ended.is_break(),
+        query.page(&mut cursor, page),
+        query.count(),
+        query.any(),
+        query.contact(some()?),
+    ));
+    let push = &mut |n, boxes| _ = any((n, boxes));
+    any((query.children(n, push), query.expand(n, &mut |n| _ = any(n)), query.boxes(n)));
+    any((query.triangles_below(n), query.leaf_edge()));
+    Some(())
+}
+
+/// Keeps it all.
+#[unsafe(no_mangle)]
+#[expect(unsafe_code, reason = "the linker knows where to begin by this name")]
+extern "C" fn _start() {
+    any(some().and_then(everything));
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    loop {}
+}

@@ -1,0 +1,188 @@
+//! What the firmware computes: two meshes of 1,000 triangles, one moving through the other, in 52 KiB.
+//!
+//! Both BVHs are built in Morton order. Each frame then goes as [`pfront_core::front`] describes, for two
+//! workers one after the other, and pairs come in pages. Last, one more frame is asked in steps.
+
+#![no_std]
+
+mod line;
+mod mesh;
+
+pub use line::Line;
+pub use mesh::meshes;
+
+use core::ops::ControlFlow::Continue;
+use mesh::TRIANGLES;
+use pfront_core::build::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
+use pfront_core::front::{Estimate, Front, FrontNode, Grain, Past, PastCost, Path};
+use pfront_core::partition::{Load, greedy};
+use pfront_core::query::{Cursor, NodePair, PairQuery, Query, TrianglePair};
+use pfront_core::{Bvh, Mesh, Node, Pose};
+
+/// How many frames the scene lasts.
+pub const FRAMES: u32 = 8;
+
+/// Workers that a frame is dealt out to.
+const WORKERS: usize = 2;
+
+/// As many as the trees have; the build says so if they are too few.
+const NODES: usize = 448;
+
+/// The most nodes of a front.
+const FRONT: usize = 160;
+
+/// Pairs to a page.
+const PAGE: usize = 64;
+
+/// Tests to a step.
+const BUDGET: u64 = 100;
+
+/// Front nodes in whose place there is enough scratch for a build.
+const SCRATCH: usize = morton_scratch_bound(TRIANGLES) * size_of::<u64>() / size_of::<FrontNode>();
+
+/// All memory of the scene but its stack.
+pub struct Memory {
+    nodes: [[Node; NODES]; 2],
+    order: [[u32; TRIANGLES]; 2],
+    /// Scratch of the builds; then the front, and behind it what is remembered of the last frame.
+    front: [FrontNode; SCRATCH],
+}
+
+impl Memory {
+    /// As a program begins with it: all zero, so that it takes no flash.
+    pub const ZERO: Self = {
+        let node = Node { min: [0.0; 3], first: 0, max: [0.0; 3], count: 0 };
+        let pair = NodePair { a: 0, b: 0 };
+        let free = FrontNode { pair, path: Path::ROOT, cost: 0.0, query: 0, part: 0, index: 0 };
+        Self { nodes: [[node; NODES]; 2], order: [[0; TRIANGLES]; 2], front: [free; SCRATCH] }
+    };
+}
+
+/// Triangle pairs as a set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pairs {
+    /// How many they are.
+    pub count: u32,
+    /// The sum of their scrambled numbers, whatever their order.
+    pub hash: u32,
+}
+
+impl Pairs {
+    /// Takes in one more.
+    pub fn add(&mut self, pair: TrianglePair) {
+        self.count += 1;
+        let number = (pair.a * TRIANGLES as u32 + pair.b + 1).wrapping_mul(0x9e37_79b9);
+        self.hash = self.hash.wrapping_add(number ^ number.rotate_left(15));
+    }
+}
+
+/// How the second mesh stands in the frame of the first: it sinks into it, turning.
+#[must_use]
+pub fn pose(frame: u32) -> Pose {
+    let [cos, sin] = mesh::on_circle(frame as usize, 64);
+    let shift = 1.3 - 0.1 * frame as f32;
+    Pose::new([[1.0, 0.0, 0.0, shift], [0.0, cos, -sin, 0.1], [0.0, sin, cos, 0.0]])
+}
+
+/// Plays the scene, and hands on the pairs of each frame with a line about it.
+///
+/// # Errors
+/// The buffer that is too small, or the step that has failed.
+pub fn play(memory: &mut Memory, mut show: impl FnMut(Pairs, &Line)) -> Result<(), &'static str> {
+    let Memory { nodes: [nodes_a, nodes_b], order: [order_a, order_b], front } = memory;
+    let [mesh_a, mesh_b] = meshes().map_err(|_| "mesh")?;
+    let scratch = bytemuck::must_cast_slice_mut(front);
+    let a = build(mesh_a, BvhStorage { nodes: nodes_a, order: order_a }, scratch)?;
+    let b = build(mesh_b, BvhStorage { nodes: nodes_b, order: order_b }, scratch)?;
+    let (front, rest) = front.split_at_mut(FRONT);
+    let memory: &mut [PastCost] = bytemuck::must_cast_slice_mut(rest);
+    let mut remembered = 0;
+    for number in 0..FRAMES {
+        let query = PairQuery::new(a, b, pose(number)).map_err(|_| "pose")?;
+        let past = Past::new(memory.get(..remembered).unwrap_or_default());
+        let mut front = divide(&query, front, past)?;
+        let mut pairs = Pairs::default();
+        let work = [0, 1].map(|part| work_through(&query, front.nodes_mut(), part, &mut pairs));
+        remembered = front.nodes().len();
+        Past::record(memory, front.nodes(), |node| node.cost).map_err(|error| error.buffer)?;
+        let line = found(pairs).with(remembered as u32, " nodes of a front, ");
+        show(pairs, &line.with(work[0], " + ").with(work[1], " tests\n"));
+    }
+    let (pairs, steps, longest) =
+        in_steps(&PairQuery::new(a, b, pose(FRAMES)).map_err(|_| "pose")?);
+    show(pairs, &found(pairs).with(steps, " steps of up to ").with(longest, " tests\n"));
+    Ok(())
+}
+
+fn found(pairs: Pairs) -> Line {
+    Line::EMPTY.with(pairs.count, " pairs, hash ").with(pairs.hash, ": ")
+}
+
+// Each part of a frame is a function of its own on the stack, so that none has to bear with what another
+// needs there.
+
+#[inline(never)]
+fn build<'a>(
+    mesh: Mesh<'a>,
+    storage: BvhStorage<'a>,
+    scratch: &mut [u64],
+) -> Result<Bvh<'a>, &'static str> {
+    morton(mesh, &BuildOptions::default(), storage, scratch).map_err(|error| error.buffer)
+}
+
+/// The front of a frame, dealt out to the workers.
+#[inline(never)]
+fn divide<'n>(
+    query: &PairQuery<'_>,
+    nodes: &'n mut [FrontNode],
+    past: Past<'_>,
+) -> Result<Front<'n>, &'static str> {
+    let (mut front, estimate) = (Front::new(nodes), Estimate::default());
+    front.start(query, 0, 2, estimate, past).map_err(|error| error.buffer)?;
+    front.refine(WORKERS, Grain::default(), estimate, past, |_| query);
+    greedy(front.nodes_mut(), &mut [Load::default(); WORKERS]);
+    Ok(front)
+}
+
+/// Walks from the nodes of one worker, page by page; notes what each costs, and returns the sum.
+#[inline(never)]
+fn work_through(
+    query: &PairQuery<'_>,
+    nodes: &mut [FrontNode],
+    part: u32,
+    pairs: &mut Pairs,
+) -> u32 {
+    let mut page = [TrianglePair::default(); PAGE];
+    let mut cursor = Cursor::at(NodePair::default());
+    for node in nodes.iter_mut().filter(|node| node.part == part) {
+        let before = tests(&cursor);
+        cursor.restart(node.pair);
+        while !cursor.is_done() {
+            let len = query.page(&mut cursor, &mut page);
+            page.iter().take(len).for_each(|&pair| pairs.add(pair));
+        }
+        node.cost = (tests(&cursor) - before) as f32;
+    }
+    tests(&cursor)
+}
+
+/// The pairs of a whole query in steps, how many there were and how long the longest.
+#[inline(never)]
+fn in_steps(query: &PairQuery<'_>) -> (Pairs, u32, u32) {
+    let (mut pairs, mut steps, mut longest) = (Pairs::default(), 0, 0);
+    let mut cursor = query.start();
+    while !cursor.is_done() {
+        let before = tests(&cursor);
+        let _ = query.step(&mut cursor, BUDGET, |pair| {
+            pairs.add(pair);
+            Continue(())
+        });
+        steps += 1;
+        longest = longest.max(tests(&cursor) - before);
+    }
+    (pairs, steps, longest)
+}
+
+fn tests(cursor: &Cursor) -> u32 {
+    (cursor.work().box_tests + cursor.work().triangle_tests) as u32
+}
