@@ -8,7 +8,9 @@ mod kept;
 mod planned;
 mod question;
 
-pub(crate) use alone::{End, Leash, alone, cost};
+#[cfg(feature = "threads")]
+pub(crate) use alone::cost;
+pub(crate) use alone::{End, Leash, alone};
 pub(crate) use planned::{Planned, Want};
 pub(crate) use question::{OfOne, OfTwo, Question};
 

@@ -1,11 +1,13 @@
 //! Answering by a planner.
 
-use super::alone::{End, Leash, alone, cost};
+#[cfg(feature = "threads")]
+use super::alone::cost;
+use super::alone::{End, Leash, alone};
 #[cfg(feature = "gpu")]
 use super::device::Device;
 use super::kept::Kept;
 use super::question::{OfOne, Question};
-use crate::planner::{Choice, Decider, Offer, Plan, Planner, Way};
+use crate::planner::{Decider, Offer, Plan, Planner, Way};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use crate::{Accuracy, Adjacency, Error, Model};
@@ -143,7 +145,7 @@ impl Planned {
             }
         }
         if outcome.end == End::Outgrown {
-            outcome = self.others(question, want, pairs, &offer, &mut choice, accuracy);
+            outcome = self.others(question, want, pairs, &mut choice.way, accuracy);
         }
         if outcome.end == End::Complete {
             self.decider.end(choice.way, outcome.cost, outcome.leaf_pairs);
@@ -162,73 +164,76 @@ impl Planned {
         question: &Q,
         want: Want,
         pairs: &mut Vec<TrianglePair>,
-        offer: &Offer,
-        choice: &mut Choice,
+        way: &mut Way,
         accuracy: Accuracy,
     ) -> Outcome {
         #[cfg(feature = "gpu")]
-        if let (Way::Gpu, Some(device)) = (choice.way, &mut self.device) {
+        if let (Way::Gpu, Some(device)) = (*way, &mut self.device) {
             match device.ask(question.on_gpu(), want, pairs) {
                 Ok((given, leaf_pairs)) => {
                     return Outcome { given, leaf_pairs: Some(leaf_pairs), ..Outcome::default() };
                 }
                 Err(error) => {
                     self.device = None;
-                    let offer = Offer { gpu: None, both: false, ..*offer };
-                    *choice = self.decider.gpu_failed(&offer, &error);
+                    *way = self.decider.gpu_failed(&error);
                 }
             }
         }
         let query = question.query(accuracy);
-        #[cfg(feature = "threads")]
-        if let Way::Threads(workers) | Way::Both(workers, _) = choice.way {
-            let planner = self.decider.planner();
-            let traversal = self.traversal.get_or_insert_with(|| planner.traversal(workers));
-            traversal.set_workers(workers as usize);
-            traversal.set_deadline(self.decider.deadline());
-            #[cfg(feature = "gpu")]
-            if let (Way::Both(_, share), Some(device)) = (choice.way, &mut self.device) {
-                match device.ask_beside(question.on_gpu(), &query, share, traversal, pairs) {
-                    Ok(given) => {
-                        let report = traversal.report();
-                        // What the device did is not counted.
-                        let own = (1.0 - report.device_share()).max(0.05);
-                        let cost = Some(cost(report.work()) / own);
-                        return Outcome { given, cost, ..Outcome::default() };
-                    }
-                    Err(error) => {
-                        self.device = None;
-                        let offer = Offer { gpu: None, both: false, ..*offer };
-                        *choice = self.decider.gpu_failed(&offer, &error);
+        match *way {
+            #[cfg(feature = "threads")]
+            Way::Threads(workers) | Way::Both(workers, _) => {
+                let traversal = ready(&mut self.traversal, &self.decider, workers);
+                #[cfg(feature = "gpu")]
+                if let (Way::Both(_, share), Some(device)) = (*way, &mut self.device) {
+                    match device.ask_beside(question.on_gpu(), &query, share, traversal, pairs) {
+                        Ok(given) => {
+                            let report = traversal.report();
+                            // What the device did is not counted.
+                            let own = (1.0 - report.device_share()).max(0.05);
+                            let cost = Some(cost(report.work()) / own);
+                            return Outcome { given, cost, ..Outcome::default() };
+                        }
+                        Err(error) => {
+                            self.device = None;
+                            *way = self.decider.gpu_failed(&error);
+                        }
                     }
                 }
+                on_threads(traversal, &query, want, pairs)
             }
-            return on_threads(traversal, &query, want, pairs);
+            _ => {
+                let leash = Leash { cost: f64::INFINITY, deadline: self.decider.deadline() };
+                on_one(query, want, pairs, leash)
+            }
         }
-        on_one(query, want, pairs, Leash { cost: f64::INFINITY, deadline: self.decider.deadline() })
     }
 
     /// Which ways there are for a question.
     fn offer(&self, question: &impl Question) -> Offer {
         let planner = self.decider.planner();
-        let pairs = self.kept.most();
-        let mut offer = Offer {
-            threads: planner.threads(pairs),
-            gpu: None,
+        let gpu = self.gpu(question);
+        Offer {
+            threads: planner.threads(self.kept.most()),
+            gpu,
             gpu_upkeep: 0.0,
-            both: false,
+            both: gpu.is_some() && cfg!(feature = "threads"),
             guess: question.guess(),
             queries: 1,
             upkeep: 0.0,
-        };
-        #[cfg(feature = "gpu")]
-        if let Some(device) = &self.device
-            && question.accuracy() == Accuracy::Exact
-        {
-            offer.gpu = planner.upload(device.owed(question.on_gpu()));
-            offer.both = cfg!(feature = "threads");
         }
-        offer
+    }
+
+    /// What has to be brought to the GPU first.
+    #[cfg(feature = "gpu")]
+    fn gpu(&self, question: &impl Question) -> Option<f64> {
+        let device = self.device.as_ref().filter(|_| question.accuracy() == Accuracy::Exact)?;
+        self.decider.planner().upload(device.owed(question.on_gpu()))
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn gpu(&self, _: &impl Question) -> Option<f64> {
+        None
     }
 }
 
@@ -255,6 +260,19 @@ fn on_one(query: impl Query, want: Want, pairs: &mut Vec<TrianglePair>, leash: L
         given.first = pairs.first().copied();
     }
     Outcome { given, cost: Some(cost), leaf_pairs: None, end }
+}
+
+/// So many threads, with what they know of the last frame.
+#[cfg(feature = "threads")]
+fn ready<'t>(
+    traversal: &'t mut Option<Traversal>,
+    decider: &Decider,
+    workers: u32,
+) -> &'t mut Traversal {
+    let traversal = traversal.get_or_insert_with(|| decider.planner().traversal(workers));
+    traversal.set_workers(workers as usize);
+    traversal.set_deadline(decider.deadline());
+    traversal
 }
 
 /// Answers on threads.

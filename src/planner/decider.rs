@@ -172,14 +172,18 @@ impl Decider {
         next
     }
 
-    /// Goes on without a GPU.
+    /// Goes on without a GPU, and says how.
     #[cfg(feature = "gpu")]
-    pub(crate) fn gpu_failed(&mut self, offer: &Offer, error: &crate::gpu::Error) -> Choice {
+    pub(crate) fn gpu_failed(&mut self, error: &crate::gpu::Error) -> Way {
         self.lost = self.elapsed();
-        let next = self.histories[self.asked].choose(self.planner.machine(), offer);
-        self.note(next, Reason::GpuFailed);
+        if let Some(last) = &mut self.last {
+            last.reason = Reason::GpuFailed;
+        }
         self.failure = Some(format!("the GPU is not used any more: {error}"));
-        Choice { alone_first: None, ..next }
+        match self.planner.threads(0) {
+            1 => Way::Alone,
+            threads => Way::Threads(threads),
+        }
     }
 
     /// Ends a frame.

@@ -15,6 +15,7 @@ const RUNS: [usize; 2] = [3, 15];
 const MOST: Duration = Duration::from_millis(60);
 
 /// Nobody wakes a thread in less, in nanoseconds.
+#[cfg(feature = "threads")]
 const LEAST_FORK: f64 = 2000.0;
 
 /// Two wavy sheets through each other.
@@ -55,11 +56,13 @@ impl Sheets {
 }
 
 /// What a way takes, in nanoseconds.
+#[cfg(feature = "gpu")]
 struct Line {
     start: f64,
     each: f64,
 }
 
+#[cfg(feature = "gpu")]
 impl Line {
     /// Through what a short and a long question take.
     fn through(costs: [f64; 2], times: [f64; 2]) -> Self {

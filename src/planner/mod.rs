@@ -43,7 +43,7 @@ pub use machine::{Device, Machine};
 pub use plan::{Backend, Plan, Reason};
 
 pub(crate) use decider::Decider;
-pub(crate) use history::{Choice, Offer, Way};
+pub(crate) use history::{Offer, Way};
 
 #[cfg(feature = "gpu")]
 use crate::gpu::{self, Gpu};

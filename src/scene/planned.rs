@@ -9,7 +9,7 @@ use super::frame::{Found, Frame};
 #[cfg(feature = "threads")]
 use crate::answer::cost;
 use crate::answer::{End, Leash, Want, alone};
-use crate::planner::{Choice, Decider, Offer, Plan, Planner, Way};
+use crate::planner::{Decider, Offer, Plan, Planner, Way};
 use std::ops::ControlFlow;
 
 #[derive(Clone, Debug)]
@@ -104,8 +104,7 @@ impl Planned {
                 outcome = Some(alone);
             }
         }
-        let outcome =
-            outcome.unwrap_or_else(|| self.others(frame, want, hits, &offer, &mut choice));
+        let outcome = outcome.unwrap_or_else(|| self.others(frame, want, hits, &mut choice.way));
         if outcome.end == End::Complete {
             self.decider.end(choice.way, outcome.cost, outcome.leaf_pairs);
         } else {
@@ -148,11 +147,10 @@ impl Planned {
         frame: &Frame<'_>,
         want: Want,
         hits: &mut Vec<SceneHit>,
-        offer: &Offer,
-        choice: &mut Choice,
+        way: &mut Way,
     ) -> Outcome {
         #[cfg(feature = "gpu")]
-        if let (Way::Gpu, Some(device)) = (choice.way, &mut self.device) {
+        if let (Way::Gpu, Some(device)) = (*way, &mut self.device) {
             match device.ask(frame.bodies, want, hits) {
                 Ok((given, leaf_pairs)) => {
                     let given = Found::All(given);
@@ -162,16 +160,15 @@ impl Planned {
                 Err(error) => {
                     self.device = None;
                     hits.clear();
-                    let offer = Offer { gpu: None, ..*offer };
-                    *choice = self.decider.gpu_failed(&offer, &error);
+                    *way = self.decider.gpu_failed(&error);
                 }
             }
         }
-        #[cfg(feature = "threads")]
-        if let Way::Threads(workers) = choice.way {
-            return self.on_threads(frame, want, hits, workers);
+        match *way {
+            #[cfg(feature = "threads")]
+            Way::Threads(workers) => self.on_threads(frame, want, hits, workers),
+            _ => self.on_one(frame, want, hits, f64::INFINITY),
         }
-        self.on_one(frame, want, hits, f64::INFINITY)
     }
 
     #[cfg(feature = "threads")]
@@ -204,17 +201,33 @@ impl Planned {
 
     /// Which ways there are.
     fn offer(&self, frame: &Frame<'_>) -> Offer {
-        let planner = self.decider.planner();
-        let threads = planner.threads(self.most);
-        let (mut gpu, mut gpu_upkeep) = (None, 0.0);
-        #[cfg(feature = "gpu")]
-        if let Some(device) = &self.device
-            && frame.accuracy == crate::Accuracy::Exact
-        {
-            gpu = planner.upload(device.owed(frame.bodies));
-            gpu_upkeep = device.upkeep(frame.bodies, planner);
+        let (gpu, gpu_upkeep) = self.gpu(frame);
+        Offer {
+            threads: self.decider.planner().threads(self.most),
+            gpu,
+            gpu_upkeep,
+            both: false,
+            guess: None,
+            queries: frame.len(),
+            upkeep: 0.0,
         }
-        let queries = frame.len();
-        Offer { threads, gpu, gpu_upkeep, both: false, guess: None, queries, upkeep: 0.0 }
+    }
+
+    /// What has to be brought to the GPU first, and what it has to do in each frame.
+    #[cfg(feature = "gpu")]
+    fn gpu(&self, frame: &Frame<'_>) -> (Option<f64>, f64) {
+        let planner = self.decider.planner();
+        match &self.device {
+            Some(device) if frame.accuracy == crate::Accuracy::Exact => {
+                let upload = planner.upload(device.owed(frame.bodies));
+                (upload, device.upkeep(frame.bodies, planner))
+            }
+            _ => (None, 0.0),
+        }
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn gpu(&self, _: &Frame<'_>) -> (Option<f64>, f64) {
+        (None, 0.0)
     }
 }
