@@ -91,7 +91,7 @@ impl Planned {
         let guess = model.mesh().triangles().len() as f64 * REFIT;
         let upkeep = self.refit.map_or(guess, |refit| refit.as_secs_f64() * 1e9);
         let question = OfOne { model, adjacency, accuracy };
-        let offer = Offer { upkeep, ..self.offer(&question) };
+        let offer = Offer { upkeep, moves: true, ..self.offer(&question) };
         if self.decider.look_ahead(&offer).way == Way::Gpu {
             model.set_positions_unfitted(positions)?;
         } else {
@@ -219,6 +219,7 @@ impl Planned {
             gpu_upkeep: 0.0,
             both: gpu.is_some() && cfg!(feature = "threads"),
             guess: question.guess(),
+            moves: false,
             queries: 1,
             upkeep: 0.0,
         }

@@ -66,6 +66,22 @@ impl Machine {
         Self { threads, test: 3.0, speedup, fork: 10_000.0, fork_more: 1500.0, device: None }
     }
 
+    /// The same, without numbers that are none, as a file can hold.
+    pub(crate) fn sound(mut self) -> Self {
+        let typical = Self::typical();
+        let sane = |x: f64, or: f64| if (0.0..1e12).contains(&x) { x } else { or };
+        self.threads = self.threads.clamp(1, 1 << 16);
+        self.test = sane(self.test, typical.test).max(1e-3);
+        self.speedup = sane(self.speedup, 1.0).clamp(1.0, f64::from(self.threads));
+        self.fork = sane(self.fork, typical.fork);
+        self.fork_more = sane(self.fork_more, typical.fork_more);
+        self.device = self.device.filter(|device| {
+            let Device { question, test, upload, .. } = device;
+            [question, test, upload].into_iter().all(|x| (0.0..1e12).contains(x))
+        });
+        self
+    }
+
     /// A question of so many box tests on one thread, in nanoseconds.
     pub(crate) fn alone(&self, cost: f64) -> f64 {
         AROUND + cost * self.test

@@ -79,11 +79,12 @@ struct Choices {
 }
 
 impl Planner {
-    /// One thread, or those of the machine in the rayon pool of whoever asks.
+    /// One thread, or those of the machine in the rayon pool of whoever asks. Numbers of the machine that are none
+    /// are those of a typical one; a GPU with such is not used.
     #[must_use]
     pub fn new(machine: Machine) -> Self {
         Self(Arc::new(Choices {
-            machine,
+            machine: machine.sound(),
             limits: Limits::default(),
             #[cfg(feature = "threads")]
             traversal: None,

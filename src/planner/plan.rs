@@ -107,6 +107,13 @@ impl Plan {
     };
 }
 
+impl Default for Plan {
+    /// Of a question that is too small to think about.
+    fn default() -> Self {
+        Self::SMALL
+    }
+}
+
 impl fmt::Display for Backend {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -208,6 +208,7 @@ impl Planned {
             gpu_upkeep,
             both: false,
             guess: None,
+            moves: false,
             queries: frame.len(),
             upkeep: 0.0,
         }

@@ -53,6 +53,8 @@ pub(crate) struct Offer {
     pub(crate) both: bool,
     /// What it may cost in box tests, if nothing else is known.
     pub(crate) guess: Option<f64>,
+    /// Whether vertices have been moved for it.
+    pub(crate) moves: bool,
     /// Of how many queries it consists.
     pub(crate) queries: usize,
     /// What has to be done first on the CPU, in nanoseconds, unless the GPU does it.
@@ -100,6 +102,8 @@ const UNKNOWN: f64 = 8.0;
 const PER_LEAF_PAIR: f64 = 60.0;
 /// At least so many frames will follow.
 const FRAMES: f64 = 2.0;
+/// So many of a mesh whose vertices are moved.
+const FRAMES_OF_MOTION: f64 = 8.0;
 /// Numbers of threads that are told apart.
 const NUMBERS: usize = 9;
 /// One that was not tried is hoped to be so much better than thought, so that it is.
@@ -339,7 +343,7 @@ impl History {
         }
         let (saved, time) = (self.ways[best].saved, times[best].unwrap_or(now));
         let upload = if best >= GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
-        let pays = saved + (now - time) * self.horizon() >= upload;
+        let pays = saved + (now - time) * self.horizon(offer) >= upload;
         if pays && saved >= CHANGING * now { best } else { current }
     }
 
@@ -347,14 +351,15 @@ impl History {
     fn with_upload(&self, times: &[Option<f64>; WAYS], offer: &Offer) -> [Option<f64>; WAYS] {
         let mut times = *times;
         for time in times[GPU..].iter_mut().flatten() {
-            *time += offer.gpu.unwrap_or(0.0) / self.horizon();
+            *time += offer.gpu.unwrap_or(0.0) / self.horizon(offer);
         }
         times
     }
 
     /// How many frames there will be, for all that is known: as many more as there were.
-    fn horizon(&self) -> f64 {
-        FRAMES + f64::from(self.frames)
+    fn horizon(&self, offer: &Offer) -> f64 {
+        let least = if offer.moves { FRAMES_OF_MOTION } else { FRAMES };
+        least + f64::from(self.frames)
     }
 }
 

@@ -41,6 +41,7 @@ impl World {
             gpu_upkeep: 0.0,
             both: false,
             guess: None,
+            moves: false,
             queries: 1,
             upkeep: 0.0,
         }
