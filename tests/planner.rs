@@ -112,8 +112,7 @@ fn what_has_not_changed_is_kept() {
     let mut moved = b.clone();
     assert_eq!(query.all(&a, &moved, &poses[4]).unwrap(), first);
     assert_eq!(query.plan().unwrap().backend, Backend::Kept);
-    let positions: Vec<_> =
-        b.mesh().positions().iter().map(|p| p.map(|x| x + 50.0)).collect();
+    let positions: Vec<_> = b.mesh().positions().iter().map(|p| p.map(|x| x + 50.0)).collect();
     moved.set_positions(&positions).unwrap();
     assert!(query.all(&a, &moved, &poses[4]).unwrap().is_empty());
     // What was too small to think about has overwritten the list.

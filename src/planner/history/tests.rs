@@ -149,6 +149,7 @@ fn without_a_choice_nothing_is_chosen() {
         gpu_upkeep: 0.0,
         both: false,
         guess: None,
+        moves: false,
         queries: 1,
         upkeep: 0.0,
     };
