@@ -35,6 +35,7 @@
 //! # Features
 //! - `threads` (default): the queries on several CPU threads.
 //! - `gpu`: the module `gpu`, the queries on any GPU, with the same answers.
+//! - `serde`: [`planner::Machine`] can be written and read, [`planner::Plan`] written.
 //!
 //! The heart of it, [`core`], needs neither an allocator nor std.
 

@@ -9,7 +9,8 @@
 //! - What was asked last, of models that have not changed, in the same place, is not asked again.
 //! - The unknown is begun on the calling thread, for as long as it takes to get other threads to work: most
 //!   questions are over by then, and the others have cost little beside what they will. This is also what keeps
-//!   a small scene small: until some question is larger than that, no thread is started.
+//!   a small scene small: until some question is larger than that, no thread is started. Only of a mesh with itself
+//!   something is known beforehand, from its size.
 //! - From then on the cost of the next frame is known about: box tests and triangle tests, as the paper counts
 //!   them (Zhang & Kim 2014, section 2.2). A [`Machine`] predicts how long they take each way. What ways took in
 //!   earlier frames corrects that, and another one is taken once it would have saved what changing costs.
