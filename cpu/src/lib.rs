@@ -38,6 +38,7 @@ mod damping;
 mod deal;
 mod parts;
 mod plan;
+mod pool;
 mod reference;
 mod report;
 mod settings;
@@ -47,8 +48,9 @@ mod traversal;
 
 pub use build::{join, morton, refit, sah};
 pub use calibrate::{TRIANGLE_COST, calibrate};
+pub use pool::current_threads;
 pub use reference::Reference;
 pub use report::{Report, Share};
 pub use settings::{Schedule, Settings};
 pub use sink::Hit;
-pub use traversal::{Traversal, current_threads};
+pub use traversal::Traversal;

@@ -1,12 +1,15 @@
 //! The engine: frames of queries on p workers, with all memory kept in between.
 
+mod beside;
+
 use crate::beside::Crew;
 use crate::deal::Deal;
 use crate::plan::Plan;
+use crate::pool::in_pool;
 use crate::sink::{self, Element, Sink, Visitor};
 use crate::stealing::Stealing;
 use crate::{Hit, Report, Schedule, Settings, Share};
-use pfront_core::query::{NodePair, Query, TrianglePair};
+use pfront_core::query::{Query, TrianglePair};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -142,69 +145,6 @@ impl Traversal {
         self.pairs = sinks;
     }
 
-    /// [`Traversal::all`] of a part of the query, while a device, such as a GPU, finds the rest.
-    ///
-    /// The device gets about `share` of the expected cost, 0 to 1, as whole nodes of the front, which may be
-    /// none: `device` is called with them once and starts the device on what lies below them, while workers
-    /// walk the others. What they find replaces the contents of `out`, sorted; what `device` returns, from
-    /// which the rest of the pairs may be had later, is returned. Both together are the answer, and no pair
-    /// is in both.
-    ///
-    /// [`Report::device_share`] tells what the device got, [`Report::walk_time`] how long workers took.
-    /// Under [`Schedule::Stealing`], which has no front, this works as under [`Schedule::Hybrid`].
-    ///
-    /// # Examples
-    /// With a device that is done at once:
-    /// ```
-    /// # use pfront_core::{*, query::*};
-    /// # use std::ops::ControlFlow;
-    /// # fn frame(traversal: &mut pfront_cpu::Traversal, query: &(impl Query + Sync)) {
-    /// let (mut pairs, mut found) = (Vec::new(), Vec::new());
-    /// let device = |nodes: &[NodePair]| {
-    ///     let mut each = |pair| ControlFlow::Continue(found.push(pair));
-    ///     nodes.iter().try_for_each(|&node| query.visit(&mut Cursor::at(node), &mut each))
-    /// };
-    /// let _ = traversal.all_beside(query, 0.25, device, &mut pairs);
-    /// pairs.extend(found);
-    /// pairs.sort();
-    /// # }
-    /// ```
-    pub fn all_beside<Q: Query + Sync, D: Send>(
-        &mut self,
-        query: &Q,
-        share: f64,
-        device: impl FnOnce(&[NodePair]) -> D + Send,
-        out: &mut Vec<TrianglePair>,
-    ) -> D {
-        let mut sinks = std::mem::take(&mut self.pairs);
-        sink::clear(&mut sinks, self.workers);
-        let Self { workers, settings, pool, plan, deal, report, .. } = self;
-        let schedule = match settings.schedule {
-            Schedule::Stealing => Schedule::Hybrid,
-            other => other,
-        };
-        let (crew, settings) =
-            (Crew::of(*workers).beside(share), Settings { schedule, ..*settings });
-        let queries = from_ref(query);
-        report.reset(settings.triangle_cost);
-        report.shares.resize(*workers, Share::default());
-        let (started, device_time) = in_pool(pool.as_deref(), || {
-            plan.make(queries, crew, &settings, report);
-            let start = || {
-                let clock = Instant::now();
-                (device(plan.device()), clock.elapsed())
-            };
-            let (started, _) =
-                rayon::join(start, || deal.walk(plan, queries, schedule, None, &mut sinks, report));
-            plan.remember(deal.costs());
-            started
-        });
-        self.report.device_time = device_time;
-        self.gather(&sinks, out);
-        self.pairs = sinks;
-        started
-    }
-
     /// How many pairs meet.
     pub fn count<Q: Query + Sync>(&mut self, query: &Q) -> u64 {
         self.count_of(from_ref(query))
@@ -310,19 +250,5 @@ impl Traversal {
             }
             complete
         })
-    }
-}
-
-/// How many threads the rayon pool of whoever asks has.
-#[must_use]
-pub fn current_threads() -> usize {
-    rayon::current_num_threads()
-}
-
-/// Runs in a pool, or where it is.
-fn in_pool<R: Send>(pool: Option<&ThreadPool>, run: impl FnOnce() -> R + Send) -> R {
-    match pool {
-        Some(pool) => pool.install(run),
-        None => run(),
     }
 }

@@ -1,7 +1,7 @@
 //! Models on a GPU, brought there when it is first asked, and the queries about them.
 
-use super::planned::{Given, Want};
 use super::question::OnGpu;
+use super::ways::{Given, Want};
 use crate::gpu::{self, Deforming, Error, Gpu, Settings};
 use crate::model::Stamp;
 use crate::planner::Planner;

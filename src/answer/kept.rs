@@ -1,7 +1,7 @@
 //! The last answer, which is that to the next question if nothing has changed.
 
-use super::planned::{Given, Want};
 use super::question::Subject;
+use super::ways::{Given, Want};
 
 /// What was asked last, and what is known of it.
 #[derive(Clone, Copy, Debug, Default)]

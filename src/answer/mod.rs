@@ -7,12 +7,14 @@ mod device;
 mod kept;
 mod planned;
 mod question;
+mod ways;
 
 #[cfg(feature = "threads")]
 pub(crate) use alone::cost;
 pub(crate) use alone::{End, Leash, alone};
-pub(crate) use planned::{Planned, Want};
+pub(crate) use planned::Planned;
 pub(crate) use question::{OfOne, OfTwo, Question};
+pub(crate) use ways::Want;
 
 use crate::planner::{Plan, Planner};
 use pfront_core::query::{Query, TrianglePair};

@@ -1,34 +1,21 @@
 //! Answering by a planner.
 
-#[cfg(feature = "threads")]
+#[cfg(all(feature = "threads", feature = "gpu"))]
 use super::alone::cost;
-use super::alone::{End, Leash, alone};
+use super::alone::{End, Leash};
 #[cfg(feature = "gpu")]
 use super::device::Device;
 use super::kept::Kept;
 use super::question::{OfOne, Question};
+use super::ways::{Given, Outcome, Want, on_one};
+#[cfg(feature = "threads")]
+use super::ways::{on_threads, ready};
 use crate::planner::{Decider, Offer, Plan, Planner, Way};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use crate::{Accuracy, Adjacency, Error, Model};
-use pfront_core::query::{Query, TrianglePair};
-use std::ops::ControlFlow;
+use pfront_core::query::TrianglePair;
 use std::time::{Duration, Instant};
-
-/// What is wanted of an answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Want {
-    All,
-    Count,
-    Any,
-}
-
-/// What an answer says, beside the list.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Given {
-    pub(crate) count: u64,
-    pub(crate) first: Option<TrianglePair>,
-}
 
 /// Who answers, and what is known to decide that.
 #[derive(Clone, Debug)]
@@ -45,17 +32,6 @@ pub(crate) struct Planned {
 
 /// A refit before there was one: of so many nanoseconds a triangle.
 const REFIT: f64 = 20.0;
-
-/// What one way came to.
-#[derive(Default)]
-struct Outcome {
-    given: Given,
-    /// In box tests, if they were counted.
-    cost: Option<f64>,
-    /// If a GPU counted them.
-    leaf_pairs: Option<u32>,
-    end: End,
-}
 
 impl Planned {
     pub(crate) fn new(planner: Planner) -> Self {
@@ -236,66 +212,4 @@ impl Planned {
     fn gpu(&self, _: &impl Question) -> Option<f64> {
         None
     }
-}
-
-/// Answers on the calling thread.
-fn on_one(query: impl Query, want: Want, pairs: &mut Vec<TrianglePair>, leash: Leash) -> Outcome {
-    let mut given = Given::default();
-    if want == Want::All {
-        pairs.clear();
-    }
-    let (cost, end) = alone([((), query)], leash, |(), pair| {
-        given.count += 1;
-        match want {
-            Want::All => pairs.push(pair),
-            Want::Count => {}
-            Want::Any => {
-                given.first = Some(pair);
-                return ControlFlow::Break(());
-            }
-        }
-        ControlFlow::Continue(())
-    });
-    if want == Want::All && end != End::Outgrown {
-        pairs.sort_unstable();
-        given.first = pairs.first().copied();
-    }
-    Outcome { given, cost: Some(cost), leaf_pairs: None, end }
-}
-
-/// So many threads, with what they know of the last frame.
-#[cfg(feature = "threads")]
-fn ready<'t>(
-    traversal: &'t mut Option<Traversal>,
-    decider: &Decider,
-    workers: u32,
-) -> &'t mut Traversal {
-    let traversal = traversal.get_or_insert_with(|| decider.planner().traversal(workers));
-    traversal.set_workers(workers as usize);
-    traversal.set_deadline(decider.deadline());
-    traversal
-}
-
-/// Answers on threads.
-#[cfg(feature = "threads")]
-fn on_threads(
-    traversal: &mut Traversal,
-    query: &(impl Query + Sync),
-    want: Want,
-    pairs: &mut Vec<TrianglePair>,
-) -> Outcome {
-    let given = match want {
-        Want::All => {
-            traversal.all(query, pairs);
-            Given { count: pairs.len() as u64, first: pairs.first().copied() }
-        }
-        Want::Count => Given { count: traversal.count(query), first: None },
-        Want::Any => {
-            let first = traversal.any(query);
-            Given { count: u64::from(first.is_some()), first }
-        }
-    };
-    let report = traversal.report();
-    let end = if report.late { End::Late } else { End::Complete };
-    Outcome { given, cost: Some(cost(report.work())), leaf_pairs: None, end }
 }

@@ -6,84 +6,17 @@
 //! frames as there were so far. That is about the rule of ski rental, which takes at most twice what the best would
 //! have taken who knew the future; and it is what keeps plans from swinging to and fro.
 
+mod known;
 mod predict;
+mod way;
+
+pub(crate) use way::{Choice, Frame, Offer, Way};
 
 use super::Machine;
 use super::forecast::Forecast;
+use known::{HOPELESS, Known, Ratio, SHORT};
 use predict::predicted;
-
-/// A way to answer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Way {
-    Alone,
-    Threads(u32),
-    Gpu,
-    /// So many threads, and the GPU with this share.
-    Both(u32, f64),
-}
-
-/// The ways without their numbers, as indices.
-pub(crate) const WAYS: usize = 4;
-const ALONE: usize = 0;
-const THREADS: usize = 1;
-const GPU: usize = 2;
-const BOTH: usize = 3;
-
-impl Way {
-    fn family(self) -> usize {
-        match self {
-            Self::Alone => ALONE,
-            Self::Threads(_) => THREADS,
-            Self::Gpu => GPU,
-            Self::Both(..) => BOTH,
-        }
-    }
-}
-
-/// Which ways there are for a question.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Offer {
-    /// The most threads; 1 if there are no others.
-    pub(crate) threads: u32,
-    /// What has to be brought to the GPU first, in nanoseconds; `None` if it cannot be asked.
-    pub(crate) gpu: Option<f64>,
-    /// What the GPU has to do first in each frame, in nanoseconds.
-    pub(crate) gpu_upkeep: f64,
-    /// Whether a question can be divided between GPU and threads.
-    pub(crate) both: bool,
-    /// What it may cost in box tests, if nothing else is known.
-    pub(crate) guess: Option<f64>,
-    /// Whether vertices have been moved for it.
-    pub(crate) moves: bool,
-    /// Of how many queries it consists.
-    pub(crate) queries: usize,
-    /// What has to be done first on the CPU, in nanoseconds, unless the GPU does it.
-    pub(crate) upkeep: f64,
-}
-
-/// What is decided.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Choice {
-    pub(crate) way: Way,
-    /// Begun by the calling thread, and only up to this cost if there is a number; if that is not enough, see
-    /// [`History::outgrown`].
-    pub(crate) alone_first: Option<f64>,
-    /// Expected box tests.
-    pub(crate) expected: Option<f64>,
-    /// That of the offer.
-    pub(crate) gpu_upkeep: f64,
-    /// Predicted nanoseconds of each way.
-    pub(crate) times: [Option<f64>; WAYS],
-    /// Whether the way is the one with the least of them.
-    pub(crate) is_best: bool,
-}
-
-impl Choice {
-    /// What it will take, in nanoseconds, if that is known.
-    pub(crate) fn time(&self) -> Option<f64> {
-        self.times[self.way.family()]
-    }
-}
+use way::{ALONE, BOTH, GPU, THREADS, WAYS};
 
 /// An unknown question is begun on the calling thread for as long as it takes to fork so many times: it then
 /// has cost little beside what it will.
@@ -112,58 +45,12 @@ const UNTRIED: f64 = 0.8;
 const OTHER_NUMBER: f64 = 0.93;
 /// Part of a frame that changing costs, unless it is known better.
 const CHANGING: f64 = 0.15;
-/// Weight of the last frame in what is known of a way.
-const WEIGHT: f64 = 0.25;
 /// How many frames elsewhere it takes to forget most of what a way took too long, at first. Each time it proves
 /// to be a mistake to have forgotten, twice as many.
 const FORGET: f64 = 100.0;
-/// A stay shorter than this was a mistake.
-const SHORT: u32 = 8;
 
 /// Frames that take less than so many nanoseconds tell nothing of a way.
 const TELLING: f64 = 3000.0;
-
-/// A way that takes so many times longer than another is not tried any further.
-const HOPELESS: f64 = 4.0;
-
-/// What frames took over what was predicted for their costs.
-#[derive(Clone, Copy, Debug)]
-struct Ratio {
-    value: f64,
-    /// How many frames have told.
-    frames: u32,
-}
-
-impl Ratio {
-    fn learn(&mut self, sample: f64) {
-        let Self { value, frames } = *self;
-        self.value = match frames {
-            // The first frame also wakes threads or uploads, and says little, unless it is far off.
-            0 => value * sample.max(HOPELESS) / HOPELESS,
-            1 => sample.clamp(0.05, 20.0),
-            // What interrupts a frame now and then says nothing either.
-            _ => {
-                let weight = if frames < SHORT { 0.5 } else { WEIGHT };
-                value + weight * (sample.clamp(0.5 * value, 2.0 * value) - value)
-            }
-        };
-        self.frames = frames.saturating_add(1);
-    }
-
-    /// Forgets, in so many frames, most of what was too much.
-    fn forget(&mut self, frames: f64) {
-        self.value -= (self.value - 1.0).max(0.0) / frames;
-    }
-}
-
-/// What is known of one way.
-#[derive(Clone, Copy, Debug)]
-struct Known {
-    ratio: Ratio,
-    /// What it would have saved since it was last thought worse, in nanoseconds.
-    saved: f64,
-    forget: f64,
-}
 
 #[derive(Clone, Debug)]
 pub(crate) struct History {
@@ -361,18 +248,6 @@ impl History {
         let least = if offer.moves { FRAMES_OF_MOTION } else { FRAMES };
         least + f64::from(self.frames)
     }
-}
-
-/// What a frame took.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Frame {
-    pub(crate) nanoseconds: f64,
-    /// Of which not for the question itself: a refit before it, and what was begun in vain.
-    pub(crate) beside: f64,
-    /// That of the offer.
-    pub(crate) gpu_upkeep: f64,
-    pub(crate) cost: Option<f64>,
-    pub(crate) leaf_pairs: Option<u32>,
 }
 
 fn least(times: &[Option<f64>; WAYS]) -> usize {

@@ -1,8 +1,7 @@
 //! What a question takes each way.
 
-use super::{
-    ALONE, BOTH, GPU, History, OTHER_NUMBER, Offer, SHORT, THREADS, UNTRIED, WAYS, Way, slot,
-};
+use super::way::{ALONE, BOTH, GPU, THREADS, WAYS};
+use super::{History, OTHER_NUMBER, Offer, SHORT, UNTRIED, Way, slot};
 use crate::planner::Machine;
 use crate::planner::machine::Device;
 

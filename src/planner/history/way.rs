@@ -1,0 +1,86 @@
+//! What is offered, what is decided, and what it came to.
+
+/// A way to answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Way {
+    Alone,
+    Threads(u32),
+    Gpu,
+    /// So many threads, and the GPU with this share.
+    Both(u32, f64),
+}
+
+/// The ways without their numbers, as indices.
+pub(crate) const WAYS: usize = 4;
+pub(super) const ALONE: usize = 0;
+pub(super) const THREADS: usize = 1;
+pub(super) const GPU: usize = 2;
+pub(super) const BOTH: usize = 3;
+
+impl Way {
+    pub(super) fn family(self) -> usize {
+        match self {
+            Self::Alone => ALONE,
+            Self::Threads(_) => THREADS,
+            Self::Gpu => GPU,
+            Self::Both(..) => BOTH,
+        }
+    }
+}
+
+/// Which ways there are for a question.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Offer {
+    /// The most threads; 1 if there are no others.
+    pub(crate) threads: u32,
+    /// What has to be brought to the GPU first, in nanoseconds; `None` if it cannot be asked.
+    pub(crate) gpu: Option<f64>,
+    /// What the GPU has to do first in each frame, in nanoseconds.
+    pub(crate) gpu_upkeep: f64,
+    /// Whether a question can be divided between GPU and threads.
+    pub(crate) both: bool,
+    /// What it may cost in box tests, if nothing else is known.
+    pub(crate) guess: Option<f64>,
+    /// Whether vertices have been moved for it.
+    pub(crate) moves: bool,
+    /// Of how many queries it consists.
+    pub(crate) queries: usize,
+    /// What has to be done first on the CPU, in nanoseconds, unless the GPU does it.
+    pub(crate) upkeep: f64,
+}
+
+/// What is decided.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Choice {
+    pub(crate) way: Way,
+    /// Begun by the calling thread, and only up to this cost if there is a number; if that is not enough, see
+    /// [`History::outgrown`].
+    pub(crate) alone_first: Option<f64>,
+    /// Expected box tests.
+    pub(crate) expected: Option<f64>,
+    /// That of the offer.
+    pub(crate) gpu_upkeep: f64,
+    /// Predicted nanoseconds of each way.
+    pub(crate) times: [Option<f64>; WAYS],
+    /// Whether the way is the one with the least of them.
+    pub(crate) is_best: bool,
+}
+
+impl Choice {
+    /// What it will take, in nanoseconds, if that is known.
+    pub(crate) fn time(&self) -> Option<f64> {
+        self.times[self.way.family()]
+    }
+}
+
+/// What a frame took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Frame {
+    pub(crate) nanoseconds: f64,
+    /// Of which not for the question itself: a refit before it, and what was begun in vain.
+    pub(crate) beside: f64,
+    /// That of the offer.
+    pub(crate) gpu_upkeep: f64,
+    pub(crate) cost: Option<f64>,
+    pub(crate) leaf_pairs: Option<u32>,
+}
