@@ -229,3 +229,12 @@ fn numbers_that_are_none_do_no_harm() {
         assert_eq!(query.all(&a, &b, pose).unwrap(), PairQuery::new().all(&a, &b, pose).unwrap());
     }
 }
+
+#[test]
+fn what_is_measured_is_sound() {
+    let machine = Machine::measure();
+    assert!((0.01..1e4).contains(&machine.test), "{machine}");
+    assert!((1.0..=f64::from(machine.threads)).contains(&machine.speedup), "{machine}");
+    assert!(machine.threads == 1 || machine.fork > 0.0, "{machine}");
+    assert_eq!(Planner::new(machine.clone()).machine(), &machine);
+}
