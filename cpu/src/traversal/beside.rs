@@ -17,7 +17,8 @@ impl Traversal {
     /// which the rest of the pairs may be had later, is returned. Both together are the answer, and no pair
     /// is in both.
     ///
-    /// [`Report::device_share`] tells what the device got, [`Report::walk_time`] how long workers took.
+    /// [`device_share`](crate::Report::device_share) tells what the device got,
+    /// [`walk_time`](crate::Report::walk_time) how long workers took.
     /// Under [`Schedule::Stealing`], which has no front, this works as under [`Schedule::Hybrid`].
     ///
     /// # Examples
