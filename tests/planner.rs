@@ -238,3 +238,20 @@ fn what_is_measured_is_sound() {
     assert!(machine.threads == 1 || machine.fork > 0.0, "{machine}");
     assert_eq!(Planner::new(machine.clone()).machine(), &machine);
 }
+
+#[test]
+fn what_is_incomplete_is_not_kept() {
+    let (a, b, poses) = worm();
+    let mut plain = SceneQuery::new();
+    plain.add(a, Pose::IDENTITY).unwrap();
+    plain.add(b, poses[6]).unwrap();
+    let planner = Planner::new(Machine::typical());
+    let time = Some(Duration::from_nanos(1));
+    let hurry = planner.clone().with_limits(Limits { time, incomplete: true, ..Limits::default() });
+    let mut scene = plain.clone().with_planner(hurry);
+    let truth = plain.contacts().unwrap();
+    assert!(scene.contacts().unwrap().len() < truth.len());
+    assert_eq!(scene.plan().unwrap().concession, Some(Concession::Incomplete));
+    let mut scene = scene.with_planner(planner);
+    assert_eq!(scene.contacts().unwrap(), truth);
+}

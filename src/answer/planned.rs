@@ -50,9 +50,10 @@ impl Planned {
         self.decider.plan()
     }
 
-    /// The list is overwritten by others.
+    /// The list is overwritten by others, who have answered what was prepared for.
     pub(crate) fn forget(&mut self) {
         self.kept.forget();
+        self.decider.forget_ahead();
     }
 
     /// Moves the vertices of a model that will be asked about next, and refits it, unless the GPU will do that.

@@ -113,9 +113,14 @@ impl Decider {
         self.end_as(Backend::Sequential, Reason::Small, Some(cost));
     }
 
+    /// What has been decided and prepared ahead has come to nothing.
+    pub(crate) fn forget_ahead(&mut self) {
+        (self.ahead, self.prepared) = (None, Duration::ZERO);
+    }
+
     /// There is nothing to do.
     pub(crate) fn keep(&mut self) {
-        (self.ahead, self.prepared) = (None, Duration::ZERO);
+        self.forget_ahead();
         self.end_as(Backend::Kept, Reason::Unchanged, None);
     }
 

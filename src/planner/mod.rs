@@ -55,6 +55,8 @@ use std::sync::Arc;
 
 /// What a triangle test counts, in box tests.
 pub const TRIANGLE_COST: f32 = 6.5;
+#[cfg(feature = "threads")]
+const _: () = assert!(TRIANGLE_COST == crate::threads::TRIANGLE_COST, "threads count otherwise");
 
 /// Bytes that threads take for a node of a front, for the least front that is worth while, and for each pair
 /// before all are gathered, with room to grow.

@@ -268,6 +268,10 @@ impl SceneQuery {
             self.new_contacts.extend(found);
         }
         self.contacts.complete(&self.new_contacts, &self.bodies);
+        // Those of hits that were not all are not all either.
+        if self.asker.has_conceded() {
+            self.contacts.distrust();
+        }
         Ok(self.contacts.list())
     }
 
