@@ -109,7 +109,7 @@ impl SelfQuery {
     ) -> Result<(), Error> {
         let Self { accuracy, adjacency, answer } = self;
         if let Some(planning) = &mut answer.planning {
-            return planning.planned().set_positions(model, positions, *adjacency, *accuracy);
+            return planning.set_positions(model, positions, *adjacency, *accuracy);
         }
         #[cfg(feature = "threads")]
         if let Some(traversal) = &answer.traversal {

@@ -19,7 +19,19 @@ impl Aabb {
     #[inline]
     #[must_use]
     pub fn of(points: &[[f32; 3]]) -> Self {
-        points.iter().fold(Self::EMPTY, |b, p| b.union(&Self { min: *p, max: *p }))
+        let point = |b: Self, p: &[f32; 3]| b.union(&Self { min: *p, max: *p });
+        // Four at a time, as vectors do.
+        let (fours, rest) = points.as_chunks::<4>();
+        let mut lanes = [Self::EMPTY; 4];
+        for four in fours {
+            lanes = core::array::from_fn(|lane| point(lanes[lane], &four[lane]));
+        }
+        let all = if fours.is_empty() {
+            Self::EMPTY
+        } else {
+            lanes.iter().fold(Self::EMPTY, |b, lane| b.union(lane))
+        };
+        rest.iter().fold(all, point)
     }
 
     /// The smallest box that contains both.

@@ -126,11 +126,17 @@ impl<'a> Mesh<'a> {
     }
 }
 
+/// How many vertices are checked before the first look at whether all is well, so that vectors can be.
+const AT_ONCE: usize = 256;
+
 fn check_positions(positions: &[[f32; 3]]) -> Result<(), MeshError> {
-    match positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-        Some(vertex) => Err(MeshError::NonFinite { vertex }),
-        None => Ok(()),
+    for (chunk, first) in positions.chunks(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
+        if !chunk.as_flattened().iter().fold(true, |well, x| well & x.is_finite()) {
+            let at_fault = chunk.iter().position(|p| !p.iter().all(|x| x.is_finite()));
+            return Err(MeshError::NonFinite { vertex: first + at_fault.unwrap_or(0) });
+        }
     }
+    Ok(())
 }
 
 /// Why positions and indices are not a mesh.

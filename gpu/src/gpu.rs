@@ -179,6 +179,20 @@ impl Gpu {
         &self.shared.passes
     }
 
+    /// Compiles the passes for meshes that move, which the first of them does otherwise: some half a second.
+    ///
+    /// # Errors
+    /// [`Error::Shader`], [`Error::Device`].
+    pub fn warm_up(&self) -> Result<(), Error> {
+        self.moving().map(drop)
+    }
+
+    /// Whether these passes are compiled.
+    #[must_use]
+    pub fn is_warm(&self) -> bool {
+        self.shared.moving.get().is_some()
+    }
+
     /// The passes for meshes that move, compiled when the first of them is made.
     pub(crate) fn moving(&self) -> Result<Arc<moving::Passes>, Error> {
         let compile = || {

@@ -1,7 +1,8 @@
 //! Answering on the calling thread, within limits.
 
 use crate::planner::TRIANGLE_COST;
-use pfront_core::query::{Query, TrianglePair, Work};
+use pfront_core::front::Estimate;
+use pfront_core::query::{Cursor, Query, TrianglePair, Work};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -19,7 +20,7 @@ pub(crate) enum End {
     /// Nothing is left, or no more is wanted.
     #[default]
     Complete,
-    /// It has cost what it may, and is not over.
+    /// Somebody else shall do it.
     Outgrown,
     /// Time ran out.
     Late,
@@ -27,40 +28,57 @@ pub(crate) enum End {
 
 /// Tests between two looks at the clock: some 20 us.
 const BETWEEN_LOOKS: u64 = 8192;
+/// How many nodes tell what is left.
+const LARGEST: usize = 16;
 /// The fewest tests that are worth a step.
 const STEP: u64 = 256;
 
-/// Hands on what is found, with the name of the query, until it is told to stop. Returns the cost in box
-/// tests.
+/// Hands on what is found, with the name of the query, until it is told to stop. At the end of the leash `longer`
+/// says how far to go on, if at all; it is told the cost up to now, and what the rest may cost by its boxes. There are `count` queries. Returns the cost in box tests.
 pub(crate) fn alone<N: Copy, Q: Query>(
     queries: impl IntoIterator<Item = (N, Q)>,
-    leash: Leash,
+    count: impl Fn() -> usize,
+    mut leash: Leash,
     mut found: impl FnMut(N, TrianglePair) -> ControlFlow<()>,
+    mut longer: impl FnMut([f64; 2]) -> Option<f64>,
 ) -> (f64, End) {
     let late = || leash.deadline.is_some_and(|deadline| Instant::now() >= deadline);
     let most = if leash.deadline.is_some() { BETWEEN_LOOKS } else { u64::MAX };
     let mut before = 0.0;
-    for (name, query) in queries {
+    for (done, (name, query)) in queries.into_iter().enumerate() {
         let mut cursor = query.start();
         loop {
             // All of them could be triangle tests.
             let left = (leash.cost - before - cost(cursor.work())) / f64::from(TRIANGLE_COST);
             let step = (left as u64).clamp(STEP, most);
             let stopped = query.step(&mut cursor, step, |pair| found(name, pair)).is_break();
-            let now = before + cost(cursor.work());
+            let spent = before + cost(cursor.work());
             if stopped {
-                return (now, End::Complete);
+                return (spent, End::Complete);
             } else if cursor.is_done() {
-                before = now;
+                before = spent;
                 break;
-            } else if now >= leash.cost {
-                return (now, End::Outgrown);
             } else if late() {
-                return (now, End::Late);
+                return (spent, End::Late);
+            } else if spent >= leash.cost {
+                let here = rest(&query, &cursor);
+                let each = (spent + here) / (done + 1) as f64;
+                let others = count().saturating_sub(done + 1) as f64;
+                match longer([spent, here + others * each]) {
+                    Some(cost) => leash.cost = cost,
+                    None => return (spent, End::Outgrown),
+                }
             }
         }
     }
     (before, End::Complete)
+}
+
+/// What is left of a query, by its boxes. What waited longest is largest by far: all else is part of what was
+/// its like.
+fn rest(query: &impl Query, cursor: &Cursor) -> f64 {
+    let estimate = Estimate::default();
+    cursor.pending().iter().take(LARGEST).map(|n| estimate.cost(query, *n)).sum()
 }
 
 /// As one figure, in box tests.

@@ -4,7 +4,7 @@ use super::question::OnGpu;
 use super::ways::{Given, Want};
 use crate::gpu::{self, Deforming, Error, Gpu, Settings};
 use crate::model::Stamp;
-use crate::planner::Planner;
+use crate::planner::{Owed, Planner};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use crate::{Adjacency, Model};
@@ -65,11 +65,23 @@ impl Mirror {
             _ => {}
         }
         let model = match moves || same_mesh {
-            true => Mirrored::Moving(Box::new(Deforming::new(gpu, model.bvh())?)),
+            true => Mirrored::Moving(Box::new(Self::moving(gpu, model)?)),
             false => Mirrored::Rigid(gpu::Model::new(gpu, model.bvh())?),
         };
         *own = Some(Self { stamp, model });
         Ok(())
+    }
+
+    /// A mesh whose boxes the GPU fits to its positions, if the CPU has not.
+    fn moving(gpu: &Gpu, model: &Model) -> Result<Deforming, Error> {
+        match model.map_unfitted(|bvh| Deforming::new(gpu, bvh)) {
+            Some(moving) => {
+                let mut moving = moving?;
+                moving.set_positions(model.mesh().positions())?;
+                Ok(moving)
+            }
+            None => Deforming::new(gpu, model.bvh()),
+        }
     }
 }
 
@@ -84,25 +96,34 @@ impl Device {
         Self { gpu, settings, models: [None, None], pair: None, within: None }
     }
 
-    /// How many triangles would have to be uploaded, and the bytes that are held in the end.
-    pub(crate) fn owed(&self, on: OnGpu<'_>) -> (usize, u64) {
+    /// What it lacks.
+    pub(crate) fn owed(&self, on: OnGpu<'_>) -> Owed {
         let (models, moves) = match on {
             OnGpu::Pair([a, b], _) if a.stamp() == b.stamp() => ([Some(a), None], false),
             OnGpu::Pair([a, b], _) => ([Some(a), Some(b)], false),
             OnGpu::Within(model, _) => ([Some(model), None], true),
         };
-        let mut owed = (0, self.settings.budget.bytes);
+        let compile = moves && !self.gpu.is_warm();
+        let mut owed = Owed { triangles: 0, bytes: self.settings.budget.bytes, compile };
         for (own, model) in self.models.iter().zip(models) {
             let Some(model) = model else { continue };
             let (vertices, triangles) =
                 (model.mesh().positions().len() as u64, model.mesh().triangles().len());
             let has_it = own.as_ref().is_some_and(|own| own.stamp.mesh() == model.stamp().mesh());
-            owed.0 += if has_it { 0 } else { triangles };
+            owed.triangles += if has_it { 0 } else { triangles };
             // What gpu::Model and gpu::Deforming say that they take.
-            owed.1 += 84 * triangles as u64;
-            owed.1 += if moves { 12 * vertices + 17 * triangles as u64 } else { 0 };
+            owed.bytes += 84 * triangles as u64;
+            owed.bytes += if moves { 12 * vertices + 17 * triangles as u64 } else { 0 };
         }
         owed
+    }
+
+    /// What it takes to move vertices there and refit in each frame, in nanoseconds.
+    pub(crate) fn upkeep(&self, on: OnGpu<'_>, planner: &Planner) -> f64 {
+        let OnGpu::Within(model, _) = on else { return 0.0 };
+        let question = planner.machine().device.as_ref().map_or(0.0, |device| device.question);
+        // As found on an H200, where a question takes 130 us: a pass for each level, and all boxes.
+        1.2 * question + 10.0 * model.mesh().triangles().len() as f64
     }
 
     /// Asks; tells how many leaf pairs there were as well.

@@ -12,11 +12,11 @@ pub(crate) struct Kept {
 
 impl Kept {
     /// The answer, if it is known; that to [`Want::All`] is the list, as it was left.
-    pub(crate) fn find(&self, subject: &Subject, want: Want) -> Option<Given> {
+    pub(crate) fn find(&self, subject: impl FnOnce() -> Subject, want: Want) -> Option<Given> {
         let (known, answered, given) = self.last.as_ref()?;
         // From a list follows everything else.
         let tells = *answered == Want::All || *answered == want;
-        (tells && known == subject).then_some(*given)
+        (tells && *known == subject()).then_some(*given)
     }
 
     pub(crate) fn keep(&mut self, subject: Subject, want: Want, given: Given) {

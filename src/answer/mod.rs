@@ -17,6 +17,7 @@ pub(crate) use question::{OfOne, OfTwo, Question};
 pub(crate) use ways::Want;
 
 use crate::planner::{Plan, Planner};
+use crate::{Accuracy, Adjacency, Error, Model};
 use pfront_core::query::{Query, TrianglePair};
 use pfront_core::triangle::Contact;
 use std::ops::ControlFlow;
@@ -29,6 +30,9 @@ pub(crate) struct Answer {
     pub(crate) traversal: Option<pfront_cpu::Traversal>,
     pub(crate) planning: Option<Planning>,
 }
+
+/// To refit so few triangles takes no longer than to think about it.
+const FEW: usize = 128;
 
 /// A planner, and what it knows once there was a question that was worth a thought.
 #[derive(Clone, Debug)]
@@ -51,7 +55,21 @@ impl Planning {
         }
     }
 
-    pub(crate) fn planned(&mut self) -> &mut Planned {
+    /// Moves the vertices of a model that will be asked about next.
+    pub(crate) fn set_positions(
+        &mut self,
+        model: &mut Model,
+        positions: &[[f32; 3]],
+        adjacency: Adjacency,
+        accuracy: Accuracy,
+    ) -> Result<(), Error> {
+        if model.mesh().triangles().len() <= FEW {
+            return model.set_positions(positions);
+        }
+        self.planned().set_positions(model, positions, adjacency, accuracy)
+    }
+
+    fn planned(&mut self) -> &mut Planned {
         self.planned.get_or_insert_with(|| Box::new(Planned::new(self.planner.clone())))
     }
 

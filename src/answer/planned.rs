@@ -10,7 +10,7 @@ use super::question::{OfOne, Question};
 use super::ways::{Given, Outcome, Want, on_one};
 #[cfg(feature = "threads")]
 use super::ways::{on_threads, ready};
-use crate::planner::{Decider, Offer, Plan, Planner, Way};
+use crate::planner::{Choice, Decider, Known, Offer, Plan, Planner, Way};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use crate::{Accuracy, Adjacency, Error, Model};
@@ -30,6 +30,8 @@ pub(crate) struct Planned {
     device: Option<Device>,
 }
 
+/// To find a smaller answer takes no longer than to keep it.
+const WORTH_KEEPING: f64 = 64.0;
 /// A refit before there was one: of so many nanoseconds a triangle.
 const REFIT: f64 = 20.0;
 
@@ -68,7 +70,7 @@ impl Planned {
         let guess = model.mesh().triangles().len() as f64 * REFIT;
         let upkeep = self.refit.map_or(guess, |refit| refit.as_secs_f64() * 1e9);
         let question = OfOne { model, adjacency, accuracy };
-        let offer = Offer { upkeep, moves: true, ..self.offer(&question) };
+        let offer = Offer { upkeep, moves: true, ..self.offer(&question, Want::All) };
         if self.decider.look_ahead(&offer).way == Way::Gpu {
             model.set_positions_unfitted(positions)?;
         } else {
@@ -86,51 +88,60 @@ impl Planned {
         want: Want,
         pairs: &mut Vec<TrianglePair>,
     ) -> Given {
-        let subject = question.subject();
-        if let Some(given) = self.kept.find(&subject, want) {
+        if let Some(given) = self.kept.find(|| question.subject(), want) {
             self.decider.keep();
             return given;
         }
         if want == Want::All {
             self.kept.forget();
         }
-        if let Some(cost) = self.decider.brief(want == Want::Any) {
-            let leash = Leash { cost, deadline: None };
-            let brief = on_one(question.query(question.accuracy()), want, pairs, leash);
-            if brief.end == End::Complete {
-                self.decider.was_brief(brief.cost.unwrap_or_default());
-                self.kept.keep(subject, want, brief.given);
-                return brief.given;
-            }
+        let is_large = self.decider.is_large(want == Want::Any);
+        let guess = question.guess().filter(|_| want != Want::Any);
+        let size = if is_large { question.size() } else { None };
+        let begin = self.decider.begin(Known { guess, size });
+        let (mut offer, mut choice) = (None, None);
+        if begin.is_none() || self.decider.is_timed() {
+            self.decider.start();
         }
-        self.decider.start();
-        let mut offer = self.offer(question);
-        offer.both &= want == Want::All;
-        let mut choice = self.decider.choose(&offer, want == Want::Any);
+        if begin.is_none() {
+            let asked = offer.insert(self.offer(question, want));
+            choice = Some(self.decider.choose(asked));
+        }
         let accuracy = self.decider.accuracy(question.accuracy());
-        let deadline = self.decider.deadline();
         let mut outcome = Outcome { end: End::Outgrown, ..Outcome::default() };
-        if choice.way == Way::Alone || choice.alone_first.is_some() {
-            let leash = Leash { cost: choice.alone_first.unwrap_or(f64::INFINITY), deadline };
-            outcome = on_one(question.query(accuracy), want, pairs, leash);
-            match outcome.end {
-                End::Outgrown => {
-                    let cost = outcome.cost.unwrap_or_default();
-                    choice = self.decider.outgrown(&offer, &choice, cost);
+        let until = |choice: Choice| match choice.way {
+            Way::Alone => Some(choice.alone_until.unwrap_or(f64::INFINITY)),
+            _ => choice.alone_until,
+        };
+        if let Some(cost) = begin.or(choice.and_then(until)) {
+            let deadline = choice.and_then(|_| self.decider.deadline());
+            let leash = Leash { cost, deadline };
+            outcome = on_one(question.query(accuracy), want, pairs, leash, |look| {
+                if choice.is_none() && !self.decider.is_timed() {
+                    self.decider.start_late(look[0]);
                 }
-                _ => choice.way = Way::Alone,
-            }
+                let offer = *offer.get_or_insert_with(|| self.offer(question, want));
+                let next = self.decider.look(&offer, choice.as_ref(), look);
+                choice = Some(next);
+                until(next)
+            });
         }
-        if outcome.end == End::Outgrown {
-            outcome = self.others(question, want, pairs, &mut choice.way, accuracy);
+        let mut way = choice.map_or(Way::Alone, |choice| choice.way);
+        match outcome.end {
+            End::Outgrown => outcome = self.others(question, want, pairs, &mut way, accuracy),
+            _ => way = Way::Alone,
         }
-        if outcome.end == End::Complete {
-            self.decider.end(choice.way, outcome.cost, outcome.leaf_pairs);
-            if accuracy == question.accuracy() {
-                self.kept.keep(subject, want, outcome.given);
-            }
-        } else {
-            self.decider.end_incomplete(choice.way);
+        if outcome.end != End::Complete {
+            self.decider.end_incomplete(way);
+            return outcome.given;
+        }
+        match outcome.cost.filter(|_| choice.is_none()) {
+            Some(cost) => self.decider.was_brief(cost),
+            None => self.decider.end(way, outcome.cost, outcome.leaf_pairs),
+        }
+        let is_nothing = outcome.cost.is_some_and(|cost| cost < WORTH_KEEPING);
+        if accuracy == question.accuracy() && !is_nothing {
+            self.kept.keep(question.subject(), want, outcome.given);
         }
         outcome.given
     }
@@ -181,36 +192,42 @@ impl Planned {
             }
             _ => {
                 let leash = Leash { cost: f64::INFINITY, deadline: self.decider.deadline() };
-                on_one(query, want, pairs, leash)
+                on_one(query, want, pairs, leash, |_| None)
             }
         }
     }
 
     /// Which ways there are for a question.
-    fn offer(&self, question: &impl Question) -> Offer {
-        let planner = self.decider.planner();
-        let gpu = self.gpu(question);
+    fn offer(&self, question: &impl Question, want: Want) -> Offer {
+        let (gpu, gpu_upkeep) = self.gpu(question);
         Offer {
-            threads: planner.threads(self.kept.most()),
+            threads: self.decider.planner().threads(self.kept.most()),
             gpu,
-            gpu_upkeep: 0.0,
-            both: gpu.is_some() && cfg!(feature = "threads"),
-            guess: question.guess(),
+            gpu_upkeep,
+            both: gpu.is_some() && cfg!(feature = "threads") && want == Want::All,
+            guess: question.guess().filter(|_| want != Want::Any),
+            size: question.size(),
             moves: false,
             queries: 1,
             upkeep: 0.0,
         }
     }
 
-    /// What has to be brought to the GPU first.
+    /// What has to be brought to the GPU first, and what it has to do in each frame.
     #[cfg(feature = "gpu")]
-    fn gpu(&self, question: &impl Question) -> Option<f64> {
-        let device = self.device.as_ref().filter(|_| question.accuracy() == Accuracy::Exact)?;
-        self.decider.planner().upload(device.owed(question.on_gpu()))
+    fn gpu(&self, question: &impl Question) -> (Option<f64>, f64) {
+        let planner = self.decider.planner();
+        match self.device.as_ref().filter(|_| question.accuracy() == Accuracy::Exact) {
+            Some(device) => {
+                let upload = planner.upload(device.owed(question.on_gpu()));
+                (upload, device.upkeep(question.on_gpu(), planner))
+            }
+            None => (None, 0.0),
+        }
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn gpu(&self, _: &impl Question) -> Option<f64> {
-        None
+    fn gpu(&self, _: &impl Question) -> (Option<f64>, f64) {
+        (None, 0.0)
     }
 }

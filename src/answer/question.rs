@@ -2,6 +2,7 @@
 
 use crate::model::Stamp;
 use crate::{Accuracy, Adjacency, Error, Model, Pose, core};
+use pfront_core::front::Estimate;
 use pfront_core::query::Query;
 
 /// What a mesh that hardly meets itself costs for each triangle, in box tests: its neighbours.
@@ -19,6 +20,9 @@ pub(crate) trait Question {
 
     /// What it may cost in box tests, before anything is known.
     fn guess(&self) -> Option<f64>;
+
+    /// How large it is, to compare it with others of its kind, if that takes little time to know.
+    fn size(&self) -> Option<f64>;
 
     /// What an answer is about: the same one is true of whatever is equal.
     fn subject(&self) -> Subject;
@@ -83,6 +87,11 @@ impl Question for OfTwo<'_> {
         None
     }
 
+    fn size(&self) -> Option<f64> {
+        // Boxes shrink and grow as bodies turn, which costs nothing: that is half believed.
+        self.query.root().map(|root| Estimate::default().cost(&self.query, root).sqrt())
+    }
+
     fn subject(&self) -> Subject {
         Subject {
             models: self.models.map(Model::stamp),
@@ -124,6 +133,10 @@ impl Question for OfOne<'_> {
 
     fn guess(&self) -> Option<f64> {
         Some(PER_TRIANGLE * self.model.mesh().triangles().len() as f64)
+    }
+
+    fn size(&self) -> Option<f64> {
+        None
     }
 
     fn subject(&self) -> Subject {

@@ -36,18 +36,19 @@ pub(super) struct Outcome {
     pub(super) end: End,
 }
 
-/// Answers on the calling thread.
+/// Answers on the calling thread, as long as `longer` allows.
 pub(super) fn on_one(
     query: impl Query,
     want: Want,
     pairs: &mut Vec<TrianglePair>,
     leash: Leash,
+    longer: impl FnMut([f64; 2]) -> Option<f64>,
 ) -> Outcome {
     let mut given = Given::default();
     if want == Want::All {
         pairs.clear();
     }
-    let (cost, end) = alone([((), query)], leash, |(), pair| {
+    let found = |(), pair| {
         given.count += 1;
         match want {
             Want::All => pairs.push(pair),
@@ -58,7 +59,8 @@ pub(super) fn on_one(
             }
         }
         ControlFlow::Continue(())
-    });
+    };
+    let (cost, end) = alone([((), query)], || 1, leash, found, longer);
     if want == Want::All && end != End::Outgrown {
         pairs.sort_unstable();
         given.first = pairs.first().copied();

@@ -1,6 +1,6 @@
 //! One query's planner at work: a clock, what is known, and what was decided in the last frame.
 
-use super::history::{Choice, Frame, History, Offer, Way};
+use super::history::{Choice, Frame, History, Known, Look, Offer, Way};
 use super::plan::{Backend, Plan, Reason};
 use super::{Concession, Planner};
 use crate::Accuracy;
@@ -14,14 +14,20 @@ pub(crate) struct Decider {
     /// The history of the last question.
     asked: usize,
     begun: Option<Instant>,
-    /// What has been decided before the question was asked.
-    ahead: Option<Choice>,
+    /// What has been decided before the question was asked, and of which history.
+    ahead: Option<(usize, Choice)>,
     /// What was done before the question, for its sake.
     prepared: Duration,
     /// What was done in vain.
     lost: Duration,
-    /// The last frame, if there was one.
+    /// Whether the clock was looked at before a question was begun alone.
+    is_timed: bool,
+    /// The first look at a question that was begun alone.
+    looked: Option<Look>,
+    /// The last frame that was worth a look at the clock, ...
     last: Option<Last>,
+    /// ... unless there was another one since.
+    untimed: Option<(Backend, Reason, Option<f64>)>,
     failure: Option<String>,
     /// Counts frames in which deciding may be timed.
     frames: u32,
@@ -52,7 +58,10 @@ impl Decider {
             ahead: None,
             prepared: Duration::ZERO,
             lost: Duration::ZERO,
+            is_timed: false,
+            looked: None,
             last: None,
+            untimed: None,
             failure: None,
             frames: 0,
             deciding: Duration::ZERO,
@@ -65,6 +74,9 @@ impl Decider {
 
     /// Of the last frame, once there was one.
     pub(crate) fn plan(&self) -> Option<Plan> {
+        if let Some((backend, reason, cost)) = self.untimed {
+            return Some(Plan { backend, reason, cost, ..Plan::SMALL });
+        }
         let Last { backend, reason, choice, cost, actual, concession } = self.last?;
         let time = |nanoseconds: f64| Duration::from_nanos(nanoseconds as u64);
         Some(Plan {
@@ -83,14 +95,15 @@ impl Decider {
 
     /// Whether the last answer is not what was asked for.
     pub(crate) fn has_conceded(&self) -> bool {
-        self.last.is_some_and(|last| last.concession.is_some())
+        self.untimed.is_none() && self.last.is_some_and(|last| last.concession.is_some())
     }
 
     /// Decides who will answer the next question, before it is asked: whoever moves a model can then prepare it
     /// for that, and says with [`Decider::prepared`] how long it took.
     pub(crate) fn look_ahead(&mut self, offer: &Offer) -> Choice {
-        let choice = self.histories[0].choose(self.planner.machine(), offer);
-        self.ahead = Some(choice);
+        // It will be asked what was asked last.
+        let choice = self.histories[self.asked].choose(self.planner.machine(), offer);
+        self.ahead = Some((self.asked, choice));
         choice
     }
 
@@ -98,18 +111,31 @@ impl Decider {
         self.prepared += took;
     }
 
-    /// The cost up to which the next question is not worth a thought, nor a look at the clock, if it is likely to
-    /// stay below.
-    pub(crate) fn brief(&mut self, until_first: bool) -> Option<f64> {
+    /// A question is about to be asked. Whether its size is worth finding out.
+    pub(crate) fn is_large(&mut self, until_first: bool) -> bool {
         self.asked = usize::from(until_first);
-        let limits = self.planner.limits();
-        let free = self.ahead.is_none() && limits.time.is_none();
-        self.histories[self.asked].brief(self.planner.machine()).filter(|_| free)
+        self.histories[self.asked].is_large()
+    }
+
+    /// The cost up to which it is begun alone, with no thought.
+    pub(crate) fn begin(&mut self, known: Known) -> Option<f64> {
+        (self.looked, self.is_timed) = (None, false);
+        if self.ahead.is_some() || self.planner.limits().time.is_some() {
+            return None;
+        }
+        let begin = self.histories[self.asked].begin(self.planner.machine(), known)?;
+        self.is_timed = begin.is_timed;
+        Some(begin.until)
+    }
+
+    /// Whether to look at the clock before that.
+    pub(crate) fn is_timed(&self) -> bool {
+        self.is_timed
     }
 
     /// It did stay below.
     pub(crate) fn was_brief(&mut self, cost: f64) {
-        self.histories[self.asked].learn_cost(cost);
+        self.histories[self.asked].learn_cost(self.planner.machine(), cost);
         self.end_as(Backend::Sequential, Reason::Small, Some(cost));
     }
 
@@ -125,8 +151,7 @@ impl Decider {
     }
 
     fn end_as(&mut self, backend: Backend, reason: Reason, cost: Option<f64>) {
-        let (choice, actual, concession) = (None, Duration::ZERO, None);
-        self.last = Some(Last { backend, reason, choice, cost, actual, concession });
+        self.untimed = Some((backend, reason, cost));
     }
 
     /// Begins a frame.
@@ -135,22 +160,31 @@ impl Decider {
         self.lost = Duration::ZERO;
     }
 
-    /// What was done up to now in this frame is the same each way.
-    pub(crate) fn set_aside(&mut self) {
-        self.lost = self.elapsed();
+    /// The same, after so much has been done alone.
+    pub(crate) fn start_late(&mut self, cost: f64) {
+        self.start();
+        self.begun = self.begun.and_then(|now| now.checked_sub(self.alone(cost)));
+    }
+
+    /// What was done up to now in this frame is the same each way, but for so much that was done alone.
+    pub(crate) fn set_aside(&mut self, cost: f64) {
+        self.lost = self.elapsed().saturating_sub(self.alone(cost));
+    }
+
+    fn alone(&self, cost: f64) -> Duration {
+        Duration::from_nanos((cost * self.planner.machine().test) as u64)
     }
 
     /// Decides who answers.
-    pub(crate) fn choose(&mut self, offer: &Offer, until_first: bool) -> Choice {
-        self.asked = usize::from(until_first);
-        let choice = match self.ahead.take().filter(|_| !until_first) {
-            Some(choice) => choice,
+    pub(crate) fn choose(&mut self, offer: &Offer) -> Choice {
+        let choice = match self.ahead.take().filter(|(of, _)| *of == self.asked) {
+            Some((_, choice)) => choice,
             None => {
                 let history = &mut self.histories[self.asked];
                 history.choose(self.planner.machine(), offer)
             }
         };
-        let reason = if choice.expected.is_none() && choice.alone_first.is_some() {
+        let reason = if choice.expected.is_none() && choice.alone_until.is_some() {
             Reason::Unknown
         } else if choice.time().is_none() {
             Reason::OnlyWay
@@ -159,7 +193,7 @@ impl Decider {
         } else {
             Reason::NotWorthChanging
         };
-        self.note(choice, reason);
+        self.note(choice, reason, None);
         if self.frames < TIMED || self.frames.is_multiple_of(TIMED) {
             self.deciding = self.elapsed().saturating_sub(self.lost);
         }
@@ -167,13 +201,28 @@ impl Decider {
         choice
     }
 
-    /// Decides once more: what was begun alone is not over at this cost.
-    pub(crate) fn outgrown(&mut self, offer: &Offer, choice: &Choice, cost: f64) -> Choice {
-        self.lost = self.elapsed();
-        let history = &mut self.histories[self.asked];
-        let next = history.outgrown(self.planner.machine(), offer, choice, cost);
-        let before = self.last.map_or(Reason::Fastest, |last| last.reason);
-        self.note(next, if choice.way == Way::Alone { Reason::Outgrown } else { before });
+    /// Decides about what was begun alone and is not over, after `choice` if there was one.
+    pub(crate) fn look(
+        &mut self,
+        offer: &Offer,
+        choice: Option<&Choice>,
+        [spent, rest]: [f64; 2],
+    ) -> Choice {
+        let took = || self.elapsed().saturating_sub(self.lost).as_secs_f64() * 1e9;
+        let look = Look { spent, rest, nanoseconds: self.is_timed.then(took) };
+        let history = &self.histories[self.asked];
+        let next = history.look(self.planner.machine(), offer, look);
+        let known = choice.is_some_and(|choice| choice.expected.is_some());
+        let reason = match next.way {
+            Way::Alone if !known => Reason::Unknown,
+            _ => Reason::Outgrown,
+        };
+        if next.way != Way::Alone {
+            self.lost = self.elapsed();
+        }
+        self.looked.get_or_insert(look);
+        let conceded = choice.and(self.last).and_then(|last| last.concession);
+        self.note(next, reason, conceded);
         next
     }
 
@@ -203,6 +252,8 @@ impl Decider {
                 .last
                 .and_then(|last| last.choice)
                 .map_or(0.0, |choice| choice.gpu_upkeep),
+            size: self.last.and_then(|last| last.choice).and_then(|choice| choice.size),
+            look: self.looked,
             cost,
             leaf_pairs,
         };
@@ -246,18 +297,11 @@ impl Decider {
         limits.time.filter(|_| limits.incomplete).and_then(|time| self.begun?.checked_add(time))
     }
 
-    fn note(&mut self, choice: Choice, reason: Reason) {
-        self.last = Some(Last {
-            backend: backend(choice.way),
-            reason,
-            choice: Some(choice),
-            cost: None,
-            actual: Duration::ZERO,
-            concession: self
-                .last
-                .and_then(|last| last.concession)
-                .filter(|_| reason == Reason::Outgrown),
-        });
+    fn note(&mut self, choice: Choice, reason: Reason, concession: Option<Concession>) {
+        let (backend, actual) = (backend(choice.way), Duration::ZERO);
+        self.untimed = None;
+        let choice = Some(choice);
+        self.last = Some(Last { backend, reason, choice, cost: None, actual, concession });
     }
 
     fn elapsed(&self) -> Duration {

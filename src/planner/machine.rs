@@ -46,6 +46,8 @@ pub struct Device {
     pub question: f64,
     /// A box test, in nanoseconds: what a long question takes over how many the CPU needs for it.
     pub test: f64,
+    /// To make a query and its buffers, and bring anything at all there, in nanoseconds.
+    pub setup: f64,
     /// To bring a triangle there, in nanoseconds.
     pub upload: f64,
 }
@@ -76,8 +78,8 @@ impl Machine {
         self.fork = sane(self.fork, typical.fork);
         self.fork_more = sane(self.fork_more, typical.fork_more);
         self.device = self.device.filter(|device| {
-            let Device { question, test, upload, .. } = device;
-            [question, test, upload].into_iter().all(|x| (0.0..1e12).contains(x))
+            let Device { question, test, setup, upload, .. } = device;
+            [question, test, setup, upload].into_iter().all(|x| (0.0..1e12).contains(x))
         });
         self
     }
@@ -129,10 +131,10 @@ impl fmt::Display for Machine {
             write!(f, "; {threads} threads are {speedup:.1} times faster, after {fork:.1} us ")?;
             write!(f, "for the second and {more:.1} for each more")?;
         }
-        if let Some(Device { name, question, test, upload }) = device {
-            let question = question / 1e3;
+        if let Some(Device { name, question, test, setup, upload }) = device {
+            let (question, setup) = (question / 1e3, setup / 1e3);
             write!(f, "; {name}: {question:.0} us a question, {test:.3} ns a box test, ")?;
-            write!(f, "{upload:.1} ns to upload a triangle")?;
+            write!(f, "{setup:.0} us to get ready and {upload:.1} ns to upload a triangle")?;
         }
         Ok(())
     }

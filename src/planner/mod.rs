@@ -7,9 +7,10 @@
 //!
 //! # How it decides
 //! - What was asked last, of models that have not changed, in the same place, is not asked again.
-//! - The unknown is begun on the calling thread, for as long as it takes to get other threads to work: most
-//!   questions are over by then, and the others have cost little beside what they will. This is also what keeps
-//!   a small scene small: until some question is larger than that, no thread is started. Only of a mesh with itself
+//! - The unknown is begun on the calling thread, for part of the time that it takes to get others to work: most
+//!   questions are over by then. Of the others, boxes that are still to be looked at tell how much is left, more or
+//!   less, and it is decided whether to go on; again after twice that time, and so on. This is also what keeps a
+//!   small scene small: until some question is larger than that, no thread is started. Only of a mesh with itself
 //!   something is known beforehand, from its size.
 //! - From then on the cost of the next frame is known about: box tests and triangle tests, as the paper counts
 //!   them (Zhang & Kim 2014, section 2.2). A [`Machine`] predicts how long they take each way. What ways took in
@@ -44,7 +45,7 @@ pub use machine::{Device, Machine};
 pub use plan::{Backend, Plan, Reason};
 
 pub(crate) use decider::Decider;
-pub(crate) use history::{Offer, Way};
+pub(crate) use history::{Choice, Known, Look, Offer, Way};
 
 #[cfg(feature = "gpu")]
 use crate::gpu::{self, Gpu};
@@ -67,6 +68,22 @@ const LISTED: usize = 16;
 #[cfg(feature = "threads")]
 const LARGE: usize = 8192;
 
+/// To compile the passes for meshes that move, in nanoseconds: that is done once in a process.
+#[cfg(feature = "gpu")]
+const COMPILE: f64 = 4e8;
+
+/// What a GPU lacks before it can be asked.
+#[cfg(feature = "gpu")]
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Owed {
+    /// To be uploaded.
+    pub(crate) triangles: usize,
+    /// Held in the end.
+    pub(crate) bytes: u64,
+    /// Whether passes have to be compiled.
+    pub(crate) compile: bool,
+}
+
 /// What a query may choose from. Cheap to clone; each query that gets one learns for itself.
 #[derive(Clone, Debug)]
 pub struct Planner(Arc<Choices>);
@@ -77,8 +94,9 @@ struct Choices {
     limits: Limits,
     #[cfg(feature = "threads")]
     traversal: Option<Traversal>,
+    /// One that the machine was measured with, and how it is best used.
     #[cfg(feature = "gpu")]
-    gpu: Option<Gpu>,
+    gpu: Option<(Gpu, gpu::Settings)>,
 }
 
 impl Planner {
@@ -124,7 +142,12 @@ impl Planner {
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn with_gpu(self, gpu: &Gpu) -> Self {
-        self.with(|choices| choices.gpu = Some(gpu.clone()))
+        self.with(|choices| {
+            let measured = choices.machine.device.as_ref();
+            let name = gpu.device().adapter_info().name;
+            let is_it = measured.is_some_and(|device| device.name == name);
+            choices.gpu = is_it.then(|| (gpu.clone(), gpu.settings()));
+        })
     }
 
     /// What it goes by.
@@ -166,22 +189,22 @@ impl Planner {
     /// The GPU, if it is the one that was measured, and how much of it may be used.
     #[cfg(feature = "gpu")]
     pub(crate) fn device(&self) -> Option<(Gpu, gpu::Settings)> {
-        let (gpu, device) = (self.0.gpu.clone()?, self.0.machine.device.as_ref()?);
-        let mut settings = gpu.settings();
+        let (gpu, mut settings) = self.0.gpu.clone()?;
         if let Some(memory) = self.0.limits.memory {
             settings.budget.bytes = settings.budget.bytes.min(memory as u64 / 2);
         }
         let fits = settings.budget.bytes >= gpu::Budget::LEAST.bytes;
-        let is_it = gpu.device().adapter_info().name == device.name;
-        (fits && is_it).then_some((gpu, settings))
+        fits.then_some((gpu, settings))
     }
 
-    /// What it takes to bring so many triangles to the GPU, in nanoseconds, if a query may hold that many bytes.
+    /// What it takes to bring there what the GPU lacks, in nanoseconds, if a query may hold that much.
     #[cfg(feature = "gpu")]
-    pub(crate) fn upload(&self, (triangles, bytes): (usize, u64)) -> Option<f64> {
+    pub(crate) fn upload(&self, owed: Owed) -> Option<f64> {
         let device = self.0.machine.device.as_ref()?;
-        let fits = self.0.limits.memory.is_none_or(|memory| bytes <= memory as u64);
-        fits.then_some(triangles as f64 * device.upload)
+        let fits = self.0.limits.memory.is_none_or(|memory| owed.bytes <= memory as u64);
+        let setup = if owed.triangles > 0 { device.setup } else { 0.0 };
+        let compile = if owed.compile { COMPILE } else { 0.0 };
+        fits.then_some(owed.triangles as f64 * device.upload + setup + compile)
     }
 
     /// Moves the vertices of a model on as many threads as are worth while.

@@ -32,6 +32,8 @@ pub(super) struct Broad {
     /// Pairs of bodies that have moved, and these.
     found: Vec<Places>,
     moved: Vec<u32>,
+    /// The time since when the pairs of bodies that have changed are `found`, if they are.
+    found_since: Option<u64>,
     /// The time of the last frame.
     at: u64,
 }
@@ -49,6 +51,7 @@ impl Broad {
         // After an error nothing is known of the last frame.
         let at = std::mem::take(&mut self.at);
         bodies.compact();
+        self.found_since = None;
         let known = bodies.take_moved(&mut self.moved) && bodies.gathered() <= at;
         if known && self.moved.len() < self.places.len() / MANY {
             self.update_moved(bodies, at)?;
@@ -127,12 +130,21 @@ impl Broad {
         }
         self.found.sort_unstable();
         merge(&mut self.pairs, &self.found, |pair| *pair);
+        self.found_since = Some(at);
         Ok(())
     }
 
     /// The pairs in order of bodies, the first of each before the second.
     pub(super) fn pairs(&self) -> &[Places] {
         &self.pairs
+    }
+
+    /// Those of which a body has changed since, if they are a list of their own.
+    pub(super) fn changed_since(&self, since: u64) -> Option<&[Places]> {
+        match since {
+            0 => Some(&self.pairs),
+            _ => self.found_since.is_some_and(|own| own == since).then_some(&self.found),
+        }
     }
 }
 

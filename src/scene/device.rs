@@ -6,7 +6,7 @@ use super::planned::Given;
 use crate::answer::Want;
 use crate::gpu::{self, Error, Gpu, Settings, Shape};
 use crate::model::{Model, Stamp};
-use crate::planner::Planner;
+use crate::planner::{Owed, Planner};
 use pfront_core::query::TrianglePair;
 use std::sync::Arc;
 
@@ -47,14 +47,15 @@ impl Device {
         Some(Self { gpu, settings, scene: None })
     }
 
-    /// How many triangles would have to be uploaded, and the bytes that are held in the end.
-    pub(super) fn owed(&self, bodies: &Bodies) -> (usize, u64) {
+    /// What it lacks.
+    pub(super) fn owed(&self, bodies: &Bodies) -> Owed {
         let [all, vertices] = bodies.sizes();
         // What gpu::SceneQuery says that it takes.
         let bytes = self.settings.budget.bytes + 77 * all as u64 + 28 * vertices as u64;
         // One that comes or goes makes it bring all.
         let is_there = self.scene.as_ref().is_some_and(|scene| bodies.gathered() <= scene.at);
-        (if is_there { 0 } else { all }, bytes)
+        let triangles = if is_there { 0 } else { all };
+        Owed { triangles, bytes, compile: !self.gpu.is_warm() }
     }
 
     /// What it takes to move bodies there in each frame, in nanoseconds: its broad phase, and a refit of all.

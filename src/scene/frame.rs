@@ -11,8 +11,8 @@ pub(super) struct Frame<'s> {
     pub(super) accuracy: Accuracy,
     pub(super) bodies: &'s Bodies,
     pairs: &'s [Places],
-    /// Bodies that have not changed since are not asked about each other.
-    since: u64,
+    /// Of which those are not asked about each other that have not changed since, if there is a number.
+    since: Option<u64>,
 }
 
 /// What was found.
@@ -44,7 +44,11 @@ impl<'s> Frame<'s> {
         bodies: &'s Bodies,
         broad: &'s Broad,
     ) -> Self {
-        Self { accuracy, bodies, pairs: broad.pairs(), since }
+        let (pairs, since) = match broad.changed_since(since) {
+            Some(changed) => (changed, None),
+            None => (broad.pairs(), Some(since)),
+        };
+        Self { accuracy, bodies, pairs, since }
     }
 
     /// The same, less accurately.
@@ -54,14 +58,19 @@ impl<'s> Frame<'s> {
 
     /// How many queries there are.
     pub(super) fn len(&self) -> usize {
-        let changed = |two: &&Places| self.bodies.changed_at(**two) > self.since;
-        self.pairs.iter().filter(changed).count()
+        match self.since {
+            None => self.pairs.len(),
+            Some(since) => {
+                let changed = |two: &&Places| self.bodies.changed_at(**two) > since;
+                self.pairs.iter().filter(changed).count()
+            }
+        }
     }
 
     /// Bodies whose bounds overlap, in order.
     pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairQuery<'s>)> {
         let Self { accuracy, bodies, pairs, since } = *self;
-        let changed = move |two: &&Places| bodies.changed_at(**two) > since;
+        let changed = move |two: &&Places| since.is_none_or(|t| bodies.changed_at(**two) > t);
         pairs.iter().filter(changed).filter_map(move |&[a, b]| {
             // Always there: the places are those of this frame.
             let (a, b) = (bodies.at(a)?, bodies.at(b)?);

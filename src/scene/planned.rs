@@ -9,7 +9,7 @@ use super::frame::{Found, Frame};
 #[cfg(feature = "threads")]
 use crate::answer::cost;
 use crate::answer::{End, Leash, Want, alone};
-use crate::planner::{Decider, Offer, Plan, Planner, Way};
+use crate::planner::{Choice, Decider, Known, Offer, Plan, Planner, Way};
 use std::ops::ControlFlow;
 
 #[derive(Clone, Debug)]
@@ -77,68 +77,57 @@ impl Planned {
         want: Want,
         hits: &mut Vec<SceneHit>,
     ) -> Found<Given> {
-        if let Some(cost) = self.decider.brief(want == Want::Any) {
-            let brief = self.on_one(frame, want, hits, cost);
-            if brief.end == End::Complete {
-                self.decider.was_brief(brief.cost.unwrap_or_default());
-                return brief.given;
-            }
-            hits.clear();
+        self.decider.is_large(want == Want::Any);
+        let begin = self.decider.begin(Known { guess: None, size: Some(frame.len() as f64) });
+        if self.decider.is_timed() {
+            self.decider.set_aside(0.0);
         }
-        // What it took so far to know which bodies may meet, it takes each way.
-        self.decider.set_aside();
-        let offer = self.offer(frame);
-        let mut choice = self.decider.choose(&offer, want == Want::Any);
+        let (mut offer, mut choice) = (None, None);
+        if begin.is_none() {
+            // What it took so far to know which bodies may meet, it takes each way.
+            self.decider.set_aside(0.0);
+            let asked = offer.insert(self.offer(frame));
+            choice = Some(self.decider.choose(asked));
+        }
         let accuracy = self.decider.accuracy(frame.accuracy);
         let frame = &frame.with_accuracy(accuracy);
         let mut outcome = None;
-        if choice.way == Way::Alone || choice.alone_first.is_some() {
-            let most = choice.alone_first.unwrap_or(f64::INFINITY);
-            let alone = self.on_one(frame, want, hits, most);
-            if alone.end == End::Outgrown {
-                let cost = alone.cost.unwrap_or_default();
-                choice = self.decider.outgrown(&offer, &choice, cost);
-                hits.clear();
-            } else {
-                choice.way = Way::Alone;
-                outcome = Some(alone);
+        let until = |choice: Choice| match choice.way {
+            Way::Alone => Some(choice.alone_until.unwrap_or(f64::INFINITY)),
+            _ => choice.alone_until,
+        };
+        if let Some(cost) = begin.or(choice.and_then(until)) {
+            let deadline = choice.and_then(|_| self.decider.deadline());
+            let leash = Leash { cost, deadline };
+            let alone = on_one(frame, want, hits, leash, |look| {
+                if choice.is_none() && !self.decider.is_timed() {
+                    self.decider.set_aside(look[0]);
+                }
+                let offer = *offer.get_or_insert_with(|| self.offer(frame));
+                let next = self.decider.look(&offer, choice.as_ref(), look);
+                choice = Some(next);
+                until(next)
+            });
+            match alone.end {
+                End::Outgrown => hits.clear(),
+                _ => outcome = Some(alone),
             }
         }
-        let outcome = outcome.unwrap_or_else(|| self.others(frame, want, hits, &mut choice.way));
-        if outcome.end == End::Complete {
-            self.decider.end(choice.way, outcome.cost, outcome.leaf_pairs);
-        } else {
-            self.decider.end_incomplete(choice.way);
+        let mut way = choice.map_or(Way::Alone, |choice| choice.way);
+        let outcome = match outcome {
+            Some(outcome) => {
+                way = Way::Alone;
+                outcome
+            }
+            None => self.others(frame, want, hits, &mut way),
+        };
+        match (outcome.end, outcome.cost) {
+            (End::Complete, Some(cost)) if choice.is_none() => self.decider.was_brief(cost),
+            (End::Complete, cost) => self.decider.end(way, cost, outcome.leaf_pairs),
+            _ => self.decider.end_incomplete(way),
         }
         self.most = self.most.max(outcome.given.get().count);
         outcome.given
-    }
-
-    /// Answers on the calling thread.
-    fn on_one(
-        &self,
-        frame: &Frame<'_>,
-        want: Want,
-        hits: &mut Vec<SceneHit>,
-        most: f64,
-    ) -> Outcome {
-        let leash = Leash { cost: most, deadline: self.decider.deadline() };
-        let mut given = Given::default();
-        let (cost, end) = alone(frame.queries(), leash, |bodies, pair| {
-            let hit = SceneHit { bodies, pair };
-            given.count += 1;
-            match want {
-                Want::All => hits.push(hit),
-                Want::Count => {}
-                Want::Any => {
-                    given.first = Some(hit);
-                    return ControlFlow::Break(());
-                }
-            }
-            ControlFlow::Continue(())
-        });
-        hits.chunk_by_mut(|x, y| x.bodies == y.bodies).for_each(<[_]>::sort_unstable);
-        Outcome { given: Found::New(given), cost: Some(cost), leaf_pairs: None, end }
     }
 
     /// Answers on threads or a GPU; says by which way it was done in the end.
@@ -167,7 +156,10 @@ impl Planned {
         match *way {
             #[cfg(feature = "threads")]
             Way::Threads(workers) => self.on_threads(frame, want, hits, workers),
-            _ => self.on_one(frame, want, hits, f64::INFINITY),
+            _ => {
+                let leash = Leash { cost: f64::INFINITY, deadline: self.decider.deadline() };
+                on_one(frame, want, hits, leash, |_| None)
+            }
         }
     }
 
@@ -202,14 +194,16 @@ impl Planned {
     /// Which ways there are.
     fn offer(&self, frame: &Frame<'_>) -> Offer {
         let (gpu, gpu_upkeep) = self.gpu(frame);
+        let queries = frame.len();
         Offer {
             threads: self.decider.planner().threads(self.most),
             gpu,
             gpu_upkeep,
             both: false,
             guess: None,
+            size: Some(queries as f64),
             moves: false,
-            queries: frame.len(),
+            queries,
             upkeep: 0.0,
         }
     }
@@ -231,4 +225,31 @@ impl Planned {
     fn gpu(&self, _: &Frame<'_>) -> (Option<f64>, f64) {
         (None, 0.0)
     }
+}
+
+/// Answers on the calling thread, as long as `longer` allows.
+fn on_one(
+    frame: &Frame<'_>,
+    want: Want,
+    hits: &mut Vec<SceneHit>,
+    leash: Leash,
+    longer: impl FnMut([f64; 2]) -> Option<f64>,
+) -> Outcome {
+    let mut given = Given::default();
+    let found = |bodies, pair| {
+        let hit = SceneHit { bodies, pair };
+        given.count += 1;
+        match want {
+            Want::All => hits.push(hit),
+            Want::Count => {}
+            Want::Any => {
+                given.first = Some(hit);
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    };
+    let (cost, end) = alone(frame.queries(), || frame.len(), leash, found, longer);
+    hits.chunk_by_mut(|x, y| x.bodies == y.bodies).for_each(<[_]>::sort_unstable);
+    Outcome { given: Found::New(given), cost: Some(cost), leaf_pairs: None, end }
 }

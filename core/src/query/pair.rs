@@ -72,6 +72,8 @@ impl<'a> Placed<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct PairQuery<'a> {
     tree: PairTree<'a, Place, Place>,
+    /// Asked for more than once, by whoever weighs a question before it is walked.
+    root: Option<NodePair>,
     leaf_edge: f32,
 }
 
@@ -99,7 +101,8 @@ impl<'a> PairQuery<'a> {
 
     fn of(a: Side<'a, Place>, b: Side<'a, Place>) -> Self {
         let leaf_edge = a.bvh.leaf_edge().max(b.bvh.leaf_edge());
-        Self { tree: PairTree { a, b, inexact: None }, leaf_edge }
+        let tree = PairTree { a, b, inexact: None };
+        Self { root: tree.root(), tree, leaf_edge }
     }
 
     /// Walks with each side placed as it is, so that no box or corner has to ask.
@@ -145,7 +148,7 @@ impl<'a> PairQuery<'a> {
 
 impl Query for PairQuery<'_> {
     fn root(&self) -> Option<NodePair> {
-        self.tree.root()
+        self.root
     }
 
     fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {

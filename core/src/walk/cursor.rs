@@ -108,6 +108,13 @@ impl Cursor {
         self.len == 0
     }
 
+    /// The nodes below which nothing has been visited yet, with the one in which a step has ended: a cut through
+    /// what is left of the BVTT. The last comes next.
+    #[must_use]
+    pub fn pending(&self) -> &[NodePair] {
+        self.stack.get(..self.len).unwrap_or_default()
+    }
+
     /// What the walk has done so far.
     #[must_use]
     pub fn work(&self) -> Work {

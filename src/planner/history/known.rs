@@ -39,7 +39,7 @@ impl Ratio {
 
 /// What is known of one way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
+pub(super) struct OfWay {
     pub(super) ratio: Ratio,
     /// What it would have saved since it was last thought worse, in nanoseconds.
     pub(super) saved: f64,

@@ -1,7 +1,8 @@
 //! What the frames so far tell of the next, and which way to take.
 //!
-//! A frame costs about as many box tests as the last one, or, where frames jump, as frames do on average. What
-//! that takes each way is predicted by the [`Machine`], and corrected by what the way took before. Another way is
+//! A frame costs about as many box tests as the last one. Where nothing is known, or frames jump, it is begun alone,
+//! and what is left after a while is estimated by the overlap of its boxes, as the paper does with the nodes of a
+//! front (Zhang & Kim 2014, eqs. 2 and 3), times how wrong that was before. What it takes each way is predicted by the [`Machine`], and corrected by what the way took before. Another way is
 //! taken once it saves what changing costs: some part of a frame elsewhere, or an upload to the GPU, in as many
 //! frames as there were so far. That is about the rule of ski rental, which takes at most twice what the best would
 //! have taken who knew the future; and it is what keeps plans from swinging to and fro.
@@ -10,33 +11,37 @@ mod known;
 mod predict;
 mod way;
 
-pub(crate) use way::{Choice, Frame, Offer, Way};
+pub(crate) use way::{Begin, Choice, Frame, Known, Look, Offer, Way};
 
 use super::Machine;
 use super::forecast::Forecast;
-use known::{HOPELESS, Known, Ratio, SHORT};
+use known::{HOPELESS, OfWay, Ratio, SHORT};
 use predict::predicted;
 use way::{ALONE, BOTH, GPU, THREADS, WAYS};
 
-/// An unknown question is begun on the calling thread for as long as it takes to fork so many times: it then
-/// has cost little beside what it will.
-const FORKS: f64 = 1.0;
-/// A question that is asked alone may cost so many times what is expected before others are called in.
-const SURELY: f64 = 4.0;
 /// A question is brief if it would have to cost so many times what is expected before others could help.
 const BRIEF: f64 = 2.0;
-/// Where costs jump, others are called in only after this part of their time has been spent alone.
-const PROBE: f64 = 0.05;
-/// A question that outgrew what it was begun with is taken to be so many times larger: ...
-const OUTGROWN: f64 = 2.0;
-/// ... and so many if nothing was known of it.
-const UNKNOWN: f64 = 8.0;
+/// An unknown question is looked at after this part of that.
+const LOOK: f64 = 0.08;
+/// It is looked at again when it has cost so many times as much.
+const AGAIN: f64 = 3.0;
+/// Others are called in after this part of the time that it takes to get the first of them to work, if they would
+/// take half as long; the later the less.
+const SOON: f64 = 0.15;
+/// A GPU that was never asked has to be so many times faster than it promises to be worth an upload.
+const DOUBT: f64 = 1.25;
+/// Box tests in one question can take so many times longer than in another.
+const PACE: f64 = 10.0;
+/// From so many box tests on it is worth while to find out how large a question is.
+const LARGE: f64 = 1000.0;
+/// A question that is asked alone may cost so many times what is expected before it is looked at.
+const SURELY: f64 = 2.0;
 /// Box tests for each leaf pair that a GPU counts, before that is known.
 const PER_LEAF_PAIR: f64 = 60.0;
 /// At least so many frames will follow.
-const FRAMES: f64 = 2.0;
+const FRAMES: f64 = 1.0;
 /// So many of a mesh whose vertices are moved.
-const FRAMES_OF_MOTION: f64 = 8.0;
+const FRAMES_OF_MOTION: f64 = 4.0;
 /// Numbers of threads that are told apart.
 const NUMBERS: usize = 9;
 /// One that was not tried is hoped to be so much better than thought, so that it is.
@@ -49,12 +54,17 @@ const CHANGING: f64 = 0.15;
 /// to be a mistake to have forgotten, twice as many.
 const FORGET: f64 = 100.0;
 
+/// To call in others after a look takes so much of the time that the first of them takes to get to work.
+const LATE: f64 = 0.4;
+/// Weight of a frame in what it would save to do without a look.
+const AMONG_JUMPS: f64 = 0.1;
+
 /// Frames that take less than so many nanoseconds tell nothing of a way.
 const TELLING: f64 = 3000.0;
 
 #[derive(Clone, Debug)]
 pub(crate) struct History {
-    ways: [Known; WAYS],
+    ways: [OfWay; WAYS],
     /// The ratio of each number of threads, by its logarithm.
     workers: [Ratio; NUMBERS],
     /// The last number of them.
@@ -63,6 +73,9 @@ pub(crate) struct History {
     /// Frames since the way was changed.
     stay: u32,
     forecast: Forecast,
+    /// What it would have saved to call in others at once, where nothing is known of a frame, in nanoseconds of
+    /// one on average.
+    at_once: f64,
     frames: u32,
     /// Box tests for each leaf pair that a GPU counts.
     per_leaf_pair: Option<f64>,
@@ -71,7 +84,7 @@ pub(crate) struct History {
 impl Default for History {
     fn default() -> Self {
         let ratio = Ratio { value: 1.0, frames: 0 };
-        let known = Known { ratio, saved: 0.0, forget: FORGET };
+        let known = OfWay { ratio, saved: 0.0, forget: FORGET };
         Self {
             ways: [known; WAYS],
             workers: [ratio; NUMBERS],
@@ -79,6 +92,7 @@ impl Default for History {
             current: None,
             stay: 0,
             forecast: Forecast::default(),
+            at_once: 0.0,
             frames: 0,
             per_leaf_pair: None,
         }
@@ -86,80 +100,88 @@ impl Default for History {
 }
 
 impl History {
-    /// The cost up to which a question can be asked alone without a thought, if it is likely to stay below.
-    pub(crate) fn brief(&self, machine: &Machine) -> Option<f64> {
+    /// How a question is begun alone without a thought: to its end, if that is likely to be near; if nothing is
+    /// known, until there is something to go by.
+    pub(crate) fn begin(&self, machine: &Machine, known: Known) -> Option<Begin> {
         // In less nobody else has even begun.
         let question = machine.device.as_ref().map_or(f64::INFINITY, |device| device.question);
         let others = if machine.threads > 1 { machine.fork } else { TELLING };
         let most = others.min(question).max(TELLING) / machine.test;
-        let expected = self.forecast.cost().unwrap_or(0.0);
-        (BRIEF * expected <= most && !self.forecast.is_jumpy()).then_some(most)
+        match self.forecast.cost(known.size).or(known.guess) {
+            Some(expected) if !self.forecast.is_jumpy() => {
+                let is_brief = BRIEF * expected <= most;
+                is_brief.then_some(Begin { until: most, is_timed: false })
+            }
+            Some(_) if self.at_once > 0.0 => None,
+            _ => Some(Begin { until: LOOK * most, is_timed: true }),
+        }
+    }
+
+    /// Whether the last question was large enough to compare sizes.
+    pub(crate) fn is_large(&self) -> bool {
+        self.forecast.cost(None).is_some_and(|cost| cost > LARGE)
     }
 
     /// Takes note of the cost of a frame that was asked so.
-    pub(crate) fn learn_cost(&mut self, cost: f64) {
-        self.forecast.learn(cost);
+    pub(crate) fn learn_cost(&mut self, machine: &Machine, cost: f64) {
+        self.forecast.learn(cost, None);
+        if self.forecast.is_jumpy() {
+            self.learn_at_once(machine, cost);
+        }
         self.frames = self.frames.saturating_add(1);
     }
 
     /// Decides.
     pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer) -> Choice {
-        let forecast = self.forecast;
-        let expected = forecast.cost().or(offer.guess);
-        let alone = Choice {
-            way: Way::Alone,
-            alone_first: None,
-            expected,
-            gpu_upkeep: offer.gpu_upkeep,
-            times: [None; WAYS],
-            is_best: true,
-        };
+        let expected = self.forecast.cost(offer.size).or(offer.guess);
+        let alone = Choice { expected, ..Choice::alone(offer) };
         if offer.threads <= 1 && offer.gpu.is_none() {
             return alone;
         }
         let Some(cost) = expected else {
-            return Choice { alone_first: Some(begin(machine)), ..alone };
+            let look = LOOK * machine.fork / machine.test;
+            return Choice { alone_until: Some(look), ..alone };
         };
         let (times, ways) = self.predict(machine, offer, cost);
         let best = least(&times);
         let family = self.change(best, &times, offer);
         let way = ways[family];
-        let begin = match way {
+        let fork = machine.fork / machine.test;
+        let alone_until = match way {
             // Else a surprise would be walked to its end, however large.
-            Way::Alone => Some(begin(machine).max(SURELY * cost)),
-            _ if forecast.is_jumpy() => times[family].map(|time| PROBE * time / machine.test),
+            Way::Alone => Some(SURELY * cost.max(fork)),
+            Way::Threads(_) if self.forecast.is_jumpy() && self.at_once <= 0.0 => Some(LOOK * fork),
             _ => None,
         };
-        Choice { way, alone_first: begin, times, is_best: family == best, ..alone }
+        Choice { way, alone_until, times, is_best: family == best, ..alone }
     }
 
-    /// Decides once more, where a question that was begun alone is not over after this cost.
-    pub(crate) fn outgrown(
-        &mut self,
-        machine: &Machine,
-        offer: &Offer,
-        choice: &Choice,
-        cost: f64,
-    ) -> Choice {
-        if choice.way != Way::Alone {
-            return Choice { alone_first: None, ..*choice };
+    /// Decides about the rest of a question that was begun alone.
+    pub(crate) fn look(&self, machine: &Machine, offer: &Offer, look: Look) -> Choice {
+        let Look { spent, nanoseconds, .. } = look;
+        let rest = self.forecast.of(look);
+        let expected = Some(spent + rest);
+        let alone = Choice { expected, alone_until: Some(AGAIN * spent), ..Choice::alone(offer) };
+        if offer.threads <= 1 && offer.gpu.is_none() {
+            return Choice { alone_until: None, ..alone };
         }
-        let expected = if choice.expected.is_some() { OUTGROWN } else { UNKNOWN } * cost;
-        let (mut times, ways) = self.predict(machine, offer, expected);
-        times[ALONE] = None;
-        if choice.expected.is_none() && offer.threads > 1 {
+        // What takes longer alone takes as much longer elsewhere.
+        let usual = self.alone(machine, spent);
+        let pace = nanoseconds.map_or(1.0, |took| (took / usual).clamp(PACE.recip(), PACE));
+        let (mut times, ways) = self.predict(machine, offer, pace * (spent + rest));
+        // What is done alone is done.
+        times[ALONE] = Some(self.alone(machine, pace * rest));
+        if self.forecast.cost(None).is_none() && offer.threads > 1 {
             // A guess is not worth an upload, and threads count what it costs.
             (times[GPU], times[BOTH]) = (None, None);
         }
         let best = least(&self.with_upload(&times, offer));
-        Choice {
-            way: ways[best],
-            alone_first: None,
-            expected: Some(expected),
-            times,
-            is_best: true,
-            ..*choice
+        // The less has been seen, the surer it has to be.
+        let doubt = 1.0 + SOON * machine.fork / self.alone(machine, pace * spent);
+        if best == ALONE || times[ALONE] < times[best].map(|time| doubt * time) {
+            return Choice { times, ..alone };
         }
+        Choice { way: ways[best], alone_until: None, times, ..alone }
     }
 
     /// Takes note of what a frame took, of its cost in box tests if that was counted, else of the leaf pairs
@@ -169,7 +191,7 @@ impl History {
         let cost = match (frame.cost, frame.leaf_pairs, self.per_leaf_pair) {
             (Some(cost), ..) => Some(cost),
             (None, Some(pairs), Some(each)) => Some(each * f64::from(pairs)),
-            (None, Some(pairs), None) => match forecast.cost().filter(|_| pairs > 0) {
+            (None, Some(pairs), None) => match forecast.cost(frame.size).filter(|_| pairs > 0) {
                 Some(cost) => {
                     self.per_leaf_pair = Some(cost / f64::from(pairs));
                     Some(cost)
@@ -179,8 +201,12 @@ impl History {
             (None, None, _) => None,
         };
         self.frames = self.frames.saturating_add(1);
+        let before = forecast.cost(frame.size);
         if let Some(cost) = cost {
-            forecast.learn(cost);
+            forecast.learn(cost, frame.size);
+            if let Some(look) = frame.look {
+                forecast.learn_rest(look, cost);
+            }
         }
         let family = way.family();
         if self.current != Some(family) {
@@ -197,7 +223,8 @@ impl History {
                 self.workers.iter_mut().for_each(|own| own.forget(known.forget));
             }
         }
-        let Some(cost) = cost.or(forecast.cost()) else { return };
+        let Some(cost) = cost.or(before) else { return };
+        self.learn_at_once(machine, cost);
         let upkeep = if way == Way::Gpu { frame.gpu_upkeep } else { 0.0 };
         let predicted = predicted(machine, way, cost) + upkeep;
         if predicted < TELLING {
@@ -213,7 +240,22 @@ impl History {
             own.learn(sample);
             self.last_workers = workers;
         }
-        known.ratio.learn(sample);
+        match (way, known.ratio.frames) {
+            // Which needs no waking.
+            (Way::Alone, 0) => known.ratio = Ratio { value: sample.clamp(0.1, 30.0), frames: 1 },
+            _ => known.ratio.learn(sample),
+        }
+    }
+
+    /// Had others been called in at once: what would that have saved?
+    fn learn_at_once(&mut self, machine: &Machine, cost: f64) {
+        if machine.threads <= 1 {
+            return;
+        }
+        let threaded = Machine::worker_counts(machine.threads).map(|p| machine.threaded(cost, p));
+        let threads = self.ratio(THREADS, ALONE) * threaded.fold(f64::INFINITY, f64::min);
+        let after_a_look = self.alone(machine, cost).min(threads + LATE * machine.fork);
+        self.at_once += AMONG_JUMPS * (after_a_look - threads - self.at_once);
     }
 
     /// The current way, or `best` if that has earned it.
@@ -221,17 +263,25 @@ impl History {
         let Some((current, now)) = self.current.and_then(|way| Some((way, times[way]?))) else {
             return least(&self.with_upload(times, offer));
         };
-        // One frame is no trial.
-        if self.ways[current].ratio.frames == 1 && now < HOPELESS * times[best].unwrap_or(now) {
+        // One frame is no trial, of whom has to be woken first.
+        let is_first = current != ALONE && self.ways[current].ratio.frames == 1;
+        if is_first && now < HOPELESS * times[best].unwrap_or(now) {
             return current;
         }
         for (known, time) in self.ways.iter_mut().zip(times) {
             known.saved = time.map_or(0.0, |time| (known.saved + now - time).max(0.0));
         }
-        let (saved, time) = (self.ways[best].saved, times[best].unwrap_or(now));
-        let upload = if best >= GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
-        let pays = saved + (now - time) * self.horizon(offer) >= upload;
-        if pays && saved >= CHANGING * now { best } else { current }
+        let horizon = self.horizon(offer);
+        let pays = |&(way, time): &(usize, f64)| {
+            let saved = self.ways[way].saved;
+            let upload = if way >= GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
+            let hope = if self.ways[way].ratio.frames == 0 && upload > 0.0 { DOUBT } else { 1.0 };
+            let gain = now - hope * time;
+            time < now && saved >= CHANGING * now && saved + gain * horizon >= upload
+        };
+        let others = times.iter().enumerate().filter_map(|(way, time)| Some((way, (*time)?)));
+        let best = others.filter(pays).min_by(|x, y| x.1.total_cmp(&y.1));
+        best.map_or(current, |(way, _)| way)
     }
 
     /// What each way takes with its part of an upload.
@@ -258,11 +308,6 @@ fn least(times: &[Option<f64>; WAYS]) -> usize {
 /// The place of a number of threads.
 fn slot(workers: u32) -> usize {
     (workers.max(1).ilog2() as usize).min(NUMBERS - 1)
-}
-
-/// The cost with which an unknown question is begun.
-fn begin(machine: &Machine) -> f64 {
-    FORKS * machine.fork_of(machine.threads.max(2)) / machine.test
 }
 
 #[cfg(test)]

@@ -16,15 +16,8 @@ impl History {
         offer: &Offer,
         cost: f64,
     ) -> ([Option<f64>; WAYS], [Way; WAYS]) {
-        // Of a way that was never taken, what is known of its sibling.
-        let ratio = |own: usize, sibling: usize| match self.ways[own].ratio.frames {
-            // It may be the question that takes longer or the other way: half of it each.
-            0 => self.ways[sibling].ratio.value.sqrt(),
-            _ => self.ways[own].ratio.value,
-        };
-        let (cpu, gpu) = (ratio(THREADS, ALONE), ratio(GPU, GPU));
-        let alone = ratio(ALONE, THREADS) * machine.alone(cost) + offer.upkeep;
-        let mut times = [Some(alone), None, None, None];
+        let (cpu, gpu) = (self.ratio(THREADS, ALONE), self.ratio(GPU, GPU));
+        let mut times = [Some(self.alone(machine, cost) + offer.upkeep), None, None, None];
         let mut ways = [Way::Alone, Way::Alone, Way::Gpu, Way::Gpu];
         if offer.threads > 1 {
             // Which number is best, a first frame does not tell.
@@ -53,6 +46,20 @@ impl History {
             }
         }
         (times, ways)
+    }
+
+    /// What so many box tests take the calling thread.
+    pub(super) fn alone(&self, machine: &Machine, cost: f64) -> f64 {
+        self.ratio(ALONE, THREADS) * machine.alone(cost)
+    }
+
+    /// How wrong predictions are for a way; of one that was never taken, what is known of its sibling.
+    pub(super) fn ratio(&self, own: usize, sibling: usize) -> f64 {
+        match self.ways[own].ratio.frames {
+            // It may be the question that takes longer or the other way: half of it each.
+            0 => self.ways[sibling].ratio.value.sqrt(),
+            _ => self.ways[own].ratio.value,
+        }
     }
 }
 

@@ -7,7 +7,8 @@ use crate::planner::machine::Device;
 const THREADS_THERE: u32 = 16;
 
 fn measured() -> Machine {
-    let device = Device { name: "a GPU".to_owned(), question: 2e5, test: 0.05, upload: 20.0 };
+    let device =
+        Device { name: "a GPU".to_owned(), question: 2e5, test: 0.05, setup: 1e6, upload: 20.0 };
     Machine {
         threads: THREADS_THERE,
         test: 3.0,
@@ -41,6 +42,7 @@ impl World {
             gpu_upkeep: 0.0,
             both: false,
             guess: None,
+            size: None,
             moves: false,
             queries: 1,
             upkeep: 0.0,
@@ -54,16 +56,31 @@ impl World {
     /// Asks a question of this cost, and returns by which way and what it took.
     fn frame(&mut self, history: &mut History, cost: f64) -> (Way, f64) {
         let (machine, offer) = (self.machine.clone(), self.offer());
-        let mut choice = history.choose(&machine, &offer);
-        let mut beside = 0.0;
-        if let Some(tests) = choice.alone_first {
-            if cost > tests {
-                beside = self.takes(Way::Alone, tests);
-                choice = history.outgrown(&machine, &offer, &choice, tests);
-            } else {
-                choice.way = Way::Alone;
-            }
+        let begin = history.begin(&machine, Known::default()).map(|begin| begin.until);
+        let mut choice = begin.is_none().then(|| history.choose(&machine, &offer));
+        let mut until = begin.or(choice.and_then(|choice| choice.alone_until));
+        let (mut spent, mut first) = (0.0, None);
+        while let Some(end) = until.filter(|&end| end < cost) {
+            spent = end;
+            // Boxes promise three times too much.
+            let took = spent * machine.test * self.off[0];
+            let look = Look { spent, rest: 3.0 * (cost - spent), nanoseconds: Some(took) };
+            first.get_or_insert(look);
+            let next = history.look(&machine, &offer, look);
+            until = next.alone_until;
+            choice = Some(next);
         }
+        let Some(mut choice) = choice else {
+            history.learn_cost(&machine, cost);
+            return (Way::Alone, self.takes(Way::Alone, cost));
+        };
+        if until.is_some() {
+            choice.way = Way::Alone;
+        }
+        let beside = match choice.way {
+            Way::Alone => 0.0,
+            _ => spent * self.machine.test * self.off[0],
+        };
         self.noise = self.noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let noise = 0.9 + 0.2 * f64::from(self.noise >> 8) / f64::from(1 << 24);
         let mut took = beside + noise * self.takes(choice.way, cost);
@@ -77,7 +94,7 @@ impl World {
         history.learn(
             &machine,
             choice.way,
-            &Frame { nanoseconds: took, beside, cost, leaf_pairs, ..Frame::default() },
+            &Frame { nanoseconds: took, beside, cost, leaf_pairs, look: first, ..Frame::default() },
         );
         (choice.way, took)
     }
@@ -149,13 +166,14 @@ fn without_a_choice_nothing_is_chosen() {
         gpu_upkeep: 0.0,
         both: false,
         guess: None,
+        size: None,
         moves: false,
         queries: 1,
         upkeep: 0.0,
     };
     for cost in [1e2, 1e8, 1e2] {
         let choice = history.choose(&measured(), &offer);
-        assert_eq!((choice.way, choice.alone_first), (Way::Alone, None));
+        assert_eq!((choice.way, choice.alone_until), (Way::Alone, None));
         let frame = Frame { nanoseconds: cost, cost: Some(cost), ..Frame::default() };
         history.learn(&measured(), choice.way, &frame);
     }

@@ -41,6 +41,8 @@ pub(crate) struct Offer {
     pub(crate) both: bool,
     /// What it may cost in box tests, if nothing else is known.
     pub(crate) guess: Option<f64>,
+    /// How large it is, in a unit of its own, to compare it with the last one.
+    pub(crate) size: Option<f64>,
     /// Whether vertices have been moved for it.
     pub(crate) moves: bool,
     /// Of how many queries it consists.
@@ -53,13 +55,13 @@ pub(crate) struct Offer {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice {
     pub(crate) way: Way,
-    /// Begun by the calling thread, and only up to this cost if there is a number; if that is not enough, see
-    /// [`History::outgrown`].
-    pub(crate) alone_first: Option<f64>,
+    /// The calling thread goes on up to this cost, and then looks again: see [`super::History::look`].
+    pub(crate) alone_until: Option<f64>,
     /// Expected box tests.
     pub(crate) expected: Option<f64>,
-    /// That of the offer.
+    /// Those of the offer.
     pub(crate) gpu_upkeep: f64,
+    pub(crate) size: Option<f64>,
     /// Predicted nanoseconds of each way.
     pub(crate) times: [Option<f64>; WAYS],
     /// Whether the way is the one with the least of them.
@@ -67,10 +69,51 @@ pub(crate) struct Choice {
 }
 
 impl Choice {
+    /// Alone, to the end.
+    pub(super) fn alone(offer: &Offer) -> Self {
+        Self {
+            way: Way::Alone,
+            alone_until: None,
+            expected: None,
+            gpu_upkeep: offer.gpu_upkeep,
+            size: offer.size,
+            times: [None; WAYS],
+            is_best: true,
+        }
+    }
+
     /// What it will take, in nanoseconds, if that is known.
     pub(crate) fn time(&self) -> Option<f64> {
         self.times[self.way.family()]
     }
+}
+
+/// What is known of a question before anybody begins.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Known {
+    /// Those of the [`Offer`].
+    pub(crate) guess: Option<f64>,
+    pub(crate) size: Option<f64>,
+}
+
+/// How the calling thread begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Begin {
+    /// The cost at which it looks where it is, and decides.
+    pub(crate) until: f64,
+    /// Whether it needs to know how long that took.
+    pub(crate) is_timed: bool,
+}
+
+/// How far a question has come that was begun on the calling thread.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look {
+    /// What it has cost up to now, in box tests.
+    pub(crate) spent: f64,
+    /// What the rest may cost, by its boxes.
+    pub(crate) rest: f64,
+    /// What it has taken up to now, if that was timed.
+    pub(crate) nanoseconds: Option<f64>,
 }
 
 /// What a frame took.
@@ -83,4 +126,8 @@ pub(crate) struct Frame {
     pub(crate) gpu_upkeep: f64,
     pub(crate) cost: Option<f64>,
     pub(crate) leaf_pairs: Option<u32>,
+    /// That of the offer.
+    pub(crate) size: Option<f64>,
+    /// The first look at it.
+    pub(crate) look: Option<Look>,
 }
