@@ -48,8 +48,8 @@
 //! use pfront_core::{Blob, Bvh, Mesh, Node, bvh::check_scratch_bound};
 //! // On the machine that bakes:
 //! let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
-//! let root = Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 };
-//! let bvh = Bvh::new(mesh, &[root], &[0], &mut [0])?;
+//! let nodes = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
+//! let bvh = Bvh::new(mesh, &nodes, &[0], &mut [0])?;
 //! const BYTES: usize = Counts { nodes: 1, vertices: 3, triangles: 1 }.bytes();
 //! let mut baked = Aligned([0; BYTES]);
 //! blob::write(&bvh, &mut baked.0)?;

@@ -144,7 +144,7 @@ fn the_format_does_not_drift() {
 
 #[test]
 fn what_is_written_is_read_and_written_again() {
-    let sizes: &[u32] = if cfg!(miri) { &[0, 1, 20] } else { &[0, 1, 2, 7, 8, 9, 33, 60] };
+    let sizes: &[u32] = if cfg!(miri) { &[0, 9] } else { &[0, 1, 2, 7, 8, 9, 33, 60] };
     for (&size, by_morton) in sizes.iter().flat_map(|n| [(n, false), (n, true)]) {
         for leaf_size in [1, 8] {
             let own = Owned::strip(size, leaf_size, by_morton);
