@@ -1,6 +1,6 @@
 //! Mesh files: order and coordinates are kept, faults are found where they are, nothing panics.
 
-#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "mesh/files.rs"]
 mod files;

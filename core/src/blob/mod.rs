@@ -135,7 +135,7 @@ impl<'a> Blob<'a> {
 
     /// Takes bytes for a blob whose checksum the caller vouches for: only the header is looked at.
     ///
-    /// With others than [`write`] has written, [`Blob::bvh`] is as safe as ever, and may find no fault in a
+    /// With others than [`write()`] has written, [`Blob::bvh`] is as safe as ever, and may find no fault in a
     /// mesh that is another than was baked.
     ///
     /// # Errors
@@ -192,7 +192,7 @@ impl<'a> Blob<'a> {
 
     /// Borrows the mesh and the BVH of a blob that the caller vouches for.
     ///
-    /// Nothing of them is checked: with others than [`write`] has written, a query may give wrong pairs, not
+    /// Nothing of them is checked: with others than [`write()`] has written, a query may give wrong pairs, not
     /// end, or panic, as with [`Bvh::trusted`]. No memory but the blob's is read even then.
     ///
     /// # Errors
