@@ -28,7 +28,9 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
         bake.mesh.display(),
         path.display()
     )?;
+    let header = Counts { nodes: 0, vertices: 0, triangles: 0 }.bytes();
     for (section, bytes) in [
+        ("header", header),
         ("nodes", nodes * size_of::<Node>()),
         ("positions", vertices * size_of::<[f32; 3]>()),
         ("triangles", triangles * size_of::<[u32; 3]>()),

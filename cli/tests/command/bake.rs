@@ -10,7 +10,7 @@ fn a_baked_mesh_answers_as_the_mesh_does() {
     let at = folder.path();
     let said = out(at, "bake a.obj");
     assert!(said.starts_with("a.obj: 4 triangles, 4 vertices, 1 nodes; see a.pfb\n"), "{said}");
-    for row in ["nodes", "positions", "triangles", "order", "all"] {
+    for row in ["header", "nodes", "positions", "triangles", "order", "all"] {
         assert!(said.lines().any(|line| line.trim_start().starts_with(row)), "no {row} in {said}");
     }
     let bytes = fs::read(at.join("a.pfb")).unwrap();
