@@ -2,7 +2,7 @@
 
 use crate::BodyId;
 use pfront_core::pose::PoseError;
-use pfront_core::{CapacityError, MeshError};
+use pfront_core::{BlobError, CapacityError, MeshError};
 
 /// Why a call could not answer. Each variant names the vertex, triangle, entry or size at fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -11,6 +11,9 @@ pub enum Error {
     /// The positions and indices are not a mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// Bytes are no blob, or the BVH in it is none of its mesh.
+    #[error(transparent)]
+    Blob(BlobError),
     /// A mesh cannot be posed so.
     #[error(transparent)]
     Pose(#[from] PoseError),
@@ -23,4 +26,14 @@ pub enum Error {
     /// A buffer of the core was too small.
     #[error(transparent)]
     Capacity(#[from] CapacityError),
+}
+
+impl From<BlobError> for Error {
+    fn from(error: BlobError) -> Self {
+        match error {
+            BlobError::Mesh(error) => Self::Mesh(error),
+            BlobError::Capacity(error) => Self::Capacity(error),
+            error => Self::Blob(error),
+        }
+    }
 }

@@ -60,7 +60,7 @@ pub use pfront_core::build::BuildOptions;
 pub use pfront_core::pose::PoseError;
 pub use pfront_core::query::TrianglePair;
 pub use pfront_core::triangle::{Accuracy, Adjacency, Contact, ContactKind};
-pub use pfront_core::{Aabb, Bvh, Mesh, MeshError, Node, Pose};
+pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose};
 /// The backend on several CPU threads, and what can be chosen about it.
 #[cfg(feature = "threads")]
 pub use pfront_cpu as threads;

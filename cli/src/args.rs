@@ -1,7 +1,9 @@
 //! What can be typed.
 
+mod bake;
 mod study;
 
+pub(crate) use bake::{Bake, Build};
 pub(crate) use study::{Bench, BenchGpu, Chart, Judge, Plan, Regret, Stability};
 
 use crate::how::How;
@@ -18,6 +20,7 @@ Examples:
   pfront pairs a.obj b.stl --out hits.ply         the same, to look at
   pfront any a.obj b.stl && echo they touch
   pfront self cloth.ply --format csv > folds.csv
+  pfront bake gear.obj && pfront self gear.pfb    with the BVH that was built once
   pfront record epicyclic gears.tcw && pfront replay gears.tcw --pairs gears.tcp
 
 Exit codes:
@@ -61,6 +64,10 @@ pub(crate) enum Command {
     Replay(Replay),
     /// Write a built-in scene as a workload
     Record(Record),
+    /// Write a mesh with its BVH as one blob, for programs and firmware to borrow
+    ///
+    /// Wherever a mesh is read, a baked one is too. Prints the bytes of each section.
+    Bake(Bake),
     /// Show how evenly p-partition fronts divide the work, for any number of workers
     ///
     /// Work is counted in box and triangle tests, not timed (but for the share of time that the front takes),
@@ -106,7 +113,7 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct TwoMeshes {
-    /// The first mesh: obj, ply, stl, off, gltf or glb
+    /// The first mesh: obj, ply, stl, off, gltf, glb, or pfb from bake
     pub(crate) a: PathBuf,
     /// The second mesh
     pub(crate) b: PathBuf,

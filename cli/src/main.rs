@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         Some(Command::Within(within)) => command::within::run(&within),
         Some(Command::Replay(replay)) => command::replay::run(&replay),
         Some(Command::Record(record)) => command::record::run(&record),
+        Some(Command::Bake(bake)) => command::bake::run(&bake),
         Some(Command::Balance(balance)) => command::balance::run(&balance),
         Some(Command::Chart(chart)) => command::chart::run(&chart),
         Some(Command::Judge(judge)) => command::judge::run(&judge),

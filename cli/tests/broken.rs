@@ -127,7 +127,7 @@ fn broken_meshes_are_refused_by_every_command() {
     fs::create_dir(at.join("folder.obj")).unwrap();
     refused(at, "folder.obj");
     refused(at, "missing.obj");
-    assert!(!at.join("hits.ply").exists());
+    assert!(!at.join("hits.ply").exists() && !at.join("hits.pfb").exists());
 }
 
 /// By every command that reads a mesh, and those that would read something else.
@@ -136,6 +136,7 @@ fn refused(at: &Path, name: &str) {
         refuses(at, &format!("{command} {name} {FEW}"), name);
     }
     refuses(at, &format!("pairs {name} good.obj --out hits.ply {FEW}"), name);
+    refuses(at, &format!("bake {name} --out hits.pfb"), name);
     refuses(at, &format!("replay {name} {FEW}"), name);
     refuses(at, &format!("balance {name} -p 2"), name);
 }

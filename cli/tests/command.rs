@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "command/bake.rs"]
+mod bake;
 #[path = "command/gpu.rs"]
 mod gpu;
 #[path = "command/plan.rs"]

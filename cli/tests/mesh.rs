@@ -6,7 +6,8 @@
 mod files;
 
 use files::*;
-use pfront_cli::mesh::{MeshData, PaintedMesh, read, write_painted};
+use pfront::Model;
+use pfront_cli::mesh::{Loaded, MeshData, PaintedMesh, load, read, write_painted};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fs;
@@ -279,4 +280,34 @@ fn solids_of_one_file_are_all_read() {
 fn welding_leaves_bad_indices_to_be_named() {
     let mesh = MeshData { positions: POSITIONS.to_vec(), triangles: vec![[0, 1, 9]] };
     assert_eq!(mesh.clone().welded(), mesh);
+}
+
+#[test]
+fn baked_meshes_come_back_with_their_bvh() {
+    let MeshData { positions, triangles } = quad();
+    let model = Model::new(positions, triangles).unwrap();
+    let bytes = model.to_blob().unwrap();
+    // Whatever a file is called, it is known by how it begins.
+    for name in ["square.pfb", "square.PFB", "square.obj", "square"] {
+        assert_eq!(parse(name, &bytes).unwrap(), quad(), "{name}");
+    }
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("square.pfb");
+    fs::write(&path, &bytes).unwrap();
+    let Loaded::Baked(loaded) = load(&path).unwrap() else { panic!("a mesh without its BVH") };
+    assert_eq!(loaded.bvh().nodes(), model.bvh().nodes());
+    assert_eq!(loaded.bvh().order(), model.bvh().order());
+}
+
+#[test]
+fn faults_of_baked_meshes() {
+    let MeshData { positions, triangles } = quad();
+    let bytes = Model::new(positions, triangles).unwrap().to_blob().unwrap();
+    let mut changed = bytes.clone();
+    changed[100] ^= 4;
+    assert!(fault("changed.pfb", changed).contains("checksum"));
+    assert!(fault("short.pfb", &bytes[..99]).contains("99"));
+    assert!(fault("text.pfb", obj()).contains("pfront bake"));
+    let nothing = Model::new(Vec::new(), Vec::new()).unwrap().to_blob().unwrap();
+    assert!(fault("nothing.pfb", nothing).contains("no triangle"));
 }

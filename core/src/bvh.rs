@@ -215,6 +215,27 @@ impl<'a> Bvh<'a> {
         deepest
     }
 
+    /// Whether nodes lie as every build lays them: all that lies below a node is one run, which
+    /// [`refit_with`](crate::build::refit_with) and those that go by it rely on, and [`Bvh::new`]
+    /// does not ask for.
+    ///
+    /// # Complexity
+    /// O(nodes).
+    #[must_use]
+    pub fn is_depth_first(&self) -> bool {
+        let mut children = 2;
+        let in_place = preorder(self.nodes, |index, _| {
+            let node = item(self.nodes, index as u32);
+            if node.is_leaf() {
+                return Ok(());
+            }
+            let expected = children;
+            children += 2;
+            if node.first == expected { Ok(()) } else { Err(()) }
+        });
+        in_place.is_ok()
+    }
+
     /// Checks the tree as [`Bvh::new`] does, for tests: call it after every change.
     ///
     /// # Panics

@@ -5,6 +5,7 @@
 extern crate std;
 
 pub mod aabb;
+pub mod blob;
 pub mod build;
 pub mod bvh;
 mod error;
@@ -24,6 +25,7 @@ pub mod triangle;
 pub mod walk;
 
 pub use aabb::Aabb;
+pub use blob::{Blob, BlobError};
 pub use bvh::{Bvh, BvhError, Node};
 pub use error::CapacityError;
 pub use mesh::{Mesh, MeshError, Triangle};

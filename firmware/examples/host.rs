@@ -2,13 +2,12 @@
 //! finds by another build and a wider walk.
 
 use pfront::{Model, PairQuery};
-use scene::{Memory, Pairs, meshes, play, pose};
+use scene::{Memory, Pairs, beads, play, pose, torus};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let own =
         |mesh: pfront::Mesh<'_>| Model::new(mesh.positions().to_vec(), mesh.triangles().to_vec());
-    let [a, b] = meshes()?;
-    let (a, b) = (own(a)?, own(b)?);
+    let (a, b) = (own(torus()?)?, own(beads()?.mesh())?);
     let mut query = PairQuery::new();
     let mut frames = Vec::new();
     play(&mut Box::new(Memory::ZERO), |pairs, line| frames.push((pairs, *line)))?;

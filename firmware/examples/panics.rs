@@ -40,6 +40,7 @@ struct Slices<'s> {
     past: &'s mut [PastCost],
     loads: &'s mut [Load],
     page: &'s mut [TrianglePair],
+    bytes: &'s mut [u8],
 }
 
 fn everything(slices: Slices<'_>) -> Option<()> {
@@ -52,6 +53,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any((Bvh::new(mesh, bvh.nodes(), bvh.order(), words).ok()?.depth(), quality(&bvh)));
     any(Bvh::trusted(mesh, some()?, some()?));
     any([refit_with(mesh, others, some()?, join), refit(mesh, others, some()?)]);
+    baked(&bvh, slices.bytes);
     let [moved, near] = slices.moved;
     any(mark_moved(positions, mesh.positions(), moved).is_ok());
     any(survey(mesh, others, some()?, slices.table, join).is_ok());
@@ -82,6 +84,16 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any(intersects(&some()?, &some()?, some()?));
     any(intersects_in_mesh(mesh, some()?, some()?, some()?, some()?));
     any((contact(&some()?, &some()?), mesh.triangle(some()?)));
+    Some(())
+}
+
+fn baked(bvh: &Bvh<'_>, bytes: &mut [u8]) -> Option<()> {
+    any(blob::write(bvh, bytes).ok()?.len());
+    any(blob::Counts::of(bvh).bytes());
+    any((Blob::new(bytes).ok()?, Blob::trusted(bytes).ok()?.bvh_trusted().ok()?));
+    let (blob, _) = Blob::prefix(bytes).ok()?;
+    any((blob.bytes(), blob.counts(), blob.bvh(some()?).ok()?.is_depth_first()));
+    any(blob.read_into(some()?, some()?).ok()?);
     Some(())
 }
 

@@ -1,60 +1,24 @@
-//! Two closed surfaces of 1,000 triangles, computed by the compiler, so that they are the same to the bit
-//! on every machine.
+//! A torus, of which the device builds the BVH, and one with a bulging tube, which `build.rs` has baked. Both lie
+//! in flash and are borrowed from there.
 
-use pfront_core::{Mesh, MeshError};
+use crate::shape::{TRIANGLES, VERTICES, grid, ring};
+use pfront_core::blob::Aligned;
+use pfront_core::bvh::check_scratch_bound;
+use pfront_core::{Blob, BlobError, Bvh, Mesh, MeshError};
 
-/// Around and across a ring.
-const AROUND: usize = 25;
-const ACROSS: usize = 20;
-const VERTICES: usize = AROUND * ACROSS;
-pub(crate) const TRIANGLES: usize = 2 * VERTICES;
-
-/// A torus, and one whose tube swells and shrinks five times around.
-pub fn meshes() -> Result<[Mesh<'static>; 2], MeshError> {
-    Ok([Mesh::new(&RING, &GRID)?, Mesh::new(&BEADS, &GRID)?])
-}
-
-static RING: [[f32; 3]; VERTICES] = ring(0.0);
-static BEADS: [[f32; 3]; VERTICES] = ring(0.3);
+static POSITIONS: [[f32; 3]; VERTICES] = ring(0.0);
 static GRID: [[u32; 3]; TRIANGLES] = grid();
 
-const fn ring(bump: f32) -> [[f32; 3]; VERTICES] {
-    let mut positions = [[0.0; 3]; VERTICES];
-    let mut at = 0;
-    while at < VERTICES {
-        let [x, y] = on_circle(at / ACROSS, AROUND);
-        let [across, up] = on_circle(at % ACROSS, ACROSS);
-        let tube = 0.4 + bump * on_circle(5 * (at / ACROSS) % AROUND, AROUND)[0];
-        let out = 1.0 + tube * across;
-        positions[at] = [x * out, y * out, tube * up];
-        at += 1;
-    }
-    positions
+const FILE: &[u8; include_bytes!(concat!(env!("OUT_DIR"), "/beads.pfb")).len()] =
+    include_bytes!(concat!(env!("OUT_DIR"), "/beads.pfb"));
+static BAKED: Aligned<[u8; FILE.len()]> = Aligned(*FILE);
+
+/// The torus.
+pub fn torus() -> Result<Mesh<'static>, MeshError> {
+    Mesh::new(&POSITIONS, &GRID)
 }
 
-const fn grid() -> [[u32; 3]; TRIANGLES] {
-    let mut triangles = [[0; 3]; TRIANGLES];
-    let mut at = 0;
-    while at < VERTICES {
-        let (i, j) = (at / ACROSS, at % ACROSS);
-        let (next_i, next_j) = ((i + 1) % AROUND, (j + 1) % ACROSS);
-        let [p, q] = [at as u32, (i * ACROSS + next_j) as u32];
-        let [r, s] = [(next_i * ACROSS + j) as u32, (next_i * ACROSS + next_j) as u32];
-        triangles[2 * at] = [p, r, s];
-        triangles[2 * at + 1] = [p, s, q];
-        at += 1;
-    }
-    triangles
-}
-
-/// The point a share of the way around the unit circle, in four rational arcs.
-pub(crate) const fn on_circle(step: usize, of: usize) -> [f32; 2] {
-    let (quarter, t) = (4 * step / of, (4 * step % of) as f32 / of as f32);
-    let (x, y) = ((1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t));
-    match quarter {
-        0 => [x, y],
-        1 => [-y, x],
-        2 => [-x, -y],
-        _ => [y, -x],
-    }
+/// The one with a bulging tube.
+pub fn beads() -> Result<Bvh<'static>, BlobError> {
+    Blob::new(&BAKED.0)?.bvh(&mut [0; check_scratch_bound(TRIANGLES)])
 }

@@ -1,23 +1,24 @@
-//! What the firmware computes: two meshes of 1,000 triangles, one moving through the other, in 52 KiB.
+//! What the firmware computes: two meshes of 1,000 triangles, one moving through the other, in 34 KiB.
 //!
-//! Both BVHs are built in Morton order. Each frame then goes as [`pfront_core::front`] describes, for two
+//! One BVH is built in Morton order, the other borrowed from flash. Each frame then goes as [`pfront_core::front`] describes, for two
 //! workers one after the other, and pairs come in pages. Last, one more frame is asked in steps.
 
 #![no_std]
 
 mod line;
 mod mesh;
+mod shape;
 
 pub use line::Line;
-pub use mesh::meshes;
+pub use mesh::{beads, torus};
 
 use core::ops::ControlFlow::Continue;
-use mesh::TRIANGLES;
 use pfront_core::build::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
 use pfront_core::front::{Estimate, Front, FrontNode, Grain, Past, PastCost, Path};
 use pfront_core::partition::{Load, greedy};
 use pfront_core::query::{Cursor, NodePair, PairQuery, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
+use shape::TRIANGLES;
 
 /// How many frames the scene lasts.
 pub const FRAMES: u32 = 8;
@@ -25,7 +26,7 @@ pub const FRAMES: u32 = 8;
 /// Workers that a frame is dealt out to.
 const WORKERS: usize = 2;
 
-/// As many as the trees have; the build says so if they are too few.
+/// As many as the tree has; the build says so if they are too few.
 const NODES: usize = 448;
 
 /// The most nodes of a front.
@@ -42,9 +43,9 @@ const SCRATCH: usize = morton_scratch_bound(TRIANGLES) * size_of::<u64>() / size
 
 /// All memory of the scene but its stack.
 pub struct Memory {
-    nodes: [[Node; NODES]; 2],
-    order: [[u32; TRIANGLES]; 2],
-    /// Scratch of the builds; then the front, and behind it what is remembered of the last frame.
+    nodes: [Node; NODES],
+    order: [u32; TRIANGLES],
+    /// Scratch of the build; then the front, and behind it what is remembered of the last frame.
     front: [FrontNode; SCRATCH],
 }
 
@@ -54,7 +55,7 @@ impl Memory {
         let node = Node { min: [0.0; 3], first: 0, max: [0.0; 3], count: 0 };
         let pair = NodePair { a: 0, b: 0 };
         let free = FrontNode { pair, path: Path::ROOT, cost: 0.0, query: 0, part: 0, index: 0 };
-        Self { nodes: [[node; NODES]; 2], order: [[0; TRIANGLES]; 2], front: [free; SCRATCH] }
+        Self { nodes: [node; NODES], order: [0; TRIANGLES], front: [free; SCRATCH] }
     };
 }
 
@@ -79,7 +80,7 @@ impl Pairs {
 /// How the second mesh stands in the frame of the first: it sinks into it, turning.
 #[must_use]
 pub fn pose(frame: u32) -> Pose {
-    let [cos, sin] = mesh::on_circle(frame as usize, 64);
+    let [cos, sin] = shape::on_circle(frame as usize, 64);
     let shift = 1.3 - 0.1 * frame as f32;
     Pose::new([[1.0, 0.0, 0.0, shift], [0.0, cos, -sin, 0.1], [0.0, sin, cos, 0.0]])
 }
@@ -89,11 +90,10 @@ pub fn pose(frame: u32) -> Pose {
 /// # Errors
 /// The buffer that is too small, or the step that has failed.
 pub fn play(memory: &mut Memory, mut show: impl FnMut(Pairs, &Line)) -> Result<(), &'static str> {
-    let Memory { nodes: [nodes_a, nodes_b], order: [order_a, order_b], front } = memory;
-    let [mesh_a, mesh_b] = meshes().map_err(|_| "mesh")?;
+    let Memory { nodes, order, front } = memory;
     let scratch = bytemuck::must_cast_slice_mut(front);
-    let a = build(mesh_a, BvhStorage { nodes: nodes_a, order: order_a }, scratch)?;
-    let b = build(mesh_b, BvhStorage { nodes: nodes_b, order: order_b }, scratch)?;
+    let a = build(torus().map_err(|_| "mesh")?, BvhStorage { nodes, order }, scratch)?;
+    let b = beads().map_err(|_| "blob")?;
     let (front, rest) = front.split_at_mut(FRONT);
     let memory: &mut [PastCost] = bytemuck::must_cast_slice_mut(rest);
     let mut remembered = 0;

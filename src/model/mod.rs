@@ -1,5 +1,6 @@
 //! A mesh and its BVH, owned.
 
+mod blob;
 mod deform;
 mod fans;
 mod moves;
@@ -97,7 +98,17 @@ impl Model {
         options: BuildOptions,
     ) -> Result<Self, Error> {
         let tree = Tree::build(Mesh::new(&positions, &triangles)?, &options, passes);
-        Ok(Self {
+        Ok(Self::of(positions, triangles, options, tree))
+    }
+
+    /// A mesh that is checked, and its tree.
+    fn of(
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions,
+        tree: Tree,
+    ) -> Self {
+        Self {
             positions,
             triangles,
             options,
@@ -106,7 +117,7 @@ impl Model {
             tree: Renewed::new(tree),
             fans: Renewed::unmade(),
             sphere: OnceLock::new(),
-        })
+        }
     }
 
     /// The mesh.

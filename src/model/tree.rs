@@ -26,6 +26,17 @@ impl Tree {
         tree
     }
 
+    /// Takes over a tree of these positions that was checked, and makes its boxes tight, as those of a build are.
+    pub(super) fn adopt(
+        mesh: Mesh<'_>,
+        mut nodes: Vec<Node>,
+        order: Vec<u32>,
+        passes: &Passes,
+    ) -> Self {
+        let built = (passes.refit)(mesh, &mut nodes, &order);
+        Self { nodes, order, table: Vec::new(), built, quality: built }
+    }
+
     /// Builds the tree anew for these positions.
     pub(super) fn rebuild(&mut self, mesh: Mesh<'_>, options: &BuildOptions, passes: &Passes) {
         let n = mesh.triangles().len();

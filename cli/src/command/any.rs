@@ -6,12 +6,11 @@ use crate::how::How;
 use crate::output::out;
 use anyhow::Result;
 use pfront_study::engine::Objects;
-use std::convert::identity;
 use std::io::Write;
 
 pub(crate) fn run(meshes: &TwoMeshes, how: &How) -> Result<bool> {
     let asked = how.asked()?;
-    let (a, b) = (model(&meshes.a, identity)?, model(&meshes.b, identity)?);
+    let (a, b) = (model(&meshes.a, false)?, model(&meshes.b, false)?);
     let mut engine = Objects::pair(a, b).engine(asked)?;
     engine.place(1, meshes.a_from_b())?;
     let found = engine.any()?;

@@ -1,6 +1,7 @@
 //! What each command does. `Ok(false)` is only for a question whose answer is no.
 
 pub(crate) mod any;
+pub(crate) mod bake;
 pub(crate) mod balance;
 pub(crate) mod bench;
 pub(crate) mod chart;
@@ -19,15 +20,19 @@ use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use pfront::core::query::Query;
 use pfront::{Contact, Model, TrianglePair};
-use pfront_cli::mesh::{self, MeshData};
+use pfront_cli::mesh::{self, Loaded, MeshData};
 use pfront_study::engine::Engine;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Reads a mesh and builds its BVH.
-fn model(path: &Path, change: impl FnOnce(MeshData) -> MeshData) -> Result<Arc<Model>> {
-    let MeshData { positions, triangles } = change(mesh::read(path)?);
+/// Reads a mesh, welds it if asked to, and builds its BVH, unless it was baked with one.
+fn model(path: &Path, weld: bool) -> Result<Arc<Model>> {
+    let mesh = match mesh::load(path)? {
+        Loaded::Baked(model) if !weld => return Ok(model.into()),
+        loaded => MeshData::from(loaded),
+    };
+    let MeshData { positions, triangles } = if weld { mesh.welded() } else { mesh };
     let model = Model::new(positions, triangles);
     model.map(Arc::new).with_context(|| path.display().to_string())
 }

@@ -7,11 +7,10 @@ use crate::listing::Found;
 use anyhow::Result;
 use pfront::core::query;
 use pfront_study::engine::Objects;
-use std::convert::identity;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bool> {
     let asked = how.asked()?;
-    let (a, b) = (model(&meshes.a, identity)?, model(&meshes.b, identity)?);
+    let (a, b) = (model(&meshes.a, false)?, model(&meshes.b, false)?);
     let a_from_b = meshes.a_from_b();
     let mut engine = Objects::pair(a.clone(), b.clone()).engine(asked)?;
     engine.place(1, a_from_b)?;

@@ -14,7 +14,7 @@ pub(crate) fn run(within: &Within) -> Result<bool> {
         false => Adjacency::SharedIndexRule,
     };
     let asked = Asked { adjacency, ..within.how.asked()? };
-    let model = model(&within.mesh, |mesh| if within.weld { mesh.welded() } else { mesh })?;
+    let model = model(&within.mesh, within.weld)?;
     let mut engine = Objects::within(model.clone()).engine(asked)?;
     let pairs = engine.all()?;
     let with_contacts;

@@ -66,6 +66,10 @@ impl Fault {
         Self::Broken(what.into())
     }
 
+    pub(super) fn no_triangle() -> Self {
+        Self::broken("there is no triangle in it")
+    }
+
     pub(super) fn at(self, path: &Path) -> ReadError {
         let path = path.to_owned();
         match self {

@@ -6,6 +6,7 @@
 //! what is written. What is no number is refused; NaN is one, and left to [`pfront::Model::new`], which
 //! names the vertex.
 
+mod baked;
 mod error;
 mod gltf;
 mod obj;
@@ -19,11 +20,16 @@ pub use error::ReadError;
 pub use painted::{PaintedMesh, write_painted};
 
 use error::Fault;
+use pfront::Model;
+use pfront::core::blob::MAGIC;
 use std::collections::HashMap;
 use std::path::Path;
 
 /// The extensions that [`read`] knows.
-pub const FORMATS: [&str; 6] = ["obj", "ply", "stl", "off", "gltf", "glb"];
+pub const FORMATS: [&str; 7] = ["obj", "ply", "stl", "off", "gltf", "glb", BAKED];
+
+/// The extension of what `pfront bake` writes.
+const BAKED: &str = "pfb";
 
 /// A mesh as its file has it: neither coordinates nor indices are checked.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,7 +78,25 @@ impl MeshData {
     }
 }
 
-/// Reads a mesh; the extension tells the format, in whatever case.
+/// What was in a mesh file.
+#[derive(Debug)]
+pub enum Loaded {
+    /// A mesh, of which nothing is checked.
+    Mesh(MeshData),
+    /// A baked mesh, with its BVH.
+    Baked(Box<Model>),
+}
+
+impl From<Loaded> for MeshData {
+    fn from(loaded: Loaded) -> Self {
+        match loaded {
+            Loaded::Mesh(mesh) => mesh,
+            Loaded::Baked(model) => (*model).into(),
+        }
+    }
+}
+
+/// Reads a mesh; the extension tells the format, in whatever case. A baked one is known by how it begins.
 ///
 /// An STL file has three vertices of its own for each triangle, see [`MeshData::welded`]. Of glTF these
 /// are the triangles of all meshes of the default scene, placed by their nodes, in the order of the nodes,
@@ -83,13 +107,25 @@ impl MeshData {
 /// [`ReadError`] names the file, and the line or what else is wrong; a file without a triangle is taken for
 /// one that was not understood.
 pub fn read(path: &Path) -> Result<MeshData, ReadError> {
+    load(path).map(MeshData::from)
+}
+
+/// [`read`] that keeps the BVH of a baked mesh.
+///
+/// # Errors
+/// As [`read`].
+pub fn load(path: &Path) -> Result<Loaded, ReadError> {
+    let bytes = std::fs::read(path).map_err(|error| Fault::from(error).at(path))?;
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let format = FORMATS.iter().find(|&&format| extension == format);
+    let named = FORMATS.into_iter().find(|&format| extension == format);
+    let format = if bytes.starts_with(&MAGIC) { Some(BAKED) } else { named };
     let format = format.ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let bytes = std::fs::read(path).map_err(Fault::from);
-    let parsed = bytes.and_then(|bytes| parse(format, &bytes, folder));
-    parsed.map_err(|fault| fault.at(path))
+    let loaded = match format {
+        BAKED => baked::model(&bytes).map(|model| Loaded::Baked(Box::new(model))),
+        _ => parse(format, &bytes, folder).map(Loaded::Mesh),
+    };
+    loaded.map_err(|fault| fault.at(path))
 }
 
 /// For fuzzing: [`read`] of bytes in one of [`FORMATS`], without files beside.
@@ -104,10 +140,11 @@ fn parse(format: &str, bytes: &[u8], folder: &Path) -> Result<MeshData, Fault> {
         "ply" => ply::parse(bytes),
         "stl" => stl::parse(bytes),
         "off" => off::parse(bytes),
+        BAKED => baked::parse(bytes),
         _ => gltf::parse(bytes, folder),
     }?;
     if mesh.triangles.is_empty() {
-        return Err(Fault::broken("there is no triangle in it"));
+        return Err(Fault::no_triangle());
     }
     Ok(mesh)
 }

@@ -1,0 +1,22 @@
+//! Baked meshes: blobs of a mesh and its BVH, see [`pfront::core::blob`].
+
+use super::MeshData;
+use super::error::Fault;
+use pfront::Model;
+
+/// The mesh with its BVH.
+pub(super) fn model(bytes: &[u8]) -> Result<Model, Fault> {
+    let model = Model::from_blob(bytes).map_err(|error| Fault::broken(error.to_string()))?;
+    if model.mesh().triangles().is_empty() { Err(Fault::no_triangle()) } else { Ok(model) }
+}
+
+pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+    model(bytes).map(MeshData::from)
+}
+
+impl From<Model> for MeshData {
+    fn from(model: Model) -> Self {
+        let mesh = model.mesh();
+        Self { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec() }
+    }
+}

@@ -1,0 +1,38 @@
+//! Between little-endian bytes and elements that consist of 32-bit words.
+
+use super::BlobError;
+use crate::CapacityError;
+use bytemuck::Pod;
+
+/// The elements where they lie.
+pub(super) fn borrow<T: Pod>(bytes: &[u8]) -> Result<&[T], BlobError> {
+    if cfg!(target_endian = "big") {
+        return Err(BlobError::BigEndian);
+    }
+    // A section is a whole number of elements, so only its place can be wrong.
+    bytemuck::try_cast_slice(bytes).map_err(|_| BlobError::Misaligned { needed: align_of::<T>() })
+}
+
+/// The elements in the memory of `buffer`.
+pub(super) fn copy_from<'s, T: Pod>(
+    bytes: &[u8],
+    buffer: &'static str,
+    to: &'s mut [T],
+) -> Result<&'s [T], CapacityError> {
+    let count = bytes.len() / size_of::<T>();
+    CapacityError::check(buffer, count, to.len())?;
+    let to = to.get_mut(..count).unwrap_or_default();
+    let (words, _) = bytes.as_chunks();
+    for (to, from) in bytemuck::must_cast_slice_mut::<T, u32>(to).iter_mut().zip(words) {
+        *to = u32::from_le_bytes(*from);
+    }
+    Ok(to)
+}
+
+/// Writes the elements to as many bytes as they take.
+pub(super) fn copy_to<T: Pod>(elements: &[T], out: &mut [u8]) {
+    let (words, _) = out.as_chunks_mut();
+    for (to, from) in words.iter_mut().zip(bytemuck::must_cast_slice::<T, u32>(elements)) {
+        *to = from.to_le_bytes();
+    }
+}

@@ -1,0 +1,73 @@
+//! Models as bytes: see [`pfront_core::blob`].
+
+use super::Model;
+use super::passes::ONE_THREAD;
+use super::tree::Tree;
+use crate::Error;
+use pfront_core::blob::{Blob, BlobStorage, Counts, write};
+use pfront_core::build::BuildOptions;
+use pfront_core::bvh::check_scratch_bound;
+use pfront_core::{Mesh, Node};
+
+impl Model {
+    /// Copies a mesh and its BVH out of a blob, wherever that lies, instead of building the BVH. Nothing in it
+    /// is trusted.
+    ///
+    /// A BVH whose nodes do not lie as a build lays them is built anew, since refits rely on that. Rebuilds
+    /// of a deforming mesh use [`BuildOptions::default`].
+    ///
+    /// # Errors
+    /// [`Error::Blob`] says what is wrong with the bytes, [`Error::Mesh`] with the mesh in them.
+    ///
+    /// # Complexity
+    /// O(bytes).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::Model;
+    /// let model = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let mut bytes = model.to_blob()?;
+    /// assert_eq!(Model::from_blob(&bytes)?.bvh().nodes(), model.bvh().nodes());
+    ///
+    /// bytes[100] ^= 1;
+    /// assert!(Model::from_blob(&bytes).is_err());
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn from_blob(bytes: &[u8]) -> Result<Self, Error> {
+        let blob = Blob::new(bytes)?;
+        let counts = blob.counts();
+        let mut nodes = vec![Node::EMPTY; counts.nodes];
+        let mut positions = vec![[0.0; 3]; counts.vertices];
+        let mut triangles = vec![[0; 3]; counts.triangles];
+        let mut order = vec![0; counts.triangles];
+        let storage = BlobStorage {
+            nodes: &mut nodes,
+            positions: &mut positions,
+            triangles: &mut triangles,
+            order: &mut order,
+        };
+        let mut scratch = vec![0; check_scratch_bound(counts.triangles)];
+        let as_built = blob.read_into(storage, &mut scratch)?.is_depth_first();
+        let (mesh, options) = (Mesh::trusted(&positions, &triangles), BuildOptions::default());
+        let tree = if as_built {
+            Tree::adopt(mesh, nodes, order, &ONE_THREAD)
+        } else {
+            Tree::build(mesh, &options, &ONE_THREAD)
+        };
+        Ok(Self::of(positions, triangles, options, tree))
+    }
+
+    /// The mesh and its BVH as a blob, the same on every machine.
+    ///
+    /// # Errors
+    /// [`Error::Blob`] if there are 2³² vertices or more.
+    ///
+    /// # Complexity
+    /// O(bytes); they are [`Counts::bytes`].
+    pub fn to_blob(&self) -> Result<Vec<u8>, Error> {
+        let bvh = self.bvh();
+        let mut bytes = vec![0; Counts::of(&bvh).bytes()];
+        write(&bvh, &mut bytes)?;
+        Ok(bytes)
+    }
+}
