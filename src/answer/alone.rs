@@ -40,7 +40,7 @@ pub(crate) fn alone<N: Copy, Q: Query>(
     count: impl Fn() -> usize,
     mut leash: Leash,
     mut found: impl FnMut(N, TrianglePair) -> ControlFlow<()>,
-    mut longer: impl FnMut([f64; 2]) -> Option<f64>,
+    mut longer: impl FnMut(f64, &dyn Fn() -> f64) -> Option<f64>,
 ) -> (f64, End) {
     let late = || leash.deadline.is_some_and(|deadline| Instant::now() >= deadline);
     let most = if leash.deadline.is_some() { BETWEEN_LOOKS } else { u64::MAX };
@@ -61,10 +61,12 @@ pub(crate) fn alone<N: Copy, Q: Query>(
             } else if late() {
                 return (spent, End::Late);
             } else if spent >= leash.cost {
-                let here = rest(&query, &cursor);
-                let each = (spent + here) / (done + 1) as f64;
-                let others = count().saturating_sub(done + 1) as f64;
-                match longer([spent, here + others * each]) {
+                let rest = || {
+                    let here = rest(&query, &cursor);
+                    let each = (spent + here) / (done + 1) as f64;
+                    here + count().saturating_sub(done + 1) as f64 * each
+                };
+                match longer(spent, &rest) {
                     Some(cost) => leash.cost = cost,
                     None => return (spent, End::Outgrown),
                 }

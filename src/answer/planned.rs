@@ -95,15 +95,14 @@ impl Planned {
         if want == Want::All {
             self.kept.forget();
         }
+        self.decider.start_asking();
         let is_large = self.decider.is_large(want == Want::Any);
         let guess = question.guess().filter(|_| want != Want::Any);
         let size = if is_large { question.size() } else { None };
         let begin = self.decider.begin(Known { guess, size });
         let (mut offer, mut choice) = (None, None);
-        if begin.is_none() || self.decider.is_timed() {
-            self.decider.start();
-        }
         if begin.is_none() {
+            self.decider.clock(0.0);
             let asked = offer.insert(self.offer(question, want));
             choice = Some(self.decider.choose(asked));
         }
@@ -116,12 +115,12 @@ impl Planned {
         if let Some(cost) = begin.or(choice.and_then(until)) {
             let deadline = choice.and_then(|_| self.decider.deadline());
             let leash = Leash { cost, deadline };
-            outcome = on_one(question.query(accuracy), want, pairs, leash, |look| {
-                if choice.is_none() && !self.decider.is_timed() {
-                    self.decider.start_late(look[0]);
+            outcome = on_one(question.query(accuracy), want, pairs, leash, |spent, rest| {
+                if let Some(until) = self.decider.mark(spent) {
+                    return Some(until);
                 }
                 let offer = *offer.get_or_insert_with(|| self.offer(question, want));
-                let next = self.decider.look(&offer, choice.as_ref(), look);
+                let next = self.decider.look(&offer, choice.as_ref(), [spent, rest()]);
                 choice = Some(next);
                 until(next)
             });
@@ -192,7 +191,7 @@ impl Planned {
             }
             _ => {
                 let leash = Leash { cost: f64::INFINITY, deadline: self.decider.deadline() };
-                on_one(query, want, pairs, leash, |_| None)
+                on_one(query, want, pairs, leash, |_, _| None)
             }
         }
     }

@@ -42,7 +42,7 @@ pub(super) fn on_one(
     want: Want,
     pairs: &mut Vec<TrianglePair>,
     leash: Leash,
-    longer: impl FnMut([f64; 2]) -> Option<f64>,
+    longer: impl FnMut(f64, &dyn Fn() -> f64) -> Option<f64>,
 ) -> Outcome {
     let mut given = Given::default();
     if want == Want::All {

@@ -20,8 +20,10 @@ pub(crate) struct Decider {
     prepared: Duration,
     /// What was done in vain.
     lost: Duration,
-    /// Whether the clock was looked at before a question was begun alone.
-    is_timed: bool,
+    /// When to look at a question that was begun alone, once the clock has been looked at ...
+    next_look: Option<f64>,
+    /// ... which was at this cost and time.
+    marked: Option<(f64, Duration)>,
     /// The first look at a question that was begun alone.
     looked: Option<Look>,
     /// The last frame that was worth a look at the clock, ...
@@ -45,6 +47,9 @@ struct Last {
     concession: Option<Concession>,
 }
 
+/// The clock is not looked at before a question has cost this much: that takes as long on some machines.
+const MARK: f64 = 250.0;
+
 /// Deciding is timed in so many frames at first and in one of so many from then on: to look at the clock takes as long.
 const TIMED: u32 = 16;
 
@@ -58,7 +63,8 @@ impl Decider {
             ahead: None,
             prepared: Duration::ZERO,
             lost: Duration::ZERO,
-            is_timed: false,
+            next_look: None,
+            marked: None,
             looked: None,
             last: None,
             untimed: None,
@@ -119,18 +125,21 @@ impl Decider {
 
     /// The cost up to which it is begun alone, with no thought.
     pub(crate) fn begin(&mut self, known: Known) -> Option<f64> {
-        (self.looked, self.is_timed) = (None, false);
+        (self.looked, self.marked, self.next_look) = (None, None, None);
         if self.ahead.is_some() || self.planner.limits().time.is_some() {
             return None;
         }
         let begin = self.histories[self.asked].begin(self.planner.machine(), known)?;
-        self.is_timed = begin.is_timed;
-        Some(begin.until)
+        self.next_look = begin.is_timed.then_some(begin.until);
+        Some(if begin.is_timed { MARK.min(begin.until) } else { begin.until })
     }
 
-    /// Whether to look at the clock before that.
-    pub(crate) fn is_timed(&self) -> bool {
-        self.is_timed
+    /// So much is done. If it is time for the first look at the clock and no more, how far to go on.
+    pub(crate) fn mark(&mut self, spent: f64) -> Option<f64> {
+        let until = self.next_look.take()?;
+        self.clock(spent);
+        self.marked = Some((spent, self.elapsed()));
+        Some(until.max(2.0 * spent))
     }
 
     /// It did stay below.
@@ -154,21 +163,26 @@ impl Decider {
         self.untimed = Some((backend, reason, cost));
     }
 
-    /// Begins a frame.
+    /// Begins a frame, whose query will be asked later. No clock is needed if it is like one that needed none.
     pub(crate) fn start(&mut self) {
-        self.begun = Some(Instant::now());
+        let is_timed = self.last.is_some() && self.untimed.is_none();
+        self.begun = is_timed.then(Instant::now);
+    }
+
+    /// Begins a frame that is a query and no more.
+    pub(crate) fn start_asking(&mut self) {
+        self.begun = None;
+    }
+
+    /// Looks at the clock, if that has not been done in this frame. So much has been done alone; what was done
+    /// before that is the same each way.
+    pub(crate) fn clock(&mut self, spent: f64) {
+        let alone = self.alone(spent);
         self.lost = Duration::ZERO;
-    }
-
-    /// The same, after so much has been done alone.
-    pub(crate) fn start_late(&mut self, cost: f64) {
-        self.start();
-        self.begun = self.begun.and_then(|now| now.checked_sub(self.alone(cost)));
-    }
-
-    /// What was done up to now in this frame is the same each way, but for so much that was done alone.
-    pub(crate) fn set_aside(&mut self, cost: f64) {
-        self.lost = self.elapsed().saturating_sub(self.alone(cost));
+        match self.begun {
+            None => self.begun = Instant::now().checked_sub(alone),
+            Some(_) => self.lost = self.elapsed().saturating_sub(alone),
+        }
     }
 
     fn alone(&self, cost: f64) -> Duration {
@@ -208,8 +222,14 @@ impl Decider {
         choice: Option<&Choice>,
         [spent, rest]: [f64; 2],
     ) -> Choice {
-        let took = || self.elapsed().saturating_sub(self.lost).as_secs_f64() * 1e9;
-        let look = Look { spent, rest, nanoseconds: self.is_timed.then(took) };
+        if choice.is_none() && self.marked.is_none() {
+            self.clock(spent);
+        }
+        let nanoseconds = self.marked.map(|(before, time)| {
+            let took = self.elapsed().saturating_sub(time).as_secs_f64() * 1e9;
+            took * spent / (spent - before)
+        });
+        let look = Look { spent, rest, nanoseconds };
         let history = &self.histories[self.asked];
         let next = history.look(self.planner.machine(), offer, look);
         let known = choice.is_some_and(|choice| choice.expected.is_some());

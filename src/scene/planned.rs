@@ -79,13 +79,9 @@ impl Planned {
     ) -> Found<Given> {
         self.decider.is_large(want == Want::Any);
         let begin = self.decider.begin(Known { guess: None, size: Some(frame.len() as f64) });
-        if self.decider.is_timed() {
-            self.decider.set_aside(0.0);
-        }
         let (mut offer, mut choice) = (None, None);
         if begin.is_none() {
-            // What it took so far to know which bodies may meet, it takes each way.
-            self.decider.set_aside(0.0);
+            self.decider.clock(0.0);
             let asked = offer.insert(self.offer(frame));
             choice = Some(self.decider.choose(asked));
         }
@@ -99,12 +95,12 @@ impl Planned {
         if let Some(cost) = begin.or(choice.and_then(until)) {
             let deadline = choice.and_then(|_| self.decider.deadline());
             let leash = Leash { cost, deadline };
-            let alone = on_one(frame, want, hits, leash, |look| {
-                if choice.is_none() && !self.decider.is_timed() {
-                    self.decider.set_aside(look[0]);
+            let alone = on_one(frame, want, hits, leash, |spent, rest| {
+                if let Some(until) = self.decider.mark(spent) {
+                    return Some(until);
                 }
                 let offer = *offer.get_or_insert_with(|| self.offer(frame));
-                let next = self.decider.look(&offer, choice.as_ref(), look);
+                let next = self.decider.look(&offer, choice.as_ref(), [spent, rest()]);
                 choice = Some(next);
                 until(next)
             });
@@ -158,7 +154,7 @@ impl Planned {
             Way::Threads(workers) => self.on_threads(frame, want, hits, workers),
             _ => {
                 let leash = Leash { cost: f64::INFINITY, deadline: self.decider.deadline() };
-                on_one(frame, want, hits, leash, |_| None)
+                on_one(frame, want, hits, leash, |_, _| None)
             }
         }
     }
@@ -233,7 +229,7 @@ fn on_one(
     want: Want,
     hits: &mut Vec<SceneHit>,
     leash: Leash,
-    longer: impl FnMut([f64; 2]) -> Option<f64>,
+    longer: impl FnMut(f64, &dyn Fn() -> f64) -> Option<f64>,
 ) -> Outcome {
     let mut given = Given::default();
     let found = |bodies, pair| {
