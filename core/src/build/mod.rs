@@ -37,17 +37,55 @@ pub struct BuildOptions {
     /// The most triangles one leaf may hold. A value outside 1 ..= [`MAX_LEAF_SIZE`] counts as the
     /// nearest one inside.
     pub leaf_size: u32,
+    /// Whether most leaves hold that many: a sixth to a quarter fewer nodes. By SAH, walks of two meshes then
+    /// take 0 to 4 % longer and of one with itself 5 to 10 % less; by Morton order, up to 20 % longer.
+    pub full_leaves: bool,
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { leaf_size: 8 }
+        Self { leaf_size: 8, full_leaves: false }
     }
 }
 
 impl BuildOptions {
-    fn max_leaf(self) -> usize {
-        self.leaf_size.clamp(1, MAX_LEAF_SIZE) as usize
+    /// How the triangles of a node are divided.
+    fn leaves(self) -> Leaves {
+        let most = self.leaf_size.clamp(1, MAX_LEAF_SIZE) as usize;
+        Leaves { most, aligned: if self.full_leaves { ALIGNED * most } else { 0 } }
+    }
+}
+
+/// With [`BuildOptions::full_leaves`], nodes of so many leaves or fewer are divided between leaves.
+///
+/// What is above them is divided where it is best, so that one leaf in eight or so is not full. With 16, 8.24
+/// bytes of compact nodes a triangle become 8.22 on the bunny, and its walks take 2 % longer.
+const ALIGNED: usize = 8;
+
+/// How many triangles leaves hold.
+#[derive(Clone, Copy)]
+struct Leaves {
+    /// At most.
+    most: usize,
+    /// Up to so many triangles are divided between full leaves.
+    aligned: usize,
+}
+
+impl Leaves {
+    /// How many of `count` triangles, more than one leaf holds, go to the left where `middle` would be best:
+    /// the nearest number with which all leaves but one can be full, if they are few enough.
+    fn align(self, middle: usize, count: usize) -> usize {
+        if count > self.aligned {
+            return middle;
+        }
+        // Either side may have the leaf that is not full.
+        let nearest = |rest: usize| {
+            let (least, most) = (usize::from(rest == 0), (count - 1 - rest) / self.most);
+            let full = (middle + self.most / 2).saturating_sub(rest) / self.most;
+            full.min(most).max(least) * self.most + rest
+        };
+        let (on_right, on_left) = (nearest(0), nearest(count % self.most));
+        if on_left.abs_diff(middle) < on_right.abs_diff(middle) { on_left } else { on_right }
     }
 }
 

@@ -1,8 +1,8 @@
 //! What lies two levels below a node.
 
 use super::Boxes;
-use crate::Node;
-use crate::items::item;
+use crate::Bvh;
+use crate::bvh::{Layout, TreeNode};
 
 /// The grandchildren of a node; where a child is a leaf, the child; of a leaf, the leaf itself.
 #[derive(Clone, Copy, Debug)]
@@ -14,12 +14,12 @@ pub(crate) struct Family {
 
 impl Family {
     #[inline(always)]
-    pub(crate) fn below(tree: &[Node], node: u32) -> Self {
-        let parent = item(tree, node);
-        let [l, r] = [parent.first, parent.first + 1];
+    pub(crate) fn below<L: Layout>(tree: &Bvh<'_, L>, node: u32) -> Self {
+        let parent = tree.node(node);
+        let [l, r] = [parent.left(), parent.left() + 1];
         let below = |child: u32| {
-            let child = item(tree, child);
-            (!child.is_leaf()).then_some([child.first, child.first + 1])
+            let child = tree.node(child);
+            (!child.is_leaf()).then_some([child.left(), child.left() + 1])
         };
         let (nodes, len) = if parent.is_leaf() {
             ([node; 4], 1)
@@ -32,8 +32,9 @@ impl Family {
             }
         };
         // Lanes to spare hold some node, which nobody asks for.
-        let box_of = |lane: usize| item(tree, nodes[lane]);
-        Self { nodes, len, boxes: Boxes::of_nodes([box_of(0), box_of(1), box_of(2), box_of(3)]) }
+        let in_lane = |lane: usize| tree.node(nodes[lane]);
+        let boxes = tree.boxes([in_lane(0), in_lane(1), in_lane(2), in_lane(3)]);
+        Self { nodes, len, boxes }
     }
 
     /// How many they are.
