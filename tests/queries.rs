@@ -243,7 +243,7 @@ fn model(soup: &Soup) -> Model {
 /// The mesh with every leaf size.
 fn models(soup: &Soup) -> Vec<Model> {
     let build = |leaf_size| {
-        let options = BuildOptions { leaf_size };
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
         let (positions, triangles) = (soup.positions.clone(), soup.triangles.clone());
         let model = Model::with_options(positions, triangles, options).unwrap();
         model.bvh().assert_well_formed();

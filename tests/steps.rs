@@ -18,7 +18,8 @@ const OVERSHOOT: u64 = 15;
 
 fn model(soup: &Soup, leaf_size: u32) -> Model {
     let (positions, triangles) = (soup.positions.clone(), soup.triangles.clone());
-    Model::with_options(positions, triangles, BuildOptions { leaf_size }).unwrap()
+    Model::with_options(positions, triangles, BuildOptions { leaf_size, ..BuildOptions::default() })
+        .unwrap()
 }
 
 /// What a query does at one go.

@@ -100,7 +100,7 @@ fn a_model_and_its_rebuild() {
     let positions: Vec<_> = (0..count).flat_map(corners).collect();
     let moved: Vec<_> = (0..count).flat_map(|i| corners(i * 7919 % count)).collect();
     let triangles: Vec<_> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let options = BuildOptions { leaf_size: 3 };
+    let options = BuildOptions { leaf_size: 3, ..BuildOptions::default() };
     let mut one = Model::with_options(positions.clone(), triangles.clone(), options).unwrap();
     let mut many = Model::new_with_threads(positions, triangles, options).unwrap();
     let same = |one: &Model, many: &Model| {

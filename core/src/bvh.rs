@@ -21,7 +21,7 @@ pub(crate) use layout::TreeNode;
 
 use crate::aabb::Bounds;
 use crate::items::{item, run};
-use crate::lanes::Boxes;
+use crate::lanes::Family;
 use crate::{Aabb, Mesh};
 use bytemuck::{Pod, Zeroable};
 use core::convert::Infallible;
@@ -197,10 +197,10 @@ impl<'a, L: Layout> Bvh<'a, L> {
         node.bounds(&self.grid)
     }
 
-    /// The boxes of four.
+    /// What lies two levels below a node.
     #[inline(always)]
-    pub(crate) fn boxes(&self, nodes: [&L::Node; 4]) -> Boxes {
-        L::Node::boxes(&self.grid, nodes)
+    pub(crate) fn family(&self, node: u32) -> Family {
+        Family::below(self.nodes, &self.grid, node)
     }
 
     /// The triangles of a leaf.

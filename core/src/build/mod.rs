@@ -30,6 +30,7 @@ pub use survey::{Below, refit_moved, survey, survey_bound};
 
 use crate::bvh::{MAX_LEAF_SIZE, Node, node_bound};
 use crate::{Bvh, CapacityError, Mesh};
+use core::num::NonZeroUsize;
 
 /// How a BVH is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,8 +52,9 @@ impl Default for BuildOptions {
 impl BuildOptions {
     /// How the triangles of a node are divided.
     fn leaves(self) -> Leaves {
-        let most = self.leaf_size.clamp(1, MAX_LEAF_SIZE) as usize;
-        Leaves { most, aligned: if self.full_leaves { ALIGNED * most } else { 0 } }
+        let most = NonZeroUsize::new(self.leaf_size.min(MAX_LEAF_SIZE) as usize)
+            .unwrap_or(NonZeroUsize::MIN);
+        Leaves { most, aligned: if self.full_leaves { ALIGNED * most.get() } else { 0 } }
     }
 }
 
@@ -66,23 +68,34 @@ const ALIGNED: usize = 8;
 #[derive(Clone, Copy)]
 struct Leaves {
     /// At most.
-    most: usize,
+    most: NonZeroUsize,
     /// Up to so many triangles are divided between full leaves.
     aligned: usize,
 }
 
 impl Leaves {
+    /// How many of them hold so many triangles, if all but one are full.
+    fn of(self, triangles: usize) -> usize {
+        (triangles + self.most.get() - 1) / self.most
+    }
+
+    /// Whether so many triangles are a leaf.
+    fn is_one(self, triangles: usize) -> bool {
+        triangles <= self.most.get()
+    }
+
     /// How many of `count` triangles, more than one leaf holds, go to the left where `middle` would be best:
     /// the nearest number with which all leaves but one can be full, if they are few enough.
     fn align(self, middle: usize, count: usize) -> usize {
         if count > self.aligned {
             return middle;
         }
+        let size = self.most.get();
         // Either side may have the leaf that is not full.
         let nearest = |rest: usize| {
             let (least, most) = (usize::from(rest == 0), (count - 1 - rest) / self.most);
-            let full = (middle + self.most / 2).saturating_sub(rest) / self.most;
-            full.min(most).max(least) * self.most + rest
+            let full = (middle + size / 2).saturating_sub(rest) / self.most;
+            full.min(most).max(least) * size + rest
         };
         let (on_right, on_left) = (nearest(0), nearest(count % self.most));
         if on_left.abs_diff(middle) < on_right.abs_diff(middle) { on_left } else { on_right }

@@ -224,7 +224,7 @@ impl Hierarchy<'_> {
         let highest = (1 << 63) >> ((first ^ last).leading_zeros() & 63);
         let mut middle = keys.partition_point(|key| key & highest == 0);
         if keys.len() <= self.leaves.aligned {
-            if depth + keys.len().div_ceil(self.leaves.most) > MAX_DEPTH {
+            if depth + self.leaves.of(keys.len()) > MAX_DEPTH {
                 middle = keys.len() / 2;
             }
             middle = self.leaves.align(middle, keys.len());
@@ -234,7 +234,7 @@ impl Hierarchy<'_> {
 
     /// How many nodes lie below that of a run of sorted keys.
     fn nodes_below(&self, keys: &[u64], depth: usize) -> usize {
-        if keys.len() <= self.leaves.most {
+        if self.leaves.is_one(keys.len()) {
             return 0;
         }
         let (left, right) = self.halves(keys, depth);
@@ -256,7 +256,7 @@ impl Hierarchy<'_> {
         room: Room<'_>,
     ) -> usize {
         let count = keys.len();
-        if count <= self.leaves.most {
+        if self.leaves.is_one(count) {
             let mut all = Bounds::EMPTY;
             for (entry, &key) in order.iter_mut().zip(keys) {
                 *entry = (key & ((1 << INDEX_BITS) - 1)) as u32;

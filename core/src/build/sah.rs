@@ -126,7 +126,7 @@ impl Builder<'_> {
     fn tree(&self, growth: Growth<'_>, room: Room<'_>) -> usize {
         let Growth { items, run, depth, order, first } = growth;
         let (min, max) = (run.bounds.min.to_array(), run.bounds.max.to_array());
-        if run.count <= self.leaves.most {
+        if self.leaves.is_one(run.count) {
             for (entry, item) in order.iter_mut().zip(items) {
                 *entry = item.triangle();
             }

@@ -80,9 +80,10 @@ impl CompactNode {
     /// A wide node on a grid that contains it.
     pub(super) fn new(node: &Node, grid: &Cells) -> Self {
         let leaf = node.first << 4 | node.count.wrapping_sub(1) << 1 | 1;
+        let (Cells([x, y, z]), [a, b, c], [d, e, f]) = (grid, node.min, node.max);
         Self {
-            min: [0, 1, 2].map(|k| grid.0[k].number(grid.0[k].below(node.min[k]))),
-            max: [0, 1, 2].map(|k| grid.0[k].number(grid.0[k].above(node.max[k]))),
+            min: [x.number(x.below(a)), y.number(y.below(b)), z.number(z.below(c))],
+            max: [x.number(x.above(d)), y.number(y.above(e)), z.number(z.above(f))],
             link: if node.is_leaf() { leaf } else { node.first },
         }
     }
@@ -145,7 +146,8 @@ pub(super) struct Cells([Axis; 3]);
 impl Cells {
     /// The finest that contains a box.
     pub(super) fn of(root: &Aabb) -> Self {
-        Self([0, 1, 2].map(|k| Axis::of(root.min[k], root.max[k])))
+        let ([a, b, c], [d, e, f]) = (root.min, root.max);
+        Self([Axis::of(a, d), Axis::of(b, e), Axis::of(c, f)])
     }
 
     /// As slot 1 of a tree.

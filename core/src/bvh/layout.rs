@@ -195,6 +195,7 @@ pub(crate) trait Walked: Copy + Debug + 'static {
 }
 
 impl Walked for Wide {
+    #[inline]
     fn pair<B: Layout>(
         query: &PairQuery<'_, Self, B>,
         cursor: &mut Cursor,

@@ -50,7 +50,7 @@ impl Block {
     ) {
         self.len = triangles.len().min(LANES);
         self.certified = [0; 3];
-        for (lane, triangle) in triangles.iter().take(LANES).enumerate() {
+        for (lane, &triangle) in triangles.iter().take(LANES).enumerate() {
             let t = item(mesh.triangles(), triangle.get());
             for (k, &vertex) in t.iter().enumerate() {
                 let p = item(mesh.positions(), vertex);

@@ -1,8 +1,8 @@
 //! What lies two levels below a node.
 
 use super::Boxes;
-use crate::Bvh;
-use crate::bvh::{Layout, TreeNode};
+use crate::bvh::TreeNode;
+use crate::items::item;
 
 /// The grandchildren of a node; where a child is a leaf, the child; of a leaf, the leaf itself.
 #[derive(Clone, Copy, Debug)]
@@ -14,11 +14,11 @@ pub(crate) struct Family {
 
 impl Family {
     #[inline(always)]
-    pub(crate) fn below<L: Layout>(tree: &Bvh<'_, L>, node: u32) -> Self {
-        let parent = tree.node(node);
+    pub(crate) fn below<N: TreeNode>(tree: &[N], grid: &N::Grid, node: u32) -> Self {
+        let parent = item(tree, node);
         let [l, r] = [parent.left(), parent.left() + 1];
         let below = |child: u32| {
-            let child = tree.node(child);
+            let child = item(tree, child);
             (!child.is_leaf()).then_some([child.left(), child.left() + 1])
         };
         let (nodes, len) = if parent.is_leaf() {
@@ -32,8 +32,8 @@ impl Family {
             }
         };
         // Lanes to spare hold some node, which nobody asks for.
-        let in_lane = |lane: usize| tree.node(nodes[lane]);
-        let boxes = tree.boxes([in_lane(0), in_lane(1), in_lane(2), in_lane(3)]);
+        let in_lane = |lane: usize| item(tree, nodes[lane]);
+        let boxes = N::boxes(grid, [in_lane(0), in_lane(1), in_lane(2), in_lane(3)]);
         Self { nodes, len, boxes }
     }
 

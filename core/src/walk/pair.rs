@@ -4,7 +4,7 @@ use super::{Bvtt, NodePair, Progress, TrianglePair, Visit, after, decide, family
 use crate::aabb::Bounds;
 use crate::bvh::{Index, Layout, TreeNode, Wide};
 use crate::items::item;
-use crate::lanes::{Blocks, Family, LANES, Simd};
+use crate::lanes::{Blocks, LANES, Simd};
 use crate::place::Placement;
 use crate::triangle::Inexact;
 use crate::{Bvh, Triangle};
@@ -121,7 +121,7 @@ impl<A: Placement, V: Placement, K: Layout, B: Placement, W: Placement, L: Layou
 
     #[inline(always)]
     fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
-        let [mut a, mut b] = [Family::below(&self.a.bvh, n.a), Family::below(&self.b.bvh, n.b)];
+        let [mut a, mut b] = [self.a.bvh.family(n.a), self.b.bvh.family(n.b)];
         a.boxes = self.a.view.boxes(&a.boxes);
         b.boxes = self.b.view.boxes(&b.boxes);
         let lanes = a.lanes();

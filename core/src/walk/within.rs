@@ -10,7 +10,7 @@ use crate::aabb::Bounds;
 use crate::bvh::{Index, Layout, TreeNode};
 use crate::fans::Fan;
 use crate::items::item;
-use crate::lanes::{Blocks, Family, LANES, Pairs, Simd};
+use crate::lanes::{Blocks, LANES, Pairs, Simd};
 use crate::place::InPlace;
 use crate::triangle::{Accuracy, Adjacency, Inexact, intersects_in_mesh};
 use core::ops::ControlFlow;
@@ -80,13 +80,13 @@ impl<L: Layout> Bvtt for SelfTree<'_, L> {
 
     #[inline(always)]
     fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
-        let a = Family::below(&self.bvh, n.a);
+        let a = self.bvh.family(n.a);
         if n.a == n.b {
             // Each with itself and those before it.
             family_pairs([&a, &a], |row| (2 << row) - 1, push);
             return a.len() * (a.len() - 1) / 2;
         }
-        let b = Family::below(&self.bvh, n.b);
+        let b = self.bvh.family(n.b);
         let lanes = a.lanes();
         family_pairs([&a, &b], |_| lanes, push);
         a.len() * b.len()

@@ -101,7 +101,7 @@ fn meshes() -> Vec<(&'static str, Soup)> {
 /// Runs `visit` on the BVH of each build; both start from dirty buffers.
 fn with_builds(mesh: Mesh<'_>, leaf_size: u32, mut visit: impl FnMut(&str, Bvh<'_>)) {
     let count = mesh.triangles().len();
-    let options = BuildOptions { leaf_size };
+    let options = BuildOptions { leaf_size, ..BuildOptions::default() };
     let dirty = Node { min: [f32::NAN; 3], first: 9, max: [f32::NAN; 3], count: 9 };
     let mut nodes = vec![dirty; node_bound(count) + 3];
     let mut order = vec![u32::MAX; count + 3];
@@ -140,7 +140,7 @@ fn parts_give_the_tree_of_the_whole() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let count = triangles.len();
         for leaf_size in [1, 3, 8] {
-            let options = BuildOptions { leaf_size };
+            let options = BuildOptions { leaf_size, ..BuildOptions::default() };
             with_builds(mesh, leaf_size, |build, whole| {
                 for (way, join) in joins().into_iter().enumerate() {
                     let mut nodes = vec![Node::EMPTY; node_bound(count)];
@@ -281,7 +281,8 @@ fn morton_needs_no_more_nodes_than_there_are_and_says_how_many() {
             let in_nodes = |nodes: usize, join: Option<&Join<'_>>| {
                 let (mut nodes, mut order) = (vec![Node::EMPTY; nodes], vec![0; count]);
                 let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-                let (options, mut scratch) = (BuildOptions { leaf_size }, vec![0; 2 * count]);
+                let (options, mut scratch) =
+                    (BuildOptions { leaf_size, ..BuildOptions::default() }, vec![0; 2 * count]);
                 match join {
                     Some(join) => morton_with(mesh, &options, storage, &mut scratch, join),
                     None => morton(mesh, &options, storage, &mut scratch),
