@@ -79,7 +79,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any(Past::record(slices.past, front.nodes(), |node| node.cost).is_ok());
     any(Past::renumber(slices.past, |_| some()));
     let storage = CompactStorage { nodes: slices.compact, order: some()? };
-    let small: Bvh<'_, Compact<u16>> = compact(&bvh, storage).ok()?;
+    let small: Bvh<'_, Compact<u16>> = compact(mesh, bvh.nodes(), bvh.order(), storage).ok()?;
     let least: Bvh<'_, Compact<[u8; 3]>> = compact_in_place(mesh, spare, some()?).ok()?;
     any((Bvh::new_compact(mesh, small.nodes(), least.order(), words).ok()?.depth(), small.aabb()));
     asked(&SelfQuery::new(small), slices.page)?;

@@ -25,6 +25,9 @@
 //! A mesh that deforms keeps the wide layout: its boxes may leave the grid, and rounding them again costs more
 //! than a refit.
 
+#[cfg(test)]
+mod tests;
+
 use super::layout::{Index, Layout, TreeNode, Walked};
 use crate::aabb::Bounds;
 use crate::lanes::Boxes;
@@ -116,21 +119,22 @@ impl Axis {
         }
     }
 
-    /// The corner at or below a coordinate, counted from 0.
+    /// The corner at or below a coordinate, counted from 0. Slot 1 of a wide tree has coordinates that are
+    /// infinite.
     fn below(self, x: f32) -> i32 {
         // Exact: a product with a power of two within the range of f64.
         let x = f64::from(x) * power_of_two(-self.exponent);
         let whole = x as i32;
-        whole - i32::from(f64::from(whole) > x)
+        whole.saturating_sub(i32::from(f64::from(whole) > x))
     }
 
     fn above(self, x: f32) -> i32 {
-        -self.below(-x)
+        self.below(-x).saturating_neg()
     }
 
     /// Of a corner, its number on the grid.
     fn number(self, corner: i32) -> u16 {
-        (corner - self.first).clamp(0, LAST) as u16
+        corner.saturating_sub(self.first).clamp(0, LAST) as u16
     }
 }
 

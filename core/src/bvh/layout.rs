@@ -2,8 +2,7 @@
 //!
 //! One walk serves all layouts: it asks a node whether it is a leaf, for its children or its run of the order,
 //! and for its box or those of four, and the compiler makes a walk of each layout, or pair of them, that a
-//! program uses. Nodes have the same index in all of them, so node pairs, fronts and the order in which pairs
-//! are found are the same too.
+//! program uses. A node has the same index in all layouts of a tree, so a front of one is a front of another.
 
 use super::Node;
 use crate::aabb::Bounds;

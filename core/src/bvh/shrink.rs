@@ -28,10 +28,9 @@ pub struct CompactStorage<'a, I = u32> {
     pub order: &'a mut [I],
 }
 
-/// The same BVH in the compact layout: the same nodes with boxes hardly larger, so that queries find the same
-/// pairs in the same order.
+/// The same BVH in the compact layout: the same nodes with boxes hardly larger. Queries find the same pairs.
 ///
-/// Leaves should be well filled: see [`full_leaves`](crate::build::BuildOptions::full_leaves).
+/// `nodes` and `order` are those of a BVH of `mesh`, the nodes in use only. Leaves should be well filled: see [`full_leaves`](crate::build::BuildOptions::full_leaves).
 ///
 /// # Errors
 /// [`CompactError`] if there are more triangles than `I` can number, or if `storage` is too small.
@@ -48,35 +47,36 @@ pub struct CompactStorage<'a, I = u32> {
 ///
 /// let (mut nodes, mut order) = ([CompactNode::ZERO; 2], [0; 1]);
 /// let storage = CompactStorage { nodes: &mut nodes, order: &mut order };
-/// let bvh: Bvh<'_, Compact<u16>> = compact(&wide, storage)?;
+/// let bvh: Bvh<'_, Compact<u16>> = compact(mesh, wide.nodes(), wide.order(), storage)?;
 /// assert_eq!(PairQuery::new(bvh, wide, Pose::IDENTITY)?.count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn compact<'a, I: Index>(
-    bvh: &Bvh<'a>,
+    mesh: Mesh<'a>,
+    nodes: &[Node],
+    order: &[u32],
     storage: CompactStorage<'a, I>,
 ) -> Result<Bvh<'a, Compact<I>>, CompactError> {
-    let (wide, triangles) = (bvh.nodes(), bvh.order());
-    fits::<I>(triangles.len())?;
-    let CompactStorage { nodes, order } = storage;
-    let needed = compact_bound(wide.len());
-    CapacityError::check("nodes", needed, nodes.len()).map_err(CompactError::Capacity)?;
-    CapacityError::check("order", triangles.len(), order.len()).map_err(CompactError::Capacity)?;
-    let (nodes, _) = nodes.split_at_mut_checked(needed).unwrap_or_default();
-    let (order, _) = order.split_at_mut_checked(triangles.len()).unwrap_or_default();
-    for (entry, &triangle) in order.iter_mut().zip(triangles) {
+    let (needed, triangles) = (compact_bound(nodes.len()), order.len());
+    fits::<I>(triangles)?;
+    let CompactStorage { nodes: slots, order: entries } = storage;
+    CapacityError::check("nodes", needed, slots.len()).map_err(CompactError::Capacity)?;
+    CapacityError::check("order", triangles, entries.len()).map_err(CompactError::Capacity)?;
+    for (entry, &triangle) in entries.iter_mut().zip(order) {
         *entry = I::new(triangle);
     }
-    if let Some(root) = wide.first() {
+    if let Some(root) = nodes.first() {
         let cells = Cells::of(&root.aabb());
-        for (slot, node) in nodes.iter_mut().zip(wide) {
+        for (slot, node) in slots.iter_mut().zip(nodes) {
             *slot = CompactNode::new(node, &cells);
         }
-        if let Some(slot) = nodes.get_mut(1) {
+        if let Some(slot) = slots.get_mut(1) {
             *slot = cells.header();
         }
     }
-    Ok(Bvh::trusted_compact(bvh.mesh(), nodes, order))
+    let (slots, entries): (&'a [CompactNode], &'a [I]) = (slots, entries);
+    let slots = slots.get(..needed).unwrap_or_default();
+    Ok(Bvh::trusted_compact(mesh, slots, entries.get(..triangles).unwrap_or_default()))
 }
 
 /// [`compact`] in the memory of the wide BVH itself, from front to back: what is compact fills half of `nodes`
