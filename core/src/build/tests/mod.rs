@@ -215,20 +215,26 @@ fn every_build_of_every_mesh_is_well_formed() {
     }
 }
 
-/// At least three in four places of leaves are taken even where splits are odd, if there are enough.
+/// There are never more leaves than without, and by SAH at least three in four places of them are taken even
+/// where splits are odd, if there are enough.
 #[test]
 fn full_leaves_are_full() {
     for (name, (positions, triangles)) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let count = triangles.len();
-        for options in options([2, 4, 8]).into_iter().filter(|options| options.full_leaves) {
-            with_options(mesh, options, |build, bvh| {
-                let size = options.leaf_size as usize;
-                let leaves = bvh.nodes().iter().filter(|node| node.is_leaf()).count();
-                let context = format!("{build} of {name}: {leaves} leaves of {size} for {count}");
-                let (enough, fewest) = (leaves * size * 3 <= count * 4, count.div_ceil(size));
-                assert!(enough || leaves <= fewest + 8, "{context}");
+        for both in options([2, 4, 8]).chunks(2) {
+            let size = both[0].leaf_size as usize;
+            let [any, full] = [both[0], both[1]].map(|options| {
+                let mut leaves = vec![];
+                with_options(mesh, options, |_, bvh| {
+                    leaves.push(bvh.nodes().iter().filter(|node| node.is_leaf()).count());
+                });
+                leaves
             });
+            let context = format!("{name}: {full:?} leaves of {size} instead of {any:?}");
+            assert!(full[0] <= any[0] && full[1] <= any[1], "{context}");
+            let (enough, fewest) = (full[0] * size * 3 <= count * 4, count.div_ceil(size));
+            assert!(enough || full[0] <= fewest + 8, "{context}");
         }
     }
 }
