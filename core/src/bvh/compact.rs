@@ -78,7 +78,7 @@ impl CompactNode {
     pub const ZERO: Self = Self { min: [0; 3], max: [0; 3], link: 0 };
 
     /// An empty leaf, which overlaps nothing.
-    pub(crate) const NOTHING: Self = Self { min: [u16::MAX; 3], max: [0; 3], link: u32::MAX };
+    pub(crate) const NOTHING: Self = Self { min: [u16::MAX; 3], max: [0; 3], link: u32::MAX << 4 | 1 };
 
     /// A wide node on a grid that contains it.
     pub(super) fn new(node: &Node, grid: &Cells) -> Self {

@@ -16,19 +16,18 @@ impl Family {
     #[inline(always)]
     pub(crate) fn below<N: TreeNode>(tree: &[N], grid: &N::Grid, node: u32) -> Self {
         let parent = item(tree, node);
-        let [l, r] = [parent.left(), parent.left() + 1];
-        let below = |child: u32| {
-            let child = item(tree, child);
-            (!child.is_leaf()).then_some([child.left(), child.left() + 1])
-        };
         let (nodes, len) = if parent.is_leaf() {
             ([node; 4], 1)
         } else {
-            match (below(l), below(r)) {
-                (None, None) => ([l, r, r, r], 2),
-                (None, Some([p, q])) => ([l, p, q, q], 3),
-                (Some([p, q]), None) => ([p, q, r, r], 3),
-                (Some([p, q]), Some([s, t])) => ([p, q, s, t], 4),
+            let [l, r] = [parent.left(), parent.left() + 1];
+            let (left, right) = (item(tree, l), item(tree, r));
+            let ([p, q], [s, t]) =
+                ([left.left(), left.left() + 1], [right.left(), right.left() + 1]);
+            match (left.is_leaf(), right.is_leaf()) {
+                (true, true) => ([l, r, r, r], 2),
+                (true, false) => ([l, s, t, t], 3),
+                (false, true) => ([p, q, r, r], 3),
+                (false, false) => ([p, q, s, t], 4),
             }
         };
         // Lanes to spare hold some node, which nobody asks for.
