@@ -1,5 +1,7 @@
 //! BVHs in the compact layout.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use pfront::core::bvh::{
     Compact, CompactNode, CompactStorage, Index, check_scratch_bound, compact, compact_bound,
 };

@@ -1,8 +1,8 @@
 //! Nodes of 16 bytes: boxes on a grid of 65,536 cells along each axis.
 //!
 //! Quantised boxes as in Mahovsky & Wyvill, "Memory-conserving bounding volume hierarchies with coherent
-//! raytracing" (2006), on one grid for the whole tree: decoding a box needs none but its own node, so a walk
-//! may start anywhere and go down two levels at a step, as a front asks for.
+//! raytracing" (2006), who refer each box to that of its parent. Here one grid serves the whole tree: decoding a
+//! box takes no other node, so a walk may start anywhere, as workers do from a front, and decode four at once.
 //!
 //! # Rounding
 //! The cells of an axis are 2^e wide and begin at whole multiples of that, so corner number q of the grid is
@@ -14,16 +14,19 @@
 //! grid go on beyond [`f32::MAX`]: such a corner decodes to infinity, which still is outside, and counts as
 //! `f32::MAX` where a single box is asked for, so that what is made of boxes stays finite.
 //!
-//! Boxes grow by less than a cell at each side: a 32,768th of the mesh at most, about the edge of a triangle in
-//! a mesh of a thousand million.
+//! Boxes grow by less than a cell at each side: that is at most a 32,767th of the mesh, or, of one that lies far
+//! from the origin, the distance of neighbouring floats there.
 //!
 //! # Memory
 //! Siblings are aligned as in a wide tree, which leaves slot 1 free: it holds the grid. The array alone is the
 //! tree. A leaf holds at most [`MAX_LEAF_SIZE`](super::MAX_LEAF_SIZE) triangles, so its count takes 3 bits beside
 //! a flag and 28 bits for the beginning of its run; children begin at even indices, which keeps that flag free.
 //!
-//! A mesh that deforms keeps the wide layout: its boxes may leave the grid, and rounding them again costs more
-//! than a refit.
+//! Vertex indices stay `u32`: the mesh is the caller's and not a part of the BVH, and all that takes one would
+//! take a type more.
+//!
+//! A mesh that deforms keeps the wide layout, which refits write: its boxes may leave the grid, and another grid
+//! means rounding all of them anew.
 
 #[cfg(test)]
 mod tests;
@@ -34,11 +37,11 @@ use crate::lanes::Boxes;
 use crate::{Aabb, Node};
 use bytemuck::{Pod, Zeroable};
 use core::marker::PhantomData;
-use glam::{Vec3A, Vec4};
+use glam::{Mat4, Vec3A, Vec4};
 
-/// A layout of less than half the size, for meshes that do not deform: [`CompactNode`]s, and an order in `I`.
+/// About half the memory, for meshes that do not deform: [`CompactNode`]s, and an order in `I`.
 ///
-/// [`compact`](super::compact) makes it.
+/// [`compact`](super::compact()) makes it of a [`Wide`](super::Wide) one, which is what a refit needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Compact<I = u32>(PhantomData<I>);
 
@@ -78,7 +81,8 @@ impl CompactNode {
     pub const ZERO: Self = Self { min: [0; 3], max: [0; 3], link: 0 };
 
     /// An empty leaf, which overlaps nothing.
-    pub(crate) const NOTHING: Self = Self { min: [u16::MAX; 3], max: [0; 3], link: u32::MAX << 4 | 1 };
+    pub(crate) const NOTHING: Self =
+        Self { min: [u16::MAX; 3], max: [0; 3], link: u32::MAX << 4 | 1 };
 
     /// A wide node on a grid that contains it.
     pub(super) fn new(node: &Node, grid: &Cells) -> Self {
@@ -241,22 +245,22 @@ impl TreeNode for CompactNode {
 
     #[inline(always)]
     fn boxes(grid: &Grid, nodes: [&Self; 4]) -> Boxes {
-        let corner = |k: usize, q: [u16; 4]| {
-            let [a, b, c, d] = q.map(|q| with_bits(q.into()));
-            (Vec4::new(a, b, c, d) + Vec4::splat(grid.offset[k])) * Vec4::splat(grid.width[k])
+        // Whole nodes in registers; then of all four the first word, the second, the third: two coordinates each.
+        let [a, b, c, d]: [Vec4; 4] = nodes.map(|node| bytemuck::must_cast(*node));
+        let words = Mat4::from_cols(a, b, c, d).transpose();
+        let both = |word: Vec4| {
+            let words: [u32; 4] = bytemuck::must_cast(word);
+            let (low, high) =
+                (words.map(|w| with_bits(w & 0xffff)), words.map(|w| with_bits(w >> 16)));
+            let [low, high] = [Vec4::from_array(low), Vec4::from_array(high)];
+            if cfg!(target_endian = "little") { [low, high] } else { [high, low] }
         };
-        // Whole nodes, two coordinates a word, so that all six are loaded with one transposition.
-        let [a, b, c, d]: [[u32; 4]; 4] = nodes.map(|node| bytemuck::must_cast(*node));
-        let half = |i: usize| {
-            let of = |words: [u32; 4]| {
-                let pair: [u16; 2] = bytemuck::must_cast(words[i / 2]);
-                pair[i % 2]
-            };
-            [of(a), of(b), of(c), of(d)]
-        };
+        let [[a, b], [c, d], [e, f]] = [both(words.x_axis), both(words.y_axis), both(words.z_axis)];
+        let corner =
+            |k: usize, q: Vec4| (q + Vec4::splat(grid.offset[k])) * Vec4::splat(grid.width[k]);
         Boxes {
-            min: [corner(0, half(0)), corner(1, half(1)), corner(2, half(2))],
-            max: [corner(0, half(3)), corner(1, half(4)), corner(2, half(5))],
+            min: [corner(0, a), corner(1, b), corner(2, c)],
+            max: [corner(0, d), corner(1, e), corner(2, f)],
         }
     }
 }

@@ -19,7 +19,7 @@ pub const fn compact_bound(nodes: usize) -> usize {
     if nodes == 1 { 2 } else { nodes }
 }
 
-/// Where [`compact`] writes a BVH.
+/// Where [`compact()`] writes a BVH.
 #[derive(Debug)]
 pub struct CompactStorage<'a, I = u32> {
     /// At least [`compact_bound`] nodes.
@@ -79,7 +79,7 @@ pub fn compact<'a, I: Index>(
     Ok(Bvh::trusted_compact(mesh, slots, entries.get(..triangles).unwrap_or_default()))
 }
 
-/// [`compact`] in the memory of the wide BVH itself, from front to back: what is compact fills half of `nodes`
+/// [`compact()`] in the memory of the wide BVH itself, from front to back: what is compact fills half of `nodes`
 /// and the beginning of `order`, and no other memory is needed.
 ///
 /// `nodes` and `order` are those of a BVH of `mesh`, the nodes in use only.
@@ -168,7 +168,7 @@ impl<'a, I: Index> Bvh<'a, Compact<I>> {
         Ok(bvh)
     }
 
-    /// Borrows again arrays that [`compact`], [`compact_in_place`] or [`Bvh::new_compact`] has already vouched
+    /// Borrows again arrays that [`compact()`], [`compact_in_place`] or [`Bvh::new_compact`] has already vouched
     /// for.
     ///
     /// Nothing is checked: with any other arrays a query may give wrong pairs, not end, or panic.
