@@ -8,7 +8,7 @@
 
 use pfront::core::build::{self, BvhStorage};
 use pfront::core::bvh::{
-    Compact, CompactNode, CompactStorage, Layout, compact, compact_bound, node_bound,
+    Compact, CompactNode, CompactStorage, Index, Layout, compact, compact_bound, node_bound,
 };
 use pfront::core::query::{PairQuery, Query, SelfQuery};
 use pfront::{BuildOptions, Bvh, Mesh, Node, Pose};
@@ -121,11 +121,15 @@ impl<'m> Tree<'m> {
     }
 }
 
-/// Bytes a triangle with nodes of so many and entries of so many.
-fn bytes(trees: &[Tree<'_>], node: usize, entry: usize) -> f64 {
+/// Bytes a triangle with nodes of type `N` and entries of type `I`, which may not do for so many.
+fn bytes<N, I: Index>(trees: &[Tree<'_>]) -> String {
+    if trees.iter().any(|tree| tree.order.len() > I::MOST) {
+        return "–".to_owned();
+    }
     let triangles: usize = trees.iter().map(|tree| tree.order.len()).sum();
     let nodes: usize = trees.iter().map(|tree| tree.nodes.len()).sum();
-    (nodes * node) as f64 / triangles as f64 + entry as f64
+    let bytes = nodes * size_of::<N>() + triangles * size_of::<I>();
+    format!("{:.1}", bytes as f64 / triangles as f64)
 }
 
 /// How many pairs meet in all poses, and how long that took.
@@ -173,12 +177,12 @@ fn main() {
                 }
                 let [default, wide, small] = times.map(median);
                 println!(
-                    "| {} | {name} | {leaf_size} | {:.1} | {:.1} | {:.1} | {:.1} | {wide:.2} | {:.2} | {:.2} |",
+                    "| {} | {name} | {leaf_size} | {} | {} | {} | {} | {wide:.2} | {:.2} | {:.2} |",
                     case.name,
-                    bytes(&trees, 32, 4),
-                    bytes(&trees, 16, 4),
-                    bytes(&trees, 16, 3),
-                    bytes(&trees, 16, 2),
+                    bytes::<Node, u32>(&trees),
+                    bytes::<CompactNode, u32>(&trees),
+                    bytes::<CompactNode, [u8; 3]>(&trees),
+                    bytes::<CompactNode, u16>(&trees),
                     small / wide,
                     small / default,
                 );

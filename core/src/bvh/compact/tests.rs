@@ -50,7 +50,7 @@ fn nasty() -> Vec<(f32, f32)> {
         [0.0, least, f32::MIN_POSITIVE, 1e-30, 1.0, 1e5, 16_777_216.0, 1e30, most / 2.0, most];
     let ends: Vec<f32> = ends.iter().flat_map(|&x| [x, -x, x.next_down()]).collect();
     let pairs = ends.iter().flat_map(|&a| ends.iter().map(move |&b| (a.min(b), a.max(b))));
-    pairs.collect()
+    pairs.step_by(if cfg!(miri) { 97 } else { 1 }).collect()
 }
 
 /// A place in an interval.
