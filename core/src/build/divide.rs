@@ -108,20 +108,17 @@ impl Task for Divide<'_> {
 pub(super) fn split_at(run: &mut [SahItem], centres: &Bounds, middle: usize) -> [Run; 2] {
     let extent = (centres.max - centres.min).to_array();
     let axis = (0..3).fold(0, |best, k| if extent[k] > extent[best] { k } else { best });
-    split_across(axis, run, extent[axis] > 0.0, middle)
+    if extent[axis] > 0.0 { split_across(axis, run, middle) } else { cut(run, middle) }
 }
 
-/// Divides the run at `middle` by centre along an axis, or as it stands.
-pub(super) fn split_across(
-    axis: usize,
-    run: &mut [SahItem],
-    sort: bool,
-    middle: usize,
-) -> [Run; 2] {
-    if sort {
-        let centre = |item: &SahItem| item.centre().to_array()[axis];
-        run.select_nth_unstable_by(middle, |a, b| centre(a).total_cmp(&centre(b)));
-    }
+/// Divides the run at `middle` by centre along an axis.
+pub(super) fn split_across(axis: usize, run: &mut [SahItem], middle: usize) -> [Run; 2] {
+    let centre = |item: &SahItem| item.centre().to_array()[axis];
+    run.select_nth_unstable_by(middle, |a, b| centre(a).total_cmp(&centre(b)));
+    cut(run, middle)
+}
+
+fn cut(run: &[SahItem], middle: usize) -> [Run; 2] {
     let (left, right) = run.split_at(middle);
     [Run::of(left), Run::of(right)]
 }

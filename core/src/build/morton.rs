@@ -218,7 +218,12 @@ struct Hierarchy<'h> {
 }
 
 impl Hierarchy<'_> {
-    /// Divides a run of sorted keys at its highest differing bit, or between leaves that are full.
+    /// Divides a run of sorted keys at its highest differing bit, or, if it is short and leaves are to be full,
+    /// near it or in the middle.
+    ///
+    /// Depth: the highest differing bit of a run is above that of both its parts, and there are 64 bits. So d levels
+    /// down at least log2 of the run's length are left, and halving its leaves stays within MAX_DEPTH = 64; parts
+    /// of one leaf each do if there are no more leaves than levels.
     fn halves<'k>(&self, keys: &'k [u64], depth: usize) -> (&'k [u64], &'k [u64]) {
         let (Some(first), Some(last)) = (keys.first(), keys.last()) else { return (keys, keys) };
         let highest = (1 << 63) >> ((first ^ last).leading_zeros() & 63);
@@ -244,8 +249,7 @@ impl Hierarchy<'_> {
     /// Builds a node over sorted keys, whose part of the order begins at `first`; returns how many
     /// nodes lie below.
     ///
-    /// Depth: the highest differing bit of a run is above that of both its parts, and there are 64
-    /// bits, so a leaf lies at most MAX_DEPTH = 64 below the root. Time: runs of about s keys are at
+    /// Time: runs of about s keys are at
     /// most 64·n/s, and searching one takes log s, which adds up to O(n).
     fn tree(
         &self,

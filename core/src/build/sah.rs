@@ -164,11 +164,7 @@ impl Builder<'_> {
         {
             let runs = split.divide(items, self.parts);
             let middle = self.leaves.align(runs[0].count, run.count);
-            if middle == runs[0].count {
-                runs
-            } else {
-                split_across(split.axis, items, true, middle)
-            }
+            if middle == runs[0].count { runs } else { split_across(split.axis, items, middle) }
         } else if (levels as usize) < MAX_DEPTH - depth {
             split_at(items, &run.centres, self.leaves.align(run.count / 2, run.count))
         } else {
