@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::core::build::{self, BvhStorage, SahItem};
-use pfront::core::bvh::{check_scratch_bound, node_bound};
+use pfront::core::bvh::{self, Compact, check_scratch_bound, compact_in_place, node_bound};
 use pfront::core::query::{self, Query};
 use pfront::core::triangle::{contact, intersects};
 use pfront::{
@@ -102,12 +102,15 @@ fn the_core_allocates_nothing() {
                 Bvh::new(mesh, &nodes[..used], &order, &mut check_scratch).unwrap(),
                 here,
             );
+            let small: Bvh<'_, Compact<u16>> =
+                compact_in_place(mesh, &mut nodes[..used], &mut order).unwrap();
+            ask_everything(small, here);
         });
         assert_eq!(count, 0);
     }
 }
 
-fn ask_everything(bvh: Bvh<'_>, pose: Pose) {
+fn ask_everything<L: bvh::Layout>(bvh: Bvh<'_, L>, pose: Pose) {
     bvh.assert_well_formed();
     for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
         for pose in [pose, Pose::IDENTITY] {

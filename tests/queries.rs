@@ -3,6 +3,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod layouts;
+
+use layouts::Small;
 use pfront::core::build::{self, BvhStorage};
 use pfront::core::bvh::{MAX_LEAF_SIZE, node_bound};
 use pfront::core::query::{self, Query};
@@ -187,6 +190,11 @@ fn pair(a: &Soup, b: &Soup, a_from_b: &Pose) -> usize {
             assert!(contacts.iter().map(|c| &c.0).eq(&truth));
         }
         pages(&query::PairQuery::new(s.bvh(), t.bvh(), *a_from_b).unwrap(), &truth);
+        let (small, least) = (Small::<u16>::of(s.bvh()), Small::<[u8; 3]>::of(t.bvh()));
+        let (small, least) = (small.bvh(s.mesh()), least.bvh(t.mesh()));
+        pages(&query::PairQuery::new(small, least, *a_from_b).unwrap(), &truth);
+        pages(&query::PairQuery::new(small, t.bvh(), *a_from_b).unwrap(), &truth);
+        pages(&query::PairQuery::new(s.bvh(), least, *a_from_b).unwrap(), &truth);
     }
     morton(a, |s| {
         morton(b, |t| {
@@ -219,6 +227,8 @@ fn within(soup: &Soup) -> usize {
             assert!(superset(conservative.all(model), truth));
             let query = query::SelfQuery::new(model.bvh()).with_adjacency(adjacency);
             pages(&query, truth);
+            let small = Small::<u32>::of(model.bvh());
+            pages(&query::SelfQuery::new(small.bvh(model.mesh())).with_adjacency(adjacency), truth);
         }
         morton(soup, |bvh| {
             pages(&query::SelfQuery::new(bvh).with_adjacency(adjacency), truth);
@@ -240,10 +250,10 @@ fn model(soup: &Soup) -> Model {
     Model::new(soup.positions.clone(), soup.triangles.clone()).unwrap()
 }
 
-/// The mesh with every leaf size.
+/// The mesh with every leaf size, every other full.
 fn models(soup: &Soup) -> Vec<Model> {
     let build = |leaf_size| {
-        let options = BuildOptions { leaf_size };
+        let options = BuildOptions { leaf_size, full_leaves: leaf_size % 2 == 0 };
         let (positions, triangles) = (soup.positions.clone(), soup.triangles.clone());
         let model = Model::with_options(positions, triangles, options).unwrap();
         model.bvh().assert_well_formed();

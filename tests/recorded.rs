@@ -7,12 +7,15 @@
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod data;
+mod layouts;
 
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh};
+use layouts::Small;
 use pfront::core::query::{self, Query};
 use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_oracle::generate::soup::{Soup, posed};
 use pfront_oracle::{intersect, pairs, self_pairs};
+use std::ops::ControlFlow;
 
 #[test]
 fn every_recorded_case() {
@@ -51,6 +54,9 @@ fn nasty_meshes_with_themselves() {
         let truth = as_pairs(&self_pairs(&soup.positions, &soup.triangles));
         let model = Model::new(soup.positions, soup.triangles).unwrap();
         assert_eq!(SelfQuery::new().all(&model), truth, "{file}");
+        let small = Small::<u16>::of(model.bvh());
+        let compact = query::SelfQuery::new(small.bvh(model.mesh()));
+        assert_eq!(sorted(&compact), truth, "{file}, compact");
     }
 }
 
@@ -87,7 +93,22 @@ fn broken_files() {
 fn found(a: &Soup, b: &Soup, a_from_b: &Pose) -> Vec<TrianglePair> {
     let [a, b] =
         [a, b].map(|soup| Model::new(soup.positions.clone(), soup.triangles.clone()).unwrap());
-    PairQuery::new().all(&a, &b, a_from_b).unwrap().to_vec()
+    let pairs = PairQuery::new().all(&a, &b, a_from_b).unwrap().to_vec();
+    let small = [&a, &b].map(|model| Small::<[u8; 3]>::of(model.bvh()));
+    let [s, t] = [small[0].bvh(a.mesh()), small[1].bvh(b.mesh())];
+    assert_eq!(sorted(&query::PairQuery::new(s, t, *a_from_b).unwrap()), pairs, "compact");
+    pairs
+}
+
+fn sorted(query: &impl Query) -> Vec<TrianglePair> {
+    let mut pairs = Vec::new();
+    let end = query.visit(&mut query.start(), |pair| {
+        pairs.push(pair);
+        ControlFlow::Continue(())
+    });
+    assert!(end.is_continue());
+    pairs.sort_unstable();
+    pairs
 }
 
 fn as_pairs(truth: &[(u32, u32)]) -> Vec<TrianglePair> {

@@ -3,6 +3,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod layouts;
+
+use layouts::Small;
 use pfront::core::query::{Cursor, PairQuery, Query, SelfQuery, Work};
 use pfront::{BuildOptions, Model, Pose, TrianglePair};
 use pfront_oracle::generate::soup::{Soup, pose_rows, sheet, sphere, tangle, union};
@@ -18,7 +21,8 @@ const OVERSHOOT: u64 = 15;
 
 fn model(soup: &Soup, leaf_size: u32) -> Model {
     let (positions, triangles) = (soup.positions.clone(), soup.triangles.clone());
-    Model::with_options(positions, triangles, BuildOptions { leaf_size }).unwrap()
+    Model::with_options(positions, triangles, BuildOptions { leaf_size, ..BuildOptions::default() })
+        .unwrap()
 }
 
 /// What a query does at one go.
@@ -90,6 +94,8 @@ fn two_meshes_with_each_budget() {
             for [x, y, z] in [[0.0; 3], [0.3, 0.1, 0.02]] {
                 let pose = Pose::from_translation([x, y, z]);
                 with_each_budget(&PairQuery::new(a.bvh(), b.bvh(), pose).unwrap());
+                let small = Small::<u16>::of(a.bvh());
+                with_each_budget(&PairQuery::new(small.bvh(a.mesh()), b.bvh(), pose).unwrap());
             }
         }
     }
@@ -131,6 +137,11 @@ proptest! {
         let query = PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
         in_steps(&query, &at_one_go(&query), steps());
         let query = SelfQuery::new(a.bvh());
+        in_steps(&query, &at_one_go(&query), steps());
+        let (small, least) = (Small::<u32>::of(a.bvh()), Small::<[u8; 3]>::of(b.bvh()));
+        let query = PairQuery::new(small.bvh(a.mesh()), least.bvh(b.mesh()), pose).unwrap();
+        in_steps(&query, &at_one_go(&query), steps());
+        let query = SelfQuery::new(small.bvh(a.mesh()));
         in_steps(&query, &at_one_go(&query), steps());
     }
 }

@@ -2,6 +2,11 @@
 
 #![cfg(feature = "threads")]
 
+mod layouts;
+
+use layouts::Small;
+use pfront::core::query;
+use pfront::core::query::Placed;
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{BuildOptions, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 use pfront_scenes::Scene;
@@ -62,6 +67,45 @@ fn one_model() {
     }
 }
 
+/// Fronts, partitions and steals of every layout, in the frame of the first mesh and in a world.
+#[test]
+fn compact_models() {
+    let scene = Scene::by_name("worm-gear", Some(8_000)).unwrap();
+    let options = BuildOptions { leaf_size: 4, full_leaves: true };
+    let model = |i: usize| {
+        let mesh = &scene.meshes[scene.objects[i]];
+        Model::with_options(mesh.positions.clone(), mesh.triangles.clone(), options).unwrap()
+    };
+    let (a, b) = (model(0), model(1));
+    let (small, least) = (Small::<u16>::of(a.bvh()), Small::<[u8; 3]>::of(b.bvh()));
+    let (small, least) = (small.bvh(a.mesh()), least.bvh(b.mesh()));
+    let (mut poses, mut found, mut truth) = (Vec::new(), Vec::new(), Vec::new());
+    let aside = Pose::new([[0.6, -0.8, 0.0, 0.3], [0.8, 0.6, 0.0, -2.0], [0.0, 0.0, 1.0, 0.1]]);
+    for mut traversal in traversals() {
+        for frame in 0..3 {
+            scene.poses(frame, &mut poses);
+            let pose = Pose::new(poses[1]);
+            let query = query::PairQuery::new(small, least, pose).unwrap();
+            traversal.all(&query, &mut found);
+            assert_eq!(found, PairQuery::new().all(&a, &b, &pose).unwrap());
+
+            let here = Placed::new(a.bvh(), &aside).unwrap();
+            traversal.all(
+                &query::PairQuery::in_world(here, Placed::new(b.bvh(), &pose).unwrap()),
+                &mut truth,
+            );
+            let there = Placed::new(least, &pose).unwrap();
+            traversal.all(&query::PairQuery::in_world(here, there), &mut found);
+            assert_eq!(found, truth);
+            let here = Placed::new(small, &aside).unwrap();
+            traversal.all(&query::PairQuery::in_world(here, there), &mut found);
+            assert!(found == truth && !truth.is_empty());
+        }
+        traversal.all(&query::SelfQuery::new(small), &mut found);
+        assert_eq!(found, SelfQuery::new().all(&a));
+    }
+}
+
 #[test]
 fn many_models() {
     let train = Scene::by_name("epicyclic", None).unwrap();
@@ -100,7 +144,7 @@ fn a_model_and_its_rebuild() {
     let positions: Vec<_> = (0..count).flat_map(corners).collect();
     let moved: Vec<_> = (0..count).flat_map(|i| corners(i * 7919 % count)).collect();
     let triangles: Vec<_> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let options = BuildOptions { leaf_size: 3 };
+    let options = BuildOptions { leaf_size: 3, ..BuildOptions::default() };
     let mut one = Model::with_options(positions.clone(), triangles.clone(), options).unwrap();
     let mut many = Model::new_with_threads(positions, triangles, options).unwrap();
     let same = |one: &Model, many: &Model| {

@@ -1,17 +1,27 @@
-//! The bounding volume hierarchy: one flat array of 32-byte nodes.
+//! The bounding volume hierarchy: one flat array of nodes, of 32 bytes, or of 16 where memory is short
+//! ([`Compact`]).
 //!
 //! The root is node 0, node 1 is unused, and the two children of an inner node are adjacent at an
 //! even index, so that siblings share a 64-byte cache line when the array is aligned to it. A child
 //! always comes after its parent: one backward pass over the array refits the whole tree.
 
 mod check;
+mod compact;
+mod layout;
+mod shrink;
 #[cfg(test)]
 mod tests;
 
 pub use check::{BvhError, check_scratch_bound};
+pub use compact::{Compact, CompactNode};
+pub use layout::{Index, Layout, Wide};
+pub use shrink::{CompactError, CompactStorage, compact, compact_bound, compact_in_place};
+
+pub(crate) use layout::TreeNode;
 
 use crate::aabb::Bounds;
 use crate::items::{item, run};
+use crate::lanes::Family;
 use crate::{Aabb, Mesh};
 use bytemuck::{Pod, Zeroable};
 use core::convert::Infallible;
@@ -68,11 +78,6 @@ impl Node {
         Aabb { min: self.min, max: self.max }
     }
 
-    #[inline]
-    pub(crate) fn bounds(&self) -> Bounds {
-        Bounds::new(&self.aabb())
-    }
-
     /// Whether the node holds triangles rather than children.
     #[inline]
     #[must_use]
@@ -90,11 +95,14 @@ impl Node {
 ///
 /// `order` lists the triangles leaf by leaf; a leaf names a run of it. The runs follow one another
 /// from left to right, so the triangles below any node are one run too.
+///
+/// `L` is the [`Layout`]: unless it says otherwise, a BVH is [`Wide`].
 #[derive(Clone, Copy, Debug)]
-pub struct Bvh<'a> {
+pub struct Bvh<'a, L: Layout = Wide> {
     mesh: Mesh<'a>,
-    nodes: &'a [Node],
-    order: &'a [u32],
+    nodes: &'a [L::Node],
+    order: &'a [L::Index],
+    grid: <L::Node as TreeNode>::Grid,
 }
 
 impl<'a> Bvh<'a> {
@@ -127,7 +135,7 @@ impl<'a> Bvh<'a> {
         order: &'a [u32],
         scratch: &mut [u32],
     ) -> Result<Self, BvhError> {
-        let bvh = Self { mesh, nodes, order };
+        let bvh = Self::trusted(mesh, nodes, order);
         bvh.check(scratch)?;
         Ok(bvh)
     }
@@ -138,9 +146,11 @@ impl<'a> Bvh<'a> {
     #[inline]
     #[must_use]
     pub fn trusted(mesh: Mesh<'a>, nodes: &'a [Node], order: &'a [u32]) -> Self {
-        Self { mesh, nodes, order }
+        Self { mesh, nodes, order, grid: () }
     }
+}
 
+impl<'a, L: Layout> Bvh<'a, L> {
     /// The mesh.
     #[inline]
     #[must_use]
@@ -148,31 +158,56 @@ impl<'a> Bvh<'a> {
         self.mesh
     }
 
-    /// The nodes in use; empty for an empty mesh.
+    /// The nodes in use; empty for an empty mesh. In a compact BVH, slot 1 holds its grid.
     #[inline]
     #[must_use]
-    pub fn nodes(&self) -> &'a [Node] {
+    pub fn nodes(&self) -> &'a [L::Node] {
         self.nodes
     }
 
     /// The triangles, leaf by leaf.
     #[inline]
     #[must_use]
-    pub fn order(&self) -> &'a [u32] {
+    pub fn order(&self) -> &'a [L::Index] {
         self.order
     }
 
     /// The root node, or `None` for an empty mesh.
     #[inline]
     #[must_use]
-    pub fn root(&self) -> Option<&'a Node> {
+    pub fn root(&self) -> Option<&'a L::Node> {
         self.nodes.first()
+    }
+
+    /// The box of the root, or `None` for an empty mesh.
+    #[must_use]
+    pub fn aabb(&self) -> Option<Aabb> {
+        Some(self.bounds(self.root()?).into())
+    }
+
+    /// A node, by an index that is in range.
+    #[inline(always)]
+    pub(crate) fn node(&self, index: u32) -> &'a L::Node {
+        item(self.nodes, index)
+    }
+
+    /// The box of a node.
+    #[inline(always)]
+    pub(crate) fn bounds(&self, node: &L::Node) -> Bounds {
+        node.bounds(&self.grid)
+    }
+
+    /// What lies two levels below a node.
+    #[inline(always)]
+    pub(crate) fn family(&self, node: u32) -> Family {
+        Family::below(self.nodes, &self.grid, node)
     }
 
     /// The triangles of a leaf.
     #[inline]
-    pub(crate) fn leaf_triangles(&self, leaf: &Node) -> &'a [u32] {
-        run(self.order, leaf.first, leaf.count)
+    pub(crate) fn leaf_triangles(&self, leaf: &L::Node) -> &'a [L::Index] {
+        let [first, count] = leaf.run();
+        run(self.order, first, count)
     }
 
     /// How many triangles lie below a node: they are one run of the order, from its leftmost leaf to
@@ -182,21 +217,21 @@ impl<'a> Bvh<'a> {
             return self.order.len() as u32;
         }
         let end = |side: u32| {
-            let mut node = item(self.nodes, node);
+            let mut node = self.node(node);
             while !node.is_leaf() {
-                node = item(self.nodes, node.first + side);
+                node = self.node(node.left() + side);
             }
-            node
+            node.run()
         };
-        let (left, right) = (end(0), end(1));
-        right.first + right.count - left.first
+        let ([left, _], [right, count]) = (end(0), end(1));
+        right + count - left
     }
 
     /// About the edge of a leaf's box: the longest edge of the root's over the root of the number of
     /// leaves, to a power of two, as for leaves that tile a face of it.
     pub(crate) fn leaf_edge(&self) -> f32 {
         let leaves = self.nodes.len() / 2 + 1;
-        let Some(root) = self.root() else { return 0.0 };
+        let Some(root) = self.aabb() else { return 0.0 };
         let longest = (0..3).fold(0.0, |m: f32, k| m.max(root.max[k] * 0.5 - root.min[k] * 0.5));
         longest / (1_u32 << (leaves.ilog2() / 2)) as f32 * 2.0
     }
@@ -231,7 +266,7 @@ impl<'a> Bvh<'a> {
             }
             let expected = children;
             children += 2;
-            if node.first == expected { Ok(()) } else { Err(()) }
+            if node.left() == expected { Ok(()) } else { Err(()) }
         });
         in_place.is_ok()
     }
@@ -251,8 +286,8 @@ impl<'a> Bvh<'a> {
 /// Visits each node and its depth, parents first and left before right, until `visit` refuses one.
 ///
 /// `visit` must refuse an inner node whose children are out of range or deeper than [`MAX_DEPTH`].
-fn preorder<E>(
-    nodes: &[Node],
+fn preorder<N: TreeNode, E>(
+    nodes: &[N],
     mut visit: impl FnMut(usize, usize) -> Result<(), E>,
 ) -> Result<(), E> {
     // Each level above the current node left at most one right child waiting, and no node is
@@ -267,7 +302,7 @@ fn preorder<E>(
             len = len.wrapping_sub(1);
             waiting.get(len).copied()
         } else {
-            let left = node.first as usize;
+            let left = node.left() as usize;
             if let Some(free) = waiting.get_mut(len) {
                 *free = (left + 1, depth + 1);
                 len += 1;

@@ -5,6 +5,7 @@
 //! `firmware/examples/panics.rs`.
 
 use crate::Node;
+use crate::bvh::CompactNode;
 
 /// What stands in for an element that is not there.
 pub(crate) trait StandIn: Sized + 'static {
@@ -14,6 +15,11 @@ pub(crate) trait StandIn: Sized + 'static {
 /// An empty leaf, which overlaps nothing.
 impl StandIn for Node {
     const NOTHING: &'static Self = &Self { count: u32::MAX, ..Self::EMPTY };
+}
+
+/// Likewise.
+impl StandIn for CompactNode {
+    const NOTHING: &'static Self = &Self::NOTHING;
 }
 
 /// A triangle of vertices that are not there.
@@ -29,6 +35,16 @@ impl StandIn for [f32; 3] {
 /// A triangle that is not there.
 impl StandIn for u32 {
     const NOTHING: &'static Self = &u32::MAX;
+}
+
+/// Likewise, though one that may be.
+impl StandIn for u16 {
+    const NOTHING: &'static Self = &u16::MAX;
+}
+
+/// Likewise.
+impl StandIn for [u8; 3] {
+    const NOTHING: &'static Self = &[u8::MAX; 3];
 }
 
 /// An element, by an index that is in range.

@@ -3,6 +3,7 @@
 //! A box that is turned needs a larger one around it, a sphere does not: of bodies side by side whose boxes
 //! overlap, most are told apart by their spheres, before anything of their BVHs is read.
 
+use crate::bvh::Layout;
 use crate::items::item;
 use crate::place::PADDING;
 use crate::{Bvh, Pose};
@@ -24,8 +25,8 @@ impl Sphere {
     /// # Complexity
     /// O(n) for n triangles.
     #[must_use]
-    pub fn of(bvh: &Bvh<'_>) -> Option<Self> {
-        let bounds = bvh.root()?.bounds();
+    pub fn of<L: Layout>(bvh: &Bvh<'_, L>) -> Option<Self> {
+        let bounds = bvh.bounds(bvh.root()?);
         let centre = bounds.min * 0.5 + bounds.max * 0.5;
         let (mesh, middle) = (bvh.mesh(), centre.as_dvec3());
         let corners = mesh.triangles().iter().flatten();

@@ -100,7 +100,7 @@ mod tests {
             let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
             let n = ball.triangles.len();
             for (by_morton, leaf_size) in [(false, 1), (false, 8), (true, 1), (true, 8)] {
-                let options = BuildOptions { leaf_size };
+                let options = BuildOptions { leaf_size, ..BuildOptions::default() };
                 let (mut items, mut keys) = (vec![SahItem::default(); n], vec![0; 2 * n]);
                 let mut built = |with_threads: bool| {
                     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);

@@ -10,6 +10,7 @@ use core::hint::black_box as any;
 use core::ops::ControlFlow::Continue;
 use core::panic::PanicInfo;
 use pfront_core::build::*;
+use pfront_core::bvh::{Compact, CompactNode, CompactStorage, compact, compact_in_place};
 use pfront_core::fans::{self, Fan, Span};
 use pfront_core::front::*;
 use pfront_core::partition::{Load, dearest_first, greedy, p_optimal};
@@ -28,7 +29,8 @@ fn some<T>() -> Option<T> {
 struct Slices<'s> {
     positions: &'s [[f32; 3]],
     triangles: &'s [[u32; 3]],
-    nodes: [&'s mut [Node]; 2],
+    nodes: [&'s mut [Node]; 3],
+    compact: &'s mut [CompactNode],
     order: &'s mut [u32],
     keys: &'s mut [u64],
     words: &'s mut [u32],
@@ -44,7 +46,8 @@ struct Slices<'s> {
 }
 
 fn everything(slices: Slices<'_>) -> Option<()> {
-    let Slices { positions, triangles, nodes: [nodes, others], order, keys, words, .. } = slices;
+    let Slices { positions, triangles, nodes: [nodes, others, spare], order, keys, words, .. } =
+        slices;
     let mesh = Mesh::new(positions, triangles).ok()?;
     let mesh = mesh.with_positions(some()?).ok()?;
     let join: &Join<'_> = some()?;
@@ -66,7 +69,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     asked(&within.with_accuracy(some()?).boxes_only(), slices.page)?;
     let placed: Placed<'_> = Placed::new(bvh, &some()?).ok()?;
     any((placed.aabb(), PairQuery::new(bvh, bvh, some()?).ok()?));
-    let pair = PairQuery::in_world(placed, some()?).with_accuracy(some()?);
+    let pair: PairQuery<'_> = PairQuery::in_world(placed, some()?).with_accuracy(some()?);
     asked(&pair, slices.page)?;
     let past = Past::new(slices.past);
     let mut front = Front::resume(slices.front, some()?);
@@ -77,6 +80,13 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     dearest_first(front.nodes_mut());
     any(Past::record(slices.past, front.nodes(), |node| node.cost).is_ok());
     any(Past::renumber(slices.past, |_| some()));
+    let storage = CompactStorage { nodes: slices.compact, order: some()? };
+    let small: Bvh<'_, Compact<u16>> = compact(mesh, bvh.nodes(), bvh.order(), storage).ok()?;
+    let least: Bvh<'_, Compact<[u8; 3]>> = compact_in_place(mesh, spare, some()?).ok()?;
+    any((Bvh::new_compact(mesh, small.nodes(), least.order(), words).ok()?.depth(), small.aabb()));
+    asked(&SelfQuery::new(small), slices.page)?;
+    asked(&PairQuery::new(small, least, some()?).ok()?, slices.page)?;
+    asked(&PairQuery::in_world(placed, Placed::new(small, &some()?).ok()?), slices.page)?;
     let sphere = Sphere::of(&bvh)?.posed(&some()?);
     any(sphere.overlaps(&some()?));
     let [p, q, r, s]: [[f32; 3]; 4] = some()?;

@@ -39,7 +39,7 @@ fuzz_target!(|input: Input| {
 
     let finite = positions.iter().flatten().all(|x| x.is_finite());
     let in_range = triangles.iter().flatten().all(|&v| (v as usize) < positions.len());
-    let options = BuildOptions { leaf_size: input.leaf_size.into() };
+    let options = BuildOptions { leaf_size: input.leaf_size.into(), ..BuildOptions::default() };
     let model = Model::with_options(positions, triangles, options);
     assert_eq!(model.is_ok(), finite && in_range);
     let Ok(mut model) = model else { return };

@@ -38,7 +38,7 @@ impl Tree {
         let n = mesh.triangles().len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-        let options = BuildOptions { leaf_size };
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
         let mut items = vec![SahItem::default(); build::sah_scratch_bound(n)];
         let mut keys = vec![0; build::morton_scratch_bound(n)];
         let built = match builder {
@@ -80,7 +80,7 @@ pub(crate) struct Body {
 impl Body {
     /// Refused in the same words by every way to make a model.
     pub(crate) fn new(soup: Soup, build: Build) -> Result<Self, Error> {
-        let options = BuildOptions { leaf_size: build.leaf_size.into() };
+        let options = BuildOptions { leaf_size: build.leaf_size.into(), ..BuildOptions::default() };
         let Soup { positions, triangles } = soup.clone();
         let model = Model::with_options(positions.clone(), triangles.clone(), options);
         let threaded = Model::new_with_threads(positions.clone(), triangles.clone(), options);

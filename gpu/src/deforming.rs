@@ -71,7 +71,7 @@ impl Deforming {
         let refit = schedule.sequence(gpu, &model, &source.positions)?;
         // A rebuild keeps to leaves of this size.
         let leaf_size = bvh.nodes().iter().map(|node| node.count).max().unwrap_or(0);
-        let (gpu, options) = (gpu.clone(), BuildOptions { leaf_size });
+        let (gpu, options) = (gpu.clone(), BuildOptions { leaf_size, ..BuildOptions::default() });
         Ok(Self { gpu, model, source, options, refit, build: None, clock: None })
     }
 

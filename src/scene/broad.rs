@@ -81,7 +81,10 @@ impl Broad {
             _ => {
                 let diagonals =
                     (0..self.places.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]);
-                let (corners, options) = (self.corners.clone(), BuildOptions { leaf_size: 2 });
+                let (corners, options) = (
+                    self.corners.clone(),
+                    BuildOptions { leaf_size: 2, ..BuildOptions::default() },
+                );
                 let model = Model::with_options(corners, diagonals.collect(), options)?;
                 let model = self.boxes.insert(model);
                 model.reserve();

@@ -18,7 +18,7 @@ fn shape() -> Soup {
 }
 
 fn model(soup: &Soup) -> Model {
-    let options = BuildOptions { leaf_size: 3 };
+    let options = BuildOptions { leaf_size: 3, ..BuildOptions::default() };
     Model::with_options(soup.positions.clone(), soup.triangles.clone(), options).unwrap()
 }
 

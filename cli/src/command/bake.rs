@@ -48,7 +48,7 @@ fn baked(mesh: &MeshData, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
     let n = mesh.triangles().len();
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let options = BuildOptions { leaf_size: bake.leaf_size };
+    let options = BuildOptions { leaf_size: bake.leaf_size, ..BuildOptions::default() };
     let bvh = match bake.build {
         Build::Sah => {
             let mut scratch = vec![SahItem::default(); build::sah_scratch_bound(n)];

@@ -73,7 +73,7 @@ impl Owned {
         };
         let mesh = Mesh::new(&own.positions, &own.triangles).unwrap();
         let storage = BvhStorage { nodes: &mut own.nodes, order: &mut own.order };
-        let options = BuildOptions { leaf_size };
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
         let built = if by_morton {
             morton(mesh, &options, storage, &mut vec![0; morton_scratch_bound(n)])
         } else {

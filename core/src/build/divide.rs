@@ -10,7 +10,7 @@ use crate::lanes::{Eight, LANES, Task, widest};
 pub(super) struct Split {
     grid: Grid,
     /// Across the plane.
-    axis: usize,
+    pub(super) axis: usize,
     /// The first bin on the right, plus [`Grid::TO_BITS`].
     bin: f32,
     /// The boxes of both sides.
@@ -104,15 +104,21 @@ impl Task for Divide<'_> {
     }
 }
 
-/// Halves the run by centre along the longest axis, or as it stands if the centres coincide.
-pub(super) fn median_split(run: &mut [SahItem], centres: &Bounds) -> [Run; 2] {
-    let middle = run.len() / 2;
+/// Divides the run at `middle` by centre along the longest axis, or as it stands if the centres coincide.
+pub(super) fn split_at(run: &mut [SahItem], centres: &Bounds, middle: usize) -> [Run; 2] {
     let extent = (centres.max - centres.min).to_array();
     let axis = (0..3).fold(0, |best, k| if extent[k] > extent[best] { k } else { best });
-    if extent[axis] > 0.0 {
-        let centre = |item: &SahItem| item.centre().to_array()[axis];
-        run.select_nth_unstable_by(middle, |a, b| centre(a).total_cmp(&centre(b)));
-    }
+    if extent[axis] > 0.0 { split_across(axis, run, middle) } else { cut(run, middle) }
+}
+
+/// Divides the run at `middle` by centre along an axis.
+pub(super) fn split_across(axis: usize, run: &mut [SahItem], middle: usize) -> [Run; 2] {
+    let centre = |item: &SahItem| item.centre().to_array()[axis];
+    run.select_nth_unstable_by(middle, |a, b| centre(a).total_cmp(&centre(b)));
+    cut(run, middle)
+}
+
+fn cut(run: &[SahItem], middle: usize) -> [Run; 2] {
     let (left, right) = run.split_at(middle);
     [Run::of(left), Run::of(right)]
 }

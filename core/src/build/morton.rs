@@ -7,9 +7,9 @@
 
 use super::parts::{Parts, Room, nodes_of_tree, worth_dividing};
 use super::radix::sort;
-use super::{BuildOptions, BvhStorage, Join};
+use super::{BuildOptions, BvhStorage, Join, Leaves};
 use crate::aabb::Bounds;
-use crate::bvh::{Node, node_bound};
+use crate::bvh::{MAX_DEPTH, Node, node_bound};
 use crate::items::split;
 use crate::{Aabb, Bvh, CapacityError, Mesh};
 use glam::Vec3A;
@@ -111,16 +111,16 @@ fn build<'a>(
     let centres = write_centres(mesh, 0, keys, spare, parts);
     Curve::through(&centres).write_keys(0, keys, spare, parts);
     sort(keys, spare, INDEX_BITS..u64::BITS, parts);
-    let mut hierarchy = Hierarchy { mesh, max_leaf: options.max_leaf(), parts };
+    let mut hierarchy = Hierarchy { mesh, leaves: options.leaves(), parts };
     if storage.nodes.len() < node_bound(count) {
-        let needed = nodes_of_tree(hierarchy.nodes_below(keys));
+        let needed = nodes_of_tree(hierarchy.nodes_below(keys, 0));
         CapacityError::check("nodes", needed, storage.nodes.len())?;
         // Side by side, parts leave gaps.
         hierarchy.parts = Parts::new(None);
     }
     let (order, _) = split(storage.order, count);
     let room = Room::of_root(storage.nodes);
-    let below = room.map_or(0, |room| hierarchy.tree(keys, order, 0, room));
+    let below = room.map_or(0, |room| hierarchy.tree(keys, order, 0, 0, room));
     Ok(storage.into_bvh(mesh, nodes_of_tree(below)))
 }
 
@@ -211,39 +211,56 @@ fn spread(upper: u32, lower: u32) -> u64 {
     x >> 31 | x & 0xffff_ffff
 }
 
-/// Divides a run of sorted keys at its highest differing bit.
-fn halves(keys: &[u64]) -> (&[u64], &[u64]) {
-    let (Some(first), Some(last)) = (keys.first(), keys.last()) else { return (keys, keys) };
-    let highest = (1 << 63) >> ((first ^ last).leading_zeros() & 63);
-    let middle = keys.partition_point(|key| key & highest == 0);
-    keys.split_at_checked(middle).unwrap_or_default()
-}
-
 struct Hierarchy<'h> {
     mesh: Mesh<'h>,
-    max_leaf: usize,
+    leaves: Leaves,
     parts: Parts<'h>,
 }
 
 impl Hierarchy<'_> {
+    /// Divides a run of sorted keys at its highest differing bit, or, if it is short and leaves are to be full,
+    /// near it or in the middle.
+    ///
+    /// Depth: the highest differing bit of a run is above that of both its parts, and there are 64 bits. So d levels
+    /// down at least log2 of the run's length are left, and halving its leaves stays within MAX_DEPTH = 64; parts
+    /// of one leaf each do if there are no more leaves than levels.
+    fn halves<'k>(&self, keys: &'k [u64], depth: usize) -> (&'k [u64], &'k [u64]) {
+        let (Some(first), Some(last)) = (keys.first(), keys.last()) else { return (keys, keys) };
+        let highest = (1 << 63) >> ((first ^ last).leading_zeros() & 63);
+        let mut middle = keys.partition_point(|key| key & highest == 0);
+        if keys.len() <= self.leaves.aligned {
+            if depth + self.leaves.of(keys.len()) > MAX_DEPTH {
+                middle = keys.len() / 2;
+            }
+            middle = self.leaves.align(middle, keys.len());
+        }
+        keys.split_at_checked(middle).unwrap_or_default()
+    }
+
     /// How many nodes lie below that of a run of sorted keys.
-    fn nodes_below(&self, keys: &[u64]) -> usize {
-        if keys.len() <= self.max_leaf {
+    fn nodes_below(&self, keys: &[u64], depth: usize) -> usize {
+        if self.leaves.is_one(keys.len()) {
             return 0;
         }
-        let (left, right) = halves(keys);
-        2 + self.nodes_below(left) + self.nodes_below(right)
+        let (left, right) = self.halves(keys, depth);
+        2 + self.nodes_below(left, depth + 1) + self.nodes_below(right, depth + 1)
     }
 
     /// Builds a node over sorted keys, whose part of the order begins at `first`; returns how many
     /// nodes lie below.
     ///
-    /// Depth: the highest differing bit of a run is above that of both its parts, and there are 64
-    /// bits, so a leaf lies at most MAX_DEPTH = 64 below the root. Time: runs of about s keys are at
+    /// Time: runs of about s keys are at
     /// most 64·n/s, and searching one takes log s, which adds up to O(n).
-    fn tree(&self, keys: &[u64], order: &mut [u32], first: usize, room: Room<'_>) -> usize {
+    fn tree(
+        &self,
+        keys: &[u64],
+        order: &mut [u32],
+        first: usize,
+        depth: usize,
+        room: Room<'_>,
+    ) -> usize {
         let count = keys.len();
-        if count <= self.max_leaf {
+        if self.leaves.is_one(count) {
             let mut all = Bounds::EMPTY;
             for (entry, &key) in order.iter_mut().zip(keys) {
                 *entry = (key & ((1 << INDEX_BITS) - 1)) as u32;
@@ -253,18 +270,19 @@ impl Hierarchy<'_> {
             *room.node = Node { min, first: first as u32, max, count: count as u32 };
             return 0;
         }
-        let (left, right) = halves(keys);
+        let (left, right) = self.halves(keys, depth);
         let middle = left.len();
         let (left_order, right_order) = split(order, middle);
         let used = self.parts.siblings(
             [middle, count - middle],
             room.below,
             room.base,
-            |room| self.tree(left, left_order, first, room),
-            |room| self.tree(right, right_order, first + middle, room),
+            |room| self.tree(left, left_order, first, depth + 1, room),
+            |room| self.tree(right, right_order, first + middle, depth + 1, room),
         );
         if let [left, right, ..] = room.below {
-            let Aabb { min, max } = left.bounds().union(&right.bounds()).into();
+            let [left, right] = [left, right].map(|child| Bounds::new(&child.aabb()));
+            let Aabb { min, max } = left.union(&right).into();
             *room.node = Node { min, first: room.base as u32, max, count: 0 };
         }
         used

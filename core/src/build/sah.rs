@@ -7,10 +7,10 @@
 //! always halves.
 
 use super::bins::{AreaScale, best_split};
-use super::divide::median_split;
+use super::divide::{split_across, split_at};
 use super::item::{Run, SahItem, load};
 use super::parts::{Parts, Room, nodes_of_tree};
-use super::{BuildOptions, BvhStorage, Join};
+use super::{BuildOptions, BvhStorage, Join, Leaves};
 use crate::bvh::{MAX_DEPTH, Node};
 use crate::{Bvh, CapacityError, Mesh};
 
@@ -99,7 +99,7 @@ fn build<'a>(
     }
     let run = load(mesh, 0, items, parts);
     let scale = AreaScale::new(&run.bounds);
-    let builder = Builder { max_leaf: options.max_leaf(), scale, parts };
+    let builder = Builder { leaves: options.leaves(), scale, parts };
     let growth = Growth { items, run, depth: 0, order: &mut storage.order[..count], first: 0 };
     let below = Room::of_root(storage.nodes).map_or(0, |room| builder.tree(growth, room));
     Ok(storage.into_bvh(mesh, nodes_of_tree(below)))
@@ -116,7 +116,7 @@ struct Growth<'t> {
 }
 
 struct Builder<'b> {
-    max_leaf: usize,
+    leaves: Leaves,
     scale: AreaScale,
     parts: Parts<'b>,
 }
@@ -126,7 +126,7 @@ impl Builder<'_> {
     fn tree(&self, growth: Growth<'_>, room: Room<'_>) -> usize {
         let Growth { items, run, depth, order, first } = growth;
         let (min, max) = (run.bounds.min.to_array(), run.bounds.max.to_array());
-        if run.count <= self.max_leaf {
+        if self.leaves.is_one(run.count) {
             for (entry, item) in order.iter_mut().zip(items) {
                 *entry = item.triangle();
             }
@@ -162,9 +162,13 @@ impl Builder<'_> {
         if (levels as usize) < MAX_DEPTH - depth
             && let Some(split) = best_split(items, &run.centres, self.scale, self.parts)
         {
-            split.divide(items, self.parts)
+            let runs = split.divide(items, self.parts);
+            let middle = self.leaves.align(runs[0].count, run.count);
+            if middle == runs[0].count { runs } else { split_across(split.axis, items, middle) }
+        } else if (levels as usize) < MAX_DEPTH - depth {
+            split_at(items, &run.centres, self.leaves.align(run.count / 2, run.count))
         } else {
-            median_split(items, &run.centres)
+            split_at(items, &run.centres, run.count / 2)
         }
     }
 }

@@ -73,7 +73,7 @@ pub fn survey(
 /// # let mesh = Mesh::new(&points, &[[0, 1, 2], [2, 1, 0]])?;
 /// # let (mut nodes, mut order, mut keys) = ([Node::EMPTY; 4], [0; 2], [0; 4]);
 /// # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-/// # morton(mesh, &BuildOptions { leaf_size: 1 }, storage, &mut keys)?;
+/// # morton(mesh, &BuildOptions { leaf_size: 1, ..BuildOptions::default() }, storage, &mut keys)?;
 /// let one_after_the_other: &pfront_core::build::Join = &|a, b| {
 ///     a();
 ///     b();

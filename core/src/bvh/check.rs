@@ -5,8 +5,7 @@
 //! reached twice is caught at its first leaf, and a tangled graph cannot be walked for longer than
 //! a tree could be.
 
-use super::{Bvh, MAX_DEPTH, MAX_LEAF_SIZE, Node, preorder};
-use crate::items::item;
+use super::{Bvh, Index, Layout, MAX_DEPTH, MAX_LEAF_SIZE, TreeNode, preorder};
 use crate::{Aabb, CapacityError};
 use core::fmt;
 
@@ -16,7 +15,7 @@ pub const fn check_scratch_bound(triangles: usize) -> usize {
     triangles.div_ceil(u32::BITS as usize)
 }
 
-impl Bvh<'_> {
+impl<L: Layout> Bvh<'_, L> {
     pub(super) fn check(&self, scratch: &mut [u32]) -> Result<(), BvhError> {
         let (found, expected) = (self.order.len(), self.mesh.triangles().len());
         if found != expected {
@@ -29,23 +28,26 @@ impl Bvh<'_> {
     fn check_nodes(&self) -> Result<(), BvhError> {
         let (mut reached, mut covered) = (0, 0);
         preorder(self.nodes, |index, depth| {
-            let node = item(self.nodes, index as u32);
+            let node = self.node(index as u32);
             reached += 1;
             let content = if node.is_leaf() {
                 let run = self.run(node, covered).ok_or(BvhError::Leaf { node: index })?;
                 covered += run.len();
-                run.iter().fold(Aabb::EMPTY, |b, &t| b.union(&Aabb::of(&self.mesh.triangle(t))))
+                let boxes = run.iter().map(|t| Aabb::of(&self.mesh.triangle(t.get())));
+                boxes.fold(Aabb::EMPTY, |a, b| a.union(&b))
             } else {
                 let [a, b] = self.children(index).ok_or(BvhError::Child { node: index })?;
                 if depth == MAX_DEPTH {
                     return Err(BvhError::Depth { node: index });
                 }
-                if !(is_finite(a) && is_finite(b)) {
+                let [a, b] = [a, b].map(|child| Aabb::from(self.bounds(child)));
+                if !(is_finite(&a) && is_finite(&b)) {
                     return Err(BvhError::Box { node: index });
                 }
-                a.aabb().union(&b.aabb())
+                a.union(&b)
             };
-            if is_finite(node) && node.aabb().contains(&content) {
+            let aabb = Aabb::from(self.bounds(node));
+            if is_finite(&aabb) && aabb.contains(&content) {
                 Ok(())
             } else {
                 Err(BvhError::Box { node: index })
@@ -55,44 +57,45 @@ impl Bvh<'_> {
             return Err(BvhError::Uncovered { entry: covered });
         }
         // The reached nodes are all different, and slot 1 is never among them.
-        let needed = if reached > 1 { reached + 1 } else { reached };
+        let fewest = if reached > 0 { L::Node::FEWEST } else { 0 };
+        let needed = if reached > 1 { reached + 1 } else { fewest };
         if needed != self.nodes.len() {
             return Err(BvhError::NodeCount { reached, found: self.nodes.len() });
         }
         Ok(())
     }
 
-    fn run(&self, leaf: &Node, covered: usize) -> Option<&[u32]> {
-        let (first, count) = (leaf.first as usize, leaf.count as usize);
+    fn run(&self, leaf: &L::Node, covered: usize) -> Option<&[L::Index]> {
+        let [first, count] = leaf.run().map(|x| x as usize);
         let run = self.order.get(first..first.checked_add(count)?)?;
-        (first == covered && leaf.count <= MAX_LEAF_SIZE).then_some(run)
+        (first == covered && count <= MAX_LEAF_SIZE as usize).then_some(run)
     }
 
-    fn children(&self, index: usize) -> Option<&[Node; 2]> {
-        let left = item(self.nodes, index as u32).first as usize;
+    fn children(&self, index: usize) -> Option<&[L::Node; 2]> {
+        let left = self.node(index as u32).left() as usize;
         let pair = self.nodes.get(left..left.checked_add(2)?)?;
         (left > index && left.is_multiple_of(2)).then_some(pair.try_into().ok()?)
     }
 }
 
-fn is_finite(node: &Node) -> bool {
-    node.min.iter().chain(&node.max).all(|x| x.is_finite())
+fn is_finite(aabb: &Aabb) -> bool {
+    aabb.min.iter().chain(&aabb.max).all(|x| x.is_finite())
 }
 
 /// Whether `order` holds each of 0 … its length − 1 once; a pass marks as many as `scratch` can.
-fn check_permutation(order: &[u32], scratch: &mut [u32]) -> Result<(), BvhError> {
+fn check_permutation<I: Index>(order: &[I], scratch: &mut [u32]) -> Result<(), BvhError> {
     if !order.is_empty() && scratch.is_empty() {
         let needed = check_scratch_bound(order.len());
         return Err(BvhError::Scratch(CapacityError { buffer: "scratch", needed, capacity: 0 }));
     }
-    if let Some(entry) = order.iter().position(|&t| t as usize >= order.len()) {
+    if let Some(entry) = order.iter().position(|t| t.get() as usize >= order.len()) {
         return Err(BvhError::Order { entry });
     }
     let window = scratch.len().saturating_mul(u32::BITS as usize);
     for start in (0..order.len()).step_by(window.max(1)) {
         scratch.fill(0);
-        for (entry, &triangle) in order.iter().enumerate() {
-            let offset = (triangle as usize).wrapping_sub(start);
+        for (entry, triangle) in order.iter().enumerate() {
+            let offset = (triangle.get() as usize).wrapping_sub(start);
             if let Some(word) = scratch.get_mut(offset / u32::BITS as usize) {
                 let mark = 1 << (offset % u32::BITS as usize);
                 if *word & mark != 0 {
@@ -154,6 +157,8 @@ pub enum BvhError {
         /// Length of the node array.
         found: usize,
     },
+    /// The slot of a compact BVH for its grid holds none.
+    Grid,
     /// There is no scratch to check the order with.
     Scratch(CapacityError),
 }
@@ -187,6 +192,7 @@ impl fmt::Display for BvhError {
             Self::NodeCount { reached, found } => {
                 write!(f, "{reached} nodes can be reached, which does not fit an array of {found}")
             }
+            Self::Grid => write!(f, "slot 1 of a compact BVH must hold its grid"),
             Self::Scratch(error) => error.fmt(f),
         }
     }

@@ -15,7 +15,7 @@ static STRIP: LazyLock<Strip> = LazyLock::new(|| {
     let mesh = Mesh::new(&positions, &triangles).unwrap();
     let (mut nodes, mut order) = (vec![Node::EMPTY; 32], vec![0; 16]);
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let options = BuildOptions { leaf_size: 2 };
+    let options = BuildOptions { leaf_size: 2, ..BuildOptions::default() };
     let used = sah(mesh, &options, storage, &mut [SahItem::default(); 16]).unwrap().nodes().len();
     nodes.truncate(used);
     Strip { positions, triangles, nodes, order }

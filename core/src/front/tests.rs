@@ -289,7 +289,8 @@ impl Body {
         let storage = BvhStorage { nodes: &mut body.nodes, order: &mut body.order };
         let mut scratch = vec![0; build::morton_scratch_bound(n)];
         // Small leaves make a tree of the few triangles that miri can bear.
-        let options = BuildOptions { leaf_size: if cfg!(miri) { 1 } else { 4 } };
+        let options =
+            BuildOptions { leaf_size: if cfg!(miri) { 1 } else { 4 }, ..BuildOptions::default() };
         let used = build::morton(mesh, &options, storage, &mut scratch).unwrap().nodes().len();
         body.nodes.truncate(used);
         body

@@ -2,6 +2,7 @@
 
 use super::points::{Points, abs, difference, highest, lanes, load, lowest, store};
 use super::{LANES, Simd};
+use crate::bvh::Index;
 use crate::fans::Fan;
 use crate::items::item;
 use crate::place::Placement;
@@ -43,14 +44,14 @@ impl Block {
     fn fill<S: Simd>(
         &mut self,
         mesh: Mesh<'_>,
-        triangles: &[u32],
+        triangles: &[impl Index],
         place: &impl Placement,
         fans: &[Fan],
     ) {
         self.len = triangles.len().min(LANES);
         self.certified = [0; 3];
         for (lane, &triangle) in triangles.iter().take(LANES).enumerate() {
-            let t = item(mesh.triangles(), triangle);
+            let t = item(mesh.triangles(), triangle.get());
             for (k, &vertex) in t.iter().enumerate() {
                 let p = item(mesh.positions(), vertex);
                 self.corners[k][0][lane] = p[0];
@@ -84,7 +85,7 @@ impl Block {
     fn fill_one_by_one(
         &mut self,
         mesh: Mesh<'_>,
-        triangles: &[u32],
+        triangles: &[impl Index],
         place: &impl Placement,
         fans: &[Fan],
     ) {
@@ -156,7 +157,7 @@ impl Blocks {
         &'s mut self,
         leaf: u32,
         mesh: Mesh<'_>,
-        triangles: &[u32],
+        triangles: &[impl Index],
         place: &impl Placement,
         fans: &[Fan],
     ) -> &'s Block {

@@ -1,7 +1,7 @@
 //! What lies two levels below a node.
 
 use super::Boxes;
-use crate::Node;
+use crate::bvh::TreeNode;
 use crate::items::item;
 
 /// The grandchildren of a node; where a child is a leaf, the child; of a leaf, the leaf itself.
@@ -14,26 +14,26 @@ pub(crate) struct Family {
 
 impl Family {
     #[inline(always)]
-    pub(crate) fn below(tree: &[Node], node: u32) -> Self {
+    pub(crate) fn below<N: TreeNode>(tree: &[N], grid: &N::Grid, node: u32) -> Self {
         let parent = item(tree, node);
-        let [l, r] = [parent.first, parent.first + 1];
-        let below = |child: u32| {
-            let child = item(tree, child);
-            (!child.is_leaf()).then_some([child.first, child.first + 1])
-        };
         let (nodes, len) = if parent.is_leaf() {
             ([node; 4], 1)
         } else {
-            match (below(l), below(r)) {
-                (None, None) => ([l, r, r, r], 2),
-                (None, Some([p, q])) => ([l, p, q, q], 3),
-                (Some([p, q]), None) => ([p, q, r, r], 3),
-                (Some([p, q]), Some([s, t])) => ([p, q, s, t], 4),
+            let [l, r] = [parent.left(), parent.left() + 1];
+            let (left, right) = (item(tree, l), item(tree, r));
+            let ([p, q], [s, t]) =
+                ([left.left(), left.left() + 1], [right.left(), right.left() + 1]);
+            match (left.is_leaf(), right.is_leaf()) {
+                (true, true) => ([l, r, r, r], 2),
+                (true, false) => ([l, s, t, t], 3),
+                (false, true) => ([p, q, r, r], 3),
+                (false, false) => ([p, q, s, t], 4),
             }
         };
         // Lanes to spare hold some node, which nobody asks for.
-        let box_of = |lane: usize| item(tree, nodes[lane]);
-        Self { nodes, len, boxes: Boxes::of_nodes([box_of(0), box_of(1), box_of(2), box_of(3)]) }
+        let in_lane = |lane: usize| item(tree, nodes[lane]);
+        let boxes = N::boxes(grid, [in_lane(0), in_lane(1), in_lane(2), in_lane(3)]);
+        Self { nodes, len, boxes }
     }
 
     /// How many they are.

@@ -1,11 +1,12 @@
 //! Two meshes, one or both of them posed.
 
 use super::{Cursor, NodePair, Query, TrianglePair};
+use crate::bvh::{Layout, Wide};
 use crate::place::{InPlace, Place, Placement};
 use crate::pose::PoseError;
 use crate::triangle::{Accuracy, Contact, contact};
 use crate::walk::{Bvtt, PairTree, Side, Visit, walk};
-use crate::{Aabb, Bvh, Node, Pose};
+use crate::{Aabb, Bvh, Pose};
 use core::ops::ControlFlow;
 
 /// A BVH and where it stands in the frame of a query. Copying is free.
@@ -23,16 +24,16 @@ use core::ops::ControlFlow;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Placed<'a>(Side<'a, Place>);
+pub struct Placed<'a, L: Layout = Wide>(Side<'a, Place, Place, L>);
 
-impl<'a> Placed<'a> {
+impl<'a, L: Layout> Placed<'a, L> {
     /// In a pose. [`Pose::IDENTITY`] leaves every vertex as it is and costs a query nothing.
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes the mesh out of range.
-    pub fn new(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
+    pub fn new(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
         if *world_from_bvh != Pose::IDENTITY {
-            world_from_bvh.check(&bvh.root().map_or(Aabb::EMPTY, Node::aabb))?;
+            world_from_bvh.check(&bvh.aabb().unwrap_or(Aabb::EMPTY))?;
         }
         Ok(Self::trusted(bvh, world_from_bvh))
     }
@@ -41,7 +42,7 @@ impl<'a> Placed<'a> {
     ///
     /// Nothing is checked: in another one a query may miss pairs.
     #[must_use]
-    pub fn trusted(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Self {
+    pub fn trusted(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
         Self(Side::new(bvh, Place::new(world_from_bvh)))
     }
 
@@ -49,7 +50,8 @@ impl<'a> Placed<'a> {
     /// empty mesh. What a broad phase goes by.
     #[must_use]
     pub fn aabb(&self) -> Option<Aabb> {
-        Some(self.0.place.bounds(&self.0.bvh.root()?.bounds()).into())
+        let bvh = &self.0.bvh;
+        Some(self.0.place.bounds(&bvh.bounds(bvh.root()?)).into())
     }
 }
 
@@ -70,43 +72,51 @@ impl<'a> Placed<'a> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct PairQuery<'a> {
-    tree: PairTree<'a, Place, Place>,
+pub struct PairQuery<'a, A: Layout = Wide, B: Layout = A> {
+    tree: PairTree<Side<'a, Place, Place, A>, Side<'a, Place, Place, B>>,
     /// Asked for more than once, by whoever weighs a question before it is walked.
     root: Option<NodePair>,
     leaf_edge: f32,
 }
 
-impl<'a> PairQuery<'a> {
+impl<'a, A: Layout, B: Layout> PairQuery<'a, A, B> {
     /// Asks for `a` against `b` posed by `a_from_b`, exactly.
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes `b` out of range.
-    pub fn new(a: Bvh<'a>, b: Bvh<'a>, a_from_b: Pose) -> Result<Self, PoseError> {
+    pub fn new(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: Pose) -> Result<Self, PoseError> {
         Ok(Self::of(Side::new(a, Place::InPlace), Placed::new(b, &a_from_b)?.0))
     }
 
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
-    pub fn in_world(a: Placed<'a>, b: Placed<'a>) -> Self {
+    pub fn in_world(a: Placed<'a, A>, b: Placed<'a, B>) -> Self {
         let (Placed(mut a), Placed(mut b)) = (a, b);
         if let (Place::Posed(place_a), Place::Posed(place_b)) = (&a.place, &b.place)
             && let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root())
-            && let Some(seen) = place_b.seen_from(&root_b.bounds(), place_a, &root_a.bounds())
+            && let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b))
+            && let Some(seen) = place_b.seen_from(&of_b, place_a, &of_a)
         {
             (a.view, b.view) = (Place::InPlace, Place::Posed(seen));
         }
         Self::of(a, b)
     }
 
-    fn of(a: Side<'a, Place>, b: Side<'a, Place>) -> Self {
+    fn of(a: Side<'a, Place, Place, A>, b: Side<'a, Place, Place, B>) -> Self {
         let leaf_edge = a.bvh.leaf_edge().max(b.bvh.leaf_edge());
         let tree = PairTree { a, b, inexact: None };
         Self { root: tree.root(), tree, leaf_edge }
     }
 
     /// Walks with each side placed as it is, so that no box or corner has to ask.
-    fn walk(&self, cursor: &mut Cursor, budget: u64, visit: &mut Visit<'_>) -> ControlFlow<()> {
+    ///
+    /// Where that is compiled: see `bvh::layout::Walked`.
+    pub(crate) fn walk(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: &mut Visit<'_>,
+    ) -> ControlFlow<()> {
         use Place::{InPlace as Still, Posed};
         if cfg!(not(feature = "std")) {
             // A fifth of the machine code.
@@ -125,13 +135,13 @@ impl<'a> PairQuery<'a> {
     }
 
     /// Walks with the places and views of both sides.
-    fn through<A: Placement, V: Placement, B: Placement, W: Placement>(
+    fn through<P: Placement, V: Placement, Q: Placement, W: Placement>(
         &self,
         cursor: &mut Cursor,
         budget: u64,
         visit: &mut Visit<'_>,
-        a: (A, V),
-        b: (B, W),
+        a: (P, V),
+        b: (Q, W),
     ) -> ControlFlow<()> {
         let a = Side { bvh: self.tree.a.bvh, place: a.0, view: a.1 };
         let b = Side { bvh: self.tree.b.bvh, place: b.0, view: b.1 };
@@ -146,7 +156,7 @@ impl<'a> PairQuery<'a> {
     }
 }
 
-impl Query for PairQuery<'_> {
+impl<A: Layout, B: Layout> Query for PairQuery<'_, A, B> {
     fn root(&self) -> Option<NodePair> {
         self.root
     }
@@ -174,7 +184,7 @@ impl Query for PairQuery<'_> {
         budget: u64,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        self.walk(cursor, budget, &mut visit)
+        A::pair(self, cursor, budget, &mut visit)
     }
 
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {

@@ -1,27 +1,27 @@
 //! One mesh.
 
 use super::{Cursor, NodePair, Query, TrianglePair};
+use crate::bvh::{Layout, Wide};
 use crate::fans::Fan;
-use crate::items::item;
 use crate::triangle::{Accuracy, Adjacency, Contact, contact};
-use crate::walk::{Bvtt, SelfTree, walk};
+use crate::walk::{Bvtt, SelfTree, Visit, walk};
 use crate::{Aabb, Bvh};
 use core::ops::ControlFlow;
 
 /// One mesh against itself, each unordered pair of triangles once.
 #[derive(Clone, Copy, Debug)]
-pub struct SelfQuery<'a> {
-    bvh: Bvh<'a>,
+pub struct SelfQuery<'a, L: Layout = Wide> {
+    bvh: Bvh<'a, L>,
     accuracy: Accuracy,
     adjacency: Adjacency,
     fans: &'a [Fan],
     boxes_only: bool,
 }
 
-impl<'a> SelfQuery<'a> {
+impl<'a, L: Layout> SelfQuery<'a, L> {
     /// Asks for all pairs under the shared-index rule, exactly.
     #[must_use]
-    pub fn new(bvh: Bvh<'a>) -> Self {
+    pub fn new(bvh: Bvh<'a, L>) -> Self {
         let (accuracy, adjacency) = (Accuracy::Exact, Adjacency::SharedIndexRule);
         Self { bvh, accuracy, adjacency, fans: &[], boxes_only: false }
     }
@@ -82,13 +82,23 @@ impl<'a> SelfQuery<'a> {
         Self { boxes_only: true, ..self }
     }
 
-    fn tree(&self) -> SelfTree<'a> {
+    /// Walks: see `bvh::layout::Walked`.
+    pub(crate) fn walk(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: &mut Visit<'_>,
+    ) -> ControlFlow<()> {
+        walk(&self.tree(), cursor, budget, visit)
+    }
+
+    fn tree(&self) -> SelfTree<'a, L> {
         let Self { bvh, accuracy, adjacency, fans, boxes_only } = *self;
         SelfTree { bvh, accuracy, inexact: accuracy.inexact(), adjacency, fans, boxes_only }
     }
 }
 
-impl Query for SelfQuery<'_> {
+impl<L: Layout> Query for SelfQuery<'_, L> {
     fn root(&self) -> Option<NodePair> {
         self.tree().root()
     }
@@ -98,7 +108,7 @@ impl Query for SelfQuery<'_> {
     }
 
     fn boxes(&self, n: NodePair) -> [Aabb; 2] {
-        [n.a, n.b].map(|node| item(self.bvh.nodes(), node).aabb())
+        [n.a, n.b].map(|node| self.bvh.bounds(self.bvh.node(node)).into())
     }
 
     fn triangles_below(&self, n: NodePair) -> [u32; 2] {
@@ -115,7 +125,7 @@ impl Query for SelfQuery<'_> {
         budget: u64,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        walk(&self.tree(), cursor, budget, &mut visit)
+        L::within(self, cursor, budget, &mut visit)
     }
 
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {

@@ -2,9 +2,9 @@
 
 use super::{Bvtt, NodePair, Progress, TrianglePair, Visit, after, decide, family_pairs, meet};
 use crate::aabb::Bounds;
-use crate::bvh::Node;
+use crate::bvh::{Index, Layout, TreeNode, Wide};
 use crate::items::item;
-use crate::lanes::{Blocks, Family, LANES, Simd};
+use crate::lanes::{Blocks, LANES, Simd};
 use crate::place::Placement;
 use crate::triangle::Inexact;
 use crate::{Bvh, Triangle};
@@ -20,35 +20,35 @@ use glam::Vec3A;
 /// best to look at the boxes from one of them: `view` may be of any frame in which boxes of triangles that
 /// meet overlap. What these triangles are is settled by `place` alone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Side<'a, P, V = P> {
-    pub(crate) bvh: Bvh<'a>,
+pub(crate) struct Side<'a, P, V = P, L: Layout = Wide> {
+    pub(crate) bvh: Bvh<'a, L>,
     pub(crate) place: P,
     pub(crate) view: V,
 }
 
-/// Two BVHs in one frame.
+/// Two BVHs in one frame, each a [`Side`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PairTree<'a, A, B, V = A, W = B> {
-    pub(crate) a: Side<'a, A, V>,
-    pub(crate) b: Side<'a, B, W>,
+pub(crate) struct PairTree<A, B> {
+    pub(crate) a: A,
+    pub(crate) b: B,
     pub(crate) inexact: Option<Inexact>,
 }
 
-impl<'a, P: Placement + Copy> Side<'a, P> {
-    pub(crate) fn new(bvh: Bvh<'a>, place: P) -> Self {
+impl<'a, P: Placement + Copy, L: Layout> Side<'a, P, P, L> {
+    pub(crate) fn new(bvh: Bvh<'a, L>, place: P) -> Self {
         Self { bvh, place, view: place }
     }
 }
 
-impl<'a, P: Placement, V: Placement> Side<'a, P, V> {
+impl<'a, P: Placement, V: Placement, L: Layout> Side<'a, P, V, L> {
     #[inline]
-    pub(crate) fn node(&self, index: u32) -> &'a Node {
-        item(self.bvh.nodes(), index)
+    pub(crate) fn node(&self, index: u32) -> &'a L::Node {
+        self.bvh.node(index)
     }
 
     #[inline]
-    pub(crate) fn bounds(&self, node: &Node) -> Bounds {
-        self.view.bounds(&node.bounds())
+    pub(crate) fn bounds(&self, node: &L::Node) -> Bounds {
+        self.view.bounds(&self.bvh.bounds(node))
     }
 
     #[inline]
@@ -58,7 +58,7 @@ impl<'a, P: Placement, V: Placement> Side<'a, P, V> {
 
     /// The triangles of a leaf.
     #[inline]
-    fn leaf(&self, node: u32) -> &'a [u32] {
+    fn leaf(&self, node: u32) -> &'a [L::Index] {
         self.bvh.leaf_triangles(self.node(node))
     }
 
@@ -69,7 +69,9 @@ impl<'a, P: Placement, V: Placement> Side<'a, P, V> {
     }
 }
 
-impl<A: Placement, B: Placement, V: Placement, W: Placement> Bvtt for PairTree<'_, A, B, V, W> {
+impl<A: Placement, V: Placement, K: Layout, B: Placement, W: Placement, L: Layout> Bvtt
+    for PairTree<Side<'_, A, V, K>, Side<'_, B, W, L>>
+{
     fn root(&self) -> Option<NodePair> {
         let (a, b) = (self.a.bvh.root()?, self.b.bvh.root()?);
         self.a.bounds(a).overlaps(&self.b.bounds(b)).then_some(NodePair { a: 0, b: 0 })
@@ -90,24 +92,25 @@ impl<A: Placement, B: Placement, V: Placement, W: Placement> Bvtt for PairTree<'
         };
         match (a.is_leaf(), b.is_leaf()) {
             (false, false) => {
-                let [left, right] = [b.first, b.first + 1].map(|child| self.b.bounds_of(child));
-                for child in [a.first, a.first + 1] {
+                let (l, r) = (b.left(), b.left() + 1);
+                let [left, right] = [l, r].map(|child| self.b.bounds_of(child));
+                for child in [a.left(), a.left() + 1] {
                     let own = self.a.bounds_of(child);
-                    test(child, b.first, [&own, &left]);
-                    test(child, b.first + 1, [&own, &right]);
+                    test(child, l, [&own, &left]);
+                    test(child, r, [&own, &right]);
                 }
                 4
             }
             (false, true) => {
                 let other = self.b.bounds(b);
-                for child in [a.first, a.first + 1] {
+                for child in [a.left(), a.left() + 1] {
                     test(child, n.b, [&self.a.bounds_of(child), &other]);
                 }
                 2
             }
             (true, false) => {
                 let own = self.a.bounds(a);
-                for child in [b.first, b.first + 1] {
+                for child in [b.left(), b.left() + 1] {
                     test(n.a, child, [&own, &self.b.bounds_of(child)]);
                 }
                 2
@@ -118,8 +121,7 @@ impl<A: Placement, B: Placement, V: Placement, W: Placement> Bvtt for PairTree<'
 
     #[inline(always)]
     fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
-        let [mut a, mut b] =
-            [Family::below(self.a.bvh.nodes(), n.a), Family::below(self.b.bvh.nodes(), n.b)];
+        let [mut a, mut b] = [self.a.bvh.family(n.a), self.b.bvh.family(n.b)];
         a.boxes = self.a.view.boxes(&a.boxes);
         b.boxes = self.b.view.boxes(&b.boxes);
         let lanes = a.lanes();
@@ -138,12 +140,12 @@ impl<A: Placement, B: Placement, V: Placement, W: Placement> Bvtt for PairTree<'
         let (own, others) = (self.a.leaf(n.a), self.b.leaf(n.b));
         let first = kept_a.get::<S>(n.a, self.a.bvh.mesh(), own, &self.a.place, &[]);
         let second = kept_b.get::<S>(n.b, self.b.bvh.mesh(), others, &self.b.place, &[]);
-        let bounds = self.a.place.bounds(&self.a.node(n.a).bounds());
+        let bounds = self.a.place.bounds(&self.a.bvh.bounds(self.a.node(n.a)));
         let pairs = first.pairs::<S, false>(second, &bounds, after(progress.skip));
         decide(pairs, progress, |bit| {
             let (i, j) = (bit % LANES as u32, bit / LANES as u32);
             if meet(first, i, second, j, self.inexact) {
-                visit(TrianglePair { a: *item(own, i), b: *item(others, j) })
+                visit(TrianglePair { a: item(own, i).get(), b: item(others, j).get() })
             } else {
                 ControlFlow::Continue(())
             }

@@ -7,16 +7,17 @@
 use super::{Bvtt, NodePair, Progress, TrianglePair, Visit, after, decide, family_pairs, meet};
 use crate::Bvh;
 use crate::aabb::Bounds;
+use crate::bvh::{Index, Layout, TreeNode};
 use crate::fans::Fan;
 use crate::items::item;
-use crate::lanes::{Blocks, Family, LANES, Pairs, Simd};
+use crate::lanes::{Blocks, LANES, Pairs, Simd};
 use crate::place::InPlace;
 use crate::triangle::{Accuracy, Adjacency, Inexact, intersects_in_mesh};
 use core::ops::ControlFlow;
 
 /// One BVH against itself.
-pub(crate) struct SelfTree<'a> {
-    pub(crate) bvh: Bvh<'a>,
+pub(crate) struct SelfTree<'a, L: Layout> {
+    pub(crate) bvh: Bvh<'a, L>,
     pub(crate) accuracy: Accuracy,
     pub(crate) inexact: Option<Inexact>,
     pub(crate) adjacency: Adjacency,
@@ -26,21 +27,21 @@ pub(crate) struct SelfTree<'a> {
     pub(crate) boxes_only: bool,
 }
 
-impl Bvtt for SelfTree<'_> {
+impl<L: Layout> Bvtt for SelfTree<'_, L> {
     fn root(&self) -> Option<NodePair> {
         self.bvh.root().map(|_| NodePair { a: 0, b: 0 })
     }
 
     #[inline]
     fn is_leaf(&self, n: NodePair) -> bool {
-        item(self.bvh.nodes(), n.a).is_leaf() && item(self.bvh.nodes(), n.b).is_leaf()
+        self.bvh.node(n.a).is_leaf() && self.bvh.node(n.b).is_leaf()
     }
 
     #[inline]
     fn children(&self, n: NodePair, mut push: impl FnMut(NodePair, [&Bounds; 2])) -> u32 {
-        let nodes = self.bvh.nodes();
-        let (a, b) = (item(nodes, n.a), item(nodes, n.b));
-        let bounds = |i: u32| item(nodes, i).bounds();
+        let bvh = &self.bvh;
+        let (a, b) = (bvh.node(n.a), bvh.node(n.b));
+        let bounds = |i: u32| bvh.bounds(bvh.node(i));
         let mut test = |i: u32, j: u32| {
             let (own, other) = (bounds(i), bounds(j));
             if own.overlaps(&other) {
@@ -49,7 +50,7 @@ impl Bvtt for SelfTree<'_> {
         };
         if n.a == n.b && !a.is_leaf() {
             // A box always overlaps itself, so one of these is a test.
-            let (l, r) = (a.first, a.first + 1);
+            let (l, r) = (a.left(), a.left() + 1);
             for (i, j) in [(l, l), (l, r), (r, r)] {
                 test(i, j);
             }
@@ -57,20 +58,20 @@ impl Bvtt for SelfTree<'_> {
         }
         match (a.is_leaf(), b.is_leaf()) {
             (false, false) => {
-                for i in [a.first, a.first + 1] {
-                    test(i, b.first);
-                    test(i, b.first + 1);
+                for i in [a.left(), a.left() + 1] {
+                    test(i, b.left());
+                    test(i, b.left() + 1);
                 }
                 4
             }
             (false, true) => {
-                test(a.first, n.b);
-                test(a.first + 1, n.b);
+                test(a.left(), n.b);
+                test(a.left() + 1, n.b);
                 2
             }
             (true, false) => {
-                test(n.a, b.first);
-                test(n.a, b.first + 1);
+                test(n.a, b.left());
+                test(n.a, b.left() + 1);
                 2
             }
             (true, true) => 0,
@@ -79,13 +80,13 @@ impl Bvtt for SelfTree<'_> {
 
     #[inline(always)]
     fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
-        let a = Family::below(self.bvh.nodes(), n.a);
+        let a = self.bvh.family(n.a);
         if n.a == n.b {
             // Each with itself and those before it.
             family_pairs([&a, &a], |row| (2 << row) - 1, push);
             return a.len() * (a.len() - 1) / 2;
         }
-        let b = Family::below(self.bvh.nodes(), n.b);
+        let b = self.bvh.family(n.b);
         let lanes = a.lanes();
         family_pairs([&a, &b], |_| lanes, push);
         a.len() * b.len()
@@ -99,12 +100,12 @@ impl Bvtt for SelfTree<'_> {
         progress: &mut Progress,
         visit: &mut Visit<'_>,
     ) -> ControlFlow<()> {
-        let (nodes, mesh) = (self.bvh.nodes(), self.bvh.mesh());
-        let (a, b) = (item(nodes, n.a), item(nodes, n.b));
+        let mesh = self.bvh.mesh();
+        let (a, b) = (self.bvh.node(n.a), self.bvh.node(n.b));
         let (own, others) = (self.bvh.leaf_triangles(a), self.bvh.leaf_triangles(b));
         let first = kept_a.get::<S>(n.a, mesh, own, &InPlace, self.fans);
         let second = kept_b.get::<S>(n.b, mesh, others, &InPlace, self.fans);
-        let bounds = a.bounds();
+        let bounds = self.bvh.bounds(a);
         let allowed = if n.a == n.b { after(progress.skip) & BEFORE } else { after(progress.skip) };
         let pairs = if self.boxes_only {
             let tested = first.boxes::<S>(second, &bounds, allowed);
@@ -114,7 +115,7 @@ impl Bvtt for SelfTree<'_> {
         };
         decide(pairs, progress, |bit| {
             let (i, j) = (bit % LANES as u32, bit / LANES as u32);
-            let (t, u) = (*item(own, i), *item(others, j));
+            let (t, u) = (item(own, i).get(), item(others, j).get());
             let (a, b) = (t.min(u), t.max(u));
             let meet = if self.boxes_only {
                 true

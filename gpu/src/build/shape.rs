@@ -89,7 +89,9 @@ mod tests {
     /// Trees of all sizes.
     fn trees() -> impl Iterator<Item = (u32, Balanced)> {
         let triangles = (1..2000).chain([1 << 20, 3 << 22, (1 << 28) - 1]);
-        let tree = |n, leaf_size| Balanced::new(n, BuildOptions { leaf_size }).unwrap();
+        let tree = |n, leaf_size| {
+            Balanced::new(n, BuildOptions { leaf_size, ..BuildOptions::default() }).unwrap()
+        };
         triangles.flat_map(move |n| (0..12).map(move |leaf_size| (leaf_size, tree(n, leaf_size))))
     }
 

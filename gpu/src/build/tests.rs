@@ -61,7 +61,7 @@ fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: u32) -> Tree
     let mesh = Mesh::new(positions, triangles).unwrap();
     let source = Source::new(gpu(), mesh).unwrap();
     let bounds = Aabb::of(positions);
-    let options = BuildOptions { leaf_size };
+    let options = BuildOptions { leaf_size, ..BuildOptions::default() };
     let built = Built::new(gpu(), &source, &bounds, options).unwrap();
     run(&built.build);
     let model = built.model;
@@ -141,7 +141,9 @@ fn queries_take_little_more_work_than_with_the_tree_of_the_core() {
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
     let mut scratch = vec![SahItem::default(); sah_scratch_bound(n)];
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let core = sah(mesh, &BuildOptions { leaf_size: 4 }, storage, &mut scratch).unwrap();
+    let core =
+        sah(mesh, &BuildOptions { leaf_size: 4, ..BuildOptions::default() }, storage, &mut scratch)
+            .unwrap();
     let (nodes, order) = build(&knot.positions, &knot.triangles, 4);
     let own = Bvh::trusted(mesh, &nodes, &order);
     let pose = Pose::from_translation([0.3, 0.1, 0.2]);

@@ -39,7 +39,12 @@ impl Broad {
         self.scratch.resize(morton_scratch_bound(n), 0);
         let mesh = Mesh::new(&self.corners, &self.diagonals)?;
         let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
-        let bvh = morton(mesh, &BuildOptions { leaf_size: 2 }, storage, &mut self.scratch)?;
+        let bvh = morton(
+            mesh,
+            &BuildOptions { leaf_size: 2, ..BuildOptions::default() },
+            storage,
+            &mut self.scratch,
+        )?;
         let query = SelfQuery::new(bvh).boxes_only();
         self.pairs.clear();
         let _ = query.visit(&mut query.start(), |pair| {

@@ -9,7 +9,7 @@ use pfront_scenes::{Scene, torus_knot};
 
 fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: u32) -> Deforming {
     let mesh = Mesh::new(positions, triangles).unwrap();
-    Deforming::build(gpu(), mesh, &BuildOptions { leaf_size }).unwrap()
+    Deforming::build(gpu(), mesh, &BuildOptions { leaf_size, ..BuildOptions::default() }).unwrap()
 }
 
 #[test]

@@ -30,7 +30,13 @@ impl Both {
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
         let mut scratch = vec![build::SahItem::default(); build::sah_scratch_bound(n)];
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-        let bvh = build::sah(mesh, &BuildOptions { leaf_size }, storage, &mut scratch).unwrap();
+        let bvh = build::sah(
+            mesh,
+            &BuildOptions { leaf_size, ..BuildOptions::default() },
+            storage,
+            &mut scratch,
+        )
+        .unwrap();
         let (used, model) = (bvh.nodes().len(), Model::new(gpu(), bvh).unwrap());
         nodes.truncate(used);
         Self { positions: positions.to_vec(), triangles: triangles.to_vec(), nodes, order, model }

@@ -198,7 +198,8 @@ impl Frame {
     #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU needs it"))]
     fn new(site: &Site, leaf_size: u32, machine: &Machine) -> Result<Self, ChartError> {
         let built = |body: &Body| {
-            let (mesh, options) = (body.mesh(), BuildOptions { leaf_size });
+            let (mesh, options) =
+                (body.mesh(), BuildOptions { leaf_size, ..BuildOptions::default() });
             let (positions, triangles) = (mesh.positions().to_vec(), mesh.triangles().to_vec());
             Model::with_options(positions, triangles, options).map(Arc::new)
         };

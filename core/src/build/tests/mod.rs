@@ -98,10 +98,20 @@ fn meshes() -> Vec<(&'static str, Soup)> {
     if cfg!(miri) { meshes.into_iter().step_by(3).collect() } else { meshes }
 }
 
+/// Runs `visit` on the BVH of each build with leaves of a size.
+fn with_builds(mesh: Mesh<'_>, leaf_size: u32, visit: impl FnMut(&str, Bvh<'_>)) {
+    with_options(mesh, BuildOptions { leaf_size, ..BuildOptions::default() }, visit);
+}
+
+/// Leaves of any size, full or not.
+fn options(leaf_sizes: impl IntoIterator<Item = u32>) -> Vec<BuildOptions> {
+    let both = |leaf_size| [false, true].map(|full_leaves| BuildOptions { leaf_size, full_leaves });
+    leaf_sizes.into_iter().flat_map(both).collect()
+}
+
 /// Runs `visit` on the BVH of each build; both start from dirty buffers.
-fn with_builds(mesh: Mesh<'_>, leaf_size: u32, mut visit: impl FnMut(&str, Bvh<'_>)) {
+fn with_options(mesh: Mesh<'_>, options: BuildOptions, mut visit: impl FnMut(&str, Bvh<'_>)) {
     let count = mesh.triangles().len();
-    let options = BuildOptions { leaf_size };
     let dirty = Node { min: [f32::NAN; 3], first: 9, max: [f32::NAN; 3], count: 9 };
     let mut nodes = vec![dirty; node_bound(count) + 3];
     let mut order = vec![u32::MAX; count + 3];
@@ -139,9 +149,8 @@ fn parts_give_the_tree_of_the_whole() {
     for (name, (positions, triangles)) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let count = triangles.len();
-        for leaf_size in [1, 3, 8] {
-            let options = BuildOptions { leaf_size };
-            with_builds(mesh, leaf_size, |build, whole| {
+        for options in options([1, 3, 8]) {
+            with_options(mesh, options, |build, whole| {
                 for (way, join) in joins().into_iter().enumerate() {
                     let mut nodes = vec![Node::EMPTY; node_bound(count)];
                     let mut order = vec![0; count];
@@ -153,7 +162,7 @@ fn parts_give_the_tree_of_the_whole() {
                         let mut keys = vec![7; morton_scratch_bound(count)];
                         morton_with(mesh, &options, storage, &mut keys, join).unwrap()
                     };
-                    let context = format!("{build} of {name}, way {way}, leaves of {leaf_size}");
+                    let context = format!("{build} of {name}, way {way}, {options:?}");
                     let bits = |bvh: Bvh<'_>| bytemuck::cast_slice::<_, u32>(bvh.nodes()).to_vec();
                     assert_eq!(bits(in_parts), bits(whole), "{context}");
                     assert_eq!(in_parts.order(), whole.order(), "{context}");
@@ -192,16 +201,40 @@ fn keys_are_sorted_by_any_bits() {
 fn every_build_of_every_mesh_is_well_formed() {
     for (name, (positions, triangles)) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
-        for leaf_size in (0..=9).step_by(if cfg!(miri) { 9 } else { 1 }) {
-            with_builds(mesh, leaf_size, |build, bvh| {
-                let context = format!("{build} of {name} with leaves of {leaf_size}");
+        for options in options((0..=9).step_by(if cfg!(miri) { 9 } else { 1 })) {
+            with_options(mesh, options, |build, bvh| {
+                let context = format!("{build} of {name} with {options:?}");
                 bvh.assert_well_formed();
                 assert!(bvh.depth() <= MAX_DEPTH, "{context}");
-                let limit = leaf_size.clamp(1, MAX_LEAF_SIZE);
+                let limit = options.leaf_size.clamp(1, MAX_LEAF_SIZE);
                 assert!(bvh.nodes().iter().all(|node| node.count <= limit), "{context}");
                 let found = quality(&bvh);
                 assert!(found.is_finite() && found >= 0.0, "{context}: {found}");
             });
+        }
+    }
+}
+
+/// There are never more leaves than without, and by SAH at least three in four places of them are taken even
+/// where splits are odd, if there are enough.
+#[test]
+fn full_leaves_are_full() {
+    for (name, (positions, triangles)) in meshes() {
+        let mesh = Mesh::new(&positions, &triangles).unwrap();
+        let count = triangles.len();
+        for both in options([2, 4, 8]).chunks(2) {
+            let size = both[0].leaf_size as usize;
+            let [any, full] = [both[0], both[1]].map(|options| {
+                let mut leaves = vec![];
+                with_options(mesh, options, |_, bvh| {
+                    leaves.push(bvh.nodes().iter().filter(|node| node.is_leaf()).count());
+                });
+                leaves
+            });
+            let context = format!("{name}: {full:?} leaves of {size} instead of {any:?}");
+            assert!(full[0] <= any[0] && full[1] <= any[1], "{context}");
+            let (enough, fewest) = (full[0] * size * 3 <= count * 4, count.div_ceil(size));
+            assert!(enough || full[0] <= fewest + 8, "{context}");
         }
     }
 }
@@ -274,14 +307,14 @@ fn morton_needs_no_more_nodes_than_there_are_and_says_how_many() {
         let count = triangles.len();
         // Miri is slow, and slower to make threads.
         let some = if cfg!(miri) { 1 } else { 4 };
-        for leaf_size in [8, 3, 1].into_iter().take(some) {
-            let context = format!("{name} with leaves of {leaf_size}");
+        for options in options([8, 3, 1]).into_iter().take(some) {
+            let context = format!("{name} with {options:?}");
             let mut roomy = vec![];
-            with_builds(mesh, leaf_size, |_, bvh| roomy = bvh.nodes().to_vec());
+            with_options(mesh, options, |_, bvh| roomy = bvh.nodes().to_vec());
             let in_nodes = |nodes: usize, join: Option<&Join<'_>>| {
                 let (mut nodes, mut order) = (vec![Node::EMPTY; nodes], vec![0; count]);
                 let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-                let (options, mut scratch) = (BuildOptions { leaf_size }, vec![0; 2 * count]);
+                let mut scratch = vec![0; 2 * count];
                 match join {
                     Some(join) => morton_with(mesh, &options, storage, &mut scratch, join),
                     None => morton(mesh, &options, storage, &mut scratch),

@@ -1,0 +1,192 @@
+//! Bytes a triangle and time of the compact layout beside the wide one.
+//!
+//! `cargo bench --bench compact`; with recorded data (`PFRONT_DATA`, see test.sh) two bunnies are added. Times
+//! are medians of rounds in which each tree is asked in turn, so that all suffer alike from what else a machine
+//! does. Answers are compared in every round.
+
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a bench fails by panicking")]
+
+use pfront::core::build::{self, BvhStorage};
+use pfront::core::bvh::{
+    Compact, CompactNode, CompactStorage, Index, Layout, compact, compact_bound, node_bound,
+};
+use pfront::core::query::{PairQuery, Query, SelfQuery};
+use pfront::{BuildOptions, Bvh, Mesh, Node, Pose};
+use pfront_scenes::{Scene, TriMesh};
+use std::time::{Duration, Instant};
+
+/// Two meshes in some poses, or one by itself.
+struct Case {
+    name: &'static str,
+    meshes: Vec<TriMesh>,
+    poses: Vec<Pose>,
+}
+
+fn cases() -> Vec<Case> {
+    let mut cases = vec![
+        pair("worm-gear", None, [60, 64, 68, 72]),
+        pair("torus-knots", Some(400_000), [60, 64, 68, 72]),
+        sheet(),
+    ];
+    cases.extend(bunnies());
+    cases
+}
+
+fn pair(name: &'static str, size: Option<usize>, frames: [usize; 4]) -> Case {
+    let scene = Scene::by_name(name, size).unwrap();
+    let meshes = scene.objects.iter().map(|&object| scene.meshes[object].clone()).collect();
+    let mut rows = Vec::new();
+    let pose = |frame| {
+        scene.poses(frame, &mut rows);
+        Pose::new(rows[1])
+    };
+    Case { name, meshes, poses: frames.map(pose).to_vec() }
+}
+
+fn sheet() -> Case {
+    let scene = Scene::by_name("sheet", None).unwrap();
+    let mut mesh = scene.meshes[0].clone();
+    scene.positions(100, &mut mesh.positions);
+    Case { name: "sheet with itself", meshes: vec![mesh], poses: vec![Pose::IDENTITY] }
+}
+
+fn bunnies() -> Option<Case> {
+    let folder = std::env::var_os("PFRONT_DATA")?;
+    let path = std::path::Path::new(&folder).join("classic/bunny_69451.obj");
+    let read = pfront_cli::mesh::read(&path).unwrap_or_else(|e| panic!("{e}"));
+    let mesh = TriMesh { positions: read.positions, triangles: read.triangles };
+    let (sin, cos) = 0.3_f32.sin_cos();
+    // A bunny is 0.16 wide.
+    let pose = |i: u8| {
+        let x = 0.008 * f32::from(i);
+        Pose::new([[cos, -sin, 0.0, x], [sin, cos, 0.0, 0.003], [0.0, 0.0, 1.0, 0.002]])
+    };
+    Some(Case {
+        name: "bunnies",
+        meshes: vec![mesh.clone(), mesh],
+        poses: (1..=6).map(pose).collect(),
+    })
+}
+
+/// How trees are built.
+#[derive(Clone, Copy)]
+enum Build {
+    Sah,
+    FullSah,
+    FullMorton,
+}
+
+const BUILDS: [(Build, &str); 3] =
+    [(Build::Sah, "SAH"), (Build::FullSah, "SAH, full"), (Build::FullMorton, "Morton, full")];
+
+/// A tree in both layouts.
+struct Tree<'m> {
+    mesh: Mesh<'m>,
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+    small_nodes: Vec<CompactNode>,
+    small_order: Vec<[u8; 3]>,
+}
+
+type Small = Compact<[u8; 3]>;
+
+impl<'m> Tree<'m> {
+    fn new(mesh: &'m TriMesh, build: Build, leaf_size: u32) -> Self {
+        let mesh = Mesh::new(&mesh.positions, &mesh.triangles).unwrap();
+        let n = mesh.triangles().len();
+        let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
+        let options = BuildOptions { leaf_size, full_leaves: !matches!(build, Build::Sah) };
+        let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+        let bvh = if matches!(build, Build::FullMorton) {
+            build::morton(mesh, &options, storage, &mut vec![0; build::morton_scratch_bound(n)])
+        } else {
+            let mut scratch = vec![build::SahItem::default(); build::sah_scratch_bound(n)];
+            build::sah(mesh, &options, storage, &mut scratch)
+        };
+        let used = bvh.unwrap().nodes().len();
+        nodes.truncate(used);
+        let mut small_nodes = vec![CompactNode::ZERO; compact_bound(used)];
+        let mut small_order = vec![[0; 3]; n];
+        let storage = CompactStorage { nodes: &mut small_nodes, order: &mut small_order };
+        compact(mesh, &nodes, &order, storage).unwrap();
+        Self { mesh, nodes, order, small_nodes, small_order }
+    }
+
+    fn wide(&self) -> Bvh<'_> {
+        Bvh::trusted(self.mesh, &self.nodes, &self.order)
+    }
+
+    fn small(&self) -> Bvh<'_, Small> {
+        Bvh::trusted_compact(self.mesh, &self.small_nodes, &self.small_order)
+    }
+}
+
+/// Bytes a triangle with nodes of type `N` and entries of type `I`, which may not do for so many.
+fn bytes<N, I: Index>(trees: &[Tree<'_>]) -> String {
+    if trees.iter().any(|tree| tree.order.len() > I::MOST) {
+        return "–".to_owned();
+    }
+    let triangles: usize = trees.iter().map(|tree| tree.order.len()).sum();
+    let nodes: usize = trees.iter().map(|tree| tree.nodes.len()).sum();
+    let bytes = nodes * size_of::<N>() + triangles * size_of::<I>();
+    format!("{:.1}", bytes as f64 / triangles as f64)
+}
+
+/// How many pairs meet in all poses, and how long that took.
+fn ask<L: Layout>(case: &Case, bvhs: &[Bvh<'_, L>]) -> (u64, Duration) {
+    let clock = Instant::now();
+    let count = match *bvhs {
+        [own] => SelfQuery::new(own).count(),
+        _ => {
+            let ask = |pose: &Pose| PairQuery::new(bvhs[0], bvhs[1], *pose).unwrap().count();
+            case.poses.iter().map(ask).sum()
+        }
+    };
+    (count, clock.elapsed())
+}
+
+fn median(mut times: Vec<Duration>) -> f64 {
+    times.sort_unstable();
+    times[times.len() / 2].as_secs_f64() * 1e3
+}
+
+fn main() {
+    let once = std::env::args().any(|argument| argument == "--test");
+    let (rounds, leaf_sizes): (_, &[u32]) = if once { (1, &[4]) } else { (15, &[1, 2, 4, 8]) };
+    println!(
+        "| scene | build | leaf size | wide | compact, 4-byte order | 3 | 2 | wide, ms | compact ÷ wide | compact ÷ \
+         wide by default |\n|---|---|---|---|---|---|---|---|---|---|"
+    );
+    for case in cases() {
+        let trees = |build, leaf_size| -> Vec<_> {
+            case.meshes.iter().map(|mesh| Tree::new(mesh, build, leaf_size)).collect()
+        };
+        let default = trees(Build::Sah, BuildOptions::default().leaf_size);
+        for (build, name) in BUILDS {
+            for &leaf_size in leaf_sizes {
+                let trees = trees(build, leaf_size);
+                let mut times = [vec![], vec![], vec![]];
+                for _ in 0..rounds {
+                    let asked = [
+                        ask(&case, &default.iter().map(Tree::wide).collect::<Vec<_>>()),
+                        ask(&case, &trees.iter().map(Tree::wide).collect::<Vec<_>>()),
+                        ask(&case, &trees.iter().map(Tree::small).collect::<Vec<_>>()),
+                    ];
+                    assert!(asked.iter().all(|answer| answer.0 == asked[0].0), "{}", case.name);
+                    times.iter_mut().zip(asked).for_each(|(times, (_, time))| times.push(time));
+                }
+                let [default, wide, small] = times.map(median);
+                println!(
+                    "| {} | {name} | {leaf_size} | {} | {} | {} | {} | {wide:.2} | {:.2} | {:.2} |",
+                    case.name,
+                    bytes::<Node, u32>(&trees),
+                    bytes::<CompactNode, u32>(&trees),
+                    bytes::<CompactNode, [u8; 3]>(&trees),
+                    bytes::<CompactNode, u16>(&trees),
+                    small / wide,
+                    small / default,
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! Nodes of 16 bytes: boxes on a grid of 65,536 cells along each axis.
+//!
+//! Quantised boxes as in Mahovsky & Wyvill, "Memory-conserving bounding volume hierarchies with coherent
+//! raytracing" (2006), who refer each box to that of its parent. Here one grid serves the whole tree: decoding a
+//! box takes no other node, so a walk may start anywhere, as workers do from a front, and decode four at once.
+//!
+//! # Rounding
+//! The cells of an axis are 2^e wide and begin at whole multiples of that, so corner number q of the grid is
+//! (m + q)·2^e for an integer m. The width is such that |m| ≤ 2^23, and q < 2^16: the sum is an integer
+//! below 2^24 in absolute value, which f32 holds, and so is its product with 2^e, which is no less than the
+//! smallest subnormal number. Decoding therefore rounds nothing, whether products are fused or not; smallest
+//! corners are rounded down to the grid and largest ones up, in integers. A decoded box contains the wide one
+//! and, since rounding is monotone, what the wide one contains, decoded. Only at the end of the range may the
+//! grid go on beyond [`f32::MAX`]: such a corner decodes to infinity, which still is outside, and counts as
+//! `f32::MAX` where a single box is asked for, so that what is made of boxes stays finite.
+//!
+//! Boxes grow by less than a cell at each side: that is at most a 32,767th of the mesh, or, of one that lies far
+//! from the origin, the distance of neighbouring floats there.
+//!
+//! # Memory
+//! Siblings are aligned as in a wide tree, which leaves slot 1 free: it holds the grid. The array alone is the
+//! tree. A leaf holds at most [`MAX_LEAF_SIZE`](super::MAX_LEAF_SIZE) triangles, so its count takes 3 bits beside
+//! a flag and 28 bits for the beginning of its run; children begin at even indices, which keeps that flag free.
+//!
+//! Vertex indices stay `u32`: the mesh is the caller's and not a part of the BVH, and all that takes one would
+//! take a type more.
+//!
+//! A mesh that deforms keeps the wide layout, which refits write: its boxes may leave the grid, and another grid
+//! means rounding all of them anew.
+
+#[cfg(test)]
+mod tests;
+
+use super::layout::{Index, Layout, TreeNode, Walked};
+use crate::aabb::Bounds;
+use crate::lanes::Boxes;
+use crate::{Aabb, Node};
+use bytemuck::{Pod, Zeroable};
+use core::marker::PhantomData;
+use glam::{Mat4, Vec3A, Vec4};
+
+/// About half the memory, for meshes that do not deform: [`CompactNode`]s, and an order in `I`.
+///
+/// [`compact`](super::compact()) makes it of a [`Wide`](super::Wide) one, which is what a refit needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Compact<I = u32>(PhantomData<I>);
+
+impl<I: Index> Layout for Compact<I> {
+    type Node = CompactNode;
+    type Index = I;
+}
+
+impl<I: Index> Walked for Compact<I> {}
+
+/// One node of a compact BVH: 16 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct CompactNode {
+    /// Smallest corner of the box, in cells of the grid.
+    pub min: [u16; 3],
+    /// Largest corner of the box, in cells of the grid.
+    pub max: [u16; 3],
+    /// Inner: index of the left child, which is even. Leaf: 1, the number of its triangles less one times 2,
+    /// and the index of its first entry in the order times 16.
+    pub link: u32,
+}
+
+/// The grid of an axis begins within so many cells of 0.
+const FARTHEST: i32 = 1 << 23;
+/// The number of the last corner.
+const LAST: i32 = u16::MAX as i32;
+/// The exponent of the smallest subnormal number.
+const LEAST_EXPONENT: i32 = -149;
+/// Cells that would be wider are never asked for.
+const MOST_EXPONENT: i32 = 127;
+/// Bits of an exponent in the header.
+const EXPONENT_BITS: i32 = 10;
+
+impl CompactNode {
+    /// All zero, to initialise buffers.
+    pub const ZERO: Self = Self { min: [0; 3], max: [0; 3], link: 0 };
+
+    /// An empty leaf, which overlaps nothing.
+    pub(crate) const NOTHING: Self =
+        Self { min: [u16::MAX; 3], max: [0; 3], link: u32::MAX << 4 | 1 };
+
+    /// A wide node on a grid that contains it.
+    pub(super) fn new(node: &Node, grid: &Cells) -> Self {
+        let leaf = node.first << 4 | node.count.wrapping_sub(1) << 1 | 1;
+        let (Cells([x, y, z]), [a, b, c], [d, e, f]) = (grid, node.min, node.max);
+        Self {
+            min: [x.number(x.below(a)), y.number(y.below(b)), z.number(z.below(c))],
+            max: [x.number(x.above(d)), y.number(y.above(e)), z.number(z.above(f))],
+            link: if node.is_leaf() { leaf } else { node.first },
+        }
+    }
+}
+
+/// The cells along one axis: 2^`exponent` wide, from `first` times that on.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    first: i32,
+    exponent: i32,
+}
+
+impl Axis {
+    /// The finest for coordinates from `min` to `max`.
+    fn of(min: f32, max: f32) -> Self {
+        // In narrower cells than these the extent is 2^16 of them, or the farthest 2^24.
+        let exponent = |x: f64| (x.to_bits() >> 52) as i32 - 1023;
+        let extent = f64::from(max) - f64::from(min);
+        let farthest = f64::from(min).abs().max(f64::from(max).abs());
+        let least = (exponent(extent) - 15).max(exponent(farthest) - 23).max(LEAST_EXPONENT);
+        let mut axis = Self { first: 0, exponent: least };
+        loop {
+            axis.first = axis.below(min);
+            let last = axis.above(max);
+            let near = axis.first >= -FARTHEST && last <= FARTHEST;
+            if near && last - axis.first <= LAST || axis.exponent >= MOST_EXPONENT {
+                return axis;
+            }
+            axis.exponent += 1;
+        }
+    }
+
+    /// The corner at or below a coordinate, counted from 0. Slot 1 of a wide tree has coordinates that are
+    /// infinite.
+    fn below(self, x: f32) -> i32 {
+        // Exact: a product with a power of two within the range of f64.
+        let x = f64::from(x) * power_of_two(-self.exponent);
+        let whole = x as i32;
+        whole.saturating_sub(i32::from(f64::from(whole) > x))
+    }
+
+    fn above(self, x: f32) -> i32 {
+        self.below(-x).saturating_neg()
+    }
+
+    /// Of a corner, its number on the grid.
+    fn number(self, corner: i32) -> u16 {
+        corner.saturating_sub(self.first).clamp(0, LAST) as u16
+    }
+}
+
+/// 2^`exponent`.
+fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// The grid of a tree, in integers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cells([Axis; 3]);
+
+impl Cells {
+    /// The finest that contains a box.
+    pub(super) fn of(root: &Aabb) -> Self {
+        let ([a, b, c], [d, e, f]) = (root.min, root.max);
+        Self([Axis::of(a, d), Axis::of(b, e), Axis::of(c, f)])
+    }
+
+    /// As slot 1 of a tree.
+    pub(super) fn header(&self) -> CompactNode {
+        let [x, y, z] = self.0;
+        let exponents = [x, y, z]
+            .iter()
+            .rev()
+            .fold(0, |bits, axis| bits << EXPONENT_BITS | (axis.exponent - LEAST_EXPONENT) as u32);
+        let first = |axis: Axis| axis.first.cast_unsigned();
+        bytemuck::must_cast([first(x), first(y), first(z), exponents])
+    }
+
+    /// From slot 1 of a tree; `None` if that holds no grid.
+    pub(super) fn read(header: &CompactNode) -> Option<Self> {
+        let [x, y, z, exponents]: [u32; 4] = bytemuck::must_cast(*header);
+        let axis = |first: u32, k: i32| {
+            let bits = exponents >> (EXPONENT_BITS * k) & ((1 << EXPONENT_BITS) - 1);
+            let axis = Axis { first: first.cast_signed(), exponent: bits as i32 + LEAST_EXPONENT };
+            let near = (-FARTHEST..=FARTHEST).contains(&axis.first);
+            (near && axis.exponent <= MOST_EXPONENT).then_some(axis)
+        };
+        let axes = [axis(x, 0)?, axis(y, 1)?, axis(z, 2)?];
+        (exponents >> (3 * EXPONENT_BITS) == 0).then_some(Self(axes))
+    }
+
+    /// For decoding.
+    pub(super) fn grid(self) -> Grid {
+        Grid {
+            offset: self.0.map(|axis| axis.first as f32 - TO_BITS),
+            width: self.0.map(|axis| power_of_two(axis.exponent) as f32),
+        }
+    }
+}
+
+/// The lowest bits of a float this large are an integer: 2^23.
+const TO_BITS: f32 = 8_388_608.0;
+
+/// The grid of a tree as decoding wants it: corner q is (2^23 + q + `offset`)·`width`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid {
+    offset: [f32; 3],
+    width: [f32; 3],
+}
+
+/// 2^23 + q.
+#[inline(always)]
+fn with_bits(q: u32) -> f32 {
+    f32::from_bits(TO_BITS.to_bits() | q)
+}
+
+impl Grid {
+    /// Of a tree without nodes.
+    pub(super) const NONE: Self = Self { offset: [-TO_BITS; 3], width: [1.0; 3] };
+}
+
+impl TreeNode for CompactNode {
+    type Grid = Grid;
+
+    const FEWEST: usize = 2;
+
+    #[inline(always)]
+    fn is_leaf(&self) -> bool {
+        self.link & 1 != 0
+    }
+
+    #[inline(always)]
+    fn left(&self) -> u32 {
+        self.link
+    }
+
+    #[inline(always)]
+    fn run(&self) -> [u32; 2] {
+        [self.link >> 4, (self.link >> 1 & 7) + 1]
+    }
+
+    #[inline]
+    fn bounds(&self, grid: &Grid) -> Bounds {
+        let (offset, width) = (Vec3A::from_array(grid.offset), Vec3A::from_array(grid.width));
+        let corner = |q: [u16; 3]| {
+            let [x, y, z] = q.map(|q| with_bits(q.into()));
+            (Vec3A::new(x, y, z) + offset) * width
+        };
+        let most = Vec3A::splat(f32::MAX);
+        Bounds { min: corner(self.min).max(-most), max: corner(self.max).min(most) }
+    }
+
+    #[inline(always)]
+    fn boxes(grid: &Grid, nodes: [&Self; 4]) -> Boxes {
+        // Whole nodes in registers; then of all four the first word, the second, the third: two coordinates each.
+        let [a, b, c, d]: [Vec4; 4] = nodes.map(|node| bytemuck::must_cast(*node));
+        let words = Mat4::from_cols(a, b, c, d).transpose();
+        let both = |word: Vec4| {
+            let words: [u32; 4] = bytemuck::must_cast(word);
+            let (low, high) =
+                (words.map(|w| with_bits(w & 0xffff)), words.map(|w| with_bits(w >> 16)));
+            let [low, high] = [Vec4::from_array(low), Vec4::from_array(high)];
+            if cfg!(target_endian = "little") { [low, high] } else { [high, low] }
+        };
+        let [[a, b], [c, d], [e, f]] = [both(words.x_axis), both(words.y_axis), both(words.z_axis)];
+        let corner =
+            |k: usize, q: Vec4| (q + Vec4::splat(grid.offset[k])) * Vec4::splat(grid.width[k]);
+        Boxes {
+            min: [corner(0, a), corner(1, b), corner(2, c)],
+            max: [corner(0, d), corner(1, e), corner(2, f)],
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Tests of grids, and of the checks on compact arrays from elsewhere.
+
+extern crate std;
+
+use super::*;
+use crate::bvh::{BvhError, CompactError, CompactStorage, compact, compact_in_place};
+use crate::{Bvh, Mesh};
+use std::vec;
+use std::vec::Vec;
+
+/// Floats that are finite, of any bits or near each other, for data only.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 32) as u32
+    }
+
+    fn finite(&mut self) -> f32 {
+        loop {
+            let x = f32::from_bits(self.bits());
+            if x.is_finite() {
+                return x;
+            }
+        }
+    }
+
+    /// An interval: of any size anywhere, of some last places, or flat.
+    fn interval(&mut self) -> (f32, f32) {
+        let x = self.finite();
+        let places = self.bits() % 1000;
+        let (a, b) = match self.bits() % 4 {
+            0 => (x, x),
+            1 => (x, (0..places).fold(x, |x, _| x.next_up()).min(f32::MAX)),
+            2 => (x, x * (1.0 + self.bits() as f32 * 1e-12)),
+            _ => (x, self.finite()),
+        };
+        let b = b.clamp(-f32::MAX, f32::MAX);
+        (a.min(b), a.max(b))
+    }
+}
+
+/// Intervals that come close to what a float or a grid can do.
+fn nasty() -> Vec<(f32, f32)> {
+    let (most, least) = (f32::MAX, f32::from_bits(1));
+    let ends =
+        [0.0, least, f32::MIN_POSITIVE, 1e-30, 1.0, 1e5, 16_777_216.0, 1e30, most / 2.0, most];
+    let ends: Vec<f32> = ends.iter().flat_map(|&x| [x, -x, x.next_down()]).collect();
+    let pairs = ends.iter().flat_map(|&a| ends.iter().map(move |&b| (a.min(b), a.max(b))));
+    pairs.step_by(if cfg!(miri) { 97 } else { 1 }).collect()
+}
+
+/// A place in an interval.
+fn within((min, max): (f32, f32), random: &mut Random) -> f32 {
+    let share = random.bits() as f32 / u32::MAX as f32;
+    (min + share * (max * 0.5 - min * 0.5) * 2.0).clamp(min, max)
+}
+
+#[test]
+fn boxes_on_a_grid_contain_what_they_are_made_of() {
+    let mut random = Random(7);
+    let rounds = if cfg!(miri) { 20 } else { 100_000 };
+    let mut roots = nasty();
+    roots.extend((0..rounds).map(|_| random.interval()));
+    for (i, x) in roots.iter().enumerate() {
+        let [y, z] = [roots[i * 7 % roots.len()], roots[i * 13 % roots.len()]];
+        let axes = [*x, y, z];
+        let root = Aabb { min: axes.map(|axis| axis.0), max: axes.map(|axis| axis.1) };
+        let cells = Cells::of(&root);
+        let grid = cells.grid();
+        assert_eq!(Cells::read(&cells.header()).map(|c| c.header()), Some(cells.header()));
+        let part = axes.map(|axis| {
+            let (a, b) = (within(axis, &mut random), within(axis, &mut random));
+            (a.min(b), a.max(b))
+        });
+        let point = part.map(|(min, _)| (min, min));
+        let nodes = [axes, part, point, axes.map(|(_, max)| (max, max))].map(|axes| {
+            let (min, max) = (axes.map(|axis| axis.0), axes.map(|axis| axis.1));
+            Node { min, max, first: 6, count: 0 }
+        });
+        let small = nodes.map(|node| CompactNode::new(&node, &cells));
+        let [a, b, c, d] = &small;
+        let four = CompactNode::boxes(&grid, [a, b, c, d]);
+        for (lane, (wide, small)) in nodes.iter().zip(&small).enumerate() {
+            let found = Aabb::from(small.bounds(&grid));
+            assert!(found.contains(&wide.aabb()), "{wide:?} {small:?} {found:?}");
+            assert!(Aabb::from(a.bounds(&grid)).contains(&found));
+            for k in 0..3 {
+                let Axis { first, exponent } = cells.0[k];
+                let width = power_of_two(exponent);
+                // As real numbers, of which f64 holds these.
+                let at = |q: i32| f64::from(first + q) * width;
+                let [low, high] = [small.min[k], small.max[k]].map(i32::from);
+                assert!(
+                    f64::from(wide.min[k]) < at(low + 1) && f64::from(wide.max[k]) > at(high - 1)
+                );
+                let exact = |q: u16, x: f32| x.is_infinite() || f64::from(x) == at(q.into());
+                let [low, high] = [four.min[k], four.max[k]].map(|v| v.to_array()[lane]);
+                assert!(exact(small.min[k], low) && exact(small.max[k], high));
+                assert!(low <= found.min[k] && high >= found.max[k]);
+                let same = |x: f32, y: f32| x == y || x.is_infinite() && y.abs() == f32::MAX;
+                assert!(same(low, found.min[k]) && same(high, found.max[k]));
+                // No wider than it must be.
+                if exponent > LEAST_EXPONENT {
+                    let finer = Axis { first: 0, exponent: exponent - 1 };
+                    let (low, high) = (finer.below(root.min[k]), finer.above(root.max[k]));
+                    assert!(high - low > LAST || low < -FARTHEST || high > FARTHEST);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn links_tell_leaves_from_children() {
+    let cells = Cells::of(&Aabb { min: [0.0; 3], max: [1.0; 3] });
+    for first in [0, 1, 7, (1 << 28) - 8] {
+        for count in 1..=8 {
+            let leaf = Node { first, count, min: [0.0; 3], max: [1.0; 3] };
+            let small = CompactNode::new(&leaf, &cells);
+            assert!(TreeNode::is_leaf(&small) && small.run() == [first, count]);
+        }
+        let inner = Node { first: 2 * first + 2, count: 0, min: [0.0; 3], max: [1.0; 3] };
+        let small = CompactNode::new(&inner, &cells);
+        assert!(!TreeNode::is_leaf(&small) && small.left() == inner.first);
+    }
+}
+
+const POSITIONS: [[f32; 3]; 5] =
+    [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5], [9.0, 0.1, 2.0], [9.0, 3.0, -2.0]];
+const TRIANGLES: [[u32; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 3, 4]];
+
+/// A tree of three leaves; its nodes are 0, 2, 3, 4 and 5.
+fn wide() -> [Node; 6] {
+    let of = |ids: &[usize]| {
+        let corners = ids.iter().flat_map(|&t| TRIANGLES[t]).map(|v| POSITIONS[v as usize]);
+        corners.fold(Aabb::EMPTY, |b, p| b.union(&Aabb { min: p, max: p }))
+    };
+    let node = |aabb: Aabb, first, count| Node { min: aabb.min, max: aabb.max, first, count };
+    [
+        node(of(&[0, 1, 2]), 2, 0),
+        Node::EMPTY,
+        node(of(&[0]), 0, 1),
+        node(of(&[1, 2]), 4, 0),
+        node(of(&[1]), 1, 1),
+        node(of(&[2]), 2, 1),
+    ]
+}
+
+#[test]
+fn in_place_is_the_same_as_elsewhere() {
+    let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
+    let (nodes, order) = (wide(), [0, 1, 2]);
+    fn check<I: Index + PartialEq>(mesh: Mesh<'_>, mut nodes: Vec<Node>, mut order: Vec<u32>) {
+        let count = mesh.triangles().len();
+        let mut small = vec![CompactNode::ZERO; nodes.len() + 2];
+        let mut entries = vec![I::new(9); count + 1];
+        let storage = CompactStorage { nodes: &mut small, order: &mut entries };
+        Bvh::new(mesh, &nodes, &order, &mut [0]).unwrap();
+        let bvh = compact(mesh, &nodes, &order, storage).unwrap();
+        bvh.assert_well_formed();
+        let in_place = compact_in_place::<I>(mesh, &mut nodes, &mut order).unwrap();
+        in_place.assert_well_formed();
+        assert_eq!((in_place.nodes(), in_place.order()), (bvh.nodes(), bvh.order()));
+    }
+    check::<u16>(mesh, nodes.to_vec(), order.to_vec());
+    check::<[u8; 3]>(mesh, nodes.to_vec(), order.to_vec());
+    check::<u32>(mesh, nodes.to_vec(), order.to_vec());
+    // A lone root, and nothing.
+    let one = Mesh::new(&POSITIONS, &TRIANGLES[..1]).unwrap();
+    check::<u16>(one, vec![Node { first: 0, count: 1, ..nodes[2] }], vec![0]);
+    check::<u16>(Mesh::new(&[], &[]).unwrap(), vec![], vec![]);
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let many = vec![[0; 3]; 65_537];
+    let mesh = Mesh::trusted(&POSITIONS, &many);
+    let (mut nodes, mut order) = (wide(), vec![7; many.len()]);
+    let most = 1 << 16;
+    let refused = compact_in_place::<u16>(mesh, &mut nodes, &mut order).err();
+    assert_eq!(refused, Some(CompactError::Triangles { triangles: most + 1, most }));
+    assert!(nodes == wide() && order.iter().all(|&entry| entry == 7));
+
+    let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
+    let (wide, order) = (wide(), [0, 1, 2]);
+    for (free, entries, buffer) in [(5, 3, "nodes"), (6, 2, "order")] {
+        let (mut slots, mut entries) = (vec![CompactNode::ZERO; free], vec![0_u16; entries]);
+        let storage = CompactStorage { nodes: &mut slots, order: &mut entries };
+        let refused = compact(mesh, &wide, &order, storage).err();
+        let small = |error: CompactError| match error {
+            CompactError::Capacity(error) => Some((error.buffer, error.needed - error.capacity)),
+            CompactError::Triangles { .. } => None,
+        };
+        assert_eq!(refused.and_then(small), Some((buffer, 1)));
+    }
+}
+
+#[test]
+fn wrong_arrays_are_refused() {
+    let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
+    let (wide, order) = (wide(), [0, 1, 2]);
+    let mut nodes = [CompactNode::ZERO; 6];
+    let mut entries = [0_u16; 3];
+    let storage = CompactStorage { nodes: &mut nodes, order: &mut entries };
+    compact(mesh, &wide, &order, storage).unwrap();
+    let after = |change: &dyn Fn(&mut Vec<CompactNode>, &mut [u16])| {
+        let (mut nodes, mut entries) = (nodes.to_vec(), entries);
+        change(&mut nodes, &mut entries);
+        Bvh::new_compact(mesh, &nodes, &entries, &mut [0]).map(|_| ())
+    };
+    assert_eq!(after(&|_, _| ()), Ok(()));
+    for k in 0..3 {
+        for node in [0, 2, 3, 4, 5] {
+            let refused = after(&|nodes, _| nodes[node].min[k] += 2);
+            assert!(matches!(refused, Err(BvhError::Box { .. })), "{node} {k} {refused:?}");
+            let refused = after(&|nodes, _| nodes[node].max[k] -= 2);
+            assert!(matches!(refused, Err(BvhError::Box { .. })), "{node} {k} {refused:?}");
+        }
+    }
+    // The grid: too far, too wide, bits that mean nothing, none at all; another one.
+    assert_eq!(after(&|nodes, _| nodes[1].min[1] = 0x7fff), Err(BvhError::Grid));
+    assert_eq!(after(&|nodes, _| nodes[1].link |= 0x3ff), Err(BvhError::Grid));
+    assert_eq!(after(&|nodes, _| nodes[1].link |= 1 << 31), Err(BvhError::Grid));
+    assert_eq!(after(&|nodes, _| nodes.truncate(1)), Err(BvhError::Grid));
+    let moved = after(&|nodes, _| nodes[1].min[0] += 9);
+    assert!(matches!(moved, Err(BvhError::Box { .. })), "{moved:?}");
+    // Children before their parent, odd or out of range; a leaf too many; a run that does not go on.
+    assert_eq!(after(&|nodes, _| nodes[3].link = 2), Err(BvhError::Child { node: 3 }));
+    assert_eq!(after(&|nodes, _| nodes[3].link = 6), Err(BvhError::Child { node: 3 }));
+    assert_eq!(after(&|nodes, _| nodes[4].link += 16), Err(BvhError::Leaf { node: 4 }));
+    assert_eq!(after(&|nodes, _| nodes[5].link += 2), Err(BvhError::Leaf { node: 5 }));
+    let more = after(&|nodes, _| nodes.push(CompactNode::ZERO));
+    assert_eq!(more, Err(BvhError::NodeCount { reached: 5, found: 7 }));
+    assert_eq!(after(&|_, order| order[2] = 1), Err(BvhError::Order { entry: 2 }));
+    assert!(matches!(after(&|_, order| order.swap(0, 2)), Err(BvhError::Box { .. })));
+}
