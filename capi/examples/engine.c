@@ -3,27 +3,13 @@
 
 #include "scene.h"
 
-#define PAGE 64
+#include <string.h>
+
 #define BUDGET 500
 #define WORKERS 2
 #define FRONT 400
 
-// All pairs of a query, page by page.
-static void in_pages(const pfront_query_t *query, list_t *list)
-{
-    pfront_cursor_t cursor;
-    pfront_pair_t page[PAGE];
-    pfront_error_t error;
-    size_t count;
-    list->count = 0;
-    check(pfront_cursor_start(query, &cursor, &error), &error);
-    while (!cursor.done) {
-        check(pfront_query_page(query, &cursor, page, PAGE, &count, &error), &error);
-        append(list, page, count);
-    }
-}
-
-// The same in steps of bounded work, as an engine spreads a query over frames.
+// All pairs of a query in steps of bounded work, as an engine spreads it over frames.
 static void in_steps(const pfront_query_t *query, list_t *list)
 {
     pfront_cursor_t cursor;
@@ -43,28 +29,22 @@ static void in_steps(const pfront_query_t *query, list_t *list)
     }
 }
 
-// The part of one worker; threads.c has it on threads.
-static void work(const pfront_query_t *queries, const pfront_front_t *front, uint32_t part,
-                 list_t *list)
+// Tells from others where the pairs of a list meet.
+static uint32_t segments(const pfront_query_t *query, const list_t *list)
 {
-    pfront_cursor_t cursor;
-    pfront_pair_t page[PAGE];
     pfront_error_t error;
-    size_t count;
-    for (size_t i = 0; i < front->node_count; i++) {
-        pfront_front_node_t *node = &front->nodes[i];
-        if (node->part != part) {
-            continue;
+    pfront_contact_t *contacts = memory(list->count * sizeof *contacts);
+    check(pfront_query_contacts(query, list->pairs, list->count, contacts, &error), &error);
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < list->count; i++) {
+        uint32_t bits[6];
+        memcpy(bits, contacts[i].segment, sizeof bits);
+        for (int k = 0; k < 6; k++) {
+            hash = (hash ^ bits[k]) * 16777619u;
         }
-        const pfront_query_t *query = &queries[node->query];
-        check(pfront_cursor_at(query, node->pair, &cursor, &error), &error);
-        while (!cursor.done) {
-            check(pfront_query_page(query, &cursor, page, PAGE, &count, &error), &error);
-            append(list, page, count);
-        }
-        node->cost = (float)cursor.box_tests
-                     + (float)PFRONT_TRIANGLE_COST * (float)cursor.triangle_tests;
     }
+    free(contacts);
+    return hash;
 }
 
 static void same(uint32_t one, uint32_t other, const char *how)
@@ -107,13 +87,8 @@ int main(void)
               &error);
         in_pages(&query, &list);
         uint32_t hash = fingerprint(&list);
-        size_t meeting = list.count, flat = 0;
-        pfront_contact_t *contacts = memory(meeting * sizeof *contacts);
-        check(pfront_query_contacts(&query, list.pairs, meeting, contacts, &error), &error);
-        for (size_t i = 0; i < meeting; i++) {
-            flat += contacts[i].kind == PFRONT_FLAT;
-        }
-        free(contacts);
+        size_t meeting = list.count;
+        uint32_t where = segments(&query, &list);
         in_steps(&query, &list);
         same(hash, fingerprint(&list), "steps");
 
@@ -141,8 +116,9 @@ int main(void)
         check(pfront_query_self(&sheet.bvh, fans, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error),
               &error);
         in_pages(&query, &list);
-        printf("frame %u: %zu pairs, %zu of them flat, list %08x; sheet: %zu pairs, ", frame, meeting,
-               flat, (unsigned)hash, list.count);
+        printf("frame %u: %zu pairs, list %08x, segments %08x; ", frame, meeting, (unsigned)hash,
+               (unsigned)where);
+        printf("sheet: %zu pairs, ", list.count);
         printf("list %08x\n", (unsigned)fingerprint(&list));
     }
     fprintf(stderr, "pfront %s: fronts of the last frame used %u times, sheet rebuilt %u times\n",

@@ -49,8 +49,9 @@ fn roll(frame: u32) -> Vec<[f32; 3]> {
     let [columns, rows] = SHEET;
     vertices(columns, rows, |i, j| {
         let [x, y] = on_circle(i * (frame + 1), 4 * columns);
-        let radius = 1.0 + 0.02 * on_circle(3 * i + j, columns)[0];
-        [x * radius, y * radius, j as f32 / rows as f32]
+        let waves = on_circle(3 * i + j, columns);
+        let radius = 1.0 + 0.02 * waves[0];
+        [x * radius, y * radius, j as f32 / rows as f32 + 0.1 * frame as f32 * waves[1]]
     })
 }
 
@@ -60,9 +61,12 @@ fn pose(frame: u32) -> Pose {
     Pose::new([[x, 0.0, y, 0.5], [0.0, 1.0, 0.0, 0.25], [-y, 0.0, x, down]])
 }
 
+fn hash(words: impl Iterator<Item = u32>) -> u32 {
+    words.fold(2_166_136_261, |hash, word| (hash ^ word).wrapping_mul(16_777_619))
+}
+
 fn fingerprint(pairs: &[TrianglePair]) -> u32 {
-    let indices = pairs.iter().flat_map(|pair| [pair.a, pair.b]);
-    indices.fold(2_166_136_261, |hash, index| (hash ^ index).wrapping_mul(16_777_619))
+    hash(pairs.iter().flat_map(|pair| [pair.a, pair.b]))
 }
 
 fn main() -> Result<(), pfront::Error> {
@@ -71,13 +75,14 @@ fn main() -> Result<(), pfront::Error> {
     let (mut pair, mut within) = (PairQuery::new(), SelfQuery::new());
     for frame in 0..FRAMES {
         let contacts = pair.contacts(&a, &b, &pose(frame))?;
-        let flat = contacts.iter().filter(|(_, c)| c.kind == pfront::ContactKind::Flat).count();
+        let segments = contacts.iter().flat_map(|(_, contact)| contact.segment).flatten();
+        let segments = hash(segments.map(f32::to_bits));
         let pairs = pair.all(&a, &b, &pose(frame))?;
-        print!("frame {frame}: {} pairs, {flat} of them flat, list ", pairs.len());
-        print!("{:08x}", fingerprint(pairs));
+        print!("frame {frame}: {} pairs, list {:08x}, ", pairs.len(), fingerprint(pairs));
+        print!("segments {segments:08x}; ");
         sheet.set_positions(&roll(frame))?;
         let folds = within.all(&sheet);
-        println!("; sheet: {} pairs, list {:08x}", folds.len(), fingerprint(folds));
+        println!("sheet: {} pairs, list {:08x}", folds.len(), fingerprint(folds));
     }
     Ok(())
 }

@@ -1,4 +1,5 @@
-// What the examples have in common: meshes that are the same to the bit on every machine, and lists of pairs.
+// What the examples have in common: meshes that are the same to the bit on every machine, lists of pairs, and how
+// to fill these.
 // examples/reference.rs makes the same in Rust.
 
 #ifndef SCENE_H
@@ -10,6 +11,7 @@
 #include <stdlib.h>
 
 #define FRAMES 8
+#define PAGE 64
 
 // Ends the program where a call has failed, and says why.
 static inline void check(pfront_status_t status, const pfront_error_t *error)
@@ -107,7 +109,7 @@ static inline void roll(grid_t *grid, unsigned frame)
             float radius = 1.0f + 0.02f * waves[0];
             *out++ = around[0] * radius;
             *out++ = around[1] * radius;
-            *out++ = (float)j / (float)grid->rows;
+            *out++ = (float)j / (float)grid->rows + 0.1f * (float)frame * waves[1];
         }
     }
 }
@@ -178,6 +180,45 @@ static inline int by_a_then_b(const void *first, const void *second)
 {
     const pfront_pair_t *x = first, *y = second;
     return x->a != y->a ? (x->a < y->a ? -1 : 1) : x->b != y->b ? (x->b < y->b ? -1 : 1) : 0;
+}
+
+// All pairs of a query, page by page.
+static inline void in_pages(const pfront_query_t *query, list_t *list)
+{
+    pfront_cursor_t cursor;
+    pfront_pair_t page[PAGE];
+    pfront_error_t error;
+    size_t count;
+    list->count = 0;
+    check(pfront_cursor_start(query, &cursor, &error), &error);
+    while (!cursor.done) {
+        check(pfront_query_page(query, &cursor, page, PAGE, &count, &error), &error);
+        append(list, page, count);
+    }
+}
+
+// Of a front, the part of one worker.
+static inline void work(const pfront_query_t *queries, const pfront_front_t *front, uint32_t part,
+                        list_t *list)
+{
+    pfront_cursor_t cursor;
+    pfront_pair_t page[PAGE];
+    pfront_error_t error;
+    size_t count;
+    for (size_t i = 0; i < front->node_count; i++) {
+        pfront_front_node_t *node = &front->nodes[i];
+        if (node->part != part) {
+            continue;
+        }
+        const pfront_query_t *query = &queries[node->query];
+        check(pfront_cursor_at(query, node->pair, &cursor, &error), &error);
+        while (!cursor.done) {
+            check(pfront_query_page(query, &cursor, page, PAGE, &count, &error), &error);
+            append(list, page, count);
+        }
+        node->cost = (float)cursor.box_tests
+                     + (float)PFRONT_TRIANGLE_COST * (float)cursor.triangle_tests;
+    }
 }
 
 // Sorts a list, and tells it from others.
