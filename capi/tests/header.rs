@@ -6,9 +6,10 @@ use std::{env, fs, path::Path};
 fn the_header_is_up_to_date() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).unwrap();
-    let mut sources: Vec<_> = ["status", "mesh", "bvh", "fans", "query", "cursor", "verbs", "front"]
-        .map(|module| folder.join(format!("src/{module}.rs")))
-        .into();
+    let mut sources: Vec<_> =
+        ["status", "mesh", "bvh", "fans", "query", "cursor", "verbs", "front"]
+            .map(|module| folder.join(format!("src/{module}.rs")))
+            .into();
     let mut builder = cbindgen::Builder::new().with_config(config);
     for source in sources.drain(..) {
         builder = builder.with_src(source);
