@@ -22,8 +22,10 @@ static void *ask(void *argument)
 {
     task_t *task = argument;
 #ifdef RACE
-    const pfront_mesh_t *mesh = &task->model->bvh.mesh;
-    pfront_bvh_refit(&task->model->bvh, mesh->positions, mesh->vertex_count, NULL, NULL);
+    const pfront_mesh_t mesh = task->query->b.mesh;
+    for (int i = 0; i < 100; i++) {
+        pfront_bvh_refit(&task->model->bvh, mesh.positions, mesh.vertex_count, NULL, NULL);
+    }
 #endif
     in_pages(task->query, &task->list);
     return NULL;
