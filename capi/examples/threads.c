@@ -17,15 +17,23 @@ typedef struct {
     list_t list;
 } task_t;
 
+// Closed until all threads are there, so that none is done before another begins.
+static pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
+
+static void pass_gate(void)
+{
+    pthread_mutex_lock(&gate);
+    pthread_mutex_unlock(&gate);
+}
+
 // Asks the whole question.
 static void *ask(void *argument)
 {
     task_t *task = argument;
+    pass_gate();
 #ifdef RACE
     const pfront_mesh_t mesh = task->query->b.mesh;
-    for (int i = 0; i < 100; i++) {
-        pfront_bvh_refit(&task->model->bvh, mesh.positions, mesh.vertex_count, NULL, NULL);
-    }
+    pfront_bvh_refit(&task->model->bvh, mesh.positions, mesh.vertex_count, NULL, NULL);
 #endif
     in_pages(task->query, &task->list);
     return NULL;
@@ -35,6 +43,7 @@ static void *ask(void *argument)
 static void *do_part(void *argument)
 {
     task_t *task = argument;
+    pass_gate();
     task->list.count = 0;
     work(task->query, task->front, task->number, &task->list);
     return NULL;
@@ -43,12 +52,14 @@ static void *do_part(void *argument)
 static void on_threads(void *(*run)(void *), task_t tasks[THREADS])
 {
     pthread_t threads[THREADS];
+    pthread_mutex_lock(&gate);
     for (int i = 0; i < THREADS; i++) {
         if (pthread_create(&threads[i], NULL, run, &tasks[i]) != 0) {
             fprintf(stderr, "no more threads\n");
             exit(2);
         }
     }
+    pthread_mutex_unlock(&gate);
     for (int i = 0; i < THREADS; i++) {
         pthread_join(threads[i], NULL);
     }
