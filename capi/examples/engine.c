@@ -60,7 +60,7 @@ int main(void)
     grid_t a = new_grid(40, 24, 1), b = new_grid(40, 24, 1), cloth = new_grid(48, 24, 0);
     ring(&a, 0.0f);
     ring(&b, 0.3f);
-    roll(&cloth, 0);
+    ring(&cloth, 0.3f); // as it was modelled: in another shape altogether
     model_t model_a = new_model(&a), model_b = new_model(&b), sheet = new_model(&cloth);
 
     pfront_error_t error;
