@@ -9,6 +9,7 @@
 #![expect(non_camel_case_types, reason = "the names of types are those of C")]
 
 mod alone;
+mod build;
 mod bvh;
 mod cursor;
 mod fans;
@@ -21,6 +22,7 @@ mod status;
 mod tests;
 mod verbs;
 
+pub use build::*;
 pub use bvh::*;
 pub use cursor::*;
 pub use fans::*;

@@ -2,20 +2,19 @@
 
 use std::{env, fs, path::Path};
 
+/// In the order of the header.
+const MODULES: [&str; 9] =
+    ["status", "mesh", "build", "bvh", "fans", "query", "cursor", "verbs", "front"];
+
 #[test]
 fn the_header_is_up_to_date() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).unwrap();
-    let mut sources: Vec<_> =
-        ["status", "mesh", "bvh", "fans", "query", "cursor", "verbs", "front"]
-            .map(|module| folder.join(format!("src/{module}.rs")))
-            .into();
-    let mut builder = cbindgen::Builder::new().with_config(config);
-    for source in sources.drain(..) {
-        builder = builder.with_src(source);
-    }
+    let builder = MODULES.iter().fold(cbindgen::Builder::new(), |builder, module| {
+        builder.with_src(folder.join(format!("src/{module}.rs")))
+    });
     let mut header = Vec::new();
-    builder.generate().unwrap().write(&mut header);
+    builder.with_config(config).generate().unwrap().write(&mut header);
     let (header, path) = (String::from_utf8(header).unwrap(), folder.join("include/pfront.h"));
     if env::var_os("PFRONT_WRITE_HEADER").is_some() {
         fs::write(&path, &header).unwrap();
