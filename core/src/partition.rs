@@ -11,6 +11,7 @@ use crate::front::FrontNode;
 use crate::heap::{sift_down, sort};
 
 /// What one worker has been dealt. The caller's slice of these is the heap.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load {
     /// Sum of the costs of its nodes.

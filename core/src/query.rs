@@ -161,3 +161,38 @@ pub trait Query {
         found
     }
 }
+
+impl<Q: Query> Query for &Q {
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        Q::step(self, cursor, budget, visit)
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        Q::contact(self, pair)
+    }
+
+    fn root(&self) -> Option<NodePair> {
+        Q::root(self)
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        Q::children(self, n, push)
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        Q::boxes(self, n)
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        Q::triangles_below(self, n)
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        Q::leaf_edge(self)
+    }
+}

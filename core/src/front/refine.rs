@@ -57,7 +57,7 @@ pub(super) const WORTH_SPLITTING: f32 = 64.0;
 impl Front<'_> {
     /// Algorithm 2: replaces nodes by their overlapping children, down to leaf pairs, until each costs
     /// less than ΣF/(g·p) for `workers` = p (eq. 1; eq. 5 when the front serves many queries). `query`
-    /// finds a query by its number.
+    /// finds a query, or a reference to one, by its number.
     ///
     /// Children cost what they did in the last frame. Where that tells nothing, they share the measured
     /// cost of their parent by α·V (eq. 2), or, if it is itself an estimate, are estimated anew.
@@ -65,13 +65,13 @@ impl Front<'_> {
     /// # Complexity
     /// O(nodes added), one box test each at most, and a pass over the front for each time that new
     /// estimates have lowered the sum so far that more nodes exceed the bound.
-    pub fn refine<'q, Q: Query + 'q>(
+    pub fn refine<Q: Query>(
         &mut self,
         workers: usize,
         grain: Grain,
         estimate: Estimate,
         past: Past<'_>,
-        query: impl Fn(u32) -> &'q Q,
+        query: impl Fn(u32) -> Q,
     ) {
         let mean = |front: &Self| front.cost() / workers.max(1) as f64;
         let mut share = mean(self);
@@ -82,13 +82,13 @@ impl Front<'_> {
 
     /// One pass, in which `share` is the ΣF/p that the bound derives from; for the parts of a front,
     /// which must go by the sum of the whole. Returns whether any node was split.
-    pub fn refine_below<'q, Q: Query + 'q>(
+    pub fn refine_below<Q: Query>(
         &mut self,
         share: f64,
         grain: Grain,
         estimate: Estimate,
         past: Past<'_>,
-        query: impl Fn(u32) -> &'q Q,
+        query: impl Fn(u32) -> Q,
     ) -> bool {
         let Grain { measured, estimated } = grain.sound();
         let bounds = [estimated, measured].map(|g| ((share / g) as f32).max(WORTH_SPLITTING));
@@ -135,9 +135,9 @@ impl Front<'_> {
                 let room = self.len + descent.waiting() + 4 <= read + 1;
                 let price = |children: &[[Aabb; 2]]| {
                     let price = if measured { split } else { reprice };
-                    price(asked, estimate, at.node, children)
+                    price(&asked, estimate, at.node, children)
                 };
-                let tests = if wanted && room { open(asked, &at, &mut descent, price) } else { 0 };
+                let tests = if wanted && room { open(&asked, &at, &mut descent, price) } else { 0 };
                 self.box_tests += u64::from(tests);
                 if tests == 0 {
                     self.full |= wanted && !room;

@@ -1,0 +1,138 @@
+// A game engine's loop, in C99: two rings that sink into each other, and a sheet that rolls up. What it prints is what
+// pfront finds from Rust (examples/reference.rs).
+
+#include "scene.h"
+
+#include <string.h>
+
+#define BUDGET 500
+#define WORKERS 2
+#define FRONT 400
+
+// All pairs of a query in steps of bounded work, as an engine spreads it over frames.
+static void in_steps(const pfront_query_t *query, list_t *list)
+{
+    pfront_cursor_t cursor;
+    pfront_pair_t page[PAGE];
+    pfront_error_t error;
+    size_t count;
+    list->count = 0;
+    check(pfront_cursor_start(query, &cursor, &error), &error);
+    while (!cursor.done) {
+        uint64_t before = cursor.box_tests + cursor.triangle_tests;
+        check(pfront_query_step(query, &cursor, BUDGET, page, PAGE, &count, &error), &error);
+        append(list, page, count);
+        if (cursor.box_tests + cursor.triangle_tests - before > BUDGET + 15) {
+            fprintf(stderr, "a step took more than its budget\n");
+            exit(1);
+        }
+    }
+}
+
+// Tells from others where the pairs of a list meet.
+static uint32_t segments(const pfront_query_t *query, const list_t *list)
+{
+    pfront_error_t error;
+    pfront_contact_t *contacts = memory(list->count * sizeof *contacts);
+    check(pfront_query_contacts(query, list->pairs, list->count, contacts, &error), &error);
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < list->count; i++) {
+        uint32_t bits[6];
+        memcpy(bits, contacts[i].segment, sizeof bits);
+        for (int k = 0; k < 6; k++) {
+            hash = (hash ^ bits[k]) * 16777619u;
+        }
+    }
+    free(contacts);
+    return hash;
+}
+
+static void same(uint32_t one, uint32_t other, const char *how)
+{
+    if (one != other) {
+        fprintf(stderr, "%s: another list of pairs\n", how);
+        exit(1);
+    }
+}
+
+int main(void)
+{
+    grid_t a = new_grid(40, 24, 1), b = new_grid(40, 24, 1), cloth = new_grid(48, 24, 0);
+    ring(&a, 0.0f);
+    ring(&b, 0.3f);
+    ring(&cloth, 0.3f); // as it was modelled: in another shape altogether
+    model_t model_a = new_model(&a), model_b = new_model(&b), sheet = new_model(&cloth);
+
+    pfront_error_t error;
+    pfront_fan_t *fans = memory(cloth.vertices * sizeof(pfront_fan_t));
+    size_t bytes = pfront_fans_scratch_bytes(cloth.vertices, cloth.triangles);
+    void *scratch = memory(bytes);
+    check(pfront_fans_link(&sheet.bvh.mesh, fans, cloth.vertices, scratch, bytes, &error), &error);
+    free(scratch);
+    float as_built, now;
+    check(pfront_bvh_quality(&sheet.bvh, &as_built, &error), &error);
+
+    pfront_front_t front;
+    pfront_front_node_t *nodes = memory(FRONT * sizeof *nodes);
+    pfront_past_t *past = memory(FRONT * sizeof *past);
+    check(pfront_front_init(&front, nodes, FRONT, past, FRONT, &error), &error);
+
+    list_t list = {NULL, 0, 0};
+    unsigned rebuilt = 0, coherent = 0;
+    for (unsigned frame = 0; frame < FRAMES; frame++) {
+        // Two meshes, one of them posed.
+        pfront_query_t query;
+        pfront_pose_t a_from_b = pose(frame);
+        check(pfront_query_pair(&model_a.bvh, &model_b.bvh, &a_from_b, PFRONT_EXACT, &query, &error),
+              &error);
+        in_pages(&query, &list);
+        uint32_t hash = fingerprint(&list);
+        size_t meeting = list.count;
+        uint32_t where = segments(&query, &list);
+        in_steps(&query, &list);
+        same(hash, fingerprint(&list), "steps");
+
+        // The same dealt out to workers.
+        pfront_load_t loads[WORKERS];
+        check(pfront_front_divide(&front, &query, 1, loads, WORKERS, &error), &error);
+        list.count = 0;
+        for (uint32_t part = 0; part < WORKERS; part++) {
+            work(&query, &front, part, &list);
+        }
+        same(hash, fingerprint(&list), "workers");
+        check(pfront_front_remember(&front, &error), &error);
+        coherent += front.coherent;
+
+        // One mesh that deforms.
+        roll(&cloth, frame);
+        check(pfront_bvh_refit(&sheet.bvh, cloth.positions, cloth.vertices, &now, &error), &error);
+        if (now > (float)PFRONT_REBUILD_RATIO * as_built) {
+            pfront_mesh_t mesh = sheet.bvh.mesh;
+            check(pfront_bvh_build_sah(&mesh, 0, &sheet.memory, &sheet.bvh, &error), &error);
+            check(pfront_bvh_quality(&sheet.bvh, &as_built, &error), &error);
+            rebuilt++;
+        }
+        check(pfront_fans_certify(&sheet.bvh.mesh, fans, cloth.vertices, &error), &error);
+        check(pfront_query_self(&sheet.bvh, fans, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error),
+              &error);
+        in_pages(&query, &list);
+        printf("frame %u: %zu pairs, list %08x, segments %08x; ", frame, meeting, (unsigned)hash,
+               (unsigned)where);
+        printf("sheet: %zu pairs, ", list.count);
+        printf("list %08x\n", (unsigned)fingerprint(&list));
+    }
+    fprintf(stderr, "pfront %s: fronts of the last frame used %u times, sheet rebuilt %u times\n",
+            pfront_version(), coherent, rebuilt);
+
+    free(list.pairs);
+    free(nodes);
+    free(past);
+    free(fans);
+    free_model(&model_a);
+    free_model(&model_b);
+    free_model(&sheet);
+    free_grid(&a);
+    free_grid(&b);
+    free_grid(&cloth);
+    return 0;
+}

@@ -1,0 +1,612 @@
+// pfront: every intersecting triangle pair of two meshes, or within one, exactly.
+//
+// Written by cbindgen from capi/src: do not edit, see capi/tests/header.rs.
+//
+// What is asked goes from top to bottom: `pfront_mesh_check`, `pfront_bvh_build_sah`, `pfront_query_pair` or
+// `pfront_query_self`, `pfront_cursor_start`, `pfront_query_page` until the cursor is done. capi/README.md and
+// capi/examples/engine.c show how.
+//
+// All memory is the caller's. Nothing is allocated, kept or locked, there is nothing to free, and there are no globals.
+// Structures that a function makes are plain data with pointers into the caller's arrays: they can be copied, and are
+// good as long as these arrays are where they were and nobody else writes them.
+//
+// Functions that can fail return PFRONT_OK or an error code, and tell more through `error` unless it is null. A null
+// pointer, one that is not aligned, arrays that overlap, one that is too small, a structure that was not made, a number
+// out of range: each has its code. The contract is what no function can find out: that a pointer which is neither null
+// nor misaligned leads to as many elements as is said, or to one structure, and that during a call no other thread
+// writes what the call uses, nor reads what it writes.
+//
+// Whatever a function takes by a pointer to const, any number of threads may use at once.
+
+#ifndef PFRONT_H
+#define PFRONT_H
+
+
+#include <stddef.h>
+#include <stdint.h>
+
+// Rebuild a BVH once the quality that a refit returns is above so many times what it was when built.
+#define PFRONT_REBUILD_RATIO 1.2
+
+// Words of 8 bytes for all that a walk remembers.
+#define PFRONT_CURSOR_WORDS 278
+
+// What a triangle test costs, in box tests, as measured on x86-64.
+#define PFRONT_TRIANGLE_COST 6.5
+
+// What became of a call. All but PFRONT_OK are errors: then nothing was done, unless the function says otherwise.
+enum pfront_status_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Done.
+  PFRONT_OK = 0,
+  // `what` is null and must not be.
+  PFRONT_NULL = 1,
+  // `what` is not at a multiple of `needed` bytes.
+  PFRONT_MISALIGNED = 2,
+  // `what` has more elements, `given`, than memory can hold.
+  PFRONT_TOO_LONG = 3,
+  // `what`, which is to be written or read, overlaps another array that is to be written.
+  PFRONT_OVERLAP = 4,
+  // `what` holds `given` elements, or bytes where it is scratch; `needed` are needed.
+  PFRONT_TOO_SMALL = 5,
+  // `what` was not filled in by the function that makes it.
+  PFRONT_NOT_MADE = 6,
+  // `what` is `given`, at `index` if it is an array, and must be below `needed`.
+  PFRONT_OUT_OF_RANGE = 7,
+  // Vertex `index` has a coordinate that is infinite or no number.
+  PFRONT_NOT_FINITE = 8,
+  // Triangle `index` names vertex `given`; there are `needed` vertices.
+  PFRONT_NO_SUCH_VERTEX = 9,
+  // A mesh has `given` triangles, more than the `needed` that are supported.
+  PFRONT_TOO_MANY_TRIANGLES = 10,
+  // `given` positions, for a mesh of `needed` vertices.
+  PFRONT_VERTEX_COUNT = 11,
+  // Entry `index` (four to a row) of the pose `what` is infinite or no number.
+  PFRONT_POSE_NOT_FINITE = 12,
+  // Row `index` of the pose `what` takes the mesh too far from the origin, beyond 2^125.
+  PFRONT_POSE_RANGE = 13,
+  // Entry `index` of an order names no triangle, one that was named before, or is in no leaf; or there are `given`
+  // entries for `needed` triangles.
+  PFRONT_BVH_ORDER = 14,
+  // Node `index` names children or triangles that it cannot have, or lies too deep; or there are `given` nodes of
+  // which `needed` can be reached.
+  PFRONT_BVH_NODE = 15,
+  // The box of node `index` is not finite or does not contain what lies below.
+  PFRONT_BVH_BOX = 16,
+  // The cursor was made for a query of BVHs of other sizes.
+  PFRONT_FOREIGN_CURSOR = 17,
+  // The arrays of a BVH were damaged since it was built, or there is a fault in pfront. Standard error says more.
+  PFRONT_DAMAGED = 18,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pfront_status_t pfront_status_t;
+#else
+typedef uint32_t pfront_status_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What an answer promises.
+enum pfront_accuracy_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The true answer for the f32 positions given. Touching counts.
+  PFRONT_EXACT = 0,
+  // Never misses; what a filter in f64 leaves open counts as a hit.
+  PFRONT_CONSERVATIVE = 1,
+  // Plain f32: no promise.
+  PFRONT_FAST = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pfront_accuracy_t pfront_accuracy_t;
+#else
+typedef uint32_t pfront_accuracy_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Which pairs of triangles of one mesh count.
+enum pfront_rule_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // All that have more in common than what they share by index: neighbours count when they fold over.
+  PFRONT_SHARED_INDEX = 0,
+  // Only those without a common vertex index.
+  PFRONT_SKIP_NEIGHBOURS = 1,
+  // All whose boxes overlap. With each box of a set given as a triangle through two opposite corners, this is the
+  // broad phase of the set.
+  PFRONT_BOXES_ONLY = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pfront_rule_t pfront_rule_t;
+#else
+typedef uint32_t pfront_rule_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How two triangles meet.
+enum pfront_contact_kind_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // They do not.
+  PFRONT_APART = 0,
+  // Their planes differ: they meet in a segment, or in a point if its ends are equal.
+  PFRONT_CROSSING = 1,
+  // They lie in one plane, or one has no area: the segment is the longest chord between corners of the region they
+  // share.
+  PFRONT_FLAT = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pfront_contact_kind_t pfront_contact_kind_t;
+#else
+typedef uint32_t pfront_contact_kind_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// A mesh that was checked: arrays of the caller's, which must stay where they are.
+typedef struct pfront_mesh_t {
+  // For pfront to know that it has checked it.
+  uint32_t seal;
+  // x, y, z of each vertex in turn.
+  const float *positions;
+  // How many vertices: a third of the floats.
+  size_t vertex_count;
+  // The three vertices of each triangle in turn.
+  const uint32_t *triangles;
+  // How many triangles: a third of the indices.
+  size_t triangle_count;
+} pfront_mesh_t;
+
+// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
+// write it whatever becomes of the call; it may be null.
+typedef struct pfront_error_t {
+  // What the function returned.
+  pfront_status_t status;
+  // The parameter or member at fault, by name; null where there is none. The string lives for ever.
+  const char *what;
+  // The vertex, triangle, node, entry or row at fault.
+  size_t index;
+  // What is needed, or the limit.
+  size_t needed;
+  // What was given.
+  size_t given;
+} pfront_error_t;
+
+// A node of a BVH.
+typedef struct pfront_node_t {
+  // The smallest corner of its box.
+  float min[3];
+  // Of a leaf, where its triangles begin in the order; else its left child, next to which is the right one.
+  uint32_t first;
+  // The largest corner of its box.
+  float max[3];
+  // How many triangles a leaf holds; else 0.
+  uint32_t count;
+} pfront_node_t;
+
+// Memory for a build. It need not be initialised.
+typedef struct pfront_bvh_memory_t {
+  // Becomes part of the BVH.
+  struct pfront_node_t *nodes;
+  // `pfront_node_bound` nodes always are enough.
+  size_t node_capacity;
+  // Becomes part of the BVH.
+  uint32_t *order;
+  // One entry a triangle.
+  size_t order_capacity;
+  // Free again after the build; of any alignment.
+  void *scratch;
+  // In bytes: `pfront_morton_scratch_bytes` or `pfront_sah_scratch_bytes`.
+  size_t scratch_bytes;
+} pfront_bvh_memory_t;
+
+// A mesh and its BVH: arrays of the caller's, which must stay where they are. A copy is another view of the same.
+typedef struct pfront_bvh_t {
+  // For pfront to know that it has made it.
+  uint32_t seal;
+  // The mesh.
+  struct pfront_mesh_t mesh;
+  // The nodes.
+  struct pfront_node_t *nodes;
+  // How many nodes are in use: more than that can be given back.
+  size_t node_count;
+  // The triangles, leaf by leaf; one entry a triangle.
+  const uint32_t *order;
+} pfront_bvh_t;
+
+// A pose: three rows of a matrix, and in the last column the translation. Meant to be rigid; any finite affine map
+// works. `a_from_b` takes the coordinates of b to those of a. A posed coordinate is `((r0*x + r1*y) + r2*z) + t` in
+// f32, never fused.
+typedef struct pfront_pose_t {
+  // Row-major.
+  float rows[3][4];
+} pfront_pose_t;
+
+// A box along the axes.
+typedef struct pfront_aabb_t {
+  // The smallest corner.
+  float min[3];
+  // The largest corner.
+  float max[3];
+} pfront_aabb_t;
+
+// What is known of the triangles about one vertex. With it, self queries need not look at most neighbours.
+typedef struct pfront_fan_t {
+  // Private.
+  uint32_t bits;
+} pfront_fan_t;
+
+// A question about two BVHs, or about one. It holds copies of `pfront_bvh_t`, so make it again after a refit or a
+// build, and for each pose. Any number of threads may use it at once.
+typedef struct pfront_query_t {
+  // For pfront to know that it has made it, and what of.
+  uint32_t seal;
+  // A `pfront_accuracy_t`; may be changed.
+  uint32_t accuracy;
+  // A `pfront_rule_t`, for one BVH; may be changed.
+  uint32_t rule;
+  // The first BVH.
+  struct pfront_bvh_t a;
+  // The second BVH; if there is only one, the same.
+  struct pfront_bvh_t b;
+  // Where a stands.
+  struct pfront_pose_t frame_from_a;
+  // Where b stands.
+  struct pfront_pose_t frame_from_b;
+  // One a vertex, for one BVH; or null.
+  const struct pfront_fan_t *fans;
+} pfront_query_t;
+
+// Where a walk stands: what `pfront_query_page` and `pfront_query_step` go on from. A copy is a bookmark. Each thread
+// needs its own.
+typedef struct pfront_cursor_t {
+  // For pfront to know that it has made it.
+  uint32_t seal;
+  // 1 when nothing is left, else 0. To be read.
+  uint32_t done;
+  // Box tests so far. To be read.
+  uint64_t box_tests;
+  // Triangle tests so far. To be read.
+  uint64_t triangle_tests;
+  // Private.
+  uint64_t node_counts[2];
+  // Private.
+  uint64_t state[PFRONT_CURSOR_WORDS];
+} pfront_cursor_t;
+
+// A node of a bounding volume test tree: one node of either BVH, or two of one.
+typedef struct pfront_node_pair_t {
+  // Node of the first BVH.
+  uint32_t a;
+  // Node of the second.
+  uint32_t b;
+} pfront_node_pair_t;
+
+// Two triangles that meet: one of the first mesh and one of the second, or two of one mesh with `a < b`.
+typedef struct pfront_pair_t {
+  // Triangle of the first mesh.
+  uint32_t a;
+  // Triangle of the second mesh.
+  uint32_t b;
+} pfront_pair_t;
+
+// Where two triangles meet, and how they face, in the frame of the query.
+typedef struct pfront_contact_t {
+  // A `pfront_contact_kind_t`; if it is PFRONT_APART all else is 0.
+  uint32_t kind;
+  // The ends of the segment in which they meet.
+  float segment[2][3];
+  // Unit normals of both by the right-hand rule; 0 for a triangle without area.
+  float normals[2][3];
+} pfront_contact_t;
+
+// A node of a front: a part of a query that one worker answers.
+typedef struct pfront_front_node_t {
+  // Where its worker begins: for `pfront_cursor_at`.
+  struct pfront_node_pair_t pair;
+  // Private.
+  uint64_t path;
+  // What it is expected to cost. The worker puts in its place what it did cost:
+  // `box_tests + PFRONT_TRIANGLE_COST * triangle_tests` of the cursor.
+  float cost;
+  // The query it belongs to.
+  uint32_t query;
+  // The worker it is dealt to.
+  uint32_t part;
+  // Private.
+  uint32_t index;
+} pfront_front_node_t;
+
+// What one node of a front cost in the last frame.
+typedef struct pfront_past_t {
+  // Private.
+  uint64_t words[2];
+} pfront_past_t;
+
+// The front of a frame and what is remembered of the last one: how the queries of a frame are divided among workers.
+typedef struct pfront_front_t {
+  // For pfront to know that it has made it.
+  uint32_t seal;
+  // How deep in the tree of a query its nodes begin, which is refined from there; 3 by default. May be changed.
+  uint32_t depth;
+  // How many nodes a worker gets at least where the last frame told what they cost; 8 by default. May be changed.
+  double grain_measured;
+  // The same where costs are estimates; 48 by default. May be changed.
+  double grain_estimated;
+  // The front.
+  struct pfront_front_node_t *nodes;
+  // A front that is full is coarser, but nothing is lost. It needs at least one node a query; some 150 a worker are
+  // plenty.
+  size_t node_capacity;
+  // How many nodes there are. To be read.
+  size_t node_count;
+  // What is remembered; may be null.
+  struct pfront_past_t *past;
+  // As many as there are nodes; 0 to forget each frame.
+  size_t past_capacity;
+  // How many are in use; set it to 0 to forget the last frame.
+  size_t past_count;
+  // 1 if some node is coarser than was asked for. To be read.
+  uint32_t full;
+  // 1 if what was remembered was of use. To be read.
+  uint32_t coherent;
+  // Box tests that the front took. To be read.
+  uint64_t box_tests;
+} pfront_front_t;
+
+// What one worker was dealt.
+typedef struct pfront_load_t {
+  // What it is expected to cost in all.
+  double cost;
+  // The worker, from 0.
+  uint32_t part;
+} pfront_load_t;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// What an error code means, in a sentence without numbers. Takes any number; the string lives for ever.
+const char *pfront_error_text(uint32_t status);
+
+// The version of the library, as in "0.1.0". The string lives for ever.
+const char *pfront_version(void);
+
+// Checks that every coordinate is finite and every index below `vertex_count`, and makes a mesh of it. Duplicate
+// triangles, triangles without area, vertices in no triangle and no triangles at all are fine.
+//
+// Takes time in O(vertices + triangles).
+pfront_status_t pfront_mesh_check(const float *positions,
+                                  size_t vertex_count,
+                                  const uint32_t *triangles,
+                                  size_t triangle_count,
+                                  struct pfront_mesh_t *mesh,
+                                  struct pfront_error_t *error);
+
+// How many nodes are enough for a BVH of so many triangles; SIZE_MAX if no mesh has so many. With leaves of 8
+// triangles most take a fifth of it.
+size_t pfront_node_bound(size_t triangle_count);
+
+// How much scratch `pfront_bvh_build_morton` needs for so many triangles; SIZE_MAX if that cannot be.
+size_t pfront_morton_scratch_bytes(size_t triangle_count);
+
+// How much scratch `pfront_bvh_build_sah` needs for so many triangles; SIZE_MAX if that cannot be.
+size_t pfront_sah_scratch_bytes(size_t triangle_count);
+
+// How much scratch `pfront_bvh_adopt` needs for so many triangles to take one pass over the order; SIZE_MAX if that
+// cannot be.
+size_t pfront_adopt_scratch_bytes(size_t triangle_count);
+
+// Builds a BVH along a Morton curve, in O(n) and several times faster than `pfront_bvh_build_sah`, for those who
+// rebuild every frame. `leaf_size` is the most triangles that a leaf may hold, 1 to 8, or 0 for the default.
+//
+// Fewer nodes than `pfront_node_bound` do if the tree has no more; PFRONT_TOO_SMALL then tells how many it has.
+pfront_status_t pfront_bvh_build_morton(const struct pfront_mesh_t *mesh,
+                                        uint32_t leaf_size,
+                                        const struct pfront_bvh_memory_t *memory,
+                                        struct pfront_bvh_t *bvh,
+                                        struct pfront_error_t *error);
+
+// Builds a BVH by the surface area heuristic, in O(n log n): the tree that queries walk fastest. `leaf_size` is as for
+// `pfront_bvh_build_morton`. Takes up to 64 KiB of stack.
+pfront_status_t pfront_bvh_build_sah(const struct pfront_mesh_t *mesh,
+                                     uint32_t leaf_size,
+                                     const struct pfront_bvh_memory_t *memory,
+                                     struct pfront_bvh_t *bvh,
+                                     struct pfront_error_t *error);
+
+// Makes a BVH of arrays from elsewhere, as from a file, after checking all that a query relies on. The capacities in
+// `memory` are how many nodes and entries there are. With less scratch than `pfront_adopt_scratch_bytes`, down to 7
+// bytes, the answer is the same and takes more passes over the order. Nothing but scratch is written; nodes and order
+// may lie in read-only memory unless the BVH is refitted.
+pfront_status_t pfront_bvh_adopt(const struct pfront_mesh_t *mesh,
+                                 const struct pfront_bvh_memory_t *memory,
+                                 struct pfront_bvh_t *bvh,
+                                 struct pfront_error_t *error);
+
+// Fits a BVH to new positions of its mesh, in O(triangles). Its arrays are written; queries and fronts that hold the
+// BVH are to be made again, and cursors to be started again.
+//
+// `positions` take the place of those of the mesh; they may be the same array, changed in place. If one is not finite
+// the boxes stay as they were: then give other positions before the next query. `quality`, which may be null, is told
+// how good the tree still is, see PFRONT_REBUILD_RATIO.
+pfront_status_t pfront_bvh_refit(struct pfront_bvh_t *bvh,
+                                 const float *positions,
+                                 size_t vertex_count,
+                                 float *quality,
+                                 struct pfront_error_t *error);
+
+// How many tests a random line is expected to need for each triangle whose box it meets; lower is better. In
+// O(triangles).
+pfront_status_t pfront_bvh_quality(const struct pfront_bvh_t *bvh,
+                                   float *quality,
+                                   struct pfront_error_t *error);
+
+// A box that contains every vertex of every triangle in a pose, rounding included, for a broad phase. That of an empty
+// mesh reaches from infinity to minus infinity. In O(1).
+pfront_status_t pfront_bvh_bounds(const struct pfront_bvh_t *bvh,
+                                  const struct pfront_pose_t *world_from_bvh,
+                                  struct pfront_aabb_t *bounds,
+                                  struct pfront_error_t *error);
+
+// How much scratch `pfront_fans_link` needs; SIZE_MAX if that cannot be.
+size_t pfront_fans_scratch_bytes(size_t vertex_count, size_t triangle_count);
+
+// Finds out which triangles lie next to each other about each vertex: once for a mesh, whatever its positions will be.
+// `fans` has one element a vertex and need not be initialised. In O(vertices + triangles).
+pfront_status_t pfront_fans_link(const struct pfront_mesh_t *mesh,
+                                 struct pfront_fan_t *fans,
+                                 size_t fan_count,
+                                 void *scratch,
+                                 size_t scratch_bytes,
+                                 struct pfront_error_t *error);
+
+// Brings fans up to date with the positions of their mesh, after each refit: `bvh.mesh` has the new positions. In
+// O(vertices + triangles). A query with fans that are not up to date may miss pairs.
+pfront_status_t pfront_fans_certify(const struct pfront_mesh_t *mesh,
+                                    struct pfront_fan_t *fans,
+                                    size_t fan_count,
+                                    struct pfront_error_t *error);
+
+// Asks which triangles of `a` meet which of `b`, posed by `a_from_b`. The frame is that of a, and so are contacts.
+// `accuracy` is a `pfront_accuracy_t`.
+pfront_status_t pfront_query_pair(const struct pfront_bvh_t *a,
+                                  const struct pfront_bvh_t *b,
+                                  const struct pfront_pose_t *a_from_b,
+                                  uint32_t accuracy,
+                                  struct pfront_query_t *query,
+                                  struct pfront_error_t *error);
+
+// Asks which triangles of `a` meet which of `b`, both posed into a third frame. The choice of a frame changes how
+// vertices are rounded, and so what is found. `accuracy` is a `pfront_accuracy_t`.
+pfront_status_t pfront_query_world(const struct pfront_bvh_t *a,
+                                   const struct pfront_pose_t *world_from_a,
+                                   const struct pfront_bvh_t *b,
+                                   const struct pfront_pose_t *world_from_b,
+                                   uint32_t accuracy,
+                                   struct pfront_query_t *query,
+                                   struct pfront_error_t *error);
+
+// Asks which triangles of one mesh meet each other, each unordered pair once. `fans`, which may be null, has one
+// element a vertex, see `pfront_fans_certify`, and changes no answer. `rule` is a `pfront_rule_t` and `accuracy` a
+// `pfront_accuracy_t`.
+pfront_status_t pfront_query_self(const struct pfront_bvh_t *bvh,
+                                  const struct pfront_fan_t *fans,
+                                  uint32_t rule,
+                                  uint32_t accuracy,
+                                  struct pfront_query_t *query,
+                                  struct pfront_error_t *error);
+
+// Sets a cursor before the first triangle pair of a query.
+pfront_status_t pfront_cursor_start(const struct pfront_query_t *query,
+                                    struct pfront_cursor_t *cursor,
+                                    struct pfront_error_t *error);
+
+// Sets a cursor before the first triangle pair below one node of a front: see `pfront_front_divide`.
+pfront_status_t pfront_cursor_at(const struct pfront_query_t *query,
+                                 struct pfront_node_pair_t node,
+                                 struct pfront_cursor_t *cursor,
+                                 struct pfront_error_t *error);
+
+// Goes on from a cursor and writes up to `capacity` pairs that meet, of which there is at least room for one. Nothing is
+// ever dropped: when `cursor.done` is 1, all pages together are the whole answer. Only the last page may be empty.
+//
+// The order is fixed for given BVHs, and otherwise arbitrary: sort the whole by a, then b, for a list that does not
+// depend on how BVHs were built. Takes up to 28 KiB of stack.
+pfront_status_t pfront_query_page(const struct pfront_query_t *query,
+                                  struct pfront_cursor_t *cursor,
+                                  struct pfront_pair_t *page,
+                                  size_t capacity,
+                                  size_t *count,
+                                  struct pfront_error_t *error);
+
+// `pfront_query_page` that also stops after `budget` + 15 box and triangle tests at most, to spread a query over
+// frames. Pages may be empty then; with a budget of 0 nothing is done.
+pfront_status_t pfront_query_step(const struct pfront_query_t *query,
+                                  struct pfront_cursor_t *cursor,
+                                  uint64_t budget,
+                                  struct pfront_pair_t *page,
+                                  size_t capacity,
+                                  size_t *count,
+                                  struct pfront_error_t *error);
+
+// Tells how many pairs meet.
+pfront_status_t pfront_query_count(const struct pfront_query_t *query,
+                                   uint64_t *count,
+                                   struct pfront_error_t *error);
+
+// Finds some pair that meets, and stops at the first: `found` is 1 if there is one, else 0 and `pair` is not written.
+pfront_status_t pfront_query_any(const struct pfront_query_t *query,
+                                 struct pfront_pair_t *pair,
+                                 uint32_t *found,
+                                 struct pfront_error_t *error);
+
+// Tells where the triangles of each of `count` pairs meet, into as many `contacts`. The pairs need not be of an answer.
+pfront_status_t pfront_query_contacts(const struct pfront_query_t *query,
+                                      const struct pfront_pair_t *pairs,
+                                      size_t count,
+                                      struct pfront_contact_t *contacts,
+                                      struct pfront_error_t *error);
+
+// Makes a front in the caller's memory, with nothing remembered, which need not be initialised. `past` may be null if
+// `past_capacity` is 0.
+pfront_status_t pfront_front_init(struct pfront_front_t *front,
+                                  struct pfront_front_node_t *nodes,
+                                  size_t node_capacity,
+                                  struct pfront_past_t *past,
+                                  size_t past_capacity,
+                                  struct pfront_error_t *error);
+
+// Divides the queries of a frame into nodes of about equal cost, and deals these out to `workers`, of whom there is at
+// least one: the p-partition front of Zhang and Kim (2014). `loads` has one element a worker and tells in the end what
+// each is expected to do, in no particular order.
+//
+// Then each worker, on a thread of its own, goes through the nodes whose `part` is its number: it sets its own cursor to
+// the node by `pfront_cursor_at`, asks page by page until that is done, and writes what this cost to the node. All
+// pages together are the answer; which pairs come from which node is the same for any number of threads.
+pfront_status_t pfront_front_divide(struct pfront_front_t *front,
+                                    const struct pfront_query_t *queries,
+                                    size_t query_count,
+                                    struct pfront_load_t *loads,
+                                    size_t workers,
+                                    struct pfront_error_t *error);
+
+// Remembers what the nodes of a front have cost, for the next `pfront_front_divide`: after all workers are done.
+pfront_status_t pfront_front_remember(struct pfront_front_t *front,
+                                      struct pfront_error_t *error);
+
+// Tells a front that the next frame asks other queries than the last: the one with number `i` gets `numbers[i]`, or is
+// gone if that is UINT32_MAX or `i` is not below `count`. No two get the same. Without this, change no numbers, or set
+// `past_count` to 0.
+pfront_status_t pfront_front_renumber(struct pfront_front_t *front,
+                                      const uint32_t *numbers,
+                                      size_t count,
+                                      struct pfront_error_t *error);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+// Leaves everything where it is, to the bit: pfront_pose_t pose = PFRONT_POSE_IDENTITY;
+#define PFRONT_POSE_IDENTITY {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}
+
+// A compiler that lays out structures in another way than the library expects refuses these.
+typedef char pfront_node_t_has_32_bytes[sizeof(pfront_node_t) == 32 ? 1 : -1];
+typedef char pfront_pair_t_has_8_bytes[sizeof(pfront_pair_t) == 8 ? 1 : -1];
+typedef char pfront_contact_t_has_52_bytes[sizeof(pfront_contact_t) == 52 ? 1 : -1];
+typedef char pfront_front_node_t_has_32_bytes[sizeof(pfront_front_node_t) == 32 ? 1 : -1];
+typedef char pfront_past_t_has_16_bytes[sizeof(pfront_past_t) == 16 ? 1 : -1];
+typedef char pfront_cursor_t_has_2264_bytes[sizeof(pfront_cursor_t) == 2264 ? 1 : -1];
+
+#endif

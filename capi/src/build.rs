@@ -1,0 +1,157 @@
+//! Building BVHs, and how much memory that takes.
+
+#![expect(
+    unsafe_code,
+    reason = "C finds functions by name, and keeps to the contract of the header"
+)]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+use crate::bvh::{pfront_bvh_t, pfront_node_t};
+use crate::memory::{Call, Caller};
+use crate::mesh::pfront_mesh_t;
+use crate::status::{Fault, pfront_error_t, pfront_status_t};
+use core::ffi::c_void;
+use pfront_core::build::{
+    BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah, sah_scratch_bound,
+};
+use pfront_core::bvh::{check_scratch_bound, node_bound};
+use pfront_core::mesh::MAX_TRIANGLES;
+use pfront_core::{Bvh, CapacityError, Mesh, Node};
+
+/// Memory for a build. It need not be initialised.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_bvh_memory_t {
+    /// Becomes part of the BVH.
+    pub nodes: *mut pfront_node_t,
+    /// `pfront_node_bound` nodes always are enough.
+    pub node_capacity: usize,
+    /// Becomes part of the BVH.
+    pub order: *mut u32,
+    /// One entry a triangle.
+    pub order_capacity: usize,
+    /// Free again after the build; of any alignment.
+    pub scratch: *mut c_void,
+    /// In bytes: `pfront_morton_scratch_bytes` or `pfront_sah_scratch_bytes`.
+    pub scratch_bytes: usize,
+}
+
+/// Bytes for `count` elements at any address, if there can be so many.
+pub(crate) const fn bytes<T>(count: usize) -> usize {
+    let Some(bytes) = count.checked_mul(size_of::<T>()) else { return usize::MAX };
+    let Some(bytes) = bytes.checked_add(align_of::<T>() - 1) else { return usize::MAX };
+    bytes
+}
+
+/// `bound`, if a mesh can have so many triangles.
+fn bounded(triangle_count: usize, bound: impl Fn(usize) -> usize) -> usize {
+    let most = MAX_TRIANGLES.min(usize::MAX / 4);
+    if triangle_count <= most { bound(triangle_count) } else { usize::MAX }
+}
+
+/// How many nodes are enough for a BVH of so many triangles; SIZE_MAX if no mesh has so many. With leaves of 8
+/// triangles most take a fifth of it.
+#[unsafe(no_mangle)]
+pub extern "C" fn pfront_node_bound(triangle_count: usize) -> usize {
+    bounded(triangle_count, node_bound)
+}
+
+/// How much scratch `pfront_bvh_build_morton` needs for so many triangles; SIZE_MAX if that cannot be.
+#[unsafe(no_mangle)]
+pub extern "C" fn pfront_morton_scratch_bytes(triangle_count: usize) -> usize {
+    bounded(triangle_count, |count| bytes::<u64>(morton_scratch_bound(count)))
+}
+
+/// How much scratch `pfront_bvh_build_sah` needs for so many triangles; SIZE_MAX if that cannot be.
+#[unsafe(no_mangle)]
+pub extern "C" fn pfront_sah_scratch_bytes(triangle_count: usize) -> usize {
+    bounded(triangle_count, |count| bytes::<SahItem>(sah_scratch_bound(count)))
+}
+
+/// How much scratch `pfront_bvh_adopt` needs for so many triangles to take one pass over the order; SIZE_MAX if that
+/// cannot be.
+#[unsafe(no_mangle)]
+pub extern "C" fn pfront_adopt_scratch_bytes(triangle_count: usize) -> usize {
+    bounded(triangle_count, |count| bytes::<u32>(check_scratch_bound(count)))
+}
+
+/// What is to be built.
+struct Build {
+    mesh: *const pfront_mesh_t,
+    leaf_size: u32,
+    memory: *const pfront_bvh_memory_t,
+    bvh: *mut pfront_bvh_t,
+}
+
+type Method<S> =
+    for<'a> fn(Mesh<'a>, &BuildOptions, BvhStorage<'a>, &mut [S]) -> Result<Bvh<'a>, CapacityError>;
+
+impl Build {
+    /// Builds with so much scratch of elements `S`.
+    fn by<S: bytemuck::Pod>(
+        self,
+        call: &mut Call<'_>,
+        method: Method<S>,
+        scratch_bytes: usize,
+    ) -> Result<(), Fault> {
+        let (out, mesh) = (call.out(c"bvh", self.bvh)?, call.get(c"mesh", self.mesh)?);
+        let memory = call.get(c"memory", self.memory)?;
+        let most = pfront_core::bvh::MAX_LEAF_SIZE;
+        Fault::below(c"leaf_size", self.leaf_size as usize, most as usize + 1)?;
+        Fault::room(c"order", memory.order_capacity, mesh.sealed(c"mesh")?.triangle_count)?;
+        Fault::room(c"scratch", memory.scratch_bytes, scratch_bytes)?;
+        let nodes = call.write(c"nodes", memory.nodes.cast::<Node>(), memory.node_capacity)?;
+        let order = call.write(c"order", memory.order, mesh.triangle_count)?;
+        let scratch = call.write(c"scratch", memory.scratch.cast::<u8>(), memory.scratch_bytes)?;
+        let (_, scratch, _) = bytemuck::pod_align_to_mut::<u8, S>(scratch);
+        let leaf_size = if self.leaf_size == 0 { most } else { self.leaf_size };
+        let storage = BvhStorage { nodes, order };
+        let checked = mesh.view(call, c"mesh")?;
+        let node_count =
+            method(checked, &BuildOptions { leaf_size }, storage, scratch)?.nodes().len();
+        let (nodes, order) = (memory.nodes, memory.order);
+        out.set(pfront_bvh_t::made(mesh, nodes, node_count, order));
+        Ok(())
+    }
+}
+
+/// Builds a BVH along a Morton curve, in O(n) and several times faster than `pfront_bvh_build_sah`, for those who
+/// rebuild every frame. `leaf_size` is the most triangles that a leaf may hold, 1 to 8, or 0 for the default.
+///
+/// Fewer nodes than `pfront_node_bound` do if the tree has no more; PFRONT_TOO_SMALL then tells how many it has.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_bvh_build_morton(
+    mesh: *const pfront_mesh_t,
+    leaf_size: u32,
+    memory: *const pfront_bvh_memory_t,
+    bvh: *mut pfront_bvh_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let triangles = call.get(c"mesh", mesh)?.triangle_count;
+        let scratch_bytes = pfront_morton_scratch_bytes(triangles);
+        Build { mesh, leaf_size, memory, bvh }.by(call, morton, scratch_bytes)
+    })
+}
+
+/// Builds a BVH by the surface area heuristic, in O(n log n): the tree that queries walk fastest. `leaf_size` is as for
+/// `pfront_bvh_build_morton`. Takes up to 64 KiB of stack.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_bvh_build_sah(
+    mesh: *const pfront_mesh_t,
+    leaf_size: u32,
+    memory: *const pfront_bvh_memory_t,
+    bvh: *mut pfront_bvh_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let triangles = call.get(c"mesh", mesh)?.triangle_count;
+        let scratch_bytes = pfront_sah_scratch_bytes(triangles);
+        Build { mesh, leaf_size, memory, bvh }.by(call, sah, scratch_bytes)
+    })
+}

@@ -1,0 +1,127 @@
+//! How far an answer has come.
+
+#![expect(unsafe_code, reason = "C finds functions by name, and holds a cursor as so many bytes")]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+use crate::memory::{Call, Caller};
+use crate::query::{Asked, pfront_query_t};
+use crate::status::pfront_status_t::{self, *};
+use crate::status::{Fault, pfront_error_t};
+use core::mem::MaybeUninit;
+use pfront_core::query::{Cursor, NodePair, Query, Work};
+
+/// A node of a bounding volume test tree: one node of either BVH, or two of one.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_node_pair_t {
+    /// Node of the first BVH.
+    pub a: u32,
+    /// Node of the second.
+    pub b: u32,
+}
+
+/// Words of 8 bytes for all that a walk remembers.
+pub const PFRONT_CURSOR_WORDS: usize = 278;
+const _: () = assert!(size_of::<Cursor>() <= PFRONT_CURSOR_WORDS * size_of::<u64>());
+const _: () = assert!(align_of::<Cursor>() <= align_of::<u64>());
+
+/// Where a walk stands: what `pfront_query_page` and `pfront_query_step` go on from. A copy is a bookmark. Each thread
+/// needs its own.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_cursor_t {
+    /// For pfront to know that it has made it.
+    pub seal: u32,
+    /// 1 when nothing is left, else 0. To be read.
+    pub done: u32,
+    /// Box tests so far. To be read.
+    pub box_tests: u64,
+    /// Triangle tests so far. To be read.
+    pub triangle_tests: u64,
+    /// Private.
+    pub node_counts: [u64; 2],
+    /// Private.
+    pub state: [MaybeUninit<u64>; PFRONT_CURSOR_WORDS],
+}
+
+const SEAL: u32 = u32::from_be_bytes(*b"walk");
+
+impl pfront_cursor_t {
+    fn begin(&mut self, query: &pfront_query_t, cursor: Cursor) {
+        (self.seal, self.node_counts) = (SEAL, query.node_counts());
+        // SAFETY: the state is large enough and aligned, which is asserted above.
+        unsafe { self.state.as_mut_ptr().cast::<Cursor>().write(cursor) };
+        // What was sealed just now can be gone on with.
+        let _ = self.go_on(query, |_| ());
+    }
+
+    /// Goes on with a walk of this query.
+    pub(crate) fn go_on<T>(
+        &mut self,
+        query: &pfront_query_t,
+        go: impl FnOnce(&mut Cursor) -> T,
+    ) -> Result<T, Fault> {
+        if self.seal != SEAL {
+            return Err(Fault::of(PFRONT_NOT_MADE, c"cursor"));
+        }
+        if self.node_counts != query.node_counts() {
+            return Err(Fault::of(PFRONT_FOREIGN_CURSOR, c"cursor"));
+        }
+        // SAFETY: by the seal `begin` has put a cursor there, or C a copy of one; it is large enough and aligned.
+        // Should C have made it up: a cursor is nothing but integers.
+        let cursor = unsafe { &mut *self.state.as_mut_ptr().cast::<Cursor>() };
+        let gone = go(cursor);
+        let Work { box_tests, triangle_tests } = cursor.work();
+        self.done = cursor.is_done().into();
+        (self.box_tests, self.triangle_tests) = (box_tests, triangle_tests);
+        Ok(gone)
+    }
+}
+
+/// The query and the cursor of a call.
+pub(crate) fn on_walk<'c>(
+    call: &mut Call<'c>,
+    query: *const pfront_query_t,
+    cursor: *mut pfront_cursor_t,
+) -> Result<(pfront_query_t, Asked<'c>, &'c mut pfront_cursor_t), Fault> {
+    let query = call.get(c"query", query)?;
+    let cursor = call.one(c"cursor", cursor)?;
+    Ok((query, query.asked(call)?, cursor))
+}
+
+/// Sets a cursor before the first triangle pair of a query.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_cursor_start(
+    query: *const pfront_query_t,
+    cursor: *mut pfront_cursor_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (query, asked, cursor) = on_walk(call, query, cursor)?;
+        cursor.begin(&query, asked.start());
+        Ok(())
+    })
+}
+
+/// Sets a cursor before the first triangle pair below one node of a front: see `pfront_front_divide`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_cursor_at(
+    query: *const pfront_query_t,
+    node: pfront_node_pair_t,
+    cursor: *mut pfront_cursor_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (query, _, cursor) = on_walk(call, query, cursor)?;
+        let pfront_node_pair_t { a, b } = node;
+        Fault::below(c"node.a", a as usize, query.a.node_count)?;
+        Fault::below(c"node.b", b as usize, query.b.node_count)?;
+        cursor.begin(&query, Cursor::at(NodePair { a, b }));
+        Ok(())
+    })
+}

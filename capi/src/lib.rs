@@ -1,0 +1,33 @@
+//! pfront for C: `include/pfront.h`, which a test makes from these sources, says what there is.
+//!
+//! Every function goes through [`memory`], the one place that follows a pointer. What C holds between two calls is
+//! plain data: numbers, and pointers into arrays that belong to the caller. Rust's views of them ([`pfront_core::Bvh`]
+//! and so on) are made anew in each call and end with it, so nothing is kept behind the caller's back, and there is
+//! nothing to lock or to free. Names are those of C.
+
+#![cfg_attr(not(feature = "std"), no_std)]
+#![expect(non_camel_case_types, reason = "the names of types are those of C")]
+
+mod alone;
+mod build;
+mod bvh;
+mod cursor;
+mod fans;
+mod front;
+mod memory;
+mod mesh;
+mod query;
+mod status;
+#[cfg(test)]
+mod tests;
+mod verbs;
+
+pub use build::*;
+pub use bvh::*;
+pub use cursor::*;
+pub use fans::*;
+pub use front::*;
+pub use mesh::*;
+pub use query::*;
+pub use status::*;
+pub use verbs::*;

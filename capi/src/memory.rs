@@ -1,0 +1,199 @@
+//! Where pointers of C become slices: the only place that follows one.
+//!
+//! What can be checked about a pointer is: that it is not null, that it is aligned, that no array goes around the end
+//! of the address space, and that what is written overlaps nothing else that the call uses. What cannot be checked, that
+//! memory is there, as much as is said, and is no other thread's to write, is the caller's part of the contract.
+
+#![expect(unsafe_code, reason = "C knows only pointers, and somebody has to follow them")]
+
+use crate::status::pfront_status_t::{self, *};
+use crate::status::{Fault, pfront_error_t};
+use core::ffi::CStr;
+use core::marker::PhantomData;
+use core::ops::Range;
+use core::slice;
+use pfront_core::Node;
+use pfront_core::fans::Fan;
+use pfront_core::front::{FrontNode, PastCost};
+use pfront_core::partition::Load;
+use pfront_core::query::TrianglePair;
+
+/// What may be read from memory that C has written, whatever it wrote.
+///
+/// # Safety
+/// All bytes make a value.
+pub(crate) unsafe trait Plain: Copy {}
+
+/// Integers, floats and raw pointers, and arrays and structures of these.
+macro_rules! plain {
+    ($($type:ty),*) => { $(
+        // SAFETY: see the macro.
+        unsafe impl Plain for $type {}
+    )* };
+}
+plain!(u8, u32, [f32; 3], [u32; 3], Fan, FrontNode, Load, Node, PastCost, TrianglePair);
+plain!(
+    crate::pfront_bvh_memory_t,
+    crate::pfront_bvh_t,
+    crate::pfront_contact_t,
+    crate::pfront_cursor_t,
+    crate::pfront_front_t,
+    crate::pfront_mesh_t,
+    crate::pfront_pose_t,
+    crate::pfront_query_t
+);
+
+/// Someone who keeps to the contract of the header.
+pub(crate) struct Caller(());
+
+impl Caller {
+    /// # Safety
+    /// Until [`Caller::call`] returns, each pointer that [`Call`] is given is null, or points to as many elements as
+    /// [`Call`] is told, which nobody else writes meanwhile nor reads if [`Call`] may write them.
+    pub(crate) unsafe fn trusted() -> Self {
+        Self(())
+    }
+
+    /// Runs a function of the library and tells `error` and the caller what became of it.
+    pub(crate) fn call(
+        self,
+        error: *mut pfront_error_t,
+        body: impl for<'c> FnOnce(&mut Call<'c>) -> Result<(), Fault>,
+    ) -> pfront_status_t {
+        if !error.is_aligned() {
+            return PFRONT_MISALIGNED;
+        }
+        let mut call = Call { written: [const { 0..0 }; 6], count: 0, lifetime: PhantomData };
+        let fault = match guarded(|| body(&mut call)) {
+            Ok(()) => Fault::new(PFRONT_OK),
+            Err(fault) => fault,
+        };
+        if !error.is_null() {
+            // SAFETY: it is aligned, and by the contract one is there.
+            unsafe { error.write(fault) };
+        }
+        fault.status
+    }
+}
+
+/// Nothing may unwind into C.
+#[cfg(feature = "std")]
+fn guarded(body: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
+    let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(body));
+    caught.unwrap_or_else(|_| Err(Fault::new(PFRONT_DAMAGED)))
+}
+
+/// There is no unwinding.
+#[cfg(not(feature = "std"))]
+fn guarded(body: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
+    body()
+}
+
+/// The memory that one call uses. What it lends lives as long as the call, `'c`.
+///
+/// What is to be written is asked for first, so that it is enough to remember that.
+pub(crate) struct Call<'c> {
+    /// The addresses of what is lent to be written.
+    written: [Range<usize>; 6],
+    count: usize,
+    lifetime: PhantomData<&'c mut ()>,
+}
+
+impl<'c> Call<'c> {
+    /// An array to read.
+    pub(crate) fn read<T: Plain>(
+        &self,
+        what: &'static CStr,
+        first: *const T,
+        len: usize,
+    ) -> Result<&'c [T], Fault> {
+        let addresses = self.addresses(what, first, len)?;
+        if addresses.is_empty() {
+            return Ok(&[]);
+        }
+        // SAFETY: by the contract so many elements are there and nobody writes them, nor do we, since they overlap
+        // nothing of what is lent to be written; any bytes make a `T`; they are aligned and less than isize::MAX bytes.
+        Ok(unsafe { slice::from_raw_parts(first, len) })
+    }
+
+    /// An array to write.
+    pub(crate) fn write<T: Plain>(
+        &mut self,
+        what: &'static CStr,
+        first: *mut T,
+        len: usize,
+    ) -> Result<&'c mut [T], Fault> {
+        let addresses = self.addresses(what, first, len)?;
+        if addresses.is_empty() {
+            return Ok(&mut []);
+        }
+        let Some(free) = self.written.get_mut(self.count) else {
+            return Err(Fault::new(PFRONT_DAMAGED));
+        };
+        (*free, self.count) = (addresses, self.count + 1);
+        // SAFETY: as for `read`; besides, whatever else is lent during this call does not overlap it.
+        Ok(unsafe { slice::from_raw_parts_mut(first, len) })
+    }
+
+    /// A structure to write in place.
+    pub(crate) fn one<T: Plain>(
+        &mut self,
+        what: &'static CStr,
+        at: *mut T,
+    ) -> Result<&'c mut T, Fault> {
+        let [one] = self.write(what, at, 1)? else { return Err(Fault::of(PFRONT_NULL, what)) };
+        Ok(one)
+    }
+
+    /// A copy of a structure.
+    pub(crate) fn get<T: Plain>(&self, what: &'static CStr, at: *const T) -> Result<T, Fault> {
+        self.addresses(what, at, 1)?;
+        // SAFETY: by the contract one is there and nobody writes it; any bytes make a `T`; it is aligned.
+        Ok(unsafe { at.read() })
+    }
+
+    /// Where a result goes in the end.
+    pub(crate) fn out<T: Copy>(&self, what: &'static CStr, at: *mut T) -> Result<Out<T>, Fault> {
+        self.addresses(what, at, 1)?;
+        Ok(Out(at))
+    }
+
+    /// The addresses of an array, if they can be some.
+    fn addresses<T>(
+        &self,
+        what: &'static CStr,
+        first: *const T,
+        len: usize,
+    ) -> Result<Range<usize>, Fault> {
+        let start = first.addr();
+        if len == 0 {
+            return Ok(start..start);
+        }
+        if first.is_null() {
+            return Err(Fault::of(PFRONT_NULL, what));
+        }
+        if !first.is_aligned() {
+            return Err(Fault::of(PFRONT_MISALIGNED, what).numbers(align_of::<T>(), 0));
+        }
+        let bytes = len.checked_mul(size_of::<T>()).filter(|&bytes| bytes <= isize::MAX as usize);
+        let Some(end) = bytes.and_then(|bytes| start.checked_add(bytes)) else {
+            return Err(Fault::of(PFRONT_TOO_LONG, what).numbers(0, len));
+        };
+        let written = self.written.iter().take(self.count);
+        if written.into_iter().any(|other| start < other.end && other.start < end) {
+            return Err(Fault::of(PFRONT_OVERLAP, what));
+        }
+        Ok(start..end)
+    }
+}
+
+/// Where a result goes.
+pub(crate) struct Out<T>(*mut T);
+
+impl<T: Copy> Out<T> {
+    pub(crate) fn set(self, value: T) {
+        // SAFETY: `Call::out` has checked that it is aligned and not null, and by the contract one is there; what is
+        // lent overlaps none of it, or is not used any more.
+        unsafe { self.0.write(value) };
+    }
+}

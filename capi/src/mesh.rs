@@ -1,0 +1,113 @@
+//! Meshes, poses and boxes.
+
+#![expect(
+    unsafe_code,
+    reason = "C finds functions by name, and keeps to the contract of the header"
+)]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+use crate::memory::{Call, Caller};
+use crate::status::pfront_status_t::{self, *};
+use crate::status::{Fault, pfront_error_t};
+use core::ffi::CStr;
+use pfront_core::{Mesh, Pose};
+
+/// A mesh that was checked: arrays of the caller's, which must stay where they are.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_mesh_t {
+    /// For pfront to know that it has checked it.
+    pub seal: u32,
+    /// x, y, z of each vertex in turn.
+    pub positions: *const f32,
+    /// How many vertices: a third of the floats.
+    pub vertex_count: usize,
+    /// The three vertices of each triangle in turn.
+    pub triangles: *const u32,
+    /// How many triangles: a third of the indices.
+    pub triangle_count: usize,
+}
+
+const SEAL: u32 = u32::from_be_bytes(*b"mesh");
+
+impl pfront_mesh_t {
+    /// Checks the seal.
+    pub(crate) fn sealed(&self, what: &'static CStr) -> Result<&Self, Fault> {
+        if self.seal == SEAL { Ok(self) } else { Err(Fault::of(PFRONT_NOT_MADE, what)) }
+    }
+
+    /// The mesh, which was checked when it was made.
+    pub(crate) fn view<'c>(&self, call: &Call<'c>, what: &'static CStr) -> Result<Mesh<'c>, Fault> {
+        self.sealed(what)?;
+        Ok(Mesh::trusted(self.points(call)?, self.corners(call)?))
+    }
+
+    /// The same triangles over other positions, which are checked.
+    pub(crate) fn moved<'c>(&self, call: &Call<'c>) -> Result<Mesh<'c>, Fault> {
+        let (points, corners) = (self.points(call)?, self.corners(call)?);
+        Ok(Mesh::trusted(points, corners).with_positions(points)?)
+    }
+
+    fn points<'c>(&self, call: &Call<'c>) -> Result<&'c [[f32; 3]], Fault> {
+        call.read(c"positions", self.positions.cast(), self.vertex_count)
+    }
+
+    fn corners<'c>(&self, call: &Call<'c>) -> Result<&'c [[u32; 3]], Fault> {
+        call.read(c"triangles", self.triangles.cast(), self.triangle_count)
+    }
+}
+
+/// Checks that every coordinate is finite and every index below `vertex_count`, and makes a mesh of it. Duplicate
+/// triangles, triangles without area, vertices in no triangle and no triangles at all are fine.
+///
+/// Takes time in O(vertices + triangles).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_mesh_check(
+    positions: *const f32,
+    vertex_count: usize,
+    triangles: *const u32,
+    triangle_count: usize,
+    mesh: *mut pfront_mesh_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"mesh", mesh)?;
+        let checked =
+            pfront_mesh_t { seal: SEAL, positions, vertex_count, triangles, triangle_count };
+        Mesh::new(checked.points(call)?, checked.corners(call)?)?;
+        out.set(checked);
+        Ok(())
+    })
+}
+
+/// A pose: three rows of a matrix, and in the last column the translation. Meant to be rigid; any finite affine map
+/// works. `a_from_b` takes the coordinates of b to those of a. A posed coordinate is `((r0*x + r1*y) + r2*z) + t` in
+/// f32, never fused.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_pose_t {
+    /// Row-major.
+    pub rows: [[f32; 4]; 3],
+}
+
+impl pfront_pose_t {
+    pub(crate) const IDENTITY: Self = Self { rows: Pose::IDENTITY.rows };
+
+    pub(crate) fn pose(&self) -> Pose {
+        Pose::new(self.rows)
+    }
+}
+
+/// A box along the axes.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_aabb_t {
+    /// The smallest corner.
+    pub min: [f32; 3],
+    /// The largest corner.
+    pub max: [f32; 3],
+}

@@ -1,0 +1,211 @@
+//! What is asked.
+
+#![expect(
+    unsafe_code,
+    reason = "C finds functions by name, and keeps to the contract of the header"
+)]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+mod asked;
+
+use crate::bvh::pfront_bvh_t;
+use crate::fans::pfront_fan_t;
+use crate::memory::{Call, Caller};
+use crate::mesh::pfront_pose_t;
+use crate::status::pfront_status_t::{self, *};
+use crate::status::{Fault, pfront_error_t};
+pub(crate) use asked::Asked;
+use core::ptr::null;
+use pfront_core::Bvh;
+use pfront_core::fans::Fan;
+use pfront_core::query::{PairQuery, Placed, SelfQuery};
+use pfront_core::triangle::{Accuracy, Adjacency};
+
+/// What an answer promises.
+#[repr(u32)]
+#[derive(Clone, Copy)]
+pub enum pfront_accuracy_t {
+    /// The true answer for the f32 positions given. Touching counts.
+    PFRONT_EXACT = 0,
+    /// Never misses; what a filter in f64 leaves open counts as a hit.
+    PFRONT_CONSERVATIVE = 1,
+    /// Plain f32: no promise.
+    PFRONT_FAST = 2,
+}
+
+/// Which pairs of triangles of one mesh count.
+#[repr(u32)]
+#[derive(Clone, Copy)]
+pub enum pfront_rule_t {
+    /// All that have more in common than what they share by index: neighbours count when they fold over.
+    PFRONT_SHARED_INDEX = 0,
+    /// Only those without a common vertex index.
+    PFRONT_SKIP_NEIGHBOURS = 1,
+    /// All whose boxes overlap. With each box of a set given as a triangle through two opposite corners, this is the
+    /// broad phase of the set.
+    PFRONT_BOXES_ONLY = 2,
+}
+
+/// A question about two BVHs, or about one. It holds copies of `pfront_bvh_t`, so make it again after a refit or a
+/// build, and for each pose. Any number of threads may use it at once.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_query_t {
+    /// For pfront to know that it has made it, and what of.
+    pub seal: u32,
+    /// A `pfront_accuracy_t`; may be changed.
+    pub accuracy: u32,
+    /// A `pfront_rule_t`, for one BVH; may be changed.
+    pub rule: u32,
+    /// The first BVH.
+    pub a: pfront_bvh_t,
+    /// The second BVH; if there is only one, the same.
+    pub b: pfront_bvh_t,
+    /// Where a stands.
+    pub frame_from_a: pfront_pose_t,
+    /// Where b stands.
+    pub frame_from_b: pfront_pose_t,
+    /// One a vertex, for one BVH; or null.
+    pub fans: *const pfront_fan_t,
+}
+
+const PAIR: u32 = u32::from_be_bytes(*b"pair");
+const SELF: u32 = u32::from_be_bytes(*b"self");
+
+impl pfront_query_t {
+    /// What C asks.
+    pub(crate) fn asked<'c>(&self, call: &Call<'c>) -> Result<Asked<'c>, Fault> {
+        let accuracy = match self.accuracy {
+            0 => Accuracy::Exact,
+            1 => Accuracy::Conservative,
+            2 => Accuracy::Fast,
+            other => return Err(out_of_range(c"accuracy", other)),
+        };
+        match self.seal {
+            PAIR => {
+                let (a, b) = (self.a.view(call, c"a")?, self.b.view(call, c"b")?);
+                let a = Placed::trusted(a, &self.frame_from_a.pose());
+                let b = Placed::trusted(b, &self.frame_from_b.pose());
+                Ok(Asked::Pair(PairQuery::in_world(a, b).with_accuracy(accuracy)))
+            }
+            SELF => Ok(Asked::Within(self.within(self.a.view(call, c"bvh")?, accuracy, call)?)),
+            _ => Err(Fault::of(PFRONT_NOT_MADE, c"query")),
+        }
+    }
+
+    /// How many nodes there are on either side, by which a cursor knows a query.
+    pub(crate) fn node_counts(&self) -> [u64; 2] {
+        [self.a.node_count as u64, self.b.node_count as u64]
+    }
+
+    fn within<'c>(
+        &self,
+        bvh: Bvh<'c>,
+        accuracy: Accuracy,
+        call: &Call<'c>,
+    ) -> Result<SelfQuery<'c>, Fault> {
+        let query = SelfQuery::new(bvh).with_accuracy(accuracy);
+        let query = match self.rule {
+            0 => query,
+            1 => query.with_adjacency(Adjacency::SkipNeighbours),
+            2 => query.boxes_only(),
+            other => return Err(out_of_range(c"rule", other)),
+        };
+        let fans = if self.fans.is_null() { 0 } else { self.a.mesh.vertex_count };
+        Ok(query.with_fans(call.read(c"fans", self.fans.cast::<Fan>(), fans)?))
+    }
+}
+
+fn out_of_range(what: &'static core::ffi::CStr, given: u32) -> Fault {
+    Fault::of(PFRONT_OUT_OF_RANGE, what).numbers(3, given as usize)
+}
+
+/// Asks which triangles of `a` meet which of `b`, posed by `a_from_b`. The frame is that of a, and so are contacts.
+/// `accuracy` is a `pfront_accuracy_t`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_query_pair(
+    a: *const pfront_bvh_t,
+    b: *const pfront_bvh_t,
+    a_from_b: *const pfront_pose_t,
+    accuracy: u32,
+    query: *mut pfront_query_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    let in_place = &pfront_pose_t::IDENTITY;
+    // SAFETY: the contract of the header, and a pointer to a constant.
+    unsafe { pfront_query_world(a, in_place, b, a_from_b, accuracy, query, error) }
+}
+
+/// Asks which triangles of `a` meet which of `b`, both posed into a third frame. The choice of a frame changes how
+/// vertices are rounded, and so what is found. `accuracy` is a `pfront_accuracy_t`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_query_world(
+    a: *const pfront_bvh_t,
+    world_from_a: *const pfront_pose_t,
+    b: *const pfront_bvh_t,
+    world_from_b: *const pfront_pose_t,
+    accuracy: u32,
+    query: *mut pfront_query_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"query", query)?;
+        let (a, b) = (call.get(c"a", a)?, call.get(c"b", b)?);
+        let frame_from_a = call.get(c"frame_from_a", world_from_a)?;
+        let frame_from_b = call.get(c"frame_from_b", world_from_b)?;
+        Placed::new(a.view(call, c"a")?, &frame_from_a.pose())
+            .map_err(Fault::pose(c"frame_from_a"))?;
+        Placed::new(b.view(call, c"b")?, &frame_from_b.pose())
+            .map_err(Fault::pose(c"frame_from_b"))?;
+        let rule = pfront_rule_t::PFRONT_SHARED_INDEX as u32;
+        let query = pfront_query_t {
+            seal: PAIR,
+            accuracy,
+            rule,
+            a,
+            b,
+            frame_from_a,
+            frame_from_b,
+            fans: null(),
+        };
+        query.asked(call)?;
+        out.set(query);
+        Ok(())
+    })
+}
+
+/// Asks which triangles of one mesh meet each other, each unordered pair once. `fans`, which may be null, has one
+/// element a vertex, see `pfront_fans_certify`, and changes no answer. `rule` is a `pfront_rule_t` and `accuracy` a
+/// `pfront_accuracy_t`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_query_self(
+    bvh: *const pfront_bvh_t,
+    fans: *const pfront_fan_t,
+    rule: u32,
+    accuracy: u32,
+    query: *mut pfront_query_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, bvh) = (call.out(c"query", query)?, call.get(c"bvh", bvh)?);
+        let (frame_from_a, frame_from_b) = (pfront_pose_t::IDENTITY, pfront_pose_t::IDENTITY);
+        let query = pfront_query_t {
+            seal: SELF,
+            accuracy,
+            rule,
+            a: bvh,
+            b: bvh,
+            frame_from_a,
+            frame_from_b,
+            fans,
+        };
+        query.asked(call)?;
+        out.set(query);
+        Ok(())
+    })
+}

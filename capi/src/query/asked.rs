@@ -1,0 +1,68 @@
+//! Either kind of query.
+
+use core::ops::ControlFlow;
+use pfront_core::query::{Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair};
+use pfront_core::triangle::Contact;
+use pfront_core::{Aabb, Bvh, Mesh};
+
+/// A query that C has made.
+#[derive(Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "it lives on the stack for the time of a call")]
+pub(crate) enum Asked<'c> {
+    /// Two meshes.
+    Pair(PairQuery<'c>),
+    /// One mesh.
+    Within(SelfQuery<'c>),
+}
+
+impl Asked<'_> {
+    /// What nothing answers to.
+    pub(crate) fn nothing() -> Self {
+        Self::Within(SelfQuery::new(Bvh::trusted(Mesh::trusted(&[], &[]), &[], &[])))
+    }
+}
+
+/// Asks whichever it is.
+macro_rules! either {
+    ($asked:ident, $query:ident => $answer:expr) => {
+        match $asked {
+            Asked::Pair($query) => $answer,
+            Asked::Within($query) => $answer,
+        }
+    };
+}
+
+impl Query for Asked<'_> {
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        either!(self, query => query.step(cursor, budget, visit))
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        either!(self, query => query.contact(pair))
+    }
+
+    fn root(&self) -> Option<NodePair> {
+        either!(self, query => query.root())
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        either!(self, query => query.children(n, push))
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        either!(self, query => query.boxes(n))
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        either!(self, query => query.triangles_below(n))
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        either!(self, query => query.leaf_edge())
+    }
+}

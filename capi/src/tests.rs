@@ -1,0 +1,181 @@
+//! A whole use by pointers, small enough for miri, which sees what no sanitizer does: whether Rust's views of the
+//! caller's arrays ever get into each other's way.
+
+#![expect(unsafe_code, reason = "it is C's part that is played here")]
+
+use crate::pfront_accuracy_t::PFRONT_EXACT;
+use crate::pfront_status_t::*;
+use crate::*;
+use core::mem::MaybeUninit;
+use core::ptr::{null, null_mut};
+use core::slice;
+use pfront_core::query::{PairQuery, Query, SelfQuery};
+use pfront_core::{Bvh, Mesh, Node, Pose};
+
+const TRIANGLES: usize = 8;
+
+/// Two tetrahedra, one with a corner inside the other.
+const POINTS: [[f32; 3]; 8] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.1, 0.1, 0.1],
+    [2.0, 0.0, 0.5],
+    [0.0, 2.0, 0.5],
+    [0.5, 0.5, 2.0],
+];
+const CORNERS: [[u32; 3]; TRIANGLES] =
+    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [4, 6, 5], [4, 5, 7], [4, 7, 6], [5, 6, 7]];
+
+/// Calls a function that fills in its last but one argument and must succeed.
+macro_rules! made {
+    ($call:ident($($argument:expr),*)) => {{
+        let mut made = MaybeUninit::uninit();
+        // SAFETY: every pointer is null or leads to a live array of the length that goes with it.
+        let status = unsafe { $call($($argument,)* made.as_mut_ptr(), null_mut()) };
+        assert_eq!(status, PFRONT_OK);
+        // SAFETY: it was filled in.
+        unsafe { made.assume_init() }
+    }};
+}
+
+/// All pairs, in pages of two and in order.
+fn pages(query: &pfront_query_t, mut cursor: pfront_cursor_t) -> Vec<(u32, u32)> {
+    let (mut all, mut page) = (Vec::new(), [pfront_pair_t { a: 0, b: 0 }; 2]);
+    while cursor.done == 0 {
+        let count: usize = made!(pfront_query_page(query, &mut cursor, page.as_mut_ptr(), 2));
+        all.extend(page[..count].iter().map(|pair| (pair.a, pair.b)));
+    }
+    all.sort_unstable();
+    all
+}
+
+fn truth(query: &impl Query) -> Vec<(u32, u32)> {
+    let mut all = Vec::new();
+    let _ = query.visit(&mut query.start(), |pair| {
+        all.push((pair.a, pair.b));
+        core::ops::ControlFlow::Continue(())
+    });
+    all.sort_unstable();
+    all
+}
+
+/// What Rust makes of the arrays of a BVH that C holds.
+fn checked(bvh: &pfront_bvh_t) -> Bvh<'_> {
+    let pfront_bvh_t { mesh, nodes, node_count, order, .. } = *bvh;
+    // SAFETY: the arrays are there, of these lengths, and nobody writes them as long as the view is in use.
+    let (positions, nodes, order) = unsafe {
+        (
+            slice::from_raw_parts(mesh.positions.cast(), mesh.vertex_count),
+            slice::from_raw_parts(nodes.cast_const().cast::<Node>(), node_count),
+            slice::from_raw_parts(order, TRIANGLES),
+        )
+    };
+    Bvh::new(Mesh::new(positions, &CORNERS).unwrap(), nodes, order, &mut [0]).unwrap()
+}
+
+/// The pairs of each query, node by node of a front.
+fn parts(queries: &[pfront_query_t; 2], front: &pfront_front_t) -> [Vec<(u32, u32)>; 2] {
+    let mut parts = [Vec::new(), Vec::new()];
+    // SAFETY: so many nodes are in use.
+    for node in unsafe { slice::from_raw_parts_mut(front.nodes, front.node_count) } {
+        let (number, pair) = (node.query as usize, node.pair);
+        let mut cursor: pfront_cursor_t = made!(pfront_cursor_start(&queries[number]));
+        // SAFETY: all of these are references.
+        let status = unsafe { pfront_cursor_at(&queries[number], pair, &mut cursor, null_mut()) };
+        assert_eq!(status, PFRONT_OK);
+        parts[number].extend(pages(&queries[number], cursor));
+    }
+    parts.iter_mut().for_each(|part| part.sort_unstable());
+    parts
+}
+
+#[test]
+fn a_frame_and_the_next() {
+    let mut positions = POINTS;
+    let (points, vertices) = (positions.as_mut_ptr().cast::<f32>(), POINTS.len());
+    let mut nodes = vec![Node::EMPTY; pfront_node_bound(TRIANGLES)];
+    let (mut order, mut scratch) = ([0; TRIANGLES], [0_u8; 1024]);
+    let memory = pfront_bvh_memory_t {
+        nodes: nodes.as_mut_ptr().cast(),
+        node_capacity: nodes.len(),
+        order: order.as_mut_ptr(),
+        order_capacity: order.len(),
+        scratch: scratch.as_mut_ptr().cast(),
+        scratch_bytes: scratch.len(),
+    };
+    let (mut fans, exact) = ([pfront_fan_t { bits: 0 }; POINTS.len()], PFRONT_EXACT as u32);
+    let known = fans.as_mut_ptr();
+    let nothing = pfront_front_node_t {
+        pair: pfront_node_pair_t { a: 0, b: 0 },
+        path: 0,
+        cost: 0.0,
+        query: 0,
+        part: 0,
+        index: 0,
+    };
+    let (mut part, mut past) = ([nothing; 16], [pfront_past_t { words: [0; 2] }; 16]);
+    let mut loads = [pfront_load_t { cost: 0.0, part: 0 }; 2];
+    let mut front = MaybeUninit::uninit();
+    let a_from_b = pfront_pose_t { rows: Pose::from_translation([0.25, 0.0, 0.125]).rows };
+
+    let mesh: pfront_mesh_t =
+        made!(pfront_mesh_check(points, vertices, CORNERS.as_ptr().cast(), TRIANGLES));
+    let _: pfront_bvh_t = made!(pfront_bvh_build_morton(&mesh, 3, &memory));
+    let mut bvh: pfront_bvh_t = made!(pfront_bvh_build_sah(&mesh, 3, &memory));
+    let all = [PFRONT_OK; 2];
+    // SAFETY: every pointer leads to a live array of the length that goes with it.
+    let statuses = unsafe {
+        let (part, past) = (part.as_mut_ptr(), past.as_mut_ptr());
+        let bytes = memory.scratch_bytes;
+        [
+            pfront_fans_link(&mesh, known, vertices, memory.scratch, bytes, null_mut()),
+            pfront_front_init(front.as_mut_ptr(), part, 16, past, 16, null_mut()),
+        ]
+    };
+    assert_eq!(statuses, all);
+    // SAFETY: it was filled in.
+    let mut front = unsafe { front.assume_init() };
+
+    for frame in 0..2 {
+        // SAFETY: as above; and nobody else holds on to the positions.
+        let statuses = unsafe {
+            *points = -0.5 * frame as f32;
+            [
+                pfront_bvh_refit(&mut bvh, points, vertices, null_mut(), null_mut()),
+                pfront_fans_certify(&bvh.mesh, known, vertices, null_mut()),
+            ]
+        };
+        assert_eq!(statuses, all);
+        let within: pfront_query_t = made!(pfront_query_self(&bvh, known, 0, exact));
+        let pair: pfront_query_t = made!(pfront_query_pair(&bvh, &bvh, &a_from_b, exact));
+        let own = checked(&bvh);
+        let other = PairQuery::new(own, own, Pose::new(a_from_b.rows)).unwrap();
+        let expected = [truth(&SelfQuery::new(own)), truth(&other)];
+        assert!(expected.iter().all(|pairs| !pairs.is_empty()));
+
+        let queries = [within, pair];
+        for (query, expected) in queries.iter().zip(&expected) {
+            assert_eq!(&pages(query, made!(pfront_cursor_start(query))), expected);
+            let count: u64 = made!(pfront_query_count(query));
+            assert_eq!(count, expected.len() as u64);
+        }
+        let (asked, workers) = (queries.as_ptr(), loads.as_mut_ptr());
+        // SAFETY: as above.
+        let divided = unsafe { pfront_front_divide(&mut front, asked, 2, workers, 2, null_mut()) };
+        assert_eq!((divided, front.coherent), (PFRONT_OK, frame));
+        assert_eq!(parts(&queries, &front), expected);
+        // SAFETY: as above.
+        assert_eq!(unsafe { pfront_front_remember(&mut front, null_mut()) }, PFRONT_OK);
+    }
+}
+
+#[test]
+fn a_caller_who_wants_no_details_gets_the_code() {
+    let status = unsafe {
+        // SAFETY: null pointers are refused before anything is read.
+        pfront_mesh_check(null(), 1, null(), 1, null_mut(), null_mut())
+    };
+    assert_eq!(status, PFRONT_NULL);
+}
