@@ -110,8 +110,14 @@ impl Build {
         let leaf_size = if self.leaf_size == 0 { most } else { self.leaf_size };
         let storage = BvhStorage { nodes, order };
         let checked = mesh.view(call, c"mesh")?;
-        let node_count =
-            method(checked, &BuildOptions { leaf_size }, storage, scratch)?.nodes().len();
+        let node_count = method(
+            checked,
+            &BuildOptions { leaf_size, ..BuildOptions::default() },
+            storage,
+            scratch,
+        )?
+        .nodes()
+        .len();
         let (nodes, order) = (memory.nodes, memory.order);
         out.set(pfront_bvh_t::made(mesh, nodes, node_count, order));
         Ok(())
