@@ -99,7 +99,7 @@ impl Planned {
         let is_large = self.decider.is_large(want == Want::Any);
         let guess = question.guess().filter(|_| want != Want::Any);
         let size = if is_large { question.size() } else { None };
-        let begin = self.decider.begin(Known { guess, size });
+        let begin = self.decider.begin(Known { until_first: want == Want::Any, guess, size });
         let (mut offer, mut choice) = (None, None);
         if begin.is_none() {
             self.decider.clock(0.0);

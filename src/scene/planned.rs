@@ -78,7 +78,8 @@ impl Planned {
         hits: &mut Vec<SceneHit>,
     ) -> Found<Given> {
         self.decider.is_large(want == Want::Any);
-        let begin = self.decider.begin(Known { guess: None, size: Some(frame.len() as f64) });
+        let size = Some(frame.len() as f64);
+        let begin = self.decider.begin(Known { until_first: want == Want::Any, guess: None, size });
         let (mut offer, mut choice) = (None, None);
         if begin.is_none() {
             self.decider.clock(0.0);

@@ -23,12 +23,14 @@ use way::{ALONE, BOTH, GPU, THREADS, WAYS};
 const BRIEF: f64 = 2.0;
 /// An unknown question is looked at after this part of that.
 const LOOK: f64 = 0.08;
+/// One that ends with the first pair is looked at after so many times that.
+const PATIENCE: f64 = 4.0;
 /// It is looked at again when it has cost so many times as much.
 const AGAIN: f64 = 3.0;
 /// Others are called in after this part of the time that it takes to get the first of them to work, if they would
 /// take half as long; the later the less.
-const SOON: f64 = 0.15;
-/// A GPU that was never asked has to be so many times faster than it promises to be worth an upload.
+const SOON: f64 = 0.3;
+/// Others that were never asked have to be so many times faster than they promise.
 const DOUBT: f64 = 1.25;
 /// Box tests in one question can take so many times longer than in another.
 const PACE: f64 = 10.0;
@@ -112,6 +114,8 @@ impl History {
                 let is_brief = BRIEF * expected <= most;
                 is_brief.then_some(Begin { until: most, is_timed: false })
             }
+            // However much there is, the first pair may be near.
+            _ if known.until_first => Some(Begin { until: PATIENCE * most, is_timed: true }),
             Some(_) if self.at_once > 0.0 => None,
             _ => Some(Begin { until: LOOK * most, is_timed: true }),
         }
@@ -275,9 +279,10 @@ impl History {
         let pays = |&(way, time): &(usize, f64)| {
             let saved = self.ways[way].saved;
             let upload = if way >= GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
-            let hope = if self.ways[way].ratio.frames == 0 && upload > 0.0 { DOUBT } else { 1.0 };
-            let gain = now - hope * time;
-            time < now && saved >= CHANGING * now && saved + gain * horizon >= upload
+            let is_known = way == ALONE || self.ways[way].ratio.frames > 0;
+            let doubt = if is_known { 1.0 } else { DOUBT };
+            let gain = now - doubt * time;
+            gain > 0.0 && saved >= CHANGING * now && saved + gain * horizon >= upload
         };
         let others = times.iter().enumerate().filter_map(|(way, time)| Some((way, (*time)?)));
         let best = others.filter(pays).min_by(|x, y| x.1.total_cmp(&y.1));

@@ -91,6 +91,8 @@ impl Choice {
 /// What is known of a question before anybody begins.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Known {
+    /// Whether the first pair will do.
+    pub(crate) until_first: bool,
     /// Those of the [`Offer`].
     pub(crate) guess: Option<f64>,
     pub(crate) size: Option<f64>,
