@@ -12,7 +12,6 @@ mod ways;
 #[cfg(feature = "threads")]
 pub(crate) use alone::cost;
 pub(crate) use alone::{End, Leash, alone};
-pub(crate) use planned::Planned;
 pub(crate) use question::{OfOne, OfTwo, Question};
 pub(crate) use ways::Want;
 
@@ -20,7 +19,9 @@ use crate::planner::{Plan, Planner};
 use crate::{Accuracy, Adjacency, Error, Model};
 use pfront_core::query::{Query, TrianglePair};
 use pfront_core::triangle::Contact;
+use planned::Planned;
 use std::ops::ControlFlow;
+use ways::{Given, on_one};
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Answer {
@@ -31,6 +32,8 @@ pub(crate) struct Answer {
     pub(crate) planning: Option<Planning>,
 }
 
+/// A question that costs no more box tests is small.
+const SMALL: f64 = 250.0;
 /// To refit so few triangles takes no longer than to think about it.
 const FEW: usize = 128;
 
@@ -73,23 +76,42 @@ impl Planning {
         self.planned.get_or_insert_with(|| Box::new(Planned::new(self.planner.clone())))
     }
 
-    /// Whoever answers, if the question is worth a thought.
-    fn asked(&mut self, question: &impl Question) -> Option<&mut Planned> {
+    /// Answers, if the question is worth a thought; into `pairs` if all are wanted.
+    fn ask(
+        &mut self,
+        question: &impl Question,
+        want: Want,
+        pairs: &mut Vec<TrianglePair>,
+    ) -> Option<Given> {
         self.was_small = question.is_small();
         if self.was_small {
             // The list will be overwritten.
             self.planned.iter_mut().for_each(|planned| planned.forget());
             return None;
         }
-        Some(self.planned())
+        if self.planned.is_none() {
+            // As long as nothing is larger, there is nothing to know.
+            let leash = Leash { cost: SMALL, deadline: None };
+            let query = question.query(question.accuracy());
+            let brief = on_one(query, want, pairs, leash, |_, _| None);
+            self.was_small = brief.end == End::Complete;
+            if self.was_small {
+                return Some(brief.given);
+            }
+        }
+        Some(self.planned().ask(question, want, pairs))
     }
 }
 
 impl Answer {
+    /// By a planner, if there is one that takes the question.
+    fn plan_and_ask(&mut self, question: &impl Question, want: Want) -> Option<Given> {
+        self.planning.as_mut()?.ask(question, want, &mut self.pairs)
+    }
+
     /// All pairs, sorted. Allocates only when there are more than ever before.
     pub(crate) fn all(&mut self, question: &impl Question) -> &[TrianglePair] {
-        if let Some(planned) = self.planning.as_mut().and_then(|own| own.asked(question)) {
-            planned.ask(question, Want::All, &mut self.pairs);
+        if self.plan_and_ask(question, Want::All).is_some() {
             return &self.pairs;
         }
         let query = &question.query(question.accuracy());
@@ -109,8 +131,8 @@ impl Answer {
 
     /// How many pairs meet.
     pub(crate) fn count(&mut self, question: &impl Question) -> u64 {
-        if let Some(planned) = self.planning.as_mut().and_then(|own| own.asked(question)) {
-            return planned.ask(question, Want::Count, &mut self.pairs).count;
+        if let Some(given) = self.plan_and_ask(question, Want::Count) {
+            return given.count;
         }
         let query = &question.query(question.accuracy());
         #[cfg(feature = "threads")]
@@ -122,8 +144,8 @@ impl Answer {
 
     /// Some pair that meets.
     pub(crate) fn any(&mut self, question: &impl Question) -> Option<TrianglePair> {
-        if let Some(planned) = self.planning.as_mut().and_then(|own| own.asked(question)) {
-            return planned.ask(question, Want::Any, &mut self.pairs).first;
+        if let Some(given) = self.plan_and_ask(question, Want::Any) {
+            return given.first;
         }
         let query = &question.query(question.accuracy());
         #[cfg(feature = "threads")]
