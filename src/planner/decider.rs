@@ -1,6 +1,8 @@
 //! One query's planner at work: a clock, what is known, and what was decided in the last frame.
 
+use super::clock::Clock;
 use super::history::{Choice, Frame, History, Known, Look, Offer, Way};
+use super::last::Last;
 use super::plan::{Backend, Plan, Reason};
 use super::{Concession, Planner};
 use crate::Accuracy;
@@ -13,17 +15,13 @@ pub(crate) struct Decider {
     histories: [History; 2],
     /// The history of the last question.
     asked: usize,
-    begun: Option<Instant>,
+    clock: Clock,
     /// What has been decided before the question was asked, and of which history.
     ahead: Option<(usize, Choice)>,
     /// What was done before the question, for its sake.
     prepared: Duration,
-    /// What was done in vain.
-    lost: Duration,
-    /// When to look at a question that was begun alone, once the clock has been looked at ...
+    /// When to look at a question that was begun alone, once the clock has been looked at.
     next_look: Option<f64>,
-    /// ... which was at this cost and time.
-    marked: Option<(f64, Duration)>,
     /// The first look at a question that was begun alone.
     looked: Option<Look>,
     /// The last frame that was worth a look at the clock, ...
@@ -34,17 +32,6 @@ pub(crate) struct Decider {
     /// Counts frames in which deciding may be timed.
     frames: u32,
     deciding: Duration,
-}
-
-/// A frame, from which its plan is made if anyone asks.
-#[derive(Clone, Copy, Debug)]
-struct Last {
-    backend: Backend,
-    reason: Reason,
-    choice: Option<Choice>,
-    cost: Option<f64>,
-    actual: Duration,
-    concession: Option<Concession>,
 }
 
 /// The clock is not looked at before a question has cost this much: that takes as long on some machines.
@@ -59,12 +46,10 @@ impl Decider {
             planner,
             histories: Default::default(),
             asked: 0,
-            begun: None,
+            clock: Clock::default(),
             ahead: None,
             prepared: Duration::ZERO,
-            lost: Duration::ZERO,
             next_look: None,
-            marked: None,
             looked: None,
             last: None,
             untimed: None,
@@ -83,20 +68,8 @@ impl Decider {
         if let Some((backend, reason, cost)) = self.untimed {
             return Some(Plan { backend, reason, cost, ..Plan::SMALL });
         }
-        let Last { backend, reason, choice, cost, actual, concession } = self.last?;
-        let time = |nanoseconds: f64| Duration::from_nanos(nanoseconds as u64);
-        Some(Plan {
-            backend,
-            reason,
-            expected_cost: choice.and_then(|choice| choice.expected),
-            cost,
-            predicted: choice.and_then(|choice| choice.time()).map(time),
-            alternatives: choice.map_or([None; 4], |choice| choice.times.map(|t| t.map(time))),
-            actual,
-            deciding: self.deciding,
-            concession,
-            failure: self.failure.clone(),
-        })
+        let failure = self.failure.clone();
+        Some(Plan { deciding: self.deciding, failure, ..self.last?.plan() })
     }
 
     /// Whether the last answer is not what was asked for.
@@ -125,7 +98,7 @@ impl Decider {
 
     /// The cost up to which it is begun alone, with no thought.
     pub(crate) fn begin(&mut self, known: Known) -> Option<f64> {
-        (self.looked, self.marked, self.next_look) = (None, None, None);
+        (self.looked, self.next_look) = (None, None);
         if self.ahead.is_some() || self.planner.limits().time.is_some() {
             return None;
         }
@@ -138,7 +111,7 @@ impl Decider {
     pub(crate) fn mark(&mut self, spent: f64) -> Option<f64> {
         let until = self.next_look.take()?;
         self.clock(spent);
-        self.marked = Some((spent, self.elapsed()));
+        self.clock.mark(spent);
         Some(until.max(2.0 * spent))
     }
 
@@ -166,27 +139,19 @@ impl Decider {
     /// Begins a frame, whose query will be asked later. No clock is needed if it is like one that needed none.
     pub(crate) fn start(&mut self) {
         let is_timed = self.last.is_some() && self.untimed.is_none();
-        self.begun = is_timed.then(Instant::now);
+        self.clock = Clock::started(is_timed);
     }
 
     /// Begins a frame that is a query and no more.
     pub(crate) fn start_asking(&mut self) {
-        self.begun = None;
+        self.clock = Clock::started(false);
     }
 
     /// Looks at the clock, if that has not been done in this frame. So much has been done alone; what was done
     /// before that is the same each way.
     pub(crate) fn clock(&mut self, spent: f64) {
-        let alone = self.alone(spent);
-        self.lost = Duration::ZERO;
-        match self.begun {
-            None => self.begun = Instant::now().checked_sub(alone),
-            Some(_) => self.lost = self.elapsed().saturating_sub(alone),
-        }
-    }
-
-    fn alone(&self, cost: f64) -> Duration {
-        Duration::from_nanos((cost * self.planner.machine().test) as u64)
+        let alone = spent * self.planner.machine().test;
+        self.clock.look(Duration::from_nanos(alone as u64));
     }
 
     /// Decides who answers.
@@ -209,7 +174,7 @@ impl Decider {
         };
         self.note(choice, reason, None);
         if self.frames < TIMED || self.frames.is_multiple_of(TIMED) {
-            self.deciding = self.elapsed().saturating_sub(self.lost);
+            self.deciding = self.clock.spent();
         }
         self.frames = self.frames.wrapping_add(1);
         choice
@@ -222,14 +187,10 @@ impl Decider {
         choice: Option<&Choice>,
         [spent, rest]: [f64; 2],
     ) -> Choice {
-        if choice.is_none() && self.marked.is_none() {
+        if choice.is_none() && !self.clock.is_marked() {
             self.clock(spent);
         }
-        let nanoseconds = self.marked.map(|(before, time)| {
-            let took = self.elapsed().saturating_sub(time).as_secs_f64() * 1e9;
-            took * spent / (spent - before)
-        });
-        let look = Look { spent, rest, nanoseconds };
+        let look = Look { spent, rest, nanoseconds: self.clock.pace(spent) };
         let history = &self.histories[self.asked];
         let next = history.look(self.planner.machine(), offer, look);
         let known = choice.is_some_and(|choice| choice.expected.is_some());
@@ -238,7 +199,7 @@ impl Decider {
             _ => Reason::Outgrown,
         };
         if next.way != Way::Alone {
-            self.lost = self.elapsed();
+            self.clock.lose();
         }
         self.looked.get_or_insert(look);
         let conceded = choice.and(self.last).and_then(|last| last.concession);
@@ -249,7 +210,7 @@ impl Decider {
     /// Goes on without a GPU, and says how.
     #[cfg(feature = "gpu")]
     pub(crate) fn gpu_failed(&mut self, error: &crate::gpu::Error) -> Way {
-        self.lost = self.elapsed();
+        self.clock.lose();
         if let Some(last) = &mut self.last {
             last.reason = Reason::GpuFailed;
         }
@@ -262,17 +223,14 @@ impl Decider {
 
     /// Ends a frame.
     pub(crate) fn end(&mut self, way: Way, cost: Option<f64>, leaf_pairs: Option<u32>) {
-        let beside = self.lost + std::mem::take(&mut self.prepared);
-        let actual = self.finish(way, beside - self.lost, cost);
+        let prepared = std::mem::take(&mut self.prepared);
+        let actual = self.finish(way, prepared, cost);
         let nanoseconds = |time: Duration| time.as_secs_f64() * 1e9;
         let frame = Frame {
             nanoseconds: nanoseconds(actual),
-            beside: nanoseconds(beside),
-            gpu_upkeep: self
-                .last
-                .and_then(|last| last.choice)
-                .map_or(0.0, |choice| choice.gpu_upkeep),
-            size: self.last.and_then(|last| last.choice).and_then(|choice| choice.size),
+            beside: nanoseconds(self.clock.lost() + prepared),
+            gpu_upkeep: self.last.map_or(0.0, |last| last.choice.gpu_upkeep),
+            size: self.last.and_then(|last| last.choice.size),
             look: self.looked,
             cost,
             leaf_pairs,
@@ -290,9 +248,9 @@ impl Decider {
     }
 
     fn finish(&mut self, way: Way, prepared: Duration, cost: Option<f64>) -> Duration {
-        let actual = self.elapsed() + prepared;
+        let actual = self.clock.elapsed() + prepared;
         if let Some(last) = &mut self.last {
-            (last.backend, last.cost, last.actual) = (backend(way), cost, actual);
+            (last.backend, last.cost, last.actual) = (way.into(), cost, actual);
         }
         actual
     }
@@ -301,7 +259,7 @@ impl Decider {
     pub(crate) fn accuracy(&mut self, wanted: Accuracy) -> Accuracy {
         let limits = self.planner.limits();
         let (Some(most), Some(last)) = (limits.time, &mut self.last) else { return wanted };
-        let predicted = last.choice.and_then(|choice| choice.time());
+        let predicted = last.choice.time();
         let late = predicted.is_some_and(|time| time > most.as_secs_f64() * 1e9);
         // They are in the order of what they promise.
         if late && limits.accuracy as u8 > wanted as u8 {
@@ -314,26 +272,14 @@ impl Decider {
     /// When to end, complete or not.
     pub(crate) fn deadline(&self) -> Option<Instant> {
         let limits = self.planner.limits();
-        limits.time.filter(|_| limits.incomplete).and_then(|time| self.begun?.checked_add(time))
+        limits
+            .time
+            .filter(|_| limits.incomplete)
+            .and_then(|time| self.clock.begun()?.checked_add(time))
     }
 
     fn note(&mut self, choice: Choice, reason: Reason, concession: Option<Concession>) {
-        let (backend, actual) = (backend(choice.way), Duration::ZERO);
         self.untimed = None;
-        let choice = Some(choice);
-        self.last = Some(Last { backend, reason, choice, cost: None, actual, concession });
-    }
-
-    fn elapsed(&self) -> Duration {
-        self.begun.map_or(Duration::ZERO, |begun| begun.elapsed())
-    }
-}
-
-fn backend(way: Way) -> Backend {
-    match way {
-        Way::Alone => Backend::Sequential,
-        Way::Threads(workers) => Backend::Threads { workers },
-        Way::Gpu => Backend::Gpu,
-        Way::Both(workers, share) => Backend::Hybrid { workers, share: share as f32 },
+        self.last = Some(Last { concession, ..Last::new(choice, reason) });
     }
 }

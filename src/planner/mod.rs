@@ -32,9 +32,11 @@
 //! # Ok::<(), pfront::Error>(())
 //! ```
 
+mod clock;
 mod decider;
 mod forecast;
 mod history;
+mod last;
 mod limits;
 mod machine;
 mod measure;

@@ -8,6 +8,7 @@
 //! have taken who knew the future; and it is what keeps plans from swinging to and fro.
 
 mod known;
+mod learn;
 mod predict;
 mod way;
 
@@ -16,8 +17,7 @@ pub(crate) use way::{Begin, Choice, Frame, Known, Look, Offer, Way};
 use super::Machine;
 use super::forecast::Forecast;
 use known::{HOPELESS, OfWay, Ratio, SHORT};
-use predict::predicted;
-use way::{ALONE, BOTH, GPU, THREADS, WAYS};
+use way::{ALONE, BOTH, GPU, WAYS};
 
 /// A question is brief if it would have to cost so many times what is expected before others could help.
 const BRIEF: f64 = 2.0;
@@ -38,8 +38,6 @@ const PACE: f64 = 10.0;
 const LARGE: f64 = 1000.0;
 /// A question that is asked alone may cost so many times what is expected before it is looked at.
 const SURELY: f64 = 2.0;
-/// Box tests for each leaf pair that a GPU counts, before that is known.
-const PER_LEAF_PAIR: f64 = 60.0;
 /// At least so many frames will follow.
 const FRAMES: f64 = 1.0;
 /// So many of a mesh whose vertices are moved.
@@ -55,11 +53,6 @@ const CHANGING: f64 = 0.15;
 /// How many frames elsewhere it takes to forget most of what a way took too long, at first. Each time it proves
 /// to be a mistake to have forgotten, twice as many.
 const FORGET: f64 = 100.0;
-
-/// To call in others after a look takes so much of the time that the first of them takes to get to work.
-const LATE: f64 = 0.4;
-/// Weight of a frame in what it would save to do without a look.
-const AMONG_JUMPS: f64 = 0.1;
 
 /// Frames that take less than so many nanoseconds tell nothing of a way.
 const TELLING: f64 = 3000.0;
@@ -126,15 +119,6 @@ impl History {
         self.forecast.cost(None).is_some_and(|cost| cost > LARGE)
     }
 
-    /// Takes note of the cost of a frame that was asked so.
-    pub(crate) fn learn_cost(&mut self, machine: &Machine, cost: f64) {
-        self.forecast.learn(cost, None);
-        if self.forecast.is_jumpy() {
-            self.learn_at_once(machine, cost);
-        }
-        self.frames = self.frames.saturating_add(1);
-    }
-
     /// Decides.
     pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer) -> Choice {
         let expected = self.forecast.cost(offer.size).or(offer.guess);
@@ -186,80 +170,6 @@ impl History {
             return Choice { times, ..alone };
         }
         Choice { way: ways[best], alone_until: None, times, ..alone }
-    }
-
-    /// Takes note of what a frame took, of its cost in box tests if that was counted, else of the leaf pairs
-    /// that a GPU found.
-    pub(crate) fn learn(&mut self, machine: &Machine, way: Way, frame: &Frame) {
-        let forecast = &mut self.forecast;
-        let cost = match (frame.cost, frame.leaf_pairs, self.per_leaf_pair) {
-            (Some(cost), ..) => Some(cost),
-            (None, Some(pairs), Some(each)) => Some(each * f64::from(pairs)),
-            (None, Some(pairs), None) => match forecast.cost(frame.size).filter(|_| pairs > 0) {
-                Some(cost) => {
-                    self.per_leaf_pair = Some(cost / f64::from(pairs));
-                    Some(cost)
-                }
-                None => Some(PER_LEAF_PAIR * f64::from(pairs)),
-            },
-            (None, None, _) => None,
-        };
-        self.frames = self.frames.saturating_add(1);
-        let before = forecast.cost(frame.size);
-        if let Some(cost) = cost {
-            forecast.learn(cost, frame.size);
-            if let Some(look) = frame.look {
-                forecast.learn_rest(look, cost);
-            }
-        }
-        let family = way.family();
-        if self.current != Some(family) {
-            if let Some(left) = self.current.filter(|_| self.stay < SHORT) {
-                self.ways[left].forget *= 2.0;
-            }
-            (self.current, self.stay) = (Some(family), 0);
-            self.ways.iter_mut().for_each(|known| known.saved = 0.0);
-        }
-        self.stay = self.stay.saturating_add(1);
-        for (other, known) in self.ways.iter_mut().enumerate().filter(|&(way, _)| way != family) {
-            known.ratio.forget(known.forget);
-            if other == THREADS {
-                self.workers.iter_mut().for_each(|own| own.forget(known.forget));
-            }
-        }
-        let Some(cost) = cost.or(before) else { return };
-        self.learn_at_once(machine, cost);
-        let upkeep = if way == Way::Gpu { frame.gpu_upkeep } else { 0.0 };
-        let predicted = predicted(machine, way, cost) + upkeep;
-        if predicted < TELLING {
-            return;
-        }
-        let sample = (frame.nanoseconds - frame.beside) / predicted;
-        let known = &mut self.ways[family];
-        if let Way::Threads(workers) = way {
-            let own = &mut self.workers[slot(workers)];
-            if own.frames == 0 {
-                *own = known.ratio;
-            }
-            own.learn(sample);
-            self.last_workers = workers;
-        }
-        match (way, known.ratio.frames) {
-            // Which needs no waking.
-            (Way::Alone, 0) => known.ratio = Ratio { value: sample.clamp(0.1, 30.0), frames: 1 },
-            _ => known.ratio.learn(sample),
-        }
-    }
-
-    /// Had others been called in at once: what would that have saved?
-    fn learn_at_once(&mut self, machine: &Machine, cost: f64) {
-        if machine.threads <= 1 {
-            return;
-        }
-        let threaded = Machine::worker_counts(machine.threads).map(|p| machine.threaded(cost, p));
-        let threads = self.ratio(THREADS, ALONE) * threaded.fold(f64::INFINITY, f64::min);
-        let after_a_look = self.alone(machine, cost).min(threads + LATE * machine.fork);
-        self.at_once += AMONG_JUMPS * (after_a_look - threads - self.at_once);
     }
 
     /// The current way, or `best` if that has earned it.

@@ -1,5 +1,6 @@
 //! The rules against machines that are not what they were measured to be.
 
+use super::predict::predicted;
 use super::*;
 use crate::planner::Machine;
 use crate::planner::machine::Device;
