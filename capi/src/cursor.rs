@@ -87,8 +87,8 @@ pub(crate) fn on_walk<'c>(
     query: *const pfront_query_t,
     cursor: *mut pfront_cursor_t,
 ) -> Result<(pfront_query_t, Asked<'c>, &'c mut pfront_cursor_t), Fault> {
-    let query = call.get(c"query", query)?;
     let cursor = call.one(c"cursor", cursor)?;
+    let query = call.get(c"query", query)?;
     Ok((query, query.asked(call)?, cursor))
 }
 
