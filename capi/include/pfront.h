@@ -13,8 +13,8 @@
 // Functions that can fail return PFRONT_OK or an error code, and tell more through `error` unless it is null. A null
 // pointer, one that is not aligned, arrays that overlap, one that is too small, a structure that was not made, a number
 // out of range: each has its code. The contract is what no function can find out: that a pointer which is neither null
-// nor misaligned leads to as many elements as is said, or to one structure, and that during a call no other thread
-// writes what the call uses, nor reads what it writes.
+// nor misaligned leads to as many elements as is said, or to one structure, that `error` overlaps nothing else, and that
+// during a call no other thread writes what the call uses, nor reads what it writes.
 //
 // Whatever a function takes by a pointer to const, any number of threads may use at once; but the arrays that a
 // pfront_bvh_memory_t names are for one call at a time.
@@ -50,13 +50,13 @@ enum pfront_status_t
   PFRONT_MISALIGNED = 2,
   // `what` has more elements, `given`, than memory can hold.
   PFRONT_TOO_LONG = 3,
-  // `what`, which is to be written or read, overlaps another array that is to be written.
+  // `what` overlaps something else that is to be written.
   PFRONT_OVERLAP = 4,
   // `what` holds `given` elements, or bytes where it is scratch; `needed` are needed.
   PFRONT_TOO_SMALL = 5,
   // `what` was not filled in by the function that makes it.
   PFRONT_NOT_MADE = 6,
-  // `what` is `given`, at `index` if it is an array, and must be below `needed`.
+  // `what` is `given`, at `index` if it is an array, and must be below `needed`; or it is 1, which is no node.
   PFRONT_OUT_OF_RANGE = 7,
   // Vertex `index` has a coordinate that is infinite or no number.
   PFRONT_NOT_FINITE = 8,
@@ -239,7 +239,7 @@ typedef struct pfront_bvh_t {
   uint32_t seal;
   // The mesh.
   struct pfront_mesh_t mesh;
-  // The nodes. Read-only if they are in a blob.
+  // The nodes: first the root, then an unused one. Read-only if they are in a blob.
   struct pfront_node_t *nodes;
   // How many nodes are in use: more than that can be given back.
   size_t node_count;

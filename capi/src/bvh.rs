@@ -54,7 +54,7 @@ pub struct pfront_bvh_t {
     pub seal: u32,
     /// The mesh.
     pub mesh: pfront_mesh_t,
-    /// The nodes. Read-only if they are in a blob.
+    /// The nodes: first the root, then an unused one. Read-only if they are in a blob.
     pub nodes: *mut pfront_node_t,
     /// How many nodes are in use: more than that can be given back.
     pub node_count: usize,

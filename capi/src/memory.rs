@@ -52,7 +52,8 @@ pub(crate) struct Caller(());
 impl Caller {
     /// # Safety
     /// Until [`Caller::call`] returns, each pointer that [`Call`] is given is null, or points to as many elements as
-    /// [`Call`] is told, which nobody else writes meanwhile nor reads if [`Call`] may write them.
+    /// [`Call`] is told, which nobody else writes meanwhile nor reads if [`Call`] may write them, and which are
+    /// initialised if it reads them.
     pub(crate) unsafe fn trusted() -> Self {
         Self(())
     }

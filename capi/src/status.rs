@@ -18,13 +18,13 @@ pub enum pfront_status_t {
     PFRONT_MISALIGNED = 2,
     /// `what` has more elements, `given`, than memory can hold.
     PFRONT_TOO_LONG = 3,
-    /// `what`, which is to be written or read, overlaps another array that is to be written.
+    /// `what` overlaps something else that is to be written.
     PFRONT_OVERLAP = 4,
     /// `what` holds `given` elements, or bytes where it is scratch; `needed` are needed.
     PFRONT_TOO_SMALL = 5,
     /// `what` was not filled in by the function that makes it.
     PFRONT_NOT_MADE = 6,
-    /// `what` is `given`, at `index` if it is an array, and must be below `needed`.
+    /// `what` is `given`, at `index` if it is an array, and must be below `needed`; or it is 1, which is no node.
     PFRONT_OUT_OF_RANGE = 7,
     /// Vertex `index` has a coordinate that is infinite or no number.
     PFRONT_NOT_FINITE = 8,
@@ -98,7 +98,7 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"a pointer is null",
         c"a pointer is not aligned",
         c"an array is longer than memory can be",
-        c"an array overlaps another one that is written",
+        c"an array or a structure overlaps another one that is written",
         c"a buffer is too small",
         c"a structure was not filled in by the function that makes it",
         c"an option, a count or an index is out of range",

@@ -82,6 +82,22 @@ static void round_trip(void)
     OK(pfront_bvh_refit(&borrowed, points, VERTICES, NULL, &error));
 }
 
+static void empty(void)
+{
+    const pfront_bvh_memory_t memory = {NULL, 0, NULL, 0, scratch, sizeof scratch};
+    pfront_mesh_t none;
+    pfront_bvh_t built, borrowed;
+    pfront_query_t query;
+    uint64_t count;
+    OK(pfront_mesh_check(NULL, 0, NULL, 0, &none, &error));
+    OK(pfront_bvh_build_sah(&none, 0, &memory, &built, &error));
+    OK(pfront_blob_write(&built, bad, 64, &error));
+    OK(pfront_bvh_from_blob(bad, 64, scratch, 7, &borrowed, &error));
+    OK(pfront_query_self(&borrowed, NULL, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_count(&query, &count, &error));
+    THAT(borrowed.node_count == 0 && count == 0);
+}
+
 static void mistakes(void)
 {
     pfront_bvh_t none;
@@ -127,6 +143,7 @@ int main(void)
 {
     make();
     round_trip();
+    empty();
     mistakes();
     return verdict();
 }

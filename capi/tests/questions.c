@@ -42,7 +42,7 @@ static void walks(void)
     uint32_t own[TRIANGLES], found;
     size_t count;
     const pfront_bvh_memory_t memory = {few, 2 * TRIANGLES, own, TRIANGLES, scratch, sizeof scratch};
-    const pfront_node_pair_t none = {99, 0};
+    const pfront_node_pair_t none = {99, 0}, unused = {0, 1};
     memset(&cursor, 0, sizeof cursor);
     OK(pfront_mesh_check(points, 4, corners, 4, &half, &error));
     OK(pfront_bvh_build_morton(&half, 1, &memory, &small, &error));
@@ -61,6 +61,9 @@ static void walks(void)
            pfront_query_page(&query, &cursor, (pfront_pair_t *)(void *)nodes, 4, &count, &error));
     EXPECT(PFRONT_OUT_OF_RANGE, "node.a", pfront_cursor_at(&query, none, &cursor, &error));
     THAT(error.given == 99 && error.needed == query.a.node_count);
+    EXPECT(PFRONT_OUT_OF_RANGE, "node.b", pfront_cursor_at(&query, unused, &cursor, &error));
+    THAT(error.given == 1);
+    OK(pfront_cursor_start(&query, &cursor, &error));
     OK(pfront_query_step(&query, &cursor, 0, page, 4, &count, &error));
     THAT(count == 0 && !cursor.done && cursor.triangle_tests == 0);
     EXPECT(PFRONT_OUT_OF_RANGE, "pairs.b", pfront_query_contacts(&query, &pair, 1, &contact, &error));
