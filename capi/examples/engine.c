@@ -47,6 +47,29 @@ static uint32_t segments(const pfront_query_t *query, const list_t *list)
     return hash;
 }
 
+// Bakes a model into bytes, as a tool does before a game is shipped.
+static void *baked(const pfront_bvh_t *bvh, size_t *bytes)
+{
+    pfront_error_t error;
+    check(pfront_blob_size(bvh, bytes, &error), &error);
+    void *blob = memory(*bytes);
+    check(pfront_blob_write(bvh, blob, *bytes, &error), &error);
+    return blob;
+}
+
+// Borrows a model from bytes, as the game does: nothing is built or copied.
+static pfront_bvh_t borrowed(const void *blob, size_t blob_bytes)
+{
+    pfront_bvh_t bvh;
+    pfront_error_t error;
+    size_t bytes;
+    check(pfront_blob_scratch_bytes(blob, blob_bytes, &bytes, &error), &error);
+    void *scratch = memory(bytes);
+    check(pfront_bvh_from_blob(blob, blob_bytes, scratch, bytes, &bvh, &error), &error);
+    free(scratch);
+    return bvh;
+}
+
 static void same(uint32_t one, uint32_t other, const char *how)
 {
     if (one != other) {
@@ -62,6 +85,9 @@ int main(void)
     ring(&b, 0.3f);
     ring(&cloth, 0.3f); // as it was modelled: in another shape altogether
     model_t model_a = new_model(&a), model_b = new_model(&b), sheet = new_model(&cloth);
+    size_t baked_bytes;
+    void *blob = baked(&model_b.bvh, &baked_bytes);
+    pfront_bvh_t from_blob = borrowed(blob, baked_bytes);
 
     pfront_error_t error;
     pfront_fan_t *fans = memory(cloth.vertices * sizeof(pfront_fan_t));
@@ -91,6 +117,10 @@ int main(void)
         uint32_t where = segments(&query, &list);
         in_steps(&query, &list);
         same(hash, fingerprint(&list), "steps");
+        check(pfront_query_pair(&model_a.bvh, &from_blob, &a_from_b, PFRONT_EXACT, &query, &error),
+              &error);
+        in_pages(&query, &list);
+        same(hash, fingerprint(&list), "a blob");
 
         // The same dealt out to workers.
         pfront_load_t loads[WORKERS];
@@ -125,6 +155,7 @@ int main(void)
             pfront_version(), coherent, rebuilt);
 
     free(list.pairs);
+    free(blob);
     free(nodes);
     free(past);
     free(fans);

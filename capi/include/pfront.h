@@ -13,10 +13,11 @@
 // Functions that can fail return PFRONT_OK or an error code, and tell more through `error` unless it is null. A null
 // pointer, one that is not aligned, arrays that overlap, one that is too small, a structure that was not made, a number
 // out of range: each has its code. The contract is what no function can find out: that a pointer which is neither null
-// nor misaligned leads to as many elements as is said, or to one structure, and that during a call no other thread
-// writes what the call uses, nor reads what it writes.
+// nor misaligned leads to as many elements as is said, or to one structure, that `error` overlaps nothing else, and that
+// during a call no other thread writes what the call uses, nor reads what it writes.
 //
-// Whatever a function takes by a pointer to const, any number of threads may use at once.
+// Whatever a function takes by a pointer to const, any number of threads may use at once; but the arrays that a
+// pfront_bvh_memory_t names are for one call at a time.
 
 #ifndef PFRONT_H
 #define PFRONT_H
@@ -34,7 +35,8 @@
 // What a triangle test costs, in box tests, as measured on x86-64.
 #define PFRONT_TRIANGLE_COST 6.5
 
-// What became of a call. All but PFRONT_OK are errors: then nothing was done, unless the function says otherwise.
+// What became of a call. All but PFRONT_OK are errors: then no structure was made or changed, and what arrays hold that
+// were to be written is anyone's guess.
 enum pfront_status_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -48,13 +50,13 @@ enum pfront_status_t
   PFRONT_MISALIGNED = 2,
   // `what` has more elements, `given`, than memory can hold.
   PFRONT_TOO_LONG = 3,
-  // `what`, which is to be written or read, overlaps another array that is to be written.
+  // `what` overlaps something else that is to be written.
   PFRONT_OVERLAP = 4,
   // `what` holds `given` elements, or bytes where it is scratch; `needed` are needed.
   PFRONT_TOO_SMALL = 5,
   // `what` was not filled in by the function that makes it.
   PFRONT_NOT_MADE = 6,
-  // `what` is `given`, at `index` if it is an array, and must be below `needed`.
+  // `what` is `given`, at `index` if it is an array, and must be below `needed`; or it is 1, which is no node.
   PFRONT_OUT_OF_RANGE = 7,
   // Vertex `index` has a coordinate that is infinite or no number.
   PFRONT_NOT_FINITE = 8,
@@ -80,6 +82,26 @@ enum pfront_status_t
   PFRONT_FOREIGN_CURSOR = 17,
   // The arrays of a BVH were damaged since it was built, or there is a fault in pfront. Standard error says more.
   PFRONT_DAMAGED = 18,
+  // The BVH borrows a blob, which stays as it is: a copy of its nodes and its order can be adopted and refitted.
+  PFRONT_READ_ONLY = 19,
+  // The bytes do not begin as a blob does.
+  PFRONT_BLOB_MAGIC = 20,
+  // Version `given` has written the blob; only `needed` is known.
+  PFRONT_BLOB_VERSION = 21,
+  // The section `what` of the blob is laid out in the way `given`, which is not known.
+  PFRONT_BLOB_KIND = 22,
+  // The blob has `needed` bytes; there are `given`.
+  PFRONT_BLOB_LENGTH = 23,
+  // So many nodes, vertices and triangles as the blob has take `needed` bytes and not the `given` that it has.
+  PFRONT_BLOB_COUNTS = 24,
+  // Byte `index` of the blob must be 0.
+  PFRONT_BLOB_NOT_ZERO = 25,
+  // The checksum of the blob is `given` and must be `needed`: some byte has changed.
+  PFRONT_BLOB_CHECKSUM = 26,
+  // `given` elements of `what` are more than a blob can have, `needed`.
+  PFRONT_BLOB_TOO_MANY = 27,
+  // Blobs are little-endian, and this machine is not: it can write them, but not borrow.
+  PFRONT_BIG_ENDIAN = 28,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -195,7 +217,7 @@ typedef struct pfront_node_t {
   uint32_t count;
 } pfront_node_t;
 
-// Memory for a build. It need not be initialised.
+// Memory for one build at a time, which need not be initialised; or what is to be adopted.
 typedef struct pfront_bvh_memory_t {
   // Becomes part of the BVH.
   struct pfront_node_t *nodes;
@@ -217,7 +239,7 @@ typedef struct pfront_bvh_t {
   uint32_t seal;
   // The mesh.
   struct pfront_mesh_t mesh;
-  // The nodes.
+  // The nodes: first the root, then an unused one. Read-only if they are in a blob.
   struct pfront_node_t *nodes;
   // How many nodes are in use: more than that can be given back.
   size_t node_count;
@@ -404,8 +426,8 @@ size_t pfront_morton_scratch_bytes(size_t triangle_count);
 // How much scratch `pfront_bvh_build_sah` needs for so many triangles; SIZE_MAX if that cannot be.
 size_t pfront_sah_scratch_bytes(size_t triangle_count);
 
-// How much scratch `pfront_bvh_adopt` needs for so many triangles to take one pass over the order; SIZE_MAX if that
-// cannot be.
+// How much scratch `pfront_bvh_adopt` and `pfront_bvh_from_blob` need for so many triangles to take one pass over the
+// order, and 7 bytes at least; SIZE_MAX if that cannot be.
 size_t pfront_adopt_scratch_bytes(size_t triangle_count);
 
 // Builds a BVH along a Morton curve, in O(n) and several times faster than `pfront_bvh_build_sah`, for those who
@@ -440,7 +462,7 @@ pfront_status_t pfront_bvh_adopt(const struct pfront_mesh_t *mesh,
 //
 // `positions` take the place of those of the mesh; they may be the same array, changed in place. If one is not finite
 // the boxes stay as they were: then give other positions before the next query. `quality`, which may be null, is told
-// how good the tree still is, see PFRONT_REBUILD_RATIO.
+// how good the tree still is, see PFRONT_REBUILD_RATIO. One that borrows a blob is refused.
 pfront_status_t pfront_bvh_refit(struct pfront_bvh_t *bvh,
                                  const float *positions,
                                  size_t vertex_count,
@@ -459,6 +481,39 @@ pfront_status_t pfront_bvh_bounds(const struct pfront_bvh_t *bvh,
                                   const struct pfront_pose_t *world_from_bvh,
                                   struct pfront_aabb_t *bounds,
                                   struct pfront_error_t *error);
+
+// How many bytes `pfront_blob_write` writes of a BVH, its mesh included; or how many the blob of a borrowed one has.
+pfront_status_t pfront_blob_size(const struct pfront_bvh_t *bvh,
+                                 size_t *blob_bytes,
+                                 struct pfront_error_t *error);
+
+// Writes a BVH and its mesh as a blob: bytes that are the same on every machine, with a checksum, for a file or for
+// flash. `blob` may lie anywhere, and is written as far as `pfront_blob_size` tells. In O(bytes).
+pfront_status_t pfront_blob_write(const struct pfront_bvh_t *bvh,
+                                  void *blob,
+                                  size_t blob_bytes,
+                                  struct pfront_error_t *error);
+
+// How much scratch `pfront_bvh_from_blob` needs for a blob to take one pass over its order: by its header, which is all
+// that is checked. In O(1).
+pfront_status_t pfront_blob_scratch_bytes(const void *blob,
+                                          size_t blob_bytes,
+                                          size_t *scratch_bytes,
+                                          struct pfront_error_t *error);
+
+// Makes a BVH of the blob that `blob_bytes` bytes begin with, where it lies, after checking all that a query relies on:
+// the checksum, and since that is no signature, every coordinate, index, box and child. What lies behind it is left
+// alone.
+//
+// `blob` must be at a multiple of 4 bytes, and had better be at one of 64; it is only read, now and by queries, and may
+// lie in read-only memory. `pfront_bvh_refit` refuses such a BVH. `scratch` is as for `pfront_bvh_adopt`, of
+// `pfront_blob_scratch_bytes` or down to 7 bytes, and free again afterwards. In O(bytes).
+pfront_status_t pfront_bvh_from_blob(const void *blob,
+                                     size_t blob_bytes,
+                                     void *scratch,
+                                     size_t scratch_bytes,
+                                     struct pfront_bvh_t *bvh,
+                                     struct pfront_error_t *error);
 
 // How much scratch `pfront_fans_link` needs; SIZE_MAX if that cannot be.
 size_t pfront_fans_scratch_bytes(size_t vertex_count, size_t triangle_count);
@@ -600,6 +655,14 @@ pfront_status_t pfront_front_renumber(struct pfront_front_t *front,
 
 // Leaves everything where it is, to the bit: pfront_pose_t pose = PFRONT_POSE_IDENTITY;
 #define PFRONT_POSE_IDENTITY {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}
+
+// How much memory is enough for n triangles, v vertices and m nodes as constants, for static arrays: what the functions
+// of the same names return, but for numbers that no mesh can have.
+#define PFRONT_NODE_BOUND(n) (2 * (size_t)(n))
+#define PFRONT_MORTON_SCRATCH_BYTES(n) (16 * (size_t)(n) + 7)
+#define PFRONT_SAH_SCRATCH_BYTES(n) (32 * (size_t)(n) + 31)
+#define PFRONT_ADOPT_SCRATCH_BYTES(n) (4 * ((size_t)(n) > 32 ? ((size_t)(n) + 31) / 32 : 1) + 3)
+#define PFRONT_FANS_SCRATCH_BYTES(v, n) (4 * (size_t)(v) + 12 * (size_t)(n) + 7)
 
 // A compiler that lays out structures in another way than the library expects refuses these.
 typedef char pfront_node_t_has_32_bytes[sizeof(pfront_node_t) == 32 ? 1 : -1];

@@ -21,7 +21,7 @@ use pfront_core::bvh::{check_scratch_bound, node_bound};
 use pfront_core::mesh::MAX_TRIANGLES;
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
-/// Memory for a build. It need not be initialised.
+/// Memory for one build at a time, which need not be initialised; or what is to be adopted.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct pfront_bvh_memory_t {
@@ -40,7 +40,7 @@ pub struct pfront_bvh_memory_t {
 }
 
 /// Bytes for `count` elements at any address, if there can be so many.
-pub(crate) const fn bytes<T>(count: usize) -> usize {
+const fn bytes<T>(count: usize) -> usize {
     let Some(bytes) = count.checked_mul(size_of::<T>()) else { return usize::MAX };
     let Some(bytes) = bytes.checked_add(align_of::<T>() - 1) else { return usize::MAX };
     bytes
@@ -71,11 +71,11 @@ pub extern "C" fn pfront_sah_scratch_bytes(triangle_count: usize) -> usize {
     bounded(triangle_count, |count| bytes::<SahItem>(sah_scratch_bound(count)))
 }
 
-/// How much scratch `pfront_bvh_adopt` needs for so many triangles to take one pass over the order; SIZE_MAX if that
-/// cannot be.
+/// How much scratch `pfront_bvh_adopt` and `pfront_bvh_from_blob` need for so many triangles to take one pass over the
+/// order, and 7 bytes at least; SIZE_MAX if that cannot be.
 #[unsafe(no_mangle)]
 pub extern "C" fn pfront_adopt_scratch_bytes(triangle_count: usize) -> usize {
-    bounded(triangle_count, |count| bytes::<u32>(check_scratch_bound(count)))
+    bounded(triangle_count, |count| bytes::<u32>(check_scratch_bound(count).max(1)))
 }
 
 /// What is to be built.

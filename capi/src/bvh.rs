@@ -9,7 +9,7 @@
     reason = "the header has the contract, once for all functions"
 )]
 
-use crate::build::{bytes, pfront_bvh_memory_t};
+use crate::build::pfront_bvh_memory_t;
 use crate::memory::{Call, Caller};
 use crate::mesh::{pfront_aabb_t, pfront_mesh_t, pfront_pose_t};
 use crate::status::pfront_status_t::{self, *};
@@ -54,7 +54,7 @@ pub struct pfront_bvh_t {
     pub seal: u32,
     /// The mesh.
     pub mesh: pfront_mesh_t,
-    /// The nodes.
+    /// The nodes: first the root, then an unused one. Read-only if they are in a blob.
     pub nodes: *mut pfront_node_t,
     /// How many nodes are in use: more than that can be given back.
     pub node_count: usize,
@@ -63,6 +63,8 @@ pub struct pfront_bvh_t {
 }
 
 const SEAL: u32 = u32::from_be_bytes(*b"bvh ");
+/// That of a BVH that is not to be written.
+const BORROWED: u32 = u32::from_be_bytes(*b"blob");
 
 impl pfront_bvh_t {
     /// Of arrays that are good.
@@ -75,10 +77,21 @@ impl pfront_bvh_t {
         Self { seal: SEAL, mesh, nodes, node_count, order }
     }
 
+    /// Of arrays in a blob.
+    pub(crate) fn borrowed(
+        mesh: pfront_mesh_t,
+        nodes: *const pfront_node_t,
+        node_count: usize,
+        order: *const u32,
+    ) -> Self {
+        Self { seal: BORROWED, ..Self::made(mesh, nodes.cast_mut(), node_count, order) }
+    }
+
     /// Checks the seal.
     pub(crate) fn sealed(&self, what: &'static CStr) -> Result<&Self, Fault> {
         self.mesh.sealed(what)?;
-        if self.seal == SEAL { Ok(self) } else { Err(Fault::of(PFRONT_NOT_MADE, what)) }
+        let made = matches!(self.seal, SEAL | BORROWED);
+        if made { Ok(self) } else { Err(Fault::of(PFRONT_NOT_MADE, what)) }
     }
 
     /// The BVH, which was good when it was made.
@@ -104,10 +117,7 @@ pub unsafe extern "C" fn pfront_bvh_adopt(
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, mesh) = (call.out(c"bvh", bvh)?, call.get(c"mesh", mesh)?);
         let memory = call.get(c"memory", memory)?;
-        let least = bytes::<u32>(usize::from(memory.order_capacity > 0));
-        Fault::room(c"scratch", memory.scratch_bytes, least)?;
-        let scratch = call.write(c"scratch", memory.scratch.cast::<u8>(), memory.scratch_bytes)?;
-        let (_, scratch, _) = bytemuck::pod_align_to_mut::<u8, u32>(scratch);
+        let scratch = call.marks(memory.scratch, memory.scratch_bytes)?;
         let node_count = memory.node_capacity;
         let nodes = call.read(c"nodes", memory.nodes.cast_const().cast::<Node>(), node_count)?;
         let order = call.read(c"order", memory.order.cast_const(), memory.order_capacity)?;
@@ -123,7 +133,7 @@ pub unsafe extern "C" fn pfront_bvh_adopt(
 ///
 /// `positions` take the place of those of the mesh; they may be the same array, changed in place. If one is not finite
 /// the boxes stay as they were: then give other positions before the next query. `quality`, which may be null, is told
-/// how good the tree still is, see PFRONT_REBUILD_RATIO.
+/// how good the tree still is, see PFRONT_REBUILD_RATIO. One that borrows a blob is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_bvh_refit(
     bvh: *mut pfront_bvh_t,
@@ -136,6 +146,9 @@ pub unsafe extern "C" fn pfront_bvh_refit(
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, mut own) = (call.out(c"bvh", bvh)?, call.get(c"bvh", bvh)?);
         let count = own.sealed(c"bvh")?.mesh.vertex_count;
+        if own.seal == BORROWED {
+            return Err(Fault::of(PFRONT_READ_ONLY, c"bvh"));
+        }
         if vertex_count != count {
             let fault = Fault::of(PFRONT_VERTEX_COUNT, c"positions");
             return Err(fault.numbers(count, vertex_count));

@@ -47,6 +47,9 @@ pub struct pfront_cursor_t {
     pub state: [MaybeUninit<u64>; PFRONT_CURSOR_WORDS],
 }
 
+/// The slot of no node.
+const UNUSED: u32 = 1;
+
 const SEAL: u32 = u32::from_be_bytes(*b"walk");
 
 impl pfront_cursor_t {
@@ -87,8 +90,8 @@ pub(crate) fn on_walk<'c>(
     query: *const pfront_query_t,
     cursor: *mut pfront_cursor_t,
 ) -> Result<(pfront_query_t, Asked<'c>, &'c mut pfront_cursor_t), Fault> {
-    let query = call.get(c"query", query)?;
     let cursor = call.one(c"cursor", cursor)?;
+    let query = call.get(c"query", query)?;
     Ok((query, query.asked(call)?, cursor))
 }
 
@@ -119,8 +122,11 @@ pub unsafe extern "C" fn pfront_cursor_at(
     unsafe { Caller::trusted() }.call(error, |call| {
         let (query, _, cursor) = on_walk(call, query, cursor)?;
         let pfront_node_pair_t { a, b } = node;
-        Fault::below(c"node.a", a as usize, query.a.node_count)?;
-        Fault::below(c"node.b", b as usize, query.b.node_count)?;
+        for (what, index, bvh) in [(c"node.a", a, &query.a), (c"node.b", b, &query.b)] {
+            // The unused slot looks like a parent of the root, so that pairs would come more than once.
+            let limit = if index == UNUSED { 1 } else { bvh.node_count };
+            Fault::below(what, index as usize, limit)?;
+        }
         cursor.begin(&query, Cursor::at(NodePair { a, b }));
         Ok(())
     })

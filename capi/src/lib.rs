@@ -9,6 +9,7 @@
 #![expect(non_camel_case_types, reason = "the names of types are those of C")]
 
 mod alone;
+mod blob;
 mod build;
 mod bvh;
 mod cursor;
@@ -22,6 +23,7 @@ mod status;
 mod tests;
 mod verbs;
 
+pub use blob::*;
 pub use build::*;
 pub use bvh::*;
 pub use cursor::*;

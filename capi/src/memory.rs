@@ -3,12 +3,15 @@
 //! What can be checked about a pointer is: that it is not null, that it is aligned, that no array goes around the end
 //! of the address space, and that what is written overlaps nothing else that the call uses. What cannot be checked, that
 //! memory is there, as much as is said, and is no other thread's to write, is the caller's part of the contract.
+//!
+//! What is to be written need not be initialised in C, and is lent all the same: nobody in `pfront_core` reads of a
+//! buffer what it has not written, which miri and valgrind check.
 
 #![expect(unsafe_code, reason = "C knows only pointers, and somebody has to follow them")]
 
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
-use core::ffi::CStr;
+use core::ffi::{CStr, c_void};
 use core::marker::PhantomData;
 use core::ops::Range;
 use core::slice;
@@ -49,7 +52,8 @@ pub(crate) struct Caller(());
 impl Caller {
     /// # Safety
     /// Until [`Caller::call`] returns, each pointer that [`Call`] is given is null, or points to as many elements as
-    /// [`Call`] is told, which nobody else writes meanwhile nor reads if [`Call`] may write them.
+    /// [`Call`] is told, which nobody else writes meanwhile nor reads if [`Call`] may write them, and which are
+    /// initialised if it reads them.
     pub(crate) unsafe fn trusted() -> Self {
         Self(())
     }
@@ -63,7 +67,7 @@ impl Caller {
         if !error.is_aligned() {
             return PFRONT_MISALIGNED;
         }
-        let mut call = Call { written: [const { 0..0 }; 6], count: 0, lifetime: PhantomData };
+        let mut call = Call { claims: [Claim::NONE; 6], count: 0, lifetime: PhantomData };
         let fault = match guarded(|| body(&mut call)) {
             Ok(()) => Fault::new(PFRONT_OK),
             Err(fault) => fault,
@@ -89,12 +93,24 @@ fn guarded(body: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
     body()
 }
 
+/// Addresses that a call writes.
+#[derive(Clone, Copy)]
+struct Claim {
+    start: usize,
+    end: usize,
+    /// Whether they are lent during the call, or written when it ends.
+    lent: bool,
+}
+
+impl Claim {
+    const NONE: Self = Self { start: 0, end: 0, lent: false };
+}
+
 /// The memory that one call uses. What it lends lives as long as the call, `'c`.
 ///
 /// What is to be written is asked for first, so that it is enough to remember that.
 pub(crate) struct Call<'c> {
-    /// The addresses of what is lent to be written.
-    written: [Range<usize>; 6],
+    claims: [Claim; 6],
     count: usize,
     lifetime: PhantomData<&'c mut ()>,
 }
@@ -107,12 +123,13 @@ impl<'c> Call<'c> {
         first: *const T,
         len: usize,
     ) -> Result<&'c [T], Fault> {
-        let addresses = self.addresses(what, first, len)?;
+        let addresses = addresses(what, first, len)?;
         if addresses.is_empty() {
             return Ok(&[]);
         }
+        self.apart(what, &addresses, |_| true)?;
         // SAFETY: by the contract so many elements are there and nobody writes them, nor do we, since they overlap
-        // nothing of what is lent to be written; any bytes make a `T`; they are aligned and less than isize::MAX bytes.
+        // nothing of what is to be written; any bytes make a `T`; they are aligned and at most isize::MAX bytes.
         Ok(unsafe { slice::from_raw_parts(first, len) })
     }
 
@@ -123,15 +140,13 @@ impl<'c> Call<'c> {
         first: *mut T,
         len: usize,
     ) -> Result<&'c mut [T], Fault> {
-        let addresses = self.addresses(what, first, len)?;
+        let addresses = addresses(what, first, len)?;
         if addresses.is_empty() {
             return Ok(&mut []);
         }
-        let Some(free) = self.written.get_mut(self.count) else {
-            return Err(Fault::new(PFRONT_DAMAGED));
-        };
-        (*free, self.count) = (addresses, self.count + 1);
-        // SAFETY: as for `read`; besides, whatever else is lent during this call does not overlap it.
+        self.claim(what, addresses, true)?;
+        // SAFETY: as for `read`; besides, whatever else is lent during this call does not overlap it, and nothing that
+        // was not initialised is read.
         Ok(unsafe { slice::from_raw_parts_mut(first, len) })
     }
 
@@ -145,46 +160,81 @@ impl<'c> Call<'c> {
         Ok(one)
     }
 
-    /// A copy of a structure.
+    /// Scratch of any alignment to mark the triangles of an order in: at least a word.
+    pub(crate) fn marks(
+        &mut self,
+        scratch: *mut c_void,
+        bytes: usize,
+    ) -> Result<&'c mut [u32], Fault> {
+        Fault::room(c"scratch", bytes, size_of::<u32>() + align_of::<u32>() - 1)?;
+        let scratch = self.write(c"scratch", scratch.cast::<u8>(), bytes)?;
+        let (_, words, _) = bytemuck::pod_align_to_mut(scratch);
+        Ok(words)
+    }
+
+    /// A copy of a structure, which may lie where a result goes.
     pub(crate) fn get<T: Plain>(&self, what: &'static CStr, at: *const T) -> Result<T, Fault> {
-        self.addresses(what, at, 1)?;
+        self.apart(what, &addresses(what, at, 1)?, |claim| claim.lent)?;
         // SAFETY: by the contract one is there and nobody writes it; any bytes make a `T`; it is aligned.
         Ok(unsafe { at.read() })
     }
 
     /// Where a result goes in the end.
-    pub(crate) fn out<T: Copy>(&self, what: &'static CStr, at: *mut T) -> Result<Out<T>, Fault> {
-        self.addresses(what, at, 1)?;
+    pub(crate) fn out<T: Copy>(
+        &mut self,
+        what: &'static CStr,
+        at: *mut T,
+    ) -> Result<Out<T>, Fault> {
+        self.claim(what, addresses(what, at, 1)?, false)?;
         Ok(Out(at))
     }
 
-    /// The addresses of an array, if they can be some.
-    fn addresses<T>(
+    /// Remembers what is to be written.
+    fn claim(
+        &mut self,
+        what: &'static CStr,
+        addresses: Range<usize>,
+        lent: bool,
+    ) -> Result<(), Fault> {
+        self.apart(what, &addresses, |_| true)?;
+        let free = self.claims.get_mut(self.count).ok_or(Fault::new(PFRONT_DAMAGED))?;
+        (*free, self.count) =
+            (Claim { start: addresses.start, end: addresses.end, lent }, self.count + 1);
+        Ok(())
+    }
+
+    /// `Ok` if addresses overlap none of those claims.
+    fn apart(
         &self,
         what: &'static CStr,
-        first: *const T,
-        len: usize,
-    ) -> Result<Range<usize>, Fault> {
-        let start = first.addr();
-        if len == 0 {
-            return Ok(start..start);
-        }
-        if first.is_null() {
-            return Err(Fault::of(PFRONT_NULL, what));
-        }
-        if !first.is_aligned() {
-            return Err(Fault::of(PFRONT_MISALIGNED, what).numbers(align_of::<T>(), 0));
-        }
-        let bytes = len.checked_mul(size_of::<T>()).filter(|&bytes| bytes <= isize::MAX as usize);
-        let Some(end) = bytes.and_then(|bytes| start.checked_add(bytes)) else {
-            return Err(Fault::of(PFRONT_TOO_LONG, what).numbers(0, len));
-        };
-        let written = self.written.iter().take(self.count);
-        if written.into_iter().any(|other| start < other.end && other.start < end) {
+        addresses: &Range<usize>,
+        which: impl Fn(&Claim) -> bool,
+    ) -> Result<(), Fault> {
+        let overlaps = |claim: &Claim| addresses.start < claim.end && claim.start < addresses.end;
+        if self.claims.iter().any(|claim| which(claim) && overlaps(claim)) {
             return Err(Fault::of(PFRONT_OVERLAP, what));
         }
-        Ok(start..end)
+        Ok(())
     }
+}
+
+/// The addresses of an array, if they can be some.
+fn addresses<T>(what: &'static CStr, first: *const T, len: usize) -> Result<Range<usize>, Fault> {
+    let start = first.addr();
+    if len == 0 {
+        return Ok(start..start);
+    }
+    if first.is_null() {
+        return Err(Fault::of(PFRONT_NULL, what));
+    }
+    if !first.is_aligned() {
+        return Err(Fault::of(PFRONT_MISALIGNED, what).numbers(align_of::<T>(), 0));
+    }
+    let bytes = len.checked_mul(size_of::<T>()).filter(|&bytes| bytes <= isize::MAX as usize);
+    let Some(end) = bytes.and_then(|bytes| start.checked_add(bytes)) else {
+        return Err(Fault::of(PFRONT_TOO_LONG, what).numbers(0, len));
+    };
+    Ok(start..end)
 }
 
 /// Where a result goes.

@@ -34,6 +34,16 @@ pub struct pfront_mesh_t {
 const SEAL: u32 = u32::from_be_bytes(*b"mesh");
 
 impl pfront_mesh_t {
+    /// Of arrays that are good, or about to be checked.
+    pub(crate) fn made(
+        positions: *const f32,
+        vertex_count: usize,
+        triangles: *const u32,
+        triangle_count: usize,
+    ) -> Self {
+        Self { seal: SEAL, positions, vertex_count, triangles, triangle_count }
+    }
+
     /// Checks the seal.
     pub(crate) fn sealed(&self, what: &'static CStr) -> Result<&Self, Fault> {
         if self.seal == SEAL { Ok(self) } else { Err(Fault::of(PFRONT_NOT_MADE, what)) }
@@ -76,8 +86,7 @@ pub unsafe extern "C" fn pfront_mesh_check(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"mesh", mesh)?;
-        let checked =
-            pfront_mesh_t { seal: SEAL, positions, vertex_count, triangles, triangle_count };
+        let checked = pfront_mesh_t::made(positions, vertex_count, triangles, triangle_count);
         Mesh::new(checked.points(call)?, checked.corners(call)?)?;
         out.set(checked);
         Ok(())

@@ -18,6 +18,7 @@ use crate::mesh::pfront_pose_t;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 pub(crate) use asked::Asked;
+use core::ffi::CStr;
 use core::ptr::null;
 use pfront_core::Bvh;
 use pfront_core::fans::Fan;
@@ -119,8 +120,44 @@ impl pfront_query_t {
     }
 }
 
-fn out_of_range(what: &'static core::ffi::CStr, given: u32) -> Fault {
+fn out_of_range(what: &'static CStr, given: u32) -> Fault {
     Fault::of(PFRONT_OUT_OF_RANGE, what).numbers(3, given as usize)
+}
+
+/// A BVH and its pose, as C gives them, and what it calls both.
+struct Side {
+    bvh: *const pfront_bvh_t,
+    pose: *const pfront_pose_t,
+    names: [&'static CStr; 2],
+}
+
+impl Side {
+    /// Copies of both, which go together.
+    fn placed(&self, call: &Call<'_>) -> Result<(pfront_bvh_t, pfront_pose_t), Fault> {
+        let Self { names: [bvh_name, pose_name], .. } = *self;
+        let (bvh, pose) = (call.get(bvh_name, self.bvh)?, call.get(pose_name, self.pose)?);
+        let placed = Placed::new(bvh.view(call, bvh_name)?, &pose.pose());
+        placed.map_err(Fault::pose(pose_name))?;
+        Ok((bvh, pose))
+    }
+
+    /// The query of two of them.
+    fn ask(
+        [a, b]: [Self; 2],
+        accuracy: u32,
+        query: *mut pfront_query_t,
+        call: &mut Call<'_>,
+    ) -> Result<(), Fault> {
+        let out = call.out(c"query", query)?;
+        let ((a, frame_from_a), (b, frame_from_b)) = (a.placed(call)?, b.placed(call)?);
+        let rule = pfront_rule_t::PFRONT_SHARED_INDEX as u32;
+        let fans = null();
+        let query =
+            pfront_query_t { seal: PAIR, accuracy, rule, a, b, frame_from_a, frame_from_b, fans };
+        query.asked(call)?;
+        out.set(query);
+        Ok(())
+    }
 }
 
 /// Asks which triangles of `a` meet which of `b`, posed by `a_from_b`. The frame is that of a, and so are contacts.
@@ -134,9 +171,12 @@ pub unsafe extern "C" fn pfront_query_pair(
     query: *mut pfront_query_t,
     error: *mut pfront_error_t,
 ) -> pfront_status_t {
-    let in_place = &pfront_pose_t::IDENTITY;
-    // SAFETY: the contract of the header, and a pointer to a constant.
-    unsafe { pfront_query_world(a, in_place, b, a_from_b, accuracy, query, error) }
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let a = Side { bvh: a, pose: &pfront_pose_t::IDENTITY, names: [c"a"; 2] };
+        let b = Side { bvh: b, pose: a_from_b, names: [c"b", c"a_from_b"] };
+        Side::ask([a, b], accuracy, query, call)
+    })
 }
 
 /// Asks which triangles of `a` meet which of `b`, both posed into a third frame. The choice of a frame changes how
@@ -153,28 +193,9 @@ pub unsafe extern "C" fn pfront_query_world(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"query", query)?;
-        let (a, b) = (call.get(c"a", a)?, call.get(c"b", b)?);
-        let frame_from_a = call.get(c"frame_from_a", world_from_a)?;
-        let frame_from_b = call.get(c"frame_from_b", world_from_b)?;
-        Placed::new(a.view(call, c"a")?, &frame_from_a.pose())
-            .map_err(Fault::pose(c"frame_from_a"))?;
-        Placed::new(b.view(call, c"b")?, &frame_from_b.pose())
-            .map_err(Fault::pose(c"frame_from_b"))?;
-        let rule = pfront_rule_t::PFRONT_SHARED_INDEX as u32;
-        let query = pfront_query_t {
-            seal: PAIR,
-            accuracy,
-            rule,
-            a,
-            b,
-            frame_from_a,
-            frame_from_b,
-            fans: null(),
-        };
-        query.asked(call)?;
-        out.set(query);
-        Ok(())
+        let a = Side { bvh: a, pose: world_from_a, names: [c"a", c"world_from_a"] };
+        let b = Side { bvh: b, pose: world_from_b, names: [c"b", c"world_from_b"] };
+        Side::ask([a, b], accuracy, query, call)
     })
 }
 

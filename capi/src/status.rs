@@ -1,11 +1,12 @@
 //! Error codes, and what is told besides.
 
-use core::ffi::{CStr, c_char};
-use core::ptr::null;
-use pfront_core::pose::PoseError;
-use pfront_core::{BvhError, CapacityError, MeshError};
+mod fault;
 
-/// What became of a call. All but PFRONT_OK are errors: then nothing was done, unless the function says otherwise.
+use core::ffi::{CStr, c_char};
+pub(crate) use fault::Fault;
+
+/// What became of a call. All but PFRONT_OK are errors: then no structure was made or changed, and what arrays hold that
+/// were to be written is anyone's guess.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum pfront_status_t {
@@ -17,13 +18,13 @@ pub enum pfront_status_t {
     PFRONT_MISALIGNED = 2,
     /// `what` has more elements, `given`, than memory can hold.
     PFRONT_TOO_LONG = 3,
-    /// `what`, which is to be written or read, overlaps another array that is to be written.
+    /// `what` overlaps something else that is to be written.
     PFRONT_OVERLAP = 4,
     /// `what` holds `given` elements, or bytes where it is scratch; `needed` are needed.
     PFRONT_TOO_SMALL = 5,
     /// `what` was not filled in by the function that makes it.
     PFRONT_NOT_MADE = 6,
-    /// `what` is `given`, at `index` if it is an array, and must be below `needed`.
+    /// `what` is `given`, at `index` if it is an array, and must be below `needed`; or it is 1, which is no node.
     PFRONT_OUT_OF_RANGE = 7,
     /// Vertex `index` has a coordinate that is infinite or no number.
     PFRONT_NOT_FINITE = 8,
@@ -49,8 +50,27 @@ pub enum pfront_status_t {
     PFRONT_FOREIGN_CURSOR = 17,
     /// The arrays of a BVH were damaged since it was built, or there is a fault in pfront. Standard error says more.
     PFRONT_DAMAGED = 18,
+    /// The BVH borrows a blob, which stays as it is: a copy of its nodes and its order can be adopted and refitted.
+    PFRONT_READ_ONLY = 19,
+    /// The bytes do not begin as a blob does.
+    PFRONT_BLOB_MAGIC = 20,
+    /// Version `given` has written the blob; only `needed` is known.
+    PFRONT_BLOB_VERSION = 21,
+    /// The section `what` of the blob is laid out in the way `given`, which is not known.
+    PFRONT_BLOB_KIND = 22,
+    /// The blob has `needed` bytes; there are `given`.
+    PFRONT_BLOB_LENGTH = 23,
+    /// So many nodes, vertices and triangles as the blob has take `needed` bytes and not the `given` that it has.
+    PFRONT_BLOB_COUNTS = 24,
+    /// Byte `index` of the blob must be 0.
+    PFRONT_BLOB_NOT_ZERO = 25,
+    /// The checksum of the blob is `given` and must be `needed`: some byte has changed.
+    PFRONT_BLOB_CHECKSUM = 26,
+    /// `given` elements of `what` are more than a blob can have, `needed`.
+    PFRONT_BLOB_TOO_MANY = 27,
+    /// Blobs are little-endian, and this machine is not: it can write them, but not borrow.
+    PFRONT_BIG_ENDIAN = 28,
 }
-use pfront_status_t::*;
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
 /// write it whatever becomes of the call; it may be null.
@@ -69,112 +89,16 @@ pub struct pfront_error_t {
     pub given: usize,
 }
 
-/// An error on its way to the caller.
-pub(crate) type Fault = pfront_error_t;
-
-impl Fault {
-    pub(crate) fn new(status: pfront_status_t) -> Self {
-        Self { status, what: null(), index: 0, needed: 0, given: 0 }
-    }
-
-    pub(crate) fn of(status: pfront_status_t, what: &'static CStr) -> Self {
-        Self { what: what.as_ptr(), ..Self::new(status) }
-    }
-
-    pub(crate) fn at(self, index: usize) -> Self {
-        Self { index, ..self }
-    }
-
-    pub(crate) fn numbers(self, needed: usize, given: usize) -> Self {
-        Self { needed, given, ..self }
-    }
-
-    /// `Ok` if `given` is below `limit`.
-    pub(crate) fn below(what: &'static CStr, given: usize, limit: usize) -> Result<(), Self> {
-        if given < limit {
-            return Ok(());
-        }
-        Err(Self::of(PFRONT_OUT_OF_RANGE, what).numbers(limit, given))
-    }
-
-    /// `Ok` if `given` elements are enough.
-    pub(crate) fn room(what: &'static CStr, given: usize, needed: usize) -> Result<(), Self> {
-        if given >= needed {
-            return Ok(());
-        }
-        Err(Self::of(PFRONT_TOO_SMALL, what).numbers(needed, given))
-    }
-
-    /// An error in the pose that C calls `what`.
-    pub(crate) fn pose(what: &'static CStr) -> impl Fn(PoseError) -> Self {
-        move |error| match error {
-            PoseError::NonFinite { row, column } => {
-                Self::of(PFRONT_POSE_NOT_FINITE, what).at(4 * row + column)
-            }
-            PoseError::Range { row } => Self::of(PFRONT_POSE_RANGE, what).at(row),
-            _ => Self::new(PFRONT_DAMAGED),
-        }
-    }
-}
-
-impl From<CapacityError> for Fault {
-    fn from(CapacityError { buffer, needed, capacity }: CapacityError) -> Self {
-        let what = match buffer {
-            "nodes" | "front" => c"nodes",
-            "fans" => c"fans",
-            "memory" => c"past",
-            _ => return Self::new(PFRONT_DAMAGED),
-        };
-        Self::of(PFRONT_TOO_SMALL, what).numbers(needed, capacity)
-    }
-}
-
-impl From<MeshError> for Fault {
-    fn from(error: MeshError) -> Self {
-        match error {
-            MeshError::NonFinite { vertex } => Self::of(PFRONT_NOT_FINITE, c"positions").at(vertex),
-            MeshError::IndexOutOfRange { triangle, index, vertices } => {
-                let fault = Self::of(PFRONT_NO_SUCH_VERTEX, c"triangles").at(triangle);
-                fault.numbers(vertices, index as usize)
-            }
-            MeshError::TooManyTriangles { triangles } => {
-                let fault = Self::of(PFRONT_TOO_MANY_TRIANGLES, c"triangles");
-                fault.numbers(pfront_core::mesh::MAX_TRIANGLES, triangles)
-            }
-            MeshError::VertexCount { expected, found } => {
-                Self::of(PFRONT_VERTEX_COUNT, c"positions").numbers(expected, found)
-            }
-            _ => Self::new(PFRONT_DAMAGED),
-        }
-    }
-}
-
-impl From<BvhError> for Fault {
-    fn from(error: BvhError) -> Self {
-        let (order, node) =
-            (Self::of(PFRONT_BVH_ORDER, c"order"), Self::of(PFRONT_BVH_NODE, c"nodes"));
-        match error {
-            BvhError::OrderLength { found, expected } => order.numbers(expected, found),
-            BvhError::Order { entry } | BvhError::Uncovered { entry } => order.at(entry),
-            BvhError::Child { node: at } | BvhError::Leaf { node: at } => node.at(at),
-            BvhError::Depth { node: at } => node.at(at),
-            BvhError::NodeCount { reached, found } => node.numbers(reached, found),
-            BvhError::Box { node: at } => Self::of(PFRONT_BVH_BOX, c"nodes").at(at),
-            _ => Self::new(PFRONT_DAMAGED),
-        }
-    }
-}
-
 /// What an error code means, in a sentence without numbers. Takes any number; the string lives for ever.
 #[unsafe(no_mangle)]
 #[expect(unsafe_code, reason = "C finds functions by name")]
 pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 19] = [
+    const TEXTS: [&CStr; 29] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
         c"an array is longer than memory can be",
-        c"an array overlaps another one that is written",
+        c"an array or a structure overlaps another one that is written",
         c"a buffer is too small",
         c"a structure was not filled in by the function that makes it",
         c"an option, a count or an index is out of range",
@@ -188,7 +112,17 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"a node of a BVH has children or triangles that it cannot have",
         c"the box of a node of a BVH does not contain what lies below it: refit first",
         c"a cursor belongs to another query",
-        c"the arrays of a BVH are damaged",
+        c"the arrays of a BVH are damaged, or there is a fault in pfront",
+        c"a BVH borrows a blob, which cannot be written",
+        c"the bytes are no blob",
+        c"a blob is of another version: write it again",
+        c"a blob is laid out in a way that is not known: write it again",
+        c"a blob is cut short",
+        c"the counts of a blob do not make its length",
+        c"a byte of a blob is not 0 and must be",
+        c"a byte of a blob has changed since it was written",
+        c"a mesh is too large for a blob",
+        c"a big-endian machine cannot borrow a blob",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

@@ -1,5 +1,5 @@
 //! A whole use by pointers, small enough for miri, which sees what no sanitizer does: whether Rust's views of the
-//! caller's arrays ever get into each other's way.
+//! caller's arrays ever get into each other's way, and whether what was never written is read.
 
 #![expect(unsafe_code, reason = "it is C's part that is played here")]
 
@@ -95,28 +95,23 @@ fn parts(queries: &[pfront_query_t; 2], front: &pfront_front_t) -> [Vec<(u32, u3
 fn a_frame_and_the_next() {
     let mut positions = POINTS;
     let (points, vertices) = (positions.as_mut_ptr().cast::<f32>(), POINTS.len());
-    let mut nodes = vec![Node::EMPTY; pfront_node_bound(TRIANGLES)];
-    let (mut order, mut scratch) = ([0; TRIANGLES], [0_u8; 1024]);
+    let mut nodes = [MaybeUninit::<Node>::uninit(); 2 * TRIANGLES];
+    let mut order = [MaybeUninit::<u32>::uninit(); TRIANGLES];
+    let mut scratch = [MaybeUninit::<u8>::uninit(); 1024];
     let memory = pfront_bvh_memory_t {
         nodes: nodes.as_mut_ptr().cast(),
         node_capacity: nodes.len(),
-        order: order.as_mut_ptr(),
+        order: order.as_mut_ptr().cast(),
         order_capacity: order.len(),
         scratch: scratch.as_mut_ptr().cast(),
         scratch_bytes: scratch.len(),
     };
-    let (mut fans, exact) = ([pfront_fan_t { bits: 0 }; POINTS.len()], PFRONT_EXACT as u32);
-    let known = fans.as_mut_ptr();
-    let nothing = pfront_front_node_t {
-        pair: pfront_node_pair_t { a: 0, b: 0 },
-        path: 0,
-        cost: 0.0,
-        query: 0,
-        part: 0,
-        index: 0,
-    };
-    let (mut part, mut past) = ([nothing; 16], [pfront_past_t { words: [0; 2] }; 16]);
-    let mut loads = [pfront_load_t { cost: 0.0, part: 0 }; 2];
+    let exact = PFRONT_EXACT as u32;
+    let mut fans = [MaybeUninit::<pfront_fan_t>::uninit(); POINTS.len()];
+    let known: *mut pfront_fan_t = fans.as_mut_ptr().cast();
+    let mut part = [MaybeUninit::<pfront_front_node_t>::uninit(); 16];
+    let mut past = [MaybeUninit::<pfront_past_t>::uninit(); 16];
+    let mut loads = [MaybeUninit::<pfront_load_t>::uninit(); 2];
     let mut front = MaybeUninit::uninit();
     let a_from_b = pfront_pose_t { rows: Pose::from_translation([0.25, 0.0, 0.125]).rows };
 
@@ -127,7 +122,7 @@ fn a_frame_and_the_next() {
     let all = [PFRONT_OK; 2];
     // SAFETY: every pointer leads to a live array of the length that goes with it.
     let statuses = unsafe {
-        let (part, past) = (part.as_mut_ptr(), past.as_mut_ptr());
+        let (part, past) = (part.as_mut_ptr().cast(), past.as_mut_ptr().cast());
         let bytes = memory.scratch_bytes;
         [
             pfront_fans_link(&mesh, known, vertices, memory.scratch, bytes, null_mut()),
@@ -161,7 +156,7 @@ fn a_frame_and_the_next() {
             let count: u64 = made!(pfront_query_count(query));
             assert_eq!(count, expected.len() as u64);
         }
-        let (asked, workers) = (queries.as_ptr(), loads.as_mut_ptr());
+        let (asked, workers) = (queries.as_ptr(), loads.as_mut_ptr().cast());
         // SAFETY: as above.
         let divided = unsafe { pfront_front_divide(&mut front, asked, 2, workers, 2, null_mut()) };
         assert_eq!((divided, front.coherent), (PFRONT_OK, frame));
@@ -169,6 +164,38 @@ fn a_frame_and_the_next() {
         // SAFETY: as above.
         assert_eq!(unsafe { pfront_front_remember(&mut front, null_mut()) }, PFRONT_OK);
     }
+}
+
+#[test]
+fn a_blob_is_borrowed() {
+    let mut nodes = [MaybeUninit::<pfront_node_t>::uninit(); 2 * TRIANGLES];
+    let mut order = [MaybeUninit::<u32>::uninit(); TRIANGLES];
+    let mut scratch = [MaybeUninit::<u8>::uninit(); 1024];
+    let memory = pfront_bvh_memory_t {
+        nodes: nodes.as_mut_ptr().cast(),
+        node_capacity: nodes.len(),
+        order: order.as_mut_ptr().cast(),
+        order_capacity: order.len(),
+        scratch: scratch.as_mut_ptr().cast(),
+        scratch_bytes: scratch.len(),
+    };
+    let (points, corners) = (POINTS.as_ptr().cast(), CORNERS.as_ptr().cast());
+    let mesh: pfront_mesh_t = made!(pfront_mesh_check(points, POINTS.len(), corners, TRIANGLES));
+    let built: pfront_bvh_t = made!(pfront_bvh_build_sah(&mesh, 1, &memory));
+    let (mut words, bytes) = ([MaybeUninit::<u32>::uninit(); 256], made!(pfront_blob_size(&built)));
+    // SAFETY: there is room for more.
+    let written =
+        unsafe { pfront_blob_write(&built, words.as_mut_ptr().cast(), bytes, null_mut()) };
+    assert_eq!(written, PFRONT_OK);
+    let (blob, free) = (words.as_ptr().cast(), memory.scratch);
+    let least: usize = made!(pfront_blob_scratch_bytes(blob, bytes));
+    let borrowed: pfront_bvh_t = made!(pfront_bvh_from_blob(blob, bytes, free, least));
+    assert_eq!(checked(&borrowed).nodes(), checked(&built).nodes());
+    let [own, other] = [built, borrowed].map(|bvh| {
+        let query = made!(pfront_query_self(&bvh, null(), 0, PFRONT_EXACT as u32));
+        pages(&query, made!(pfront_cursor_start(&query)))
+    });
+    assert!(own == other && !own.is_empty());
 }
 
 #[test]

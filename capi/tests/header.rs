@@ -3,8 +3,8 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 9] =
-    ["status", "mesh", "build", "bvh", "fans", "query", "cursor", "verbs", "front"];
+const MODULES: [&str; 10] =
+    ["status", "mesh", "build", "bvh", "blob", "fans", "query", "cursor", "verbs", "front"];
 
 #[test]
 fn the_header_is_up_to_date() {

@@ -1,0 +1,151 @@
+//! How errors of `pfront_core` become codes.
+
+use super::pfront_error_t;
+use super::pfront_status_t::{self, *};
+use core::ffi::CStr;
+use core::ptr::null;
+use pfront_core::blob::VERSION;
+use pfront_core::pose::PoseError;
+use pfront_core::{BlobError, BvhError, CapacityError, MeshError};
+
+/// An error on its way to the caller.
+pub(crate) type Fault = pfront_error_t;
+
+impl Fault {
+    pub(crate) fn new(status: pfront_status_t) -> Self {
+        Self { status, what: null(), index: 0, needed: 0, given: 0 }
+    }
+
+    pub(crate) fn of(status: pfront_status_t, what: &'static CStr) -> Self {
+        Self { what: what.as_ptr(), ..Self::new(status) }
+    }
+
+    pub(crate) fn at(self, index: usize) -> Self {
+        Self { index, ..self }
+    }
+
+    pub(crate) fn numbers(self, needed: usize, given: usize) -> Self {
+        Self { needed, given, ..self }
+    }
+
+    /// `Ok` if `given` is below `limit`.
+    pub(crate) fn below(what: &'static CStr, given: usize, limit: usize) -> Result<(), Self> {
+        if given < limit {
+            return Ok(());
+        }
+        Err(Self::of(PFRONT_OUT_OF_RANGE, what).numbers(limit, given))
+    }
+
+    /// `Ok` if `given` elements are enough.
+    pub(crate) fn room(what: &'static CStr, given: usize, needed: usize) -> Result<(), Self> {
+        if given >= needed {
+            return Ok(());
+        }
+        Err(Self::of(PFRONT_TOO_SMALL, what).numbers(needed, given))
+    }
+
+    /// An error in the pose that C calls `what`.
+    pub(crate) fn pose(what: &'static CStr) -> impl Fn(PoseError) -> Self {
+        move |error| match error {
+            PoseError::NonFinite { row, column } => {
+                Self::of(PFRONT_POSE_NOT_FINITE, what).at(4 * row + column)
+            }
+            PoseError::Range { row } => Self::of(PFRONT_POSE_RANGE, what).at(row),
+            _ => Self::new(PFRONT_DAMAGED),
+        }
+    }
+}
+
+impl From<CapacityError> for Fault {
+    fn from(CapacityError { buffer, needed, capacity }: CapacityError) -> Self {
+        let what = match buffer {
+            "nodes" | "front" => c"nodes",
+            "fans" => c"fans",
+            "memory" => c"past",
+            "out" => c"blob",
+            _ => return Self::new(PFRONT_DAMAGED),
+        };
+        Self::of(PFRONT_TOO_SMALL, what).numbers(needed, capacity)
+    }
+}
+
+impl From<MeshError> for Fault {
+    fn from(error: MeshError) -> Self {
+        match error {
+            MeshError::NonFinite { vertex } => Self::of(PFRONT_NOT_FINITE, c"positions").at(vertex),
+            MeshError::IndexOutOfRange { triangle, index, vertices } => {
+                let fault = Self::of(PFRONT_NO_SUCH_VERTEX, c"triangles").at(triangle);
+                fault.numbers(vertices, index as usize)
+            }
+            MeshError::TooManyTriangles { triangles } => {
+                let fault = Self::of(PFRONT_TOO_MANY_TRIANGLES, c"triangles");
+                fault.numbers(pfront_core::mesh::MAX_TRIANGLES, triangles)
+            }
+            MeshError::VertexCount { expected, found } => {
+                Self::of(PFRONT_VERTEX_COUNT, c"positions").numbers(expected, found)
+            }
+            _ => Self::new(PFRONT_DAMAGED),
+        }
+    }
+}
+
+impl From<BvhError> for Fault {
+    fn from(error: BvhError) -> Self {
+        let (order, node) =
+            (Self::of(PFRONT_BVH_ORDER, c"order"), Self::of(PFRONT_BVH_NODE, c"nodes"));
+        match error {
+            BvhError::OrderLength { found, expected } => order.numbers(expected, found),
+            BvhError::Order { entry } | BvhError::Uncovered { entry } => order.at(entry),
+            BvhError::Child { node: at } | BvhError::Leaf { node: at } => node.at(at),
+            BvhError::Depth { node: at } => node.at(at),
+            BvhError::NodeCount { reached, found } => node.numbers(reached, found),
+            BvhError::Box { node: at } => Self::of(PFRONT_BVH_BOX, c"nodes").at(at),
+            _ => Self::new(PFRONT_DAMAGED),
+        }
+    }
+}
+
+impl From<BlobError> for Fault {
+    fn from(error: BlobError) -> Self {
+        let of = |status| Self::of(status, c"blob");
+        match error {
+            BlobError::Magic => of(PFRONT_BLOB_MAGIC),
+            BlobError::Version { found } => {
+                of(PFRONT_BLOB_VERSION).numbers(VERSION as usize, found as usize)
+            }
+            BlobError::Kind { section, found } => {
+                Self::of(PFRONT_BLOB_KIND, counted(section)).numbers(0, found.into())
+            }
+            BlobError::Length { needed, found } => {
+                let needed = usize::try_from(needed).unwrap_or(usize::MAX);
+                of(PFRONT_BLOB_LENGTH).numbers(needed, found)
+            }
+            BlobError::Counts { counts, found } => {
+                of(PFRONT_BLOB_COUNTS).numbers(counts.bytes(), found)
+            }
+            BlobError::NotZero { byte } => of(PFRONT_BLOB_NOT_ZERO).at(byte),
+            BlobError::Checksum { stored, computed } => {
+                of(PFRONT_BLOB_CHECKSUM).numbers(stored as usize, computed as usize)
+            }
+            BlobError::Misaligned { needed } => of(PFRONT_MISALIGNED).numbers(needed, 0),
+            BlobError::BigEndian => of(PFRONT_BIG_ENDIAN),
+            BlobError::Mesh(error) => error.into(),
+            BlobError::Bvh(error) => error.into(),
+            BlobError::Capacity(error) => error.into(),
+            BlobError::TooMany { what, count } => {
+                Self::of(PFRONT_BLOB_TOO_MANY, counted(what)).numbers(u32::MAX as usize, count)
+            }
+            _ => Self::new(PFRONT_DAMAGED),
+        }
+    }
+}
+
+/// What a blob has many of.
+fn counted(what: &str) -> &'static CStr {
+    match what {
+        "nodes" => c"nodes",
+        "positions" | "vertices" => c"positions",
+        "order" => c"order",
+        _ => c"triangles",
+    }
+}
