@@ -182,7 +182,7 @@ impl Gpu {
     /// Compiles the passes for meshes that move, which the first of them does otherwise: some half a second.
     ///
     /// # Errors
-    /// [`Error::Shader`], [`Error::Device`].
+    /// [`Error::Device`], [`Error::DeviceLost`], [`Error::OutOfMemory`].
     pub fn warm_up(&self) -> Result<(), Error> {
         self.moving().map(drop)
     }
