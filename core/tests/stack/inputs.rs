@@ -5,9 +5,9 @@ use pfront_core::bvh::{MAX_DEPTH, node_bound};
 use pfront_core::{Bvh, Mesh, Node, Triangle};
 
 /// What a [`Mesh`] borrows; no two triangles share a vertex.
-pub struct Soup {
-    pub positions: Vec<[f32; 3]>,
-    pub triangles: Vec<[u32; 3]>,
+pub(crate) struct Soup {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 impl Soup {
@@ -17,26 +17,26 @@ impl Soup {
         Self { triangles: triangles.collect(), positions }
     }
 
-    pub fn mesh(&self) -> Mesh<'_> {
+    pub(crate) fn mesh(&self) -> Mesh<'_> {
         Mesh::new(&self.positions, &self.triangles).unwrap()
     }
 }
 
 /// `count` triangles in one place, which no build can tell apart.
-pub fn coincident(count: usize) -> Soup {
+pub(crate) fn coincident(count: usize) -> Soup {
     Soup::new((0..count).map(|_| [[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [0.0, 1.0, 0.3]]))
 }
 
 /// `count` plates in a row, of which SAH takes the first as often as depth allows: it is farther from the others than
 /// they are long, by more than the number of bins.
-pub fn peeling(count: usize) -> Soup {
+pub(crate) fn peeling(count: usize) -> Soup {
     let plate = |x: f32| [[x, -1e38, -1e38], [x, 1e38, -1e38], [x, 1e38, 1e38]];
     let far = (0..58).map(|k| -1e35 * 18_f32.powi(-k));
     Soup::new(far.chain((58..count).map(|k| k as f32 * 1e-42)).take(count).map(plate))
 }
 
 /// Points in Morton cells each of which has one bit, and `count` in the first cell.
-pub fn curled(count: usize) -> Soup {
+pub(crate) fn curled(count: usize) -> Soup {
     let cells = (0..33).map(|bit| {
         let mut cell = [0.0; 3];
         cell[bit % 3] = (1 << (bit / 3)) as f32;
@@ -48,7 +48,7 @@ pub fn curled(count: usize) -> Soup {
 }
 
 /// Triangles that meet, or nearly, whose coordinates are so unlike that only long integers decide.
-pub fn disparate(count: usize) -> Soup {
+pub(crate) fn disparate(count: usize) -> Soup {
     let mut state = 7_u32;
     let mut number = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -65,7 +65,7 @@ pub fn disparate(count: usize) -> Soup {
 }
 
 /// Two crumpled sheets in one place, `edge` squares along each edge, with corners in common.
-pub fn sheets(edge: u32) -> Soup {
+pub(crate) fn sheets(edge: u32) -> Soup {
     let side = edge + 1;
     let wave = |u: f32| (9.0 * u).sin();
     let point = |i: u32| {
@@ -81,13 +81,13 @@ pub fn sheets(edge: u32) -> Soup {
 }
 
 /// Nodes and order of a BVH.
-pub struct Tree {
-    pub nodes: Vec<Node>,
-    pub order: Vec<u32>,
+pub(crate) struct Tree {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) order: Vec<u32>,
 }
 
 impl Tree {
-    pub fn of(mesh: Mesh<'_>) -> Self {
+    pub(crate) fn of(mesh: Mesh<'_>) -> Self {
         let count = mesh.triangles().len();
         let mut tree = Self { nodes: vec![Node::EMPTY; node_bound(count)], order: vec![0; count] };
         let (options, mut items) = (BuildOptions::default(), vec![SahItem::default(); count]);
@@ -97,7 +97,7 @@ impl Tree {
     }
 
     /// As deep as can be: every left child is a leaf of one triangle.
-    pub fn deepest(mesh: Mesh<'_>) -> Self {
+    pub(crate) fn deepest(mesh: Mesh<'_>) -> Self {
         let count = MAX_DEPTH as u32 + 1;
         assert_eq!(mesh.triangles().len() as u32, count);
         let whole = Self::of(mesh).bvh(mesh).aabb().unwrap();
@@ -112,11 +112,11 @@ impl Tree {
     }
 
     /// For a build to write anew.
-    pub fn storage(&mut self) -> BvhStorage<'_> {
+    pub(crate) fn storage(&mut self) -> BvhStorage<'_> {
         BvhStorage { nodes: &mut self.nodes, order: &mut self.order }
     }
 
-    pub fn bvh<'t>(&'t self, mesh: Mesh<'t>) -> Bvh<'t> {
+    pub(crate) fn bvh<'t>(&'t self, mesh: Mesh<'t>) -> Bvh<'t> {
         Bvh::new(mesh, &self.nodes, &self.order, &mut [0; 256]).unwrap()
     }
 }

@@ -26,7 +26,8 @@ fn documented(call: &str) -> usize {
     let name = format!("`{call}`");
     let rows = include_str!("../../../docs/embedding.md").lines().filter(|l| l.starts_with("| `"));
     let mut cells = rows.map(|row| row.split('|').map(str::trim).skip(1).collect::<Vec<_>>());
-    let row = cells.find(|cells| cells[0].contains(&name) && cells[cells.len() - 2].ends_with("KiB"));
+    let row =
+        cells.find(|cells| cells[0].contains(&name) && cells[cells.len() - 2].ends_with("KiB"));
     let row = row.unwrap_or_else(|| panic!("no row tells what stack {name} takes"));
     let column = row.len() - if cfg!(feature = "std") { 3 } else { 2 };
     row[column].strip_suffix(" KiB").unwrap().parse::<usize>().unwrap() << 10
@@ -59,7 +60,9 @@ fn build(soup: &Soup) -> [usize; 2] {
     check("sah_with", || {
         sah_with(mesh, &options, tree.storage(), &mut items, &one_after_the_other).unwrap();
     });
-    check("morton", || depth[1] = morton(mesh, &options, tree.storage(), &mut keys).unwrap().depth());
+    check("morton", || {
+        depth[1] = morton(mesh, &options, tree.storage(), &mut keys).unwrap().depth()
+    });
     check("morton_with", || {
         morton_with(mesh, &options, tree.storage(), &mut keys, &one_after_the_other).unwrap();
     });
@@ -72,7 +75,8 @@ fn build(soup: &Soup) -> [usize; 2] {
 
 #[test]
 fn builds() {
-    let depths = [disparate(1000), peeling(1 << 17), curled(1 << 15), coincident(1 << 15)].map(|s| build(&s));
+    let depths = [disparate(1000), peeling(1 << 17), curled(1 << 15), coincident(1 << 15)]
+        .map(|s| build(&s));
     // Else these inputs are not what they are meant to be.
     assert_eq!(depths[0][0], MAX_DEPTH, "{depths:?}");
     assert!(depths[1][0] > 50 && depths[2][1] > 45, "{depths:?}");
@@ -93,7 +97,9 @@ fn refits() {
     check("survey", || _ = survey(mesh, &mut nodes, order, &mut table, join).unwrap());
     check("mark_moved", || _ = mark_moved(mesh.positions(), &after, &mut moved).unwrap());
     let mesh = mesh.with_positions(&after).unwrap();
-    check("refit_moved", || _ = refit_moved(mesh, &mut nodes, order, &moved, &mut table, join).unwrap());
+    check("refit_moved", || {
+        _ = refit_moved(mesh, &mut nodes, order, &moved, &mut table, join).unwrap()
+    });
 }
 
 #[test]
@@ -121,20 +127,24 @@ fn checks_and_conversions() {
 
 /// Walks, as far as a good number of tests.
 fn walk(query: &(impl Query + Sync)) {
-    check("step", || _ = query.step(&mut query.start(), 200_000, |pair| Continue(_ = black_box(pair))));
+    check("step", || {
+        _ = query.step(&mut query.start(), 200_000, |pair| Continue(_ = black_box(pair)))
+    });
 }
 
 #[test]
 fn queries() {
     let deep = coincident(MAX_DEPTH + 1);
     let deepest = Tree::deepest(deep.mesh());
-    let trees = [sheets(40), disparate(3000), coincident(2000)].map(|soup| (Tree::of(soup.mesh()), soup));
+    let trees =
+        [sheets(40), disparate(3000), coincident(2000)].map(|soup| (Tree::of(soup.mesh()), soup));
     for (tree, soup) in trees.iter().map(|(tree, soup)| (tree, soup)).chain([(&deepest, &deep)]) {
         let (mesh, bvh) = (soup.mesh(), tree.bvh(soup.mesh()));
         let mut nodes = vec![CompactNode::ZERO; compact_bound(tree.nodes.len())];
         let mut order = vec![0_u16; tree.order.len()];
         let storage = CompactStorage { nodes: &mut nodes, order: &mut order };
-        let small: Bvh<'_, Compact<u16>> = compact(mesh, &tree.nodes, &tree.order, storage).unwrap();
+        let small: Bvh<'_, Compact<u16>> =
+            compact(mesh, &tree.nodes, &tree.order, storage).unwrap();
         for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
             let wide = Placed::new(bvh, &turned()).unwrap();
             let compact = Placed::new(small, &turned()).unwrap();
@@ -181,7 +191,8 @@ fn fans_of_vertices() {
     let soup = sheets(40);
     let (mesh, vertices) = (soup.mesh(), soup.positions.len());
     let count = soup.triangles.len();
-    let (mut known, mut spans) = (vec![Fan::default(); vertices], vec![Span::default(); span_bound(count)]);
+    let (mut known, mut spans) =
+        (vec![Fan::default(); vertices], vec![Span::default(); span_bound(count)]);
     let mut scratch = vec![0; link_scratch_bound(vertices, count)];
     let mut sets = [(); 2].map(|()| vec![Moved::default(); moved_bound(vertices)]);
     let after: Vec<_> = soup.positions.iter().map(|p| p.map(|x| 1.5 * x)).collect();

@@ -11,7 +11,7 @@ const PAINTED: usize = 1 << 20;
 const PAINT: u8 = 0xa5;
 
 /// Bytes of stack that a call took, in a thread of its own.
-pub fn stack_of(call: impl FnOnce() + Send) -> usize {
+pub(crate) fn stack_of(call: impl FnOnce() + Send) -> usize {
     thread::scope(|scope| {
         let builder = thread::Builder::new().stack_size(2 * PAINTED);
         builder.spawn_scoped(scope, || measure(call)).unwrap().join().unwrap()
