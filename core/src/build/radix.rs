@@ -110,7 +110,7 @@ impl Dealer<'_> {
 
     fn write(&self, from: &[u64], slices: &mut [[Option<&mut [u64]>; BUCKETS]]) {
         if let [slices] = slices {
-            let mut slices = slices.each_mut().map(|slice| slice.take().unwrap_or_default());
+            let slices = slices.each_mut().map(|slice| slice.take().unwrap_or_default());
             let mut used = [0; BUCKETS];
             for &key in from {
                 let bucket = self.bucket(key);

@@ -61,7 +61,7 @@ fn build(soup: &Soup) -> [usize; 2] {
         sah_with(mesh, &options, tree.storage(), &mut items, &one_after_the_other).unwrap();
     });
     check("morton", || {
-        depth[1] = morton(mesh, &options, tree.storage(), &mut keys).unwrap().depth()
+        depth[1] = morton(mesh, &options, tree.storage(), &mut keys).unwrap().depth();
     });
     check("morton_with", || {
         morton_with(mesh, &options, tree.storage(), &mut keys, &one_after_the_other).unwrap();
@@ -98,7 +98,7 @@ fn refits() {
     check("mark_moved", || _ = mark_moved(mesh.positions(), &after, &mut moved).unwrap());
     let mesh = mesh.with_positions(&after).unwrap();
     check("refit_moved", || {
-        _ = refit_moved(mesh, &mut nodes, order, &moved, &mut table, join).unwrap()
+        _ = refit_moved(mesh, &mut nodes, order, &moved, &mut table, join).unwrap();
     });
 }
 
@@ -128,7 +128,7 @@ fn checks_and_conversions() {
 /// Walks, as far as a good number of tests.
 fn walk(query: &(impl Query + Sync)) {
     check("step", || {
-        _ = query.step(&mut query.start(), 200_000, |pair| Continue(_ = black_box(pair)))
+        _ = query.step(&mut query.start(), 200_000, |pair| Continue(_ = black_box(pair)));
     });
 }
 
@@ -183,6 +183,22 @@ fn fronts() {
         len = front.nodes().len();
         assert!(len > 64, "{len}");
         check("Past::record", || _ = Past::record(&mut past, front.nodes(), |n| n.cost).unwrap());
+    }
+}
+
+/// The other bound that the chapter gives on a front.
+#[test]
+fn a_starting_front_takes_four_box_tests_a_node_above_it() {
+    let soup = coincident(2000);
+    let tree = Tree::of(soup.mesh());
+    let bvh = tree.bvh(soup.mesh());
+    let query = PairQuery::new(bvh, bvh, Pose::IDENTITY).unwrap();
+    for depth in 0..5 {
+        let mut nodes = [FrontNode::default(); 256];
+        let mut front = Front::new(&mut nodes);
+        front.start(&query, 0, depth, Estimate::default(), Past::NOTHING).unwrap();
+        assert_eq!((front.nodes().len(), front.is_full()), (4_usize.pow(depth), false));
+        assert_eq!(front.box_tests(), (4_u64.pow(depth + 1) - 4) / 3);
     }
 }
 
