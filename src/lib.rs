@@ -37,9 +37,12 @@
 //! - `gpu`: the module `gpu`, the queries on any GPU, with the same answers.
 //! - `serde`: [`planner::Machine`] can be written and read, [`planner::Plan`] written.
 //!
-//! The heart of it, [`core`], needs neither an allocator nor std.
+//! The heart of it, [`core`], needs neither an allocator nor std. How to put any of it into an engine or into
+//! firmware, how large every buffer has to be, and the worst case of every call: [`embedding`].
 
 mod answer;
+#[doc = include_str!("../docs/embedding.md")]
+pub mod embedding {}
 mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;

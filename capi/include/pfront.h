@@ -441,7 +441,7 @@ pfront_status_t pfront_bvh_build_morton(const struct pfront_mesh_t *mesh,
                                         struct pfront_error_t *error);
 
 // Builds a BVH by the surface area heuristic, in O(n log n): the tree that queries walk fastest. `leaf_size` is as for
-// `pfront_bvh_build_morton`. Takes up to 64 KiB of stack.
+// `pfront_bvh_build_morton`. Takes up to 72 KiB of stack.
 pfront_status_t pfront_bvh_build_sah(const struct pfront_mesh_t *mesh,
                                      uint32_t leaf_size,
                                      const struct pfront_bvh_memory_t *memory,

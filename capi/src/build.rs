@@ -145,7 +145,7 @@ pub unsafe extern "C" fn pfront_bvh_build_morton(
 }
 
 /// Builds a BVH by the surface area heuristic, in O(n log n): the tree that queries walk fastest. `leaf_size` is as for
-/// `pfront_bvh_build_morton`. Takes up to 64 KiB of stack.
+/// `pfront_bvh_build_morton`. Takes up to 72 KiB of stack.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_bvh_build_sah(
     mesh: *const pfront_mesh_t,

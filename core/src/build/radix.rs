@@ -70,12 +70,13 @@ fn deal(from: &[u64], to: &mut [u64], lowest: u32, parts: Parts<'_>) -> [usize; 
     let dealer = Dealer { lowest, run: from.len().div_ceil(RUNS), parts };
     let mut counts = [[0; BUCKETS]; RUNS];
     dealer.count(from, &mut counts);
-    let mut slices: [[&mut [u64]; BUCKETS]; RUNS] = from_fn(|_| from_fn(|_| Default::default()));
+    // A constant is written in its place; what a closure makes is copied there, out of as much stack again.
+    let mut slices = [const { [const { None }; BUCKETS] }; RUNS];
     let mut rest = to;
     for bucket in 0..BUCKETS {
         for run in 0..RUNS {
-            let count = counts[run][bucket];
-            (slices[run][bucket], rest) = split(take(&mut rest), count);
+            let (slice, others) = split(take(&mut rest), counts[run][bucket]);
+            (slices[run][bucket], rest) = (Some(slice), others);
         }
     }
     dealer.write(from, &mut slices);
@@ -107,8 +108,9 @@ impl Dealer<'_> {
         );
     }
 
-    fn write(&self, from: &[u64], slices: &mut [[&mut [u64]; BUCKETS]]) {
+    fn write(&self, from: &[u64], slices: &mut [[Option<&mut [u64]>; BUCKETS]]) {
         if let [slices] = slices {
+            let slices = slices.each_mut().map(|slice| slice.take().unwrap_or_default());
             let mut used = [0; BUCKETS];
             for &key in from {
                 let bucket = self.bucket(key);

@@ -153,7 +153,8 @@ impl Builder<'_> {
         )
     }
 
-    /// Reorders a run into two.
+    /// Reorders a run into two. Apart, so that the bins are not on the stack of every level below.
+    #[inline(never)]
     fn split(&self, items: &mut [SahItem], run: &Run, depth: usize) -> [Run; 2] {
         // Halving the run down to single triangles takes `levels` more levels. SAH may not use a
         // level up unless they still fit below it; a median split needs them to fit below this

@@ -26,8 +26,8 @@
 //! - For the same reason a node below an estimated one is priced anew, by the density of its own
 //!   overlap, and not as a share of its parent (eq. 3), which would carry the error down. Since the sum
 //!   then changes, refinement is repeated until it meets its bound.
-//! - The starting front is not cached. What overlaps at depth d_s is found anew each frame, at 4^d_s
-//!   box tests at most, so objects may move freely.
+//! - The starting front is not cached. What overlaps at depth d_s is found anew each frame, at
+//!   4^(d_s + 1) / 3 box tests at most, so objects may move freely.
 //! - Eq. 3 divides by a volume that is 0 for flat or touching boxes, and ignores how many
 //!   triangles there are. Boxes are dilated by half the edge of a leaf, every node has a floor of one
 //!   test, and α is by default the density of triangles: see [`Alpha`].
@@ -157,7 +157,7 @@ impl<'a> Front<'a> {
     /// [`CapacityError`] if there is no room for even the root; the front is unchanged.
     ///
     /// # Complexity
-    /// At most 4^depth box tests; usually far fewer, since only overlapping nodes are met.
+    /// Below 4^(depth + 1) / 3 box tests; usually far fewer, since only overlapping nodes are met.
     pub fn start(
         &mut self,
         query: &impl Query,

@@ -1,0 +1,122 @@
+//! Meshes and BVHs on which calls take most of the stack.
+
+use pfront_core::build::{BuildOptions, BvhStorage, SahItem, sah};
+use pfront_core::bvh::{MAX_DEPTH, node_bound};
+use pfront_core::{Bvh, Mesh, Node, Triangle};
+
+/// What a [`Mesh`] borrows; no two triangles share a vertex.
+pub(crate) struct Soup {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+impl Soup {
+    fn new(corners: impl IntoIterator<Item = Triangle>) -> Self {
+        let positions: Vec<_> = corners.into_iter().flatten().collect();
+        let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+        Self { triangles: triangles.collect(), positions }
+    }
+
+    pub(crate) fn mesh(&self) -> Mesh<'_> {
+        Mesh::new(&self.positions, &self.triangles).unwrap()
+    }
+}
+
+/// `count` triangles in one place, which no build can tell apart.
+pub(crate) fn coincident(count: usize) -> Soup {
+    Soup::new((0..count).map(|_| [[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [0.0, 1.0, 0.3]]))
+}
+
+/// `count` plates in a row, of which SAH takes the first as often as depth allows: it is farther from the others than
+/// they are long, by more than the number of bins.
+pub(crate) fn peeling(count: usize) -> Soup {
+    let plate = |x: f32| [[x, -1e38, -1e38], [x, 1e38, -1e38], [x, 1e38, 1e38]];
+    let far = (0..58).map(|k| -1e35 * 18_f32.powi(-k));
+    Soup::new(far.chain((58..count).map(|k| k as f32 * 1e-42)).take(count).map(plate))
+}
+
+/// Points in Morton cells each of which has one bit, and `count` in the first cell.
+pub(crate) fn curled(count: usize) -> Soup {
+    let cells = (0..33).map(|bit| {
+        let mut cell = [0.0; 3];
+        cell[bit % 3] = (1 << (bit / 3)) as f32;
+        cell
+    });
+    let last = [[2047.0; 3]];
+    let points = cells.chain(last).chain((0..count).map(|_| [0.0; 3]));
+    Soup::new(points.map(|p| [p; 3]))
+}
+
+/// Triangles that meet, or nearly, whose coordinates are so unlike that only long integers decide.
+pub(crate) fn disparate(count: usize) -> Soup {
+    let mut state = 7_u32;
+    let mut number = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let exponent = (state >> 9) % 170 + 30;
+        f32::from_bits(state & 0x8000_0000 | exponent << 23 | (state >> 3) & 0x7f_ffff)
+    };
+    // In planes through one line.
+    Soup::new((0..count).map(|_| {
+        [(); 3].map(|()| {
+            let x = number();
+            [x, x, number()]
+        })
+    }))
+}
+
+/// Two crumpled sheets in one place, `edge` squares along each edge, with corners in common.
+pub(crate) fn sheets(edge: u32) -> Soup {
+    let side = edge + 1;
+    let wave = |u: f32| (9.0 * u).sin();
+    let point = |i: u32| {
+        let [u, v] = [i % side, i / side].map(|k| k as f32 / edge as f32);
+        [u + 0.1 * wave(v), v + 0.1 * wave(u), 0.2 * wave(u + v)]
+    };
+    let one: Vec<_> = (0..side * side).map(point).collect();
+    let squares = (0..2).flat_map(|sheet| {
+        (0..edge * edge).map(move |i| sheet * side * side + i / edge * side + i % edge)
+    });
+    let triangles = squares.flat_map(|i| [[i, i + 1, i + side], [i + side + 1, i + side, i + 1]]);
+    Soup { triangles: triangles.collect(), positions: [&one[..], &one].concat() }
+}
+
+/// Nodes and order of a BVH.
+pub(crate) struct Tree {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) order: Vec<u32>,
+}
+
+impl Tree {
+    pub(crate) fn of(mesh: Mesh<'_>) -> Self {
+        let count = mesh.triangles().len();
+        let mut tree = Self { nodes: vec![Node::EMPTY; node_bound(count)], order: vec![0; count] };
+        let (options, mut items) = (BuildOptions::default(), vec![SahItem::default(); count]);
+        let used = sah(mesh, &options, tree.storage(), &mut items).unwrap().nodes().len();
+        tree.nodes.truncate(used);
+        tree
+    }
+
+    /// As deep as can be: every left child is a leaf of one triangle.
+    pub(crate) fn deepest(mesh: Mesh<'_>) -> Self {
+        let count = MAX_DEPTH as u32 + 1;
+        assert_eq!(mesh.triangles().len() as u32, count);
+        let whole = Self::of(mesh).bvh(mesh).aabb().unwrap();
+        let node = |first, count| Node { min: whole.min, first, max: whole.max, count };
+        let mut nodes = vec![node(2, 0), Node::EMPTY];
+        for triangle in 0..count - 1 {
+            let (below, is_last) = (nodes.len() as u32 + 2, triangle + 2 == count);
+            let right = if is_last { node(count - 1, 1) } else { node(below, 0) };
+            nodes.extend([node(triangle, 1), right]);
+        }
+        Self { nodes, order: (0..count).collect() }
+    }
+
+    /// For a build to write anew.
+    pub(crate) fn storage(&mut self) -> BvhStorage<'_> {
+        BvhStorage { nodes: &mut self.nodes, order: &mut self.order }
+    }
+
+    pub(crate) fn bvh<'t>(&'t self, mesh: Mesh<'t>) -> Bvh<'t> {
+        Bvh::new(mesh, &self.nodes, &self.order, &mut [0; 256]).unwrap()
+    }
+}

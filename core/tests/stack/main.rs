@@ -1,0 +1,221 @@
+//! What stack each long call takes, on inputs that make it take most, against what `docs/embedding.md` says.
+//!
+//! `cargo test -p pfront-core --test stack -- --nocapture` shows the figures; `--features std` those with std.
+
+#![cfg(target_os = "linux")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod inputs;
+mod meter;
+
+use inputs::{Soup, Tree, coincident, curled, disparate, peeling, sheets};
+use meter::stack_of;
+use pfront_core::build::*;
+use pfront_core::bvh::*;
+use pfront_core::fans::{self, Fan, Span, link_scratch_bound, span_bound};
+use pfront_core::front::{Estimate, Front, FrontNode, Grain, Past, PastCost};
+use pfront_core::partition::{Load, greedy};
+use pfront_core::query::*;
+use pfront_core::triangle::{Accuracy, intersects};
+use pfront_core::{Blob, Bvh, Mesh, Node, Pose, blob};
+use std::hint::black_box;
+use std::ops::ControlFlow::Continue;
+
+/// The row of a call in the chapter ends in its stack with std and without.
+fn documented(call: &str) -> usize {
+    let name = format!("`{call}`");
+    let rows = include_str!("../../../docs/embedding.md").lines().filter(|l| l.starts_with("| `"));
+    let mut cells = rows.map(|row| row.split('|').map(str::trim).skip(1).collect::<Vec<_>>());
+    let row =
+        cells.find(|cells| cells[0].contains(&name) && cells[cells.len() - 2].ends_with("KiB"));
+    let row = row.unwrap_or_else(|| panic!("no row tells what stack {name} takes"));
+    let column = row.len() - if cfg!(feature = "std") { 3 } else { 2 };
+    row[column].strip_suffix(" KiB").unwrap().parse::<usize>().unwrap() << 10
+}
+
+#[track_caller]
+fn check(call: &str, run: impl FnOnce() + Send) {
+    let (used, most) = (stack_of(run), documented(call));
+    println!("{call}: {used} of {most} bytes");
+    assert!(used <= most, "{call} takes {used} bytes of stack, and the chapter says {most}");
+}
+
+fn one_after_the_other(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
+    a();
+    b();
+}
+
+fn turned() -> Pose {
+    Pose::new([[1.0, 0.0, 0.0, 0.0], [0.0, 0.8, -0.6, 0.0], [0.0, 0.6, 0.8, 0.0]])
+}
+
+/// BVHs with leaves of one triangle. Returns how deep they are.
+fn build(soup: &Soup) -> [usize; 2] {
+    let (mesh, count) = (soup.mesh(), soup.triangles.len());
+    let options = BuildOptions { leaf_size: 1, full_leaves: false };
+    let mut tree = Tree { nodes: vec![Node::EMPTY; node_bound(count)], order: vec![0; count] };
+    let (mut items, mut keys) = (vec![SahItem::default(); count], vec![0; 2 * count]);
+    let mut depth = [0; 2];
+    check("sah", || depth[0] = sah(mesh, &options, tree.storage(), &mut items).unwrap().depth());
+    check("sah_with", || {
+        sah_with(mesh, &options, tree.storage(), &mut items, &one_after_the_other).unwrap();
+    });
+    check("morton", || {
+        depth[1] = morton(mesh, &options, tree.storage(), &mut keys).unwrap().depth();
+    });
+    check("morton_with", || {
+        morton_with(mesh, &options, tree.storage(), &mut keys, &one_after_the_other).unwrap();
+    });
+    let used = sah(mesh, &options, tree.storage(), &mut items).unwrap().nodes().len();
+    check("refit_with", || {
+        refit_with(mesh, &mut tree.nodes[..used], &tree.order, &one_after_the_other);
+    });
+    depth
+}
+
+#[test]
+fn builds() {
+    let depths = [disparate(1000), peeling(1 << 17), curled(1 << 15), coincident(1 << 15)]
+        .map(|s| build(&s));
+    // Else these inputs are not what they are meant to be.
+    assert_eq!(depths[0][0], MAX_DEPTH, "{depths:?}");
+    assert!(depths[1][0] > 50 && depths[2][1] > 45, "{depths:?}");
+}
+
+#[test]
+fn refits() {
+    let soup = coincident(MAX_DEPTH + 1);
+    let (mesh, tree) = (soup.mesh(), Tree::deepest(soup.mesh()));
+    let (mut nodes, order) = (tree.nodes.clone(), &tree.order);
+    let mut table = vec![Below::default(); survey_bound(nodes.len())];
+    let mut moved = vec![Moved::default(); moved_bound(soup.positions.len())];
+    let after: Vec<_> = soup.positions.iter().map(|p| p.map(|x| 1.5 * x)).collect();
+    let join: &Join<'_> = &one_after_the_other;
+    check("refit", || _ = refit(mesh, &mut nodes, order));
+    let bvh = tree.bvh(mesh);
+    check("quality", || _ = black_box(quality(&bvh)));
+    check("survey", || _ = survey(mesh, &mut nodes, order, &mut table, join).unwrap());
+    check("mark_moved", || _ = mark_moved(mesh.positions(), &after, &mut moved).unwrap());
+    let mesh = mesh.with_positions(&after).unwrap();
+    check("refit_moved", || {
+        _ = refit_moved(mesh, &mut nodes, order, &moved, &mut table, join).unwrap();
+    });
+}
+
+#[test]
+fn checks_and_conversions() {
+    let soup = coincident(MAX_DEPTH + 1);
+    let (mesh, tree) = (soup.mesh(), Tree::deepest(soup.mesh()));
+    let bvh = tree.bvh(mesh);
+    assert_eq!(bvh.depth(), MAX_DEPTH);
+    let scratch = &mut [0; check_scratch_bound(MAX_DEPTH + 1)];
+    check("Mesh::new", || _ = black_box(Mesh::new(mesh.positions(), mesh.triangles())).unwrap());
+    check("Bvh::new", || _ = black_box(Bvh::new(mesh, &tree.nodes, &tree.order, scratch)).unwrap());
+    let mut nodes = vec![CompactNode::ZERO; compact_bound(tree.nodes.len())];
+    let mut order = vec![0_u16; tree.order.len()];
+    check("compact", || {
+        let storage = CompactStorage { nodes: &mut nodes, order: &mut order };
+        compact(mesh, &tree.nodes, &tree.order, storage).unwrap();
+    });
+    let mut bytes = blob::Aligned([0; 1 << 14]);
+    let bytes = &mut bytes.0[..blob::Counts::of(&bvh).bytes()];
+    check("blob::write", || _ = blob::write(&bvh, bytes).unwrap());
+    check("Blob::new", || _ = black_box(Blob::new(bytes)).unwrap());
+    let blob = Blob::new(bytes).unwrap();
+    check("Blob::bvh", || _ = black_box(blob.bvh(scratch)).unwrap());
+}
+
+/// Walks, as far as a good number of tests.
+fn walk(query: &(impl Query + Sync)) {
+    check("step", || {
+        _ = query.step(&mut query.start(), 200_000, |pair| Continue(_ = black_box(pair)));
+    });
+}
+
+#[test]
+fn queries() {
+    let deep = coincident(MAX_DEPTH + 1);
+    let deepest = Tree::deepest(deep.mesh());
+    let trees =
+        [sheets(40), disparate(3000), coincident(2000)].map(|soup| (Tree::of(soup.mesh()), soup));
+    for (tree, soup) in trees.iter().map(|(tree, soup)| (tree, soup)).chain([(&deepest, &deep)]) {
+        let (mesh, bvh) = (soup.mesh(), tree.bvh(soup.mesh()));
+        let mut nodes = vec![CompactNode::ZERO; compact_bound(tree.nodes.len())];
+        let mut order = vec![0_u16; tree.order.len()];
+        let storage = CompactStorage { nodes: &mut nodes, order: &mut order };
+        let small: Bvh<'_, Compact<u16>> =
+            compact(mesh, &tree.nodes, &tree.order, storage).unwrap();
+        for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
+            let wide = Placed::new(bvh, &turned()).unwrap();
+            let compact = Placed::new(small, &turned()).unwrap();
+            walk(&SelfQuery::new(bvh).with_accuracy(accuracy));
+            walk(&SelfQuery::new(small).with_accuracy(accuracy));
+            walk(&PairQuery::new(bvh, bvh, turned()).unwrap().with_accuracy(accuracy));
+            walk(&PairQuery::in_world(wide, wide).with_accuracy(accuracy));
+            walk(&PairQuery::in_world(compact, wide).with_accuracy(accuracy));
+        }
+        let query = PairQuery::new(bvh, bvh, turned()).unwrap();
+        let mut page = vec![TrianglePair::default(); 1000];
+        check("PairQuery::new", || _ = black_box(PairQuery::new(bvh, bvh, turned())).unwrap());
+        check("page", || _ = query.page(&mut query.start(), &mut page));
+        check("any", || _ = black_box(query.any()));
+        check("contact", || page.iter().for_each(|p| _ = black_box(query.contact(*p))));
+        check("intersects", || {
+            for [a, b] in page.iter().map(|p| [p.a, p.b].map(|t| mesh.triangle(t))) {
+                black_box(intersects(&a, &b, Accuracy::Exact));
+            }
+        });
+    }
+}
+
+#[test]
+fn fronts() {
+    let soup = sheets(40);
+    let (tree, estimate) = (Tree::of(soup.mesh()), Estimate::default());
+    let query = PairQuery::new(tree.bvh(soup.mesh()), tree.bvh(soup.mesh()), turned()).unwrap();
+    let (mut nodes, mut past) = (vec![FrontNode::default(); 4096], vec![PastCost::default(); 4096]);
+    let (mut loads, mut len) = ([Load::default(); 64], 0);
+    for _ in 0..2 {
+        let (mut front, known) = (Front::new(&mut nodes), Past::new(&past[..len]));
+        check("Front::start", || front.start(&query, 0, 5, estimate, known).unwrap());
+        check("Front::refine", || front.refine(64, Grain::default(), estimate, known, |_| query));
+        check("greedy", || _ = greedy(front.nodes_mut(), &mut loads));
+        len = front.nodes().len();
+        assert!(len > 64, "{len}");
+        check("Past::record", || _ = Past::record(&mut past, front.nodes(), |n| n.cost).unwrap());
+    }
+}
+
+/// The other bound that the chapter gives on a front.
+#[test]
+fn a_starting_front_takes_four_box_tests_a_node_above_it() {
+    let soup = coincident(2000);
+    let tree = Tree::of(soup.mesh());
+    let bvh = tree.bvh(soup.mesh());
+    let query = PairQuery::new(bvh, bvh, Pose::IDENTITY).unwrap();
+    for depth in 0..5 {
+        let mut nodes = [FrontNode::default(); 256];
+        let mut front = Front::new(&mut nodes);
+        front.start(&query, 0, depth, Estimate::default(), Past::NOTHING).unwrap();
+        assert_eq!((front.nodes().len(), front.is_full()), (4_usize.pow(depth), false));
+        assert_eq!(front.box_tests(), (4_u64.pow(depth + 1) - 4) / 3);
+    }
+}
+
+#[test]
+fn fans_of_vertices() {
+    let soup = sheets(40);
+    let (mesh, vertices) = (soup.mesh(), soup.positions.len());
+    let count = soup.triangles.len();
+    let (mut known, mut spans) =
+        (vec![Fan::default(); vertices], vec![Span::default(); span_bound(count)]);
+    let mut scratch = vec![0; link_scratch_bound(vertices, count)];
+    let mut sets = [(); 2].map(|()| vec![Moved::default(); moved_bound(vertices)]);
+    let after: Vec<_> = soup.positions.iter().map(|p| p.map(|x| 1.5 * x)).collect();
+    mark_moved(&soup.positions, &after, &mut sets[0]).unwrap();
+    let [moved, near] = &mut sets;
+    check("fans::link", || fans::link(mesh, &mut scratch, &mut known).unwrap());
+    check("certify", || fans::certify(mesh, &mut known).unwrap());
+    check("find_spans", || fans::find_spans(mesh, &mut spans).unwrap());
+    check("certify_moved", || fans::certify_moved(mesh, &spans, moved, near, &mut known).unwrap());
+}
