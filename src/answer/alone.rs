@@ -42,25 +42,13 @@ pub(crate) fn alone<N: Copy, Q: Query>(
     mut found: impl FnMut(N, TrianglePair) -> ControlFlow<()>,
     mut longer: impl FnMut(f64, &dyn Fn() -> f64) -> Option<f64>,
 ) -> (f64, End) {
-    let late = || leash.deadline.is_some_and(|deadline| Instant::now() >= deadline);
     let most = if leash.deadline.is_some() { BETWEEN_LOOKS } else { u64::MAX };
-    let mut before = 0.0;
+    let (mut spent, mut looked) = (0.0, 0.0);
     for (done, (name, query)) in queries.into_iter().enumerate() {
-        let mut cursor = query.start();
-        loop {
-            // All of them could be triangle tests.
-            let left = (leash.cost - before - cost(cursor.work())) / f64::from(TRIANGLE_COST);
-            let step = (left as u64).clamp(STEP, most);
-            let stopped = query.step(&mut cursor, step, |pair| found(name, pair)).is_break();
-            let spent = before + cost(cursor.work());
-            if stopped {
-                return (spent, End::Complete);
-            } else if cursor.is_done() {
-                before = spent;
-                break;
-            } else if late() {
-                return (spent, End::Late);
-            } else if spent >= leash.cost {
+        let (mut cursor, before) = (query.start(), spent);
+        // Of what is over, nobody asks for more.
+        while !cursor.is_done() {
+            if spent >= leash.cost {
                 let rest = || {
                     let here = rest(&query, &cursor);
                     let each = (spent + here) / (done + 1) as f64;
@@ -71,9 +59,25 @@ pub(crate) fn alone<N: Copy, Q: Query>(
                     None => return (spent, End::Outgrown),
                 }
             }
+            // A look takes as long as a small query.
+            if spent - looked >= BETWEEN_LOOKS as f64 {
+                looked = spent;
+                if leash.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                    return (spent, End::Late);
+                }
+            }
+            // All of them could be triangle tests.
+            let left = (leash.cost - spent) / f64::from(TRIANGLE_COST);
+            let step = (left as u64).clamp(STEP, most);
+            let stopped = query.step(&mut cursor, step, |pair| found(name, pair)).is_break();
+            spent = before + cost(cursor.work());
+            if stopped {
+                return (spent, End::Complete);
+            }
         }
+        spent = before + cost(cursor.work());
     }
-    (before, End::Complete)
+    (spent, End::Complete)
 }
 
 /// What is left of a query, by its boxes. What waited longest is largest by far: all else is part of what was

@@ -22,6 +22,8 @@ use std::time::{Duration, Instant};
 pub(crate) struct Planned {
     decider: Decider,
     kept: Kept,
+    /// What was asked last.
+    last: Want,
     /// What the last refit took.
     refit: Option<Duration>,
     #[cfg(feature = "threads")]
@@ -39,6 +41,7 @@ impl Planned {
     pub(crate) fn new(planner: Planner) -> Self {
         Self {
             kept: Kept::default(),
+            last: Want::All,
             refit: None,
             #[cfg(feature = "threads")]
             traversal: None,
@@ -70,11 +73,18 @@ impl Planned {
         let guess = model.mesh().triangles().len() as f64 * REFIT;
         let upkeep = self.refit.map_or(guess, |refit| refit.as_secs_f64() * 1e9);
         let question = OfOne { model, adjacency, accuracy };
-        let offer = Offer { upkeep, moves: true, ..self.offer(&question, Want::All) };
-        if self.decider.look_ahead(&offer).way == Way::Gpu {
-            model.set_positions_unfitted(positions)?;
-        } else {
-            self.decider.planner().set_positions(model, positions)?;
+        // It will be asked what was asked last.
+        let offer = Offer { upkeep, moves: true, ..self.offer(&question, self.last) };
+        let on_gpu = self.decider.look_ahead(&offer).way == Way::Gpu;
+        let moved = match on_gpu {
+            true => model.set_positions_unfitted(positions),
+            false => self.decider.planner().set_positions(model, positions),
+        };
+        if moved.is_err() {
+            self.decider.forget_ahead();
+            return moved;
+        }
+        if !on_gpu {
             self.refit = Some(clock.elapsed());
         }
         self.decider.prepared(clock.elapsed());
@@ -95,8 +105,9 @@ impl Planned {
         if want == Want::All {
             self.kept.forget();
         }
-        self.decider.start_asking();
-        let is_large = self.decider.is_large(want == Want::Any);
+        self.last = want;
+        self.decider.start_asking(want == Want::Any);
+        let is_large = self.decider.is_large();
         let guess = question.guess().filter(|_| want != Want::Any);
         let size = if is_large { question.size() } else { None };
         let begin = self.decider.begin(Known { until_first: want == Want::Any, guess, size });
@@ -172,7 +183,9 @@ impl Planned {
             Way::Threads(workers) | Way::Both(workers, _) => {
                 let traversal = ready(&mut self.traversal, &self.decider, workers);
                 #[cfg(feature = "gpu")]
-                if let (Way::Both(_, share), Some(device)) = (*way, &mut self.device) {
+                if let (Way::Both(_, share), Some(device), Want::All) =
+                    (*way, &mut self.device, want)
+                {
                     match device.ask_beside(question.on_gpu(), &query, share, traversal, pairs) {
                         Ok(given) => {
                             let report = traversal.report();
@@ -199,11 +212,13 @@ impl Planned {
     /// Which ways there are for a question.
     fn offer(&self, question: &impl Question, want: Want) -> Offer {
         let (gpu, gpu_upkeep) = self.gpu(question);
+        // What a GPU has begun, it ends.
+        let may_be_late = self.decider.planner().limits().incomplete;
         Offer {
             threads: self.decider.planner().threads(self.kept.most()),
             gpu,
             gpu_upkeep,
-            both: gpu.is_some() && cfg!(feature = "threads") && want == Want::All,
+            both: gpu.is_some() && cfg!(feature = "threads") && want == Want::All && !may_be_late,
             guess: question.guess().filter(|_| want != Want::Any),
             size: question.size(),
             moves: false,

@@ -65,11 +65,11 @@ impl Decider {
 
     /// Of the last frame, once there was one.
     pub(crate) fn plan(&self) -> Option<Plan> {
-        if let Some((backend, reason, cost)) = self.untimed {
-            return Some(Plan { backend, reason, cost, ..Plan::SMALL });
-        }
-        let failure = self.failure.clone();
-        Some(Plan { deciding: self.deciding, failure, ..self.last?.plan() })
+        let plan = match self.untimed {
+            Some((backend, reason, cost)) => Plan { backend, reason, cost, ..Plan::SMALL },
+            None => self.last?.plan(),
+        };
+        Some(Plan { deciding: self.deciding, failure: self.failure.clone(), ..plan })
     }
 
     /// Whether the last answer is not what was asked for.
@@ -87,12 +87,16 @@ impl Decider {
     }
 
     pub(crate) fn prepared(&mut self, took: Duration) {
-        self.prepared += took;
+        self.prepared = took;
     }
 
-    /// A question is about to be asked. Whether its size is worth finding out.
-    pub(crate) fn is_large(&mut self, until_first: bool) -> bool {
+    /// A question is about to be asked, perhaps for the first pair only.
+    pub(crate) fn ask(&mut self, until_first: bool) {
         self.asked = usize::from(until_first);
+    }
+
+    /// Whether its size is worth finding out.
+    pub(crate) fn is_large(&self) -> bool {
         self.histories[self.asked].is_large()
     }
 
@@ -138,12 +142,14 @@ impl Decider {
 
     /// Begins a frame, whose query will be asked later. No clock is needed if it is like one that needed none.
     pub(crate) fn start(&mut self) {
-        let is_timed = self.last.is_some() && self.untimed.is_none();
+        let is_limited = self.planner.limits().time.is_some();
+        let is_timed = is_limited || self.last.is_some() && self.untimed.is_none();
         self.clock = Clock::started(is_timed);
     }
 
     /// Begins a frame that is a query and no more.
-    pub(crate) fn start_asking(&mut self) {
+    pub(crate) fn start_asking(&mut self, until_first: bool) {
+        self.ask(until_first);
         self.clock = Clock::started(false);
     }
 
@@ -193,9 +199,10 @@ impl Decider {
         let look = Look { spent, rest, nanoseconds: self.clock.pace(spent) };
         let history = &self.histories[self.asked];
         let next = history.look(self.planner.machine(), offer, look);
-        let known = choice.is_some_and(|choice| choice.expected.is_some());
-        let reason = match next.way {
-            Way::Alone if !known => Reason::Unknown,
+        let was_unknown = || self.last.is_some_and(|last| last.reason == Reason::Unknown);
+        let reason = match (next.way, choice) {
+            (Way::Alone, None) => Reason::Unknown,
+            (Way::Alone, Some(_)) if was_unknown() => Reason::Unknown,
             _ => Reason::Outgrown,
         };
         if next.way != Way::Alone {

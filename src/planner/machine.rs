@@ -47,9 +47,16 @@ pub struct Device {
     /// A box test, in nanoseconds: what a long question takes over how many the CPU needs for it.
     pub test: f64,
     /// To make a query and its buffers, and bring anything at all there, in nanoseconds.
+    #[cfg_attr(feature = "serde", serde(default = "typical_setup"))]
     pub setup: f64,
     /// To bring a triangle there, in nanoseconds.
     pub upload: f64,
+}
+
+/// Where that was not measured, as on an H200.
+#[cfg(feature = "serde")]
+fn typical_setup() -> f64 {
+    6e5
 }
 
 /// What surrounds a question of nothing, in nanoseconds.

@@ -80,7 +80,8 @@ pub struct Plan {
     pub predicted: Option<Duration>,
     /// What each way would have taken, where it was thought of: alone, on threads, on the GPU, on both.
     pub alternatives: [Option<Duration>; 4],
-    /// What it took, deciding included; 0 for what is too small to look at the clock.
+    /// What it took, deciding included; 0 for what is too small to look at the clock. Of a scene without a limit of
+    /// time, the first frame after such a one leaves out what it took to find the bodies that may meet.
     pub actual: Duration,
     /// What deciding took when that was last timed, which is done in the first sixteen frames and in
     /// each sixteenth after these.

@@ -77,7 +77,7 @@ impl Planned {
         want: Want,
         hits: &mut Vec<SceneHit>,
     ) -> Found<Given> {
-        self.decider.is_large(want == Want::Any);
+        self.decider.ask(want == Want::Any);
         let size = Some(frame.len() as f64);
         let begin = self.decider.begin(Known { until_first: want == Want::Any, guess: None, size });
         let (mut offer, mut choice) = (None, None);

@@ -42,7 +42,8 @@ impl History {
         self.frames = self.frames.saturating_add(1);
         let before = forecast.cost(frame.size);
         if let Some(cost) = cost {
-            forecast.learn(cost, frame.size);
+            // What a GPU counts is of all, whatever has changed.
+            forecast.learn(cost, frame.size.filter(|_| frame.cost.is_some()));
             if let Some(look) = frame.look {
                 forecast.learn_rest(look, cost);
             }
