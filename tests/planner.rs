@@ -256,3 +256,23 @@ fn what_is_incomplete_is_not_kept() {
     let mut scene = scene.with_planner(planner);
     assert_eq!(scene.contacts().unwrap(), truth);
 }
+
+#[test]
+fn many_small_queries_are_late_and_outgrow_what_was_expected_as_one_large_one_does() {
+    let ball = Arc::new(model(&icosphere(80)));
+    let mut plain = SceneQuery::new();
+    for i in 0..1500 {
+        plain.add(ball.clone(), Pose::from_translation([1.9 * i as f32, 0.0, 0.0])).unwrap();
+    }
+    let planner = Planner::new(Machine::typical()).with_threads(1);
+    let time = Some(Duration::from_nanos(1));
+    let hurry = planner.with_limits(Limits { time, incomplete: true, ..Limits::default() });
+    let mut scene = plain.clone().with_planner(hurry);
+    let truth = plain.clone().all().unwrap().to_vec();
+    assert!(scene.all().unwrap().len() < truth.len());
+    assert_eq!(scene.plan().unwrap().concession, Some(Concession::Incomplete));
+    let mut scene = plain.with_planner(Planner::new(eager()));
+    assert_eq!(scene.all().unwrap(), truth);
+    #[cfg(feature = "threads")]
+    assert_eq!(scene.plan().unwrap().reason, Reason::Outgrown, "{}", scene.plan().unwrap());
+}
