@@ -34,7 +34,8 @@ const LARGEST: usize = 16;
 const STEP: u64 = 256;
 
 /// Hands on what is found, with the name of the query, until it is told to stop. At the end of the leash `longer`
-/// says how far to go on, if at all; it is told the cost up to now, and what the rest may cost by its boxes. There are `count` queries. Returns the cost in box tests.
+/// says how far to go on, if at all; it is told the cost up to now, and what the rest may cost by its boxes. There
+/// are `count` queries. Returns the cost in box tests.
 pub(crate) fn alone<N: Copy, Q: Query>(
     queries: impl IntoIterator<Item = (N, Q)>,
     count: impl Fn() -> usize,

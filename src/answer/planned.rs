@@ -10,7 +10,7 @@ use super::question::{OfOne, Question};
 use super::ways::{Given, Outcome, Want, on_one};
 #[cfg(feature = "threads")]
 use super::ways::{on_threads, ready};
-use crate::planner::{Choice, Decider, Known, Offer, Plan, Planner, Way};
+use crate::planner::{Decider, Known, Offer, Plan, Planner, Way};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use crate::{Accuracy, Adjacency, Error, Model};
@@ -119,11 +119,7 @@ impl Planned {
         }
         let accuracy = self.decider.accuracy(question.accuracy());
         let mut outcome = Outcome { end: End::Outgrown, ..Outcome::default() };
-        let until = |choice: Choice| match choice.way {
-            Way::Alone => Some(choice.alone_until.unwrap_or(f64::INFINITY)),
-            _ => choice.alone_until,
-        };
-        if let Some(cost) = begin.or(choice.and_then(until)) {
+        if let Some(cost) = begin.or(choice.and_then(|choice| choice.alone_to())) {
             let deadline = choice.and_then(|_| self.decider.deadline());
             let leash = Leash { cost, deadline };
             outcome = on_one(question.query(accuracy), want, pairs, leash, |spent, rest| {
@@ -133,7 +129,7 @@ impl Planned {
                 let offer = *offer.get_or_insert_with(|| self.offer(question, want));
                 let next = self.decider.look(&offer, choice.as_ref(), [spent, rest()]);
                 choice = Some(next);
-                until(next)
+                next.alone_to()
             });
         }
         let mut way = choice.map_or(Way::Alone, |choice| choice.way);

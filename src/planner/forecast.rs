@@ -1,6 +1,6 @@
 //! What the next frame will cost.
 
-use super::Look;
+use super::history::Look;
 
 /// A question of fewer box tests is nothing to any way.
 const NOTHING: f64 = 500.0;

@@ -47,7 +47,7 @@ pub use machine::{Device, Machine};
 pub use plan::{Backend, Plan, Reason};
 
 pub(crate) use decider::Decider;
-pub(crate) use history::{Choice, Known, Look, Offer, Way};
+pub(crate) use history::{Known, Offer, Way};
 
 #[cfg(feature = "gpu")]
 use crate::gpu::{self, Gpu};

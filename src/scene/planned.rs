@@ -9,7 +9,7 @@ use super::frame::{Found, Frame};
 #[cfg(feature = "threads")]
 use crate::answer::cost;
 use crate::answer::{End, Leash, Want, alone};
-use crate::planner::{Choice, Decider, Known, Offer, Plan, Planner, Way};
+use crate::planner::{Decider, Known, Offer, Plan, Planner, Way};
 use std::ops::ControlFlow;
 
 #[derive(Clone, Debug)]
@@ -89,11 +89,7 @@ impl Planned {
         let accuracy = self.decider.accuracy(frame.accuracy);
         let frame = &frame.with_accuracy(accuracy);
         let mut outcome = None;
-        let until = |choice: Choice| match choice.way {
-            Way::Alone => Some(choice.alone_until.unwrap_or(f64::INFINITY)),
-            _ => choice.alone_until,
-        };
-        if let Some(cost) = begin.or(choice.and_then(until)) {
+        if let Some(cost) = begin.or(choice.and_then(|choice| choice.alone_to())) {
             let deadline = choice.and_then(|_| self.decider.deadline());
             let leash = Leash { cost, deadline };
             let alone = on_one(frame, want, hits, leash, |spent, rest| {
@@ -103,7 +99,7 @@ impl Planned {
                 let offer = *offer.get_or_insert_with(|| self.offer(frame));
                 let next = self.decider.look(&offer, choice.as_ref(), [spent, rest()]);
                 choice = Some(next);
-                until(next)
+                next.alone_to()
             });
             match alone.end {
                 End::Outgrown => hits.clear(),

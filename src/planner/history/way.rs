@@ -82,6 +82,12 @@ impl Choice {
         }
     }
 
+    /// The cost up to which the calling thread goes on, if it is to at all.
+    pub(crate) fn alone_to(&self) -> Option<f64> {
+        let end = (self.way == Way::Alone).then_some(f64::INFINITY);
+        self.alone_until.or(end)
+    }
+
     /// What it will take, in nanoseconds, if that is known.
     pub(crate) fn time(&self) -> Option<f64> {
         self.times[self.way.family()]
