@@ -6,10 +6,12 @@ use crate::engine::Tally;
 /// How a fixed plan did.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// The median over rounds.
+    /// Medians over rounds.
     Took {
         /// All frames.
         seconds: f64,
+        /// What the planner took over what this took in the same round.
+        planner: f64,
     },
     /// In the first round, by when it was more than [`super::HOPELESS`] times as slow as the best.
     Hopeless {
@@ -25,6 +27,8 @@ pub enum Outcome {
     },
 }
 
+static NONE: Outcome = Outcome::Refused { why: String::new() };
+
 impl Outcome {
     pub(super) fn is_timed(&self) -> bool {
         matches!(self, Self::Took { .. })
@@ -34,8 +38,17 @@ impl Outcome {
     #[must_use]
     pub fn seconds(&self) -> f64 {
         match self {
-            Self::Took { seconds } => *seconds,
+            Self::Took { seconds, .. } => *seconds,
             Self::Hopeless { .. } | Self::Refused { .. } => f64::INFINITY,
+        }
+    }
+
+    /// What the planner took over what this took; nothing where they were not all played.
+    #[must_use]
+    pub fn planner(&self) -> f64 {
+        match self {
+            Self::Took { planner, .. } => *planner,
+            Self::Hopeless { .. } | Self::Refused { .. } => 0.0,
         }
     }
 }
@@ -63,35 +76,29 @@ pub struct Row {
     pub planner: f64,
     /// What was chosen, once everything was warm.
     pub tally: Tally,
-    /// The fixed plan that played twice in each round, and how long it took the second time.
-    pub twin: (usize, f64),
+    /// By how much the fixed plan that played twice in each round took longer than itself, as a share; less than
+    /// nothing if it took less.
+    pub noise: f64,
 }
 
 impl Row {
-    /// The best fixed plan, and its time.
+    /// The fixed plan over which the planner took longest.
     #[must_use]
-    pub fn best(&self) -> (&str, f64) {
-        let times = self.fixed.iter().map(|(name, outcome)| (&**name, outcome.seconds()));
-        times.min_by(|x, y| x.1.total_cmp(&y.1)).unwrap_or(("none", f64::INFINITY))
+    pub fn best(&self) -> (&str, &Outcome) {
+        let all = self.fixed.iter().map(|(name, outcome)| (&**name, outcome));
+        all.max_by(|x, y| x.1.planner().total_cmp(&y.1.planner())).unwrap_or(("none", &NONE))
     }
 
     /// By how much the planner took longer than the best fixed plan, as a share of that.
     #[must_use]
     pub fn regret(&self) -> f64 {
-        self.planner / self.best().1 - 1.0
+        self.best().1.planner() - 1.0
     }
 
     /// The planner's time over that of one thread.
     #[must_use]
     pub fn to_sequential(&self) -> f64 {
-        self.planner / self.fixed.first().map_or(f64::INFINITY, |(_, outcome)| outcome.seconds())
-    }
-
-    /// By how much a fixed plan took longer than itself, as a share; less than nothing if it took less.
-    #[must_use]
-    pub fn noise(&self) -> f64 {
-        let (lane, again) = self.twin;
-        again / self.fixed.get(lane).map_or(f64::INFINITY, |(_, outcome)| outcome.seconds()) - 1.0
+        self.fixed.first().map_or(0.0, |(_, outcome)| outcome.planner())
     }
 }
 
@@ -125,7 +132,7 @@ impl Summary {
             values.sort_by(f64::total_cmp);
             values
         };
-        let (regrets, noises) = (all(Row::regret), all(|row| row.noise().abs()));
+        let (regrets, noises) = (all(Row::regret), all(|row| row.noise.abs()));
         Self {
             cases: rows.len(),
             mean: mean(&regrets),
@@ -153,8 +160,8 @@ fn quantile(ascending: &[f64], q: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn row(sequential: f64, threads: Outcome, planner: f64, twin: f64) -> Row {
-        let fixed = [("sequential", Outcome::Took { seconds: sequential }), ("2 threads", threads)];
+    fn row(sequential: Outcome, threads: Outcome, noise: f64) -> Row {
+        let fixed = [("sequential", sequential), ("2 threads", threads)];
         Row {
             name: String::new(),
             class: String::new(),
@@ -164,24 +171,28 @@ mod tests {
             verb: Verb::All,
             rounds: 1,
             fixed: fixed.map(|(name, outcome)| (name.to_owned(), outcome)).into(),
-            planner,
+            planner: 3.0,
             tally: Tally::default(),
-            twin: (0, twin),
+            noise,
         }
     }
 
     #[test]
     fn regret_is_against_the_best_that_was_played_to_the_end() {
+        let took = |planner: f64| Outcome::Took { seconds: 3.0 / planner, planner };
         let hopeless = Outcome::Hopeless { seconds: 0.5, frames: 1 };
-        let alone = row(2.0, hopeless, 3.0, 2.5);
-        assert_eq!((alone.best(), alone.regret()), (("sequential", 2.0), 0.5));
-        assert_eq!((alone.to_sequential(), alone.noise()), (1.5, 0.25));
-        let both = row(2.0, Outcome::Took { seconds: 1.0 }, 1.1, 1.0);
-        assert!((both.regret() - 0.1).abs() < 1e-12 && both.to_sequential() == 0.55);
-        assert_eq!(both.noise(), -0.5);
+        let alone = row(took(1.5), hopeless, 0.25);
+        assert_eq!(
+            (alone.best().0, alone.regret(), alone.to_sequential()),
+            ("sequential", 0.5, 1.5)
+        );
+        let both = row(took(0.5), took(1.125), -0.5);
+        assert_eq!((both.best().0, both.regret(), both.to_sequential()), ("2 threads", 0.125, 0.5));
         let summary = Summary::of(&[alone, both]);
-        assert!((summary.mean - 0.3).abs() < 1e-12);
-        assert_eq!((summary.p95, summary.to_sequential, summary.noise), (0.5, 1.5, 0.375));
+        assert_eq!((summary.mean, summary.p95), (0.3125, 0.5));
+        assert_eq!((summary.to_sequential, summary.noise), (1.5, 0.375));
+        let nobody = Row { fixed: Vec::new(), ..row(took(1.0), took(1.0), 0.0) };
+        assert_eq!((nobody.best().0, nobody.to_sequential()), ("none", 0.0));
     }
 
     #[test]

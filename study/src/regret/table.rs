@@ -26,18 +26,18 @@ impl fmt::Display for Row {
         let class: String = self.class.chars().take(CLASS).collect();
         write!(f, "{:<9} {class:<CLASS$} {:>9} ", self.name, self.triangles)?;
         write!(f, "{:>6} {:>6} {:<5}", self.bodies, self.frames, self.verb.name())?;
-        let best = self.best().1;
-        for (_, outcome) in &self.fixed {
+        let best = self.best().0;
+        for (name, outcome) in &self.fixed {
             let cell = match outcome {
-                Outcome::Took { seconds } if *seconds == best => format!("*{}", time(*seconds)),
-                Outcome::Took { seconds } => time(*seconds),
+                Outcome::Took { seconds, .. } if name == best => format!("*{}", time(*seconds)),
+                Outcome::Took { seconds, .. } => time(*seconds),
                 Outcome::Hopeless { seconds, .. } => format!(">{}", time(*seconds)),
                 Outcome::Refused { .. } => "-".to_owned(),
             };
             write!(f, " {cell:>11}")?;
         }
         write!(f, " {:>11} {:>7.1}%", time(self.planner), 100.0 * self.regret())?;
-        write!(f, " {:>7.2} {:>6.1}%", self.to_sequential(), 100.0 * self.noise())?;
+        write!(f, " {:>7.2} {:>6.1}%", self.to_sequential(), 100.0 * self.noise)?;
         write!(f, "  {}", self.tally.mostly())
     }
 }
@@ -46,7 +46,10 @@ impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
         let Self { cases, mean, mean_loss, p95, to_sequential, noise, noise_p95, deciding } = *self;
-        writeln!(f, "Times of all frames, the median over rounds; * the best fixed plan,")?;
+        writeln!(
+            f,
+            "Times of all frames, the median over rounds, as ratios within one are; * the best fixed plan,"
+        )?;
         writeln!(
             f,
             "> given up by then, as {HOPELESS} times slower; - it cannot do that, or for want of memory."
@@ -99,7 +102,7 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
             row.rounds.to_string(),
         ];
         line.extend(row.fixed.iter().map(|(_, outcome)| match outcome {
-            Outcome::Took { seconds } => format!("{:.6}", 1e3 * seconds),
+            Outcome::Took { seconds, .. } => format!("{:.6}", 1e3 * seconds),
             Outcome::Hopeless { .. } | Outcome::Refused { .. } => String::new(),
         }));
         line.extend([
@@ -107,7 +110,7 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
             row.best().0.to_owned(),
             format!("{:.4}", row.regret()),
             format!("{:.4}", row.to_sequential()),
-            format!("{:.4}", row.noise()),
+            format!("{:.4}", row.noise),
             row.tally.changes.to_string(),
             format!("{:.4}", row.tally.deciding()),
         ]);
