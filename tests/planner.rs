@@ -5,6 +5,8 @@
 use pfront::planner::{Backend, Concession, Limits, Machine, Planner, Reason};
 use pfront::{Accuracy, BodyId, Model, PairQuery, Pose, SceneHit, SceneQuery, SelfQuery};
 use pfront_scenes::{Scene, icosphere};
+use std::collections::HashSet;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -36,6 +38,7 @@ mod gpu {
     /// One that has reason to believe its adapter to be faster than anything.
     pub(crate) fn planner() -> Planner {
         let gpu = Gpu::new().unwrap();
+        gpu.warm_up().unwrap();
         let mut machine = eager().measure_gpu(&gpu).unwrap();
         let device = machine.device.as_mut().unwrap();
         (device.question, device.test) = (1.0, 1e-6);
@@ -150,18 +153,19 @@ fn by_place(ids: &[BodyId], hits: &[SceneHit]) -> Vec<([usize; 2], [u32; 2])> {
 
 #[test]
 fn a_scene_is_the_same() {
-    let ball = Arc::new(model(&icosphere(320)));
+    let ball = Arc::new(model(&icosphere(1280)));
     let at = |i: usize, frame: usize| {
         let turn = 0.02 * frame as f32 * (i % 3) as f32;
         Pose::from_translation([1.6 * (i % 5) as f32 + turn, 1.7 * (i / 5) as f32, 0.3 * turn])
     };
+    let mut backends = HashSet::new();
     for planner in planners() {
         let mut scenes = [SceneQuery::new().with_planner(planner), SceneQuery::new()];
         let mut ids = [Vec::new(), Vec::new()];
         for (scene, ids) in scenes.iter_mut().zip(&mut ids) {
             ids.extend((0..20).map(|i| scene.add(ball.clone(), at(i, 0)).unwrap()));
         }
-        for frame in 0..24 {
+        for frame in 0..32 {
             for (scene, ids) in scenes.iter_mut().zip(&mut ids) {
                 for i in (0..ids.len()).filter(|i| (i + frame) % 4 == 0) {
                     scene.set_pose(ids[i], at(i, frame)).unwrap();
@@ -182,10 +186,31 @@ fn a_scene_is_the_same() {
                 assert_eq!(planned.count().unwrap(), truth.len() as u64, "{frame}");
                 assert_eq!(planned.any().unwrap().is_some(), !truth.is_empty());
             }
+            if frame % 7 == 6 {
+                // Which needs the broad phase, that some frames may have gone without.
+                let mut visited = Vec::new();
+                let end = planned.visit(|hit| {
+                    visited.push(hit);
+                    ControlFlow::Continue(())
+                });
+                visited.sort_unstable();
+                assert_eq!(
+                    (by_place(&ids[0], &visited), end.unwrap().is_continue()),
+                    (truth.clone(), true)
+                );
+            }
             assert_eq!(by_place(&ids[0], planned.all().unwrap()), truth, "{frame}");
+            backends.insert(planned.plan().unwrap().backend.to_string());
             assert_eq!(by_place(&ids[0], planned.all().unwrap()), truth, "{frame}, kept");
         }
     }
+    let ways = [
+        "one thread",
+        "threads",
+        #[cfg(feature = "gpu")]
+        "GPU",
+    ];
+    assert!(ways.iter().all(|way| backends.iter().any(|name| name.contains(way))), "{backends:?}");
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::planner::{Decider, Known, Offer, Plan, Planner, Way};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use crate::{Accuracy, Adjacency, Error, Model};
-use pfront_core::query::TrianglePair;
+use pfront_core::query::{Query, TrianglePair};
 use std::time::{Duration, Instant};
 
 /// Who answers, and what is known to decide that.
@@ -74,7 +74,8 @@ impl Planned {
         let upkeep = self.refit.map_or(guess, |refit| refit.as_secs_f64() * 1e9);
         let question = OfOne { model, adjacency, accuracy };
         // It will be asked what was asked last.
-        let offer = Offer { upkeep, moves: true, ..self.offer(&question, self.last) };
+        let offer = self.offer(&question, self.last);
+        let offer = Offer { upkeep: upkeep + offer.upkeep, moves: true, ..offer };
         let on_gpu = self.decider.look_ahead(&offer).way == Way::Gpu;
         let moved = match on_gpu {
             true => model.set_positions_unfitted(positions),
@@ -108,9 +109,8 @@ impl Planned {
         self.last = want;
         self.decider.start_asking(want == Want::Any);
         let is_large = self.decider.is_large();
-        let guess = question.guess().filter(|_| want != Want::Any);
         let size = if is_large { question.size() } else { None };
-        let begin = self.decider.begin(Known { until_first: want == Want::Any, guess, size });
+        let begin = self.decider.begin(Known { size, ..Self::known(question, want) });
         let (mut offer, mut choice) = (None, None);
         if begin.is_none() {
             self.decider.clock(0.0);
@@ -122,7 +122,8 @@ impl Planned {
         if let Some(cost) = begin.or(choice.and_then(|choice| choice.alone_to())) {
             let deadline = choice.and_then(|_| self.decider.deadline());
             let leash = Leash { cost, deadline };
-            outcome = on_one(question.query(accuracy), want, pairs, leash, |spent, rest| {
+            let query = self.query(question, accuracy);
+            outcome = on_one(query, want, pairs, leash, |spent, rest| {
                 if let Some(until) = self.decider.mark(spent) {
                     return Some(until);
                 }
@@ -173,7 +174,7 @@ impl Planned {
                 }
             }
         }
-        let query = question.query(accuracy);
+        let query = self.query(question, accuracy);
         match *way {
             #[cfg(feature = "threads")]
             Way::Threads(workers) | Way::Both(workers, _) => {
@@ -205,6 +206,25 @@ impl Planned {
         }
     }
 
+    /// What the CPU walks. To make what it lacks is no part of what the answer takes.
+    fn query<'q, Q: Question>(
+        &mut self,
+        question: &'q Q,
+        accuracy: Accuracy,
+    ) -> impl Query + Sync + use<'q, Q> {
+        let is_unmade = question.unmade() > 0.0;
+        let query = question.query(accuracy);
+        if is_unmade {
+            self.decider.made();
+        }
+        query
+    }
+
+    /// What is known of a question without looking for its size.
+    fn known(question: &impl Question, want: Want) -> Known {
+        Known { until_first: want == Want::Any, guess: question.guess(), size: None }
+    }
+
     /// Which ways there are for a question.
     fn offer(&self, question: &impl Question, want: Want) -> Offer {
         let (gpu, gpu_upkeep) = self.gpu(question);
@@ -215,11 +235,10 @@ impl Planned {
             gpu,
             gpu_upkeep,
             both: gpu.is_some() && cfg!(feature = "threads") && want == Want::All && !may_be_late,
-            guess: question.guess().filter(|_| want != Want::Any),
-            size: question.size(),
+            known: Known { size: question.size(), ..Self::known(question, want) },
             moves: false,
             queries: 1,
-            upkeep: 0.0,
+            upkeep: question.unmade(),
         }
     }
 

@@ -7,6 +7,8 @@ use pfront_core::query::Query;
 
 /// What a mesh that hardly meets itself costs for each triangle, in box tests: its neighbours.
 const PER_TRIANGLE: f64 = 40.0;
+/// To make the fans takes so many nanoseconds a triangle.
+const FANS: f64 = 80.0;
 /// No more pairs of triangles than this are small change.
 const SMALL: usize = 256;
 
@@ -23,6 +25,9 @@ pub(crate) trait Question {
 
     /// How large it is, to compare it with others of its kind, if that takes little time to know.
     fn size(&self) -> Option<f64>;
+
+    /// What the CPU has to make before it can be asked for the first time, in nanoseconds.
+    fn unmade(&self) -> f64;
 
     /// What an answer is about: the same one is true of whatever is equal.
     fn subject(&self) -> Subject;
@@ -92,6 +97,10 @@ impl Question for OfTwo<'_> {
         self.query.root().map(|root| Estimate::default().cost(&self.query, root).sqrt())
     }
 
+    fn unmade(&self) -> f64 {
+        0.0
+    }
+
     fn subject(&self) -> Subject {
         Subject {
             models: self.models.map(Model::stamp),
@@ -137,6 +146,10 @@ impl Question for OfOne<'_> {
 
     fn size(&self) -> Option<f64> {
         None
+    }
+
+    fn unmade(&self) -> f64 {
+        if self.model.has_fans() { 0.0 } else { FANS * self.model.mesh().triangles().len() as f64 }
     }
 
     fn subject(&self) -> Subject {

@@ -141,6 +141,11 @@ impl Model {
         self.fans.get(|fans| fans.renew(mesh, &self.moves), || Fans::new(mesh)).as_slice()
     }
 
+    /// Whether the fans are made, up to date or not.
+    pub(crate) fn has_fans(&self) -> bool {
+        self.fans.map(|_| ()).is_some()
+    }
+
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
     /// changed, in O(n); `None` if there is no triangle.
     ///

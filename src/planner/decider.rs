@@ -24,6 +24,8 @@ pub(crate) struct Decider {
     next_look: Option<f64>,
     /// The first look at a question that was begun alone.
     looked: Option<Look>,
+    /// Nanoseconds of a box test, as of the last look.
+    pace: Option<f64>,
     /// The last frame that was worth a look at the clock, ...
     last: Option<Last>,
     /// ... unless there was another one since.
@@ -51,6 +53,7 @@ impl Decider {
             prepared: Duration::ZERO,
             next_look: None,
             looked: None,
+            pace: None,
             last: None,
             untimed: None,
             failure: None,
@@ -86,6 +89,11 @@ impl Decider {
         choice
     }
 
+    /// Whether the last question of this kind was answered by a GPU, and the next one may be as well.
+    pub(crate) fn is_on_gpu(&self) -> bool {
+        self.planner.limits().time.is_none() && self.histories[self.asked].is_on_gpu()
+    }
+
     pub(crate) fn prepared(&mut self, took: Duration) {
         self.prepared = took;
     }
@@ -102,7 +110,7 @@ impl Decider {
 
     /// The cost up to which it is begun alone, with no thought.
     pub(crate) fn begin(&mut self, known: Known) -> Option<f64> {
-        (self.looked, self.next_look) = (None, None);
+        (self.looked, self.pace, self.next_look) = (None, None, None);
         if self.ahead.is_some() || self.planner.limits().time.is_some() {
             return None;
         }
@@ -186,6 +194,11 @@ impl Decider {
         choice
     }
 
+    /// All up to now was done for this question and others to come.
+    pub(crate) fn made(&mut self) {
+        self.clock.lose();
+    }
+
     /// Decides about what was begun alone and is not over, after `choice` if there was one.
     pub(crate) fn look(
         &mut self,
@@ -209,6 +222,7 @@ impl Decider {
             self.clock.lose();
         }
         self.looked.get_or_insert(look);
+        self.pace = look.nanoseconds.map(|took| took / spent.max(1.0));
         let conceded = choice.and(self.last).and_then(|last| last.concession);
         self.note(next, reason, conceded);
         next
@@ -239,6 +253,7 @@ impl Decider {
             gpu_upkeep: self.last.map_or(0.0, |last| last.choice.gpu_upkeep),
             size: self.last.and_then(|last| last.choice.size),
             look: self.looked,
+            pace: self.pace,
             cost,
             leaf_pairs,
         };

@@ -1,13 +1,15 @@
 //! Who asks: the calling thread, several, or whoever a planner picks.
 
 use super::SceneHit;
+use super::bodies::{Bodies, BodyId};
+use super::broad::Broad;
 #[cfg(feature = "threads")]
 use super::crew::Crew;
-use super::frame::{Found, Frame};
+use super::frame::{Found, Frame, Given};
 use super::planned::Planned;
 use crate::answer::Want;
-use crate::{Error, Model};
-use pfront_core::query::Query;
+use crate::{Accuracy, Error, Model};
+use pfront_core::query::{PairQuery, Query};
 use std::ops::ControlFlow;
 
 #[derive(Clone, Debug, Default)]
@@ -20,50 +22,36 @@ pub(super) enum Asker {
 }
 
 impl Asker {
-    /// All hits, in order, into an empty list.
-    pub(super) fn all(&mut self, frame: &Frame<'_>, hits: &mut Vec<SceneHit>) -> Found<()> {
+    /// Answers with no broad phase; into `hits`, which are empty, if all are wanted. `None` if it needs one.
+    pub(super) fn ask_ahead(
+        &mut self,
+        accuracy: Accuracy,
+        bodies: &Bodies,
+        want: Want,
+        hits: &mut Vec<SceneHit>,
+    ) -> Option<Given> {
         match self {
-            Self::Alone => {
-                for (bodies, query) in frame.queries() {
-                    let first = hits.len();
-                    let _ = query.visit(&mut query.start(), |pair| {
-                        hits.push(SceneHit { bodies, pair });
-                        ControlFlow::Continue(())
-                    });
-                    hits[first..].sort_unstable();
-                }
-            }
-            #[cfg(feature = "threads")]
-            Self::Crew(crew) => crew.all(frame, hits),
-            Self::Planned(planned) => return planned.ask(frame, Want::All, hits).map(|_| ()),
-        }
-        Found::New(())
-    }
-
-    pub(super) fn any(&mut self, frame: &Frame<'_>) -> Option<SceneHit> {
-        match self {
-            Self::Alone => {
-                let mut found = frame.queries().filter_map(|(bodies, query)| {
-                    let pair = query.any()?;
-                    Some(SceneHit { bodies, pair })
-                });
-                found.next()
-            }
-            #[cfg(feature = "threads")]
-            Self::Crew(crew) => crew.any(frame),
-            Self::Planned(planned) => planned.ask(frame, Want::Any, &mut Vec::new()).get().first,
+            Self::Planned(planned) => planned.ask_ahead(accuracy, bodies, want, hits),
+            _ => None,
         }
     }
 
-    pub(super) fn count(&mut self, frame: &Frame<'_>) -> Found<u64> {
-        Found::New(match self {
-            Self::Alone => frame.queries().map(|(_, query)| query.count()).sum(),
+    /// Brings the broad phase up to date.
+    pub(super) fn update(&mut self, broad: &mut Broad, bodies: &mut Bodies) -> Result<(), Error> {
+        match self {
+            Self::Planned(planned) => planned.update(broad, bodies),
+            _ => broad.update(bodies),
+        }
+    }
+
+    /// Answers; into `hits`, which are empty, if all are wanted.
+    pub(super) fn ask(&mut self, frame: &Frame<'_>, want: Want, hits: &mut Vec<SceneHit>) -> Found {
+        match self {
+            Self::Alone => Found::New(alone(frame, want, hits)),
             #[cfg(feature = "threads")]
-            Self::Crew(crew) => crew.count(frame),
-            Self::Planned(planned) => {
-                return planned.ask(frame, Want::Count, &mut Vec::new()).map(|given| given.count);
-            }
-        })
+            Self::Crew(crew) => Found::New(crew.ask(frame, want, hits)),
+            Self::Planned(planned) => planned.ask(frame, want, hits),
+        }
     }
 
     pub(super) fn set_positions(
@@ -98,6 +86,32 @@ impl Asker {
     pub(super) fn keep(&mut self) {
         if let Self::Planned(planned) = self {
             planned.keep();
+        }
+    }
+}
+
+fn alone(frame: &Frame<'_>, want: Want, hits: &mut Vec<SceneHit>) -> Given {
+    match want {
+        Want::All => {
+            for (bodies, query) in frame.queries() {
+                let first = hits.len();
+                let _ = query.visit(&mut query.start(), |pair| {
+                    hits.push(SceneHit { bodies, pair });
+                    ControlFlow::Continue(())
+                });
+                hits[first..].sort_unstable();
+            }
+            Given { count: hits.len() as u64, first: hits.first().copied() }
+        }
+        Want::Count => {
+            Given { count: frame.queries().map(|(_, query)| query.count()).sum(), first: None }
+        }
+        Want::Any => {
+            let hit = |(bodies, query): ([BodyId; 2], PairQuery<'_>)| {
+                Some(SceneHit { bodies, pair: query.any()? })
+            };
+            let first = frame.queries().find_map(hit);
+            Given { count: u64::from(first.is_some()), first }
         }
     }
 }

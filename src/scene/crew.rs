@@ -1,7 +1,8 @@
 //! A scene on several threads.
 
-use super::frame::Frame;
+use super::frame::{Frame, Given};
 use super::{BodyId, SceneHit};
+use crate::answer::Want;
 use crate::threads::{Hit, Report, Traversal};
 use crate::{Error, Model};
 use pfront_core::query::PairQuery;
@@ -36,24 +37,29 @@ impl Crew {
         self.traversal.install(|| model.set_positions_with_threads(positions))
     }
 
-    pub(super) fn all(&mut self, frame: &Frame<'_>, hits: &mut Vec<SceneHit>) {
-        let mut found = std::mem::take(&mut self.found);
-        self.ask(frame, |traversal, queries| traversal.all_of(queries, &mut found));
-        hits.extend(found.iter().map(|&hit| self.hit(hit)));
-        self.found = found;
-    }
-
-    pub(super) fn any(&mut self, frame: &Frame<'_>) -> Option<SceneHit> {
-        let found = self.ask(frame, |traversal, queries| traversal.any_of(queries));
-        found.map(|hit| self.hit(hit))
-    }
-
-    pub(super) fn count(&mut self, frame: &Frame<'_>) -> u64 {
-        self.ask(frame, |traversal, queries| traversal.count_of(queries))
+    /// Answers; into `hits`, which are empty, if all are wanted.
+    pub(super) fn ask(&mut self, frame: &Frame<'_>, want: Want, hits: &mut Vec<SceneHit>) -> Given {
+        match want {
+            Want::All => {
+                let mut found = std::mem::take(&mut self.found);
+                self.at_once(frame, |traversal, queries| traversal.all_of(queries, &mut found));
+                hits.extend(found.iter().map(|&hit| self.hit(hit)));
+                self.found = found;
+                Given { count: hits.len() as u64, first: hits.first().copied() }
+            }
+            Want::Count => {
+                let count = self.at_once(frame, |traversal, queries| traversal.count_of(queries));
+                Given { count, first: None }
+            }
+            Want::Any => {
+                let found = self.at_once(frame, |traversal, queries| traversal.any_of(queries));
+                Given { count: u64::from(found.is_some()), first: found.map(|hit| self.hit(hit)) }
+            }
+        }
     }
 
     /// Asks all queries of a frame at once.
-    fn ask<R>(
+    fn at_once<R>(
         &mut self,
         frame: &Frame<'_>,
         verb: impl FnOnce(&mut Traversal, &[PairQuery<'_>]) -> R,

@@ -2,7 +2,7 @@
 
 use super::SceneHit;
 use super::bodies::{Bodies, BodyId};
-use super::planned::Given;
+use super::frame::Given;
 use crate::answer::Want;
 use crate::gpu::{self, Error, Gpu, Settings, Shape};
 use crate::model::{Model, Stamp};

@@ -1,8 +1,8 @@
 //! What has to be asked in a frame.
 
-use super::Accuracy;
 use super::bodies::{Bodies, Body, BodyId};
 use super::broad::{Broad, Places};
+use super::{Accuracy, SceneHit};
 use pfront_core::query::PairQuery;
 
 /// The bodies of a frame, and which of them may meet.
@@ -15,25 +15,25 @@ pub(super) struct Frame<'s> {
     since: Option<u64>,
 }
 
-/// What was found.
-pub(super) enum Found<T> {
-    /// Between bodies of which one has changed.
-    New(T),
-    /// Between all.
-    All(T),
+/// What an answer says, beside the list.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Given {
+    pub(super) count: u64,
+    pub(super) first: Option<SceneHit>,
 }
 
-impl<T> Found<T> {
-    pub(super) fn map<U>(self, of: impl FnOnce(T) -> U) -> Found<U> {
-        match self {
-            Self::New(found) => Found::New(of(found)),
-            Self::All(found) => Found::All(of(found)),
-        }
-    }
+/// What was found.
+pub(super) enum Found {
+    /// Between bodies of which one has changed.
+    New(Given),
+    /// Between all.
+    All(Given),
+}
 
-    pub(super) fn get(&self) -> &T {
-        let (Self::New(found) | Self::All(found)) = self;
-        found
+impl Found {
+    pub(super) fn get(&self) -> &Given {
+        let (Self::New(given) | Self::All(given)) = self;
+        given
     }
 }
 

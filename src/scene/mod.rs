@@ -16,6 +16,7 @@ mod split;
 pub use bodies::{Body, BodyId};
 pub use edit::Piece;
 
+use crate::answer::Want;
 use crate::planner::{Plan, Planner};
 #[cfg(feature = "threads")]
 use crate::threads;
@@ -162,16 +163,14 @@ impl SceneQuery {
     /// # Errors
     /// [`Error::Mesh`] if there are more than 2^31 bodies.
     pub fn all(&mut self) -> Result<&[SceneHit], Error> {
-        let since = self.update()?;
+        let since = self.start();
         if since == self.bodies.time() {
             self.asker.keep();
             return Ok(self.hits.list());
         }
-        let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
-        self.new_hits.clear();
-        match self.asker.all(&frame, &mut self.new_hits) {
-            Found::New(()) => self.hits.complete(&self.new_hits, &self.bodies),
-            Found::All(()) => self.hits.replace(&mut self.new_hits, &self.bodies),
+        match self.ask(since, Want::All)? {
+            Found::New(_) => self.hits.complete(&self.new_hits, &self.bodies),
+            Found::All(_) => self.hits.replace(&mut self.new_hits, &self.bodies),
         }
         if self.asker.has_conceded() {
             self.hits.distrust();
@@ -184,7 +183,7 @@ impl SceneQuery {
     /// # Errors
     /// As [`SceneQuery::all`].
     pub fn any(&mut self) -> Result<Option<SceneHit>, Error> {
-        let since = self.update()?;
+        let since = self.start();
         if let Some(hits) = self.hits.still_true(&self.bodies).next() {
             self.asker.keep();
             return Ok(hits.first().copied());
@@ -193,8 +192,7 @@ impl SceneQuery {
             self.asker.keep();
             return Ok(None);
         }
-        let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
-        Ok(self.asker.any(&frame))
+        Ok(self.ask(since, Want::Any)?.get().first)
     }
 
     /// How many pairs meet.
@@ -202,16 +200,15 @@ impl SceneQuery {
     /// # Errors
     /// As [`SceneQuery::all`].
     pub fn count(&mut self) -> Result<u64, Error> {
-        let since = self.update()?;
+        let since = self.start();
         let kept = self.hits.still_true(&self.bodies).map(|hits| hits.len() as u64).sum::<u64>();
         if since == self.bodies.time() {
             self.asker.keep();
             return Ok(kept);
         }
-        let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
-        Ok(match self.asker.count(&frame) {
-            Found::New(count) => kept + count,
-            Found::All(count) => count,
+        Ok(match self.ask(since, Want::Count)? {
+            Found::New(given) => kept + given.count,
+            Found::All(given) => given.count,
         })
     }
 
@@ -236,10 +233,10 @@ impl SceneQuery {
         &mut self,
         mut visit: impl FnMut(SceneHit) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
-        let since = self.update()?;
-        if since == self.bodies.time() {
+        if self.start() == self.bodies.time() {
             return Ok(self.hits.list().iter().try_for_each(|&hit| visit(hit)));
         }
+        self.asker.update(&mut self.broad, &mut self.bodies)?;
         let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
         let end = frame.queries().try_for_each(|(bodies, query)| {
             query.visit(&mut query.start(), |pair| visit(SceneHit { bodies, pair }))
@@ -275,11 +272,21 @@ impl SceneQuery {
         Ok(self.contacts.list())
     }
 
-    /// Brings the broad phase up to date. Hits are known of the bodies that have not changed since the time
-    /// that is returned.
-    fn update(&mut self) -> Result<u64, Error> {
+    /// Begins a frame. Hits are known of the bodies that have not changed since the time that is returned.
+    fn start(&mut self) -> u64 {
         self.asker.start();
-        self.broad.update(&mut self.bodies)?;
-        Ok(self.hits.at())
+        self.hits.at()
+    }
+
+    /// Asks of the bodies that have changed since then, or of all; lists new hits if all are wanted.
+    fn ask(&mut self, since: u64, want: Want) -> Result<Found, Error> {
+        self.new_hits.clear();
+        let Self { accuracy, bodies, broad, asker, new_hits, .. } = self;
+        if let Some(given) = asker.ask_ahead(*accuracy, bodies, want, new_hits) {
+            return Ok(Found::All(given));
+        }
+        asker.update(broad, bodies)?;
+        let frame = Frame::since(since, *accuracy, bodies, broad);
+        Ok(asker.ask(&frame, want, new_hits))
     }
 }

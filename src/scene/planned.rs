@@ -1,16 +1,20 @@
 //! A scene by a planner.
 
 use super::SceneHit;
+use super::bodies::Bodies;
+use super::broad::Broad;
 #[cfg(feature = "threads")]
 use super::crew::Crew;
 #[cfg(feature = "gpu")]
 use super::device::Device;
-use super::frame::{Found, Frame};
+use super::frame::{Found, Frame, Given};
 #[cfg(feature = "threads")]
 use crate::answer::cost;
 use crate::answer::{End, Leash, Want, alone};
 use crate::planner::{Decider, Known, Offer, Plan, Planner, Way};
+use crate::{Accuracy, Error};
 use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 #[derive(Clone, Debug)]
 pub(super) struct Planned {
@@ -21,18 +25,17 @@ pub(super) struct Planned {
     device: Option<Device>,
     /// The most hits of a frame.
     most: u64,
+    /// Pairs of bodies in the last frame in which they were found, and what it took to find them.
+    queries: usize,
+    broad: Duration,
 }
 
-/// What an answer says, beside the list.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Given {
-    pub(super) count: u64,
-    pub(super) first: Option<SceneHit>,
-}
+/// A broad phase of fewer bodies takes no longer than to look at the clock.
+const CROWD: usize = 64;
 
 /// What one way came to.
 struct Outcome {
-    given: Found<Given>,
+    given: Found,
     cost: Option<f64>,
     leaf_pairs: Option<u32>,
     end: End,
@@ -46,6 +49,8 @@ impl Planned {
             #[cfg(feature = "gpu")]
             device: Device::new(&planner),
             most: 0,
+            queries: 0,
+            broad: Duration::ZERO,
             decider: Decider::new(planner),
         }
     }
@@ -70,20 +75,53 @@ impl Planned {
         self.decider.keep();
     }
 
-    /// Answers; into `hits`, which are empty, if all are wanted.
-    pub(super) fn ask(
+    /// Answers with no broad phase, which a GPU has of its own, if that is where the last frame was answered and
+    /// this one should be; into `hits`, which are empty, if all are wanted.
+    pub(super) fn ask_ahead(
         &mut self,
-        frame: &Frame<'_>,
+        accuracy: Accuracy,
+        bodies: &Bodies,
         want: Want,
         hits: &mut Vec<SceneHit>,
-    ) -> Found<Given> {
+    ) -> Option<Given> {
         self.decider.ask(want == Want::Any);
-        let size = Some(frame.len() as f64);
-        let begin = self.decider.begin(Known { until_first: want == Want::Any, guess: None, size });
+        if !self.decider.is_on_gpu() {
+            return None;
+        }
+        let known = Known { until_first: want == Want::Any, ..Known::default() };
+        let offer = self.offer(accuracy, bodies, known);
+        if self.decider.look_ahead(&offer).way != Way::Gpu {
+            return None;
+        }
+        self.decider.clock(0.0);
+        self.decider.choose(&offer);
+        let (given, leaf_pairs) = self.ask_gpu(bodies, want, hits).ok()?;
+        self.decider.end(Way::Gpu, None, Some(leaf_pairs));
+        Some(given)
+    }
+
+    /// Brings the broad phase up to date.
+    pub(super) fn update(&mut self, broad: &mut Broad, bodies: &mut Bodies) -> Result<(), Error> {
+        if bodies.len() < CROWD || !self.has_gpu() {
+            return broad.update(bodies);
+        }
+        let clock = Instant::now();
+        let updated = broad.update(bodies);
+        self.broad = clock.elapsed();
+        updated
+    }
+
+    /// Answers; into `hits`, which are empty, if all are wanted.
+    pub(super) fn ask(&mut self, frame: &Frame<'_>, want: Want, hits: &mut Vec<SceneHit>) -> Found {
+        self.decider.ask(want == Want::Any);
+        self.queries = frame.len();
+        let size = Some(self.queries as f64);
+        let known = Known { until_first: want == Want::Any, guess: None, size };
+        let begin = self.decider.begin(known);
         let (mut offer, mut choice) = (None, None);
         if begin.is_none() {
             self.decider.clock(0.0);
-            let asked = offer.insert(self.offer(frame));
+            let asked = offer.insert(self.offer(frame.accuracy, frame.bodies, known));
             choice = Some(self.decider.choose(asked));
         }
         let accuracy = self.decider.accuracy(frame.accuracy);
@@ -96,7 +134,8 @@ impl Planned {
                 if let Some(until) = self.decider.mark(spent) {
                     return Some(until);
                 }
-                let offer = *offer.get_or_insert_with(|| self.offer(frame));
+                let offer =
+                    *offer.get_or_insert_with(|| self.offer(frame.accuracy, frame.bodies, known));
                 let next = self.decider.look(&offer, choice.as_ref(), [spent, rest()]);
                 choice = Some(next);
                 next.alone_to()
@@ -131,19 +170,14 @@ impl Planned {
         hits: &mut Vec<SceneHit>,
         way: &mut Way,
     ) -> Outcome {
-        #[cfg(feature = "gpu")]
-        if let (Way::Gpu, Some(device)) = (*way, &mut self.device) {
-            match device.ask(frame.bodies, want, hits) {
+        if *way == Way::Gpu {
+            match self.ask_gpu(frame.bodies, want, hits) {
                 Ok((given, leaf_pairs)) => {
                     let given = Found::All(given);
                     let end = End::Complete;
                     return Outcome { given, cost: None, leaf_pairs: Some(leaf_pairs), end };
                 }
-                Err(error) => {
-                    self.device = None;
-                    hits.clear();
-                    *way = self.decider.gpu_failed(&error);
-                }
+                Err(instead) => *way = instead,
             }
         }
         match *way {
@@ -168,54 +202,73 @@ impl Planned {
         let crew = self.crew.get_or_insert_with(|| Crew::new(planner.traversal(workers)));
         crew.traversal.set_workers(workers as usize);
         crew.traversal.set_deadline(self.decider.deadline());
-        let given = match want {
-            Want::All => {
-                crew.all(frame, hits);
-                Given { count: hits.len() as u64, first: hits.first().copied() }
-            }
-            Want::Count => Given { count: crew.count(frame), first: None },
-            Want::Any => {
-                let first = crew.any(frame);
-                Given { count: u64::from(first.is_some()), first }
-            }
-        };
+        let given = crew.ask(frame, want, hits);
         let report = crew.report();
         let end = if report.late { End::Late } else { End::Complete };
         Outcome { given: Found::New(given), cost: Some(cost(report.work())), leaf_pairs: None, end }
     }
 
+    /// Asks the GPU; says who else is to be asked if that fails.
+    #[cfg(feature = "gpu")]
+    fn ask_gpu(
+        &mut self,
+        bodies: &Bodies,
+        want: Want,
+        hits: &mut Vec<SceneHit>,
+    ) -> Result<(Given, u32), Way> {
+        let device = self.device.as_mut().ok_or(Way::Alone)?;
+        device.ask(bodies, want, hits).map_err(|error| {
+            self.device = None;
+            hits.clear();
+            self.decider.gpu_failed(&error)
+        })
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn ask_gpu(&mut self, _: &Bodies, _: Want, _: &mut Vec<SceneHit>) -> Result<(Given, u32), Way> {
+        Err(Way::Alone)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn has_gpu(&self) -> bool {
+        self.device.is_some()
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn has_gpu(&self) -> bool {
+        false
+    }
+
     /// Which ways there are.
-    fn offer(&self, frame: &Frame<'_>) -> Offer {
-        let (gpu, gpu_upkeep) = self.gpu(frame);
-        let queries = frame.len();
+    fn offer(&self, accuracy: Accuracy, bodies: &Bodies, known: Known) -> Offer {
+        let (gpu, gpu_upkeep) = self.gpu(accuracy, bodies);
         Offer {
             threads: self.decider.planner().threads(self.most),
             gpu,
             gpu_upkeep,
             both: false,
-            guess: None,
-            size: Some(queries as f64),
+            known,
             moves: false,
-            queries,
-            upkeep: 0.0,
+            queries: self.queries,
+            upkeep: self.broad.as_secs_f64() * 1e9,
         }
     }
 
     /// What has to be brought to the GPU first, and what it has to do in each frame.
     #[cfg(feature = "gpu")]
-    fn gpu(&self, frame: &Frame<'_>) -> (Option<f64>, f64) {
+    fn gpu(&self, accuracy: Accuracy, bodies: &Bodies) -> (Option<f64>, f64) {
         let planner = self.decider.planner();
         match &self.device {
-            Some(device) if frame.accuracy == crate::Accuracy::Exact => {
-                let upload = planner.upload(device.owed(frame.bodies));
-                (upload, device.upkeep(frame.bodies, planner))
+            Some(device) if accuracy == Accuracy::Exact => {
+                let upload = planner.upload(device.owed(bodies));
+                (upload, device.upkeep(bodies, planner))
             }
             _ => (None, 0.0),
         }
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn gpu(&self, _: &Frame<'_>) -> (Option<f64>, f64) {
+    fn gpu(&self, _: Accuracy, _: &Bodies) -> (Option<f64>, f64) {
         (None, 0.0)
     }
 }

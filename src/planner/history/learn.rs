@@ -65,6 +65,7 @@ impl History {
         }
         let Some(cost) = cost.or(before) else { return };
         self.learn_at_once(machine, cost);
+        self.begun = frame.pace.or(self.begun);
         let upkeep = if way == Way::Gpu { frame.gpu_upkeep } else { 0.0 };
         let predicted = predicted(machine, way, cost) + upkeep;
         if predicted < TELLING {

@@ -68,6 +68,8 @@ pub(crate) struct History {
     /// Frames since the way was changed.
     stay: u32,
     forecast: Forecast,
+    /// Nanoseconds of a box test on the calling thread, as long as that was only seen to begin.
+    begun: Option<f64>,
     /// What it would have saved to call in others at once, where nothing is known of a frame, in nanoseconds of
     /// one on average.
     at_once: f64,
@@ -87,6 +89,7 @@ impl Default for History {
             current: None,
             stay: 0,
             forecast: Forecast::default(),
+            begun: None,
             at_once: 0.0,
             frames: 0,
             per_leaf_pair: None,
@@ -102,16 +105,20 @@ impl History {
         let question = machine.device.as_ref().map_or(f64::INFINITY, |device| device.question);
         let others = if machine.threads > 1 { machine.fork } else { TELLING };
         let most = others.min(question).max(TELLING) / machine.test;
-        match self.forecast.cost(known.size).or(known.guess) {
+        match self.forecast.cost(known.size).or(known.expected()) {
             Some(expected) if !self.forecast.is_jumpy() => {
                 let is_brief = BRIEF * expected <= most;
                 is_brief.then_some(Begin { until: most, is_timed: false })
             }
-            // However much there is, the first pair may be near.
             _ if known.until_first => Some(Begin { until: PATIENCE * most, is_timed: true }),
             Some(_) if self.at_once > 0.0 => None,
             _ => Some(Begin { until: LOOK * most, is_timed: true }),
         }
+    }
+
+    /// Whether the last question was answered by a GPU.
+    pub(crate) fn is_on_gpu(&self) -> bool {
+        self.current == Some(GPU)
     }
 
     /// Whether the last question was large enough to compare sizes.
@@ -121,12 +128,15 @@ impl History {
 
     /// Decides.
     pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer) -> Choice {
-        let expected = self.forecast.cost(offer.size).or(offer.guess);
+        let expected = self.forecast.cost(offer.known.size).or(offer.known.expected());
         let alone = Choice { expected, ..Choice::alone(offer) };
         if offer.threads <= 1 && offer.gpu.is_none() {
             return alone;
         }
         let Some(cost) = expected else {
+            if let Some(times) = self.surely_gpu(machine, offer) {
+                return Choice { way: Way::Gpu, times, ..alone };
+            }
             let look = LOOK * machine.fork / machine.test;
             return Choice { alone_until: Some(look), ..alone };
         };
@@ -142,6 +152,13 @@ impl History {
             _ => None,
         };
         Choice { way, alone_until, times, is_best: family == best, ..alone }
+    }
+
+    /// What it takes, if a GPU that finds everything is faster than threads that need not even begin.
+    fn surely_gpu(&self, machine: &Machine, offer: &Offer) -> Option<[Option<f64>; WAYS]> {
+        let (Some(all), Some(device)) = (offer.known.guess, &machine.device) else { return None };
+        let gpu = device.ask(all) + offer.gpu_upkeep + offer.gpu? / self.horizon(offer);
+        (gpu < offer.upkeep).then_some([Some(offer.upkeep), None, Some(gpu), None])
     }
 
     /// Decides about the rest of a question that was begun alone.
@@ -177,8 +194,8 @@ impl History {
         let Some((current, now)) = self.current.and_then(|way| Some((way, times[way]?))) else {
             return least(&self.with_upload(times, offer));
         };
-        // One frame is no trial, of whom has to be woken first.
-        let is_first = current != ALONE && self.ways[current].ratio.frames == 1;
+        // One frame is no trial of a GPU that had to be made ready first.
+        let is_first = current >= GPU && self.ways[current].ratio.frames == 1;
         if is_first && now < HOPELESS * times[best].unwrap_or(now) {
             return current;
         }

@@ -1,7 +1,7 @@
 //! What a question takes each way.
 
 use super::way::{ALONE, BOTH, GPU, THREADS, WAYS};
-use super::{History, OTHER_NUMBER, Offer, SHORT, UNTRIED, Way, slot};
+use super::{History, OTHER_NUMBER, Offer, PACE, SHORT, UNTRIED, Way, slot};
 use crate::planner::Machine;
 use crate::planner::machine::Device;
 
@@ -50,7 +50,11 @@ impl History {
 
     /// What so many box tests take the calling thread.
     pub(super) fn alone(&self, machine: &Machine, cost: f64) -> f64 {
-        self.ratio(ALONE, THREADS) * machine.alone(cost)
+        let ratio = match self.begun.filter(|_| self.ways[ALONE].ratio.frames == 0) {
+            Some(pace) => (pace / machine.test).clamp(PACE.recip(), PACE),
+            None => self.ratio(ALONE, THREADS),
+        };
+        ratio * machine.alone(cost)
     }
 
     /// How wrong predictions are for a way; of one that was never taken, what is known of its sibling.

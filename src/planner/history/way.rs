@@ -39,10 +39,8 @@ pub(crate) struct Offer {
     pub(crate) gpu_upkeep: f64,
     /// Whether a question can be divided between GPU and threads.
     pub(crate) both: bool,
-    /// What it may cost in box tests, if nothing else is known.
-    pub(crate) guess: Option<f64>,
-    /// How large it is, in a unit of its own, to compare it with the last one.
-    pub(crate) size: Option<f64>,
+    /// What it is.
+    pub(crate) known: Known,
     /// Whether vertices have been moved for it.
     pub(crate) moves: bool,
     /// Of how many queries it consists.
@@ -76,7 +74,7 @@ impl Choice {
             alone_until: None,
             expected: None,
             gpu_upkeep: offer.gpu_upkeep,
-            size: offer.size,
+            size: offer.known.size,
             times: [None; WAYS],
             is_best: true,
         }
@@ -99,9 +97,18 @@ impl Choice {
 pub(crate) struct Known {
     /// Whether the first pair will do.
     pub(crate) until_first: bool,
-    /// Those of the [`Offer`].
+    /// What it may cost in box tests to its end, if nothing else is known.
     pub(crate) guess: Option<f64>,
+    /// How large it is, in a unit of its own, to compare it with the last one.
     pub(crate) size: Option<f64>,
+}
+
+impl Known {
+    /// What it may cost, if there was none like it.
+    pub(super) fn expected(&self) -> Option<f64> {
+        // However much there is, the first pair may be near.
+        self.guess.filter(|_| !self.until_first)
+    }
 }
 
 /// How the calling thread begins.
@@ -138,4 +145,6 @@ pub(crate) struct Frame {
     pub(crate) size: Option<f64>,
     /// The first look at it.
     pub(crate) look: Option<Look>,
+    /// Nanoseconds of a box test on the calling thread, if that has begun and was timed.
+    pub(crate) pace: Option<f64>,
 }
