@@ -146,9 +146,11 @@ impl History {
         let way = ways[family];
         let fork = machine.fork / machine.test;
         let alone_until = match way {
+            Way::Threads(_) if self.forecast.is_jumpy() && self.at_once <= 0.0 => Some(LOOK * fork),
+            // However near the mean is to what is best alone, the next frame may be nothing like it.
+            Way::Alone if self.forecast.is_jumpy() => Some(LOOK * fork),
             // Else a surprise would be walked to its end, however large.
             Way::Alone => Some(SURELY * cost.max(fork)),
-            Way::Threads(_) if self.forecast.is_jumpy() && self.at_once <= 0.0 => Some(LOOK * fork),
             _ => None,
         };
         Choice { way, alone_until, times, is_best: family == best, ..alone }
