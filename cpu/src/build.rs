@@ -1,6 +1,7 @@
 //! Building and refitting on several threads.
 
 use pfront_core::build::{self, BuildOptions, BvhStorage, SahItem};
+use pfront_core::fans::{self, Fan, Span};
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
 /// [`build::sah_with`] in the rayon pool of the calling thread.
@@ -71,6 +72,23 @@ pub fn refit(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32]) -> f32 {
     build::refit_with(mesh, nodes, order, &join)
 }
 
+/// [`fans::certify_with`] in the rayon pool of the calling thread.
+///
+/// # Errors
+/// As [`fans::certify_with`].
+///
+/// # Examples
+/// ```
+/// # use pfront_core::{CapacityError, Mesh, fans::{Fan, Span}};
+/// # fn f(moved: Mesh<'_>, spans: &[Span], fans: &mut [Fan]) -> Result<(), CapacityError> {
+/// pfront_cpu::certify(moved, spans, fans)?;
+/// # Ok(())
+/// # }
+/// ```
+pub fn certify(mesh: Mesh<'_>, spans: &[Span], fans: &mut [Fan]) -> Result<(), CapacityError> {
+    fans::certify_with(mesh, spans, fans, &join)
+}
+
 /// Does two things at once in the rayon pool of whoever asks. It is what `build::refit_with` and its like in
 /// `pfront-core` want.
 ///
@@ -88,7 +106,41 @@ pub fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
 mod tests {
     use super::*;
     use pfront_core::bvh::node_bound;
-    use pfront_scenes::icosphere;
+    use pfront_scenes::{Scene, icosphere};
+
+    #[test]
+    fn parts_certify_what_the_whole_does() {
+        let scene = Scene::by_name("sheet", Some(150_000)).unwrap();
+        let (mut triangles, mut positions) = (scene.meshes[0].triangles.clone(), Vec::new());
+        // Crumpled, so that some fans are certified and some are not.
+        scene.positions(70, &mut positions);
+        for (p, i) in positions.iter_mut().zip(0_u32..) {
+            let jitter = 0.004 * (i.wrapping_mul(2_654_435_761) >> 20 & 7) as f32;
+            (p[0], p[1]) = (p[0] + jitter, p[1] - jitter);
+        }
+        // In order, and so that each span reaches everywhere.
+        for shuffled in [false, true] {
+            if shuffled {
+                let n = triangles.len();
+                (0..n).for_each(|i| triangles.swap(i, i * 7919 % n));
+            }
+            let mesh = Mesh::new(&positions, &triangles).unwrap();
+            let (vertices, n) = (positions.len(), triangles.len());
+            let mut whole = vec![Fan::default(); vertices];
+            let mut scratch = vec![0; fans::link_scratch_bound(vertices, n)];
+            fans::link(mesh, &mut scratch, &mut whole).unwrap();
+            let mut spans = vec![Span::default(); fans::span_bound(n)];
+            fans::find_spans(mesh, &mut spans).unwrap();
+            let mut in_parts = whole.clone();
+            fans::certify(mesh, &mut whole).unwrap();
+            certify(mesh, &spans, &mut in_parts).unwrap();
+            assert!(whole == in_parts, "shuffled: {shuffled}");
+            let good = whole.iter().filter(|fan| fan.is_certified()).count();
+            assert!((vertices / 10..vertices * 9 / 10).contains(&good), "{good} of {vertices}");
+            assert!(certify(mesh, &spans[1..], &mut in_parts).is_err());
+            assert!(certify(mesh, &spans, &mut in_parts[1..]).is_err());
+        }
+    }
 
     #[test]
     fn parts_give_the_tree_of_the_whole() {

@@ -122,10 +122,10 @@ impl Model {
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, passes);
         match (self.tree.stale_mut(), self.fans.stale_mut()) {
             (Some(tree), Some(fans)) => {
-                (passes.both)(&mut || fit(tree), &mut || fans.renew(mesh, moves));
+                (passes.both)(&mut || fit(tree), &mut || fans.renew(mesh, moves, passes));
             }
             (Some(tree), None) => fit(tree),
-            (None, Some(fans)) => fans.renew(mesh, moves),
+            (None, Some(fans)) => fans.renew(mesh, moves, passes),
             (None, None) => {}
         }
         self.tree.renewed();

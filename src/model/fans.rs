@@ -1,6 +1,7 @@
 //! The fans of a model.
 
 use super::moves::Moves;
+use super::passes::Passes;
 use pfront_core::build::{Moved, moved_bound};
 use pfront_core::fans::{self, Fan, Span};
 use pfront_core::{CapacityError, Mesh};
@@ -30,11 +31,11 @@ impl Fans {
     }
 
     /// Brings the fans up to date with positions that have moved since they were.
-    pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves) {
+    pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves, passes: &Passes) {
         let (fans, scratch) = (&mut self.fans, &mut self.scratch);
         check(match moves.few().filter(|_| !self.behind) {
             Some(moved) => fans::certify_moved(mesh, &self.spans, moved, scratch, fans),
-            None => fans::certify(mesh, fans),
+            None => (passes.certify)(mesh, &self.spans, fans),
         });
         self.behind = false;
     }

@@ -138,7 +138,8 @@ impl Model {
     #[must_use]
     pub fn fans(&self) -> &[Fan] {
         let mesh = self.mesh();
-        self.fans.get(|fans| fans.renew(mesh, &self.moves), || Fans::new(mesh)).as_slice()
+        let renew = |fans: &mut Fans| fans.renew(mesh, &self.moves, &ONE_THREAD);
+        self.fans.get(renew, || Fans::new(mesh)).as_slice()
     }
 
     /// Whether the fans are made, up to date or not.

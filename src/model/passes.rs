@@ -1,6 +1,7 @@
 //! The passes over a whole model, on as many threads as one likes.
 
 use pfront_core::build::{self, BuildOptions, BvhStorage, SahItem};
+use pfront_core::fans::{self, Fan, Span};
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
 pub(super) struct Passes {
@@ -8,6 +9,8 @@ pub(super) struct Passes {
     pub(super) refit: Refit,
     /// The quality figure of a tree that fits.
     pub(super) quality: Refit,
+    /// The fans, once they are linked.
+    pub(super) certify: Certify,
     /// Does two things, at once if it can.
     pub(super) both: Both,
 }
@@ -18,6 +21,7 @@ type Sah = for<'a> fn(
     BvhStorage<'a>,
     &mut [SahItem],
 ) -> Result<Bvh<'a>, CapacityError>;
+type Certify = fn(Mesh<'_>, &[Span], &mut [Fan]) -> Result<(), CapacityError>;
 type Both = fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send));
 type Refit = fn(Mesh<'_>, &mut [Node], &[u32]) -> f32;
 
@@ -25,6 +29,7 @@ pub(super) const ONE_THREAD: Passes = Passes {
     sah: build::sah,
     refit: build::refit,
     quality: |mesh, nodes, order| build::quality(&Bvh::trusted(mesh, nodes, order)),
+    certify: |mesh, _, fans| fans::certify(mesh, fans),
     both: |one, other| {
         one();
         other();
@@ -37,5 +42,6 @@ pub(super) const THREADS: Passes = Passes {
     sah: crate::threads::sah,
     refit: crate::threads::refit,
     quality: crate::threads::refit,
+    certify: crate::threads::certify,
     both: crate::threads::join,
 };

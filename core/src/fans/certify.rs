@@ -9,7 +9,7 @@
 
 use super::{DOUBTS, Fan, LINK};
 use crate::build::moved::{holds, holds_any, mark, number, vertices};
-use crate::build::{Moved, moved_bound};
+use crate::build::{Join, Moved, moved_bound};
 use crate::items::item;
 use crate::{CapacityError, Mesh};
 use glam::Vec3A;
@@ -25,16 +25,82 @@ use glam::Vec3A;
 pub fn certify(mesh: Mesh<'_>, fans: &mut [Fan]) -> Result<(), CapacityError> {
     let positions = mesh.positions();
     CapacityError::check("fans", positions.len(), fans.len())?;
-    for fan in fans.iter_mut() {
-        fan.0 &= LINK;
-    }
+    fans.iter_mut().for_each(Fan::clear);
     for t in mesh.triangles() {
-        count(positions, t, fans, |_| true);
+        count(positions, t, fans, 0, |_| true);
     }
-    for fan in fans.iter_mut() {
-        *fan = fan.settled();
-    }
+    fans.iter_mut().for_each(Fan::settle);
     Ok(())
+}
+
+/// Vertices of a part that is worth another thread: a tenth of a millisecond.
+const PART: usize = 8192;
+/// As many spans as there are may reach into parts so many times, before it is better to divide nothing.
+const REACH: usize = 2;
+
+/// [`certify`] in parts that `join` may run side by side, as `rayon::join` does; the fans are the same.
+///
+/// Vertices are divided, and each part looks at the triangles of those `spans`, as [`find_spans`] found them, that
+/// reach into it. Where triangles near one another in the mesh have vertices that are not, there is one part.
+///
+/// # Errors
+/// [`CapacityError`] if `fans` has not one entry a vertex, or there are fewer spans than [`span_bound`].
+///
+/// # Complexity
+/// O(vertices + triangles), in parts of at most 8192 vertices.
+///
+/// # Examples
+/// ```
+/// # use pfront_core::{CapacityError, Mesh, fans::{Fan, Span, certify_with}};
+/// # fn f(mesh: Mesh<'_>, spans: &[Span], fans: &mut [Fan]) -> Result<(), CapacityError> {
+/// certify_with(mesh, spans, fans, &|a, b| {
+///     a();
+///     b();
+/// })?;
+/// # Ok(())
+/// # }
+/// ```
+pub fn certify_with(
+    mesh: Mesh<'_>,
+    spans: &[Span],
+    fans: &mut [Fan],
+    join: &Join<'_>,
+) -> Result<(), CapacityError> {
+    CapacityError::check("fans", mesh.positions().len(), fans.len())?;
+    CapacityError::check("spans", span_bound(mesh.triangles().len()), spans.len())?;
+    let reached = spans.iter().map(|span| span.parts().len()).sum::<usize>();
+    if reached > REACH * spans.len() {
+        return certify(mesh, fans);
+    }
+    Parts { mesh, spans, join }.certify(0, fans);
+    Ok(())
+}
+
+struct Parts<'p> {
+    mesh: Mesh<'p>,
+    spans: &'p [Span],
+    join: &'p Join<'p>,
+}
+
+impl Parts<'_> {
+    /// The fans of the vertices from `first` on.
+    fn certify(&self, first: usize, fans: &mut [Fan]) {
+        let half = (fans.len() / 2).next_multiple_of(PART);
+        if half < fans.len() {
+            let (low, high) = fans.split_at_mut(half);
+            let mut low = || self.certify(first, low);
+            return (self.join)(&mut low, &mut || self.certify(first + half, high));
+        }
+        let part = first / PART;
+        let spans = self.spans.iter().zip(self.mesh.triangles().chunks(SPAN));
+        fans.iter_mut().for_each(Fan::clear);
+        for (_, triangles) in spans.filter(|(span, _)| span.parts().contains(&part)) {
+            for t in triangles {
+                count(self.mesh.positions(), t, fans, first, |_| true);
+            }
+        }
+        fans.iter_mut().for_each(Fan::settle);
+    }
 }
 
 /// How many consecutive triangles one [`Span`] tells of.
@@ -43,6 +109,14 @@ const SPAN: usize = 64;
 /// The smallest and the largest index of a vertex of some consecutive triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span([u32; 2]);
+
+impl Span {
+    /// The parts that it reaches into.
+    fn parts(self) -> core::ops::Range<usize> {
+        let [first, last] = self.0.map(|vertex| vertex as usize / PART);
+        first..last + 1
+    }
+}
 
 /// How many spans so many triangles have.
 #[must_use]
@@ -116,18 +190,16 @@ pub fn certify_moved(
     near.fill(Moved::default());
     with_any(mesh, spans, moved, |t| t.iter().for_each(|&vertex| mark(near, vertex)));
     number(near);
-    update(near, fans, |fan| Fan(fan.0 & LINK));
-    with_any(mesh, spans, near, |t| count(positions, t, fans, |vertex| holds(near, vertex)));
-    update(near, fans, Fan::settled);
+    update(near, fans, Fan::clear);
+    with_any(mesh, spans, near, |t| count(positions, t, fans, 0, |vertex| holds(near, vertex)));
+    update(near, fans, Fan::settle);
     Ok(())
 }
 
 /// Changes the fans of a set of vertices.
-fn update(set: &[Moved], fans: &mut [Fan], change: impl Fn(Fan) -> Fan) {
+fn update(set: &[Moved], fans: &mut [Fan], change: impl Fn(&mut Fan)) {
     for vertex in vertices(set) {
-        if let Some(fan) = fans.get_mut(vertex) {
-            *fan = change(*fan);
-        }
+        fans.get_mut(vertex).map(&change);
     }
 }
 
@@ -141,9 +213,15 @@ fn with_any(mesh: Mesh<'_>, spans: &[Span], set: &[Moved], mut visit: impl FnMut
     }
 }
 
-/// Counts a triangle in those fans of its corners that are `due`.
+/// Counts a triangle in those fans of its corners that are `due`. The fans are those of some vertices from `first` on.
 #[inline(always)]
-fn count(positions: &[[f32; 3]], t: &[u32; 3], fans: &mut [Fan], due: impl Fn(u32) -> bool) {
+fn count(
+    positions: &[[f32; 3]],
+    t: &[u32; 3],
+    fans: &mut [Fan],
+    first: usize,
+    due: impl Fn(u32) -> bool,
+) {
     let [p, q, r] = t.map(|vertex| Vec3A::from_array(*item(positions, vertex)));
     let doubts = sides_in_doubt(q - p, r - p) << DOUBTS;
     // Seen from a corner, a fan goes from the next one to the one after.
@@ -151,7 +229,7 @@ fn count(positions: &[[f32; 3]], t: &[u32; 3], fans: &mut [Fan], due: impl Fn(u3
     let passes =
         [[above(q, p), above(r, p)], [above(r, q), above(p, q)], [above(p, r), above(q, r)]];
     for (&vertex, [next, after]) in t.iter().zip(passes) {
-        let Some(Fan(word)) = fans.get_mut(vertex as usize) else { continue };
+        let Some(Fan(word)) = fans.get_mut((vertex as usize).wrapping_sub(first)) else { continue };
         if *word & LINK != 0 && due(vertex) {
             let passed =
                 SPREAD[(!next & after) as usize & 7] + (SPREAD[(next & !after) as usize & 7] << 4);

@@ -14,7 +14,7 @@ mod certify;
 #[cfg(test)]
 mod tests;
 
-pub use certify::{Span, certify, certify_moved, find_spans, span_bound};
+pub use certify::{Span, certify, certify_moved, certify_with, find_spans, span_bound};
 
 use crate::items::{item, split};
 use crate::{CapacityError, Mesh};
@@ -46,9 +46,14 @@ impl Fan {
         self.0 & CERTIFIED != 0
     }
 
-    /// A ring must go round once; a row less than once, as it surely does if it enters only one
+    /// Before its triangles are counted.
+    fn clear(&mut self) {
+        self.0 &= LINK;
+    }
+
+    /// Once they are: a ring must go round once; a row less than once, as it surely does if it enters only one
     /// half-plane.
-    fn settled(self) -> Self {
+    fn settle(&mut self) {
         let count = |coordinate: u32| {
             let (up, down) = (self.0 >> (8 * coordinate) & 15, self.0 >> (8 * coordinate + 4) & 15);
             if self.0 & RING != 0 { up == 1 } else { up + down <= 1 }
@@ -59,7 +64,7 @@ impl Fan {
         // An axis is no good with what is counted along itself.
         let others = (once << 1 | once >> 2) | (once << 2 | once >> 1);
         let certified = self.0 & LINK != 0 && axes & others != 0;
-        Self(self.0 & LINK | u32::from(certified))
+        self.0 = self.0 & LINK | u32::from(certified);
     }
 }
 
