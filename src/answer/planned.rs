@@ -34,8 +34,8 @@ pub(crate) struct Planned {
 
 /// To find a smaller answer takes no longer than to keep it.
 const WORTH_KEEPING: f64 = 64.0;
-/// A refit before there was one: of so many nanoseconds a triangle.
-const REFIT: f64 = 20.0;
+/// A refit before there was one: of so many nanoseconds a triangle on one thread.
+const REFIT: f64 = 30.0;
 
 impl Planned {
     pub(crate) fn new(planner: Planner) -> Self {
@@ -70,12 +70,12 @@ impl Planned {
         accuracy: Accuracy,
     ) -> Result<(), Error> {
         let clock = Instant::now();
-        let guess = model.mesh().triangles().len() as f64 * REFIT;
+        let guess = model.mesh().triangles().len() as f64 * REFIT
+            / self.decider.planner().machine().speedup;
         let upkeep = self.refit.map_or(guess, |refit| refit.as_secs_f64() * 1e9);
         let question = OfOne { model, adjacency, accuracy };
         // It will be asked what was asked last.
-        let offer = self.offer(&question, self.last);
-        let offer = Offer { upkeep: upkeep + offer.upkeep, moves: true, ..offer };
+        let offer = Offer { upkeep, moves: true, ..self.offer(&question, self.last) };
         let on_gpu = self.decider.look_ahead(&offer).way == Way::Gpu;
         let moved = match on_gpu {
             true => model.set_positions_unfitted(positions),
@@ -238,7 +238,8 @@ impl Planned {
             known: Known { size: question.size(), ..Self::known(question, want) },
             moves: false,
             queries: 1,
-            upkeep: question.unmade(),
+            upkeep: 0.0,
+            unmade: question.unmade(),
         }
     }
 

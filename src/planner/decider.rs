@@ -251,7 +251,7 @@ impl Decider {
             nanoseconds: nanoseconds(actual),
             beside: nanoseconds(self.clock.lost() + prepared),
             gpu_upkeep: self.last.map_or(0.0, |last| last.choice.gpu_upkeep),
-            size: self.last.and_then(|last| last.choice.size),
+            known: self.last.map_or(Known::default(), |last| last.choice.known),
             look: self.looked,
             pace: self.pace,
             cost,

@@ -251,6 +251,7 @@ impl Planned {
             moves: false,
             queries: self.queries,
             upkeep: self.broad.as_secs_f64() * 1e9,
+            unmade: 0.0,
         }
     }
 

@@ -27,10 +27,13 @@ impl History {
     /// that a GPU found.
     pub(crate) fn learn(&mut self, machine: &Machine, way: Way, frame: &Frame) {
         let forecast = &mut self.forecast;
-        let cost = match (frame.cost, frame.leaf_pairs, self.per_leaf_pair) {
+        let size = frame.known.size;
+        // A GPU counts what there is, however near the first pair was.
+        let leaf_pairs = frame.leaf_pairs.filter(|_| !frame.known.until_first);
+        let cost = match (frame.cost, leaf_pairs, self.per_leaf_pair) {
             (Some(cost), ..) => Some(cost),
             (None, Some(pairs), Some(each)) => Some(each * f64::from(pairs)),
-            (None, Some(pairs), None) => match forecast.cost(frame.size).filter(|_| pairs > 0) {
+            (None, Some(pairs), None) => match forecast.cost(size).filter(|_| pairs > 0) {
                 Some(cost) => {
                     self.per_leaf_pair = Some(cost / f64::from(pairs));
                     Some(cost)
@@ -40,10 +43,10 @@ impl History {
             (None, None, _) => None,
         };
         self.frames = self.frames.saturating_add(1);
-        let before = forecast.cost(frame.size);
+        let before = forecast.cost(size).or(frame.known.guess);
         if let Some(cost) = cost {
             // What a GPU counts is of all, whatever has changed.
-            forecast.learn(cost, frame.size.filter(|_| frame.cost.is_some()));
+            forecast.learn(cost, size.filter(|_| frame.cost.is_some()));
             if let Some(look) = frame.look {
                 forecast.learn_rest(look, cost);
             }
@@ -63,8 +66,10 @@ impl History {
                 self.workers.iter_mut().for_each(|own| own.forget(known.forget));
             }
         }
+        if let Some(cost) = cost {
+            self.learn_at_once(machine, cost);
+        }
         let Some(cost) = cost.or(before) else { return };
-        self.learn_at_once(machine, cost);
         self.begun = frame.pace.or(self.begun);
         let upkeep = if way == Way::Gpu { frame.gpu_upkeep } else { 0.0 };
         let predicted = predicted(machine, way, cost) + upkeep;

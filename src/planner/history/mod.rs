@@ -128,6 +128,8 @@ impl History {
 
     /// Decides.
     pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer) -> Choice {
+        let upkeep = offer.upkeep + offer.unmade / self.horizon(offer);
+        let offer = &Offer { upkeep, ..*offer };
         let expected = self.forecast.cost(offer.known.size).or(offer.known.expected());
         let alone = Choice { expected, ..Choice::alone(offer) };
         if offer.threads <= 1 && offer.gpu.is_none() {
@@ -159,7 +161,8 @@ impl History {
     /// What it takes, if a GPU that finds everything is faster than threads that need not even begin.
     fn surely_gpu(&self, machine: &Machine, offer: &Offer) -> Option<[Option<f64>; WAYS]> {
         let (Some(all), Some(device)) = (offer.known.guess, &machine.device) else { return None };
-        let gpu = device.ask(all) + offer.gpu_upkeep + offer.gpu? / self.horizon(offer);
+        let gpu = self.ratio(GPU, GPU) * (device.ask(all) + offer.gpu_upkeep);
+        let gpu = gpu + offer.gpu? / self.horizon(offer);
         (gpu < offer.upkeep).then_some([Some(offer.upkeep), None, Some(gpu), None])
     }
 

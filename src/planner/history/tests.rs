@@ -46,6 +46,7 @@ impl World {
             moves: false,
             queries: 1,
             upkeep: 0.0,
+            unmade: 0.0,
         }
     }
 
@@ -169,6 +170,7 @@ fn without_a_choice_nothing_is_chosen() {
         moves: false,
         queries: 1,
         upkeep: 0.0,
+        unmade: 0.0,
     };
     for cost in [1e2, 1e8, 1e2] {
         let choice = history.choose(&measured(), &offer);

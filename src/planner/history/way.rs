@@ -45,8 +45,10 @@ pub(crate) struct Offer {
     pub(crate) moves: bool,
     /// Of how many queries it consists.
     pub(crate) queries: usize,
-    /// What has to be done first on the CPU, in nanoseconds, unless the GPU does it.
+    /// What has to be done first on the CPU in each frame, in nanoseconds, unless the GPU does it.
     pub(crate) upkeep: f64,
+    /// What has to be made there once.
+    pub(crate) unmade: f64,
 }
 
 /// What is decided.
@@ -59,7 +61,7 @@ pub(crate) struct Choice {
     pub(crate) expected: Option<f64>,
     /// Those of the offer.
     pub(crate) gpu_upkeep: f64,
-    pub(crate) size: Option<f64>,
+    pub(crate) known: Known,
     /// Predicted nanoseconds of each way.
     pub(crate) times: [Option<f64>; WAYS],
     /// Whether the way is the one with the least of them.
@@ -74,7 +76,7 @@ impl Choice {
             alone_until: None,
             expected: None,
             gpu_upkeep: offer.gpu_upkeep,
-            size: offer.known.size,
+            known: offer.known,
             times: [None; WAYS],
             is_best: true,
         }
@@ -142,7 +144,7 @@ pub(crate) struct Frame {
     pub(crate) cost: Option<f64>,
     pub(crate) leaf_pairs: Option<u32>,
     /// That of the offer.
-    pub(crate) size: Option<f64>,
+    pub(crate) known: Known,
     /// The first look at it.
     pub(crate) look: Option<Look>,
     /// Nanoseconds of a box test on the calling thread, if that has begun and was timed.
