@@ -133,6 +133,12 @@ impl Decider {
         self.end_as(Backend::Sequential, Reason::Small, Some(cost));
     }
 
+    /// There was nothing to ask, which tells nothing of other frames.
+    pub(crate) fn was_nothing(&mut self) {
+        self.forget_ahead();
+        self.end_as(Backend::Sequential, Reason::Small, Some(0.0));
+    }
+
     /// What has been decided and prepared ahead has come to nothing.
     pub(crate) fn forget_ahead(&mut self) {
         (self.ahead, self.prepared) = (None, Duration::ZERO);

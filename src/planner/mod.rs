@@ -68,7 +68,7 @@ const FRONT: usize = 2 * 64 * NODE;
 const LISTED: usize = 16;
 /// From so many triangles on a refit is worth several threads.
 #[cfg(feature = "threads")]
-const LARGE: usize = 8192;
+const LARGE: usize = 3072;
 
 /// To compile the passes for meshes that move, in nanoseconds: that is done once in a process.
 #[cfg(feature = "gpu")]

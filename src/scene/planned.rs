@@ -115,6 +115,10 @@ impl Planned {
     pub(super) fn ask(&mut self, frame: &Frame<'_>, want: Want, hits: &mut Vec<SceneHit>) -> Found {
         self.decider.ask(want == Want::Any);
         self.queries = frame.len();
+        if self.queries == 0 {
+            self.decider.was_nothing();
+            return Found::New(Given::default());
+        }
         let size = Some(self.queries as f64);
         let known = Known { until_first: want == Want::Any, guess: None, size };
         let begin = self.decider.begin(known);

@@ -108,7 +108,8 @@ impl History {
         match self.forecast.cost(known.size).or(known.expected()) {
             Some(expected) if !self.forecast.is_jumpy() => {
                 let is_brief = BRIEF * expected <= most;
-                is_brief.then_some(Begin { until: most, is_timed: false })
+                let patience = if known.until_first { PATIENCE } else { 1.0 };
+                is_brief.then_some(Begin { until: patience * most, is_timed: false })
             }
             _ if known.until_first => Some(Begin { until: PATIENCE * most, is_timed: true }),
             Some(_) if self.at_once > 0.0 => None,
@@ -128,7 +129,9 @@ impl History {
 
     /// Decides.
     pub(crate) fn choose(&mut self, machine: &Machine, offer: &Offer) -> Choice {
-        let upkeep = offer.upkeep + offer.unmade / self.horizon(offer);
+        // Who has paid for a GPU does not pay again for what the CPU lacks, before it has paid for itself.
+        let horizon = if self.is_on_gpu() { f64::from(self.frames) } else { self.horizon(offer) };
+        let upkeep = offer.upkeep + offer.unmade / horizon.max(1.0);
         let offer = &Offer { upkeep, ..*offer };
         let expected = self.forecast.cost(offer.known.size).or(offer.known.expected());
         let alone = Choice { expected, ..Choice::alone(offer) };
@@ -211,12 +214,14 @@ impl History {
         let pays = |&(way, time): &(usize, f64)| {
             let saved = self.ways[way].saved;
             let upload = if way >= GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
-            let is_known = way == ALONE || self.ways[way].ratio.frames > 0;
-            let doubt = if is_known { 1.0 } else { DOUBT };
-            let gain = now - doubt * time;
+            let gain = now - time;
             gain > 0.0 && saved >= CHANGING * now && saved + gain * horizon >= upload
         };
-        let others = times.iter().enumerate().filter_map(|(way, time)| Some((way, (*time)?)));
+        let doubted = |(way, time): (usize, &Option<f64>)| {
+            let is_known = way == ALONE || self.ways[way].ratio.frames > 0;
+            Some((way, if is_known { 1.0 } else { DOUBT } * (*time)?))
+        };
+        let others = times.iter().enumerate().filter_map(doubted);
         let best = others.filter(pays).min_by(|x, y| x.1.total_cmp(&y.1));
         best.map_or(current, |(way, _)| way)
     }

@@ -50,11 +50,10 @@ impl History {
 
     /// What so many box tests take the calling thread.
     pub(super) fn alone(&self, machine: &Machine, cost: f64) -> f64 {
-        let ratio = self.ratio(ALONE, THREADS);
         let ratio = match self.begun.filter(|_| self.ways[ALONE].ratio.frames == 0) {
-            // The beginning of a question is its slowest part: half of it is believed, and no more than all else tells.
-            Some(pace) => ratio.min((pace / machine.test).clamp(PACE.recip(), PACE).sqrt()),
-            None => ratio,
+            // The beginning of a question is its slowest part: half of it is believed.
+            Some(pace) => (pace / machine.test).clamp(PACE.recip(), PACE).sqrt(),
+            None => self.ratio(ALONE, THREADS),
         };
         ratio * machine.alone(cost)
     }

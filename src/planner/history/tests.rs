@@ -180,6 +180,56 @@ fn without_a_choice_nothing_is_chosen() {
     }
 }
 
+#[test]
+fn a_gpu_is_asked_for_a_first_pair_where_cpus_would_still_be_refitting() {
+    let (machine, mut history) = (measured(), History::default());
+    let known = Known { until_first: true, guess: Some(2e7), size: None };
+    let offer = |gpu: f64, unmade: f64| Offer {
+        gpu: Some(gpu),
+        known,
+        moves: true,
+        upkeep: 2e6,
+        unmade,
+        ..World::new([1.0; WAYS]).offer()
+    };
+    // The fans alone take longer than the upload, each over some frames.
+    let first = history.choose(&machine, &offer(1e7, 4e7));
+    assert_eq!((first.way, first.alone_until), (Way::Gpu, None));
+    let frame = Frame {
+        nanoseconds: 1.2e7,
+        beside: 1e7,
+        leaf_pairs: Some(1_000_000),
+        known,
+        ..Frame::default()
+    };
+    history.learn(&machine, Way::Gpu, &frame);
+    // Nothing is known of the first pair yet, ...
+    assert!(history.choose(&machine, &offer(0.0, 4e7)).expected.is_none());
+    // ... and where there is less to be made, the CPU gets its chance.
+    let fast = Offer { upkeep: 1e5, ..offer(0.0, 0.0) };
+    assert_eq!(history.choose(&machine, &fast).way, Way::Alone);
+    assert_eq!(History::default().choose(&machine, &offer(1e8, 0.0)).way, Way::Alone);
+}
+
+#[test]
+fn a_gpu_that_was_never_asked_is_doubted_more_than_threads_that_were() {
+    let (mut world, mut history) = (World::new([1.0; WAYS]), History::default());
+    world.there = true;
+    let threads = Frame { cost: Some(1.1e6), ..Frame::default() };
+    let took = |way| world.takes(way, 1.1e6);
+    // Threads and the GPU would take about as long, the calling thread far longer.
+    for (way, times) in [(Way::Threads(16), 3), (Way::Alone, 1)] {
+        for _ in 0..times {
+            let frame = Frame { nanoseconds: took(way), ..threads };
+            history.learn(&world.machine, way, &frame);
+        }
+    }
+    let choice = history.choose(&world.machine, &world.offer());
+    let [alone, threads, gpu, _] = choice.times.map(|time| time.unwrap_or(f64::INFINITY));
+    assert!(gpu < threads && threads < DOUBT * gpu && 5.0 * threads < alone, "{choice:?}");
+    assert_eq!(choice.way, Way::Threads(16), "{choice:?}");
+}
+
 /// Steps over a range of floats.
 trait Hundreds {
     fn step_by_hundreds(self) -> impl Iterator<Item = f64>;
