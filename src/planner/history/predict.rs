@@ -1,5 +1,6 @@
 //! What a question takes each way.
 
+use super::known::Ratio;
 use super::way::{ALONE, BOTH, GPU, THREADS, WAYS};
 use super::{History, OTHER_NUMBER, Offer, PACE, SHORT, UNTRIED, Way, slot};
 use crate::planner::Machine;
@@ -35,7 +36,7 @@ impl History {
             (times[THREADS], ways[THREADS]) = (Some(time + offer.upkeep), Way::Threads(workers));
         }
         if let (Some(_), Some(device)) = (offer.gpu, &machine.device) {
-            times[GPU] = Some(gpu * (device.ask(cost) + offer.gpu_upkeep));
+            times[GPU] = Some(self.on_gpu(device, cost, offer));
             // Two guesses are none.
             if offer.both && self.ways[THREADS].ratio.frames > 1 && self.ways[GPU].ratio.frames > 1
             {
@@ -58,11 +59,19 @@ impl History {
         ratio * machine.alone(cost)
     }
 
+    /// What a question of so many takes a GPU, once it has what it needs.
+    pub(super) fn on_gpu(&self, device: &Device, cost: f64, offer: &Offer) -> f64 {
+        let Ratio { value, frames } = self.ways[GPU].ratio;
+        let (ask, upkeep) = (device.ask(cost), offer.gpu_upkeep);
+        // How it refits was found on large models.
+        if frames == 0 { value * ask + upkeep } else { value * (ask + upkeep) }
+    }
+
     /// How wrong predictions are for a way; of one that was never taken, what is known of its sibling.
     pub(super) fn ratio(&self, own: usize, sibling: usize) -> f64 {
         match self.ways[own].ratio.frames {
             // It may be the question that takes longer or the other way: half of it each.
-            0 => self.ways[sibling].ratio.value.sqrt(),
+            0 if own != sibling => self.ways[sibling].ratio.value.sqrt(),
             _ => self.ways[own].ratio.value,
         }
     }
