@@ -101,6 +101,7 @@ impl Decider {
     /// A question is about to be asked, perhaps for the first pair only.
     pub(crate) fn ask(&mut self, until_first: bool) {
         self.asked = usize::from(until_first);
+        (self.looked, self.pace, self.next_look) = (None, None, None);
     }
 
     /// Whether its size is worth finding out.
@@ -110,7 +111,6 @@ impl Decider {
 
     /// The cost up to which it is begun alone, with no thought.
     pub(crate) fn begin(&mut self, known: Known) -> Option<f64> {
-        (self.looked, self.pace, self.next_look) = (None, None, None);
         if self.ahead.is_some() || self.planner.limits().time.is_some() {
             return None;
         }

@@ -12,6 +12,7 @@ mod frame;
 mod kept;
 mod planned;
 mod split;
+mod ways;
 
 pub use bodies::{Body, BodyId};
 pub use edit::Piece;

@@ -8,12 +8,12 @@ use super::crew::Crew;
 #[cfg(feature = "gpu")]
 use super::device::Device;
 use super::frame::{Found, Frame, Given};
+use super::ways::{Outcome, on_one};
 #[cfg(feature = "threads")]
 use crate::answer::cost;
-use crate::answer::{End, Leash, Want, alone};
+use crate::answer::{End, Leash, Want};
 use crate::planner::{Decider, Known, Offer, Plan, Planner, Way};
 use crate::{Accuracy, Error};
-use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 #[derive(Clone, Debug)]
@@ -32,14 +32,6 @@ pub(super) struct Planned {
 
 /// A broad phase of fewer bodies takes no longer than to look at the clock.
 const CROWD: usize = 64;
-
-/// What one way came to.
-struct Outcome {
-    given: Found,
-    cost: Option<f64>,
-    leaf_pairs: Option<u32>,
-    end: End,
-}
 
 impl Planned {
     pub(super) fn new(planner: Planner) -> Self {
@@ -276,31 +268,4 @@ impl Planned {
     fn gpu(&self, _: Accuracy, _: &Bodies) -> (Option<f64>, f64) {
         (None, 0.0)
     }
-}
-
-/// Answers on the calling thread, as long as `longer` allows.
-fn on_one(
-    frame: &Frame<'_>,
-    want: Want,
-    hits: &mut Vec<SceneHit>,
-    leash: Leash,
-    longer: impl FnMut(f64, &dyn Fn() -> f64) -> Option<f64>,
-) -> Outcome {
-    let mut given = Given::default();
-    let found = |bodies, pair| {
-        let hit = SceneHit { bodies, pair };
-        given.count += 1;
-        match want {
-            Want::All => hits.push(hit),
-            Want::Count => {}
-            Want::Any => {
-                given.first = Some(hit);
-                return ControlFlow::Break(());
-            }
-        }
-        ControlFlow::Continue(())
-    };
-    let (cost, end) = alone(frame.queries(), || frame.len(), leash, found, longer);
-    hits.chunk_by_mut(|x, y| x.bodies == y.bodies).for_each(<[_]>::sort_unstable);
-    Outcome { given: Found::New(given), cost: Some(cost), leaf_pairs: None, end }
 }

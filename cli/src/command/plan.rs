@@ -46,9 +46,10 @@ fn play(asked: &Plan, mut recording: Recording, planner: Planner) -> Result<()> 
             Mode::All => drop(engine.find()?),
             Mode::Any => drop(engine.any()?),
         }
-        took += clock.elapsed();
+        let own = clock.elapsed();
+        took += own;
         let Some(plan) = engine.plan() else { continue };
-        let is_new = tally.add(&plan) || number == 0;
+        let is_new = tally.add(&plan, own) || number == 0;
         if asked.json {
             serde_json::to_writer(&mut out, &plan)?;
             writeln!(out)?;

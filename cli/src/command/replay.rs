@@ -40,19 +40,19 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         let Some(frame) = frame else { break };
         let clock = Instant::now();
         update(&mut *engine, frame).with_context(|| format!("frame {number}"))?;
-        let update = milliseconds(clock.elapsed());
-        let clock = Instant::now();
+        let updated = clock.elapsed();
         let found = match replay.mode {
             Mode::All => engine.all()?,
             Mode::Any => &[TrianglePair::default()][..usize::from(engine.any()?.is_some())],
         };
-        let query = milliseconds(clock.elapsed());
+        let took = clock.elapsed();
+        let [update, query] = [updated, took - updated].map(milliseconds);
         writeln!(out, "FRAME\t{number}\t{update:.3}\t{query:.3}\t{}", found.len())?;
         if let Some(pairs) = &mut pairs {
             pairs.frame(found).context("cannot write the pairs")?;
         }
         if let Some(plan) = engine.plan() {
-            tally.add(&plan);
+            tally.add(&plan, took);
         }
         bar.inc(1);
     }

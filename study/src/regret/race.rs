@@ -122,10 +122,12 @@ fn watch(case: &Case, chosen: &On) -> Result<Tally, EngineError> {
     let mut engine = case.fresh().engine(chosen.clone().into())?;
     let mut tally = Tally::default();
     for frame in &case.frames {
+        let clock = Instant::now();
         frame.apply(&mut *engine)?;
         case.verb.ask(&mut *engine)?;
+        let took = clock.elapsed();
         if let Some(plan) = engine.plan() {
-            tally.add(&plan);
+            tally.add(&plan, took);
         }
     }
     Ok(tally)
