@@ -238,6 +238,25 @@ fn steady_frames_of_a_scene_allocate_nothing() {
 }
 
 #[test]
+fn bodies_that_come_and_go_leave_nothing_behind() {
+    let ball = Arc::new(model(&sphere(8)));
+    let mut scene = SceneQuery::new();
+    for _ in 0..2 {
+        scene.add(ball.clone(), Pose::IDENTITY).unwrap();
+    }
+    // From now on they are known to meet.
+    assert!(!scene.all().unwrap().is_empty());
+    let mut round = || {
+        let ids = [4.0, 8.0]
+            .map(|x| scene.add(ball.clone(), Pose::from_translation([x, 0.0, 0.0])).unwrap());
+        assert!(scene.any().unwrap().is_some());
+        ids.into_iter().for_each(|id| drop(scene.remove(id).unwrap()));
+    };
+    (0..4).for_each(|_| round());
+    assert_eq!(allocations(|| (0..1000).for_each(|_| round())), 0);
+}
+
+#[test]
 fn the_second_frame_of_a_scene_allocates_nothing() {
     let ball = Arc::new(model(&sphere(8)));
     let mut scene = SceneQuery::new();

@@ -43,10 +43,6 @@ pub(crate) struct Plan {
     damping: Damping,
 }
 
-/// What cost fewer box tests for each worker tells nothing of the next frame: a few nodes that overlap again may
-/// have anything below them by then. To estimate such a front anew takes no longer than to walk it did.
-const LITTLE: f64 = 128.0;
-
 /// How a front came out.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Outcome {
@@ -223,10 +219,6 @@ impl Plan {
         for node in self.nodes() {
             walked += f64::from(costs[node.index as usize]);
             predicted += f64::from(node.cost);
-        }
-        if walked < LITTLE * self.loads.len() as f64 && self.device.is_empty() {
-            self.forget();
-            return;
         }
         let scale = if predicted > 0.0 { (walked / predicted) as f32 } else { 1.0 };
         let cost = |node: &FrontNode| match node.part {

@@ -34,8 +34,6 @@ pub(crate) struct Planned {
 
 /// To find a smaller answer takes no longer than to keep it.
 const WORTH_KEEPING: f64 = 64.0;
-/// A refit before there was one: of so many nanoseconds a triangle on one thread.
-const REFIT: f64 = 30.0;
 
 impl Planned {
     pub(crate) fn new(planner: Planner) -> Self {
@@ -70,9 +68,8 @@ impl Planned {
         accuracy: Accuracy,
     ) -> Result<(), Error> {
         let clock = Instant::now();
-        let guess = model.mesh().triangles().len() as f64 * REFIT
-            / self.decider.planner().machine().speedup;
-        let upkeep = self.refit.map_or(guess, |refit| refit.as_secs_f64() * 1e9);
+        let guess = || self.decider.planner().refit(model.mesh().triangles().len());
+        let upkeep = self.refit.map_or_else(guess, |refit| refit.as_secs_f64() * 1e9);
         let question = OfOne { model, adjacency, accuracy };
         // It will be asked what was asked last.
         let offer = Offer { upkeep, moves: true, ..self.offer(&question, self.last) };

@@ -76,8 +76,7 @@ pub(super) fn ready<'t>(
     workers: u32,
 ) -> &'t mut Traversal {
     let traversal = traversal.get_or_insert_with(|| decider.planner().traversal(workers));
-    traversal.set_workers(workers as usize);
-    traversal.set_deadline(decider.deadline());
+    decider.prepare(traversal, workers);
     traversal
 }
 

@@ -36,7 +36,8 @@ impl Model {
         self.deform(positions, &ONE_THREAD)
     }
 
-    /// [`Model::set_positions`] in the rayon pool of whoever asks; worth it from some 50,000 triangles on.
+    /// [`Model::set_positions`] in the rayon pool of whoever asks; worth it from some 50,000
+    /// triangles on, or 3,000 if threads are awake.
     /// A rebuild may come a frame earlier or later.
     ///
     /// # Errors

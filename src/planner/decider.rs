@@ -6,6 +6,8 @@ use super::last::Last;
 use super::plan::{Backend, Plan, Reason};
 use super::{Concession, Planner};
 use crate::Accuracy;
+#[cfg(feature = "threads")]
+use crate::threads::Traversal;
 use std::time::{Duration, Instant};
 
 #[derive(Clone, Debug)]
@@ -31,6 +33,10 @@ pub(crate) struct Decider {
     /// ... unless there was another one since.
     untimed: Option<(Backend, Reason, Option<f64>)>,
     failure: Option<String>,
+    /// Whether the GPU has failed in this frame.
+    has_failed: bool,
+    /// Whether the last frame was not answered by threads.
+    was_elsewhere: bool,
     /// Counts frames in which deciding may be timed.
     frames: u32,
     deciding: Duration,
@@ -57,6 +63,8 @@ impl Decider {
             last: None,
             untimed: None,
             failure: None,
+            has_failed: false,
+            was_elsewhere: false,
             frames: 0,
             deciding: Duration::ZERO,
         }
@@ -130,13 +138,20 @@ impl Decider {
     /// It did stay below.
     pub(crate) fn was_brief(&mut self, cost: f64) {
         self.histories[self.asked].learn_cost(self.planner.machine(), cost);
-        self.end_as(Backend::Sequential, Reason::Small, Some(cost));
+        self.end_small(cost);
     }
 
     /// There was nothing to ask, which tells nothing of other frames.
     pub(crate) fn was_nothing(&mut self) {
         self.forget_ahead();
-        self.end_as(Backend::Sequential, Reason::Small, Some(0.0));
+        self.end_small(0.0);
+    }
+
+    fn end_small(&mut self, cost: f64) {
+        self.was_elsewhere = true;
+        let has_failed = std::mem::take(&mut self.has_failed);
+        let reason = if has_failed { Reason::GpuFailed } else { Reason::Small };
+        self.end_as(Backend::Sequential, reason, Some(cost));
     }
 
     /// What has been decided and prepared ahead has come to nothing.
@@ -238,9 +253,7 @@ impl Decider {
     #[cfg(feature = "gpu")]
     pub(crate) fn gpu_failed(&mut self, error: &crate::gpu::Error) -> Way {
         self.clock.lose();
-        if let Some(last) = &mut self.last {
-            last.reason = Reason::GpuFailed;
-        }
+        self.has_failed = true;
         self.failure = Some(format!("the GPU is not used any more: {error}"));
         match self.planner.threads(0) {
             1 => Way::Alone,
@@ -277,8 +290,13 @@ impl Decider {
 
     fn finish(&mut self, way: Way, prepared: Duration, cost: Option<f64>) -> Duration {
         let actual = self.clock.elapsed() + prepared;
+        self.was_elsewhere = !matches!(way, Way::Threads(_) | Way::Both(..));
+        let has_failed = std::mem::take(&mut self.has_failed);
         if let Some(last) = &mut self.last {
             (last.backend, last.cost, last.actual) = (way.into(), cost, actual);
+            if has_failed {
+                last.reason = Reason::GpuFailed;
+            }
         }
         actual
     }
@@ -295,6 +313,17 @@ impl Decider {
             return limits.accuracy;
         }
         wanted
+    }
+
+    /// Makes threads ready for a question. Of what they found out in their last frame nothing may be true any
+    /// more if others were answered elsewhere since: one of almost nothing would leave all to one worker.
+    #[cfg(feature = "threads")]
+    pub(crate) fn prepare(&self, traversal: &mut Traversal, workers: u32) {
+        if self.was_elsewhere {
+            traversal.forget();
+        }
+        traversal.set_workers(workers as usize);
+        traversal.set_deadline(self.deadline());
     }
 
     /// When to end, complete or not.

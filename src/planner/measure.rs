@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 const SHORT: usize = 32;
 const LONG: usize = 192;
 /// The least and most runs of a question, and how long more than the least of them may take.
-const RUNS: [usize; 2] = [3, 15];
+const RUNS: [usize; 2] = [POSES, 15];
 const MOST: Duration = Duration::from_millis(40);
 
 /// Nobody wakes a thread in less, in nanoseconds.

@@ -9,7 +9,7 @@
 //! - What was asked last, of models that have not changed, in the same place, is not asked again.
 //! - The unknown is begun on the calling thread, for part of the time that it takes to get others to work: most
 //!   questions are over by then. Of the others, boxes that are still to be looked at tell how much is left, more or
-//!   less, and it is decided whether to go on; again after twice that time, and so on. This is also what keeps a
+//!   less, and it is decided whether to go on; again after three times that, and so on. This is also what keeps a
 //!   small scene small: until some question is larger than that, no thread is started. Only of a mesh with itself
 //!   something is known beforehand, from its size.
 //! - From then on the cost of the next frame is known about: box tests and triangle tests, as the paper counts
@@ -66,8 +66,9 @@ const _: () = assert!(TRIANGLE_COST == crate::threads::TRIANGLE_COST, "threads c
 const NODE: usize = 48;
 const FRONT: usize = 2 * 64 * NODE;
 const LISTED: usize = 16;
-/// From so many triangles on a refit is worth several threads.
-#[cfg(feature = "threads")]
+/// A refit takes so many nanoseconds a triangle on one thread, ...
+const REFIT: f64 = 30.0;
+/// ... and is worth several from so many on.
 const LARGE: usize = 3072;
 
 /// To compile the passes for meshes that move, in nanoseconds: that is done once in a process.
@@ -207,6 +208,12 @@ impl Planner {
         let setup = if owed.triangles > 0 { device.setup } else { 0.0 };
         let compile = if owed.compile { COMPILE } else { 0.0 };
         fits.then_some(owed.triangles as f64 * device.upload + setup + compile)
+    }
+
+    /// What a refit of so many triangles may take, before there was one, in nanoseconds.
+    pub(crate) fn refit(&self, triangles: usize) -> f64 {
+        let speedup = if triangles < LARGE { 1.0 } else { self.0.machine.speedup };
+        REFIT * triangles as f64 / speedup
     }
 
     /// Moves the vertices of a model on as many threads as are worth while.

@@ -39,7 +39,7 @@ pub(super) struct Broad {
 }
 
 impl Broad {
-    /// Finds the pairs as of now.
+    /// Finds the pairs as of now, of bodies without gaps.
     ///
     /// # Complexity
     /// O(n + pairs) for n bodies, O(n log n) when their number has changed. With m of them moving, the box
@@ -50,7 +50,6 @@ impl Broad {
         }
         // After an error nothing is known of the last frame.
         let at = std::mem::take(&mut self.at);
-        bodies.compact();
         self.found_since = None;
         let known = bodies.take_moved(&mut self.moved) && bodies.gathered() <= at;
         if known && self.moved.len() < self.places.len() / MANY {
@@ -60,6 +59,11 @@ impl Broad {
         }
         self.at = bodies.time();
         Ok(())
+    }
+
+    /// Whether the next update is one like most: of something that has changed, but no body has come or gone.
+    pub(super) fn follows(&self, bodies: &Bodies) -> bool {
+        self.at != bodies.time() && bodies.gathered() <= self.at
     }
 
     fn update_all(&mut self, bodies: &Bodies) -> Result<(), Error> {

@@ -276,6 +276,7 @@ impl SceneQuery {
     /// Begins a frame. Hits are known of the bodies that have not changed since the time that is returned.
     fn start(&mut self) -> u64 {
         self.asker.start();
+        self.bodies.compact();
         self.hits.at()
     }
 

@@ -80,27 +80,32 @@ impl Planned {
         if !self.decider.is_on_gpu() {
             return None;
         }
+        self.decider.clock(0.0);
         let known = Known { until_first: want == Want::Any, ..Known::default() };
         let offer = self.offer(accuracy, bodies, known);
         if self.decider.look_ahead(&offer).way != Way::Gpu {
             return None;
         }
-        self.decider.clock(0.0);
         self.decider.choose(&offer);
         let (given, leaf_pairs) = self.ask_gpu(bodies, want, hits).ok()?;
         self.decider.end(Way::Gpu, None, Some(leaf_pairs));
+        self.most = self.most.max(given.count);
         Some(given)
     }
 
     /// Brings the broad phase up to date.
     pub(super) fn update(&mut self, broad: &mut Broad, bodies: &mut Bodies) -> Result<(), Error> {
-        if bodies.len() < CROWD || !self.has_gpu() {
+        // With a limit of time nothing is asked ahead, so that a GPU would save nothing.
+        if bodies.len() < CROWD || !self.has_gpu() || self.planner().limits().time.is_some() {
+            self.broad = Duration::ZERO;
             return broad.update(bodies);
         }
-        let clock = Instant::now();
-        let updated = broad.update(bodies);
-        self.broad = clock.elapsed();
-        updated
+        let (clock, is_usual) = (Instant::now(), broad.follows(bodies));
+        broad.update(bodies)?;
+        if is_usual {
+            self.broad = clock.elapsed();
+        }
+        Ok(())
     }
 
     /// Answers; into `hits`, which are empty, if all are wanted.
@@ -196,8 +201,7 @@ impl Planned {
     ) -> Outcome {
         let planner = self.decider.planner();
         let crew = self.crew.get_or_insert_with(|| Crew::new(planner.traversal(workers)));
-        crew.traversal.set_workers(workers as usize);
-        crew.traversal.set_deadline(self.decider.deadline());
+        self.decider.prepare(&mut crew.traversal, workers);
         let given = crew.ask(frame, want, hits);
         let report = crew.report();
         let end = if report.late { End::Late } else { End::Complete };

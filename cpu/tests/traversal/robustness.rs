@@ -1,11 +1,9 @@
 //! Breaks, panics, odd settings, any number of threads and ten thousand frames leave everything usable.
 
-use crate::common::{Body, Frames, sequential};
-use pfront_core::Pose;
+use crate::common::{Frames, sequential};
 use pfront_core::front::Grain;
-use pfront_core::query::{PairQuery, Query};
+use pfront_core::query::Query;
 use pfront_cpu::{Schedule, Settings, Traversal};
-use pfront_scenes::icosphere;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
@@ -133,26 +131,5 @@ fn threads_do_not_show_in_a_front() {
                 assert!(same, "p = {p}, {threads} threads: {one:?}, {other:?}");
             }
         }
-    }
-}
-
-/// What a few nodes cost while two bodies hardly touched tells nothing of what is below them once the bodies are
-/// deep in each other.
-#[test]
-fn a_jump_out_of_almost_nothing_is_divided_like_a_first_frame() {
-    let ball = Body::new(icosphere(20_000));
-    let apart = |x: f32| {
-        let pose = Pose::from_translation([x, 0.01, 0.0]);
-        PairQuery::new(ball.bvh(), ball.bvh(), pose).unwrap()
-    };
-    let (mut first, deep) = (Traversal::new(16), apart(1.6));
-    first.count(&deep);
-    for x in [1.997, 1.998, 1.999, 2.0] {
-        let mut traversal = Traversal::new(16);
-        traversal.count(&apart(x));
-        let before = traversal.report();
-        assert!((1.0..2048.0).contains(&before.cost(before.work())), "{x}: {before:?}");
-        traversal.count(&deep);
-        assert_eq!(traversal.report().nodes, first.report().nodes, "{x}");
     }
 }

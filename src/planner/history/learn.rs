@@ -8,6 +8,8 @@ use crate::planner::Machine;
 
 /// Box tests for each leaf pair that a GPU counts, before that is known.
 const PER_LEAF_PAIR: f64 = 60.0;
+/// What becomes of the forecast of a first pair with each frame in which a GPU has found it.
+const FADING: f64 = 0.9;
 /// To call in others after a look takes so much of the time that the first of them takes to get to work.
 const LATE: f64 = 0.4;
 /// Weight of a frame in what it would save to do without a look.
@@ -28,9 +30,12 @@ impl History {
     pub(crate) fn learn(&mut self, machine: &Machine, way: Way, frame: &Frame) {
         let forecast = &mut self.forecast;
         let size = frame.known.size;
-        // A GPU counts what there is, however near the first pair was.
-        let leaf_pairs = frame.leaf_pairs.filter(|_| !frame.known.until_first);
-        let cost = match (frame.cost, leaf_pairs, self.per_leaf_pair) {
+        let before = forecast.cost(size);
+        let cost = match (frame.cost, frame.leaf_pairs, self.per_leaf_pair) {
+            // What a GPU counts is what there is, however near the first pair was. That is tried when it has
+            // been hoped for long enough.
+            (None, Some(pairs), each) if frame.known.until_first => before
+                .map(|cost| FADING * cost.min(each.unwrap_or(PER_LEAF_PAIR) * f64::from(pairs))),
             (Some(cost), ..) => Some(cost),
             (None, Some(pairs), Some(each)) => Some(each * f64::from(pairs)),
             (None, Some(pairs), None) => match forecast.cost(size).filter(|_| pairs > 0) {
@@ -43,7 +48,6 @@ impl History {
             (None, None, _) => None,
         };
         self.frames = self.frames.saturating_add(1);
-        let before = forecast.cost(size).or(frame.known.guess);
         if let Some(cost) = cost {
             // What a GPU counts is of all, whatever has changed.
             forecast.learn(cost, size.filter(|_| frame.cost.is_some()));
@@ -69,7 +73,7 @@ impl History {
         if let Some(cost) = cost {
             self.learn_at_once(machine, cost);
         }
-        let Some(cost) = cost.or(before) else { return };
+        let Some(cost) = cost.or(before).or(frame.known.guess) else { return };
         self.begun = frame.pace.or(self.begun);
         let upkeep = if way == Way::Gpu { frame.gpu_upkeep } else { 0.0 };
         let predicted = predicted(machine, way, cost) + upkeep;

@@ -176,6 +176,8 @@ impl History {
     /// Decides about the rest of a question that was begun alone.
     pub(crate) fn look(&self, machine: &Machine, offer: &Offer, look: Look) -> Choice {
         let Look { spent, nanoseconds, .. } = look;
+        // By now that is done.
+        let offer = &Offer { upkeep: 0.0, ..*offer };
         let rest = self.forecast.of(look);
         let expected = Some(spent + rest);
         let alone = Choice { expected, alone_until: Some(AGAIN * spent), ..Choice::alone(offer) };

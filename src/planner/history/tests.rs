@@ -213,6 +213,42 @@ fn a_gpu_is_asked_for_a_first_pair_where_cpus_would_still_be_refitting() {
 }
 
 #[test]
+fn a_gpu_does_not_find_first_pairs_for_ever() {
+    let (mut world, mut history) = (World::new([1.0; WAYS]), History::default());
+    world.there = true;
+    let known = Known { until_first: true, ..Known::default() };
+    let offer = Offer { known, ..world.offer() };
+    let frame = |way, cost: Option<f64>| Frame {
+        nanoseconds: world.takes(way, 1e7),
+        cost,
+        leaf_pairs: Some(1_000_000).filter(|_| cost.is_none()),
+        known,
+        ..Frame::default()
+    };
+    // A near miss that took the calling thread long.
+    history.learn(&world.machine, Way::Alone, &frame(Way::Alone, Some(1e7)));
+    assert_eq!(history.choose(&world.machine, &offer).way, Way::Gpu);
+    // From now on a first pair is near, which a GPU does not tell.
+    let frames = (0..200).position(|_| {
+        let way = history.choose(&world.machine, &offer).way;
+        history.learn(&world.machine, Way::Gpu, &frame(Way::Gpu, None));
+        way != Way::Gpu
+    });
+    assert!(frames.is_some_and(|frames| (10..100).contains(&frames)), "{frames:?}");
+}
+
+#[test]
+fn a_look_counts_no_upkeep_that_is_done() {
+    let (world, history) = (World::new([1.0; WAYS]), History::default());
+    let look = Look { spent: 1e4, rest: 4e5, nanoseconds: None };
+    let way = |upkeep: f64| {
+        let offer = Offer { upkeep, gpu: None, ..world.offer() };
+        history.look(&world.machine, &offer, look).way
+    };
+    assert_eq!((way(0.0), way(1e9)), (Way::Threads(16), Way::Threads(16)));
+}
+
+#[test]
 fn a_gpu_that_was_never_asked_is_doubted_more_than_threads_that_were() {
     let (mut world, mut history) = (World::new([1.0; WAYS]), History::default());
     world.there = true;
