@@ -107,6 +107,7 @@ mod tests {
     use super::*;
     use pfront_core::bvh::node_bound;
     use pfront_scenes::{Scene, icosphere};
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
     #[test]
     fn parts_certify_what_the_whole_does() {
@@ -139,6 +140,41 @@ mod tests {
             assert!((vertices / 10..vertices * 9 / 10).contains(&good), "{good} of {vertices}");
             assert!(certify(mesh, &spans[1..], &mut in_parts).is_err());
             assert!(certify(mesh, &spans, &mut in_parts[1..]).is_err());
+        }
+    }
+
+    /// At sizes about those of parts, with vertices that no triangle uses at the end.
+    #[test]
+    fn a_mesh_is_divided_where_its_triangles_are_in_order() {
+        for vertices in [0_usize, 3, 8192, 8193, 16_384, 16_385, 40_000] {
+            let positions: Vec<_> =
+                (0..vertices).map(|i| [i as f32, (i % 2) as f32, (i % 5) as f32]).collect();
+            let used = vertices - vertices / 10;
+            let strip: Vec<_> = (2..used as u32).map(|i| [i - 2, i - 1, i]).collect();
+            let (n, parts) = (strip.len(), vertices.div_ceil(8192).max(1));
+            for shuffled in [false, true] {
+                let mut triangles = strip.clone();
+                if shuffled {
+                    (0..n).for_each(|i| triangles.swap(i, i * 7919 % n));
+                }
+                let mesh = Mesh::new(&positions, &triangles).unwrap();
+                let mut whole = vec![Fan::default(); vertices];
+                let mut scratch = vec![0; fans::link_scratch_bound(vertices, n)];
+                fans::link(mesh, &mut scratch, &mut whole).unwrap();
+                let mut spans = vec![Span::default(); fans::span_bound(n)];
+                fans::find_spans(mesh, &mut spans).unwrap();
+                let (mut in_parts, joins) = (whole.clone(), AtomicUsize::new(0));
+                fans::certify_with(mesh, &spans, &mut in_parts, &|a, b| {
+                    joins.fetch_add(1, Relaxed);
+                    a();
+                    b();
+                })
+                .unwrap();
+                fans::certify(mesh, &mut whole).unwrap();
+                assert!(whole == in_parts, "{vertices}, shuffled: {shuffled}");
+                let wanted = if shuffled && vertices > 20_000 { 0 } else { parts - 1 };
+                assert_eq!(joins.into_inner(), wanted, "{vertices}, shuffled: {shuffled}");
+            }
         }
     }
 

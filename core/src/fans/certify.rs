@@ -12,6 +12,7 @@ use crate::build::moved::{holds, holds_any, mark, number, vertices};
 use crate::build::{Join, Moved, moved_bound};
 use crate::items::item;
 use crate::{CapacityError, Mesh};
+use core::ops::Range;
 use glam::Vec3A;
 
 /// Brings the fans of a mesh up to date with its positions. `fans` are those of [`link`](super::link) for the same
@@ -41,13 +42,14 @@ const REACH: usize = 2;
 /// [`certify`] in parts that `join` may run side by side, as `rayon::join` does; the fans are the same.
 ///
 /// Vertices are divided, and each part looks at the triangles of those `spans`, as [`find_spans`] found them, that
-/// reach into it. Where triangles near one another in the mesh have vertices that are not, there is one part.
+/// reach into it: at twice as many as there are at most. Where triangles near one another in the mesh have vertices
+/// that are not, there is one part. Spans of other triangles may make a query miss pairs, as fans of others do.
 ///
 /// # Errors
 /// [`CapacityError`] if `fans` has not one entry a vertex, or there are fewer spans than [`span_bound`].
 ///
 /// # Complexity
-/// O(vertices + triangles), in parts of at most 8192 vertices.
+/// O(vertices + triangles), in parts of at most 8192 vertices; to divide m of them takes O(triangles / 64 · log m).
 ///
 /// # Examples
 /// ```
@@ -68,35 +70,60 @@ pub fn certify_with(
 ) -> Result<(), CapacityError> {
     CapacityError::check("fans", mesh.positions().len(), fans.len())?;
     CapacityError::check("spans", span_bound(mesh.triangles().len()), spans.len())?;
+    let spans = &spans[..span_bound(mesh.triangles().len())];
     let reached = spans.iter().map(|span| span.parts().len()).sum::<usize>();
     if reached > REACH * spans.len() {
         return certify(mesh, fans);
     }
-    Parts { mesh, spans, join }.certify(0, fans);
+    let run = Run { spans, triangles: mesh.triangles() };
+    Parts { positions: mesh.positions(), join }.certify(0, fans, run);
     Ok(())
 }
 
-struct Parts<'p> {
-    mesh: Mesh<'p>,
+/// Consecutive triangles, with their spans.
+#[derive(Clone, Copy)]
+struct Run<'p> {
     spans: &'p [Span],
+    triangles: &'p [[u32; 3]],
+}
+
+impl Run<'_> {
+    /// From the first to the last that reach into these parts.
+    fn reaching(self, parts: Range<usize>) -> Self {
+        let reaches = |span: &Span| {
+            let own = span.parts();
+            own.start < parts.end && parts.start < own.end
+        };
+        let Self { spans, triangles } = self;
+        let first = spans.iter().position(reaches).unwrap_or(spans.len());
+        let end = spans.iter().rposition(reaches).map_or(first, |last| last + 1);
+        let [from, to] = [first, end].map(|span| (span * SPAN).min(triangles.len()));
+        Self { spans: &spans[first..end], triangles: &triangles[from..to] }
+    }
+}
+
+struct Parts<'p> {
+    positions: &'p [[f32; 3]],
     join: &'p Join<'p>,
 }
 
 impl Parts<'_> {
     /// The fans of the vertices from `first` on.
-    fn certify(&self, first: usize, fans: &mut [Fan]) {
-        let half = (fans.len() / 2).next_multiple_of(PART);
-        if half < fans.len() {
+    fn certify(&self, first: usize, fans: &mut [Fan], run: Run<'_>) {
+        let len = fans.len();
+        let own = first / PART..(first + len).div_ceil(PART);
+        let run = run.reaching(own.clone());
+        let half = len.div_ceil(2).next_multiple_of(PART);
+        if half < len {
             let (low, high) = fans.split_at_mut(half);
-            let mut low = || self.certify(first, low);
-            return (self.join)(&mut low, &mut || self.certify(first + half, high));
+            let mut low = || self.certify(first, low, run);
+            return (self.join)(&mut low, &mut || self.certify(first + half, high, run));
         }
-        let part = first / PART;
-        let spans = self.spans.iter().zip(self.mesh.triangles().chunks(SPAN));
+        let spans = run.spans.iter().zip(run.triangles.chunks(SPAN));
         fans.iter_mut().for_each(Fan::clear);
-        for (_, triangles) in spans.filter(|(span, _)| span.parts().contains(&part)) {
+        for (_, triangles) in spans.filter(|(span, _)| span.parts().contains(&own.start)) {
             for t in triangles {
-                count(self.mesh.positions(), t, fans, first, |_| true);
+                count(self.positions, t, fans, first, |_| true);
             }
         }
         fans.iter_mut().for_each(Fan::settle);
@@ -112,7 +139,7 @@ pub struct Span([u32; 2]);
 
 impl Span {
     /// The parts that it reaches into.
-    fn parts(self) -> core::ops::Range<usize> {
+    fn parts(self) -> Range<usize> {
         let [first, last] = self.0.map(|vertex| vertex as usize / PART);
         first..last + 1
     }

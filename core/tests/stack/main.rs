@@ -204,7 +204,7 @@ fn a_starting_front_takes_four_box_tests_a_node_above_it() {
 
 #[test]
 fn fans_of_vertices() {
-    let soup = sheets(40);
+    let soup = sheets(128);
     let (mesh, vertices) = (soup.mesh(), soup.positions.len());
     let count = soup.triangles.len();
     let (mut known, mut spans) =
@@ -217,5 +217,8 @@ fn fans_of_vertices() {
     check("fans::link", || fans::link(mesh, &mut scratch, &mut known).unwrap());
     check("certify", || fans::certify(mesh, &mut known).unwrap());
     check("find_spans", || fans::find_spans(mesh, &mut spans).unwrap());
+    check("certify_with", || {
+        fans::certify_with(mesh, &spans, &mut known, &one_after_the_other).unwrap()
+    });
     check("certify_moved", || fans::certify_moved(mesh, &spans, moved, near, &mut known).unwrap());
 }

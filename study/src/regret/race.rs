@@ -76,12 +76,8 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
         }
         rounds += 1;
     }
-    let over = |lane: usize, other: usize| {
-        let ratios = times[lane].iter().zip(&times[other]).map(|(own, other)| own / other);
-        median(&mut ratios.collect::<Vec<_>>())
-    };
-    let noise = over(again, twin) - 1.0;
-    let to_planner: Vec<_> = (0..planner).map(|lane| over(planner, lane)).collect();
+    let noise = over(&times[again], &times[twin]) - 1.0;
+    let to_planner: Vec<_> = (0..planner).map(|lane| over(&times[planner], &times[lane])).collect();
     let mut medians = times.iter_mut().map(|times| median(times));
     let names = field.fixed.iter().map(|lane| lane.name.clone());
     let lanes = names.zip(outcomes).zip(medians.by_ref().zip(to_planner));
@@ -102,6 +98,15 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
         noise,
         tally: watch(case, &chosen)?,
     })
+}
+
+/// What one took over what another did in the same round, the median; 0 where the other did not play.
+fn over(own: &[f64], other: &[f64]) -> f64 {
+    let mut ratios: Vec<_> = own.iter().zip(other).map(|(own, other)| own / other).collect();
+    let upper = median(&mut ratios);
+    // Of an even number the upper one of two would be unfair.
+    let lower = ratios.get(ratios.len().saturating_sub(1) / 2).copied().unwrap_or(0.0);
+    0.5 * (lower + upper)
 }
 
 /// Seconds that a whole case takes: making the query, which uploads what a GPU needs, and all frames. Models are
@@ -225,6 +230,14 @@ mod tests {
             error.to_string().contains("frame 0 of pair 1: second answers otherwise"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn plans_are_compared_within_a_round() {
+        // The machine was slow in the second round, and in the third for one of them.
+        let (own, other) = ([1.1, 3.0, 1.2], [1.0, 2.0, 3.0]);
+        assert_eq!([over(&own, &other), over(&other, &own)], [1.1, 1.0 / 1.1]);
+        assert_eq!([over(&own[1..], &other[1..]), over(&own, &[])], [0.95, 0.0]);
     }
 
     #[test]

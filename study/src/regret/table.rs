@@ -48,7 +48,7 @@ impl fmt::Display for Summary {
         let Self { cases, mean, mean_loss, p95, to_sequential, noise, noise_p95, deciding } = *self;
         writeln!(
             f,
-            "Times of all frames, the median over rounds, as ratios within one are; * the best fixed plan,"
+            "Times of all frames: the median over rounds. Ratios: the median of those within rounds. * the best fixed plan,"
         )?;
         writeln!(
             f,
@@ -89,6 +89,7 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
     let mut head = facts.map(str::to_owned).to_vec();
     head.extend(first.fixed.iter().map(|(name, _)| format!("{}_ms", column(name))));
     head.extend(judged.map(str::to_owned));
+    head.extend(first.fixed.iter().map(|(name, _)| format!("planner_to_{}", column(name))));
     head.extend(Tally::NAMES.map(|name| format!("frames_{}", column(name))));
     table.write_record(head)?;
     for row in rows {
@@ -114,6 +115,10 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
             row.tally.changes.to_string(),
             format!("{:.4}", row.tally.deciding()),
         ]);
+        line.extend(row.fixed.iter().map(|(_, outcome)| match outcome {
+            Outcome::Took { planner, .. } => format!("{planner:.4}"),
+            Outcome::Hopeless { .. } | Outcome::Refused { .. } => String::new(),
+        }));
         line.extend(row.tally.frames.map(|count| count.to_string()));
         table.write_record(line)?;
     }
