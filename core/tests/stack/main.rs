@@ -218,7 +218,7 @@ fn fans_of_vertices() {
     check("certify", || fans::certify(mesh, &mut known).unwrap());
     check("find_spans", || fans::find_spans(mesh, &mut spans).unwrap());
     check("certify_with", || {
-        fans::certify_with(mesh, &spans, &mut known, &one_after_the_other).unwrap()
+        fans::certify_with(mesh, &spans, &mut known, &one_after_the_other).unwrap();
     });
     check("certify_moved", || fans::certify_moved(mesh, &spans, moved, near, &mut known).unwrap());
 }
