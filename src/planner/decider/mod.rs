@@ -1,7 +1,9 @@
 //! One query's planner at work: a clock, what is known, and what was decided in the last frame.
 
+mod end;
+
 use super::clock::Clock;
-use super::history::{Choice, Frame, History, Known, Look, Offer, Way};
+use super::history::{Choice, History, Known, Look, Offer, Way};
 use super::last::Last;
 use super::plan::{Backend, Plan, Reason};
 use super::{Concession, Planner};
@@ -135,38 +137,9 @@ impl Decider {
         Some(until.max(2.0 * spent))
     }
 
-    /// It did stay below.
-    pub(crate) fn was_brief(&mut self, cost: f64) {
-        self.histories[self.asked].learn_cost(self.planner.machine(), cost);
-        self.end_small(cost);
-    }
-
-    /// There was nothing to ask, which tells nothing of other frames.
-    pub(crate) fn was_nothing(&mut self) {
-        self.forget_ahead();
-        self.end_small(0.0);
-    }
-
-    fn end_small(&mut self, cost: f64) {
-        self.was_elsewhere = true;
-        let has_failed = std::mem::take(&mut self.has_failed);
-        let reason = if has_failed { Reason::GpuFailed } else { Reason::Small };
-        self.end_as(Backend::Sequential, reason, Some(cost));
-    }
-
     /// What has been decided and prepared ahead has come to nothing.
     pub(crate) fn forget_ahead(&mut self) {
         (self.ahead, self.prepared) = (None, Duration::ZERO);
-    }
-
-    /// There is nothing to do.
-    pub(crate) fn keep(&mut self) {
-        self.forget_ahead();
-        self.end_as(Backend::Kept, Reason::Unchanged, None);
-    }
-
-    fn end_as(&mut self, backend: Backend, reason: Reason, cost: Option<f64>) {
-        self.untimed = Some((backend, reason, cost));
     }
 
     /// Begins a frame, whose query will be asked later. No clock is needed if it is like one that needed none.
@@ -247,58 +220,6 @@ impl Decider {
         let conceded = choice.and(self.last).and_then(|last| last.concession);
         self.note(next, reason, conceded);
         next
-    }
-
-    /// Goes on without a GPU, and says how.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn gpu_failed(&mut self, error: &crate::gpu::Error) -> Way {
-        self.clock.lose();
-        self.has_failed = true;
-        self.failure = Some(format!("the GPU is not used any more: {error}"));
-        match self.planner.threads(0) {
-            1 => Way::Alone,
-            threads => Way::Threads(threads),
-        }
-    }
-
-    /// Ends a frame.
-    pub(crate) fn end(&mut self, way: Way, cost: Option<f64>, leaf_pairs: Option<u32>) {
-        let prepared = std::mem::take(&mut self.prepared);
-        let actual = self.finish(way, prepared, cost);
-        let nanoseconds = |time: Duration| time.as_secs_f64() * 1e9;
-        let frame = Frame {
-            nanoseconds: nanoseconds(actual),
-            beside: nanoseconds(self.clock.lost() + prepared),
-            gpu_upkeep: self.last.map_or(0.0, |last| last.choice.gpu_upkeep),
-            known: self.last.map_or(Known::default(), |last| last.choice.known),
-            look: self.looked,
-            pace: self.pace,
-            cost,
-            leaf_pairs,
-        };
-        self.histories[self.asked].learn(self.planner.machine(), way, &frame);
-    }
-
-    /// Ends a frame for which time ran out, and which tells nothing of others.
-    pub(crate) fn end_incomplete(&mut self, way: Way) {
-        let prepared = std::mem::take(&mut self.prepared);
-        self.finish(way, prepared, None);
-        if let Some(last) = &mut self.last {
-            last.concession = Some(Concession::Incomplete);
-        }
-    }
-
-    fn finish(&mut self, way: Way, prepared: Duration, cost: Option<f64>) -> Duration {
-        let actual = self.clock.elapsed() + prepared;
-        self.was_elsewhere = !matches!(way, Way::Threads(_) | Way::Both(..));
-        let has_failed = std::mem::take(&mut self.has_failed);
-        if let Some(last) = &mut self.last {
-            (last.backend, last.cost, last.actual) = (way.into(), cost, actual);
-            if has_failed {
-                last.reason = Reason::GpuFailed;
-            }
-        }
-        actual
     }
 
     /// How exact an answer has to be of which this is wanted.
