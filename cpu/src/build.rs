@@ -109,6 +109,23 @@ mod tests {
     use pfront_scenes::{Scene, icosphere};
     use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
+    /// So that each span of triangles reaches everywhere.
+    fn shuffle(triangles: &mut [[u32; 3]]) {
+        let n = triangles.len();
+        (0..n).for_each(|i| triangles.swap(i, i * 7919 % n));
+    }
+
+    /// The fans of a mesh, linked, and its spans.
+    fn linked(mesh: Mesh<'_>) -> (Vec<Fan>, Vec<Span>) {
+        let (vertices, n) = (mesh.positions().len(), mesh.triangles().len());
+        let (mut fans, mut spans) =
+            (vec![Fan::default(); vertices], vec![Span::default(); fans::span_bound(n)]);
+        let mut scratch = vec![0; fans::link_scratch_bound(vertices, n)];
+        fans::link(mesh, &mut scratch, &mut fans).unwrap();
+        fans::find_spans(mesh, &mut spans).unwrap();
+        (fans, spans)
+    }
+
     #[test]
     fn parts_certify_what_the_whole_does() {
         let scene = Scene::by_name("sheet", Some(150_000)).unwrap();
@@ -119,19 +136,13 @@ mod tests {
             let jitter = 0.004 * (i.wrapping_mul(2_654_435_761) >> 20 & 7) as f32;
             (p[0], p[1]) = (p[0] + jitter, p[1] - jitter);
         }
-        // In order, and so that each span reaches everywhere.
+        let vertices = positions.len();
         for shuffled in [false, true] {
             if shuffled {
-                let n = triangles.len();
-                (0..n).for_each(|i| triangles.swap(i, i * 7919 % n));
+                shuffle(&mut triangles);
             }
             let mesh = Mesh::new(&positions, &triangles).unwrap();
-            let (vertices, n) = (positions.len(), triangles.len());
-            let mut whole = vec![Fan::default(); vertices];
-            let mut scratch = vec![0; fans::link_scratch_bound(vertices, n)];
-            fans::link(mesh, &mut scratch, &mut whole).unwrap();
-            let mut spans = vec![Span::default(); fans::span_bound(n)];
-            fans::find_spans(mesh, &mut spans).unwrap();
+            let (mut whole, spans) = linked(mesh);
             let mut in_parts = whole.clone();
             fans::certify(mesh, &mut whole).unwrap();
             certify(mesh, &spans, &mut in_parts).unwrap();
@@ -151,18 +162,14 @@ mod tests {
                 (0..vertices).map(|i| [i as f32, (i % 2) as f32, (i % 5) as f32]).collect();
             let used = vertices - vertices / 10;
             let strip: Vec<_> = (2..used as u32).map(|i| [i - 2, i - 1, i]).collect();
-            let (n, parts) = (strip.len(), vertices.div_ceil(8192).max(1));
+            let parts = vertices.div_ceil(8192).max(1);
             for shuffled in [false, true] {
                 let mut triangles = strip.clone();
                 if shuffled {
-                    (0..n).for_each(|i| triangles.swap(i, i * 7919 % n));
+                    shuffle(&mut triangles);
                 }
                 let mesh = Mesh::new(&positions, &triangles).unwrap();
-                let mut whole = vec![Fan::default(); vertices];
-                let mut scratch = vec![0; fans::link_scratch_bound(vertices, n)];
-                fans::link(mesh, &mut scratch, &mut whole).unwrap();
-                let mut spans = vec![Span::default(); fans::span_bound(n)];
-                fans::find_spans(mesh, &mut spans).unwrap();
+                let (mut whole, spans) = linked(mesh);
                 let (mut in_parts, joins) = (whole.clone(), AtomicUsize::new(0));
                 fans::certify_with(mesh, &spans, &mut in_parts, &|a, b| {
                     joins.fetch_add(1, Relaxed);

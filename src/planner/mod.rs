@@ -78,7 +78,7 @@ const COMPILE: f64 = 4e8;
 /// Large models take so many times as long to bring there, for each triangle, as those that a machine is measured
 /// with: 51 to 64 ns instead of 28 to 38 for models of 0.5 to 2.7 million on an H200.
 #[cfg(feature = "gpu")]
-const LARGER: f64 = 1.7;
+const LARGE_UPLOAD: f64 = 1.7;
 
 /// What a GPU lacks before it can be asked.
 #[cfg(feature = "gpu")]
@@ -212,7 +212,7 @@ impl Planner {
         let fits = self.0.limits.memory.is_none_or(|memory| owed.bytes <= memory as u64);
         let setup = if owed.triangles > 0 { device.setup } else { 0.0 };
         let compile = if owed.compile { COMPILE } else { 0.0 };
-        fits.then_some(LARGER * owed.triangles as f64 * device.upload + setup + compile)
+        fits.then_some(LARGE_UPLOAD * owed.triangles as f64 * device.upload + setup + compile)
     }
 
     /// What a refit of so many triangles may take, before there was one, in nanoseconds.

@@ -38,7 +38,7 @@ impl History {
                 .map(|cost| FADING * cost.min(each.unwrap_or(PER_LEAF_PAIR) * f64::from(pairs))),
             (Some(cost), ..) => Some(cost),
             (None, Some(pairs), Some(each)) => Some(each * f64::from(pairs)),
-            (None, Some(pairs), None) => match forecast.cost(size).filter(|_| pairs > 0) {
+            (None, Some(pairs), None) => match before.filter(|_| pairs > 0) {
                 Some(cost) => {
                     self.per_leaf_pair = Some(cost / f64::from(pairs));
                     Some(cost)

@@ -143,18 +143,17 @@ impl History {
         if offer.threads <= 1 && offer.gpu.is_none() {
             return alone;
         }
+        let fork = machine.fork / machine.test;
         let Some(cost) = expected else {
             if let Some(times) = self.surely_gpu(machine, offer) {
                 return Choice { way: Way::Gpu, times, ..alone };
             }
-            let look = LOOK * machine.fork / machine.test;
-            return Choice { alone_until: Some(look), ..alone };
+            return Choice { alone_until: Some(LOOK * fork), ..alone };
         };
         let (times, ways) = self.predict(machine, offer, cost);
         let best = least(&times);
         let family = self.change(best, &times, offer);
         let way = ways[family];
-        let fork = machine.fork / machine.test;
         let alone_until = match way {
             Way::Threads(_) if self.forecast.is_jumpy() && self.at_once <= 0.0 => Some(LOOK * fork),
             // However near the mean is to what is best alone, the next frame may be nothing like it.

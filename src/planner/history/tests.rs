@@ -162,17 +162,7 @@ fn plans_do_not_flap() {
 #[test]
 fn without_a_choice_nothing_is_chosen() {
     let mut history = History::default();
-    let offer = Offer {
-        threads: 1,
-        gpu: None,
-        gpu_upkeep: 0.0,
-        both: false,
-        known: Known::default(),
-        moves: false,
-        queries: 1,
-        upkeep: 0.0,
-        unmade: 0.0,
-    };
+    let offer = Offer { threads: 1, gpu: None, ..World::new([1.0; WAYS]).offer() };
     for cost in [1e2, 1e8, 1e2] {
         let choice = history.choose(&measured(), &offer);
         assert_eq!((choice.way, choice.alone_until), (Way::Alone, None));
