@@ -142,10 +142,10 @@ impl Device {
                 let given = match want {
                     Want::All => {
                         query.all_into(a, b, a_from_b, pairs)?;
-                        listed(pairs)
+                        Given::listed(pairs)
                     }
-                    Want::Count => counted(query.count(a, b, a_from_b)?),
-                    Want::Any => found(query.any(a, b, a_from_b)?),
+                    Want::Count => Given::counted(query.count(a, b, a_from_b)?),
+                    Want::Any => Given::found(query.any(a, b, a_from_b)?),
                 };
                 Ok((given, query.report().leaf_pairs))
             }
@@ -157,10 +157,10 @@ impl Device {
                 let given = match want {
                     Want::All => {
                         query.all_into(model, pairs)?;
-                        listed(pairs)
+                        Given::listed(pairs)
                     }
-                    Want::Count => counted(query.count(model)?),
-                    Want::Any => found(query.any(model)?),
+                    Want::Count => Given::counted(query.count(model)?),
+                    Want::Any => Given::found(query.any(model)?),
                 };
                 Ok((given, query.report().leaf_pairs))
             }
@@ -199,7 +199,7 @@ impl Device {
             // Two runs, which this merges.
             pairs.sort();
         }
-        Ok(listed(pairs))
+        Ok(Given::listed(pairs))
     }
 
     /// Brings there what is asked about, and makes the query.
@@ -233,16 +233,4 @@ impl Device {
 fn both([first, second]: &[Option<Mirror>; 2]) -> Option<[&gpu::Model; 2]> {
     let first = first.as_ref()?.model();
     Some([first, second.as_ref().map_or(first, Mirror::model)])
-}
-
-fn listed(pairs: &[TrianglePair]) -> Given {
-    Given { count: pairs.len() as u64, first: pairs.first().copied() }
-}
-
-fn counted(count: u64) -> Given {
-    Given { count, first: None }
-}
-
-fn found(first: Option<TrianglePair>) -> Given {
-    Given { count: u64::from(first.is_some()), first }
 }

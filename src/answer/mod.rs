@@ -13,7 +13,7 @@ mod ways;
 pub(crate) use alone::cost;
 pub(crate) use alone::{End, Leash, alone};
 pub(crate) use question::{OfOne, OfTwo, Question};
-pub(crate) use ways::Want;
+pub(crate) use ways::{Given, Outcome, Want};
 
 use crate::planner::{Plan, Planner};
 use crate::{Accuracy, Adjacency, Error, Model};
@@ -21,7 +21,7 @@ use pfront_core::query::{Query, TrianglePair};
 use pfront_core::triangle::Contact;
 use planned::Planned;
 use std::ops::ControlFlow;
-use ways::{Given, on_one};
+use ways::on_one;
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Answer {

@@ -19,21 +19,60 @@ pub(crate) enum Want {
 }
 
 /// What an answer says, beside the list.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Given {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Given<T = TrianglePair> {
     pub(crate) count: u64,
-    pub(crate) first: Option<TrianglePair>,
+    pub(crate) first: Option<T>,
+}
+
+impl<T> Default for Given<T> {
+    fn default() -> Self {
+        Self::counted(0)
+    }
+}
+
+impl<T> Given<T> {
+    /// Of all, in order.
+    pub(crate) fn listed(list: &[T]) -> Self
+    where
+        T: Copy,
+    {
+        Self { count: list.len() as u64, first: list.first().copied() }
+    }
+
+    pub(crate) fn counted(count: u64) -> Self {
+        Self { count, first: None }
+    }
+
+    /// Of the first.
+    pub(crate) fn found(first: Option<T>) -> Self {
+        Self { count: u64::from(first.is_some()), first }
+    }
+
+    /// Takes note of one more, in `list` if all are wanted; breaks if that is enough.
+    pub(crate) fn add(&mut self, hit: T, want: Want, list: &mut Vec<T>) -> ControlFlow<()> {
+        self.count += 1;
+        match want {
+            Want::All => list.push(hit),
+            Want::Count => {}
+            Want::Any => {
+                self.first = Some(hit);
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    }
 }
 
 /// What one way came to.
 #[derive(Default)]
-pub(super) struct Outcome {
-    pub(super) given: Given,
+pub(crate) struct Outcome<G = Given> {
+    pub(crate) given: G,
     /// In box tests, if they were counted.
-    pub(super) cost: Option<f64>,
+    pub(crate) cost: Option<f64>,
     /// If a GPU counted them.
-    pub(super) leaf_pairs: Option<u32>,
-    pub(super) end: End,
+    pub(crate) leaf_pairs: Option<u32>,
+    pub(crate) end: End,
 }
 
 /// Answers on the calling thread, as long as `longer` allows.
@@ -48,18 +87,7 @@ pub(super) fn on_one(
     if want == Want::All {
         pairs.clear();
     }
-    let found = |(), pair| {
-        given.count += 1;
-        match want {
-            Want::All => pairs.push(pair),
-            Want::Count => {}
-            Want::Any => {
-                given.first = Some(pair);
-                return ControlFlow::Break(());
-            }
-        }
-        ControlFlow::Continue(())
-    };
+    let found = |(), pair| given.add(pair, want, pairs);
     let (cost, end) = alone([((), query)], || 1, leash, found, longer);
     if want == Want::All && end != End::Outgrown {
         pairs.sort_unstable();
@@ -91,13 +119,10 @@ pub(super) fn on_threads(
     let given = match want {
         Want::All => {
             traversal.all(query, pairs);
-            Given { count: pairs.len() as u64, first: pairs.first().copied() }
+            Given::listed(pairs)
         }
-        Want::Count => Given { count: traversal.count(query), first: None },
-        Want::Any => {
-            let first = traversal.any(query);
-            Given { count: u64::from(first.is_some()), first }
-        }
+        Want::Count => Given::counted(traversal.count(query)),
+        Want::Any => Given::found(traversal.any(query)),
     };
     let report = traversal.report();
     let end = if report.late { End::Late } else { End::Complete };

@@ -101,17 +101,14 @@ fn alone(frame: &Frame<'_>, want: Want, hits: &mut Vec<SceneHit>) -> Given {
                 });
                 hits[first..].sort_unstable();
             }
-            Given { count: hits.len() as u64, first: hits.first().copied() }
+            Given::listed(hits)
         }
-        Want::Count => {
-            Given { count: frame.queries().map(|(_, query)| query.count()).sum(), first: None }
-        }
+        Want::Count => Given::counted(frame.queries().map(|(_, query)| query.count()).sum()),
         Want::Any => {
             let hit = |(bodies, query): ([BodyId; 2], PairQuery<'_>)| {
                 Some(SceneHit { bodies, pair: query.any()? })
             };
-            let first = frame.queries().find_map(hit);
-            Given { count: u64::from(first.is_some()), first }
+            Given::found(frame.queries().find_map(hit))
         }
     }
 }

@@ -45,15 +45,14 @@ impl Crew {
                 self.at_once(frame, |traversal, queries| traversal.all_of(queries, &mut found));
                 hits.extend(found.iter().map(|&hit| self.hit(hit)));
                 self.found = found;
-                Given { count: hits.len() as u64, first: hits.first().copied() }
+                Given::listed(hits)
             }
-            Want::Count => {
-                let count = self.at_once(frame, |traversal, queries| traversal.count_of(queries));
-                Given { count, first: None }
-            }
+            Want::Count => Given::counted(
+                self.at_once(frame, |traversal, queries| traversal.count_of(queries)),
+            ),
             Want::Any => {
                 let found = self.at_once(frame, |traversal, queries| traversal.any_of(queries));
-                Given { count: u64::from(found.is_some()), first: found.map(|hit| self.hit(hit)) }
+                Given::found(found.map(|hit| self.hit(hit)))
             }
         }
     }

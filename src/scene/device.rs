@@ -94,13 +94,10 @@ impl Device {
         let given = match want {
             Want::All => {
                 hits.extend(query.all()?.iter().map(own));
-                Given { count: hits.len() as u64, first: hits.first().copied() }
+                Given::listed(hits)
             }
-            Want::Count => Given { count: query.count()?, first: None },
-            Want::Any => {
-                let first = query.any()?.as_ref().map(own);
-                Given { count: u64::from(first.is_some()), first }
-            }
+            Want::Count => Given::counted(query.count()?),
+            Want::Any => Given::found(query.any()?.as_ref().map(own)),
         };
         Ok((given, query.report().leaf_pairs))
     }

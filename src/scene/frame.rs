@@ -16,11 +16,7 @@ pub(super) struct Frame<'s> {
 }
 
 /// What an answer says, beside the list.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Given {
-    pub(super) count: u64,
-    pub(super) first: Option<SceneHit>,
-}
+pub(super) type Given = crate::answer::Given<SceneHit>;
 
 /// What was found.
 pub(super) enum Found {
