@@ -6,11 +6,11 @@
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a bench fails by panicking")]
 
-use pfront::core::build::{self, BvhStorage};
+use pfront::core::bvh::{self, BvhStorage};
 use pfront::core::bvh::{
     Compact, CompactNode, CompactStorage, Index, Layout, compact, compact_bound, node_bound,
 };
-use pfront::core::query::{PairQuery, Query, SelfQuery};
+use pfront::core::bvtt::{PairQuery, Query, SelfQuery};
 use pfront::{BuildOptions, Bvh, Mesh, Node, Pose};
 use pfront_scenes::{Scene, TriMesh};
 use std::time::{Duration, Instant};
@@ -98,10 +98,10 @@ impl<'m> Tree<'m> {
         let options = BuildOptions { leaf_size, full_leaves: !matches!(build, Build::Sah) };
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let bvh = if matches!(build, Build::FullMorton) {
-            build::morton(mesh, &options, storage, &mut vec![0; build::morton_scratch_bound(n)])
+            bvh::morton(mesh, &options, storage, &mut vec![0; bvh::morton_scratch_bound(n)])
         } else {
-            let mut scratch = vec![build::SahItem::default(); build::sah_scratch_bound(n)];
-            build::sah(mesh, &options, storage, &mut scratch)
+            let mut scratch = vec![bvh::SahItem::default(); bvh::sah_scratch_bound(n)];
+            bvh::sah(mesh, &options, storage, &mut scratch)
         };
         let used = bvh.unwrap().nodes().len();
         nodes.truncate(used);

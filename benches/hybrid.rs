@@ -12,7 +12,7 @@ mod cases;
 use backends::{Backend, Cpu, on_gpu};
 use cases::{Asker, CASES, Case, FRAMES, all_threads, traversal, turn};
 use criterion::{Criterion, criterion_group, criterion_main};
-use pfront::core::query::{self, NodePair, Query};
+use pfront::core::bvtt::{self, NodePair, Query};
 use pfront::gpu::wgpu::CommandEncoder;
 use pfront::gpu::{self, Deforming, Gpu, Pending};
 use pfront::threads::{Schedule, Traversal};
@@ -68,7 +68,7 @@ impl Backend for Pair<'_> {
     fn frame(&mut self, frame: usize) -> &[TrianglePair] {
         let Self { both, host: [a, b], device: [on_a, on_b], poses, query } = self;
         let pose = &poses[frame];
-        let asked = query::PairQuery::new(a.bvh(), b.bvh(), *pose).unwrap();
+        let asked = bvtt::PairQuery::new(a.bvh(), b.bvh(), *pose).unwrap();
         both.ask(&asked, |encoder, below| query.record_below(encoder, on_a, on_b, pose, below))
     }
 }
@@ -87,7 +87,7 @@ impl Backend for Within<'_> {
         let positions = frames[frame].mesh().positions();
         device.set_positions(positions).unwrap();
         host.set_positions_with_threads(positions).unwrap();
-        let asked = query::SelfQuery::new(host.bvh()).with_fans(host.fans());
+        let asked = bvtt::SelfQuery::new(host.bvh()).with_fans(host.fans());
         both.ask(&asked, |encoder, below| query.record_below(encoder, device, below))
     }
 }

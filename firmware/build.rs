@@ -1,7 +1,7 @@
 //! Bakes a mesh for the firmware, and lays out what is built for the device.
 
-use pfront_core::build::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
 use pfront_core::bvh::node_bound;
+use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
 use pfront_core::{Mesh, Node, blob};
 use std::error::Error;
 use std::path::Path;

@@ -59,9 +59,9 @@ pub use scene::{Body, BodyId, Piece, SceneHit, SceneQuery};
 pub use within::SelfQuery;
 
 pub use pfront_core as core;
-pub use pfront_core::build::BuildOptions;
+pub use pfront_core::bvh::BuildOptions;
+pub use pfront_core::bvtt::TrianglePair;
 pub use pfront_core::pose::PoseError;
-pub use pfront_core::query::TrianglePair;
 pub use pfront_core::triangle::{Accuracy, Adjacency, Contact, ContactKind};
 pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose};
 /// The backend on several CPU threads, and what can be chosen about it.

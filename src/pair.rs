@@ -5,7 +5,7 @@ use crate::planner::{Plan, Planner};
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Contact, Error, Model, Pose, TrianglePair};
-use pfront_core::query::Query;
+use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
 /// Asks which triangles of two models meet, the second in the pose `a_from_b`.

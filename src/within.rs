@@ -5,7 +5,7 @@ use crate::planner::{Plan, Planner};
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Adjacency, Contact, Error, Model, TrianglePair};
-use pfront_core::query::Query;
+use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with

@@ -2,9 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::build::{self, BvhStorage, SahItem};
-use pfront::core::bvh::{self, Compact, check_scratch_bound, compact_in_place, node_bound};
-use pfront::core::query::{self, Query};
+use pfront::core::bvh::{self, BvhStorage, SahItem};
+use pfront::core::bvh::{Compact, check_scratch_bound, compact_in_place, node_bound};
+use pfront::core::bvtt::{self, Query};
 use pfront::core::triangle::{contact, intersects};
 use pfront::{
     Accuracy, Adjacency, BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SceneQuery,
@@ -82,8 +82,8 @@ fn the_core_allocates_nothing() {
         let n = soup.triangles.len();
         let mut nodes = vec![Node::EMPTY; node_bound(n)];
         let mut order = vec![0; n];
-        let mut sah_scratch = vec![SahItem::default(); build::sah_scratch_bound(n)];
-        let mut morton_scratch = vec![0; build::morton_scratch_bound(n)];
+        let mut sah_scratch = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
+        let mut morton_scratch = vec![0; bvh::morton_scratch_bound(n)];
         let mut check_scratch = vec![0; check_scratch_bound(n)];
         let moved: Vec<_> = soup.positions.iter().map(|p| p.map(|x| x * 0.9)).collect();
         let options = BuildOptions::default();
@@ -92,12 +92,12 @@ fn the_core_allocates_nothing() {
         let count = allocations(|| {
             let mesh = Mesh::new(&soup.positions, &soup.triangles).unwrap();
             let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-            let bvh = build::morton(mesh, &options, storage, &mut morton_scratch).unwrap();
+            let bvh = bvh::morton(mesh, &options, storage, &mut morton_scratch).unwrap();
             ask_everything(bvh, here);
             let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-            let used = build::sah(mesh, &options, storage, &mut sah_scratch).unwrap().nodes().len();
+            let used = bvh::sah(mesh, &options, storage, &mut sah_scratch).unwrap().nodes().len();
             let mesh = mesh.with_positions(&moved).unwrap();
-            build::refit(mesh, &mut nodes[..used], &order);
+            bvh::refit(mesh, &mut nodes[..used], &order);
             ask_everything(
                 Bvh::new(mesh, &nodes[..used], &order, &mut check_scratch).unwrap(),
                 here,
@@ -114,11 +114,11 @@ fn ask_everything<L: bvh::Layout>(bvh: Bvh<'_, L>, pose: Pose) {
     bvh.assert_well_formed();
     for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
         for pose in [pose, Pose::IDENTITY] {
-            let pair = query::PairQuery::new(bvh, bvh, pose).unwrap();
+            let pair = bvtt::PairQuery::new(bvh, bvh, pose).unwrap();
             assert!(verbs(&pair.with_accuracy(accuracy)) > 0);
         }
         for adjacency in [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours] {
-            let own = query::SelfQuery::new(bvh).with_adjacency(adjacency);
+            let own = bvtt::SelfQuery::new(bvh).with_adjacency(adjacency);
             verbs(&own.with_accuracy(accuracy));
         }
     }

@@ -3,7 +3,7 @@
 #![cfg(all(feature = "threads", feature = "gpu"))]
 #![expect(clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::query::{self, NodePair, Query};
+use pfront::core::bvtt::{self, NodePair, Query};
 use pfront::gpu::{self, Budget, Deforming, Gpu, Pending};
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
@@ -64,7 +64,7 @@ fn two_models_that_move_and_jump() {
             scene.poses(frame, &mut poses);
             for pose in [Pose::new(poses[1]), far] {
                 for share in [SHARES[i % 5], SHARES[(i + 2) % 5]] {
-                    let core = query::PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
+                    let core = bvtt::PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
                     let found = on_both(&gpu, &mut traversal, &core, share, |encoder, below| {
                         query.record_below(encoder, &on_a, &on_b, &pose, below)
                     });
@@ -101,7 +101,7 @@ fn a_model_that_deforms() {
                 order = sheet.bvh().order().to_vec();
             }
             for share in [share, 0.5] {
-                let core = query::SelfQuery::new(sheet.bvh()).with_fans(sheet.fans());
+                let core = bvtt::SelfQuery::new(sheet.bvh()).with_fans(sheet.fans());
                 let found = on_both(&gpu, &mut traversal, &core, share, |encoder, below| {
                     query.record_below(encoder, &moving, below)
                 });
@@ -130,7 +130,7 @@ fn models_of_nothing() {
         (&empty, &ball, &on_empty, &on_ball),
     ] {
         for share in SHARES {
-            let core = query::PairQuery::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
+            let core = bvtt::PairQuery::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
             let found = on_both(&gpu, &mut traversal, &core, share, |encoder, below| {
                 query.record_below(encoder, on_a, on_b, &Pose::IDENTITY, below)
             });

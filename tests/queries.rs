@@ -6,9 +6,9 @@
 mod layouts;
 
 use layouts::Small;
-use pfront::core::build::{self, BvhStorage};
+use pfront::core::bvh::{self, BvhStorage};
 use pfront::core::bvh::{MAX_LEAF_SIZE, node_bound};
-use pfront::core::query::{self, Query};
+use pfront::core::bvtt::{self, Query};
 use pfront::{
     Accuracy, Adjacency, BuildOptions, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair,
 };
@@ -189,16 +189,16 @@ fn pair(a: &Soup, b: &Soup, a_from_b: &Pose) -> usize {
             let contacts = exact.contacts(s, t, a_from_b).unwrap();
             assert!(contacts.iter().map(|c| &c.0).eq(&truth));
         }
-        pages(&query::PairQuery::new(s.bvh(), t.bvh(), *a_from_b).unwrap(), &truth);
+        pages(&bvtt::PairQuery::new(s.bvh(), t.bvh(), *a_from_b).unwrap(), &truth);
         let (small, least) = (Small::<u16>::of(s.bvh()), Small::<[u8; 3]>::of(t.bvh()));
         let (small, least) = (small.bvh(s.mesh()), least.bvh(t.mesh()));
-        pages(&query::PairQuery::new(small, least, *a_from_b).unwrap(), &truth);
-        pages(&query::PairQuery::new(small, t.bvh(), *a_from_b).unwrap(), &truth);
-        pages(&query::PairQuery::new(s.bvh(), least, *a_from_b).unwrap(), &truth);
+        pages(&bvtt::PairQuery::new(small, least, *a_from_b).unwrap(), &truth);
+        pages(&bvtt::PairQuery::new(small, t.bvh(), *a_from_b).unwrap(), &truth);
+        pages(&bvtt::PairQuery::new(s.bvh(), least, *a_from_b).unwrap(), &truth);
     }
     morton(a, |s| {
         morton(b, |t| {
-            pages(&query::PairQuery::new(s, t, *a_from_b).unwrap(), &truth);
+            pages(&bvtt::PairQuery::new(s, t, *a_from_b).unwrap(), &truth);
         });
     });
     truth.len()
@@ -225,13 +225,13 @@ fn within(soup: &Soup) -> usize {
                 stops(truth, stop, |visit| exact.visit(model, visit));
             }
             assert!(superset(conservative.all(model), truth));
-            let query = query::SelfQuery::new(model.bvh()).with_adjacency(adjacency);
+            let query = bvtt::SelfQuery::new(model.bvh()).with_adjacency(adjacency);
             pages(&query, truth);
             let small = Small::<u32>::of(model.bvh());
-            pages(&query::SelfQuery::new(small.bvh(model.mesh())).with_adjacency(adjacency), truth);
+            pages(&bvtt::SelfQuery::new(small.bvh(model.mesh())).with_adjacency(adjacency), truth);
         }
         morton(soup, |bvh| {
-            pages(&query::SelfQuery::new(bvh).with_adjacency(adjacency), truth);
+            pages(&bvtt::SelfQuery::new(bvh).with_adjacency(adjacency), truth);
         });
     }
     truth.len()
@@ -267,9 +267,9 @@ fn morton(soup: &Soup, ask: impl FnOnce(pfront::Bvh<'_>)) {
     let n = soup.triangles.len();
     let mesh = pfront::Mesh::new(&soup.positions, &soup.triangles).unwrap();
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-    let mut scratch = vec![0; build::morton_scratch_bound(n)];
+    let mut scratch = vec![0; bvh::morton_scratch_bound(n)];
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let bvh = build::morton(mesh, &BuildOptions::default(), storage, &mut scratch).unwrap();
+    let bvh = bvh::morton(mesh, &BuildOptions::default(), storage, &mut scratch).unwrap();
     bvh.assert_well_formed();
     ask(bvh);
 }

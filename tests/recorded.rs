@@ -11,7 +11,7 @@ mod layouts;
 
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh};
 use layouts::Small;
-use pfront::core::query::{self, Query};
+use pfront::core::bvtt::{self, Query};
 use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_oracle::generate::soup::{Soup, posed};
 use pfront_oracle::{intersect, pairs, self_pairs};
@@ -55,7 +55,7 @@ fn nasty_meshes_with_themselves() {
         let model = Model::new(soup.positions, soup.triangles).unwrap();
         assert_eq!(SelfQuery::new().all(&model), truth, "{file}");
         let small = Small::<u16>::of(model.bvh());
-        let compact = query::SelfQuery::new(small.bvh(model.mesh()));
+        let compact = bvtt::SelfQuery::new(small.bvh(model.mesh()));
         assert_eq!(sorted(&compact), truth, "{file}, compact");
     }
 }
@@ -67,7 +67,7 @@ fn twin_in_bounded_memory() {
         let soup = mesh(&format!("nasty/Generic_Twin_7081.1.t0_{side}.obj"));
         Model::new(soup.positions, soup.triangles).unwrap()
     });
-    let query = query::PairQuery::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
+    let query = bvtt::PairQuery::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
     let (mut cursor, mut page) = (query.start(), [TrianglePair::default(); 64]);
     let mut paged = Vec::new();
     while !cursor.is_done() {
@@ -96,7 +96,7 @@ fn found(a: &Soup, b: &Soup, a_from_b: &Pose) -> Vec<TrianglePair> {
     let pairs = PairQuery::new().all(&a, &b, a_from_b).unwrap().to_vec();
     let small = [&a, &b].map(|model| Small::<[u8; 3]>::of(model.bvh()));
     let [s, t] = [small[0].bvh(a.mesh()), small[1].bvh(b.mesh())];
-    assert_eq!(sorted(&query::PairQuery::new(s, t, *a_from_b).unwrap()), pairs, "compact");
+    assert_eq!(sorted(&bvtt::PairQuery::new(s, t, *a_from_b).unwrap()), pairs, "compact");
     pairs
 }
 

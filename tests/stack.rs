@@ -1,6 +1,6 @@
 //! The documented bound on the stack of a walk, with what a thread itself takes.
 
-use pfront::core::query::{self, Query};
+use pfront::core::bvtt::{self, Query};
 use pfront::{Model, Pose};
 use pfront_scenes::icosphere;
 use std::thread;
@@ -20,9 +20,9 @@ fn a_walk_fits_a_small_stack() {
     let turned = Pose::new([[1.0, 0.0, 0.0, 0.0], [0.0, 0.8, -0.6, 0.0], [0.0, 0.6, 0.8, 0.0]]);
     let counts = thread::scope(|scope| {
         let walk = || {
-            let own = query::SelfQuery::new(model.bvh()).count();
-            let placed = query::Placed::new(model.bvh(), &turned).unwrap();
-            [own, query::PairQuery::in_world(placed, placed).count()]
+            let own = bvtt::SelfQuery::new(model.bvh()).count();
+            let placed = bvtt::Placed::new(model.bvh(), &turned).unwrap();
+            [own, bvtt::PairQuery::in_world(placed, placed).count()]
         };
         thread::Builder::new().stack_size(STACK).spawn_scoped(scope, walk).unwrap().join().unwrap()
     });

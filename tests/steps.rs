@@ -6,7 +6,7 @@
 mod layouts;
 
 use layouts::Small;
-use pfront::core::query::{Cursor, PairQuery, Query, SelfQuery, Work};
+use pfront::core::bvtt::{Cursor, PairQuery, Query, SelfQuery, Work};
 use pfront::{BuildOptions, Model, Pose, TrianglePair};
 use pfront_oracle::generate::soup::{Soup, pose_rows, sheet, sphere, tangle, union};
 use proptest::prelude::*;

@@ -5,8 +5,8 @@
 mod layouts;
 
 use layouts::Small;
-use pfront::core::query;
-use pfront::core::query::Placed;
+use pfront::core::bvtt;
+use pfront::core::bvtt::Placed;
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{BuildOptions, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 use pfront_scenes::Scene;
@@ -85,23 +85,23 @@ fn compact_models() {
         for frame in 0..3 {
             scene.poses(frame, &mut poses);
             let pose = Pose::new(poses[1]);
-            let query = query::PairQuery::new(small, least, pose).unwrap();
+            let query = bvtt::PairQuery::new(small, least, pose).unwrap();
             traversal.all(&query, &mut found);
             assert_eq!(found, PairQuery::new().all(&a, &b, &pose).unwrap());
 
             let here = Placed::new(a.bvh(), &aside).unwrap();
             traversal.all(
-                &query::PairQuery::in_world(here, Placed::new(b.bvh(), &pose).unwrap()),
+                &bvtt::PairQuery::in_world(here, Placed::new(b.bvh(), &pose).unwrap()),
                 &mut truth,
             );
             let there = Placed::new(least, &pose).unwrap();
-            traversal.all(&query::PairQuery::in_world(here, there), &mut found);
+            traversal.all(&bvtt::PairQuery::in_world(here, there), &mut found);
             assert_eq!(found, truth);
             let here = Placed::new(small, &aside).unwrap();
-            traversal.all(&query::PairQuery::in_world(here, there), &mut found);
+            traversal.all(&bvtt::PairQuery::in_world(here, there), &mut found);
             assert!(found == truth && !truth.is_empty());
         }
-        traversal.all(&query::SelfQuery::new(small), &mut found);
+        traversal.all(&bvtt::SelfQuery::new(small), &mut found);
         assert_eq!(found, SelfQuery::new().all(&a));
     }
 }

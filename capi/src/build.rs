@@ -14,7 +14,7 @@ use crate::memory::{Call, Caller};
 use crate::mesh::pfront_mesh_t;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
 use core::ffi::c_void;
-use pfront_core::build::{
+use pfront_core::bvh::{
     BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah, sah_scratch_bound,
 };
 use pfront_core::bvh::{check_scratch_bound, node_bound};

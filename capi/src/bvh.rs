@@ -16,13 +16,13 @@ use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::ffi::CStr;
 use core::mem::offset_of;
-use pfront_core::build::{quality, refit};
-use pfront_core::query::Placed;
+use pfront_core::bvh::{quality, refit};
+use pfront_core::bvtt::Placed;
 use pfront_core::{Aabb, Bvh, Node};
 
 /// Rebuild a BVH once the quality that a refit returns is above so many times what it was when built.
 pub const PFRONT_REBUILD_RATIO: f32 = 1.2;
-const _: () = assert!(PFRONT_REBUILD_RATIO == pfront_core::build::REBUILD_RATIO);
+const _: () = assert!(PFRONT_REBUILD_RATIO == pfront_core::bvh::REBUILD_RATIO);
 
 /// A node of a BVH.
 #[repr(C)]

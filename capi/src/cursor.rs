@@ -11,7 +11,7 @@ use crate::query::{Asked, pfront_query_t};
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::mem::MaybeUninit;
-use pfront_core::query::{Cursor, NodePair, Query, Work};
+use pfront_core::bvtt::{Cursor, NodePair, Query, Work};
 
 /// A node of a bounding volume test tree: one node of either BVH, or two of one.
 #[repr(C)]

@@ -15,8 +15,8 @@ use crate::status::Fault;
 use crate::status::pfront_error_t;
 use crate::status::pfront_status_t;
 use core::ffi::c_void;
-use pfront_core::fans::{self, Fan, link_scratch_bound};
 use pfront_core::mesh::MAX_TRIANGLES;
+use pfront_core::one_ring::{self, Fan, link_scratch_bound};
 
 /// What is known of the triangles about one vertex. With it, self queries need not look at most neighbours.
 #[repr(C)]
@@ -58,7 +58,7 @@ pub unsafe extern "C" fn pfront_fans_link(
         let fans = call.write(c"fans", fans.cast::<Fan>(), fan_count)?;
         let scratch = call.write(c"scratch", scratch.cast::<u8>(), scratch_bytes)?;
         let (_, scratch, _) = bytemuck::pod_align_to_mut::<u8, u32>(scratch);
-        Ok(fans::link(mesh.view(call, c"mesh")?, scratch, fans)?)
+        Ok(one_ring::link(mesh.view(call, c"mesh")?, scratch, fans)?)
     })
 }
 
@@ -75,6 +75,6 @@ pub unsafe extern "C" fn pfront_fans_certify(
     unsafe { Caller::trusted() }.call(error, |call| {
         let mesh = call.get(c"mesh", mesh)?;
         let fans = call.write(c"fans", fans.cast::<Fan>(), fan_count)?;
-        Ok(fans::certify(mesh.view(call, c"mesh")?, fans)?)
+        Ok(one_ring::certify(mesh.view(call, c"mesh")?, fans)?)
     })
 }

@@ -16,7 +16,7 @@ use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::mem::offset_of;
 use pfront_core::front::{COHERENT, Estimate, Front, FrontNode, Grain, Past, PastCost};
-use pfront_core::partition::{Load, greedy};
+use pfront_core::front::{Load, greedy};
 
 /// What a triangle test costs, in box tests, as measured on x86-64.
 pub const PFRONT_TRIANGLE_COST: f32 = 6.5;

@@ -16,10 +16,10 @@ use core::marker::PhantomData;
 use core::ops::Range;
 use core::slice;
 use pfront_core::Node;
-use pfront_core::fans::Fan;
+use pfront_core::bvtt::TrianglePair;
+use pfront_core::front::Load;
 use pfront_core::front::{FrontNode, PastCost};
-use pfront_core::partition::Load;
-use pfront_core::query::TrianglePair;
+use pfront_core::one_ring::Fan;
 
 /// What may be read from memory that C has written, whatever it wrote.
 ///

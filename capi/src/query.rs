@@ -21,8 +21,8 @@ pub(crate) use asked::Asked;
 use core::ffi::CStr;
 use core::ptr::null;
 use pfront_core::Bvh;
-use pfront_core::fans::Fan;
-use pfront_core::query::{PairQuery, Placed, SelfQuery};
+use pfront_core::bvtt::{PairQuery, Placed, SelfQuery};
+use pfront_core::one_ring::Fan;
 use pfront_core::triangle::{Accuracy, Adjacency};
 
 /// What an answer promises.

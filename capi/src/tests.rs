@@ -9,7 +9,7 @@ use crate::*;
 use core::mem::MaybeUninit;
 use core::ptr::{null, null_mut};
 use core::slice;
-use pfront_core::query::{PairQuery, Query, SelfQuery};
+use pfront_core::bvtt::{PairQuery, Query, SelfQuery};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 
 const TRIANGLES: usize = 8;

@@ -15,7 +15,7 @@ use crate::query::pfront_query_t;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
 use core::mem::offset_of;
 use core::ops::ControlFlow::{Break, Continue};
-use pfront_core::query::{Query, TrianglePair};
+use pfront_core::bvtt::{Query, TrianglePair};
 use pfront_core::triangle::{Contact, ContactKind};
 
 /// Two triangles that meet: one of the first mesh and one of the second, or two of one mesh with `a < b`.

@@ -5,27 +5,23 @@
 extern crate std;
 
 pub mod aabb;
-pub mod blob;
-pub mod build;
 pub mod bvh;
+pub mod bvtt;
 mod error;
-pub mod fans;
+pub mod exact;
 pub mod front;
-mod heap;
-mod items;
-mod lanes;
+mod index;
 pub mod mesh;
-pub mod partition;
-mod place;
+pub mod one_ring;
 pub mod pose;
-pub mod predicates;
-pub mod query;
+mod simd;
 pub mod sphere;
+mod transform;
 pub mod triangle;
-pub mod walk;
+mod vertex_set;
 
 pub use aabb::Aabb;
-pub use blob::{Blob, BlobError};
+pub use bvh::blob::{self, Blob, BlobError};
 pub use bvh::{Bvh, BvhError, Node};
 pub use error::CapacityError;
 pub use mesh::{Mesh, MeshError, Triangle};

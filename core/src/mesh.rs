@@ -3,7 +3,7 @@
 //! Everything below trusts a [`Mesh`]: indices are in range and coordinates finite, so no walk
 //! re-checks either (`accuracy.md`, contract 1).
 
-use crate::items::item;
+use crate::index::item;
 use core::fmt;
 
 /// Corner positions of one triangle, in the units of the mesh.

@@ -4,8 +4,8 @@
 //! overlap, most are told apart by their spheres, before anything of their BVHs is read.
 
 use crate::bvh::Layout;
-use crate::items::item;
-use crate::place::PADDING;
+use crate::index::item;
+use crate::transform::PADDING;
 use crate::{Bvh, Pose};
 use glam::DVec3;
 

@@ -70,7 +70,7 @@ pub(crate) fn choose(nodes: &mut [FrontNode], share: f64, frame: u32) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pfront_core::partition::dearest_first;
+    use pfront_core::front::dearest_first;
 
     fn nodes(costs: impl IntoIterator<Item = f32>) -> Vec<FrontNode> {
         let node = |(cost, index)| FrontNode { cost, index, ..FrontNode::default() };

@@ -1,17 +1,17 @@
 //! Building and refitting on several threads.
 
-use pfront_core::build::{self, BuildOptions, BvhStorage, SahItem};
-use pfront_core::fans::{self, Fan, Span};
+use pfront_core::bvh::{self, BuildOptions, BvhStorage, SahItem};
+use pfront_core::one_ring::{self, Fan, Span};
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
-/// [`build::sah_with`] in the rayon pool of the calling thread.
+/// [`bvh::sah_with`] in the rayon pool of the calling thread.
 ///
 /// # Errors
-/// As [`build::sah`].
+/// As [`bvh::sah`].
 ///
 /// # Examples
 /// ```
-/// use pfront_core::build::{BuildOptions, BvhStorage, SahItem};
+/// use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem};
 /// use pfront_core::{Mesh, Node};
 /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
 /// let (mut nodes, mut order) = ([Node::EMPTY; 2], [0; 1]);
@@ -26,17 +26,17 @@ pub fn sah<'a>(
     storage: BvhStorage<'a>,
     scratch: &mut [SahItem],
 ) -> Result<Bvh<'a>, CapacityError> {
-    build::sah_with(mesh, options, storage, scratch, &join)
+    bvh::sah_with(mesh, options, storage, scratch, &join)
 }
 
-/// [`build::morton_with`] in the rayon pool of the calling thread.
+/// [`bvh::morton_with`] in the rayon pool of the calling thread.
 ///
 /// # Errors
-/// As [`build::morton`].
+/// As [`bvh::morton`].
 ///
 /// # Examples
 /// ```
-/// use pfront_core::build::{BuildOptions, BvhStorage};
+/// use pfront_core::bvh::{BuildOptions, BvhStorage};
 /// use pfront_core::{Mesh, Node};
 /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
 /// let (mut nodes, mut order) = ([Node::EMPTY; 2], [0; 1]);
@@ -50,17 +50,17 @@ pub fn morton<'a>(
     storage: BvhStorage<'a>,
     scratch: &mut [u64],
 ) -> Result<Bvh<'a>, CapacityError> {
-    build::morton_with(mesh, options, storage, scratch, &join)
+    bvh::morton_with(mesh, options, storage, scratch, &join)
 }
 
-/// [`build::refit_with`] in the rayon pool of the calling thread.
+/// [`bvh::refit_with`] in the rayon pool of the calling thread.
 ///
 /// # Panics
-/// As [`build::refit_with`].
+/// As [`bvh::refit_with`].
 ///
 /// # Examples
 /// ```
-/// # use pfront_core::{Mesh, Node, build::REBUILD_RATIO};
+/// # use pfront_core::{Mesh, Node, bvh::REBUILD_RATIO};
 /// # fn rebuild() {}
 /// # fn f(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32], when_built: f32) {
 /// if pfront_cpu::refit(mesh, nodes, order) > REBUILD_RATIO * when_built {
@@ -69,27 +69,27 @@ pub fn morton<'a>(
 /// # }
 /// ```
 pub fn refit(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32]) -> f32 {
-    build::refit_with(mesh, nodes, order, &join)
+    bvh::refit_with(mesh, nodes, order, &join)
 }
 
-/// [`fans::certify_with`] in the rayon pool of the calling thread.
+/// [`one_ring::certify_with`] in the rayon pool of the calling thread.
 ///
 /// # Errors
-/// As [`fans::certify_with`].
+/// As [`one_ring::certify_with`].
 ///
 /// # Examples
 /// ```
-/// # use pfront_core::{CapacityError, Mesh, fans::{Fan, Span}};
+/// # use pfront_core::{CapacityError, Mesh, one_ring::{Fan, Span}};
 /// # fn f(moved: Mesh<'_>, spans: &[Span], fans: &mut [Fan]) -> Result<(), CapacityError> {
 /// pfront_cpu::certify(moved, spans, fans)?;
 /// # Ok(())
 /// # }
 /// ```
 pub fn certify(mesh: Mesh<'_>, spans: &[Span], fans: &mut [Fan]) -> Result<(), CapacityError> {
-    fans::certify_with(mesh, spans, fans, &join)
+    one_ring::certify_with(mesh, spans, fans, &join)
 }
 
-/// Does two things at once in the rayon pool of whoever asks. It is what `build::refit_with` and its like in
+/// Does two things at once in the rayon pool of whoever asks. It is what `bvh::refit_with` and its like in
 /// `pfront-core` want.
 ///
 /// # Examples
@@ -119,10 +119,10 @@ mod tests {
     fn linked(mesh: Mesh<'_>) -> (Vec<Fan>, Vec<Span>) {
         let (vertices, n) = (mesh.positions().len(), mesh.triangles().len());
         let (mut fans, mut spans) =
-            (vec![Fan::default(); vertices], vec![Span::default(); fans::span_bound(n)]);
-        let mut scratch = vec![0; fans::link_scratch_bound(vertices, n)];
-        fans::link(mesh, &mut scratch, &mut fans).unwrap();
-        fans::find_spans(mesh, &mut spans).unwrap();
+            (vec![Fan::default(); vertices], vec![Span::default(); one_ring::span_bound(n)]);
+        let mut scratch = vec![0; one_ring::link_scratch_bound(vertices, n)];
+        one_ring::link(mesh, &mut scratch, &mut fans).unwrap();
+        one_ring::find_spans(mesh, &mut spans).unwrap();
         (fans, spans)
     }
 
@@ -144,7 +144,7 @@ mod tests {
             let mesh = Mesh::new(&positions, &triangles).unwrap();
             let (mut whole, spans) = linked(mesh);
             let mut in_parts = whole.clone();
-            fans::certify(mesh, &mut whole).unwrap();
+            one_ring::certify(mesh, &mut whole).unwrap();
             certify(mesh, &spans, &mut in_parts).unwrap();
             assert!(whole == in_parts, "shuffled: {shuffled}");
             let good = whole.iter().filter(|fan| fan.is_certified()).count();
@@ -171,13 +171,13 @@ mod tests {
                 let mesh = Mesh::new(&positions, &triangles).unwrap();
                 let (mut whole, spans) = linked(mesh);
                 let (mut in_parts, joins) = (whole.clone(), AtomicUsize::new(0));
-                fans::certify_with(mesh, &spans, &mut in_parts, &|a, b| {
+                one_ring::certify_with(mesh, &spans, &mut in_parts, &|a, b| {
                     joins.fetch_add(1, Relaxed);
                     a();
                     b();
                 })
                 .unwrap();
-                fans::certify(mesh, &mut whole).unwrap();
+                one_ring::certify(mesh, &mut whole).unwrap();
                 assert!(whole == in_parts, "{vertices}, shuffled: {shuffled}");
                 let wanted = if shuffled && vertices > 20_000 { 0 } else { parts - 1 };
                 assert_eq!(joins.into_inner(), wanted, "{vertices}, shuffled: {shuffled}");
@@ -201,9 +201,9 @@ mod tests {
                     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
                     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
                     let bvh = match (by_morton, with_threads) {
-                        (false, false) => build::sah(mesh, &options, storage, &mut items),
+                        (false, false) => bvh::sah(mesh, &options, storage, &mut items),
                         (false, true) => sah(mesh, &options, storage, &mut items),
-                        (true, false) => build::morton(mesh, &options, storage, &mut keys),
+                        (true, false) => bvh::morton(mesh, &options, storage, &mut keys),
                         (true, true) => morton(mesh, &options, storage, &mut keys),
                     };
                     let used = bvh.unwrap().nodes().len();
@@ -215,7 +215,7 @@ mod tests {
                 assert!(nodes == whole && order == same_order, "{triangles} {by_morton}");
 
                 let moved = mesh.with_positions(&squeezed).unwrap();
-                let quality = build::refit(moved, &mut whole, &order);
+                let quality = bvh::refit(moved, &mut whole, &order);
                 let in_parts = refit(moved, &mut nodes, &order);
                 assert!((in_parts - quality).abs() <= 1e-5 * quality, "{in_parts} {quality}");
                 assert!(nodes == whole);

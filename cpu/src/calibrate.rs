@@ -1,8 +1,8 @@
 //! The k of |n| = m1 + k·m2, measured.
 
-use pfront_core::build::{self, BuildOptions, BvhStorage};
 use pfront_core::bvh::node_bound;
-use pfront_core::query::{Cursor, PairQuery, Query, Work};
+use pfront_core::bvh::{self, BuildOptions, BvhStorage};
+use pfront_core::bvtt::{Cursor, PairQuery, Query, Work};
 use pfront_core::{Mesh, Node, Pose};
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -42,9 +42,9 @@ fn measure() -> Option<f32> {
     let n = triangles.len();
     let mesh = Mesh::new(&positions, &triangles).ok()?;
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-    let mut scratch = vec![0; build::morton_scratch_bound(n)];
+    let mut scratch = vec![0; bvh::morton_scratch_bound(n)];
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let bvh = build::morton(mesh, &BuildOptions::default(), storage, &mut scratch).ok()?;
+    let bvh = bvh::morton(mesh, &BuildOptions::default(), storage, &mut scratch).ok()?;
     let walk = |pose| Some(best_of(&PairQuery::new(bvh, bvh, pose).ok()?));
     let (time1, work1) = walk(Pose::from_translation([0.003, 0.004, 0.03]))?;
     let (time2, work2) = walk(Pose::from_translation([0.003, 0.004, 0.001]))?;

@@ -4,7 +4,7 @@
 use crate::plan::Plan;
 use crate::sink::Sink;
 use crate::{Report, Schedule};
-use pfront_core::query::{Cursor, NodePair, Query, Work};
+use pfront_core::bvtt::{Cursor, NodePair, Query, Work};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};

@@ -8,7 +8,7 @@
 //! [`Report`] of a frame means the same on every machine and for any p.
 //!
 //! ```
-//! use pfront_core::{build::*, bvh::node_bound, query::PairQuery, *};
+//! use pfront_core::{bvh::*, bvh::node_bound, bvtt::PairQuery, *};
 //! use pfront_cpu::Traversal;
 //! # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);

@@ -6,8 +6,8 @@
 
 use crate::Settings;
 use crate::plan::Outcome;
+use pfront_core::bvtt::Query;
 use pfront_core::front::{Front, FrontNode, Past};
-use pfront_core::query::Query;
 use rayon::prelude::*;
 
 /// Parts per thread, since some take longer than others.

@@ -7,9 +7,9 @@
 use crate::beside::{self, Crew, DEVICE};
 use crate::damping::Damping;
 use crate::{Report, Schedule, Settings, parts};
+use pfront_core::bvtt::{NodePair, Query};
 use pfront_core::front::{COHERENT, Front, FrontNode, Past, PastCost};
-use pfront_core::partition::{Load, dearest_first, greedy, p_optimal};
-use pfront_core::query::{NodePair, Query};
+use pfront_core::front::{Load, dearest_first, greedy, p_optimal};
 use std::time::Instant;
 
 /// Fronts of fewer nodes are not worth several threads: a node takes about 0.1 µs.

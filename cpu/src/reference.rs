@@ -4,9 +4,9 @@
 //! is from the best, and how much of an imbalance no front can help.
 
 use crate::Settings;
+use pfront_core::bvtt::{Cursor, NodePair, Query};
 use pfront_core::front::FrontNode;
-use pfront_core::partition::{Load, greedy};
-use pfront_core::query::{Cursor, NodePair, Query};
+use pfront_core::front::{Load, greedy};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
@@ -165,9 +165,9 @@ impl Ord for Costed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pfront_core::build::{self, BuildOptions, BvhStorage};
     use pfront_core::bvh::node_bound;
-    use pfront_core::query::{PairQuery, TrianglePair};
+    use pfront_core::bvh::{self, BuildOptions, BvhStorage};
+    use pfront_core::bvtt::{PairQuery, TrianglePair};
     use pfront_core::{Mesh, Node, Pose};
     use pfront_scenes::icosphere;
 
@@ -179,7 +179,7 @@ mod tests {
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
         let options = BuildOptions::default();
-        let bvh = build::morton(mesh, &options, storage, &mut vec![0; 2 * n]).unwrap();
+        let bvh = bvh::morton(mesh, &options, storage, &mut vec![0; 2 * n]).unwrap();
         let here = Pose::from_translation([0.3, 0.2, 0.1]);
         let query = PairQuery::new(bvh, bvh, here).unwrap();
         let k = Settings::default().triangle_cost;

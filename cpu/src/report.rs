@@ -1,6 +1,6 @@
 //! What a frame did, counted: the figures that the paper plots.
 
-use pfront_core::query::Work;
+use pfront_core::bvtt::Work;
 use std::time::Duration;
 
 /// What one worker was dealt, and what it did.

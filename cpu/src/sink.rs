@@ -1,6 +1,6 @@
 //! Where the pairs go: each worker has a sink of its own, so that gathering needs no lock.
 
-use pfront_core::query::TrianglePair;
+use pfront_core::bvtt::TrianglePair;
 use std::ops::ControlFlow;
 
 /// A triangle pair that meets, of one query among many. The order is that of `query`, then `pair`.

@@ -2,7 +2,7 @@
 
 use crate::deal;
 use crate::sink::Sink;
-use pfront_core::query::{Cursor, NodePair, Query, Work};
+use pfront_core::bvtt::{Cursor, NodePair, Query, Work};
 use std::collections::LinkedList;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 

@@ -9,7 +9,7 @@ use crate::pool::in_pool;
 use crate::sink::{self, Element, Sink, Visitor};
 use crate::stealing::Stealing;
 use crate::{Hit, Report, Schedule, Settings, Share};
-use pfront_core::query::{Query, TrianglePair};
+use pfront_core::bvtt::{Query, TrianglePair};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::ControlFlow;

@@ -13,10 +13,10 @@ pub use line::Line;
 pub use mesh::{beads, torus};
 
 use core::ops::ControlFlow::Continue;
-use pfront_core::build::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
+use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
+use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query, TrianglePair};
 use pfront_core::front::{Estimate, Front, FrontNode, Grain, Past, PastCost, Path};
-use pfront_core::partition::{Load, greedy};
-use pfront_core::query::{Cursor, NodePair, PairQuery, Query, TrianglePair};
+use pfront_core::front::{Load, greedy};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use shape::TRIANGLES;
 

@@ -7,7 +7,7 @@ use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
 use pfront::core::blob::{self, Counts, MAGIC};
 use pfront::core::bvh::check_scratch_bound;
-use pfront::core::query;
+use pfront::core::bvtt;
 use pfront::{Blob, BlobError, Mesh, Model, SelfQuery, TrianglePair};
 use pfront_fuzz::input::Palette;
 use pfront_fuzz::{Builder, Tree, as_pairs, pages};
@@ -85,7 +85,7 @@ fn check(bytes: &[u8], input: &Input) -> bool {
         (Ok(bvh), Ok(_)) => {
             let mut again = vec![0xaa; bytes.len()];
             assert_eq!(blob::write(&bvh, &mut again).unwrap(), bytes);
-            assert_eq!(pages(&query::SelfQuery::new(bvh), 7), truth(bvh.mesh()));
+            assert_eq!(pages(&bvtt::SelfQuery::new(bvh), 7), truth(bvh.mesh()));
         }
         (borrowed, copied) => panic!("borrowed: {borrowed:?}, copied: {copied:?}"),
     }

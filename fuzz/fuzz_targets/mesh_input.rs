@@ -5,7 +5,7 @@
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
 use pfront::core::bvh::check_scratch_bound;
-use pfront::core::query::{self, Query};
+use pfront::core::bvtt::{self, Query};
 use pfront::{BuildOptions, Bvh, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_fuzz::input::Palette;
 use pfront_fuzz::{Builder, Tree, as_pairs};
@@ -59,9 +59,9 @@ fn check(model: &Model, input: &Input) {
     let (positions, triangles) = (model.mesh().positions(), model.mesh().triangles());
     let truth = as_pairs(&self_pairs(positions, triangles));
     assert_eq!(SelfQuery::new().all(model), truth);
-    pages(&query::SelfQuery::new(model.bvh()), input.capacity, &truth);
+    pages(&bvtt::SelfQuery::new(model.bvh()), input.capacity, &truth);
     let tree = Tree::new(model.mesh(), 8, Builder::Morton);
-    pages(&query::SelfQuery::new(tree.bvh(model.mesh())), input.capacity, &truth);
+    pages(&bvtt::SelfQuery::new(tree.bvh(model.mesh())), input.capacity, &truth);
 
     let pose =
         input.pose.map_or(Pose::IDENTITY, |rows| Pose::new(rows.map(|r| r.map(f32::from_bits))));
@@ -73,7 +73,7 @@ fn check(model: &Model, input: &Input) {
         assert!(corners.flatten().all(|x| x.is_finite()));
         let truth = as_pairs(&pairs(positions, triangles, &there, triangles));
         assert_eq!(found, truth, "{pose:?}");
-        let query = query::PairQuery::new(model.bvh(), model.bvh(), pose).unwrap();
+        let query = bvtt::PairQuery::new(model.bvh(), model.bvh(), pose).unwrap();
         pages(&query, input.capacity, &truth);
     }
 }
@@ -99,7 +99,7 @@ fn adopt(model: &Model, input: &Input) {
     let mut scratch = vec![0; check_scratch_bound(order.len())];
     if let Ok(adopted) = Bvh::new(bvh.mesh(), nodes, &order, &mut scratch) {
         adopted.assert_well_formed();
-        let query = query::SelfQuery::new(adopted);
+        let query = bvtt::SelfQuery::new(adopted);
         let mut truth = SelfQuery::new();
         pages(&query, input.capacity, truth.all(model));
     }

@@ -1,7 +1,7 @@
 //! What one backend says to one question, through all verbs, and whether that is right.
 
 use crate::input::Ask;
-use pfront::core::query::Query;
+use pfront::core::bvtt::Query;
 use pfront::{Accuracy, Contact, TrianglePair};
 use std::fmt::Debug;
 use std::ops::ControlFlow;

@@ -4,7 +4,7 @@ use crate::answers::{Answers, first_few, of_core};
 use crate::input::{Ask, Placing, adjacency};
 use crate::truth::overlapping;
 use crate::world::{World, placed};
-use pfront::core::query::{self, Placed};
+use pfront::core::bvtt::{self, Placed};
 use pfront::{Error, Model, PairQuery, Pose, SceneHit, SceneQuery, SelfQuery, TrianglePair};
 use std::mem::take;
 
@@ -22,7 +22,7 @@ impl World {
     pub(crate) fn ask_pair(&mut self, two: [usize; 2], placing: Placing, ask: Ask) {
         let pose = placing.pose(&self.palette);
         let [a, b] = two.map(|place| &self.bodies[place].body);
-        let core = query::PairQuery::new(a.bvh(), b.bvh(), pose)
+        let core = bvtt::PairQuery::new(a.bvh(), b.bvh(), pose)
             .map(|query| of_core(&query.with_accuracy(ask.accuracy()), ask));
         let said = [&mut self.one, &mut self.many]
             .map(|queries| of_two(&mut queries.pair, &a.model, &b.model, &pose, ask));
@@ -49,7 +49,7 @@ impl World {
             (a.body.model.bvh(), b.body.model.bvh()),
         ] {
             let [s, t] = [(s, a), (t, b)].map(|(bvh, it)| Placed::new(bvh, &it.pose).unwrap());
-            let query = query::PairQuery::in_world(s, t).with_accuracy(ask.accuracy());
+            let query = bvtt::PairQuery::in_world(s, t).with_accuracy(ask.accuracy());
             of_core(&query, ask).check(&truth, ask);
         }
     }
@@ -65,7 +65,7 @@ impl World {
         one.same(&many);
         [one, many].iter().for_each(|answers| answers.check(&truth, ask));
         for bvh in [body.bvh(), body.model.bvh()] {
-            let query = query::SelfQuery::new(bvh)
+            let query = bvtt::SelfQuery::new(bvh)
                 .with_accuracy(ask.accuracy())
                 .with_adjacency(adjacency(skip));
             of_core(&query, ask).check(&truth, ask);

@@ -2,8 +2,8 @@
 
 use crate::input::Build;
 use arbitrary::Arbitrary;
-use pfront::core::build::{self, BvhStorage, SahItem};
 use pfront::core::bvh::node_bound;
+use pfront::core::bvh::{self, BvhStorage, SahItem};
 use pfront::core::mesh::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
 use pfront_oracle::generate::soup::Soup;
@@ -39,12 +39,12 @@ impl Tree {
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let options = BuildOptions { leaf_size, ..BuildOptions::default() };
-        let mut items = vec![SahItem::default(); build::sah_scratch_bound(n)];
-        let mut keys = vec![0; build::morton_scratch_bound(n)];
+        let mut items = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
+        let mut keys = vec![0; bvh::morton_scratch_bound(n)];
         let built = match builder {
-            Builder::Sah => build::sah(mesh, &options, storage, &mut items),
+            Builder::Sah => bvh::sah(mesh, &options, storage, &mut items),
             Builder::SahThreads => threads::sah(mesh, &options, storage, &mut items),
-            Builder::Morton => build::morton(mesh, &options, storage, &mut keys),
+            Builder::Morton => bvh::morton(mesh, &options, storage, &mut keys),
             Builder::MortonThreads => threads::morton(mesh, &options, storage, &mut keys),
         };
         let used = built.unwrap().nodes().len();
@@ -62,7 +62,7 @@ impl Tree {
 
     fn refit(&mut self, mesh: Mesh<'_>) {
         let mut other = self.nodes.clone();
-        build::refit(mesh, &mut self.nodes, &self.order);
+        bvh::refit(mesh, &mut self.nodes, &self.order);
         threads::refit(mesh, &mut other, &self.order);
         assert_eq!(self.nodes, other);
         self.bvh(mesh).assert_well_formed();

@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::input::{Build, Change, Crew, Few, Palette, Placing, Question, Shape, Step};
 use crate::truth::Truth;
-use pfront::core::query::Placed;
+use pfront::core::bvtt::Placed;
 use pfront::{BodyId, Bvh, Error, PairQuery, Piece, Pose, SceneQuery, SelfQuery};
 use pfront_oracle::generate::soup::{Soup, posed};
 use std::fmt::Debug;

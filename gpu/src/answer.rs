@@ -13,7 +13,7 @@ use crate::layout::{Counters, Query, Rest};
 use crate::model::LEAF;
 use crate::read::read_now;
 use crate::{Error, Report};
-use pfront_core::query::TrianglePair;
+use pfront_core::bvtt::TrianglePair;
 use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use pfront_core::{Mesh, Pose};
 use pfront_shaders::constants::HIT_OVERFLOW;

@@ -8,7 +8,7 @@ use crate::answer::Answer;
 use crate::engine::{Entry, Task};
 use crate::model::LEAF;
 use crate::{Error, Model, Pending};
-use pfront_core::query::NodePair;
+use pfront_core::bvtt::NodePair;
 use wgpu::CommandEncoder;
 
 /// Node pairs of the BVHs that two models were made from, as entries of a front.

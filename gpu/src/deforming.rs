@@ -6,7 +6,7 @@ use crate::gpu::Gpu;
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
 use crate::{Error, Model};
-use pfront_core::build::BuildOptions;
+use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Bvh, Mesh, MeshError};
 use std::ops::Deref;
 use wgpu::CommandEncoder;

@@ -13,7 +13,7 @@ use crate::memory::Usage;
 use crate::read::{map, read_now};
 use crate::{Error, Model, Settings};
 use bytemuck::Zeroable;
-use pfront_core::query::TrianglePair;
+use pfront_core::bvtt::TrianglePair;
 use pfront_shaders::constants::{BUCKETS, FRONTS, GROUP, RANKERS};
 use wgpu::{Buffer, CommandEncoder};
 

@@ -7,7 +7,7 @@ use crate::report::reports;
 use crate::{Error, Gpu, Model, Pending, Settings};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
-use pfront_core::query::{NodePair, TrianglePair};
+use pfront_core::bvtt::{NodePair, TrianglePair};
 
 /// Asks which triangles of two models meet, the second in the pose `a_from_b`. The answer is the same,
 /// to the bit, as that of the core.
@@ -142,7 +142,7 @@ impl PairQuery {
     ///
     /// # Examples
     /// ```no_run
-    /// # use pfront_core::{Bvh, Pose, query::{NodePair, TrianglePair}};
+    /// # use pfront_core::{Bvh, Pose, bvtt::{NodePair, TrianglePair}};
     /// # use pfront_gpu::*;
     /// # fn demo(gpu: Gpu, bvh: Bvh<'_>, below: &[NodePair]) -> Result<(), Error> {
     /// let (model, mut query) = (Model::new(&gpu, bvh)?, PairQuery::new(&gpu)?);

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::answer::{Answer, Want};
 use crate::engine::{Entry, Run, Start, Task};
-use pfront_core::query::TrianglePair;
+use pfront_core::bvtt::TrianglePair;
 use wgpu::CommandEncoder;
 
 /// A query that has been recorded, and waits for its answer to be read.

@@ -7,7 +7,7 @@ use crate::report::reports;
 use crate::{Error, Gpu, Model, Pending, Settings};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
-use pfront_core::query::{NodePair, TrianglePair};
+use pfront_core::bvtt::{NodePair, TrianglePair};
 use pfront_core::triangle::Adjacency;
 
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with

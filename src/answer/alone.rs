@@ -1,8 +1,8 @@
 //! Answering on the calling thread, within limits.
 
 use crate::planner::TRIANGLE_COST;
+use pfront_core::bvtt::{Cursor, Query, TrianglePair, Work};
 use pfront_core::front::Estimate;
-use pfront_core::query::{Cursor, Query, TrianglePair, Work};
 use std::ops::ControlFlow;
 use std::time::Instant;
 

@@ -8,9 +8,9 @@ use crate::planner::{Owed, Planner};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use crate::{Adjacency, Model};
-use pfront_core::query::TrianglePair;
+use pfront_core::bvtt::TrianglePair;
 #[cfg(feature = "threads")]
-use pfront_core::query::{NodePair, Query};
+use pfront_core::bvtt::{NodePair, Query};
 
 #[derive(Debug)]
 pub(crate) struct Device {

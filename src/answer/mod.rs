@@ -17,7 +17,7 @@ pub(crate) use ways::{Given, Outcome, Want};
 
 use crate::planner::{Plan, Planner};
 use crate::{Accuracy, Adjacency, Error, Model};
-use pfront_core::query::{Query, TrianglePair};
+use pfront_core::bvtt::{Query, TrianglePair};
 use pfront_core::triangle::Contact;
 use planned::Planned;
 use std::ops::ControlFlow;

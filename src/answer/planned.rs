@@ -14,7 +14,7 @@ use crate::planner::{Decider, Known, Offer, Plan, Planner, Way};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use crate::{Accuracy, Adjacency, Error, Model};
-use pfront_core::query::{Query, TrianglePair};
+use pfront_core::bvtt::{Query, TrianglePair};
 use std::time::{Duration, Instant};
 
 /// Who answers, and what is known to decide that.

@@ -2,8 +2,8 @@
 
 use crate::model::Stamp;
 use crate::{Accuracy, Adjacency, Error, Model, Pose, core};
+use pfront_core::bvtt::Query;
 use pfront_core::front::Estimate;
-use pfront_core::query::Query;
 
 /// What a mesh that hardly meets itself costs for each triangle, in box tests: its neighbours.
 const PER_TRIANGLE: f64 = 40.0;
@@ -61,7 +61,7 @@ pub(crate) enum OnGpu<'m> {
 pub(crate) struct OfTwo<'m> {
     models: [&'m Model; 2],
     a_from_b: Pose,
-    query: core::query::PairQuery<'m>,
+    query: core::bvtt::PairQuery<'m>,
     accuracy: Accuracy,
 }
 
@@ -72,7 +72,7 @@ impl<'m> OfTwo<'m> {
         accuracy: Accuracy,
     ) -> Result<Self, Error> {
         let [a, b] = models.map(Model::bvh);
-        let query = core::query::PairQuery::new(a, b, *a_from_b)?;
+        let query = core::bvtt::PairQuery::new(a, b, *a_from_b)?;
         Ok(Self { models, a_from_b: *a_from_b, query, accuracy })
     }
 }
@@ -129,7 +129,7 @@ pub(crate) struct OfOne<'m> {
 
 impl Question for OfOne<'_> {
     fn query(&self, accuracy: Accuracy) -> impl Query + Sync {
-        core::query::SelfQuery::new(self.model.bvh())
+        core::bvtt::SelfQuery::new(self.model.bvh())
             .with_accuracy(accuracy)
             .with_adjacency(self.adjacency)
             .with_fans(self.model.fans())

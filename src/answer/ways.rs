@@ -7,7 +7,7 @@ use super::alone::{End, Leash, alone};
 use crate::planner::Decider;
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
-use pfront_core::query::{Query, TrianglePair};
+use pfront_core::bvtt::{Query, TrianglePair};
 use std::ops::ControlFlow;
 
 /// What is wanted of an answer.

@@ -5,7 +5,7 @@ use super::passes::ONE_THREAD;
 use super::tree::Tree;
 use crate::Error;
 use pfront_core::blob::{Blob, BlobStorage, Counts, write};
-use pfront_core::build::BuildOptions;
+use pfront_core::bvh::BuildOptions;
 use pfront_core::bvh::check_scratch_bound;
 use pfront_core::{Mesh, Node};
 

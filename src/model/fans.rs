@@ -2,8 +2,8 @@
 
 use super::moves::Moves;
 use super::passes::Passes;
-use pfront_core::build::{Moved, moved_bound};
-use pfront_core::fans::{self, Fan, Span};
+use pfront_core::bvh::{Moved, moved_bound};
+use pfront_core::one_ring::{self, Fan, Span};
 use pfront_core::{CapacityError, Mesh};
 
 #[derive(Clone, Debug)]
@@ -19,14 +19,14 @@ impl Fans {
     pub(super) fn new(mesh: Mesh<'_>) -> Self {
         let (vertices, triangles) = (mesh.positions().len(), mesh.triangles().len());
         let mut fans = vec![Fan::default(); vertices];
-        let mut spans = vec![Span::default(); fans::span_bound(triangles)];
-        check(fans::link(
+        let mut spans = vec![Span::default(); one_ring::span_bound(triangles)];
+        check(one_ring::link(
             mesh,
-            &mut vec![0; fans::link_scratch_bound(vertices, triangles)],
+            &mut vec![0; one_ring::link_scratch_bound(vertices, triangles)],
             &mut fans,
         ));
-        check(fans::certify(mesh, &mut fans));
-        check(fans::find_spans(mesh, &mut spans));
+        check(one_ring::certify(mesh, &mut fans));
+        check(one_ring::find_spans(mesh, &mut spans));
         Self { fans, spans, scratch: vec![Moved::default(); moved_bound(vertices)], behind: false }
     }
 
@@ -34,7 +34,7 @@ impl Fans {
     pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves, passes: &Passes) {
         let (fans, scratch) = (&mut self.fans, &mut self.scratch);
         check(match moves.few().filter(|_| !self.behind) {
-            Some(moved) => fans::certify_moved(mesh, &self.spans, moved, scratch, fans),
+            Some(moved) => one_ring::certify_moved(mesh, &self.spans, moved, scratch, fans),
             None => (passes.certify)(mesh, &self.spans, fans),
         });
         self.behind = false;

@@ -17,8 +17,8 @@ use moves::Moves;
 #[cfg(feature = "threads")]
 use passes::THREADS;
 use passes::{ONE_THREAD, Passes};
-use pfront_core::build::BuildOptions;
-use pfront_core::fans::Fan;
+use pfront_core::bvh::BuildOptions;
+use pfront_core::one_ring::Fan;
 use pfront_core::sphere::Sphere;
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;

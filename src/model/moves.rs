@@ -1,6 +1,6 @@
 //! Which vertices have moved, as long as these are few.
 
-use pfront_core::build::{Moved, mark_moved, moved_bound};
+use pfront_core::bvh::{Moved, mark_moved, moved_bound};
 
 /// What has moved since the tree fitted. More than has is never wrong, only slower.
 #[derive(Clone, Debug, Default)]

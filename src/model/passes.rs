@@ -1,7 +1,7 @@
 //! The passes over a whole model, on as many threads as one likes.
 
-use pfront_core::build::{self, BuildOptions, BvhStorage, SahItem};
-use pfront_core::fans::{self, Fan, Span};
+use pfront_core::bvh::{self, BuildOptions, BvhStorage, SahItem};
+use pfront_core::one_ring::{self, Fan, Span};
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
 pub(super) struct Passes {
@@ -26,10 +26,10 @@ type Both = fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send));
 type Refit = fn(Mesh<'_>, &mut [Node], &[u32]) -> f32;
 
 pub(super) const ONE_THREAD: Passes = Passes {
-    sah: build::sah,
-    refit: build::refit,
-    quality: |mesh, nodes, order| build::quality(&Bvh::trusted(mesh, nodes, order)),
-    certify: |mesh, _, fans| fans::certify(mesh, fans),
+    sah: bvh::sah,
+    refit: bvh::refit,
+    quality: |mesh, nodes, order| bvh::quality(&Bvh::trusted(mesh, nodes, order)),
+    certify: |mesh, _, fans| one_ring::certify(mesh, fans),
     both: |one, other| {
         one();
         other();

@@ -2,10 +2,10 @@
 
 use super::moves::Moves;
 use super::passes::Passes;
-use pfront_core::build::{
+use pfront_core::bvh::node_bound;
+use pfront_core::bvh::{
     self, Below, BuildOptions, BvhStorage, REBUILD_RATIO, SahItem, refit_moved, survey_bound,
 };
-use pfront_core::bvh::node_bound;
 use pfront_core::{Bvh, Mesh, Node};
 
 #[derive(Clone, Debug, Default)]
@@ -43,7 +43,7 @@ impl Tree {
         self.nodes.resize(node_bound(n), Node::EMPTY);
         self.order.resize(n, 0);
         self.table.clear();
-        let mut scratch = vec![SahItem::default(); build::sah_scratch_bound(n)];
+        let mut scratch = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
         let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
         let built = (passes.sah)(mesh, options, storage, &mut scratch);
         // With buffers of the right size it never fails.
@@ -74,7 +74,7 @@ impl Tree {
         let (nodes, order) = (&mut self.nodes, &self.order);
         let fitted = if self.table.is_empty() {
             self.table.resize(survey_bound(nodes.len()), Below::default());
-            build::survey(mesh, nodes, order, &mut self.table, &passes.both)
+            bvh::survey(mesh, nodes, order, &mut self.table, &passes.both)
         } else {
             refit_moved(mesh, nodes, order, moved, &mut self.table, &passes.both)
         };
@@ -127,7 +127,7 @@ mod tests {
             assert_eq!(moves.few().is_some(), moving < 100);
             let mesh = mesh.with_positions(&after).unwrap();
             tree.fit(mesh, &options, &moves, &ONE_THREAD);
-            let expected = build::quality(&tree.bvh(mesh));
+            let expected = bvh::quality(&tree.bvh(mesh));
             assert!((tree.quality - expected).abs() < 1e-5 * expected, "round {round}");
             before = after;
         }

@@ -2,7 +2,7 @@
 //! a time that grows with their cost is what the way takes to get going.
 
 use super::{Machine, TRIANGLE_COST};
-use crate::core::query::{PairQuery, Query};
+use crate::core::bvtt::{PairQuery, Query};
 use crate::{Error, Model, Pose, TrianglePair};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};

@@ -9,7 +9,7 @@ use super::frame::{Found, Frame, Given};
 use super::planned::Planned;
 use crate::answer::Want;
 use crate::{Accuracy, Error, Model};
-use pfront_core::query::{PairQuery, Query};
+use pfront_core::bvtt::{PairQuery, Query};
 use std::ops::ControlFlow;
 
 #[derive(Clone, Debug, Default)]

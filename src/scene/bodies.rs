@@ -1,7 +1,7 @@
 //! The bodies of a scene, in the order in which they were added.
 
 use crate::{Aabb, Error, Model, Pose};
-use pfront_core::query::Placed;
+use pfront_core::bvtt::Placed;
 use pfront_core::sphere::Sphere;
 use std::fmt;
 use std::sync::Arc;

@@ -9,7 +9,7 @@ use super::bodies::Bodies;
 use super::kept::merge;
 use crate::{Aabb, BuildOptions, Error, Model};
 use pfront_core::bvh::MAX_DEPTH;
-use pfront_core::query::{Query, SelfQuery};
+use pfront_core::bvtt::{Query, SelfQuery};
 use pfront_core::sphere::Sphere;
 use std::ops::ControlFlow;
 

@@ -5,7 +5,7 @@ use super::{BodyId, SceneHit};
 use crate::answer::Want;
 use crate::threads::{Hit, Report, Traversal};
 use crate::{Error, Model};
-use pfront_core::query::PairQuery;
+use pfront_core::bvtt::PairQuery;
 
 #[derive(Clone, Debug)]
 pub(super) struct Crew {

@@ -7,7 +7,7 @@ use crate::answer::Want;
 use crate::gpu::{self, Error, Gpu, Settings, Shape};
 use crate::model::{Model, Stamp};
 use crate::planner::{Owed, Planner};
-use pfront_core::query::TrianglePair;
+use pfront_core::bvtt::TrianglePair;
 use std::sync::Arc;
 
 #[derive(Debug)]

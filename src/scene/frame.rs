@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, Body, BodyId};
 use super::broad::{Broad, Places};
 use super::{Accuracy, SceneHit};
-use pfront_core::query::PairQuery;
+use pfront_core::bvtt::PairQuery;
 
 /// The bodies of a frame, and which of them may meet.
 #[derive(Clone, Copy)]

@@ -27,7 +27,7 @@ use bodies::Bodies;
 use broad::Broad;
 use frame::{Found, Frame, meeting};
 use kept::Kept;
-use pfront_core::query::Query;
+use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
 /// Two triangles of different bodies that meet. The order is that of `bodies`, then `pair`.

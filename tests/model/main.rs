@@ -6,8 +6,8 @@
 mod history;
 mod together;
 
-use pfront::core::build;
-use pfront::core::fans::Fan;
+use pfront::core::bvh;
+use pfront::core::one_ring::Fan;
 use pfront::{BuildOptions, Model};
 use pfront_oracle::generate::soup::{Soup, sheet};
 
@@ -26,7 +26,7 @@ fn model(soup: &Soup) -> Model {
 fn assert_fits(model: &Model) {
     let bvh = model.bvh();
     let mut nodes = bvh.nodes().to_vec();
-    build::refit(bvh.mesh(), &mut nodes, bvh.order());
+    bvh::refit(bvh.mesh(), &mut nodes, bvh.order());
     assert_eq!(nodes, bvh.nodes());
     let (positions, triangles) = (model.mesh().positions(), model.mesh().triangles());
     let fresh = Model::new(positions.to_vec(), triangles.to_vec()).unwrap();

@@ -1,7 +1,7 @@
 //! Either kind of query.
 
 use core::ops::ControlFlow;
-use pfront_core::query::{Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair};
+use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair};
 use pfront_core::triangle::Contact;
 use pfront_core::{Aabb, Bvh, Mesh};
 

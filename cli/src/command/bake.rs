@@ -4,8 +4,8 @@ use crate::args::{Bake, Build};
 use crate::output::{Draft, out};
 use anyhow::{Context, Result};
 use pfront::core::blob::{self, Counts};
-use pfront::core::build::{self, BuildOptions, BvhStorage, SahItem};
 use pfront::core::bvh::node_bound;
+use pfront::core::bvh::{self, BuildOptions, BvhStorage, SahItem};
 use pfront::{Mesh, Node, threads};
 use pfront_cli::mesh::{self, MeshData};
 use std::io::Write;
@@ -51,11 +51,11 @@ fn baked(mesh: &MeshData, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
     let options = BuildOptions { leaf_size: bake.leaf_size, ..BuildOptions::default() };
     let bvh = match bake.build {
         Build::Sah => {
-            let mut scratch = vec![SahItem::default(); build::sah_scratch_bound(n)];
+            let mut scratch = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
             threads::sah(mesh, &options, storage, &mut scratch)
         }
         Build::Morton => {
-            let mut scratch = vec![0; build::morton_scratch_bound(n)];
+            let mut scratch = vec![0; bvh::morton_scratch_bound(n)];
             threads::morton(mesh, &options, storage, &mut scratch)
         }
     }?;

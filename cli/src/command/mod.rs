@@ -18,7 +18,7 @@ pub(crate) mod within;
 
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
-use pfront::core::query::Query;
+use pfront::core::bvtt::Query;
 use pfront::{Contact, Model, TrianglePair};
 use pfront_cli::mesh::{self, Loaded, MeshData};
 use pfront_study::engine::Engine;

@@ -5,7 +5,7 @@ use crate::args::{Listing, TwoMeshes};
 use crate::how::How;
 use crate::listing::Found;
 use anyhow::Result;
-use pfront::core::query;
+use pfront::core::bvtt;
 use pfront_study::engine::Objects;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bool> {
@@ -17,7 +17,7 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bo
     let pairs = engine.all()?;
     let with_contacts;
     let found = if listing.contacts {
-        let query = query::PairQuery::new(a.bvh(), b.bvh(), a_from_b)?;
+        let query = bvtt::PairQuery::new(a.bvh(), b.bvh(), a_from_b)?;
         with_contacts = contacts(&query, pairs);
         Found::Contacts(&with_contacts)
     } else {

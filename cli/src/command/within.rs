@@ -5,7 +5,7 @@ use crate::args::Within;
 use crate::listing::Found;
 use anyhow::Result;
 use pfront::Adjacency;
-use pfront::core::query;
+use pfront::core::bvtt;
 use pfront_study::engine::{Asked, Objects};
 
 pub(crate) fn run(within: &Within) -> Result<bool> {
@@ -19,7 +19,7 @@ pub(crate) fn run(within: &Within) -> Result<bool> {
     let pairs = engine.all()?;
     let with_contacts;
     let found = if within.listing.contacts {
-        with_contacts = contacts(&query::SelfQuery::new(model.bvh()), pairs);
+        with_contacts = contacts(&bvtt::SelfQuery::new(model.bvh()), pairs);
         Found::Contacts(&with_contacts)
     } else {
         Found::Pairs(pairs)

@@ -33,7 +33,7 @@ mod tests;
 
 use super::layout::{Index, Layout, TreeNode, Walked};
 use crate::aabb::Bounds;
-use crate::lanes::Boxes;
+use crate::simd::Boxes;
 use crate::{Aabb, Node};
 use bytemuck::{Pod, Zeroable};
 use core::marker::PhantomData;

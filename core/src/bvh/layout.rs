@@ -6,10 +6,10 @@
 
 use super::Node;
 use crate::aabb::Bounds;
-use crate::items::StandIn;
-use crate::lanes::Boxes;
-use crate::query::{Cursor, PairQuery, SelfQuery};
-use crate::walk::Visit;
+use crate::bvtt::Visit;
+use crate::bvtt::{Cursor, PairQuery, SelfQuery};
+use crate::index::StandIn;
+use crate::simd::Boxes;
 use bytemuck::Pod;
 use core::fmt::Debug;
 use core::ops::ControlFlow;

@@ -30,7 +30,7 @@ pub struct CompactStorage<'a, I = u32> {
 
 /// The same BVH in the compact layout: the same nodes with boxes hardly larger. Queries find the same pairs.
 ///
-/// `nodes` and `order` are those of a BVH of `mesh`, the nodes in use only. Leaves should be well filled: see [`full_leaves`](crate::build::BuildOptions::full_leaves).
+/// `nodes` and `order` are those of a BVH of `mesh`, the nodes in use only. Leaves should be well filled: see [`full_leaves`](crate::bvh::build::BuildOptions::full_leaves).
 ///
 /// # Errors
 /// [`CompactError`] if there are more triangles than `I` can number, or if `storage` is too small.

@@ -3,7 +3,7 @@
 extern crate std;
 
 use super::*;
-use crate::build::{BuildOptions, BvhStorage, SahItem, sah};
+use crate::bvh::build::{BuildOptions, BvhStorage, SahItem, sah};
 use std::sync::LazyLock;
 use std::vec;
 use std::vec::Vec;

@@ -2,7 +2,7 @@
 
 use super::{FIRST_ALPHA, FrontNode};
 use crate::Aabb;
-use crate::query::{NodePair, Query};
+use crate::bvtt::{NodePair, Query};
 
 /// How the size of an overlap is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -58,7 +58,7 @@ impl Estimate {
 
     /// What a node is expected to cost in box tests, before anything has been walked: right to within a factor of
     /// three in half of all cases, and of thirty in nearly all. Sums over any cut through a BVTT, such as what is
-    /// [pending](crate::query::Cursor::pending), are worth as much.
+    /// [pending](crate::bvtt::Cursor::pending), are worth as much.
     ///
     /// # Complexity
     /// O(depth), to count triangles.

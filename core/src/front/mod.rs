@@ -7,8 +7,8 @@
 //!    overlap where that frame tells nothing.
 //! 2. [`Front::refine`] (Algorithm 2) replaces nodes by their children until none costs more than a
 //!    given share of the whole.
-//! 3. [`crate::partition::greedy`] deals the nodes out.
-//! 4. Each worker walks from its nodes ([`Cursor::at`](crate::query::Cursor::at)); the work it counts
+//! 3. [`crate::front::partition::greedy`] deals the nodes out.
+//! 4. Each worker walks from its nodes ([`Cursor::at`](crate::bvtt::Cursor::at)); the work it counts
 //!    becomes the [`Past`] of the next frame.
 //!
 //! A front that is full stops refining. It is coarser then, but still a whole cut: nothing is lost.
@@ -36,17 +36,20 @@
 
 mod check;
 mod estimate;
+mod heap;
+mod partition;
 mod past;
 mod refine;
 #[cfg(test)]
 mod tests;
 
 pub use estimate::{Alpha, Estimate, Extent};
+pub use partition::{Load, dearest_first, greedy, p_optimal};
 pub use past::{HOLD, Past, PastCost, Path};
 pub use refine::Grain;
 
 use crate::CapacityError;
-use crate::query::{NodePair, Query};
+use crate::bvtt::{NodePair, Query};
 use refine::{Descent, Step, open};
 
 /// The least share of the last frame's cost that must lie in nodes that still overlap for its costs to

@@ -1,7 +1,7 @@
 //! What a frame remembers of the last: one cost for each node of its front, by path.
 
 use super::FrontNode;
-use crate::heap::sort;
+use crate::front::heap::sort;
 use bytemuck::{Pod, Zeroable};
 
 /// The way from the root of a BVTT to a node: the child taken at each level, 2 bits each from the top,

@@ -3,7 +3,7 @@
 use super::estimate::{reprice, split};
 use super::{Estimate, Front, FrontNode, Past, Path};
 use crate::Aabb;
-use crate::query::{NodePair, Query};
+use crate::bvtt::{NodePair, Query};
 
 /// How small the nodes of a front must be: the g of eq. 1, in nodes per worker. No node that can be
 /// split costs more than 1/g of what a worker gets.
@@ -35,7 +35,7 @@ impl Grain {
     }
 
     /// The grain with which a predicted makespan is at most (1 + ε)·W/p, up to leaf pairs and nodes too
-    /// small to be split; see [`crate::partition`].
+    /// small to be split; see [`crate::front::partition`].
     #[must_use]
     pub const fn epsilon(epsilon: f64) -> Self {
         Self::uniform(1.0 / epsilon)

@@ -3,9 +3,9 @@
 extern crate std;
 
 use super::*;
-use crate::build::{self, BuildOptions, BvhStorage};
-use crate::partition::{Load, greedy};
-use crate::query::{Cursor, PairQuery, SelfQuery, TrianglePair};
+use crate::bvh::{self, BuildOptions, BvhStorage};
+use crate::bvtt::{Cursor, PairQuery, SelfQuery, TrianglePair};
+use crate::front::partition::{Load, greedy};
 use crate::{Bvh, Mesh, Node, Pose};
 use core::cell::RefCell;
 use core::ops::ControlFlow;
@@ -287,11 +287,11 @@ impl Body {
             Self { positions, triangles, nodes: vec![Node::EMPTY; 2 * n], order: vec![0; n] };
         let mesh = Mesh::new(&body.positions, &body.triangles).unwrap();
         let storage = BvhStorage { nodes: &mut body.nodes, order: &mut body.order };
-        let mut scratch = vec![0; build::morton_scratch_bound(n)];
+        let mut scratch = vec![0; bvh::morton_scratch_bound(n)];
         // Small leaves make a tree of the few triangles that miri can bear.
         let options =
             BuildOptions { leaf_size: if cfg!(miri) { 1 } else { 4 }, ..BuildOptions::default() };
-        let used = build::morton(mesh, &options, storage, &mut scratch).unwrap().nodes().len();
+        let used = bvh::morton(mesh, &options, storage, &mut scratch).unwrap().nodes().len();
         body.nodes.truncate(used);
         body
     }

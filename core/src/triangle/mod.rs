@@ -13,16 +13,16 @@
 //!
 //! The logic is written once over `Kernel`; an [`Accuracy`] only chooses how signs are decided.
 
-mod flat;
-mod neighbours;
-mod segment;
+mod contact;
+mod coplanar;
+mod in_mesh;
 
-pub use neighbours::{Adjacency, intersects_in_mesh};
-pub use segment::{Contact, ContactKind, contact, unit_normal};
+pub use contact::{Contact, ContactKind, contact, unit_normal};
+pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
-use crate::predicates::sure::Sure;
-use crate::predicates::{Exact, Fast, Filtered, Kernel, Undecided};
+use crate::exact::filter32::Sure;
+use crate::exact::{Exact, Fast, Filtered, Kernel, Undecided};
 use core::convert::Infallible;
 use glam::Vec3A;
 
@@ -93,7 +93,7 @@ fn conservatively(a: &Triangle, b: &Triangle) -> bool {
 fn settle(a: &Triangle, b: &Triangle) -> bool {
     let level = |p: &[f32; 3]| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
     let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
-    certain(if flush.any() { flat::meet::<Exact>(a, b) } else { meet::<Exact>(a, b) })
+    certain(if flush.any() { coplanar::meet::<Exact>(a, b) } else { meet::<Exact>(a, b) })
 }
 
 /// [`intersects`], for any way to decide signs.
@@ -109,7 +109,7 @@ pub(crate) fn meet<K: Kernel>(a: &Triangle, b: &Triangle) -> Result<bool, K::Und
     }
     let (a_sides, b_sides) = (a_sides?, b_sides?);
     if a_sides == [0; 3] || b_sides == [0; 3] {
-        return flat::meet::<K>(a, b);
+        return coplanar::meet::<K>(a, b);
     }
     cross::<K>(a, &a_sides, b, &b_sides)
 }

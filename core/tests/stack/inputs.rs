@@ -1,6 +1,6 @@
 //! Meshes and BVHs on which calls take most of the stack.
 
-use pfront_core::build::{BuildOptions, BvhStorage, SahItem, sah};
+use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, sah};
 use pfront_core::bvh::{MAX_DEPTH, node_bound};
 use pfront_core::{Bvh, Mesh, Node, Triangle};
 

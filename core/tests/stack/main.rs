@@ -10,12 +10,11 @@ mod meter;
 
 use inputs::{Soup, Tree, coincident, curled, disparate, peeling, sheets};
 use meter::stack_of;
-use pfront_core::build::*;
 use pfront_core::bvh::*;
-use pfront_core::fans::{self, Fan, Span, link_scratch_bound, span_bound};
+use pfront_core::bvtt::*;
 use pfront_core::front::{Estimate, Front, FrontNode, Grain, Past, PastCost};
-use pfront_core::partition::{Load, greedy};
-use pfront_core::query::*;
+use pfront_core::front::{Load, greedy};
+use pfront_core::one_ring::{self, Fan, Span, link_scratch_bound, span_bound};
 use pfront_core::triangle::{Accuracy, intersects};
 use pfront_core::{Blob, Bvh, Mesh, Node, Pose, blob};
 use std::hint::black_box;
@@ -214,11 +213,13 @@ fn fans_of_vertices() {
     let after: Vec<_> = soup.positions.iter().map(|p| p.map(|x| 1.5 * x)).collect();
     mark_moved(&soup.positions, &after, &mut sets[0]).unwrap();
     let [moved, near] = &mut sets;
-    check("fans::link", || fans::link(mesh, &mut scratch, &mut known).unwrap());
-    check("certify", || fans::certify(mesh, &mut known).unwrap());
-    check("find_spans", || fans::find_spans(mesh, &mut spans).unwrap());
+    check("one_ring::link", || one_ring::link(mesh, &mut scratch, &mut known).unwrap());
+    check("certify", || one_ring::certify(mesh, &mut known).unwrap());
+    check("find_spans", || one_ring::find_spans(mesh, &mut spans).unwrap());
     check("certify_with", || {
-        fans::certify_with(mesh, &spans, &mut known, &one_after_the_other).unwrap();
+        one_ring::certify_with(mesh, &spans, &mut known, &one_after_the_other).unwrap();
     });
-    check("certify_moved", || fans::certify_moved(mesh, &spans, moved, near, &mut known).unwrap());
+    check("certify_moved", || {
+        one_ring::certify_moved(mesh, &spans, moved, near, &mut known).unwrap()
+    });
 }

@@ -4,7 +4,7 @@ use super::Traversal;
 use crate::beside::Crew;
 use crate::pool::in_pool;
 use crate::{Schedule, Settings, Share, sink};
-use pfront_core::query::{NodePair, Query, TrianglePair};
+use pfront_core::bvtt::{NodePair, Query, TrianglePair};
 use std::slice::from_ref;
 use std::time::Instant;
 
@@ -24,7 +24,7 @@ impl Traversal {
     /// # Examples
     /// With a device that is done at once:
     /// ```
-    /// # use pfront_core::{*, query::*};
+    /// # use pfront_core::{*, bvtt::*};
     /// # use std::ops::ControlFlow;
     /// # fn frame(traversal: &mut pfront_cpu::Traversal, query: &(impl Query + Sync)) {
     /// let (mut pairs, mut found) = (Vec::new(), Vec::new());

@@ -1,8 +1,8 @@
 //! The same pairs as one core finds, for every number of workers, schedule and verb.
 
 use crate::common::{Body, Frames, sequential};
+use pfront_core::bvtt::{PairQuery, Query, SelfQuery, TrianglePair};
 use pfront_core::front::Grain;
-use pfront_core::query::{PairQuery, Query, SelfQuery, TrianglePair};
 use pfront_cpu::{Hit, Reference, Schedule, Settings, Traversal};
 use pfront_scenes::{Scene, TriMesh};
 use std::ops::ControlFlow;

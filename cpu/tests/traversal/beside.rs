@@ -2,7 +2,7 @@
 
 use crate::common::{Body, Frames, sequential};
 use pfront_core::Pose;
-use pfront_core::query::{Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair, Work};
+use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair, Work};
 use pfront_cpu::{Schedule, Settings, Traversal};
 use pfront_scenes::{Scene, TriMesh};
 use std::ops::ControlFlow;

@@ -1,8 +1,8 @@
 //! Meshes with a BVH, and frames of the scenes.
 
-use pfront_core::build::{self, BuildOptions, BvhStorage, SahItem};
 use pfront_core::bvh::node_bound;
-use pfront_core::query::{PairQuery, Query, TrianglePair};
+use pfront_core::bvh::{self, BuildOptions, BvhStorage, SahItem};
+use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use pfront_scenes::{Scene, TriMesh};
 use std::ops::ControlFlow;
@@ -18,11 +18,11 @@ impl Body {
     pub(crate) fn new(mesh: TriMesh) -> Self {
         let n = mesh.triangles.len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let mut scratch = vec![SahItem::default(); build::sah_scratch_bound(n)];
+        let mut scratch = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let view = Mesh::new(&mesh.positions, &mesh.triangles).unwrap();
         let options = BuildOptions::default();
-        let used = build::sah(view, &options, storage, &mut scratch).unwrap().nodes().len();
+        let used = bvh::sah(view, &options, storage, &mut scratch).unwrap().nodes().len();
         nodes.truncate(used);
         Self { mesh, nodes, order }
     }
@@ -35,7 +35,7 @@ impl Body {
     /// The same mesh in another shape.
     pub(crate) fn deform(&mut self, positions: &[[f32; 3]]) {
         self.mesh.positions.copy_from_slice(positions);
-        build::refit(
+        bvh::refit(
             Mesh::trusted(&self.mesh.positions, &self.mesh.triangles),
             &mut self.nodes,
             &self.order,

@@ -1,8 +1,8 @@
 //! Breaks, panics, odd settings, any number of threads and ten thousand frames leave everything usable.
 
 use crate::common::{Frames, sequential};
+use pfront_core::bvtt::Query;
 use pfront_core::front::Grain;
-use pfront_core::query::Query;
 use pfront_cpu::{Schedule, Settings, Traversal};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};

@@ -21,7 +21,7 @@ use crate::model::LEAF;
 use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
 use crate::{Error, Gpu, Model};
-use pfront_core::build::BuildOptions;
+use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Mesh, Node};
 use pfront_shaders::constants::CUT_BITS;
 use shape::Balanced;

@@ -6,7 +6,7 @@
 use crate::layout::Build;
 use crate::model::MOST_SEEDS;
 use bytemuck::Zeroable;
-use pfront_core::build::BuildOptions;
+use pfront_core::bvh::BuildOptions;
 use pfront_core::bvh::MAX_LEAF_SIZE;
 use pfront_shaders::constants::BLOCK;
 use std::ops::Range;

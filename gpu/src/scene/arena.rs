@@ -11,7 +11,7 @@ use crate::parameters::Parameters;
 use crate::schedule::Schedule;
 use crate::sequence::{Sequence, groups_for};
 use crate::{Error, Gpu, Model};
-use pfront_core::query::TrianglePair;
+use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Node, Pose};
 use pfront_shaders::constants::GROUP;
 use wgpu::{Buffer, CommandEncoder};

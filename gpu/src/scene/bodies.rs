@@ -2,7 +2,7 @@
 
 use super::Shape;
 use crate::Error;
-use pfront_core::query::Placed;
+use pfront_core::bvtt::Placed;
 use pfront_core::{Aabb, Pose};
 use std::fmt;
 use std::sync::Arc;

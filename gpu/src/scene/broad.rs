@@ -4,9 +4,9 @@
 //! for boxes.
 
 use crate::Error;
-use pfront_core::build::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
 use pfront_core::bvh::node_bound;
-use pfront_core::query::{Query, SelfQuery};
+use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
+use pfront_core::bvtt::{Query, SelfQuery};
 use pfront_core::{Aabb, Mesh, Node};
 use std::ops::ControlFlow;
 

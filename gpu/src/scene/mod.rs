@@ -21,7 +21,7 @@ use bodies::Bodies;
 use broad::Broad;
 use bytemuck::Zeroable;
 use pfront_core::Pose;
-use pfront_core::query::TrianglePair;
+use pfront_core::bvtt::TrianglePair;
 use wgpu::CommandEncoder;
 
 /// Two triangles of different bodies that meet. The order is that of `bodies`, then `pair`.

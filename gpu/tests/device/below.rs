@@ -2,8 +2,8 @@
 //! finds below the others, is the whole answer.
 
 use crate::common::{Both, gpu, sorted, truth};
-use pfront_core::build::BuildOptions;
-use pfront_core::query::{self, Cursor, NodePair, Query, TrianglePair};
+use pfront_core::bvh::BuildOptions;
+use pfront_core::bvtt::{self, Cursor, NodePair, Query, TrianglePair};
 use pfront_core::{Mesh, Pose};
 use pfront_gpu::{Budget, Deforming, Error, Model, PairQuery, Pending, SelfQuery, Settings};
 use pfront_oracle::generate::soup::{Soup, family, sheet, sphere};
@@ -87,7 +87,7 @@ fn two_meshes_from_every_level() {
     for bytes in [Budget::LEAST.bytes, 16 << 20] {
         let mut query = PairQuery::with_settings(gpu(), with_budget(bytes)).unwrap();
         for (a, b, pose) in [(&a, &b, Pose::new(poses[1])), (&flat, &flat, Pose::IDENTITY)] {
-            let core = query::PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
+            let core = bvtt::PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
             for levels in [0, 3, 7, 40] {
                 for modulus in [1, 5] {
                     let found = check(
@@ -123,7 +123,7 @@ fn one_mesh_from_every_level() {
             scene.positions(frame, &mut moved);
             sheet.set_positions(&moved);
             moving.set_positions(&moved).unwrap();
-            let core = query::SelfQuery::new(sheet.bvh());
+            let core = bvtt::SelfQuery::new(sheet.bvh());
             for modulus in [1, 3] {
                 let found = check(
                     &core,
@@ -148,7 +148,7 @@ fn soups_of_every_family() {
                 Family::Huge | Family::RawBits => Pose::IDENTITY,
                 _ => Pose::new(generate::soup::pose_rows(0.1, &mut rng)),
             };
-            let core = query::PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
+            let core = bvtt::PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
             check(
                 &core,
                 3,
@@ -158,7 +158,7 @@ fn soups_of_every_family() {
                 },
             );
             check(
-                &query::SelfQuery::new(a.bvh()),
+                &bvtt::SelfQuery::new(a.bvh()),
                 3,
                 |i| i % 2 == 1,
                 |front| asked(|encoder| own.record_below(encoder, &a.model, front)),

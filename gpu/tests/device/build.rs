@@ -1,8 +1,8 @@
 //! Trees built on the device give the answers of the core, whatever the mesh.
 
 use crate::common::{Both, gpu, sorted, truth};
-use pfront_core::build::BuildOptions;
-use pfront_core::{Mesh, MeshError, Pose, query};
+use pfront_core::bvh::BuildOptions;
+use pfront_core::{Mesh, MeshError, Pose, bvtt};
 use pfront_gpu::{Deforming, Error, PairQuery, SelfQuery, wgpu};
 use pfront_oracle::generate::soup::{sheet, sphere};
 use pfront_scenes::{Scene, torus_knot};
@@ -40,7 +40,7 @@ fn a_sheet_that_folds_refitted_and_rebuilt() {
             _ => given.set_positions(&positions).unwrap(),
         }
         sheet.set_positions(&positions);
-        let within = sorted(&query::SelfQuery::new(sheet.bvh()));
+        let within = sorted(&bvtt::SelfQuery::new(sheet.bvh()));
         assert!(own.all(&built).unwrap() == within, "frame {frame}");
         assert!(own.all(&given).unwrap() == within, "frame {frame}");
         let pose = Pose::from_translation(positions[frame]);
@@ -98,7 +98,7 @@ fn any_number_of_triangles() {
         let mut built = build(&whole.positions, triangles, 4);
         built.rebuild_at(&tangled).unwrap();
         let mut own = SelfQuery::new(gpu()).unwrap();
-        assert_eq!(own.all(&built).unwrap(), sorted(&query::SelfQuery::new(mesh.bvh())), "{n}");
+        assert_eq!(own.all(&built).unwrap(), sorted(&bvtt::SelfQuery::new(mesh.bvh())), "{n}");
     }
 }
 
@@ -113,7 +113,7 @@ fn positions_at_the_ends_of_the_range() {
         let positions: Vec<_> =
             soup.positions.iter().map(|&p| crumple(p).map(|x| x * scale)).collect();
         mesh.set_positions(&positions);
-        let within = sorted(&query::SelfQuery::new(mesh.bvh()));
+        let within = sorted(&bvtt::SelfQuery::new(mesh.bvh()));
         built.rebuild_at(&positions).unwrap();
         assert!(own.all(&built).unwrap() == within, "{scale:e}");
     }
@@ -126,7 +126,7 @@ fn all_triangles_in_one_place() {
         let mesh = Both::new(&positions, &triangles, 4);
         let built = build(&positions, &triangles, 4);
         let mut own = SelfQuery::new(gpu()).unwrap();
-        assert_eq!(own.all(&built).unwrap(), sorted(&query::SelfQuery::new(mesh.bvh())));
+        assert_eq!(own.all(&built).unwrap(), sorted(&bvtt::SelfQuery::new(mesh.bvh())));
         let mut pair = PairQuery::new(gpu()).unwrap();
         let pose = Pose::from_translation([0.25, 0.25, 0.0]);
         assert!(pair.all(&built, &mesh.model, &pose).unwrap() == truth(&mesh, &mesh, &pose));

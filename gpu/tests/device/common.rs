@@ -1,8 +1,8 @@
 //! What the tests share: one device, and meshes on it beside the core's.
 
-use pfront_core::build::{self, BuildOptions, BvhStorage};
 use pfront_core::bvh::node_bound;
-use pfront_core::query::{self, Query, TrianglePair};
+use pfront_core::bvh::{self, BuildOptions, BvhStorage};
+use pfront_core::bvtt::{self, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use pfront_gpu::{Gpu, Model};
 use std::ops::ControlFlow;
@@ -28,9 +28,9 @@ impl Both {
         let n = triangles.len();
         let mesh = Mesh::new(positions, triangles).unwrap();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let mut scratch = vec![build::SahItem::default(); build::sah_scratch_bound(n)];
+        let mut scratch = vec![bvh::SahItem::default(); bvh::sah_scratch_bound(n)];
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-        let bvh = build::sah(
+        let bvh = bvh::sah(
             mesh,
             &BuildOptions { leaf_size, ..BuildOptions::default() },
             storage,
@@ -46,7 +46,7 @@ impl Both {
     pub(crate) fn set_positions(&mut self, positions: &[[f32; 3]]) {
         self.positions = positions.to_vec();
         let mesh = Mesh::new(&self.positions, &self.triangles).unwrap();
-        build::refit(mesh, &mut self.nodes, &self.order);
+        bvh::refit(mesh, &mut self.nodes, &self.order);
     }
 
     pub(crate) fn bvh(&self) -> Bvh<'_> {
@@ -56,7 +56,7 @@ impl Both {
 
 /// What the core finds, sorted.
 pub(crate) fn truth(a: &Both, b: &Both, a_from_b: &Pose) -> Vec<TrianglePair> {
-    sorted(&query::PairQuery::new(a.bvh(), b.bvh(), *a_from_b).unwrap())
+    sorted(&bvtt::PairQuery::new(a.bvh(), b.bvh(), *a_from_b).unwrap())
 }
 
 pub(crate) fn sorted(query: &impl Query) -> Vec<TrianglePair> {

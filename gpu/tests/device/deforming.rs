@@ -1,7 +1,7 @@
 //! Meshes that move, refitted on the device, against the core's refit.
 
 use crate::common::{Both, gpu, sorted, truth};
-use pfront_core::{MeshError, Pose, query};
+use pfront_core::{MeshError, Pose, bvtt};
 use pfront_gpu::{Deforming, Error, PairQuery, SelfQuery};
 use pfront_oracle::generate::soup::{sheet, sphere};
 use pfront_scenes::Scene;
@@ -21,7 +21,7 @@ fn a_sheet_that_folds() {
         scene.positions(frame, &mut positions);
         moving.set_positions(&positions).unwrap();
         sheet.set_positions(&positions);
-        let within = sorted(&query::SelfQuery::new(sheet.bvh()));
+        let within = sorted(&bvtt::SelfQuery::new(sheet.bvh()));
         assert!(own.all(&moving).unwrap() == within, "frame {frame}");
         let pose = Pose::from_translation(positions[frame]);
         assert!(pair.all(&moving, &ball.model, &pose).unwrap() == truth(&sheet, &ball, &pose));
@@ -42,7 +42,7 @@ fn positions_at_the_ends_of_the_range() {
             soup.positions.iter().map(|&p| crumple(p).map(|x| x * scale)).collect();
         moving.set_positions(&positions).unwrap();
         mesh.set_positions(&positions);
-        assert!(own.all(&moving).unwrap() == sorted(&query::SelfQuery::new(mesh.bvh())));
+        assert!(own.all(&moving).unwrap() == sorted(&bvtt::SelfQuery::new(mesh.bvh())));
     }
 }
 

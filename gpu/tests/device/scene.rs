@@ -2,7 +2,7 @@
 
 use crate::common::gpu;
 use crate::world::{Part, World};
-use pfront_core::query::TrianglePair;
+use pfront_core::bvtt::TrianglePair;
 use pfront_core::{MeshError, Pose};
 use pfront_gpu::{Arithmetic, Budget, Error, Gpu, SceneQuery, Settings};
 use pfront_oracle::generate::Family;

@@ -1,7 +1,7 @@
 //! One mesh with itself: every way of sharing vertices, smooth, folded and flat surfaces.
 
 use crate::common::{Both, gpu, sorted};
-use pfront_core::query;
+use pfront_core::bvtt;
 use pfront_core::triangle::Adjacency;
 use pfront_gpu::{Budget, SelfQuery, Settings};
 use pfront_oracle::generate::Family;
@@ -14,7 +14,7 @@ use rand_chacha::rand_core::SeedableRng;
 fn check(query: SelfQuery, mesh: &Both) -> (SelfQuery, usize) {
     let (mut query, mut most) = (query, 0);
     for adjacency in [Adjacency::SkipNeighbours, Adjacency::SharedIndexRule] {
-        let truth = sorted(&query::SelfQuery::new(mesh.bvh()).with_adjacency(adjacency));
+        let truth = sorted(&bvtt::SelfQuery::new(mesh.bvh()).with_adjacency(adjacency));
         query = query.with_adjacency(adjacency);
         assert_eq!(query.all(&mesh.model).unwrap(), truth);
         assert_eq!(query.count(&mesh.model).unwrap(), truth.len() as u64);

@@ -2,7 +2,7 @@
 
 use crate::common::{Both, sorted};
 use pfront_core::Pose;
-use pfront_core::query::{PairQuery, Placed};
+use pfront_core::bvtt::{PairQuery, Placed};
 use pfront_gpu::{BodyId, Error, SceneHit, SceneQuery, Shape};
 use pfront_oracle::generate::soup::Soup;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Threads and a GPU on one front, of which the GPU gets a share that does not change.
 
 use super::{Engine, EngineError, Objects, OnGpu, second};
-use pfront::core::query::{self, NodePair, Query};
+use pfront::core::bvtt::{self, NodePair, Query};
 use pfront::gpu::wgpu::CommandEncoder;
 use pfront::gpu::{self, Deforming, Gpu, Pending};
 use pfront::threads::Traversal;
@@ -83,7 +83,7 @@ impl Engine for Pair {
     fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
         let Self { both, host: [a, b], device: [on_a, on_b], a_from_b, query } = self;
         let asked =
-            query::PairQuery::new(a.bvh(), b.bvh(), *a_from_b).map_err(pfront::Error::from)?;
+            bvtt::PairQuery::new(a.bvh(), b.bvh(), *a_from_b).map_err(pfront::Error::from)?;
         both.all(&asked, |encoder, below| query.record_below(encoder, on_a, on_b, a_from_b, below))
     }
 
@@ -124,7 +124,7 @@ impl Engine for Within {
 
     fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
         let Self { both, host, device, query, adjacency } = self;
-        let asked = query::SelfQuery::new(host.bvh()).with_adjacency(*adjacency);
+        let asked = bvtt::SelfQuery::new(host.bvh()).with_adjacency(*adjacency);
         let asked = asked.with_fans(host.fans());
         both.all(&asked, |encoder, below| query.record_below(encoder, device, below))
     }

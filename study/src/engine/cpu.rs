@@ -2,7 +2,7 @@
 
 use super::numbers::Numbers;
 use super::{Engine, EngineError, Objects, second};
-use pfront::core::query;
+use pfront::core::bvtt;
 use pfront::planner::{Plan, Planner};
 use pfront::threads::{Reference, Report, Settings, Traversal};
 use pfront::{
@@ -57,7 +57,7 @@ pub(super) fn engine(
 }
 
 /// To within 2 %, which is nearer than estimates come.
-fn reference(query: &impl query::Query, workers: usize) -> Reference {
+fn reference(query: &impl bvtt::Query, workers: usize) -> Reference {
     Reference::of(query, workers, 0.02, &Settings::default())
 }
 
@@ -98,7 +98,7 @@ impl Engine for Pair {
     fn reference(&self, workers: usize) -> Result<Option<Reference>, EngineError> {
         let [a, b] = &self.models;
         let query =
-            query::PairQuery::new(a.bvh(), b.bvh(), self.a_from_b).map_err(pfront::Error::from)?;
+            bvtt::PairQuery::new(a.bvh(), b.bvh(), self.a_from_b).map_err(pfront::Error::from)?;
         Ok(Some(reference(&query, workers)))
     }
 }
@@ -138,7 +138,7 @@ impl Engine for Within {
     }
 
     fn reference(&self, workers: usize) -> Result<Option<Reference>, EngineError> {
-        Ok(Some(reference(&query::SelfQuery::new(self.model.bvh()), workers)))
+        Ok(Some(reference(&bvtt::SelfQuery::new(self.model.bvh()), workers)))
     }
 }
 

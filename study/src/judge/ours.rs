@@ -1,7 +1,7 @@
 //! The tests of pfront.
 
 use super::Test;
-use pfront::core::query::{PairQuery, Query};
+use pfront::core::bvtt::{PairQuery, Query};
 use pfront::core::triangle::intersects;
 use pfront::core::{Aabb, Triangle};
 use pfront::{Accuracy, Bvh, Mesh, Node, Pose};

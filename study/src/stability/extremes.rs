@@ -6,8 +6,8 @@ use super::play::{Divider, Method, one_core};
 use super::rows::Finding;
 use super::scene::{Scene, Shown, Watch};
 use pfront::TrianglePair;
+use pfront::core::bvtt::Query;
 use pfront::core::front::{Alpha, Estimate, Extent, Grain};
-use pfront::core::query::Query;
 use pfront::threads::{Schedule, Settings, Traversal};
 use std::cmp::Ordering;
 

@@ -13,7 +13,7 @@
 //!   estimate is off: no forecast meets the limits (measured with 1024 workers of 26 tests each: 12 in a first
 //!   frame, where p·w_max/W is 2.4).
 
-use pfront::core::query::{Cursor, NodePair, Query};
+use pfront::core::bvtt::{Cursor, NodePair, Query};
 use pfront::threads::Report;
 use std::collections::HashMap;
 use std::ops::ControlFlow;

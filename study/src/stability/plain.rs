@@ -20,7 +20,7 @@
 
 use pfront::TrianglePair;
 use pfront::core::Aabb;
-use pfront::core::query::{Cursor, NodePair, Query};
+use pfront::core::bvtt::{Cursor, NodePair, Query};
 use pfront::threads::{Report, Share, TRIANGLE_COST};
 use std::collections::HashMap;
 use std::ops::ControlFlow;

@@ -5,8 +5,8 @@ use super::limit::{Bound, Census, Hardness, THIN};
 use super::plain::{Evidence, Plain};
 use super::scene::{Scene, Shown, Watch};
 use pfront::TrianglePair;
+use pfront::core::bvtt::Query;
 use pfront::core::front::Grain;
-use pfront::core::query::Query;
 use pfront::threads::{Report, Schedule, Settings, TRIANGLE_COST, Traversal};
 use std::ops::ControlFlow;
 

@@ -2,7 +2,7 @@
 
 use super::StabilityError;
 use super::limit::Bound;
-use pfront::core::query::{PairQuery, Query, SelfQuery};
+use pfront::core::bvtt::{PairQuery, Query, SelfQuery};
 use pfront::{Model, Pose, TrianglePair};
 use pfront_scenes::TriMesh;
 

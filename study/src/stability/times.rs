@@ -2,7 +2,7 @@
 
 use super::StabilityError;
 use super::scene::{Scene, Shown, Watch};
-use pfront::core::query::Query;
+use pfront::core::bvtt::Query;
 use pfront::threads::{Schedule, Settings, Traversal};
 use std::iter::once;
 use std::time::Instant;

@@ -4,7 +4,7 @@
 //! moved by up to a thousandth of its size: coordinates are other ones each time, and faces that lie
 //! flush along an axis often stay so, since a move may leave out axes.
 
-use pfront::core::query::{self, Query};
+use pfront::core::bvtt::{self, Query};
 use pfront::core::{Aabb, Bvh, Triangle};
 use pfront::{Model, Pose};
 use pfront_oracle::share_a_vertex;
@@ -131,7 +131,7 @@ impl Site {
             Self::Pair { a, b, a_from_b } => (a.bvh(), b.bvh(), *a_from_b),
             Self::Within(body) => (body.bvh(), body.bvh(), Pose::IDENTITY),
         };
-        let Ok(query) = query::PairQuery::new(a, b, pose) else { return Vec::new() };
+        let Ok(query) = bvtt::PairQuery::new(a, b, pose) else { return Vec::new() };
         let is_one = matches!(self, Self::Within(_));
         let placed = |bvh: &Bvh<'_>, node: u32, pose: &Pose| -> Vec<(u32, Triangle, Aabb)> {
             let leaf = bvh.nodes()[node as usize];

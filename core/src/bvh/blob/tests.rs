@@ -1,0 +1,236 @@
+//! What is written is read, on machines of either endianness, and nothing else is.
+
+extern crate std;
+
+mod hostile;
+
+use super::*;
+use crate::MeshError;
+use crate::bvh::build::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
+use crate::bvh::node_bound;
+use std::prelude::v1::*;
+use std::{format, vec};
+
+/// One triangle, field by field as the module has them. The checksum is zlib's.
+const GOLDEN: [&[u8]; 18] = [
+    b"\x89PFB\r\n\x1a\n",
+    b"\x01\0\0\0",
+    b"\xf0\xe3\x43\xf5",
+    b"\xa4\0\0\0\0\0\0\0",
+    b"\x01\0\x01\0\x01\0\x01\0",
+    b"\x01\0\0\0",
+    b"\x03\0\0\0",
+    b"\x01\0\0\0",
+    &[0; 20],
+    b"\0\0\x80\xbf\0\0\0\0\0\0\0\0",
+    b"\0\0\0\0",
+    b"\0\0\x80\x3f\0\0\0\x40\0\0\0\x3f",
+    b"\x01\0\0\0",
+    b"\0\0\x80\xbf\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\0\0\0\0\0\x3f\0\0\0\0\0\0\0\x40\0\0\0\x80",
+    &[0; 12],
+    b"\0\0\0\0\x01\0\0\0\x02\0\0\0",
+    &[0; 4],
+    b"\0\0\0\0",
+];
+
+/// Bytes that begin where they should.
+fn aligned(bytes: &[u8]) -> Box<Aligned<[u8]>> {
+    let mut to: Box<Aligned<[u8]>> = Box::new(Aligned([0; 8192]));
+    to.0[..bytes.len()].copy_from_slice(bytes);
+    to
+}
+
+/// What is owned of a BVH.
+#[derive(Clone, Debug, PartialEq)]
+struct Owned {
+    nodes: Vec<Node>,
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    order: Vec<u32>,
+}
+
+impl Owned {
+    fn room(counts: Counts) -> Self {
+        Self {
+            nodes: vec![Node::EMPTY; counts.nodes],
+            positions: vec![[0.0; 3]; counts.vertices],
+            triangles: vec![[0; 3]; counts.triangles],
+            order: vec![0; counts.triangles],
+        }
+    }
+
+    /// A strip of so many triangles.
+    fn strip(triangles: u32, leaf_size: u32, by_morton: bool) -> Self {
+        let vertices = if triangles == 0 { 0 } else { triangles + 2 };
+        let positions = (0..vertices).map(|v| [v as f32, (v % 2) as f32, 0.1 * v as f32]).collect();
+        let triangles: Vec<_> = (0..triangles).map(|t| [t, t + 1, t + 2]).collect();
+        let n = triangles.len();
+        let mut own = Self {
+            nodes: vec![Node::EMPTY; node_bound(n)],
+            positions,
+            triangles,
+            order: vec![0; n],
+        };
+        let mesh = Mesh::new(&own.positions, &own.triangles).unwrap();
+        let storage = BvhStorage { nodes: &mut own.nodes, order: &mut own.order };
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
+        let built = if by_morton {
+            morton(mesh, &options, storage, &mut vec![0; morton_scratch_bound(n)])
+        } else {
+            sah(mesh, &options, storage, &mut vec![SahItem::default(); n])
+        };
+        let used = built.unwrap().nodes().len();
+        own.nodes.truncate(used);
+        own
+    }
+
+    fn storage(&mut self) -> BlobStorage<'_> {
+        BlobStorage {
+            nodes: &mut self.nodes,
+            positions: &mut self.positions,
+            triangles: &mut self.triangles,
+            order: &mut self.order,
+        }
+    }
+
+    fn bvh(&self) -> Bvh<'_> {
+        Bvh::trusted(Mesh::trusted(&self.positions, &self.triangles), &self.nodes, &self.order)
+    }
+
+    fn baked(&self) -> Vec<u8> {
+        let mut out = vec![0xaa; Counts::of(&self.bvh()).bytes()];
+        write(&self.bvh(), &mut out).unwrap();
+        out
+    }
+}
+
+fn triangle() -> Owned {
+    Owned {
+        nodes: vec![Node { min: [-1.0, 0.0, 0.0], first: 0, max: [1.0, 2.0, 0.5], count: 1 }],
+        positions: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 2.0, -0.0]],
+        triangles: vec![[0, 1, 2]],
+        order: vec![0],
+    }
+}
+
+/// The BVH of a good blob, borrowed where that is possible and copied.
+fn read(bytes: &[u8]) -> Owned {
+    let bytes = &aligned(bytes).0[..bytes.len()];
+    let blob = Blob::new(bytes).unwrap();
+    assert_eq!(blob.bytes(), bytes);
+    let mut own = Owned::room(blob.counts());
+    blob.read_into(own.storage(), &mut [0; 2]).unwrap();
+    for borrowed in [blob.bvh(&mut [0; 2]), blob.bvh_trusted()] {
+        if cfg!(target_endian = "big") {
+            assert_eq!(borrowed.err(), Some(BlobError::BigEndian));
+        } else {
+            let (bvh, copy) = (borrowed.unwrap(), own.bvh());
+            assert_eq!((bvh.nodes(), bvh.order()), (copy.nodes(), copy.order()));
+            assert_eq!(bvh.mesh().positions(), copy.mesh().positions());
+            assert_eq!(bvh.mesh().triangles(), copy.mesh().triangles());
+        }
+    }
+    own
+}
+
+#[test]
+fn the_format_does_not_drift() {
+    let golden = GOLDEN.concat();
+    assert_eq!(triangle().baked(), golden);
+    let own = read(&golden);
+    assert_eq!(own, triangle());
+    assert!(own.positions[2][2].is_sign_negative(), "to the bit");
+}
+
+#[test]
+fn what_is_written_is_read_and_written_again() {
+    let sizes: &[u32] = if cfg!(miri) { &[0, 9] } else { &[0, 1, 2, 7, 8, 9, 33, 60] };
+    for (&size, by_morton) in sizes.iter().flat_map(|n| [(n, false), (n, true)]) {
+        for leaf_size in [1, 8] {
+            let own = Owned::strip(size, leaf_size, by_morton);
+            let bytes = own.baked();
+            let again = read(&bytes);
+            assert_eq!(again, own, "{size} {by_morton} {leaf_size}");
+            assert_eq!(again.baked(), bytes);
+            assert!(own.bvh().is_depth_first());
+        }
+    }
+}
+
+#[test]
+fn what_is_behind_a_blob_is_left_over() {
+    let golden = GOLDEN.concat();
+    let flash = [&golden[..], &[0xff; 9]].concat();
+    let found = Blob::new(&flash).err();
+    assert_eq!(found, Some(BlobError::Length { needed: 164, found: 173 }));
+    let (blob, rest) = Blob::prefix(&flash).unwrap();
+    assert_eq!((blob.bytes(), rest), (&golden[..], &[0xff; 9][..]));
+    let found = Blob::prefix(&golden[..163]).err();
+    assert_eq!(found, Some(BlobError::Length { needed: 164, found: 163 }));
+}
+
+#[test]
+fn bytes_may_lie_anywhere_to_be_copied() {
+    let golden = GOLDEN.concat();
+    for shift in 0..8 {
+        let bytes = aligned(&[&[0xee; 8][..shift], &golden].concat());
+        let blob = Blob::new(&bytes.0[shift..][..golden.len()]).unwrap();
+        let mut own = Owned::room(blob.counts());
+        blob.read_into(own.storage(), &mut [0]).unwrap();
+        assert_eq!(own, triangle());
+        if cfg!(target_endian = "little") {
+            let refused = (shift % 4 != 0).then_some(BlobError::Misaligned { needed: 4 });
+            assert_eq!(blob.bvh(&mut [0]).err(), refused, "{shift}");
+            assert_eq!(blob.bvh_trusted().err(), refused, "{shift}");
+        }
+    }
+}
+
+#[test]
+fn buffers_that_are_too_small_are_named() {
+    let own = triangle();
+    let short = write(&own.bvh(), &mut [0; 163]).err();
+    let error = CapacityError { buffer: "out", needed: 164, capacity: 163 };
+    assert_eq!(short, Some(BlobError::Capacity(error)));
+    let golden = GOLDEN.concat();
+    let blob = Blob::new(&golden).unwrap();
+    for name in ["nodes", "positions", "triangles", "order"] {
+        let mut room = Owned::room(blob.counts());
+        match name {
+            "nodes" => room.nodes.clear(),
+            "positions" => room.positions.clear(),
+            "triangles" => room.triangles.clear(),
+            _ => room.order.clear(),
+        }
+        let refused = blob.read_into(room.storage(), &mut [0]).err();
+        let found = match refused {
+            Some(BlobError::Capacity(error)) => Some((error.buffer, error.capacity)),
+            _ => None,
+        };
+        assert_eq!(found, Some((name, 0)), "{refused:?}");
+    }
+    assert!(matches!(
+        blob.read_into(Owned::room(blob.counts()).storage(), &mut []),
+        Err(BlobError::Bvh(BvhError::Scratch(_)))
+    ));
+}
+
+#[test]
+fn what_is_no_bvh_is_not_written() {
+    let own = Owned { order: vec![0, 0], ..triangle() };
+    let refused = write(&own.bvh(), &mut [0; 999]).err();
+    let error = BvhError::OrderLength { found: 2, expected: 1 };
+    assert_eq!(refused, Some(BlobError::Bvh(error)));
+}
+
+#[test]
+fn no_count_overflows() {
+    let most = Counts { nodes: usize::MAX, vertices: usize::MAX, triangles: usize::MAX };
+    assert!(most.bytes() > isize::MAX as usize);
+    let nodes = Counts { nodes: usize::MAX / 32 + 2, vertices: 0, triangles: 0 };
+    assert!(nodes.bytes() > isize::MAX as usize);
+    if let Ok(vertices) = usize::try_from(1_u64 << 32) {
+        let refused = Header::new(Counts { nodes: 0, vertices, triangles: 0 }).err();
+        assert_eq!(refused, Some(BlobError::TooMany { what: "vertices", count: vertices }));
+    }
+}

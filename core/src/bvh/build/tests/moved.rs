@@ -1,0 +1,132 @@
+//! Tests of refits that look only at what has moved.
+
+use super::*;
+use crate::bvh::*;
+use crate::one_ring::{
+    Fan, Span, certify, certify_moved, find_spans, link, link_scratch_bound, span_bound,
+};
+use crate::vertex_set::{holds, holds_any, vertices};
+
+fn bits<T: bytemuck::NoUninit>(values: &[T]) -> &[u32] {
+    bytemuck::cast_slice(values)
+}
+
+/// The positions after some vertices have moved: none, one, a run of them, every fifth, all.
+fn moves(positions: &[[f32; 3]], random: &mut Random) -> Vec<Vec<[f32; 3]>> {
+    let n = positions.len();
+    let start = (random.unit() * n as f32) as usize;
+    let chosen: [&dyn Fn(usize) -> bool; 5] = [
+        &|_| false,
+        &|i| i == start,
+        &|i| (start..start + n / 8 + 1).contains(&i),
+        &|i| i % 5 == start % 5,
+        &|_| true,
+    ];
+    chosen
+        .iter()
+        .map(|chosen| {
+            let moved = |i| if chosen(i) { random.point(9.0) } else { positions[i] };
+            (0..n).map(moved).collect()
+        })
+        .collect()
+}
+
+#[test]
+fn what_has_moved_is_all_that_a_refit_needs() {
+    let joins = joins();
+    for (name, (positions, triangles)) in meshes() {
+        let mesh = Mesh::new(&positions, &triangles).unwrap();
+        let mut random = Random(13);
+        let mut fans = vec![Fan::default(); positions.len()];
+        let need = link_scratch_bound(positions.len(), triangles.len());
+        link(mesh, &mut vec![0; need], &mut fans).unwrap();
+        certify(mesh, &mut fans).unwrap();
+        let mut spans = vec![Span::default(); span_bound(triangles.len())];
+        find_spans(mesh, &mut spans).unwrap();
+        with_builds(mesh, 2, |build, bvh| {
+            let (mut nodes, order) = (bvh.nodes().to_vec(), bvh.order());
+            let (mut whole, mut fans) = (nodes.clone(), fans.clone());
+            let mut all_fans = fans.clone();
+            let mut table = vec![Below::default(); survey_bound(nodes.len())];
+            let mut fresh = table.clone();
+            let mut marks = vec![Moved::default(); moved_bound(positions.len())];
+            let mut scratch = marks.clone();
+            survey(mesh, &mut nodes, order, &mut table, joins[0]).unwrap();
+            let mut before = positions.clone();
+            for (way, after) in moves(&positions, &mut random).into_iter().enumerate() {
+                let context = format!("{build} of {name}, way {way}");
+                marks.fill(Moved::default());
+                mark_moved(&before, &after, &mut marks).unwrap();
+                let moved = mesh.with_positions(&after).unwrap();
+                // The third of the joins does only half.
+                let join = joins[way % 2 * 3];
+                let found = refit_moved(moved, &mut nodes, order, &marks, &mut table, join);
+                let (found, expected) = (found.unwrap(), refit(moved, &mut whole, order));
+                assert_eq!(bits(&nodes), bits(&whole), "{context}");
+                assert!((found - expected).abs() <= 1e-6 * expected, "{context}: {found}");
+                // Nothing drifts.
+                let surveyed = survey(moved, &mut whole, order, &mut fresh, join).unwrap();
+                assert!(found == surveyed && table == fresh, "{context}");
+                certify_moved(moved, &spans, &marks, &mut scratch, &mut fans).unwrap();
+                certify(moved, &mut all_fans).unwrap();
+                assert_eq!(fans, all_fans, "{context}");
+                before = after;
+            }
+        });
+    }
+}
+
+#[test]
+fn a_set_knows_what_it_holds() {
+    let mut random = Random(17);
+    for (vertices_in_all, share) in [(1, 0.5), (31, 0.1), (32, 0.1), (33, 0.0), (400, 0.01)] {
+        let before = vec![[0.0; 3]; vertices_in_all];
+        let after = before.iter().map(|p| if random.unit() < share { [1.0; 3] } else { *p });
+        let after: Vec<_> = after.collect();
+        let mut set = vec![Moved::default(); moved_bound(vertices_in_all)];
+        mark_moved(&before, &after, &mut set).unwrap();
+        let held: Vec<_> = (0..vertices_in_all).filter(|&i| after[i] != before[i]).collect();
+        assert_eq!(vertices(&set).collect::<Vec<_>>(), held);
+        for first in 0..vertices_in_all as u32 {
+            assert_eq!(holds(&set, first), held.contains(&(first as usize)));
+            for last in (first..vertices_in_all as u32).step_by(if cfg!(miri) { 29 } else { 1 }) {
+                let any = held.iter().any(|&i| (first..=last).contains(&(i as u32)));
+                assert_eq!(holds_any(&set, [first, last]), any, "{first} to {last}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_table_or_a_set_one_short_is_an_error_that_names_the_need() {
+    let (positions, triangles) = grid(8);
+    let mesh = Mesh::new(&positions, &triangles).unwrap();
+    let short = |error: CapacityError| (error.buffer, error.needed, error.capacity);
+    with_builds(mesh, 1, |_, bvh| {
+        let run = |rows: usize, words: usize| {
+            let (mut nodes, order) = (bvh.nodes().to_vec(), bvh.order());
+            let (table, moved) =
+                (&mut *vec![Below::default(); rows], vec![Moved::default(); words]);
+            let made = survey(mesh, &mut nodes, order, table, joins()[0]).err();
+            let refitted = refit_moved(mesh, &mut nodes, order, &moved, table, joins()[0]).err();
+            [made, refitted].map(|error| error.map(short))
+        };
+        assert_eq!(run(127, 3), [None; 2]);
+        assert_eq!(run(126, 3), [Some(("table", 127, 126)); 2]);
+        assert_eq!(run(127, 2), [None, Some(("moved", 3, 2))]);
+    });
+    let run = |fans: usize, spans: usize, moved: usize, scratch: usize| {
+        let (spans, fans) = (&mut *vec![Span::default(); spans], &mut *vec![Fan::default(); fans]);
+        let found = find_spans(mesh, spans).err();
+        let [moved, mut scratch] = [moved, scratch].map(|words| vec![Moved::default(); words]);
+        let certified = certify_moved(mesh, spans, &moved, &mut scratch, fans).err();
+        [found, certified].map(|error| error.map(short))
+    };
+    assert_eq!(run(81, 2, 3, 3), [None; 2]);
+    assert_eq!(run(80, 2, 3, 3), [None, Some(("fans", 81, 80))]);
+    assert_eq!(run(81, 1, 3, 3), [Some(("spans", 2, 1)); 2]);
+    assert_eq!(run(81, 2, 2, 3), [None, Some(("moved", 3, 2))]);
+    assert_eq!(run(81, 2, 3, 2), [None, Some(("scratch", 3, 2))]);
+    let marked = mark_moved(&positions, &positions, &mut [Moved::default(); 2]).err();
+    assert_eq!(marked.map(short), Some(("moved", 3, 2)));
+}

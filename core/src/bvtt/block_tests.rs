@@ -1,0 +1,132 @@
+//! What is done side by side against the same done one by one, at the widest, in halves and singly.
+
+use super::{Block, Blocks, Pairs};
+use crate::one_ring::{self, Fan, link_scratch_bound};
+use crate::simd::Halves;
+use crate::simd::{Eight, LANES, Simd, Task, widest};
+use crate::transform::InPlace;
+use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
+use crate::{Aabb, Mesh};
+
+const VERTICES: usize = 9;
+
+/// Two leaves of a mesh against each other.
+struct Two<'m> {
+    mesh: Mesh<'m>,
+    leaves: [&'m [u32]; 2],
+    fans: &'m [Fan],
+}
+
+/// What is found of all pairs, with regard to common vertices and without; and by boxes alone.
+#[derive(Debug, PartialEq)]
+struct Found {
+    in_mesh: Pairs,
+    apart: Pairs,
+    boxes: u64,
+}
+
+impl Task for Two<'_> {
+    type Output = Found;
+
+    #[inline(always)]
+    fn run<S: Eight>(self) -> Found {
+        self.find::<S>()
+    }
+}
+
+impl Two<'_> {
+    #[inline(always)]
+    fn find<S: Simd>(self) -> Found {
+        let Self { mesh, leaves: [own, others], fans } = self;
+        let mut kept = [Blocks::ZERO; 2];
+        kept.iter_mut().for_each(Blocks::forget);
+        let [first, second] = &mut kept;
+        let a: &Block = first.get::<S>(1, mesh, own, &InPlace, fans);
+        let b: &Block = second.get::<S>(2, mesh, others, &InPlace, fans);
+        let bounds = own.iter().map(|t| Aabb::of(&mesh.triangle(*t)));
+        let bounds = bounds.fold(Aabb::EMPTY, |x, y| x.union(&y));
+        let bounds = crate::aabb::Bounds::new(&bounds);
+        let boxes = a.boxes::<S>(b, &bounds, u64::MAX);
+        Found {
+            in_mesh: a.pairs::<S, true>(b, &bounds, u64::MAX),
+            apart: a.pairs::<S, false>(b, &bounds, u64::MAX),
+            boxes,
+        }
+    }
+}
+
+/// Small whole coordinates, mostly, on which planes and corners coincide.
+fn random_mesh(next: &mut impl FnMut(u32) -> u32) -> ([[f32; 3]; VERTICES], [[u32; 3]; 2 * LANES]) {
+    let scale = [1.0, 1.0, 0.1, 1e-12, 1e-36, 1e11, 1e13, 1e37][next(8) as usize];
+    let offset = [0.0, 0.0, 1e3, 3e7][next(4) as usize] * f32::min(scale, 1e20);
+    let mut positions = [[0.0; 3]; VERTICES];
+    for x in positions.as_flattened_mut() {
+        let nudge = [0.0, 0.0, 1e-7, 1e-3][next(4) as usize] * next(3) as f32;
+        *x = (next(4) as f32 + nudge) * scale + offset;
+    }
+    let mut triangles = [[0; 3]; 2 * LANES];
+    for t in &mut triangles {
+        // Neighbours of a ring, mostly.
+        let i = next(VERTICES as u32 - 1);
+        *t = [0, i + 1, (i + 1) % (VERTICES as u32 - 1) + 1];
+        if next(4) == 0 {
+            *t = [next(VERTICES as u32), next(VERTICES as u32), next(VERTICES as u32)];
+        }
+    }
+    (positions, triangles)
+}
+
+#[test]
+fn side_by_side_as_one_by_one() {
+    let mut state = 11_u64;
+    let mut next = move |below: u32| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) as u32) % below
+    };
+    let (mut rejected, mut kept) = (0, 0);
+    for round in 0..if cfg!(miri) { 4 } else { 20_000 } {
+        let (positions, triangles) = random_mesh(&mut next);
+        let mut known_fans = [Fan::default(); VERTICES];
+        let mut scratch = [0; link_scratch_bound(VERTICES, 2 * LANES)];
+        // As many triangles as make a fan.
+        let mesh =
+            Mesh::new(&positions, &triangles[..next(2 * LANES as u32) as usize + 1]).unwrap();
+        one_ring::link(mesh, &mut scratch, &mut known_fans).unwrap();
+        one_ring::certify(mesh, &mut known_fans).unwrap();
+        let n = mesh.triangles().len() as u32;
+        let ids: [u32; 2 * LANES] = core::array::from_fn(|i| i as u32 % n);
+        let leaves = [&ids[..next(8) as usize + 1], &ids[8..][..next(8) as usize + 1]];
+        let fans: &[Fan] = if round % 3 == 0 { &[] } else { &known_fans };
+        let two = || Two { mesh, leaves, fans };
+        let found = widest(two());
+        assert_eq!(found, two().run::<Halves>());
+        assert_eq!(found, two().find::<f32>());
+        for (j, &tb) in leaves[1].iter().enumerate() {
+            for (i, &ta) in leaves[0].iter().enumerate() {
+                let is = |pairs: u64| pairs >> (LANES * j + i) & 1 != 0;
+                let [a, b] = [ta, tb].map(|t| mesh.triangle(t));
+                assert_eq!(is(found.boxes), Aabb::of(&a).overlaps(&Aabb::of(&b)));
+                assert_eq!([found.in_mesh.tested, found.apart.tested], [found.boxes; 2]);
+                if !is(found.boxes) {
+                    continue;
+                }
+                let meet = intersects(&a, &b, Accuracy::Exact);
+                assert!(is(found.apart.left) || !meet);
+                if ta == tb {
+                    continue;
+                }
+                let (rule, exact) = (Adjacency::SharedIndexRule, Accuracy::Exact);
+                let collide = intersects_in_mesh(mesh, ta, tb, rule, exact);
+                assert!(is(found.in_mesh.left) || !collide, "{ta} and {tb} collide");
+                let [t, u] = [ta, tb].map(|t| mesh.triangles()[t as usize]);
+                let shared = t.iter().any(|v| u.contains(v));
+                assert!(!is(found.in_mesh.left) || !shared || is(found.in_mesh.neighbours));
+                rejected += u32::from(!is(found.in_mesh.left) && shared);
+                kept += u32::from(is(found.in_mesh.left) && shared && !collide);
+            }
+        }
+    }
+    let least = if cfg!(miri) { 0 } else { 1_000 };
+    assert!(rejected > least && kept > least, "{rejected} {kept}");
+}

@@ -1,0 +1,191 @@
+//! Queries over borrowed meshes, in memory the caller already has.
+//!
+//! [`PairQuery`] and [`SelfQuery`] say what is asked; a [`Cursor`] says how far the answer has come.
+//! The verbs are those of [`Query`].
+
+use super::{Cursor, NodePair, TrianglePair};
+use crate::Aabb;
+use crate::triangle::Contact;
+use core::ops::ControlFlow;
+
+/// What can be asked of two meshes, or of one.
+pub trait Query {
+    /// A cursor before the first triangle pair.
+    fn start(&self) -> Cursor {
+        Cursor::new(self.root())
+    }
+
+    /// Goes on from `cursor`, calling `visit` for each triangle pair that meets, until it breaks or
+    /// all have been visited. The pair at which it broke counts as visited.
+    ///
+    /// The order is fixed for given BVHs, and otherwise arbitrary.
+    ///
+    /// # Complexity
+    /// Up to 16 box tests a step of two levels of the BVTT and one triangle test a pair of overlapping
+    /// triangle boxes; no allocation, no recursion, below 28 KiB of stack, 20 KiB without the feature
+    /// `std`.
+    fn visit(
+        &self,
+        cursor: &mut Cursor,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.step(cursor, u64::MAX, visit)
+    }
+
+    /// [`Query::visit`] for at most about `budget` tests, to spread a query over frames: stops when as
+    /// many box and triangle tests are done, as [`Cursor::work`] counts them, and goes on from there with
+    /// the next call. Pairs and their order are the same for every sequence of budgets; with one of 0
+    /// nothing is done.
+    ///
+    /// `Break` if `visit` broke, else [`Cursor::is_done`] tells whether anything is left. A `visit` that
+    /// breaks when a page is full, or at the first pair, does in steps what [`Query::page`] and
+    /// [`Query::any`] do.
+    ///
+    /// # Complexity
+    /// At most `budget` + 15 tests: box tests come up to 16 at a time, triangle tests one by one. A leaf
+    /// pair without triangle tests counts as one test against the budget, so there are no more than
+    /// `budget` of these. On top come at most 16 triangles loaded for each leaf pair, again for one that
+    /// the last step left in the middle.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront_core::bvtt::*;
+    /// # use std::ops::ControlFlow;
+    /// # fn frames(query: &impl Query) -> u64 {
+    /// let (mut cursor, mut pairs) = (query.start(), 0);
+    /// while !cursor.is_done() {
+    ///     // One frame.
+    ///     let _ = query.step(&mut cursor, 1_000, |_| {
+    ///         pairs += 1;
+    ///         ControlFlow::Continue(())
+    ///     });
+    /// }
+    /// # pairs }
+    /// ```
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()>;
+
+    /// Where a pair that a visit reported meets, in the frame of the query. `None` for a pair
+    /// that does not meet.
+    ///
+    /// # Panics
+    /// With the feature `std`, if the indices are not of these meshes; without it, the answer to that means
+    /// nothing. So do those that follow if `n` is not a node of this query.
+    fn contact(&self, pair: TrianglePair) -> Option<Contact>;
+
+    /// The root of the BVTT, if its boxes overlap.
+    fn root(&self) -> Option<NodePair>;
+
+    /// Hands on the children of a BVTT node that overlap, at most four and in ascending order, each with
+    /// its [`Query::boxes`]; returns the number of box tests, 0 for a pair of leaves, which has none.
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32;
+
+    /// [`Query::children`] without their boxes.
+    fn expand(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
+        self.children(n, &mut |child, _| push(child))
+    }
+
+    /// The boxes of a BVTT node, both in one frame: that of the query, or of the first mesh.
+    fn boxes(&self, n: NodePair) -> [Aabb; 2];
+
+    /// How many triangles lie below each side of a BVTT node.
+    ///
+    /// # Complexity
+    /// O(depth).
+    fn triangles_below(&self, n: NodePair) -> [u32; 2];
+
+    /// About the edge of a leaf's box: the scale below which overlaps say nothing.
+    fn leaf_edge(&self) -> f32;
+
+    /// Goes on from `cursor` into `out` and returns how many pairs it wrote. It stops when `out` is
+    /// full or nothing is left: nothing is ever dropped, and when [`Cursor::is_done`] all pages
+    /// together are the whole answer. Only the last page may be empty, if `out` is not.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront_core::{*, query::*};
+    /// # fn pages(query: &impl Query) -> usize {
+    /// let mut page = [TrianglePair::default(); 16];
+    /// let mut cursor = query.start();
+    /// let mut total = 0;
+    /// while !cursor.is_done() {
+    ///     let n = query.page(&mut cursor, &mut page);
+    ///     total += page[..n].len();
+    /// }
+    /// # total }
+    /// ```
+    fn page(&self, cursor: &mut Cursor, out: &mut [TrianglePair]) -> usize {
+        let capacity = out.len();
+        if capacity == 0 {
+            return 0;
+        }
+        let mut free = out.iter_mut();
+        // Whether it broke or ended, the cursor knows.
+        let _ = self.visit(cursor, |pair| {
+            if let Some(slot) = free.next() {
+                *slot = pair;
+            }
+            if free.len() == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        capacity - free.len()
+    }
+
+    /// How many pairs meet.
+    fn count(&self) -> u64 {
+        let mut count = 0;
+        let _ = self.visit(&mut self.start(), |_| {
+            count += 1;
+            ControlFlow::Continue(())
+        });
+        count
+    }
+
+    /// Some pair that meets; the walk stops at the first.
+    fn any(&self) -> Option<TrianglePair> {
+        let mut found = None;
+        let _ = self.visit(&mut self.start(), |pair| {
+            found = Some(pair);
+            ControlFlow::Break(())
+        });
+        found
+    }
+}
+
+impl<Q: Query> Query for &Q {
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        Q::step(self, cursor, budget, visit)
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        Q::contact(self, pair)
+    }
+
+    fn root(&self) -> Option<NodePair> {
+        Q::root(self)
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        Q::children(self, n, push)
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        Q::boxes(self, n)
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        Q::triangles_below(self, n)
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        Q::leaf_edge(self)
+    }
+}

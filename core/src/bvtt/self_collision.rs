@@ -1,0 +1,135 @@
+//! One mesh.
+
+use super::{Bvtt, SelfTree, Visit, walk};
+use super::{Cursor, NodePair, Query, TrianglePair};
+use crate::bvh::{Layout, Wide};
+use crate::one_ring::Fan;
+use crate::triangle::{Accuracy, Adjacency, Contact, contact};
+use crate::{Aabb, Bvh};
+use core::ops::ControlFlow;
+
+/// One mesh against itself, each unordered pair of triangles once.
+#[derive(Clone, Copy, Debug)]
+pub struct SelfQuery<'a, L: Layout = Wide> {
+    bvh: Bvh<'a, L>,
+    accuracy: Accuracy,
+    adjacency: Adjacency,
+    fans: &'a [Fan],
+    boxes_only: bool,
+}
+
+impl<'a, L: Layout> SelfQuery<'a, L> {
+    /// Asks for all pairs under the shared-index rule, exactly.
+    #[must_use]
+    pub fn new(bvh: Bvh<'a, L>) -> Self {
+        let (accuracy, adjacency) = (Accuracy::Exact, Adjacency::SharedIndexRule);
+        Self { bvh, accuracy, adjacency, fans: &[], boxes_only: false }
+    }
+
+    /// The same with another [`Accuracy`].
+    #[must_use]
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// The same with another rule for neighbours.
+    #[must_use]
+    pub fn with_adjacency(self, adjacency: Adjacency) -> Self {
+        Self { adjacency, ..self }
+    }
+
+    /// The same answer, sooner where many neighbours are at peace: see [`fans`](crate::one_ring).
+    ///
+    /// `fans` must be certified for the positions of this mesh, else pairs may be missed; none at all
+    /// are fine.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{build::*, bvh::node_bound, fans::{self, *}, query::*, *};
+    /// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
+    /// let mesh = Mesh::new(&points, &[[0, 1, 2], [0, 2, 3]])?;
+    /// let mut known = [Fan::default(); 4];
+    /// fans::link(mesh, &mut [0; link_scratch_bound(4, 2)], &mut known)?;
+    /// fans::certify(mesh, &mut known)?;
+    /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
+    /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    /// let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 4])?;
+    /// assert_eq!(SelfQuery::new(bvh).with_fans(&known).count(), 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_fans(self, fans: &'a [Fan]) -> Self {
+        Self { fans, ..self }
+    }
+
+    /// Asks for all pairs of triangles whose boxes overlap, whatever else. With each box of a set given
+    /// as a triangle through two opposite corners, that is the broad phase of the set.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{build::*, bvh::node_bound, query::*, *};
+    /// let corners = [[0.0; 3], [2.0; 3], [1.0; 3], [3.0; 3], [2.5, 0.0, 0.0], [4.0, 0.9, 9.0]];
+    /// let boxes = Mesh::new(&corners, &[[0, 1, 1], [2, 3, 3], [4, 5, 5]])?;
+    /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(3)], [0; 3]);
+    /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    /// let bvh = morton(boxes, &BuildOptions::default(), storage, &mut [0; 6])?;
+    /// let query = SelfQuery::new(bvh).boxes_only();
+    /// assert_eq!((query.count(), query.any()), (1, Some(TrianglePair { a: 0, b: 1 })));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn boxes_only(self) -> Self {
+        Self { boxes_only: true, ..self }
+    }
+
+    /// Walks: see `bvh::layout::Walked`.
+    pub(crate) fn walk(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: &mut Visit<'_>,
+    ) -> ControlFlow<()> {
+        walk(&self.tree(), cursor, budget, visit)
+    }
+
+    fn tree(&self) -> SelfTree<'a, L> {
+        let Self { bvh, accuracy, adjacency, fans, boxes_only } = *self;
+        SelfTree { bvh, accuracy, inexact: accuracy.inexact(), adjacency, fans, boxes_only }
+    }
+}
+
+impl<L: Layout> Query for SelfQuery<'_, L> {
+    fn root(&self) -> Option<NodePair> {
+        self.tree().root()
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        self.tree().children(n, |child, [a, b]| push(child, [(*a).into(), (*b).into()]))
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        [n.a, n.b].map(|node| self.bvh.bounds(self.bvh.node(node)).into())
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        [n.a, n.b].map(|node| self.bvh.triangles_below(node))
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        self.bvh.leaf_edge()
+    }
+
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        L::within(self, cursor, budget, &mut visit)
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        let [a, b] = [pair.a, pair.b].map(|t| self.bvh.mesh().triangle(t));
+        contact(&a, &b)
+    }
+}

@@ -1,0 +1,49 @@
+//! Eight points: all x, all y, all z.
+
+use super::{LANES, Simd};
+
+/// Eight points in memory, from which one can be had as fast as all.
+pub(crate) type Points = [[f32; LANES]; 3];
+
+/// Where those lanes begin that are worked on together.
+#[inline(always)]
+pub(crate) fn lanes<S: Simd>() -> impl Iterator<Item = usize> {
+    (0..LANES / S::WIDTH).map(|i| i * S::WIDTH)
+}
+
+#[inline(always)]
+pub(crate) fn load<S: Simd>(p: &Points, at: usize) -> [S; 3] {
+    [S::load(&p[0], at), S::load(&p[1], at), S::load(&p[2], at)]
+}
+
+#[inline(always)]
+pub(crate) fn splat<S: Simd>(p: &Points, lane: usize) -> [S; 3] {
+    [S::splat(p[0][lane]), S::splat(p[1][lane]), S::splat(p[2][lane])]
+}
+
+#[inline(always)]
+pub(crate) fn store<S: Simd>(from: [S; 3], to: &mut Points, at: usize) {
+    for k in 0..3 {
+        from[k].store(&mut to[k], at);
+    }
+}
+
+#[inline(always)]
+pub(crate) fn difference<S: Simd>(p: [S; 3], q: [S; 3]) -> [S; 3] {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+#[inline(always)]
+pub(crate) fn lowest<S: Simd>(p: [S; 3], q: [S; 3]) -> [S; 3] {
+    [p[0].min(q[0]), p[1].min(q[1]), p[2].min(q[2])]
+}
+
+#[inline(always)]
+pub(crate) fn highest<S: Simd>(p: [S; 3], q: [S; 3]) -> [S; 3] {
+    [p[0].max(q[0]), p[1].max(q[1]), p[2].max(q[2])]
+}
+
+#[inline(always)]
+pub(crate) fn abs<S: Simd>(p: [S; 3]) -> [S; 3] {
+    [p[0].abs(), p[1].abs(), p[2].abs()]
+}

@@ -1,0 +1,143 @@
+//! Corners to the bit, and boxes that contain them.
+
+use super::*;
+use crate::simd::{Eight, LANES, Task, widest};
+use crate::{Aabb, Node};
+use glam::{DMat3, DVec3, Vec4, Vec4Swizzles};
+
+/// Places a point in all lanes but the first and returns the last.
+struct Lanes {
+    place: Posed,
+    point: [f32; 3],
+}
+
+impl Task for Lanes {
+    type Output = [f32; 3];
+
+    #[inline(always)]
+    fn run<S: Eight>(self) -> [f32; 3] {
+        let placed = self.place.points(self.point.map(|x| {
+            let mut lanes = [x; LANES];
+            lanes[0] = -x;
+            S::load(&lanes, 0)
+        }));
+        placed.map(|x| {
+            let mut lanes = [0.0; LANES];
+            x.store(&mut lanes, 0);
+            lanes[LANES - 1]
+        })
+    }
+}
+
+fn course() -> impl Iterator<Item = (Pose, [[f32; 3]; 2])> {
+    let mut state = 7_u32;
+    let mut next = move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let scale = [1e-6, 1.0, 3.0, 1e4][(state >> 4) as usize % 4];
+        ((state >> 9) as f32 / 4_194_304.0 - 1.0) * scale
+    };
+    (0..if cfg!(miri) { 20 } else { 50_000 }).map(move |_| {
+        let rows = core::array::from_fn(|_| core::array::from_fn(|_| next()));
+        (Pose::new(rows), core::array::from_fn(|_| core::array::from_fn(|_| next())))
+    })
+}
+
+#[test]
+fn corners_are_posed_by_the_formula_of_the_contract_to_the_bit() {
+    for (pose, points) in course() {
+        for p in points {
+            let (place, truth) = (Posed::new(&pose), pose.apply(p).map(f32::to_bits));
+            assert_eq!(place.point(Vec3A::from_array(p)).to_array().map(f32::to_bits), truth);
+            let lanes = Lanes { place, point: p };
+            assert_eq!(widest(lanes).map(f32::to_bits), truth);
+        }
+    }
+}
+
+#[test]
+fn posed_boxes_contain_posed_corners() {
+    for (pose, points) in course() {
+        let aabb = Aabb::of(&points);
+        let placed = Posed::new(&pose).bounds(&Bounds::new(&aabb));
+        let one = Node { min: aabb.min, max: aabb.max, ..Node::EMPTY };
+        let four = Boxes::of_nodes([&one, &Node::EMPTY, &one, &one]);
+        let singly = four.map(|bounds| Posed::new(&pose).bounds(bounds));
+        let four = Posed::new(&pose).boxes(&four);
+        let same = |a: [Vec4; 3], b: [Vec4; 3]| a.iter().zip(&b).all(|(a, b)| a.xzw() == b.xzw());
+        assert!(same(four.min, singly.min) && same(four.max, singly.max));
+        for corner in 0..8 {
+            let p = [0, 1, 2].map(|k| [aabb.min, aabb.max][corner >> k & 1][k]);
+            let p = Vec3A::from_array(pose.apply(p));
+            assert!(placed.min.cmple(p).all() && p.cmple(placed.max).all());
+            let p = p.to_array().map(Vec4::splat);
+            assert_eq!(four.overlapping(&Boxes { min: p, max: p }), 0b1101);
+        }
+    }
+}
+
+/// A rotation and a translation of the order of `far`.
+fn rigid(points: &[[f32; 3]; 2], far: f32) -> Pose {
+    let [axis, offset] = points.map(glam::Vec3::from_array);
+    let turn = glam::Quat::from_scaled_axis(axis.normalize_or_zero() * axis.length().min(3.0));
+    glam::Affine3A::from_rotation_translation(turn, offset.normalize_or_zero() * far).into()
+}
+
+#[test]
+fn boxes_seen_from_another_pose_contain_what_both_pose_alike() {
+    let mut course = course();
+    while let (Some((_, p)), Some((_, q)), Some((_, r))) =
+        (course.next(), course.next(), course.next())
+    {
+        for far in [0.0, 1.0, 1e5] {
+            let (a, b) = (rigid(&p, far), rigid(&q, far));
+            let y = r[0];
+            let back = glam::DAffine3::from_mat3_translation(
+                DMat3::from_cols_array_2d(&core::array::from_fn(|k| {
+                    core::array::from_fn(|i| f64::from(a.rows[i][k]))
+                })),
+                DVec3::from_array(core::array::from_fn(|i| f64::from(a.rows[i][3]))),
+            )
+            .inverse();
+            let world = glam::Vec3::from_array(b.apply(y)).as_dvec3();
+            let x = back.transform_point3(world).as_vec3a();
+            let of = |p: [f32; 3]| Bounds::new(&Aabb { min: p, max: p });
+            let (a, b) = (Posed::new(&a), Posed::new(&b));
+            let seen = b.seen_from(&of(y), &a, &of(x.to_array())).unwrap().bounds(&of(y));
+            assert!(seen.min.cmple(x).all() && x.cmple(seen.max).all(), "{seen:?} {x}");
+        }
+    }
+}
+
+#[test]
+fn no_view_from_a_pose_that_flattens_or_stretches() {
+    let unit = Bounds::new(&Aabb { min: [0.0; 3], max: [1.0; 3] });
+    let mut flat = Pose::IDENTITY;
+    flat.rows[2] = [0.0; 4];
+    let mut stretched = Pose::IDENTITY;
+    stretched.rows[1][1] = 3.0;
+    let still = Posed::new(&Pose::IDENTITY);
+    for pose in [flat, stretched] {
+        assert!(still.seen_from(&unit, &Posed::new(&pose), &unit).is_none());
+        assert!(Posed::new(&pose).seen_from(&unit, &still, &unit).is_some());
+    }
+}
+
+#[test]
+fn what_shrinks_to_subnormal_numbers_is_still_seen() {
+    // A corner far out in b, which its pose takes down to some 1e-6: entries keep a digit or none.
+    for scale in [1e-38_f32, 1e-42, 1e-44, f32::from_bits(1)] {
+        let turn = glam::Affine3A::from_rotation_z(core::f32::consts::FRAC_PI_4);
+        let mut shrunk = Pose::IDENTITY;
+        (0..3).for_each(|k| shrunk.rows[k][k] = scale);
+        let (a, y) = (Pose::from(turn), [0.9e38, 0.9e38, 0.0]);
+        let world = glam::Vec3::from_array(shrunk.apply(y)).as_dvec3();
+        let back = DMat3::from_cols_array_2d(&core::array::from_fn(|k| {
+            core::array::from_fn(|i| f64::from(a.rows[i][k]))
+        }));
+        let x = (back.inverse() * world).as_vec3a();
+        let of = |p: [f32; 3]| Bounds::new(&Aabb { min: p, max: p });
+        let (a, b) = (Posed::new(&a), Posed::new(&shrunk));
+        let seen = b.seen_from(&of(y), &a, &of(x.to_array())).unwrap().bounds(&of(y));
+        assert!(seen.min.cmple(x).all() && x.cmple(seen.max).all(), "{scale:e}: {seen:?} {x}");
+    }
+}

@@ -1,0 +1,106 @@
+//! Sets of vertices, of which one can ask in constant time whether they hold any of a range.
+//!
+//! A bit a vertex, and with every word of them how many bits come before it: a range that does not lie
+//! in one word or two is empty if nothing is counted between.
+
+use crate::CapacityError;
+use crate::index::{StandIn, item};
+
+/// How many vertices share a word.
+const SHARE: usize = u32::BITS as usize;
+
+/// Which of 32 vertices have moved, as a word of the set that [`mark_moved`] makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Moved {
+    bits: u32,
+    /// How many vertices of the words before have moved.
+    before: u32,
+}
+
+/// A word of no vertex.
+impl StandIn for Moved {
+    const NOTHING: &'static Self = &Self { bits: 0, before: 0 };
+}
+
+/// How many words the set of so many vertices has.
+#[must_use]
+pub const fn moved_bound(vertices: usize) -> usize {
+    vertices.div_ceil(SHARE)
+}
+
+/// Adds to a set the vertices whose positions differ in any bit; returns how many of its words are not
+/// empty then.
+///
+/// A set of words by default is empty. `before` and `after` hold as many positions.
+///
+/// # Errors
+/// [`CapacityError`] if `moved` has fewer words than [`moved_bound`].
+///
+/// # Complexity
+/// O(vertices).
+///
+/// # Examples
+/// ```
+/// use pfront_core::bvh::{Moved, mark_moved, moved_bound};
+/// let mut moved = [Moved::default(); moved_bound(40)];
+/// assert_eq!(mark_moved(&[[0.0; 3]; 40], &[[0.0; 3]; 40], &mut moved)?, 0);
+/// assert_eq!(mark_moved(&[[0.0; 3]; 40], &[[-0.0; 3]; 40], &mut moved)?, 2);
+/// # Ok::<(), pfront_core::CapacityError>(())
+/// ```
+pub fn mark_moved(
+    before: &[[f32; 3]],
+    after: &[[f32; 3]],
+    moved: &mut [Moved],
+) -> Result<usize, CapacityError> {
+    CapacityError::check("moved", moved_bound(after.len()), moved.len())?;
+    for ((before, after), word) in before.chunks(SHARE).zip(after.chunks(SHARE)).zip(&mut *moved) {
+        for (bit, (p, q)) in before.iter().zip(after).enumerate() {
+            let differing = (0..3).fold(0, |bits, k| bits | (p[k].to_bits() ^ q[k].to_bits()));
+            word.bits |= u32::from(differing != 0) << bit;
+        }
+    }
+    number(moved);
+    Ok(moved.iter().filter(|word| word.bits != 0).count())
+}
+
+/// Adds a vertex; [`number`] must follow before a range is asked about.
+pub(crate) fn mark(set: &mut [Moved], vertex: u32) {
+    if let Some(word) = set.get_mut(vertex as usize / SHARE) {
+        word.bits |= 1 << (vertex as usize % SHARE);
+    }
+}
+
+/// Counts the vertices of each word anew.
+pub(crate) fn number(set: &mut [Moved]) {
+    let mut count = 0;
+    for word in set {
+        word.before = count;
+        count += word.bits.count_ones();
+    }
+}
+
+#[inline(always)]
+pub(crate) fn holds(set: &[Moved], vertex: u32) -> bool {
+    item(set, vertex / SHARE as u32).bits >> (vertex as usize % SHARE) & 1 != 0
+}
+
+/// Whether the set holds any vertex from the first to the last.
+#[inline(always)]
+pub(crate) fn holds_any(set: &[Moved], [first, last]: [u32; 2]) -> bool {
+    let [low, high] = [first, last].map(|vertex| item(set, vertex / SHARE as u32));
+    let from_first = !0 << (first as usize % SHARE);
+    let to_last = !0 >> (SHARE - 1 - last as usize % SHARE);
+    if first as usize / SHARE == last as usize / SHARE {
+        return low.bits & from_first & to_last != 0;
+    }
+    low.bits & from_first != 0
+        || high.bits & to_last != 0
+        || high.before != low.before + low.bits.count_ones()
+}
+
+/// The vertices of the set, ascending.
+pub(crate) fn vertices(set: &[Moved]) -> impl Iterator<Item = usize> + '_ {
+    set.iter().enumerate().filter(|(_, word)| word.bits != 0).flat_map(|(index, word)| {
+        (0..SHARE).filter(|bit| word.bits >> bit & 1 != 0).map(move |bit| index * SHARE + bit)
+    })
+}
