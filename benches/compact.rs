@@ -113,11 +113,11 @@ impl<'m> Tree<'m> {
     }
 
     fn wide(&self) -> Bvh<'_> {
-        Bvh::trusted(self.mesh, &self.nodes, &self.order)
+        Bvh::new_unchecked(self.mesh, &self.nodes, &self.order)
     }
 
     fn small(&self) -> Bvh<'_, Small> {
-        Bvh::trusted_compact(self.mesh, &self.small_nodes, &self.small_order)
+        Bvh::new_compact_unchecked(self.mesh, &self.small_nodes, &self.small_order)
     }
 }
 

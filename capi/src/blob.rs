@@ -71,10 +71,10 @@ pub unsafe extern "C" fn pfront_blob_scratch_bytes(
 
 /// The blob that bytes begin with, as its header says.
 fn framed(bytes: &[u8]) -> Result<Blob<'_>, BlobError> {
-    Blob::trusted(bytes).or_else(|error| {
+    Blob::new_unchecked(bytes).or_else(|error| {
         let BlobError::Length { needed, .. } = error else { return Err(error) };
         let own = usize::try_from(needed).ok().and_then(|needed| bytes.get(..needed));
-        Blob::trusted(own.ok_or(error)?)
+        Blob::new_unchecked(own.ok_or(error)?)
     })
 }
 

@@ -52,13 +52,13 @@ impl pfront_mesh_t {
     /// The mesh, which was checked when it was made.
     pub(crate) fn view<'c>(&self, call: &Call<'c>, what: &'static CStr) -> Result<Mesh<'c>, Fault> {
         self.sealed(what)?;
-        Ok(Mesh::trusted(self.points(call)?, self.corners(call)?))
+        Ok(Mesh::new_unchecked(self.points(call)?, self.corners(call)?))
     }
 
     /// The same triangles over other positions, which are checked.
     pub(crate) fn moved<'c>(&self, call: &Call<'c>) -> Result<Mesh<'c>, Fault> {
         let (points, corners) = (self.points(call)?, self.corners(call)?);
-        Ok(Mesh::trusted(points, corners).with_positions(points)?)
+        Ok(Mesh::new_unchecked(points, corners).with_positions(points)?)
     }
 
     fn points<'c>(&self, call: &Call<'c>) -> Result<&'c [[f32; 3]], Fault> {

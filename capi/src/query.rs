@@ -88,8 +88,8 @@ impl pfront_query_t {
         match self.seal {
             PAIR => {
                 let (a, b) = (self.a.view(call, c"a")?, self.b.view(call, c"b")?);
-                let a = Placed::trusted(a, &self.frame_from_a.pose());
-                let b = Placed::trusted(b, &self.frame_from_b.pose());
+                let a = Placed::new_unchecked(a, &self.frame_from_a.pose());
+                let b = Placed::new_unchecked(b, &self.frame_from_b.pose());
                 Ok(Asked::Pair(PairQuery::in_world(a, b).with_accuracy(accuracy)))
             }
             SELF => Ok(Asked::Within(self.within(self.a.view(call, c"bvh")?, accuracy, call)?)),

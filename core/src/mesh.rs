@@ -90,15 +90,18 @@ impl<'a> Mesh<'a> {
         Ok(Self { positions, ..self })
     }
 
-    /// Borrows again what [`Mesh::new`] has already checked.
+    /// Makes a mesh of arrays that [`Mesh::new`] has accepted before, without checking them again.
     ///
-    /// Nothing is checked: with anything else a query may give wrong pairs or panic.
+    /// Not `unsafe`: memory safety never depends on the arrays.
+    ///
+    /// # Panics and wrong answers
+    /// With other arrays, queries may give wrong pairs or panic.
     ///
     /// # Complexity
     /// O(1).
     #[inline]
     #[must_use]
-    pub fn trusted(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
+    pub fn new_unchecked(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
         Self { positions, triangles }
     }
 

@@ -127,7 +127,7 @@ mod tests {
             let points = [[0; 3]; 3].map(|p| p.map(|_| next() * scale));
             let aabb = crate::Aabb::of(&points);
             let root = [Node { min: aabb.min, first: 0, max: aabb.max, count: 1 }];
-            let bvh = Bvh::trusted(Mesh::trusted(&points, &[[0, 1, 2]]), &root, &[0]);
+            let bvh = Bvh::new_unchecked(Mesh::new_unchecked(&points, &[[0, 1, 2]]), &root, &[0]);
             let sphere = Sphere::of(&bvh).unwrap();
             let far = [0.0, 1.0, 1e6][round % 3] * scale;
             let turn = glam::Quat::from_axis_angle(

@@ -54,7 +54,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let storage = BvhStorage { nodes, order };
     let bvh = morton_with(mesh, &some()?, storage, keys, join).ok()?;
     any((Bvh::new(mesh, bvh.nodes(), bvh.order(), words).ok()?.depth(), quality(&bvh)));
-    any(Bvh::trusted(mesh, some()?, some()?));
+    any(Bvh::new_unchecked(mesh, some()?, some()?));
     any([refit_with(mesh, others, some()?, join), refit(mesh, others, some()?)]);
     baked(&bvh, slices.bytes);
     let [moved, near] = slices.moved;
@@ -100,7 +100,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
 fn baked(bvh: &Bvh<'_>, bytes: &mut [u8]) -> Option<()> {
     any(blob::write(bvh, bytes).ok()?.len());
     any(blob::Counts::of(bvh).bytes());
-    any((Blob::new(bytes).ok()?, Blob::trusted(bytes).ok()?.bvh_trusted().ok()?));
+    any((Blob::new(bytes).ok()?, Blob::new_unchecked(bytes).ok()?.bvh_unchecked().ok()?));
     let (blob, _) = Blob::prefix(bytes).ok()?;
     any((blob.bytes(), blob.counts(), blob.bvh(some()?).ok()?.is_depth_first()));
     any(blob.read_into(some()?, some()?).ok()?);

@@ -57,7 +57,7 @@ impl Tree {
     /// The BVH over its mesh.
     #[must_use]
     pub fn bvh<'t>(&'t self, mesh: Mesh<'t>) -> Bvh<'t> {
-        Bvh::trusted(mesh, &self.nodes, &self.order)
+        Bvh::new_unchecked(mesh, &self.nodes, &self.order)
     }
 
     fn refit(&mut self, mesh: Mesh<'_>) {

@@ -240,7 +240,7 @@ fn meet(query: &Query, rest: &Rest) -> Option<TrianglePair> {
         let first = |vertex| rest.corners.iter().position(|c| c.vertex == vertex).unwrap_or(0);
         let [p, q, r, u, v, w] = rest.corners.map(|corner| first(corner.vertex) as u32);
         let triangles = [[p, q, r], [u, v, w]];
-        let mesh = Mesh::trusted(&positions, &triangles);
+        let mesh = Mesh::new_unchecked(&positions, &triangles);
         let adjacency = match query.apart {
             0 => Adjacency::SharedIndexRule,
             _ => Adjacency::SkipNeighbours,

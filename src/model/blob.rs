@@ -48,7 +48,8 @@ impl Model {
         };
         let mut scratch = vec![0; check_scratch_bound(counts.triangles)];
         let as_built = blob.read_into(storage, &mut scratch)?.is_depth_first();
-        let (mesh, options) = (Mesh::trusted(&positions, &triangles), BuildOptions::default());
+        let (mesh, options) =
+            (Mesh::new_unchecked(&positions, &triangles), BuildOptions::default());
         let tree = if as_built {
             Tree::adopt(mesh, nodes, order, &ONE_THREAD)
         } else {

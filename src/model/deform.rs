@@ -118,7 +118,7 @@ impl Model {
     }
 
     fn fit_by(&mut self, passes: &Passes) {
-        let mesh = Mesh::trusted(&self.positions, &self.triangles);
+        let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
         let (moves, options) = (&self.moves, &self.options);
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, passes);
         match (self.tree.stale_mut(), self.fans.stale_mut()) {

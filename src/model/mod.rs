@@ -123,7 +123,7 @@ impl Model {
     /// The mesh.
     #[must_use]
     pub fn mesh(&self) -> Mesh<'_> {
-        Mesh::trusted(&self.positions, &self.triangles)
+        Mesh::new_unchecked(&self.positions, &self.triangles)
     }
 
     /// The BVH. After [`Model::set_positions_unfitted`], it is refitted at the first call.

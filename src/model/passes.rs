@@ -28,7 +28,7 @@ type Refit = fn(Mesh<'_>, &mut [Node], &[u32]) -> f32;
 pub(super) const ONE_THREAD: Passes = Passes {
     sah: bvh::sah,
     refit: bvh::refit,
-    quality: |mesh, nodes, order| bvh::quality(&Bvh::trusted(mesh, nodes, order)),
+    quality: |mesh, nodes, order| bvh::quality(&Bvh::new_unchecked(mesh, nodes, order)),
     certify: |mesh, _, fans| one_ring::certify(mesh, fans),
     both: |one, other| {
         one();

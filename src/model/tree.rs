@@ -89,7 +89,7 @@ impl Tree {
 
     #[inline]
     pub(super) fn bvh<'a>(&'a self, mesh: Mesh<'a>) -> Bvh<'a> {
-        Bvh::trusted(mesh, &self.nodes, &self.order)
+        Bvh::new_unchecked(mesh, &self.nodes, &self.order)
     }
 
     /// Makes room for what a partial refit goes by, whatever tree a rebuild will make.

@@ -70,7 +70,7 @@ impl Body {
     }
 
     pub(super) fn placed(&self) -> Placed<'_> {
-        Placed::trusted(self.model.bvh(), &self.pose)
+        Placed::new_unchecked(self.model.bvh(), &self.pose)
     }
 }
 

@@ -147,17 +147,21 @@ impl<'a> Bvh<'a> {
         order: &'a [u32],
         scratch: &mut [u32],
     ) -> Result<Self, BvhError> {
-        let bvh = Self::trusted(mesh, nodes, order);
+        let bvh = Self::new_unchecked(mesh, nodes, order);
         bvh.check(scratch)?;
         Ok(bvh)
     }
 
-    /// Borrows again arrays that a build, a refit or [`Bvh::new`] has already vouched for.
+    /// Makes a BVH of arrays that a build or a refit has written, or that [`Bvh::new`] has accepted, without
+    /// checking them.
     ///
-    /// Nothing is checked: with any other arrays a query may give wrong pairs, not end, or panic.
+    /// Not `unsafe`: memory safety never depends on the arrays.
+    ///
+    /// # Panics and wrong answers
+    /// With other arrays, queries may give wrong pairs, not end, or panic.
     #[inline]
     #[must_use]
-    pub fn trusted(mesh: Mesh<'a>, nodes: &'a [Node], order: &'a [u32]) -> Self {
+    pub fn new_unchecked(mesh: Mesh<'a>, nodes: &'a [Node], order: &'a [u32]) -> Self {
         Self { mesh, nodes, order, grid: () }
     }
 }

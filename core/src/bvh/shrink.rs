@@ -43,7 +43,7 @@ pub struct CompactStorage<'a, I = u32> {
 /// use pfront_core::{Bvh, Mesh, Node, Pose, bvh::{Compact, CompactNode, CompactStorage, compact}, query::*};
 /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
 /// let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
-/// let wide = Bvh::trusted(mesh, &root, &[0]);
+/// let wide = Bvh::new_unchecked(mesh, &root, &[0]);
 ///
 /// let (mut nodes, mut order) = ([CompactNode::ZERO; 2], [0; 1]);
 /// let storage = CompactStorage { nodes: &mut nodes, order: &mut order };
@@ -76,7 +76,7 @@ pub fn compact<'a, I: Index>(
     }
     let (slots, entries): (&'a [CompactNode], &'a [I]) = (slots, entries);
     let slots = slots.get(..needed).unwrap_or_default();
-    Ok(Bvh::trusted_compact(mesh, slots, entries.get(..triangles).unwrap_or_default()))
+    Ok(Bvh::new_compact_unchecked(mesh, slots, entries.get(..triangles).unwrap_or_default()))
 }
 
 /// [`compact()`] in the memory of the wide BVH itself, from front to back: what is compact fills half of `nodes`
@@ -136,7 +136,11 @@ pub fn compact_in_place<'a, I: Index>(
     let order = bytes.get(..size_of::<I>() * triangles).unwrap_or_default();
     // Aligned and divisible as it is, no cast fails.
     let order = bytemuck::try_cast_slice(order).unwrap_or_default();
-    Ok(Bvh::trusted_compact(mesh, nodes.get(..compact_bound(count)).unwrap_or_default(), order))
+    Ok(Bvh::new_compact_unchecked(
+        mesh,
+        nodes.get(..compact_bound(count)).unwrap_or_default(),
+        order,
+    ))
 }
 
 fn fits<I: Index>(triangles: usize) -> Result<(), CompactError> {
@@ -163,17 +167,18 @@ impl<'a, I: Index> Bvh<'a, Compact<I>> {
         if !nodes.is_empty() && nodes.get(1).and_then(Cells::read).is_none() {
             return Err(BvhError::Grid);
         }
-        let bvh = Self::trusted_compact(mesh, nodes, order);
+        let bvh = Self::new_compact_unchecked(mesh, nodes, order);
         bvh.check(scratch)?;
         Ok(bvh)
     }
 
-    /// Borrows again arrays that [`compact()`], [`compact_in_place`] or [`Bvh::new_compact`] has already vouched
-    /// for.
+    /// Makes a BVH of arrays that [`compact()`] or [`compact_in_place`] has written, or that [`Bvh::new_compact`]
+    /// has accepted, without checking them.
     ///
-    /// Nothing is checked: with any other arrays a query may give wrong pairs, not end, or panic.
+    /// # Panics and wrong answers
+    /// As [`Bvh::new_unchecked`].
     #[must_use]
-    pub fn trusted_compact(mesh: Mesh<'a>, nodes: &'a [CompactNode], order: &'a [I]) -> Self {
+    pub fn new_compact_unchecked(mesh: Mesh<'a>, nodes: &'a [CompactNode], order: &'a [I]) -> Self {
         let grid = nodes.get(1).and_then(Cells::read).map_or(Grid::NONE, Cells::grid);
         Self { mesh, nodes, order, grid }
     }

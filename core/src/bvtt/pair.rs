@@ -17,7 +17,7 @@ use core::ops::ControlFlow;
 /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
 /// # let root = Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 };
-/// # let bvh = Bvh::trusted(mesh, std::slice::from_ref(&root), &[0]);
+/// # let bvh = Bvh::new_unchecked(mesh, std::slice::from_ref(&root), &[0]);
 /// let here = Placed::new(bvh, &Pose::from_translation([8.0, 0.0, 0.0]))?;
 /// let there = Placed::new(bvh, &Pose::from_translation([8.5, 0.0, 0.0]))?;
 /// assert_eq!(PairQuery::in_world(here, there).count(), 1);
@@ -35,14 +35,16 @@ impl<'a, L: Layout> Placed<'a, L> {
         if *world_from_bvh != Pose::IDENTITY {
             world_from_bvh.check(&bvh.aabb().unwrap_or(Aabb::EMPTY))?;
         }
-        Ok(Self::trusted(bvh, world_from_bvh))
+        Ok(Self::new_unchecked(bvh, world_from_bvh))
     }
 
-    /// In a pose that [`Placed::new`] or [`Pose::check`] has accepted for this mesh.
+    /// Places a BVH in a pose that [`Placed::new`] or [`Pose::check`] has accepted for its mesh, without checking
+    /// the pose again.
     ///
-    /// Nothing is checked: in another one a query may miss pairs.
+    /// # Wrong answers
+    /// In another pose, queries may miss pairs.
     #[must_use]
-    pub fn trusted(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
+    pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
         Self(Side::new(bvh, Place::new(world_from_bvh)))
     }
 

@@ -314,7 +314,7 @@ impl Body {
     }
 
     fn bvh(&self) -> Bvh<'_> {
-        let mesh = Mesh::trusted(&self.positions, &self.triangles);
-        Bvh::trusted(mesh, &self.nodes, &self.order)
+        let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
+        Bvh::new_unchecked(mesh, &self.nodes, &self.order)
     }
 }

@@ -28,15 +28,15 @@ impl Body {
     }
 
     pub(crate) fn bvh(&self) -> Bvh<'_> {
-        let mesh = Mesh::trusted(&self.mesh.positions, &self.mesh.triangles);
-        Bvh::trusted(mesh, &self.nodes, &self.order)
+        let mesh = Mesh::new_unchecked(&self.mesh.positions, &self.mesh.triangles);
+        Bvh::new_unchecked(mesh, &self.nodes, &self.order)
     }
 
     /// The same mesh in another shape.
     pub(crate) fn deform(&mut self, positions: &[[f32; 3]]) {
         self.mesh.positions.copy_from_slice(positions);
         bvh::refit(
-            Mesh::trusted(&self.mesh.positions, &self.mesh.triangles),
+            Mesh::new_unchecked(&self.mesh.positions, &self.mesh.triangles),
             &mut self.nodes,
             &self.order,
         );

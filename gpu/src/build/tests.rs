@@ -145,7 +145,7 @@ fn queries_take_little_more_work_than_with_the_tree_of_the_core() {
         sah(mesh, &BuildOptions { leaf_size: 4, ..BuildOptions::default() }, storage, &mut scratch)
             .unwrap();
     let (nodes, order) = build(&knot.positions, &knot.triangles, 4);
-    let own = Bvh::trusted(mesh, &nodes, &order);
+    let own = Bvh::new_unchecked(mesh, &nodes, &order);
     let pose = Pose::from_translation([0.3, 0.1, 0.2]);
     let of = |bvh: Bvh<'_>| {
         let pair = PairQuery::new(bvh, bvh, pose).unwrap();

@@ -42,13 +42,13 @@ impl Shape {
     /// The mesh.
     #[must_use]
     pub fn mesh(&self) -> Mesh<'_> {
-        Mesh::trusted(&self.positions, &self.triangles)
+        Mesh::new_unchecked(&self.positions, &self.triangles)
     }
 
     /// Its BVH, of which the box of the root alone is that of the mesh once vertices have moved: the
     /// device refits the others.
     pub(super) fn bvh(&self) -> Bvh<'_> {
-        Bvh::trusted(self.mesh(), &self.nodes, &self.order)
+        Bvh::new_unchecked(self.mesh(), &self.nodes, &self.order)
     }
 
     /// Moves the vertices, as many as there are, within `bounds`.

@@ -50,7 +50,11 @@ impl Both {
     }
 
     pub(crate) fn bvh(&self) -> Bvh<'_> {
-        Bvh::trusted(Mesh::trusted(&self.positions, &self.triangles), &self.nodes, &self.order)
+        Bvh::new_unchecked(
+            Mesh::new_unchecked(&self.positions, &self.triangles),
+            &self.nodes,
+            &self.order,
+        )
     }
 }
 

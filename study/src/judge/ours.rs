@@ -21,8 +21,9 @@ fn in_query(a: &Triangle, b: &Triangle) -> bool {
         let Aabb { min, max } = Aabb::of(corners);
         [Node { min, max, first: 0, count: 1 }]
     });
-    let bvh =
-        |i: usize, corners| Bvh::trusted(Mesh::trusted(corners, &[[0, 1, 2]]), &leaves[i], &[0]);
+    let bvh = |i: usize, corners| {
+        Bvh::new_unchecked(Mesh::new_unchecked(corners, &[[0, 1, 2]]), &leaves[i], &[0])
+    };
     let query = PairQuery::new(bvh(0, a), bvh(1, b), Pose::IDENTITY);
     query.is_ok_and(|query| query.count() > 0)
 }

@@ -26,8 +26,8 @@
 //! Nothing. [`Blob::new`] refuses what another version wrote, what is cut short, and what was changed by
 //! accident: the checksum finds every change of one or two bits and of any 32 bits in a row, and misses one in
 //! 2³² of all others. It is no signature, so [`Blob::bvh`] checks what a right checksum says nothing of: every
-//! coordinate, index, box and child, as [`Mesh::new`] and [`Bvh::new`] do. [`Blob::trusted`] and
-//! [`Blob::bvh_trusted`] are for bytes that the caller vouches for, in firmware that is signed as a whole.
+//! coordinate, index, box and child, as [`Mesh::new`] and [`Bvh::new`] do. [`Blob::new_unchecked`] and
+//! [`Blob::bvh_unchecked`] are for bytes that the caller vouches for, in firmware that is signed as a whole.
 //!
 //! # Alignment
 //! To be borrowed, the bytes must begin at a multiple of 4; at one of 64 siblings share a cache line.
@@ -133,17 +133,17 @@ impl<'a> Blob<'a> {
         Ok((Self::new(own)?, rest))
     }
 
-    /// Takes bytes for a blob whose checksum the caller vouches for: only the header is looked at.
+    /// [`Blob::new`] without computing the checksum: only the header is checked.
     ///
-    /// With others than [`write()`] has written, [`Blob::bvh`] is as safe as ever, and may find no fault in a
-    /// mesh that is another than was baked.
+    /// # Wrong answers
+    /// Where bytes have changed since they were written, [`Blob::bvh`] may accept a mesh other than was baked.
     ///
     /// # Errors
     /// As [`Blob::new`], but for the checksum.
     ///
     /// # Complexity
     /// O(1).
-    pub fn trusted(bytes: &'a [u8]) -> Result<Self, BlobError> {
+    pub fn new_unchecked(bytes: &'a [u8]) -> Result<Self, BlobError> {
         Self::framed(bytes).map(|(_, blob)| blob)
     }
 
@@ -185,27 +185,29 @@ impl<'a> Blob<'a> {
     /// # Complexity
     /// As [`Bvh::new`] and [`Mesh::new`]: O(vertices + triangles).
     pub fn bvh(&self, scratch: &mut [u32]) -> Result<Bvh<'a>, BlobError> {
-        let bvh = self.bvh_trusted()?;
+        let bvh = self.bvh_unchecked()?;
         let mesh = Mesh::new(bvh.mesh().positions(), bvh.mesh().triangles())?;
         Ok(Bvh::new(mesh, bvh.nodes(), bvh.order(), scratch)?)
     }
 
-    /// Borrows the mesh and the BVH of a blob that the caller vouches for.
+    /// Borrows the mesh and the BVH without checking them.
     ///
-    /// Nothing of them is checked: with others than [`write()`] has written, a query may give wrong pairs, not
-    /// end, or panic, as with [`Bvh::trusted`]. No memory but the blob's is read even then.
+    /// # Panics and wrong answers
+    /// As [`Bvh::new_unchecked`], for bytes that [`write()`] has not written.
     ///
     /// # Errors
     /// [`BlobError::Misaligned`], [`BlobError::BigEndian`].
     ///
     /// # Complexity
     /// O(1).
-    pub fn bvh_trusted(&self) -> Result<Bvh<'a>, BlobError> {
+    pub fn bvh_unchecked(&self) -> Result<Bvh<'a>, BlobError> {
         let Sections { nodes, positions, triangles, order } = self.sections();
         let nodes = borrow(nodes.of(self.bytes))?;
-        let mesh =
-            Mesh::trusted(borrow(positions.of(self.bytes))?, borrow(triangles.of(self.bytes))?);
-        Ok(Bvh::trusted(mesh, nodes, borrow(order.of(self.bytes))?))
+        let mesh = Mesh::new_unchecked(
+            borrow(positions.of(self.bytes))?,
+            borrow(triangles.of(self.bytes))?,
+        );
+        Ok(Bvh::new_unchecked(mesh, nodes, borrow(order.of(self.bytes))?))
     }
 
     /// Copies the mesh and the BVH, which works on every machine and wherever the bytes lie, and checks the

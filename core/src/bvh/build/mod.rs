@@ -117,6 +117,6 @@ impl<'a> BvhStorage<'a> {
     fn into_bvh(self, mesh: Mesh<'a>, nodes: usize) -> Bvh<'a> {
         let (all_nodes, all_order): (&'a [Node], &'a [u32]) = (self.nodes, self.order);
         let order = all_order.get(..mesh.triangles().len()).unwrap_or_default();
-        Bvh::trusted(mesh, all_nodes.get(..nodes).unwrap_or_default(), order)
+        Bvh::new_unchecked(mesh, all_nodes.get(..nodes).unwrap_or_default(), order)
     }
 }

@@ -178,7 +178,7 @@ fn in_place_is_the_same_as_elsewhere() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let many = vec![[0; 3]; 65_537];
-    let mesh = Mesh::trusted(&POSITIONS, &many);
+    let mesh = Mesh::new_unchecked(&POSITIONS, &many);
     let (mut nodes, mut order) = (wide(), vec![7; many.len()]);
     let most = 1 << 16;
     let refused = compact_in_place::<u16>(mesh, &mut nodes, &mut order).err();

@@ -48,10 +48,10 @@ fn every_truncation_and_extension_is_found() {
         let needed = if len < 64 { 64 } else { 164 };
         let expected = BlobError::Length { needed, found: len };
         assert_eq!(Blob::new(&bytes[..len]).err(), Some(expected));
-        assert_eq!(Blob::trusted(&bytes[..len]).err(), Some(expected));
+        assert_eq!(Blob::new_unchecked(&bytes[..len]).err(), Some(expected));
     }
     bytes.push(0);
-    assert!(Blob::new(&bytes).is_err() && Blob::trusted(&bytes).is_err());
+    assert!(Blob::new(&bytes).is_err() && Blob::new_unchecked(&bytes).is_err());
 }
 
 #[test]

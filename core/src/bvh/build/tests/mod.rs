@@ -218,7 +218,7 @@ fn a_refit_restores_a_well_formed_tree() {
             assert_eq!(unmoved, quality(&bvh), "{build} of {name}");
             let found = refit(moved, &mut nodes, order);
             assert!(found.is_finite() && found >= 0.0, "{build} of {name}: {found}");
-            let refitted = Bvh::trusted(moved, &nodes, order);
+            let refitted = Bvh::new_unchecked(moved, &nodes, order);
             refitted.assert_well_formed();
             assert_eq!(found, quality(&refitted), "{build} of {name}");
         });
