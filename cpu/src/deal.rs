@@ -24,7 +24,7 @@ pub(crate) struct Deal {
     /// How many of its nodes each worker, or a thief, has begun.
     begun: Vec<AtomicUsize>,
     workers: Vec<Worker>,
-    /// True cost of each node by its index, 0 for those of a device.
+    /// True cost of each node by its index.
     costs: Vec<f32>,
 }
 
@@ -109,7 +109,7 @@ impl Deal {
         complete
     }
 
-    /// True cost of each node by its index, 0 for those of a device.
+    /// True cost of each node by its index.
     pub(crate) fn costs(&self) -> &[f32] {
         &self.costs
     }

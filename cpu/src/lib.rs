@@ -31,7 +31,6 @@
 //! call from `pool.install(|| …)` to use another, or hand one over for good with
 //! [`Traversal::with_pool`]. The number of workers p is independent of the number of threads.
 
-mod beside;
 mod build;
 mod calibrate;
 mod damping;

@@ -4,12 +4,11 @@
 //! N = max(1024, 80·p) and one for each query. Estimated nodes are made finer only as long as all of
 //! them fit in; where the grain of measured ones asks for more, N doubles, up to `most_nodes`.
 
-use crate::beside::{self, Crew, DEVICE};
 use crate::damping::Damping;
 use crate::{Report, Schedule, Settings, parts};
-use pfront_core::bvtt::{NodePair, Query};
+use pfront_core::bvtt::Query;
 use pfront_core::front::{COHERENT, Front, FrontNode, Past, PastCost};
-use pfront_core::front::{Load, dearest_first, greedy, p_optimal};
+use pfront_core::front::{Load, greedy, p_optimal};
 use std::time::Instant;
 
 /// Fronts of fewer nodes are not worth several threads: a node takes about 0.1 µs.
@@ -29,12 +28,6 @@ const MANY: usize = 16 * FEW;
 pub(crate) struct Plan {
     nodes: Vec<FrontNode>,
     len: usize,
-    /// So many of them are for workers, and come first; the others are for a device ...
-    own: usize,
-    /// ... and are these.
-    device: Vec<NodePair>,
-    /// Frames of which a device took a part.
-    shared_frames: u32,
     past: Vec<PastCost>,
     remembered: usize,
     loads: Vec<Load>,
@@ -53,14 +46,9 @@ pub(crate) struct Outcome {
 }
 
 impl Plan {
-    /// The nodes for workers, dearest first.
+    /// The nodes, dearest first.
     pub(crate) fn nodes(&self) -> &[FrontNode] {
-        &self.nodes[..self.own]
-    }
-
-    /// Those for a device.
-    pub(crate) fn device(&self) -> &[NodePair] {
-        &self.device
+        &self.nodes[..self.len]
     }
 
     /// How many nodes the whole front has.
@@ -72,12 +60,11 @@ impl Plan {
     pub(crate) fn make<Q: Query + Sync>(
         &mut self,
         queries: &[Q],
-        crew: Crew,
+        workers: usize,
         settings: &Settings,
         report: &mut Report,
     ) {
         let clock = Instant::now();
-        let workers = crew.parts();
         let most = settings.most_nodes.max(queries.len());
         self.grow(FEWEST_NODES.max(NODES_PER_WORKER * workers) + queries.len(), most);
         // One worker needs no front: the roots will do.
@@ -94,7 +81,7 @@ impl Plan {
         self.damping.note(self.len, report.coherent);
         self.adjust_depth(report.starting_nodes);
         report.front_time = clock.elapsed();
-        self.deal(crew, report);
+        self.deal(workers, report);
     }
 
     /// The starting fronts of all queries.
@@ -180,34 +167,22 @@ impl Plan {
         }
     }
 
-    /// Gives the device its share, and deals out the rest.
-    fn deal(&mut self, crew: Crew, report: &mut Report) {
+    /// Deals the front out to the workers.
+    fn deal(&mut self, workers: usize, report: &mut Report) {
         let clock = Instant::now();
         report.p_optimal = p_optimal(&self.nodes[..self.len]);
-        self.own = self.len;
-        self.device.clear();
-        if crew.share > 0.0 {
-            let nodes = &mut self.nodes[..self.len];
-            dearest_first(nodes);
-            self.own = beside::choose(nodes, crew.share, self.shared_frames);
-            self.shared_frames = self.shared_frames.wrapping_add(1);
-            self.device.extend(nodes[self.own..].iter().map(|node| node.pair));
-            report.device_cost = nodes[self.own..].iter().map(|node| f64::from(node.cost)).sum();
-        }
-        self.loads.resize(crew.workers, Load::default());
-        greedy(&mut self.nodes[..self.own], &mut self.loads);
+        self.loads.resize(workers, Load::default());
+        greedy(&mut self.nodes[..self.len], &mut self.loads);
         for load in &self.loads {
             report.shares[load.part as usize].predicted = load.cost;
         }
         report.nodes = self.len;
-        report.device_nodes = self.device.len();
         report.front_bytes = self.nodes.capacity() * size_of::<FrontNode>()
             + self.past.capacity() * size_of::<PastCost>();
         report.partition_time = clock.elapsed();
     }
 
-    /// Keeps what each node of the front really cost, by its index, for the next frame; of those that a device
-    /// has walked, what they were expected to cost, as much more or less as the others did.
+    /// Keeps what each node of the front really cost, by its index, for the next frame.
     pub(crate) fn remember(&mut self, costs: &[f32]) {
         if self.past.len() < self.len {
             // In steps, but not by doubling, which would break the bound on memory.
@@ -215,16 +190,7 @@ impl Plan {
             self.past.reserve_exact(to - self.past.len());
             self.past.resize(to, PastCost::default());
         }
-        let (mut walked, mut predicted) = (0.0, 0.0);
-        for node in self.nodes() {
-            walked += f64::from(costs[node.index as usize]);
-            predicted += f64::from(node.cost);
-        }
-        let scale = if predicted > 0.0 { (walked / predicted) as f32 } else { 1.0 };
-        let cost = |node: &FrontNode| match node.part {
-            DEVICE => (scale * node.cost).max(1.0),
-            _ => costs[node.index as usize],
-        };
+        let cost = |node: &FrontNode| costs[node.index as usize];
         let past = Past::record(&mut self.past, &self.nodes[..self.len], cost);
         // The memory has just been made large enough.
         self.remembered = if past.is_ok() { self.len } else { 0 };

@@ -34,15 +34,11 @@ pub struct Report {
     pub starting_nodes: usize,
     /// Nodes of the p-partition front, N_p.
     pub nodes: usize,
-    /// How many of them a device got; 0 but for [`all_beside`](crate::Traversal::all_beside).
-    pub device_nodes: usize,
-    /// What those were expected to cost, in box tests.
-    pub device_cost: f64,
     /// Box tests spent on the front; the shares do not include them.
     pub front_box_tests: u64,
     /// How many workers could still have helped, eq. 6, by predicted costs.
     pub p_optimal: u32,
-    /// True cost of the dearest front node that a worker got: no schedule that deals out this front has a makespan below.
+    /// True cost of the dearest front node: no schedule that deals out this front has a makespan below.
     pub dearest_node: f64,
     /// Bytes of memory held for fronts and their costs; 48 a node of this front are in use.
     pub front_bytes: usize,
@@ -50,8 +46,6 @@ pub struct Report {
     pub front_time: Duration,
     /// Dealing it out.
     pub partition_time: Duration,
-    /// The call that starts a device; it and the walk are begun at the same time.
-    pub device_time: Duration,
     /// Walking.
     pub walk_time: Duration,
     /// Gathering and sorting what was found.
@@ -75,14 +69,7 @@ impl Report {
         }
     }
 
-    /// The share of the expected cost that a device got, 0 to 1.
-    #[must_use]
-    pub fn device_share(&self) -> f64 {
-        let whole = self.device_cost + self.shares.iter().map(|share| share.predicted).sum::<f64>();
-        if whole > 0.0 { self.device_cost / whole } else { 0.0 }
-    }
-
-    /// All box and triangle tests of workers, those for the front included.
+    /// All box and triangle tests, those for the front included.
     #[must_use]
     pub fn work(&self) -> Work {
         let front = Work { box_tests: self.front_box_tests, triangle_tests: 0 };

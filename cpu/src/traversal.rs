@@ -1,8 +1,5 @@
 //! The engine: frames of queries on p workers, with all memory kept in between.
 
-mod beside;
-
-use crate::beside::Crew;
 use crate::deal::Deal;
 use crate::plan::Plan;
 use crate::pool::in_pool;
@@ -243,7 +240,7 @@ impl Traversal {
                 return !stealing.stop.load(Relaxed);
             }
             report.shares.resize(*workers, Share::default());
-            plan.make(queries, Crew::of(*workers), settings, report);
+            plan.make(queries, *workers, settings, report);
             let complete = deal.walk(plan, queries, settings.schedule, *deadline, sinks, report);
             if complete {
                 plan.remember(deal.costs());

@@ -157,11 +157,8 @@ impl Answer {
     ) -> Result<Vec<Vec<Entry>>, Error> {
         let is_leaf_pair = |pair: &Entry| pair.iter().all(|node| node & LEAF != 0);
         let mut front = part.to_vec();
-        // The caller's entries look like leaf pairs until the device has looked them up (`below.rs`).
-        let mut is_known = false;
-        while front.len() < LONG && !(is_known && front.iter().all(is_leaf_pair)) {
+        while front.len() < LONG && !front.iter().all(is_leaf_pair) {
             front = self.engine.refine(task, &front)?;
-            is_known = true;
         }
         if part.len() == 1 && front == part {
             let reason = "a leaf pair overflowed lists that can hold its results".to_owned();

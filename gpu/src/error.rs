@@ -77,23 +77,6 @@ pub enum Error {
     /// A model was uploaded through another `Gpu`.
     #[error("the model was uploaded through another Gpu: upload it through the one of the query")]
     OtherDevice,
-    /// A front of node pairs of the host's was given, and the model has a tree that only the device knows.
-    #[error(
-        "the tree of the model was built on the device, which alone knows its nodes: upload a BVH and \
-         only refit it, or ask from the roots"
-    )]
-    BuiltOnDevice,
-    /// A front names a node that the model does not have.
-    #[error(
-        "the front names node {node}, and the model was made from a BVH of {nodes} nodes: give node \
-         pairs of that BVH"
-    )]
-    NoSuchNode {
-        /// The node.
-        node: u32,
-        /// How many nodes there are.
-        nodes: u32,
-    },
     /// The commands that were recorded have not been submitted.
     #[error("submit the encoder that the query was recorded into before reading its answer")]
     NotSubmitted,

@@ -16,7 +16,6 @@
 //! are full, the query goes on in parts. A [`SceneQuery`] owns many posed bodies as well.
 
 mod answer;
-mod below;
 mod build;
 mod clock;
 mod deforming;

@@ -43,8 +43,6 @@ pub struct Model {
     pub(crate) leaf_size: u32,
     /// `None` for an empty mesh.
     pub(crate) bounds: Option<Aabb>,
-    /// How many nodes the BVH has that it was made from; `None` if its tree is the device's own.
-    pub(crate) uploaded_nodes: Option<u32>,
 }
 
 impl Model {
@@ -76,7 +74,6 @@ impl Model {
             depth_below_seeds: depth - level,
             leaf_size: bvh.nodes().iter().map(|node| node.count).fold(1, u32::max),
             bounds: bvh.root().map(Node::aabb),
-            uploaded_nodes: Some(bvh.nodes().len() as u32),
         })
     }
 

@@ -7,7 +7,7 @@ use crate::report::reports;
 use crate::{Error, Gpu, Model, Pending, Settings};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
-use pfront_core::bvtt::{NodePair, TrianglePair};
+use pfront_core::bvtt::TrianglePair;
 
 /// Asks which triangles of two models meet, the second in the pose `a_from_b`. The answer is the same,
 /// to the bit, as that of the core.
@@ -126,44 +126,7 @@ impl PairQuery {
         a_from_b: &Pose,
     ) -> Result<Pending<'q>, Error> {
         let task = self.prepare(a, b, a_from_b)?;
-        Pending::record(&mut self.answer, encoder, task, None)
-    }
-
-    /// Records the part of the query below the node pairs of `front`, while somebody else sees to the rest.
-    /// They are node pairs of the BVHs that the models were made from, in any order, and none lies below
-    /// another.
-    ///
-    /// A model that has been refitted still has these nodes, and so has the host's BVH, unless it was
-    /// rebuilt: then its nodes are others, and pairs are missed, which cannot be noticed here.
-    ///
-    /// # Errors
-    /// [`Error::BuiltOnDevice`] if the tree of a model is not that of a BVH of the host's,
-    /// [`Error::NoSuchNode`] if it has no such node; and as [`PairQuery::all`].
-    ///
-    /// # Examples
-    /// ```no_run
-    /// # use pfront_core::{Bvh, Pose, bvtt::{NodePair, TrianglePair}};
-    /// # use pfront_gpu::*;
-    /// # fn demo(gpu: Gpu, bvh: Bvh<'_>, below: &[NodePair]) -> Result<(), Error> {
-    /// let (model, mut query) = (Model::new(&gpu, bvh)?, PairQuery::new(&gpu)?);
-    /// let mut encoder = gpu.device().create_command_encoder(&Default::default());
-    /// let pose = Pose::IDENTITY;
-    /// let pending = query.record_below(&mut encoder, &model, &model, &pose, below)?;
-    /// gpu.queue().submit([encoder.finish()]);
-    /// // … find on the CPU what lies below all other nodes …
-    /// let pairs = pending.read()?;
-    /// # Ok(()) }
-    /// ```
-    pub fn record_below<'q>(
-        &'q mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        a: &'q Model,
-        b: &'q Model,
-        a_from_b: &Pose,
-        front: &[NodePair],
-    ) -> Result<Pending<'q>, Error> {
-        let task = self.prepare(a, b, a_from_b)?;
-        Pending::record_below(&mut self.answer, encoder, task, [a, b], front)
+        Pending::record(&mut self.answer, encoder, task)
     }
 
     fn ask(&mut self, a: &Model, b: &Model, a_from_b: &Pose, want: Want) -> Result<(), Error> {

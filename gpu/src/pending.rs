@@ -11,8 +11,8 @@ use wgpu::CommandEncoder;
 #[must_use = "submit the encoder, and read the answer"]
 pub struct Pending<'q> {
     answer: &'q mut Answer,
-    /// What to ask, in parts of which the last is what the run is about; `None` if that is nothing.
-    run: Option<(Task, Vec<Vec<Entry>>, Run)>,
+    /// The question and its run; `None` where a model is empty.
+    run: Option<(Task, Run)>,
 }
 
 impl<'q> Pending<'q> {
@@ -22,28 +22,21 @@ impl<'q> Pending<'q> {
     /// [`Error::NotSubmitted`], and those of the query.
     pub fn read(self) -> Result<&'q [TrianglePair], Error> {
         match self.run {
-            Some((task, parts, run)) => self.answer.finish_parts(&task, parts, run, Want::All)?,
+            Some((task, run)) => self.answer.finish(&task, run, Want::All)?,
             None => self.answer.clear(),
         }
         Ok(&self.answer.pairs)
     }
 
-    /// Records a query from its seeds, or from a front.
+    /// Records a query from its seeds.
     pub(crate) fn record(
         answer: &'q mut Answer,
         encoder: &mut CommandEncoder,
         task: Option<Task>,
-        front: Option<&[Entry]>,
     ) -> Result<Self, Error> {
         let Some(task) = task else { return Ok(Self { answer, run: None }) };
-        let (parts, run) = match front {
-            Some(front) => answer.record_from(encoder, &task, front, Want::All)?,
-            None => {
-                let run = answer.record(encoder, &task, Start::Seeds, Want::All)?;
-                (vec![vec![task.root]], run)
-            }
-        };
-        Ok(Self { answer, run: Some((task, parts, run)) })
+        let run = answer.record(encoder, &task, Start::Seeds, Want::All)?;
+        Ok(Self { answer, run: Some((task, run)) })
     }
 }
 
@@ -62,8 +55,8 @@ impl Answer {
         }
     }
 
-    /// Records a query from node pairs of the caller's, and returns their parts with the run of the first,
-    /// for [`Answer::finish_parts`].
+    /// Records a query from node pairs, and returns their parts with the run of the first, for
+    /// [`Answer::finish_parts`].
     pub(crate) fn record_from(
         &mut self,
         encoder: &mut CommandEncoder,

@@ -7,7 +7,7 @@ use crate::report::reports;
 use crate::{Error, Gpu, Model, Pending, Settings};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
-use pfront_core::bvtt::{NodePair, TrianglePair};
+use pfront_core::bvtt::TrianglePair;
 use pfront_core::triangle::Adjacency;
 
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with
@@ -102,22 +102,7 @@ impl SelfQuery {
         model: &'q Model,
     ) -> Result<Pending<'q>, Error> {
         let task = self.prepare(model)?;
-        Pending::record(&mut self.answer, encoder, task, None)
-    }
-
-    /// Records the part of the query that lies below some node pairs; see
-    /// [`crate::PairQuery::record_below`].
-    ///
-    /// # Errors
-    /// [`Error::BuiltOnDevice`], [`Error::NoSuchNode`]; and as [`SelfQuery::all`].
-    pub fn record_below<'q>(
-        &'q mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        model: &'q Model,
-        front: &[NodePair],
-    ) -> Result<Pending<'q>, Error> {
-        let task = self.prepare(model)?;
-        Pending::record_below(&mut self.answer, encoder, task, [model; 2], front)
+        Pending::record(&mut self.answer, encoder, task)
     }
 
     fn ask(&mut self, model: &Model, want: Want) -> Result<(), Error> {

@@ -5,12 +5,8 @@ use super::ways::{Given, Want};
 use crate::gpu::{self, Deforming, Error, Gpu, Settings};
 use crate::model::Stamp;
 use crate::planner::{Owed, Planner};
-#[cfg(feature = "threads")]
-use crate::threads::Traversal;
 use crate::{Adjacency, Model};
 use pfront_core::bvtt::TrianglePair;
-#[cfg(feature = "threads")]
-use pfront_core::bvtt::{NodePair, Query};
 
 #[derive(Debug)]
 pub(crate) struct Device {
@@ -165,41 +161,6 @@ impl Device {
                 Ok((given, query.report().leaf_pairs))
             }
         }
-    }
-
-    #[cfg(feature = "threads")]
-    /// All pairs, of which the device finds a share and threads the rest.
-    pub(crate) fn ask_beside(
-        &mut self,
-        on: OnGpu<'_>,
-        query: &(impl Query + Sync),
-        share: f64,
-        traversal: &mut Traversal,
-        pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Given, Error> {
-        self.bring(on)?;
-        let Some([a, b]) = both(&self.models) else { return Ok(Given::default()) };
-        let (gpu, pair, within) = (&self.gpu, &mut self.pair, &mut self.within);
-        let start = |below: &[NodePair]| {
-            let mut encoder = gpu.device().create_command_encoder(&Default::default());
-            let pending = match (on, pair, within) {
-                (OnGpu::Pair(_, a_from_b), Some(query), _) => {
-                    Some(query.record_below(&mut encoder, a, b, a_from_b, below)?)
-                }
-                (OnGpu::Within(..), _, Some((_, query))) => {
-                    Some(query.record_below(&mut encoder, a, below)?)
-                }
-                _ => None,
-            };
-            gpu.queue().submit([encoder.finish()]);
-            Ok::<_, Error>(pending)
-        };
-        if let Some(pending) = traversal.all_beside(query, share, start, pairs)? {
-            pairs.extend_from_slice(pending.read()?);
-            // Two runs, which this merges.
-            pairs.sort();
-        }
-        Ok(Given::listed(pairs))
     }
 
     /// Brings there what is asked about, and makes the query.

@@ -1,7 +1,5 @@
 //! Answering by a planner.
 
-#[cfg(all(feature = "threads", feature = "gpu"))]
-use super::alone::cost;
 use super::alone::{End, Leash};
 #[cfg(feature = "gpu")]
 use super::device::Device;
@@ -174,26 +172,8 @@ impl Planned {
         let query = self.query(question, accuracy);
         match *way {
             #[cfg(feature = "threads")]
-            Way::Threads(workers) | Way::Both(workers, _) => {
+            Way::Threads(workers) => {
                 let traversal = ready(&mut self.traversal, &self.decider, workers);
-                #[cfg(feature = "gpu")]
-                if let (Way::Both(_, share), Some(device), Want::All) =
-                    (*way, &mut self.device, want)
-                {
-                    match device.ask_beside(question.on_gpu(), &query, share, traversal, pairs) {
-                        Ok(given) => {
-                            let report = traversal.report();
-                            // What the device did is not counted.
-                            let own = (1.0 - report.device_share()).max(0.05);
-                            let cost = Some(cost(report.work()) / own);
-                            return Outcome { given, cost, ..Outcome::default() };
-                        }
-                        Err(error) => {
-                            self.device = None;
-                            *way = self.decider.gpu_failed(&error);
-                        }
-                    }
-                }
                 on_threads(traversal, &query, want, pairs)
             }
             _ => {
@@ -225,13 +205,10 @@ impl Planned {
     /// Which ways there are for a question.
     fn offer(&self, question: &impl Question, want: Want) -> Offer {
         let (gpu, gpu_upkeep) = self.gpu(question);
-        // What a GPU has begun, it ends.
-        let may_be_late = self.decider.planner().limits().incomplete;
         Offer {
             threads: self.decider.planner().threads(self.kept.most()),
             gpu,
             gpu_upkeep,
-            both: gpu.is_some() && cfg!(feature = "threads") && want == Want::All && !may_be_late,
             known: Known { size: question.size(), ..Self::known(question, want) },
             moves: false,
             queries: 1,

@@ -45,7 +45,6 @@ impl From<Way> for Backend {
             Way::Alone => Self::Sequential,
             Way::Threads(workers) => Self::Threads { workers },
             Way::Gpu => Self::Gpu,
-            Way::Both(workers, share) => Self::Hybrid { workers, share: share as f32 },
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Picking the cheapest way to answer, frame by frame: one thread, several, a GPU, both at once, or nothing
+//! Picking the cheapest way to answer, frame by frame: one thread, several, a GPU, or nothing
 //! at all where nothing has changed.
 //!
 //! A [`Planner`] says what there is to choose from: a [`Machine`], perhaps a GPU, and [`Limits`]. A query that

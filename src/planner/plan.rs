@@ -19,13 +19,6 @@ pub enum Backend {
     },
     /// The GPU.
     Gpu,
-    /// Both at once.
-    Hybrid {
-        /// Threads of the CPU.
-        workers: u32,
-        /// What the GPU gets of the front, from 0 to 1.
-        share: f32,
-    },
 }
 
 /// Why it was planned so.
@@ -78,8 +71,8 @@ pub struct Plan {
     pub cost: Option<f64>,
     /// What it was expected to take.
     pub predicted: Option<Duration>,
-    /// What each way would have taken, where it was thought of: alone, on threads, on the GPU, on both.
-    pub alternatives: [Option<Duration>; 4],
+    /// What each way would have taken, where it was thought of: alone, on threads, on the GPU.
+    pub alternatives: [Option<Duration>; 3],
     /// What it took, deciding included; 0 for what is too small to look at the clock. Of a scene without a limit of
     /// time, the first frame after such a one leaves out what it took to find the bodies that may meet.
     pub actual: Duration,
@@ -100,7 +93,7 @@ impl Plan {
         expected_cost: None,
         cost: None,
         predicted: None,
-        alternatives: [None; 4],
+        alternatives: [None; 3],
         actual: Duration::ZERO,
         deciding: Duration::ZERO,
         concession: None,
@@ -122,9 +115,6 @@ impl fmt::Display for Backend {
             Self::Sequential => f.write_str("one thread"),
             Self::Threads { workers } => write!(f, "{workers} threads"),
             Self::Gpu => f.write_str("GPU"),
-            Self::Hybrid { workers, share } => {
-                write!(f, "GPU for {:.0} % and {workers} threads", 100.0 * share)
-            }
         }
     }
 }
@@ -150,7 +140,7 @@ impl fmt::Display for Plan {
         if let Some(predicted) = self.predicted {
             write!(f, ", {predicted:.1?} predicted")?;
         }
-        let names = ["one thread", "threads", "GPU", "both"];
+        let names = ["one thread", "threads", "GPU"];
         let mut before = " (";
         for (name, time) in names.iter().zip(&self.alternatives) {
             if let Some(time) = time {

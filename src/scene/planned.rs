@@ -246,7 +246,6 @@ impl Planned {
             threads: self.decider.planner().threads(self.most),
             gpu,
             gpu_upkeep,
-            both: false,
             known,
             moves: false,
             queries: self.queries,

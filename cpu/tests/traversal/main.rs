@@ -3,6 +3,5 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod answers;
-mod beside;
 mod common;
 mod robustness;

@@ -148,6 +148,5 @@ fn model(gpu: &Gpu, shape: Option<Balanced>, bounds: &Aabb) -> Result<Model, Err
         depth_below_seeds: depth - level,
         leaf_size: shape.map_or(1, Balanced::leaf_size),
         bounds: shape.map(|_| *bounds),
-        uploaded_nodes: None,
     })
 }

@@ -80,7 +80,6 @@ impl Arena {
             depth_below_seeds: 0,
             leaf_size: nodes.iter().map(|node| node.count).fold(1, u32::max),
             bounds: None,
-            uploaded_nodes: None,
         };
         let shapes =
             gpu.upload("the vertices", bytemuck::cast_slice::<_, u32>(&shapes), Usage::Input)?;

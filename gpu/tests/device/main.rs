@@ -2,7 +2,6 @@
 
 #![expect(clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod below;
 mod build;
 mod common;
 mod deforming;

@@ -77,7 +77,7 @@ impl Decider {
 
     fn finish(&mut self, way: Way, prepared: Duration, cost: Option<f64>) -> Duration {
         let actual = self.clock.elapsed() + prepared;
-        self.was_elsewhere = !matches!(way, Way::Threads(_) | Way::Both(..));
+        self.was_elsewhere = !matches!(way, Way::Threads(_));
         let has_failed = std::mem::take(&mut self.has_failed);
         if let Some(last) = &mut self.last {
             (last.backend, last.cost, last.actual) = (way.into(), cost, actual);

@@ -17,7 +17,7 @@ pub(crate) use way::{Begin, Choice, Frame, Known, Look, Offer, Way};
 use super::Machine;
 use super::forecast::Forecast;
 use known::{HOPELESS, OfWay, Ratio, SHORT};
-use way::{ALONE, BOTH, GPU, WAYS};
+use way::{ALONE, GPU, WAYS};
 
 /// A question is brief if it would have to cost so many times what is expected before others could help.
 const BRIEF: f64 = 2.0;
@@ -169,7 +169,7 @@ impl History {
     fn surely_gpu(&self, machine: &Machine, offer: &Offer) -> Option<[Option<f64>; WAYS]> {
         let (Some(all), Some(device)) = (offer.known.guess, &machine.device) else { return None };
         let gpu = self.on_gpu(device, all, offer) + offer.gpu? / self.horizon(offer);
-        (gpu < offer.upkeep).then_some([Some(offer.upkeep), None, Some(gpu), None])
+        (gpu < offer.upkeep).then_some([Some(offer.upkeep), None, Some(gpu)])
     }
 
     /// Decides about the rest of a question that was begun alone.
@@ -191,7 +191,7 @@ impl History {
         times[ALONE] = Some(self.alone(machine, pace * rest));
         if self.forecast.cost(None).is_none() && offer.threads > 1 {
             // A guess is not worth an upload, and threads count what it costs.
-            (times[GPU], times[BOTH]) = (None, None);
+            times[GPU] = None;
         }
         let best = least(&self.with_upload(&times, offer));
         // The less has been seen, the surer it has to be.
@@ -208,7 +208,7 @@ impl History {
             return least(&self.with_upload(times, offer));
         };
         // One frame is no trial of a GPU that had to be made ready first.
-        let is_first = current >= GPU && self.ways[current].ratio.frames == 1;
+        let is_first = current == GPU && self.ways[current].ratio.frames == 1;
         if is_first && now < HOPELESS * times[best].unwrap_or(now) {
             return current;
         }
@@ -218,7 +218,7 @@ impl History {
         let horizon = self.horizon(offer);
         let pays = |&(way, time): &(usize, f64)| {
             let saved = self.ways[way].saved;
-            let upload = if way >= GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
+            let upload = if way == GPU { offer.gpu.unwrap_or(0.0) } else { 0.0 };
             let gain = now - time;
             gain > 0.0 && saved >= CHANGING * now && saved + gain * horizon >= upload
         };
@@ -234,7 +234,7 @@ impl History {
     /// What each way takes with its part of an upload.
     fn with_upload(&self, times: &[Option<f64>; WAYS], offer: &Offer) -> [Option<f64>; WAYS] {
         let mut times = *times;
-        for time in times[GPU..].iter_mut().flatten() {
+        if let Some(time) = &mut times[GPU] {
             *time += offer.gpu.unwrap_or(0.0) / self.horizon(offer);
         }
         times

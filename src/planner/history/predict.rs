@@ -1,7 +1,7 @@
 //! What a question takes each way.
 
 use super::known::Ratio;
-use super::way::{ALONE, BOTH, GPU, THREADS, WAYS};
+use super::way::{ALONE, GPU, THREADS, WAYS};
 use super::{History, OTHER_NUMBER, Offer, PACE, SHORT, UNTRIED, Way, slot};
 use crate::planner::Machine;
 use crate::planner::machine::Device;
@@ -17,9 +17,9 @@ impl History {
         offer: &Offer,
         cost: f64,
     ) -> ([Option<f64>; WAYS], [Way; WAYS]) {
-        let (cpu, gpu) = (self.ratio(THREADS, ALONE), self.ratio(GPU, GPU));
-        let mut times = [Some(self.alone(machine, cost) + offer.upkeep), None, None, None];
-        let mut ways = [Way::Alone, Way::Alone, Way::Gpu, Way::Gpu];
+        let cpu = self.ratio(THREADS, ALONE);
+        let mut times = [Some(self.alone(machine, cost) + offer.upkeep), None, None];
+        let mut ways = [Way::Alone, Way::Alone, Way::Gpu];
         if offer.threads > 1 {
             // Which number is best, a first frame does not tell.
             let hope = if self.ways[THREADS].ratio.frames > SHORT { UNTRIED } else { 1.0 };
@@ -37,14 +37,6 @@ impl History {
         }
         if let (Some(_), Some(device)) = (offer.gpu, &machine.device) {
             times[GPU] = Some(self.on_gpu(device, cost, offer));
-            // Two guesses are none.
-            if offer.both && self.ways[THREADS].ratio.frames > 1 && self.ways[GPU].ratio.frames > 1
-            {
-                let all = Halves::new(machine, device, offer.threads, cost, [cpu, gpu]);
-                let both = self.ways[BOTH].ratio.value;
-                (times[BOTH], ways[BOTH]) =
-                    (Some(both * all.time + offer.upkeep), Way::Both(offer.threads, all.share));
-            }
         }
         (times, ways)
     }
@@ -79,36 +71,9 @@ impl History {
 
 /// What a machine should take, before anything is known of the question but its cost.
 pub(super) fn predicted(machine: &Machine, way: Way, cost: f64) -> f64 {
-    let device = |cost: f64| machine.device.as_ref().map_or(f64::INFINITY, |d| d.ask(cost));
     match way {
         Way::Alone => machine.alone(cost),
         Way::Threads(workers) => machine.threaded(cost, workers),
-        Way::Gpu => device(cost),
-        Way::Both(workers, share) => {
-            device(share * cost).max(machine.threaded((1.0 - share) * cost, workers))
-        }
-    }
-}
-
-/// A question divided so that both parts end at once.
-struct Halves {
-    share: f64,
-    time: f64,
-}
-
-impl Halves {
-    fn new(
-        machine: &Machine,
-        device: &Device,
-        workers: u32,
-        cost: f64,
-        [cpu, gpu]: [f64; 2],
-    ) -> Self {
-        let on_cpu = cpu * cost * machine.test / machine.speedup_of(workers);
-        let on_gpu = gpu * cost * device.test;
-        let (fork, question) = (cpu * machine.fork_of(workers), gpu * device.question);
-        // fork + (1 - share) on_cpu = question + share on_gpu.
-        let share = ((fork + on_cpu - question) / (on_cpu + on_gpu)).clamp(0.0, 1.0);
-        Self { share, time: (question + share * on_gpu).max(fork + (1.0 - share) * on_cpu) }
+        Way::Gpu => machine.device.as_ref().map_or(f64::INFINITY, |device| device.ask(cost)),
     }
 }

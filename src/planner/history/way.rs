@@ -6,16 +6,13 @@ pub(crate) enum Way {
     Alone,
     Threads(u32),
     Gpu,
-    /// So many threads, and the GPU with this share.
-    Both(u32, f64),
 }
 
 /// The ways without their numbers, as indices.
-pub(crate) const WAYS: usize = 4;
+pub(crate) const WAYS: usize = 3;
 pub(super) const ALONE: usize = 0;
 pub(super) const THREADS: usize = 1;
 pub(super) const GPU: usize = 2;
-pub(super) const BOTH: usize = 3;
 
 impl Way {
     pub(super) fn family(self) -> usize {
@@ -23,7 +20,6 @@ impl Way {
             Self::Alone => ALONE,
             Self::Threads(_) => THREADS,
             Self::Gpu => GPU,
-            Self::Both(..) => BOTH,
         }
     }
 }
@@ -37,8 +33,6 @@ pub(crate) struct Offer {
     pub(crate) gpu: Option<f64>,
     /// What the GPU has to do first in each frame, in nanoseconds.
     pub(crate) gpu_upkeep: f64,
-    /// Whether a question can be divided between GPU and threads.
-    pub(crate) both: bool,
     /// What it is.
     pub(crate) known: Known,
     /// Whether vertices have been moved for it.

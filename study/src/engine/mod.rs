@@ -4,8 +4,6 @@
 //! One driver for all studies and for the command: [`Objects`] are what is asked about, [`Asked`] says how and
 //! of whom, and the [`Engine`] that both make keeps its buffers from frame to frame.
 
-#[cfg(feature = "gpu")]
-mod both;
 mod cpu;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -162,16 +160,6 @@ pub enum On {
     /// A GPU, whose answers are all exact.
     #[cfg(feature = "gpu")]
     Gpu(OnGpu),
-    /// Several threads and a GPU at once.
-    #[cfg(feature = "gpu")]
-    Both {
-        /// The threads.
-        traversal: Box<Traversal>,
-        /// The GPU.
-        gpu: OnGpu,
-        /// What it gets of the work, from 0 to 1.
-        share: f64,
-    },
 }
 
 /// A GPU, and how it is used.
@@ -255,10 +243,6 @@ impl Objects {
         match on {
             #[cfg(feature = "gpu")]
             On::Gpu(on) => gpu::engine(&self, adjacency, &on),
-            #[cfg(feature = "gpu")]
-            On::Both { traversal, gpu, share } => {
-                both::engine(&self, adjacency, gpu, *traversal, share)
-            }
             On::Cpu(None) => cpu::engine(self, accuracy, adjacency, Hands::One),
             On::Cpu(Some(traversal)) => {
                 cpu::engine(self, accuracy, adjacency, Hands::Threads(traversal))

@@ -9,7 +9,7 @@ use std::time::Duration;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Frames of each kind of [`Backend`], in the order of [`Tally::NAMES`].
-    pub frames: [usize; 5],
+    pub frames: [usize; 4],
     /// How often one frame was answered otherwise than the last.
     pub changes: usize,
     /// Of frames that took [`Tally::LONG`] or more: all of them together, and deciding in them, which is nothing
@@ -22,7 +22,7 @@ pub struct Tally {
 
 impl Tally {
     /// What kinds of backend are called.
-    pub const NAMES: [&str; 5] = ["kept", "one thread", "threads", "GPU", "CPU and GPU"];
+    pub const NAMES: [&str; 4] = ["kept", "one thread", "threads", "GPU"];
 
     /// In frames that take less, deciding may take a larger share.
     pub const LONG: Duration = Duration::from_micros(10);
@@ -33,7 +33,6 @@ impl Tally {
             Backend::Kept => 0,
             Backend::Threads { .. } => 2,
             Backend::Gpu => 3,
-            Backend::Hybrid { .. } => 4,
             _ => 1,
         };
         self.frames[kind] += 1;

@@ -13,10 +13,6 @@ use pfront::threads::Traversal;
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 
-/// What a GPU gets, in per cent, in plans that divide a frame between it and all threads.
-#[cfg(feature = "gpu")]
-const SHARES: [u32; 2] = [20, 50];
-
 /// All who play a case.
 pub struct Field {
     /// Plans that never change; the first is one thread.
@@ -49,23 +45,11 @@ impl Field {
         Ok(Self { fixed, planner })
     }
 
-    /// The same with a GPU among the fixed plans, alone and, where there are several threads, with all of them.
+    /// Adds a GPU to the fixed plans.
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn with_gpu(mut self, gpu: &Gpu) -> Self {
-        let gpu = OnGpu::new(gpu.clone());
-        let mut with = vec![Lane { name: "GPU".to_owned(), on: On::Gpu(gpu.clone()) }];
-        if let Some(Lane { on: On::Cpu(Some(traversal)), .. }) = self.fixed.last() {
-            with.extend(SHARES.map(|share| Lane {
-                name: format!("{share} % GPU"),
-                on: On::Both {
-                    traversal: traversal.clone(),
-                    gpu: gpu.clone(),
-                    share: f64::from(share) / 100.0,
-                },
-            }));
-        }
-        self.fixed.extend(with);
+        self.fixed.push(Lane { name: "GPU".to_owned(), on: On::Gpu(OnGpu::new(gpu.clone())) });
         self
     }
 
