@@ -18,6 +18,9 @@
 //
 // Whatever a function takes by a pointer to const, any number of threads may use at once; but the arrays that a
 // pfront_bvh_memory_t names are for one call at a time.
+//
+// A thread may flush subnormal numbers (-ffast-math) or round in any direction: each function works in the default
+// floating-point environment and restores the caller's.
 
 #ifndef PFRONT_H
 #define PFRONT_H
@@ -102,6 +105,9 @@ enum pfront_status_t
   PFRONT_BLOB_TOO_MANY = 27,
   // Blobs are little-endian, and this machine is not: it can write them, but not borrow.
   PFRONT_BIG_ENDIAN = 28,
+  // The calling thread flushes subnormal numbers or does not round to nearest. On x86-64 and AArch64 each function
+  // sets what it needs and restores it on return, so this is for other processors only.
+  PFRONT_FLOAT_ENVIRONMENT = 29,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

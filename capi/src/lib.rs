@@ -13,6 +13,7 @@ mod blob;
 mod build;
 mod bvh;
 mod cursor;
+mod environment;
 mod fans;
 mod front;
 mod memory;

@@ -9,6 +9,7 @@
 
 #![expect(unsafe_code, reason = "C knows only pointers, and somebody has to follow them")]
 
+use crate::environment;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::ffi::{CStr, c_void};
@@ -68,7 +69,7 @@ impl Caller {
             return PFRONT_MISALIGNED;
         }
         let mut call = Call { claims: [Claim::NONE; 6], count: 0, lifetime: PhantomData };
-        let fault = match guarded(|| body(&mut call)) {
+        let fault = match environment::with_default(|| guarded(|| body(&mut call))) {
             Ok(()) => Fault::new(PFRONT_OK),
             Err(fault) => fault,
         };

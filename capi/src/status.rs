@@ -70,6 +70,9 @@ pub enum pfront_status_t {
     PFRONT_BLOB_TOO_MANY = 27,
     /// Blobs are little-endian, and this machine is not: it can write them, but not borrow.
     PFRONT_BIG_ENDIAN = 28,
+    /// The calling thread flushes subnormal numbers or does not round to nearest. On x86-64 and AArch64 each function
+    /// sets what it needs and restores it on return, so this is for other processors only.
+    PFRONT_FLOAT_ENVIRONMENT = 29,
 }
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
@@ -93,7 +96,7 @@ pub struct pfront_error_t {
 #[unsafe(no_mangle)]
 #[expect(unsafe_code, reason = "C finds functions by name")]
 pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 29] = [
+    const TEXTS: [&CStr; 30] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
@@ -123,6 +126,7 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"a byte of a blob has changed since it was written",
         c"a mesh is too large for a blob",
         c"a big-endian machine cannot borrow a blob",
+        c"this thread flushes subnormal numbers or does not round to nearest",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

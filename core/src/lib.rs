@@ -1,5 +1,11 @@
 #![no_std]
-#![doc = "The allocation-free heart of `pfront`."]
+//! The allocation-free heart of `pfront`.
+//!
+//! # Floating-point environment
+//! Exact answers need IEEE 754's default environment on every thread that calls: rounding to nearest, and
+//! subnormal numbers kept (no FTZ or DAZ, so no `-ffast-math` start-up code of the host). Rust assumes
+//! that environment everywhere. [`Mesh::new`] and [`Mesh::with_positions`] look at it and refuse to work in
+//! another one; queries do not look again. The C API sets and restores it by itself.
 
 #[cfg(feature = "std")]
 extern crate std;

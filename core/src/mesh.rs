@@ -3,6 +3,7 @@
 //! Everything below trusts a [`Mesh`]: indices are in range and coordinates finite, so no walk
 //! re-checks either (`accuracy.md`, contract 1).
 
+use crate::exact::environment;
 use crate::index::item;
 use core::fmt;
 
@@ -38,7 +39,8 @@ impl<'a> Mesh<'a> {
     /// `triangles` are indices into `positions`.
     ///
     /// # Errors
-    /// [`MeshError`] names the first vertex or triangle at fault.
+    /// [`MeshError`] names the first vertex or triangle at fault, or the calling thread's
+    /// [floating-point environment](MeshError::FloatEnvironment).
     ///
     /// # Complexity
     /// O(vertices + triangles).
@@ -68,7 +70,8 @@ impl<'a> Mesh<'a> {
     /// Only the positions are checked again.
     ///
     /// # Errors
-    /// [`MeshError::NonFinite`], or [`MeshError::VertexCount`] if the number of vertices differs.
+    /// [`MeshError::NonFinite`], [`MeshError::VertexCount`] if the number of vertices differs, or
+    /// [`MeshError::FloatEnvironment`].
     ///
     /// # Complexity
     /// O(vertices).
@@ -133,6 +136,9 @@ impl<'a> Mesh<'a> {
 const AT_ONCE: usize = 256;
 
 fn check_positions(positions: &[[f32; 3]]) -> Result<(), MeshError> {
+    if !environment::is_default() {
+        return Err(MeshError::FloatEnvironment);
+    }
     for (chunk, first) in positions.chunks(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
         if !chunk.as_flattened().iter().fold(true, |well, x| well & x.is_finite()) {
             let at_fault = chunk.iter().position(|p| !p.iter().all(|x| x.is_finite()));
@@ -172,6 +178,9 @@ pub enum MeshError {
         /// Vertices given.
         found: usize,
     },
+    /// The calling thread flushes subnormal numbers or does not round to nearest, so that answers could
+    /// be wrong. Restore the default environment before each call: MXCSR 0x1f80 on x86, FPCR 0 on Arm.
+    FloatEnvironment,
 }
 
 impl fmt::Display for MeshError {
@@ -190,6 +199,10 @@ impl fmt::Display for MeshError {
             Self::VertexCount { expected, found } => {
                 write!(f, "{found} positions were given for a mesh of {expected} vertices")
             }
+            Self::FloatEnvironment => f.write_str(
+                "this thread flushes subnormal numbers or does not round to nearest: \
+                 set MXCSR to 0x1f80 (x86) or FPCR to 0 (Arm) before calling",
+            ),
         }
     }
 }

@@ -84,6 +84,7 @@ impl From<MeshError> for Fault {
             MeshError::VertexCount { expected, found } => {
                 Self::of(PFRONT_VERTEX_COUNT, c"positions").numbers(expected, found)
             }
+            MeshError::FloatEnvironment => Self::new(PFRONT_FLOAT_ENVIRONMENT),
             _ => Self::new(PFRONT_DAMAGED),
         }
     }

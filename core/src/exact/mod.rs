@@ -25,6 +25,7 @@
 //! Floating-Point Arithmetic, 1997) with the maxima of Devillers & Pion in place of the permanent.
 //! Likewise in 2D: 2 products, each within (1+u)^4 − 1 < 4.01u, give 8.9e-16 · mx·my.
 
+pub(crate) mod environment;
 pub(crate) mod filter32;
 mod int896;
 mod integer;
