@@ -52,7 +52,7 @@ mod tests {
         const POINTS: [[f32; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         const TRIANGLES: [[u32; 3]; 1] = [[0, 1, 2]];
         let made = || Mesh::new(&POINTS, &TRIANGLES).err();
-        let moved = || Mesh::trusted(&POINTS, &TRIANGLES).with_positions(&POINTS).err();
+        let moved = || Mesh::new_unchecked(&POINTS, &TRIANGLES).with_positions(&POINTS).err();
         assert_eq!([under(0x1f80, made), under(0x1f80, moved)], [None; 2]);
         let refused = Some(MeshError::FloatEnvironment);
         assert_eq!([under(0x9fc0, made), under(0x9fc0, moved)], [refused; 2]);
