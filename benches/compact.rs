@@ -1,4 +1,4 @@
-//! Bytes a triangle and time of the compact layout beside the wide one.
+//! Bytes a triangle and time of the compact layout beside the standard one.
 //!
 //! `cargo bench --bench compact`; with recorded data (`PFRONT_DATA`, see test.sh) two bunnies are added. Times
 //! are medians of rounds in which each tree is asked in turn, so that all suffer alike from what else a machine
@@ -7,9 +7,7 @@
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a bench fails by panicking")]
 
 use pfront::core::bvh::{self, BvhStorage};
-use pfront::core::bvh::{
-    Compact, CompactNode, CompactStorage, Index, Layout, compact, compact_bound, node_bound,
-};
+use pfront::core::bvh::{CompactNode, Layout, compact, node_bound};
 use pfront::core::bvtt::{PairQuery, Query, SelfQuery};
 use pfront::{BuildOptions, Bvh, Mesh, Node, Pose};
 use pfront_scenes::{Scene, TriMesh};
@@ -84,11 +82,8 @@ struct Tree<'m> {
     mesh: Mesh<'m>,
     nodes: Vec<Node>,
     order: Vec<u32>,
-    small_nodes: Vec<CompactNode>,
-    small_order: Vec<[u8; 3]>,
+    compact: Vec<CompactNode>,
 }
-
-type Small = Compact<[u8; 3]>;
 
 impl<'m> Tree<'m> {
     fn new(mesh: &'m TriMesh, build: Build, leaf_size: u32) -> Self {
@@ -105,35 +100,30 @@ impl<'m> Tree<'m> {
         };
         let used = bvh.unwrap().nodes().len();
         nodes.truncate(used);
-        let mut small_nodes = vec![CompactNode::ZERO; compact_bound(used)];
-        let mut small_order = vec![[0; 3]; n];
-        let storage = CompactStorage { nodes: &mut small_nodes, order: &mut small_order };
-        compact(mesh, &nodes, &order, storage).unwrap();
-        Self { mesh, nodes, order, small_nodes, small_order }
+        let mut small = vec![CompactNode::ZERO; used];
+        compact(mesh, &nodes, &order, &mut small).unwrap();
+        Self { mesh, nodes, order, compact: small }
     }
 
-    fn wide(&self) -> Bvh<'_> {
+    fn standard(&self) -> Bvh<'_> {
         Bvh::new_unchecked(self.mesh, &self.nodes, &self.order)
     }
 
-    fn small(&self) -> Bvh<'_, Small> {
-        Bvh::new_compact_unchecked(self.mesh, &self.small_nodes, &self.small_order)
+    fn compact(&self) -> Bvh<'_, CompactNode> {
+        Bvh::new_unchecked(self.mesh, &self.compact, &self.order)
     }
 }
 
-/// Bytes a triangle with nodes of type `N` and entries of type `I`, which may not do for so many.
-fn bytes<N, I: Index>(trees: &[Tree<'_>]) -> String {
-    if trees.iter().any(|tree| tree.order.len() > I::MOST) {
-        return "–".to_owned();
-    }
+/// Bytes a triangle of nodes of type `N` and the order.
+fn bytes<N>(trees: &[Tree<'_>]) -> String {
     let triangles: usize = trees.iter().map(|tree| tree.order.len()).sum();
     let nodes: usize = trees.iter().map(|tree| tree.nodes.len()).sum();
-    let bytes = nodes * size_of::<N>() + triangles * size_of::<I>();
+    let bytes = nodes * size_of::<N>() + triangles * size_of::<u32>();
     format!("{:.1}", bytes as f64 / triangles as f64)
 }
 
 /// How many pairs meet in all poses, and how long that took.
-fn ask<L: Layout>(case: &Case, bvhs: &[Bvh<'_, L>]) -> (u64, Duration) {
+fn ask<N: Layout>(case: &Case, bvhs: &[Bvh<'_, N>]) -> (u64, Duration) {
     let clock = Instant::now();
     let count = match *bvhs {
         [own] => SelfQuery::new(own).count(),
@@ -154,8 +144,8 @@ fn main() {
     let once = std::env::args().any(|argument| argument == "--test");
     let (rounds, leaf_sizes): (_, &[u32]) = if once { (1, &[4]) } else { (15, &[1, 2, 4, 8]) };
     println!(
-        "| scene | build | leaf size | wide | compact, 4-byte order | 3 | 2 | wide, ms | compact ÷ wide | compact ÷ \
-         wide by default |\n|---|---|---|---|---|---|---|---|---|---|"
+        "| scene | build | leaf size | standard | compact | standard, ms | compact ÷ standard | compact ÷ \
+         standard by default |\n|---|---|---|---|---|---|---|---|"
     );
     for case in cases() {
         let trees = |build, leaf_size| -> Vec<_> {
@@ -168,23 +158,21 @@ fn main() {
                 let mut times = [vec![], vec![], vec![]];
                 for _ in 0..rounds {
                     let asked = [
-                        ask(&case, &default.iter().map(Tree::wide).collect::<Vec<_>>()),
-                        ask(&case, &trees.iter().map(Tree::wide).collect::<Vec<_>>()),
-                        ask(&case, &trees.iter().map(Tree::small).collect::<Vec<_>>()),
+                        ask(&case, &default.iter().map(Tree::standard).collect::<Vec<_>>()),
+                        ask(&case, &trees.iter().map(Tree::standard).collect::<Vec<_>>()),
+                        ask(&case, &trees.iter().map(Tree::compact).collect::<Vec<_>>()),
                     ];
                     assert!(asked.iter().all(|answer| answer.0 == asked[0].0), "{}", case.name);
                     times.iter_mut().zip(asked).for_each(|(times, (_, time))| times.push(time));
                 }
-                let [default, wide, small] = times.map(median);
+                let [default, standard, compact] = times.map(median);
                 println!(
-                    "| {} | {name} | {leaf_size} | {} | {} | {} | {} | {wide:.2} | {:.2} | {:.2} |",
+                    "| {} | {name} | {leaf_size} | {} | {} | {standard:.2} | {:.2} | {:.2} |",
                     case.name,
-                    bytes::<Node, u32>(&trees),
-                    bytes::<CompactNode, u32>(&trees),
-                    bytes::<CompactNode, [u8; 3]>(&trees),
-                    bytes::<CompactNode, u16>(&trees),
-                    small / wide,
-                    small / default,
+                    bytes::<Node>(&trees),
+                    bytes::<CompactNode>(&trees),
+                    compact / standard,
+                    compact / default,
                 );
             }
         }

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::core::bvh::{self, BvhStorage, SahItem};
-use pfront::core::bvh::{Compact, check_scratch_bound, compact_in_place, node_bound};
+use pfront::core::bvh::{CompactNode, check_scratch_bound, compact, node_bound};
 use pfront::core::bvtt::{self, Query};
 use pfront::core::triangle::{contact, intersects};
 use pfront::{
@@ -82,6 +82,7 @@ fn the_core_allocates_nothing() {
         let n = soup.triangles.len();
         let mut nodes = vec![Node::EMPTY; node_bound(n)];
         let mut order = vec![0; n];
+        let mut compact_nodes = vec![CompactNode::ZERO; node_bound(n)];
         let mut sah_scratch = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
         let mut morton_scratch = vec![0; bvh::morton_scratch_bound(n)];
         let mut check_scratch = vec![0; check_scratch_bound(n)];
@@ -102,15 +103,16 @@ fn the_core_allocates_nothing() {
                 Bvh::new(mesh, &nodes[..used], &order, &mut check_scratch).unwrap(),
                 here,
             );
-            let small: Bvh<'_, Compact<u16>> =
-                compact_in_place(mesh, &mut nodes[..used], &mut order).unwrap();
-            ask_everything(small, here);
+            ask_everything(
+                compact(mesh, &nodes[..used], &order, &mut compact_nodes).unwrap(),
+                here,
+            );
         });
         assert_eq!(count, 0);
     }
 }
 
-fn ask_everything<L: bvh::Layout>(bvh: Bvh<'_, L>, pose: Pose) {
+fn ask_everything<N: bvh::Layout>(bvh: Bvh<'_, N>, pose: Pose) {
     bvh.assert_well_formed();
     for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
         for pose in [pose, Pose::IDENTITY] {

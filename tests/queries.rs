@@ -5,7 +5,7 @@
 
 mod layouts;
 
-use layouts::Small;
+use layouts::Compact;
 use pfront::core::bvh::{self, BvhStorage};
 use pfront::core::bvh::{MAX_LEAF_SIZE, node_bound};
 use pfront::core::bvtt::{self, Query};
@@ -190,7 +190,7 @@ fn pair(a: &Soup, b: &Soup, a_from_b: &Pose) -> usize {
             assert!(contacts.iter().map(|c| &c.0).eq(&truth));
         }
         pages(&bvtt::PairQuery::new(s.bvh(), t.bvh(), *a_from_b).unwrap(), &truth);
-        let (small, least) = (Small::<u16>::of(s.bvh()), Small::<[u8; 3]>::of(t.bvh()));
+        let (small, least) = (Compact::of(s.bvh()), Compact::of(t.bvh()));
         let (small, least) = (small.bvh(s.mesh()), least.bvh(t.mesh()));
         pages(&bvtt::PairQuery::new(small, least, *a_from_b).unwrap(), &truth);
         pages(&bvtt::PairQuery::new(small, t.bvh(), *a_from_b).unwrap(), &truth);
@@ -227,7 +227,7 @@ fn within(soup: &Soup) -> usize {
             assert!(superset(conservative.all(model), truth));
             let query = bvtt::SelfQuery::new(model.bvh()).with_adjacency(adjacency);
             pages(&query, truth);
-            let small = Small::<u32>::of(model.bvh());
+            let small = Compact::of(model.bvh());
             pages(&bvtt::SelfQuery::new(small.bvh(model.mesh())).with_adjacency(adjacency), truth);
         }
         morton(soup, |bvh| {

@@ -10,7 +10,7 @@ mod data;
 mod layouts;
 
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh};
-use layouts::Small;
+use layouts::Compact;
 use pfront::core::bvtt::{self, Query};
 use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_oracle::generate::soup::{Soup, posed};
@@ -54,7 +54,7 @@ fn nasty_meshes_with_themselves() {
         let truth = as_pairs(&self_pairs(&soup.positions, &soup.triangles));
         let model = Model::new(soup.positions, soup.triangles).unwrap();
         assert_eq!(SelfQuery::new().all(&model), truth, "{file}");
-        let small = Small::<u16>::of(model.bvh());
+        let small = Compact::of(model.bvh());
         let compact = bvtt::SelfQuery::new(small.bvh(model.mesh()));
         assert_eq!(sorted(&compact), truth, "{file}, compact");
     }
@@ -94,7 +94,7 @@ fn found(a: &Soup, b: &Soup, a_from_b: &Pose) -> Vec<TrianglePair> {
     let [a, b] =
         [a, b].map(|soup| Model::new(soup.positions.clone(), soup.triangles.clone()).unwrap());
     let pairs = PairQuery::new().all(&a, &b, a_from_b).unwrap().to_vec();
-    let small = [&a, &b].map(|model| Small::<[u8; 3]>::of(model.bvh()));
+    let small = [&a, &b].map(|model| Compact::of(model.bvh()));
     let [s, t] = [small[0].bvh(a.mesh()), small[1].bvh(b.mesh())];
     assert_eq!(sorted(&bvtt::PairQuery::new(s, t, *a_from_b).unwrap()), pairs, "compact");
     pairs

@@ -5,7 +5,7 @@
 
 mod layouts;
 
-use layouts::Small;
+use layouts::Compact;
 use pfront::core::bvtt::{Cursor, PairQuery, Query, SelfQuery, Work};
 use pfront::{BuildOptions, Model, Pose, TrianglePair};
 use pfront_oracle::generate::soup::{Soup, pose_rows, sheet, sphere, tangle, union};
@@ -94,7 +94,7 @@ fn two_meshes_with_each_budget() {
             for [x, y, z] in [[0.0; 3], [0.3, 0.1, 0.02]] {
                 let pose = Pose::from_translation([x, y, z]);
                 with_each_budget(&PairQuery::new(a.bvh(), b.bvh(), pose).unwrap());
-                let small = Small::<u16>::of(a.bvh());
+                let small = Compact::of(a.bvh());
                 with_each_budget(&PairQuery::new(small.bvh(a.mesh()), b.bvh(), pose).unwrap());
             }
         }
@@ -138,7 +138,7 @@ proptest! {
         in_steps(&query, &at_one_go(&query), steps());
         let query = SelfQuery::new(a.bvh());
         in_steps(&query, &at_one_go(&query), steps());
-        let (small, least) = (Small::<u32>::of(a.bvh()), Small::<[u8; 3]>::of(b.bvh()));
+        let (small, least) = (Compact::of(a.bvh()), Compact::of(b.bvh()));
         let query = PairQuery::new(small.bvh(a.mesh()), least.bvh(b.mesh()), pose).unwrap();
         in_steps(&query, &at_one_go(&query), steps());
         let query = SelfQuery::new(small.bvh(a.mesh()));

@@ -4,7 +4,7 @@
 
 mod layouts;
 
-use layouts::Small;
+use layouts::Compact;
 use pfront::core::bvtt;
 use pfront::core::bvtt::Placed;
 use pfront::threads::{Schedule, Settings, Traversal};
@@ -77,7 +77,7 @@ fn compact_models() {
         Model::with_options(mesh.positions.clone(), mesh.triangles.clone(), options).unwrap()
     };
     let (a, b) = (model(0), model(1));
-    let (small, least) = (Small::<u16>::of(a.bvh()), Small::<[u8; 3]>::of(b.bvh()));
+    let (small, least) = (Compact::of(a.bvh()), Compact::of(b.bvh()));
     let (small, least) = (small.bvh(a.mesh()), least.bvh(b.mesh()));
     let (mut poses, mut found, mut truth) = (Vec::new(), Vec::new(), Vec::new());
     let aside = Pose::new([[0.6, -0.8, 0.0, 0.3], [0.8, 0.6, 0.0, -2.0], [0.0, 0.0, 1.0, 0.1]]);

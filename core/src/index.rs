@@ -1,73 +1,48 @@
-//! Indices that were checked long before, in data that a caller vouches for.
+//! Elements by indices that a proof bounds, or that [`Bvh::new`](crate::Bvh::new) has checked.
 //!
-//! With std a wrong one panics, as indexing does, and costs no more. Firmware had better not link what
-//! panics need, so without std a stand-in is found there that no query makes anything of: see
-//! `firmware/examples/panics.rs`.
+//! Where the proof fails, or arrays were given to `new_unchecked` that break its contract, these functions end in
+//! the one panic of this crate. Its message is constant, so that firmware links no formatting: `.ci/firmware` allows
+//! no other.
 
-use crate::Node;
-use crate::bvh::CompactNode;
-
-/// What stands in for an element that is not there.
-pub(crate) trait StandIn: Sized + 'static {
-    const NOTHING: &'static Self;
-}
-
-/// An empty leaf, which overlaps nothing.
-impl StandIn for Node {
-    const NOTHING: &'static Self = &Self { count: u32::MAX, ..Self::EMPTY };
-}
-
-/// Likewise.
-impl StandIn for CompactNode {
-    const NOTHING: &'static Self = &Self::NOTHING;
-}
-
-/// A triangle of vertices that are not there.
-impl StandIn for [u32; 3] {
-    const NOTHING: &'static Self = &[u32::MAX; 3];
-}
-
-/// A vertex that is in no place.
-impl StandIn for [f32; 3] {
-    const NOTHING: &'static Self = &[f32::NAN; 3];
-}
-
-/// A triangle that is not there.
-impl StandIn for u32 {
-    const NOTHING: &'static Self = &u32::MAX;
-}
-
-/// Likewise, though one that may be.
-impl StandIn for u16 {
-    const NOTHING: &'static Self = &u16::MAX;
-}
-
-/// Likewise.
-impl StandIn for [u8; 3] {
-    const NOTHING: &'static Self = &[u8::MAX; 3];
-}
-
-/// An element, by an index that is in range.
+/// The element at `index`.
 #[inline(always)]
-pub(crate) fn item<T: StandIn>(items: &[T], index: u32) -> &T {
-    if cfg!(feature = "std") {
-        return &items[index as usize];
+pub(crate) fn at<T>(slice: &[T], index: impl TryInto<usize>) -> &T {
+    match index.try_into().ok().and_then(|index| slice.get(index)) {
+        Some(element) => element,
+        None => out_of_range(),
     }
-    items.get(index as usize).unwrap_or(T::NOTHING)
 }
 
-/// A run of elements, by a range that is in range.
+/// The element at `index`, to be changed.
 #[inline(always)]
-pub(crate) fn run<T>(items: &[T], first: u32, count: u32) -> &[T] {
-    if cfg!(feature = "std") {
-        return &items[first as usize..][..count as usize];
+pub(crate) fn at_mut<T>(slice: &mut [T], index: impl TryInto<usize>) -> &mut T {
+    match index.try_into().ok().and_then(|index| slice.get_mut(index)) {
+        Some(element) => element,
+        None => out_of_range(),
     }
-    let rest = items.get(first as usize..).unwrap_or_default();
-    rest.get(..count as usize).unwrap_or_default()
 }
 
-/// Divides a slice at `middle`, or at its end if that comes before.
+/// The `count` elements from `first` on.
+#[inline(always)]
+pub(crate) fn range<T>(slice: &[T], first: u32, count: u32) -> &[T] {
+    match slice.get(first as usize..).and_then(|rest| rest.get(..count as usize)) {
+        Some(elements) => elements,
+        None => out_of_range(),
+    }
+}
+
+/// Divides a slice at `middle`, or at its end if that comes before: builds that run out of nodes go on counting.
 #[inline]
-pub(crate) fn split<T>(items: &mut [T], middle: usize) -> (&mut [T], &mut [T]) {
-    items.split_at_mut(middle.min(items.len()))
+pub(crate) fn split<T>(slice: &mut [T], middle: usize) -> (&mut [T], &mut [T]) {
+    slice.split_at_mut(middle.min(slice.len()))
+}
+
+/// Panics: see the module.
+#[cold]
+#[inline(never)]
+#[expect(clippy::panic, reason = "fewer pairs without a word would be worse")]
+pub(crate) fn out_of_range() -> ! {
+    panic!(
+        "index out of range: arrays passed to `new_unchecked` are not those of a valid mesh and BVH"
+    )
 }

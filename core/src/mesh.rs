@@ -4,7 +4,7 @@
 //! re-checks either (`accuracy.md`, contract 1).
 
 use crate::exact::environment;
-use crate::index::item;
+use crate::index::at;
 use core::fmt;
 
 /// Corner positions of one triangle, in the units of the mesh.
@@ -128,7 +128,7 @@ impl<'a> Mesh<'a> {
     #[inline]
     #[must_use]
     pub fn triangle(self, index: u32) -> Triangle {
-        item(self.triangles, index).map(|vertex| *item(self.positions, vertex))
+        at(self.triangles, index).map(|vertex| *at(self.positions, vertex))
     }
 }
 

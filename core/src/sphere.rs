@@ -4,7 +4,7 @@
 //! overlap, most are told apart by their spheres, before anything of their BVHs is read.
 
 use crate::bvh::Layout;
-use crate::index::item;
+use crate::index::at;
 use crate::transform::PADDING;
 use crate::{Bvh, Pose};
 use glam::DVec3;
@@ -30,7 +30,7 @@ impl Sphere {
         let centre = bounds.min * 0.5 + bounds.max * 0.5;
         let (mesh, middle) = (bvh.mesh(), centre.as_dvec3());
         let corners = mesh.triangles().iter().flatten();
-        let out = corners.map(|v| vector(item(mesh.positions(), *v)) - middle);
+        let out = corners.map(|v| vector(at(mesh.positions(), *v)) - middle);
         let farther =
             |x: DVec3, y: DVec3| if x.length_squared() > y.length_squared() { x } else { y };
         let radius = upwards(out.fold(DVec3::ZERO, farther).length());

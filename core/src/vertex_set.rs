@@ -4,7 +4,7 @@
 //! in one word or two is empty if nothing is counted between.
 
 use crate::CapacityError;
-use crate::index::{StandIn, item};
+use crate::index::{at, at_mut};
 
 /// How many vertices share a word.
 const SHARE: usize = u32::BITS as usize;
@@ -15,11 +15,6 @@ pub struct Moved {
     bits: u32,
     /// How many vertices of the words before have moved.
     before: u32,
-}
-
-/// A word of no vertex.
-impl StandIn for Moved {
-    const NOTHING: &'static Self = &Self { bits: 0, before: 0 };
 }
 
 /// How many words the set of so many vertices has.
@@ -65,9 +60,7 @@ pub fn mark_moved(
 
 /// Adds a vertex; [`number`] must follow before a range is asked about.
 pub(crate) fn mark(set: &mut [Moved], vertex: u32) {
-    if let Some(word) = set.get_mut(vertex as usize / SHARE) {
-        word.bits |= 1 << (vertex as usize % SHARE);
-    }
+    at_mut(set, vertex as usize / SHARE).bits |= 1 << (vertex as usize % SHARE);
 }
 
 /// Counts the vertices of each word anew.
@@ -81,13 +74,13 @@ pub(crate) fn number(set: &mut [Moved]) {
 
 #[inline(always)]
 pub(crate) fn holds(set: &[Moved], vertex: u32) -> bool {
-    item(set, vertex / SHARE as u32).bits >> (vertex as usize % SHARE) & 1 != 0
+    at(set, vertex / SHARE as u32).bits >> (vertex as usize % SHARE) & 1 != 0
 }
 
 /// Whether the set holds any vertex from the first to the last.
 #[inline(always)]
 pub(crate) fn holds_any(set: &[Moved], [first, last]: [u32; 2]) -> bool {
-    let [low, high] = [first, last].map(|vertex| item(set, vertex / SHARE as u32));
+    let [low, high] = [first, last].map(|vertex| at(set, vertex / SHARE as u32));
     let from_first = !0 << (first as usize % SHARE);
     let to_last = !0 >> (SHARE - 1 - last as usize % SHARE);
     if first as usize / SHARE == last as usize / SHARE {

@@ -1,4 +1,5 @@
-//! Everything public of `pfront_core` that works without std, to be linked and searched for panics.
+//! Everything public of `pfront_core` that works without std, to be linked and searched for panics other than the
+//! one of `core/src/index.rs`.
 //!
 //! Not here are the SAH build, which selects medians as `core` does, and needs 32 bytes a triangle and
 //! 64 KiB of stack; and those functions whose purpose it is to panic, `assert_well_formed`.
@@ -10,7 +11,7 @@ use core::hint::black_box as any;
 use core::ops::ControlFlow::Continue;
 use core::panic::PanicInfo;
 use pfront_core::bvh::*;
-use pfront_core::bvh::{Compact, CompactNode, CompactStorage, compact, compact_in_place};
+use pfront_core::bvh::{CompactNode, compact};
 use pfront_core::bvtt::*;
 use pfront_core::exact::{orient2d, orient3d};
 use pfront_core::front::*;
@@ -29,7 +30,7 @@ fn some<T>() -> Option<T> {
 struct Slices<'s> {
     positions: &'s [[f32; 3]],
     triangles: &'s [[u32; 3]],
-    nodes: [&'s mut [Node]; 3],
+    nodes: [&'s mut [Node]; 2],
     compact: &'s mut [CompactNode],
     order: &'s mut [u32],
     keys: &'s mut [u64],
@@ -46,7 +47,7 @@ struct Slices<'s> {
 }
 
 fn everything(slices: Slices<'_>) -> Option<()> {
-    let Slices { positions, triangles, nodes: [nodes, others, spare], order, keys, words, .. } =
+    let Slices { positions, triangles, nodes: [nodes, others], order, keys, words, .. } =
         slices;
     let mesh = Mesh::new(positions, triangles).ok()?;
     let mesh = mesh.with_positions(some()?).ok()?;
@@ -54,7 +55,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let storage = BvhStorage { nodes, order };
     let bvh = morton_with(mesh, &some()?, storage, keys, join).ok()?;
     any((Bvh::new(mesh, bvh.nodes(), bvh.order(), words).ok()?.depth(), quality(&bvh)));
-    any(Bvh::new_unchecked(mesh, some()?, some()?));
+    any::<Bvh<'_>>(Bvh::new_unchecked(mesh, some()?, some()?));
     any([refit_with(mesh, others, some()?, join), refit(mesh, others, some()?)]);
     baked(&bvh, slices.bytes);
     let [moved, near] = slices.moved;
@@ -80,12 +81,10 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     dearest_first(front.nodes_mut());
     any(Past::record(slices.past, front.nodes(), |node| node.cost).is_ok());
     any(Past::renumber(slices.past, |_| some()));
-    let storage = CompactStorage { nodes: slices.compact, order: some()? };
-    let small: Bvh<'_, Compact<u16>> = compact(mesh, bvh.nodes(), bvh.order(), storage).ok()?;
-    let least: Bvh<'_, Compact<[u8; 3]>> = compact_in_place(mesh, spare, some()?).ok()?;
-    any((Bvh::new_compact(mesh, small.nodes(), least.order(), words).ok()?.depth(), small.aabb()));
+    let small = compact(mesh, bvh.nodes(), bvh.order(), slices.compact).ok()?;
+    any((Bvh::new(mesh, small.nodes(), small.order(), words).ok()?.depth(), small.aabb()));
     asked(&SelfQuery::new(small), slices.page)?;
-    asked(&PairQuery::new(small, least, some()?).ok()?, slices.page)?;
+    asked(&PairQuery::new(small, small, some()?).ok()?, slices.page)?;
     asked(&PairQuery::in_world(placed, Placed::new(small, &some()?).ok()?), slices.page)?;
     let sphere = Sphere::of(&bvh)?.posed(&some()?);
     any(sphere.overlaps(&some()?));

@@ -69,11 +69,11 @@ impl Model {
             order: gpu.upload("the order of the triangles", bvh.order(), Usage::Input)?,
             seeds: gpu.upload("the seeds", &seeds, Usage::Input)?,
             seed_count: seeds.len() as u32,
-            root: bvh.root().map_or(LEAF, |_| reference(bvh.nodes(), 0)),
+            root: bvh.aabb().map_or(LEAF, |_| reference(bvh.nodes(), 0)),
             depth,
             depth_below_seeds: depth - level,
             leaf_size: bvh.nodes().iter().map(|node| node.count).fold(1, u32::max),
-            bounds: bvh.root().map(Node::aabb),
+            bounds: bvh.aabb(),
         })
     }
 

@@ -160,7 +160,7 @@ fn overlapping(boxes: &Model, aabb: &Aabb, mut visit: impl FnMut(usize)) {
     let bvh = boxes.bvh();
     let nodes = bvh.nodes();
     // A descent leaves one node behind a level.
-    let (mut waiting, mut len) = ([0_u32; MAX_DEPTH + 1], usize::from(bvh.root().is_some()));
+    let (mut waiting, mut len) = ([0_u32; MAX_DEPTH + 1], usize::from(!nodes.is_empty()));
     while len > 0 {
         len -= 1;
         let node = &nodes[waiting[len] as usize];

@@ -2,29 +2,26 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::bvh::{
-    Compact, CompactNode, CompactStorage, Index, check_scratch_bound, compact, compact_bound,
-};
+use pfront::core::bvh::{CompactNode, check_scratch_bound, compact, node_bound};
 use pfront::{Bvh, Mesh};
 
-/// The arrays of one.
-pub(crate) struct Small<I> {
+/// The arrays of a compact BVH.
+pub(crate) struct Compact {
     nodes: Vec<CompactNode>,
-    order: Vec<I>,
+    order: Vec<u32>,
 }
 
-impl<I: Index> Small<I> {
+impl Compact {
     pub(crate) fn of(bvh: Bvh<'_>) -> Self {
-        let mut nodes = vec![CompactNode::ZERO; compact_bound(bvh.nodes().len())];
-        let mut order = vec![I::new(0); bvh.order().len()];
-        let storage = CompactStorage { nodes: &mut nodes, order: &mut order };
-        compact(bvh.mesh(), bvh.nodes(), bvh.order(), storage).unwrap();
-        Self { nodes, order }
+        let mut nodes = vec![CompactNode::ZERO; node_bound(bvh.order().len())];
+        let used = compact(bvh.mesh(), bvh.nodes(), bvh.order(), &mut nodes).unwrap().nodes().len();
+        nodes.truncate(used);
+        Self { nodes, order: bvh.order().to_vec() }
     }
 
-    /// The BVH, as one from elsewhere: its boxes contain all that is below them.
-    pub(crate) fn bvh<'a>(&'a self, mesh: Mesh<'a>) -> Bvh<'a, Compact<I>> {
+    /// The BVH, checked as one from elsewhere: its boxes contain all that is below them.
+    pub(crate) fn bvh<'a>(&'a self, mesh: Mesh<'a>) -> Bvh<'a, CompactNode> {
         let mut scratch = vec![0; check_scratch_bound(self.order.len()).max(1)];
-        Bvh::new_compact(mesh, &self.nodes, &self.order, &mut scratch).unwrap()
+        Bvh::new(mesh, &self.nodes, &self.order, &mut scratch).unwrap()
     }
 }

@@ -1,101 +1,87 @@
-//! What makes arrays a BVH of a mesh.
+//! The check that arrays are a BVH of a mesh.
 //!
-//! One walk settles the structure without marking nodes. Children come after their parent, so every
-//! path ends; each leaf's run must start where the run of the leaf before it ended, so a node
-//! reached twice is caught at its first leaf, and a tangled graph cannot be walked for longer than
-//! a tree could be.
+//! One preorder pass settles the structure without marking nodes. Children come after their parent, so every
+//! path ends; the range of a leaf must begin where that of the leaf before it ended, so a node
+//! reached twice is caught at its first leaf, and a tangled graph cannot take longer than a tree.
 
-use super::{Bvh, Index, Layout, MAX_DEPTH, MAX_LEAF_SIZE, TreeNode, preorder};
+use super::{Bvh, Layout, MAX_DEPTH, MAX_LEAF_SIZE, preorder};
+use crate::index::{at, range};
 use crate::{Aabb, CapacityError};
 use core::fmt;
 
-/// How many words of scratch [`Bvh::new`] needs to check so many triangles in one pass.
+/// How many words of scratch [`Bvh::new`] needs to check `triangles` triangles in one pass.
 #[must_use]
 pub const fn check_scratch_bound(triangles: usize) -> usize {
     triangles.div_ceil(u32::BITS as usize)
 }
 
-impl<L: Layout> Bvh<'_, L> {
+impl<N: Layout> Bvh<'_, N> {
     pub(super) fn check(&self, scratch: &mut [u32]) -> Result<(), BvhError> {
         let (found, expected) = (self.order.len(), self.mesh.triangles().len());
         if found != expected {
             return Err(BvhError::OrderLength { found, expected });
         }
         check_permutation(self.order, scratch)?;
-        self.check_nodes()
-    }
-
-    fn check_nodes(&self) -> Result<(), BvhError> {
         let (mut reached, mut covered) = (0, 0);
         preorder(self.nodes, |index, depth| {
-            let node = self.node(index as u32);
+            let node = at(self.nodes, index);
             reached += 1;
             let content = if node.is_leaf() {
-                let run = self.run(node, covered).ok_or(BvhError::Leaf { node: index })?;
-                covered += run.len();
-                let boxes = run.iter().map(|t| Aabb::of(&self.mesh.triangle(t.get())));
-                boxes.fold(Aabb::EMPTY, |a, b| a.union(&b))
+                let [first, count] = node.leaf_range();
+                let in_range = count as usize <= self.order.len() - covered;
+                if first as usize != covered || count > MAX_LEAF_SIZE || !in_range {
+                    return Err(BvhError::Leaf { node: index });
+                }
+                covered += count as usize;
+                let triangles = range(self.order, first, count).iter();
+                triangles.fold(Aabb::EMPTY, |a, &t| a.union(&Aabb::of(&self.mesh.triangle(t))))
             } else {
-                let [a, b] = self.children(index).ok_or(BvhError::Child { node: index })?;
+                let left = node.left() as usize;
+                if left <= index || left % 2 != 0 || left + 1 >= self.nodes.len() {
+                    return Err(BvhError::Child { node: index });
+                }
                 if depth == MAX_DEPTH {
                     return Err(BvhError::Depth { node: index });
                 }
-                let [a, b] = [a, b].map(|child| Aabb::from(self.bounds(child)));
-                if !(is_finite(&a) && is_finite(&b)) {
-                    return Err(BvhError::Box { node: index });
-                }
+                let [a, b] = [left, left + 1].map(|n| Aabb::from(self.bounds(at(self.nodes, n))));
                 a.union(&b)
             };
             let aabb = Aabb::from(self.bounds(node));
-            if is_finite(&aabb) && aabb.contains(&content) {
-                Ok(())
-            } else {
-                Err(BvhError::Box { node: index })
-            }
+            let is_finite = aabb.min.iter().chain(&aabb.max).all(|x| x.is_finite());
+            let fits = is_finite && aabb.contains(&content);
+            if fits { Ok(()) } else { Err(BvhError::Box { node: index }) }
         })?;
         if covered != self.order.len() {
             return Err(BvhError::Uncovered { entry: covered });
         }
         // The reached nodes are all different, and slot 1 is never among them.
-        let fewest = if reached > 0 { L::Node::FEWEST } else { 0 };
-        let needed = if reached > 1 { reached + 1 } else { fewest };
+        let needed = match reached {
+            0 => 0,
+            1 => N::LONE,
+            _ => reached + 1,
+        };
         if needed != self.nodes.len() {
             return Err(BvhError::NodeCount { reached, found: self.nodes.len() });
         }
         Ok(())
     }
-
-    fn run(&self, leaf: &L::Node, covered: usize) -> Option<&[L::Index]> {
-        let [first, count] = leaf.run().map(|x| x as usize);
-        let run = self.order.get(first..first.checked_add(count)?)?;
-        (first == covered && count <= MAX_LEAF_SIZE as usize).then_some(run)
-    }
-
-    fn children(&self, index: usize) -> Option<&[L::Node; 2]> {
-        let left = self.node(index as u32).left() as usize;
-        let pair = self.nodes.get(left..left.checked_add(2)?)?;
-        (left > index && left.is_multiple_of(2)).then_some(pair.try_into().ok()?)
-    }
-}
-
-fn is_finite(aabb: &Aabb) -> bool {
-    aabb.min.iter().chain(&aabb.max).all(|x| x.is_finite())
 }
 
 /// Whether `order` holds each of 0 … its length − 1 once; a pass marks as many as `scratch` can.
-fn check_permutation<I: Index>(order: &[I], scratch: &mut [u32]) -> Result<(), BvhError> {
+fn check_permutation(order: &[u32], scratch: &mut [u32]) -> Result<(), BvhError> {
     if !order.is_empty() && scratch.is_empty() {
         let needed = check_scratch_bound(order.len());
-        return Err(BvhError::Scratch(CapacityError { buffer: "scratch", needed, capacity: 0 }));
+        return Err(BvhError::Capacity(CapacityError { buffer: "scratch", needed, capacity: 0 }));
     }
-    if let Some(entry) = order.iter().position(|t| t.get() as usize >= order.len()) {
+    if let Some(entry) = order.iter().position(|&t| t as usize >= order.len()) {
         return Err(BvhError::Order { entry });
     }
     let window = scratch.len().saturating_mul(u32::BITS as usize);
     for start in (0..order.len()).step_by(window.max(1)) {
         scratch.fill(0);
-        for (entry, triangle) in order.iter().enumerate() {
-            let offset = (triangle.get() as usize).wrapping_sub(start);
+        for (entry, &triangle) in order.iter().enumerate() {
+            // Triangles outside the window have their pass.
+            let offset = (triangle as usize).wrapping_sub(start);
             if let Some(word) = scratch.get_mut(offset / u32::BITS as usize) {
                 let mark = 1 << (offset % u32::BITS as usize);
                 if *word & mark != 0 {
@@ -129,8 +115,8 @@ pub enum BvhError {
         /// The parent.
         node: usize,
     },
-    /// A leaf holds more than [`MAX_LEAF_SIZE`] triangles, or its run is out of range or does not
-    /// start where the run of the leaf to its left ends: also when a node has two parents.
+    /// A leaf holds more than [`MAX_LEAF_SIZE`] triangles, or its range is out of bounds or does not
+    /// begin where that of the leaf to its left ends: also when a node has two parents.
     Leaf {
         /// The leaf at fault.
         node: usize,
@@ -145,7 +131,7 @@ pub enum BvhError {
         /// Their parent.
         node: usize,
     },
-    /// A box, or that of a child, is not finite, or it does not contain what is below it.
+    /// A box is not finite, or does not contain the boxes or triangles below it.
     Box {
         /// The node at fault.
         node: usize,
@@ -157,10 +143,17 @@ pub enum BvhError {
         /// Length of the node array.
         found: usize,
     },
-    /// The slot of a compact BVH for its grid holds none.
+    /// Slot 1 of a compact BVH does not hold a grid.
     Grid,
-    /// There is no scratch to check the order with.
-    Scratch(CapacityError),
+    /// More triangles than a compact BVH can hold.
+    TooManyTriangles {
+        /// How many there are.
+        triangles: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// A buffer is too small.
+    Capacity(CapacityError),
 }
 
 impl fmt::Display for BvhError {
@@ -193,7 +186,10 @@ impl fmt::Display for BvhError {
                 write!(f, "{reached} nodes can be reached, which does not fit an array of {found}")
             }
             Self::Grid => write!(f, "slot 1 of a compact BVH must hold its grid"),
-            Self::Scratch(error) => error.fmt(f),
+            Self::TooManyTriangles { triangles, most } => {
+                write!(f, "a compact BVH holds at most {most} triangles, not {triangles}")
+            }
+            Self::Capacity(error) => error.fmt(f),
         }
     }
 }

@@ -1,16 +1,16 @@
-//! Nodes of 16 bytes: boxes on a grid of 65,536 cells along each axis.
+//! The compact layout: nodes of 16 bytes, with boxes on a grid of 65,536 cells along each axis.
 //!
 //! Quantised boxes as in Mahovsky & Wyvill, "Memory-conserving bounding volume hierarchies with coherent
 //! raytracing" (2006), who refer each box to that of its parent. Here one grid serves the whole tree: decoding a
-//! box takes no other node, so a walk may start anywhere, as workers do from a front, and decode four at once.
+//! box takes no other node, so a traversal may start anywhere, as workers do from a front, and decode four at once.
 //!
 //! # Rounding
 //! The cells of an axis are 2^e wide and begin at whole multiples of that, so corner number q of the grid is
 //! (m + q)·2^e for an integer m. The width is such that |m| ≤ 2^23, and q < 2^16: the sum is an integer
 //! below 2^24 in absolute value, which f32 holds, and so is its product with 2^e, which is no less than the
 //! smallest subnormal number. Decoding therefore rounds nothing, whether products are fused or not; smallest
-//! corners are rounded down to the grid and largest ones up, in integers. A decoded box contains the wide one
-//! and, since rounding is monotone, what the wide one contains, decoded. Only at the end of the range may the
+//! corners are rounded down to the grid and largest ones up, in integers. A decoded box contains the standard one
+//! and, since rounding is monotone, what the standard one contains, decoded. Only at the end of the range may the
 //! grid go on beyond [`f32::MAX`]: such a corner decodes to infinity, which still is outside, and counts as
 //! `f32::MAX` where a single box is asked for, so that what is made of boxes stays finite.
 //!
@@ -18,41 +18,81 @@
 //! from the origin, the distance of neighbouring floats there.
 //!
 //! # Memory
-//! Siblings are aligned as in a wide tree, which leaves slot 1 free: it holds the grid. The array alone is the
-//! tree. A leaf holds at most [`MAX_LEAF_SIZE`](super::MAX_LEAF_SIZE) triangles, so its count takes 3 bits beside
-//! a flag and 28 bits for the beginning of its run; children begin at even indices, which keeps that flag free.
+//! Siblings are aligned as in a standard tree, which leaves slot 1 free: it holds the grid. A leaf holds at most
+//! [`MAX_LEAF_SIZE`](super::MAX_LEAF_SIZE) triangles, so its count takes 3 bits beside a flag and 28 bits for
+//! the beginning of its range; children begin at even indices, which keeps that flag free.
 //!
-//! Vertex indices stay `u32`: the mesh is the caller's and not a part of the BVH, and all that takes one would
-//! take a type more.
+//! Indices stay `u32`, those of vertices and those of the order: 16 or 24 bits would save 1 or 2 of about 26 bytes a
+//! triangle, mesh included, and cost every query a type parameter.
 //!
-//! A mesh that deforms keeps the wide layout, which refits write: its boxes may leave the grid, and another grid
-//! means rounding all of them anew.
+//! A mesh that deforms keeps the standard layout, which refits write: its boxes may leave the grid, and another
+//! grid means rounding all of them anew.
 
 #[cfg(test)]
 mod tests;
 
-use super::layout::{Index, Layout, TreeNode, Walked};
+use super::{Bvh, BvhError, Layout, Node, TreeNode};
 use crate::aabb::Bounds;
+use crate::index::at_mut;
 use crate::simd::Boxes;
-use crate::{Aabb, Node};
+use crate::{Aabb, CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable};
-use core::marker::PhantomData;
 use glam::{Mat4, Vec3A, Vec4};
 
-/// About half the memory, for meshes that do not deform: [`CompactNode`]s, and an order in `I`.
-///
-/// [`compact`](super::compact()) makes it of a [`Wide`](super::Wide) one, which is what a refit needs.
-#[derive(Clone, Copy, Debug)]
-pub struct Compact<I = u32>(PhantomData<I>);
+/// The most triangles of a compact BVH: 28 bits of a leaf say where its range begins.
+const MAX_COMPACT_TRIANGLES: usize = 1 << 28;
 
-impl<I: Index> Layout for Compact<I> {
-    type Node = CompactNode;
-    type Index = I;
+/// Writes the nodes of a BVH in the compact layout: its boxes are hardly larger, and queries find the same pairs.
+///
+/// `nodes` and `order` are those in use of a BVH of `mesh`; `order` serves the compact BVH too. `storage` must hold
+/// as many nodes, but at least 2: [`node_bound`](super::node_bound) is always enough. Leaves should be well filled:
+/// see [`full_leaves`](super::BuildOptions::full_leaves).
+///
+/// # Errors
+/// [`BvhError::Capacity`] if `storage` is too small; [`BvhError::TooManyTriangles`] for more than 2^28.
+///
+/// # Complexity
+/// O(nodes).
+///
+/// # Examples
+/// ```
+/// use pfront_core::bvh::{CompactNode, compact, node_bound};
+/// use pfront_core::{Bvh, Mesh, Node, Pose, bvtt::*};
+/// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
+/// let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
+/// let standard = Bvh::new(mesh, &root, &[0], &mut [0])?;
+///
+/// let mut storage = [CompactNode::ZERO; node_bound(1)];
+/// let compact = compact(mesh, &root, standard.order(), &mut storage)?;
+/// assert_eq!(PairQuery::new(compact, standard, Pose::IDENTITY)?.count(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn compact<'a>(
+    mesh: Mesh<'a>,
+    nodes: &[Node],
+    order: &'a [u32],
+    storage: &'a mut [CompactNode],
+) -> Result<Bvh<'a, CompactNode>, BvhError> {
+    let (triangles, most) = (order.len(), MAX_COMPACT_TRIANGLES);
+    if triangles > most {
+        return Err(BvhError::TooManyTriangles { triangles, most });
+    }
+    let needed = if nodes.len() == 1 { CompactNode::LONE } else { nodes.len() };
+    let capacity = storage.len();
+    let Some(storage) = storage.get_mut(..needed) else {
+        return Err(BvhError::Capacity(CapacityError { buffer: "storage", needed, capacity }));
+    };
+    if let Some(root) = nodes.first() {
+        let cells = Cells::new(&root.aabb());
+        for (slot, node) in storage.iter_mut().zip(nodes) {
+            *slot = CompactNode::new(node, &cells);
+        }
+        *at_mut(storage, 1) = cells.header();
+    }
+    Ok(Bvh::new_unchecked(mesh, storage, order))
 }
 
-impl<I: Index> Walked for Compact<I> {}
-
-/// One node of a compact BVH: 16 bytes.
+/// A BVH node of the compact layout: 16 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct CompactNode {
@@ -60,10 +100,12 @@ pub struct CompactNode {
     pub min: [u16; 3],
     /// Largest corner of the box, in cells of the grid.
     pub max: [u16; 3],
-    /// Inner: index of the left child, which is even. Leaf: 1, the number of its triangles less one times 2,
-    /// and the index of its first entry in the order times 16.
+    /// Inner node: index of its left child, which is even. Leaf: bit 0 set; bits 1 to 3 the number of its triangles
+    /// less one; from bit 4 on the index of its first entry in the order.
     pub link: u32,
 }
+
+impl Layout for CompactNode {}
 
 /// The grid of an axis begins within so many cells of 0.
 const FARTHEST: i32 = 1 << 23;
@@ -80,11 +122,7 @@ impl CompactNode {
     /// All zero, to initialise buffers.
     pub const ZERO: Self = Self { min: [0; 3], max: [0; 3], link: 0 };
 
-    /// An empty leaf, which overlaps nothing.
-    pub(crate) const NOTHING: Self =
-        Self { min: [u16::MAX; 3], max: [0; 3], link: u32::MAX << 4 | 1 };
-
-    /// A wide node on a grid that contains it.
+    /// A standard node on a grid that contains it.
     pub(super) fn new(node: &Node, grid: &Cells) -> Self {
         let leaf = node.first << 4 | node.count.wrapping_sub(1) << 1 | 1;
         let (Cells([x, y, z]), [a, b, c], [d, e, f]) = (grid, node.min, node.max);
@@ -104,8 +142,8 @@ struct Axis {
 }
 
 impl Axis {
-    /// The finest for coordinates from `min` to `max`.
-    fn of(min: f32, max: f32) -> Self {
+    /// The finest cells for coordinates from `min` to `max`.
+    fn new(min: f32, max: f32) -> Self {
         // In narrower cells than these the extent is 2^16 of them, or the farthest 2^24.
         let exponent = |x: f64| (x.to_bits() >> 52) as i32 - 1023;
         let extent = f64::from(max) - f64::from(min);
@@ -123,7 +161,7 @@ impl Axis {
         }
     }
 
-    /// The corner at or below a coordinate, counted from 0. Slot 1 of a wide tree has coordinates that are
+    /// The corner at or below a coordinate, counted from 0. Slot 1 of a standard tree has coordinates that are
     /// infinite.
     fn below(self, x: f32) -> i32 {
         // Exact: a product with a power of two within the range of f64.
@@ -136,7 +174,7 @@ impl Axis {
         self.below(-x).saturating_neg()
     }
 
-    /// Of a corner, its number on the grid.
+    /// The number of a corner on the grid.
     fn number(self, corner: i32) -> u16 {
         corner.saturating_sub(self.first).clamp(0, LAST) as u16
     }
@@ -152,13 +190,13 @@ fn power_of_two(exponent: i32) -> f64 {
 pub(super) struct Cells([Axis; 3]);
 
 impl Cells {
-    /// The finest that contains a box.
-    pub(super) fn of(root: &Aabb) -> Self {
+    /// The finest grid that contains a box.
+    pub(super) fn new(root: &Aabb) -> Self {
         let ([a, b, c], [d, e, f]) = (root.min, root.max);
-        Self([Axis::of(a, d), Axis::of(b, e), Axis::of(c, f)])
+        Self([Axis::new(a, d), Axis::new(b, e), Axis::new(c, f)])
     }
 
-    /// As slot 1 of a tree.
+    /// The grid as slot 1 of a tree.
     pub(super) fn header(&self) -> CompactNode {
         let [x, y, z] = self.0;
         let exponents = [x, y, z]
@@ -169,7 +207,7 @@ impl Cells {
         bytemuck::must_cast([first(x), first(y), first(z), exponents])
     }
 
-    /// From slot 1 of a tree; `None` if that holds no grid.
+    /// Reads slot 1 of a tree; `None` if that holds no grid.
     pub(super) fn read(header: &CompactNode) -> Option<Self> {
         let [x, y, z, exponents]: [u32; 4] = bytemuck::must_cast(*header);
         let axis = |first: u32, k: i32| {
@@ -182,7 +220,7 @@ impl Cells {
         (exponents >> (3 * EXPONENT_BITS) == 0).then_some(Self(axes))
     }
 
-    /// For decoding.
+    /// The grid as decoding needs it.
     pub(super) fn grid(self) -> Grid {
         Grid {
             offset: self.0.map(|axis| axis.first as f32 - TO_BITS),
@@ -194,7 +232,7 @@ impl Cells {
 /// The lowest bits of a float this large are an integer: 2^23.
 const TO_BITS: f32 = 8_388_608.0;
 
-/// The grid of a tree as decoding wants it: corner q is (2^23 + q + `offset`)·`width`.
+/// The grid of a tree as decoding needs it: corner q is (2^23 + q + `offset`)·`width`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
     offset: [f32; 3],
@@ -207,15 +245,18 @@ fn with_bits(q: u32) -> f32 {
     f32::from_bits(TO_BITS.to_bits() | q)
 }
 
-impl Grid {
-    /// Of a tree without nodes.
-    pub(super) const NONE: Self = Self { offset: [-TO_BITS; 3], width: [1.0; 3] };
-}
-
 impl TreeNode for CompactNode {
     type Grid = Grid;
 
-    const FEWEST: usize = 2;
+    /// The root, and the grid.
+    const LONE: usize = 2;
+
+    fn grid(nodes: &[Self]) -> Option<Grid> {
+        if nodes.is_empty() {
+            return Some(Grid { offset: [0.0; 3], width: [0.0; 3] });
+        }
+        nodes.get(1).and_then(Cells::read).map(Cells::grid)
+    }
 
     #[inline(always)]
     fn is_leaf(&self) -> bool {
@@ -228,7 +269,7 @@ impl TreeNode for CompactNode {
     }
 
     #[inline(always)]
-    fn run(&self) -> [u32; 2] {
+    fn leaf_range(&self) -> [u32; 2] {
         [self.link >> 4, (self.link >> 1 & 7) + 1]
     }
 

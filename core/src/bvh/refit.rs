@@ -6,7 +6,7 @@
 //! or folds up nor one that moves as a whole changes much.
 
 use crate::bvh::Node;
-use crate::index::{item, run, split};
+use crate::index::{at, range, split};
 use crate::{Aabb, Bvh, Mesh};
 
 /// Rebuild once the [`quality()`] of a refitted tree is above this many times what it was when
@@ -145,7 +145,7 @@ impl Fit<'_> {
     fn run(&self, nodes: &mut [Node], base: usize) -> Areas {
         let mut areas = Areas::default();
         for index in (0..nodes.len()).rev() {
-            let aabb = self.fitted(item(nodes, index as u32), nodes, base, &mut areas);
+            let aabb = self.fitted(at(nodes, index as u32), nodes, base, &mut areas);
             if let Some(node) = nodes.get_mut(index) {
                 node.set_aabb(&aabb);
             }
@@ -157,10 +157,10 @@ impl Fit<'_> {
     #[inline(always)]
     fn fitted(&self, node: &Node, nodes: &[Node], base: usize, areas: &mut Areas) -> Aabb {
         if node.is_leaf() {
-            areas.add_leaf(self.mesh, run(self.order, node.first, node.count))
+            areas.add_leaf(self.mesh, range(self.order, node.first, node.count))
         } else {
             let left = node.first - base as u32;
-            let [left, right] = [left, left + 1].map(|child| item(nodes, child).aabb());
+            let [left, right] = [left, left + 1].map(|child| at(nodes, child).aabb());
             areas.add_inner(left.union(&right))
         }
     }

@@ -8,7 +8,7 @@
 
 use super::refit::{Areas, Join, PART};
 use crate::bvh::Node;
-use crate::index::{item, run, split};
+use crate::index::{at, range, split};
 use crate::vertex_set::{Moved, holds, holds_any, moved_bound};
 use crate::{CapacityError, Mesh};
 
@@ -156,7 +156,7 @@ impl Pass<'_> {
             return self.pair(below, table, base);
         }
         self.moved.is_none_or(|moved| {
-            let corners = self.leaf(node).iter().flat_map(|&t| *item(self.mesh.triangles(), t));
+            let corners = self.leaf(node).iter().flat_map(|&t| *at(self.mesh.triangles(), t));
             corners.into_iter().any(|vertex| holds(moved, vertex))
         })
     }
@@ -173,14 +173,14 @@ impl Pass<'_> {
         let triangles = self.leaf(node);
         let mut all = Below { areas: Areas::default(), range: [u32::MAX, 0] };
         node.set_aabb(&all.areas.add_leaf(self.mesh, triangles));
-        for vertex in triangles.iter().flat_map(|&t| *item(self.mesh.triangles(), t)) {
+        for vertex in triangles.iter().flat_map(|&t| *at(self.mesh.triangles(), t)) {
             all.range = [all.range[0].min(vertex), all.range[1].max(vertex)];
         }
         all
     }
 
     fn leaf(&self, node: &Node) -> &[u32] {
-        run(self.order, node.first, node.count)
+        range(self.order, node.first, node.count)
     }
 }
 

@@ -3,7 +3,9 @@
 extern crate std;
 
 use super::*;
+use crate::Pose;
 use crate::bvh::build::{BuildOptions, BvhStorage, SahItem, sah};
+use crate::bvtt::{PairQuery, Query, SelfQuery};
 use std::sync::LazyLock;
 use std::vec;
 use std::vec::Vec;
@@ -166,9 +168,37 @@ fn a_graph_that_folds_onto_itself_is_refused_at_once() {
 #[test]
 fn an_empty_mesh_has_an_empty_tree() {
     let mesh = Mesh::new(&[], &[]).unwrap();
-    assert!(Bvh::new(mesh, &[], &[], &mut []).is_ok());
+    assert!(Bvh::<Node>::new(mesh, &[], &[], &mut []).is_ok());
     assert!(Bvh::new(mesh, &[Node::EMPTY], &[], &mut []).is_err());
     let one = Mesh::new(&[[0.0; 3]], &[[0; 3]]).unwrap();
-    let found = Bvh::new(one, &[], &[0], &mut []).err();
-    assert!(matches!(found, Some(BvhError::Scratch(_))));
+    let found = Bvh::<Node>::new(one, &[], &[0], &mut []).err();
+    assert!(matches!(found, Some(BvhError::Capacity(_))));
+}
+
+/// Indices out of range in arrays that nobody checked: a query panics, with `std` and without, rather than answer
+/// with fewer pairs.
+#[test]
+fn unchecked_arrays_never_lose_pairs_silently() {
+    let Strip { positions, triangles, nodes, order } = &*STRIP;
+    let leaf = first_leaf(nodes);
+    type Change = fn(&mut [Node], &mut [u32], &mut [[u32; 3]], usize);
+    let changes: [(&str, Change); 6] = [
+        ("a leaf of nine", |n, _, _, leaf| n[leaf].count = 9),
+        ("a leaf beyond the order", |n, _, _, leaf| n[leaf].first = 15),
+        ("a leaf far beyond the order", |n, _, _, leaf| n[leaf].first = u32::MAX),
+        ("children out of range", |n, _, _, _| n[0].first = 1000),
+        ("a triangle out of range", |_, o, _, _| o[0] = 16),
+        ("a vertex out of range", |_, o, t, _| t[o[0] as usize][1] = 18),
+    ];
+    for (what, change) in changes {
+        let (mut nodes, mut order, mut triangles) =
+            (nodes.clone(), order.clone(), triangles.clone());
+        change(&mut nodes, &mut order, &mut triangles, leaf);
+        let bvh = Bvh::new_unchecked(Mesh::new_unchecked(positions, &triangles), &nodes, &order);
+        let pair = PairQuery::new(bvh, bvh, Pose::IDENTITY);
+        let asked = std::panic::catch_unwind(|| pair.map(|query| query.count()));
+        assert!(asked.is_err(), "{what}: {asked:?}");
+        let asked = std::panic::catch_unwind(|| SelfQuery::new(bvh).count());
+        assert!(asked.is_err(), "{what}: {asked:?}");
+    }
 }

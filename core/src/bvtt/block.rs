@@ -1,7 +1,6 @@
 //! The triangles of a leaf, side by side.
 
-use crate::bvh::Index;
-use crate::index::item;
+use crate::index::at;
 use crate::one_ring::Fan;
 use crate::simd::point8::{Points, abs, difference, highest, lanes, load, lowest, store};
 use crate::simd::{LANES, Simd};
@@ -44,16 +43,16 @@ impl Block {
     fn fill<S: Simd>(
         &mut self,
         mesh: Mesh<'_>,
-        triangles: &[impl Index],
+        triangles: &[u32],
         place: &impl Placement,
         fans: &[Fan],
     ) {
         self.len = triangles.len().min(LANES);
         self.certified = [0; 3];
         for (lane, &triangle) in triangles.iter().take(LANES).enumerate() {
-            let t = item(mesh.triangles(), triangle.get());
+            let t = at(mesh.triangles(), triangle);
             for (k, &vertex) in t.iter().enumerate() {
-                let p = item(mesh.positions(), vertex);
+                let p = at(mesh.positions(), vertex);
                 self.corners[k][0][lane] = p[0];
                 self.corners[k][1][lane] = p[1];
                 self.corners[k][2][lane] = p[2];
@@ -85,7 +84,7 @@ impl Block {
     fn fill_one_by_one(
         &mut self,
         mesh: Mesh<'_>,
-        triangles: &[impl Index],
+        triangles: &[u32],
         place: &impl Placement,
         fans: &[Fan],
     ) {
@@ -157,7 +156,7 @@ impl Blocks {
         &'s mut self,
         leaf: u32,
         mesh: Mesh<'_>,
-        triangles: &[impl Index],
+        triangles: &[u32],
         place: &impl Placement,
         fans: &[Fan],
     ) -> &'s Block {

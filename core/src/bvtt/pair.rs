@@ -2,11 +2,11 @@
 
 use super::{Bvtt, PairTree, Side, Visit, walk};
 use super::{Cursor, NodePair, Query, TrianglePair};
-use crate::bvh::{Layout, Wide};
+use crate::bvh::Layout;
 use crate::pose::PoseError;
 use crate::transform::{InPlace, Place, Placement};
 use crate::triangle::{Accuracy, Contact, contact};
-use crate::{Aabb, Bvh, Pose};
+use crate::{Aabb, Bvh, Node, Pose};
 use core::ops::ControlFlow;
 
 /// A BVH and where it stands in the frame of a query. Copying is free.
@@ -24,7 +24,7 @@ use core::ops::ControlFlow;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Placed<'a, L: Layout = Wide>(Side<'a, Place, Place, L>);
+pub struct Placed<'a, L: Layout = Node>(Side<'a, Place, Place, L>);
 
 impl<'a, L: Layout> Placed<'a, L> {
     /// In a pose. [`Pose::IDENTITY`] leaves every vertex as it is and costs a query nothing.
@@ -74,7 +74,7 @@ impl<'a, L: Layout> Placed<'a, L> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct PairQuery<'a, A: Layout = Wide, B: Layout = A> {
+pub struct PairQuery<'a, A: Layout = Node, B: Layout = A> {
     tree: PairTree<Side<'a, Place, Place, A>, Side<'a, Place, Place, B>>,
     /// Asked for more than once, by whoever weighs a question before it is walked.
     root: Option<NodePair>,
@@ -111,14 +111,7 @@ impl<'a, A: Layout, B: Layout> PairQuery<'a, A, B> {
     }
 
     /// Walks with each side placed as it is, so that no box or corner has to ask.
-    ///
-    /// Where that is compiled: see `bvh::layout::Walked`.
-    pub(crate) fn walk(
-        &self,
-        cursor: &mut Cursor,
-        budget: u64,
-        visit: &mut Visit<'_>,
-    ) -> ControlFlow<()> {
+    fn walk(&self, cursor: &mut Cursor, budget: u64, visit: &mut Visit<'_>) -> ControlFlow<()> {
         use Place::{InPlace as Still, Posed};
         if cfg!(not(feature = "std")) {
             // A fifth of the machine code.
@@ -186,7 +179,7 @@ impl<A: Layout, B: Layout> Query for PairQuery<'_, A, B> {
         budget: u64,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        A::pair(self, cursor, budget, &mut visit)
+        self.walk(cursor, budget, &mut visit)
     }
 
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {

@@ -4,12 +4,12 @@ use super::{
     Blocks, Bvtt, NodePair, Progress, TrianglePair, Visit, after, decide, family_pairs, meet,
 };
 use crate::aabb::Bounds;
-use crate::bvh::{Index, Layout, TreeNode, Wide};
-use crate::index::item;
+use crate::bvh::Layout;
+use crate::index::at;
 use crate::simd::{LANES, Simd};
 use crate::transform::Placement;
 use crate::triangle::Inexact;
-use crate::{Bvh, Triangle};
+use crate::{Bvh, Node, Triangle};
 use core::ops::ControlFlow;
 use glam::Vec3A;
 
@@ -22,7 +22,7 @@ use glam::Vec3A;
 /// best to look at the boxes from one of them: `view` may be of any frame in which boxes of triangles that
 /// meet overlap. What these triangles are is settled by `place` alone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Side<'a, P, V = P, L: Layout = Wide> {
+pub(crate) struct Side<'a, P, V = P, L: Layout = Node> {
     pub(crate) bvh: Bvh<'a, L>,
     pub(crate) place: P,
     pub(crate) view: V,
@@ -44,12 +44,12 @@ impl<'a, P: Placement + Copy, L: Layout> Side<'a, P, P, L> {
 
 impl<'a, P: Placement, V: Placement, L: Layout> Side<'a, P, V, L> {
     #[inline]
-    pub(crate) fn node(&self, index: u32) -> &'a L::Node {
+    pub(crate) fn node(&self, index: u32) -> &'a L {
         self.bvh.node(index)
     }
 
     #[inline]
-    pub(crate) fn bounds(&self, node: &L::Node) -> Bounds {
+    pub(crate) fn bounds(&self, node: &L) -> Bounds {
         self.view.bounds(&self.bvh.bounds(node))
     }
 
@@ -60,7 +60,7 @@ impl<'a, P: Placement, V: Placement, L: Layout> Side<'a, P, V, L> {
 
     /// The triangles of a leaf.
     #[inline]
-    fn leaf(&self, node: u32) -> &'a [L::Index] {
+    fn leaf(&self, node: u32) -> &'a [u32] {
         self.bvh.leaf_triangles(self.node(node))
     }
 
@@ -147,7 +147,7 @@ impl<A: Placement, V: Placement, K: Layout, B: Placement, W: Placement, L: Layou
         decide(pairs, progress, |bit| {
             let (i, j) = (bit % LANES as u32, bit / LANES as u32);
             if meet(first, i, second, j, self.inexact) {
-                visit(TrianglePair { a: item(own, i).get(), b: item(others, j).get() })
+                visit(TrianglePair { a: *at(own, i), b: *at(others, j) })
             } else {
                 ControlFlow::Continue(())
             }

@@ -1,16 +1,16 @@
 //! One mesh.
 
-use super::{Bvtt, SelfTree, Visit, walk};
+use super::{Bvtt, SelfTree, walk};
 use super::{Cursor, NodePair, Query, TrianglePair};
-use crate::bvh::{Layout, Wide};
+use crate::bvh::Layout;
 use crate::one_ring::Fan;
 use crate::triangle::{Accuracy, Adjacency, Contact, contact};
-use crate::{Aabb, Bvh};
+use crate::{Aabb, Bvh, Node};
 use core::ops::ControlFlow;
 
 /// One mesh against itself, each unordered pair of triangles once.
 #[derive(Clone, Copy, Debug)]
-pub struct SelfQuery<'a, L: Layout = Wide> {
+pub struct SelfQuery<'a, L: Layout = Node> {
     bvh: Bvh<'a, L>,
     accuracy: Accuracy,
     adjacency: Adjacency,
@@ -82,16 +82,6 @@ impl<'a, L: Layout> SelfQuery<'a, L> {
         Self { boxes_only: true, ..self }
     }
 
-    /// Walks: see `bvh::layout::Walked`.
-    pub(crate) fn walk(
-        &self,
-        cursor: &mut Cursor,
-        budget: u64,
-        visit: &mut Visit<'_>,
-    ) -> ControlFlow<()> {
-        walk(&self.tree(), cursor, budget, visit)
-    }
-
     fn tree(&self) -> SelfTree<'a, L> {
         let Self { bvh, accuracy, adjacency, fans, boxes_only } = *self;
         SelfTree { bvh, accuracy, inexact: accuracy.inexact(), adjacency, fans, boxes_only }
@@ -125,7 +115,7 @@ impl<L: Layout> Query for SelfQuery<'_, L> {
         budget: u64,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        L::within(self, cursor, budget, &mut visit)
+        walk(&self.tree(), cursor, budget, &mut visit)
     }
 
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {

@@ -9,8 +9,8 @@ use super::{
 };
 use crate::Bvh;
 use crate::aabb::Bounds;
-use crate::bvh::{Index, Layout, TreeNode};
-use crate::index::item;
+use crate::bvh::Layout;
+use crate::index::at;
 use crate::one_ring::Fan;
 use crate::simd::{LANES, Simd};
 use crate::transform::InPlace;
@@ -117,7 +117,7 @@ impl<L: Layout> Bvtt for SelfTree<'_, L> {
         };
         decide(pairs, progress, |bit| {
             let (i, j) = (bit % LANES as u32, bit / LANES as u32);
-            let (t, u) = (item(own, i).get(), item(others, j).get());
+            let (t, u) = (*at(own, i), *at(others, j));
             let (a, b) = (t.min(u), t.max(u));
             let meet = if self.boxes_only {
                 true

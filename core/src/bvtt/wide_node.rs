@@ -1,7 +1,7 @@
 //! What lies two levels below a node.
 
 use crate::bvh::TreeNode;
-use crate::index::item;
+use crate::index::at;
 use crate::simd::Boxes;
 
 /// The grandchildren of a node; where a child is a leaf, the child; of a leaf, the leaf itself.
@@ -15,12 +15,12 @@ pub(crate) struct Family {
 impl Family {
     #[inline(always)]
     pub(crate) fn below<N: TreeNode>(tree: &[N], grid: &N::Grid, node: u32) -> Self {
-        let parent = item(tree, node);
+        let parent = at(tree, node);
         let (nodes, len) = if parent.is_leaf() {
             ([node; 4], 1)
         } else {
             let [l, r] = [parent.left(), parent.left() + 1];
-            let (left, right) = (item(tree, l), item(tree, r));
+            let (left, right) = (at(tree, l), at(tree, r));
             let ([p, q], [s, t]) =
                 ([left.left(), left.left() + 1], [right.left(), right.left() + 1]);
             match (left.is_leaf(), right.is_leaf()) {
@@ -31,7 +31,7 @@ impl Family {
             }
         };
         // Lanes to spare hold some node, which nobody asks for.
-        let in_lane = |lane: usize| item(tree, nodes[lane]);
+        let in_lane = |lane: usize| at(tree, nodes[lane]);
         let boxes = N::boxes(grid, [in_lane(0), in_lane(1), in_lane(2), in_lane(3)]);
         Self { nodes, len, boxes }
     }

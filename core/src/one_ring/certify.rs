@@ -9,7 +9,7 @@
 
 use super::{DOUBTS, Fan, LINK};
 use crate::bvh::{Join, Moved, moved_bound};
-use crate::index::item;
+use crate::index::at;
 use crate::vertex_set::{holds, holds_any, mark, number, vertices};
 use crate::{CapacityError, Mesh};
 use core::ops::Range;
@@ -249,7 +249,7 @@ fn count(
     first: usize,
     due: impl Fn(u32) -> bool,
 ) {
-    let [p, q, r] = t.map(|vertex| Vec3A::from_array(*item(positions, vertex)));
+    let [p, q, r] = t.map(|vertex| Vec3A::from_array(*at(positions, vertex)));
     let doubts = sides_in_doubt(q - p, r - p) << DOUBTS;
     // Seen from a corner, a fan goes from the next one to the one after.
     let above = |x: Vec3A, y: Vec3A| x.cmpge(y).bitmask();

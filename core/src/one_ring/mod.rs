@@ -16,7 +16,7 @@ mod tests;
 
 pub use certify::{Span, certify, certify_moved, certify_with, find_spans, span_bound};
 
-use crate::index::{item, split};
+use crate::index::{at, split};
 use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable};
 
@@ -159,7 +159,7 @@ fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> Fan {
     }
     let (mut from, mut to) = ([0; MOST], [0; MOST]);
     for ((&corner, from), to) in corners.iter().zip(&mut from).zip(&mut to) {
-        let (t, k) = (item(triangles, corner / 3), corner as usize % 3);
+        let (t, k) = (at(triangles, corner / 3), corner as usize % 3);
         (*from, *to) = (t[(k + 1) % 3], t[(k + 2) % 3]);
     }
     let [from, to] = [&from, &to].map(|v| v.get(..corners.len()).unwrap_or_default());

@@ -13,7 +13,7 @@ use super::coplanar::{order, proper, segment_meets};
 use super::{Accuracy, certain, intersects};
 use crate::Mesh;
 use crate::exact::{Exact, Fast, Filtered, Kernel, Point, difference};
-use crate::index::item;
+use crate::index::at;
 use core::cmp::Ordering;
 use glam::DVec3;
 
@@ -49,7 +49,7 @@ pub fn intersects_in_mesh(
     adjacency: Adjacency,
     accuracy: Accuracy,
 ) -> bool {
-    let (own, other) = (item(mesh.triangles(), i), item(mesh.triangles(), j));
+    let (own, other) = (at(mesh.triangles(), i), at(mesh.triangles(), j));
     let shared = shared_with(other, own);
     if shared == [false; 3] {
         return intersects(&mesh.triangle(i), &mesh.triangle(j), accuracy);
@@ -79,8 +79,7 @@ impl Pair {
     fn new(mesh: Mesh<'_>, triangles: [&[u32; 3]; 2], are_shared: [&[bool; 3]; 2]) -> Self {
         let (a, shared, m) = shared_first(triangles[0], are_shared[0]);
         let (b, _, n) = shared_first(triangles[1], are_shared[1]);
-        let at = |v: u32| *item(mesh.positions(), v);
-        let points = |[p, q, r]: [u32; 3]| [at(p), at(q), at(r)];
+        let points = |t: [u32; 3]| t.map(|vertex| *at(mesh.positions(), vertex));
         Self { a: points(a), b: points(b), shared, corners: [m, n] }
     }
 

@@ -110,12 +110,8 @@ fn checks_and_conversions() {
     let scratch = &mut [0; check_scratch_bound(MAX_DEPTH + 1)];
     check("Mesh::new", || _ = black_box(Mesh::new(mesh.positions(), mesh.triangles())).unwrap());
     check("Bvh::new", || _ = black_box(Bvh::new(mesh, &tree.nodes, &tree.order, scratch)).unwrap());
-    let mut nodes = vec![CompactNode::ZERO; compact_bound(tree.nodes.len())];
-    let mut order = vec![0_u16; tree.order.len()];
-    check("compact", || {
-        let storage = CompactStorage { nodes: &mut nodes, order: &mut order };
-        compact(mesh, &tree.nodes, &tree.order, storage).unwrap();
-    });
+    let mut nodes = vec![CompactNode::ZERO; tree.nodes.len()];
+    check("compact", || _ = compact(mesh, &tree.nodes, &tree.order, &mut nodes).unwrap());
     let mut bytes = blob::Aligned([0; 1 << 14]);
     let bytes = &mut bytes.0[..blob::Counts::of(&bvh).bytes()];
     check("blob::write", || _ = blob::write(&bvh, bytes).unwrap());
@@ -139,19 +135,16 @@ fn queries() {
         [sheets(40), disparate(3000), coincident(2000)].map(|soup| (Tree::of(soup.mesh()), soup));
     for (tree, soup) in trees.iter().map(|(tree, soup)| (tree, soup)).chain([(&deepest, &deep)]) {
         let (mesh, bvh) = (soup.mesh(), tree.bvh(soup.mesh()));
-        let mut nodes = vec![CompactNode::ZERO; compact_bound(tree.nodes.len())];
-        let mut order = vec![0_u16; tree.order.len()];
-        let storage = CompactStorage { nodes: &mut nodes, order: &mut order };
-        let small: Bvh<'_, Compact<u16>> =
-            compact(mesh, &tree.nodes, &tree.order, storage).unwrap();
+        let mut nodes = vec![CompactNode::ZERO; tree.nodes.len()];
+        let small = compact(mesh, &tree.nodes, &tree.order, &mut nodes).unwrap();
         for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
-            let wide = Placed::new(bvh, &turned()).unwrap();
+            let standard = Placed::new(bvh, &turned()).unwrap();
             let compact = Placed::new(small, &turned()).unwrap();
             walk(&SelfQuery::new(bvh).with_accuracy(accuracy));
             walk(&SelfQuery::new(small).with_accuracy(accuracy));
             walk(&PairQuery::new(bvh, bvh, turned()).unwrap().with_accuracy(accuracy));
-            walk(&PairQuery::in_world(wide, wide).with_accuracy(accuracy));
-            walk(&PairQuery::in_world(compact, wide).with_accuracy(accuracy));
+            walk(&PairQuery::in_world(standard, standard).with_accuracy(accuracy));
+            walk(&PairQuery::in_world(compact, standard).with_accuracy(accuracy));
         }
         let query = PairQuery::new(bvh, bvh, turned()).unwrap();
         let mut page = vec![TrianglePair::default(); 1000];

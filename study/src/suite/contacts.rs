@@ -160,7 +160,7 @@ impl Site {
 
     /// The site moved a little, along some of the axes at least; as it is if that takes it out of range.
     fn moved(&self, rng: &mut impl Rng) -> Self {
-        let aabb = |body: &Body| body.bvh().root().map_or(Aabb::EMPTY, |root| root.aabb());
+        let aabb = |body: &Body| body.bvh().aabb().unwrap_or(Aabb::EMPTY);
         let mut along = |bounds: &Aabb| {
             let size = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
             let most = 1e-3 * size.into_iter().fold(0.0, f32::max);

@@ -215,7 +215,7 @@ fn buffers_that_are_too_small_are_named() {
     }
     assert!(matches!(
         blob.read_into(Owned::room(blob.counts()).storage(), &mut []),
-        Err(BlobError::Bvh(BvhError::Scratch(_)))
+        Err(BlobError::Bvh(BvhError::Capacity(_)))
     ));
 }
 

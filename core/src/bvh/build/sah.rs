@@ -38,7 +38,7 @@ pub const fn sah_scratch_bound(triangles: usize) -> usize {
 /// let (mut nodes, mut order) = ([Node::EMPTY; 2], [0; 1]);
 /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
 /// let bvh = sah(mesh, &BuildOptions::default(), storage, &mut [SahItem::default()])?;
-/// assert_eq!(bvh.root().map(|root| root.max), Some([1.0, 1.0, 0.0]));
+/// assert_eq!(bvh.aabb().map(|root| root.max), Some([1.0, 1.0, 0.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn sah<'a>(

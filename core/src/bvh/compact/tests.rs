@@ -3,8 +3,6 @@
 extern crate std;
 
 use super::*;
-use crate::bvh::{BvhError, CompactError, CompactStorage, compact, compact_in_place};
-use crate::{Bvh, Mesh};
 use std::vec;
 use std::vec::Vec;
 
@@ -69,7 +67,7 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
         let [y, z] = [roots[i * 7 % roots.len()], roots[i * 13 % roots.len()]];
         let axes = [*x, y, z];
         let root = Aabb { min: axes.map(|axis| axis.0), max: axes.map(|axis| axis.1) };
-        let cells = Cells::of(&root);
+        let cells = Cells::new(&root);
         let grid = cells.grid();
         assert_eq!(Cells::read(&cells.header()).map(|c| c.header()), Some(cells.header()));
         let part = axes.map(|axis| {
@@ -84,9 +82,9 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
         let small = nodes.map(|node| CompactNode::new(&node, &cells));
         let [a, b, c, d] = &small;
         let four = CompactNode::boxes(&grid, [a, b, c, d]);
-        for (lane, (wide, small)) in nodes.iter().zip(&small).enumerate() {
+        for (lane, (node, small)) in nodes.iter().zip(&small).enumerate() {
             let found = Aabb::from(small.bounds(&grid));
-            assert!(found.contains(&wide.aabb()), "{wide:?} {small:?} {found:?}");
+            assert!(found.contains(&node.aabb()), "{node:?} {small:?} {found:?}");
             assert!(Aabb::from(a.bounds(&grid)).contains(&found));
             for k in 0..3 {
                 let Axis { first, exponent } = cells.0[k];
@@ -95,7 +93,7 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
                 let at = |q: i32| f64::from(first + q) * width;
                 let [low, high] = [small.min[k], small.max[k]].map(i32::from);
                 assert!(
-                    f64::from(wide.min[k]) < at(low + 1) && f64::from(wide.max[k]) > at(high - 1)
+                    f64::from(node.min[k]) < at(low + 1) && f64::from(node.max[k]) > at(high - 1)
                 );
                 let exact = |q: u16, x: f32| x.is_infinite() || f64::from(x) == at(q.into());
                 let [low, high] = [four.min[k], four.max[k]].map(|v| v.to_array()[lane]);
@@ -116,16 +114,16 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
 
 #[test]
 fn links_tell_leaves_from_children() {
-    let cells = Cells::of(&Aabb { min: [0.0; 3], max: [1.0; 3] });
+    let cells = Cells::new(&Aabb { min: [0.0; 3], max: [1.0; 3] });
     for first in [0, 1, 7, (1 << 28) - 8] {
         for count in 1..=8 {
             let leaf = Node { first, count, min: [0.0; 3], max: [1.0; 3] };
             let small = CompactNode::new(&leaf, &cells);
-            assert!(TreeNode::is_leaf(&small) && small.run() == [first, count]);
+            assert!(small.is_leaf() && small.leaf_range() == [first, count]);
         }
         let inner = Node { first: 2 * first + 2, count: 0, min: [0.0; 3], max: [1.0; 3] };
         let small = CompactNode::new(&inner, &cells);
-        assert!(!TreeNode::is_leaf(&small) && small.left() == inner.first);
+        assert!(!small.is_leaf() && small.left() == inner.first);
     }
 }
 
@@ -134,7 +132,7 @@ const POSITIONS: [[f32; 3]; 5] =
 const TRIANGLES: [[u32; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 3, 4]];
 
 /// A tree of three leaves; its nodes are 0, 2, 3, 4 and 5.
-fn wide() -> [Node; 6] {
+fn standard() -> [Node; 6] {
     let of = |ids: &[usize]| {
         let corners = ids.iter().flat_map(|&t| TRIANGLES[t]).map(|v| POSITIONS[v as usize]);
         corners.fold(Aabb::EMPTY, |b, p| b.union(&Aabb { min: p, max: p }))
@@ -151,66 +149,51 @@ fn wide() -> [Node; 6] {
 }
 
 #[test]
-fn in_place_is_the_same_as_elsewhere() {
-    let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
-    let (nodes, order) = (wide(), [0, 1, 2]);
-    fn check<I: Index + PartialEq>(mesh: Mesh<'_>, mut nodes: Vec<Node>, mut order: Vec<u32>) {
-        let count = mesh.triangles().len();
-        let mut small = vec![CompactNode::ZERO; nodes.len() + 2];
-        let mut entries = vec![I::new(9); count + 1];
-        let storage = CompactStorage { nodes: &mut small, order: &mut entries };
-        Bvh::new(mesh, &nodes, &order, &mut [0]).unwrap();
-        let bvh = compact(mesh, &nodes, &order, storage).unwrap();
+fn trees_of_any_size_are_well_formed() {
+    let nodes = standard();
+    let one = [Node { first: 0, count: 1, ..nodes[2] }];
+    let cases: [(&[Node], &[u32]); 3] = [(&nodes, &[0, 1, 2]), (&one, &[0]), (&[], &[])];
+    for (nodes, order) in cases {
+        let mesh = Mesh::new(&POSITIONS, &TRIANGLES[..order.len()]).unwrap();
+        Bvh::new(mesh, nodes, order, &mut [0]).unwrap();
+        let mut storage = [CompactNode::ZERO; 8];
+        let bvh = compact(mesh, nodes, order, &mut storage).unwrap();
         bvh.assert_well_formed();
-        let in_place = compact_in_place::<I>(mesh, &mut nodes, &mut order).unwrap();
-        in_place.assert_well_formed();
-        assert_eq!((in_place.nodes(), in_place.order()), (bvh.nodes(), bvh.order()));
+        assert_eq!(
+            (bvh.nodes().len(), bvh.order()),
+            (if nodes.len() == 1 { 2 } else { nodes.len() }, order)
+        );
     }
-    check::<u16>(mesh, nodes.to_vec(), order.to_vec());
-    check::<[u8; 3]>(mesh, nodes.to_vec(), order.to_vec());
-    check::<u32>(mesh, nodes.to_vec(), order.to_vec());
-    // A lone root, and nothing.
-    let one = Mesh::new(&POSITIONS, &TRIANGLES[..1]).unwrap();
-    check::<u16>(one, vec![Node { first: 0, count: 1, ..nodes[2] }], vec![0]);
-    check::<u16>(Mesh::new(&[], &[]).unwrap(), vec![], vec![]);
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
-    let many = vec![[0; 3]; 65_537];
-    let mesh = Mesh::new_unchecked(&POSITIONS, &many);
-    let (mut nodes, mut order) = (wide(), vec![7; many.len()]);
-    let most = 1 << 16;
-    let refused = compact_in_place::<u16>(mesh, &mut nodes, &mut order).err();
-    assert_eq!(refused, Some(CompactError::Triangles { triangles: most + 1, most }));
-    assert!(nodes == wide() && order.iter().all(|&entry| entry == 7));
-
+fn storage_that_is_too_small_is_refused() {
     let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
-    let (wide, order) = (wide(), [0, 1, 2]);
-    for (free, entries, buffer) in [(5, 3, "nodes"), (6, 2, "order")] {
-        let (mut slots, mut entries) = (vec![CompactNode::ZERO; free], vec![0_u16; entries]);
-        let storage = CompactStorage { nodes: &mut slots, order: &mut entries };
-        let refused = compact(mesh, &wide, &order, storage).err();
-        let small = |error: CompactError| match error {
-            CompactError::Capacity(error) => Some((error.buffer, error.needed - error.capacity)),
-            CompactError::Triangles { .. } => None,
-        };
-        assert_eq!(refused.and_then(small), Some((buffer, 1)));
+    let nodes = standard();
+    for (count, needed) in [(6, 6), (1, 2)] {
+        let mut storage = vec![CompactNode::ZERO; needed - 1];
+        let refused = compact(mesh, &nodes[..count], &[0, 1, 2], &mut storage).err();
+        let error = CapacityError { buffer: "storage", needed, capacity: needed - 1 };
+        assert_eq!(refused, Some(BvhError::Capacity(error)));
     }
+}
+
+#[test]
+#[should_panic(expected = "index out of range")]
+fn unchecked_nodes_without_a_grid_panic() {
+    let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
+    let _ = Bvh::new_unchecked(mesh, &[CompactNode::ZERO], &[0, 1, 2]);
 }
 
 #[test]
 fn wrong_arrays_are_refused() {
     let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
-    let (wide, order) = (wide(), [0, 1, 2]);
     let mut nodes = [CompactNode::ZERO; 6];
-    let mut entries = [0_u16; 3];
-    let storage = CompactStorage { nodes: &mut nodes, order: &mut entries };
-    compact(mesh, &wide, &order, storage).unwrap();
-    let after = |change: &dyn Fn(&mut Vec<CompactNode>, &mut [u16])| {
-        let (mut nodes, mut entries) = (nodes.to_vec(), entries);
-        change(&mut nodes, &mut entries);
-        Bvh::new_compact(mesh, &nodes, &entries, &mut [0]).map(|_| ())
+    compact(mesh, &standard(), &[0, 1, 2], &mut nodes).unwrap();
+    let after = |change: &dyn Fn(&mut Vec<CompactNode>, &mut [u32])| {
+        let (mut nodes, mut order) = (nodes.to_vec(), [0, 1, 2]);
+        change(&mut nodes, &mut order);
+        Bvh::new(mesh, &nodes, &order, &mut [0]).map(|_| ())
     };
     assert_eq!(after(&|_, _| ()), Ok(()));
     for k in 0..3 {
