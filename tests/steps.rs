@@ -111,7 +111,7 @@ fn one_mesh_with_each_budget() {
             let model = model(soup, leaf_size);
             let query = SelfQuery::new(model.bvh());
             with_each_budget(&query);
-            with_each_budget(&query.with_fans(model.fans()));
+            with_each_budget(&query.with_certificates(model.certificates()));
             with_each_budget(&query.boxes_only());
         }
     }

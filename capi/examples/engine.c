@@ -90,10 +90,11 @@ int main(void)
     pfront_bvh_t from_blob = borrowed(blob, baked_bytes);
 
     pfront_error_t error;
-    pfront_fan_t *fans = memory(cloth.vertices * sizeof(pfront_fan_t));
-    size_t bytes = pfront_fans_scratch_bytes(cloth.vertices, cloth.triangles);
+    size_t words = pfront_history_bound(cloth.vertices, cloth.triangles);
+    uint32_t *history = memory(words * sizeof(uint32_t));
+    size_t bytes = pfront_link_scratch_bytes(cloth.vertices, cloth.triangles);
     void *scratch = memory(bytes);
-    check(pfront_fans_link(&sheet.bvh.mesh, fans, cloth.vertices, scratch, bytes, &error), &error);
+    check(pfront_one_rings_link(&sheet.bvh.mesh, history, words, scratch, bytes, &error), &error);
     free(scratch);
     float as_built, now;
     check(pfront_bvh_quality(&sheet.bvh, &as_built, &error), &error);
@@ -142,8 +143,8 @@ int main(void)
             check(pfront_bvh_quality(&sheet.bvh, &as_built, &error), &error);
             rebuilt++;
         }
-        check(pfront_fans_certify(&sheet.bvh.mesh, fans, cloth.vertices, &error), &error);
-        check(pfront_query_self(&sheet.bvh, fans, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error),
+        check(pfront_query_self(&sheet.bvh, history, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query,
+                                &error),
               &error);
         in_pages(&query, &list);
         printf("frame %u: %zu pairs, list %08x, segments %08x; ", frame, meeting, (unsigned)hash,
@@ -158,7 +159,7 @@ int main(void)
     free(blob);
     free(nodes);
     free(past);
-    free(fans);
+    free(history);
     free_model(&model_a);
     free_model(&model_b);
     free_model(&sheet);

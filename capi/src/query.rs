@@ -12,9 +12,9 @@
 mod asked;
 
 use crate::bvh::pfront_bvh_t;
-use crate::fans::pfront_fan_t;
 use crate::memory::{Call, Caller};
 use crate::mesh::pfront_pose_t;
+use crate::one_ring::pfront_history_bound;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 pub(crate) use asked::Asked;
@@ -22,7 +22,7 @@ use core::ffi::CStr;
 use core::ptr::null;
 use pfront_core::Bvh;
 use pfront_core::bvtt::{PairQuery, Placed, SelfQuery};
-use pfront_core::one_ring::Fan;
+use pfront_core::one_ring::{Certified, CertifyOptions, OneRings};
 use pfront_core::triangle::{Accuracy, Adjacency};
 
 /// What an answer promises.
@@ -69,8 +69,8 @@ pub struct pfront_query_t {
     pub frame_from_a: pfront_pose_t,
     /// Where b stands.
     pub frame_from_b: pfront_pose_t,
-    /// One a vertex, for one BVH; or null.
-    pub fans: *const pfront_fan_t,
+    /// The certified history of one-rings, for one BVH; or null.
+    pub history: *const u32,
 }
 
 const PAIR: u32 = u32::from_be_bytes(*b"pair");
@@ -115,8 +115,11 @@ impl pfront_query_t {
             2 => query.boxes_only(),
             other => return Err(out_of_range(c"rule", other)),
         };
-        let fans = if self.fans.is_null() { 0 } else { self.a.mesh.vertex_count };
-        Ok(query.with_fans(call.read(c"fans", self.fans.cast::<Fan>(), fans)?))
+        if self.history.is_null() {
+            return Ok(query);
+        }
+        let history = call.read(c"history", self.history, self.a.mesh.vertex_count)?;
+        Ok(query.with_certificates(Certified::new_unchecked(bvh.mesh(), history)))
     }
 }
 
@@ -151,9 +154,9 @@ impl Side {
         let out = call.out(c"query", query)?;
         let ((a, frame_from_a), (b, frame_from_b)) = (a.placed(call)?, b.placed(call)?);
         let rule = pfront_rule_t::PFRONT_SHARED_INDEX as u32;
-        let fans = null();
+        let history = null();
         let query =
-            pfront_query_t { seal: PAIR, accuracy, rule, a, b, frame_from_a, frame_from_b, fans };
+            pfront_query_t { seal: PAIR, accuracy, rule, a, b, frame_from_a, frame_from_b, history };
         query.asked(call)?;
         out.set(query);
         Ok(())
@@ -199,13 +202,14 @@ pub unsafe extern "C" fn pfront_query_world(
     })
 }
 
-/// Asks which triangles of one mesh meet each other, each unordered pair once. `fans`, which may be null, has one
-/// element a vertex, see `pfront_fans_certify`, and changes no answer. `rule` is a `pfront_rule_t` and `accuracy` a
-/// `pfront_accuracy_t`.
+/// Asks which triangles of one mesh meet each other, each unordered pair once. `history`, which may be null, is that of
+/// `pfront_one_rings_link` for the same triangles, with `PFRONT_HISTORY_BOUND` words. It changes no answer but makes most
+/// neighbours cheap: it is certified for the positions of the mesh here, in O(vertices + triangles), and must last as
+/// long as the query. `rule` is a `pfront_rule_t` and `accuracy` a `pfront_accuracy_t`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_query_self(
     bvh: *const pfront_bvh_t,
-    fans: *const pfront_fan_t,
+    history: *mut u32,
     rule: u32,
     accuracy: u32,
     query: *mut pfront_query_t,
@@ -215,7 +219,12 @@ pub unsafe extern "C" fn pfront_query_self(
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, bvh) = (call.out(c"query", query)?, call.get(c"bvh", bvh)?);
         let (frame_from_a, frame_from_b) = (pfront_pose_t::IDENTITY, pfront_pose_t::IDENTITY);
-        let query = pfront_query_t {
+        let words = match history.is_null() {
+            true => 0,
+            false => pfront_history_bound(bvh.mesh.vertex_count, bvh.mesh.triangle_count),
+        };
+        let words = call.write(c"history", history, words)?;
+        let mut query = pfront_query_t {
             seal: SELF,
             accuracy,
             rule,
@@ -223,9 +232,16 @@ pub unsafe extern "C" fn pfront_query_self(
             b: bvh,
             frame_from_a,
             frame_from_b,
-            fans,
+            history: null(),
         };
         query.asked(call)?;
+        if !words.is_empty() {
+            let mesh = bvh.view(call, c"bvh")?.mesh();
+            let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+            let mut rings = OneRings::new_unchecked(vertices, triangles, words);
+            rings.certify(mesh, &CertifyOptions::default());
+            query.history = history;
+        }
         out.set(query);
         Ok(())
     })

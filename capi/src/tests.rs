@@ -107,8 +107,8 @@ fn a_frame_and_the_next() {
         scratch_bytes: scratch.len(),
     };
     let exact = PFRONT_EXACT as u32;
-    let mut fans = [MaybeUninit::<pfront_fan_t>::uninit(); POINTS.len()];
-    let known: *mut pfront_fan_t = fans.as_mut_ptr().cast();
+    let mut history = [MaybeUninit::<u32>::uninit(); 64];
+    let (history, words): (*mut u32, _) = (history.as_mut_ptr().cast(), history.len());
     let mut part = [MaybeUninit::<pfront_front_node_t>::uninit(); 16];
     let mut past = [MaybeUninit::<pfront_past_t>::uninit(); 16];
     let mut loads = [MaybeUninit::<pfront_load_t>::uninit(); 2];
@@ -125,7 +125,7 @@ fn a_frame_and_the_next() {
         let (part, past) = (part.as_mut_ptr().cast(), past.as_mut_ptr().cast());
         let bytes = memory.scratch_bytes;
         [
-            pfront_fans_link(&mesh, known, vertices, memory.scratch, bytes, null_mut()),
+            pfront_one_rings_link(&mesh, history, words, memory.scratch, bytes, null_mut()),
             pfront_front_init(front.as_mut_ptr(), part, 16, past, 16, null_mut()),
         ]
     };
@@ -135,15 +135,12 @@ fn a_frame_and_the_next() {
 
     for frame in 0..2 {
         // SAFETY: as above; and nobody else holds on to the positions.
-        let statuses = unsafe {
+        let status = unsafe {
             *points = -0.5 * frame as f32;
-            [
-                pfront_bvh_refit(&mut bvh, points, vertices, null_mut(), null_mut()),
-                pfront_fans_certify(&bvh.mesh, known, vertices, null_mut()),
-            ]
+            pfront_bvh_refit(&mut bvh, points, vertices, null_mut(), null_mut())
         };
-        assert_eq!(statuses, all);
-        let within: pfront_query_t = made!(pfront_query_self(&bvh, known, 0, exact));
+        assert_eq!(status, PFRONT_OK);
+        let within: pfront_query_t = made!(pfront_query_self(&bvh, history, 0, exact));
         let pair: pfront_query_t = made!(pfront_query_pair(&bvh, &bvh, &a_from_b, exact));
         let own = checked(&bvh);
         let other = PairQuery::new(own, own, Pose::new(a_from_b.rows)).unwrap();
@@ -192,7 +189,7 @@ fn a_blob_is_borrowed() {
     let borrowed: pfront_bvh_t = made!(pfront_bvh_from_blob(blob, bytes, free, least));
     assert_eq!(checked(&borrowed).nodes(), checked(&built).nodes());
     let [own, other] = [built, borrowed].map(|bvh| {
-        let query = made!(pfront_query_self(&bvh, null(), 0, PFRONT_EXACT as u32));
+        let query = made!(pfront_query_self(&bvh, null_mut(), 0, PFRONT_EXACT as u32));
         pages(&query, made!(pfront_cursor_start(&query)))
     });
     assert!(own == other && !own.is_empty());

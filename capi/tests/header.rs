@@ -4,7 +4,7 @@ use std::{env, fs, path::Path};
 
 /// In the order of the header.
 const MODULES: [&str; 10] =
-    ["status", "mesh", "build", "bvh", "blob", "fans", "query", "cursor", "verbs", "front"];
+    ["status", "mesh", "build", "bvh", "blob", "one_ring", "query", "cursor", "verbs", "front"];
 
 #[test]
 fn the_header_is_up_to_date() {

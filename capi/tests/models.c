@@ -1,4 +1,4 @@
-// What a C program can do wrong with meshes, BVHs and fans, and the error code that it gets for it.
+// What a C program can do wrong with meshes, BVHs and one-rings, and the error code that it gets for it.
 
 #include "expect.h"
 
@@ -71,7 +71,8 @@ static void builds(void)
     EXPECT(PFRONT_OVERLAP, "positions", pfront_bvh_build_morton(&mesh, 0, &memory, &bvh, &error));
     mesh.triangle_count = TRIANGLES;
     THAT(pfront_node_bound(SIZE_MAX) == SIZE_MAX && pfront_sah_scratch_bytes(SIZE_MAX) == SIZE_MAX);
-    THAT(pfront_fans_scratch_bytes(SIZE_MAX, 1) == SIZE_MAX);
+    THAT(pfront_link_scratch_bytes(SIZE_MAX, 1) == SIZE_MAX);
+    THAT(pfront_history_bound(SIZE_MAX, 1) == SIZE_MAX);
     memory = good;
     // What is made would lie where something else does.
     EXPECT(PFRONT_OVERLAP, "nodes",
@@ -90,7 +91,8 @@ static void sizes(void)
         THAT(PFRONT_MORTON_SCRATCH_BYTES(n) == pfront_morton_scratch_bytes(n));
         THAT(PFRONT_SAH_SCRATCH_BYTES(n) == pfront_sah_scratch_bytes(n));
         THAT(PFRONT_ADOPT_SCRATCH_BYTES(n) == pfront_adopt_scratch_bytes(n));
-        THAT(PFRONT_FANS_SCRATCH_BYTES(3 * n, n) == pfront_fans_scratch_bytes(3 * n, n));
+        THAT(PFRONT_LINK_SCRATCH_BYTES(3 * n, n) == pfront_link_scratch_bytes(3 * n, n));
+        THAT(PFRONT_HISTORY_BOUND(3 * n, n) == pfront_history_bound(3 * n, n));
     }
 }
 
@@ -148,15 +150,20 @@ static void refits(void)
     THAT(bounds.max[2] == 2);
 }
 
-static void fans(void)
+static void one_rings(void)
 {
-    pfront_fan_t known[VERTICES];
-    size_t bytes = pfront_fans_scratch_bytes(VERTICES, TRIANGLES);
-    EXPECT(PFRONT_TOO_SMALL, "fans", pfront_fans_link(&mesh, known, 7, scratch, bytes, &error));
-    EXPECT(PFRONT_TOO_SMALL, "scratch", pfront_fans_link(&mesh, known, 8, scratch, bytes - 1, &error));
-    OK(pfront_fans_link(&mesh, known, VERTICES, scratch, bytes, &error));
-    EXPECT(PFRONT_TOO_SMALL, "fans", pfront_fans_certify(&mesh, known, 7, &error));
-    OK(pfront_fans_certify(&mesh, known, VERTICES, &error));
+    uint32_t history[PFRONT_HISTORY_BOUND(VERTICES, TRIANGLES)];
+    size_t words = sizeof history / sizeof *history;
+    size_t bytes = pfront_link_scratch_bytes(VERTICES, TRIANGLES);
+    pfront_query_t query;
+    EXPECT(PFRONT_TOO_SMALL, "history",
+           pfront_one_rings_link(&mesh, history, words - 1, scratch, bytes, &error));
+    EXPECT(PFRONT_TOO_SMALL, "scratch",
+           pfront_one_rings_link(&mesh, history, words, scratch, bytes - 1, &error));
+    OK(pfront_one_rings_link(&mesh, history, words, scratch, bytes, &error));
+    EXPECT(PFRONT_OVERLAP, "history",
+           pfront_query_self(&bvh, (uint32_t *)(void *)&query, 0, 0, &query, &error));
+    OK(pfront_query_self(&bvh, history, 0, 0, &query, &error));
 }
 
 int main(void)
@@ -166,6 +173,6 @@ int main(void)
     sizes();
     adoptions();
     refits();
-    fans();
+    one_rings();
     return verdict();
 }

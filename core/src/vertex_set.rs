@@ -5,12 +5,14 @@
 
 use crate::CapacityError;
 use crate::index::{at, at_mut};
+use bytemuck::{Pod, Zeroable};
 
 /// How many vertices share a word.
 const SHARE: usize = u32::BITS as usize;
 
 /// Which of 32 vertices have moved, as a word of the set that [`mark_moved`] makes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Moved {
     bits: u32,
     /// How many vertices of the words before have moved.

@@ -1,7 +1,6 @@
 //! Building and refitting on several threads.
 
 use pfront_core::bvh::{self, BuildOptions, BvhStorage, SahItem};
-use pfront_core::one_ring::{self, Fan, Span};
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
 /// [`bvh::sah_with`] in the rayon pool of the calling thread.
@@ -72,23 +71,6 @@ pub fn refit(mesh: Mesh<'_>, nodes: &mut [Node], order: &[u32]) -> f32 {
     bvh::refit_with(mesh, nodes, order, &join)
 }
 
-/// [`one_ring::certify_with`] in the rayon pool of the calling thread.
-///
-/// # Errors
-/// As [`one_ring::certify_with`].
-///
-/// # Examples
-/// ```
-/// # use pfront_core::{CapacityError, Mesh, one_ring::{Fan, Span}};
-/// # fn f(moved: Mesh<'_>, spans: &[Span], fans: &mut [Fan]) -> Result<(), CapacityError> {
-/// pfront_cpu::certify(moved, spans, fans)?;
-/// # Ok(())
-/// # }
-/// ```
-pub fn certify(mesh: Mesh<'_>, spans: &[Span], fans: &mut [Fan]) -> Result<(), CapacityError> {
-    one_ring::certify_with(mesh, spans, fans, &join)
-}
-
 /// Does two things at once in the rayon pool of whoever asks. It is what `bvh::refit_with` and its like in
 /// `pfront-core` want.
 ///
@@ -106,84 +88,7 @@ pub fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
 mod tests {
     use super::*;
     use pfront_core::bvh::node_bound;
-    use pfront_scenes::{Scene, icosphere};
-    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-
-    /// So that each span of triangles reaches everywhere.
-    fn shuffle(triangles: &mut [[u32; 3]]) {
-        let n = triangles.len();
-        (0..n).for_each(|i| triangles.swap(i, i * 7919 % n));
-    }
-
-    /// The fans of a mesh, linked, and its spans.
-    fn linked(mesh: Mesh<'_>) -> (Vec<Fan>, Vec<Span>) {
-        let (vertices, n) = (mesh.positions().len(), mesh.triangles().len());
-        let (mut fans, mut spans) =
-            (vec![Fan::default(); vertices], vec![Span::default(); one_ring::span_bound(n)]);
-        let mut scratch = vec![0; one_ring::link_scratch_bound(vertices, n)];
-        one_ring::link(mesh, &mut scratch, &mut fans).unwrap();
-        one_ring::find_spans(mesh, &mut spans).unwrap();
-        (fans, spans)
-    }
-
-    #[test]
-    fn parts_certify_what_the_whole_does() {
-        let scene = Scene::by_name("sheet", Some(150_000)).unwrap();
-        let (mut triangles, mut positions) = (scene.meshes[0].triangles.clone(), Vec::new());
-        // Crumpled, so that some fans are certified and some are not.
-        scene.positions(70, &mut positions);
-        for (p, i) in positions.iter_mut().zip(0_u32..) {
-            let jitter = 0.004 * (i.wrapping_mul(2_654_435_761) >> 20 & 7) as f32;
-            (p[0], p[1]) = (p[0] + jitter, p[1] - jitter);
-        }
-        let vertices = positions.len();
-        for shuffled in [false, true] {
-            if shuffled {
-                shuffle(&mut triangles);
-            }
-            let mesh = Mesh::new(&positions, &triangles).unwrap();
-            let (mut whole, spans) = linked(mesh);
-            let mut in_parts = whole.clone();
-            one_ring::certify(mesh, &mut whole).unwrap();
-            certify(mesh, &spans, &mut in_parts).unwrap();
-            assert!(whole == in_parts, "shuffled: {shuffled}");
-            let good = whole.iter().filter(|fan| fan.is_certified()).count();
-            assert!((vertices / 10..vertices * 9 / 10).contains(&good), "{good} of {vertices}");
-            assert!(certify(mesh, &spans[1..], &mut in_parts).is_err());
-            assert!(certify(mesh, &spans, &mut in_parts[1..]).is_err());
-        }
-    }
-
-    /// At sizes about those of parts, with vertices that no triangle uses at the end.
-    #[test]
-    fn a_mesh_is_divided_where_its_triangles_are_in_order() {
-        for vertices in [0_usize, 3, 8192, 8193, 16_384, 16_385, 40_000] {
-            let positions: Vec<_> =
-                (0..vertices).map(|i| [i as f32, (i % 2) as f32, (i % 5) as f32]).collect();
-            let used = vertices - vertices / 10;
-            let strip: Vec<_> = (2..used as u32).map(|i| [i - 2, i - 1, i]).collect();
-            let parts = vertices.div_ceil(8192).max(1);
-            for shuffled in [false, true] {
-                let mut triangles = strip.clone();
-                if shuffled {
-                    shuffle(&mut triangles);
-                }
-                let mesh = Mesh::new(&positions, &triangles).unwrap();
-                let (mut whole, spans) = linked(mesh);
-                let (mut in_parts, joins) = (whole.clone(), AtomicUsize::new(0));
-                one_ring::certify_with(mesh, &spans, &mut in_parts, &|a, b| {
-                    joins.fetch_add(1, Relaxed);
-                    a();
-                    b();
-                })
-                .unwrap();
-                one_ring::certify(mesh, &mut whole).unwrap();
-                assert!(whole == in_parts, "{vertices}, shuffled: {shuffled}");
-                let wanted = if shuffled && vertices > 20_000 { 0 } else { parts - 1 };
-                assert_eq!(joins.into_inner(), wanted, "{vertices}, shuffled: {shuffled}");
-            }
-        }
-    }
+    use pfront_scenes::icosphere;
 
     #[test]
     fn parts_give_the_tree_of_the_whole() {

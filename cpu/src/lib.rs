@@ -45,7 +45,7 @@ mod sink;
 mod stealing;
 mod traversal;
 
-pub use build::{certify, join, morton, refit, sah};
+pub use build::{join, morton, refit, sah};
 pub use calibrate::{TRIANGLE_COST, calibrate};
 pub use pool::current_threads;
 pub use reference::Reference;

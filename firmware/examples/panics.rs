@@ -16,7 +16,7 @@ use pfront_core::bvtt::*;
 use pfront_core::exact::{orient2d, orient3d};
 use pfront_core::front::*;
 use pfront_core::front::{Load, dearest_first, greedy, p_optimal};
-use pfront_core::one_ring::{self, Fan, Span};
+use pfront_core::one_ring::{CertifyOptions, OneRings};
 use pfront_core::sphere::Sphere;
 use pfront_core::triangle::*;
 use pfront_core::*;
@@ -36,9 +36,8 @@ struct Slices<'s> {
     keys: &'s mut [u64],
     words: &'s mut [u32],
     table: &'s mut [Below],
-    moved: [&'s mut [Moved]; 2],
-    fans: &'s mut [Fan],
-    spans: &'s mut [Span],
+    moved: &'s mut [Moved],
+    history: &'s mut [u32],
     front: &'s mut [FrontNode],
     past: &'s mut [PastCost],
     loads: &'s mut [Load],
@@ -58,15 +57,14 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any::<Bvh<'_>>(Bvh::new_unchecked(mesh, some()?, some()?));
     any([refit_with(mesh, others, some()?, join), refit(mesh, others, some()?)]);
     baked(&bvh, slices.bytes);
-    let [moved, near] = slices.moved;
+    let moved = slices.moved;
     any(mark_moved(positions, mesh.positions(), moved).is_ok());
     any(survey(mesh, others, some()?, slices.table, join).is_ok());
     any(refit_moved(mesh, others, some()?, moved, slices.table, join).is_ok());
-    any(one_ring::link(mesh, words, slices.fans).is_ok());
-    any(one_ring::certify(mesh, slices.fans).is_ok());
-    any(one_ring::find_spans(mesh, slices.spans).is_ok());
-    any(one_ring::certify_moved(mesh, slices.spans, moved, near, slices.fans).is_ok());
-    let within = SelfQuery::new(bvh).with_fans(slices.fans).with_adjacency(some()?);
+    let mut rings = OneRings::new(some()?, triangles, slices.history, words).ok()?;
+    let certified = rings.certify(mesh, &CertifyOptions { join: Some(join), moved: Some(moved) });
+    any(certified.is_certified(some()?));
+    let within = SelfQuery::new(bvh).with_certificates(certified).with_adjacency(some()?);
     asked(&within.with_accuracy(some()?).boxes_only(), slices.page)?;
     let placed: Placed<'_> = Placed::new(bvh, &some()?).ok()?;
     any((placed.aabb(), PairQuery::new(bvh, bvh, some()?).ok()?));

@@ -69,7 +69,7 @@ impl World {
                 .with_accuracy(ask.accuracy())
                 .with_adjacency(adjacency(skip));
             of_core(&query, ask).check(&truth, ask);
-            of_core(&query.with_fans(body.model.fans()), ask).check(&truth, ask);
+            of_core(&query.with_certificates(body.model.certificates()), ask).check(&truth, ask);
             let boxes = crate::pages(&query.boxes_only(), ask.page());
             assert_eq!(boxes, overlapping(&body.soup));
         }

@@ -7,8 +7,8 @@ use pfront_core::front::Estimate;
 
 /// What a mesh that hardly meets itself costs for each triangle, in box tests: its neighbours.
 const PER_TRIANGLE: f64 = 40.0;
-/// To make the fans takes so many nanoseconds a triangle.
-const FANS: f64 = 80.0;
+/// Nanoseconds per triangle that the first one-ring certificates of a model take.
+const CERTIFY: f64 = 80.0;
 /// No more pairs of triangles than this are small change.
 const SMALL: usize = 256;
 
@@ -132,7 +132,7 @@ impl Question for OfOne<'_> {
         core::bvtt::SelfQuery::new(self.model.bvh())
             .with_accuracy(accuracy)
             .with_adjacency(self.adjacency)
-            .with_fans(self.model.fans())
+            .with_certificates(self.model.certificates())
     }
 
     fn is_small(&self) -> bool {
@@ -149,7 +149,11 @@ impl Question for OfOne<'_> {
     }
 
     fn unmade(&self) -> f64 {
-        if self.model.has_fans() { 0.0 } else { FANS * self.model.mesh().triangles().len() as f64 }
+        if self.model.has_certificates() {
+            0.0
+        } else {
+            CERTIFY * self.model.mesh().triangles().len() as f64
+        }
     }
 
     fn subject(&self) -> Subject {

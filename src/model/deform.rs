@@ -104,15 +104,15 @@ impl Model {
                 self.stamp.rebuilt();
             }
             self.moves.clear();
-            if let Some(fans) = self.fans.stale_mut() {
-                fans.fall_behind();
+            if let Some(certificates) = self.certificates.stale_mut() {
+                certificates.fall_behind();
             }
         }
         self.moves.add(&self.positions, positions);
         self.positions.copy_from_slice(positions);
         self.stamp.moved();
         self.tree.outdate();
-        self.fans.outdate();
+        self.certificates.outdate();
         self.sphere.take();
         Ok(true)
     }
@@ -121,16 +121,16 @@ impl Model {
         let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
         let (moves, options) = (&self.moves, &self.options);
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, passes);
-        match (self.tree.stale_mut(), self.fans.stale_mut()) {
-            (Some(tree), Some(fans)) => {
-                (passes.both)(&mut || fit(tree), &mut || fans.renew(mesh, moves, passes));
+        match (self.tree.stale_mut(), self.certificates.stale_mut()) {
+            (Some(tree), Some(certificates)) => {
+                (passes.both)(&mut || fit(tree), &mut || certificates.renew(mesh, moves, passes));
             }
             (Some(tree), None) => fit(tree),
-            (None, Some(fans)) => fans.renew(mesh, moves, passes),
+            (None, Some(certificates)) => certificates.renew(mesh, moves, passes),
             (None, None) => {}
         }
         self.tree.renewed();
-        self.fans.renewed();
+        self.certificates.renewed();
         if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
             tree.rebuild(mesh, options, passes);
             self.stamp.rebuilt();

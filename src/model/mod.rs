@@ -1,8 +1,8 @@
 //! A mesh and its BVH, owned.
 
 mod blob;
+mod certificates;
 mod deform;
-mod fans;
 mod moves;
 mod passes;
 mod renewed;
@@ -12,13 +12,13 @@ mod tree;
 pub use stamp::Stamp;
 
 use crate::Error;
-use fans::Fans;
+use certificates::Certificates;
 use moves::Moves;
 #[cfg(feature = "threads")]
 use passes::THREADS;
 use passes::{ONE_THREAD, Passes};
 use pfront_core::bvh::BuildOptions;
-use pfront_core::one_ring::Fan;
+use pfront_core::one_ring::Certified;
 use pfront_core::sphere::Sphere;
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;
@@ -48,7 +48,7 @@ pub struct Model {
     moves: Moves,
     tree: Renewed<Tree>,
     /// Made when the mesh is first asked about itself.
-    fans: Renewed<Fans>,
+    certificates: Renewed<Certificates>,
     /// Made when a scene first asks for it.
     sphere: OnceLock<Option<Sphere>>,
 }
@@ -115,7 +115,7 @@ impl Model {
             stamp: Stamp::new(),
             moves: Moves::default(),
             tree: Renewed::new(tree),
-            fans: Renewed::unmade(),
+            certificates: Renewed::unmade(),
             sphere: OnceLock::new(),
         }
     }
@@ -133,18 +133,18 @@ impl Model {
         self.tree().bvh(self.mesh())
     }
 
-    /// What self-collision knows of the triangles about each vertex: made at the first call, which takes
-    /// as long as a refit or two, and kept up to date from then on, as the BVH is.
+    /// The one-ring certificates that self-collision uses: made at the first call, which takes as long as a
+    /// refit or two, and kept up to date from then on, as the BVH is.
     #[must_use]
-    pub fn fans(&self) -> &[Fan] {
+    pub fn certificates(&self) -> Certified<'_> {
         let mesh = self.mesh();
-        let renew = |fans: &mut Fans| fans.renew(mesh, &self.moves, &ONE_THREAD);
-        self.fans.get(renew, || Fans::new(mesh)).as_slice()
+        let renew = |stale: &mut Certificates| stale.renew(mesh, &self.moves, &ONE_THREAD);
+        self.certificates.get(renew, || Certificates::new(mesh)).certified(mesh)
     }
 
-    /// Whether the fans are made, up to date or not.
-    pub(crate) fn has_fans(&self) -> bool {
-        self.fans.map(|_| ()).is_some()
+    /// Whether the certificates are made, up to date or not.
+    pub(crate) fn has_certificates(&self) -> bool {
+        self.certificates.map(|_| ()).is_some()
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
@@ -184,7 +184,7 @@ impl Model {
             + self.triangles.capacity() * size_of::<[u32; 3]>()
             + self.moves.bytes()
             + self.tree.map(Tree::bytes).unwrap_or_else(|| self.tree().bytes())
-            + self.fans.map(Fans::bytes).unwrap_or_default()
+            + self.certificates.map(Certificates::bytes).unwrap_or_default()
     }
 
     /// The tree as it fits the positions.
@@ -228,7 +228,7 @@ impl Clone for Model {
             stamp: self.stamp,
             moves: self.moves.clone(),
             tree,
-            fans: self.fans.clone(),
+            certificates: self.certificates.clone(),
             sphere: self.sphere.clone(),
         }
     }

@@ -1,7 +1,6 @@
 //! The passes over a whole model, on as many threads as one likes.
 
-use pfront_core::bvh::{self, BuildOptions, BvhStorage, SahItem};
-use pfront_core::one_ring::{self, Fan, Span};
+use pfront_core::bvh::{self, BuildOptions, BvhStorage, Join, SahItem};
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
 pub(super) struct Passes {
@@ -9,8 +8,8 @@ pub(super) struct Passes {
     pub(super) refit: Refit,
     /// The quality figure of a tree that fits.
     pub(super) quality: Refit,
-    /// The fans, once they are linked.
-    pub(super) certify: Certify,
+    /// What runs the parts of a certification, if it is not one thread.
+    pub(super) join: Option<&'static Join<'static>>,
     /// Does two things, at once if it can.
     pub(super) both: Both,
 }
@@ -21,7 +20,6 @@ type Sah = for<'a> fn(
     BvhStorage<'a>,
     &mut [SahItem],
 ) -> Result<Bvh<'a>, CapacityError>;
-type Certify = fn(Mesh<'_>, &[Span], &mut [Fan]) -> Result<(), CapacityError>;
 type Both = fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send));
 type Refit = fn(Mesh<'_>, &mut [Node], &[u32]) -> f32;
 
@@ -29,7 +27,7 @@ pub(super) const ONE_THREAD: Passes = Passes {
     sah: bvh::sah,
     refit: bvh::refit,
     quality: |mesh, nodes, order| bvh::quality(&Bvh::new_unchecked(mesh, nodes, order)),
-    certify: |mesh, _, fans| one_ring::certify(mesh, fans),
+    join: None,
     both: |one, other| {
         one();
         other();
@@ -42,6 +40,6 @@ pub(super) const THREADS: Passes = Passes {
     sah: crate::threads::sah,
     refit: crate::threads::refit,
     quality: crate::threads::refit,
-    certify: crate::threads::certify,
+    join: Some(&crate::threads::join),
     both: crate::threads::join,
 };

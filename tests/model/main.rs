@@ -7,7 +7,6 @@ mod history;
 mod together;
 
 use pfront::core::bvh;
-use pfront::core::one_ring::Fan;
 use pfront::{BuildOptions, Model};
 use pfront_oracle::generate::soup::{Soup, sheet};
 
@@ -30,11 +29,17 @@ fn assert_fits(model: &Model) {
     assert_eq!(nodes, bvh.nodes());
     let (positions, triangles) = (model.mesh().positions(), model.mesh().triangles());
     let fresh = Model::new(positions.to_vec(), triangles.to_vec()).unwrap();
-    assert_eq!(model.fans(), fresh.fans());
+    assert_eq!(certified(&model), certified(&fresh));
     assert!(model.sphere().is_some_and(|sphere| {
         let reach = |p: &[f32; 3]| (0..3).map(|k| (p[k] - sphere.centre[k]).powi(2)).sum::<f32>();
         positions.iter().all(|p| reach(p).sqrt() <= sphere.radius * 1.00001)
     }));
+}
+
+/// Whether each vertex is certified.
+fn certified(model: &Model) -> Vec<bool> {
+    let (certified, vertices) = (model.certificates(), model.mesh().positions().len() as u32);
+    (0..vertices).map(|vertex| certified.is_certified(vertex)).collect()
 }
 
 /// The sheet after some of its vertices have gone up and aside.
@@ -60,16 +65,16 @@ fn few_moves_are_refitted_by_a_table_and_many_without() {
 fn what_was_asked_for_long_ago_is_brought_up_to_date() {
     let soup = shape();
     let mut model = model(&soup);
-    assert!(model.fans()[200].is_certified() && model.sphere().is_some());
-    // Near vertex 200, which the tree is told of, but not the fans.
+    assert!(model.certificates().is_certified(200) && model.sphere().is_some());
+    // Near vertex 200, which the tree is told of, but not the certificates.
     model.set_positions_unfitted(&shifted(&soup, 9.0, |i| i == 200 || i == 202)).unwrap();
     model.bvh().assert_well_formed();
     // Then elsewhere.
     let moved = shifted(&soup, 9.0, |i| i == 200 || i == 202 || i == 400);
     model.set_positions_unfitted(&moved).unwrap();
     let fresh = Model::new(moved, soup.triangles.clone()).unwrap();
-    let certified = |fans: &[Fan]| fans.iter().filter(|fan| fan.is_certified()).count();
-    assert!(certified(fresh.fans()) < certified(self::model(&soup).fans()));
+    let count = |model: &Model| certified(model).iter().filter(|&&is| is).count();
+    assert!(count(&fresh) < count(&self::model(&soup)));
     assert_fits(&model);
     let [found, expected] = [model.sphere(), fresh.sphere()].map(Option::unwrap);
     assert!((found.radius - expected.radius).abs() < 0.1, "{found:?}");

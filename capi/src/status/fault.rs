@@ -60,7 +60,7 @@ impl From<CapacityError> for Fault {
     fn from(CapacityError { buffer, needed, capacity }: CapacityError) -> Self {
         let what = match buffer {
             "nodes" | "front" => c"nodes",
-            "fans" => c"fans",
+            "history" => c"history",
             "memory" => c"past",
             "out" => c"blob",
             _ => return Self::new(PFRONT_DAMAGED),

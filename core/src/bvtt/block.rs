@@ -1,7 +1,7 @@
 //! The triangles of a leaf, side by side.
 
 use crate::index::at;
-use crate::one_ring::Fan;
+use crate::one_ring::OneRing;
 use crate::simd::point8::{Points, abs, difference, highest, lanes, load, lowest, store};
 use crate::simd::{LANES, Simd};
 use crate::transform::Placement;
@@ -45,7 +45,7 @@ impl Block {
         mesh: Mesh<'_>,
         triangles: &[u32],
         place: &impl Placement,
-        fans: &[Fan],
+        fans: &[OneRing],
     ) {
         self.len = triangles.len().min(LANES);
         self.certified = [0; 3];
@@ -86,7 +86,7 @@ impl Block {
         mesh: Mesh<'_>,
         triangles: &[u32],
         place: &impl Placement,
-        fans: &[Fan],
+        fans: &[OneRing],
     ) {
         self.fill::<f32>(mesh, triangles, place, fans);
     }
@@ -158,7 +158,7 @@ impl Blocks {
         mesh: Mesh<'_>,
         triangles: &[u32],
         place: &impl Placement,
-        fans: &[Fan],
+        fans: &[OneRing],
     ) -> &'s Block {
         let slot = leaf as usize % KEPT;
         if self.leaves[slot] != leaf {

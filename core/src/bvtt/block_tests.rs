@@ -1,7 +1,7 @@
 //! What is done side by side against the same done one by one, at the widest, in halves and singly.
 
 use super::{Block, Blocks, Pairs};
-use crate::one_ring::{self, Fan, link_scratch_bound};
+use crate::one_ring::{CertifyOptions, OneRing, OneRings, history_bound, link_scratch_bound};
 use crate::simd::Halves;
 use crate::simd::{Eight, LANES, Simd, Task, widest};
 use crate::transform::InPlace;
@@ -14,7 +14,7 @@ const VERTICES: usize = 9;
 struct Two<'m> {
     mesh: Mesh<'m>,
     leaves: [&'m [u32]; 2],
-    fans: &'m [Fan],
+    fans: &'m [OneRing],
 }
 
 /// What is found of all pairs, with regard to common vertices and without; and by boxes alone.
@@ -87,17 +87,17 @@ fn side_by_side_as_one_by_one() {
     let (mut rejected, mut kept) = (0, 0);
     for round in 0..if cfg!(miri) { 4 } else { 20_000 } {
         let (positions, triangles) = random_mesh(&mut next);
-        let mut known_fans = [Fan::default(); VERTICES];
+        let mut history = [0; history_bound(VERTICES, 2 * LANES)];
         let mut scratch = [0; link_scratch_bound(VERTICES, 2 * LANES)];
-        // As many triangles as make a fan.
         let mesh =
             Mesh::new(&positions, &triangles[..next(2 * LANES as u32) as usize + 1]).unwrap();
-        one_ring::link(mesh, &mut scratch, &mut known_fans).unwrap();
-        one_ring::certify(mesh, &mut known_fans).unwrap();
+        let triangles = mesh.triangles();
+        let mut rings = OneRings::new(VERTICES, triangles, &mut history, &mut scratch).unwrap();
+        let certified = rings.certify(mesh, &CertifyOptions::default());
         let n = mesh.triangles().len() as u32;
         let ids: [u32; 2 * LANES] = core::array::from_fn(|i| i as u32 % n);
         let leaves = [&ids[..next(8) as usize + 1], &ids[8..][..next(8) as usize + 1]];
-        let fans: &[Fan] = if round % 3 == 0 { &[] } else { &known_fans };
+        let fans = if round % 3 == 0 { &[] } else { certified.of_mesh(mesh) };
         let two = || Two { mesh, leaves, fans };
         let found = widest(two());
         assert_eq!(found, two().run::<Halves>());

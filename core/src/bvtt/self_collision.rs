@@ -3,7 +3,7 @@
 use super::{Bvtt, SelfTree, walk};
 use super::{Cursor, NodePair, Query, TrianglePair};
 use crate::bvh::Layout;
-use crate::one_ring::Fan;
+use crate::one_ring::{Certified, OneRing};
 use crate::triangle::{Accuracy, Adjacency, Contact, contact};
 use crate::{Aabb, Bvh, Node};
 use core::ops::ControlFlow;
@@ -14,7 +14,7 @@ pub struct SelfQuery<'a, L: Layout = Node> {
     bvh: Bvh<'a, L>,
     accuracy: Accuracy,
     adjacency: Adjacency,
-    fans: &'a [Fan],
+    fans: &'a [OneRing],
     boxes_only: bool,
 }
 
@@ -38,28 +38,27 @@ impl<'a, L: Layout> SelfQuery<'a, L> {
         Self { adjacency, ..self }
     }
 
-    /// The same answer, sooner where many neighbours are at peace: see [`fans`](crate::one_ring).
+    /// The same pairs, found sooner where many vertices are certified: see [`one_ring`](crate::one_ring).
     ///
-    /// `fans` must be certified for the positions of this mesh, else pairs may be missed; none at all
-    /// are fine.
+    /// Certificates of another mesh are not used: both must borrow the same positions and triangles.
     ///
     /// # Examples
     /// ```
-    /// use pfront_core::{build::*, bvh::node_bound, fans::{self, *}, query::*, *};
-    /// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
-    /// let mesh = Mesh::new(&points, &[[0, 1, 2], [0, 2, 3]])?;
-    /// let mut known = [Fan::default(); 4];
-    /// fans::link(mesh, &mut [0; link_scratch_bound(4, 2)], &mut known)?;
-    /// fans::certify(mesh, &mut known)?;
-    /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
+    /// use pfront_core::{bvh::*, bvtt::*, one_ring::*, *};
+    /// let (points, triangles) = ([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]]);
+    /// let mesh = Mesh::new(&points, &triangles)?;
+    /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
     /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    /// let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 4])?;
-    /// assert_eq!(SelfQuery::new(bvh).with_fans(&known).count(), 0);
+    /// let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 2])?;
+    /// let (mut history, mut scratch) = ([0; history_bound(3, 1)], [0; link_scratch_bound(3, 1)]);
+    /// let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
+    /// let certified = rings.certify(mesh, &CertifyOptions::default());
+    /// assert_eq!(SelfQuery::new(bvh).with_certificates(certified).count(), 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn with_fans(self, fans: &'a [Fan]) -> Self {
-        Self { fans, ..self }
+    pub fn with_certificates(self, certified: Certified<'a>) -> Self {
+        Self { fans: certified.of_mesh(self.bvh.mesh()), ..self }
     }
 
     /// Asks for all pairs of triangles whose boxes overlap, whatever else. With each box of a set given

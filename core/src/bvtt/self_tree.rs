@@ -11,7 +11,7 @@ use crate::Bvh;
 use crate::aabb::Bounds;
 use crate::bvh::Layout;
 use crate::index::at;
-use crate::one_ring::Fan;
+use crate::one_ring::OneRing;
 use crate::simd::{LANES, Simd};
 use crate::transform::InPlace;
 use crate::triangle::{Accuracy, Adjacency, Inexact, intersects_in_mesh};
@@ -24,7 +24,7 @@ pub(crate) struct SelfTree<'a, L: Layout> {
     pub(crate) inexact: Option<Inexact>,
     pub(crate) adjacency: Adjacency,
     /// What is known of the triangles about each vertex, or nothing.
-    pub(crate) fans: &'a [Fan],
+    pub(crate) fans: &'a [OneRing],
     /// Whether triangles meet as soon as their boxes do.
     pub(crate) boxes_only: bool,
 }

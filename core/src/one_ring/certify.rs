@@ -1,287 +1,249 @@
-//! Bringing fans up to date: all of them, or those about which something has moved.
+//! Certification of one-rings for the positions of a mesh: all of them, or those near vertices that have moved.
 //!
-//! That all are seen from the same side takes the sign of one coordinate of each normal, in f32 beyond its
-//! bound: each of two products of two differences carries a relative error below (1+u)^4 − 1 with
-//! u = 2^-24, so 8.02u · mi·mj of the largest differences along the two axes, and underflow costs
-//! less than the smallest normal number. That the fan goes round once is counted without any rounding:
-//! a sector is below half a turn, so a fan that goes round passes from one half-plane into the other, by a
-//! comparison of coordinates, once a turn each way.
+//! The sign of a normal along an axis is that of a 2×2 determinant of coordinate differences in f32. Each of its two
+//! products carries a relative error below (1+u)^4 − 1 with u = 2^-24, so 8.02u · mx · my with the largest
+//! differences mx and my along the other two axes bounds the error, and underflow adds less than the smallest normal
+//! number. Beyond that bound the sign is certified.
+//!
+//! Turns are counted without rounding. A sector is less than half a turn, so what goes round the vertex once crosses
+//! the plane through the vertex across each of the two other axes once upwards and once downwards, which comparisons
+//! of coordinates tell. A row that crosses one of these planes once at most makes less than a full turn.
 
-use super::{DOUBTS, Fan, LINK};
-use crate::bvh::{Join, Moved, moved_bound};
-use crate::index::at;
-use crate::vertex_set::{holds, holds_any, mark, number, vertices};
-use crate::{CapacityError, Mesh};
+use super::{CERTIFIED, Certified, OneRing, OneRings, RING};
+use crate::Mesh;
+use crate::bvh::Join;
+use crate::index::{at, at_mut};
+use crate::vertex_set::{Moved, holds, holds_any, mark, moved_bound, number, vertices};
+use bytemuck::{Pod, Zeroable};
 use core::ops::Range;
 use glam::Vec3A;
 
-/// Brings the fans of a mesh up to date with its positions. `fans` are those of [`link`](super::link) for the same
-/// triangles; others may make a query miss pairs.
-///
-/// # Errors
-/// [`CapacityError`] if `fans` has not one entry a vertex.
-///
-/// # Complexity
-/// O(vertices + triangles), about 15 ns a triangle.
-pub fn certify(mesh: Mesh<'_>, fans: &mut [Fan]) -> Result<(), CapacityError> {
-    let positions = mesh.positions();
-    CapacityError::check("fans", positions.len(), fans.len())?;
-    fans.iter_mut().for_each(Fan::clear);
-    for t in mesh.triangles() {
-        count(positions, t, fans, 0, |_| true);
-    }
-    fans.iter_mut().for_each(Fan::settle);
-    Ok(())
+/// How [`OneRings::certify`] works.
+#[derive(Clone, Copy, Default)]
+pub struct CertifyOptions<'a> {
+    /// Runs two tasks, side by side if it can, as `rayon::join` does. The certificates are the same. One task is as
+    /// large as 8192 vertices, and where triangles near one another in the mesh have vertices that are not, there
+    /// is only one.
+    pub join: Option<&'a Join<'a>>,
+    /// Certifies only the one-rings near these vertices anew. They must contain all that have moved since the last
+    /// certification, by [`mark_moved`](crate::bvh::mark_moved), else a query may miss pairs.
+    pub moved: Option<&'a [Moved]>,
 }
 
-/// Vertices of a part that is worth another thread: a tenth of a millisecond.
+impl OneRings<'_> {
+    /// Certifies the one-rings for the positions of a mesh.
+    ///
+    /// If the triangles of the mesh are not those of [`OneRings::new`], nothing is certified.
+    ///
+    /// # Complexity
+    /// O(vertices + triangles), some 15 ns per triangle; with [`CertifyOptions::moved`],
+    /// O(m + vertices / 32 + triangles / 64) for m triangles in runs of 64 that hold a vertex which has moved, or a
+    /// neighbour of one.
+    pub fn certify<'m>(
+        &'m mut self,
+        mesh: Mesh<'m>,
+        options: &CertifyOptions<'_>,
+    ) -> Certified<'m> {
+        let (positions, triangles) = (mesh.positions(), mesh.triangles());
+        let Self { rings, spans, near, .. } = self;
+        let same = core::ptr::eq(triangles, self.triangles) || triangles == self.triangles;
+        if !same || rings.len() != positions.len() {
+            rings.iter_mut().for_each(OneRing::clear);
+            return Certified { mesh, rings: &[] };
+        }
+        let run = Run { spans, triangles };
+        let is_set = |moved: &&[Moved]| moved.len() >= moved_bound(positions.len());
+        match options.moved.filter(is_set) {
+            Some(moved) => run.certify_moved(positions, moved, near, rings),
+            None => {
+                let reached = spans.iter().map(|span| span.parts().len()).sum::<usize>();
+                let join = options.join.filter(|_| reached <= MAX_REACH * spans.len());
+                Pass { positions, join }.certify(0, rings, run);
+            }
+        }
+        Certified { mesh, rings }
+    }
+}
+
+/// Vertices of a task that is worth another thread: a tenth of a millisecond.
 const PART: usize = 8192;
-/// As many spans as there are may reach into parts so many times, before it is better to divide nothing.
-const REACH: usize = 2;
+/// The most parts that a span may reach into, on average, for parts to be worth it.
+const MAX_REACH: usize = 2;
 
-/// [`certify`] in parts that `join` may run side by side, as `rayon::join` does; the fans are the same.
-///
-/// Vertices are divided, and each part looks at the triangles of those `spans`, as [`find_spans`] found them, that
-/// reach into it: at twice as many as there are at most. Where triangles near one another in the mesh have vertices
-/// that are not, there is one part. Spans of other triangles may make a query miss pairs, as fans of others do.
-///
-/// # Errors
-/// [`CapacityError`] if `fans` has not one entry a vertex, or there are fewer spans than [`span_bound`].
-///
-/// # Complexity
-/// O(vertices + triangles), in parts of at most 8192 vertices; to divide m of them takes O(triangles / 64 · log m).
-///
-/// # Examples
-/// ```
-/// # use pfront_core::{CapacityError, Mesh, fans::{Fan, Span, certify_with}};
-/// # fn f(mesh: Mesh<'_>, spans: &[Span], fans: &mut [Fan]) -> Result<(), CapacityError> {
-/// certify_with(mesh, spans, fans, &|a, b| {
-///     a();
-///     b();
-/// })?;
-/// # Ok(())
-/// # }
-/// ```
-pub fn certify_with(
-    mesh: Mesh<'_>,
-    spans: &[Span],
-    fans: &mut [Fan],
-    join: &Join<'_>,
-) -> Result<(), CapacityError> {
-    CapacityError::check("fans", mesh.positions().len(), fans.len())?;
-    CapacityError::check("spans", span_bound(mesh.triangles().len()), spans.len())?;
-    let spans = &spans[..span_bound(mesh.triangles().len())];
-    let reached = spans.iter().map(|span| span.parts().len()).sum::<usize>();
-    if reached > REACH * spans.len() {
-        return certify(mesh, fans);
-    }
-    let run = Run { spans, triangles: mesh.triangles() };
-    Parts { positions: mesh.positions(), join }.certify(0, fans, run);
-    Ok(())
+/// Certification of all one-rings.
+struct Pass<'p> {
+    positions: &'p [[f32; 3]],
+    join: Option<&'p Join<'p>>,
 }
 
-/// Consecutive triangles, with their spans.
+impl Pass<'_> {
+    /// Certifies the one-rings of the vertices from `first` on, by those triangles of `run` that reach them.
+    fn certify(&self, first: usize, rings: &mut [OneRing], run: Run<'_>) {
+        let half = rings.len().div_ceil(2).next_multiple_of(PART);
+        if let Some(join) = self.join
+            && half < rings.len()
+        {
+            let run = run.reaching(first..first + rings.len());
+            let (low, high) = rings.split_at_mut(half);
+            let mut low = || self.certify(first, low, run);
+            return join(&mut low, &mut || self.certify(first + half, high, run));
+        }
+        let part = first..first + rings.len();
+        rings.iter_mut().for_each(OneRing::clear);
+        let spans = run.spans.iter().zip(run.triangles.chunks(SPAN));
+        for (_, triangles) in spans.filter(|(span, _)| span.reaches(&part)) {
+            for t in triangles {
+                add(self.positions, t, rings, first, |_| true);
+            }
+        }
+        rings.iter_mut().for_each(OneRing::certify);
+    }
+}
+
+/// Consecutive triangles, with a span for each [`SPAN`] of them.
 #[derive(Clone, Copy)]
-struct Run<'p> {
-    spans: &'p [Span],
-    triangles: &'p [[u32; 3]],
+struct Run<'r> {
+    spans: &'r [Span],
+    triangles: &'r [[u32; 3]],
 }
 
 impl Run<'_> {
-    /// From the first to the last that reach into these parts.
-    fn reaching(self, parts: Range<usize>) -> Self {
-        let reaches = |span: &Span| {
-            let own = span.parts();
-            own.start < parts.end && parts.start < own.end
-        };
+    /// From the first span to the last that reach some vertices.
+    fn reaching(self, part: Range<usize>) -> Self {
         let Self { spans, triangles } = self;
+        let reaches = |span: &Span| span.reaches(&part);
         let first = spans.iter().position(reaches).unwrap_or(spans.len());
         let end = spans.iter().rposition(reaches).map_or(first, |last| last + 1);
         let [from, to] = [first, end].map(|span| (span * SPAN).min(triangles.len()));
         Self { spans: &spans[first..end], triangles: &triangles[from..to] }
     }
-}
 
-struct Parts<'p> {
-    positions: &'p [[f32; 3]],
-    join: &'p Join<'p>,
-}
+    /// Certifies the one-rings of vertices that share a triangle with one that has moved, or have moved.
+    fn certify_moved(
+        self,
+        positions: &[[f32; 3]],
+        moved: &[Moved],
+        near: &mut [Moved],
+        rings: &mut [OneRing],
+    ) {
+        near.fill(Moved::default());
+        self.for_each_with(moved, |t| t.iter().for_each(|&vertex| mark(near, vertex)));
+        number(near);
+        vertices(near).for_each(|vertex| at_mut(rings, vertex).clear());
+        self.for_each_with(near, |t| add(positions, t, rings, 0, |vertex| holds(near, vertex)));
+        vertices(near).for_each(|vertex| at_mut(rings, vertex).certify());
+    }
 
-impl Parts<'_> {
-    /// The fans of the vertices from `first` on.
-    fn certify(&self, first: usize, fans: &mut [Fan], run: Run<'_>) {
-        let len = fans.len();
-        let own = first / PART..(first + len).div_ceil(PART);
-        let run = run.reaching(own.clone());
-        let half = len.div_ceil(2).next_multiple_of(PART);
-        if half < len {
-            let (low, high) = fans.split_at_mut(half);
-            let mut low = || self.certify(first, low, run);
-            return (self.join)(&mut low, &mut || self.certify(first + half, high, run));
+    /// Calls `visit` for each triangle that has a vertex of the set.
+    #[inline(always)]
+    fn for_each_with(self, set: &[Moved], mut visit: impl FnMut(&[u32; 3])) {
+        let spans = self.spans.iter().zip(self.triangles.chunks(SPAN));
+        for (_, triangles) in spans.filter(|(span, _)| holds_any(set, span.0)) {
+            let any = |t: &&[u32; 3]| t.iter().any(|&vertex| holds(set, vertex));
+            triangles.iter().filter(any).for_each(&mut visit);
         }
-        let spans = run.spans.iter().zip(run.triangles.chunks(SPAN));
-        fans.iter_mut().for_each(Fan::clear);
-        for (_, triangles) in spans.filter(|(span, _)| span.parts().contains(&own.start)) {
-            for t in triangles {
-                count(self.positions, t, fans, first, |_| true);
-            }
-        }
-        fans.iter_mut().for_each(Fan::settle);
     }
 }
 
-/// How many consecutive triangles one [`Span`] tells of.
+/// How many consecutive triangles have one [`Span`].
 const SPAN: usize = 64;
 
-/// The smallest and the largest index of a vertex of some consecutive triangles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Span([u32; 2]);
+/// Returns the number of spans of so many triangles.
+pub(super) const fn span_bound(triangles: usize) -> usize {
+    triangles.div_ceil(SPAN)
+}
+
+/// The smallest and the largest vertex index of some consecutive triangles.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct Span([u32; 2]);
 
 impl Span {
-    /// The parts that it reaches into.
+    pub(super) fn find(triangles: &[[u32; 3]], spans: &mut [Self]) {
+        for (span, triangles) in spans.iter_mut().zip(triangles.chunks(SPAN)) {
+            let all = triangles.as_flattened().iter();
+            span.0 = all.fold([u32::MAX, 0], |[first, last], &v| [first.min(v), last.max(v)]);
+        }
+    }
+
+    /// The parts whose vertices lie within the span.
     fn parts(self) -> Range<usize> {
         let [first, last] = self.0.map(|vertex| vertex as usize / PART);
         first..last + 1
     }
-}
 
-/// How many spans so many triangles have.
-#[must_use]
-pub const fn span_bound(triangles: usize) -> usize {
-    triangles.div_ceil(SPAN)
-}
-
-/// Finds the spans of the triangles, which [`certify_moved`] goes by. They are short if triangles that are
-/// near one another in the mesh have vertices that are.
-///
-/// # Errors
-/// [`CapacityError`] if there are fewer than [`span_bound`].
-///
-/// # Complexity
-/// O(triangles).
-pub fn find_spans(mesh: Mesh<'_>, spans: &mut [Span]) -> Result<(), CapacityError> {
-    CapacityError::check("spans", span_bound(mesh.triangles().len()), spans.len())?;
-    for (span, triangles) in spans.iter_mut().zip(mesh.triangles().chunks(SPAN)) {
-        let all = triangles.as_flattened().iter();
-        span.0 = all.fold([u32::MAX, 0], |[first, last], &v| [first.min(v), last.max(v)]);
-    }
-    Ok(())
-}
-
-/// [`certify`] after some vertices of a mesh have moved: brings up to date the fans of these and of their
-/// neighbours, on which alone that has a bearing.
-///
-/// `spans` are those of [`find_spans`]. `moved` holds what has moved since the fans were up to date, by
-/// [`mark_moved`](crate::bvh::build::mark_moved). `scratch` may hold anything.
-///
-/// # Errors
-/// [`CapacityError`] if `fans` has not one entry a vertex, `spans` fewer than [`span_bound`], or `moved` or
-/// `scratch` fewer words than [`moved_bound`].
-///
-/// # Complexity
-/// O(m + vertices / 32 + triangles / 64) for m triangles in spans that hold a vertex which has moved or
-/// its neighbour.
-///
-/// # Examples
-/// ```
-/// use pfront_core::{Mesh, build::{Moved, mark_moved}, fans::{self, Fan, Span, link_scratch_bound}};
-/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
-/// let (mut known, mut spans) = ([Fan::default(); 3], [Span::default()]);
-/// fans::link(mesh, &mut [0; link_scratch_bound(3, 1)], &mut known)?;
-/// fans::certify(mesh, &mut known)?;
-/// fans::find_spans(mesh, &mut spans)?;
-///
-/// let after = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
-/// let mut moved = [Moved::default()];
-/// mark_moved(&points, &after, &mut moved)?;
-/// let mesh = mesh.with_positions(&after)?;
-/// fans::certify_moved(mesh, &spans, &moved, &mut [Moved::default()], &mut known)?;
-/// assert!(!known[0].is_certified(), "a triangle without area");
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn certify_moved(
-    mesh: Mesh<'_>,
-    spans: &[Span],
-    moved: &[Moved],
-    scratch: &mut [Moved],
-    fans: &mut [Fan],
-) -> Result<(), CapacityError> {
-    let positions = mesh.positions();
-    CapacityError::check("fans", positions.len(), fans.len())?;
-    CapacityError::check("spans", span_bound(mesh.triangles().len()), spans.len())?;
-    CapacityError::check("moved", moved_bound(positions.len()), moved.len())?;
-    CapacityError::check("scratch", moved_bound(positions.len()), scratch.len())?;
-    // Whatever shares a triangle with a vertex that has moved.
-    let near = scratch;
-    near.fill(Moved::default());
-    with_any(mesh, spans, moved, |t| t.iter().for_each(|&vertex| mark(near, vertex)));
-    number(near);
-    update(near, fans, Fan::clear);
-    with_any(mesh, spans, near, |t| count(positions, t, fans, 0, |vertex| holds(near, vertex)));
-    update(near, fans, Fan::settle);
-    Ok(())
-}
-
-/// Changes the fans of a set of vertices.
-fn update(set: &[Moved], fans: &mut [Fan], change: impl Fn(&mut Fan)) {
-    for vertex in vertices(set) {
-        fans.get_mut(vertex).map(&change);
+    fn reaches(self, vertices: &Range<usize>) -> bool {
+        let [first, last] = self.0.map(|vertex| vertex as usize);
+        first < vertices.end && vertices.start <= last
     }
 }
 
-/// Calls `visit` for each triangle that has a vertex of the set.
+/// While a one-ring is being certified, six bits from here on say which signs are not certified for all of its
+/// triangles: those of [`uncertified_signs`]. Below, each coordinate has four bits for the times that the ring crosses
+/// the plane through the vertex upwards, and four for downwards.
+const SIGNS: u32 = 24;
+
+impl OneRing {
+    /// Applies the theorem, once all triangles are added.
+    fn certify(&mut self) {
+        let turns_once = |coordinate: u32| {
+            let [up, down] = [0, 4].map(|shift| self.0 >> (8 * coordinate + shift) & 15);
+            if self.0 & RING != 0 { up == 1 } else { up + down <= 1 }
+        };
+        let once = (0..3).fold(0, |bits, k| bits | u32::from(turns_once(k)) << k);
+        let uncertified = self.0 >> SIGNS;
+        let same_sign = !(uncertified & uncertified >> 3) & 7;
+        // Turns about an axis are counted along either of the other two.
+        let turned = (once << 1 | once >> 2) | (once << 2 | once >> 1);
+        let certified = self.is_connected() && same_sign & turned != 0;
+        self.clear();
+        self.0 |= if certified { CERTIFIED } else { 0 };
+    }
+}
+
+/// Adds a triangle to those one-rings of its corners that are `due`. `rings` begins with the one of vertex `first`.
 #[inline(always)]
-fn with_any(mesh: Mesh<'_>, spans: &[Span], set: &[Moved], mut visit: impl FnMut(&[u32; 3])) {
-    let spans = spans.iter().zip(mesh.triangles().chunks(SPAN));
-    for (_, triangles) in spans.filter(|(span, _)| holds_any(set, span.0)) {
-        let any = |t: &&[u32; 3]| t.iter().any(|&vertex| holds(set, vertex));
-        triangles.iter().filter(any).for_each(&mut visit);
-    }
-}
-
-/// Counts a triangle in those fans of its corners that are `due`. The fans are those of some vertices from `first` on.
-#[inline(always)]
-fn count(
+fn add(
     positions: &[[f32; 3]],
     t: &[u32; 3],
-    fans: &mut [Fan],
+    rings: &mut [OneRing],
     first: usize,
     due: impl Fn(u32) -> bool,
 ) {
     let [p, q, r] = t.map(|vertex| Vec3A::from_array(*at(positions, vertex)));
-    let doubts = sides_in_doubt(q - p, r - p) << DOUBTS;
-    // Seen from a corner, a fan goes from the next one to the one after.
+    let signs = uncertified_signs(q - p, r - p) << SIGNS;
+    // Around a corner, the triangle goes from the next corner to the one after.
     let above = |x: Vec3A, y: Vec3A| x.cmpge(y).bitmask();
-    let passes =
+    let corners =
         [[above(q, p), above(r, p)], [above(r, q), above(p, q)], [above(p, r), above(q, r)]];
-    for (&vertex, [next, after]) in t.iter().zip(passes) {
-        let Some(Fan(word)) = fans.get_mut((vertex as usize).wrapping_sub(first)) else { continue };
-        if *word & LINK != 0 && due(vertex) {
-            let passed =
-                SPREAD[(!next & after) as usize & 7] + (SPREAD[(next & !after) as usize & 7] << 4);
-            *word = word.wrapping_add(passed) | doubts;
+    for (&vertex, [from, to]) in t.iter().zip(corners) {
+        // Vertices of another part are not ours to certify.
+        let Some(ring) = rings.get_mut((vertex as usize).wrapping_sub(first)) else { continue };
+        if ring.is_connected() && due(vertex) {
+            let up = SPREAD[(!from & to) as usize & 7];
+            let down = SPREAD[(from & !to) as usize & 7] << 4;
+            ring.0 = ring.0.wrapping_add(up + down) | signs;
         }
     }
 }
 
-/// One in the byte of each bit.
+/// Each of three bits in a byte of its own.
 const SPREAD: [u32; 8] = [0, 1, 0x100, 0x101, 0x1_0000, 0x1_0001, 0x1_0100, 0x1_0101];
 
-/// A bit for each axis along which the triangle with these two edges is not surely seen counter-clockwise,
-/// and three bits on for clockwise.
+/// Bit k is set if the coordinate k of the normal u × v is not certified to be positive, and bit k + 3 if it is not
+/// certified to be negative.
 #[inline]
-fn sides_in_doubt(u: Vec3A, v: Vec3A) -> u32 {
+fn uncertified_signs(u: Vec3A, v: Vec3A) -> u32 {
     const BOUND: f32 = 4.9e-7;
-    /// 2^60: products of two overflow nowhere near.
-    const MOST: f32 = 1.152_921_5e18;
+    /// 2^60: products of two stay far from overflow.
+    const MAX_DIFFERENCE: f32 = 1.152_921_5e18;
     let extent = u.abs().max(v.abs());
-    if extent.max_element() > MOST {
+    if extent.max_element() > MAX_DIFFERENCE {
         return 0x3f;
     }
     let normal = u.cross(v);
     let bound = Vec3A::new(extent.y * extent.z, extent.z * extent.x, extent.x * extent.y) * BOUND
         + Vec3A::splat(f32::MIN_POSITIVE);
-    let (seen, unseen) = (normal.cmpgt(bound).bitmask(), normal.cmplt(-bound).bitmask());
-    !(seen | unseen << 3) & 0x3f
+    let (positive, negative) = (normal.cmpgt(bound).bitmask(), normal.cmplt(-bound).bitmask());
+    !(positive | negative << 3) & 0x3f
 }

@@ -1,183 +1,199 @@
-//! Vertices about which a mesh is no trouble.
+//! One-ring certificates: vertices whose incident triangles provably do not intersect each other.
 //!
-//! Nearly all triangle pairs of a deforming mesh whose boxes overlap are neighbours, and nearly all of
-//! these are at peace: the triangles about a vertex form a fan, and the fan does not touch itself. It
-//! cannot if there is an axis along which every triangle of the fan is seen from the same side and the
-//! fan goes round the vertex at most once, for then the projection along the axis takes the fan one to
-//! one into a plane, in which its triangles are sectors side by side. Any two of them then share just the
-//! corners that they share by index, and collide by none of the rules of
-//! [`Adjacency`](crate::triangle::Adjacency). One certificate a vertex so stands for some fifteen pairs,
-//! and needs no tolerance where the surface is flat. Where none is found (a sharp fold, a fan of
-//! several leaves) pairs are tested as ever.
+//! The one-ring of a vertex is the set of triangles around it. Nearly all triangle pairs of a deforming mesh whose
+//! boxes overlap share a vertex, and nearly all of these touch only where they are joined. One certificate per
+//! vertex answers some fifteen such pairs.
+//!
+//! Volino and Magnenat-Thalmann (Efficient Self-Collision Detection on Smoothly Discretized Surface Animations using
+//! Geometrical Shape Regularity, Computer Graphics Forum 13(3), 1994) proved that a patch of a surface does not
+//! intersect itself if some direction makes an acute angle with all its normals, and the projection of its boundary
+//! along that direction does not intersect itself. For a one-ring this reads:
+//!
+//! **Theorem.** Let the triangles around a vertex follow each other from shared edge to shared edge, in a closed ring
+//! or in a row. If the normals of all of them have the same sign along one coordinate axis, and the projection along
+//! that axis goes round the vertex once (a ring) or less than once (a row), then two of them have no point in common
+//! but the vertex, or the edge, that they share by index.
+//!
+//! **Proof.** A normal of that sign means that the projection keeps the triangle's orientation, so each triangle
+//! projects to a triangle in a sector of less than half a turn about the vertex, and each sector begins where the one
+//! before ends. In all they turn by no more than a full turn, so the sectors lie side by side: two of them share a ray
+//! if their triangles share an edge, and otherwise only the vertex. Points in common in space have projections in
+//! common.
+//!
+//! Neighbours around a certified vertex are therefore no hits under any rule of
+//! [`Adjacency`](crate::triangle::Adjacency). Other vertices (sharp folds, several rings, more than 15 triangles) are
+//! not certified, and their pairs are tested as all others are. Unlike the paper, only one-rings are certified and not
+//! larger patches; in return both conditions are decided exactly, by certified signs and by comparisons.
 
 mod certify;
+mod link;
 #[cfg(test)]
 mod tests;
 
-pub use certify::{Span, certify, certify_moved, certify_with, find_spans, span_bound};
-
-use crate::index::{at, split};
+use crate::index::split;
+use crate::vertex_set::{Moved, moved_bound};
 use crate::{CapacityError, Mesh};
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{Pod, Zeroable, must_cast_slice, must_cast_slice_mut};
+pub use certify::CertifyOptions;
+use certify::Span;
+pub use link::link_scratch_bound;
 
-/// What is known of the triangles about one vertex.
+/// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.
 ///
-/// [`link`] makes these from the triangles of a mesh, once; [`certify`] brings them up to date with its
-/// positions, each time they change; [`SelfQuery::with_fans`](crate::bvtt::SelfQuery::with_fans) uses them.
-#[repr(transparent)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub struct Fan(u32);
-
-/// The triangles about the vertex are a ring, each next to the one before.
-const RING: u32 = 1 << 31;
-/// They are a row.
-const ROW: u32 = 1 << 30;
-const LINK: u32 = RING | ROW;
-const CERTIFIED: u32 = 1;
-
-/// The most triangles in a fan: they are counted in four bits.
-const MOST: usize = 15;
-
-impl Fan {
-    /// Whether no two triangles about the vertex collide, by the positions last given to [`certify`].
-    #[inline]
-    #[must_use]
-    pub fn is_certified(self) -> bool {
-        self.0 & CERTIFIED != 0
-    }
-
-    /// Before its triangles are counted.
-    fn clear(&mut self) {
-        self.0 &= LINK;
-    }
-
-    /// Once they are: a ring must go round once; a row less than once, as it surely does if it enters only one
-    /// half-plane.
-    fn settle(&mut self) {
-        let count = |coordinate: u32| {
-            let (up, down) = (self.0 >> (8 * coordinate) & 15, self.0 >> (8 * coordinate + 4) & 15);
-            if self.0 & RING != 0 { up == 1 } else { up + down <= 1 }
-        };
-        let once = u32::from(count(0)) | u32::from(count(1)) << 1 | u32::from(count(2)) << 2;
-        let doubts = self.0 >> DOUBTS;
-        let axes = !(doubts & doubts >> 3) & 7;
-        // An axis is no good with what is counted along itself.
-        let others = (once << 1 | once >> 2) | (once << 2 | once >> 1);
-        let certified = self.0 & LINK != 0 && axes & others != 0;
-        self.0 = self.0 & LINK | u32::from(certified);
-    }
-}
-
-/// While [`certify`] is at it, from here on a bit for each of the six sides from which some triangle of
-/// the fan is not surely seen; below, for each coordinate, four bits for the times that the fan goes up
-/// through that of the vertex and four for the times it goes down.
-const DOUBTS: u32 = 24;
-
-/// How many words [`link`] needs.
-#[must_use]
-pub const fn link_scratch_bound(vertices: usize, triangles: usize) -> usize {
-    vertices + 1 + 3 * triangles
-}
-
-/// Finds out which vertices have one fan, a ring or a row. None of them is certified yet. Of meshes of
-/// more than 2^32 / 3 triangles, none ever is.
-///
-/// # Errors
-/// [`CapacityError`] if `fans` has not one entry a vertex, or `scratch` fewer words than
-/// [`link_scratch_bound`].
-///
-/// # Complexity
-/// O(vertices + triangles).
+/// It borrows the triangles and a `history` of the caller's, and lasts from frame to frame; the positions may change
+/// meanwhile, and [`OneRings::certify`] says what holds for the present ones.
 ///
 /// # Examples
 /// ```
-/// use pfront_core::{Mesh, fans::{self, Fan, link_scratch_bound}};
-/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
-/// let mut known = [Fan::default(); 3];
-/// fans::link(mesh, &mut [0; link_scratch_bound(3, 1)], &mut known)?;
-/// assert!(!known[0].is_certified());
-/// fans::certify(mesh, &mut known)?;
-/// assert!(known[0].is_certified());
+/// use pfront_core::Mesh;
+/// use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, link_scratch_bound};
+/// let (mut positions, triangles) = ([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]]);
+/// let (mut history, mut scratch) = ([0; history_bound(3, 1)], [0; link_scratch_bound(3, 1)]);
+/// let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
+/// for height in [1.0, 0.0] {
+///     positions[2][1] = height;
+///     let mesh = Mesh::new(&positions, &triangles)?;
+///     let certified = rings.certify(mesh, &CertifyOptions::default());
+///     assert_eq!(certified.is_certified(0), height > 0.0, "a triangle without area proves nothing");
+/// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn link(mesh: Mesh<'_>, scratch: &mut [u32], fans: &mut [Fan]) -> Result<(), CapacityError> {
-    let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
-    CapacityError::check("fans", vertices, fans.len())?;
-    let need = link_scratch_bound(vertices, triangles.len());
-    CapacityError::check("scratch", need, scratch.len())?;
-    if triangles.len() > u32::MAX as usize / 3 {
-        // Their corners cannot be numbered.
-        fans.fill(Fan(0));
-        return Ok(());
-    }
-    let (ends, corners) = split(scratch, vertices + 1);
-    // Corners by vertex: their number 3t + k, the triangle and the corner.
-    ends.fill(0);
-    for &vertex in triangles.as_flattened() {
-        if let Some(count) = ends.get_mut(vertex as usize + 1) {
-            *count += 1;
-        }
-    }
-    let mut sum = 0;
-    for end in &mut *ends {
-        sum += *end;
-        *end = sum;
-    }
-    for (corner, &vertex) in triangles.as_flattened().iter().enumerate() {
-        if let Some(end) = ends.get_mut(vertex as usize)
-            && let Some(slot) = corners.get_mut(*end as usize)
-        {
-            *slot = corner as u32;
-            *end += 1;
-        }
-    }
-    let mut start = 0;
-    for (fan, &end) in fans.iter_mut().zip(ends.iter()) {
-        *fan = linked(triangles, corners.get(start..end as usize).unwrap_or_default());
-        start = end as usize;
-    }
-    Ok(())
+#[derive(Debug)]
+pub struct OneRings<'a> {
+    triangles: &'a [[u32; 3]],
+    rings: &'a mut [OneRing],
+    /// The vertices that each run of triangles refers to.
+    spans: &'a mut [Span],
+    /// Scratch of partial certification: the neighbours of what has moved.
+    near: &'a mut [Moved],
 }
 
-/// Whether a vertex is there twice.
-fn repeats(vertices: &[u32]) -> bool {
-    let mut rest = vertices;
-    while let [first, others @ ..] = rest {
-        if others.contains(first) {
-            return true;
-        }
-        rest = others;
-    }
-    false
+/// Returns the number of words in the history of the one-rings of a mesh.
+#[must_use]
+pub const fn history_bound(vertices: usize, triangles: usize) -> usize {
+    vertices + 2 * certify::span_bound(triangles) + 2 * moved_bound(vertices)
 }
 
-/// Whether corners at one vertex make a ring or a row.
-fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> Fan {
-    if corners.is_empty() || corners.len() > MOST {
-        return Fan(0);
+impl<'a> OneRings<'a> {
+    /// Finds the vertices whose triangles form one ring or one row. None of them is certified yet, and none ever is
+    /// in a mesh of more than 2^32 / 3 triangles.
+    ///
+    /// `triangles` are those of a [`Mesh`] of so many vertices; `scratch` is not used afterwards.
+    ///
+    /// # Errors
+    /// [`CapacityError`] if `history` has fewer words than [`history_bound`], or `scratch` fewer than
+    /// [`link_scratch_bound`].
+    ///
+    /// # Complexity
+    /// O(vertices + triangles).
+    pub fn new(
+        vertices: usize,
+        triangles: &'a [[u32; 3]],
+        history: &'a mut [u32],
+        scratch: &mut [u32],
+    ) -> Result<Self, CapacityError> {
+        let needed = history_bound(vertices, triangles.len());
+        CapacityError::check("history", needed, history.len())?;
+        let needed = link_scratch_bound(vertices, triangles.len());
+        CapacityError::check("scratch", needed, scratch.len())?;
+        let mut new = Self::new_unchecked(vertices, triangles, history);
+        new.link(scratch);
+        Ok(new)
     }
-    let (mut from, mut to) = ([0; MOST], [0; MOST]);
-    for ((&corner, from), to) in corners.iter().zip(&mut from).zip(&mut to) {
-        let (t, k) = (at(triangles, corner / 3), corner as usize % 3);
-        (*from, *to) = (t[(k + 1) % 3], t[(k + 2) % 3]);
+
+    /// Borrows again the history that [`OneRings::new`] filled for the same vertices and triangles.
+    ///
+    /// Nothing is checked: with any other history a query may miss pairs.
+    #[must_use]
+    pub fn new_unchecked(
+        vertices: usize,
+        triangles: &'a [[u32; 3]],
+        history: &'a mut [u32],
+    ) -> Self {
+        let (rings, rest) = split(history, vertices);
+        let (pairs, _) = rest.as_chunks_mut::<2>();
+        let (spans, near) = split(pairs, certify::span_bound(triangles.len()));
+        let (near, _) = split(near, moved_bound(vertices));
+        let (rings, spans) = (must_cast_slice_mut(rings), must_cast_slice_mut(spans));
+        Self { triangles, rings, spans, near: must_cast_slice_mut(near) }
     }
-    let [from, to] = [&from, &to].map(|v| v.get(..corners.len()).unwrap_or_default());
-    if repeats(from) || repeats(to) {
-        return Fan(0);
+}
+
+/// Certificates of the one-rings of a mesh, for its positions.
+///
+/// It borrows the positions that it holds for, so that they cannot change while it is used:
+/// ```compile_fail,E0506
+/// # use pfront_core::{Mesh, one_ring::{CertifyOptions, OneRings}};
+/// # let (mut positions, triangles) = ([[0.0; 3]; 3], [[0, 1, 2]]);
+/// # let (mut history, mut scratch) = ([0; 9], [0; 9]);
+/// # let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
+/// let mesh = Mesh::new(&positions, &triangles)?;
+/// let certified = rings.certify(mesh, &CertifyOptions::default());
+/// positions[0] = [1.0; 3];
+/// certified.is_certified(0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Certified<'a> {
+    mesh: Mesh<'a>,
+    /// One for each vertex, or none at all.
+    rings: &'a [OneRing],
+}
+
+impl<'a> Certified<'a> {
+    /// Borrows again the certificates in a history that [`OneRings::certify`] has brought up to date.
+    ///
+    /// Nothing is checked: if the mesh has other triangles, or any other position, a query may miss pairs.
+    #[must_use]
+    pub fn new_unchecked(mesh: Mesh<'a>, history: &'a [u32]) -> Self {
+        let (rings, _) = history.split_at(mesh.positions().len().min(history.len()));
+        Self { mesh, rings: must_cast_slice(rings) }
     }
-    let first = from.iter().position(|v| !to.contains(v));
-    let start = first.unwrap_or(0);
-    let (mut at, mut seen) = (start, 1);
-    while let Some(next) = from.iter().position(|v| to.get(at) == Some(v))
-        && next != start
-    {
-        seen += 1;
-        at = next;
+
+    /// Whether no two triangles around the vertex intersect in more than what they share by index.
+    #[must_use]
+    pub fn is_certified(self, vertex: u32) -> bool {
+        self.rings.get(vertex as usize).is_some_and(|ring| ring.is_certified())
     }
-    match (seen == from.len(), first) {
-        (false, _) => Fan(0),
-        (true, None) => Fan(RING),
-        (true, Some(_)) => Fan(ROW),
+
+    /// The certificate of each vertex if `mesh` is the very one that they were made for, else none.
+    ///
+    /// Both borrow their slices, so slices in the same place hold the same.
+    pub(crate) fn of_mesh(self, mesh: Mesh<'_>) -> &'a [OneRing] {
+        let same = core::ptr::eq(self.mesh.positions(), mesh.positions())
+            && core::ptr::eq(self.mesh.triangles(), mesh.triangles());
+        if same { self.rings } else { &[] }
+    }
+}
+
+/// The triangles around one vertex: how they are connected, and whether they are certified.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct OneRing(u32);
+
+/// The triangles around the vertex form a closed ring.
+const RING: u32 = 1 << 31;
+/// They form a row that begins and ends at the boundary.
+const ROW: u32 = 1 << 30;
+/// No two of the triangles intersect in more than what they share by index.
+const CERTIFIED: u32 = 1;
+
+impl OneRing {
+    /// The most triangles in a one-ring: their crossings are counted in four bits.
+    const MAX_TRIANGLES: usize = 15;
+
+    #[inline]
+    pub(crate) fn is_certified(self) -> bool {
+        self.0 & CERTIFIED != 0
+    }
+
+    /// Whether the triangles form one ring or one row.
+    fn is_connected(self) -> bool {
+        self.0 & (RING | ROW) != 0
+    }
+
+    /// Forgets all but how the triangles are connected.
+    fn clear(&mut self) {
+        self.0 &= RING | ROW;
     }
 }

@@ -1,27 +1,56 @@
-//! Fans that touch themselves, and fans that do not.
+//! One-rings that intersect themselves and one-rings that do not; certificates in parts, after few moves, and of
+//! another mesh.
+
+extern crate std;
 
 use super::*;
+use crate::bvh::{BuildOptions, BvhStorage, Join, mark_moved, morton, node_bound, refit};
+use crate::bvtt::{Query, SelfQuery};
+use crate::{Bvh, Node};
+use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::vec;
+use std::vec::Vec;
 
-/// The fan of a vertex at the origin over these rim points, closed or not.
-fn certified(rim: &[[f32; 3]], ring: bool) -> bool {
-    let n = rim.len() as u32;
-    let mut positions = [[0.0; 3]; MOST + 2];
-    positions[1..=rim.len()].copy_from_slice(rim);
-    let mut triangles = [[0; 3]; MOST + 1];
-    let count = if ring { n } else { n - 1 };
-    for i in 0..count {
-        // Each turned another way, which changes nothing.
-        let t = [0, i + 1, (i + 1) % n + 1];
-        triangles[i as usize] = [t, [t[1], t[2], t[0]], [t[2], t[0], t[1]]][i as usize % 3];
-    }
-    let mesh = Mesh::new(&positions, &triangles[..count as usize]).unwrap();
-    let mut fans = [Fan::default(); MOST + 2];
-    link(mesh, &mut [0; link_scratch_bound(MOST + 2, MOST + 1)], &mut fans).unwrap();
-    certify(mesh, &mut fans).unwrap();
-    fans[0].is_certified()
+const MAX: usize = OneRing::MAX_TRIANGLES;
+
+/// Calls `test` with the one-rings of some triangles.
+fn with_rings<R>(
+    vertices: usize,
+    triangles: &[[u32; 3]],
+    test: impl FnOnce(&mut OneRings<'_>) -> R,
+) -> R {
+    let mut history = vec![!0; history_bound(vertices, triangles.len())];
+    let mut scratch = vec![!0; link_scratch_bound(vertices, triangles.len())];
+    test(&mut OneRings::new(vertices, triangles, &mut history, &mut scratch).unwrap())
 }
 
-fn circle(n: usize, turns: f32, height: impl Fn(usize) -> f32) -> [[f32; 3]; MOST + 1] {
+/// Whether each vertex is certified.
+fn certified(rings: &mut OneRings<'_>, mesh: Mesh<'_>, options: &CertifyOptions<'_>) -> Vec<bool> {
+    let certified = rings.certify(mesh, options);
+    (0..mesh.positions().len() as u32).map(|vertex| certified.is_certified(vertex)).collect()
+}
+
+/// Whether vertex 0 is certified.
+fn first_is_certified(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
+    let mesh = Mesh::new(positions, triangles).unwrap();
+    let options = CertifyOptions::default();
+    with_rings(positions.len(), triangles, |rings| certified(rings, mesh, &options)[0])
+}
+
+/// Whether the vertex at the origin is certified, with these points around it.
+fn is_certified(around: &[[f32; 3]], closed: bool) -> bool {
+    let n = around.len() as u32;
+    let positions: Vec<_> = [[0.0; 3]].iter().chain(around).copied().collect();
+    let triangles = (0..if closed { n } else { n - 1 }).map(|i| {
+        // The corners in any order that keeps the orientation.
+        let mut t = [0, i + 1, (i + 1) % n + 1];
+        t.rotate_left(i as usize % 3);
+        t
+    });
+    first_is_certified(&positions, &triangles.collect::<Vec<_>>())
+}
+
+fn circle(n: usize, turns: f32, height: impl Fn(usize) -> f32) -> [[f32; 3]; MAX + 1] {
     core::array::from_fn(|i| {
         let angle = 0.1 + turns * core::f32::consts::TAU * i as f32 / n as f32;
         [cos(angle), cos(angle - core::f32::consts::FRAC_PI_2), height(i)]
@@ -33,54 +62,197 @@ fn cos(x: f32) -> f32 {
 }
 
 #[test]
-fn rings_round_once() {
-    for n in 3..=MOST {
-        assert!(certified(&circle(n, 1.0, |_| 0.0)[..n], true), "flat, {n}");
-        assert!(certified(&circle(n, 1.0, |_| 0.5)[..n], true), "a cone, {n}");
+fn rings_that_go_round_once_are_certified() {
+    for n in 3..=MAX {
+        assert!(is_certified(&circle(n, 1.0, |_| 0.0)[..n], true), "flat, {n}");
+        assert!(is_certified(&circle(n, 1.0, |_| 0.5)[..n], true), "a cone, {n}");
     }
-    assert!(certified(&circle(6, 1.0, |i| [0.3, -0.3][i % 2])[..6], true), "a saddle");
-    assert!(!certified(&circle(MOST + 1, 1.0, |_| 0.0), true), "too many to count");
+    assert!(is_certified(&circle(6, 1.0, |i| [0.3, -0.3][i % 2])[..6], true), "a saddle");
+    assert!(!is_certified(&circle(MAX + 1, 1.0, |_| 0.0), true), "too many to count");
 }
 
 #[test]
-fn rings_round_twice_or_folded() {
-    for n in 5..=MOST {
-        assert!(!certified(&circle(n, 2.0, |i| i as f32 * 0.1)[..n], true), "{n}");
+fn rings_that_go_round_twice_or_fold_are_not() {
+    for n in 5..=MAX {
+        assert!(!is_certified(&circle(n, 2.0, |i| i as f32 * 0.1)[..n], true), "{n}");
     }
     let mut folded = circle(6, 1.0, |_| 0.0);
     folded.swap(2, 3);
-    assert!(!certified(&folded[..6], true));
+    assert!(!is_certified(&folded[..6], true));
     folded[3] = folded[2];
-    assert!(!certified(&folded[..6], true), "a triangle without area");
+    assert!(!is_certified(&folded[..6], true), "a triangle without area");
 }
 
 #[test]
-fn rows() {
-    for n in 2..=MOST {
-        // Of n − 1 triangles.
-        assert!(certified(&circle(2 * n, 1.0, |_| 0.0)[..n], false), "half a turn, {n}");
+fn rows_are_certified_below_a_full_turn() {
+    for n in 2..=MAX {
+        assert!(is_certified(&circle(2 * n, 1.0, |_| 0.0)[..n], false), "half a turn, {n}");
     }
-    assert!(!certified(&circle(12, 1.2, |_| 0.0)[..13], false), "more than a turn");
-    assert!(!certified(&circle(12, 1.0, |_| 0.0)[..13], false), "a whole turn");
+    assert!(!is_certified(&circle(12, 1.2, |_| 0.0)[..13], false), "more than a turn");
+    assert!(!is_certified(&circle(12, 1.0, |_| 0.0)[..13], false), "a whole turn");
 }
 
 #[test]
-fn what_is_not_one_fan() {
+fn only_one_ring_or_one_row_is_certified() {
     let square = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
-    let at_first = |triangles: &[[u32; 3]]| {
-        let mesh = Mesh::new(&square, triangles).unwrap();
-        let (mut fans, mut scratch) = ([Fan::default(); 5], [0; link_scratch_bound(5, 4)]);
-        link(mesh, &mut scratch, &mut fans).unwrap();
-        certify(mesh, &mut fans).unwrap();
-        fans[0].is_certified()
+    let certified = |triangles: &[[u32; 3]]| first_is_certified(&square, triangles);
+    assert!(certified(&[[0, 1, 2], [0, 2, 3]]));
+    assert!(!certified(&[[0, 1, 2], [0, 3, 2]]), "turned over");
+    assert!(!certified(&[[0, 1, 2], [0, 1, 2]]), "twice");
+    assert!(!certified(&[[0, 1, 2], [0, 1, 3]]), "two on one side of an edge");
+    assert!(!certified(&[[0, 1, 2], [0, 3, 4]]), "two rows");
+    assert!(!certified(&[[0, 1, 2], [0, 2, 1], [0, 3, 4], [0, 4, 3]]), "two rings");
+    assert!(!certified(&[[0, 1, 2], [0, 0, 3]]), "an index twice");
+    assert!(!certified(&[]), "none");
+}
+
+#[test]
+fn buffers_one_short_are_errors_that_name_the_need() {
+    let (words, scratch_words) = (history_bound(5, 1), link_scratch_bound(5, 1));
+    let error = |history: usize, scratch: usize| {
+        let (mut history, mut scratch) = (vec![0; history], vec![0; scratch]);
+        let error = OneRings::new(5, &[[0, 1, 2]], &mut history, &mut scratch).err()?;
+        Some((error.buffer, error.needed, error.capacity))
     };
-    assert!(at_first(&[[0, 1, 2], [0, 2, 3]]));
-    assert!(!at_first(&[[0, 1, 2], [0, 3, 2]]), "turned over");
-    assert!(!at_first(&[[0, 1, 2], [0, 1, 2]]), "twice");
-    assert!(!at_first(&[[0, 1, 2], [0, 1, 3]]), "two on one side of an edge");
-    assert!(!at_first(&[[0, 1, 2], [0, 3, 4]]), "two rows");
-    assert!(!at_first(&[[0, 1, 2], [0, 2, 1], [0, 3, 4], [0, 4, 3]]), "two rings");
-    assert!(!at_first(&[[0, 1, 2], [0, 0, 3]]), "an index twice");
-    assert!(!at_first(&[]), "none");
-    assert!(link(Mesh::new(&square, &[]).unwrap(), &mut [0; 5], &mut [Fan(0); 5]).is_err());
+    assert_eq!(error(words, scratch_words), None);
+    assert_eq!(error(words - 1, scratch_words), Some(("history", words, words - 1)));
+    assert_eq!(
+        error(words, scratch_words - 1),
+        Some(("scratch", scratch_words, scratch_words - 1))
+    );
+}
+
+/// A strip of quads `width` wide over so many vertices, with heights at random: some vertices are certified.
+fn strip(width: usize, vertices: usize) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let jitter = |i: usize| (i as u32).wrapping_mul(2_654_435_761) >> 20 & 7;
+    let positions = (0..vertices).map(|i| {
+        let [x, y] = [i % width, i / width].map(|x| x as f32);
+        [x + 0.12 * jitter(i) as f32, y - 0.12 * jitter(i) as f32, 0.1 * jitter(i + 1) as f32]
+    });
+    let corner = |i: usize, right: usize, up: usize| (i + right + up * width) as u32;
+    let triangles = (0..vertices.saturating_sub(width + 1)).filter(|i| (i + 1) % width != 0);
+    let triangles = triangles.flat_map(|i| {
+        let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| corner(i, x, y));
+        [[a, b, d], [a, d, c]]
+    });
+    (positions.collect(), triangles.collect())
+}
+
+#[test]
+fn parts_certify_what_the_whole_does() {
+    for vertices in [0, 3, 8192, 8193, 16_384, 16_385, 40_000] {
+        if cfg!(miri) && vertices > 8193 {
+            continue;
+        }
+        for shuffled in [false, true] {
+            let (positions, mut triangles) = strip(50, vertices);
+            let n = triangles.len();
+            if shuffled {
+                (0..n).for_each(|i| triangles.swap(i, i * 7919 % n));
+            }
+            let mesh = Mesh::new(&positions, &triangles).unwrap();
+            let joins = AtomicUsize::new(0);
+            let join: &Join<'_> = &|a, b| {
+                joins.fetch_add(1, Relaxed);
+                b();
+                a();
+            };
+            with_rings(vertices, &triangles, |rings| {
+                let whole = certified(rings, mesh, &CertifyOptions::default());
+                let options = CertifyOptions { join: Some(join), ..Default::default() };
+                assert_eq!(certified(rings, mesh, &options), whole);
+                let some = whole.iter().filter(|&&is| is).count();
+                let range = vertices / 10..vertices * 9 / 10;
+                assert!(vertices < 8192 || range.contains(&some), "{some} of {vertices}");
+            });
+            let parts = vertices.div_ceil(8192).max(1);
+            let expected = if shuffled && vertices > 16_384 { 0 } else { parts - 1 };
+            assert_eq!(joins.into_inner(), expected, "{vertices}, shuffled: {shuffled}");
+        }
+    }
+}
+
+#[test]
+fn what_has_moved_is_all_that_certification_needs() {
+    let (rest, triangles) = strip(20, 800);
+    let chosen: [&dyn Fn(usize) -> bool; 5] =
+        [&|_| false, &|i| i == 333, &|i| (300..340).contains(&i), &|i| i % 97 == 0, &|_| true];
+    let mesh = Mesh::new(&rest, &triangles).unwrap();
+    with_rings(800, &triangles, |rings| {
+        with_rings(800, &triangles, |fresh| {
+            let (mut before, mut changed) = (rest.clone(), 0);
+            let all = CertifyOptions::default();
+            certified(rings, mesh, &all);
+            for chosen in chosen.iter().cycle().take(10) {
+                let mut after = before.clone();
+                for (i, p) in after.iter_mut().enumerate().filter(|(i, _)| chosen(*i)) {
+                    *p = [p[0] + 0.7 * (i % 3) as f32 - 0.7, p[1] - 0.3, p[2]];
+                }
+                let mut moved = [Moved::default(); moved_bound(800)];
+                mark_moved(&before, &after, &mut moved).unwrap();
+                let mesh = mesh.with_positions(&after).unwrap();
+                let options = CertifyOptions { moved: Some(&moved), ..Default::default() };
+                let earlier = certified(fresh, mesh.with_positions(&before).unwrap(), &all);
+                let expected = certified(fresh, mesh, &all);
+                changed += usize::from(earlier != expected);
+                assert_eq!(certified(rings, mesh, &options), expected);
+                before = after;
+            }
+            assert!(changed >= 4, "{changed}");
+            let options = CertifyOptions { moved: Some(&[]), ..Default::default() };
+            let short = certified(rings, mesh, &options);
+            assert_eq!(short, certified(fresh, mesh, &all), "too short a set is not trusted");
+        });
+    });
+}
+
+/// Two triangles that share vertex 0: side by side at first, then one through the other.
+const REST: [[f32; 3]; 4] = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-2.0, 0.0, 0.0]];
+const FOLDED: [[f32; 3]; 4] = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.5, 0.1, 0.0]];
+const HINGE: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
+
+/// The number of hits on the folded hinge, with certificates of these positions for these triangles.
+fn hits(certified_for: &[[f32; 3]], triangles: &[[u32; 3]]) -> u64 {
+    let rest = Mesh::new(&REST, &HINGE).unwrap();
+    let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
+    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    let options = BuildOptions { leaf_size: 1, ..Default::default() };
+    morton(rest, &options, storage, &mut [0; 4]).unwrap();
+    let folded = rest.with_positions(&FOLDED).unwrap();
+    refit(folded, &mut nodes, &order);
+    let bvh = Bvh::new(folded, &nodes, &order, &mut [0; 8]).unwrap();
+    with_rings(4, triangles, |rings| {
+        let mesh = Mesh::new(certified_for, triangles).unwrap();
+        let certified = rings.certify(mesh, &CertifyOptions::default());
+        assert_eq!(certified.is_certified(0), certified_for == REST);
+        SelfQuery::new(bvh).with_certificates(certified).count()
+    })
+}
+
+#[test]
+fn certificates_of_other_positions_lose_no_pair() {
+    assert_eq!(hits(&FOLDED, &HINGE), 1);
+    assert_eq!(hits(&REST, &HINGE), 1);
+    assert_eq!(hits(&REST, &HINGE.map(|t| t)), 1);
+}
+
+#[test]
+fn one_rings_of_other_triangles_certify_nothing() {
+    let turned = [[0, 1, 2], [0, 3, 2]];
+    with_rings(4, &HINGE, |rings| {
+        let options = CertifyOptions::default();
+        let mesh = Mesh::new(&REST, &HINGE).unwrap();
+        assert!(certified(rings, mesh, &options)[0]);
+        let copy = HINGE.to_vec();
+        assert!(certified(rings, Mesh::new(&REST, &copy).unwrap(), &options)[0]);
+        let other = Mesh::new(&REST, &turned).unwrap();
+        assert_eq!(certified(rings, other, &options), [false; 4]);
+        let moved = CertifyOptions { moved: Some(&[Moved::default()]), ..options };
+        assert_eq!(certified(rings, mesh, &moved), [false; 4], "nothing is left of before");
+    });
+    let more = [REST.as_slice(), &[[9.0; 3]]].concat();
+    with_rings(4, &HINGE, |rings| {
+        let mesh = Mesh::new(&more, &HINGE).unwrap();
+        assert_eq!(certified(rings, mesh, &CertifyOptions::default()), [false; 5]);
+    });
 }

@@ -14,7 +14,7 @@ use pfront_core::bvh::*;
 use pfront_core::bvtt::*;
 use pfront_core::front::{Estimate, Front, FrontNode, Grain, Past, PastCost};
 use pfront_core::front::{Load, greedy};
-use pfront_core::one_ring::{self, Fan, Span, link_scratch_bound, span_bound};
+use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, link_scratch_bound};
 use pfront_core::triangle::{Accuracy, intersects};
 use pfront_core::{Blob, Bvh, Mesh, Node, Pose, blob};
 use std::hint::black_box;
@@ -195,24 +195,25 @@ fn a_starting_front_takes_four_box_tests_a_node_above_it() {
 }
 
 #[test]
-fn fans_of_vertices() {
+fn one_rings() {
     let soup = sheets(128);
     let (mesh, vertices) = (soup.mesh(), soup.positions.len());
     let count = soup.triangles.len();
-    let (mut known, mut spans) =
-        (vec![Fan::default(); vertices], vec![Span::default(); span_bound(count)]);
+    let mut history = vec![0; history_bound(vertices, count)];
     let mut scratch = vec![0; link_scratch_bound(vertices, count)];
-    let mut sets = [(); 2].map(|()| vec![Moved::default(); moved_bound(vertices)]);
+    let mut moved = vec![Moved::default(); moved_bound(vertices)];
     let after: Vec<_> = soup.positions.iter().map(|p| p.map(|x| 1.5 * x)).collect();
-    mark_moved(&soup.positions, &after, &mut sets[0]).unwrap();
-    let [moved, near] = &mut sets;
-    check("one_ring::link", || one_ring::link(mesh, &mut scratch, &mut known).unwrap());
-    check("certify", || one_ring::certify(mesh, &mut known).unwrap());
-    check("find_spans", || one_ring::find_spans(mesh, &mut spans).unwrap());
-    check("certify_with", || {
-        one_ring::certify_with(mesh, &spans, &mut known, &one_after_the_other).unwrap();
+    mark_moved(&soup.positions, &after, &mut moved).unwrap();
+    let mut rings = None;
+    check("OneRings::new", || {
+        let linked = OneRings::new(vertices, &soup.triangles, &mut history, &mut scratch);
+        rings = Some(linked.unwrap());
     });
-    check("certify_moved", || {
-        one_ring::certify_moved(mesh, &spans, moved, near, &mut known).unwrap()
-    });
+    let mut rings = rings.unwrap();
+    let mut certify = |join, moved| {
+        check("OneRings::certify", || _ = rings.certify(mesh, &CertifyOptions { join, moved }));
+    };
+    certify(None, None);
+    certify(Some(&one_after_the_other), None);
+    certify(None, Some(&moved));
 }

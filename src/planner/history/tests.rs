@@ -176,7 +176,7 @@ fn a_gpu_is_asked_for_a_first_pair_where_cpus_would_still_be_refitting() {
         unmade,
         ..World::new([1.0; WAYS]).offer()
     };
-    // The fans alone take longer than the upload, each over some frames.
+    // The certificates alone take longer than the upload, each over some frames.
     let first = history.choose(&machine, &offer(1e7, 4e7));
     assert_eq!((first.way, first.alone_until), (Way::Gpu, None));
     let frame = Frame {

@@ -2,9 +2,6 @@
 
 use super::*;
 use crate::bvh::*;
-use crate::one_ring::{
-    Fan, Span, certify, certify_moved, find_spans, link, link_scratch_bound, span_bound,
-};
 use crate::vertex_set::{holds, holds_any, vertices};
 
 fn bits<T: bytemuck::NoUninit>(values: &[T]) -> &[u32] {
@@ -37,20 +34,12 @@ fn what_has_moved_is_all_that_a_refit_needs() {
     for (name, (positions, triangles)) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let mut random = Random(13);
-        let mut fans = vec![Fan::default(); positions.len()];
-        let need = link_scratch_bound(positions.len(), triangles.len());
-        link(mesh, &mut vec![0; need], &mut fans).unwrap();
-        certify(mesh, &mut fans).unwrap();
-        let mut spans = vec![Span::default(); span_bound(triangles.len())];
-        find_spans(mesh, &mut spans).unwrap();
         with_builds(mesh, 2, |build, bvh| {
             let (mut nodes, order) = (bvh.nodes().to_vec(), bvh.order());
-            let (mut whole, mut fans) = (nodes.clone(), fans.clone());
-            let mut all_fans = fans.clone();
+            let mut whole = nodes.clone();
             let mut table = vec![Below::default(); survey_bound(nodes.len())];
             let mut fresh = table.clone();
             let mut marks = vec![Moved::default(); moved_bound(positions.len())];
-            let mut scratch = marks.clone();
             survey(mesh, &mut nodes, order, &mut table, joins[0]).unwrap();
             let mut before = positions.clone();
             for (way, after) in moves(&positions, &mut random).into_iter().enumerate() {
@@ -67,9 +56,6 @@ fn what_has_moved_is_all_that_a_refit_needs() {
                 // Nothing drifts.
                 let surveyed = survey(moved, &mut whole, order, &mut fresh, join).unwrap();
                 assert!(found == surveyed && table == fresh, "{context}");
-                certify_moved(moved, &spans, &marks, &mut scratch, &mut fans).unwrap();
-                certify(moved, &mut all_fans).unwrap();
-                assert_eq!(fans, all_fans, "{context}");
                 before = after;
             }
         });
@@ -115,18 +101,6 @@ fn a_table_or_a_set_one_short_is_an_error_that_names_the_need() {
         assert_eq!(run(126, 3), [Some(("table", 127, 126)); 2]);
         assert_eq!(run(127, 2), [None, Some(("moved", 3, 2))]);
     });
-    let run = |fans: usize, spans: usize, moved: usize, scratch: usize| {
-        let (spans, fans) = (&mut *vec![Span::default(); spans], &mut *vec![Fan::default(); fans]);
-        let found = find_spans(mesh, spans).err();
-        let [moved, mut scratch] = [moved, scratch].map(|words| vec![Moved::default(); words]);
-        let certified = certify_moved(mesh, spans, &moved, &mut scratch, fans).err();
-        [found, certified].map(|error| error.map(short))
-    };
-    assert_eq!(run(81, 2, 3, 3), [None; 2]);
-    assert_eq!(run(80, 2, 3, 3), [None, Some(("fans", 81, 80))]);
-    assert_eq!(run(81, 1, 3, 3), [Some(("spans", 2, 1)); 2]);
-    assert_eq!(run(81, 2, 2, 3), [None, Some(("moved", 3, 2))]);
-    assert_eq!(run(81, 2, 3, 2), [None, Some(("scratch", 3, 2))]);
     let marked = mark_moved(&positions, &positions, &mut [Moved::default(); 2]).err();
     assert_eq!(marked.map(short), Some(("moved", 3, 2)));
 }

@@ -1,0 +1,56 @@
+//! The one-ring certificates of a model.
+
+use super::moves::Moves;
+use super::passes::Passes;
+use pfront_core::Mesh;
+use pfront_core::one_ring::{
+    Certified, CertifyOptions, OneRings, history_bound, link_scratch_bound,
+};
+
+/// The history of the one-rings of one mesh, whose triangles never change.
+///
+/// [`Renewed`](super::renewed::Renewed) holds it, and calls [`Certificates::renew`] after positions have changed
+/// before anybody reads it.
+#[derive(Clone, Debug)]
+pub(super) struct Certificates {
+    history: Vec<u32>,
+    /// More has moved since the last certification than since the tree fitted.
+    behind: bool,
+}
+
+impl Certificates {
+    pub(super) fn new(mesh: Mesh<'_>) -> Self {
+        let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+        let mut history = vec![0; history_bound(vertices, triangles.len())];
+        let mut scratch = vec![0; link_scratch_bound(vertices, triangles.len())];
+        let linked = OneRings::new(vertices, triangles, &mut history, &mut scratch);
+        debug_assert!(linked.is_ok(), "the buffers have their sizes");
+        if let Ok(mut rings) = linked {
+            rings.certify(mesh, &CertifyOptions::default());
+        }
+        Self { history, behind: false }
+    }
+
+    /// Certifies the one-rings for positions that have changed.
+    pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves, passes: &Passes) {
+        let moved = moves.few().filter(|_| !self.behind);
+        let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+        let mut rings = OneRings::new_unchecked(vertices, triangles, &mut self.history);
+        rings.certify(mesh, &CertifyOptions { join: passes.join, moved });
+        self.behind = false;
+    }
+
+    /// To be called when the tree fits and the certificates are not up to date, before anything moves.
+    pub(super) fn fall_behind(&mut self) {
+        self.behind = true;
+    }
+
+    /// The certificates, after [`Certificates::renew`] for the positions of `mesh`.
+    pub(super) fn certified<'a>(&'a self, mesh: Mesh<'a>) -> Certified<'a> {
+        Certified::new_unchecked(mesh, &self.history)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.history.capacity() * size_of::<u32>()
+    }
+}
