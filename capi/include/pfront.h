@@ -269,12 +269,6 @@ typedef struct pfront_aabb_t {
   float max[3];
 } pfront_aabb_t;
 
-// What is known of the triangles about one vertex. With it, self queries need not look at most neighbours.
-typedef struct pfront_fan_t {
-  // Private.
-  uint32_t bits;
-} pfront_fan_t;
-
 // A question about two BVHs, or about one. It holds copies of `pfront_bvh_t`, so make it again after a refit or a
 // build, and for each pose. Any number of threads may use it at once.
 typedef struct pfront_query_t {
@@ -292,8 +286,8 @@ typedef struct pfront_query_t {
   struct pfront_pose_t frame_from_a;
   // Where b stands.
   struct pfront_pose_t frame_from_b;
-  // One a vertex, for one BVH; or null.
-  const struct pfront_fan_t *fans;
+  // The certified history of one-rings, for one BVH; or null.
+  const uint32_t *history;
 } pfront_query_t;
 
 // Where a walk stands: what `pfront_query_page` and `pfront_query_step` go on from. A copy is a bookmark. Each thread
@@ -521,24 +515,21 @@ pfront_status_t pfront_bvh_from_blob(const void *blob,
                                      struct pfront_bvh_t *bvh,
                                      struct pfront_error_t *error);
 
-// How much scratch `pfront_fans_link` needs; SIZE_MAX if that cannot be.
-size_t pfront_fans_scratch_bytes(size_t vertex_count, size_t triangle_count);
+// How many words the history of one-rings has; SIZE_MAX if that cannot be.
+size_t pfront_history_bound(size_t vertex_count, size_t triangle_count);
 
-// Finds out which triangles lie next to each other about each vertex: once for a mesh, whatever its positions will be.
-// `fans` has one element a vertex and need not be initialised. In O(vertices + triangles).
-pfront_status_t pfront_fans_link(const struct pfront_mesh_t *mesh,
-                                 struct pfront_fan_t *fans,
-                                 size_t fan_count,
-                                 void *scratch,
-                                 size_t scratch_bytes,
-                                 struct pfront_error_t *error);
+// How much scratch `pfront_one_rings_link` needs; SIZE_MAX if that cannot be.
+size_t pfront_link_scratch_bytes(size_t vertex_count, size_t triangle_count);
 
-// Brings fans up to date with the positions of their mesh, after each refit: `bvh.mesh` has the new positions. In
-// O(vertices + triangles). A query with fans that are not up to date may miss pairs.
-pfront_status_t pfront_fans_certify(const struct pfront_mesh_t *mesh,
-                                    struct pfront_fan_t *fans,
-                                    size_t fan_count,
-                                    struct pfront_error_t *error);
+// Finds out how the triangles around each vertex are connected: once for a mesh, whatever its positions will be.
+// `history` need not be initialised. `pfront_query_self` uses it for meshes with the same triangles. In
+// O(vertices + triangles).
+pfront_status_t pfront_one_rings_link(const struct pfront_mesh_t *mesh,
+                                      uint32_t *history,
+                                      size_t history_count,
+                                      void *scratch,
+                                      size_t scratch_bytes,
+                                      struct pfront_error_t *error);
 
 // Asks which triangles of `a` meet which of `b`, posed by `a_from_b`. The frame is that of a, and so are contacts.
 // `accuracy` is a `pfront_accuracy_t`.
@@ -559,11 +550,12 @@ pfront_status_t pfront_query_world(const struct pfront_bvh_t *a,
                                    struct pfront_query_t *query,
                                    struct pfront_error_t *error);
 
-// Asks which triangles of one mesh meet each other, each unordered pair once. `fans`, which may be null, has one
-// element a vertex, see `pfront_fans_certify`, and changes no answer. `rule` is a `pfront_rule_t` and `accuracy` a
-// `pfront_accuracy_t`.
+// Asks which triangles of one mesh meet each other, each unordered pair once. `history`, which may be null, is that of
+// `pfront_one_rings_link` for the same triangles, with `PFRONT_HISTORY_BOUND` words. It changes no answer but makes most
+// neighbours cheap: it is certified for the positions of the mesh here, in O(vertices + triangles), and must last as
+// long as the query. `rule` is a `pfront_rule_t` and `accuracy` a `pfront_accuracy_t`.
 pfront_status_t pfront_query_self(const struct pfront_bvh_t *bvh,
-                                  const struct pfront_fan_t *fans,
+                                  uint32_t *history,
                                   uint32_t rule,
                                   uint32_t accuracy,
                                   struct pfront_query_t *query,
@@ -668,7 +660,8 @@ pfront_status_t pfront_front_renumber(struct pfront_front_t *front,
 #define PFRONT_MORTON_SCRATCH_BYTES(n) (16 * (size_t)(n) + 7)
 #define PFRONT_SAH_SCRATCH_BYTES(n) (32 * (size_t)(n) + 31)
 #define PFRONT_ADOPT_SCRATCH_BYTES(n) (4 * ((size_t)(n) > 32 ? ((size_t)(n) + 31) / 32 : 1) + 3)
-#define PFRONT_FANS_SCRATCH_BYTES(v, n) (4 * (size_t)(v) + 12 * (size_t)(n) + 7)
+#define PFRONT_HISTORY_BOUND(v, n) ((size_t)(v) + 2 * (((size_t)(n) + 63) / 64) + 2 * (((size_t)(v) + 31) / 32))
+#define PFRONT_LINK_SCRATCH_BYTES(v, n) (4 * (size_t)(v) + 12 * (size_t)(n) + 7)
 
 // A compiler that lays out structures in another way than the library expects refuses these.
 typedef char pfront_node_t_has_32_bytes[sizeof(pfront_node_t) == 32 ? 1 : -1];
