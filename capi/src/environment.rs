@@ -98,7 +98,7 @@ mod tests {
     use crate::pfront_status_t::PFRONT_OK;
     use crate::*;
     use core::mem::zeroed;
-    use core::ptr::{null, null_mut};
+    use core::ptr::null_mut;
     use std::time::Instant;
 
     const LEAST: f32 = f32::from_bits(1);
@@ -139,7 +139,7 @@ mod tests {
             let statuses = [
                 pfront_mesh_check(points, POINTS.len(), corners, CORNERS.len(), &mut mesh, error),
                 pfront_bvh_build_morton(&mesh, 1, &memory, &mut bvh, error),
-                pfront_query_self(&bvh, null(), 0, exact, &mut query, error),
+                pfront_query_self(&bvh, null_mut(), 0, exact, &mut query, error),
                 pfront_cursor_start(&query, &mut cursor, error),
                 pfront_query_step(
                     &query,

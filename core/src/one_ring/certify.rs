@@ -12,7 +12,7 @@
 use super::{CERTIFIED, Certified, OneRing, OneRings, RING};
 use crate::Mesh;
 use crate::bvh::Join;
-use crate::index::{at, at_mut};
+use crate::index::{at, at_mut, range};
 use crate::vertex_set::{Moved, holds, holds_any, mark, moved_bound, number, vertices};
 use bytemuck::{Pod, Zeroable};
 use core::ops::Range;
@@ -115,7 +115,8 @@ impl Run<'_> {
         let first = spans.iter().position(reaches).unwrap_or(spans.len());
         let end = spans.iter().rposition(reaches).map_or(first, |last| last + 1);
         let [from, to] = [first, end].map(|span| (span * SPAN).min(triangles.len()));
-        Self { spans: &spans[first..end], triangles: &triangles[from..to] }
+        let spans = range(spans, first as u32, (end - first) as u32);
+        Self { spans, triangles: range(triangles, from as u32, (to - from) as u32) }
     }
 
     /// Certifies the one-rings of vertices that share a triangle with one that has moved, or have moved.

@@ -48,33 +48,35 @@ impl OneRings<'_> {
 
 /// Links the triangles at the corners of one vertex.
 fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> OneRing {
-    let n = corners.len();
-    if n == 0 || n > OneRing::MAX_TRIANGLES {
+    let mut edges = [[0; 2]; OneRing::MAX_TRIANGLES];
+    if corners.len() > edges.len() {
         return OneRing(0);
     }
     // The edges that face the vertex, each from one vertex to another.
-    let mut edges = [[0; 2]; OneRing::MAX_TRIANGLES];
-    let edges = &mut edges[..n];
+    let (edges, _) = split(&mut edges, corners.len());
     for (edge, corner) in edges.iter_mut().zip(corners) {
         let (t, k) = (at(triangles, corner / 3), *corner as usize % 3);
         *edge = [t[(k + 1) % 3], t[(k + 2) % 3]];
     }
-    let first = edges.iter().position(|[from, _]| edges.iter().all(|[_, to]| to != from));
-    edges.swap(0, first.unwrap_or(0));
-    for i in 1..n {
-        let last = edges[i - 1][1];
-        let Some(next) = (i..n).find(|&j| edges[j][0] == last) else { return OneRing(0) };
-        edges.swap(i, next);
-    }
-    // Each vertex has one edge from it and one to it at most.
-    let last = edges[n - 1][1];
-    let is_simple = |i: usize| {
-        let from = edges[i][0];
-        from != last && edges[..i].iter().all(|edge| edge[0] != from)
+    let repeats = |k: usize| {
+        let others = |i: usize| edges.iter().skip(i + 1);
+        edges.iter().enumerate().any(|(i, edge)| others(i).any(|other| other[k] == edge[k]))
     };
-    match (1..n).all(is_simple) {
-        false => OneRing(0),
-        true if edges[0][0] == last => OneRing(RING),
-        true => OneRing(ROW),
+    if repeats(0) || repeats(1) {
+        return OneRing(0);
+    }
+    let first = edges.iter().find(|[from, _]| edges.iter().all(|[_, to]| to != from));
+    let Some(start) = first.or(edges.first()) else { return OneRing(0) };
+    let (mut end, mut connected) = (start[1], 1);
+    while end != start[0]
+        && let Some(next) = edges.iter().find(|[from, _]| *from == end)
+    {
+        end = next[1];
+        connected += 1;
+    }
+    match (connected == edges.len(), first) {
+        (false, _) => OneRing(0),
+        (true, None) => OneRing(RING),
+        (true, Some(_)) => OneRing(ROW),
     }
 }
