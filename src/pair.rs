@@ -43,7 +43,8 @@ impl PairQuery {
     }
 
     /// The same on several threads: each frame is divided into `workers` parts, which run in the rayon
-    /// pool of whoever asks. The answers stay the same to the bit.
+    /// pool of whoever asks. The answers stay the same to the bit, whatever the number; one beyond what
+    /// [`threads::Traversal::new`] takes is lowered to that.
     ///
     /// # Examples
     /// ```

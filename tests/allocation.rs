@@ -23,34 +23,45 @@ struct Counting;
 thread_local! {
     /// Allocations of this thread: tests run side by side.
     static COUNT: Cell<usize> = const { Cell::new(0) };
+    /// Bytes that this thread holds, and the most that it held.
+    static HELD: Cell<[isize; 2]> = const { Cell::new([0; 2]) };
 }
 
-fn count_one() {
+fn count_one(size: usize) {
     COUNT.set(COUNT.get() + 1);
+    hold(size as isize);
+}
+
+fn hold(bytes: isize) {
+    let [held, most] = HELD.get();
+    HELD.set([held + bytes, most.max(held + bytes)]);
 }
 
 #[expect(unsafe_code, reason = "an allocator can be counted only by being one")]
 // SAFETY: every call goes to the system allocator as it came.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count_one();
+        count_one(layout.size());
         // SAFETY: the caller keeps the contract of `alloc`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count_one();
+        count_one(layout.size());
         // SAFETY: the caller keeps the contract of `alloc_zeroed`.
         unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn realloc(&self, old: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count_one();
+        // Both blocks are there for a while.
+        count_one(size);
+        hold(-(layout.size() as isize));
         // SAFETY: the caller keeps the contract of `realloc`.
         unsafe { System.realloc(old, layout, size) }
     }
 
     unsafe fn dealloc(&self, old: *mut u8, layout: Layout) {
+        hold(-(layout.size() as isize));
         // SAFETY: the caller keeps the contract of `dealloc`.
         unsafe { System.dealloc(old, layout) }
     }
@@ -70,9 +81,42 @@ fn allocations(call: impl FnOnce()) -> usize {
     COUNT.get() - before
 }
 
+/// The most bytes that this thread holds during a call, beyond what it held before.
+fn most_bytes(call: impl FnOnce()) -> isize {
+    let [before, _] = HELD.get();
+    HELD.set([before; 2]);
+    call();
+    HELD.get()[1] - before
+}
+
 #[test]
 fn the_count_works() {
     assert_eq!(allocations(|| drop(std::hint::black_box(vec![1]))), 1);
+    let grow = |list: &mut Vec<u8>| list.reserve_exact(std::hint::black_box(200));
+    assert_eq!(most_bytes(|| drop(std::hint::black_box(vec![1_u8; 100]))), 100);
+    assert_eq!(most_bytes(|| grow(&mut Vec::with_capacity(100))), 300);
+}
+
+/// Parallel triangles whose boxes all overlap, so that each two bodies are asked about each other.
+#[cfg(feature = "threads")]
+#[test]
+fn threads_take_no_memory_for_each_pair_of_bodies() {
+    let triangle = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+    let tile = Arc::new(Model::new(triangle, vec![[0, 1, 2]]).unwrap());
+    let frame = |bodies: usize| {
+        let mut scene = SceneQuery::new().with_threads(2);
+        for i in 0..bodies {
+            let shift = Pose::from_translation([0.0, 0.0, 1e-4 * i as f32]);
+            scene.add(tile.clone(), shift).unwrap();
+        }
+        let bytes = most_bytes(|| assert!(scene.all().unwrap().is_empty()));
+        assert_eq!(scene.count().unwrap(), 0);
+        (bytes, bodies * (bodies - 1) / 2)
+    };
+    let ((few_bytes, few), (many_bytes, many)) = (frame(400), frame(640));
+    // 8 bytes for a pair of the broad phase, in a vector that grows by doubling.
+    let per_pair = (many_bytes - few_bytes) as f64 / (many - few) as f64;
+    assert!(per_pair < 40.0, "{per_pair:.0} bytes for each pair of bodies more");
 }
 
 #[test]

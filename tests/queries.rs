@@ -10,7 +10,8 @@ use pfront::core::bvh::{self, BvhStorage};
 use pfront::core::bvh::{MAX_LEAF_SIZE, node_bound};
 use pfront::core::bvtt::{self, Query};
 use pfront::{
-    Accuracy, Adjacency, BuildOptions, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair,
+    Accuracy, Adjacency, BuildOptions, Model, Node, PairQuery, Pose, SceneQuery, SelfQuery,
+    TrianglePair,
 };
 use pfront_oracle::generate::Family;
 use pfront_oracle::generate::soup::{Soup, family, pose_rows, posed, sheet, sphere, tangle, union};
@@ -18,6 +19,7 @@ use pfront_oracle::{pairs, self_pairs, share_a_vertex};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 const PAGES: [usize; 5] = [1, 2, 3, 7, 64];
 
@@ -28,6 +30,31 @@ fn spheres_in_any_pose() {
         assert!(pair(&sphere(12), &sphere(10), &pose(1.0, &mut rng)) > 0);
     }
     assert_eq!(pair(&sphere(8), &sphere(8), &Pose::from_translation([2.5, 0.0, 0.0])), 0);
+}
+
+#[test]
+fn a_mesh_that_a_pose_brings_into_range_is_taken() {
+    let shrink = Pose::new([[1e-3, 0.0, 0.0, 0.0], [0.0, 1e-3, 0.0, 0.0], [0.0, 0.0, 1e-3, 0.0]]);
+    for size in [2e38, f32::MAX] {
+        let scaled = |soup: Soup, by: f32| soup.map(|p| p.map(|x| x * by));
+        let (near, large) = (scaled(sphere(12), 0.6e-3 * size), scaled(tilted(), size));
+        let found = pair(&near, &large, &shrink);
+        assert!(found > 0, "{size:e}");
+        let mut scene = SceneQuery::new();
+        for (soup, pose) in [(near, Pose::IDENTITY), (large, shrink)] {
+            let model = Model::new(soup.positions, soup.triangles).unwrap();
+            scene.add(Arc::new(model), pose).unwrap();
+        }
+        assert_eq!(scene.count().unwrap(), found as u64, "{size:e}");
+    }
+}
+
+/// A tetrahedron over the whole of −1..1.
+fn tilted() -> Soup {
+    Soup {
+        positions: vec![[-1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]],
+        triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+    }
 }
 
 #[test]

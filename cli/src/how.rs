@@ -20,7 +20,7 @@ pub(crate) struct How {
     #[arg(long, value_enum, default_value_t = Promise::Exact)]
     accuracy: Promise,
     /// CPU threads [default: all]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<NonZero<usize>>,
     /// What to run on
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
@@ -105,6 +105,27 @@ impl How {
         let planner = planning::planner(machine, self.threads, gpu.as_ref())?;
         Ok(On::Planner(Box::new(planner)))
     }
+}
+
+/// The most threads for each of the machine's own. A pool of more spends its time on waking threads that wait for
+/// each other, and one of very many never gets to work.
+const MOST_PER_THREAD: usize = 8;
+/// A machine with few threads of its own takes this many, so that what many threads do can be tried on it.
+const FEWEST: usize = 64;
+
+/// Reads a number of threads, which must be within what the machine can use.
+///
+/// # Errors
+/// If it is no number, 0, or beyond the bound.
+pub(crate) fn parse_threads(text: &str) -> Result<NonZero<usize>> {
+    let threads: NonZero<usize> = text.parse()?;
+    let own = available_parallelism().map_or(1, NonZero::get);
+    let most = FEWEST.max(MOST_PER_THREAD * own);
+    ensure!(
+        threads.get() <= most,
+        "at most {most} on this machine, which runs {own} threads at once: more would only wait for each other"
+    );
+    Ok(threads)
 }
 
 /// As many threads as are asked for, or else all.

@@ -85,6 +85,32 @@ impl Report {
         work.box_tests as f64 + f64::from(self.triangle_cost) * work.triangle_tests as f64
     }
 
+    /// Adds a frame that continues this one: counts and durations are summed, of what does not add up the largest is
+    /// kept, and both have to be coherent.
+    pub fn add(&mut self, next: &Self) {
+        let shares = self.shares.len().max(next.shares.len());
+        self.shares.resize(shares, Share::default());
+        for (share, more) in self.shares.iter_mut().zip(&next.shares) {
+            share.predicted += more.predicted;
+            share.work.box_tests += more.work.box_tests;
+            share.work.triangle_tests += more.work.triangle_tests;
+        }
+        self.late |= next.late;
+        self.coherent &= next.coherent;
+        self.found = self.found.min(next.found);
+        self.depth = self.depth.max(next.depth);
+        self.starting_nodes += next.starting_nodes;
+        self.nodes += next.nodes;
+        self.front_box_tests += next.front_box_tests;
+        self.p_optimal = self.p_optimal.max(next.p_optimal);
+        self.dearest_node = self.dearest_node.max(next.dearest_node);
+        self.front_bytes = self.front_bytes.max(next.front_bytes);
+        self.front_time += next.front_time;
+        self.partition_time += next.partition_time;
+        self.walk_time += next.walk_time;
+        self.gather_time += next.gather_time;
+    }
+
     /// Forgets the last frame, keeping memory.
     pub(crate) fn reset(&mut self, triangle_cost: f32) {
         let mut shares = std::mem::take(&mut self.shares);

@@ -89,10 +89,10 @@ pub enum Error {
         least: u64,
     },
     /// New positions do not fit the mesh.
-    #[error("positions refused: {0}")]
+    #[error(transparent)]
     Mesh(#[from] MeshError),
     /// A mesh cannot be posed so.
-    #[error("pose refused: {0}")]
+    #[error(transparent)]
     Pose(#[from] PoseError),
     /// A body is no longer in the scene.
     #[error("{id} is not in the scene; it has been removed")]

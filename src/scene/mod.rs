@@ -52,7 +52,8 @@ pub struct SceneHit {
 /// # Threads
 /// With [`SceneQuery::with_threads`] all pairs of bodies that have to be asked are divided among the workers
 /// together, by one front under one bound (Zhang & Kim 2014, eq. 5). What a pair of bodies cost is
-/// remembered from one frame to the next in which it is asked.
+/// remembered from one frame to the next in which it is asked. More pairs than 65,536 are asked in batches of as
+/// many, which bounds the memory; then nothing is remembered.
 ///
 /// # Still bodies
 /// What [`SceneQuery::all`] and [`SceneQuery::contacts`] find is kept: as long as neither of two bodies

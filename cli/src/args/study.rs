@@ -1,6 +1,7 @@
 //! The options of studies, and of what else measures.
 
 use super::Mode;
+use crate::how::parse_threads;
 use crate::planning::Gpus;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use clap::{Args, Subcommand};
@@ -44,7 +45,7 @@ pub(crate) struct Chart {
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub(crate) seed: u64,
     /// CPU threads [default: all]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZero<usize>>,
     /// Measure little, to see that it works
     #[arg(long)]
@@ -84,7 +85,7 @@ pub(crate) struct Regret {
     #[arg(long, value_name = "N")]
     pub(crate) rounds: Option<NonZero<usize>>,
     /// CPU threads [default: all]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZero<usize>>,
     /// What else there is to choose from
     #[arg(long, value_enum, default_value_t = Gpus::Auto)]
@@ -115,7 +116,7 @@ pub(crate) struct Plan {
     #[arg(long, value_enum, default_value_t = Mode::All)]
     pub(crate) mode: Mode,
     /// CPU threads [default: all]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZero<usize>>,
     /// What else there is to choose from
     #[arg(long, value_enum, default_value_t = Gpus::Auto)]
@@ -153,7 +154,7 @@ pub(crate) struct BenchGpu {
     #[arg(long, value_name = "N")]
     pub(crate) frames: Option<u32>,
     /// CPU threads to compare with, beside one [default: all]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZero<usize>>,
     /// How many levels a pass descends [default: what suits the device]
     #[arg(long, value_name = "LEVELS")]

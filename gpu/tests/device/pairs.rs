@@ -64,6 +64,20 @@ fn soups_of_every_family() {
 }
 
 #[test]
+fn a_mesh_that_a_pose_brings_into_range_is_taken() {
+    let mut query = PairQuery::new(gpu()).unwrap();
+    let diagonal = |k: f32| Pose::new([[k, 0.0, 0.0, 0.0], [0.0, k, 0.0, 0.0], [0.0, 0.0, k, 0.0]]);
+    let scaled = |by: f32| both(&sphere(12).map(|p| p.map(|x| x * by)));
+    assert!(check(&mut query, &scaled(2e35), &scaled(2e38), &diagonal(1e-3)) > 0);
+    let error = query.all(&scaled(1.0).model, &scaled(2e38).model, &diagonal(0.5)).unwrap_err();
+    let (text, source) = (error.to_string(), std::error::Error::source(&error));
+    assert!(
+        text.contains("beyond") && !source.is_some_and(|s| text.contains(&s.to_string())),
+        "{text}"
+    );
+}
+
+#[test]
 fn coplanar_touching_and_stretched() {
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     let mut query = PairQuery::new(gpu()).unwrap();
