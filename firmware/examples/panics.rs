@@ -46,8 +46,7 @@ struct Slices<'s> {
 }
 
 fn everything(slices: Slices<'_>) -> Option<()> {
-    let Slices { positions, triangles, nodes: [nodes, others], order, keys, words, .. } =
-        slices;
+    let Slices { positions, triangles, nodes: [nodes, others], order, keys, words, .. } = slices;
     let mesh = Mesh::new(positions, triangles).ok()?;
     let mesh = mesh.with_positions(some()?).ok()?;
     let join: &Join<'_> = some()?;
@@ -87,7 +86,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let sphere = Sphere::of(&bvh)?.posed(&some()?);
     any(sphere.overlaps(&some()?));
     let [p, q, r, s]: [[f32; 3]; 4] = some()?;
-    any((orient3d(&p, &q, &r, &s), orient2d(some()?, &p, &q, &r)));
+    any((orient3d(&p, &q, &r, &s), orient2d(&some()?, &some()?, &some()?)));
     any(intersects(&some()?, &some()?, some()?));
     any(intersects_in_mesh(mesh, some()?, some()?, some()?, some()?));
     any((contact(&some()?, &some()?), mesh.triangle(some()?)));

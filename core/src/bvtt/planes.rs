@@ -1,10 +1,10 @@
-//! Triangles that lie on one side of another's plane.
+//! Rejection of triangle pairs by supporting planes, a pair in each lane.
 //!
-//! That settles nearly all pairs whose boxes overlap and who are no neighbours. Whatever it leaves goes
-//! to the exact test of [`crate::triangle`], so only a wrong rejection could change an answer, and the
-//! bound of `exact::filter32` excludes that.
+//! A triangle strictly on one side of another's plane does not meet it, which rejects nearly all pairs whose
+//! boxes overlap. The signs are certified by the bound of [`crate::exact::filter32`]; whatever is left goes to
+//! the exact test of [`crate::triangle`].
 
-use crate::exact::filter32::{BOUND, MOST, SLACK};
+use crate::exact::filter32::{ERROR, MAX_EXTENT, UNDERFLOW};
 use crate::simd::Simd;
 use crate::simd::point8::{abs, difference, highest};
 
@@ -44,9 +44,9 @@ impl<S: Simd> Planes<S> {
             low = low.min(least);
             high = high.max(most);
         }
-        let bound = extent[0] * extent[1] * extent[2] * S::splat(BOUND) + S::splat(SLACK);
-        let sure = extent[0].max(extent[1]).max(extent[2]).le(S::splat(MOST));
+        let bound = extent[0] * extent[1] * extent[2] * S::splat(ERROR) + S::splat(UNDERFLOW);
+        let holds = extent[0].max(extent[1]).max(extent[2]).le(S::splat(MAX_EXTENT));
         // Both if all corners are shared.
-        S::bits((bound.lt(low) ^ high.lt(-bound)) & sure)
+        S::bits((bound.lt(low) ^ high.lt(-bound)) & holds)
     }
 }

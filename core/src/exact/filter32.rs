@@ -1,106 +1,87 @@
-//! Signs that f32 is sure of: what decides nearly every triangle pair, at the price of plain f32.
+//! Signs that f32 certifies: nearly all that are asked for, at the price of plain f32.
 //!
 //! # The bound
-//! As that of the f64 filter, with u = 2^-24: each of the six products of three differences carries a
-//! relative error below (1+u)^8 − 1, so that the determinant is off by less than 48.06u · mx·my·mz, the
-//! largest absolute differences an axis. The constant has room for the roundings of the bound. Unlike
-//! there, products may underflow or overflow. With no difference above 2^40 none overflows, and underflow
-//! costs less than 6 · 2^-150 · 2^40 before the last product and 4 · 2^-150 after; the bound may lose
-//! 2^-110. `SLACK`, 2^-100, is far above their sum.
+//! As that of `filter64`, with u = 2^-24: each of the six products of three differences carries a relative
+//! error below (1+u)^8 − 1, so that the determinant is off by less than 48.06u · mx·my·mz, the largest
+//! absolute differences an axis, in any order of its sums. [`ERROR`] has room for the roundings of the
+//! bound. Unlike there, products may underflow or overflow. With no difference above [`MAX_EXTENT`], 2^40,
+//! none overflows, and underflow costs less than 6 · 2^-150 · 2^40 before the last product and 4 · 2^-150
+//! after; the bound may lose 2^-110. [`UNDERFLOW`], 2^-100, is far above their sum.
+//!
+//! So a sign is certified where no extent exceeds `MAX_EXTENT` and the determinant exceeds
+//! `mx·my·mz · ERROR + UNDERFLOW` in magnitude.
 
-use super::{Axes, Kernel, Point, Undecided};
-use crate::Triangle;
+use super::{Orientation, Point, Point2, Uncertain};
 use glam::{Vec3A, Vec4};
 
-pub(crate) const BOUND: f32 = 2.9e-6;
-pub(crate) const SLACK: f32 = 7.888_609e-31;
-/// 2^40.
-pub(crate) const MOST: f32 = 1.099_511_6e12;
+/// Bound of the relative error of a determinant.
+pub(crate) const ERROR: f32 = 2.9e-6;
+/// Bound of what underflow adds to it: 2^-100.
+pub(crate) const UNDERFLOW: f32 = 7.888_609e-31;
+/// The largest difference for which the bound holds: 2^40.
+pub(crate) const MAX_EXTENT: f32 = 1.099_511_6e12;
 
-/// The signs f32 is sure of, and an error for the rest.
-pub(crate) enum Sure {}
+/// Certified signs, and an error for the rest.
+pub(crate) enum CertifiedF32 {}
 
-impl Kernel for Sure {
-    type Undecided = Undecided;
+impl Orientation for CertifiedF32 {
+    type Uncertain = Uncertain;
 
+    /// Up to four points side by side.
     #[inline]
-    fn sides<const N: usize>(t: &Triangle, points: [&Point; N]) -> Result<[i32; N], Undecided> {
+    fn orient3d<const N: usize>(
+        [a, b, c]: [&Point; 3],
+        points: [&Point; N],
+    ) -> Result<[i32; N], Uncertain> {
         const { assert!(0 < N && N <= 4) };
-        let base = Vec3A::from_array(t[0]);
-        let (u, v) = (Vec3A::from_array(t[1]) - base, Vec3A::from_array(t[2]) - base);
-        let (normal, extent) = (u.cross(v), u.abs().max(v.abs()));
-        let w = from(&t[0], core::array::from_fn(|i| points[i.min(N - 1)]));
-        let all = |v: Vec3A| [Vec4::splat(v.x), Vec4::splat(v.y), Vec4::splat(v.z)];
-        let (above, below) = signs(&all(normal), &w, &all(extent));
-        if above | below != 0xf {
-            return Err(Undecided);
+        let base = Vec3A::from_array(*a);
+        let (u, v) = (Vec3A::from_array(*b) - base, Vec3A::from_array(*c) - base);
+        let (normal, edges) = (u.cross(v), u.abs().max(v.abs()));
+        if let [p] = points.as_slice() {
+            let w = Vec3A::from_array(**p) - base;
+            let (determinant, extent) = (normal.dot(w), edges.max(w.abs()));
+            let bound = extent.x * extent.y * extent.z * ERROR + UNDERFLOW;
+            if determinant.abs() > bound && extent.max_element() <= MAX_EXTENT {
+                return Ok([if determinant > 0.0 { 1 } else { -1 }; N]);
+            }
+            return Err(Uncertain);
         }
-        Ok(core::array::from_fn(|i| 2 * (above >> i & 1) as i32 - 1))
-    }
-
-    #[inline]
-    fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Result<i32, Undecided> {
-        Ok(Self::sides(&[*a, *b, *c], [d])?[0])
-    }
-
-    /// Both determinants side by side.
-    #[inline]
-    fn neither(
-        [a, b]: [&Point; 2],
-        [(p, q, sign), (r, s, other)]: [(&Point, &Point, i32); 2],
-    ) -> Result<bool, Undecided> {
-        let (u, v, w) = (from(a, [p, r, p, r]), from(a, [b; 4]), from(a, [q, s, q, s]));
-        let normal =
-            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        let extent = |k: usize| u[k].abs().max(v[k].abs());
-        let (above, below) = signs(&normal, &w, &[extent(0), extent(1), extent(2)]);
-        if above | below != 0xf {
-            return Err(Undecided);
+        let [p, q, r, s] = [0, 1, 2, 3].map(|lane: usize| points[lane.min(N - 1)]);
+        let w = |k: usize| Vec4::new(p[k], q[k], r[k], s[k]) - Vec4::splat(a[k]);
+        let (x, y, z) = (w(0), w(1), w(2));
+        let determinant = normal.x * x + normal.y * y + normal.z * z;
+        let extent = |edges: f32, w: Vec4| Vec4::splat(edges).max(w.abs());
+        let (x, y, z) = (extent(edges.x, x), extent(edges.y, y), extent(edges.z, z));
+        let bound = x * y * z * ERROR + Vec4::splat(UNDERFLOW);
+        let holds = x.max(y).max(z).cmple(Vec4::splat(MAX_EXTENT));
+        let positive = (determinant.cmpgt(bound) & holds).bitmask();
+        let negative = (determinant.cmplt(-bound) & holds).bitmask();
+        if positive | negative != 0xf {
+            return Err(Uncertain);
         }
-        let found = |lane: u32| 2 * (above >> lane & 1) as i32 - 1;
-        Ok(found(0) != sign && found(1) != other)
+        Ok(core::array::from_fn(|lane| 2 * (positive >> lane & 1) as i32 - 1))
     }
 
+    /// Never certified: only signs that are zero lead from space to a plane.
     #[inline]
-    fn orient2d(_: Axes, _: &Point, _: &Point, _: &Point) -> Result<i32, Undecided> {
-        // Nothing comes to this: it takes sides that are surely zero.
-        Err(Undecided)
+    fn orient2d(_: &Point2, _: &Point2, _: &Point2) -> Result<i32, Uncertain> {
+        Err(Uncertain)
     }
-}
-
-/// Four points less one, by coordinates.
-#[inline]
-fn from(base: &Point, [p, q, r, s]: [&Point; 4]) -> [Vec4; 3] {
-    let across = |k: usize| Vec4::new(p[k], q[k], r[k], s[k]) - Vec4::splat(base[k]);
-    [across(0), across(1), across(2)]
-}
-
-/// Bits for the lanes in which the product of a normal and `w` is surely positive, and surely negative.
-/// `extent` is that of the edges that the normal was made of.
-#[inline]
-fn signs(normal: &[Vec4; 3], w: &[Vec4; 3], extent: &[Vec4; 3]) -> (u32, u32) {
-    let determinant = normal[0] * w[0] + normal[1] * w[1] + normal[2] * w[2];
-    let larger = |k: usize| extent[k].max(w[k].abs());
-    let [x, y, z] = [larger(0), larger(1), larger(2)];
-    let bound = x * y * z * BOUND + Vec4::splat(SLACK);
-    let sure = x.max(y).max(z).cmple(Vec4::splat(MOST));
-    ((determinant.cmpgt(bound) & sure).bitmask(), (determinant.cmplt(-bound) & sure).bitmask())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::exact::Exact;
-    use crate::triangle::{certain, meet};
 
     #[test]
-    fn what_is_sure_is_true() {
+    fn certified_signs_are_exact() {
         let mut state = 3_u64;
         let mut next = move |below: u32| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             ((state >> 33) as u32) % below
         };
-        let (mut hits, mut misses) = (0, 0);
+        let (mut certified, mut uncertain) = ([0; 2], 0);
         for _ in 0..if cfg!(miri) { 40 } else { 100_000 } {
             let scale = [1.0, 0.1, 1e-12, 1e-36, 1e11, 1e13, 1e37][next(7) as usize];
             let offset = [0.0, 0.0, 1e3, 3e7][next(4) as usize] * f32::min(scale, 1e20);
@@ -109,12 +90,40 @@ mod tests {
                 let nudge = [0.0, 1e-7, 1e-6, 1e-3][next(4) as usize] * next(3) as f32;
                 (next(5) as f32 + nudge) * scale + offset
             };
-            let [a, b] = [[[0.0; 3]; 3]; 2].map(|t| t.map(|p| p.map(&mut coordinate)));
-            if let Ok(found) = meet::<Sure>(&a, &b) {
-                assert_eq!(found, certain(meet::<Exact>(&a, &b)), "{a:?} {b:?}");
-                *if found { &mut hits } else { &mut misses } += 1;
+            let [a, b, c, p, q, r]: [Point; 6] = [[0.0; 3]; 6].map(|p| p.map(&mut coordinate));
+            let Ok(truth) = Exact::orient3d([&a, &b, &c], [&p, &q, &r]);
+            match CertifiedF32::orient3d([&a, &b, &c], [&p, &q, &r]) {
+                Ok(signs) => {
+                    assert_eq!(signs, truth, "{a:?} {b:?} {c:?} {p:?} {q:?} {r:?}");
+                    signs.iter().for_each(|sign| certified[usize::from(*sign > 0)] += 1);
+                }
+                Err(Uncertain) => uncertain += 1,
             }
         }
-        assert!(cfg!(miri) || hits > 5_000 && misses > 5_000, "{hits} {misses}");
+        let enough = certified.iter().all(|count| *count > 5_000) && uncertain > 5_000;
+        assert!(cfg!(miri) || enough, "{certified:?} {uncertain}");
+    }
+
+    /// Each term of the bound is needed: beyond it f32 gets a sign wrong, or might.
+    #[test]
+    fn nothing_is_certified_beyond_the_bound() {
+        let corner = |size: f32| [[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]];
+        let certified = |size: f32, height: f32| {
+            let [a, b, c] = corner(size);
+            CertifiedF32::orient3d([&a, &b, &c], [&[0.0, 0.0, height]]).ok()
+        };
+        assert_eq!(certified(1.0, 1.0), Some([1]));
+        assert_eq!(certified(1.0, -1e-20), Some([-1]), "the bound shrinks with each extent");
+        assert_eq!(certified(1.0, 1.1 * UNDERFLOW), Some([1]));
+        assert_eq!(certified(1.0, 0.9 * UNDERFLOW), None);
+        assert_eq!(certified(MAX_EXTENT, -1.0), Some([-1]));
+        assert_eq!(certified(MAX_EXTENT.next_up(), -1.0), None);
+        let lifted = |z: f32| {
+            let [a, mut b, c] = corner(1.0);
+            b[2] = 1.0;
+            CertifiedF32::orient3d([&a, &b, &c], [&[0.0, 0.0, z], &[0.0, 0.0, -z]]).ok()
+        };
+        assert_eq!(lifted(1.1 * ERROR), Some([1, -1]));
+        assert_eq!(lifted(0.9 * ERROR), None);
     }
 }

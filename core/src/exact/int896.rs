@@ -1,16 +1,21 @@
-//! Integers of a fixed 896 bits: the last stage of the predicates.
+//! Integers of 896 bits, wide enough for every determinant of finite f32 coordinates.
+
+use core::array::from_fn;
+use core::ops::{Add, Mul, Not, Sub};
 
 /// A two's complement integer of 14 limbs, least significant first.
 ///
-/// On its lattice a difference of two finite f32 is below 2^278 (24 bits of significand, exponents
-/// 253 apart, one bit for the difference), so a sum of six products of three is below 2^837: nothing
-/// here can overflow.
+/// In units of the smallest f32 a difference of two finite f32 is below 2^278 (24 bits of significand,
+/// exponents 253 apart, one bit for the difference), so a sum of six products of three is below 2^837:
+/// nothing here can overflow.
 #[derive(Clone, Copy)]
-pub(super) struct Wide([u64; LIMBS]);
+pub(super) struct Int896([u64; LIMBS]);
 
 const LIMBS: usize = 14;
 
-impl Wide {
+impl Int896 {
+    const ZERO: Self = Self([0; LIMBS]);
+
     /// `value · 2^shift`; `value` is a 24-bit significand with its sign.
     pub(super) fn new(value: i64, shift: u32) -> Self {
         let mut limbs = [0; LIMBS];
@@ -19,33 +24,58 @@ impl Wide {
         for (limb, part) in from.zip([shifted as u64, (shifted >> 64) as u64]) {
             *limb = part;
         }
-        if value < 0 { Self([0; LIMBS]).sub(Self(limbs)) } else { Self(limbs) }
+        if value < 0 { Self::ZERO - Self(limbs) } else { Self(limbs) }
     }
 
-    pub(super) fn add(self, other: Self) -> Self {
-        let mut out = self;
+    pub(super) fn sign(self) -> i32 {
+        if self.is_negative() { -1 } else { i32::from(self.0.iter().any(|&limb| limb != 0)) }
+    }
+
+    /// The nearest f64 within a relative 2^-49: one rounding a limb.
+    pub(super) fn to_f64(self) -> f64 {
+        const BASE: f64 = 18_446_744_073_709_551_616.0;
+        let magnitude = if self.is_negative() { Self::ZERO - self } else { self };
+        let value = magnitude.0.iter().rev().fold(0.0, |x, &limb| x * BASE + limb as f64);
+        if self.is_negative() { -value } else { value }
+    }
+
+    fn is_negative(self) -> bool {
+        self.0[LIMBS - 1] >> 63 != 0
+    }
+}
+
+impl Not for Int896 {
+    type Output = Self;
+    fn not(self) -> Self {
+        Self(self.0.map(|limb| !limb))
+    }
+}
+
+impl Add for Int896 {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
         let mut carry = false;
-        for (x, y) in out.0.iter_mut().zip(other.0) {
-            let (sum, c1) = x.overflowing_add(y);
-            let (sum, c2) = sum.overflowing_add(u64::from(carry));
-            (*x, carry) = (sum, c1 | c2);
-        }
-        out
+        Self(from_fn(|i| {
+            let (sum, first) = self.0[i].overflowing_add(other.0[i]);
+            let (sum, second) = sum.overflowing_add(u64::from(carry));
+            carry = first | second;
+            sum
+        }))
     }
+}
 
-    pub(super) fn sub(self, other: Self) -> Self {
-        let mut out = self;
-        let mut borrow = false;
-        for (x, y) in out.0.iter_mut().zip(other.0) {
-            let (rest, b1) = x.overflowing_sub(y);
-            let (rest, b2) = rest.overflowing_sub(u64::from(borrow));
-            (*x, borrow) = (rest, b1 | b2);
-        }
-        out
+impl Sub for Int896 {
+    type Output = Self;
+    /// By !x = −x − 1.
+    fn sub(self, other: Self) -> Self {
+        !(!self + other)
     }
+}
 
+impl Mul for Int896 {
+    type Output = Self;
     /// The product modulo 2^896, which two's complement makes right for either sign.
-    pub(super) fn mul(self, other: Self) -> Self {
+    fn mul(self, other: Self) -> Self {
         let mut out = [0; LIMBS];
         for (i, &x) in self.0.iter().enumerate().filter(|(_, x)| **x != 0) {
             let mut carry = 0;
@@ -58,52 +88,6 @@ impl Wide {
         }
         Self(out)
     }
-
-    pub(super) fn sign(self) -> i32 {
-        if self.is_negative() { -1 } else { i32::from(self.0.iter().any(|&x| x != 0)) }
-    }
-
-    /// The value divided by 2^`scale`, within a relative 2^-52.
-    pub(super) fn to_f64(self, scale: i32) -> f64 {
-        let negative = self.is_negative();
-        let magnitude = if negative { Self([0; LIMBS]).sub(self) } else { self };
-        let mut limbs = magnitude.0.as_slice();
-        while let [lower @ .., 0] = limbs {
-            limbs = lower;
-        }
-        let (top, below) = match limbs {
-            [] => return 0.0,
-            [top] => (top, &0),
-            [.., below, top] => (top, below),
-        };
-        let leading = (u128::from(*top) << 64) | u128::from(*below);
-        let value = scale_by_power(leading as f64, 64 * (limbs.len() as i32 - 2) - scale);
-        if negative { -value } else { value }
-    }
-
-    /// The number of bits of the magnitude.
-    pub(super) fn bits(self) -> u32 {
-        let magnitude = if self.is_negative() { Self([0; LIMBS]).sub(self) } else { self };
-        let mut leading = 0;
-        for limb in magnitude.0.iter().rev() {
-            leading += limb.leading_zeros();
-            if *limb != 0 {
-                break;
-            }
-        }
-        64 * LIMBS as u32 - leading
-    }
-
-    fn is_negative(self) -> bool {
-        self.0[LIMBS - 1] >> 63 != 0
-    }
-}
-
-/// `x · 2^e` for results in the normal range, in steps that stay inside it.
-fn scale_by_power(x: f64, e: i32) -> f64 {
-    let power = |e: i32| f64::from_bits(((1023 + e) as u64) << 52);
-    let half = e / 2;
-    x * power(half) * power(e - half)
 }
 
 #[cfg(test)]
@@ -116,16 +100,13 @@ mod tests {
         for x in values {
             for y in values {
                 for shift in [0, 1, 31, 63].into_iter().skip(if cfg!(miri) { 3 } else { 0 }) {
-                    let wide = Wide::new(x, shift);
-                    let other = Wide::new(y, 3);
+                    let (wide, other, one) =
+                        (Int896::new(x, shift), Int896::new(y, 3), Int896::new(1, 0));
                     let (x, y) = (i128::from(x) << shift, i128::from(y) << 3);
-                    assert_eq!(wide.add(other).sign(), (x + y).signum() as i32);
-                    assert_eq!(wide.sub(other).sign(), (x - y).signum() as i32);
-                    assert_eq!(
-                        wide.mul(other).sub(Wide::new(1, 0)).sign(),
-                        (x * y - 1).signum() as i32
-                    );
-                    assert_eq!(wide.mul(other).to_f64(0), (x * y) as f64);
+                    assert_eq!((wide + other).sign(), (x + y).signum() as i32);
+                    assert_eq!((wide - other).sign(), (x - y).signum() as i32);
+                    assert_eq!((wide * other - one).sign(), (x * y - 1).signum() as i32);
+                    assert_eq!((wide * other).to_f64(), (x * y) as f64);
                 }
             }
         }
@@ -133,11 +114,12 @@ mod tests {
 
     #[test]
     fn carries_run_through_every_limb() {
-        let top = Wide::new(1, 800);
-        let one = Wide::new(1, 0);
-        assert_eq!(top.sub(one).add(one).sub(top).sign(), 0);
-        assert_eq!(top.sub(one).bits(), 800);
-        assert_eq!(Wide::new(-1, 400).mul(Wide::new(-1, 400)).sub(top).sign(), 0);
-        assert_eq!(Wide::new(-3, 700).to_f64(700), -3.0);
+        let (top, one) = (Int896::new(1, 800), Int896::new(1, 0));
+        assert_eq!((top - one + one - top).sign(), 0);
+        assert_eq!((top - one).sign(), 1);
+        assert_eq!((one - top + top - one).sign(), 0);
+        assert_eq!((Int896::new(-1, 400) * Int896::new(-1, 400) - top).sign(), 0);
+        assert_eq!(Int896::new(-3, 700).to_f64(), -3.0 * 2f64.powi(700));
+        assert_eq!((top - one).to_f64(), 2f64.powi(800));
     }
 }

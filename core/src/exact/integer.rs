@@ -1,124 +1,122 @@
-//! Determinants over the integers that f32 coordinates are.
+//! Determinants in integers: exact for any finite f32.
+//!
+//! The coordinates of a few points along one axis are multiples of a power of two, so they are integers
+//! times that power. Scaling an axis changes no sign of a determinant, hence each axis has a power of its
+//! own. Differences of real meshes have 22 bits in the median, far inside `i128`; what does not fit goes
+//! through [`Int896`].
 
-use super::{Axes, Point, coordinate, int896::Wide};
+use super::int896::Int896;
+use super::{Point, Point2};
+use core::ops::{Add, Mul, Sub};
 
-/// Exact sign of det(b − a, c − a, d − a).
+/// The sign of det(b − a, c − a, d − a).
 #[cold]
 #[inline(never)]
-pub(super) fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
-    if is_flat([a, b, c, d], [0, 1, 2]) {
+pub(super) fn orient3d([a, b, c]: [&Point; 3], d: &Point) -> i32 {
+    sign([0, 1, 2].map(|k| [a[k], b[k], c[k], d[k]]), det3, det3)
+}
+
+/// The sign of det(b − a, c − a).
+#[cold]
+#[inline(never)]
+pub(super) fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> i32 {
+    sign([0, 1].map(|k| [a[k], b[k], c[k]]), |[x, y]| det2(&x, &y), |[x, y]| det2(&x, &y))
+}
+
+/// d/(d − e) for the determinants d = det(b − a, c − a, p − a) and e, the same with `q`, of different signs:
+/// the parameter at which p–q cuts the plane. Within a relative 2^-48, however close to 0 both are.
+#[cold]
+#[inline(never)]
+pub(crate) fn orient3d_ratio([a, b, c]: [&Point; 3], p: &Point, q: &Point) -> f64 {
+    let axes = [0, 1, 2].map(|k| Axis::new([a[k], b[k], c[k], p[k], q[k]]).differences896());
+    let d = det3(axes.map(|[a, b, c, p, _]| [a, b, c, p])).to_f64();
+    let e = det3(axes.map(|[a, b, c, _, q]| [a, b, c, q])).to_f64();
+    d / (d - e)
+}
+
+/// (b − a) × (c − a), each component within a relative 2^-48.
+#[cold]
+#[inline(never)]
+pub(crate) fn normal([a, b, c]: [&Point; 3]) -> [f64; 3] {
+    let axes = [0, 1, 2].map(|k| Axis::new([a[k], b[k], c[k]]));
+    let [x, y, z] = axes.map(|axis| (axis.differences896(), axis.unit()));
+    [(&y, &z), (&z, &x), (&x, &y)].map(|(p, q)| det2(&p.0, &q.0).to_f64() * p.1 * q.1)
+}
+
+/// The sign of a determinant by the coordinates of its points along each axis.
+#[inline]
+fn sign<const D: usize, const N: usize>(
+    coordinates: [[f32; N]; D],
+    narrow: impl Fn([[i128; N]; D]) -> i128,
+    wide: impl Fn([[Int896; N]; D]) -> Int896,
+) -> i32 {
+    if is_degenerate(&coordinates) {
         return 0;
     }
-    let axes = Axis::all([a, b, c, d]);
-    match small(&axes) {
+    let axes = coordinates.map(Axis::new);
+    match differences(&axes) {
         // 3 bits for the sum of six products, 1 for the sign.
-        Some(([x, y, z], bits)) if bits + 4 <= 128 => det3(x, y, z).signum() as i32,
-        _ => wide_det3(&axes).sign(),
+        Some((d, bits)) if bits + 4 <= i128::BITS => {
+            narrow(d.map(|d| d.map(i128::from))).signum() as i32
+        }
+        _ => wide(axes.map(|axis| axis.differences896())).sign(),
     }
 }
 
-/// Whether two points are equal, or all have one coordinate in common: nearly every zero of bodies that lie
+/// Whether two points are equal, or all agree in one coordinate: nearly every zero of bodies that lie
 /// flush or share corners, for which integers would take ten times as long.
 #[inline]
-fn is_flat<const D: usize, const N: usize>(points: [&Point; N], axes: [usize; D]) -> bool {
-    let [first, ..] = points.as_slice() else { return true };
-    let level = |k: usize| points.iter().all(|p| coordinate(p, k) == coordinate(first, k));
-    if axes.iter().any(|&k| level(k)) {
-        return true;
-    }
-    let equal = |p: &Point, q: &Point| axes.iter().all(|&k| coordinate(p, k) == coordinate(q, k));
-    let mut rest = points.as_slice();
-    while let [first, others @ ..] = rest {
-        if others.iter().any(|p| equal(p, first)) {
-            return true;
-        }
-        rest = others;
-    }
-    false
+fn is_degenerate<const D: usize, const N: usize>(coordinates: &[[f32; N]; D]) -> bool {
+    let equal = |i: usize, j: usize| coordinates.iter().all(|axis| axis[i] == axis[j]);
+    coordinates.iter().any(|axis| axis.iter().all(|x| *x == axis[0]))
+        || (1..N).any(|i| (0..i).any(|j| equal(i, j)))
 }
 
-/// Exact sign of det(b − a, c − a) in two of the coordinates.
-#[cold]
-#[inline(never)]
-pub(super) fn orient2d(axes: Axes, a: &Point, b: &Point, c: &Point) -> i32 {
-    if is_flat([a, b, c], axes) {
-        return 0;
-    }
-    let axes = axes.map(|k| Axis::new([a, b, c].map(|p| coordinate(p, k))));
-    match small(&axes) {
-        Some(([x, y], bits)) if bits + 2 <= 128 => {
-            let [x, y] = [x, y].map(|d| d.map(i128::from));
-            (x[1] * y[2] - x[2] * y[1]).signum() as i32
-        }
-        _ => {
-            let [x, y] = axes.map(|axis| axis.wide_differences());
-            x[1].mul(y[2]).sub(x[2].mul(y[1])).sign()
-        }
-    }
-}
-
-/// det(b − a, c − a, p − a) for two points `p`, divided by one common power of two: each within a
-/// relative 2^-52, zero only if it is zero. Their ratio is then good to 2^-51 however nearly
-/// parallel the planes are.
-#[cold]
-#[inline(never)]
-pub(crate) fn determinants(t: &crate::Triangle, points: [&Point; 2]) -> [f64; 2] {
-    let [p, q] = points;
-    let axes = Axis::all([&t[0], &t[1], &t[2], p, q]);
-    let [x, y, z] = axes.map(|axis| axis.wide_differences());
-    let first = |[a, b, c, p, _]: [Wide; 5]| [a, b, c, p];
-    let second = |[a, b, c, _, q]: [Wide; 5]| [a, b, c, q];
-    let both = [
-        wide_terms(&first(x), &first(y), &first(z)),
-        wide_terms(&second(x), &second(y), &second(z)),
-    ];
-    let scale = both[0].bits().max(both[1].bits()) as i32;
-    both.map(|d| d.to_f64(scale))
-}
-
-/// One coordinate of N points on its lattice: point i is at `significand[i] · 2^shift[i]` steps.
+/// Coordinates of some points along one axis, in units of a power of two: coordinate i is
+/// `significand[i] · 2^shift[i]`.
 struct Axis<const N: usize> {
     significand: [i64; N],
     shift: [u32; N],
+    /// The power of two is 2^exponent.
+    exponent: i32,
 }
 
 impl<const N: usize> Axis<N> {
-    fn all(points: [&Point; N]) -> [Self; 3] {
-        [
-            Self::new(points.map(|p| p[0])),
-            Self::new(points.map(|p| p[1])),
-            Self::new(points.map(|p| p[2])),
-        ]
-    }
-
-    fn new(values: [f32; N]) -> Self {
-        let parts = values.map(odd_significand);
+    fn new(coordinates: [f32; N]) -> Self {
+        let parts = coordinates.map(odd_significand);
         let finest = parts.iter().filter(|p| p.0 != 0).map(|p| p.1).min().unwrap_or(0);
         Self {
             significand: parts.map(|p| p.0),
             shift: parts.map(|p| if p.0 == 0 { 0 } else { (p.1 - finest) as u32 }),
+            exponent: finest,
         }
     }
 
-    /// Differences from point 0, if the positions fit in 62 bits.
+    /// The power of two.
+    fn unit(&self) -> f64 {
+        f64::from_bits(((1023 + self.exponent) as u64) << 52)
+    }
+
+    /// Differences from coordinate 0, if coordinates fit in 62 bits.
     fn differences(&self) -> Option<[i64; N]> {
         // A significand has at most 24 bits.
-        if self.shift.iter().any(|&s| s > 38) {
+        if self.shift.iter().any(|&shift| shift > 38) {
             return None;
         }
         let mut out = self.significand;
-        for (position, shift) in out.iter_mut().zip(self.shift) {
-            *position <<= shift & 63;
+        for (out, shift) in out.iter_mut().zip(self.shift) {
+            *out <<= shift & 63;
         }
         let first = out[0];
-        Some(out.map(|position| position - first))
+        Some(out.map(|coordinate| coordinate - first))
     }
 
-    fn wide_differences(&self) -> [Wide; N] {
-        let first = Wide::new(self.significand[0], self.shift[0]);
+    /// Differences from coordinate 0.
+    fn differences896(&self) -> [Int896; N] {
+        let first = Int896::new(self.significand[0], self.shift[0]);
         let mut out = [first; N];
         for ((out, significand), shift) in out.iter_mut().zip(self.significand).zip(self.shift) {
-            *out = Wide::new(significand, shift).sub(first);
+            *out = Int896::new(significand, shift) - first;
         }
         out
     }
@@ -138,34 +136,34 @@ fn odd_significand(value: f32) -> (i64, i32) {
     (if bits >> 31 == 0 { odd } else { -odd }, exponent.max(1) - 150 + zeros as i32)
 }
 
-/// Differences of every axis, and the bits of a product of one from each.
-fn small<const D: usize, const N: usize>(axes: &[Axis<N>; D]) -> Option<([[i64; N]; D], u32)> {
+/// Differences along every axis, and the bits of a product of one from each; `None` if one is too long.
+fn differences<const D: usize, const N: usize>(
+    axes: &[Axis<N>; D],
+) -> Option<([[i64; N]; D], u32)> {
     let mut out = [[0; N]; D];
     let mut bits = 0;
     for (out, axis) in out.iter_mut().zip(axes) {
         *out = axis.differences()?;
         let largest = out.iter().fold(0, |m, d| m | d.unsigned_abs());
-        bits += 64 - largest.leading_zeros();
+        bits += u64::BITS - largest.leading_zeros();
     }
     Some((out, bits))
 }
 
-fn det3(x: [i64; 4], y: [i64; 4], z: [i64; 4]) -> i128 {
-    let [x, y, z] = [x, y, z].map(|d| d.map(i128::from));
-    x[3] * (y[1] * z[2] - y[2] * z[1])
-        + y[3] * (z[1] * x[2] - z[2] * x[1])
-        + z[3] * (x[1] * y[2] - x[2] * y[1])
+/// The determinant of differences 1, 2 and 3.
+fn det3<T>([x, y, z]: [[T; 4]; 3]) -> T
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
+{
+    x[3] * det2(&y, &z) + y[3] * det2(&z, &x) + z[3] * det2(&x, &y)
 }
 
-fn wide_det3(axes: &[Axis<4>; 3]) -> Wide {
-    let [x, y, z] = axes;
-    wide_terms(&x.wide_differences(), &y.wide_differences(), &z.wide_differences())
-}
-
-fn wide_terms(x: &[Wide; 4], y: &[Wide; 4], z: &[Wide; 4]) -> Wide {
-    let minor = |p: &[Wide; 4], q: &[Wide; 4]| p[1].mul(q[2]).sub(p[2].mul(q[1]));
-    let terms = [(x[3], minor(y, z)), (y[3], minor(z, x)), (z[3], minor(x, y))];
-    terms.map(|(w, minor)| w.mul(minor)).into_iter().fold(x[0], Wide::add)
+/// The determinant of differences 1 and 2 along two axes.
+fn det2<T, const N: usize>(x: &[T; N], y: &[T; N]) -> T
+where
+    T: Copy + Sub<Output = T> + Mul<Output = T>,
+{
+    x[1] * y[2] - x[2] * y[1]
 }
 
 #[cfg(test)]
@@ -192,14 +190,25 @@ mod tests {
             ((state >> 20) as f32 - 2048.0) / [1.0, 3.0, 1024.0][(state >> 8) as usize % 3]
         };
         for _ in 0..if cfg!(miri) { 5 } else { 20_000 } {
-            let p: [Point; 4] = core::array::from_fn(|_| core::array::from_fn(|_| next()));
-            let axes = [0, 1, 2].map(|k| Axis::new(p.map(|p| p[k])));
-            let sign = orient3d(&p[0], &p[1], &p[2], &p[3]);
-            assert_eq!(wide_det3(&axes).sign(), sign);
-            let t = [p[0], p[1], p[2]];
-            let [d, e] = determinants(&t, [&p[3], &p[0]]);
-            assert_eq!((d > 0.0) as i32 - (d < 0.0) as i32, sign);
-            assert_eq!(e, 0.0);
+            let [a, b, c, d]: [Point; 4] = [[0.0; 3]; 4].map(|p| p.map(|_| next()));
+            let axes = [0, 1, 2].map(|k| Axis::new([a[k], b[k], c[k], d[k]]).differences896());
+            let sign = orient3d([&a, &b, &c], &d);
+            assert_eq!(det3(axes).sign(), sign);
+        }
+    }
+    #[test]
+    fn ratios_and_normals_of_any_size() {
+        let least = f32::from_bits(2);
+        for size in [least, 2f32.powi(-100), 2f32.powi(-20), 1.0, 2f32.powi(60), 2f32.powi(120)] {
+            let (o, x, y) = ([0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]);
+            for (p, q) in [(1.0, -3.0), (-0.5, 1.5), (2.0, -6.0)] {
+                let [p, q] = [p, q].map(|z: f32| [size, size, z * size]);
+                assert_eq!(orient3d_ratio([&o, &x, &y], &p, &q), 0.25);
+            }
+            let area = f64::from(size) * f64::from(size);
+            assert_eq!(normal([&o, &x, &y]), [0.0, 0.0, area]);
+            assert_eq!(normal([&x, &[size, 0.0, size], &[size, size, size]]), [-area, 0.0, 0.0]);
+            assert_eq!(normal([&x, &[-size, 0.0, 0.0], &[0.0, 0.0, size]]), [0.0, 2.0 * area, 0.0]);
         }
     }
 }

@@ -1,15 +1,20 @@
-//! Where two triangles meet: for people who need contacts rather than indices.
+//! The segment in which two triangles intersect, for callers who need contacts rather than indices.
 //!
-//! Which features bound the intersection is decided by exact signs; only the coordinates of its end
-//! points are rounded. An end point is where an edge cuts a plane, at the parameter d/(d − e) of the
-//! edge, with d and e the determinants of its ends over that plane. When f64 does not know these to
-//! 2^-30 they come from integers, so nearly parallel triangles lose no accuracy.
+//! Exact signs decide which features bound the segment; only the coordinates of its ends are rounded. An end is
+//! where an edge cuts a plane, at the parameter d/(d − e) of the edge, with d and e the determinants of its ends
+//! over that plane. Where f64 does not know these to 2^-30 they come from integers, so that nearly parallel
+//! triangles lose no accuracy.
 
-use super::{Accuracy, coplanar, from_corner, intersects, lone_corner, one_sided};
+use super::coplanar::{extremes, flat};
+use super::{Accuracy, arrange, intersects, one_sided};
 use crate::Triangle;
 use crate::exact::{
-    Exact, Kernel, PROJECTIONS, Point, determinants, difference, orient2d, orient3d,
+    self, Exact, Orientation, Point, Point2, difference, filter64, orient2d, orient3d,
 };
+use glam::Vec3Swizzles;
+
+/// 2^30: what exceeds its error bound as many times is known within 2^-30.
+const TWO_30: f64 = 1_073_741_824.0;
 
 /// How two triangles meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -24,12 +29,13 @@ pub enum ContactKind {
 /// Where two triangles meet, and how they face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Crossing or flat.
+    /// Whether their planes differ.
     pub kind: ContactKind,
     /// End points, each coordinate within 2^-28 of the extent of the edge it lies on, plus half an
     /// f32 unit in the last place, of the true one.
     pub segment: [[f32; 3]; 2],
-    /// Unit normals of both triangles by the right-hand rule; zero for a triangle without area.
+    /// Unit normals of both triangles by the right-hand rule, each coordinate within 2^-23; zero for a
+    /// degenerate triangle.
     pub normals: [[f32; 3]; 2],
 }
 
@@ -49,52 +55,50 @@ pub struct Contact {
 /// ```
 #[must_use]
 pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
-    let sides = |t, [p, q, r]: &Triangle| super::certain(Exact::sides(t, [p, q, r]));
-    let (a_sides, b_sides) = (sides(b, a), sides(a, b));
+    let Ok(a_sides) = Exact::orient3d(b.each_ref(), a.each_ref());
+    let Ok(b_sides) = Exact::orient3d(a.each_ref(), b.each_ref());
     if one_sided(&a_sides) || one_sided(&b_sides) {
         return None;
     }
-    let (kind, segment) = if a_sides == [0; 3] || b_sides == [0; 3] {
-        (ContactKind::Flat, flat_chord(a, b)?)
-    } else {
+    let are_flat = [a_sides, b_sides].map(|sides| sides == [0; 3]);
+    let (kind, segment) = if are_flat == [false; 2] {
         (ContactKind::Crossing, crossing(a, &a_sides, b, &b_sides)?)
+    } else {
+        (ContactKind::Flat, flat_chord(a, b, are_flat == [true; 2])?)
     };
     Some(Contact { kind, segment, normals: [unit_normal(a), unit_normal(b)] })
 }
 
-/// The unit normal of a triangle by the right-hand rule, or zero if f64 finds no area.
-#[must_use]
-pub fn unit_normal(t: &Triangle) -> [f32; 3] {
+/// The unit normal of a triangle by the right-hand rule, or zero if it is degenerate.
+fn unit_normal(t: &Triangle) -> [f32; 3] {
     let (u, v) = (difference(&t[1], &t[0]), difference(&t[2], &t[0]));
+    let (in_f64, extent) = (u.cross(v), u.abs().max(v.abs()));
+    let bound = filter64::ERROR_2D * TWO_30 * (extent.yzx() * extent.zxy()).max_element();
+    let is_certain = in_f64.abs().max_element() > bound;
+    let normal = if is_certain { in_f64 } else { exact::normal(t.each_ref()).into() };
     // The squares of the largest f32 areas would overflow, those of the smallest vanish.
-    let normal = u.cross(v);
     let largest = normal.abs().max_element();
     if largest == 0.0 { [0.0; 3] } else { (normal / largest).normalize().as_vec3().to_array() }
 }
 
-/// See [`super::cross`], whose intervals this compares at the inner ends too.
+/// The overlap of the two intervals that [`cross`](super::cross) compares.
 fn crossing(
     a: &Triangle,
     a_sides: &[i32; 3],
     b: &Triangle,
     b_sides: &[i32; 3],
 ) -> Option<[Point; 2]> {
-    let (i, delta) = lone_corner(a_sides);
-    let (j, epsilon) = lone_corner(b_sides);
-    let ([a0, a1, a2], [b0, mut b1, mut b2]) = (from_corner(a, i), from_corner(b, j));
-    if delta != epsilon {
-        core::mem::swap(&mut b1, &mut b2);
-    }
-    if orient3d(a0, a1, b0, b1) == epsilon || orient3d(a0, a2, b0, b2) == -epsilon {
+    let ([a0, a1, a2], [b0, b1, b2], side) = arrange(a, a_sides, b, b_sides);
+    if orient3d(a0, a1, b0, b1) == side || orient3d(a0, a2, b0, b2) == -side {
         return None;
     }
     // Along the line, a runs from a0a1 to a0a2 and b from b0b2 to b0b1.
-    let start = if orient3d(a0, a1, b0, b2) == -epsilon {
+    let start = if orient3d(a0, a1, b0, b2) == -side {
         edge_point(b0, b2, a)
     } else {
         edge_point(a0, a1, b)
     };
-    let end = if orient3d(a0, a2, b0, b1) == epsilon {
+    let end = if orient3d(a0, a2, b0, b1) == side {
         edge_point(b0, b1, a)
     } else {
         edge_point(a0, a2, b)
@@ -102,38 +106,36 @@ fn crossing(
     Some([start, end])
 }
 
-/// Where the edge p–q, whose ends lie on different sides of the plane of `t`, cuts it.
+/// The point in which the edge p–q, whose ends lie on different sides of the plane of `t`, cuts it.
 fn edge_point(p: &Point, q: &Point, t: &Triangle) -> Point {
-    let [d, e] = plane_distances(t, [p, q]);
-    let s = d / (d - e);
+    let s = edge_parameter(p, q, t);
     // From the nearer end, so that an end in the plane is returned unchanged.
     let (end, part) = if s <= 0.5 { (p, s) } else { (q, s - 1.0) };
     (difference(end, &[0.0; 3]) + part * difference(q, p)).as_vec3().to_array()
 }
 
-/// Determinants of two points over a plane, up to one common factor, each within 2^-29.
-fn plane_distances(t: &Triangle, points: [&Point; 2]) -> [f64; 2] {
-    const SURE: f64 = 5.4e-15 * (1 << 30) as f64;
+/// The parameter of that point along the edge, within 2^-28.
+fn edge_parameter(p: &Point, q: &Point, t: &Triangle) -> f64 {
     let (u, v) = (difference(&t[1], &t[0]), difference(&t[2], &t[0]));
-    let w = points.map(|p| difference(p, &t[0]));
+    let w = [p, q].map(|p| difference(p, &t[0]));
     let extent = u.abs().max(v.abs()).max(w[0].abs()).max(w[1].abs());
-    let bound = SURE * extent.x * extent.y * extent.z;
-    let normal = u.cross(v);
-    let found = w.map(|w| normal.dot(w));
-    if found.iter().all(|d| d.abs() > bound) { found } else { determinants(t, points) }
+    let [d, e] = w.map(|w| u.cross(v).dot(w));
+    if d.abs().min(e.abs()) > TWO_30 * filter64::ERROR_3D * extent.x * extent.y * extent.z {
+        d / (d - e)
+    } else {
+        exact::orient3d_ratio(t.each_ref(), p, q)
+    }
 }
 
-/// The longest chord between corners of what two triangles share that are coplanar or have no area.
-/// These corners are corners of one within the other, and points where two edges cross.
-fn flat_chord(a: &Triangle, b: &Triangle) -> Option<[Point; 2]> {
-    // 6 corners and 9 crossings of edges.
-    let mut found = [[0.0; 3]; 15];
-    let mut count = 0;
-    let mut add = |p: Point| {
-        if let Some(free) = found.get_mut(count) {
-            *free = p;
-            count += 1;
-        }
+/// The longest chord between corners of the intersection of triangles that are coplanar or of which one is
+/// degenerate. These corners are corners of one within the other, and points where two edges cross.
+fn flat_chord(a: &Triangle, b: &Triangle, are_coplanar: bool) -> Option<[Point; 2]> {
+    // 6 corners, and 9 crossings of edges or 2 of segments with triangles.
+    let mut corners = [[0.0; 3]; 15];
+    let mut free = corners.iter_mut();
+    let mut add = |p: Point| match free.next() {
+        Some(slot) => *slot = p,
+        None => debug_assert!(false, "6 + 9 corners at most"),
     };
     for (own, other) in [(a, b), (b, a)] {
         for p in own {
@@ -142,63 +144,61 @@ fn flat_chord(a: &Triangle, b: &Triangle) -> Option<[Point; 2]> {
             }
         }
     }
-    if !edge_crossings(a, b, &mut add) {
+    if are_coplanar {
+        edge_crossings(a, b, &mut add);
+    } else {
         for (thin, t) in [(a, b), (b, a)] {
-            let [p, q] = coplanar::extremes(thin);
-            let sides = [&p, &q].map(|x| orient3d(&t[0], &t[1], &t[2], x));
+            let [p, q] = extremes(thin);
+            let Ok(sides) = Exact::orient3d(t.each_ref(), [&p, &q]);
             if sides[0] * sides[1] < 0 && intersects(&[p, q, q], t, Accuracy::Exact) {
                 add(edge_point(&p, &q, t));
             }
         }
     }
-    longest(found.get(..count).unwrap_or_default())
+    let count = 15 - free.len();
+    longest(corners.iter().take(count))
 }
 
-/// Points in which an edge of one crosses an edge of the other in their common plane; whether there
-/// are any.
-fn edge_crossings(a: &Triangle, b: &Triangle, add: &mut impl FnMut(Point)) -> bool {
-    let coplanar = b.iter().all(|p| orient3d(&a[0], &a[1], &a[2], p) == 0)
-        && a.iter().all(|p| orient3d(&b[0], &b[1], &b[2], p) == 0);
-    if !coplanar {
-        return false;
-    }
-    for (k, axes) in PROJECTIONS.into_iter().enumerate() {
+/// The points in which an edge of one coplanar triangle crosses an edge of the other.
+fn edge_crossings(a: &Triangle, b: &Triangle, add: &mut impl FnMut(Point)) {
+    let differ =
+        |[p, q]: [Point2; 2], [r, s]: [Point2; 2]| orient2d(&p, &q, &r) * orient2d(&p, &q, &s) < 0;
+    for axis in 0..3 {
         let mut any = false;
         for (p, q) in edges(a) {
             for (r, s) in edges(b) {
-                let across = |p, q, r, s| orient2d(axes, p, q, r) * orient2d(axes, p, q, s) < 0;
-                if across(p, q, r, s) && across(r, s, p, q) && orient3d(p, q, r, s) == 0 {
-                    // The plane through r–s along the axis that the projection leaves out.
+                let (k, l) = (flat(&[*p, *q], axis), flat(&[*r, *s], axis));
+                if differ(k, l) && differ(l, k) && orient3d(p, q, r, s) == 0 {
+                    // The plane through r–s along the axis of the projection.
                     let mut up = *r;
-                    up[k % 3] = if r[k % 3] == 0.0 { 1.0 } else { 0.0 };
+                    up[axis] = if r[axis] == 0.0 { 1.0 } else { 0.0 };
                     add(edge_point(p, q, &[*r, *s, up]));
                     any = true;
                 }
             }
         }
+        // Another projection would find the same points, or none if the plane is a line there.
         if any {
-            return true;
+            return;
         }
     }
-    false
 }
 
 fn edges(t: &Triangle) -> [(&Point, &Point); 3] {
     [(&t[0], &t[1]), (&t[1], &t[2]), (&t[2], &t[0])]
 }
 
-fn longest(points: &[Point]) -> Option<[Point; 2]> {
+/// The two points farthest from each other.
+fn longest<'p>(points: impl Iterator<Item = &'p Point> + Clone) -> Option<[Point; 2]> {
     let mut best = None;
     let mut length = -1.0;
-    let mut rest = points;
-    while let [p, others @ ..] = rest {
-        for q in rest {
+    for (i, p) in points.clone().enumerate() {
+        for q in points.clone().skip(i) {
             let squared = difference(p, q).length_squared();
             if squared > length {
                 (length, best) = (squared, Some([*p, *q]));
             }
         }
-        rest = others;
     }
     best
 }
@@ -230,6 +230,25 @@ mod tests {
         for p in c.segment {
             assert!((p[0] - 1.0 / 3.0).abs() < 1e-5 && p[2] == 0.0, "{p:?}");
         }
+    }
+
+    /// Segments whose area in f64 is not zero: some corners are 2^33 times as far as others.
+    #[test]
+    fn normals_of_degenerate_triangles_are_zero() {
+        let direction = [1.0_f32, 3.0, 7.0];
+        for exponent in 20..60 {
+            let [near, far] = [-2f32.powi(-exponent), 2f32.powi(20)];
+            let t = [near, far, 1.5 * far].map(|scale| direction.map(|x| scale * x));
+            assert_eq!(unit_normal(&t), [0.0; 3], "{exponent}");
+        }
+        assert_eq!(unit_normal(&[[2.0; 3]; 3]), [0.0; 3]);
+        // And with an area that f64 does not see.
+        let sliver = [[-1.0, 1.0, 0.0], [f32::from_bits(1), 1.0, -1.0], [-0.5, 1.0, -0.5]];
+        assert_eq!(unit_normal(&sliver), [0.0, 1.0, 0.0]);
+        let least = f32::from_bits(1);
+        assert_eq!(unit_normal(&[[0.0; 3], [least, 0.0, 0.0], [0.0, least, 0.0]]), [0.0, 0.0, 1.0]);
+        let huge = f32::MAX;
+        assert_eq!(unit_normal(&[[0.0; 3], [0.0, huge, 0.0], [huge, 0.0, 0.0]]), [0.0, 0.0, -1.0]);
     }
 
     #[test]

@@ -1,122 +1,93 @@
-//! Triangles in one plane, and triangles without area.
+//! Coplanar triangles, and degenerate ones.
 //!
-//! Convex sets in a plane are apart exactly if a line along an edge of one of them separates them,
-//! which takes only the signs of turns. A segment is a polygon of two edges, there and back.
+//! Convex polygons in a plane are disjoint exactly if a line along an edge of one of them separates them,
+//! which takes only the turns of points in a projection that keeps areas. A degenerate triangle is its
+//! segment or point, and a segment is a polygon of two edges, there and back.
 
 use crate::Triangle;
-use crate::exact::{Axes, Kernel, PROJECTIONS, Point, difference};
-use core::cmp::Ordering;
+use crate::exact::{Orientation, Point, Point2, difference};
 
-/// Whether two triangles meet that lie in one plane or of which at least one has no area.
+/// Whether two triangles intersect that are coplanar or of which at least one is degenerate.
 #[cold]
-pub(super) fn meet<K: Kernel>(a: &Triangle, b: &Triangle) -> Result<bool, K::Undecided> {
-    match (proper::<K>(a)?, proper::<K>(b)?) {
-        // With area, one is here because it lies in the plane of the other.
-        (Some(p), Some(q)) => polygons_meet::<K>(p.axes, &p.corners, &q.turned(p.axes, b)?),
-        (Some(p), None) => segment_meets_proper::<K>(extremes(b), a, &p),
-        (None, Some(q)) => segment_meets_proper::<K>(extremes(a), b, &q),
-        (None, None) => segments_meet::<K>(extremes(a), extremes(b)),
+pub(super) fn meet<K: Orientation>(a: &Triangle, b: &Triangle) -> Result<bool, K::Uncertain> {
+    match (projection::<K>(a)?, projection::<K>(b)?) {
+        (Some(p), Some(q)) => {
+            let turn = if p.axis == q.axis { q.turn } else { turn::<K>(b, p.axis)? };
+            polygons_meet::<K>(&flat(a, p.axis), p.turn, &flat(b, p.axis), turn)
+        }
+        (_, None) => segment_meets::<K>(extremes(b), a),
+        (None, Some(_)) => segment_meets::<K>(extremes(a), b),
     }
 }
 
 /// Whether the closed segment `s` meets the closed triangle `t`; either may be degenerate.
-pub(super) fn segment_meets<K: Kernel>(s: [Point; 2], t: &Triangle) -> Result<bool, K::Undecided> {
-    let [p, q] = s;
-    match K::sides(t, [&p, &q])? {
+pub(super) fn segment_meets<K: Orientation>(
+    s: [Point; 2],
+    t: &Triangle,
+) -> Result<bool, K::Uncertain> {
+    match K::orient3d(t.each_ref(), s.each_ref())? {
         [x, y] if x * y > 0 => Ok(false),
-        [0, 0] => meet::<K>(&[p, q, q], t),
-        _ => pierces::<K>(s, t),
+        [0, 0] => match projection::<K>(t)? {
+            Some(Projection { axis, turn }) => {
+                polygons_meet::<K>(&flat(&s, axis), 1, &flat(t, axis), turn)
+            }
+            None => segments_meet::<K>(s, extremes(t)),
+        },
+        _ => pierces::<K>(&s, t),
     }
 }
 
-/// A triangle with area in a projection that keeps it so, its corners counter-clockwise there.
-pub(super) struct Proper<K> {
-    pub(super) axes: Axes,
-    pub(super) corners: Triangle,
-    kernel: core::marker::PhantomData<K>,
+/// A projection in which a triangle has an area.
+pub(super) struct Projection {
+    /// The axis along which points are projected.
+    pub(super) axis: usize,
+    /// The turn of the corners there.
+    pub(super) turn: i32,
 }
 
-/// `None` if the triangle has no area.
-pub(super) fn proper<K: Kernel>(t: &Triangle) -> Result<Option<Proper<K>>, K::Undecided> {
-    let (u, v) = (difference(&t[1], &t[0]), difference(&t[2], &t[0]));
-    let area = u.cross(v).abs().to_array();
-    // The largest projection first: for a triangle with area it nearly always decides.
-    let largest = if area[0] >= area[1] && area[0] >= area[2] {
-        0
-    } else if area[1] >= area[2] {
-        1
-    } else {
-        2
-    };
-    for k in 0..3 {
-        let axes = PROJECTIONS[(largest + k) % 3];
-        match K::orient2d(axes, &t[0], &t[1], &t[2])? {
-            0 => {}
-            turn => {
-                return Ok(Some(Proper {
-                    axes,
-                    corners: counter_clockwise(t, turn),
-                    kernel: core::marker::PhantomData,
-                }));
-            }
+/// `None` if the triangle is degenerate.
+pub(super) fn projection<K: Orientation>(t: &Triangle) -> Result<Option<Projection>, K::Uncertain> {
+    let normal = difference(&t[1], &t[0]).cross(difference(&t[2], &t[0]));
+    // The largest area first: it nearly always decides.
+    let largest = normal.abs().max_position();
+    for axis in [largest, (largest + 1) % 3, (largest + 2) % 3] {
+        let turn = turn::<K>(t, axis)?;
+        if turn != 0 {
+            return Ok(Some(Projection { axis, turn }));
         }
     }
     Ok(None)
 }
 
-impl<K: Kernel> Proper<K> {
-    /// The corners counter-clockwise in another projection, in which the triangle has area too
-    /// because it shares its plane with one that has.
-    fn turned(&self, axes: Axes, t: &Triangle) -> Result<Triangle, K::Undecided> {
-        if axes == self.axes {
-            return Ok(self.corners);
-        }
-        Ok(counter_clockwise(t, K::orient2d(axes, &t[0], &t[1], &t[2])?))
-    }
+/// The turn of the corners in the projection along an axis.
+pub(super) fn turn<K: Orientation>(t: &Triangle, axis: usize) -> Result<i32, K::Uncertain> {
+    let [p, q, r] = flat(t, axis);
+    K::orient2d(&p, &q, &r)
 }
 
-fn counter_clockwise(t: &Triangle, turn: i32) -> Triangle {
-    if turn < 0 { [t[0], t[2], t[1]] } else { *t }
+/// Points projected along an axis.
+pub(super) fn flat<const N: usize>(points: &[Point; N], axis: usize) -> [Point2; N] {
+    points.map(|[x, y, z]| match axis {
+        0 => [y, z],
+        1 => [z, x],
+        _ => [x, y],
+    })
 }
 
-/// The ends of a triangle without area. Lexicographic order is monotone along a line.
+/// The ends of a degenerate triangle: lexicographic order is monotone along a line.
 pub(super) fn extremes(t: &Triangle) -> [Point; 2] {
-    let [mut low, mut high] = [t[0], t[0]];
-    for p in &t[1..] {
-        if order(p, &low) == Ordering::Less {
-            low = *p;
-        }
-        if order(p, &high) == Ordering::Greater {
-            high = *p;
-        }
-    }
-    [low, high]
-}
-
-/// Lexicographic order of points with finite coordinates.
-pub(super) fn order(p: &Point, q: &Point) -> Ordering {
-    p.partial_cmp(q).unwrap_or(Ordering::Equal)
-}
-
-fn segment_meets_proper<K: Kernel>(
-    s: [Point; 2],
-    t: &Triangle,
-    proper: &Proper<K>,
-) -> Result<bool, K::Undecided> {
-    match K::sides(t, [&s[0], &s[1]])? {
-        [x, y] if x * y > 0 => Ok(false),
-        [0, 0] => polygons_meet::<K>(proper.axes, &s, &proper.corners),
-        _ => pierces::<K>(s, t),
-    }
+    t.iter().fold([t[0]; 2], |[low, high], &p| {
+        [if p < low { p } else { low }, if p > high { p } else { high }]
+    })
 }
 
 /// Whether a segment that reaches the plane of `t` in one point does so within `t`: its line passes
 /// all three edges on the same side, or through one.
-fn pierces<K: Kernel>([p, q]: [Point; 2], t: &Triangle) -> Result<bool, K::Undecided> {
+fn pierces<K: Orientation>([p, q]: &[Point; 2], t: &Triangle) -> Result<bool, K::Uncertain> {
     let (mut left, mut right) = (false, false);
     let [a, b, c] = t;
     for (from, to) in [(a, b), (b, c), (c, a)] {
-        let side = K::orient3d(&p, &q, from, to)?;
+        let [side] = K::orient3d([p, q, from], [to])?;
         left |= side < 0;
         right |= side > 0;
         if left && right {
@@ -126,34 +97,38 @@ fn pierces<K: Kernel>([p, q]: [Point; 2], t: &Triangle) -> Result<bool, K::Undec
     Ok(true)
 }
 
-fn segments_meet<K: Kernel>(s: [Point; 2], r: [Point; 2]) -> Result<bool, K::Undecided> {
-    if K::orient3d(&s[0], &s[1], &r[0], &r[1])? != 0 {
+fn segments_meet<K: Orientation>(s: [Point; 2], r: [Point; 2]) -> Result<bool, K::Uncertain> {
+    // A common point is between the ends of both in lexicographic order.
+    let [[p, q], [u, v]] = [s, r].map(|[p, q]| if p < q { [p, q] } else { [q, p] });
+    if q < u || v < p || K::orient3d([&p, &q, &u], [&v])? != [0] {
         return Ok(false);
     }
-    // A projection in which three of the four coplanar points still make a triangle loses nothing.
-    for axes in PROJECTIONS {
-        for (edge, p) in [(&s, &r[0]), (&s, &r[1]), (&r, &s[0]), (&r, &s[1])] {
-            if K::orient2d(axes, &edge[0], &edge[1], p)? != 0 {
-                return polygons_meet::<K>(axes, &s, &r);
-            }
+    // Where all four project onto one line nothing separates them, elsewhere the answer is the true one.
+    for axis in 0..3 {
+        if !polygons_meet::<K>(&flat(&s, axis), 1, &flat(&r, axis), 1)? {
+            return Ok(false);
         }
     }
-    // All four on one line, sorted along it.
-    Ok(order(&s[0], &r[1]).is_le() && order(&r[0], &s[1]).is_le())
+    Ok(true)
 }
 
-/// Whether two polygons in one plane meet, which are not both on one line.
-fn polygons_meet<K: Kernel>(axes: Axes, p: &[Point], q: &[Point]) -> Result<bool, K::Undecided> {
-    Ok(!separates::<K>(axes, p, q)? && !separates::<K>(axes, q, p)?)
+/// Whether two polygons in one plane intersect, by their corners and turns.
+fn polygons_meet<K: Orientation>(
+    p: &[Point2],
+    p_turn: i32,
+    q: &[Point2],
+    q_turn: i32,
+) -> Result<bool, K::Uncertain> {
+    Ok(!separates::<K>(p, p_turn, q)? && !separates::<K>(q, q_turn, p)?)
 }
 
 /// Whether the line of some edge of `p` has all of `q` strictly on its outer side.
-fn separates<K: Kernel>(axes: Axes, p: &[Point], q: &[Point]) -> Result<bool, K::Undecided> {
-    for i in 0..p.len() {
-        let (from, to) = (&p[i], &p[(i + 1) % p.len()]);
+fn separates<K: Orientation>(p: &[Point2], turn: i32, q: &[Point2]) -> Result<bool, K::Uncertain> {
+    let ends = p.iter().skip(1).chain(p);
+    for (from, to) in p.iter().zip(ends) {
         let mut outside = true;
         for point in q {
-            if K::orient2d(axes, from, to, point)? >= 0 {
+            if K::orient2d(from, to, point)? * turn >= 0 {
                 outside = false;
                 break;
             }

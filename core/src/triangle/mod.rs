@@ -1,29 +1,40 @@
-//! Whether two closed triangles meet.
+//! Whether two closed triangles intersect, and where.
 //!
-//! Two triangles in general position are decided by the signs of Devillers & Guigue (*Faster
-//! Triangle-Triangle Intersection Tests*, INRIA RR-4488, 2002): three to see that one triangle
-//! crosses the plane of the other, three the other way, two for the order of the four points in
-//! which they cut the line common to both planes. Where every sign is exact the answer is exact,
-//! and touching needs no tolerance. Our two additions:
+//! # How a pair is decided
+//! Only signs of orientation determinants decide, so that exact signs make exact answers and touching needs
+//! no tolerance. Two triangles in general position take up to eight, those of Devillers and Guigue (*Faster
+//! Triangle-Triangle Intersection Tests*, INRIA RR-4488, 2002), in [`meet`]:
 //!
-//! - the case analysis (their permutations) is a table over the signs and covers every pattern with
-//!   zeros, see `LONE`;
-//! - planes that coincide and triangles without area go to `flat`, which treats a triangle as what
-//!   it is, a segment or a point where it has no area, and is complete.
+//! 1. the sides of the plane of b on which the corners of a lie. All strictly on one side: disjoint;
+//! 2. the same for the corners of b and the plane of a;
+//! 3. otherwise each triangle cuts the line common to both planes in an interval. The two intervals overlap
+//!    if the end of each is not before the start of the other, which is two more signs ([`cross`]).
 //!
-//! The logic is written once over `Kernel`; an [`Accuracy`] only chooses how signs are decided.
+//! If all three signs of a step are zero, the planes coincide or a triangle is degenerate: see `coplanar`.
+//!
+//! # Where signs come from
+//! The test is written once over [`Orientation`] and run with one kind of signs after the other. [`Accuracy`]
+//! chooses the kinds:
+//!
+//! - exact: signs that f32 certifies; if one is uncertain, the whole test anew with exact signs;
+//! - conservative: f32, then f64, both certified; if one is uncertain still, the pair counts as a hit;
+//! - fast: plain f32.
+//!
+//! # Where we depart
+//! The paper permutes corners case by case. Here one rule finds the corner that is alone on its side
+//! ([`apex`]), for every pattern with zeros too; and degenerate triangles are tested as the segments or
+//! points that they are. `in_mesh` has the rule for triangles that share vertices, `contact` the segment in
+//! which two intersect.
 
 mod contact;
 mod coplanar;
 mod in_mesh;
 
-pub use contact::{Contact, ContactKind, contact, unit_normal};
+pub use contact::{Contact, ContactKind, contact};
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
-use crate::exact::filter32::Sure;
-use crate::exact::{Exact, Fast, Filtered, Kernel, Undecided};
-use core::convert::Infallible;
+use crate::exact::{CertifiedF32, CertifiedF64, Exact, Fast, Orientation, Point, Uncertain};
 use glam::Vec3A;
 
 /// What an answer promises (`accuracy.md`, contract 5).
@@ -57,139 +68,123 @@ pub enum Accuracy {
 #[inline]
 #[must_use]
 pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
-    match accuracy {
-        Accuracy::Exact => exactly(a, b),
-        Accuracy::Conservative => conservatively(a, b),
-        Accuracy::Fast => certain(meet::<Fast>(a, b)),
+    match accuracy.inexact() {
+        None => intersects_exactly(a, b),
+        Some(test) => test(a, b),
     }
 }
 
-/// [`intersects`] at another accuracy than `Exact`. A query holds it, if any, so that a program which asks for
-/// none does not link them.
+/// [`intersects`] at another accuracy than `Exact`. Queries hold it by pointer, so that firmware which asks
+/// for none does not link them.
 pub(crate) type Inexact = fn(&Triangle, &Triangle) -> bool;
 
 impl Accuracy {
     pub(crate) fn inexact(self) -> Option<Inexact> {
         match self {
             Self::Exact => None,
-            Self::Conservative => Some(conservatively),
-            Self::Fast => Some(|a, b| certain(meet::<Fast>(a, b))),
+            Self::Conservative => Some(|a, b| {
+                let certified = meet::<CertifiedF32>(a, b);
+                certified.or_else(|Uncertain| meet::<CertifiedF64>(a, b)).unwrap_or(true)
+            }),
+            Self::Fast => Some(|a, b| meet::<Fast>(a, b) == Ok(true)),
         }
     }
 }
 
+/// [`intersects`] at the accuracy `Exact`.
 #[inline]
-pub(crate) fn exactly(a: &Triangle, b: &Triangle) -> bool {
-    meet::<Sure>(a, b).unwrap_or_else(|Undecided| settle(a, b))
+pub(crate) fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
+    meet::<CertifiedF32>(a, b).unwrap_or_else(|Uncertain| {
+        // Faces that lie flush often do so across an axis, which takes no sign to see.
+        let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
+        let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
+        let Ok(hit) = if flush.any() { coplanar::meet::<Exact>(a, b) } else { meet::<Exact>(a, b) };
+        hit
+    })
 }
 
+/// [`intersects`], by any kind of signs.
 #[inline]
-fn conservatively(a: &Triangle, b: &Triangle) -> bool {
-    meet::<Sure>(a, b).or_else(|Undecided| meet::<Filtered>(a, b)).unwrap_or(true)
-}
-
-/// What f32 left open. Bodies that lie flush often do so across an axis, which needs no sign to be seen.
-#[inline]
-fn settle(a: &Triangle, b: &Triangle) -> bool {
-    let level = |p: &[f32; 3]| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
-    let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
-    certain(if flush.any() { coplanar::meet::<Exact>(a, b) } else { meet::<Exact>(a, b) })
-}
-
-/// [`intersects`], for any way to decide signs.
-#[inline]
-pub(crate) fn meet<K: Kernel>(a: &Triangle, b: &Triangle) -> Result<bool, K::Undecided> {
-    let a_sides = K::sides(b, [&a[0], &a[1], &a[2]]);
-    if matches!(&a_sides, Ok(s) if one_sided(s)) {
+fn meet<K: Orientation>(a: &Triangle, b: &Triangle) -> Result<bool, K::Uncertain> {
+    // Certified sides of one plane are enough to tell triangles apart, uncertain ones of the other or not.
+    let a_sides = K::orient3d(b.each_ref(), a.each_ref());
+    if matches!(&a_sides, Ok(sides) if one_sided(sides)) {
         return Ok(false);
     }
-    let b_sides = K::sides(a, [&b[0], &b[1], &b[2]]);
-    if matches!(&b_sides, Ok(s) if one_sided(s)) {
+    let b_sides = K::orient3d(a.each_ref(), b.each_ref());
+    if matches!(&b_sides, Ok(sides) if one_sided(sides)) {
         return Ok(false);
     }
     let (a_sides, b_sides) = (a_sides?, b_sides?);
     if a_sides == [0; 3] || b_sides == [0; 3] {
         return coplanar::meet::<K>(a, b);
     }
-    cross::<K>(a, &a_sides, b, &b_sides)
+    let (a, b, side) = arrange(a, &a_sides, b, &b_sides);
+    cross::<K>(a, b, side)
 }
 
-/// All three strictly on one side.
-pub(crate) fn one_sided(sides: &[i32; 3]) -> bool {
+/// Whether all three corners are strictly on one side of a plane.
+fn one_sided(sides: &[i32; 3]) -> bool {
     sides[0] != 0 && sides[0] == sides[1] && sides[0] == sides[2]
 }
 
-/// Both triangles have area, their planes differ, and each reaches the plane of the other.
+/// Whether two triangles intersect that have areas, lie in different planes and reach the plane of each other,
+/// as [`arrange`] has put them.
 ///
-/// Let a0 be the lone corner of `a` with side δ, and b0, ε those of `b`. On the line common to both
-/// planes, `a` covers the interval between its edges a0a1 and a0a2, and `b` likewise. In
-/// coordinates along that line and within the two planes, det(a1 − a0, b0 − a0, b1 − a0) is the
-/// position on b0b1 minus the position on a0a1, times a factor with the sign of −ε. The two
-/// intervals run the same way if δε = −1 and opposite ways if δε = 1, so that two such signs compare
-/// the ends that matter. The factor is never zero since a lone corner is not on the side of the
-/// other two, which is why touching needs no case of its own.
+/// Let a0 be the apex of `a` with side δ, and b0, ε those of `b`. On the line common to both planes, `a` covers
+/// the interval between its edges a0a1 and a0a2, and `b` likewise. In coordinates along that line and within the
+/// two planes, det(a1 − a0, b0 − a0, b1 − a0) is the position on b0b1 minus the position on a0a1, times a
+/// factor with the sign of −ε. The two intervals run the same way if δε = −1 and opposite ways if δε = 1, so
+/// that two such signs compare the ends that matter. The factor is never zero since an apex is not on the
+/// side of the other two, which is why touching needs no case of its own.
 #[inline]
-fn cross<K: Kernel>(
-    a: &Triangle,
-    a_sides: &[i32; 3],
-    b: &Triangle,
-    b_sides: &[i32; 3],
-) -> Result<bool, K::Undecided> {
-    let (i, delta) = lone_corner(a_sides);
-    let (j, epsilon) = lone_corner(b_sides);
-    let ([a0, a1, a2], [b0, mut b1, mut b2]) = (from_corner(a, i), from_corner(b, j));
-    if delta != epsilon {
-        core::mem::swap(&mut b1, &mut b2);
-    }
-    K::neither([a0, b0], [(a1, b1, epsilon), (a2, b2, -epsilon)])
+fn cross<K: Orientation>(
+    [a0, a1, a2]: [&Point; 3],
+    [b0, b1, b2]: [&Point; 3],
+    side: i32,
+) -> Result<bool, K::Uncertain> {
+    // Both before either is looked at, so that a processor works on them side by side.
+    let (first, second) = (K::orient3d([a0, a1, b0], [b1])?, K::orient3d([a0, a2, b0], [b2])?);
+    Ok((first != [side]) & (second != [-side]))
 }
 
-/// The corner with no other strictly on its side of the plane nor, if it lies in the plane, in the
-/// plane with it; and its side, which for a corner in the plane is the one the others are not on.
+/// The corners of both triangles from their apexes on, those of `b` in the order in which their intervals run
+/// the same way; and the side of the apex of `b`.
 #[inline]
-pub(crate) fn lone_corner(sides: &[i32; 3]) -> (usize, i32) {
-    let pattern = (sides[0] + 1) * 9 + (sides[1] + 1) * 3 + (sides[2] + 1);
-    let (corner, side) = LONE.get(pattern as usize).copied().unwrap_or_default();
-    (corner as usize, i32::from(side))
+fn arrange<'t>(
+    a: &'t Triangle,
+    a_sides: &[i32; 3],
+    b: &'t Triangle,
+    b_sides: &[i32; 3],
+) -> ([&'t Point; 3], [&'t Point; 3], i32) {
+    let ((i, delta), (j, epsilon)) = (apex(a_sides), apex(b_sides));
+    let [b0, b1, b2] = rotated(b, j);
+    let b = if delta == epsilon { [b0, b1, b2] } else { [b0, b2, b1] };
+    (rotated(a, i), b, epsilon)
+}
+
+/// The corner that no other is with: neither on its side of the plane nor, if it lies in the plane, in it;
+/// and its side, which for a corner in the plane is the one on which the others are not.
+#[inline]
+fn apex(&[p, q, r]: &[i32; 3]) -> (usize, i32) {
+    let is_apex = |own: i32, p: i32, q: i32| own != p && own != q && (own != 0 || p == q);
+    let side = |own: i32, other: i32| if own == 0 { -other } else { own };
+    if is_apex(r, p, q) {
+        (2, side(r, p))
+    } else if is_apex(q, r, p) {
+        (1, side(q, r))
+    } else {
+        (0, side(p, q))
+    }
 }
 
 /// The corners, beginning with one.
 #[inline]
-pub(crate) fn from_corner([p, q, r]: &Triangle, corner: usize) -> [&[f32; 3]; 3] {
-    match corner {
+fn rotated([p, q, r]: &Triangle, first: usize) -> [&Point; 3] {
+    match first {
         0 => [p, q, r],
         1 => [q, r, p],
         _ => [r, p, q],
-    }
-}
-
-/// [`lone_corner`] for each of the 27 patterns of signs.
-const LONE: [(u8, i8); 27] = {
-    let mut table = [(0, 0); 27];
-    let mut pattern = 0;
-    while pattern < 27 {
-        let sides = [pattern / 9 - 1, pattern / 3 % 3 - 1, pattern % 3 - 1];
-        let mut corner = 0;
-        while corner < 3 {
-            let (own, p, q) = (sides[corner], sides[(corner + 1) % 3], sides[(corner + 2) % 3]);
-            if own != 0 && own != p && own != q {
-                table[pattern as usize] = (corner as u8, own as i8);
-            } else if own == 0 && p != 0 && p == q {
-                table[pattern as usize] = (corner as u8, -p as i8);
-            }
-            corner += 1;
-        }
-        pattern += 1;
-    }
-    table
-};
-
-/// Unwraps a result that cannot fail.
-#[inline]
-pub(crate) fn certain<T>(result: Result<T, Infallible>) -> T {
-    match result {
-        Ok(value) => value,
-        Err(never) => match never {},
     }
 }
 
@@ -252,15 +247,17 @@ mod tests {
     }
 
     #[test]
-    fn every_pattern_of_signs_has_a_lone_corner() {
-        for (pattern, &(corner, side)) in LONE.iter().enumerate() {
-            let sides = [pattern / 9, pattern / 3 % 3, pattern % 3].map(|s| s as i32 - 1);
+    fn every_pattern_of_signs_has_an_apex() {
+        for pattern in 0..27 {
+            let sides = [pattern / 9, pattern / 3 % 3, pattern % 3].map(|sign| sign - 1);
             if sides == [0; 3] || one_sided(&sides) {
                 continue;
             }
-            let others = [1, 2].map(|k| sides[(corner as usize + k) % 3]);
-            assert!(side != 0 && others.iter().all(|&o| o * i32::from(side) <= 0));
-            assert!(others.iter().all(|&o| o != sides[corner as usize]));
+            let (corner, side) = apex(&sides);
+            let others = [1, 2].map(|k| sides[(corner + k) % 3]);
+            assert!(side != 0 && others.iter().all(|&other| other * side <= 0), "{sides:?}");
+            assert!(others.iter().all(|&other| other != sides[corner]), "{sides:?}");
+            assert!(sides[corner] == 0 || sides[corner] == side, "{sides:?}");
         }
     }
 }
