@@ -12,15 +12,15 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that contains nothing, and grows to whatever is added.
+    /// The box that contains nothing; its union with another box is the other.
     pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
-    /// The tight box of some points. Taking minima rounds nothing, so it needs no padding.
+    /// Returns the tight box of some points. Minima are not rounded, so it needs no padding.
     #[inline]
     #[must_use]
     pub fn of(points: &[[f32; 3]]) -> Self {
         let point = |b: Self, p: &[f32; 3]| b.union(&Self { min: *p, max: *p });
-        // Four at a time, as vectors do.
+        // Four points at a time compile to vector instructions.
         let (fours, rest) = points.as_chunks::<4>();
         let mut lanes = [Self::EMPTY; 4];
         for four in fours {
@@ -34,7 +34,7 @@ impl Aabb {
         rest.iter().fold(all, point)
     }
 
-    /// The smallest box that contains both.
+    /// Returns the smallest box that contains both.
     #[inline]
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
@@ -60,7 +60,7 @@ impl Aabb {
         (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
     }
 
-    /// Half the surface area; 0 for the empty box. The measure of the surface area heuristic.
+    /// Returns half the surface area, by which the surface area heuristic weighs a box; 0 for the empty box.
     #[inline]
     #[must_use]
     pub fn half_area(&self) -> f32 {

@@ -1,20 +1,20 @@
-//! Errors of the caller's buffers.
+//! The error for buffers that are too small.
 
 use core::fmt;
 
-/// A buffer of the caller's is too small. Nothing was written that later calls rely on.
+/// A buffer that the caller passed is too small. Nothing was written that later calls rely on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CapacityError {
-    /// Which buffer, by the name of the parameter.
+    /// The name of the parameter.
     pub buffer: &'static str,
-    /// How many elements it must hold.
+    /// The number of elements that it must hold.
     pub needed: usize,
-    /// How many it holds.
+    /// The number of elements that it holds.
     pub capacity: usize,
 }
 
 impl CapacityError {
-    /// `Ok` when `capacity` elements are enough for `needed`.
+    /// Checks that `capacity` elements are enough for `needed`.
     pub(crate) fn check(
         buffer: &'static str,
         needed: usize,

@@ -1,7 +1,7 @@
 //! A borrowed triangle mesh, checked once.
 //!
-//! Everything below trusts a [`Mesh`]: indices are in range and coordinates finite, so no walk
-//! re-checks either (`accuracy.md`, contract 1).
+//! All other modules rely on a [`Mesh`]: indices are in range and coordinates finite, so no traversal checks either
+//! again.
 
 use crate::exact::environment;
 use crate::index::at;
@@ -65,7 +65,7 @@ impl<'a> Mesh<'a> {
         Ok(Self { positions, triangles })
     }
 
-    /// The same triangles over other positions: what a deforming mesh becomes each frame.
+    /// Returns the same triangles over other positions, as a deforming mesh has each frame.
     ///
     /// Only the positions are checked again.
     ///
@@ -123,8 +123,7 @@ impl<'a> Mesh<'a> {
     /// The corner positions of triangle `index`.
     ///
     /// # Panics
-    /// With the feature `std`, if `index` is not below `self.triangles().len()`; without it, such corners are
-    /// no numbers.
+    /// If `index` is not below `self.triangles().len()`.
     #[inline]
     #[must_use]
     pub fn triangle(self, index: u32) -> Triangle {
@@ -132,7 +131,7 @@ impl<'a> Mesh<'a> {
     }
 }
 
-/// How many vertices are checked before the first look at whether all is well, so that vectors can be.
+/// Vertices that are checked between two branches, so that the check compiles to vector instructions.
 const AT_ONCE: usize = 256;
 
 fn check_positions(positions: &[[f32; 3]]) -> Result<(), MeshError> {
@@ -148,7 +147,7 @@ fn check_positions(positions: &[[f32; 3]]) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// Why positions and indices are not a mesh.
+/// Positions and indices that are not a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -163,19 +162,19 @@ pub enum MeshError {
         triangle: usize,
         /// The index it holds.
         index: u32,
-        /// How many vertices there are.
+        /// The number of vertices.
         vertices: usize,
     },
     /// More triangles than [`MAX_TRIANGLES`].
     TooManyTriangles {
-        /// How many there are.
+        /// The number of triangles.
         triangles: usize,
     },
-    /// New positions for a deforming mesh are of another length.
+    /// New positions for a deforming mesh differ in number.
     VertexCount {
-        /// Vertices of the mesh.
+        /// The number of vertices of the mesh.
         expected: usize,
-        /// Vertices given.
+        /// The number of positions given.
         found: usize,
     },
     /// The calling thread flushes subnormal numbers or does not round to nearest, so that answers could

@@ -1,14 +1,13 @@
-//! Rigid poses.
+//! Poses: affine maps of vertices, and how a posed vertex is rounded.
 //!
-//! `accuracy.md` (contract 2) fixes the posed position of a vertex to the bit, since every backend
-//! has to find the same triangles: per coordinate `((r0·x + r1·y) + r2·z) + t`, in f32, rounded to
-//! nearest after each operation, never fused.
+//! The posed position of a vertex is defined to the bit, since every backend has to find the same triangles: per
+//! coordinate `((r0·x + r1·y) + r2·z) + t`, in f32, rounded to nearest after each operation, never fused.
 
 use crate::Aabb;
 use core::fmt;
 
-/// A pose: `rows[i] = [r_i0, r_i1, r_i2, t_i]`, row-major 3×4. Meant to be rigid; any finite affine
-/// map works.
+/// A pose: `rows[i] = [r_i0, r_i1, r_i2, t_i]`, row-major 3×4. It is meant to be rigid, but any
+/// finite affine map works.
 ///
 /// # Examples
 /// ```
@@ -24,17 +23,17 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Leaves every point where it is, to the bit but for the sign of zero.
+    /// The pose that leaves every point where it is, to the bit but for the sign of zero.
     pub const IDENTITY: Self =
         Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
-    /// A pose from its rows.
+    /// Makes a pose from its rows.
     #[must_use]
     pub const fn new(rows: [[f32; 4]; 3]) -> Self {
         Self { rows }
     }
 
-    /// A pose that only moves.
+    /// Makes a pose that only translates.
     #[must_use]
     pub const fn from_translation(t: [f32; 3]) -> Self {
         let mut pose = Self::IDENTITY;
@@ -44,7 +43,7 @@ impl Pose {
         pose
     }
 
-    /// The posed point, by the formula of the contract.
+    /// Returns the posed point, rounded as the [module](self) says.
     #[inline]
     #[must_use]
     pub fn apply(&self, p: [f32; 3]) -> [f32; 3] {
@@ -74,7 +73,7 @@ impl Pose {
                 _ => 0.0,
             };
             let reach = (0..3).fold(entries[3].abs(), |sum, k| sum + entries[k].abs() * extent(k));
-            // Nor may a padded extent overflow before it is scaled: infinity times a zero is no number.
+            // A padded extent must not overflow before it is scaled either: infinity times zero is NaN.
             if reach >= POSED_LIMIT || extent(row) >= f32::MAX / 2.0 {
                 return Err(PoseError::Range { row });
             }
@@ -83,7 +82,7 @@ impl Pose {
     }
 }
 
-/// How far a pose may take a mesh from the origin, 2^125: an eighth of the range of f32.
+/// The largest coordinate that a pose may take a mesh to, 2^125: an eighth of the range of f32.
 pub const POSED_LIMIT: f32 = 4.253_529_6e37;
 
 impl From<glam::Affine3A> for Pose {
@@ -93,20 +92,20 @@ impl From<glam::Affine3A> for Pose {
     }
 }
 
-/// Why a mesh cannot be posed.
+/// A pose that a mesh cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PoseError {
     /// An entry is NaN or infinite.
     NonFinite {
-        /// Its row.
+        /// The row of the entry.
         row: usize,
-        /// Its column; 3 is the translation.
+        /// The column of the entry; 3 is the translation.
         column: usize,
     },
     /// The pose may take the mesh beyond [`POSED_LIMIT`].
     Range {
-        /// The coordinate, and row, in which it does.
+        /// The row, and coordinate, at fault.
         row: usize,
     },
 }

@@ -1,7 +1,7 @@
 //! Bounding spheres.
 //!
-//! A box that is turned needs a larger one around it, a sphere does not: of bodies side by side whose boxes
-//! overlap, most are told apart by their spheres, before anything of their BVHs is read.
+//! The box of a rotated box is larger, the sphere of a rotated sphere is not. Spheres separate most bodies side by side
+//! whose boxes overlap, before anything of their BVHs is read.
 
 use crate::bvh::Layout;
 use crate::index::at;
@@ -87,7 +87,7 @@ impl Sphere {
         let reach = f64::from(self.radius) + f64::from(other.radius);
         let apart = vector(&self.centre).distance_squared(vector(&other.centre));
         let parted = apart > reach * reach * (1.0 + 1e-12);
-        // What is no number parts nothing.
+        // A NaN separates nothing.
         !parted
     }
 }

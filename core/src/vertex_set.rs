@@ -1,25 +1,25 @@
-//! Sets of vertices, of which one can ask in constant time whether they hold any of a range.
+//! Sets of vertices that tell in constant time whether they hold any vertex of a range.
 //!
-//! A bit a vertex, and with every word of them how many bits come before it: a range that does not lie
-//! in one word or two is empty if nothing is counted between.
+//! A set has one bit per vertex, and beside each word of 32 bits the number of set bits in the words before. A range over
+//! more than two words is empty if these numbers do not differ between its ends.
 
 use crate::CapacityError;
 use crate::index::{at, at_mut};
 use bytemuck::{Pod, Zeroable};
 
-/// How many vertices share a word.
+/// The number of vertices in a word.
 const SHARE: usize = u32::BITS as usize;
 
-/// Which of 32 vertices have moved, as a word of the set that [`mark_moved`] makes.
+/// One word of a set of vertices: which of 32 have moved. [`mark_moved`] fills an array of these.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Moved {
     bits: u32,
-    /// How many vertices of the words before have moved.
+    /// The number of vertices in the words before that have moved.
     before: u32,
 }
 
-/// How many words the set of so many vertices has.
+/// Returns the number of words in a set of so many vertices.
 #[must_use]
 pub const fn moved_bound(vertices: usize) -> usize {
     vertices.div_ceil(SHARE)
@@ -28,7 +28,7 @@ pub const fn moved_bound(vertices: usize) -> usize {
 /// Adds to a set the vertices whose positions differ in any bit; returns how many of its words are not
 /// empty then.
 ///
-/// A set of words by default is empty. `before` and `after` hold as many positions.
+/// Default words make an empty set. `before` and `after` hold as many positions.
 ///
 /// # Errors
 /// [`CapacityError`] if `moved` has fewer words than [`moved_bound`].
@@ -60,12 +60,12 @@ pub fn mark_moved(
     Ok(moved.iter().filter(|word| word.bits != 0).count())
 }
 
-/// Adds a vertex; [`number`] must follow before a range is asked about.
+/// Adds a vertex. [`number`] must follow before [`holds_any`].
 pub(crate) fn mark(set: &mut [Moved], vertex: u32) {
     at_mut(set, vertex as usize / SHARE).bits |= 1 << (vertex as usize % SHARE);
 }
 
-/// Counts the vertices of each word anew.
+/// Counts the vertices before each word anew.
 pub(crate) fn number(set: &mut [Moved]) {
     let mut count = 0;
     for word in set {
