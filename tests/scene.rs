@@ -24,8 +24,8 @@ fn scenes() -> Vec<SceneQuery> {
         let threaded = [1, 2, 3, 7, 64].into_iter().flat_map(|workers| {
             schedules.map(|schedule| {
                 // The three make up for each other in what they leave at the default.
-                let most_nodes = if schedule == Schedule::Static { 1 } else { 1 << 20 };
-                let settings = Settings { schedule, most_nodes, ..Settings::default() };
+                let max_nodes = if schedule == Schedule::Static { 1 } else { 1 << 20 };
+                let settings = Settings { schedule, max_nodes, ..Settings::default() };
                 SceneQuery::new().with_traversal(Traversal::new(workers).with_settings(settings))
             })
         });

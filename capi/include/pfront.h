@@ -338,13 +338,13 @@ typedef struct pfront_front_node_t {
   // Where its worker begins: for `pfront_cursor_at`.
   struct pfront_node_pair_t pair;
   // Private.
-  uint64_t path;
+  uint64_t path[2];
   // What it is expected to cost. The worker puts in its place what it did cost:
   // `box_tests + PFRONT_TRIANGLE_COST * triangle_tests` of the cursor.
   float cost;
   // The query it belongs to.
   uint32_t query;
-  // The worker it is dealt to.
+  // The worker it is assigned to.
   uint32_t part;
   // Private.
   uint32_t index;
@@ -353,19 +353,18 @@ typedef struct pfront_front_node_t {
 // What one node of a front cost in the last frame.
 typedef struct pfront_past_t {
   // Private.
-  uint64_t words[2];
+  uint64_t words[3];
 } pfront_past_t;
 
 // The front of a frame and what is remembered of the last one: how the queries of a frame are divided among workers.
 typedef struct pfront_front_t {
   // For pfront to know that it has made it.
   uint32_t seal;
-  // How deep in the tree of a query its nodes begin, which is refined from there; 3 by default. May be changed.
-  uint32_t depth;
-  // How many nodes a worker gets at least where the last frame told what they cost; 8 by default. May be changed.
-  double grain_measured;
+  // No node that can be split costs more than 1/g of what a worker gets, where the last frame told what it cost; 8 by
+  // default. May be changed.
+  double g;
   // The same where costs are estimates; 48 by default. May be changed.
-  double grain_estimated;
+  double g_estimated;
   // The front.
   struct pfront_front_node_t *nodes;
   // A front that is full is coarser, but nothing is lost. It needs at least one node a query; some 150 a worker are
@@ -387,7 +386,7 @@ typedef struct pfront_front_t {
   uint64_t box_tests;
 } pfront_front_t;
 
-// What one worker was dealt.
+// The part of one worker.
 typedef struct pfront_load_t {
   // What it is expected to cost in all.
   double cost;
@@ -621,9 +620,9 @@ pfront_status_t pfront_front_init(struct pfront_front_t *front,
                                   size_t past_capacity,
                                   struct pfront_error_t *error);
 
-// Divides the queries of a frame into nodes of about equal cost, and deals these out to `workers`, of whom there is at
+// Divides the queries of a frame into nodes of about equal cost, and assigns these to `workers`, of which there is at
 // least one: the p-partition front of Zhang and Kim (2014). `loads` has one element a worker and tells in the end what
-// each is expected to do, in no particular order.
+// each is predicted to cost.
 //
 // Then each worker, on a thread of its own, goes through the nodes whose `part` is its number: it sets its own cursor to
 // the node by `pfront_cursor_at`, asks page by page until that is done, and writes what this cost to the node. All

@@ -98,7 +98,11 @@ impl pfront_bvh_t {
     pub(crate) fn view<'c>(&self, call: &Call<'c>, what: &'static CStr) -> Result<Bvh<'c>, Fault> {
         let mesh = self.sealed(what)?.mesh.view(call, what)?;
         let nodes = call.read(c"nodes", self.nodes.cast_const().cast::<Node>(), self.node_count)?;
-        Ok(Bvh::new_unchecked(mesh, nodes, call.read(c"order", self.order, self.mesh.triangle_count)?))
+        Ok(Bvh::new_unchecked(
+            mesh,
+            nodes,
+            call.read(c"order", self.order, self.mesh.triangle_count)?,
+        ))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Frames dealt out to the caller's own threads.
+//! Frames divided among the caller's own threads.
 
 #![expect(
     unsafe_code,
@@ -15,8 +15,8 @@ use crate::query::{Asked, pfront_query_t};
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::mem::offset_of;
-use pfront_core::front::{COHERENT, Estimate, Front, FrontNode, Grain, Past, PastCost};
-use pfront_core::front::{Load, greedy};
+use pfront_core::bvtt::Query;
+use pfront_core::front::{CostEntry, CostHistory, Front, FrontNode, Part, RefineOptions};
 
 /// What a triangle test costs, in box tests, as measured on x86-64.
 pub const PFRONT_TRIANGLE_COST: f32 = 6.5;
@@ -28,13 +28,13 @@ pub struct pfront_front_node_t {
     /// Where its worker begins: for `pfront_cursor_at`.
     pub pair: pfront_node_pair_t,
     /// Private.
-    pub path: u64,
+    pub path: [u64; 2],
     /// What it is expected to cost. The worker puts in its place what it did cost:
     /// `box_tests + PFRONT_TRIANGLE_COST * triangle_tests` of the cursor.
     pub cost: f32,
     /// The query it belongs to.
     pub query: u32,
-    /// The worker it is dealt to.
+    /// The worker it is assigned to.
     pub part: u32,
     /// Private.
     pub index: u32,
@@ -45,10 +45,10 @@ pub struct pfront_front_node_t {
 #[derive(Clone, Copy)]
 pub struct pfront_past_t {
     /// Private.
-    pub words: [u64; 2],
+    pub words: [u64; 3],
 }
 
-/// What one worker was dealt.
+/// The part of one worker.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct pfront_load_t {
@@ -61,16 +61,14 @@ pub struct pfront_load_t {
 const _: () = {
     assert!(size_of::<pfront_front_node_t>() == size_of::<FrontNode>());
     assert!(align_of::<pfront_front_node_t>() == align_of::<FrontNode>());
-    assert!(offset_of!(pfront_front_node_t, path) == offset_of!(FrontNode, path));
     assert!(offset_of!(pfront_front_node_t, cost) == offset_of!(FrontNode, cost));
     assert!(offset_of!(pfront_front_node_t, query) == offset_of!(FrontNode, query));
     assert!(offset_of!(pfront_front_node_t, part) == offset_of!(FrontNode, part));
-    assert!(offset_of!(pfront_front_node_t, index) == offset_of!(FrontNode, index));
-    assert!(size_of::<pfront_past_t>() == size_of::<PastCost>());
-    assert!(align_of::<pfront_past_t>() == align_of::<PastCost>());
-    assert!(size_of::<pfront_load_t>() == size_of::<Load>());
-    assert!(align_of::<pfront_load_t>() == align_of::<Load>());
-    assert!(offset_of!(pfront_load_t, part) == offset_of!(Load, part));
+    assert!(size_of::<pfront_past_t>() == size_of::<CostEntry>());
+    assert!(align_of::<pfront_past_t>() == align_of::<CostEntry>());
+    assert!(size_of::<pfront_load_t>() == size_of::<Part>());
+    assert!(align_of::<pfront_load_t>() == align_of::<Part>());
+    assert!(offset_of!(pfront_load_t, part) == offset_of!(Part, number));
 };
 
 /// The front of a frame and what is remembered of the last one: how the queries of a frame are divided among workers.
@@ -79,12 +77,11 @@ const _: () = {
 pub struct pfront_front_t {
     /// For pfront to know that it has made it.
     pub seal: u32,
-    /// How deep in the tree of a query its nodes begin, which is refined from there; 3 by default. May be changed.
-    pub depth: u32,
-    /// How many nodes a worker gets at least where the last frame told what they cost; 8 by default. May be changed.
-    pub grain_measured: f64,
+    /// No node that can be split costs more than 1/g of what a worker gets, where the last frame told what it cost; 8 by
+    /// default. May be changed.
+    pub g: f64,
     /// The same where costs are estimates; 48 by default. May be changed.
-    pub grain_estimated: f64,
+    pub g_estimated: f64,
     /// The front.
     pub nodes: *mut pfront_front_node_t,
     /// A front that is full is coarser, but nothing is lost. It needs at least one node a query; some 150 a worker are
@@ -114,63 +111,43 @@ impl pfront_front_t {
     }
 
     /// What is remembered.
-    fn past<'c>(&self, call: &Call<'c>) -> Result<Past<'c>, Fault> {
+    fn past<'c>(&self, call: &Call<'c>) -> Result<CostHistory<'c>, Fault> {
         Fault::room(c"past", self.past_capacity, self.past_count)?;
-        let past = self.past.cast_const().cast::<PastCost>();
-        Ok(Past::new(call.read(c"past", past, self.past_count)?))
+        let past = self.past.cast_const().cast::<CostEntry>();
+        Ok(CostHistory::new(call.read(c"past", past, self.past_count)?))
     }
 
     /// Divides queries among workers.
     fn divide(
         &mut self,
         queries: &Queries<'_, '_>,
-        past: Past<'_>,
+        past: CostHistory<'_>,
         nodes: &mut [FrontNode],
-        loads: &mut [Load],
+        parts: &mut [Part],
     ) -> Result<(), Fault> {
-        let Self { grain_measured: measured, grain_estimated: estimated, .. } = *self;
-        // One worker needs no front: the roots will do.
-        let depth = if loads.len() == 1 { 0 } else { self.depth };
-        let (estimate, mut past) = (Estimate::default(), past);
-        let coherent = queries.start(nodes, depth, past)?.found(past) >= COHERENT;
-        if !coherent {
-            past = Past::NOTHING;
+        let mut front = Front::new(nodes);
+        for (query, number) in queries.queries.iter().zip(0..) {
+            if let Some(root) = query.asked(queries.call)?.root() {
+                front.add(number, root)?;
+            }
         }
-        let mut front = queries.start(nodes, depth, past)?;
-        if loads.len() > 1 {
-            let grain = Grain { measured, estimated };
-            front.refine(loads.len(), grain, estimate, past, |number| queries.again(number));
-        }
-        greedy(front.nodes_mut(), loads);
-        (self.node_count, self.box_tests) = (front.nodes().len(), front.box_tests());
-        (self.full, self.coherent) = (front.is_full().into(), coherent.into());
+        let options =
+            RefineOptions { workers: parts.len(), g: self.g, g_estimated: self.g_estimated };
+        let refined = front.refine(&options, past, |number| queries.again(number));
+        self.node_count = front.partition(parts).len();
+        (self.full, self.coherent) = (refined.full.into(), refined.coherent.into());
+        self.box_tests = refined.box_tests;
         Ok(())
     }
 }
 
-/// The queries of a frame, all of which can be asked.
+/// The queries of a frame.
 struct Queries<'q, 'c> {
     queries: &'q [pfront_query_t],
     call: &'q Call<'c>,
 }
 
 impl<'c> Queries<'_, 'c> {
-    /// The starting front of all.
-    fn start<'n>(
-        &self,
-        nodes: &'n mut [FrontNode],
-        depth: u32,
-        past: Past<'_>,
-    ) -> Result<Front<'n>, Fault> {
-        let mut front = Front::new(nodes);
-        for (query, number) in self.queries.iter().zip(0..) {
-            front.keep_free(self.queries.len() - 1 - number as usize);
-            let asked = query.asked(self.call)?;
-            front.start(&asked, number, depth, Estimate::default(), past)?;
-        }
-        Ok(front)
-    }
-
     /// A query that could be asked before.
     fn again(&self, number: u32) -> Asked<'c> {
         let query = self.queries.get(number as usize);
@@ -193,13 +170,12 @@ pub unsafe extern "C" fn pfront_front_init(
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"front", front)?;
         call.write(c"nodes", nodes.cast::<FrontNode>(), node_capacity)?;
-        call.write(c"past", past.cast::<PastCost>(), past_capacity)?;
-        let grain = Grain::default();
+        call.write(c"past", past.cast::<CostEntry>(), past_capacity)?;
+        let RefineOptions { g, g_estimated, .. } = RefineOptions::new(1);
         out.set(pfront_front_t {
             seal: SEAL,
-            depth: 3,
-            grain_measured: grain.measured,
-            grain_estimated: grain.estimated,
+            g,
+            g_estimated,
             nodes,
             node_capacity,
             node_count: 0,
@@ -214,9 +190,9 @@ pub unsafe extern "C" fn pfront_front_init(
     })
 }
 
-/// Divides the queries of a frame into nodes of about equal cost, and deals these out to `workers`, of whom there is at
+/// Divides the queries of a frame into nodes of about equal cost, and assigns these to `workers`, of which there is at
 /// least one: the p-partition front of Zhang and Kim (2014). `loads` has one element a worker and tells in the end what
-/// each is expected to do, in no particular order.
+/// each is predicted to cost.
 ///
 /// Then each worker, on a thread of its own, goes through the nodes whose `part` is its number: it sets its own cursor to
 /// the node by `pfront_cursor_at`, asks page by page until that is done, and writes what this cost to the node. All
@@ -235,7 +211,7 @@ pub unsafe extern "C" fn pfront_front_divide(
         let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
         Fault::room(c"loads", workers, 1)?;
         Fault::room(c"nodes", own.node_capacity, query_count)?;
-        let loads = call.write(c"loads", loads.cast::<Load>(), workers)?;
+        let loads = call.write(c"loads", loads.cast::<Part>(), workers)?;
         let nodes = call.write(c"nodes", own.nodes.cast::<FrontNode>(), own.node_capacity)?;
         let queries = call.read(c"queries", queries, query_count)?;
         let past = own.past(call)?;
@@ -254,15 +230,14 @@ pub unsafe extern "C" fn pfront_front_remember(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
-        let past = call.write(c"past", own.past.cast::<PastCost>(), own.past_capacity)?;
+        let past = call.write(c"past", own.past.cast::<CostEntry>(), own.past_capacity)?;
         let nodes = own.nodes.cast_const().cast::<FrontNode>();
         let nodes = call.read(c"nodes", nodes, own.node_count)?;
         let wrong = |node: &FrontNode| !(0.0..=f32::MAX).contains(&node.cost);
         if let Some(index) = nodes.iter().position(wrong) {
             return Err(Fault::of(PFRONT_OUT_OF_RANGE, c"nodes.cost").at(index));
         }
-        Past::record(past, nodes, |node| node.cost)?;
-        own.past_count = nodes.len();
+        own.past_count = CostHistory::record(past, nodes, nodes.iter().map(|node| node.cost))?;
         out.set(own);
         Ok(())
     })
@@ -282,9 +257,9 @@ pub unsafe extern "C" fn pfront_front_renumber(
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
         Fault::room(c"past", own.past_capacity, own.past_count)?;
-        let past = call.write(c"past", own.past.cast::<PastCost>(), own.past_count)?;
+        let past = call.write(c"past", own.past.cast::<CostEntry>(), own.past_count)?;
         let numbers = call.read(c"numbers", numbers, count)?;
-        own.past_count = Past::renumber(past, |old| {
+        own.past_count = CostHistory::renumber(past, |old| {
             numbers.get(old as usize).copied().filter(|&new| new != u32::MAX)
         });
         out.set(own);

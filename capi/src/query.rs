@@ -155,8 +155,16 @@ impl Side {
         let ((a, frame_from_a), (b, frame_from_b)) = (a.placed(call)?, b.placed(call)?);
         let rule = pfront_rule_t::PFRONT_SHARED_INDEX as u32;
         let history = null();
-        let query =
-            pfront_query_t { seal: PAIR, accuracy, rule, a, b, frame_from_a, frame_from_b, history };
+        let query = pfront_query_t {
+            seal: PAIR,
+            accuracy,
+            rule,
+            a,
+            b,
+            frame_from_a,
+            frame_from_b,
+            history,
+        };
         query.asked(call)?;
         out.set(query);
         Ok(())

@@ -98,9 +98,8 @@ static void fronts(void)
     OK(pfront_front_divide(&front, NULL, 0, loads, 2, &error));
     THAT(front.node_count == 0);
     // What may be changed may be anything.
-    front.depth = UINT32_MAX;
-    front.grain_measured = NAN;
-    front.grain_estimated = INFINITY;
+    front.g = NAN;
+    front.g_estimated = INFINITY;
     OK(pfront_front_divide(&front, &query, 1, loads, 2, &error));
     THAT(front.node_count >= 1 && front.node_count <= 16);
     part[0].cost = -1;

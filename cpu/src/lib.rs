@@ -2,9 +2,10 @@
 //! workers and every schedule.
 //!
 //! A [`Traversal`] keeps what a frame leaves for the next: the measured cost of each node of its
-//! p-partition front, and every buffer. Each frame it generates a front, deals it out to p workers, lets
-//! each walk from its nodes without synchronisation, and gathers what they found (Zhang & Kim 2014,
-//! sections 3 and 3.4). Costs are counted in box and triangle tests, not timed, so that the
+//! p-partition front, and every buffer. Each frame it generates a front, partitions it over p workers, lets
+//! each traverse from its nodes, and gathers what they found (Zhang & Kim 2014, sections 3 and 3.4). Under
+//! [`Schedule::Static`] that is all, as in the paper; by default a worker that is done takes nodes that others
+//! have not begun ([`Schedule::Hybrid`]). A frame that is small ends on the calling thread. Costs are counted in box and triangle tests, not timed, so that the
 //! [`Report`] of a frame means the same on every machine and for any p.
 //!
 //! ```
@@ -32,24 +33,17 @@
 //! [`Traversal::with_pool`]. The number of workers p is independent of the number of threads.
 
 mod build;
-mod calibrate;
-mod damping;
-mod deal;
-mod parts;
-mod plan;
-mod pool;
-mod reference;
+mod control;
+mod front;
+mod output;
 mod report;
 mod settings;
-mod sink;
 mod stealing;
 mod traversal;
+mod workers;
 
 pub use build::{join, morton, refit, sah};
-pub use calibrate::{TRIANGLE_COST, calibrate};
-pub use pool::current_threads;
-pub use reference::Reference;
+pub use output::Hit;
 pub use report::{Report, Share};
-pub use settings::{Schedule, Settings};
-pub use sink::Hit;
-pub use traversal::Traversal;
+pub use settings::{Schedule, Settings, TRIANGLE_COST};
+pub use traversal::{MAX_WORKERS, Traversal, current_threads};

@@ -1,82 +1,74 @@
 //! What a frame did, counted: the figures that the paper plots.
 
 use pfront_core::bvtt::Work;
+use pfront_core::front::FrontReport;
 use std::time::Duration;
 
-/// What one worker was dealt, and what it did.
+/// The part of one worker.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Share {
-    /// The cost it was expected to have, in box tests.
+    /// The cost it was predicted to have, in box tests.
     pub predicted: f64,
-    /// What it really did.
+    /// What the worker really did.
     pub work: Work,
 }
 
 /// A frame of a [`Traversal`](crate::Traversal). Under [`Static`](crate::Schedule::Static) the counts are the
-/// same on every machine, but for fronts of thousands of nodes, which several threads generate: there the
-/// rounding of sums may shift a node, and where [`most_nodes`](crate::Settings::most_nodes) are too few,
-/// which nodes stay coarse depends on the number of threads. Durations are measured.
+/// same on every machine and for any number of threads. Durations are measured.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// Each worker; under [`Stealing`](crate::Schedule::Stealing) one entry for all of them.
+    /// What the calling thread did before others were called; all, if the frame ended there.
+    pub alone: Work,
+    /// Each worker, none if others were not called; under [`Stealing`](crate::Schedule::Stealing) one entry for all.
     pub shares: Vec<Share>,
-    /// Whether time ran out before the front was walked to its end.
+    /// Whether the deadline came before the end.
     pub late: bool,
     /// The k that costs are counted with.
     pub triangle_cost: f32,
-    /// Whether the costs of the last frame could be used.
-    pub coherent: bool,
-    /// How much of the last frame's cost lay in nodes that overlap again, 0 to 1.
-    pub found: f64,
-    /// Depth d_s of the starting front.
-    pub depth: u32,
-    /// Nodes of the starting front, N_s.
-    pub starting_nodes: usize,
-    /// Nodes of the p-partition front, N_p.
+    /// How the front came about: its certificate, eq. 6, and whether the costs of the last frame were used. Its box tests
+    /// are not part of the shares.
+    pub front: FrontReport,
+    /// Nodes of the p-partition front, N_p; 0 where there was none.
     pub nodes: usize,
-    /// Box tests spent on the front; the shares do not include them.
-    pub front_box_tests: u64,
-    /// How many workers could still have helped, eq. 6, by predicted costs.
-    pub p_optimal: u32,
-    /// True cost of the dearest front node: no schedule that deals out this front has a makespan below.
-    pub dearest_node: f64,
-    /// Bytes of memory held for fronts and their costs; 48 a node of this front are in use.
+    /// Bytes of memory held for fronts and their costs; 64 a node of this front are in use.
     pub front_bytes: usize,
-    /// Generating the front.
+    /// Generating and partitioning the front.
     pub front_time: Duration,
-    /// Dealing it out.
-    pub partition_time: Duration,
-    /// Walking.
+    /// Traversing.
     pub walk_time: Duration,
     /// Gathering and sorting what was found.
     pub gather_time: Duration,
 }
 
 impl Report {
-    /// Busiest worker over mean, in counted cost; 1 where there was nothing to do. NaN under
+    /// The measured imbalance: busiest worker over mean, in counted cost; 1 where there was nothing to divide. NaN under
     /// [`Stealing`](crate::Schedule::Stealing), which does not count what each worker did.
     #[must_use]
     pub fn imbalance(&self) -> f64 {
-        let costs = || self.shares.iter().map(|share| self.cost(share.work));
-        let total: f64 = costs().sum();
-        let dealt_out = self.nodes > 0;
-        if total > 0.0 && !dealt_out {
-            f64::NAN
-        } else if total > 0.0 {
-            costs().fold(0.0, f64::max) * self.shares.len() as f64 / total
-        } else {
-            1.0
+        if self.nodes == 0 && !self.shares.is_empty() {
+            return f64::NAN;
         }
+        self.busiest_over_mean(|share| self.cost(share.work))
+    }
+
+    /// The imbalance that the partition was predicted to have.
+    #[must_use]
+    pub fn predicted_imbalance(&self) -> f64 {
+        self.busiest_over_mean(|share| share.predicted)
+    }
+
+    fn busiest_over_mean(&self, cost: impl Fn(&Share) -> f64) -> f64 {
+        let total: f64 = self.shares.iter().map(&cost).sum();
+        let busiest = self.shares.iter().map(&cost).fold(0.0, f64::max);
+        if total > 0.0 { busiest * self.shares.len() as f64 / total } else { 1.0 }
     }
 
     /// All box and triangle tests, those for the front included.
     #[must_use]
     pub fn work(&self) -> Work {
-        let front = Work { box_tests: self.front_box_tests, triangle_tests: 0 };
-        self.shares.iter().fold(front, |sum, Share { work, .. }| Work {
-            box_tests: sum.box_tests + work.box_tests,
-            triangle_tests: sum.triangle_tests + work.triangle_tests,
-        })
+        let front = Work { box_tests: self.front.box_tests, triangle_tests: 0 };
+        let shares = self.shares.iter().map(|share| share.work);
+        shares.chain([self.alone]).fold(front, sum)
     }
 
     /// Work as one figure, in box tests.
@@ -88,33 +80,42 @@ impl Report {
     /// Adds a frame that continues this one: counts and durations are summed, of what does not add up the largest is
     /// kept, and both have to be coherent.
     pub fn add(&mut self, next: &Self) {
-        let shares = self.shares.len().max(next.shares.len());
-        self.shares.resize(shares, Share::default());
+        self.shares.resize(self.shares.len().max(next.shares.len()), Share::default());
         for (share, more) in self.shares.iter_mut().zip(&next.shares) {
             share.predicted += more.predicted;
-            share.work.box_tests += more.work.box_tests;
-            share.work.triangle_tests += more.work.triangle_tests;
+            share.work = sum(share.work, more.work);
         }
+        self.alone = sum(self.alone, next.alone);
         self.late |= next.late;
-        self.coherent &= next.coherent;
-        self.found = self.found.min(next.found);
-        self.depth = self.depth.max(next.depth);
-        self.starting_nodes += next.starting_nodes;
+        let FrontReport {
+            starting_nodes,
+            coherence,
+            coherent,
+            p_optimal,
+            epsilon,
+            full,
+            box_tests,
+        } = next.front;
+        self.front = FrontReport {
+            starting_nodes: self.front.starting_nodes + starting_nodes,
+            coherence: self.front.coherence.min(coherence),
+            coherent: self.front.coherent && coherent,
+            p_optimal: self.front.p_optimal.max(p_optimal),
+            epsilon: self.front.epsilon.max(epsilon),
+            full: self.front.full || full,
+            box_tests: self.front.box_tests + box_tests,
+        };
         self.nodes += next.nodes;
-        self.front_box_tests += next.front_box_tests;
-        self.p_optimal = self.p_optimal.max(next.p_optimal);
-        self.dearest_node = self.dearest_node.max(next.dearest_node);
         self.front_bytes = self.front_bytes.max(next.front_bytes);
         self.front_time += next.front_time;
-        self.partition_time += next.partition_time;
         self.walk_time += next.walk_time;
         self.gather_time += next.gather_time;
     }
+}
 
-    /// Forgets the last frame, keeping memory.
-    pub(crate) fn reset(&mut self, triangle_cost: f32) {
-        let mut shares = std::mem::take(&mut self.shares);
-        shares.clear();
-        *self = Self { shares, triangle_cost, ..Self::default() };
+fn sum(one: Work, other: Work) -> Work {
+    Work {
+        box_tests: one.box_tests + other.box_tests,
+        triangle_tests: one.triangle_tests + other.triangle_tests,
     }
 }

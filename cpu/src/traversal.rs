@@ -1,22 +1,28 @@
 //! The engine: frames of queries on p workers, with all memory kept in between.
 
-use crate::deal::Deal;
-use crate::plan::Plan;
-use crate::pool::in_pool;
-use crate::sink::{self, Element, Sink, Visitor};
+use crate::control::Control;
+use crate::front::{FrontMemory, Start};
+use crate::output::{self, Element, Output, Visitor};
 use crate::stealing::Stealing;
+use crate::workers::{Frame, Workers};
 use crate::{Hit, Report, Schedule, Settings, Share};
-use pfront_core::bvtt::{Query, TrianglePair};
+use pfront_core::bvtt::{Cursor, NodePair, Query, TrianglePair};
+use pfront_core::front::estimate;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::slice::from_ref;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Instant;
 
-/// From so many elements on, sorting on all threads is faster than on one.
-const PARALLEL_SORT: usize = 1 << 14;
+/// Tests that the calling thread does before it calls others, which takes about as long.
+const ALONE: u64 = 2048;
+
+/// A frame that is expected to cost no more than this in box tests begins on the calling thread.
+const WORTH_THREADS: f64 = 2000.0;
+
+/// The largest number of workers p.
+pub const MAX_WORKERS: usize = 4096;
 
 /// Answers queries frame after frame with p workers.
 ///
@@ -25,6 +31,9 @@ const PARALLEL_SORT: usize = 1 << 14;
 /// many queries at once, under one bound and one partition (eq. 5); a query is remembered by its number
 /// in the slice, see [`Traversal::renumber`].
 ///
+/// A frame that is expected to be small, and any search for one hit, begins on the calling thread. After as much work as
+/// it takes to call others, what its cursor has pending goes to them as the start of a front; nothing is done twice.
+///
 /// After a break or a panic in a visitor it can be used as before.
 #[derive(Clone, Debug)]
 pub struct Traversal {
@@ -32,24 +41,30 @@ pub struct Traversal {
     settings: Settings,
     pool: Option<Arc<ThreadPool>>,
     deadline: Option<Instant>,
-    plan: Plan,
-    deal: Deal,
+    front: FrontMemory,
+    /// What the last whole frame cost.
+    last_cost: Option<f64>,
+    starts: Vec<Start>,
+    buffers: Workers,
     pairs: Vec<Vec<TrianglePair>>,
     hits: Vec<Vec<Hit>>,
     report: Report,
 }
 
 impl Traversal {
-    /// With p = `workers` partitions, at least 1, in the rayon pool of whoever asks.
+    /// With p = `workers` partitions, in the rayon pool of the calling thread. The number is clamped to 1 to
+    /// [`MAX_WORKERS`], as for every p the answer is the same and memory grows with p: see [`Traversal::workers`].
     #[must_use]
     pub fn new(workers: usize) -> Self {
         Self {
-            workers: workers.max(1),
+            workers: workers.clamp(1, MAX_WORKERS),
             settings: Settings::default(),
             pool: None,
             deadline: None,
-            plan: Plan::default(),
-            deal: Deal::default(),
+            front: FrontMemory::default(),
+            last_cost: None,
+            starts: Vec::new(),
+            buffers: Workers::default(),
             pairs: Vec::new(),
             hits: Vec::new(),
             report: Report::default(),
@@ -70,11 +85,11 @@ impl Traversal {
 
     /// Changes the number of workers p. What is remembered of the last frame stays.
     pub fn set_workers(&mut self, workers: usize) {
-        self.workers = workers.max(1);
+        self.workers = workers.clamp(1, MAX_WORKERS);
     }
 
-    /// Frames end at this instant, complete or not: see [`Report::late`]. Workers look at the clock before
-    /// each node of the front.
+    /// Frames end at this instant, complete or not: see [`Report::late`]. Under every schedule each thread looks at the
+    /// clock before every 4096 tests, about 0.1 ms. To generate a front and to sort what was found is not broken off.
     ///
     /// # Examples
     /// ```
@@ -107,10 +122,11 @@ impl Traversal {
 
     /// Forgets the last frame: the next one is something else.
     pub fn forget(&mut self) {
-        self.plan.forget();
+        self.front.forget();
+        self.last_cost = None;
     }
 
-    /// Runs something else where its work is done: in its pool if it has one.
+    /// Runs something else in the pool in which its work is done.
     ///
     /// # Examples
     /// ```
@@ -118,7 +134,10 @@ impl Traversal {
     /// assert_eq!(traversal.install(|| rayon::join(|| 1, || 2)), (1, 2));
     /// ```
     pub fn install<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
-        in_pool(self.pool.as_deref(), run)
+        match &self.pool {
+            Some(pool) => pool.install(run),
+            None => run(),
+        }
     }
 
     /// Where the next frame asks other queries than the last: tells the number that each query of the
@@ -132,14 +151,14 @@ impl Traversal {
     /// traversal.renumber(|query| [Some(0), Some(1), None, Some(2)][query as usize]);
     /// ```
     pub fn renumber(&mut self, number: impl FnMut(u32) -> Option<u32>) {
-        self.plan.renumber(number);
+        self.front.renumber(number);
     }
 
     /// Replaces the contents of `out` by all pairs that meet, sorted.
     pub fn all<Q: Query + Sync>(&mut self, query: &Q, out: &mut Vec<TrianglePair>) {
-        let mut sinks = std::mem::take(&mut self.pairs);
-        self.collect(from_ref(query), &mut sinks, out);
-        self.pairs = sinks;
+        let mut found = std::mem::take(&mut self.pairs);
+        self.collect(from_ref(query), &mut found, out);
+        self.pairs = found;
     }
 
     /// How many pairs meet.
@@ -148,7 +167,7 @@ impl Traversal {
     }
 
     /// Some pair that meets, if any does: the first that some worker finds, at which all stop. Which one
-    /// that is may differ from call to call.
+    /// that is may differ from call to call. Costs are neither used nor remembered.
     pub fn any<Q: Query + Sync>(&mut self, query: &Q) -> Option<TrianglePair> {
         Some(self.any_of(from_ref(query))?.pair)
     }
@@ -165,22 +184,22 @@ impl Traversal {
 
     /// [`Traversal::all`] of many queries, sorted by query, then by pair.
     pub fn all_of<Q: Query + Sync>(&mut self, queries: &[Q], out: &mut Vec<Hit>) {
-        let mut sinks = std::mem::take(&mut self.hits);
-        self.collect(queries, &mut sinks, out);
-        self.hits = sinks;
+        let mut found = std::mem::take(&mut self.hits);
+        self.collect(queries, &mut found, out);
+        self.hits = found;
     }
 
     /// [`Traversal::count`] of many queries together.
     pub fn count_of<Q: Query + Sync>(&mut self, queries: &[Q]) -> u64 {
-        let mut counts = vec![0_u64; self.workers];
-        self.run(queries, &mut counts, || 0);
-        counts.iter().sum()
+        let mut counts = Vec::new();
+        self.run(queries, false, &mut counts, || 0);
+        counts.into_iter().sum()
     }
 
     /// [`Traversal::any`] of many queries.
     pub fn any_of<Q: Query + Sync>(&mut self, queries: &[Q]) -> Option<Hit> {
-        let mut found = vec![None; self.workers];
-        self.run(queries, &mut found, || None);
+        let mut found = Vec::new();
+        self.run(queries, true, &mut found, || None);
         found.into_iter().flatten().min()
     }
 
@@ -190,62 +209,158 @@ impl Traversal {
         queries: &[Q],
         visit: impl Fn(Hit) -> ControlFlow<()> + Sync,
     ) -> ControlFlow<()> {
-        let mut visitors: Vec<_> = (0..self.workers).map(|_| Visitor(&visit)).collect();
-        let complete = self.run(queries, &mut visitors, || Visitor(&visit));
+        let complete = self.run(queries, false, &mut Vec::new(), || Visitor(&visit));
         if complete { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
     fn collect<Q: Query + Sync, T: Element>(
         &mut self,
         queries: &[Q],
-        sinks: &mut Vec<Vec<T>>,
+        found: &mut Vec<Vec<T>>,
         out: &mut Vec<T>,
     ) {
-        sink::clear(sinks, self.workers);
-        self.run(queries, sinks, Vec::new);
-        self.gather(sinks, out);
-    }
-
-    /// Puts what was found in order.
-    fn gather<T: Element>(&mut self, sinks: &[Vec<T>], out: &mut Vec<T>) {
+        found.truncate(self.workers);
+        found.iter_mut().for_each(Vec::clear);
+        self.run(queries, false, found, Vec::new);
         let clock = Instant::now();
         out.clear();
-        sinks.iter().for_each(|found| out.extend_from_slice(found));
-        if out.len() >= PARALLEL_SORT && self.workers > 1 {
-            in_pool(self.pool.as_deref(), || out.par_sort_unstable());
-        } else {
-            out.sort_unstable();
+        found.iter().for_each(|found| out.extend_from_slice(found));
+        if output::is_worth_threads(out.len(), self.workers) {
+            self.install(|| out.par_sort_unstable());
+        } else if let Some(scratch) = found.first_mut() {
+            output::sort(out, scratch);
         }
         self.report.gather_time = clock.elapsed();
     }
 
-    /// A frame, into one sink per worker; `new_sink` makes more of them for stealing. Returns whether it
-    /// came to the end.
-    fn run<Q: Query + Sync, S: Sink>(
+    /// A frame, into the first of `outputs` and others that are added as needed. Returns whether it came to the end.
+    fn run<Q: Query + Sync, O: Output>(
         &mut self,
         queries: &[Q],
-        sinks: &mut Vec<S>,
-        new_sink: impl Fn() -> S + Send + Sync,
+        only_one_hit: bool,
+        outputs: &mut Vec<O>,
+        new_output: impl Fn() -> O + Send + Sync,
     ) -> bool {
-        let Self { workers, settings, pool, deadline, plan, deal, report, .. } = self;
-        report.reset(settings.triangle_cost);
-        in_pool(pool.as_deref(), || {
-            if settings.schedule == Schedule::Stealing {
-                let clock = Instant::now();
-                let stealing = Stealing { queries, new_sink, stop: AtomicBool::new(false) };
-                let found = stealing.run();
-                sinks.extend(found.sinks);
-                report.shares.push(Share { predicted: 0.0, work: found.work });
-                report.walk_time = clock.elapsed();
-                return !stealing.stop.load(Relaxed);
+        if outputs.is_empty() {
+            outputs.push(new_output());
+        }
+        let mut shares = std::mem::take(&mut self.report.shares);
+        shares.clear();
+        let triangle_cost = self.settings.triangle_cost;
+        self.report = Report { shares, triangle_cost, ..Report::default() };
+        let control = Control::new(self.deadline);
+        let alone = match self.workers {
+            1 => u64::MAX,
+            _ if !only_one_hit && self.expects_much(queries) => 0,
+            _ => ALONE,
+        };
+        self.begin(queries, alone, &control, &mut outputs[0]);
+        let is_whole = alone == 0;
+        if !self.starts.is_empty() && !control.is_over() {
+            match self.settings.schedule {
+                Schedule::Stealing => self.steal(queries, &control, outputs, new_output),
+                _ => self.divide(queries, is_whole, &control, outputs, new_output),
             }
-            report.shares.resize(*workers, Share::default());
-            plan.make(queries, *workers, settings, report);
-            let complete = deal.walk(plan, queries, settings.schedule, *deadline, sinks, report);
-            if complete {
-                plan.remember(deal.costs());
+        }
+        self.report.late = control.was_late();
+        let complete = !control.has_stopped();
+        if complete && !only_one_hit {
+            // Where nothing overlapped, nothing is known.
+            let cost = self.report.cost(self.report.work());
+            self.last_cost = Some(cost).filter(|&cost| cost > 0.0);
+            if !is_whole {
+                // What is left from earlier frames says less than an estimate.
+                self.front.forget();
             }
-            complete
-        })
+        }
+        complete
     }
+
+    /// Whether a frame is worth several threads from the start: as the last one was, or, if there was none, by estimate.
+    fn expects_much<Q: Query>(&self, queries: &[Q]) -> bool {
+        self.last_cost.map_or_else(
+            || {
+                let roots = queries.iter().filter_map(|query| Some((query, query.root()?)));
+                let mut costs = roots.map(|(query, root)| estimate(query, root));
+                let sum = costs.try_fold(0.0, |sum, cost| {
+                    if sum < WORTH_THREADS { Ok(sum + cost) } else { Err(sum) }
+                });
+                sum.map_or(true, |sum| sum >= WORTH_THREADS)
+            },
+            |cost| cost >= WORTH_THREADS,
+        )
+    }
+
+    /// Traverses the queries in turn on the calling thread for `most` tests, and notes what is left.
+    fn begin<Q: Query>(
+        &mut self,
+        queries: &[Q],
+        most: u64,
+        control: &Control,
+        output: &mut impl Output,
+    ) {
+        let clock = Instant::now();
+        self.starts.clear();
+        let mut cursor = Cursor::at(NodePair::default());
+        for (query, number) in queries.iter().zip(0..) {
+            let Some(root) = query.root() else { continue };
+            cursor.restart(root);
+            control.traverse(query, number, &mut cursor, output, most);
+            let left = cursor.hand_over().iter().map(|&pair| Start { query: number, pair });
+            self.starts.extend(left);
+            // At most one leaf pair.
+            control.traverse(query, number, &mut cursor, output, u64::MAX);
+        }
+        self.report.alone = cursor.work();
+        self.report.walk_time = clock.elapsed();
+    }
+
+    /// Divides what is left by a front. Costs are remembered of a front that begins at the roots.
+    fn divide<Q: Query + Sync, O: Output>(
+        &mut self,
+        queries: &[Q],
+        is_whole: bool,
+        control: &Control,
+        outputs: &mut Vec<O>,
+        new_output: impl Fn() -> O,
+    ) {
+        let Self { workers, settings, pool, front, starts, buffers, report, .. } = self;
+        report.shares.resize(*workers, Share::default());
+        let settings = Settings { coherence: settings.coherence && is_whole, ..*settings };
+        front.divide(queries, starts, &settings, report);
+        let clock = Instant::now();
+        let threads = pool
+            .as_ref()
+            .map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads());
+        outputs.resize_with(threads.min(*workers), new_output);
+        let Settings { schedule, triangle_cost, .. } = settings;
+        let frame = Frame { queries, nodes: front.nodes(), schedule, triangle_cost, control };
+        buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares);
+        report.walk_time += clock.elapsed();
+        if is_whole && !control.has_stopped() {
+            front.remember(buffers.costs());
+        }
+    }
+
+    /// Leaves what is left to rayon.
+    fn steal<Q: Query + Sync, O: Output>(
+        &mut self,
+        queries: &[Q],
+        control: &Control,
+        outputs: &mut Vec<O>,
+        new_output: impl Fn() -> O + Send + Sync,
+    ) {
+        let clock = Instant::now();
+        let stealing = Stealing { queries, new_output, control };
+        let found = self.install(|| stealing.run(&self.starts));
+        outputs.extend(found.outputs);
+        self.report.shares.push(Share { predicted: 0.0, work: found.work });
+        self.report.walk_time += clock.elapsed();
+    }
+}
+
+/// How many threads the rayon pool of the calling thread has.
+#[must_use]
+pub fn current_threads() -> usize {
+    rayon::current_num_threads()
 }

@@ -15,7 +15,6 @@ use pfront_core::bvh::{CompactNode, compact};
 use pfront_core::bvtt::*;
 use pfront_core::exact::{orient2d, orient3d};
 use pfront_core::front::*;
-use pfront_core::front::{Load, dearest_first, greedy, p_optimal};
 use pfront_core::one_ring::{CertifyOptions, OneRings};
 use pfront_core::sphere::Sphere;
 use pfront_core::triangle::*;
@@ -39,8 +38,8 @@ struct Slices<'s> {
     moved: &'s mut [Moved],
     history: &'s mut [u32],
     front: &'s mut [FrontNode],
-    past: &'s mut [PastCost],
-    loads: &'s mut [Load],
+    past: &'s mut [CostEntry],
+    loads: &'s mut [Part],
     page: &'s mut [TrianglePair],
     bytes: &'s mut [u8],
 }
@@ -69,15 +68,13 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any((placed.aabb(), PairQuery::new(bvh, bvh, some()?).ok()?));
     let pair: PairQuery<'_> = PairQuery::in_world(placed, some()?).with_accuracy(some()?);
     asked(&pair, slices.page)?;
-    let past = Past::new(slices.past);
-    let mut front = Front::resume(slices.front, some()?);
-    front.start(&pair, some()?, some()?, some()?, past.with_hold(some()?)).ok()?;
-    front.refine(some()?, some()?, some()?, past, |_| &pair);
-    front.refine_below(some()?, some()?, some()?, past, |_| &pair);
-    any((greedy(front.nodes_mut(), slices.loads), p_optimal(front.nodes()), front.found(past)));
-    dearest_first(front.nodes_mut());
-    any(Past::record(slices.past, front.nodes(), |node| node.cost).is_ok());
-    any(Past::renumber(slices.past, |_| some()));
+    let mut front = Front::new(slices.front);
+    front.add(some()?, some()?).ok()?;
+    front.refine(&some()?, CostHistory::new(slices.past), |_| &pair);
+    any((front.nodes().len(), estimate(&pair, some()?)));
+    let nodes = front.partition(slices.loads);
+    any(CostHistory::record(slices.past, nodes, nodes.iter().map(|node| node.cost)).is_ok());
+    any((CostHistory::renumber(slices.past, |_| some()), CostHistory::new(slices.past).cost()));
     let small = compact(mesh, bvh.nodes(), bvh.order(), slices.compact).ok()?;
     any((Bvh::new(mesh, small.nodes(), small.order(), words).ok()?.depth(), small.aabb()));
     asked(&SelfQuery::new(small), slices.page)?;

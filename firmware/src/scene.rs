@@ -14,16 +14,15 @@ pub use mesh::{beads, torus};
 
 use core::ops::ControlFlow::Continue;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
-use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query, TrianglePair};
-use pfront_core::front::{Estimate, Front, FrontNode, Grain, Past, PastCost, Path};
-use pfront_core::front::{Load, greedy};
+use pfront_core::bvtt::{Cursor, PairQuery, Query, TrianglePair};
+use pfront_core::front::{CostEntry, CostHistory, Front, FrontNode, Part, RefineOptions};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use shape::TRIANGLES;
 
 /// How many frames the scene lasts.
 pub const FRAMES: u32 = 8;
 
-/// Workers that a frame is dealt out to.
+/// Workers that a frame is divided among.
 const WORKERS: usize = 2;
 
 /// As many as the tree has; the build says so if they are too few.
@@ -38,24 +37,26 @@ const PAGE: usize = 64;
 /// Tests to a step.
 const BUDGET: u64 = 100;
 
-/// Front nodes in whose place there is enough scratch for a build.
-const SCRATCH: usize = morton_scratch_bound(TRIANGLES) * size_of::<u64>() / size_of::<FrontNode>();
+/// Words of scratch for a build, in whose place the front and the cost history have room.
+const SCRATCH: usize = morton_scratch_bound(TRIANGLES);
+/// Words of the front, and of its cost history.
+const FRONT_WORDS: usize = FRONT * size_of::<FrontNode>() / 8;
+const HISTORY_WORDS: usize = FRONT * size_of::<CostEntry>() / 8;
+const _: () = assert!(FRONT_WORDS + HISTORY_WORDS <= SCRATCH, "too little scratch");
 
 /// All memory of the scene but its stack.
 pub struct Memory {
     nodes: [Node; NODES],
     order: [u32; TRIANGLES],
-    /// Scratch of the build; then the front, and behind it what is remembered of the last frame.
-    front: [FrontNode; SCRATCH],
+    /// Scratch of the build; then the front, and behind it its cost history.
+    scratch: [u64; SCRATCH],
 }
 
 impl Memory {
     /// As a program begins with it: all zero, so that it takes no flash.
     pub const ZERO: Self = {
         let node = Node { min: [0.0; 3], first: 0, max: [0.0; 3], count: 0 };
-        let pair = NodePair { a: 0, b: 0 };
-        let free = FrontNode { pair, path: Path::ROOT, cost: 0.0, query: 0, part: 0, index: 0 };
-        Self { nodes: [node; NODES], order: [0; TRIANGLES], front: [free; SCRATCH] }
+        Self { nodes: [node; NODES], order: [0; TRIANGLES], scratch: [0; SCRATCH] }
     };
 }
 
@@ -90,21 +91,21 @@ pub fn pose(frame: u32) -> Pose {
 /// # Errors
 /// The buffer that is too small, or the step that has failed.
 pub fn play(memory: &mut Memory, mut show: impl FnMut(Pairs, &Line)) -> Result<(), &'static str> {
-    let Memory { nodes, order, front } = memory;
-    let scratch = bytemuck::must_cast_slice_mut(front);
+    let Memory { nodes, order, scratch } = memory;
     let a = build(torus().map_err(|_| "mesh")?, BvhStorage { nodes, order }, scratch)?;
     let b = beads().map_err(|_| "blob")?;
-    let (front, rest) = front.split_at_mut(FRONT);
-    let memory: &mut [PastCost] = bytemuck::must_cast_slice_mut(rest);
+    let (front, rest) = scratch.split_at_mut(FRONT_WORDS);
+    let (history, _) = rest.split_at_mut(HISTORY_WORDS);
+    let front: &mut [FrontNode] = bytemuck::try_cast_slice_mut(front).map_err(|_| "front")?;
+    let history: &mut [CostEntry] = bytemuck::try_cast_slice_mut(history).map_err(|_| "history")?;
     let mut remembered = 0;
     for number in 0..FRAMES {
         let query = PairQuery::new(a, b, pose(number)).map_err(|_| "pose")?;
-        let past = Past::new(memory.get(..remembered).unwrap_or_default());
-        let mut front = divide(&query, front, past)?;
-        let mut pairs = Pairs::default();
-        let work = [0, 1].map(|part| work_through(&query, front.nodes_mut(), part, &mut pairs));
-        remembered = front.nodes().len();
-        Past::record(memory, front.nodes(), |node| node.cost).map_err(|error| error.buffer)?;
+        let last = CostHistory::new(history.get(..remembered).unwrap_or_default());
+        let nodes = divide(&query, front, last)?;
+        let (mut pairs, mut work) = (Pairs::default(), [0; WORKERS]);
+        let costs = nodes.iter().map(|node| work_through(&query, node, &mut work, &mut pairs));
+        remembered = CostHistory::record(history, nodes, costs).map_err(|error| error.buffer)?;
         let line = found(pairs).with(remembered as u32, " nodes of a front, ");
         show(pairs, &line.with(work[0], " + ").with(work[1], " tests\n"));
     }
@@ -130,40 +131,39 @@ fn build<'a>(
     morton(mesh, &BuildOptions::default(), storage, scratch).map_err(|error| error.buffer)
 }
 
-/// The front of a frame, dealt out to the workers.
+/// The front of a frame, assigned to the workers.
 #[inline(never)]
 fn divide<'n>(
     query: &PairQuery<'_>,
     nodes: &'n mut [FrontNode],
-    past: Past<'_>,
-) -> Result<Front<'n>, &'static str> {
-    let (mut front, estimate) = (Front::new(nodes), Estimate::default());
-    front.start(query, 0, 2, estimate, past).map_err(|error| error.buffer)?;
-    front.refine(WORKERS, Grain::default(), estimate, past, |_| query);
-    greedy(front.nodes_mut(), &mut [Load::default(); WORKERS]);
-    Ok(front)
+    last: CostHistory<'_>,
+) -> Result<&'n [FrontNode], &'static str> {
+    let mut front = Front::new(nodes);
+    if let Some(root) = query.root() {
+        front.add(0, root).map_err(|error| error.buffer)?;
+    }
+    front.refine(&RefineOptions::new(WORKERS), last, |_| query);
+    Ok(front.partition(&mut [Part::default(); WORKERS]))
 }
 
-/// Walks from the nodes of one worker, page by page; notes what each costs, and returns the sum.
+/// Traverses from a node, page by page; adds what it costs to the work of its worker, and returns it.
 #[inline(never)]
 fn work_through(
     query: &PairQuery<'_>,
-    nodes: &mut [FrontNode],
-    part: u32,
+    node: &FrontNode,
+    work: &mut [u32; WORKERS],
     pairs: &mut Pairs,
-) -> u32 {
+) -> f32 {
     let mut page = [TrianglePair::default(); PAGE];
-    let mut cursor = Cursor::at(NodePair::default());
-    for node in nodes.iter_mut().filter(|node| node.part == part) {
-        let before = tests(&cursor);
-        cursor.restart(node.pair);
-        while !cursor.is_done() {
-            let len = query.page(&mut cursor, &mut page);
-            page.iter().take(len).for_each(|&pair| pairs.add(pair));
-        }
-        node.cost = (tests(&cursor) - before) as f32;
+    let mut cursor = Cursor::at(node.pair);
+    while !cursor.is_done() {
+        let len = query.page(&mut cursor, &mut page);
+        page.iter().take(len).for_each(|&pair| pairs.add(pair));
     }
-    tests(&cursor)
+    if let Some(sum) = work.get_mut(node.part as usize) {
+        *sum += tests(&cursor);
+    }
+    tests(&cursor) as f32
 }
 
 /// The pairs of a whole query in steps, how many there were and how long the longest.

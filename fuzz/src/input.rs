@@ -251,7 +251,7 @@ pub struct Crew {
     workers: u8,
     schedule: u8,
     coherence: bool,
-    most_nodes: Option<u8>,
+    max_nodes: Option<u8>,
 }
 
 impl Crew {
@@ -262,8 +262,8 @@ impl Crew {
             coherence: self.coherence,
             ..Settings::default()
         };
-        if let Some(most) = self.most_nodes {
-            settings.most_nodes = most.into();
+        if let Some(most) = self.max_nodes {
+            settings.max_nodes = most.into();
         }
         Traversal::new(usize::from(self.workers % 65)).with_settings(settings)
     }

@@ -2,7 +2,7 @@
 
 use crate::planner::TRIANGLE_COST;
 use pfront_core::bvtt::{Cursor, Query, TrianglePair, Work};
-use pfront_core::front::Estimate;
+use pfront_core::front::estimate;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -84,8 +84,7 @@ pub(crate) fn alone<N: Copy, Q: Query>(
 /// What is left of a query, by its boxes. What waited longest is largest by far: all else is part of what was
 /// its like.
 fn rest(query: &impl Query, cursor: &Cursor) -> f64 {
-    let estimate = Estimate::default();
-    cursor.pending().iter().take(LARGEST).map(|n| estimate.cost(query, *n)).sum()
+    cursor.pending().iter().take(LARGEST).map(|n| estimate(query, *n)).sum()
 }
 
 /// As one figure, in box tests.

@@ -3,7 +3,7 @@
 use crate::model::Stamp;
 use crate::{Accuracy, Adjacency, Error, Model, Pose, core};
 use pfront_core::bvtt::Query;
-use pfront_core::front::Estimate;
+use pfront_core::front::estimate;
 
 /// What a mesh that hardly meets itself costs for each triangle, in box tests: its neighbours.
 const PER_TRIANGLE: f64 = 40.0;
@@ -94,7 +94,7 @@ impl Question for OfTwo<'_> {
 
     fn size(&self) -> Option<f64> {
         // Boxes shrink and grow as bodies turn, which costs nothing: that is half believed.
-        self.query.root().map(|root| Estimate::default().cost(&self.query, root).sqrt())
+        self.query.root().map(|root| estimate(&self.query, root).sqrt())
     }
 
     fn unmade(&self) -> f64 {

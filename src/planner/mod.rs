@@ -63,7 +63,7 @@ const _: () = assert!(TRIANGLE_COST == crate::threads::TRIANGLE_COST, "threads c
 
 /// Bytes that threads take for a node of a front, for the least front that is worth while, and for each pair
 /// before all are gathered, with room to grow.
-const NODE: usize = 48;
+const NODE: usize = 64;
 const FRONT: usize = 2 * 64 * NODE;
 const LISTED: usize = 16;
 /// A refit takes so many nanoseconds a triangle on one thread, ...
@@ -189,8 +189,8 @@ impl Planner {
         let traversal = self.0.traversal.clone();
         let traversal = traversal.unwrap_or_else(|| Traversal::new(workers as usize));
         let Some(memory) = self.0.limits.memory else { return traversal };
-        let most = traversal.settings().most_nodes.min(memory / 2 / NODE);
-        let settings = Settings { most_nodes: most, ..*traversal.settings() };
+        let max_nodes = traversal.settings().max_nodes.min(memory / 2 / NODE);
+        let settings = Settings { max_nodes, ..*traversal.settings() };
         traversal.with_settings(settings)
     }
 

@@ -7,8 +7,9 @@ use crate::engine::{objects, update};
 use crate::output::{Draft, out};
 use crate::recording::Recording;
 use anyhow::{Context, Result};
-use pfront::threads::{Reference, Report, Schedule, Settings, Share, Traversal};
+use pfront::threads::{Report, Schedule, Settings, Share, Traversal};
 use pfront_study::engine::On;
+use pfront_study::stability::Reference;
 use std::io::{self, Write};
 
 /// The frames of one scene under one number of workers.
@@ -94,17 +95,17 @@ impl Figures for Report {
 
     fn speed_up(&self) -> f64 {
         let costs = self.shares.iter().map(|share| self.cost(share.work));
-        let busiest = costs.fold(0.0, f64::max) + self.front_box_tests as f64;
+        let busiest = costs.fold(0.0, f64::max) + self.front.box_tests as f64;
         if busiest > 0.0 { self.total() / busiest } else { 1.0 }
     }
 
     fn front_work(&self) -> f64 {
-        let front = self.front_box_tests as f64;
+        let front = self.front.box_tests as f64;
         if front > 0.0 { front / (front + self.total()) } else { 0.0 }
     }
 
     fn front_time(&self) -> f64 {
-        let front = milliseconds(self.front_time + self.partition_time);
+        let front = milliseconds(self.front_time);
         let all = front + milliseconds(self.walk_time + self.gather_time);
         if all > 0.0 { front / all } else { 0.0 }
     }
@@ -163,10 +164,8 @@ fn lines(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
     )?;
     for Series { triangles, workers, frames, .. } in all {
         for (i, report) in frames.iter().enumerate() {
-            let (work, [front, walk]) = (
-                report.work(),
-                [report.front_time + report.partition_time, report.walk_time].map(milliseconds),
-            );
+            let (work, [front, walk]) =
+                (report.work(), [report.front_time, report.walk_time].map(milliseconds));
             writeln!(
                 out,
                 "{triangles},{workers},{i},{},{},{:.4},{:.3},{},{},{},{front:.4},{walk:.4},{:.4},{},{}",
@@ -176,10 +175,10 @@ fn lines(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
                 report.speed_up(),
                 report.nodes,
                 report.front_bytes,
-                report.front_box_tests,
+                report.front.box_tests,
                 report.error(),
-                u8::from(report.coherent),
-                report.p_optimal
+                u8::from(report.front.coherent),
+                report.front.p_optimal
             )?;
         }
     }

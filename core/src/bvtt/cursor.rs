@@ -115,6 +115,19 @@ impl Cursor {
         self.stack.get(..self.len).unwrap_or_default()
     }
 
+    /// Takes out the pending node pairs below which nothing has been visited, for others to go on from. What is left to
+    /// this cursor is the leaf pair in which the last step ended, if it did not end between two nodes.
+    pub fn hand_over(&mut self) -> &[NodePair] {
+        let pending = self.stack.get_mut(..self.len).unwrap_or_default();
+        self.len = usize::from(self.progress.skip != 0);
+        if self.len == 1
+            && let [first, .., last] = &mut *pending
+        {
+            core::mem::swap(first, last);
+        }
+        pending.get(self.len..).unwrap_or_default()
+    }
+
     /// What the walk has done so far.
     #[must_use]
     pub fn work(&self) -> Work {

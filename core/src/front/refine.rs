@@ -1,230 +1,246 @@
-//! Algorithm 2: refining a front until its nodes are small enough to be dealt out evenly.
+//! Algorithm 2: refining a front until its nodes are small enough to be assigned evenly.
+//!
+//! [`Front::split`] is the one loop. It needs no memory but that of the front: nodes that it has yet to look at wait at
+//! the end of the slice, as a stack whose top is its first node, and those that it has looked at are at the beginning.
+//! Both are in depth-first order, and children take the place of their parent.
 
-use super::estimate::{reprice, split};
-use super::{Estimate, Front, FrontNode, Past, Path};
+use super::estimate::{TESTS_PER_TRIANGLE, costs_of_children, triangles_in_overlap};
+use super::{CostHistory, Front, FrontNode, Path};
 use crate::Aabb;
 use crate::bvtt::{NodePair, Query};
+use crate::index::{at, at_mut, range};
 
-/// How small the nodes of a front must be: the g of eq. 1, in nodes per worker. No node that can be
-/// split costs more than 1/g of what a worker gets.
+/// The starting front is the first level of the BVTT with this many overlapping nodes, or the last.
+pub const STARTING_NODES: usize = 32;
+
+/// The least share of the last frame's cost that must lie in nodes that overlap again for its costs to be used.
+const COHERENT: f64 = 0.5;
+
+/// Below this cost no node is split: a split takes about as long as 20 box tests.
+pub(super) const WORTH_SPLITTING: f64 = 64.0;
+
+/// A node that the last frame split is split again if it costs more than this share of the bound.
+const HYSTERESIS: f64 = 0.5;
+
+/// How small the nodes of a front must be: no node that can be split costs more than 1/g of what a worker gets on
+/// average (eq. 1; eq. 5 where a front serves many queries). The paper has one g, and uses 2.
 ///
-/// The paper has one g, and uses 2. Costs that were measured in the last frame can be relied on node by
-/// node. Estimates cannot: on random poses of two bunnies the standard deviation of true over
-/// estimated cost is 1.2 to 1.8, and many nodes must make up for it.
-///
-/// A g of 0 asks for nothing, an infinite one for nodes as small as are worth it: see [`Grain::sound`].
+/// A g of 0 asks for nothing, an infinite one for nodes as small as are worth it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grain {
-    /// g where the cost of a node was measured.
-    pub measured: f64,
-    /// g where it is an estimate.
-    pub estimated: f64,
+pub struct RefineOptions {
+    /// p. With 1 the front stays as it was added.
+    pub workers: usize,
+    /// g where the last frame measured what a node costs.
+    pub g: f64,
+    /// g where the cost is an estimate, whose errors only a larger number of nodes averages out.
+    pub g_estimated: f64,
 }
 
-impl Default for Grain {
-    fn default() -> Self {
-        Self { measured: 8.0, estimated: 48.0 }
-    }
-}
-
-impl Grain {
-    /// The same g for all nodes, as in the paper.
+impl RefineOptions {
+    /// For p = `workers`, with a g of 8 where costs were measured and of 48 where they are estimates.
     #[must_use]
-    pub const fn uniform(g: f64) -> Self {
-        Self { measured: g, estimated: g }
-    }
-
-    /// The grain with which a predicted makespan is at most (1 + ε)·W/p, up to leaf pairs and nodes too
-    /// small to be split; see [`crate::front::partition`].
-    #[must_use]
-    pub const fn epsilon(epsilon: f64) -> Self {
-        Self::uniform(1.0 / epsilon)
-    }
-
-    /// What is made of any two numbers: less than 0 or none at all is 0, and no g is more than the
-    /// number of nodes that there can be.
-    #[must_use]
-    pub const fn sound(self) -> Self {
-        const MOST: f64 = u32::MAX as f64;
-        let Self { measured, estimated } = self;
-        Self { measured: measured.max(0.0).min(MOST), estimated: estimated.max(0.0).min(MOST) }
+    pub const fn new(workers: usize) -> Self {
+        Self { workers, g: 8.0, g_estimated: 48.0 }
     }
 }
 
-/// Below this cost no node is split: a split takes about as long as 20 box tests (0.25 µs).
-pub(super) const WORTH_SPLITTING: f32 = 64.0;
+/// How a refinement went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrontReport {
+    /// Nodes of the starting front, N_s.
+    pub starting_nodes: usize,
+    /// The share of the cost history that lies in nodes that overlap again, 0 to 1.
+    pub coherence: f64,
+    /// Whether it was enough for the history to be used.
+    pub coherent: bool,
+    /// How many workers can help, eq. 6 of the paper: the cost of the starting front over that of its dearest node,
+    /// rounded up. At least 1.
+    pub p_optimal: u32,
+    /// The certificate: the predicted makespan of [`Front::partition`] is at most (1 + ε)·W/p, where W is the cost of the
+    /// front. At most 1/g, unless the front is full, or leaf pairs and nodes not worth a split prevent it.
+    pub epsilon: f64,
+    /// Whether some node is coarser than asked for, as the memory of the front is used up.
+    pub full: bool,
+    /// Box tests spent on the front, which are part of the work of the frame.
+    pub box_tests: u64,
+}
 
 impl Front<'_> {
-    /// Algorithm 2: replaces nodes by their overlapping children, down to leaf pairs, until each costs
-    /// less than ΣF/(g·p) for `workers` = p (eq. 1; eq. 5 when the front serves many queries). `query`
-    /// finds a query, or a reference to one, by its number.
-    ///
-    /// Children cost what they did in the last frame. Where that tells nothing, they share the measured
-    /// cost of their parent by α·V (eq. 2), or, if it is itself an estimate, are estimated anew.
+    /// Refines a front as [`RefineOptions`] say. `query` finds a query, or a reference to one, by its number.
     ///
     /// # Complexity
-    /// O(nodes added), one box test each at most, and a pass over the front for each time that new
-    /// estimates have lowered the sum so far that more nodes exceed the bound.
+    /// O(nodes added), one box test each at most, and a pass over the front for each time that new estimates have
+    /// lowered the sum so far that more nodes exceed the bound.
     pub fn refine<Q: Query>(
         &mut self,
-        workers: usize,
-        grain: Grain,
-        estimate: Estimate,
-        past: Past<'_>,
+        options: &RefineOptions,
+        history: CostHistory<'_>,
         query: impl Fn(u32) -> Q,
-    ) {
-        let mean = |front: &Self| front.cost() / workers.max(1) as f64;
-        let mut share = mean(self);
-        while self.refine_below(share, grain, estimate, past, &query) && !self.full {
-            share = mean(self);
+    ) -> FrontReport {
+        let several = options.workers > 1;
+        if several {
+            self.descend(&query);
+        }
+        let (found, cost) = (history.cost_found_in(self.nodes()), history.cost());
+        let coherence = if cost > 0.0 { found / cost } else { 0.0 };
+        let coherent = coherence >= COHERENT;
+        let history = if coherent { history } else { CostHistory::default() };
+        self.set_costs(history, &query);
+        let (starting_nodes, ratio) = (self.len, self.cost() / self.dearest());
+        let p_optimal = (ratio as u32).max(1);
+        let p_optimal = p_optimal + u32::from(f64::from(p_optimal) < ratio);
+        while several && self.split_above(options, history, &query) && !self.full {}
+        let mean = self.cost() / options.workers.max(1) as f64;
+        FrontReport {
+            starting_nodes,
+            coherence,
+            coherent,
+            p_optimal,
+            epsilon: if mean > 0.0 { self.dearest() / mean } else { 0.0 },
+            full: self.full,
+            box_tests: self.box_tests,
         }
     }
 
-    /// One pass, in which `share` is the ΣF/p that the bound derives from; for the parts of a front,
-    /// which must go by the sum of the whole. Returns whether any node was split.
-    pub fn refine_below<Q: Query>(
-        &mut self,
-        share: f64,
-        grain: Grain,
-        estimate: Estimate,
-        past: Past<'_>,
-        query: impl Fn(u32) -> Q,
-    ) -> bool {
-        let Grain { measured, estimated } = grain.sound();
-        let bounds = [estimated, measured].map(|g| ((share / g) as f32).max(WORTH_SPLITTING));
-        let exceeds = |at: &Step<'_>| {
-            let bound = bounds[usize::from(!at.past.is_empty())];
-            let again = at.past.goes_below(at.node.path);
-            let least = if again { past.hold() * bound } else { bound };
-            let mut cost = at.node.cost;
-            if again && cost < least {
-                cost += at.past.spent_above(at.node.path);
-            }
-            cost >= least && at.node.path.level() < Path::MAX_LEVEL
-        };
-        let mut rest = past;
-        let mut step = |node: FrontNode| Step { node, past: rest.advance(node.query, node.path) };
-        // Few passes but the first have much to do, and the last has nothing.
-        let Some(first) = self.nodes().iter().position(|&node| exceeds(&step(node))) else {
-            return false;
-        };
-        // From there on the front moves to the end of the slice and is read from there, so that what
-        // is written in its place stays in depth-first order.
-        let (count, capacity) = (core::mem::replace(&mut self.len, first), self.nodes.len());
-        for from in (first..count).rev() {
-            let node = self.nodes.get(from).copied().unwrap_or_default();
-            if let Some(to) = self.nodes.get_mut(capacity - (count - from)) {
-                *to = node;
+    fn dearest(&self) -> f64 {
+        self.nodes().iter().fold(0.0, |most, node| most.max(node.cost.into()))
+    }
+
+    /// Descends level by level to the starting front.
+    fn descend<Q: Query>(&mut self, query: &impl Fn(u32) -> Q) {
+        for depth in 1..=Path::MAX_LEVEL {
+            let above = |node: &FrontNode, _: CostHistory<'_>| node.path.level() < depth;
+            if self.len >= STARTING_NODES || !self.split(CostHistory::default(), query, above) {
+                break;
             }
         }
-        let tests_before = self.box_tests;
-        let mut descent = Descent::new();
-        let mut rest = past;
-        for read in capacity - (count - first)..capacity {
-            let node = self.nodes.get(read).copied().unwrap_or_default();
-            let whole = Step { node, past: rest.advance(node.query, node.path) };
-            if !exceeds(&whole) {
-                self.push(node);
-                continue;
+    }
+
+    /// Sets the costs of a starting front: those of the last frame, and by overlap what it did not have, on the scale
+    /// of what it had.
+    fn set_costs<Q: Query>(&mut self, history: CostHistory<'_>, query: &impl Fn(u32) -> Q) {
+        let mut rest = history;
+        for node in self.nodes_mut() {
+            node.cost = rest.advance(node).cost() as f32;
+        }
+        let weight = |node: &FrontNode| triangles_in_overlap(&query(node.query), node.pair);
+        let is_known = |node: &FrontNode| node.cost > 0.0;
+        if !self.nodes().iter().all(is_known) {
+            let known = || self.nodes().iter().filter(|node| is_known(node));
+            let cost: f64 = known().map(|node| f64::from(node.cost)).sum();
+            let weights: f64 = known().map(weight).sum();
+            let alpha = if weights > 0.0 { cost / weights } else { TESTS_PER_TRIANGLE };
+            for node in self.nodes_mut().iter_mut().filter(|node| !is_known(node)) {
+                node.cost = (alpha * weight(node)) as f32;
             }
-            let asked = query(node.query);
-            descent.restart(whole);
-            while let Some(at) = descent.pop() {
-                let measured = !at.past.is_empty();
-                let wanted = exceeds(&at);
-                let room = self.len + descent.waiting() + 4 <= read + 1;
-                let price = |children: &[[Aabb; 2]]| {
-                    let price = if measured { split } else { reprice };
-                    price(&asked, estimate, at.node, children)
-                };
-                let tests = if wanted && room { open(&asked, &at, &mut descent, price) } else { 0 };
-                self.box_tests += u64::from(tests);
-                if tests == 0 {
-                    self.full |= wanted && !room;
-                    self.push(at.node);
+        }
+        for node in self.nodes_mut() {
+            // Without any overlap to go by, all are alike.
+            node.cost = if node.cost.is_finite() { node.cost.max(1.0) } else { 1.0 };
+        }
+    }
+
+    /// Splits all nodes that exceed the bound which the present sum gives. Returns whether there were any.
+    fn split_above<Q: Query>(
+        &mut self,
+        options: &RefineOptions,
+        history: CostHistory<'_>,
+        query: &impl Fn(u32) -> Q,
+    ) -> bool {
+        let share = self.cost() / options.workers as f64;
+        // A g that is negative or NaN asks for nothing, like 0.
+        let bound = |g: f64| (share / g.max(0.0)).max(WORTH_SPLITTING);
+        let [estimated, measured] = [options.g_estimated, options.g].map(bound);
+        self.split(history, query, |node, history| {
+            let bound = if history.is_empty() { estimated } else { measured };
+            let hold = if history.has_split(node) { HYSTERESIS } else { 1.0 };
+            f64::from(node.cost) >= hold * bound
+        })
+    }
+
+    /// Replaces nodes by their overlapping children for as long as there is one that `exceeds`, which is told its part of
+    /// the history too, or until memory is used up. Leaf pairs stay. Returns whether any node was split.
+    fn split<Q: Query>(
+        &mut self,
+        history: CostHistory<'_>,
+        query: &impl Fn(u32) -> Q,
+        exceeds: impl Fn(&FrontNode, CostHistory<'_>) -> bool,
+    ) -> bool {
+        let mut rest = history;
+        let is_first = |node: &FrontNode| exceeds(node, rest.advance(node));
+        let Some(first) = self.nodes().iter().position(is_first) else { return false };
+        let (end, tests_before) = (self.nodes.len(), self.box_tests);
+        let mut waiting = end - (self.len - first);
+        for index in (first..self.len).rev() {
+            let node = *at(self.nodes, index);
+            *at_mut(self.nodes, index + end - self.len) = node;
+        }
+        self.len = first;
+        let mut rest = history;
+        while waiting < end {
+            let node = *at(self.nodes, waiting);
+            waiting += 1;
+            let history = rest.advance(&node);
+            if exceeds(&node, history) {
+                if waiting - self.len >= 4 {
+                    let mut children = Children::new();
+                    let tests = children.of(&query(node.query), &node, history);
+                    self.box_tests += u64::from(tests);
+                    if tests > 0 {
+                        waiting -= children.nodes().len();
+                        for (child, index) in children.nodes().iter().zip(waiting..) {
+                            *at_mut(self.nodes, index) = *child;
+                        }
+                        continue;
+                    }
+                } else {
+                    self.full = true;
                 }
             }
+            self.push(node);
         }
         self.box_tests > tests_before
     }
 }
 
-/// Puts the overlapping children of a node in its place and returns the number of box tests, 0 for a leaf
-/// pair, which stays. `price` costs children that the last frame did not tell apart.
-pub(super) fn open<'p>(
-    query: &impl Query,
-    at: &Step<'p>,
-    descent: &mut Descent<'p>,
-    price: impl Fn(&[[Aabb; 2]]) -> [f32; 4],
-) -> u32 {
-    let (mut pairs, mut boxes) = ([NodePair::default(); 4], [[Aabb::EMPTY; 2]; 4]);
-    let mut count = 0;
-    let tests = query.children(at.node.pair, &mut |pair, both| {
-        (pairs[count % 4], boxes[count % 4]) = (pair, both);
-        count += 1;
-    });
-    let boxes = boxes.get(..count).unwrap_or_default();
-    let mut rest = if at.past.goes_below(at.node.path) { at.past } else { Past::NOTHING };
-    let mut costs = None;
-    // Last first, so that they come off the stack in the order of their paths.
-    for (i, step) in descent.grow(count).iter_mut().rev().enumerate() {
-        let pair = pairs[i % 4];
-        let path = at.node.path.child(child_number(pair));
-        let past = rest.advance(at.node.query, path);
-        let cost = if past.is_empty() {
-            costs.get_or_insert_with(|| price(boxes))[i % 4]
-        } else {
-            past.cost() as f32
-        };
-        *step = Step { node: FrontNode { pair, path, cost: cost.max(1.0), ..at.node }, past };
-    }
-    tests
-}
-
-/// Which child a node pair is: siblings of a BVH are adjacent at an even and an odd index. Children come
-/// in the order of these numbers.
-fn child_number(pair: NodePair) -> u32 {
-    (pair.a & 1) << 1 | (pair.b & 1)
-}
-
-/// A node to be looked at, and what the last frame knew below it.
-#[derive(Clone, Copy)]
-pub(super) struct Step<'p> {
-    pub(super) node: FrontNode,
-    pub(super) past: Past<'p>,
-}
-
-/// A depth-first descent from one node.
-pub(super) struct Descent<'p> {
-    /// Each of at most [`Path::MAX_LEVEL`] levels leaves at most three siblings waiting.
-    stack: [Step<'p>; 3 * Path::MAX_LEVEL as usize + 1],
+/// The overlapping children of a node: at most four.
+struct Children {
+    nodes: [FrontNode; 4],
     len: usize,
 }
 
-impl<'p> Descent<'p> {
-    pub(super) fn new() -> Self {
-        let nothing = Step { node: FrontNode::default(), past: Past::NOTHING };
-        Self { stack: [nothing; 3 * Path::MAX_LEVEL as usize + 1], len: 0 }
+impl Children {
+    fn new() -> Self {
+        Self { nodes: [FrontNode::default(); 4], len: 0 }
     }
 
-    pub(super) fn restart(&mut self, from: Step<'p>) {
-        self.stack[0] = from;
-        self.len = 1;
+    fn nodes(&self) -> &[FrontNode] {
+        range(&self.nodes, 0, self.len as u32)
     }
 
-    pub(super) fn waiting(&self) -> usize {
-        self.len
+    /// Finds the children of `parent`, in the order of their paths; returns the number of box tests, 0 for a leaf pair.
+    fn of(&mut self, query: &impl Query, parent: &FrontNode, history: CostHistory<'_>) -> u32 {
+        let mut boxes = [[Aabb::EMPTY; 2]; 4];
+        let tests = query.children(parent.pair, &mut |pair, both| {
+            let place = self.len % 4;
+            self.nodes[place] =
+                FrontNode { pair, path: parent.path.child(child_number(pair)), ..*parent };
+            boxes[place] = both;
+            self.len += 1;
+        });
+        let boxes = range(&boxes, 0, self.len as u32);
+        let costs = costs_of_children(query, parent, !history.is_empty(), boxes);
+        let mut rest = if history.has_split(parent) { history } else { CostHistory::default() };
+        for (child, cost) in self.nodes.iter_mut().zip(costs).take(self.len) {
+            let known = rest.advance(child).cost() as f32;
+            child.cost = if known > 0.0 { known } else { cost }.max(1.0);
+        }
+        tests
     }
+}
 
-    pub(super) fn pop(&mut self) -> Option<Step<'p>> {
-        self.len = self.len.checked_sub(1)?;
-        self.stack.get(self.len).copied()
-    }
-
-    /// Room for `count` more.
-    fn grow(&mut self, count: usize) -> &mut [Step<'p>] {
-        let free = self.stack.get_mut(self.len..).unwrap_or_default();
-        self.len += count;
-        free.get_mut(..count).unwrap_or_default()
-    }
+/// The number of a child: siblings of a BVH are adjacent at an even and an odd index. Children come in the order of these
+/// numbers.
+fn child_number(pair: NodePair) -> u32 {
+    (pair.a & 1) << 1 | (pair.b & 1)
 }

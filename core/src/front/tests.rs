@@ -4,10 +4,8 @@ extern crate std;
 
 use super::*;
 use crate::bvh::{self, BuildOptions, BvhStorage};
-use crate::bvtt::{Cursor, PairQuery, SelfQuery, TrianglePair};
-use crate::front::partition::{Load, greedy};
+use crate::bvtt::{Cursor, PairQuery, Query, SelfQuery, TrianglePair};
 use crate::{Bvh, Mesh, Node, Pose};
-use core::cell::RefCell;
 use core::ops::ControlFlow;
 use std::vec;
 use std::vec::Vec;
@@ -15,12 +13,68 @@ use std::vec::Vec;
 /// More than any front here has.
 const CAPACITY: usize = if cfg!(miri) { 1 << 8 } else { 1 << 16 };
 
-const ESTIMATES: [Estimate; 4] = [
-    Estimate { extent: Extent::Volume, alpha: Alpha::Density },
-    Estimate { extent: Extent::Volume, alpha: Alpha::Constant },
-    Estimate { extent: Extent::Penetration, alpha: Alpha::Density },
-    Estimate { extent: Extent::Penetration, alpha: Alpha::Constant },
-];
+impl Front<'_> {
+    /// Checks that the nodes are numbered in order, sorted by query and path, pairwise disjoint as far as paths tell, and
+    /// have finite costs of at least 1.
+    fn assert_well_formed(&self) {
+        for (i, node) in self.nodes().iter().enumerate() {
+            assert_eq!(node.index as usize, i);
+            assert!(node.cost >= 1.0 && node.cost.is_finite(), "node {i} costs {}", node.cost);
+        }
+        for two in self.nodes().windows(2) {
+            let [x, y] = [two[0], two[1]];
+            let is_before = x.query < y.query || x.query == y.query && x.path.last() < y.path;
+            let is_deep = x.path == y.path && x.path.level() == Path::MAX_LEVEL && x.pair != y.pair;
+            assert!(is_before || is_deep, "{x:?} {y:?}");
+        }
+    }
+}
+
+/// Frames that remember.
+struct Frames {
+    memory: Vec<CostEntry>,
+    remembered: usize,
+    capacity: usize,
+}
+
+impl Frames {
+    fn new(capacity: usize) -> Self {
+        Self { memory: vec![CostEntry::default(); capacity], remembered: 0, capacity }
+    }
+
+    /// A frame of some queries. Checks that the front is well formed, and that each query finds what it does alone.
+    fn frame<Q: Query>(&mut self, queries: &[Q], options: RefineOptions) -> FrontReport {
+        let mut nodes = vec![FrontNode::default(); self.capacity];
+        let mut front = Front::new(&mut nodes);
+        for (query, number) in queries.iter().zip(0..) {
+            query.root().into_iter().for_each(|root| front.add(number, root).unwrap());
+        }
+        let history = CostHistory::new(&self.memory[..self.remembered]);
+        let report = front.refine(&options, history, |n| &queries[n as usize]);
+        front.assert_well_formed();
+        let cost = front.cost();
+        let mut parts = vec![Part::default(); options.workers];
+        let nodes = front.partition(&mut parts);
+        let makespan = parts.iter().fold(0.0, |most, part| f64::max(most, part.cost));
+        let bound = (1.0 + report.epsilon) * cost / options.workers as f64;
+        assert!(makespan <= bound * 1.000_001, "{makespan} {bound} {report:?}");
+        let mut found: Vec<_> = queries.iter().map(|_| Vec::new()).collect();
+        let mut costs = Vec::new();
+        for node in nodes {
+            let number = node.query as usize;
+            costs.push(traverse(&queries[number], node.pair, &mut found[number]));
+        }
+        for (query, found) in queries.iter().zip(found) {
+            assert!(sorted(found) == pairs(query, query.root()));
+        }
+        self.remembered = CostHistory::record(&mut self.memory, nodes, costs).unwrap();
+        report
+    }
+}
+
+const fn options(workers: usize, g: f64) -> RefineOptions {
+    RefineOptions { workers, g, g_estimated: g }
+}
 
 #[test]
 fn any_front_is_a_whole_cut() {
@@ -32,91 +86,68 @@ fn any_front_is_a_whole_cut() {
         if cfg!(miri) { (3..4, &[30][..]) } else { (1..40, &[64, 100, 1000, CAPACITY][..]) };
     for capacity in few.chain(many.iter().copied()) {
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let depth = random >> 8 & 7;
-        let grain = Grain { measured: f64::from(random >> 12 & 15), estimated: 9.0 };
-        let estimate = ESTIMATES[(random >> 20 & 3) as usize];
-        cut(&pair, capacity, depth, grain, estimate);
-        cut(&itself, capacity, depth, grain, estimate);
-    }
-}
-
-/// Two frames, the second with the costs of the first: same pairs as the whole walk.
-fn cut(query: &impl Query, capacity: usize, depth: u32, grain: Grain, estimate: Estimate) {
-    let whole = pairs(query, query.root());
-    let mut memory = vec![PastCost::default(); capacity];
-    let mut remembered = 0;
-    for _ in 0..2 {
-        let mut nodes = vec![FrontNode::default(); capacity];
-        let past = Past::new(&memory[..remembered]);
-        let mut front = Front::new(&mut nodes);
-        front.start(query, 0, depth, estimate, past).unwrap();
-        front.assert_well_formed();
-        front.refine(5, grain, estimate, past, |_| query);
-        front.assert_well_formed();
-        let found = RefCell::new(Vec::new());
-        let walked = |node: &FrontNode| walk(query, node.pair, &mut found.borrow_mut());
-        Past::record(&mut memory, front.nodes(), walked).unwrap();
-        assert_eq!(sorted(found.into_inner()), whole);
-        remembered = front.nodes().len();
+        let options = RefineOptions { g: f64::from(random >> 12 & 15), ..RefineOptions::new(5) };
+        let [mut of_two, mut of_one] = [Frames::new(capacity), Frames::new(capacity)];
+        for _ in 0..2 {
+            of_two.frame(&[pair], options);
+            of_one.frame(&[itself], options);
+        }
     }
 }
 
 #[test]
 fn a_front_without_room_for_a_root_is_refused() {
     let body = Body::sheet(4, |_, _| 0.0);
-    let query = SelfQuery::new(body.bvh());
+    let root = SelfQuery::new(body.bvh()).root().unwrap();
     let mut nodes = [FrontNode::default(); 1];
     let mut front = Front::new(&mut nodes);
-    let mut start = |n| front.start(&query, n, 3, Estimate::default(), Past::NOTHING);
-    assert_eq!(start(0), Ok(()));
+    assert_eq!(front.add(0, root), Ok(()));
     let error = CapacityError { buffer: "front", needed: 2, capacity: 1 };
-    assert_eq!(start(1), Err(error));
+    assert_eq!(front.add(1, root), Err(error));
 }
 
 #[test]
 fn one_front_serves_many_queries() {
     let body = Body::sheet(if cfg!(miri) { 2 } else { 16 }, |x, y| x * y);
-    let queries: Vec<_> = [0.0, 9.0, 0.2, 0.4]
-        .map(|z| PairQuery::new(body.bvh(), body.bvh(), tilt(z)).unwrap())
-        .into();
-    let mut nodes = vec![FrontNode::default(); 5000];
-    let mut front = Front::new(&mut nodes);
-    for (query, number) in queries.iter().zip(0..) {
-        front.start(query, number, 2, Estimate::default(), Past::NOTHING).unwrap();
-    }
-    let grain = Grain::default();
-    front.refine(4, grain, Estimate::default(), Past::NOTHING, |n| &queries[n as usize]);
-    front.assert_well_formed();
-    for (query, number) in queries.iter().zip(0..) {
-        let own = front.nodes().iter().filter(|n| n.query == number).map(|n| n.pair);
-        assert_eq!(pairs(query, own), pairs(query, query.root()));
+    let query = |z| PairQuery::new(body.bvh(), body.bvh(), tilt(z)).unwrap();
+    let queries = [0.0, 9.0, 0.2, 0.4].map(query);
+    for capacity in [4, 7, 5000] {
+        let mut frames = Frames::new(capacity);
+        frames.frame(&queries, RefineOptions::new(4));
+        assert!(frames.frame(&queries, RefineOptions::new(4)).coherent);
+        // The second has no node, the first is gone, and the others have changed places.
+        let numbers = [None, None, Some(1), Some(0)];
+        let entries = &mut frames.memory[..frames.remembered];
+        frames.remembered = CostHistory::renumber(entries, |old| numbers[old as usize]);
+        let report = frames.frame(&[queries[3], queries[2]], RefineOptions::new(4));
+        assert!(report.coherence > 0.9 || cfg!(miri), "{report:?}");
     }
 }
 
-/// Where there is enough to do for all to be split that costs more, every node costs less than ε·W/p,
-/// and greedy stays within (1 + ε)·W/p.
+/// Where there is enough to do for all to be split that costs more, every node costs less than ε·W/p.
 #[test]
 fn epsilon_bounds_the_predicted_makespan() {
     let body = Body::bumpy(120);
     let query = PairQuery::new(body.bvh(), body.bvh(), tilt(0.1)).unwrap();
     for (epsilon, workers) in [(1.0, 2), (0.5, 7), (0.2, 16), (0.1, 3)] {
-        for estimate in ESTIMATES.into_iter().step_by(if cfg!(miri) { 3 } else { 1 }) {
-            let mut nodes = vec![FrontNode::default(); CAPACITY];
-            let mut front = Front::new(&mut nodes);
-            front.start(&query, 0, 3, estimate, Past::NOTHING).unwrap();
-            let grain = Grain::epsilon(epsilon);
-            front.refine(workers, grain, estimate, Past::NOTHING, |_| &query);
-            assert!(!front.is_full());
-            let mean = front.cost() / workers as f64;
-            let bound = epsilon * mean;
-            // There is never enough to do on miri's small bodies.
-            let enough = !cfg!(miri);
-            assert!(bound > f64::from(super::refine::WORTH_SPLITTING) || !enough, "{bound}");
-            let dearest = front.nodes().iter().fold(0.0, |most, n| f64::max(most, n.cost.into()));
-            assert!(dearest < bound * 1.000_001 || !enough, "{dearest} of {mean}");
-            let mut loads = vec![Load::default(); workers];
-            let makespan = greedy(front.nodes_mut(), &mut loads);
-            assert!(makespan <= (mean + if enough { bound } else { dearest }) * 1.000_001);
+        let report = Frames::new(CAPACITY).frame(&[query], options(workers, 1.0 / epsilon));
+        assert!(!report.full);
+        // There is never enough to do on miri's small bodies.
+        assert!(report.epsilon < epsilon * 1.000_001 || cfg!(miri), "{report:?}");
+    }
+}
+
+/// A front goes as deep as its tree, with and without a history, though paths do not.
+#[test]
+fn a_deep_tree_is_divided_as_evenly() {
+    let body = Body::bumpy(60).below_outliers(55);
+    assert!(body.bvh().depth() > 60);
+    let query = PairQuery::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap();
+    for workers in [2, 8] {
+        let mut frames = Frames::new(CAPACITY);
+        for _ in 0..if cfg!(miri) { 2 } else { 6 } {
+            let report = frames.frame(&[query], options(workers, 8.0));
+            assert!(!report.full && (report.epsilon < 0.125_001 || cfg!(miri)), "{report:?}");
         }
     }
 }
@@ -124,24 +155,22 @@ fn epsilon_bounds_the_predicted_makespan() {
 /// By powers of two, so that all coordinates round alike: about 0.01, 1 and 100.
 #[test]
 fn the_unit_of_length_is_of_no_account() {
-    for estimate in ESTIMATES.into_iter().step_by(if cfg!(miri) { 3 } else { 1 }) {
-        let fronts = [1.0 / 128.0, 1.0, 128.0].map(|unit| {
-            let mut body = Body::bumpy(40);
-            let positions = body.positions.iter().map(|p| p.map(|x| unit * x)).collect();
-            body = Body::of(positions, body.triangles.into_iter());
-            let mut here = tilt(0.1);
-            here.rows.iter_mut().for_each(|row| row[3] *= unit);
-            let query = PairQuery::new(body.bvh(), body.bvh(), here).unwrap();
-            let mut nodes = vec![FrontNode::default(); CAPACITY];
-            let mut front = Front::new(&mut nodes);
-            front.start(&query, 0, 2, estimate, Past::NOTHING).unwrap();
-            front.refine(4, Grain::default(), estimate, Past::NOTHING, |_| &query);
-            (front.cost(), front.nodes().iter().map(|n| n.pair).collect::<Vec<_>>())
-        });
-        let [small, usual, large] = fronts;
-        assert!((small.0 / usual.0 - 1.0).abs() < 1e-6 && small.1 == usual.1);
-        assert!((large.0 / usual.0 - 1.0).abs() < 1e-6 && large.1 == usual.1);
-    }
+    let fronts = [1.0 / 128.0, 1.0, 128.0].map(|unit| {
+        let mut body = Body::bumpy(40);
+        let positions = body.positions.iter().map(|p| p.map(|x| unit * x)).collect();
+        body = Body::of(positions, body.triangles.into_iter());
+        let mut here = tilt(0.1);
+        here.rows.iter_mut().for_each(|row| row[3] *= unit);
+        let query = PairQuery::new(body.bvh(), body.bvh(), here).unwrap();
+        let mut nodes = vec![FrontNode::default(); CAPACITY];
+        let mut front = Front::new(&mut nodes);
+        front.add(0, query.root().unwrap()).unwrap();
+        front.refine(&RefineOptions::new(4), CostHistory::default(), |_| &query);
+        (front.cost(), front.nodes().iter().map(|n| n.pair).collect::<Vec<_>>())
+    });
+    let [small, usual, large] = fronts;
+    assert!((small.0 / usual.0 - 1.0).abs() < 1e-6 && small.1 == usual.1);
+    assert!((large.0 / usual.0 - 1.0).abs() < 1e-6 && large.1 == usual.1);
 }
 
 #[test]
@@ -165,11 +194,11 @@ fn boxes_without_volume_get_sound_costs() {
         // In one plane they need integers so wide that miri would take minutes.
         (&huge, &flat, lifted(if cfg!(miri) { 1e37 } else { 0.0 })),
     ];
-    for (case, (a, b, pose)) in cases.into_iter().enumerate() {
-        let (first, step) = if cfg!(miri) { (case % 4, 4) } else { (0, 1) };
-        for estimate in ESTIMATES.into_iter().skip(first).step_by(step) {
-            let query = PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
-            cut(&query, if cfg!(miri) { 9 } else { 3000 }, 3, Grain::default(), estimate);
+    for (a, b, pose) in cases {
+        let query = PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
+        let mut frames = Frames::new(if cfg!(miri) { 9 } else { 3000 });
+        for _ in 0..2 {
+            frames.frame(&[query], RefineOptions::new(5));
         }
     }
 }
@@ -180,79 +209,44 @@ fn a_jump_is_noticed_and_motion_is_not() {
     let place = |x: f32| {
         let mut moved = tilt(0.0);
         moved.rows[0][3] += x;
-        PairQuery::new(body.bvh(), body.bvh(), moved).unwrap()
+        [PairQuery::new(body.bvh(), body.bvh(), moved).unwrap()]
     };
+    let options = RefineOptions::new(8);
+    let mut frames = Frames::new(CAPACITY);
+    assert!(!frames.frame(&place(0.0), options).coherent);
     // On the few triangles that miri can bear, any motion is a jump.
-    let large = !cfg!(miri);
-    for depth in if cfg!(miri) { 2..3 } else { 1..6 } {
-        let mut frames = Still::new(depth);
-        frames.frame(&place(0.0));
-        assert!(frames.frame(&place(0.001)) > 0.9 || !large);
-        // A deeper starting front asks for nodes below those of the last frame.
-        frames.depth += 1;
-        assert!(frames.frame(&place(0.002)) > 0.9 || !large);
-    }
-    let mut frames = Still::new(4);
-    frames.frame(&place(0.7));
-    assert!(frames.frame(&place(-0.7)) < COHERENT);
+    let coherence = frames.frame(&place(0.001), options).coherence;
+    assert!(coherence > 0.9 || cfg!(miri), "{coherence}");
+    frames.frame(&place(0.7), options);
+    let jump = frames.frame(&place(-0.7), options);
+    assert!(!jump.coherent && jump.coherence < 0.5);
 }
 
 #[test]
 fn a_still_scene_settles() {
     let body = Body::bumpy(60);
-    let query = PairQuery::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap();
-    let mut frames = Still::new(3);
-    frames.frame(&query);
-    frames.frame(&query);
-    frames.frame(&query);
-    let settled = frames.nodes;
-    for _ in 0..if cfg!(miri) { 1 } else { 200 } {
-        frames.frame(&query);
-        assert!(frames.nodes.abs_diff(settled) * 20 <= settled, "{} {settled}", frames.nodes);
+    let query = [PairQuery::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap()];
+    let mut frames = Frames::new(CAPACITY);
+    for _ in 0..3 {
+        frames.frame(&query, RefineOptions::new(8));
     }
-    let last = frames.nodes;
-    frames.frame(&query);
-    assert_eq!(frames.nodes, last);
-}
-
-/// Frames that remember.
-struct Still {
-    memory: Vec<PastCost>,
-    nodes: usize,
-    depth: u32,
-}
-
-impl Still {
-    fn new(depth: u32) -> Self {
-        Self { memory: vec![PastCost::default(); CAPACITY], nodes: 0, depth }
-    }
-
-    fn frame(&mut self, query: &impl Query) -> f64 {
-        let estimate = Estimate::default();
-        let mut nodes = vec![FrontNode::default(); CAPACITY];
-        let mut front = Front::new(&mut nodes);
-        let past = Past::new(&self.memory[..self.nodes]);
-        front.start(query, 0, self.depth, estimate, past).unwrap();
-        let found = front.found(past);
-        front.refine(8, Grain::default(), estimate, past, |_| query);
-        front.assert_well_formed();
-        self.nodes = front.nodes().len();
-        Past::record(&mut self.memory, front.nodes(), |n| walk(query, n.pair, &mut Vec::new()))
-            .unwrap();
-        found
+    let settled = frames.remembered;
+    for _ in 0..if cfg!(miri) { 1 } else { 20 } {
+        frames.frame(&query, RefineOptions::new(8));
+        assert_eq!(frames.remembered, settled);
     }
 }
 
 fn pairs(query: &impl Query, roots: impl IntoIterator<Item = NodePair>) -> Vec<TrianglePair> {
     let mut found = Vec::new();
     for root in roots {
-        walk(query, root, &mut found);
+        traverse(query, root, &mut found);
     }
     sorted(found)
 }
 
 /// Adds the pairs below a node pair to `found`; returns what it cost to find them.
-fn walk(query: &impl Query, root: NodePair, found: &mut Vec<TrianglePair>) -> f32 {
+fn traverse(query: &impl Query, root: NodePair, found: &mut Vec<TrianglePair>) -> f32 {
     let mut cursor = Cursor::at(root);
     let _ = query.visit(&mut cursor, |pair| {
         found.push(pair);
@@ -311,6 +305,32 @@ impl Body {
         let triangles =
             cells.flat_map(|c| [[c, c + 1, c + side + 1], [c + 1, c + side + 2, c + side + 1]]);
         Self::of(positions, triangles)
+    }
+
+    /// The same below a chain of `levels` nodes, each with a triangle of its own beside it.
+    fn below_outliers(mut self, levels: u32) -> Self {
+        let (own, vertices) = (self.triangles.len() as u32, self.positions.len() as u32);
+        let far = [[3.0, 0.0, 0.0], [3.0, 1.0, 0.0], [3.0, 0.0, 1.0]];
+        self.positions.extend(far);
+        let corners = [vertices, vertices + 1, vertices + 2];
+        self.triangles.extend((0..levels).map(|_| corners));
+        self.order.splice(0..0, own..own + levels);
+        let (mut nodes, mut parent) = (vec![Node::EMPTY; 2], 0);
+        for outlier in 0..levels {
+            nodes[parent].first = nodes.len() as u32;
+            nodes.push(Node { first: outlier, count: 1, ..Node::EMPTY });
+            parent = nodes.len();
+            nodes.push(Node::EMPTY);
+        }
+        let shift = nodes.len() as u32 - 2;
+        let moved = |node: &Node| {
+            let first = node.first + if node.is_leaf() { levels } else { shift };
+            Node { first, ..*node }
+        };
+        nodes[parent] = moved(&self.nodes[0]);
+        nodes.extend(self.nodes.iter().skip(2).map(moved));
+        bvh::refit(Mesh::new_unchecked(&self.positions, &self.triangles), &mut nodes, &self.order);
+        Self { nodes, ..self }
     }
 
     fn bvh(&self) -> Bvh<'_> {

@@ -12,8 +12,7 @@ use inputs::{Soup, Tree, coincident, curled, disparate, peeling, sheets};
 use meter::stack_of;
 use pfront_core::bvh::*;
 use pfront_core::bvtt::*;
-use pfront_core::front::{Estimate, Front, FrontNode, Grain, Past, PastCost};
-use pfront_core::front::{Load, greedy};
+use pfront_core::front::{CostEntry, CostHistory, Front, FrontNode, Part, RefineOptions};
 use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, link_scratch_bound};
 use pfront_core::triangle::{Accuracy, intersects};
 use pfront_core::{Blob, Bvh, Mesh, Node, Pose, blob};
@@ -163,18 +162,23 @@ fn queries() {
 #[test]
 fn fronts() {
     let soup = sheets(40);
-    let (tree, estimate) = (Tree::of(soup.mesh()), Estimate::default());
+    let tree = Tree::of(soup.mesh());
     let query = PairQuery::new(tree.bvh(soup.mesh()), tree.bvh(soup.mesh()), turned()).unwrap();
-    let (mut nodes, mut past) = (vec![FrontNode::default(); 4096], vec![PastCost::default(); 4096]);
-    let (mut loads, mut len) = ([Load::default(); 64], 0);
+    let (mut nodes, mut past) =
+        (vec![FrontNode::default(); 4096], vec![CostEntry::default(); 4096]);
+    let (mut loads, mut len) = ([Part::default(); 64], 0);
     for _ in 0..2 {
-        let (mut front, known) = (Front::new(&mut nodes), Past::new(&past[..len]));
-        check("Front::start", || front.start(&query, 0, 5, estimate, known).unwrap());
-        check("Front::refine", || front.refine(64, Grain::default(), estimate, known, |_| query));
-        check("greedy", || _ = greedy(front.nodes_mut(), &mut loads));
-        len = front.nodes().len();
-        assert!(len > 64, "{len}");
-        check("Past::record", || _ = Past::record(&mut past, front.nodes(), |n| n.cost).unwrap());
+        let (mut front, known) = (Front::new(&mut nodes), CostHistory::new(&past[..len]));
+        front.add(0, query.root().unwrap()).unwrap();
+        let options = RefineOptions::new(64);
+        check("Front::refine", || _ = front.refine(&options, known, |_| query));
+        let mut assigned = &[][..];
+        check("Front::partition", || assigned = front.partition(&mut loads));
+        assert!(assigned.len() > 64, "{}", assigned.len());
+        let costs = assigned.iter().map(|n| n.cost);
+        check("CostHistory::record", || {
+            len = CostHistory::record(&mut past, assigned, costs).unwrap();
+        });
     }
 }
 
@@ -185,13 +189,14 @@ fn a_starting_front_takes_four_box_tests_a_node_above_it() {
     let tree = Tree::of(soup.mesh());
     let bvh = tree.bvh(soup.mesh());
     let query = PairQuery::new(bvh, bvh, Pose::IDENTITY).unwrap();
-    for depth in 0..5 {
-        let mut nodes = [FrontNode::default(); 256];
-        let mut front = Front::new(&mut nodes);
-        front.start(&query, 0, depth, Estimate::default(), Past::NOTHING).unwrap();
-        assert_eq!((front.nodes().len(), front.is_full()), (4_usize.pow(depth), false));
-        assert_eq!(front.box_tests(), (4_u64.pow(depth + 1) - 4) / 3);
-    }
+    let mut nodes = [FrontNode::default(); 256];
+    let mut front = Front::new(&mut nodes);
+    front.add(0, query.root().unwrap()).unwrap();
+    let options = RefineOptions { workers: 2, g: 0.0, g_estimated: 0.0 };
+    let report = front.refine(&options, CostHistory::default(), |_| query);
+    // All nodes overlap all: 1, 4, 16, and 64 are enough.
+    assert_eq!((report.starting_nodes, report.full), (64, false));
+    assert_eq!(report.box_tests, 4 + 16 + 64);
 }
 
 #[test]

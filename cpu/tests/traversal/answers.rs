@@ -1,15 +1,13 @@
 //! The same pairs as one core finds, for every number of workers, schedule and verb.
 
-use crate::common::{Body, Frames, sequential};
+use crate::common::{Body, Frames, SCHEDULES, sequential};
 use pfront_core::bvtt::{PairQuery, Query, SelfQuery, TrianglePair};
-use pfront_core::front::Grain;
-use pfront_cpu::{Hit, Reference, Schedule, Settings, Traversal};
-use pfront_scenes::{Scene, TriMesh};
+use pfront_cpu::{Hit, MAX_WORKERS, Schedule, Settings, Traversal};
+use pfront_scenes::{Scene, TriMesh, icosphere};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
 const WORKERS: [usize; 7] = [1, 2, 3, 7, 16, 64, 1024];
-const SCHEDULES: [Schedule; 3] = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
 
 fn traversals() -> Vec<Traversal> {
     let settings = |schedule| Settings { schedule, ..Settings::default() };
@@ -113,53 +111,83 @@ fn settings_change_no_answer() {
     let frames = Frames::named("spheres", 4_000);
     let default = Settings::default();
     let mut pairs = Vec::new();
-    for grain in [0.1, 1.0, 2.0, 100.0].map(Grain::uniform) {
-        for (triangle_cost, coherence, most_nodes) in
+    for g in [0.1, 1.0, 2.0, 100.0] {
+        for (triangle_cost, coherence, max_nodes) in
             [(0.0, true, 1), (1.0, false, 5), (40.0, true, 33), (4.0, true, 1 << 20)]
         {
-            let settings = Settings { grain, triangle_cost, coherence, most_nodes, ..default };
+            let settings = Settings { g, triangle_cost, coherence, max_nodes, ..default };
             let mut traversal = Traversal::new(13).with_settings(settings);
             for frame in 50..54 {
                 let query = frames.query(frame);
                 traversal.all(&query, &mut pairs);
                 assert!(pairs == sequential(&query), "{settings:?}");
-                assert!(traversal.report().nodes <= most_nodes.max(1));
+                assert!(traversal.report().nodes <= max_nodes.max(1));
             }
         }
     }
 }
 
 #[test]
-fn only_what_was_dealt_out_has_an_imbalance() {
+fn only_a_partition_has_an_imbalance() {
     let frames = Frames::named("spheres", 2_000);
     for schedule in SCHEDULES {
         let settings = Settings { schedule, ..Settings::default() };
         let mut traversal = Traversal::new(4).with_settings(settings);
         traversal.count(&frames.query(50));
-        let imbalance = traversal.report().imbalance();
-        assert_eq!(imbalance.is_nan(), schedule == Schedule::Stealing);
-        assert!(imbalance.is_nan() || imbalance >= 1.0);
+        let report = traversal.report();
+        assert_eq!(report.imbalance().is_nan(), schedule == Schedule::Stealing);
+        if schedule != Schedule::Stealing {
+            assert!(report.imbalance() >= 1.0 && report.predicted_imbalance() >= 1.0);
+            let bound = 1.0 + report.front.epsilon;
+            assert!(report.predicted_imbalance() <= bound * 1.000_001, "{report:?}");
+        }
+    }
+}
+
+/// The calling thread begins, and others go on from where it was: all of a query is traversed once.
+#[test]
+fn what_outgrows_one_thread_is_handed_over() {
+    let ball = Body::new(icosphere(20_000));
+    let at = |x| {
+        let pose = pfront_core::Pose::from_translation([x, 0.01, 0.0]);
+        PairQuery::new(ball.bvh(), ball.bvh(), pose).unwrap()
+    };
+    let (far, near, query) = (at(3.0), at(1.9999), at(0.1));
+    let (few, expected) = (sequential(&near), sequential(&query));
+    for schedule in SCHEDULES {
+        let settings = Settings { schedule, ..Settings::default() };
+        let mut traversal = Traversal::new(4).with_settings(settings);
+        let mut pairs = Vec::new();
+        for _ in 0..2 {
+            // After a small frame, another is expected.
+            traversal.all(&near, &mut pairs);
+            assert!(pairs == few);
+            traversal.all(&near, &mut pairs);
+            assert!(pairs == few && traversal.report().shares.is_empty());
+            traversal.all(&query, &mut pairs);
+            assert!(pairs == expected, "{schedule:?}");
+            let report = traversal.report();
+            assert!(report.alone.box_tests > 0 && !report.shares.is_empty(), "{report:?}");
+            // Then it is known to be worth several threads.
+            traversal.all(&query, &mut pairs);
+            assert!(pairs == expected && traversal.report().alone.box_tests == 0);
+            assert!(traversal.any(&query).is_some());
+            assert!(traversal.report().alone.box_tests > 0, "any begins on the calling thread");
+            // Where nothing overlaps, nothing is known.
+            traversal.all(&far, &mut pairs);
+            assert!(pairs.is_empty() && traversal.report().shares.is_empty());
+        }
     }
 }
 
 #[test]
-fn k_is_a_positive_number() {
-    assert!((0.25..64.0).contains(&pfront_cpu::calibrate()));
-}
-
-/// Algorithm 1 is never worse than its tolerance unless a leaf pair makes it so, and never better than the
-/// lower bound.
-#[test]
-fn the_reference_is_between_its_bounds() {
-    let frames = Frames::named("spheres", 20_000);
-    let settings = Settings::default();
-    for workers in [1, 2, 7, 64, 1024] {
-        let reference = Reference::of(&frames.query(50), workers, 0.02, &settings);
-        assert!(reference.imbalance >= reference.lower_bound * 0.999, "{reference:?}");
-        assert!(reference.imbalance <= 1.02 || workers > 7, "{reference:?}");
-        assert!(reference.nodes >= workers, "{reference:?}");
-    }
-    let empty = Body::new(TriMesh::default());
-    let nothing = Reference::of(&SelfQuery::new(empty.bvh()), 8, 0.02, &settings);
-    assert_eq!(nothing, Reference { nodes: 0, imbalance: 1.0, lower_bound: 1.0 });
+fn the_number_of_workers_is_bounded() {
+    let mut traversal = Traversal::new(usize::MAX);
+    assert_eq!(traversal.workers(), MAX_WORKERS);
+    traversal.set_workers(0);
+    assert_eq!(traversal.workers(), 1);
+    traversal.set_workers(100_000);
+    assert_eq!(traversal.workers(), MAX_WORKERS);
+    let frames = Frames::named("spheres", 6_000);
+    assert_eq!(traversal.count(&frames.query(60)), frames.query(60).count());
 }

@@ -4,8 +4,12 @@ use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{self, BuildOptions, BvhStorage, SahItem};
 use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
+use pfront_cpu::Schedule;
 use pfront_scenes::{Scene, TriMesh};
 use std::ops::ControlFlow;
+
+pub(crate) const SCHEDULES: [Schedule; 3] =
+    [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
 
 /// A mesh that owns its BVH.
 pub(crate) struct Body {
@@ -25,6 +29,37 @@ impl Body {
         let used = bvh::sah(view, &options, storage, &mut scratch).unwrap().nodes().len();
         nodes.truncate(used);
         Self { mesh, nodes, order }
+    }
+
+    /// The same below a chain of `levels` nodes, each with a triangle of its own beside it: so deep is a tree in which a
+    /// dense body lies in one cell of a Morton order, beside an outlier for each of its bits.
+    pub(crate) fn below_outliers(mut self, levels: u32) -> Self {
+        let own = self.mesh.triangles.len() as u32;
+        for outlier in 0..levels {
+            let (first, x) =
+                (self.mesh.positions.len() as u32, 100.0 * 0.5_f32.powi(outlier as i32));
+            self.mesh.positions.extend([[x, 0.0, 0.0], [x, 0.01, 0.0], [x, 0.0, 0.01]]);
+            self.mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        self.order.splice(0..0, own..own + levels);
+        let (mut nodes, mut parent) = (vec![Node::EMPTY; 2], 0);
+        for outlier in 0..levels {
+            nodes[parent].first = nodes.len() as u32;
+            nodes.push(Node { first: outlier, count: 1, ..Node::EMPTY });
+            parent = nodes.len();
+            nodes.push(Node::EMPTY);
+        }
+        let shift = nodes.len() as u32 - 2;
+        let moved = |node: &Node| {
+            let first = node.first + if node.is_leaf() { levels } else { shift };
+            Node { first, ..*node }
+        };
+        nodes[parent] = moved(&self.nodes[0]);
+        nodes.extend(self.nodes.iter().skip(2).map(moved));
+        self.nodes = nodes;
+        let positions = self.mesh.positions.clone();
+        self.deform(&positions);
+        self
     }
 
     pub(crate) fn bvh(&self) -> Bvh<'_> {

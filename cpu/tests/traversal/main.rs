@@ -4,4 +4,6 @@
 
 mod answers;
 mod common;
+mod deadline;
+mod deep;
 mod robustness;

@@ -2,9 +2,10 @@
 
 use super::numbers::Numbers;
 use super::{Engine, EngineError, Objects, second};
+use crate::stability::Reference;
 use pfront::core::bvtt;
 use pfront::planner::{Plan, Planner};
-use pfront::threads::{Reference, Report, Settings, Traversal};
+use pfront::threads::{Report, Settings, Traversal};
 use pfront::{
     Accuracy, Adjacency, BodyId, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair,
 };

@@ -12,11 +12,12 @@ mod tally;
 
 pub use tally::Tally;
 
+use crate::stability::Reference;
 use cpu::Hands;
 #[cfg(feature = "gpu")]
 use pfront::gpu::{Gpu, Settings, Timing};
 use pfront::planner::{Plan, Planner};
-use pfront::threads::{Reference, Report, Traversal};
+use pfront::threads::{Report, Traversal};
 use pfront::{Accuracy, Adjacency, Model, Pose, TrianglePair};
 use pfront_scenes::Kind;
 use std::sync::Arc;

@@ -7,15 +7,14 @@ use super::rows::Finding;
 use super::scene::{Scene, Shown, Watch};
 use pfront::TrianglePair;
 use pfront::core::bvtt::Query;
-use pfront::core::front::{Alpha, Estimate, Extent, Grain};
 use pfront::threads::{Schedule, Settings, Traversal};
 use std::cmp::Ordering;
 
 /// The most by which g and α may change the work.
 const MOST_CHANGE: f64 = 0.15;
 
-/// How much all work changes, that for the front included, when g is halved or doubled, and, for ours, when V
-/// and α are other ones. A factor on α cancels out in every share α·V/Σα·V, so that α itself is changed.
+/// How much all work changes, that for the front included, when g is halved or doubled. A factor on α
+/// cancels out in every share α·V/Σα·V.
 pub(super) fn work(
     scene: &mut Scene,
     workers: &[usize],
@@ -38,19 +37,9 @@ struct Sweep {
 impl Sweep {
     fn of_ours(workers: usize) -> Self {
         let usual = Settings { schedule: Schedule::Static, ..Settings::default() };
-        let Grain { measured, estimated } = usual.grain;
-        let mut others = Vec::new();
-        for (name, factor) in [("g/2", 0.5), ("2g", 2.0)] {
-            let grain = Grain { measured: factor * measured, estimated: factor * estimated };
-            others.push((name.to_owned(), Settings { grain, ..usual }));
-        }
-        for extent in [Extent::Volume, Extent::Penetration] {
-            for alpha in [Alpha::Constant, Alpha::Density] {
-                let estimate = Estimate { extent, alpha };
-                let name = format!("{extent:?}-{alpha:?}").to_lowercase();
-                others.push((name, Settings { estimate, ..usual }));
-            }
-        }
+        let other =
+            |name: &str, factor| (name.to_owned(), Settings { g: factor * usual.g, ..usual });
+        let others = [other("g/2", 0.5), other("2g", 2.0)];
         let divider = |s| Divider::Ours(Box::new(Traversal::new(workers).with_settings(s)));
         let others = others.into_iter().map(|(name, settings)| (name, divider(settings))).collect();
         Self { method: Method::Ours, workers, usual: divider(usual), others }
@@ -123,8 +112,8 @@ impl Watch for Tight<'_> {
             let (mut roomy, mut pairs) = (Divider::ours(p, |_| ()), Vec::new());
             roomy.all(query, &mut pairs);
             *wrong += by_page.iter().sum::<usize>() + differences(&pairs, &expected);
-            let most_nodes = roomy.report().nodes.saturating_sub(1);
-            let mut tight = Divider::ours(p, |settings| settings.most_nodes = most_nodes);
+            let max_nodes = roomy.report().nodes.saturating_sub(1);
+            let mut tight = Divider::ours(p, |settings| settings.max_nodes = max_nodes);
             for _ in 0..2 {
                 tight.all(query, &mut pairs);
                 *wrong += differences(&pairs, &expected);

@@ -16,6 +16,7 @@ mod extremes;
 pub mod limit;
 pub mod plain;
 pub mod play;
+mod reference;
 pub mod rows;
 pub mod scene;
 mod shapes;
@@ -23,6 +24,7 @@ pub mod times;
 
 pub use catalogue::Length;
 pub use play::{Frame, Method, Series};
+pub use reference::Reference;
 pub use rows::{Finding, Outcome, ROWS, Row};
 
 /// Why a row could not be measured: a scene that cannot be had, which those of the matrix can.

@@ -84,19 +84,18 @@ impl Plain {
     /// The nodes of F_s that overlap; the others are never part of a front.
     fn starting_front(&mut self, query: &impl Query) -> Vec<NodePair> {
         let mut level: Vec<NodePair> = query.root().into_iter().collect();
-        self.report.depth = self.depth();
-        for _ in 0..self.report.depth {
+        for _ in 0..self.depth() {
             let mut below = Vec::new();
             for node in level {
                 let tests = query.expand(node, &mut |child| below.push(child));
-                self.report.front_box_tests += u64::from(tests);
+                self.report.front.box_tests += u64::from(tests);
                 if tests == 0 {
                     below.push(node);
                 }
             }
             level = below;
         }
-        self.report.starting_nodes = level.len();
+        self.report.front.starting_nodes = level.len();
         level
     }
 
@@ -126,7 +125,7 @@ impl Plain {
             let tests = query.children(node.pair, &mut |pair, boxes| {
                 children.push((pair, volume(boxes)));
             });
-            self.report.front_box_tests += u64::from(tests);
+            self.report.front.box_tests += u64::from(tests);
             if tests == 0 {
                 front.push(node);
                 continue;

@@ -6,7 +6,6 @@ use super::plain::{Evidence, Plain};
 use super::scene::{Scene, Shown, Watch};
 use pfront::TrianglePair;
 use pfront::core::bvtt::Query;
-use pfront::core::front::Grain;
 use pfront::threads::{Report, Schedule, Settings, TRIANGLE_COST, Traversal};
 use std::ops::ControlFlow;
 
@@ -65,8 +64,7 @@ pub(super) enum Divider {
 impl Divider {
     /// Ours, with some settings changed.
     pub(super) fn ours(workers: usize, change: impl FnOnce(&mut Settings)) -> Self {
-        let grain = Grain::uniform(GRAIN);
-        let mut settings = Settings { schedule: Schedule::Static, grain, ..Settings::default() };
+        let mut settings = Settings { schedule: Schedule::Static, g: GRAIN, ..Settings::default() };
         change(&mut settings);
         Self::Ours(Box::new(Traversal::new(workers).with_settings(settings)))
     }
@@ -105,7 +103,7 @@ pub struct Frame {
     pub limit: f64,
     /// Whether the limit is wider than usual, as workers had so little to do, see [`Hardness`].
     pub widened: bool,
-    /// Nodes of the front.
+    /// Nodes of the front; 1 where one worker traversed from the root.
     pub nodes: usize,
     /// Box tests spent on the front.
     pub front_box_tests: u64,
@@ -145,8 +143,8 @@ impl Frame {
             imbalance,
             limit,
             widened: limit > bound.usual(hardness),
-            nodes: report.nodes,
-            front_box_tests: report.front_box_tests,
+            nodes: report.nodes.max(1),
+            front_box_tests: report.front.box_tests,
             predicted: predicted().fold(0.0, f64::max),
             makespan: costs().fold(0.0, f64::max),
             total,

@@ -1,13 +1,13 @@
-//! Algorithm 1 of the paper, offline: the front that true costs would give.
+//! An oracle in the place of Algorithm 1: the front that true costs would give.
 //!
-//! It cannot be had before the walk is over, so it answers nothing; it tells how far the front of a frame
-//! is from the best, and how much of an imbalance no front can help.
+//! It cannot be had before the traversal is over, so it answers nothing; it tells how far the front of a frame
+//! is from the best, and how much of an imbalance no front can help. Algorithm 1 splits nodes in depth-first order and
+//! checks after each; here the dearest is split first, and the partition is checked whenever the front has grown by a
+//! sixteenth.
 
-use crate::Settings;
-use pfront_core::bvtt::{Cursor, NodePair, Query};
-use pfront_core::front::FrontNode;
-use pfront_core::front::{Load, greedy};
-use std::cmp::Ordering;
+use pfront::core::bvtt::{Cursor, NodePair, Query};
+use pfront::threads::Settings;
+use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
@@ -65,12 +65,11 @@ impl<'q, Q: Query> Cut<'q, Q> {
     /// meets the tolerance, and its cost. Where a walk takes two levels in a step, what is tested below a
     /// node depends a little on where above it the walk began; so fronts differ in cost.
     fn refine(&mut self, workers: usize, tolerance: f64) -> (Reference, f64) {
-        let mut loads = vec![Load::default(); workers.max(1)];
-        let (mut best, mut cost) = (self.partition(&mut loads), self.cost());
+        let (mut best, mut cost) = (self.partition(workers), self.cost());
         while best.imbalance > 1.0 + tolerance && !self.inner.is_empty() {
             let next = self.len() + 1 + self.len() / 16;
             while self.len() < next && self.split_dearest() {}
-            let found = self.partition(&mut loads);
+            let found = self.partition(workers);
             if found.imbalance < best.imbalance {
                 (best, cost) = (found, self.cost());
             }
@@ -101,14 +100,22 @@ impl<'q, Q: Query> Cut<'q, Q> {
         true
     }
 
-    fn partition(&self, loads: &mut [Load]) -> Reference {
-        let node =
-            |c: &Costed| FrontNode { pair: c.pair, cost: c.cost as f32, ..FrontNode::default() };
-        let mut nodes: Vec<FrontNode> = self.nodes().map(node).collect();
-        let makespan = greedy(&mut nodes, loads);
-        let total: f64 = loads.iter().map(|load| load.cost).sum();
+    /// The greedy partition: each node in descending order of cost to the worker with the least so far.
+    fn partition(&self, workers: usize) -> Reference {
+        let mut costs: Vec<f64> = self.nodes().map(|node| node.cost).collect();
+        costs.sort_unstable_by(|x, y| y.total_cmp(x));
+        // The bits of positive numbers sort as they do.
+        let mut loads: BinaryHeap<_> = vec![Reverse(0_u64); workers.max(1)].into();
+        for cost in &costs {
+            if let Some(mut least) = loads.peek_mut() {
+                least.0 = (f64::from_bits(least.0) + cost).to_bits();
+            }
+        }
+        let most = loads.iter().map(|load| load.0).max();
+        let makespan = most.map_or(0.0, f64::from_bits);
+        let total: f64 = costs.iter().sum();
         let imbalance = if total > 0.0 { makespan * loads.len() as f64 / total } else { 1.0 };
-        Reference { nodes: nodes.len(), imbalance, lower_bound: 1.0 }
+        Reference { nodes: costs.len(), imbalance, lower_bound: 1.0 }
     }
 
     /// A node and its true cost.
@@ -165,21 +172,15 @@ impl Ord for Costed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pfront_core::bvh::node_bound;
-    use pfront_core::bvh::{self, BuildOptions, BvhStorage};
-    use pfront_core::bvtt::{PairQuery, TrianglePair};
-    use pfront_core::{Mesh, Node, Pose};
+    use pfront::core::bvtt::{PairQuery, SelfQuery};
+    use pfront::{Model, Pose, TrianglePair};
     use pfront_scenes::icosphere;
 
     #[test]
     fn what_is_found_is_a_cut() {
         let ball = icosphere(1_300);
-        let n = ball.triangles.len();
-        let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-        let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
-        let options = BuildOptions::default();
-        let bvh = bvh::morton(mesh, &options, storage, &mut vec![0; 2 * n]).unwrap();
+        let ball = Model::new(ball.positions, ball.triangles).unwrap();
+        let bvh = ball.bvh();
         let here = Pose::from_translation([0.3, 0.2, 0.1]);
         let query = PairQuery::new(bvh, bvh, here).unwrap();
         let k = Settings::default().triangle_cost;
@@ -202,6 +203,25 @@ mod tests {
                 assert!(cut.leaves.iter().all(|leaf| leaf.cost <= dearest));
             }
         }
+    }
+
+    /// It is never worse than its tolerance unless a leaf pair makes it so, and never better than the lower bound.
+    #[test]
+    fn the_reference_is_between_its_bounds() {
+        let ball = icosphere(20_000);
+        let ball = Model::new(ball.positions, ball.triangles).unwrap();
+        let here = Pose::from_translation([0.3, 0.2, 0.1]);
+        let query = PairQuery::new(ball.bvh(), ball.bvh(), here).unwrap();
+        let settings = Settings::default();
+        for workers in [1, 2, 7, 64, 1024] {
+            let reference = Reference::of(&query, workers, 0.02, &settings);
+            assert!(reference.imbalance >= reference.lower_bound * 0.999, "{reference:?}");
+            assert!(reference.imbalance <= 1.02 || workers > 7, "{reference:?}");
+            assert!(reference.nodes >= workers, "{reference:?}");
+        }
+        let empty = Model::new(Vec::new(), Vec::new()).unwrap();
+        let nothing = Reference::of(&SelfQuery::new(empty.bvh()), 8, 0.02, &settings);
+        assert_eq!(nothing, Reference { nodes: 0, imbalance: 1.0, lower_bound: 1.0 });
     }
 
     fn pairs(query: &impl Query, below: impl IntoIterator<Item = NodePair>) -> Vec<TrianglePair> {

@@ -1,0 +1,75 @@
+//! When a traversal ends before there is nothing left: at a break, or at a deadline.
+
+use crate::output::Output;
+use pfront_core::bvtt::{Cursor, Query, Work};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Instant;
+
+/// Tests between two looks at the clock and at whether another worker has stopped: about 0.1 ms.
+pub(crate) const SLICE: u64 = 4096;
+
+/// What all threads of a frame look at.
+#[derive(Debug)]
+pub(crate) struct Control {
+    stop: AtomicBool,
+    late: AtomicBool,
+    deadline: Option<Instant>,
+}
+
+impl Control {
+    pub(crate) fn new(deadline: Option<Instant>) -> Self {
+        Self { stop: AtomicBool::new(false), late: AtomicBool::new(false), deadline }
+    }
+
+    /// Whether somebody has said stop, or the deadline is past.
+    pub(crate) fn is_over(&self) -> bool {
+        if self.stop.load(Relaxed) {
+            return true;
+        }
+        let is_late = self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        if is_late {
+            self.late.store(true, Relaxed);
+            self.stop.store(true, Relaxed);
+        }
+        is_late
+    }
+
+    /// Whether it ended before there was nothing left.
+    pub(crate) fn has_stopped(&self) -> bool {
+        self.stop.load(Relaxed)
+    }
+
+    pub(crate) fn was_late(&self) -> bool {
+        self.late.load(Relaxed)
+    }
+
+    /// Traverses from `cursor` in slices, until it is done, has done `most` tests since it was made, or all is over.
+    pub(crate) fn traverse<Q: Query>(
+        &self,
+        query: &Q,
+        number: u32,
+        cursor: &mut Cursor,
+        output: &mut impl Output,
+        most: u64,
+    ) {
+        while !cursor.is_done() && !self.is_over() {
+            let left = most.saturating_sub(tests(cursor.work()));
+            if left == 0 {
+                break;
+            }
+            let end = query.step(cursor, left.min(SLICE), |pair| {
+                if self.has_stopped() {
+                    return std::ops::ControlFlow::Break(());
+                }
+                output.take(number, pair)
+            });
+            if end.is_break() {
+                self.stop.store(true, Relaxed);
+            }
+        }
+    }
+}
+
+fn tests(work: Work) -> u64 {
+    work.box_tests + work.triangle_tests
+}

@@ -1,0 +1,118 @@
+//! The front of a frame and the cost history that it leaves for the next, in memory that grows with need.
+//!
+//! Memory is N nodes of 40 bytes and, for those of the last frame, 24 bytes each: at most 64·N. At first
+//! N = max(1024, 128·p) and one for each node that the front starts from; while that is too little, N doubles, up to
+//! `max_nodes`, and then g is halved.
+
+use crate::{Report, Schedule, Settings, Share};
+use pfront_core::bvtt::{NodePair, Query};
+use pfront_core::front::{
+    CostEntry, CostHistory, Front, FrontNode, FrontReport, Part, RefineOptions,
+};
+use std::time::Instant;
+
+const FEWEST_NODES: usize = 1024;
+const NODES_PER_WORKER: usize = 128;
+
+/// How much finer estimated nodes are than measured ones where nobody steals.
+const ESTIMATED: f64 = 6.0;
+
+/// A node pair that a front starts from: the root of a query, or what a cursor of it had pending.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    pub(crate) query: u32,
+    pub(crate) pair: NodePair,
+}
+
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FrontMemory {
+    nodes: Vec<FrontNode>,
+    /// Nodes of the last front.
+    len: usize,
+    parts: Vec<Part>,
+    history: Vec<CostEntry>,
+    /// How many entries of the history are in use.
+    remembered: usize,
+}
+
+impl FrontMemory {
+    /// The nodes of the front, dearest first.
+    pub(crate) fn nodes(&self) -> &[FrontNode] {
+        &self.nodes[..self.len]
+    }
+
+    /// Generates a front for as many workers as `report` has shares, and assigns it to them.
+    pub(crate) fn divide<Q: Query>(
+        &mut self,
+        queries: &[Q],
+        starts: &[Start],
+        settings: &Settings,
+        report: &mut Report,
+    ) {
+        let clock = Instant::now();
+        let workers = report.shares.len();
+        let most = settings.max_nodes.max(starts.len());
+        self.grow((FEWEST_NODES.max(NODES_PER_WORKER * workers) + starts.len()).min(most));
+        let steals = settings.schedule == Schedule::Hybrid;
+        let g_estimated = if steals { settings.g } else { ESTIMATED * settings.g };
+        let mut options = RefineOptions { workers, g: settings.g, g_estimated };
+        let used = if settings.coherence { self.remembered } else { 0 };
+        let mut box_tests = 0;
+        loop {
+            let (capacity, history) = (self.nodes.len(), CostHistory::new(&self.history[..used]));
+            let mut front = Front::new(&mut self.nodes);
+            for start in starts {
+                let added = front.add(start.query, start.pair);
+                debug_assert!(added.is_ok(), "there is room for all starts");
+            }
+            let refined = front.refine(&options, history, |number| &queries[number as usize]);
+            box_tests += refined.box_tests;
+            let is_coarser = options.g > 1.0 || options.g_estimated > 1.0;
+            if refined.full && capacity < most {
+                self.grow((2 * capacity).min(most));
+            } else if refined.full && is_coarser {
+                options.g = options.g.min(ESTIMATED * u32::MAX as f64) / 2.0;
+                options.g_estimated = options.g_estimated.min(ESTIMATED * u32::MAX as f64) / 2.0;
+            } else {
+                report.front = FrontReport { box_tests, ..refined };
+                self.parts.resize(workers, Part::default());
+                self.len = front.partition(&mut self.parts).len();
+                break;
+            }
+        }
+        for (share, part) in report.shares.iter_mut().zip(&self.parts) {
+            *share = Share { predicted: part.cost, ..Share::default() };
+        }
+        report.nodes = self.len;
+        report.front_bytes = self.nodes.capacity() * size_of::<FrontNode>()
+            + self.history.capacity() * size_of::<CostEntry>();
+        report.front_time = clock.elapsed();
+    }
+
+    /// Keeps what each of the nodes really cost for the next frame.
+    pub(crate) fn remember(&mut self, costs: impl IntoIterator<Item = f32>) {
+        if self.history.len() < self.len {
+            // In steps, but not by doubling, which would break the bound on memory.
+            let to = self.len.next_multiple_of(256);
+            self.history.reserve_exact(to - self.history.len());
+            self.history.resize(to, CostEntry::default());
+        }
+        let recorded = CostHistory::record(&mut self.history, &self.nodes[..self.len], costs);
+        // The memory has just been made large enough.
+        self.remembered = recorded.unwrap_or(0);
+    }
+
+    pub(crate) fn forget(&mut self) {
+        self.remembered = 0;
+    }
+
+    pub(crate) fn renumber(&mut self, number: impl FnMut(u32) -> Option<u32>) {
+        self.remembered = CostHistory::renumber(&mut self.history[..self.remembered], number);
+    }
+
+    fn grow(&mut self, to: usize) {
+        if self.nodes.len() < to {
+            self.nodes.resize(to, FrontNode::default());
+        }
+    }
+}

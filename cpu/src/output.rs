@@ -1,0 +1,165 @@
+//! Where the pairs go: each thread has an output of its own, so that gathering needs no lock; and sorting what was
+//! gathered.
+
+use pfront_core::bvtt::TrianglePair;
+use std::ops::ControlFlow;
+
+/// A triangle pair that meets, of one query among many. The order is that of `query`, then `pair`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Hit {
+    /// The number of the query.
+    pub query: u32,
+    /// The triangles.
+    pub pair: TrianglePair,
+}
+
+/// What one thread does with the pairs it finds.
+pub(crate) trait Output: Send {
+    fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()>;
+
+    /// Whether nothing has been put into it.
+    fn is_empty(&self) -> bool;
+}
+
+impl<T: Element> Output for Vec<T> {
+    #[inline]
+    fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
+        self.push(T::new(query, pair));
+        ControlFlow::Continue(())
+    }
+
+    fn is_empty(&self) -> bool {
+        self.is_empty()
+    }
+}
+
+impl Output for u64 {
+    #[inline]
+    fn take(&mut self, _: u32, _: TrianglePair) -> ControlFlow<()> {
+        *self += 1;
+        ControlFlow::Continue(())
+    }
+
+    fn is_empty(&self) -> bool {
+        *self == 0
+    }
+}
+
+impl Output for Option<Hit> {
+    fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
+        *self = Some(Hit { query, pair });
+        ControlFlow::Break(())
+    }
+
+    fn is_empty(&self) -> bool {
+        self.is_none()
+    }
+}
+
+/// Hands pairs to the caller.
+pub(crate) struct Visitor<'v, V>(pub(crate) &'v V);
+
+impl<V: Fn(Hit) -> ControlFlow<()> + Sync> Output for Visitor<'_, V> {
+    fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
+        (self.0)(Hit { query, pair })
+    }
+
+    fn is_empty(&self) -> bool {
+        true
+    }
+}
+
+/// An element of an answer.
+pub(crate) trait Element: Copy + Default + Ord + Send {
+    fn new(query: u32, pair: TrianglePair) -> Self;
+
+    /// A number that sorts as the element does.
+    fn key(&self) -> u128;
+}
+
+impl Element for TrianglePair {
+    fn new(_: u32, pair: TrianglePair) -> Self {
+        pair
+    }
+
+    #[inline]
+    fn key(&self) -> u128 {
+        u128::from(self.a) << 32 | u128::from(self.b)
+    }
+}
+
+impl Element for Hit {
+    fn new(query: u32, pair: TrianglePair) -> Self {
+        Self { query, pair }
+    }
+
+    #[inline]
+    fn key(&self) -> u128 {
+        u128::from(self.query) << 64 | self.pair.key()
+    }
+}
+
+/// Whether an answer of so many elements is sorted faster on so many threads than by a radix sort on one.
+pub(crate) fn is_worth_threads(len: usize, threads: usize) -> bool {
+    len >= 1 << 16 && threads >= 8
+}
+
+/// Shorter lists are sorted by comparison.
+const RADIX_FROM: usize = 512;
+
+/// Sorts an answer.
+pub(crate) fn sort<T: Element>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
+    if items.len() < RADIX_FROM {
+        items.sort_unstable();
+    } else {
+        radix_sort(items, scratch);
+    }
+}
+
+/// Sorts by one byte of the key after the other, from the least on, leaving out those in which all keys agree.
+fn radix_sort<T: Element>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
+    let bits = |(any, all), item: &T| (any | item.key(), all & item.key());
+    let (any, all) = items.iter().fold((0, u128::MAX), bits);
+    scratch.resize(items.len(), T::default());
+    for shift in (0..128).step_by(8).filter(|shift| (any ^ all) >> shift & 255 != 0) {
+        let byte = |item: &T| (item.key() >> shift) as usize & 255;
+        let mut ends = [0; 256];
+        items.iter().for_each(|item| ends[byte(item)] += 1);
+        let mut sum = 0;
+        ends.iter_mut().for_each(|end| sum += std::mem::replace(end, sum));
+        for item in items.iter() {
+            let place = &mut ends[byte(item)];
+            scratch[*place] = *item;
+            *place += 1;
+        }
+        std::mem::swap(items, scratch);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn radix_sort_sorts() {
+        let mut state = 1_u64;
+        let mut random = |most: u32| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as u32 % most
+        };
+        let mut scratch = Vec::new();
+        for (count, most) in
+            [(0, 1), (1, 1), (600, 1), (700, 300), (5_000, 70_000), (900, u32::MAX)]
+        {
+            let mut hit = || Hit {
+                query: random(most),
+                pair: TrianglePair { a: random(most), b: random(most) },
+            };
+            let mut hits: Vec<Hit> = (0..count).map(|_| hit()).collect();
+            let mut expected = hits.clone();
+            expected.sort();
+            radix_sort(&mut hits, &mut scratch);
+            assert!(hits == expected, "{count} {most}");
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! A deadline ends a frame within a slice of tests of each thread, under every schedule.
+
+use crate::common::{Body, SCHEDULES};
+use pfront_core::Pose;
+use pfront_core::bvtt::PairQuery;
+use pfront_cpu::{Settings, Traversal};
+use pfront_scenes::icosphere;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+/// Tests between two looks at the clock, as `Traversal::set_deadline` tells.
+const SLICE: u64 = 4096;
+
+#[test]
+fn frames_end_at_their_deadline() {
+    let ball = Body::new(icosphere(50_000));
+    let pose = Pose::from_translation([0.0, 0.0, 0.002]);
+    let query = PairQuery::new(ball.bvh(), ball.bvh(), pose).unwrap();
+    for schedule in SCHEDULES {
+        for p in [1, 2, 8] {
+            let settings = Settings { schedule, ..Settings::default() };
+            let mut traversal = Traversal::new(p).with_settings(settings);
+            let whole = traversal.count(&query);
+            assert!(whole > 1000 && !traversal.report().late);
+            let all = traversal.report().work();
+            let tests = all.box_tests + all.triangle_tests;
+            assert!(tests > 50 * SLICE, "{tests}");
+
+            traversal.set_deadline(Some(Instant::now()));
+            assert_eq!(traversal.count(&query), 0);
+            let report = traversal.report();
+            assert!(report.late && report.alone == Default::default(), "{report:?}");
+            assert!(report.shares.iter().all(|share| share.work == Default::default()));
+
+            let deadline = Instant::now() + Duration::from_micros(300);
+            traversal.set_deadline(Some(deadline));
+            let after = AtomicU64::new(0);
+            let end = traversal.visit(&query, |_| {
+                after.fetch_add(u64::from(Instant::now() > deadline), Relaxed);
+                ControlFlow::Continue(())
+            });
+            assert!(end.is_break() && traversal.report().late, "{schedule:?} {p}");
+            // Each hit takes a test.
+            let after = after.into_inner();
+            assert!(after <= p as u64 * SLICE, "{schedule:?} {p}: {after} hits after the deadline");
+
+            // Nothing is left of it.
+            traversal.set_deadline(None);
+            assert_eq!(traversal.count(&query), whole);
+            assert!(!traversal.report().late);
+        }
+    }
+}
