@@ -62,7 +62,7 @@ impl Orientation for CertifiedF32 {
         Ok(core::array::from_fn(|lane| 2 * (positive >> lane & 1) as i32 - 1))
     }
 
-    /// Never certified: only signs that are zero lead from space to a plane.
+    /// Never asked: only signs that are zero lead from space to a plane, and none is certified to be.
     #[inline]
     fn orient2d(_: &Point2, _: &Point2, _: &Point2) -> Result<i32, Uncertain> {
         Err(Uncertain)

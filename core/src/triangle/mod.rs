@@ -106,7 +106,7 @@ pub(crate) fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
 /// [`intersects`], by any kind of signs.
 #[inline]
 fn meet<K: Orientation>(a: &Triangle, b: &Triangle) -> Result<bool, K::Uncertain> {
-    // Certified sides of one plane are enough to tell triangles apart, uncertain ones of the other or not.
+    // One plane with the other triangle on one side is enough, whatever is uncertain about the other plane.
     let a_sides = K::orient3d(b.each_ref(), a.each_ref());
     if matches!(&a_sides, Ok(sides) if one_sided(sides)) {
         return Ok(false);
@@ -244,6 +244,19 @@ mod tests {
         check([[1.0, 1.0, 0.0]; 3], true);
         check([[1.0, 1.0, 1e-45]; 3], false);
         check([[-1.0, 1.0, 0.0]; 3], false);
+    }
+
+    #[test]
+    fn each_accuracy_keeps_its_own_promise() {
+        let hits = |a, b| {
+            [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast].map(|x| intersects(a, b, x))
+        };
+        // No bound certifies that sides are zero.
+        let beside = [[3.0, 3.0, 0.0], [9.0, 3.0, 0.0], [3.0, 9.0, 0.0]];
+        assert_eq!(hits(&FLOOR, &beside), [false, true, false]);
+        // Determinants of 1e-50 are zero in f32.
+        let small = |z: f32| FLOOR.map(|[x, y, _]| [1e-20 * x, 1e-20 * y, z]);
+        assert_eq!(hits(&small(0.0), &small(1e-10)), [false, false, true]);
     }
 
     #[test]
