@@ -4,7 +4,8 @@
 //! hand.
 
 use bytemuck::{Pod, Zeroable};
-use pfront_core::Pose;
+use pfront_core::pose::PoseError;
+use pfront_core::{Aabb, Pose};
 use pfront_shaders::constants::FRONTS;
 
 /// Declares a `#[repr(C)]` struct and the table of its fields, for the comparison.
@@ -129,6 +130,17 @@ shared! {
 impl Counters {
     pub(crate) fn longest_front(&self) -> u32 {
         self.fronts.iter().fold(0, |longest, &front| longest.max(front))
+    }
+}
+
+/// Checks that a pose suits a mesh within `bounds`: as [`Pose::check`] does, and that no extent that
+/// `boxes.wgsl` pads by 2^-19 of itself leaves the range of f32, where infinity times a zero would be NaN.
+pub(crate) fn check_pose(pose: &Pose, bounds: &Aabb) -> Result<(), PoseError> {
+    const MOST: f32 = f32::MAX * (1.0 - 3.814_697_3e-6);
+    pose.check(bounds)?;
+    match (0..3).find(|&k| bounds.min[k].abs().max(bounds.max[k].abs()) > MOST) {
+        Some(row) => Err(PoseError::Range { row }),
+        None => Ok(()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::answer::{Answer, Want};
 use crate::engine::{Engine, Task};
-use crate::layout::{Placement, Query};
+use crate::layout::{Placement, Query, check_pose};
 use crate::report::reports;
 use crate::{Error, Gpu, Model, Pending, Settings};
 use bytemuck::Zeroable;
@@ -139,7 +139,7 @@ impl PairQuery {
         let (Some(_), Some(bounds)) = (a.bounds, b.bounds) else { return Ok(None) };
         let posed = *a_from_b != Pose::IDENTITY;
         if posed {
-            a_from_b.check(&bounds)?;
+            check_pose(a_from_b, &bounds)?;
         }
         self.answer.engine.bind(a, b)?;
         let query = Query {
