@@ -8,6 +8,7 @@
 
 use super::heap::{sift_down, sort};
 use super::{Front, FrontNode};
+use crate::index::at_mut;
 
 /// The part of a front that one worker gets. The caller's slice of these is the heap of the greedy partition.
 #[repr(C)]
@@ -25,25 +26,36 @@ impl<'a> Front<'a> {
     ///
     /// The result depends on nothing but the nodes.
     ///
+    /// # Panics
+    /// If there are nodes and no parts.
+    ///
     /// # Complexity
     /// O(N log N + N log p) for N nodes and p parts; no allocation.
     pub fn partition(self, parts: &mut [Part]) -> &'a [FrontNode] {
-        for (part, number) in parts.iter_mut().zip(0..) {
-            *part = Part { cost: 0.0, number };
-        }
+        clear(parts);
         let nodes = self.into_nodes();
         // Costs are positive, so that their bits sort as they do. One number to compare, without branches.
         sort(nodes, |n| u64::from(!n.cost.to_bits()) << 32 | u64::from(n.index));
         let less =
             |x: &Part, y: &Part| (x.cost < y.cost) | ((x.cost == y.cost) & (x.number < y.number));
         for node in nodes.iter_mut() {
-            let Some(least) = parts.first_mut() else { break };
+            let least = at_mut(parts, 0_usize);
             node.part = least.number;
             least.cost += f64::from(node.cost);
             sift_down(parts, 0, less);
         }
-        sort(parts, |part| part.number);
+        // From the order of the heap to that of numbers.
+        clear(parts);
+        for node in nodes.iter() {
+            at_mut(parts, node.part).cost += f64::from(node.cost);
+        }
         nodes
+    }
+}
+
+fn clear(parts: &mut [Part]) {
+    for (part, number) in parts.iter_mut().zip(0..) {
+        *part = Part { cost: 0.0, number };
     }
 }
 

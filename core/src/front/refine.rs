@@ -110,7 +110,7 @@ impl Front<'_> {
     fn descend<Q: Query>(&mut self, query: &impl Fn(u32) -> Q) {
         for depth in 1..=Path::MAX_LEVEL {
             let above = |node: &FrontNode, _: CostHistory<'_>| node.path.level() < depth;
-            if self.len >= STARTING_NODES || !self.split(CostHistory::default(), query, above) {
+            if self.len >= STARTING_NODES || !self.split(CostHistory::default(), query, &above) {
                 break;
             }
         }
@@ -151,7 +151,7 @@ impl Front<'_> {
         // A g that is negative or NaN asks for nothing, like 0.
         let bound = |g: f64| (share / g.max(0.0)).max(WORTH_SPLITTING);
         let [estimated, measured] = [options.g_estimated, options.g].map(bound);
-        self.split(history, query, |node, history| {
+        self.split(history, query, &|node, history| {
             let bound = if history.is_empty() { estimated } else { measured };
             let hold = if history.has_split(node) { HYSTERESIS } else { 1.0 };
             f64::from(node.cost) >= hold * bound
@@ -160,11 +160,12 @@ impl Front<'_> {
 
     /// Replaces nodes by their overlapping children for as long as there is one that `exceeds`, which is told its part of
     /// the history too, or until memory is used up. Leaf pairs stay. Returns whether any node was split.
+    #[inline(never)] // One copy serves both uses: firmware has little room for code.
     fn split<Q: Query>(
         &mut self,
         history: CostHistory<'_>,
         query: &impl Fn(u32) -> Q,
-        exceeds: impl Fn(&FrontNode, CostHistory<'_>) -> bool,
+        exceeds: &dyn Fn(&FrontNode, CostHistory<'_>) -> bool,
     ) -> bool {
         let mut rest = history;
         let is_first = |node: &FrontNode| exceeds(node, rest.advance(node));
@@ -222,10 +223,9 @@ impl Children {
     fn of(&mut self, query: &impl Query, parent: &FrontNode, history: CostHistory<'_>) -> u32 {
         let mut boxes = [[Aabb::EMPTY; 2]; 4];
         let tests = query.children(parent.pair, &mut |pair, both| {
-            let place = self.len % 4;
-            self.nodes[place] =
-                FrontNode { pair, path: parent.path.child(child_number(pair)), ..*parent };
-            boxes[place] = both;
+            let path = parent.path.child(child_number(pair));
+            *at_mut(&mut self.nodes, self.len) = FrontNode { pair, path, ..*parent };
+            *at_mut(&mut boxes, self.len) = both;
             self.len += 1;
         });
         let boxes = range(&boxes, 0, self.len as u32);
