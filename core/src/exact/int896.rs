@@ -1,6 +1,5 @@
 //! Integers of 896 bits, wide enough for every determinant of finite f32 coordinates.
 
-use core::array::from_fn;
 use core::ops::{Add, Mul, Not, Sub};
 
 /// A two's complement integer of 14 limbs, least significant first.
@@ -53,14 +52,15 @@ impl Not for Int896 {
 
 impl Add for Int896 {
     type Output = Self;
-    fn add(self, other: Self) -> Self {
+    #[inline(never)]
+    fn add(mut self, other: Self) -> Self {
         let mut carry = false;
-        Self(from_fn(|i| {
-            let (sum, first) = self.0[i].overflowing_add(other.0[i]);
+        for (x, y) in self.0.iter_mut().zip(other.0) {
+            let (sum, first) = x.overflowing_add(y);
             let (sum, second) = sum.overflowing_add(u64::from(carry));
-            carry = first | second;
-            sum
-        }))
+            (*x, carry) = (sum, first | second);
+        }
+        self
     }
 }
 
@@ -75,6 +75,7 @@ impl Sub for Int896 {
 impl Mul for Int896 {
     type Output = Self;
     /// The product modulo 2^896, which two's complement makes right for either sign.
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let mut out = [0; LIMBS];
         for (i, &x) in self.0.iter().enumerate().filter(|(_, x)| **x != 0) {

@@ -13,14 +13,15 @@ use core::ops::{Add, Mul, Sub};
 #[cold]
 #[inline(never)]
 pub(super) fn orient3d([a, b, c]: [&Point; 3], d: &Point) -> i32 {
-    sign([0, 1, 2].map(|k| [a[k], b[k], c[k], d[k]]), det3, det3)
+    sign(by_axis([a, b, c, d]), det3, det3)
 }
 
 /// The sign of det(b − a, c − a).
 #[cold]
 #[inline(never)]
 pub(super) fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> i32 {
-    sign([0, 1].map(|k| [a[k], b[k], c[k]]), |[x, y]| det2(&x, &y), |[x, y]| det2(&x, &y))
+    let points = [a, b, c];
+    sign([points.map(|p| p[0]), points.map(|p| p[1])], |[x, y]| det2(&x, &y), |[x, y]| det2(&x, &y))
 }
 
 /// d/(d − e) for the determinants d = det(b − a, c − a, p − a) and e, the same with `q`, of different signs:
@@ -28,7 +29,7 @@ pub(super) fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> i32 {
 #[cold]
 #[inline(never)]
 pub(crate) fn orient3d_ratio([a, b, c]: [&Point; 3], p: &Point, q: &Point) -> f64 {
-    let axes = [0, 1, 2].map(|k| Axis::new([a[k], b[k], c[k], p[k], q[k]]).differences896());
+    let axes = by_axis([a, b, c, p, q]).map(|axis| Axis::new(axis).differences896());
     let d = det3(axes.map(|[a, b, c, p, _]| [a, b, c, p])).to_f64();
     let e = det3(axes.map(|[a, b, c, _, q]| [a, b, c, q])).to_f64();
     d / (d - e)
@@ -38,9 +39,14 @@ pub(crate) fn orient3d_ratio([a, b, c]: [&Point; 3], p: &Point, q: &Point) -> f6
 #[cold]
 #[inline(never)]
 pub(crate) fn normal([a, b, c]: [&Point; 3]) -> [f64; 3] {
-    let axes = [0, 1, 2].map(|k| Axis::new([a[k], b[k], c[k]]));
+    let axes = by_axis([a, b, c]).map(Axis::new);
     let [x, y, z] = axes.map(|axis| (axis.differences896(), axis.unit()));
     [(&y, &z), (&z, &x), (&x, &y)].map(|(p, q)| det2(&p.0, &q.0).to_f64() * p.1 * q.1)
+}
+
+/// The coordinates of points along each axis.
+fn by_axis<const N: usize>(points: [&Point; N]) -> [[f32; N]; 3] {
+    [points.map(|p| p[0]), points.map(|p| p[1]), points.map(|p| p[2])]
 }
 
 /// The sign of a determinant by the coordinates of its points along each axis.
