@@ -50,6 +50,7 @@ mod model;
 mod pair;
 pub mod planner;
 mod scene;
+mod sphere;
 mod within;
 
 pub use error::Error;

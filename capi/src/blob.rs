@@ -64,18 +64,15 @@ pub unsafe extern "C" fn pfront_blob_scratch_bytes(
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"scratch_bytes", scratch_bytes)?;
         let bytes = call.read(c"blob", blob.cast::<u8>(), blob_bytes)?;
-        out.set(pfront_adopt_scratch_bytes(framed(bytes)?.counts().triangles));
+        out.set(pfront_adopt_scratch_bytes(Blob::new_unchecked(own(bytes))?.counts().triangles));
         Ok(())
     })
 }
 
-/// The blob that bytes begin with, as its header says.
-fn framed(bytes: &[u8]) -> Result<Blob<'_>, BlobError> {
-    Blob::new_unchecked(bytes).or_else(|error| {
-        let BlobError::Length { needed, .. } = error else { return Err(error) };
-        let own = usize::try_from(needed).ok().and_then(|needed| bytes.get(..needed));
-        Blob::new_unchecked(own.ok_or(error)?)
-    })
+/// The blob that `bytes` begin with, as far as its header says, or all of them.
+fn own(bytes: &[u8]) -> &[u8] {
+    let Err(BlobError::Length { needed, .. }) = Blob::new_unchecked(bytes) else { return bytes };
+    usize::try_from(needed).ok().and_then(|needed| bytes.get(..needed)).unwrap_or(bytes)
 }
 
 /// Makes a BVH of the blob that `blob_bytes` bytes begin with, where it lies, after checking all that a query relies on:
@@ -99,8 +96,7 @@ pub unsafe extern "C" fn pfront_bvh_from_blob(
         let out = call.out(c"bvh", bvh)?;
         let scratch = call.marks(scratch, scratch_bytes)?;
         let bytes = call.read(c"blob", blob.cast::<u8>(), blob_bytes)?;
-        let (own, _) = Blob::prefix(bytes)?;
-        let checked = own.bvh(scratch)?;
+        let checked = Blob::new(own(bytes))?.bvh(scratch)?;
         let mesh = checked.mesh();
         // The caller's own pointer, further on.
         let at = |address| blob.with_addr(address);

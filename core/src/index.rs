@@ -4,6 +4,8 @@
 //! the one panic of this crate. Its message is constant, so that firmware links no formatting: `.ci/firmware` allows
 //! no other.
 
+use core::slice::SliceIndex;
+
 /// The element at `index`.
 #[inline(always)]
 pub(crate) fn at<T>(slice: &[T], index: impl TryInto<usize>) -> &T {
@@ -25,7 +27,22 @@ pub(crate) fn at_mut<T>(slice: &mut [T], index: impl TryInto<usize>) -> &mut T {
 /// The `count` elements from `first` on.
 #[inline(always)]
 pub(crate) fn range<T>(slice: &[T], first: u32, count: u32) -> &[T] {
-    match slice.get(first as usize..).and_then(|rest| rest.get(..count as usize)) {
+    part(part(slice, first as usize..), ..count as usize)
+}
+
+/// The elements in a range.
+#[inline(always)]
+pub(crate) fn part<T>(slice: &[T], range: impl SliceIndex<[T], Output = [T]>) -> &[T] {
+    match slice.get(range) {
+        Some(elements) => elements,
+        None => out_of_range(),
+    }
+}
+
+/// The elements in a range, to be changed.
+#[inline(always)]
+pub(crate) fn part_mut<T>(slice: &mut [T], range: impl SliceIndex<[T], Output = [T]>) -> &mut [T] {
+    match slice.get_mut(range) {
         Some(elements) => elements,
         None => out_of_range(),
     }

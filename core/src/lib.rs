@@ -21,7 +21,6 @@ pub mod mesh;
 pub mod one_ring;
 pub mod pose;
 mod simd;
-pub mod sphere;
 mod transform;
 pub mod triangle;
 mod vertex_set;

@@ -10,8 +10,8 @@ use core::fmt;
 /// Corner positions of one triangle, in the units of the mesh.
 pub type Triangle = [[f32; 3]; 3];
 
-/// The most triangles one mesh may have: 2^31 − 1, so that a node index of its BVH fits in a `u32`
-/// and a triangle index shares a `u64` with a 33-bit Morton code.
+/// The most triangles one mesh may have: 2^31 − 1, so that a node index of its BVH and the sum of two triangle counts
+/// fit in a `u32`, and a triangle index shares a `u64` with a 33-bit Morton code.
 pub const MAX_TRIANGLES: usize = (1 << 31) - 1;
 
 /// A triangle mesh borrowed from the caller and checked once, by [`Mesh::new`].

@@ -12,6 +12,7 @@ mod tree;
 pub use stamp::Stamp;
 
 use crate::Error;
+use crate::sphere::Sphere;
 use certificates::Certificates;
 use moves::Moves;
 #[cfg(feature = "threads")]
@@ -19,7 +20,6 @@ use passes::THREADS;
 use passes::{ONE_THREAD, Passes};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
-use pfront_core::sphere::Sphere;
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;
 use std::sync::OnceLock;
@@ -149,15 +149,7 @@ impl Model {
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
     /// changed, in O(n); `None` if there is no triangle.
-    ///
-    /// # Examples
-    /// ```
-    /// let model = pfront::Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
-    /// assert!(model.sphere().is_some_and(|sphere| (1.41..1.42).contains(&sphere.radius)));
-    /// # Ok::<(), pfront::Error>(())
-    /// ```
-    #[must_use]
-    pub fn sphere(&self) -> Option<Sphere> {
+    pub(crate) fn sphere(&self) -> Option<Sphere> {
         *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))
     }
 

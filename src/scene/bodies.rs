@@ -1,8 +1,8 @@
 //! The bodies of a scene, in the order in which they were added.
 
+use crate::sphere::Sphere;
 use crate::{Aabb, Error, Model, Pose};
 use pfront_core::bvtt::Placed;
-use pfront_core::sphere::Sphere;
 use std::fmt;
 use std::sync::Arc;
 

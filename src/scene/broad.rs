@@ -7,10 +7,10 @@
 
 use super::bodies::Bodies;
 use super::kept::merge;
+use crate::sphere::Sphere;
 use crate::{Aabb, BuildOptions, Error, Model};
 use pfront_core::bvh::MAX_DEPTH;
 use pfront_core::bvtt::{Query, SelfQuery};
-use pfront_core::sphere::Sphere;
 use std::ops::ControlFlow;
 
 /// Two bodies by their places in the list.

@@ -94,7 +94,7 @@ fn check_permutation(order: &[u32], scratch: &mut [u32]) -> Result<(), BvhError>
     Ok(())
 }
 
-/// Why arrays are not a BVH of a mesh.
+/// The fault of arrays that are not a BVH of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BvhError {

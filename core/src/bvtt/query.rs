@@ -73,8 +73,7 @@ pub trait Query {
     /// that does not meet.
     ///
     /// # Panics
-    /// With the feature `std`, if the indices are not of these meshes; without it, the answer to that means
-    /// nothing. So do those that follow if `n` is not a node of this query.
+    /// If the indices are not of these meshes. So do the methods that follow if `n` is not a node of this query.
     fn contact(&self, pair: TrianglePair) -> Option<Contact>;
 
     /// The root of the BVTT, if its boxes overlap.

@@ -4,7 +4,7 @@ use crate::Pose;
 use crate::aabb::Bounds;
 use crate::simd::{Boxes, Simd};
 use glam::Vec3A;
-pub(crate) use posed::{PADDING, Posed};
+pub(crate) use posed::Posed;
 
 mod posed;
 #[cfg(test)]

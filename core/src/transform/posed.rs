@@ -16,8 +16,8 @@ pub(crate) struct Posed {
     slack: Vec3A,
 }
 
-/// 16 · 2^-24: see [`Posed::bounds`].
-pub(crate) const PADDING: f32 = 9.536_743_e-7;
+/// See [`Posed::bounds`].
+const PADDING: f32 = Pose::ROUNDING;
 
 /// 2^-147: four times the smallest subnormal number.
 const SUBNORMAL_SLACK: f32 = f32::from_bits(4);

@@ -1,7 +1,8 @@
-//! Between little-endian bytes and elements that consist of 32-bit words.
+//! Conversion between little-endian bytes and elements that consist of 32-bit words.
 
 use super::BlobError;
 use crate::CapacityError;
+use crate::index::part_mut;
 use bytemuck::Pod;
 
 /// The elements where they lie.
@@ -13,7 +14,7 @@ pub(super) fn borrow<T: Pod>(bytes: &[u8]) -> Result<&[T], BlobError> {
     bytemuck::try_cast_slice(bytes).map_err(|_| BlobError::Misaligned { needed: align_of::<T>() })
 }
 
-/// The elements in the memory of `buffer`.
+/// The elements, copied to the beginning of `to`.
 pub(super) fn copy_from<'s, T: Pod>(
     bytes: &[u8],
     buffer: &'static str,
@@ -21,18 +22,14 @@ pub(super) fn copy_from<'s, T: Pod>(
 ) -> Result<&'s [T], CapacityError> {
     let count = bytes.len() / size_of::<T>();
     CapacityError::check(buffer, count, to.len())?;
-    let to = to.get_mut(..count).unwrap_or_default();
-    let (words, _) = bytes.as_chunks();
-    for (to, from) in bytemuck::must_cast_slice_mut::<T, u32>(to).iter_mut().zip(words) {
-        *to = u32::from_le_bytes(*from);
-    }
+    let to = part_mut(to, ..count);
+    let words = bytemuck::must_cast_slice_mut::<T, u32>(to).iter_mut();
+    words.zip(bytes.as_chunks().0).for_each(|(to, from)| *to = u32::from_le_bytes(*from));
     Ok(to)
 }
 
 /// Writes the elements to as many bytes as they take.
 pub(super) fn copy_to<T: Pod>(elements: &[T], out: &mut [u8]) {
-    let (words, _) = out.as_chunks_mut();
-    for (to, from) in words.iter_mut().zip(bytemuck::must_cast_slice::<T, u32>(elements)) {
-        *to = from.to_le_bytes();
-    }
+    let words = bytemuck::must_cast_slice::<T, u32>(elements).iter();
+    words.zip(out.as_chunks_mut().0).for_each(|(from, to)| *to = from.to_le_bytes());
 }

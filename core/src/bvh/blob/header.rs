@@ -1,24 +1,29 @@
-//! The header, where sections lie, and the checksum.
+//! The header, the place of each section, and the checksum.
 
 use super::BlobError;
+use crate::index::{part, part_mut};
 use crate::{Bvh, Node};
 use bytemuck::{Pod, Zeroable};
+use core::ops::Range;
 
-/// What a blob begins with. The first byte is no text, and line ends that a transfer has changed show.
+/// The first bytes of a blob. The first is not text, and a transfer that changes line ends changes the others.
 pub const MAGIC: [u8; 8] = *b"\x89PFB\r\n\x1a\n";
 
 /// The version that is written, and the only one that is read.
 pub const VERSION: u32 = 1;
 
-/// The sections by name, and the kind of each.
-const KINDS: [(&str, u16); 4] = [("nodes", 1), ("positions", 1), ("triangles", 1), ("order", 1)];
+/// The sections by name.
+pub(super) const SECTIONS: [&str; 4] = ["nodes", "positions", "triangles", "order"];
+
+/// The kind of every section.
+const KIND: [u8; 2] = 1_u16.to_le_bytes();
 
 /// A section begins at a multiple of so many bytes.
 const SECTION_ALIGN: usize = 16;
 
-const CHECKSUM: core::ops::Range<usize> = 12..16;
+const CHECKSUM: Range<usize> = 12..16;
 
-/// As the table of the module has it.
+/// The header, as the table of the module lists it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct Header {
@@ -27,13 +32,82 @@ pub(super) struct Header {
     checksum: [u8; 4],
     length: [u8; 8],
     kinds: [[u8; 2]; 4],
-    nodes: [u8; 4],
-    vertices: [u8; 4],
-    triangles: [u8; 4],
+    counts: [[u8; 4]; 3],
     zero: [u8; 20],
 }
 
-/// How much of everything a blob holds.
+impl Header {
+    /// The header of a blob, with a checksum of 0.
+    pub(super) fn new(counts: Counts) -> Result<Self, BlobError> {
+        let word = |what, count: usize| match u32::try_from(count) {
+            Ok(word) => Ok(word.to_le_bytes()),
+            Err(_) => Err(BlobError::TooMany { what, count }),
+        };
+        Ok(Self {
+            magic: MAGIC,
+            version: VERSION.to_le_bytes(),
+            checksum: [0; 4],
+            length: (counts.bytes() as u64).to_le_bytes(),
+            kinds: [KIND; 4],
+            counts: [
+                word("nodes", counts.nodes)?,
+                word("vertices", counts.vertices)?,
+                word("triangles", counts.triangles)?,
+            ],
+            zero: [0; 20],
+        })
+    }
+
+    /// Reads the header; checks all of it but the checksum, and the length of `bytes`.
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, BlobError> {
+        if !bytes.iter().zip(&MAGIC).all(|(found, expected)| found == expected) {
+            return Err(BlobError::Magic);
+        }
+        let found = bytes.len();
+        let Some(header) = bytes.first_chunk::<{ size_of::<Self>() }>() else {
+            return Err(BlobError::Length { needed: size_of::<Self>() as u64, found });
+        };
+        let header: Self = bytemuck::must_cast(*header);
+        let version = u32::from_le_bytes(header.version);
+        if version != VERSION {
+            return Err(BlobError::Version { found: version });
+        }
+        for (section, kind) in SECTIONS.into_iter().zip(header.kinds) {
+            if kind != KIND {
+                return Err(BlobError::Kind { section, found: u16::from_le_bytes(kind) });
+            }
+        }
+        if header.zero != [0; 20] {
+            return Err(BlobError::NotZero { byte: size_of::<Self>() - header.zero.len() });
+        }
+        let (needed, counts) = (u64::from_le_bytes(header.length), header.counts());
+        if needed != found as u64 {
+            return Err(BlobError::Length { needed, found });
+        }
+        if counts.bytes() != found {
+            return Err(BlobError::Counts { counts, found });
+        }
+        Ok(header)
+    }
+
+    /// Writes the header before the sections of a blob, with the checksum of all.
+    pub(super) fn write(mut self, out: &mut [u8]) {
+        part_mut(out, ..size_of::<Self>()).copy_from_slice(bytemuck::bytes_of(&self));
+        self.checksum = checksum(out).to_le_bytes();
+        part_mut(out, CHECKSUM).copy_from_slice(&self.checksum);
+    }
+
+    pub(super) fn counts(&self) -> Counts {
+        let [nodes, vertices, triangles] = self.counts.map(|n| u32::from_le_bytes(n) as usize);
+        Counts { nodes, vertices, triangles }
+    }
+
+    pub(super) fn checksum(&self) -> u32 {
+        u32::from_le_bytes(self.checksum)
+    }
+}
+
+/// How many nodes, vertices and triangles a blob holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
     /// Nodes in use, with the unused slot 1: at most [`node_bound`](crate::bvh::node_bound).
@@ -44,90 +118,8 @@ pub struct Counts {
     pub triangles: usize,
 }
 
-/// Where each section lies.
-pub(super) struct Sections {
-    pub(super) nodes: Section,
-    pub(super) positions: Section,
-    pub(super) triangles: Section,
-    pub(super) order: Section,
-}
-
-#[derive(Clone, Copy)]
-pub(super) struct Section {
-    start: usize,
-    end: usize,
-}
-
-impl Header {
-    pub(super) fn new(counts: Counts) -> Result<Self, BlobError> {
-        let word = |what, count| match u32::try_from(count) {
-            Ok(word) => Ok(word.to_le_bytes()),
-            Err(_) => Err(BlobError::TooMany { what, count }),
-        };
-        Ok(Self {
-            magic: MAGIC,
-            version: VERSION.to_le_bytes(),
-            checksum: [0; 4],
-            length: (counts.bytes() as u64).to_le_bytes(),
-            kinds: KINDS.map(|(_, kind)| kind.to_le_bytes()),
-            nodes: word("nodes", counts.nodes)?,
-            vertices: word("vertices", counts.vertices)?,
-            triangles: word("triangles", counts.triangles)?,
-            zero: [0; 20],
-        })
-    }
-
-    /// The header of bytes of a version and of kinds that are known.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, BlobError> {
-        if !bytes.iter().zip(&MAGIC).all(|(found, expected)| found == expected) {
-            return Err(BlobError::Magic);
-        }
-        let found = bytes.len();
-        let short = BlobError::Length { needed: size_of::<Self>() as u64, found };
-        let header: Self = bytemuck::must_cast(*bytes.first_chunk::<64>().ok_or(short)?);
-        let found = u32::from_le_bytes(header.version);
-        if found != VERSION {
-            return Err(BlobError::Version { found });
-        }
-        for ((section, kind), found) in KINDS.into_iter().zip(header.kinds) {
-            let found = u16::from_le_bytes(found);
-            if found != kind {
-                return Err(BlobError::Kind { section, found });
-            }
-        }
-        if header.zero != [0; 20] {
-            return Err(BlobError::NotZero { byte: size_of::<Self>() - header.zero.len() });
-        }
-        Ok(header)
-    }
-
-    pub(super) fn length(&self) -> u64 {
-        u64::from_le_bytes(self.length)
-    }
-
-    pub(super) fn counts(&self) -> Counts {
-        let [nodes, vertices, triangles] =
-            [self.nodes, self.vertices, self.triangles].map(|n| u32::from_le_bytes(n) as usize);
-        Counts { nodes, vertices, triangles }
-    }
-
-    pub(super) fn checksum(&self) -> u32 {
-        u32::from_le_bytes(self.checksum)
-    }
-
-    pub(super) fn seal(&mut self, checksum: u32) {
-        self.checksum = checksum.to_le_bytes();
-    }
-
-    pub(super) fn write(&self, out: &mut [u8]) {
-        if let Some(start) = out.first_chunk_mut::<64>() {
-            *start = bytemuck::must_cast(*self);
-        }
-    }
-}
-
 impl Counts {
-    /// Of a BVH and its mesh.
+    /// Counts a BVH and its mesh.
     #[must_use]
     pub fn of(bvh: &Bvh<'_>) -> Self {
         let mesh = bvh.mesh();
@@ -138,7 +130,7 @@ impl Counts {
         }
     }
 
-    /// How many bytes a blob of these takes, exactly; [`usize::MAX`] or close to it if there is no such number.
+    /// The exact size of the blob in bytes; [`usize::MAX`] or close to it if that does not fit.
     ///
     /// # Examples
     /// ```
@@ -148,60 +140,39 @@ impl Counts {
     /// ```
     #[must_use]
     pub const fn bytes(self) -> usize {
-        self.sections().order.end
+        let [.., order] = self.sections();
+        order.end
     }
 
-    pub(super) const fn sections(self) -> Sections {
-        let header = Section { start: 0, end: size_of::<Header>() };
-        let nodes = header.then(self.nodes, size_of::<Node>());
-        let positions = nodes.then(self.vertices, size_of::<[f32; 3]>());
-        let triangles = positions.then(self.triangles, size_of::<[u32; 3]>());
-        let order = triangles.then(self.triangles, size_of::<u32>());
-        Sections { nodes, positions, triangles, order }
-    }
-}
-
-impl Section {
-    /// The section behind. Where a count is a lie, its end is beyond every slice, whatever the width of usize.
-    const fn then(self, count: usize, size: usize) -> Self {
-        let start = self.end.saturating_add(SECTION_ALIGN - 1) / SECTION_ALIGN * SECTION_ALIGN;
-        Self { start, end: start.saturating_add(count.saturating_mul(size)) }
-    }
-
-    pub(super) fn of(self, bytes: &[u8]) -> &[u8] {
-        bytes.get(self.start..self.end).unwrap_or_default()
-    }
-
-    pub(super) fn of_mut(self, bytes: &mut [u8]) -> &mut [u8] {
-        bytes.get_mut(self.start..self.end).unwrap_or_default()
+    /// The bytes of each section, in the order of [`SECTIONS`].
+    pub(super) const fn sections(self) -> [Range<usize>; 4] {
+        let nodes = section(size_of::<Header>(), self.nodes, size_of::<Node>());
+        let positions = section(nodes.end, self.vertices, size_of::<[f32; 3]>());
+        let triangles = section(positions.end, self.triangles, size_of::<[u32; 3]>());
+        let order = section(triangles.end, self.triangles, size_of::<u32>());
+        [nodes, positions, triangles, order]
     }
 }
 
-impl Sections {
-    /// Whether what lies between sections is 0.
-    pub(super) fn check_gaps(&self, bytes: &[u8]) -> Result<(), BlobError> {
-        let Self { nodes, positions, triangles, order } = *self;
-        for (before, after) in [(nodes, positions), (positions, triangles), (triangles, order)] {
-            let gap = Section { start: before.end, end: after.start };
-            if let Some(at) = gap.of(bytes).iter().position(|&byte| byte != 0) {
-                return Err(BlobError::NotZero { byte: gap.start + at });
-            }
-        }
-        Ok(())
-    }
+/// The section of `count` elements behind the byte `end`. Of a false count its end is beyond every slice, whatever
+/// the width of usize.
+const fn section(end: usize, count: usize, size: usize) -> Range<usize> {
+    let start = end.saturating_add(SECTION_ALIGN - 1) / SECTION_ALIGN * SECTION_ALIGN;
+    start..start.saturating_add(count.saturating_mul(size))
 }
 
-/// Of everything but the checksum. A table of 16 KiB is four times as fast as one of 1 KiB, which is what
-/// firmware gets.
+/// The checksum of all bytes but its own four.
+///
+/// A table of 16 KiB is four times as fast as one of 1 KiB, and more than the flash of a small machine has to spare.
 pub(super) fn checksum(bytes: &[u8]) -> u32 {
-    #[cfg(feature = "std")]
+    #[cfg(target_pointer_width = "64")]
     type Table = crc::Table<16>;
-    #[cfg(not(feature = "std"))]
+    #[cfg(not(target_pointer_width = "64"))]
     type Table = crc::Table<1>;
     static CRC: crc::Crc<u32, Table> = crc::Crc::<u32, Table>::new(&crc::CRC_32_ISO_HDLC);
 
     let mut digest = CRC.digest();
-    digest.update(bytes.get(..CHECKSUM.start).unwrap_or_default());
-    digest.update(bytes.get(CHECKSUM.end..).unwrap_or_default());
+    digest.update(part(bytes, ..CHECKSUM.start));
+    digest.update(part(bytes, CHECKSUM.end..));
     digest.finalize()
 }

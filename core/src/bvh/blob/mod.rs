@@ -1,4 +1,4 @@
-//! A mesh and its BVH as bytes: baked once, kept in flash or in a file, and borrowed from there.
+//! Blobs: a mesh and its BVH as bytes, written once, kept in flash or in a file, and borrowed from there.
 //!
 //! A blob is a header of 64 bytes and four sections, in this order. Everything is little-endian, and the same
 //! on every machine; f32 is IEEE 754 binary32, bit by bit.
@@ -20,14 +20,13 @@
 //! | then | `[u32; t]` | order of kind 1 |
 //!
 //! A section begins at the next multiple of 16 bytes; what lies between is 0. So there is one blob of a BVH:
-//! who writes again what was read gets the same bytes.
+//! reading it and writing it again gives the same bytes.
 //!
-//! # What is trusted
-//! Nothing. [`Blob::new`] refuses what another version wrote, what is cut short, and what was changed by
-//! accident: the checksum finds every change of one or two bits and of any 32 bits in a row, and misses one in
-//! 2³² of all others. It is no signature, so [`Blob::bvh`] checks what a right checksum says nothing of: every
-//! coordinate, index, box and child, as [`Mesh::new`] and [`Bvh::new`] do. [`Blob::new_unchecked`] and
-//! [`Blob::bvh_unchecked`] are for bytes that the caller vouches for, in firmware that is signed as a whole.
+//! # Checks
+//! [`Blob::new`] refuses blobs of other versions, of another length than their header says, and changed by accident:
+//! the checksum finds every change of one or two bits and of any 32 bits in a row, and misses one in 2³² of all others.
+//! It is not a signature, so [`Blob::bvh`] checks every coordinate, index, box and child, as [`Mesh::new`] and
+//! [`Bvh::new`] do.
 //!
 //! # Alignment
 //! To be borrowed, the bytes must begin at a multiple of 4; at one of 64 siblings share a cache line.
@@ -35,12 +34,11 @@
 //!
 //! # Endianness
 //! A big-endian machine writes and checks the same blobs, but cannot borrow them: [`Blob::bvh`] says so, and
-//! [`Blob::read_into`] copies them into memory of the caller's.
+//! [`Blob::read_into`] copies.
 //!
 //! # Versions
-//! [`VERSION`] changes when old readers would misread a blob. Other layouts of a section, narrower ones for
-//! instance, are other kinds of it, which those who do not know them refuse. The first 12 bytes stay as they
-//! are in every version.
+//! [`VERSION`] changes when old readers would misread a blob. Another layout of a section is another kind of it, which
+//! readers that do not know it refuse. The first 12 bytes stay as they are in every version.
 //!
 //! # Examples
 //! ```
@@ -62,30 +60,45 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod aligned;
 mod bytes;
 mod error;
 mod header;
 #[cfg(test)]
 mod tests;
 
-pub use aligned::Aligned;
 pub use error::BlobError;
 pub use header::{Counts, MAGIC, VERSION};
 
 use crate::bvh::BvhError;
+use crate::index::{part, part_mut};
 use crate::{Bvh, CapacityError, Mesh, Node};
 use bytes::{borrow, copy_from, copy_to};
-use header::{Header, Sections, checksum};
+use header::{Header, SECTIONS, checksum};
 
-/// Bytes whose header says what they are. Copying is free.
+/// A value that begins at a multiple of 64 bytes, for a [`Blob`] to be borrowed.
+///
+/// # Examples
+/// ```
+/// use pfront_core::blob::Aligned;
+/// # macro_rules! include_bytes { ($file:literal) => { b"64 bytes and more" } }
+/// static GEAR: &Aligned<[u8]> = &Aligned(*include_bytes!("gear.pfb"));
+/// assert!(GEAR.0.as_ptr().addr().is_multiple_of(64));
+/// ```
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub struct Aligned<T: ?Sized>(
+    /// The value.
+    pub T,
+);
+
+/// Bytes whose header has been checked.
 #[derive(Clone, Copy, Debug)]
 pub struct Blob<'a> {
     bytes: &'a [u8],
-    counts: Counts,
+    header: Header,
 }
 
-/// Where [`Blob::read_into`] puts a mesh and its BVH: at least as much of each as [`Blob::counts`] says.
+/// Buffers for [`Blob::read_into`]: at least as many elements of each as [`Blob::counts`] says.
 #[derive(Debug)]
 pub struct BlobStorage<'s> {
     /// For the nodes.
@@ -99,13 +112,13 @@ pub struct BlobStorage<'s> {
 }
 
 impl<'a> Blob<'a> {
-    /// Takes bytes for a blob if they are one from the first to the last and the checksum is right.
+    /// Checks the header, the length and the checksum of `bytes`, a whole blob.
     ///
     /// # Errors
-    /// [`BlobError`] says in what they are none, or of which version or kind.
+    /// [`BlobError`] says what is at fault.
     ///
     /// # Complexity
-    /// O(bytes). Without the feature `std` the checksum goes by a table of 1 KiB, with it by one of 16 KiB.
+    /// O(bytes).
     ///
     /// # Examples
     /// ```
@@ -113,30 +126,25 @@ impl<'a> Blob<'a> {
     /// assert_eq!(Blob::new(b"solid teapot").err(), Some(BlobError::Magic));
     /// ```
     pub fn new(bytes: &'a [u8]) -> Result<Self, BlobError> {
-        let (header, blob) = Self::framed(bytes)?;
-        let (stored, computed) = (header.checksum(), checksum(bytes));
+        let blob = Self::new_unchecked(bytes)?;
+        let (stored, computed) = (blob.header.checksum(), checksum(bytes));
         if stored != computed {
             return Err(BlobError::Checksum { stored, computed });
         }
-        blob.sections().check_gaps(bytes)?;
+        let mut end = size_of::<Header>();
+        for section in blob.counts().sections() {
+            if let Some(at) = part(bytes, end..section.start).iter().position(|&byte| byte != 0) {
+                return Err(BlobError::NotZero { byte: end + at });
+            }
+            end = section.end;
+        }
         Ok(blob)
     }
 
-    /// [`Blob::new`] of the bytes that a longer slice begins with, such as a region of flash; and the rest.
-    ///
-    /// # Errors
-    /// As [`Blob::new`].
-    pub fn prefix(bytes: &'a [u8]) -> Result<(Self, &'a [u8]), BlobError> {
-        let needed = Header::parse(bytes)?.length();
-        let parted = usize::try_from(needed).ok().and_then(|needed| bytes.split_at_checked(needed));
-        let (own, rest) = parted.ok_or(BlobError::Length { needed, found: bytes.len() })?;
-        Ok((Self::new(own)?, rest))
-    }
-
-    /// [`Blob::new`] without computing the checksum: only the header is checked.
+    /// [`Blob::new`] without the checksum and the gaps between sections: only header and length are checked.
     ///
     /// # Wrong answers
-    /// Where bytes have changed since they were written, [`Blob::bvh`] may accept a mesh other than was baked.
+    /// Where bytes have changed since they were written, [`Blob::bvh`] may accept a mesh other than was written.
     ///
     /// # Errors
     /// As [`Blob::new`], but for the checksum.
@@ -144,36 +152,16 @@ impl<'a> Blob<'a> {
     /// # Complexity
     /// O(1).
     pub fn new_unchecked(bytes: &'a [u8]) -> Result<Self, BlobError> {
-        Self::framed(bytes).map(|(_, blob)| blob)
+        Ok(Self { bytes, header: Header::parse(bytes)? })
     }
 
-    /// The header, if it says of what length the bytes are.
-    fn framed(bytes: &'a [u8]) -> Result<(Header, Self), BlobError> {
-        let header = Header::parse(bytes)?;
-        let (needed, found) = (header.length(), bytes.len());
-        if needed != found as u64 {
-            return Err(BlobError::Length { needed, found });
-        }
-        let counts = header.counts();
-        if counts.bytes() != found {
-            return Err(BlobError::Counts { counts, found });
-        }
-        Ok((header, Self { bytes, counts }))
-    }
-
-    /// All bytes, from the header to the last of the order.
-    #[must_use]
-    pub fn bytes(&self) -> &'a [u8] {
-        self.bytes
-    }
-
-    /// How much of everything there is.
+    /// How many nodes, vertices and triangles there are.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        self.counts
+        self.header.counts()
     }
 
-    /// Borrows the mesh and the BVH, after checking all that a walk relies on.
+    /// Borrows the mesh and the BVH, after checking all that queries rely on.
     ///
     /// `scratch` is as for [`Bvh::new`]: [`check_scratch_bound`](crate::bvh::check_scratch_bound) words of it,
     /// or fewer and more time.
@@ -185,29 +173,9 @@ impl<'a> Blob<'a> {
     /// # Complexity
     /// As [`Bvh::new`] and [`Mesh::new`]: O(vertices + triangles).
     pub fn bvh(&self, scratch: &mut [u32]) -> Result<Bvh<'a>, BlobError> {
-        let bvh = self.bvh_unchecked()?;
-        let mesh = Mesh::new(bvh.mesh().positions(), bvh.mesh().triangles())?;
-        Ok(Bvh::new(mesh, bvh.nodes(), bvh.order(), scratch)?)
-    }
-
-    /// Borrows the mesh and the BVH without checking them.
-    ///
-    /// # Panics and wrong answers
-    /// As [`Bvh::new_unchecked`], for bytes that [`write()`] has not written.
-    ///
-    /// # Errors
-    /// [`BlobError::Misaligned`], [`BlobError::BigEndian`].
-    ///
-    /// # Complexity
-    /// O(1).
-    pub fn bvh_unchecked(&self) -> Result<Bvh<'a>, BlobError> {
-        let Sections { nodes, positions, triangles, order } = self.sections();
-        let nodes = borrow(nodes.of(self.bytes))?;
-        let mesh = Mesh::new_unchecked(
-            borrow(positions.of(self.bytes))?,
-            borrow(triangles.of(self.bytes))?,
-        );
-        Ok(Bvh::new_unchecked(mesh, nodes, borrow(order.of(self.bytes))?))
+        let [nodes, positions, triangles, order] = self.sections();
+        let mesh = Mesh::new(borrow(positions)?, borrow(triangles)?)?;
+        Ok(Bvh::new(mesh, borrow(nodes)?, borrow(order)?, scratch)?)
     }
 
     /// Copies the mesh and the BVH, which works on every machine and wherever the bytes lie, and checks the
@@ -223,20 +191,20 @@ impl<'a> Blob<'a> {
         storage: BlobStorage<'s>,
         scratch: &mut [u32],
     ) -> Result<Bvh<'s>, BlobError> {
-        let Sections { nodes, positions, triangles, order } = self.sections();
-        let positions = copy_from(positions.of(self.bytes), "positions", storage.positions)?;
-        let triangles = copy_from(triangles.of(self.bytes), "triangles", storage.triangles)?;
-        let nodes = copy_from(nodes.of(self.bytes), "nodes", storage.nodes)?;
-        let order = copy_from(order.of(self.bytes), "order", storage.order)?;
+        let ([nodes, positions, triangles, order], [n, p, t, o]) = (self.sections(), SECTIONS);
+        let positions = copy_from(positions, p, storage.positions)?;
+        let triangles = copy_from(triangles, t, storage.triangles)?;
+        let nodes = copy_from(nodes, n, storage.nodes)?;
+        let order = copy_from(order, o, storage.order)?;
         Ok(Bvh::new(Mesh::new(positions, triangles)?, nodes, order, scratch)?)
     }
 
-    fn sections(&self) -> Sections {
-        self.counts.sections()
+    fn sections(&self) -> [&'a [u8]; 4] {
+        self.counts().sections().map(|section| part(self.bytes, section))
     }
 }
 
-/// Writes a mesh and its BVH as a blob of [`Counts::bytes`] at the beginning of `out`, and returns these.
+/// Writes a mesh and its BVH as a blob of [`Counts::bytes`] at the beginning of `out`, and returns these bytes.
 ///
 /// # Errors
 /// [`BlobError::Capacity`] if `out` is too small; [`BlobError::TooMany`] if a count needs more than 32 bits;
@@ -250,17 +218,15 @@ pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BlobError
     if found != expected {
         return Err(BvhError::OrderLength { found, expected }.into());
     }
-    let mut header = Header::new(counts)?;
+    let header = Header::new(counts)?;
     CapacityError::check("out", counts.bytes(), out.len())?;
-    let out = out.get_mut(..counts.bytes()).unwrap_or_default();
+    let out = part_mut(out, ..counts.bytes());
     out.fill(0);
-    let Sections { nodes, positions, triangles, order } = counts.sections();
-    copy_to(bvh.nodes(), nodes.of_mut(out));
-    copy_to(mesh.positions(), positions.of_mut(out));
-    copy_to(mesh.triangles(), triangles.of_mut(out));
-    copy_to(bvh.order(), order.of_mut(out));
-    header.write(out);
-    header.seal(checksum(out));
+    let [nodes, positions, triangles, order] = counts.sections();
+    copy_to(bvh.nodes(), part_mut(out, nodes));
+    copy_to(mesh.positions(), part_mut(out, positions));
+    copy_to(mesh.triangles(), part_mut(out, triangles));
+    copy_to(bvh.order(), part_mut(out, order));
     header.write(out);
     Ok(out)
 }

@@ -116,9 +116,7 @@ fn contents_that_lie_are_refused() {
     // 64 the root, 128 its children, of which the first is a leaf; then positions, triangles and order.
     let own = Owned::strip(9, 8, false);
     let bytes = own.baked();
-    let Sections { positions, triangles, order, .. } = Counts::of(&own.bvh()).sections();
-    let start = |section: &[u8]| section.as_ptr().addr() - bytes.as_ptr().addr();
-    let [positions, triangles, order] = [positions, triangles, order].map(|s| start(s.of(&bytes)));
+    let [_, positions, triangles, order] = Counts::of(&own.bvh()).sections().map(|s| s.start);
     assert_eq!(own.nodes.len(), 4);
     let is_box = |error| matches!(error, BlobError::Bvh(BvhError::Box { .. }));
     let is_leaf = |error| matches!(error, BlobError::Bvh(BvhError::Leaf { .. }));

@@ -1,60 +1,41 @@
-//! Bounding spheres.
+//! Bounding spheres of bodies.
 //!
 //! The box of a rotated box is larger, the sphere of a rotated sphere is not. Spheres separate most bodies side by side
 //! whose boxes overlap, before anything of their BVHs is read.
 
-use crate::bvh::Layout;
-use crate::index::at;
-use crate::transform::PADDING;
-use crate::{Bvh, Pose};
 use glam::DVec3;
+use pfront_core::{Bvh, Pose};
 
-/// A closed ball.
+/// A closed ball. Its radius may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sphere {
-    /// The centre.
-    pub centre: [f32; 3],
-    /// The radius; may be infinite.
-    pub radius: f32,
+pub(crate) struct Sphere {
+    centre: [f32; 3],
+    radius: f32,
 }
 
 impl Sphere {
     /// A sphere about the middle of the root's box that contains every vertex of every triangle; `None` for
-    /// an empty mesh.
-    ///
-    /// # Complexity
-    /// O(n) for n triangles.
-    #[must_use]
-    pub fn of<L: Layout>(bvh: &Bvh<'_, L>) -> Option<Self> {
-        let bounds = bvh.bounds(bvh.root()?);
-        let centre = bounds.min * 0.5 + bounds.max * 0.5;
-        let (mesh, middle) = (bvh.mesh(), centre.as_dvec3());
+    /// an empty mesh. O(triangles).
+    pub(crate) fn of(bvh: &Bvh<'_>) -> Option<Self> {
+        let bounds = bvh.aabb()?;
+        let centre = [0, 1, 2].map(|k| bounds.min[k] * 0.5 + bounds.max[k] * 0.5);
+        let (mesh, middle) = (bvh.mesh(), vector(&centre));
         let corners = mesh.triangles().iter().flatten();
-        let out = corners.map(|v| vector(at(mesh.positions(), *v)) - middle);
+        let out = corners.map(|&v| vector(&mesh.positions()[v as usize]) - middle);
         let farther =
             |x: DVec3, y: DVec3| if x.length_squared() > y.length_squared() { x } else { y };
         let radius = upwards(out.fold(DVec3::ZERO, farther).length());
-        Some(Self { centre: centre.to_array(), radius })
+        Some(Self { centre, radius })
     }
 
-    /// A sphere that contains, of everything in this one, the points as [`Pose::apply`] poses them, rounding
-    /// included. [`Pose::IDENTITY`] changes nothing.
+    /// A sphere that contains the points of this one as [`Pose::apply`] poses them, rounding included.
+    /// [`Pose::IDENTITY`] changes nothing.
     ///
     /// A ball is stretched at most by the square root of the largest eigenvalue of RᵀR. That is no larger than
     /// the largest sum of absolute values along a row, which is l²·m for the longest column l of R, and
-    /// l·√m is at most l·(1 + m)/2; for rotations and scalings, m = 1. The error of a posed point is that
-    /// of `place::Posed::bounds`.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront_core::{Pose, sphere::Sphere};
-    /// let unit = Sphere { centre: [0.0; 3], radius: 1.0 };
-    /// let moved = unit.posed(&Pose::from_translation([2.5, 0.0, 0.0]));
-    /// assert!(!unit.overlaps(&moved));
-    /// assert!(moved.overlaps(&unit.posed(&Pose::from_translation([1.0, 0.0, 0.0]))));
-    /// ```
-    #[must_use]
-    pub fn posed(&self, pose: &Pose) -> Self {
+    /// l·√m is at most l·(1 + m)/2; for rotations and scalings, m = 1. The error of a posed point is
+    /// bounded by [`Pose::ROUNDING`].
+    pub(crate) fn posed(&self, pose: &Pose) -> Self {
         if *pose == Pose::IDENTITY {
             return *self;
         }
@@ -72,7 +53,8 @@ impl Sphere {
         let stretch = longest * 0.5 * (1.0 + sum);
         let far = centre.abs() + DVec3::splat(radius);
         let reach = x.abs() * far.x + y.abs() * far.y + z.abs() * far.z + translation.abs();
-        let error = reach * f64::from(PADDING) + DVec3::splat(2.0 * f64::from(f32::MIN_POSITIVE));
+        let error =
+            reach * f64::from(Pose::ROUNDING) + DVec3::splat(2.0 * f64::from(f32::MIN_POSITIVE));
         let centre = (x * centre.x + y * centre.y + z * centre.z + translation).as_vec3();
         if !centre.is_finite() {
             return Self { centre: [0.0; 3], radius: f32::INFINITY };
@@ -82,13 +64,12 @@ impl Sphere {
 
     /// Whether two balls may share a point; `false` is certain.
     #[inline]
-    #[must_use]
-    pub fn overlaps(&self, other: &Self) -> bool {
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
         let reach = f64::from(self.radius) + f64::from(other.radius);
-        let apart = vector(&self.centre).distance_squared(vector(&other.centre));
-        let parted = apart > reach * reach * (1.0 + 1e-12);
-        // A NaN separates nothing.
-        !parted
+        let distance = vector(&self.centre).distance_squared(vector(&other.centre));
+        let separated = distance > reach * reach * (1.0 + 1e-12);
+        // NaN separates nothing.
+        !separated
     }
 }
 
@@ -96,15 +77,17 @@ fn vector(p: &[f32; 3]) -> DVec3 {
     DVec3::new(p[0].into(), p[1].into(), p[2].into())
 }
 
-/// In f32, and above what f64 made of it.
+/// The radius in f32, rounded up, rounding in f64 included.
 fn upwards(radius: f64) -> f32 {
     (radius * (1.0 + 1e-12)) as f32 * (1.0 + f32::EPSILON) + f32::MIN_POSITIVE
 }
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
     use super::*;
-    use crate::{Mesh, Node};
+    use pfront_core::{Aabb, Mesh, Node};
 
     /// Numbers in −1..1.
     fn numbers() -> impl FnMut() -> f32 {
@@ -125,7 +108,7 @@ mod tests {
         for round in 0..if cfg!(miri) { 20 } else { 20_000 } {
             let scale = [1e-44, 1e-20, 1.0, 1e7, 1e30][round % 5];
             let points = [[0; 3]; 3].map(|p| p.map(|_| next() * scale));
-            let aabb = crate::Aabb::of(&points);
+            let aabb = Aabb::of(&points);
             let root = [Node { min: aabb.min, first: 0, max: aabb.max, count: 1 }];
             let bvh = Bvh::new_unchecked(Mesh::new_unchecked(&points, &[[0, 1, 2]]), &root, &[0]);
             let sphere = Sphere::of(&bvh).unwrap();
@@ -158,6 +141,13 @@ mod tests {
         let far = Sphere { centre: [3e38; 3], radius: 1.0 };
         assert!(all.overlaps(&far) && far.overlaps(&all) && all.overlaps(&all));
         assert!(!far.overlaps(&Sphere { centre: [-3e38; 3], radius: 1.0 }));
+    }
+
+    #[test]
+    fn moved_spheres_overlap_where_they_meet() {
+        let unit = Sphere { centre: [0.0; 3], radius: 1.0 };
+        let moved = |x| unit.posed(&Pose::from_translation([x, 0.0, 0.0]));
+        assert!(!unit.overlaps(&moved(2.5)) && moved(2.5).overlaps(&moved(1.0)));
     }
 
     #[test]
