@@ -16,9 +16,9 @@ pub trait Layout: TreeNode {}
 
 impl Layout for Node {}
 
-/// What a traversal asks of a node.
+/// The questions that a traversal asks of a node.
 pub(crate) trait TreeNode: Copy + Debug + 'static {
-    /// What all boxes of a tree have in common.
+    /// The data that all boxes of a tree share.
     type Grid: Copy + Debug;
 
     /// Slots of a tree of one node.

@@ -64,7 +64,7 @@ pub enum BlobError {
     Capacity(CapacityError),
     /// A count does not fit into 32 bits.
     TooMany {
-        /// What was counted.
+        /// The things counted.
         what: &'static str,
         /// How many there are.
         count: usize,

@@ -1,4 +1,4 @@
-//! What is written is read, on machines of either endianness, and nothing else is.
+//! Blobs are read as they were written, on machines of either endianness.
 
 extern crate std;
 
@@ -40,7 +40,7 @@ fn aligned(bytes: &[u8]) -> Box<Aligned<[u8]>> {
     to
 }
 
-/// What is owned of a BVH.
+/// The arrays of a mesh and its BVH.
 #[derive(Clone, Debug, PartialEq)]
 struct Owned {
     nodes: Vec<Node>,

@@ -8,7 +8,7 @@ fn seal(bytes: &mut [u8]) {
     bytes[12..16].copy_from_slice(&checksum);
 }
 
-/// What is said of a blob after a change under a right checksum.
+/// The fault found in a blob after a change under a right checksum.
 fn after(bytes: &[u8], change: impl FnOnce(&mut [u8])) -> Option<BlobError> {
     let mut bytes = bytes.to_vec();
     change(&mut bytes);
