@@ -57,6 +57,7 @@ pub use error::Error;
 pub use model::{Model, Stamp};
 pub use pair::PairQuery;
 pub use scene::{Body, BodyId, Piece, SceneHit, SceneQuery};
+pub use sphere::Sphere;
 pub use within::SelfQuery;
 
 pub use pfront_core as core;

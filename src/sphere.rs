@@ -6,11 +6,13 @@
 use glam::DVec3;
 use pfront_core::{Bvh, Pose};
 
-/// A closed ball. Its radius may be infinite.
+/// A closed ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sphere {
-    centre: [f32; 3],
-    radius: f32,
+pub struct Sphere {
+    /// The centre.
+    pub centre: [f32; 3],
+    /// The radius; may be infinite.
+    pub radius: f32,
 }
 
 impl Sphere {

@@ -149,7 +149,8 @@ impl Model {
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
     /// changed, in O(n); `None` if there is no triangle.
-    pub(crate) fn sphere(&self) -> Option<Sphere> {
+    #[must_use]
+    pub fn sphere(&self) -> Option<Sphere> {
         *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))
     }
 
