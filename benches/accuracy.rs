@@ -7,7 +7,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pfront::core::Triangle;
-use pfront::core::bvtt::{self, Query, TrianglePair};
+use pfront::core::bvtt::{self, Bvtt, Query, TrianglePair};
 use pfront::core::triangle::intersects;
 use pfront::{Aabb, Accuracy, Model, PairQuery, Pose};
 use pfront_scenes::Scene;
@@ -112,7 +112,7 @@ fn candidates(case: &Case) -> Vec<(Triangle, Triangle)> {
     let mut pending: Vec<_> = query.root().into_iter().collect();
     let mut found = Vec::new();
     while let Some(pair) = pending.pop() {
-        if query.expand(pair, &mut |child| pending.push(child)) > 0 {
+        if query.children(pair, &mut |child, _| pending.push(child)) > 0 {
             continue;
         }
         for ta in run(&a, pair.a) {

@@ -33,7 +33,7 @@
 #define PFRONT_REBUILD_RATIO 1.2
 
 // Words of 8 bytes for all that a walk remembers.
-#define PFRONT_CURSOR_WORDS 278
+#define PFRONT_CURSOR_WORDS 487
 
 // What a triangle test costs, in box tests, as measured on x86-64.
 #define PFRONT_TRIANGLE_COST 6.5

@@ -24,7 +24,7 @@ pub struct pfront_node_pair_t {
 }
 
 /// Words of 8 bytes for all that a walk remembers.
-pub const PFRONT_CURSOR_WORDS: usize = 278;
+pub const PFRONT_CURSOR_WORDS: usize = 487;
 const _: () = assert!(size_of::<Cursor>() <= PFRONT_CURSOR_WORDS * size_of::<u64>());
 const _: () = assert!(align_of::<Cursor>() <= align_of::<u64>());
 

@@ -21,7 +21,6 @@ pub mod mesh;
 pub mod one_ring;
 pub mod pose;
 mod simd;
-mod transform;
 pub mod triangle;
 mod vertex_set;
 

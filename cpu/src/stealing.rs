@@ -47,7 +47,11 @@ impl<Q: Query + Sync, O: Output, N: Fn() -> O + Sync> Stealing<'_, Q, N> {
             children[count].pair = pair;
             count += 1;
         };
-        let tests = if a + b > CUT_OFF { query.expand(start.pair, &mut push) } else { 0 };
+        let tests = if a + b > CUT_OFF {
+            query.children(start.pair, &mut |child, _| push(child))
+        } else {
+            0
+        };
         if tests == 0 {
             let (mut output, mut cursor) = ((self.new_output)(), Cursor::at(start.pair));
             self.control.traverse(query, start.query, &mut cursor, &mut output, u64::MAX);

@@ -112,7 +112,7 @@ fn asked(query: &impl Query, page: &mut [TrianglePair]) -> Option<()> {
         query.contact(some()?),
     ));
     let push = &mut |n, boxes| _ = any((n, boxes));
-    any((query.children(n, push), query.expand(n, &mut |n| _ = any(n)), query.boxes(n)));
+    any((query.children(n, push), query.boxes(n)));
     any((query.triangles_below(n), query.leaf_edge()));
     Some(())
 }

@@ -1,7 +1,7 @@
 //! Either kind of query.
 
 use core::ops::ControlFlow;
-use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair};
+use pfront_core::bvtt::{Bvtt, Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair};
 use pfront_core::triangle::Contact;
 use pfront_core::{Aabb, Bvh, Mesh};
 
@@ -45,7 +45,9 @@ impl Query for Asked<'_> {
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {
         either!(self, query => query.contact(pair))
     }
+}
 
+impl Bvtt for Asked<'_> {
     fn root(&self) -> Option<NodePair> {
         either!(self, query => query.root())
     }

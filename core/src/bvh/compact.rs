@@ -14,7 +14,7 @@
 //! grid go on beyond [`f32::MAX`]: such a corner decodes to infinity, which still is outside, and counts as
 //! `f32::MAX` where a single box is asked for, so that what is made of boxes stays finite.
 //!
-//! Boxes grow by less than a cell at each side: that is at most a 32,767th of the mesh, or, of one that lies far
+//! Box4 grow by less than a cell at each side: that is at most a 32,767th of the mesh, or, of one that lies far
 //! from the origin, the distance of neighbouring floats there.
 //!
 //! # Memory
@@ -34,7 +34,7 @@ mod tests;
 use super::{Bvh, BvhError, Layout, Node, TreeNode};
 use crate::aabb::Bounds;
 use crate::index::at_mut;
-use crate::simd::Boxes;
+use crate::simd::Box4;
 use crate::{Aabb, CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3A, Vec4};
@@ -285,7 +285,7 @@ impl TreeNode for CompactNode {
     }
 
     #[inline(always)]
-    fn boxes(grid: &Grid, nodes: [&Self; 4]) -> Boxes {
+    fn boxes(grid: &Grid, nodes: [&Self; 4]) -> Box4 {
         // Whole nodes in registers; then of all four the first word, the second, the third: two coordinates each.
         let [a, b, c, d]: [Vec4; 4] = nodes.map(|node| bytemuck::must_cast(*node));
         let words = Mat4::from_cols(a, b, c, d).transpose();
@@ -299,7 +299,7 @@ impl TreeNode for CompactNode {
         let [[a, b], [c, d], [e, f]] = [both(words.x_axis), both(words.y_axis), both(words.z_axis)];
         let corner =
             |k: usize, q: Vec4| (q + Vec4::splat(grid.offset[k])) * Vec4::splat(grid.width[k]);
-        Boxes {
+        Box4 {
             min: [corner(0, a), corner(1, b), corner(2, c)],
             max: [corner(0, d), corner(1, e), corner(2, f)],
         }

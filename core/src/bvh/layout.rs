@@ -6,7 +6,7 @@
 
 use crate::Aabb;
 use crate::aabb::Bounds;
-use crate::simd::Boxes;
+use crate::simd::Box4;
 use bytemuck::{Pod, Zeroable};
 use core::fmt::Debug;
 
@@ -39,7 +39,7 @@ pub(crate) trait TreeNode: Copy + Debug + 'static {
     fn bounds(&self, grid: &Self::Grid) -> Bounds;
 
     /// Four boxes.
-    fn boxes(grid: &Self::Grid, nodes: [&Self; 4]) -> Boxes;
+    fn boxes(grid: &Self::Grid, nodes: [&Self; 4]) -> Box4;
 }
 
 /// A BVH node of the standard layout: 32 bytes, the same on the CPU and in a storage buffer.
@@ -111,7 +111,7 @@ impl TreeNode for Node {
     }
 
     #[inline(always)]
-    fn boxes((): &(), nodes: [&Self; 4]) -> Boxes {
-        Boxes::of_nodes(nodes)
+    fn boxes((): &(), nodes: [&Self; 4]) -> Box4 {
+        Box4::of_nodes(nodes)
     }
 }

@@ -34,8 +34,8 @@ pub use survey::{Below, refit_moved, survey, survey_bound};
 pub(crate) use layout::TreeNode;
 
 use crate::aabb::Bounds;
-use crate::bvtt::Family;
 use crate::index::{at, at_mut, out_of_range, range};
+use crate::simd::Box4;
 use crate::{Aabb, Mesh};
 use core::convert::Infallible;
 
@@ -215,10 +215,10 @@ impl<'a, N: Layout> Bvh<'a, N> {
         node.bounds(&self.grid)
     }
 
-    /// The nodes two levels below a node.
+    /// The boxes of four nodes.
     #[inline(always)]
-    pub(crate) fn family(&self, node: u32) -> Family {
-        Family::below(self.nodes, &self.grid, node)
+    pub(crate) fn boxes(&self, nodes: [&N; 4]) -> Box4 {
+        N::boxes(&self.grid, nodes)
     }
 
     /// The triangles of a leaf, at most [`MAX_LEAF_SIZE`].

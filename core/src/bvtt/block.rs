@@ -1,32 +1,54 @@
-//! The triangles of a leaf, side by side.
+//! The triangles of a leaf in vector lanes.
 
-use crate::index::at;
+use crate::index::{at, at_mut};
 use crate::one_ring::OneRing;
+use crate::pose::Affine;
 use crate::simd::point8::{Points, abs, difference, highest, lanes, load, lowest, store};
 use crate::simd::{LANES, Simd};
-use crate::transform::Placement;
-use crate::{Mesh, Triangle};
+use crate::{Aabb, Mesh, Triangle};
 
-/// Up to eight triangles, placed, and their boxes and planes.
+/// A leaf: its triangles, where they are posed, and what is certified of their vertices.
+#[derive(Clone, Copy)]
+pub(super) struct Leaf<'a> {
+    pub(super) mesh: Mesh<'a>,
+    pub(super) triangles: &'a [u32],
+    pub(super) pose: Option<&'a Affine>,
+    /// A box that contains the posed triangles.
+    pub(super) bounds: Aabb,
+    pub(super) rings: &'a [OneRing],
+}
+
+/// Up to eight posed triangles with their boxes and planes.
 #[derive(Clone, Debug)]
-pub(crate) struct Block {
+pub(super) struct TriangleBlock {
+    /// Indices of the triangles.
+    pub(super) triangles: [u32; LANES],
     pub(super) len: usize,
     pub(super) corners: [Points; 3],
-    /// Vertices as numbers that are equal as they are.
+    /// The vertex of each corner as a float that equals no other vertex's, see [`vertex_key`].
     pub(super) vertices: Points,
-    /// For each corner, a bit for the triangles whose vertex there is certified.
+    /// For each corner, the lanes whose vertex there is certified, as bits.
     pub(super) certified: [u32; 3],
     pub(super) min: Points,
     pub(super) max: Points,
     pub(super) normal: Points,
-    /// The largest extent of the two edges from the first corner, an axis.
+    /// For each axis, the larger extent of the two edges from the first corner.
     pub(super) extent: Points,
+    /// A box that contains all triangles.
+    pub(super) bounds: Aabb,
 }
 
-impl Block {
+/// A float for each vertex index, equal only to itself, so that lanes of floats can compare vertices: normal numbers
+/// from the smallest on, NaN above 2^31 − 2^24. A NaN equals nothing, and is decided vertex by vertex.
+pub(super) fn vertex_key(vertex: u32) -> f32 {
+    f32::from_bits(vertex.saturating_add(f32::MIN_POSITIVE.to_bits()))
+}
+
+impl TriangleBlock {
     const EMPTY: Self = {
         let zero = [[0.0; LANES]; 3];
         Self {
+            triangles: [0; LANES],
             len: 0,
             corners: [zero; 3],
             vertices: zero,
@@ -35,71 +57,46 @@ impl Block {
             max: zero,
             normal: zero,
             extent: zero,
+            bounds: Aabb { min: [0.0; 3], max: [0.0; 3] },
         }
     };
 
-    /// Takes in the triangles of a leaf.
+    /// Loads, poses and prepares the triangles of a leaf.
     #[inline(always)]
-    fn fill<S: Simd>(
-        &mut self,
-        mesh: Mesh<'_>,
-        triangles: &[u32],
-        place: &impl Placement,
-        fans: &[OneRing],
-    ) {
-        self.len = triangles.len().min(LANES);
+    fn fill<S: Simd>(&mut self, leaf: &Leaf<'_>) {
+        (self.len, self.bounds) = (leaf.triangles.len(), leaf.bounds);
         self.certified = [0; 3];
-        for (lane, &triangle) in triangles.iter().take(LANES).enumerate() {
-            let t = at(mesh.triangles(), triangle);
-            for (k, &vertex) in t.iter().enumerate() {
-                let p = at(mesh.positions(), vertex);
-                self.corners[k][0][lane] = p[0];
-                self.corners[k][1][lane] = p[1];
-                self.corners[k][2][lane] = p[2];
-                // No vertex that a mesh can have memory for becomes zero, of which floats have two. Some
-                // above 2^30 become no numbers: they equal nothing, and pass for not certified.
-                self.vertices[k][lane] = f32::from_bits(vertex.saturating_add(0x0080_0000));
-                if let Some(fan) = fans.get(vertex as usize) {
-                    self.certified[k] |= u32::from(fan.is_certified()) << lane;
+        // Lanes without a triangle stay zero, so that arithmetic on them is neither slow nor a trap.
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        for (lane, &triangle) in leaf.triangles.iter().enumerate() {
+            *at_mut(&mut self.triangles, lane) = triangle;
+            let vertices = at(leaf.mesh.triangles(), triangle);
+            for (k, &vertex) in vertices.iter().enumerate() {
+                let [x, y, z] = *at(leaf.mesh.positions(), vertex);
+                (corners[k][0][lane], corners[k][1][lane], corners[k][2][lane]) = (x, y, z);
+                let key = vertex_key(vertex);
+                self.vertices[k][lane] = key;
+                if let Some(ring) = leaf.rings.get(vertex as usize) {
+                    self.certified[k] |= u32::from(ring.is_certified() && !key.is_nan()) << lane;
                 }
-            }
-        }
-        if !fans.is_empty() {
-            for (certified, numbers) in self.certified.iter_mut().zip(&self.vertices) {
-                let mut found = 0;
-                for at in lanes::<S>() {
-                    let numbers = S::load(numbers, at);
-                    found |= S::bits(numbers.eq(numbers)) << at;
-                }
-                *certified &= found;
             }
         }
         for at in lanes::<S>() {
-            self.place::<S>(place, at);
+            let mut posed =
+                [load::<S>(&corners[0], at), load(&corners[1], at), load(&corners[2], at)];
+            if let Some(affine) = leaf.pose {
+                posed = [affine.points(posed[0]), affine.points(posed[1]), affine.points(posed[2])];
+            }
+            self.derive(posed, at);
         }
     }
 
-    /// Apart, for both sides of a walk.
-    #[inline(never)]
-    fn fill_one_by_one(
-        &mut self,
-        mesh: Mesh<'_>,
-        triangles: &[u32],
-        place: &impl Placement,
-        fans: &[OneRing],
-    ) {
-        self.fill::<f32>(mesh, triangles, place, fans);
-    }
-
-    /// Places the triangles in some lanes, and derives the rest.
+    /// Stores posed corners and derives boxes and planes, in the lanes from `at` on.
     #[inline(always)]
-    fn place<S: Simd>(&mut self, place: &impl Placement, at: usize) {
-        let p = place.points(load::<S>(&self.corners[0], at));
-        let q = place.points(load::<S>(&self.corners[1], at));
-        let r = place.points(load::<S>(&self.corners[2], at));
-        for (k, placed) in [p, q, r].into_iter().enumerate() {
-            store(placed, &mut self.corners[k], at);
-        }
+    fn derive<S: Simd>(&mut self, [p, q, r]: [[S; 3]; 3], at: usize) {
+        store(p, &mut self.corners[0], at);
+        store(q, &mut self.corners[1], at);
+        store(r, &mut self.corners[2], at);
         store(lowest(lowest(p, q), r), &mut self.min, at);
         store(highest(highest(p, q), r), &mut self.max, at);
         let (u, v) = (difference(q, p), difference(r, p));
@@ -109,66 +106,49 @@ impl Block {
         store(highest(abs(u), abs(v)), &mut self.extent, at);
     }
 
-    /// The corners of one of them.
+    /// The posed corners in a lane.
     #[inline]
-    pub(crate) fn triangle(&self, lane: u32) -> Triangle {
-        let lane = lane as usize % LANES;
-        let corner = |p: &Points| [p[0][lane], p[1][lane], p[2][lane]];
-        [corner(&self.corners[0]), corner(&self.corners[1]), corner(&self.corners[2])]
+    pub(super) fn triangle(&self, lane: usize) -> Triangle {
+        let lane = lane % LANES;
+        self.corners.each_ref().map(|[x, y, z]| [x[lane], y[lane], z[lane]])
     }
 
-    /// Whether triangle `i` of these and `j` of others have a vertex in common.
-    #[inline]
-    pub(crate) fn share_vertex(&self, i: u32, others: &Self, j: u32) -> bool {
-        let (i, j) = (i as usize % LANES, j as usize % LANES);
-        let [p, q, r] = [self.vertices[0][i], self.vertices[1][i], self.vertices[2][i]];
-        (0..3).any(|k| {
-            let v = others.vertices[k][j];
-            // One that is no number may be any.
-            (v == p) | (v == q) | (v == r) | v.is_nan()
-        })
+    /// Lanes that hold a triangle.
+    #[inline(always)]
+    pub(super) fn lanes(&self) -> u32 {
+        (1 << self.len) - 1
     }
 }
 
-/// How many blocks are kept on either side. Where stacks are small, a walk rather fills some again.
-const KEPT: usize = if cfg!(feature = "std") { 8 } else { 2 };
+/// How many blocks a [`BlockCache`] holds.
+const CACHED: usize = 8;
 
-/// The blocks of the leaves last met: a leaf meets several others in a row.
-pub(crate) struct Blocks {
-    leaves: [u32; KEPT],
-    blocks: [Block; KEPT],
+/// The blocks of the leaves that one side of a traversal met last: a leaf meets several others in a row.
+pub(super) struct BlockCache {
+    leaves: [u32; CACHED],
+    /// Set up when first used, since most small queries use few.
+    blocks: [Option<TriangleBlock>; CACHED],
 }
 
-impl Blocks {
-    /// To begin with; all zero, which takes no constant. [`Blocks::forget`] comes next.
-    pub(crate) const ZERO: Self =
-        Self { leaves: [0; KEPT], blocks: [const { Block::EMPTY }; KEPT] };
-
-    /// Keeps none.
+impl BlockCache {
     #[inline(always)]
-    pub(crate) fn forget(&mut self) {
-        self.leaves = [u32::MAX; KEPT];
+    pub(super) fn new() -> Self {
+        Self { leaves: [u32::MAX; CACHED], blocks: core::array::from_fn(|_| None) }
     }
 
-    /// The block of a leaf, the node `leaf`.
+    /// The block of `leaf`, the node with index `node`.
     #[inline(always)]
-    pub(crate) fn get<'s, S: Simd>(
-        &'s mut self,
-        leaf: u32,
-        mesh: Mesh<'_>,
-        triangles: &[u32],
-        place: &impl Placement,
-        fans: &[OneRing],
-    ) -> &'s Block {
-        let slot = leaf as usize % KEPT;
-        if self.leaves[slot] != leaf {
-            self.leaves[slot] = leaf;
-            if S::WIDTH == 1 {
-                self.blocks[slot].fill_one_by_one(mesh, triangles, place, fans);
-            } else {
-                self.blocks[slot].fill::<S>(mesh, triangles, place, fans);
-            }
+    pub(super) fn get<'a, S: Simd>(
+        &mut self,
+        node: u32,
+        leaf: impl FnOnce() -> Leaf<'a>,
+    ) -> &TriangleBlock {
+        let slot = node as usize % CACHED;
+        let block = self.blocks[slot].get_or_insert_with(|| TriangleBlock::EMPTY);
+        if self.leaves[slot] != node {
+            self.leaves[slot] = node;
+            block.fill::<S>(&leaf());
         }
-        &self.blocks[slot]
+        block
     }
 }

@@ -1,10 +1,10 @@
 //! What is done side by side against the same done one by one, at the widest, in halves and singly.
 
-use super::{Block, Blocks, Pairs};
+use super::block::{BlockCache, Leaf};
+use super::block_pairs::PairSets;
 use crate::one_ring::{CertifyOptions, OneRing, OneRings, history_bound, link_scratch_bound};
 use crate::simd::Halves;
 use crate::simd::{Eight, LANES, Simd, Task, widest};
-use crate::transform::InPlace;
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use crate::{Aabb, Mesh};
 
@@ -20,8 +20,8 @@ struct Two<'m> {
 /// What is found of all pairs, with regard to common vertices and without; and by boxes alone.
 #[derive(Debug, PartialEq)]
 struct Found {
-    in_mesh: Pairs,
-    apart: Pairs,
+    in_mesh: PairSets,
+    apart: PairSets,
     boxes: u64,
 }
 
@@ -37,20 +37,19 @@ impl Task for Two<'_> {
 impl Two<'_> {
     #[inline(always)]
     fn find<S: Simd>(self) -> Found {
-        let Self { mesh, leaves: [own, others], fans } = self;
-        let mut kept = [Blocks::ZERO; 2];
-        kept.iter_mut().for_each(Blocks::forget);
-        let [first, second] = &mut kept;
-        let a: &Block = first.get::<S>(1, mesh, own, &InPlace, fans);
-        let b: &Block = second.get::<S>(2, mesh, others, &InPlace, fans);
-        let bounds = own.iter().map(|t| Aabb::of(&mesh.triangle(*t)));
-        let bounds = bounds.fold(Aabb::EMPTY, |x, y| x.union(&y));
-        let bounds = crate::aabb::Bounds::new(&bounds);
-        let boxes = a.boxes::<S>(b, &bounds, u64::MAX);
+        let Self { mesh, leaves, fans } = self;
+        let [first, second] = leaves.map(|triangles| {
+            let boxes = triangles.iter().map(|t| Aabb::of(&mesh.triangle(*t)));
+            let bounds = boxes.fold(Aabb::EMPTY, |x, y| x.union(&y));
+            Leaf { mesh, triangles, pose: None, bounds, rings: fans }
+        });
+        let mut caches = [BlockCache::new(), BlockCache::new()];
+        let [a, b] = &mut caches;
+        let (a, b) = (a.get::<S>(1, || first), b.get::<S>(1, || second));
         Found {
-            in_mesh: a.pairs::<S, true>(b, &bounds, u64::MAX),
-            apart: a.pairs::<S, false>(b, &bounds, u64::MAX),
-            boxes,
+            in_mesh: a.pairs::<S, true>(b, u64::MAX),
+            apart: a.pairs::<S, false>(b, u64::MAX),
+            boxes: a.box_pairs::<S>(b, u64::MAX),
         }
     }
 }

@@ -1,145 +1,172 @@
-//! How far a walk has come: the node pairs it still has to see, its place in the topmost leaf pair, the work
-//! done and what is left of its budget.
+//! Where a traversal stopped: the node pairs still to be visited, the place inside the topmost leaf pair, the
+//! work done and what is left of the budget.
 
 use super::NodePair;
 use crate::bvh::MAX_DEPTH;
+use crate::index::{at, at_mut, range};
+use core::ops::ControlFlow;
 
-/// What a walk has done: the cost |n| = m1 + k·m2 of the paper counts these (section 2.2).
+/// Work done, which the cost |n| = m1 + k·m2 of the paper counts (section 2.2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Box tests (m1).
     pub box_tests: u64,
-    /// Triangle tests (m2): pairs whose own boxes overlap.
+    /// Triangle tests (m2): triangle pairs whose own boxes overlap.
     pub triangle_tests: u64,
 }
 
-/// How far a walk has come.
+/// The work done and the tests that may still be done.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Progress {
-    /// Combinations of the topmost leaf pair that are done.
-    pub(super) skip: u32,
-    pub(super) work: Work,
-    /// How many tests may still be done; below zero if the last step took more.
-    pub(super) budget: i64,
+pub(super) struct Budget {
+    work: Work,
+    /// The triangle pairs of the topmost leaf pair that are done, in the order of their bits.
+    done: u32,
+    /// Tests left; at most 0 once the budget is spent.
+    left: i64,
 }
 
-impl Progress {
-    /// Of a leaf pair with more tests than the budget allows, the combinations up to where it ends, and
-    /// there the next step begins.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn cut(&mut self, mut tested: u64) -> u64 {
-        for _ in 1..self.budget {
-            tested &= tested - 1;
-        }
-        self.skip = tested.trailing_zeros() + 1;
-        !after(self.skip)
+impl Budget {
+    /// The triangle pairs of the topmost leaf pair that are still to be tested, as bits.
+    pub(super) fn open(&self) -> u64 {
+        after(self.done)
     }
 
-    /// Counts the tests of a leaf pair. One without any counts against the budget too, since it has to be
-    /// looked at.
-    #[inline]
-    pub(super) fn spend(&mut self, tested: u64) {
+    pub(super) fn is_inside_leaf_pair(&self) -> bool {
+        self.done != 0
+    }
+
+    pub(super) fn is_spent(&self) -> bool {
+        self.left <= 0
+    }
+
+    pub(super) fn refill(&mut self, tests: u64) {
+        self.left = i64::try_from(tests).unwrap_or(i64::MAX);
+    }
+
+    pub(super) fn spend_box_tests(&mut self, tests: u32) {
+        self.work.box_tests += u64::from(tests);
+        self.left -= i64::from(tests);
+    }
+
+    /// Calls `visit` for each bit of `left`, the triangle pairs of a leaf pair that are still undecided of those
+    /// `tested`, until it breaks or the budget is spent; the traversal then resumes inside the leaf pair.
+    #[inline(always)]
+    pub(super) fn decide(
+        &mut self,
+        mut tested: u64,
+        mut left: u64,
+        mut visit: impl FnMut(u32) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.done = 0;
+        if i64::from(tested.count_ones()) > self.left {
+            tested &= self.cut(tested);
+            left &= tested;
+        }
+        let mut flow = ControlFlow::Continue(());
+        while left != 0 && flow.is_continue() {
+            let bit = left.trailing_zeros();
+            left &= left - 1;
+            flow = visit(bit);
+            if flow.is_break() {
+                // The tests after this pair count when their turn comes.
+                self.done = bit + 1;
+                tested &= !after(self.done);
+            }
+        }
+        // A leaf pair without tests costs one, since it has to be looked at.
         let tests = tested.count_ones();
         self.work.triangle_tests += u64::from(tests);
-        self.budget -= i64::from(tests.max(1));
+        self.left -= i64::from(tests.max(1));
+        flow
+    }
+
+    /// The pairs up to where the budget ends, and there the traversal resumes.
+    #[cold]
+    #[inline(never)]
+    fn cut(&mut self, mut tested: u64) -> u64 {
+        for _ in 1..self.left {
+            tested &= tested - 1;
+        }
+        self.done = tested.trailing_zeros() + 1;
+        !after(self.done)
     }
 }
 
-/// Of 64 combinations, those without the first `skip`.
-#[inline]
-pub(super) fn after(skip: u32) -> u64 {
-    u64::MAX.checked_shl(skip).unwrap_or(0)
+/// The bits from `first` on.
+fn after(first: u32) -> u64 {
+    u64::MAX.checked_shl(first).unwrap_or(0)
 }
 
-/// With more node pairs pending than this, steps go down one level instead of two.
-pub(super) const FULL: usize = 64;
+/// Node pairs that may wait. A step takes one off and puts at most 16 back. Each of these is two levels deeper in
+/// either tree, or a leaf there, so no more than `MAX_DEPTH / 2` steps follow one another downwards.
+const STACK: usize = 15 * MAX_DEPTH.div_ceil(2) + 1;
 
-/// Most node pairs a stack can hold. A step of two levels takes one of at most [`FULL`] + 1 and puts back
-/// at most 16. A step of one level puts back at most four that lie a level deeper, so each level leaves
-/// at most three behind; both trees descend together until one reaches a leaf and the other goes on,
-/// which makes no more levels than the deeper tree has.
-const STACK: usize = FULL + 16 + 3 * MAX_DEPTH;
-
-/// Where a query stands: start one with `start`, pass it to `page` or `visit` until nothing is left.
+/// Where a query stands: start one with [`Query::start`](super::Query::start), pass it to `page`, `step` or `visit`
+/// until [`Cursor::is_done`].
 ///
-/// Below 2.2 KiB, no allocation; a copy is a bookmark. It belongs to the query that made it.
+/// Below 4 KiB, no allocation; a copy is a bookmark. It belongs to the query that made it.
 #[derive(Clone, Copy, Debug)]
 pub struct Cursor {
     stack: [NodePair; STACK],
-    pub(super) len: usize,
-    pub(super) progress: Progress,
+    len: usize,
+    pub(super) budget: Budget,
 }
 
 impl Cursor {
-    pub(crate) fn new(root: Option<NodePair>) -> Self {
-        let mut cursor = Self {
-            stack: [NodePair::default(); STACK],
-            len: 0,
-            progress: Progress {
-                skip: 0,
-                work: Work { box_tests: 1, triangle_tests: 0 },
-                budget: 0,
-            },
-        };
-        if let Some(root) = root {
-            cursor.push(root);
+    /// A traversal of the subtree of the BVTT below `n`, as a worker does from a node of its front; of nothing for
+    /// `None`.
+    #[inline]
+    #[must_use]
+    pub fn at(n: impl Into<Option<NodePair>>) -> Self {
+        let budget = Budget { work: Work::default(), done: 0, left: 0 };
+        let mut cursor = Self { stack: [NodePair::ROOT; STACK], len: 0, budget };
+        if let Some(n) = n.into() {
+            cursor.push(n);
         }
         cursor
     }
 
-    /// A walk over the part of a BVTT below one node, as a worker does from a node of its front.
-    #[must_use]
-    pub fn at(n: NodePair) -> Self {
-        let mut cursor = Self::new(Some(n));
-        cursor.progress.work = Work::default();
-        cursor
-    }
-
-    /// Goes to another node without clearing the count of work.
+    /// Goes on to the subtree below `n`. Work counts on.
     pub fn restart(&mut self, n: NodePair) {
-        (self.len, self.progress.skip) = (0, 0);
+        (self.len, self.budget.done) = (0, 0);
         self.push(n);
     }
 
-    /// Whether the walk is over.
+    /// Whether nothing is left.
     #[must_use]
     pub fn is_done(&self) -> bool {
         self.len == 0
     }
 
-    /// The nodes below which nothing has been visited yet, with the one in which a step has ended: a cut through
-    /// what is left of the BVTT. The last comes next.
+    /// The node pairs below which not everything has been visited, the next one last: a front of what is left.
     #[must_use]
     pub fn pending(&self) -> &[NodePair] {
-        self.stack.get(..self.len).unwrap_or_default()
+        range(&self.stack, 0, self.len as u32)
     }
 
-    /// Takes out the pending node pairs below which nothing has been visited, for others to go on from. What is left to
-    /// this cursor is the leaf pair in which the last step ended, if it did not end between two nodes.
+    /// Takes out the pending node pairs below which nothing has been visited, for others to go on from. This cursor
+    /// keeps the leaf pair in which the last step ended, if it did not end between two nodes.
     pub fn hand_over(&mut self) -> &[NodePair] {
-        let pending = self.stack.get_mut(..self.len).unwrap_or_default();
-        self.len = usize::from(self.progress.skip != 0);
-        if self.len == 1
-            && let [first, .., last] = &mut *pending
-        {
-            core::mem::swap(first, last);
+        let pending = core::mem::take(&mut self.len);
+        if self.budget.is_inside_leaf_pair() {
+            let top = *at(&self.stack, pending - 1);
+            let first = core::mem::replace(at_mut(&mut self.stack, 0), top);
+            *at_mut(&mut self.stack, pending - 1) = first;
+            self.len = 1;
         }
-        pending.get(self.len..).unwrap_or_default()
+        range(&self.stack, self.len as u32, (pending - self.len) as u32)
     }
 
-    /// What the walk has done so far.
+    /// The work done so far.
     #[must_use]
     pub fn work(&self) -> Work {
-        self.progress.work
+        self.budget.work
     }
 
     #[inline]
     pub(super) fn push(&mut self, n: NodePair) {
         // There is room by the proof at STACK.
-        if let Some(free) = self.stack.get_mut(self.len) {
-            *free = n;
-        }
+        *at_mut(&mut self.stack, self.len) = n;
         self.len += 1;
     }
 

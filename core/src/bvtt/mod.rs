@@ -1,12 +1,17 @@
-//! The bounding volume test tree (BVTT) and the one walk over it.
+//! The bounding volume test tree (BVTT), its one traversal, and the queries that walk it.
 //!
 //! A BVTT node is a pair of BVH nodes whose boxes overlap; its children are the overlapping pairs of
-//! their children (Zhang & Kim 2014, section 2.1). The tree is never stored. The walk goes down two of
-//! its levels in a step, all pairs of up to four nodes and four others, which suits vector units. It keeps a stack of
-//! pending nodes of fixed size and no recursion; stack and place inside the current leaf pair
-//! together are a [`Cursor`], with which any query can stop after any triangle pair and go on later.
-//! That is what makes a full output buffer harmless, and what lets a query be spread over frames: a walk
-//! also stops when it has used up a budget of tests, see [`Query::step`](crate::bvtt::Query::step).
+//! their children (Zhang & Kim 2014, section 2.1). The tree is never stored. There are two of them: of
+//! two meshes ([`PairQuery`]) and of one mesh with itself ([`SelfQuery`]).
+//!
+//! How to read this folder: `traverse` is the loop; `cursor` is where it stopped; `pair` and
+//! `self_collision` say what the children of a node pair are and which triangles meet in a leaf pair;
+//! `wide_node` and `block` put boxes and triangles into vector lanes for them; `query` is what a user
+//! asks.
+//!
+//! # Where we depart from the paper
+//! The traversal descends two levels at a time, all pairs of up to four nodes and four others, since a
+//! single box test is too small for a vector unit. Counts of box tests, and so costs, are of these.
 
 mod block;
 mod block_pairs;
@@ -14,30 +19,21 @@ mod block_pairs;
 mod block_tests;
 mod cursor;
 mod pair;
-mod pair_tree;
 mod planes;
 mod query;
 mod self_collision;
-mod self_tree;
+mod traverse;
 mod wide_node;
 
-pub(crate) use cursor::Progress;
 pub use cursor::{Cursor, Work};
 pub use pair::{PairQuery, Placed};
 pub use query::Query;
 pub use self_collision::SelfQuery;
 
-pub(crate) use block::{Block, Blocks};
-pub(crate) use block_pairs::Pairs;
-pub(crate) use pair_tree::{PairTree, Side};
-pub(crate) use self_tree::SelfTree;
-pub(crate) use wide_node::Family;
+pub(crate) use wide_node::WideNode;
 
-use crate::aabb::Bounds;
-use crate::simd::{Eight, Simd, Task, VECTORS, widest};
-use crate::triangle::{Accuracy, Inexact, intersects};
-use core::ops::ControlFlow;
-use cursor::{FULL, after};
+use crate::Aabb;
+use crate::bvh::{Bvh, Layout};
 
 /// A BVTT node: a node of the first BVH and one of the second.
 #[repr(C)]
@@ -50,7 +46,7 @@ pub struct NodePair {
 }
 
 /// Two triangles that meet: indices into the triangles of the first and the second mesh, or of one
-/// mesh with `a < b`. The order is that of `a`, then `b`.
+/// mesh with `a < b`. Pairs are ordered by `a`, then by `b`.
 #[repr(C)]
 #[derive(
     Clone,
@@ -72,150 +68,72 @@ pub struct TrianglePair {
     pub b: u32,
 }
 
-/// A BVTT: of two meshes, or of one with itself.
-pub(crate) trait Bvtt {
+/// A BVTT, one node at a time: what a front is made of ([`crate::front`]).
+///
+/// # Panics
+/// Methods may panic if a node pair is not one of this tree.
+pub trait Bvtt {
     /// The root, if its boxes overlap.
     fn root(&self) -> Option<NodePair>;
 
-    /// Whether both are leaves.
-    fn is_leaf(&self, n: NodePair) -> bool;
+    /// Passes on the children of a node that overlap, at most four and in ascending order, each with
+    /// its [`Bvtt::boxes`]. Returns the number of box tests: 0 for a leaf pair, which has no children.
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32;
 
-    /// Hands on every child and its boxes, in ascending order; returns the number of box tests.
-    fn children(&self, n: NodePair, push: impl FnMut(NodePair, [&Bounds; 2])) -> u32;
+    /// The boxes of both nodes in one frame: that of the query, or of the first mesh.
+    fn boxes(&self, n: NodePair) -> [Aabb; 2];
 
-    /// Hands on the overlapping pairs of what lies two levels below, see [`Family`]; returns the number
-    /// of box tests.
-    fn grandchildren(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32;
+    /// The number of triangles below each node.
+    ///
+    /// # Complexity
+    /// O(depth).
+    fn triangles_below(&self, n: NodePair) -> [u32; 2];
 
-    /// Visits the triangle pairs of a leaf pair that meet, from where `progress` is on and as far as its
-    /// budget lasts, see [`decide`].
-    fn leaf<S: Simd>(
-        &self,
-        n: NodePair,
-        kept: &mut [Blocks; 2],
-        progress: &mut Progress,
-        visit: &mut Visit<'_>,
-    ) -> ControlFlow<()>;
+    /// About the edge of a leaf's box: the scale below which an overlap says nothing of its cost.
+    fn leaf_edge(&self) -> f32;
 }
 
-/// What is done with a pair. Not a type parameter: one walk for each kind of tree is enough machine
-/// code, and a hit costs far more to find than to hand on.
-pub(crate) type Visit<'v> = dyn FnMut(TrianglePair) -> ControlFlow<()> + 'v;
+impl<T: Bvtt> Bvtt for &T {
+    fn root(&self) -> Option<NodePair> {
+        T::root(self)
+    }
 
-/// The overlapping pairs of two families: of each node of the second with the first's in `lanes` of it.
-#[inline(always)]
-fn family_pairs(
-    [a, b]: [&Family; 2],
-    lanes: impl Fn(usize) -> u32,
-    mut push: impl FnMut(NodePair),
-) {
-    for (row, node) in b.nodes().enumerate() {
-        let mut found = a.boxes.overlapping(&b.boxes.splat(row)) & lanes(row);
-        while found != 0 {
-            push(NodePair { a: a.node(found.trailing_zeros()), b: node });
-            found &= found - 1;
-        }
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        T::children(self, n, push)
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        T::boxes(self, n)
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        T::triangles_below(self, n)
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        T::leaf_edge(self)
     }
 }
 
-/// Whether triangles of two blocks that share no vertex meet.
-#[inline(always)]
-fn meet(a: &Block, i: u32, b: &Block, j: u32, inexact: Option<Inexact>) -> bool {
-    let (a, b) = (a.triangle(i), b.triangle(j));
-    match inexact {
-        None => intersects(&a, &b, Accuracy::Exact),
-        Some(meet) => meet(&a, &b),
+impl NodePair {
+    /// The pair of roots.
+    pub(crate) const ROOT: Self = Self { a: 0, b: 0 };
+
+    /// The pairs of this pair's children, in ascending order; a leaf stands for its children. Nothing for a leaf
+    /// pair.
+    pub(crate) fn split<A: Layout, B: Layout>(
+        self,
+        a: &Bvh<'_, A>,
+        b: &Bvh<'_, B>,
+    ) -> impl Iterator<Item = Self> {
+        let (of_a, of_b) = (halves(a, self.a), halves(b, self.b));
+        let pairs = if of_a.len() + of_b.len() == 2 { 0..0 } else { of_a };
+        pairs.flat_map(move |a| of_b.clone().map(move |b| Self { a, b }))
     }
 }
 
-/// Decides those that are left of the pairs of two leaves, by their bits, until `visit` breaks or the
-/// budget is used up; `skip` is 0 again if nothing remains.
-#[inline(always)]
-fn decide(
-    pairs: Pairs,
-    progress: &mut Progress,
-    mut visit: impl FnMut(u32) -> ControlFlow<()>,
-) -> ControlFlow<()> {
-    let Pairs { mut tested, mut left, .. } = pairs;
-    progress.skip = 0;
-    if i64::from(tested.count_ones()) > progress.budget {
-        let affordable = progress.cut(tested);
-        tested &= affordable;
-        left &= affordable;
-    }
-    while left != 0 {
-        let bit = left.trailing_zeros();
-        left &= left - 1;
-        if visit(bit).is_break() {
-            // The others count when their turn comes.
-            progress.skip = bit + 1;
-            progress.spend(tested & !after(bit + 1));
-            return ControlFlow::Break(());
-        }
-    }
-    progress.spend(tested);
-    ControlFlow::Continue(())
-}
-
-/// Goes on from `cursor` until `visit` breaks, the budget is used up or nothing is left.
-pub(crate) fn walk<T: Bvtt>(
-    tree: &T,
-    cursor: &mut Cursor,
-    budget: u64,
-    visit: &mut Visit<'_>,
-) -> ControlFlow<()> {
-    // Setting up takes longer than many a query does.
-    if cursor.is_done() || budget == 0 {
-        return ControlFlow::Continue(());
-    }
-    // No walk lasts longer.
-    cursor.progress.budget = i64::try_from(budget).unwrap_or(i64::MAX);
-    let walk = Walk { tree, cursor, visit };
-    if VECTORS { widest(walk) } else { walk.through::<f32>() }
-}
-
-/// A walk yet to be done.
-struct Walk<'w, 'v, T> {
-    tree: &'w T,
-    cursor: &'w mut Cursor,
-    visit: &'w mut Visit<'v>,
-}
-
-impl<T: Bvtt> Task for Walk<'_, '_, T> {
-    type Output = ControlFlow<()>;
-
-    #[inline(always)]
-    fn run<S: Eight>(self) -> ControlFlow<()> {
-        self.through::<S>()
-    }
-}
-
-impl<T: Bvtt> Walk<'_, '_, T> {
-    #[inline(always)]
-    fn through<S: Simd>(self) -> ControlFlow<()> {
-        let Self { tree, cursor, visit } = self;
-        let mut kept = [Blocks::ZERO; 2];
-        kept.iter_mut().for_each(Blocks::forget);
-        while let Some(n) = cursor.pop() {
-            if tree.is_leaf(n) {
-                let end = tree.leaf::<S>(n, &mut kept, &mut cursor.progress, visit);
-                if cursor.progress.skip != 0 {
-                    cursor.push(n);
-                }
-                end?;
-            } else {
-                let tests = if cursor.len <= FULL {
-                    tree.grandchildren(n, |below| cursor.push(below))
-                } else {
-                    tree.children(n, |child, _| cursor.push(child))
-                };
-                cursor.progress.work.box_tests += u64::from(tests);
-                cursor.progress.budget -= i64::from(tests);
-            }
-            if cursor.progress.budget <= 0 {
-                break;
-            }
-        }
-        ControlFlow::Continue(())
-    }
+/// The children of a node, or a leaf itself.
+fn halves<L: Layout>(bvh: &Bvh<'_, L>, index: u32) -> core::ops::Range<u32> {
+    let node = bvh.node(index);
+    if node.is_leaf() { index..index + 1 } else { node.left()..node.left() + 2 }
 }

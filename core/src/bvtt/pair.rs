@@ -1,19 +1,23 @@
 //! Two meshes, one or both of them posed.
 
-use super::{Bvtt, PairTree, Side, Visit, walk};
-use super::{Cursor, NodePair, Query, TrianglePair};
+use super::block::{BlockCache, Leaf};
+use super::cursor::Budget;
+use super::traverse::{Traverse, Visitor, traverse};
+use super::{Bvtt, Cursor, NodePair, Query, TrianglePair, WideNode};
+use crate::aabb::Bounds;
 use crate::bvh::Layout;
-use crate::pose::PoseError;
-use crate::transform::{InPlace, Place, Placement};
-use crate::triangle::{Accuracy, Contact, contact};
-use crate::{Aabb, Bvh, Node, Pose};
+use crate::pose::{Affine, PoseError};
+use crate::simd::{LANES, Simd};
+use crate::triangle::{Accuracy, Contact, Inexact, contact, intersects};
+use crate::{Aabb, Bvh, Node, Pose, Triangle};
 use core::ops::ControlFlow;
+use glam::Vec3A;
 
-/// A BVH and where it stands in the frame of a query. Copying is free.
+/// A BVH in a pose. Copying is free.
 ///
 /// # Examples
 /// ```
-/// use pfront_core::{query::*, *};
+/// use pfront_core::{bvtt::*, *};
 /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
 /// # let root = Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 };
@@ -24,10 +28,14 @@ use core::ops::ControlFlow;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Placed<'a, L: Layout = Node>(Side<'a, Place, Place, L>);
+pub struct Placed<'a, L: Layout = Node> {
+    bvh: Bvh<'a, L>,
+    /// The pose of corners; `None` leaves them where they are.
+    pose: Option<Affine>,
+}
 
 impl<'a, L: Layout> Placed<'a, L> {
-    /// In a pose. [`Pose::IDENTITY`] leaves every vertex as it is and costs a query nothing.
+    /// Poses a BVH. [`Pose::IDENTITY`] leaves every vertex as it is and costs a query nothing.
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes the mesh out of range.
@@ -38,23 +46,37 @@ impl<'a, L: Layout> Placed<'a, L> {
         Ok(Self::new_unchecked(bvh, world_from_bvh))
     }
 
-    /// Places a BVH in a pose that [`Placed::new`] or [`Pose::check`] has accepted for its mesh, without checking
-    /// the pose again.
-    ///
-    /// # Wrong answers
-    /// In another pose, queries may miss pairs.
+    /// Poses a BVH as [`Placed::new`] or [`Pose::check`] has accepted it. In a pose that they refuse a query may
+    /// miss pairs.
     #[must_use]
     pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
-        Self(Side::new(bvh, Place::new(world_from_bvh)))
+        let bounds = bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root));
+        Self { bvh, pose: Affine::new(world_from_bvh, &bounds) }
     }
 
     /// A box that contains every posed vertex of every triangle, rounding included; `None` for an
-    /// empty mesh. What a broad phase goes by.
+    /// empty mesh. For broad phases.
     #[must_use]
     pub fn aabb(&self) -> Option<Aabb> {
-        let bvh = &self.0.bvh;
-        Some(self.0.place.bounds(&bvh.bounds(bvh.root()?)).into())
+        Some(posed(self.pose.as_ref(), &self.bvh.bounds(self.bvh.root()?)).into())
     }
+
+    fn leaf(&self, node: u32) -> Leaf<'_> {
+        let (leaf, pose) = (self.bvh.node(node), self.pose.as_ref());
+        let bounds = posed(pose, &self.bvh.bounds(leaf)).into();
+        let triangles = self.bvh.leaf_triangles(leaf);
+        Leaf { mesh: self.bvh.mesh(), triangles, pose, bounds, rings: &[] }
+    }
+
+    fn triangle(&self, triangle: u32) -> Triangle {
+        let corners = self.bvh.mesh().triangle(triangle);
+        let Some(pose) = self.pose else { return corners };
+        corners.map(|p| pose.point(Vec3A::from_array(p)).to_array())
+    }
+}
+
+fn posed(pose: Option<&Affine>, bounds: &Bounds) -> Bounds {
+    pose.map_or(*bounds, |pose| pose.bounds(bounds))
 }
 
 /// Two meshes in one frame: that of the first ([`PairQuery::new`]), or a world in which both are posed
@@ -62,21 +84,26 @@ impl<'a, L: Layout> Placed<'a, L> {
 ///
 /// # Examples
 /// ```
-/// use pfront_core::{build::{self, *}, bvh::node_bound, query::*, *};
+/// use pfront_core::{bvh::{self, *}, bvtt::*, *};
 /// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
 /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
 /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-/// let mut scratch = [0; build::morton_scratch_bound(1)];
-/// let bvh = build::morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
+/// let mut scratch = [0; bvh::morton_scratch_bound(1)];
+/// let bvh = bvh::morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
 /// let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.5, 0.0, 0.0]))?;
 /// assert_eq!(query.any(), Some(TrianglePair { a: 0, b: 0 }));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct PairQuery<'a, A: Layout = Node, B: Layout = A> {
-    tree: PairTree<Side<'a, Place, Place, A>, Side<'a, Place, Place, B>>,
-    /// Asked for more than once, by whoever weighs a question before it is walked.
+    a: Placed<'a, A>,
+    b: Placed<'a, B>,
+    /// Where boxes of each side are compared. A turned box needs a larger one around it, so of two posed meshes the
+    /// boxes of the second are seen from the first where that can be. What meets is decided by corners alone.
+    boxes: [Option<Affine>; 2],
+    inexact: Option<Inexact>,
+    /// Kept because fronts ask for both again and again.
     root: Option<NodePair>,
     leaf_edge: f32,
 }
@@ -87,102 +114,137 @@ impl<'a, A: Layout, B: Layout> PairQuery<'a, A, B> {
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes `b` out of range.
     pub fn new(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: Pose) -> Result<Self, PoseError> {
-        Ok(Self::of(Side::new(a, Place::InPlace), Placed::new(b, &a_from_b)?.0))
+        let a = Placed { bvh: a, pose: None };
+        Ok(Self::in_world(a, Placed::new(b, &a_from_b)?))
     }
 
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
     pub fn in_world(a: Placed<'a, A>, b: Placed<'a, B>) -> Self {
-        let (Placed(mut a), Placed(mut b)) = (a, b);
-        if let (Place::Posed(place_a), Place::Posed(place_b)) = (&a.place, &b.place)
-            && let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root())
-            && let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b))
-            && let Some(seen) = place_b.seen_from(&of_b, place_a, &of_a)
+        let mut boxes = [a.pose, b.pose];
+        if let ([Some(pose_a), Some(pose_b)], Some(root_a), Some(root_b)) =
+            (&boxes, a.bvh.root(), b.bvh.root())
         {
-            (a.view, b.view) = (Place::InPlace, Place::Posed(seen));
-        }
-        Self::of(a, b)
-    }
-
-    fn of(a: Side<'a, Place, Place, A>, b: Side<'a, Place, Place, B>) -> Self {
-        let leaf_edge = a.bvh.leaf_edge().max(b.bvh.leaf_edge());
-        let tree = PairTree { a, b, inexact: None };
-        Self { root: tree.root(), tree, leaf_edge }
-    }
-
-    /// Walks with each side placed as it is, so that no box or corner has to ask.
-    fn walk(&self, cursor: &mut Cursor, budget: u64, visit: &mut Visit<'_>) -> ControlFlow<()> {
-        use Place::{InPlace as Still, Posed};
-        if cfg!(not(feature = "std")) {
-            // A fifth of the machine code.
-            return walk(&self.tree, cursor, budget, visit);
-        }
-        let (a, b, here) = (&self.tree.a, &self.tree.b, InPlace);
-        match (&a.place, &b.place, &a.view, &b.view) {
-            (Still, Still, ..) => self.through(cursor, budget, visit, (here, here), (here, here)),
-            (Still, Posed(b), ..) => self.through(cursor, budget, visit, (here, here), (b, b)),
-            (Posed(a), Still, ..) => self.through(cursor, budget, visit, (a, a), (here, here)),
-            (Posed(a), Posed(b), Still, Posed(seen)) => {
-                self.through(cursor, budget, visit, (a, here), (b, seen))
+            let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
+            if let Some(seen) = pose_b.seen_from(&of_b, pose_a, &of_a) {
+                boxes = [None, Some(seen)];
             }
-            (Posed(a), Posed(b), ..) => self.through(cursor, budget, visit, (a, a), (b, b)),
         }
-    }
-
-    /// Walks with the places and views of both sides.
-    fn through<P: Placement, V: Placement, Q: Placement, W: Placement>(
-        &self,
-        cursor: &mut Cursor,
-        budget: u64,
-        visit: &mut Visit<'_>,
-        a: (P, V),
-        b: (Q, W),
-    ) -> ControlFlow<()> {
-        let a = Side { bvh: self.tree.a.bvh, place: a.0, view: a.1 };
-        let b = Side { bvh: self.tree.b.bvh, place: b.0, view: b.1 };
-        walk(&PairTree { a, b, inexact: self.tree.inexact }, cursor, budget, visit)
+        let leaf_edge = a.bvh.leaf_edge().max(b.bvh.leaf_edge());
+        let mut query = Self { a, b, boxes, inexact: None, root: None, leaf_edge };
+        if a.bvh.root().is_some() && b.bvh.root().is_some() {
+            let [own, other] = query.bounds(NodePair::ROOT);
+            query.root = own.overlaps(&other).then_some(NodePair::ROOT);
+        }
+        query
     }
 
     /// The same with another [`Accuracy`].
     #[must_use]
-    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
-        self.tree.inexact = accuracy.inexact();
-        self
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
+        Self { inexact: accuracy.inexact(), ..self }
+    }
+
+    fn bounds(&self, n: NodePair) -> [Bounds; 2] {
+        let Self { a, b, boxes: [of_a, of_b], .. } = self;
+        [
+            posed(of_a.as_ref(), &a.bvh.bounds(a.bvh.node(n.a))),
+            posed(of_b.as_ref(), &b.bvh.bounds(b.bvh.node(n.b))),
+        ]
     }
 }
 
-impl<A: Layout, B: Layout> Query for PairQuery<'_, A, B> {
+impl<A: Layout, B: Layout> Bvtt for PairQuery<'_, A, B> {
     fn root(&self) -> Option<NodePair> {
         self.root
     }
 
     fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
-        self.tree.children(n, |child, [a, b]| push(child, [(*a).into(), (*b).into()]))
+        let mut tests = 0;
+        for child in n.split(&self.a.bvh, &self.b.bvh) {
+            tests += 1;
+            let [a, b] = self.bounds(child);
+            if a.overlaps(&b) {
+                push(child, [a.into(), b.into()]);
+            }
+        }
+        tests
     }
 
     fn boxes(&self, n: NodePair) -> [Aabb; 2] {
-        let PairTree { a, b, .. } = &self.tree;
-        [a.bounds(a.node(n.a)).into(), b.bounds(b.node(n.b)).into()]
+        self.bounds(n).map(Aabb::from)
     }
 
     fn triangles_below(&self, n: NodePair) -> [u32; 2] {
-        [self.tree.a.bvh.triangles_below(n.a), self.tree.b.bvh.triangles_below(n.b)]
+        [self.a.bvh.triangles_below(n.a), self.b.bvh.triangles_below(n.b)]
     }
 
     fn leaf_edge(&self) -> f32 {
         self.leaf_edge
     }
+}
 
+impl<A: Layout, B: Layout> Traverse for PairQuery<'_, A, B> {
+    #[inline]
+    fn is_leaf_pair(&self, n: NodePair) -> bool {
+        self.a.bvh.node(n.a).is_leaf() && self.b.bvh.node(n.b).is_leaf()
+    }
+
+    #[inline(always)]
+    fn descend(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
+        let mut a = WideNode::below(&self.a.bvh, n.a);
+        let mut b = WideNode::below(&self.b.bvh, n.b);
+        if let Some(pose) = &self.boxes[0] {
+            a.boxes = pose.boxes(&a.boxes);
+        }
+        if let Some(pose) = &self.boxes[1] {
+            b.boxes = pose.boxes(&b.boxes);
+        }
+        a.overlapping(&b, push)
+    }
+
+    #[inline(always)]
+    fn visit_leaf_pair<S: Simd>(
+        &self,
+        n: NodePair,
+        [blocks_a, blocks_b]: &mut [BlockCache; 2],
+        budget: &mut Budget,
+        visit: &mut Visitor<'_>,
+    ) -> ControlFlow<()> {
+        let a = blocks_a.get::<S>(n.a, || self.a.leaf(n.a));
+        let b = blocks_b.get::<S>(n.b, || self.b.leaf(n.b));
+        let pairs = a.pairs::<S, false>(b, budget.open());
+        budget.decide(pairs.tested, pairs.left, |bit| {
+            let (i, j) = (bit as usize % LANES, bit as usize / LANES);
+            if meet(&a.triangle(i), &b.triangle(j), self.inexact) {
+                visit(TrianglePair { a: a.triangles[i], b: b.triangles[j] })
+            } else {
+                ControlFlow::Continue(())
+            }
+        })
+    }
+}
+
+/// Whether two triangles meet that share no vertex.
+#[inline(always)]
+pub(super) fn meet(a: &Triangle, b: &Triangle, inexact: Option<Inexact>) -> bool {
+    match inexact {
+        None => intersects(a, b, Accuracy::Exact),
+        Some(meet) => meet(a, b),
+    }
+}
+
+impl<A: Layout, B: Layout> Query for PairQuery<'_, A, B> {
     fn step(
         &self,
         cursor: &mut Cursor,
         budget: u64,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        self.walk(cursor, budget, &mut visit)
+        traverse(self, cursor, budget, &mut visit)
     }
 
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        contact(&self.tree.a.triangle(pair.a), &self.tree.b.triangle(pair.b))
+        contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b))
     }
 }

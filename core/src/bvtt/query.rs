@@ -3,16 +3,16 @@
 //! [`PairQuery`] and [`SelfQuery`] say what is asked; a [`Cursor`] says how far the answer has come.
 //! The verbs are those of [`Query`].
 
-use super::{Cursor, NodePair, TrianglePair};
-use crate::Aabb;
+use super::{Bvtt, Cursor, TrianglePair};
 use crate::triangle::Contact;
 use core::ops::ControlFlow;
 
 /// What can be asked of two meshes, or of one.
-pub trait Query {
+pub trait Query: Bvtt {
     /// A cursor before the first triangle pair.
+    #[inline]
     fn start(&self) -> Cursor {
-        Cursor::new(self.root())
+        Cursor::at(self.root())
     }
 
     /// Goes on from `cursor`, calling `visit` for each triangle pair that meets, until it breaks or
@@ -76,30 +76,6 @@ pub trait Query {
     /// If the indices are not of these meshes. So do the methods that follow if `n` is not a node of this query.
     fn contact(&self, pair: TrianglePair) -> Option<Contact>;
 
-    /// The root of the BVTT, if its boxes overlap.
-    fn root(&self) -> Option<NodePair>;
-
-    /// Hands on the children of a BVTT node that overlap, at most four and in ascending order, each with
-    /// its [`Query::boxes`]; returns the number of box tests, 0 for a pair of leaves, which has none.
-    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32;
-
-    /// [`Query::children`] without their boxes.
-    fn expand(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
-        self.children(n, &mut |child, _| push(child))
-    }
-
-    /// The boxes of a BVTT node, both in one frame: that of the query, or of the first mesh.
-    fn boxes(&self, n: NodePair) -> [Aabb; 2];
-
-    /// How many triangles lie below each side of a BVTT node.
-    ///
-    /// # Complexity
-    /// O(depth).
-    fn triangles_below(&self, n: NodePair) -> [u32; 2];
-
-    /// About the edge of a leaf's box: the scale below which overlaps say nothing.
-    fn leaf_edge(&self) -> f32;
-
     /// Goes on from `cursor` into `out` and returns how many pairs it wrote. It stops when `out` is
     /// full or nothing is left: nothing is ever dropped, and when [`Cursor::is_done`] all pages
     /// together are the whole answer. Only the last page may be empty, if `out` is not.
@@ -151,40 +127,5 @@ pub trait Query {
             ControlFlow::Break(())
         });
         found
-    }
-}
-
-impl<Q: Query> Query for &Q {
-    fn step(
-        &self,
-        cursor: &mut Cursor,
-        budget: u64,
-        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        Q::step(self, cursor, budget, visit)
-    }
-
-    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        Q::contact(self, pair)
-    }
-
-    fn root(&self) -> Option<NodePair> {
-        Q::root(self)
-    }
-
-    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
-        Q::children(self, n, push)
-    }
-
-    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
-        Q::boxes(self, n)
-    }
-
-    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
-        Q::triangles_below(self, n)
-    }
-
-    fn leaf_edge(&self) -> f32 {
-        Q::leaf_edge(self)
     }
 }

@@ -1,26 +1,26 @@
-//! What lies two levels below a node.
+//! A wide node: the up to four nodes two levels below a node, tested together.
 
-use crate::bvh::TreeNode;
-use crate::index::at;
-use crate::simd::Boxes;
+use super::NodePair;
+use crate::bvh::{Bvh, Layout};
+use crate::simd::Box4;
 
-/// The grandchildren of a node; where a child is a leaf, the child; of a leaf, the leaf itself.
+/// The grandchildren of a node; a child that is a leaf stands for its own, a leaf for itself.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Family {
+pub(crate) struct WideNode {
     nodes: [u32; 4],
     len: usize,
-    pub(crate) boxes: Boxes,
+    pub(crate) boxes: Box4,
 }
 
-impl Family {
+impl WideNode {
     #[inline(always)]
-    pub(crate) fn below<N: TreeNode>(tree: &[N], grid: &N::Grid, node: u32) -> Self {
-        let parent = at(tree, node);
+    pub(crate) fn below<L: Layout>(bvh: &Bvh<'_, L>, index: u32) -> Self {
+        let parent = bvh.node(index);
         let (nodes, len) = if parent.is_leaf() {
-            ([node; 4], 1)
+            ([index; 4], 1)
         } else {
             let [l, r] = [parent.left(), parent.left() + 1];
-            let (left, right) = (at(tree, l), at(tree, r));
+            let (left, right) = (bvh.node(l), bvh.node(r));
             let ([p, q], [s, t]) =
                 ([left.left(), left.left() + 1], [right.left(), right.left() + 1]);
             match (left.is_leaf(), right.is_leaf()) {
@@ -30,32 +30,40 @@ impl Family {
                 (false, false) => ([p, q, s, t], 4),
             }
         };
-        // Lanes to spare hold some node, which nobody asks for.
-        let in_lane = |lane: usize| at(tree, nodes[lane]);
-        let boxes = N::boxes(grid, [in_lane(0), in_lane(1), in_lane(2), in_lane(3)]);
+        let boxes = bvh.boxes(nodes.map(|index| bvh.node(index)));
         Self { nodes, len, boxes }
     }
 
-    /// How many they are.
+    /// Passes on the pairs of these nodes with those of `other` whose boxes overlap. Returns the number of tests.
     #[inline(always)]
-    pub(crate) fn len(&self) -> u32 {
-        self.len as u32
+    pub(crate) fn overlapping(&self, other: &Self, push: impl FnMut(NodePair)) -> u32 {
+        self.overlapping_lanes(other, |_| (1 << self.len) - 1, push);
+        (self.len * other.len) as u32
     }
 
+    /// Passes on the overlapping pairs of these nodes with each other and themselves, each pair once. Returns the
+    /// number of tests, which a node and itself do not need.
     #[inline(always)]
-    pub(crate) fn nodes(&self) -> impl Iterator<Item = u32> {
-        self.nodes.into_iter().take(self.len)
+    pub(crate) fn overlapping_self(&self, push: impl FnMut(NodePair)) -> u32 {
+        self.overlapping_lanes(self, |row| (2 << row) - 1, push);
+        (self.len * (self.len - 1) / 2) as u32
     }
 
-    /// The node in a lane.
+    /// Passes on each node of `other` with those of these in `lanes` of its row that it overlaps.
     #[inline(always)]
-    pub(crate) fn node(&self, lane: u32) -> u32 {
-        self.nodes[lane as usize % self.nodes.len()]
-    }
-
-    /// A bit for each lane in use.
-    #[inline(always)]
-    pub(crate) fn lanes(&self) -> u32 {
-        (1 << self.len) - 1
+    fn overlapping_lanes(
+        &self,
+        other: &Self,
+        lanes: impl Fn(usize) -> u32,
+        mut push: impl FnMut(NodePair),
+    ) {
+        for (row, &b) in other.nodes.iter().take(other.len).enumerate() {
+            let mut found = self.boxes.overlapping(&other.boxes.splat(row)) & lanes(row);
+            while found != 0 {
+                let a = self.nodes[found.trailing_zeros() as usize % self.nodes.len()];
+                push(NodePair { a, b });
+                found &= found - 1;
+            }
+        }
     }
 }

@@ -7,7 +7,7 @@
 use super::estimate::{TESTS_PER_TRIANGLE, costs_of_children, triangles_in_overlap};
 use super::{CostHistory, Front, FrontNode, Path};
 use crate::Aabb;
-use crate::bvtt::{NodePair, Query};
+use crate::bvtt::{Bvtt, NodePair};
 use crate::index::{at, at_mut, range};
 
 /// The starting front is the first level of the BVTT with this many overlapping nodes, or the last.
@@ -71,7 +71,7 @@ impl Front<'_> {
     /// # Complexity
     /// O(nodes added), one box test each at most, and a pass over the front for each time that new estimates have
     /// lowered the sum so far that more nodes exceed the bound.
-    pub fn refine<Q: Query>(
+    pub fn refine<Q: Bvtt>(
         &mut self,
         options: &RefineOptions,
         history: CostHistory<'_>,
@@ -107,7 +107,7 @@ impl Front<'_> {
     }
 
     /// Descends level by level to the starting front.
-    fn descend<Q: Query>(&mut self, query: &impl Fn(u32) -> Q) {
+    fn descend<Q: Bvtt>(&mut self, query: &impl Fn(u32) -> Q) {
         for depth in 1..=Path::MAX_LEVEL {
             let above = |node: &FrontNode, _: CostHistory<'_>| node.path.level() < depth;
             if self.len >= STARTING_NODES || !self.split(CostHistory::default(), query, &above) {
@@ -118,7 +118,7 @@ impl Front<'_> {
 
     /// Sets the costs of a starting front: those of the last frame, and by overlap what it did not have, on the scale
     /// of what it had.
-    fn set_costs<Q: Query>(&mut self, history: CostHistory<'_>, query: &impl Fn(u32) -> Q) {
+    fn set_costs<Q: Bvtt>(&mut self, history: CostHistory<'_>, query: &impl Fn(u32) -> Q) {
         let mut rest = history;
         for node in self.nodes_mut() {
             node.cost = rest.advance(node).cost() as f32;
@@ -141,7 +141,7 @@ impl Front<'_> {
     }
 
     /// Splits all nodes that exceed the bound which the present sum gives. Returns whether there were any.
-    fn split_above<Q: Query>(
+    fn split_above<Q: Bvtt>(
         &mut self,
         options: &RefineOptions,
         history: CostHistory<'_>,
@@ -161,7 +161,7 @@ impl Front<'_> {
     /// Replaces nodes by their overlapping children for as long as there is one that `exceeds`, which is told its part of
     /// the history too, or until memory is used up. Leaf pairs stay. Returns whether any node was split.
     #[inline(never)] // One copy serves both uses: firmware has little room for code.
-    fn split<Q: Query>(
+    fn split<Q: Bvtt>(
         &mut self,
         history: CostHistory<'_>,
         query: &impl Fn(u32) -> Q,
@@ -220,7 +220,7 @@ impl Children {
     }
 
     /// Finds the children of `parent`, in the order of their paths; returns the number of box tests, 0 for a leaf pair.
-    fn of(&mut self, query: &impl Query, parent: &FrontNode, history: CostHistory<'_>) -> u32 {
+    fn of(&mut self, query: &impl Bvtt, parent: &FrontNode, history: CostHistory<'_>) -> u32 {
         let mut boxes = [[Aabb::EMPTY; 2]; 4];
         let tests = query.children(parent.pair, &mut |pair, both| {
             let path = parent.path.child(child_number(pair));

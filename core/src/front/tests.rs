@@ -4,7 +4,7 @@ extern crate std;
 
 use super::*;
 use crate::bvh::{self, BuildOptions, BvhStorage};
-use crate::bvtt::{Cursor, PairQuery, Query, SelfQuery, TrianglePair};
+use crate::bvtt::{Bvtt, Cursor, PairQuery, Query, SelfQuery, TrianglePair};
 use crate::{Bvh, Mesh, Node, Pose};
 use core::ops::ControlFlow;
 use std::vec;

@@ -1,40 +1,29 @@
-//! Four boxes.
+//! Four boxes side by side.
 
 use crate::Node;
-use crate::aabb::Bounds;
-use glam::{Vec3A, Vec4};
+use glam::{Mat4, Vec4};
 
-/// Four closed boxes. One with a bound that is no number overlaps nothing.
+/// Four closed boxes by coordinates. A box with a NaN bound overlaps nothing.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Boxes {
+pub(crate) struct Box4 {
     pub(crate) min: [Vec4; 3],
     pub(crate) max: [Vec4; 3],
 }
 
-impl Boxes {
+impl Box4 {
     #[inline(always)]
-    pub(crate) fn of_nodes(n: [&Node; 4]) -> Self {
-        let low = |k: usize| Vec4::new(n[0].min[k], n[1].min[k], n[2].min[k], n[3].min[k]);
-        let high = |k: usize| Vec4::new(n[0].max[k], n[1].max[k], n[2].max[k], n[3].max[k]);
-        Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
+    pub(crate) fn of_nodes(nodes: [&Node; 4]) -> Self {
+        // Both halves of a node are a corner and a word, which are loaded whole and transposed.
+        let halves: [[Vec4; 2]; 4] = nodes.map(|node| bytemuck::must_cast(*node));
+        let corner = |half: usize| {
+            let [a, b, c, d] = halves.map(|node| node[half]);
+            let columns = Mat4::from_cols(a, b, c, d).transpose();
+            [columns.x_axis, columns.y_axis, columns.z_axis]
+        };
+        Self { min: corner(0), max: corner(1) }
     }
 
-    /// Each of them after the other.
-    #[inline]
-    pub(crate) fn map(&self, change: impl Fn(&Bounds) -> Bounds) -> Self {
-        let [mut min, mut max] = [self.min, self.max].map(|v| v.map(|v| v.to_array()));
-        for lane in 0..4 {
-            let corner = |of: &[[f32; 4]; 3]| Vec3A::new(of[0][lane], of[1][lane], of[2][lane]);
-            let changed = change(&Bounds { min: corner(&min), max: corner(&max) });
-            let (low, high) = (changed.min.to_array(), changed.max.to_array());
-            for k in 0..3 {
-                (min[k][lane], max[k][lane]) = (low[k], high[k]);
-            }
-        }
-        Self { min: min.map(Vec4::from_array), max: max.map(Vec4::from_array) }
-    }
-
-    /// One of them, four times.
+    /// The box in `lane`, four times.
     #[inline(always)]
     pub(crate) fn splat(&self, lane: usize) -> Self {
         let one = |v: &Vec4| Vec4::splat(v.to_array()[lane]);
@@ -42,7 +31,7 @@ impl Boxes {
         Self { min: all(&self.min), max: all(&self.max) }
     }
 
-    /// A bit for each box that overlaps the other in its lane.
+    /// Lanes in which the boxes overlap, as bits.
     #[inline(always)]
     pub(crate) fn overlapping(&self, other: &Self) -> u32 {
         let along = |k: usize| self.min[k].cmple(other.max[k]) & other.min[k].cmple(self.max[k]);

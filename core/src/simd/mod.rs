@@ -17,7 +17,7 @@ mod box4;
 mod lanes;
 pub(crate) mod point8;
 
-pub(crate) use box4::Boxes;
+pub(crate) use box4::Box4;
 #[cfg(test)]
 pub(crate) use lanes::Halves;
 pub(crate) use lanes::{Eight, LANES, Simd, Task, VECTORS, widest};

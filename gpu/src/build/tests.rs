@@ -127,7 +127,7 @@ fn work<Q: Query>(query: &Q, nodes: [&[Node]; 2]) -> [u64; 2] {
     let mut work = [0; 2];
     while let Some(n) = waiting.pop() {
         let (a, b) = (&nodes[0][n.a as usize], &nodes[1][n.b as usize]);
-        work[0] += u64::from(query.expand(n, &mut |child| waiting.push(child)));
+        work[0] += u64::from(query.children(n, &mut |child, _| waiting.push(child)));
         work[1] += u64::from(a.count * b.count);
     }
     work

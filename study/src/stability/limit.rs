@@ -112,7 +112,7 @@ impl Census {
     /// What a BVTT node costs, and the dearest at or below it that no front splits.
     fn cost_and_w_max(&mut self, query: &impl Query, n: NodePair, report: &Report) -> (f64, f64) {
         let (mut children, mut count) = ([NodePair::default(); 4], 0);
-        let tests = query.expand(n, &mut |child| {
+        let tests = query.children(n, &mut |child, _| {
             children[count] = child;
             count += 1;
         });

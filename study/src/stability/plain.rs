@@ -87,7 +87,7 @@ impl Plain {
         for _ in 0..self.depth() {
             let mut below = Vec::new();
             for node in level {
-                let tests = query.expand(node, &mut |child| below.push(child));
+                let tests = query.children(node, &mut |child, _| below.push(child));
                 self.report.front.box_tests += u64::from(tests);
                 if tests == 0 {
                     below.push(node);

@@ -91,7 +91,7 @@ impl<'q, Q: Query> Cut<'q, Q> {
     fn split_dearest(&mut self) -> bool {
         let Some(dearest) = self.inner.pop() else { return false };
         let mut children = Vec::with_capacity(4);
-        if self.query.expand(dearest.pair, &mut |child| children.push(child)) == 0 {
+        if self.query.children(dearest.pair, &mut |child, _| children.push(child)) == 0 {
             self.leaves.push(dearest);
         }
         for child in children {
@@ -172,7 +172,7 @@ impl Ord for Costed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pfront::core::bvtt::{PairQuery, SelfQuery};
+    use pfront::core::bvtt::{Bvtt, PairQuery, SelfQuery};
     use pfront::{Model, Pose, TrianglePair};
     use pfront_scenes::icosphere;
 

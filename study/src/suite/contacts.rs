@@ -4,7 +4,7 @@
 //! moved by up to a thousandth of its size: coordinates are other ones each time, and faces that lie
 //! flush along an axis often stay so, since a move may leave out axes.
 
-use pfront::core::bvtt::{self, Query};
+use pfront::core::bvtt::{self, Bvtt};
 use pfront::core::{Aabb, Bvh, Triangle};
 use pfront::{Model, Pose};
 use pfront_oracle::share_a_vertex;
@@ -142,7 +142,7 @@ impl Site {
         let mut found = Vec::new();
         let mut pending: Vec<_> = query.root().into_iter().collect();
         while let Some(pair) = pending.pop() {
-            if query.expand(pair, &mut |child| pending.push(child)) > 0 {
+            if query.children(pair, &mut |child, _| pending.push(child)) > 0 {
                 continue;
             }
             let others = placed(&b, pair.b, &pose);

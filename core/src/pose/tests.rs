@@ -1,13 +1,14 @@
 //! Corners to the bit, and boxes that contain them.
 
-use super::*;
-use crate::simd::{Eight, LANES, Task, widest};
+use super::{Affine, Pose, PoseError};
+use crate::aabb::Bounds;
+use crate::simd::{Box4, Eight, LANES, Task, widest};
 use crate::{Aabb, Node};
-use glam::{DMat3, DVec3, Vec4, Vec4Swizzles};
+use glam::{DMat3, DVec3, Vec3A, Vec4};
 
 /// Places a point in all lanes but the first and returns the last.
 struct Lanes {
-    place: Posed,
+    place: Affine,
     point: [f32; 3],
 }
 
@@ -42,11 +43,16 @@ fn course() -> impl Iterator<Item = (Pose, [[f32; 3]; 2])> {
     })
 }
 
+/// The map of a pose for what lies between two points.
+fn affine(pose: &Pose, points: &[[f32; 3]; 2]) -> Affine {
+    Affine::new(pose, &Bounds::new(&Aabb::of(points))).unwrap()
+}
+
 #[test]
 fn corners_are_posed_by_the_formula_of_the_contract_to_the_bit() {
     for (pose, points) in course() {
         for p in points {
-            let (place, truth) = (Posed::new(&pose), pose.apply(p).map(f32::to_bits));
+            let (place, truth) = (affine(&pose, &points), pose.apply(p).map(f32::to_bits));
             assert_eq!(place.point(Vec3A::from_array(p)).to_array().map(f32::to_bits), truth);
             let lanes = Lanes { place, point: p };
             assert_eq!(widest(lanes).map(f32::to_bits), truth);
@@ -58,19 +64,16 @@ fn corners_are_posed_by_the_formula_of_the_contract_to_the_bit() {
 fn posed_boxes_contain_posed_corners() {
     for (pose, points) in course() {
         let aabb = Aabb::of(&points);
-        let placed = Posed::new(&pose).bounds(&Bounds::new(&aabb));
+        let affine = affine(&pose, &points);
+        let posed = affine.bounds(&Bounds::new(&aabb));
         let one = Node { min: aabb.min, max: aabb.max, ..Node::EMPTY };
-        let four = Boxes::of_nodes([&one, &Node::EMPTY, &one, &one]);
-        let singly = four.map(|bounds| Posed::new(&pose).bounds(bounds));
-        let four = Posed::new(&pose).boxes(&four);
-        let same = |a: [Vec4; 3], b: [Vec4; 3]| a.iter().zip(&b).all(|(a, b)| a.xzw() == b.xzw());
-        assert!(same(four.min, singly.min) && same(four.max, singly.max));
+        let four = affine.boxes(&Box4::of_nodes([&one, &Node::EMPTY, &one, &one]));
         for corner in 0..8 {
             let p = [0, 1, 2].map(|k| [aabb.min, aabb.max][corner >> k & 1][k]);
             let p = Vec3A::from_array(pose.apply(p));
-            assert!(placed.min.cmple(p).all() && p.cmple(placed.max).all());
+            assert!(posed.min.cmple(p).all() && p.cmple(posed.max).all());
             let p = p.to_array().map(Vec4::splat);
-            assert_eq!(four.overlapping(&Boxes { min: p, max: p }), 0b1101);
+            assert_eq!(four.overlapping(&Box4 { min: p, max: p }), 0b1101);
         }
     }
 }
@@ -101,7 +104,7 @@ fn boxes_seen_from_another_pose_contain_what_both_pose_alike() {
             let world = glam::Vec3::from_array(b.apply(y)).as_dvec3();
             let x = back.transform_point3(world).as_vec3a();
             let of = |p: [f32; 3]| Bounds::new(&Aabb { min: p, max: p });
-            let (a, b) = (Posed::new(&a), Posed::new(&b));
+            let (a, b) = (affine(&a, &[x.to_array(); 2]), affine(&b, &[y; 2]));
             let seen = b.seen_from(&of(y), &a, &of(x.to_array())).unwrap().bounds(&of(y));
             assert!(seen.min.cmple(x).all() && x.cmple(seen.max).all(), "{seen:?} {x}");
         }
@@ -115,10 +118,11 @@ fn no_view_from_a_pose_that_flattens_or_stretches() {
     flat.rows[2] = [0.0; 4];
     let mut stretched = Pose::IDENTITY;
     stretched.rows[1][1] = 3.0;
-    let still = Posed::new(&Pose::IDENTITY);
-    for pose in [flat, stretched] {
-        assert!(still.seen_from(&unit, &Posed::new(&pose), &unit).is_none());
-        assert!(Posed::new(&pose).seen_from(&unit, &still, &unit).is_some());
+    let corners = [[0.0; 3], [1.0; 3]];
+    let moved = affine(&Pose::from_translation([1.0; 3]), &corners);
+    for pose in [flat, stretched].map(|pose| affine(&pose, &corners)) {
+        assert!(moved.seen_from(&unit, &pose, &unit).is_none());
+        assert!(pose.seen_from(&unit, &moved, &unit).is_some());
     }
 }
 
@@ -136,8 +140,39 @@ fn what_shrinks_to_subnormal_numbers_is_still_seen() {
         }));
         let x = (back.inverse() * world).as_vec3a();
         let of = |p: [f32; 3]| Bounds::new(&Aabb { min: p, max: p });
-        let (a, b) = (Posed::new(&a), Posed::new(&shrunk));
+        let (a, b) = (affine(&a, &[x.to_array(); 2]), affine(&shrunk, &[y; 2]));
         let seen = b.seen_from(&of(y), &a, &of(x.to_array())).unwrap().bounds(&of(y));
         assert!(seen.min.cmple(x).all() && x.cmple(seen.max).all(), "{scale:e}: {seen:?} {x}");
+    }
+}
+
+#[test]
+fn refuses_what_cannot_be_posed() {
+    let unit = Aabb { min: [0.0; 3], max: [1.0; 3] };
+    let mut pose = Pose::IDENTITY;
+    pose.rows[1][3] = f32::NAN;
+    assert_eq!(pose.check(&unit), Err(PoseError::NonFinite { row: 1, column: 3 }));
+    pose.rows[1][3] = f32::MAX;
+    assert_eq!(pose.check(&unit), Err(PoseError::Range { row: 1 }));
+    assert_eq!(pose.check(&Aabb::EMPTY), Err(PoseError::Range { row: 1 }));
+    assert_eq!(Pose::IDENTITY.check(&unit), Ok(()));
+    assert_eq!(Pose::IDENTITY.check(&Aabb::EMPTY), Ok(()));
+}
+
+#[test]
+fn a_huge_mesh_may_shrink_into_range() {
+    let huge = Aabb { min: [-3e38; 3], max: [3e38; 3] };
+    let scaled = |scale: f32| {
+        let mut pose = Pose::IDENTITY;
+        (0..3).for_each(|k| pose.rows[k][k] = scale);
+        pose
+    };
+    assert_eq!(scaled(1e-3).check(&huge), Ok(()));
+    assert_eq!(scaled(0.5).check(&huge), Err(PoseError::Range { row: 0 }));
+    let pose = scaled(1e-3);
+    let affine = affine(&pose, &[huge.min, huge.max]);
+    let posed = affine.bounds(&Bounds::new(&huge));
+    for p in [huge.min, huge.max].map(|p| Vec3A::from_array(pose.apply(p))) {
+        assert!(posed.min.cmple(p).all() && p.cmple(posed.max).all(), "{posed:?} {p}");
     }
 }

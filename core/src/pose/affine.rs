@@ -1,0 +1,140 @@
+//! Posed points and boxes, with a bound on how far rounding takes one from the other.
+
+use super::Pose;
+use crate::aabb::Bounds;
+use crate::simd::{Box4, Simd};
+use glam::{DMat3, DVec3, Vec3A};
+
+/// A pose by columns, for the points and boxes inside some bounds.
+///
+/// # Rounding
+/// Let u = 2^-24 and m = |R||v| + |t| for the farthest point v of the bounds. A posed vertex carries at most 6
+/// roundings of u relative to m; the centre R·c + t and the half extent |R|·e of a posed box carry at most 9
+/// together. So a box that is padded by 16u·m contains the true and the computed posed vertex. Underflow costs
+/// the centre and the extent half a step of the subnormal range for each product, before R magnifies it, and the
+/// posed vertex less than the smallest normal number after. [`Pose::check`] excludes overflow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Affine {
+    columns: [Vec3A; 3],
+    translation: Vec3A,
+    /// By how much a posed box is padded.
+    padding: Vec3A,
+}
+
+/// 16u, and the roundings of the padding itself.
+const ROUNDING: f64 = Pose::ROUNDING as f64 * 1.001;
+
+/// 2^-147, four times the smallest subnormal f32. In f64, since subnormal numbers are slow.
+const UNDERFLOW: f64 = 5.605_193_857_299_268e-45;
+
+/// 2^-126.
+const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
+
+impl Affine {
+    /// The map of `pose` for what lies in `bounds`; `None` for [`Pose::IDENTITY`], which moves nothing.
+    pub(crate) fn new(pose: &Pose, bounds: &Bounds) -> Option<Self> {
+        let [x, y, z] = pose.rows;
+        let column = |k: usize| Vec3A::new(x[k], y[k], z[k]);
+        let columns = [column(0), column(1), column(2)];
+        (*pose != Pose::IDENTITY)
+            .then(|| Self::padded(columns, column(3), bounds, DVec3::splat(SMALLEST_NORMAL)))
+    }
+
+    /// `rest` is what boxes have to be padded by besides rounding and the underflow of products.
+    fn padded(columns: [Vec3A; 3], translation: Vec3A, bounds: &Bounds, rest: DVec3) -> Self {
+        let mut affine = Self { columns, translation, padding: Vec3A::ZERO };
+        let underflow = affine.matrix().abs() * DVec3::splat(UNDERFLOW) + rest;
+        affine.padding = (affine.reach(bounds) * ROUNDING + underflow).as_vec3a();
+        affine
+    }
+
+    /// This pose seen from the frame of a mesh that is itself in the pose `from`: the boxes it takes overlap those
+    /// of that mesh, as they stand in its own frame, wherever both have posed points in common. `None` if `from` is
+    /// far from rigid, or this pose enormous beside it.
+    ///
+    /// A point common to both as they are posed in f32 is A(x) + d = B(y) + e for points x and y of the
+    /// boxes, with d and e at most 6u of what the poses reach. So x = A⁻¹(B(y)) + A⁻¹(e − d) without
+    /// translation: a box of A⁻¹·B, padded by |A⁻¹| times 16u of both reaches, contains x. What is left
+    /// of these 16u is far more than the f64 roundings of A⁻¹ and the products with it. Entries of A⁻¹·B
+    /// that are subnormal in f32 lose half the smallest number each, and so less than that a coordinate.
+    pub(crate) fn seen_from(&self, own: &Bounds, from: &Self, of: &Bounds) -> Option<Self> {
+        const RIGID: f64 = 2.0;
+        const LIMIT: f64 = 1e30;
+        let [turn, own_turn] = [from.matrix(), self.matrix()];
+        let back = turn.try_inverse()?;
+        let below = |m: &DMat3, limit: f64| m.to_cols_array().iter().all(|x| x.abs() <= limit);
+        let seen = back * own_turn;
+        let offset = back * (self.translation.as_dvec3() - from.translation.as_dvec3());
+        let error = back.abs() * (self.reach(own) + from.reach(of)) * ROUNDING
+            + DVec3::splat(UNDERFLOW * farthest(own).element_sum());
+        let largest = offset.abs().max_element().max(error.max_element());
+        if !(below(&turn, RIGID) && below(&back, RIGID) && below(&seen, LIMIT) && largest <= LIMIT)
+        {
+            return None;
+        }
+        let columns = [seen.x_axis, seen.y_axis, seen.z_axis].map(DVec3::as_vec3a);
+        let rest = error + DVec3::splat(16.0 * SMALLEST_NORMAL);
+        Some(Self::padded(columns, offset.as_vec3a(), own, rest))
+    }
+
+    fn matrix(&self) -> DMat3 {
+        let [x, y, z] = self.columns.map(|column| column.as_dvec3());
+        DMat3::from_cols(x, y, z)
+    }
+
+    /// About the farthest from the origin that posed points of `bounds` get.
+    fn reach(&self, bounds: &Bounds) -> DVec3 {
+        self.matrix().abs() * farthest(bounds) + self.translation.abs().as_dvec3()
+    }
+
+    /// A box that contains the posed points of `bounds`.
+    #[inline]
+    pub(crate) fn bounds(&self, bounds: &Bounds) -> Bounds {
+        let centre = bounds.min * 0.5 + bounds.max * 0.5;
+        let extent = bounds.max * 0.5 - bounds.min * 0.5;
+        let middle = self.point(centre);
+        let [x, y, z] = self.columns.map(Vec3A::abs);
+        let reach = x * extent.x + y * extent.y + z * extent.z + self.padding;
+        Bounds { min: middle - reach, max: middle + reach }
+    }
+
+    /// [`Affine::bounds`] of four boxes.
+    #[inline(always)]
+    pub(crate) fn boxes(&self, boxes: &Box4) -> Box4 {
+        let ([a, b, c], [d, e, f]) = (boxes.min.map(|v| v * 0.5), boxes.max.map(|v| v * 0.5));
+        let (centre, extent) = ([a + d, b + e, c + f], [d - a, e - b, f - c]);
+        let (mut min, mut max) = (boxes.min, boxes.max);
+        for i in 0..3 {
+            let [x, y, z] = self.columns.map(|column| column[i]);
+            let middle = centre[0] * x + centre[1] * y + centre[2] * z + self.translation[i];
+            let [x, y, z] = [x.abs(), y.abs(), z.abs()];
+            let reach = extent[0] * x + extent[1] * y + extent[2] * z + self.padding[i];
+            (min[i], max[i]) = (middle - reach, middle + reach);
+        }
+        Box4 { min, max }
+    }
+
+    /// The posed point, by the formula of [`Pose::apply`]; glam fuses nothing in these operators.
+    #[inline]
+    pub(crate) fn point(&self, p: Vec3A) -> Vec3A {
+        let [x, y, z] = self.columns;
+        ((x * p.x + y * p.y) + z * p.z) + self.translation
+    }
+
+    /// [`Affine::point`] in each lane.
+    #[inline(always)]
+    pub(crate) fn points<S: Simd>(&self, p: [S; 3]) -> [S; 3] {
+        let [x, y, z] = &self.columns;
+        let mut posed = p;
+        for i in 0..3 {
+            let sum = (p[0] * S::splat(x[i]) + p[1] * S::splat(y[i])) + p[2] * S::splat(z[i]);
+            posed[i] = sum + S::splat(self.translation[i]);
+        }
+        posed
+    }
+}
+
+/// The largest absolute coordinates in some bounds.
+fn farthest(bounds: &Bounds) -> DVec3 {
+    bounds.min.abs().max(bounds.max.abs()).as_dvec3()
+}
