@@ -8,7 +8,7 @@ use crate::aabb::Bounds;
 use crate::bvh::Layout;
 use crate::pose::{Affine, PoseError};
 use crate::simd::{LANES, Simd};
-use crate::triangle::{Accuracy, Contact, Inexact, contact, intersects};
+use crate::triangle::{Accuracy, Contact, Inexact, contact, intersects_exactly};
 use crate::{Aabb, Bvh, Node, Pose, Triangle};
 use core::ops::ControlFlow;
 use glam::Vec3A;
@@ -229,7 +229,7 @@ impl<A: Layout, B: Layout> Traverse for PairQuery<'_, A, B> {
 #[inline(always)]
 pub(super) fn meet(a: &Triangle, b: &Triangle, inexact: Option<Inexact>) -> bool {
     match inexact {
-        None => intersects(a, b, Accuracy::Exact),
+        None => intersects_exactly(a, b),
         Some(meet) => meet(a, b),
     }
 }
