@@ -61,15 +61,21 @@ impl Aabb {
     }
 
     /// Returns half the surface area, by which the surface area heuristic weighs a box; 0 for the empty box.
+    ///
+    /// The range of f64 holds that of every finite box, but an edge longer than [`f32::MAX`] counts as that long.
     #[inline]
     #[must_use]
-    pub fn half_area(&self) -> f32 {
-        let [x, y, z] = [0, 1, 2].map(|k| {
-            let edge = self.max[k] - self.min[k];
-            if edge > 0.0 { edge } else { 0.0 }
-        });
-        x * y + y * z + z * x
+    pub fn half_area(&self) -> f64 {
+        half_area(Vec3A::from_array(self.max) - Vec3A::from_array(self.min))
     }
+}
+
+/// Half the surface area of a box with these edges.
+#[inline(always)]
+pub(crate) fn half_area(edges: Vec3A) -> f64 {
+    let [x, y, z] = edges.max(Vec3A::ZERO).min(Vec3A::splat(f32::MAX)).to_array();
+    let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+    x * (y + z) + y * z
 }
 
 /// An [`Aabb`] in vector registers, for the inner loops.
@@ -86,8 +92,6 @@ impl From<Bounds> for Aabb {
 }
 
 impl Bounds {
-    pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
-
     #[inline]
     pub(crate) fn new(aabb: &Aabb) -> Self {
         Self { min: Vec3A::from_array(aabb.min), max: Vec3A::from_array(aabb.max) }
@@ -96,13 +100,5 @@ impl Bounds {
     #[inline]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
-    }
-
-    pub(crate) fn union(&self, other: &Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    pub(crate) fn with(&self, point: Vec3A) -> Self {
-        self.union(&Self { min: point, max: point })
     }
 }

@@ -19,6 +19,7 @@ pub mod front;
 mod index;
 pub mod mesh;
 pub mod one_ring;
+mod parallel;
 pub mod pose;
 mod simd;
 pub mod triangle;

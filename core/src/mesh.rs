@@ -5,6 +5,7 @@
 
 use crate::exact::environment;
 use crate::index::at;
+use glam::Vec3A;
 use core::fmt;
 
 /// Corner positions of one triangle, in the units of the mesh.
@@ -127,7 +128,16 @@ impl<'a> Mesh<'a> {
     #[inline]
     #[must_use]
     pub fn triangle(self, index: u32) -> Triangle {
-        at(self.triangles, index).map(|vertex| *at(self.positions, vertex))
+        let [a, b, c] = *at(self.triangles, index);
+        [*at(self.positions, a), *at(self.positions, b), *at(self.positions, c)]
+    }
+
+    /// The smallest and the largest corner of the box of triangle `index`.
+    #[inline(always)]
+    pub(crate) fn extent(self, index: u32) -> [Vec3A; 2] {
+        let [a, b, c] = self.triangle(index);
+        let (a, b, c) = (Vec3A::from_array(a), Vec3A::from_array(b), Vec3A::from_array(c));
+        [a.min(b).min(c), a.max(b).max(c)]
     }
 }
 

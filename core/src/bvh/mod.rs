@@ -14,22 +14,20 @@ mod build;
 mod check;
 mod compact;
 mod layout;
+mod quality;
 mod refit;
-mod survey;
 #[cfg(test)]
 mod tests;
 
-pub use build::{
-    BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, morton_with, sah,
-    sah_scratch_bound, sah_with,
-};
+pub use build::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
 pub use check::{BvhError, check_scratch_bound};
 pub use compact::{CompactNode, compact};
 pub use layout::{Layout, Node};
-pub use refit::{Join, REBUILD_RATIO, quality, refit, refit_with};
+pub use quality::{REBUILD_RATIO, quality};
+pub use refit::{Refit, RefitRow, refit, refit_table_bound};
 
 pub use crate::vertex_set::{Moved, mark_moved, moved_bound};
-pub use survey::{Below, refit_moved, survey, survey_bound};
+pub use crate::parallel::Join;
 
 pub(crate) use layout::TreeNode;
 
@@ -41,9 +39,8 @@ use core::convert::Infallible;
 
 /// The deepest a node may lie below the root (the root has depth 0).
 ///
-/// Both builds keep it: SAH replaces a split that could break it by a median split, and halving
-/// 2^31 − 1 triangles needs at most 31 levels; the Morton build splits on one of 64 key bits a
-/// level. Every traversal stack is sized from it.
+/// Builds keep it: they replace a split that could break it by one in the middle, and halving 2^31 − 1 triangles needs
+/// at most 31 levels. Every traversal stack is sized from it.
 pub const MAX_DEPTH: usize = 64;
 
 /// The most triangles one leaf may hold.

@@ -1,72 +1,51 @@
 //! Reordering a run of items into two.
 
-use super::bins::{Grid, centre};
-use super::item::{Extent, Run, SahItem};
-use super::parts::{PART, Parts};
-use crate::aabb::Bounds;
+use super::bins::Grid;
+use super::item::{LaneBox, SahItem, centre};
+use crate::Aabb;
+use crate::parallel::{GRAIN, Join, both, halves};
 use crate::simd::{Eight, LANES, Task, widest};
 
 /// A plane between two bins.
 pub(super) struct Split {
     grid: Grid,
     /// Across the plane.
-    pub(super) axis: usize,
+    axis: usize,
     /// The first bin on the right, plus [`Grid::TO_BITS`].
     bin: f32,
-    /// The boxes of both sides.
-    bounds: [Bounds; 2],
 }
 
-/// How many items are on the left, and the centres on both sides.
-struct Divided {
-    left: usize,
-    centres: [Extent; 2],
+/// How many items are on the left, and the boxes of the centres on both sides.
+pub(super) struct Divided {
+    pub(super) left: usize,
+    pub(super) centres: [LaneBox; 2],
 }
 
 impl Split {
-    pub(super) fn new(axis: usize, grid: Grid, bin: usize, bounds: [Bounds; 2]) -> Self {
-        Self { grid, axis, bin: bin as f32 + Grid::TO_BITS, bounds }
+    pub(super) fn new(axis: usize, grid: Grid, bin: usize) -> Self {
+        Self { grid, axis, bin: bin as f32 + Grid::TO_BITS }
     }
 
     /// Moves the items left of the plane to the front.
-    pub(super) fn divide(&self, items: &mut [SahItem], parts: Parts<'_>) -> [Run; 2] {
-        let Divided { left, centres } = self.divided(items, parts);
-        let [left_centres, right_centres] = centres.map(|extent| extent.bounds());
-        let [left_bounds, right_bounds] = self.bounds;
-        [
-            Run { count: left, bounds: left_bounds, centres: left_centres },
-            Run { count: items.len() - left, bounds: right_bounds, centres: right_centres },
-        ]
-    }
-
-    fn divided(&self, items: &mut [SahItem], parts: Parts<'_>) -> Divided {
-        let count = items.len();
-        if count <= PART {
+    pub(super) fn divide(&self, items: &mut [SahItem], join: Option<&Join<'_>>) -> Divided {
+        if items.len() <= GRAIN {
             return widest(Divide { split: self, items });
         }
-        let (front, back) = items.split_at_mut(count / 2);
+        let (front, back) = items.split_at_mut(items.len() / 2);
         let (in_front, in_back) =
-            parts.both(count, || self.divided(front, parts), || self.divided(back, parts));
+            both(join, || self.divide(front, join), || self.divide(back, join));
         // Items that are right of the plane in front change places with those left of it at the back.
         let right_in_front = &mut front[in_front.left..];
         let left_at_back = &mut back[..in_back.left];
         let misplaced = right_in_front.len().min(left_at_back.len());
         let kept = left_at_back.len() - misplaced;
-        exchange(&mut right_in_front[..misplaced], &mut left_at_back[kept..], parts);
+        let (a, b) = (&mut right_in_front[..misplaced], &mut left_at_back[kept..]);
+        halves(join, a, b, &|a, b| a.swap_with_slice(b), &|(), ()| ());
         Divided {
             left: in_front.left + in_back.left,
             centres: [0, 1].map(|side| in_front.centres[side].union(&in_back.centres[side])),
         }
     }
-}
-
-fn exchange(a: &mut [SahItem], b: &mut [SahItem], parts: Parts<'_>) {
-    let count = a.len();
-    if count <= PART {
-        return a.swap_with_slice(b);
-    }
-    let ((a, other_a), (b, other_b)) = (a.split_at_mut(count / 2), b.split_at_mut(count / 2));
-    parts.both(count, || exchange(a, b, parts), || exchange(other_a, other_b, parts));
 }
 
 struct Divide<'d> {
@@ -87,7 +66,7 @@ impl Task for Divide<'_> {
         let mut middle = 0;
         for i in 0..items.len() {
             let item = items[i];
-            let centre = centre(S::load(&item.0.0, 0));
+            let centre = centre(item.load::<S>());
             let mut bins = [0.0; LANES];
             split.grid.bins(centre).store(&mut bins, 0);
             let is_left = S::splat(bins[split.axis % LANES]).lt(bin);
@@ -97,28 +76,38 @@ impl Task for Divide<'_> {
             items[middle] = item;
             middle += (S::bits(is_left) & 1) as usize;
         }
-        let mut centres = [Extent::EMPTY; 2];
+        let mut centres = [LaneBox::EMPTY; 2];
         left.store(&mut centres[0].0, 0);
         right.store(&mut centres[1].0, 0);
         Divided { left: middle, centres }
     }
 }
 
-/// Divides the run at `middle` by centre along the longest axis, or as it stands if the centres coincide.
-pub(super) fn split_at(run: &mut [SahItem], centres: &Bounds, middle: usize) -> [Run; 2] {
-    let extent = (centres.max - centres.min).to_array();
+/// Divides the run in the middle by centre along the longest axis, or as it stands if the centres coincide.
+pub(super) fn halve(items: &mut [SahItem], centres: &Aabb) -> Divided {
+    let extent = [0, 1, 2].map(|k| centres.max[k] - centres.min[k]);
     let axis = (0..3).fold(0, |best, k| if extent[k] > extent[best] { k } else { best });
-    if extent[axis] > 0.0 { split_across(axis, run, middle) } else { cut(run, middle) }
+    let left = items.len() / 2;
+    if extent[axis] > 0.0 {
+        items.select_nth_unstable_by(left, |a, b| a.centre(axis).total_cmp(&b.centre(axis)));
+    }
+    let (front, back) = items.split_at(left);
+    Divided { left, centres: [front, back].map(|items| widest(Centres { items })) }
 }
 
-/// Divides the run at `middle` by centre along an axis.
-pub(super) fn split_across(axis: usize, run: &mut [SahItem], middle: usize) -> [Run; 2] {
-    let centre = |item: &SahItem| item.centre().to_array()[axis];
-    run.select_nth_unstable_by(middle, |a, b| centre(a).total_cmp(&centre(b)));
-    cut(run, middle)
+/// The box of the centres of some items.
+pub(super) struct Centres<'c> {
+    pub(super) items: &'c [SahItem],
 }
 
-fn cut(run: &[SahItem], middle: usize) -> [Run; 2] {
-    let (left, right) = run.split_at(middle);
-    [Run::of(left), Run::of(right)]
+impl Task for Centres<'_> {
+    type Output = LaneBox;
+
+    #[inline(always)]
+    fn run<S: Eight>(self) -> LaneBox {
+        let all = self.items.iter().fold(S::splat(f32::INFINITY), |all, item| all.min(centre(item.load::<S>())));
+        let mut centres = LaneBox::EMPTY;
+        all.store(&mut centres.0, 0);
+        centres
+    }
 }

@@ -1,19 +1,17 @@
-//! What the SAH build sorts: triangles with their boxes, made for vector registers.
+//! The scratch of the SAH build: triangles with their boxes, laid out for vector registers.
 
-use super::parts::{PART, Parts};
-use crate::aabb::Bounds;
-use crate::simd::LANES;
-use crate::{Aabb, Mesh};
+use crate::Aabb;
+use crate::simd::{Eight, LANES};
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec3A, Vec4};
+use glam::Vec4;
 
-/// A box as eight floats: the smallest corner and the largest one negated, so that a union is one
-/// minimum. The fourth and the eighth belong to whoever made it.
+/// A box in eight lanes: the smallest corner and the largest one negated, so that a union is one minimum. The fourth
+/// lane and the eighth are free.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub(super) struct Extent(pub(super) [f32; LANES]);
+pub(super) struct LaneBox(pub(super) [f32; LANES]);
 
-impl Extent {
+impl LaneBox {
     pub(super) const EMPTY: Self = Self([f32::INFINITY; LANES]);
 
     #[inline(always)]
@@ -22,81 +20,54 @@ impl Extent {
         Self(bytemuck::must_cast([a.min(c), b.min(d)]))
     }
 
+    /// As [`Aabb::half_area`]; not finite if an edge is too long for f32.
     #[inline(always)]
-    pub(super) fn bounds(&self) -> Bounds {
-        let [min, max]: [Vec4; 2] = bytemuck::must_cast(self.0);
-        Bounds { min: Vec3A::from_vec4(min), max: -Vec3A::from_vec4(max) }
+    pub(super) fn half_area(&self) -> f64 {
+        let [min, negated_max]: [Vec4; 2] = bytemuck::must_cast(self.0);
+        let [x, y, z, _] = (-(min + negated_max)).max(Vec4::ZERO).to_array();
+        let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+        x * (y + z) + y * z
+    }
+
+    #[inline(always)]
+    pub(super) fn aabb(&self) -> Aabb {
+        let [a, b, c, _, d, e, f, _] = self.0;
+        Aabb { min: [a, b, c], max: [-d, -e, -f] }
     }
 }
 
 /// Scratch of [`sah()`](super::sah()): a triangle and its box.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct SahItem(pub(super) Extent);
+pub struct SahItem(pub(super) LaneBox);
 
 impl SahItem {
-    /// The spare floats take part in all arithmetic, where an index would be a subnormal number and
-    /// slow everything down tenfold. So each holds half of it, as the fraction of a number from 1 to 2.
-    fn new(triangle: u32, aabb: &Aabb) -> Self {
-        let half = |bits: u32| f32::from_bits(1_f32.to_bits() | bits & 0xffff);
+    /// Arithmetic runs over all eight lanes, and is slow on subnormal numbers, which the bits of an index would be. So
+    /// each half of the index is a number of its own.
+    pub(super) fn new(triangle: u32, aabb: &Aabb) -> Self {
         let ([a, b, c], [d, e, f]) = (aabb.min, aabb.max.map(|x| -x));
-        Self(Extent([a, b, c, half(triangle), d, e, f, half(triangle >> 16)]))
+        let (low, high) = ((triangle & 0xffff) as f32, (triangle >> 16) as f32);
+        Self(LaneBox([a, b, c, low, d, e, f, high]))
     }
 
     pub(super) fn triangle(&self) -> u32 {
-        let [low, high] = [3, 7].map(|lane| self.0.0[lane].to_bits() & 0xffff);
-        high << 16 | low
+        (self.0.0[7] as u32) << 16 | self.0.0[3] as u32
     }
 
-    /// Half the centre of the box, so that neither it nor the difference of two can overflow.
-    pub(super) fn centre(&self) -> Vec3A {
-        let Bounds { min, max } = self.0.bounds();
-        min * 0.25 + max * 0.25
-    }
-}
-
-/// What a build needs to know of a run of items.
-#[derive(Clone, Copy)]
-pub(super) struct Run {
-    pub(super) count: usize,
-    pub(super) bounds: Bounds,
-    /// The box of the items' centres.
-    pub(super) centres: Bounds,
-}
-
-impl Run {
-    pub(super) fn of(items: &[SahItem]) -> Self {
-        let (mut bounds, mut centres) = (Bounds::EMPTY, Bounds::EMPTY);
-        for item in items {
-            bounds = bounds.union(&item.0.bounds());
-            centres = centres.with(item.centre());
-        }
-        Self { count: items.len(), bounds, centres }
+    #[inline(always)]
+    pub(super) fn load<S: Eight>(&self) -> S {
+        S::load(&self.0.0, 0)
     }
 
-    fn and(&self, other: &Self) -> Self {
-        Self {
-            count: self.count + other.count,
-            bounds: self.bounds.union(&other.bounds),
-            centres: self.centres.union(&other.centres),
-        }
+    /// Half the centre of the box, so that neither it nor the difference of two can overflow. Rounded as in [`centre`].
+    pub(super) fn centre(&self, axis: usize) -> f32 {
+        self.0.0[axis] * 0.25 - self.0.0[4 + axis] * 0.25
     }
 }
 
-/// Makes items of the triangles from `first` on.
-pub(super) fn load(mesh: Mesh<'_>, first: usize, items: &mut [SahItem], parts: Parts<'_>) -> Run {
-    let count = items.len();
-    if count <= PART {
-        for (triangle, item) in (first as u32..).zip(items.iter_mut()) {
-            *item = SahItem::new(triangle, &Aabb::of(&mesh.triangle(triangle)));
-        }
-        return Run::of(items);
-    }
-    let (left, right) = items.split_at_mut(count / 2);
-    let (left, right) = parts.both(
-        count,
-        || load(mesh, first, left, parts),
-        || load(mesh, first + count / 2, right, parts),
-    );
-    left.and(&right)
+/// [`SahItem::centre`] of an item in lanes, and its negation in the upper half: a [`LaneBox`].
+#[inline(always)]
+pub(super) fn centre<S: Eight>(item: S) -> S {
+    let quarter = item * S::splat(0.25);
+    quarter - quarter.swap_halves()
 }

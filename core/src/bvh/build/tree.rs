@@ -1,0 +1,117 @@
+//! The recursion of every build: which nodes there are, where they lie and how deep.
+//!
+//! Nodes are numbered in preorder: the children of a node, all that lies below the left one, all that lies below the
+//! right one. Where that second stretch begins is known only when the first is finished. If both grow at once, the
+//! right one begins where it would if the left side had leaves of one triangle, and moves up afterwards.
+
+use super::{BuildOptions, BvhStorage};
+use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE, Node, node_bound};
+use crate::index::split;
+use crate::parallel::{GRAIN, Join, both};
+use crate::{Aabb, Bvh, CapacityError, Mesh};
+
+/// How a build divides triangles.
+pub(super) trait Divide: Sync {
+    /// Triangles that are adjacent in the order.
+    type Run<'r>: Send;
+
+    /// Writes the triangles of a leaf; returns their box.
+    fn leaf(&self, run: &Self::Run<'_>, order: &mut [u32]) -> Aabb;
+
+    /// Divides a run of `count` triangles at its `middle`, which it returns: count / 2 unless the depth is `free`.
+    fn divide<'r>(
+        &self,
+        run: &'r mut Self::Run<'_>,
+        count: usize,
+        free: bool,
+    ) -> (usize, [Self::Run<'r>; 2]);
+}
+
+/// Builds the tree over all triangles of a mesh, none of which may be missing in `run`.
+pub(super) fn build<'a, D: Divide>(
+    mesh: Mesh<'a>,
+    options: &BuildOptions<'_>,
+    storage: BvhStorage<'a>,
+    divide: &D,
+    mut run: D::Run<'_>,
+) -> Result<Bvh<'a>, CapacityError> {
+    let count = mesh.triangles().len();
+    if count == 0 {
+        return storage.into_bvh(mesh, 0);
+    }
+    // Side by side, parts leave gaps.
+    let join = options.join.filter(|_| storage.nodes.len() >= node_bound(count));
+    let leaf_size = options.leaf_size.clamp(1, MAX_LEAF_SIZE) as usize;
+    let (root, below) = split(storage.nodes, 2);
+    let tree = Tree { divide, leaf_size, join };
+    let (node, used) = tree.grow(&mut run, split(storage.order, count).0, 0, 0, below, 2);
+    // The root takes slot 0; slot 1 stays empty so that siblings start at even indices.
+    for (slot, node) in root.iter_mut().zip([node, Node::EMPTY]) {
+        *slot = node;
+    }
+    storage.into_bvh(mesh, if used == 0 { 1 } else { 2 + used })
+}
+
+struct Tree<'t, D> {
+    divide: &'t D,
+    leaf_size: usize,
+    join: Option<&'t Join<'t>>,
+}
+
+impl<D: Divide> Tree<'_, D> {
+    /// Builds a node over a run, whose part of the order begins at `first`, and what lies `below` it, from index
+    /// `base` on. Returns the node and how many lie below, which may be more than there is room for.
+    fn grow(
+        &self,
+        run: &mut D::Run<'_>,
+        order: &mut [u32],
+        first: usize,
+        depth: usize,
+        below: &mut [Node],
+        base: usize,
+    ) -> (Node, usize) {
+        let count = order.len();
+        if count <= self.leaf_size {
+            let Aabb { min, max } = self.divide.leaf(run, order);
+            return (Node { min, first: first as u32, max, count: count as u32 }, 0);
+        }
+        // Halving the run down to single triangles takes `levels` more levels. A division of another kind may not
+        // use a level up unless they still fit below it. They fit below the root (31 <= MAX_DEPTH), and so below
+        // every node.
+        let levels = (usize::BITS - (count - 1).leading_zeros()) as usize;
+        debug_assert!(levels <= MAX_DEPTH - depth);
+        let (middle, [mut on_left, mut on_right]) =
+            self.divide.divide(run, count, levels < MAX_DEPTH - depth);
+        let (left_order, right_order) = split(order, middle);
+        let (pair, rest) = split(below, 2);
+        let (from, depth) = (base + 2, depth + 1);
+        let ((left, left_used), (right, right_used)) = if self.join.is_some() && count > GRAIN {
+            let room = node_bound(middle) - 2;
+            let (left_nodes, right_nodes) = split(rest, room);
+            let (left, mut right) = both(
+                self.join,
+                || self.grow(&mut on_left, left_order, first, depth, left_nodes, from),
+                || {
+                    let (first, from) = (first + middle, from + room);
+                    self.grow(&mut on_right, right_order, first, depth, right_nodes, from)
+                },
+            );
+            let gap = room - left.1;
+            rest.copy_within(room..room + right.1, left.1);
+            let moved = &mut rest[left.1..left.1 + right.1];
+            for node in moved.iter_mut().chain([&mut right.0]).filter(|node| !node.is_leaf()) {
+                node.first -= gap as u32;
+            }
+            (left, right)
+        } else {
+            let left = self.grow(&mut on_left, left_order, first, depth, rest, from);
+            let ((_, rest), from) = (split(rest, left.1), from + left.1);
+            (left, self.grow(&mut on_right, right_order, first + middle, depth, rest, from))
+        };
+        let Aabb { min, max } = left.aabb().union(&right.aabb());
+        for (slot, node) in pair.iter_mut().zip([left, right]) {
+            *slot = node;
+        }
+        (Node { min, first: base as u32, max, count: 0 }, 2 + left_used + right_used)
+    }
+}

@@ -1,0 +1,46 @@
+//! Fork-join over slices, by a caller's [`Join`].
+//!
+//! A pass over many items halves them down to [`GRAIN`], with a `join` or without: results are the same to the
+//! bit, whoever computes them.
+
+/// Runs two tasks, side by side if it can, each once, and returns when both are done: `rayon::join`, for example.
+pub type Join<'j> = dyn Fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send)) + Sync + 'j;
+
+/// Items of a pass that one task takes: some tens of microseconds. Meshes of tests are small, and tiny under miri.
+pub(crate) const GRAIN: usize = match (cfg!(test), cfg!(miri)) {
+    (false, _) => 1 << 13,
+    (true, false) => 1 << 6,
+    (true, true) => 2,
+};
+
+/// Runs two tasks by `join`, or one after the other; a task that `join` leaves out runs after it.
+pub(crate) fn both<A: Send, B: Send>(
+    join: Option<&Join<'_>>,
+    mut a: impl FnMut() -> A + Send,
+    mut b: impl FnMut() -> B + Send,
+) -> (A, B) {
+    let Some(join) = join else { return (a(), b()) };
+    let (mut of_a, mut of_b) = (None, None);
+    join(&mut || of_a = Some(a()), &mut || of_b = Some(b()));
+    (of_a.unwrap_or_else(a), of_b.unwrap_or_else(b))
+}
+
+/// Calls `pass` on matching parts of two slices, each at most [`GRAIN`] long, and merges what it returns from left to
+/// right. Where `b` is shorter than `a`, the last parts of it are.
+pub(crate) fn halves<A: Send, B: Send, R: Send>(
+    join: Option<&Join<'_>>,
+    a: &mut [A],
+    b: &mut [B],
+    pass: &(impl Fn(&mut [A], &mut [B]) -> R + Sync),
+    merge: &(impl Fn(R, R) -> R + Sync),
+) -> R {
+    if a.len() <= GRAIN {
+        return pass(a, b);
+    }
+    let middle = a.len() / 2;
+    let (a, right_a) = a.split_at_mut(middle);
+    let (b, right_b) = b.split_at_mut(middle.min(b.len()));
+    let left = || halves(join, a, b, pass, merge);
+    let (left, right) = both(join, left, || halves(join, right_a, right_b, pass, merge));
+    merge(left, right)
+}
