@@ -70,12 +70,10 @@ fn bunnies() -> Option<Case> {
 #[derive(Clone, Copy)]
 enum Build {
     Sah,
-    FullSah,
-    FullMorton,
+    Morton,
 }
 
-const BUILDS: [(Build, &str); 3] =
-    [(Build::Sah, "SAH"), (Build::FullSah, "SAH, full"), (Build::FullMorton, "Morton, full")];
+const BUILDS: [(Build, &str); 2] = [(Build::Sah, "SAH"), (Build::Morton, "Morton")];
 
 /// A tree in both layouts.
 struct Tree<'m> {
@@ -90,12 +88,12 @@ impl<'m> Tree<'m> {
         let mesh = Mesh::new(&mesh.positions, &mesh.triangles).unwrap();
         let n = mesh.triangles().len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let options = BuildOptions { leaf_size, full_leaves: !matches!(build, Build::Sah) };
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-        let bvh = if matches!(build, Build::FullMorton) {
+        let bvh = if matches!(build, Build::Morton) {
             bvh::morton(mesh, &options, storage, &mut vec![0; bvh::morton_scratch_bound(n)])
         } else {
-            let mut scratch = vec![bvh::SahItem::default(); bvh::sah_scratch_bound(n)];
+            let mut scratch = vec![bvh::SahItem::default(); n];
             bvh::sah(mesh, &options, storage, &mut scratch)
         };
         let used = bvh.unwrap().nodes().len();

@@ -11,11 +11,10 @@ mod cases;
 
 use cases::{Asker, CASES, Case, FRAMES, all_threads, traversal, turn};
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
-use pfront::core::CapacityError;
 use pfront::core::bvh::node_bound;
 use pfront::core::bvh::{self, BvhStorage};
 use pfront::threads::Schedule;
-use pfront::{BuildOptions, Bvh, Mesh, Model, Node};
+use pfront::{BuildOptions, Model, Node};
 use std::hint::black_box;
 
 const SCHEDULES: [Schedule; 3] = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
@@ -34,37 +33,31 @@ fn model(case: &Case) -> &Model {
     }
 }
 
-/// A build with scratch of `S`.
-type Build<S> =
-    for<'a> fn(Mesh<'a>, &BuildOptions, BvhStorage<'a>, &mut [S]) -> Result<Bvh<'a>, CapacityError>;
-type Sah = Build<bvh::SahItem>;
-type Morton = Build<u64>;
-
 /// On one thread and on all; a test of `pfront-cpu` compares the trees.
 fn builds(c: &mut Criterion) {
     for case in CASES.iter() {
         let mesh = model(case).mesh();
         let n = mesh.triangles().len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let mut items = vec![bvh::SahItem::default(); bvh::sah_scratch_bound(n)];
+        let mut items = vec![bvh::SahItem::default(); n];
         let mut keys = vec![0; bvh::morton_scratch_bound(n)];
-        let options = BuildOptions::default();
         let mut group = c.benchmark_group(format!("build/{}", case.name()));
         group.sample_size(10);
         let threads = all_threads();
-        for (threads, sah) in [(1, bvh::sah as Sah), (threads, pfront::threads::sah)] {
+        let joins: [(usize, Option<&bvh::Join<'_>>); 2] =
+            [(1, None), (threads, Some(&pfront::threads::join))];
+        for (threads, join) in joins {
+            let options = BuildOptions { join, ..BuildOptions::default() };
             group.bench_function(BenchmarkId::new("sah", threads), |bench| {
                 bench.iter(|| {
                     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-                    sah(mesh, &options, storage, &mut items).unwrap().nodes().len()
+                    bvh::sah(mesh, &options, storage, &mut items).unwrap().nodes().len()
                 });
             });
-        }
-        for (threads, morton) in [(1, bvh::morton as Morton), (threads, pfront::threads::morton)] {
             group.bench_function(BenchmarkId::new("morton", threads), |bench| {
                 bench.iter(|| {
                     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-                    morton(mesh, &options, storage, &mut keys).unwrap().nodes().len()
+                    bvh::morton(mesh, &options, storage, &mut keys).unwrap().nodes().len()
                 });
             });
         }

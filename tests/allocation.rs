@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::bvh::{self, BvhStorage, SahItem};
+use pfront::core::bvh::{self, BvhStorage, Refit, SahItem};
 use pfront::core::bvh::{CompactNode, check_scratch_bound, compact, node_bound};
 use pfront::core::bvtt::{self, Query};
 use pfront::core::triangle::{contact, intersects};
@@ -127,7 +127,7 @@ fn the_core_allocates_nothing() {
         let mut nodes = vec![Node::EMPTY; node_bound(n)];
         let mut order = vec![0; n];
         let mut compact_nodes = vec![CompactNode::ZERO; node_bound(n)];
-        let mut sah_scratch = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
+        let mut sah_scratch = vec![SahItem::default(); n];
         let mut morton_scratch = vec![0; bvh::morton_scratch_bound(n)];
         let mut check_scratch = vec![0; check_scratch_bound(n)];
         let moved: Vec<_> = soup.positions.iter().map(|p| p.map(|x| x * 0.9)).collect();
@@ -142,7 +142,7 @@ fn the_core_allocates_nothing() {
             let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
             let used = bvh::sah(mesh, &options, storage, &mut sah_scratch).unwrap().nodes().len();
             let mesh = mesh.with_positions(&moved).unwrap();
-            bvh::refit(mesh, &mut nodes[..used], &order);
+            bvh::refit(mesh, &mut nodes[..used], &order, Refit::default()).unwrap();
             ask_everything(
                 Bvh::new(mesh, &nodes[..used], &order, &mut check_scratch).unwrap(),
                 here,

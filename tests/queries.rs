@@ -277,10 +277,10 @@ fn model(soup: &Soup) -> Model {
     Model::new(soup.positions.clone(), soup.triangles.clone()).unwrap()
 }
 
-/// The mesh with every leaf size, every other full.
+/// The mesh with every leaf size.
 fn models(soup: &Soup) -> Vec<Model> {
     let build = |leaf_size| {
-        let options = BuildOptions { leaf_size, full_leaves: leaf_size % 2 == 0 };
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
         let (positions, triangles) = (soup.positions.clone(), soup.triangles.clone());
         let model = Model::with_options(positions, triangles, options).unwrap();
         model.bvh().assert_well_formed();

@@ -71,7 +71,7 @@ fn one_model() {
 #[test]
 fn compact_models() {
     let scene = Scene::by_name("worm-gear", Some(8_000)).unwrap();
-    let options = BuildOptions { leaf_size: 4, full_leaves: true };
+    let options = BuildOptions { leaf_size: 4, ..BuildOptions::default() };
     let model = |i: usize| {
         let mesh = &scene.meshes[scene.objects[i]];
         Model::with_options(mesh.positions.clone(), mesh.triangles.clone(), options).unwrap()

@@ -14,9 +14,7 @@ use crate::memory::{Call, Caller};
 use crate::mesh::pfront_mesh_t;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
 use core::ffi::c_void;
-use pfront_core::bvh::{
-    BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah, sah_scratch_bound,
-};
+use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
 use pfront_core::bvh::{check_scratch_bound, node_bound};
 use pfront_core::mesh::MAX_TRIANGLES;
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
@@ -68,7 +66,7 @@ pub extern "C" fn pfront_morton_scratch_bytes(triangle_count: usize) -> usize {
 /// How much scratch `pfront_bvh_build_sah` needs for so many triangles; SIZE_MAX if that cannot be.
 #[unsafe(no_mangle)]
 pub extern "C" fn pfront_sah_scratch_bytes(triangle_count: usize) -> usize {
-    bounded(triangle_count, |count| bytes::<SahItem>(sah_scratch_bound(count)))
+    bounded(triangle_count, |count| bytes::<SahItem>(count))
 }
 
 /// How much scratch `pfront_bvh_adopt` and `pfront_bvh_from_blob` need for so many triangles to take one pass over the
@@ -86,8 +84,12 @@ struct Build {
     bvh: *mut pfront_bvh_t,
 }
 
-type Method<S> =
-    for<'a> fn(Mesh<'a>, &BuildOptions, BvhStorage<'a>, &mut [S]) -> Result<Bvh<'a>, CapacityError>;
+type Method<S> = for<'a> fn(
+    Mesh<'a>,
+    &BuildOptions<'_>,
+    BvhStorage<'a>,
+    &mut [S],
+) -> Result<Bvh<'a>, CapacityError>;
 
 impl Build {
     /// Builds with so much scratch of elements `S`.

@@ -16,7 +16,7 @@ use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::ffi::CStr;
 use core::mem::offset_of;
-use pfront_core::bvh::{quality, refit};
+use pfront_core::bvh::{Refit, quality, refit};
 use pfront_core::bvtt::Placed;
 use pfront_core::{Aabb, Bvh, Node};
 
@@ -161,7 +161,8 @@ pub unsafe extern "C" fn pfront_bvh_refit(
         own.mesh.positions = positions;
         let nodes = call.write(c"nodes", own.nodes.cast::<Node>(), own.node_count)?;
         let mesh = own.mesh.moved(call)?;
-        let now = refit(mesh, nodes, call.read(c"order", own.order, own.mesh.triangle_count)?);
+        let order = call.read(c"order", own.order, own.mesh.triangle_count)?;
+        let now = refit(mesh, nodes, order, Refit::default())?;
         out.set(own);
         if let Some(told) = told {
             told.set(now);
@@ -170,8 +171,7 @@ pub unsafe extern "C" fn pfront_bvh_refit(
     })
 }
 
-/// How many tests a random line is expected to need for each triangle whose box it meets; lower is better. In
-/// O(triangles).
+/// How many tests a triangle of the mesh is expected to need to find those near it; lower is better. In O(triangles).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_bvh_quality(
     bvh: *const pfront_bvh_t,

@@ -5,8 +5,8 @@
 
 use crate::exact::environment;
 use crate::index::at;
-use glam::Vec3A;
 use core::fmt;
+use glam::Vec3A;
 
 /// Corner positions of one triangle, in the units of the mesh.
 pub type Triangle = [[f32; 3]; 3];

@@ -42,7 +42,7 @@ mod stealing;
 mod traversal;
 mod workers;
 
-pub use build::{join, morton, refit, sah};
+pub use build::join;
 pub use output::Hit;
 pub use report::{Report, Share};
 pub use settings::{Schedule, Settings, TRIANGLE_COST};

@@ -33,7 +33,7 @@ struct Slices<'s> {
     order: &'s mut [u32],
     keys: &'s mut [u64],
     words: &'s mut [u32],
-    table: &'s mut [Below],
+    table: &'s mut [RefitRow],
     moved: &'s mut [Moved],
     history: &'s mut [u32],
     front: &'s mut [FrontNode],
@@ -49,15 +49,15 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let mesh = mesh.with_positions(some()?).ok()?;
     let join: &Join<'_> = some()?;
     let storage = BvhStorage { nodes, order };
-    let bvh = morton_with(mesh, &some()?, storage, keys, join).ok()?;
+    let options = BuildOptions { leaf_size: some()?, join: Some(join) };
+    let bvh = morton(mesh, &options, storage, keys).ok()?;
     any((Bvh::new(mesh, bvh.nodes(), bvh.order(), words).ok()?.depth(), quality(&bvh)));
     any::<Bvh<'_>>(Bvh::new_unchecked(mesh, some()?, some()?));
-    any([refit_with(mesh, others, some()?, join), refit(mesh, others, some()?)]);
     baked(&bvh, slices.bytes);
     let moved = slices.moved;
     any(mark_moved(positions, mesh.positions(), moved).is_ok());
-    any(survey(mesh, others, some()?, slices.table, join).is_ok());
-    any(refit_moved(mesh, others, some()?, moved, slices.table, join).is_ok());
+    let options = Refit { join: Some(join), table: slices.table, moved: Some(moved) };
+    any(refit(mesh, others, some()?, options).ok()?);
     let mut rings = OneRings::new(some()?, triangles, slices.history, words).ok()?;
     let certified = rings.certify(mesh, &CertifyOptions { join: Some(join), moved: Some(moved) });
     any(certified.is_certified(some()?));

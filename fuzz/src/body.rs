@@ -3,7 +3,7 @@
 use crate::input::Build;
 use arbitrary::Arbitrary;
 use pfront::core::bvh::node_bound;
-use pfront::core::bvh::{self, BvhStorage, SahItem};
+use pfront::core::bvh::{self, BvhStorage, Join, Refit, SahItem};
 use pfront::core::mesh::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
 use pfront_oracle::generate::soup::Soup;
@@ -38,14 +38,16 @@ impl Tree {
         let n = mesh.triangles().len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
-        let mut items = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
+        let side_by_side = matches!(builder, Builder::SahThreads | Builder::MortonThreads);
+        let join: Option<&Join<'_>> = if side_by_side { Some(&threads::join) } else { None };
+        let options = BuildOptions { leaf_size, join };
+        let mut items = vec![SahItem::default(); n];
         let mut keys = vec![0; bvh::morton_scratch_bound(n)];
         let built = match builder {
-            Builder::Sah => bvh::sah(mesh, &options, storage, &mut items),
-            Builder::SahThreads => threads::sah(mesh, &options, storage, &mut items),
-            Builder::Morton => bvh::morton(mesh, &options, storage, &mut keys),
-            Builder::MortonThreads => threads::morton(mesh, &options, storage, &mut keys),
+            Builder::Sah | Builder::SahThreads => bvh::sah(mesh, &options, storage, &mut items),
+            Builder::Morton | Builder::MortonThreads => {
+                bvh::morton(mesh, &options, storage, &mut keys)
+            }
         };
         let used = built.unwrap().nodes().len();
         nodes.truncate(used);
@@ -62,8 +64,9 @@ impl Tree {
 
     fn refit(&mut self, mesh: Mesh<'_>) {
         let mut other = self.nodes.clone();
-        bvh::refit(mesh, &mut self.nodes, &self.order);
-        threads::refit(mesh, &mut other, &self.order);
+        bvh::refit(mesh, &mut self.nodes, &self.order, Refit::default()).unwrap();
+        let options = Refit { join: Some(&threads::join), ..Refit::default() };
+        bvh::refit(mesh, &mut other, &self.order, options).unwrap();
         assert_eq!(self.nodes, other);
         self.bvh(mesh).assert_well_formed();
     }

@@ -41,7 +41,7 @@ pub struct Deforming {
     gpu: Gpu,
     model: Model,
     source: Source,
-    options: BuildOptions,
+    options: BuildOptions<'static>,
     refit: Sequence,
     /// `None` while the tree is an uploaded one.
     build: Option<Sequence>,
@@ -90,7 +90,8 @@ impl Deforming {
         let bounds = Aabb::of(mesh.positions());
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
         let (gpu, build) = (gpu.clone(), Some(build));
-        let mut own = Self { gpu, model, source, options: *options, refit, build, clock: None };
+        let options = BuildOptions { leaf_size: options.leaf_size, join: None };
+        let mut own = Self { gpu, model, source, options, refit, build, clock: None };
         own.rebuild()?;
         Ok(own)
     }

@@ -51,9 +51,9 @@ impl Model {
         let (mesh, options) =
             (Mesh::new_unchecked(&positions, &triangles), BuildOptions::default());
         let tree = if as_built {
-            Tree::adopt(mesh, nodes, order, &ONE_THREAD)
+            Tree::adopt(mesh, nodes, order, ONE_THREAD)
         } else {
-            Tree::build(mesh, &options, &ONE_THREAD)
+            Tree::build(mesh, options, ONE_THREAD)
         };
         Ok(Self::of(positions, triangles, options, tree))
     }

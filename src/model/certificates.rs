@@ -1,7 +1,7 @@
 //! The one-ring certificates of a model.
 
 use super::moves::Moves;
-use super::passes::Passes;
+use super::passes::Parallel;
 use pfront_core::Mesh;
 use pfront_core::one_ring::{
     Certified, CertifyOptions, OneRings, history_bound, link_scratch_bound,
@@ -32,11 +32,11 @@ impl Certificates {
     }
 
     /// Certifies the one-rings for positions that have changed.
-    pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves, passes: &Passes) {
+    pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves, parallel: Parallel) {
         let moved = moves.few().filter(|_| !self.behind);
         let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
         let mut rings = OneRings::new_unchecked(vertices, triangles, &mut self.history);
-        rings.certify(mesh, &CertifyOptions { join: passes.join, moved });
+        rings.certify(mesh, &CertifyOptions { join: parallel, moved });
         self.behind = false;
     }
 

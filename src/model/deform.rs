@@ -4,7 +4,7 @@ use super::Model;
 use super::moves::same_bits;
 #[cfg(feature = "threads")]
 use super::passes::THREADS;
-use super::passes::{ONE_THREAD, Passes};
+use super::passes::{ONE_THREAD, Parallel, both};
 use super::tree::Tree;
 use crate::Error;
 use pfront_core::Mesh;
@@ -33,7 +33,7 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
-        self.deform(positions, &ONE_THREAD)
+        self.deform(positions, ONE_THREAD)
     }
 
     /// [`Model::set_positions`] in the rayon pool of whoever asks; worth it from some 50,000
@@ -44,7 +44,7 @@ impl Model {
     /// As [`Model::set_positions`].
     #[cfg(feature = "threads")]
     pub fn set_positions_with_threads(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
-        self.deform(positions, &THREADS)
+        self.deform(positions, THREADS)
     }
 
     /// [`Model::set_positions`] that leaves the BVH alone until it is asked for, as a query on a GPU never
@@ -77,18 +77,18 @@ impl Model {
     /// # Complexity
     /// As [`Model::set_positions`]; O(1) if the BVH fits.
     pub fn fit(&mut self) {
-        self.fit_by(&ONE_THREAD);
+        self.fit_by(ONE_THREAD);
     }
 
     /// [`Model::fit`] in the rayon pool of whoever asks.
     #[cfg(feature = "threads")]
     pub fn fit_with_threads(&mut self) {
-        self.fit_by(&THREADS);
+        self.fit_by(THREADS);
     }
 
-    fn deform(&mut self, positions: &[[f32; 3]], passes: &Passes) -> Result<(), Error> {
+    fn deform(&mut self, positions: &[[f32; 3]], parallel: Parallel) -> Result<(), Error> {
         if self.store(positions)? {
-            self.fit_by(passes);
+            self.fit_by(parallel);
         }
         Ok(())
     }
@@ -117,22 +117,22 @@ impl Model {
         Ok(true)
     }
 
-    fn fit_by(&mut self, passes: &Passes) {
+    fn fit_by(&mut self, parallel: Parallel) {
         let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
-        let (moves, options) = (&self.moves, &self.options);
-        let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, passes);
+        let (moves, options) = (&self.moves, self.options);
+        let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, parallel);
         match (self.tree.stale_mut(), self.certificates.stale_mut()) {
             (Some(tree), Some(certificates)) => {
-                (passes.both)(&mut || fit(tree), &mut || certificates.renew(mesh, moves, passes));
+                both(parallel, &mut || fit(tree), &mut || certificates.renew(mesh, moves, parallel));
             }
             (Some(tree), None) => fit(tree),
-            (None, Some(certificates)) => certificates.renew(mesh, moves, passes),
+            (None, Some(certificates)) => certificates.renew(mesh, moves, parallel),
             (None, None) => {}
         }
         self.tree.renewed();
         self.certificates.renewed();
         if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
-            tree.rebuild(mesh, options, passes);
+            tree.rebuild(mesh, options, parallel);
             self.stamp.rebuilt();
         }
     }

@@ -17,7 +17,7 @@ use certificates::Certificates;
 use moves::Moves;
 #[cfg(feature = "threads")]
 use passes::THREADS;
-use passes::{ONE_THREAD, Passes};
+use passes::{ONE_THREAD, Parallel};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
 use pfront_core::{Bvh, Mesh};
@@ -42,7 +42,7 @@ use tree::Tree;
 pub struct Model {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    options: BuildOptions,
+    options: BuildOptions<'static>,
     stamp: Stamp,
     /// Since the tree fitted, or fitted last.
     moves: Moves,
@@ -72,9 +72,9 @@ impl Model {
     pub fn with_options(
         positions: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
-        options: BuildOptions,
+        options: BuildOptions<'static>,
     ) -> Result<Self, Error> {
-        Self::built_by(&ONE_THREAD, positions, triangles, options)
+        Self::built_by(ONE_THREAD, positions, triangles, options)
     }
 
     /// [`Model::with_options`] in the rayon pool of whoever asks; worth it from some 50,000 triangles
@@ -86,18 +86,18 @@ impl Model {
     pub fn new_with_threads(
         positions: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
-        options: BuildOptions,
+        options: BuildOptions<'static>,
     ) -> Result<Self, Error> {
-        Self::built_by(&THREADS, positions, triangles, options)
+        Self::built_by(THREADS, positions, triangles, options)
     }
 
     fn built_by(
-        passes: &Passes,
+        parallel: Parallel,
         positions: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
-        options: BuildOptions,
+        options: BuildOptions<'static>,
     ) -> Result<Self, Error> {
-        let tree = Tree::build(Mesh::new(&positions, &triangles)?, &options, passes);
+        let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel);
         Ok(Self::of(positions, triangles, options, tree))
     }
 
@@ -105,7 +105,7 @@ impl Model {
     fn of(
         positions: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
-        options: BuildOptions,
+        options: BuildOptions<'static>,
         tree: Tree,
     ) -> Self {
         Self {
@@ -138,7 +138,7 @@ impl Model {
     #[must_use]
     pub fn certificates(&self) -> Certified<'_> {
         let mesh = self.mesh();
-        let renew = |stale: &mut Certificates| stale.renew(mesh, &self.moves, &ONE_THREAD);
+        let renew = |stale: &mut Certificates| stale.renew(mesh, &self.moves, ONE_THREAD);
         self.certificates.get(renew, || Certificates::new(mesh)).certified(mesh)
     }
 
@@ -166,7 +166,7 @@ impl Model {
 
     /// How the BVH is built.
     #[must_use]
-    pub fn options(&self) -> BuildOptions {
+    pub fn options(&self) -> BuildOptions<'static> {
         self.options
     }
 
@@ -200,9 +200,9 @@ impl Model {
     fn fitted(&self) -> &Tree {
         let (mesh, options) = (self.mesh(), &self.options);
         self.tree.get(
-            |tree| tree.fit(mesh, options, &self.moves, &ONE_THREAD),
+            |tree| tree.fit(mesh, *options, &self.moves, ONE_THREAD),
             // Lost by a thread that panicked.
-            || Tree::build(mesh, options, &ONE_THREAD),
+            || Tree::build(mesh, *options, ONE_THREAD),
         )
     }
 }

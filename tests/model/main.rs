@@ -6,7 +6,7 @@
 mod history;
 mod together;
 
-use pfront::core::bvh;
+use pfront::core::bvh::{self, Refit};
 use pfront::{BuildOptions, Model};
 use pfront_oracle::generate::soup::{Soup, sheet};
 
@@ -25,7 +25,7 @@ fn model(soup: &Soup) -> Model {
 fn assert_fits(model: &Model) {
     let bvh = model.bvh();
     let mut nodes = bvh.nodes().to_vec();
-    bvh::refit(bvh.mesh(), &mut nodes, bvh.order());
+    bvh::refit(bvh.mesh(), &mut nodes, bvh.order(), Refit::default()).unwrap();
     assert_eq!(nodes, bvh.nodes());
     let (positions, triangles) = (model.mesh().positions(), model.mesh().triangles());
     let fresh = Model::new(positions.to_vec(), triangles.to_vec()).unwrap();

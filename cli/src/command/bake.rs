@@ -48,15 +48,15 @@ fn baked(mesh: &MeshData, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
     let n = mesh.triangles().len();
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let options = BuildOptions { leaf_size: bake.leaf_size, ..BuildOptions::default() };
+    let options = BuildOptions { leaf_size: bake.leaf_size, join: Some(&threads::join) };
     let bvh = match bake.build {
         Build::Sah => {
-            let mut scratch = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
-            threads::sah(mesh, &options, storage, &mut scratch)
+            let mut scratch = vec![SahItem::default(); n];
+            bvh::sah(mesh, &options, storage, &mut scratch)
         }
         Build::Morton => {
             let mut scratch = vec![0; bvh::morton_scratch_bound(n)];
-            threads::morton(mesh, &options, storage, &mut scratch)
+            bvh::morton(mesh, &options, storage, &mut scratch)
         }
     }?;
     let counts = Counts::of(&bvh);

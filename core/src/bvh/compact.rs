@@ -45,8 +45,7 @@ const MAX_COMPACT_TRIANGLES: usize = 1 << 28;
 /// Writes the nodes of a BVH in the compact layout: its boxes are hardly larger, and queries find the same pairs.
 ///
 /// `nodes` and `order` are those in use of a BVH of `mesh`; `order` serves the compact BVH too. `storage` must hold
-/// as many nodes, but at least 2: [`node_bound`](super::node_bound) is always enough. Leaves should be well filled:
-/// see [`full_leaves`](super::BuildOptions::full_leaves).
+/// as many nodes, but at least 2: [`node_bound`](super::node_bound) is always enough.
 ///
 /// # Errors
 /// [`BvhError::Capacity`] if `storage` is too small; [`BvhError::TooManyTriangles`] for more than 2^28.

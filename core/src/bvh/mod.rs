@@ -26,8 +26,8 @@ pub use layout::{Layout, Node};
 pub use quality::{REBUILD_RATIO, quality};
 pub use refit::{Refit, RefitRow, refit, refit_table_bound};
 
-pub use crate::vertex_set::{Moved, mark_moved, moved_bound};
 pub use crate::parallel::Join;
+pub use crate::vertex_set::{Moved, mark_moved, moved_bound};
 
 pub(crate) use layout::TreeNode;
 

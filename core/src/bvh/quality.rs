@@ -93,7 +93,8 @@ impl Visits {
     #[inline(always)]
     pub(super) fn with_node(self, aabb: &Aabb, tests: u32, mesh: Mesh<'_>) -> Self {
         let (own, all) = (self.triangles as f32, mesh.triangles().len() as f32);
-        let expected = if self.area > 0.0 { (aabb.half_area() / self.area) as f32 * own } else { all };
+        let expected =
+            if self.area > 0.0 { (aabb.half_area() / self.area) as f32 * own } else { all };
         let meeting = expected.max(own).min(all);
         Self { tests: self.tests + meeting * tests as f32, ..self }
     }

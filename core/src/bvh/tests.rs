@@ -4,7 +4,7 @@ extern crate std;
 
 use super::*;
 use crate::Pose;
-use crate::bvh::build::{BuildOptions, BvhStorage, SahItem, sah};
+use crate::bvh::{BuildOptions, BvhStorage, SahItem, sah};
 use crate::bvtt::{PairQuery, Query, SelfQuery};
 use std::sync::LazyLock;
 use std::vec;

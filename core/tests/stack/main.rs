@@ -50,23 +50,26 @@ fn turned() -> Pose {
 /// BVHs with leaves of one triangle. Returns how deep they are.
 fn build(soup: &Soup) -> [usize; 2] {
     let (mesh, count) = (soup.mesh(), soup.triangles.len());
-    let options = BuildOptions { leaf_size: 1, full_leaves: false };
+    let options = BuildOptions { leaf_size: 1, join: None };
     let mut tree = Tree { nodes: vec![Node::EMPTY; node_bound(count)], order: vec![0; count] };
     let (mut items, mut keys) = (vec![SahItem::default(); count], vec![0; 2 * count]);
     let mut depth = [0; 2];
     check("sah", || depth[0] = sah(mesh, &options, tree.storage(), &mut items).unwrap().depth());
-    check("sah_with", || {
-        sah_with(mesh, &options, tree.storage(), &mut items, &one_after_the_other).unwrap();
+    let join: Option<&Join<'_>> = Some(&one_after_the_other);
+    let in_parts = BuildOptions { leaf_size: 1, join };
+    check("sah` with a `join", || {
+        sah(mesh, &in_parts, tree.storage(), &mut items).unwrap();
     });
     check("morton", || {
         depth[1] = morton(mesh, &options, tree.storage(), &mut keys).unwrap().depth();
     });
-    check("morton_with", || {
-        morton_with(mesh, &options, tree.storage(), &mut keys, &one_after_the_other).unwrap();
+    check("morton` with a `join", || {
+        morton(mesh, &in_parts, tree.storage(), &mut keys).unwrap();
     });
     let used = sah(mesh, &options, tree.storage(), &mut items).unwrap().nodes().len();
-    check("refit_with", || {
-        refit_with(mesh, &mut tree.nodes[..used], &tree.order, &one_after_the_other);
+    check("refit` with a `join", || {
+        let options = Refit { join, ..Refit::default() };
+        refit(mesh, &mut tree.nodes[..used], &tree.order, options).unwrap();
     });
     depth
 }
@@ -85,18 +88,22 @@ fn refits() {
     let soup = coincident(MAX_DEPTH + 1);
     let (mesh, tree) = (soup.mesh(), Tree::deepest(soup.mesh()));
     let (mut nodes, order) = (tree.nodes.clone(), &tree.order);
-    let mut table = vec![Below::default(); survey_bound(nodes.len())];
+    let mut table = vec![RefitRow::default(); refit_table_bound(nodes.len())];
     let mut moved = vec![Moved::default(); moved_bound(soup.positions.len())];
     let after: Vec<_> = soup.positions.iter().map(|p| p.map(|x| 1.5 * x)).collect();
-    let join: &Join<'_> = &one_after_the_other;
-    check("refit", || _ = refit(mesh, &mut nodes, order));
+    let join: Option<&Join<'_>> = Some(&one_after_the_other);
+    check("refit", || _ = refit(mesh, &mut nodes, order, Refit::default()).unwrap());
     let bvh = tree.bvh(mesh);
     check("quality", || _ = black_box(quality(&bvh)));
-    check("survey", || _ = survey(mesh, &mut nodes, order, &mut table, join).unwrap());
+    check("refit` with a `table", || {
+        let options = Refit { join, table: &mut table, moved: None };
+        refit(mesh, &mut nodes, order, options).unwrap();
+    });
     check("mark_moved", || _ = mark_moved(mesh.positions(), &after, &mut moved).unwrap());
     let mesh = mesh.with_positions(&after).unwrap();
-    check("refit_moved", || {
-        _ = refit_moved(mesh, &mut nodes, order, &moved, &mut table, join).unwrap();
+    check("refit` with a `table", || {
+        let options = Refit { join, table: &mut table, moved: Some(&moved) };
+        refit(mesh, &mut nodes, order, options).unwrap();
     });
 }
 

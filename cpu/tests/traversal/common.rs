@@ -22,7 +22,7 @@ impl Body {
     pub(crate) fn new(mesh: TriMesh) -> Self {
         let n = mesh.triangles.len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let mut scratch = vec![SahItem::default(); bvh::sah_scratch_bound(n)];
+        let mut scratch = vec![SahItem::default(); n];
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let view = Mesh::new(&mesh.positions, &mesh.triangles).unwrap();
         let options = BuildOptions::default();
@@ -74,7 +74,9 @@ impl Body {
             Mesh::new_unchecked(&self.mesh.positions, &self.mesh.triangles),
             &mut self.nodes,
             &self.order,
-        );
+            bvh::Refit::default(),
+        )
+        .unwrap();
     }
 }
 

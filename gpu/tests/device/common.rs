@@ -28,7 +28,7 @@ impl Both {
         let n = triangles.len();
         let mesh = Mesh::new(positions, triangles).unwrap();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let mut scratch = vec![bvh::SahItem::default(); bvh::sah_scratch_bound(n)];
+        let mut scratch = vec![bvh::SahItem::default(); n];
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let bvh = bvh::sah(
             mesh,
@@ -46,7 +46,7 @@ impl Both {
     pub(crate) fn set_positions(&mut self, positions: &[[f32; 3]]) {
         self.positions = positions.to_vec();
         let mesh = Mesh::new(&self.positions, &self.triangles).unwrap();
-        bvh::refit(mesh, &mut self.nodes, &self.order);
+        bvh::refit(mesh, &mut self.nodes, &self.order, bvh::Refit::default()).unwrap();
     }
 
     pub(crate) fn bvh(&self) -> Bvh<'_> {

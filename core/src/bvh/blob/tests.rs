@@ -6,8 +6,8 @@ mod hostile;
 
 use super::*;
 use crate::MeshError;
-use crate::bvh::build::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
 use crate::bvh::node_bound;
+use crate::bvh::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
 use std::prelude::v1::*;
 use std::{format, vec};
 

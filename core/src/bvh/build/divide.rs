@@ -105,7 +105,10 @@ impl Task for Centres<'_> {
 
     #[inline(always)]
     fn run<S: Eight>(self) -> LaneBox {
-        let all = self.items.iter().fold(S::splat(f32::INFINITY), |all, item| all.min(centre(item.load::<S>())));
+        let all = self
+            .items
+            .iter()
+            .fold(S::splat(f32::INFINITY), |all, item| all.min(centre(item.load::<S>())));
         let mut centres = LaneBox::EMPTY;
         all.store(&mut centres.0, 0);
         centres

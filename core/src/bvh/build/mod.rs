@@ -24,6 +24,7 @@ pub use sah::sah;
 use crate::bvh::{MAX_LEAF_SIZE, Node};
 use crate::parallel::Join;
 use crate::{Bvh, CapacityError, Mesh};
+use core::fmt;
 
 /// How a BVH is built.
 #[derive(Clone, Copy)]
@@ -38,6 +39,14 @@ pub struct BuildOptions<'j> {
 impl Default for BuildOptions<'_> {
     fn default() -> Self {
         Self { leaf_size: MAX_LEAF_SIZE, join: None }
+    }
+}
+
+impl fmt::Debug for BuildOptions<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { leaf_size, join } = self;
+        let mut out = f.debug_struct("BuildOptions");
+        out.field("leaf_size", leaf_size).field("join", &join.is_some()).finish()
     }
 }
 

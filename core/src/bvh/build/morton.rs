@@ -103,12 +103,7 @@ impl Divide for Curve<'_> {
         Aabb { min: all[0].to_array(), max: all[1].to_array() }
     }
 
-    fn divide<'r>(
-        &self,
-        run: &'r mut Run<'_>,
-        count: usize,
-        free: bool,
-    ) -> (usize, [Run<'r>; 2]) {
+    fn divide<'r>(&self, run: &'r mut Run<'_>, count: usize, free: bool) -> (usize, [Run<'r>; 2]) {
         if free && !run.coincide && run.highest_bit() == 0 {
             self.encode(run);
             run.coincide = run.highest_bit() == 0;

@@ -4,6 +4,10 @@ use super::*;
 use crate::bvh::*;
 use crate::vertex_set::{holds, holds_any, vertices};
 
+fn filling(table: &mut [RefitRow]) -> Refit<'_> {
+    Refit { table, ..Refit::default() }
+}
+
 fn bits<T: bytemuck::NoUninit>(values: &[T]) -> &[u32] {
     bytemuck::cast_slice(values)
 }
@@ -37,10 +41,10 @@ fn what_has_moved_is_all_that_a_refit_needs() {
         with_builds(mesh, 2, |build, bvh| {
             let (mut nodes, order) = (bvh.nodes().to_vec(), bvh.order());
             let mut whole = nodes.clone();
-            let mut table = vec![Below::default(); survey_bound(nodes.len())];
+            let mut table = vec![RefitRow::default(); refit_table_bound(nodes.len())];
             let mut fresh = table.clone();
             let mut marks = vec![Moved::default(); moved_bound(positions.len())];
-            survey(mesh, &mut nodes, order, &mut table, joins[0]).unwrap();
+            refit(mesh, &mut nodes, order, filling(&mut table)).unwrap();
             let mut before = positions.clone();
             for (way, after) in moves(&positions, &mut random).into_iter().enumerate() {
                 let context = format!("{build} of {name}, way {way}");
@@ -49,13 +53,14 @@ fn what_has_moved_is_all_that_a_refit_needs() {
                 let moved = mesh.with_positions(&after).unwrap();
                 // The third of the joins does only half.
                 let join = joins[way % 2 * 3];
-                let found = refit_moved(moved, &mut nodes, order, &marks, &mut table, join);
-                let (found, expected) = (found.unwrap(), refit(moved, &mut whole, order));
+                let options = Refit { join: Some(join), table: &mut table, moved: Some(&marks) };
+                let found = refit(moved, &mut nodes, order, options).unwrap();
+                let expected = refit(moved, &mut whole, order, Refit::default()).unwrap();
                 assert_eq!(bits(&nodes), bits(&whole), "{context}");
-                assert!((found - expected).abs() <= 1e-6 * expected, "{context}: {found}");
+                assert_eq!(found, expected, "{context}");
                 // Nothing drifts.
-                let surveyed = survey(moved, &mut whole, order, &mut fresh, join).unwrap();
-                assert!(found == surveyed && table == fresh, "{context}");
+                refit(moved, &mut whole, order, filling(&mut fresh)).unwrap();
+                assert_eq!(table, fresh, "{context}");
                 before = after;
             }
         });
@@ -92,9 +97,11 @@ fn a_table_or_a_set_one_short_is_an_error_that_names_the_need() {
         let run = |rows: usize, words: usize| {
             let (mut nodes, order) = (bvh.nodes().to_vec(), bvh.order());
             let (table, moved) =
-                (&mut *vec![Below::default(); rows], vec![Moved::default(); words]);
-            let made = survey(mesh, &mut nodes, order, table, joins()[0]).err();
-            let refitted = refit_moved(mesh, &mut nodes, order, &moved, table, joins()[0]).err();
+                (&mut *vec![RefitRow::default(); rows], vec![Moved::default(); words]);
+            let made = Refit { table: &mut *table, ..Refit::default() };
+            let made = refit(mesh, &mut nodes, order, made).err();
+            let refitted = Refit { table, moved: Some(&moved), join: None };
+            let refitted = refit(mesh, &mut nodes, order, refitted).err();
             [made, refitted].map(|error| error.map(short))
         };
         assert_eq!(run(127, 3), [None; 2]);
