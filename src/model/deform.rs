@@ -123,7 +123,9 @@ impl Model {
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, parallel);
         match (self.tree.stale_mut(), self.certificates.stale_mut()) {
             (Some(tree), Some(certificates)) => {
-                both(parallel, &mut || fit(tree), &mut || certificates.renew(mesh, moves, parallel));
+                both(parallel, &mut || fit(tree), &mut || {
+                    certificates.renew(mesh, moves, parallel)
+                });
             }
             (Some(tree), None) => fit(tree),
             (None, Some(certificates)) => certificates.renew(mesh, moves, parallel),

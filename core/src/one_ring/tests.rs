@@ -4,7 +4,7 @@
 extern crate std;
 
 use super::*;
-use crate::bvh::{BuildOptions, BvhStorage, Join, mark_moved, morton, node_bound, refit};
+use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, mark_moved, morton, node_bound, refit};
 use crate::bvtt::{Query, SelfQuery};
 use crate::{Bvh, Node};
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -219,7 +219,7 @@ fn hits(certified_for: &[[f32; 3]], triangles: &[[u32; 3]]) -> u64 {
     let options = BuildOptions { leaf_size: 1, ..Default::default() };
     morton(rest, &options, storage, &mut [0; 4]).unwrap();
     let folded = rest.with_positions(&FOLDED).unwrap();
-    refit(folded, &mut nodes, &order);
+    refit(folded, &mut nodes, &order, Refit::default()).unwrap();
     let bvh = Bvh::new(folded, &nodes, &order, &mut [0; 8]).unwrap();
     with_rings(4, triangles, |rings| {
         let mesh = Mesh::new(certified_for, triangles).unwrap();
