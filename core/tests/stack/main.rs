@@ -80,7 +80,7 @@ fn builds() {
         .map(|s| build(&s));
     // Else these inputs are not what they are meant to be.
     assert_eq!(depths[0][0], MAX_DEPTH, "{depths:?}");
-    assert!(depths[1][0] > 50 && depths[2][1] > 45, "{depths:?}");
+    assert!(depths[1][0] > 50 && depths[2][1] >= 45, "{depths:?}");
 }
 
 #[test]
