@@ -329,7 +329,8 @@ impl Body {
         };
         nodes[parent] = moved(&self.nodes[0]);
         nodes.extend(self.nodes.iter().skip(2).map(moved));
-        bvh::refit(Mesh::new_unchecked(&self.positions, &self.triangles), &mut nodes, &self.order);
+        let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
+        bvh::refit(mesh, &mut nodes, &self.order, bvh::Refit::default()).unwrap();
         Self { nodes, ..self }
     }
 
