@@ -92,6 +92,8 @@ impl From<Bounds> for Aabb {
 }
 
 impl Bounds {
+    pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
     #[inline]
     pub(crate) fn new(aabb: &Aabb) -> Self {
         Self { min: Vec3A::from_array(aabb.min), max: Vec3A::from_array(aabb.max) }
