@@ -45,8 +45,8 @@ mod control {
         let mut register = 0_u32;
         // SAFETY: writes the four bytes of `register`, and changes neither flags nor the stack.
         unsafe {
-            asm!("stmxcsr [{}]", in(reg) &raw mut register, options(nostack, preserves_flags))
-        };
+            asm!("stmxcsr [{}]", in(reg) &raw mut register, options(nostack, preserves_flags));
+        }
         register
     }
 

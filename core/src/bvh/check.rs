@@ -37,7 +37,7 @@ impl<N: Layout> Bvh<'_, N> {
                 triangles.fold(Aabb::EMPTY, |a, &t| a.union(&Aabb::of(&self.mesh.triangle(t))))
             } else {
                 let left = node.left() as usize;
-                if left <= index || left % 2 != 0 || left + 1 >= self.nodes.len() {
+                if left <= index || !left.is_multiple_of(2) || left + 1 >= self.nodes.len() {
                     return Err(BvhError::Child { node: index });
                 }
                 if depth == MAX_DEPTH {

@@ -1,10 +1,10 @@
 //! The triangles of a leaf in vector lanes.
 
-use crate::index::{at, at_mut};
+use crate::index::{at, out_of_range};
 use crate::one_ring::OneRing;
 use crate::pose::Affine;
 use crate::simd::point8::{Points, abs, difference, highest, lanes, load, lowest, store};
-use crate::simd::{LANES, Simd};
+use crate::simd::{LANES, Simd, VECTORS};
 use crate::{Aabb, Mesh, Triangle};
 
 /// A leaf: its triangles, where they are posed, and what is certified of their vertices.
@@ -45,7 +45,7 @@ pub(super) fn vertex_key(vertex: u32) -> f32 {
 }
 
 impl TriangleBlock {
-    const EMPTY: Self = {
+    fn empty() -> Self {
         let zero = [[0.0; LANES]; 3];
         Self {
             triangles: [0; LANES],
@@ -59,17 +59,21 @@ impl TriangleBlock {
             extent: zero,
             bounds: Aabb { min: [0.0; 3], max: [0.0; 3] },
         }
-    };
+    }
 
     /// Loads, poses and prepares the triangles of a leaf.
     #[inline(always)]
     fn fill<S: Simd>(&mut self, leaf: &Leaf<'_>) {
+        if leaf.triangles.len() > LANES {
+            out_of_range();
+        }
         (self.len, self.bounds) = (leaf.triangles.len(), leaf.bounds);
         self.certified = [0; 3];
         // Lanes without a triangle stay zero, so that arithmetic on them is neither slow nor a trap.
         let mut corners = [[[0.0; LANES]; 3]; 3];
         for (lane, &triangle) in leaf.triangles.iter().enumerate() {
-            *at_mut(&mut self.triangles, lane) = triangle;
+            let lane = lane % LANES;
+            self.triangles[lane] = triangle;
             let vertices = at(leaf.mesh.triangles(), triangle);
             for (k, &vertex) in vertices.iter().enumerate() {
                 let [x, y, z] = *at(leaf.mesh.positions(), vertex);
@@ -89,6 +93,12 @@ impl TriangleBlock {
             }
             self.derive(posed, at);
         }
+    }
+
+    /// [`TriangleBlock::fill`] without vectors: one copy for both sides, for firmware.
+    #[inline(never)]
+    fn fill_singly(&mut self, leaf: &Leaf<'_>) {
+        self.fill::<f32>(leaf);
     }
 
     /// Stores posed corners and derives boxes and planes, in the lanes from `at` on.
@@ -120,8 +130,8 @@ impl TriangleBlock {
     }
 }
 
-/// How many blocks a [`BlockCache`] holds.
-const CACHED: usize = 8;
+/// How many blocks a [`BlockCache`] holds. Processors without vectors have small stacks.
+const CACHED: usize = if VECTORS { 8 } else { 2 };
 
 /// The blocks of the leaves that one side of a traversal met last: a leaf meets several others in a row.
 pub(super) struct BlockCache {
@@ -144,10 +154,10 @@ impl BlockCache {
         leaf: impl FnOnce() -> Leaf<'a>,
     ) -> &TriangleBlock {
         let slot = node as usize % CACHED;
-        let block = self.blocks[slot].get_or_insert_with(|| TriangleBlock::EMPTY);
+        let block = self.blocks[slot].get_or_insert_with(TriangleBlock::empty);
         if self.leaves[slot] != node {
             self.leaves[slot] = node;
-            block.fill::<S>(&leaf());
+            if S::WIDTH == 1 { block.fill_singly(&leaf()) } else { block.fill::<S>(&leaf()) }
         }
         block
     }

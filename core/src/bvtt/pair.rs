@@ -192,15 +192,14 @@ impl<A: Layout, B: Layout> Traverse for PairQuery<'_, A, B> {
 
     #[inline(always)]
     fn descend(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
-        let mut a = WideNode::below(&self.a.bvh, n.a);
-        let mut b = WideNode::below(&self.b.bvh, n.b);
-        if let Some(pose) = &self.boxes[0] {
-            a.boxes = pose.boxes(&a.boxes);
+        let mut wide = [WideNode::below(&self.a.bvh, n.a), WideNode::below(&self.b.bvh, n.b)];
+        for (wide, pose) in wide.iter_mut().zip(&self.boxes) {
+            if let Some(pose) = pose {
+                wide.boxes = pose.boxes(&wide.boxes);
+            }
         }
-        if let Some(pose) = &self.boxes[1] {
-            b.boxes = pose.boxes(&b.boxes);
-        }
-        a.overlapping(&b, push)
+        let [a, b] = &wide;
+        a.overlapping(b, push)
     }
 
     #[inline(always)]
@@ -215,7 +214,7 @@ impl<A: Layout, B: Layout> Traverse for PairQuery<'_, A, B> {
         let b = blocks_b.get::<S>(n.b, || self.b.leaf(n.b));
         let pairs = a.pairs::<S, false>(b, budget.open());
         budget.decide(pairs.tested, pairs.left, |bit| {
-            let (i, j) = (bit as usize % LANES, bit as usize / LANES);
+            let (i, j) = (bit as usize % LANES, bit as usize / LANES % LANES);
             if meet(&a.triangle(i), &b.triangle(j), self.inexact) {
                 visit(TrianglePair { a: a.triangles[i], b: b.triangles[j] })
             } else {

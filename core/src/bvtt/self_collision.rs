@@ -168,7 +168,7 @@ impl<L: Layout> Traverse for SelfQuery<'_, L> {
         };
         let mesh = self.bvh.mesh();
         budget.decide(pairs.tested, pairs.left, |bit| {
-            let (i, j) = (bit as usize % LANES, bit as usize / LANES);
+            let (i, j) = (bit as usize % LANES, bit as usize / LANES % LANES);
             let (t, u) = (a.triangles[i], b.triangles[j]);
             let pair = TrianglePair { a: t.min(u), b: t.max(u) };
             let vertices = |triangle| at(mesh.triangles(), triangle);

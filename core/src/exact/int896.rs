@@ -58,7 +58,7 @@ impl Add for Int896 {
         for (x, y) in self.0.iter_mut().zip(other.0) {
             let (sum, first) = x.overflowing_add(y);
             let (sum, second) = sum.overflowing_add(u64::from(carry));
-            (*x, carry) = (sum, first | second);
+            (*x, carry) = (sum, first || second);
         }
         self
     }

@@ -26,7 +26,7 @@ impl Box4 {
     /// The box in `lane`, four times.
     #[inline(always)]
     pub(crate) fn splat(&self, lane: usize) -> Self {
-        let one = |v: &Vec4| Vec4::splat(v.to_array()[lane]);
+        let one = |v: &Vec4| Vec4::splat(v.to_array()[lane % 4]);
         let all = |v: &[Vec4; 3]| [one(&v[0]), one(&v[1]), one(&v[2])];
         Self { min: all(&self.min), max: all(&self.max) }
     }
