@@ -66,7 +66,7 @@ pub extern "C" fn pfront_morton_scratch_bytes(triangle_count: usize) -> usize {
 /// How much scratch `pfront_bvh_build_sah` needs for so many triangles; SIZE_MAX if that cannot be.
 #[unsafe(no_mangle)]
 pub extern "C" fn pfront_sah_scratch_bytes(triangle_count: usize) -> usize {
-    bounded(triangle_count, |count| bytes::<SahItem>(count))
+    bounded(triangle_count, bytes::<SahItem>)
 }
 
 /// How much scratch `pfront_bvh_adopt` and `pfront_bvh_from_blob` need for so many triangles to take one pass over the

@@ -1,7 +1,5 @@
 //! Builds and refits in the parts that [`pfront_cpu::join`] runs: the same as in one.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use pfront_core::bvh::{
     BuildOptions, BvhStorage, Join, Refit, SahItem, morton, node_bound, refit, sah,
 };

@@ -124,7 +124,7 @@ impl Model {
         match (self.tree.stale_mut(), self.certificates.stale_mut()) {
             (Some(tree), Some(certificates)) => {
                 both(parallel, &mut || fit(tree), &mut || {
-                    certificates.renew(mesh, moves, parallel)
+                    certificates.renew(mesh, moves, parallel);
                 });
             }
             (Some(tree), None) => fit(tree),

@@ -29,7 +29,7 @@ fn assert_fits(model: &Model) {
     assert_eq!(nodes, bvh.nodes());
     let (positions, triangles) = (model.mesh().positions(), model.mesh().triangles());
     let fresh = Model::new(positions.to_vec(), triangles.to_vec()).unwrap();
-    assert_eq!(certified(&model), certified(&fresh));
+    assert_eq!(certified(model), certified(&fresh));
     assert!(model.sphere().is_some_and(|sphere| {
         let reach = |p: &[f32; 3]| (0..3).map(|k| (p[k] - sphere.centre[k]).powi(2)).sum::<f32>();
         positions.iter().all(|p| reach(p).sqrt() <= sphere.radius * 1.00001)

@@ -327,8 +327,9 @@ impl Body {
             let first = node.first + if node.is_leaf() { levels } else { shift };
             Node { first, ..*node }
         };
-        nodes[parent] = moved(&self.nodes[0]);
-        nodes.extend(self.nodes.iter().skip(2).map(moved));
+        let below: Vec<_> = self.nodes.iter().map(moved).collect();
+        nodes[parent] = below[0];
+        nodes.extend_from_slice(&below[2..]);
         let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
         bvh::refit(mesh, &mut nodes, &self.order, bvh::Refit::default()).unwrap();
         Self { nodes, ..self }
