@@ -66,6 +66,8 @@ pub(super) struct Visits {
 }
 
 impl Visits {
+    pub(super) const NONE: Self = Self { area: 0.0, triangles: 0, tests: 0.0 };
+
     /// A leaf, and the box of its triangles.
     #[inline(always)]
     pub(super) fn of_leaf(mesh: Mesh<'_>, triangles: &[u32]) -> (Aabb, Self) {

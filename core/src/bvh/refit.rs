@@ -8,7 +8,7 @@
 
 use super::quality::Visits;
 use crate::bvh::Node;
-use crate::index::{at, range, split};
+use crate::index::{at, at_mut, range, split};
 use crate::parallel::{GRAIN, Join, both};
 use crate::vertex_set::{Moved, holds_any, moved_bound};
 use crate::{Aabb, CapacityError, Mesh};
@@ -88,13 +88,12 @@ pub fn refit(
     if moved.is_some() || !table.is_empty() {
         CapacityError::check("table", refit_table_bound(nodes.len()), table.len())?;
     }
-    let (root, below) = split(nodes, 2);
-    let [root, ..] = root else { return Ok(0.0) };
     let ranged = !table.is_empty();
     let pass = Pass { mesh, order, join, moved, ranged };
-    let fitted = pass.fit(root, below, table, 2);
-    root.set_aabb(&fitted.aabb);
-    Ok(fitted.row.visits.quality(mesh))
+    let (root, nodes) = split(nodes, 2);
+    let [root, ..] = root else { return Ok(0.0) };
+    let row = pass.fit(root, &mut Part { nodes, rows: table, base: 2 });
+    Ok(row.visits.quality(mesh))
 }
 
 struct Pass<'p> {
@@ -107,58 +106,82 @@ struct Pass<'p> {
     ranged: bool,
 }
 
-struct Fitted {
-    aabb: Aabb,
-    row: RefitRow,
+/// The nodes from index `base` on, and the rows of their pairs, if there is a table.
+struct Part<'p> {
+    nodes: &'p mut [Node],
+    rows: &'p mut [RefitRow],
+    base: usize,
 }
 
 impl Pass<'_> {
-    /// Fits what lies below a node: `nodes` from index `base` on, and their rows.
+    /// The box of a node, after what lies below it in `part` is fitted.
     #[inline(always)]
-    fn fit(&self, node: &Node, nodes: &mut [Node], rows: &mut [RefitRow], base: usize) -> Fitted {
-        if node.is_leaf() { self.leaf(node) } else { self.inner(node, nodes, rows, base) }
+    fn node(&self, node: &Node, part: &mut Part<'_>) -> (Aabb, RefitRow) {
+        if node.is_leaf() {
+            return self.leaf(node);
+        }
+        let left = node.first as usize - part.base;
+        let row = self.pair(part, left);
+        let aabb = at(part.nodes, left).aabb().union(&at(part.nodes, left + 1).aabb());
+        (aabb, RefitRow { visits: row.visits.with_node(&aabb, 2, self.mesh), ..row })
     }
 
     #[inline(never)]
-    fn apart(&self, node: &Node, nodes: &mut [Node], rows: &mut [RefitRow], base: usize) -> Fitted {
-        self.fit(node, nodes, rows, base)
+    fn fit(&self, node: &mut Node, part: &mut Part<'_>) -> RefitRow {
+        let (aabb, row) = self.node(node, part);
+        node.set_aabb(&aabb);
+        row
     }
 
-    fn inner(&self, node: &Node, nodes: &mut [Node], rows: &mut [RefitRow], base: usize) -> Fitted {
-        let left = node.first as usize - base;
-        if let Some(moved) = self.moved
-            && let Some(row) = rows.get(left / 2)
-            && !holds_any(moved, row.vertices)
-        {
-            return Fitted { aabb: node.aabb(), row: *row };
+    /// Fits the siblings in slots `left` and `left + 1` of `part`.
+    fn pair(&self, part: &mut Part<'_>, left: usize) -> RefitRow {
+        if let Some(moved) = self.moved {
+            let row = at(part.rows, left / 2);
+            if !holds_any(moved, row.vertices) {
+                return *row;
+            }
         }
-        let (a, b) = (*at(nodes, left as u32), *at(nodes, left as u32 + 1));
-        let (fit_a, fit_b) = if self.join.is_some() && nodes.len() > GRAIN && !b.is_leaf() {
-            // What lies below the left one comes first.
-            let middle = b.first as usize - base;
-            let (nodes_a, nodes_b) = split(nodes, middle);
-            let (rows_a, rows_b) = split(rows, middle / 2);
-            both(
-                self.join,
-                || self.apart(&a, nodes_a, rows_a, base),
-                || self.apart(&b, nodes_b, rows_b, base + middle),
-            )
+        let row = if self.join.is_some() && part.nodes.len() > GRAIN {
+            self.side_by_side(part)
         } else {
-            (self.fit(&a, nodes, rows, base), self.fit(&b, nodes, rows, base))
+            let mut row = RefitRow::NONE;
+            for slot in [left, left + 1] {
+                let node = *at(part.nodes, slot);
+                let (aabb, own) = self.node(&node, part);
+                at_mut(part.nodes, slot).set_aabb(&aabb);
+                row = row.and(&own);
+            }
+            row
         };
-        let (aabb, row) = (fit_a.aabb.union(&fit_b.aabb), fit_a.row.and(&fit_b.row));
-        let row = RefitRow { visits: row.visits.with_node(&aabb, 2, self.mesh), ..row };
-        for (node, fitted) in nodes.iter_mut().skip(left).zip([fit_a, fit_b]) {
-            node.set_aabb(&fitted.aabb);
+        if self.ranged {
+            *at_mut(part.rows, left / 2) = row;
         }
-        if let Some(slot) = rows.get_mut(left / 2) {
-            *slot = row;
-        }
-        Fitted { aabb, row }
+        row
+    }
+
+    /// Fits the first two nodes of `part`, below which all others lie: first those below the left one.
+    // Apart, so that the tasks are not on the stack of every level below.
+    #[inline(never)]
+    fn side_by_side(&self, part: &mut Part<'_>) -> RefitRow {
+        let ([left, right, nodes @ ..], base) = (&mut *part.nodes, part.base + 2) else {
+            return RefitRow::NONE;
+        };
+        let middle = if right.is_leaf() { nodes.len() } else { right.first as usize - base };
+        let (left_nodes, right_nodes) = split(nodes, middle);
+        let (_, rows) = split(part.rows, 1);
+        let (left_rows, right_rows) = split(rows, middle / 2);
+        let mut below_left = Part { nodes: left_nodes, rows: left_rows, base };
+        let mut below_right = Part { nodes: right_nodes, rows: right_rows, base: base + middle };
+        let (left, right) = both(
+            self.join,
+            || self.fit(left, &mut below_left),
+            || self.fit(right, &mut below_right),
+        );
+        left.and(&right)
     }
 
     #[inline(always)]
-    fn leaf(&self, node: &Node) -> Fitted {
+    fn leaf(&self, node: &Node) -> (Aabb, RefitRow) {
         let triangles = range(self.order, node.first, node.count);
         let mut vertices = [u32::MAX, 0];
         if self.ranged {
@@ -167,11 +190,14 @@ impl Pass<'_> {
             }
         }
         let (aabb, visits) = Visits::of_leaf(self.mesh, triangles);
-        Fitted { aabb, row: RefitRow { visits, vertices } }
+        (aabb, RefitRow { visits, vertices })
     }
 }
 
 impl RefitRow {
+    const NONE: Self = Self { visits: Visits::NONE, vertices: [u32::MAX, 0] };
+
+    #[inline(always)]
     fn and(&self, other: &Self) -> Self {
         let ([a, b], [c, d]) = (self.vertices, other.vertices);
         Self { visits: self.visits.and(&other.visits), vertices: [a.min(c), b.max(d)] }
