@@ -14,6 +14,7 @@ pub(crate) const GRAIN: usize = match (cfg!(test), cfg!(miri)) {
 };
 
 /// Runs two tasks by `join`, or one after the other; a task that `join` leaves out runs after it.
+#[inline(always)]
 pub(crate) fn both<A: Send, B: Send>(
     join: Option<&Join<'_>>,
     mut a: impl FnMut() -> A + Send,
@@ -43,4 +44,20 @@ pub(crate) fn halves<A: Send, B: Send, R: Send>(
     let left = || halves(join, a, b, pass, merge);
     let (left, right) = both(join, left, || halves(join, right_a, right_b, pass, merge));
     merge(left, right)
+}
+
+/// Calls `task` on each item.
+pub(crate) fn each<T: Send>(
+    join: Option<&Join<'_>>,
+    items: &mut [T],
+    task: &(impl Fn(&mut T) + Sync),
+) {
+    match items {
+        [] => (),
+        [item] => task(item),
+        _ => {
+            let (left, right) = items.split_at_mut(items.len() / 2);
+            both(join, || each(join, left, task), || each(join, right, task));
+        }
+    }
 }

@@ -162,7 +162,7 @@ impl Curve<'_> {
             }
         };
         halves(self.join, run.keys, run.spare, &encode, &|(), ()| ());
-        radix::sort(run.spare, run.keys, INDEX_BITS);
+        radix::sort(run.spare, run.keys, INDEX_BITS, self.join);
     }
 }
 

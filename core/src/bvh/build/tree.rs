@@ -80,38 +80,56 @@ impl<D: Divide> Tree<'_, D> {
         // every node.
         let levels = (usize::BITS - (count - 1).leading_zeros()) as usize;
         debug_assert!(levels <= MAX_DEPTH - depth);
-        let (middle, [mut on_left, mut on_right]) =
-            self.divide.divide(run, count, levels < MAX_DEPTH - depth);
+        let (middle, mut runs) = self.divide.divide(run, count, levels < MAX_DEPTH - depth);
         let (left_order, right_order) = split(order, middle);
         let (pair, rest) = split(below, 2);
         let (from, depth) = (base + 2, depth + 1);
-        let ((left, left_used), (right, right_used)) = if self.join.is_some() && count > GRAIN {
-            let room = node_bound(middle) - 2;
-            let (left_nodes, right_nodes) = split(rest, room);
-            let (left, mut right) = both(
-                self.join,
-                || self.grow(&mut on_left, left_order, first, depth, left_nodes, from),
-                || {
-                    let (first, from) = (first + middle, from + room);
-                    self.grow(&mut on_right, right_order, first, depth, right_nodes, from)
-                },
-            );
-            let gap = room - left.1;
-            rest.copy_within(room..room + right.1, left.1);
-            let moved = &mut rest[left.1..left.1 + right.1];
-            for node in moved.iter_mut().chain([&mut right.0]).filter(|node| !node.is_leaf()) {
-                node.first -= gap as u32;
-            }
-            (left, right)
+        let [left, right] = if self.join.is_some() && count > GRAIN {
+            self.side_by_side(&mut runs, [left_order, right_order], first, depth, rest, from)
         } else {
-            let left = self.grow(&mut on_left, left_order, first, depth, rest, from);
+            let [on_left, on_right] = &mut runs;
+            let left = self.grow(on_left, left_order, first, depth, rest, from);
             let ((_, rest), from) = (split(rest, left.1), from + left.1);
-            (left, self.grow(&mut on_right, right_order, first + middle, depth, rest, from))
+            [left, self.grow(on_right, right_order, first + middle, depth, rest, from)]
         };
-        let Aabb { min, max } = left.aabb().union(&right.aabb());
-        for (slot, node) in pair.iter_mut().zip([left, right]) {
+        let Aabb { min, max } = left.0.aabb().union(&right.0.aabb());
+        for (slot, node) in pair.iter_mut().zip([left.0, right.0]) {
             *slot = node;
         }
-        (Node { min, first: base as u32, max, count: 0 }, 2 + left_used + right_used)
+        (Node { min, first: base as u32, max, count: 0 }, 2 + left.1 + right.1)
+    }
+
+    /// Builds two siblings as [`grow`](Self::grow) does. Apart, so that the tasks are not on the stack of every level.
+    #[inline(never)]
+    fn side_by_side(
+        &self,
+        [on_left, on_right]: &mut [D::Run<'_>; 2],
+        [left_order, right_order]: [&mut [u32]; 2],
+        first: usize,
+        depth: usize,
+        below: &mut [Node],
+        base: usize,
+    ) -> [(Node, usize); 2] {
+        let middle = left_order.len();
+        let room = node_bound(middle) - 2;
+        let (left_nodes, right_nodes) = split(below, room);
+        let (left, mut right) = both(
+            self.join,
+            || self.grow(on_left, left_order, first, depth, left_nodes, base),
+            || {
+                let (first, base) = (first + middle, base + room);
+                self.grow(on_right, right_order, first, depth, right_nodes, base)
+            },
+        );
+        let gap = room - left.1;
+        let moved = |node: Node| {
+            let gap = if node.is_leaf() { 0 } else { gap as u32 };
+            Node { first: node.first - gap, ..node }
+        };
+        right.0 = moved(right.0);
+        for index in left.1..left.1 + right.1 {
+            below[index] = moved(below[index + gap]);
+        }
+        [left, right]
     }
 }

@@ -36,16 +36,20 @@ fn parts_give_the_tree_of_the_whole() {
 #[test]
 fn keys_are_sorted_by_their_upper_bits() {
     let mut random = Random(11);
-    for (count, bits) in [(0, 9), (1, 27), (25, 27), (64, 3), (65, 27), (900, 1), (900, 27)] {
+    for (count, bits) in
+        [(0, 9), (1, 27), (25, 27), (64, 3), (65, 27), (500, 27), (900, 1), (900, 27)]
+    {
         let mut key = |index| {
             let code = (0..3).fold(0, |k, _| k << 9 ^ u64::from(random.unit().to_bits()) >> 5);
             (code & ((1 << bits) - 1)) << 31 | index
         };
-        let mut keys: Vec<u64> = (0..few(count) as u64).map(&mut key).collect();
+        let keys: Vec<u64> = (0..few(count) as u64).map(&mut key).collect();
         let (mut found, mut sorted) = (vec![0; keys.len()], keys.clone());
         sorted.sort_unstable();
-        radix::sort(&mut keys, &mut found, 31);
-        assert_eq!(found, sorted, "{count} keys of {bits} bits");
+        for join in [None].into_iter().chain(joins().map(Some)) {
+            radix::sort(&mut keys.clone(), &mut found, 31, join);
+            assert_eq!(found, sorted, "{count} keys of {bits} bits");
+        }
     }
 }
 
