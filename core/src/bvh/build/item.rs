@@ -3,7 +3,7 @@
 use crate::Aabb;
 use crate::simd::{Eight, LANES};
 use bytemuck::{Pod, Zeroable};
-use glam::Vec4;
+use glam::{Vec3A, Vec4};
 
 /// A box in eight lanes: the smallest corner and the largest one negated, so that a union is one minimum. The fourth
 /// lane and the eighth are free.
@@ -44,10 +44,10 @@ pub struct SahItem(pub(super) LaneBox);
 impl SahItem {
     /// Arithmetic runs over all eight lanes, and is slow on subnormal numbers, which the bits of an index would be. So
     /// each half of the index is a number of its own.
-    pub(super) fn new(triangle: u32, aabb: &Aabb) -> Self {
-        let ([a, b, c], [d, e, f]) = (aabb.min, aabb.max.map(|x| -x));
+    #[inline(always)]
+    pub(super) fn new(triangle: u32, [min, max]: [Vec3A; 2]) -> Self {
         let (low, high) = ((triangle & 0xffff) as f32, (triangle >> 16) as f32);
-        Self(LaneBox([a, b, c, low, d, e, f, high]))
+        Self(LaneBox(bytemuck::must_cast([min.extend(low), (-max).extend(high)])))
     }
 
     pub(super) fn triangle(&self) -> u32 {

@@ -53,7 +53,7 @@ pub fn sah<'a>(
     }
     let load = |items: &mut [SahItem], order: &mut [u32]| {
         for (item, &mut triangle) in items.iter_mut().zip(order) {
-            *item = SahItem::new(triangle, &Aabb::of(&mesh.triangle(triangle)));
+            *item = SahItem::new(triangle, mesh.extent(triangle));
         }
         widest(Centres { items })
     };
