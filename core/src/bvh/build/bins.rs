@@ -9,6 +9,10 @@ use crate::simd::{Eight, LANES, Task, widest};
 /// Bins per axis of a large run.
 const MAX_BINS: usize = 16;
 
+/// No plane is sought across an axis along which centres extend less than this times what they do along the longest:
+/// it leaves most of the area to both sides.
+const THIN: f32 = 0.4;
+
 /// Maps centres to bins. Lanes are those of [`centre`]; beyond the third they mean nothing.
 #[derive(Clone, Copy)]
 pub(super) struct Grid {
@@ -22,13 +26,22 @@ impl Grid {
 
     fn new(centres: &Aabb, bins: usize) -> Self {
         let mut grid = Self { origin: [0.0; LANES], bins_per_unit: [0.0; LANES] };
+        let extent = [0, 1, 2].map(|axis| centres.max[axis] - centres.min[axis]);
+        let thin = THIN * extent.into_iter().fold(0.0, f32::max);
         for axis in 0..3 {
             grid.origin[axis] = centres.min[axis];
             // A hair below `bins`, so that the last centre is not rounded up into one bin more.
-            let per_unit = bins as f32 * 0.9999 / (centres.max[axis] - centres.min[axis]);
-            grid.bins_per_unit[axis] = if per_unit <= f32::MAX { per_unit } else { 0.0 };
+            let per_unit = bins as f32 * 0.9999 / extent[axis];
+            let is_usable = per_unit <= f32::MAX && extent[axis] >= thin;
+            grid.bins_per_unit[axis] = if is_usable { per_unit } else { 0.0 };
         }
         grid
+    }
+
+    /// Whether planes across an axis are sought.
+    #[inline(always)]
+    fn is_usable(&self, axis: usize) -> bool {
+        self.bins_per_unit[axis] > 0.0
     }
 
     /// The bin of a centre on each axis, plus [`Grid::TO_BITS`].
@@ -62,7 +75,7 @@ pub(super) fn best_split(
     let grid = Grid::new(centres, count);
     let mut bins = Bins::EMPTY;
     bins.fill(items, &grid, join);
-    let usable = (0..3).filter(|&axis| grid.bins_per_unit[axis] > 0.0);
+    let usable = (0..3).filter(|&axis| grid.is_usable(axis));
     let planes = usable.map(|axis| (axis, bins.sweep(axis, count)));
     let (axis, plane) = planes.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
     (plane.cost > 0.0 && plane.cost < f64::INFINITY).then(|| Split::new(axis, grid, plane.bin))
@@ -122,12 +135,13 @@ impl Task for Fill<'_> {
     #[inline(always)]
     fn run<S: Eight>(self) {
         let Self { bins, items, grid } = self;
+        let usable = [0, 1, 2].map(|axis| grid.is_usable(axis));
         for item in items {
             let item = item.load::<S>();
             let mut at = [0.0; LANES];
             grid.bins(centre(item)).store(&mut at, 0);
-            for (axis, at) in at.into_iter().take(3).enumerate() {
-                let bin = at.to_bits() as usize % MAX_BINS;
+            for axis in (0..3).filter(|&axis| usable[axis]) {
+                let bin = at[axis].to_bits() as usize % MAX_BINS;
                 let grown = &mut bins.boxes[axis][bin].0;
                 S::load(grown, 0).min(item).store(grown, 0);
                 bins.counts[axis][bin] += 1;
