@@ -12,6 +12,7 @@ use std::thread::available_parallelism;
 pub(crate) const FRAMES: usize = 16;
 
 /// Consecutive frames of two models, or of one that deforms.
+#[expect(clippy::large_enum_variant, reason = "there are few cases, each for the whole run")]
 pub(crate) enum Case {
     Pair { name: &'static str, a: Model, b: Model, poses: Vec<Pose> },
     Within { name: &'static str, model: Model, frames: Vec<Model> },

@@ -468,8 +468,7 @@ pfront_status_t pfront_bvh_refit(struct pfront_bvh_t *bvh,
                                  float *quality,
                                  struct pfront_error_t *error);
 
-// How many tests a random line is expected to need for each triangle whose box it meets; lower is better. In
-// O(triangles).
+// How many tests a triangle of the mesh is expected to need to find those near it; lower is better. In O(triangles).
 pfront_status_t pfront_bvh_quality(const struct pfront_bvh_t *bvh,
                                    float *quality,
                                    struct pfront_error_t *error);
