@@ -81,7 +81,7 @@ function model(positions, triangles) {
 
 const triangles = grid();
 const [a, b] = [model(ring(0), triangles), model(ring(0.3), triangles)];
-const [pose, query, cursor] = [memory(48), memory(256), memory(2264)];
+const [pose, query, cursor] = [memory(48), memory(256), memory(3936)];
 const [page, count] = [memory(8 * PAGE), memory(4)];
 for (let frame = 0; frame < FRAMES; frame++) {
   const [x, y] = onCircle(frame, 4 * FRAMES);

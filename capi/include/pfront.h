@@ -665,8 +665,8 @@ pfront_status_t pfront_front_renumber(struct pfront_front_t *front,
 typedef char pfront_node_t_has_32_bytes[sizeof(pfront_node_t) == 32 ? 1 : -1];
 typedef char pfront_pair_t_has_8_bytes[sizeof(pfront_pair_t) == 8 ? 1 : -1];
 typedef char pfront_contact_t_has_52_bytes[sizeof(pfront_contact_t) == 52 ? 1 : -1];
-typedef char pfront_front_node_t_has_32_bytes[sizeof(pfront_front_node_t) == 32 ? 1 : -1];
-typedef char pfront_past_t_has_16_bytes[sizeof(pfront_past_t) == 16 ? 1 : -1];
-typedef char pfront_cursor_t_has_2264_bytes[sizeof(pfront_cursor_t) == 2264 ? 1 : -1];
+typedef char pfront_front_node_t_has_40_bytes[sizeof(pfront_front_node_t) == 40 ? 1 : -1];
+typedef char pfront_past_t_has_24_bytes[sizeof(pfront_past_t) == 24 ? 1 : -1];
+typedef char pfront_cursor_t_has_3936_bytes[sizeof(pfront_cursor_t) == 3936 ? 1 : -1];
 
 #endif

@@ -47,7 +47,7 @@ static void builds(void)
     EXPECT(PFRONT_NULL, "nodes", pfront_bvh_build_sah(&mesh, 0, &memory, &bvh, &error));
     memory = good;
     memory.node_capacity = pfront_node_bound(TRIANGLES) - 1;
-    EXPECT(PFRONT_TOO_SMALL, "nodes", pfront_bvh_build_sah(&mesh, 0, &memory, &bvh, &error));
+    EXPECT(PFRONT_TOO_SMALL, "nodes", pfront_bvh_build_sah(&mesh, 1, &memory, &bvh, &error));
     THAT(error.needed == 2 * TRIANGLES && error.given == 2 * TRIANGLES - 1);
     memory.node_capacity = 1;
     EXPECT(PFRONT_TOO_SMALL, "nodes", pfront_bvh_build_morton(&mesh, 1, &memory, &bvh, &error));
