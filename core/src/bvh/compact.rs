@@ -11,10 +11,10 @@
 //! smallest subnormal number. Decoding therefore rounds nothing, whether products are fused or not; smallest
 //! corners are rounded down to the grid and largest ones up, in integers. A decoded box contains the standard one
 //! and, since rounding is monotone, what the standard one contains, decoded. Only at the end of the range may the
-//! grid go on beyond [`f32::MAX`]: such a corner decodes to infinity, which still is outside, and counts as
-//! `f32::MAX` where a single box is asked for, so that what is made of boxes stays finite.
+//! grid go on beyond [`f32::MAX`]: such a corner decodes to infinity and
+//! counts as `f32::MAX`, so that posed boxes are never NaN.
 //!
-//! Box4 grow by less than a cell at each side: that is at most a 32,767th of the mesh, or, of one that lies far
+//! Boxes grow by less than a cell at each side: that is at most a 32,767th of the mesh, or, of one that lies far
 //! from the origin, the distance of neighbouring floats there.
 //!
 //! # Memory
@@ -298,9 +298,11 @@ impl TreeNode for CompactNode {
         let [[a, b], [c, d], [e, f]] = [both(words.x_axis), both(words.y_axis), both(words.z_axis)];
         let corner =
             |k: usize, q: Vec4| (q + Vec4::splat(grid.offset[k])) * Vec4::splat(grid.width[k]);
+        // A pose must not meet infinity, see the module.
+        let (low, high) = (Vec4::splat(-f32::MAX), Vec4::splat(f32::MAX));
         Box4 {
-            min: [corner(0, a), corner(1, b), corner(2, c)],
-            max: [corner(0, d), corner(1, e), corner(2, f)],
+            min: [corner(0, a), corner(1, b), corner(2, c)].map(|x| x.max(low)),
+            max: [corner(0, d), corner(1, e), corner(2, f)].map(|x| x.min(high)),
         }
     }
 }
