@@ -21,7 +21,7 @@ fn a_walk_fits_a_small_stack() {
     let counts = thread::scope(|scope| {
         let walk = || {
             let own = bvtt::SelfQuery::new(model.bvh()).count();
-            let placed = bvtt::Placed::new(model.bvh(), &turned).unwrap();
+            let placed = bvtt::PosedBvh::new(model.bvh(), &turned).unwrap();
             [own, bvtt::PairQuery::in_world(placed, placed).count()]
         };
         thread::Builder::new().stack_size(STACK).spawn_scoped(scope, walk).unwrap().join().unwrap()

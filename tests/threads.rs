@@ -6,7 +6,7 @@ mod layouts;
 
 use layouts::Compact;
 use pfront::core::bvtt;
-use pfront::core::bvtt::Placed;
+use pfront::core::bvtt::PosedBvh;
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{BuildOptions, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 use pfront_scenes::Scene;
@@ -89,15 +89,15 @@ fn compact_models() {
             traversal.all(&query, &mut found);
             assert_eq!(found, PairQuery::new().all(&a, &b, &pose).unwrap());
 
-            let here = Placed::new(a.bvh(), &aside).unwrap();
+            let here = PosedBvh::new(a.bvh(), &aside).unwrap();
             traversal.all(
-                &bvtt::PairQuery::in_world(here, Placed::new(b.bvh(), &pose).unwrap()),
+                &bvtt::PairQuery::in_world(here, PosedBvh::new(b.bvh(), &pose).unwrap()),
                 &mut truth,
             );
-            let there = Placed::new(least, &pose).unwrap();
+            let there = PosedBvh::new(least, &pose).unwrap();
             traversal.all(&bvtt::PairQuery::in_world(here, there), &mut found);
             assert_eq!(found, truth);
-            let here = Placed::new(small, &aside).unwrap();
+            let here = PosedBvh::new(small, &aside).unwrap();
             traversal.all(&bvtt::PairQuery::in_world(here, there), &mut found);
             assert!(found == truth && !truth.is_empty());
         }

@@ -17,7 +17,7 @@ use crate::status::{Fault, pfront_error_t};
 use core::ffi::CStr;
 use core::mem::offset_of;
 use pfront_core::bvh::{Refit, quality, refit};
-use pfront_core::bvtt::Placed;
+use pfront_core::bvtt::PosedBvh;
 use pfront_core::{Aabb, Bvh, Node};
 
 /// Rebuild a BVH once the quality that a refit returns is above so many times what it was when built.
@@ -199,7 +199,7 @@ pub unsafe extern "C" fn pfront_bvh_bounds(
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, bvh) = (call.out(c"bounds", bounds)?, call.get(c"bvh", bvh)?);
         let pose = call.get(c"world_from_bvh", world_from_bvh)?.pose();
-        let placed = Placed::new(bvh.view(call, c"bvh")?, &pose);
+        let placed = PosedBvh::new(bvh.view(call, c"bvh")?, &pose);
         let placed = placed.map_err(Fault::pose(c"world_from_bvh"))?;
         let Aabb { min, max } = placed.aabb().unwrap_or(Aabb::EMPTY);
         out.set(pfront_aabb_t { min, max });

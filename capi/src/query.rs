@@ -21,7 +21,7 @@ pub(crate) use asked::Asked;
 use core::ffi::CStr;
 use core::ptr::null;
 use pfront_core::Bvh;
-use pfront_core::bvtt::{PairQuery, Placed, SelfQuery};
+use pfront_core::bvtt::{PairQuery, PosedBvh, SelfQuery};
 use pfront_core::one_ring::{Certified, CertifyOptions, OneRings};
 use pfront_core::triangle::{Accuracy, Adjacency};
 
@@ -88,8 +88,8 @@ impl pfront_query_t {
         match self.seal {
             PAIR => {
                 let (a, b) = (self.a.view(call, c"a")?, self.b.view(call, c"b")?);
-                let a = Placed::new_unchecked(a, &self.frame_from_a.pose());
-                let b = Placed::new_unchecked(b, &self.frame_from_b.pose());
+                let a = PosedBvh::new_unchecked(a, &self.frame_from_a.pose());
+                let b = PosedBvh::new_unchecked(b, &self.frame_from_b.pose());
                 Ok(Asked::Pair(PairQuery::in_world(a, b).with_accuracy(accuracy)))
             }
             SELF => Ok(Asked::Within(self.within(self.a.view(call, c"bvh")?, accuracy, call)?)),
@@ -139,7 +139,7 @@ impl Side {
     fn placed(&self, call: &Call<'_>) -> Result<(pfront_bvh_t, pfront_pose_t), Fault> {
         let Self { names: [bvh_name, pose_name], .. } = *self;
         let (bvh, pose) = (call.get(bvh_name, self.bvh)?, call.get(pose_name, self.pose)?);
-        let placed = Placed::new(bvh.view(call, bvh_name)?, &pose.pose());
+        let placed = PosedBvh::new(bvh.view(call, bvh_name)?, &pose.pose());
         placed.map_err(Fault::pose(pose_name))?;
         Ok((bvh, pose))
     }

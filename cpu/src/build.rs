@@ -1,6 +1,6 @@
-//! The fork-join of rayon, for what `pfront-core` does in parts.
+//! The fork-join of rayon, for builds, refits and certification of `pfront-core`.
 
-/// Does two things side by side in the rayon pool of the calling thread: a `pfront_core::bvh::Join`, for
+/// Runs two tasks side by side in the rayon pool of the calling thread: a `pfront_core::bvh::Join`, for
 /// `BuildOptions`, `Refit` and the like.
 ///
 /// # Examples

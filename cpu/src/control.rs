@@ -1,4 +1,4 @@
-//! When a traversal ends before there is nothing left: at a break, or at a deadline.
+//! The early end of a traversal: at a break, or at a deadline.
 
 use crate::output::Output;
 use pfront_core::bvtt::{Cursor, Query, Work};
@@ -8,7 +8,7 @@ use std::time::Instant;
 /// Tests between two looks at the clock and at whether another worker has stopped: about 0.1 ms.
 pub(crate) const SLICE: u64 = 4096;
 
-/// What all threads of a frame look at.
+/// State that all threads of a frame share.
 #[derive(Debug)]
 pub(crate) struct Control {
     stop: AtomicBool,

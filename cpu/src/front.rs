@@ -1,4 +1,4 @@
-//! The front of a frame and the cost history that it leaves for the next, in memory that grows with need.
+//! The front of a frame and the cost history for the next one, in memory that grows on demand.
 //!
 //! Memory is N nodes of 40 bytes and, for those of the last frame, 24 bytes each: at most 64·N. At first
 //! N = max(1024, 128·p) and one for each node that the front starts from; while that is too little, N doubles, up to
@@ -89,7 +89,7 @@ impl FrontMemory {
         report.front_time = clock.elapsed();
     }
 
-    /// Keeps what each of the nodes really cost for the next frame.
+    /// Keeps the measured costs of the nodes for the next frame.
     pub(crate) fn remember(&mut self, costs: impl IntoIterator<Item = f32>) {
         if self.history.len() < self.len {
             // In steps, but not by doubling, which would break the bound on memory.

@@ -5,8 +5,8 @@
 //! p-partition front, and every buffer. Each frame it generates a front, partitions it over p workers, lets
 //! each traverse from its nodes, and gathers what they found (Zhang & Kim 2014, sections 3 and 3.4). Under
 //! [`Schedule::Static`] that is all, as in the paper; by default a worker that is done takes nodes that others
-//! have not begun ([`Schedule::Hybrid`]). A frame that is small ends on the calling thread. Costs are counted in box and triangle tests, not timed, so that the
-//! [`Report`] of a frame means the same on every machine and for any p.
+//! have not begun ([`Schedule::Hybrid`]). A small frame ends on the calling
+//! thread. Costs are counted in box and triangle tests, not timed, so that the [`Report`] of a frame means the same on every machine and for any p.
 //!
 //! ```
 //! use pfront_core::{bvh::*, bvh::node_bound, bvtt::PairQuery, *};

@@ -1,10 +1,9 @@
-//! Where the pairs go: each thread has an output of its own, so that gathering needs no lock; and sorting what was
-//! gathered.
+//! Outputs of the threads, one each so that gathering needs no lock, and the radix sort of what was gathered.
 
 use pfront_core::bvtt::TrianglePair;
 use std::ops::ControlFlow;
 
-/// A triangle pair that meets, of one query among many. The order is that of `query`, then `pair`.
+/// An intersecting triangle pair of one query among many. Hits are ordered by `query`, then by `pair`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Hit {
     /// The number of the query.
@@ -13,7 +12,7 @@ pub struct Hit {
     pub pair: TrianglePair,
 }
 
-/// What one thread does with the pairs it finds.
+/// The output of one thread.
 pub(crate) trait Output: Send {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()>;
 

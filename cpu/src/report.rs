@@ -1,4 +1,4 @@
-//! What a frame did, counted: the figures that the paper plots.
+//! Counts and durations of a frame: the figures that the paper plots.
 
 use pfront_core::bvtt::Work;
 use pfront_core::front::FrontReport;
@@ -9,15 +9,15 @@ use std::time::Duration;
 pub struct Share {
     /// The cost it was predicted to have, in box tests.
     pub predicted: f64,
-    /// What the worker really did.
+    /// The work that the worker did.
     pub work: Work,
 }
 
-/// A frame of a [`Traversal`](crate::Traversal). Under [`Static`](crate::Schedule::Static) the counts are the
+/// Counts and durations of a frame of a [`Traversal`](crate::Traversal). Under [`Static`](crate::Schedule::Static) the counts are the
 /// same on every machine and for any number of threads. Durations are measured.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// What the calling thread did before others were called; all, if the frame ended there.
+    /// The work of the calling thread before others were called; all work, if the frame ended there.
     pub alone: Work,
     /// Each worker, none if others were not called; under [`Stealing`](crate::Schedule::Stealing) one entry for all.
     pub shares: Vec<Share>,
@@ -25,18 +25,18 @@ pub struct Report {
     pub late: bool,
     /// The k that costs are counted with.
     pub triangle_cost: f32,
-    /// How the front came about: its certificate, eq. 6, and whether the costs of the last frame were used. Its box tests
+    /// The outcome of refinement: its certificate, eq. 6, and whether the costs of the last frame were used. Its box tests
     /// are not part of the shares.
     pub front: FrontReport,
     /// Nodes of the p-partition front, N_p; 0 where there was none.
     pub nodes: usize,
-    /// Bytes of memory held for fronts and their costs; 64 a node of this front are in use.
+    /// Bytes of memory held for fronts and their costs; this front uses 64 per node.
     pub front_bytes: usize,
-    /// Generating and partitioning the front.
+    /// The time to generate and partition the front.
     pub front_time: Duration,
-    /// Traversing.
-    pub walk_time: Duration,
-    /// Gathering and sorting what was found.
+    /// The time of the traversal.
+    pub traversal_time: Duration,
+    /// The time to gather and sort the hits.
     pub gather_time: Duration,
 }
 
@@ -108,7 +108,7 @@ impl Report {
         self.nodes += next.nodes;
         self.front_bytes = self.front_bytes.max(next.front_bytes);
         self.front_time += next.front_time;
-        self.walk_time += next.walk_time;
+        self.traversal_time += next.traversal_time;
         self.gather_time += next.gather_time;
     }
 }

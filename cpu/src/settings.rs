@@ -1,9 +1,9 @@
-//! What can be chosen about a traversal. None of it changes an answer.
+//! Settings of a traversal. None of them changes an answer.
 
-/// Who traverses what.
+/// The way in which the nodes of a frame are assigned to workers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Schedule {
-    /// The paper: a front, one part of it a worker, no synchronisation until the end.
+    /// The schedule of the paper: a front with one part per worker, and no synchronisation until the end.
     Static,
     /// No front: rayon's recursion, in which idle threads steal. Keeps no cost history.
     Stealing,
@@ -13,10 +13,10 @@ pub enum Schedule {
     Hybrid,
 }
 
-/// What a triangle test costs in box tests, unless [`Settings`] say otherwise; measured on x86-64.
+/// The cost of a triangle test in box tests by default; measured on x86-64.
 pub const TRIANGLE_COST: f32 = 6.5;
 
-/// How a [`Traversal`](crate::Traversal) works.
+/// Settings of a [`Traversal`](crate::Traversal).
 ///
 /// # Examples
 /// ```
@@ -26,7 +26,7 @@ pub const TRIANGLE_COST: f32 = 6.5;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Who traverses what.
+    /// The way in which nodes are assigned to workers.
     pub schedule: Schedule,
     /// The g of eq. 1, 8 by default: no node of a front that can be split costs more than 1/g of what a worker gets.
     /// Under [`Schedule::Static`] nodes whose cost is an estimate are six times as fine.

@@ -1,4 +1,4 @@
-//! The rival of static partition: rayon's recursion, in which idle threads steal.
+//! Work stealing: rayon's recursive join over the BVTT, in which idle threads steal subtrees.
 
 use crate::control::Control;
 use crate::front::Start;
@@ -6,7 +6,7 @@ use crate::output::Output;
 use pfront_core::bvtt::{Cursor, NodePair, Query, Work};
 use std::collections::LinkedList;
 
-/// A node with no more triangles than this below both sides together is traversed as a whole.
+/// A node pair with at most this many triangles below both sides together is traversed as a whole.
 const CUT_OFF: u64 = 512;
 
 /// A traversal by stealing.
@@ -16,7 +16,7 @@ pub(crate) struct Stealing<'s, Q, N> {
     pub(crate) control: &'s Control,
 }
 
-/// What a subtree gave. Lists are appended in O(1), so nothing is copied on the way up.
+/// The outputs and the work of a subtree. Lists are appended in O(1), so nothing is copied on the way up.
 pub(crate) struct Found<O> {
     pub(crate) outputs: LinkedList<O>,
     pub(crate) work: Work,

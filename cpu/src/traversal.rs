@@ -1,4 +1,4 @@
-//! The engine: frames of queries on p workers, with all memory kept in between.
+//! Frames of queries on p workers, with memory that is kept in between.
 
 use crate::control::Control;
 use crate::front::{FrontMemory, Start};
@@ -15,7 +15,7 @@ use std::slice::from_ref;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Tests that the calling thread does before it calls others, which takes about as long.
+/// Tests that the calling thread does before it calls others: about the time that the call takes.
 const ALONE: u64 = 2048;
 
 /// A frame that is expected to cost no more than this in box tests begins on the calling thread.
@@ -42,7 +42,7 @@ pub struct Traversal {
     pool: Option<Arc<ThreadPool>>,
     deadline: Option<Instant>,
     front: FrontMemory,
-    /// What the last whole frame cost.
+    /// The cost of the last whole frame.
     last_cost: Option<f64>,
     starts: Vec<Start>,
     buffers: Workers,
@@ -52,7 +52,7 @@ pub struct Traversal {
 }
 
 impl Traversal {
-    /// With p = `workers` partitions, in the rayon pool of the calling thread. The number is clamped to 1 to
+    /// A traversal with p = `workers` parts, in the rayon pool of the calling thread. The number is clamped to 1 to
     /// [`MAX_WORKERS`], as for every p the answer is the same and memory grows with p: see [`Traversal::workers`].
     #[must_use]
     pub fn new(workers: usize) -> Self {
@@ -71,7 +71,7 @@ impl Traversal {
         }
     }
 
-    /// With one worker for each thread of a pool, in which all work is done.
+    /// A traversal with one worker for each thread of `pool`, in which it runs.
     #[must_use]
     pub fn with_pool(pool: Arc<ThreadPool>) -> Self {
         Self { pool: Some(pool.clone()), ..Self::new(pool.current_num_threads()) }
@@ -88,8 +88,8 @@ impl Traversal {
         self.workers = workers.clamp(1, MAX_WORKERS);
     }
 
-    /// Frames end at this instant, complete or not: see [`Report::late`]. Under every schedule each thread looks at the
-    /// clock before every 4096 tests, about 0.1 ms. To generate a front and to sort what was found is not broken off.
+    /// Sets the instant at which frames end, complete or not: see [`Report::late`]. Under every schedule each thread looks at the
+    /// clock before every 4096 tests, about 0.1 ms. Generating a front and sorting are not interrupted.
     ///
     /// # Examples
     /// ```
@@ -102,7 +102,7 @@ impl Traversal {
         self.deadline = deadline;
     }
 
-    /// How it works.
+    /// The settings.
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
@@ -114,19 +114,19 @@ impl Traversal {
         self.workers
     }
 
-    /// What the last frame did.
+    /// The report of the last frame.
     #[must_use]
     pub fn report(&self) -> &Report {
         &self.report
     }
 
-    /// Forgets the last frame: the next one is something else.
+    /// Forgets the costs of the last frame, for a next one that does not resemble it.
     pub fn forget(&mut self) {
         self.front.forget();
         self.last_cost = None;
     }
 
-    /// Runs something else in the pool in which its work is done.
+    /// Runs a function in the pool of this traversal.
     ///
     /// # Examples
     /// ```
@@ -140,8 +140,8 @@ impl Traversal {
         }
     }
 
-    /// Where the next frame asks other queries than the last: tells the number that each query of the
-    /// last will have, or `None` if it is gone, so that what is remembered of it stays with it.
+    /// Renumbers the queries of the last frame, for a next frame that asks other ones: `number` returns the new number
+    /// of a query, or `None` if it is gone. Its costs stay with it.
     ///
     /// # Examples
     /// ```
@@ -154,25 +154,25 @@ impl Traversal {
         self.front.renumber(number);
     }
 
-    /// Replaces the contents of `out` by all pairs that meet, sorted.
+    /// Replaces the contents of `out` by all intersecting pairs, sorted.
     pub fn all<Q: Query + Sync>(&mut self, query: &Q, out: &mut Vec<TrianglePair>) {
         let mut found = std::mem::take(&mut self.pairs);
         self.collect(from_ref(query), &mut found, out);
         self.pairs = found;
     }
 
-    /// How many pairs meet.
+    /// The number of intersecting pairs.
     pub fn count<Q: Query + Sync>(&mut self, query: &Q) -> u64 {
         self.count_of(from_ref(query))
     }
 
-    /// Some pair that meets, if any does: the first that some worker finds, at which all stop. Which one
+    /// Some intersecting pair, if there is one: the first that some worker finds, at which all stop. Which one
     /// that is may differ from call to call. Costs are neither used nor remembered.
     pub fn any<Q: Query + Sync>(&mut self, query: &Q) -> Option<TrianglePair> {
         Some(self.any_of(from_ref(query))?.pair)
     }
 
-    /// Calls `visit` from all workers for each pair that meets, in no particular order, until one of the
+    /// Calls `visit` from all workers for each intersecting pair, in no particular order, until one of the
     /// calls breaks; calls that others have begun by then still end.
     pub fn visit<Q: Query + Sync>(
         &mut self,
@@ -306,13 +306,13 @@ impl Traversal {
             let Some(root) = query.root() else { continue };
             cursor.restart(root);
             control.traverse(query, number, &mut cursor, output, most);
-            let left = cursor.hand_over().iter().map(|&pair| Start { query: number, pair });
+            let left = cursor.take_pending().iter().map(|&pair| Start { query: number, pair });
             self.starts.extend(left);
             // At most one leaf pair.
             control.traverse(query, number, &mut cursor, output, u64::MAX);
         }
         self.report.alone = cursor.work();
-        self.report.walk_time = clock.elapsed();
+        self.report.traversal_time = clock.elapsed();
     }
 
     /// Divides what is left by a front. Costs are remembered of a front that begins at the roots.
@@ -336,13 +336,13 @@ impl Traversal {
         let Settings { schedule, triangle_cost, .. } = settings;
         let frame = Frame { queries, nodes: front.nodes(), schedule, triangle_cost, control };
         buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares);
-        report.walk_time += clock.elapsed();
+        report.traversal_time += clock.elapsed();
         if is_whole && !control.has_stopped() {
             front.remember(buffers.costs());
         }
     }
 
-    /// Leaves what is left to rayon.
+    /// Traverses what is left by work stealing.
     fn steal<Q: Query + Sync, O: Output>(
         &mut self,
         queries: &[Q],
@@ -355,11 +355,11 @@ impl Traversal {
         let found = self.install(|| stealing.run(&self.starts));
         outputs.extend(found.outputs);
         self.report.shares.push(Share { predicted: 0.0, work: found.work });
-        self.report.walk_time += clock.elapsed();
+        self.report.traversal_time += clock.elapsed();
     }
 }
 
-/// How many threads the rayon pool of the calling thread has.
+/// The number of threads in the rayon pool of the calling thread.
 #[must_use]
 pub fn current_threads() -> usize {
     rayon::current_num_threads()

@@ -63,7 +63,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any(certified.is_certified(some()?));
     let within = SelfQuery::new(bvh).with_certificates(certified).with_adjacency(some()?);
     asked(&within.with_accuracy(some()?).boxes_only(), slices.page)?;
-    let placed: Placed<'_> = Placed::new(bvh, &some()?).ok()?;
+    let placed: PosedBvh<'_> = PosedBvh::new(bvh, &some()?).ok()?;
     any((placed.aabb(), PairQuery::new(bvh, bvh, some()?).ok()?));
     let pair: PairQuery<'_> = PairQuery::in_world(placed, some()?).with_accuracy(some()?);
     asked(&pair, slices.page)?;
@@ -78,7 +78,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any((Bvh::new(mesh, small.nodes(), small.order(), words).ok()?.depth(), small.aabb()));
     asked(&SelfQuery::new(small), slices.page)?;
     asked(&PairQuery::new(small, small, some()?).ok()?, slices.page)?;
-    asked(&PairQuery::in_world(placed, Placed::new(small, &some()?).ok()?), slices.page)?;
+    asked(&PairQuery::in_world(placed, PosedBvh::new(small, &some()?).ok()?), slices.page)?;
     let [p, q, r, s]: [[f32; 3]; 4] = some()?;
     any((orient3d(&p, &q, &r, &s), orient2d(&some()?, &some()?, &some()?)));
     any(intersects(&some()?, &some()?, some()?));

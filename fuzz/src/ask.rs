@@ -4,7 +4,7 @@ use crate::answers::{Answers, first_few, of_core};
 use crate::input::{Ask, Placing, adjacency};
 use crate::truth::overlapping;
 use crate::world::{World, placed};
-use pfront::core::bvtt::{self, Placed};
+use pfront::core::bvtt::{self, PosedBvh};
 use pfront::{Error, Model, PairQuery, Pose, SceneHit, SceneQuery, SelfQuery, TrianglePair};
 use std::mem::take;
 
@@ -48,7 +48,7 @@ impl World {
             (a.body.model.bvh(), b.body.bvh()),
             (a.body.model.bvh(), b.body.model.bvh()),
         ] {
-            let [s, t] = [(s, a), (t, b)].map(|(bvh, it)| Placed::new(bvh, &it.pose).unwrap());
+            let [s, t] = [(s, a), (t, b)].map(|(bvh, it)| PosedBvh::new(bvh, &it.pose).unwrap());
             let query = bvtt::PairQuery::in_world(s, t).with_accuracy(ask.accuracy());
             of_core(&query, ask).check(&truth, ask);
         }

@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::input::{Build, Change, Crew, Few, Palette, Placing, Question, Shape, Step};
 use crate::truth::Truth;
-use pfront::core::bvtt::Placed;
+use pfront::core::bvtt::PosedBvh;
 use pfront::{BodyId, Bvh, Error, PairQuery, Piece, Pose, SceneQuery, SelfQuery};
 use pfront_oracle::generate::soup::{Soup, posed};
 use std::fmt::Debug;
@@ -216,7 +216,7 @@ impl World {
 
 /// Why the core will not pose a mesh so.
 fn refusal(bvh: Bvh<'_>, pose: &Pose) -> Option<Error> {
-    let refused = Placed::new(bvh, pose).err();
+    let refused = PosedBvh::new(bvh, pose).err();
     assert!(refused.is_some() || pose.rows.as_flattened().iter().all(|x| x.is_finite()));
     refused.map(Error::Pose)
 }

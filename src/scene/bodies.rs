@@ -2,7 +2,7 @@
 
 use crate::sphere::Sphere;
 use crate::{Aabb, Error, Model, Pose};
-use pfront_core::bvtt::Placed;
+use pfront_core::bvtt::PosedBvh;
 use std::fmt;
 use std::sync::Arc;
 
@@ -57,7 +57,7 @@ impl Body {
     }
 
     pub(super) fn set_pose(&mut self, pose: Pose) -> Result<(), Error> {
-        Placed::new(self.model.bvh(), &pose)?;
+        PosedBvh::new(self.model.bvh(), &pose)?;
         self.pose = pose;
         self.reshaped();
         Ok(())
@@ -69,8 +69,8 @@ impl Body {
         self.bounds = aabb.and_then(|aabb| Some((aabb, self.model.sphere()?.posed(&self.pose))));
     }
 
-    pub(super) fn placed(&self) -> Placed<'_> {
-        Placed::new_unchecked(self.model.bvh(), &self.pose)
+    pub(super) fn placed(&self) -> PosedBvh<'_> {
+        PosedBvh::new_unchecked(self.model.bvh(), &self.pose)
     }
 }
 

@@ -106,7 +106,7 @@ impl Figures for Report {
 
     fn front_time(&self) -> f64 {
         let front = milliseconds(self.front_time);
-        let all = front + milliseconds(self.walk_time + self.gather_time);
+        let all = front + milliseconds(self.traversal_time + self.gather_time);
         if all > 0.0 { front / all } else { 0.0 }
     }
 
@@ -165,7 +165,7 @@ fn lines(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
     for Series { triangles, workers, frames, .. } in all {
         for (i, report) in frames.iter().enumerate() {
             let (work, [front, walk]) =
-                (report.work(), [report.front_time, report.walk_time].map(milliseconds));
+                (report.work(), [report.front_time, report.traversal_time].map(milliseconds));
             writeln!(
                 out,
                 "{triangles},{workers},{i},{},{},{:.4},{:.3},{},{},{},{front:.4},{walk:.4},{:.4},{},{}",

@@ -34,7 +34,7 @@ use glam::Vec3A;
 /// ```
 pub const REBUILD_RATIO: f32 = 1.2;
 
-/// How many tests a triangle of the mesh is expected to need to find those near it: two box tests in every inner node
+/// The number of tests that a triangle of the mesh is expected to need to find those near it: two box tests in every inner node
 /// that it meets and a test of every triangle in a leaf that it meets. Lower is better.
 ///
 /// Finite and at least 0 for every tree, 0 for an empty one. A node whose triangles all have boxes without area counts

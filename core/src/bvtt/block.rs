@@ -7,7 +7,7 @@ use crate::simd::point8::{Points, abs, difference, highest, lanes, load, lowest,
 use crate::simd::{LANES, Simd, VECTORS};
 use crate::{Aabb, Mesh, Triangle};
 
-/// A leaf: its triangles, where they are posed, and what is certified of their vertices.
+/// A leaf: its triangles, their pose, and the certificates of their vertices.
 #[derive(Clone, Copy)]
 pub(super) struct Leaf<'a> {
     pub(super) mesh: Mesh<'a>,
@@ -133,7 +133,7 @@ impl TriangleBlock {
 /// How many blocks a [`BlockCache`] holds. Processors without vectors have small stacks.
 const CACHED: usize = if VECTORS { 8 } else { 2 };
 
-/// The blocks of the leaves that one side of a traversal met last: a leaf meets several others in a row.
+/// The blocks of the leaves that one side of a traversal visited last: a leaf is visited with several others in a row.
 pub(super) struct BlockCache {
     leaves: [u32; CACHED],
     /// Set up when first used, since most small queries use few.

@@ -1,4 +1,4 @@
-//! Which triangles of one block may meet which of another: boxes first, then planes.
+//! Triangle pairs of two blocks that may intersect: boxes first, then planes.
 //!
 //! # Triangles of one mesh
 //! Triangles that share a certified vertex ([`crate::one_ring`]) do not meet. For other triangles that share

@@ -1,4 +1,4 @@
-//! What is done side by side against the same done one by one, at the widest, in halves and singly.
+//! Blocks against the same tests triangle by triangle, with eight lanes, in halves and with one lane.
 
 use super::block::{BlockCache, Leaf};
 use super::block_pairs::PairSets;
@@ -14,10 +14,10 @@ const VERTICES: usize = 9;
 struct Two<'m> {
     mesh: Mesh<'m>,
     leaves: [&'m [u32]; 2],
-    fans: &'m [OneRing],
+    rings: &'m [OneRing],
 }
 
-/// What is found of all pairs, with regard to common vertices and without; and by boxes alone.
+/// The pairs found, with the shared-index rule, without it, and by boxes alone.
 #[derive(Debug, PartialEq)]
 struct Found {
     in_mesh: PairSets,
@@ -37,11 +37,11 @@ impl Task for Two<'_> {
 impl Two<'_> {
     #[inline(always)]
     fn find<S: Simd>(self) -> Found {
-        let Self { mesh, leaves, fans } = self;
+        let Self { mesh, leaves, rings } = self;
         let [first, second] = leaves.map(|triangles| {
             let boxes = triangles.iter().map(|t| Aabb::of(&mesh.triangle(*t)));
             let bounds = boxes.fold(Aabb::EMPTY, |x, y| x.union(&y));
-            Leaf { mesh, triangles, pose: None, bounds, rings: fans }
+            Leaf { mesh, triangles, pose: None, bounds, rings }
         });
         let mut caches = [BlockCache::new(), BlockCache::new()];
         let [a, b] = &mut caches;
@@ -96,8 +96,8 @@ fn side_by_side_as_one_by_one() {
         let n = mesh.triangles().len() as u32;
         let ids: [u32; 2 * LANES] = core::array::from_fn(|i| i as u32 % n);
         let leaves = [&ids[..next(8) as usize + 1], &ids[8..][..next(8) as usize + 1]];
-        let fans = if round % 3 == 0 { &[] } else { certified.of_mesh(mesh) };
-        let two = || Two { mesh, leaves, fans };
+        let rings = if round % 3 == 0 { &[] } else { certified.of_mesh(mesh) };
+        let two = || Two { mesh, leaves, rings };
         let found = widest(two());
         assert_eq!(found, two().run::<Halves>());
         assert_eq!(found, two().find::<f32>());

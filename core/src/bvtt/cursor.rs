@@ -80,7 +80,7 @@ impl Budget {
         flow
     }
 
-    /// The pairs up to where the budget ends, and there the traversal resumes.
+    /// The pairs up to the end of the budget, from which the traversal resumes.
     #[cold]
     #[inline(never)]
     fn cut(&mut self, mut tested: u64) -> u64 {
@@ -97,14 +97,14 @@ fn after(first: u32) -> u64 {
     u64::MAX.checked_shl(first).unwrap_or(0)
 }
 
-/// Node pairs that may wait. A step takes one off and puts at most 16 back. Each of these is two levels deeper in
-/// either tree, or a leaf there, so no more than `MAX_DEPTH / 2` steps follow one another downwards.
+/// The most pending node pairs. A step pops one and pushes at most 16. Each of these is two levels deeper in
+/// either tree, or a leaf there, so at most `MAX_DEPTH / 2` steps follow one another downwards.
 const STACK: usize = 15 * MAX_DEPTH.div_ceil(2) + 1;
 
-/// Where a query stands: start one with [`Query::start`](super::Query::start), pass it to `page`, `step` or `visit`
+/// The progress of a query: start one with [`Query::start`](super::Query::start), pass it to `page`, `step` or `visit`
 /// until [`Cursor::is_done`].
 ///
-/// Below 4 KiB, no allocation; a copy is a bookmark. It belongs to the query that made it.
+/// Less than 4 KiB, without allocation; a copy is a bookmark. Use it with the query that made it.
 #[derive(Clone, Copy, Debug)]
 pub struct Cursor {
     stack: [NodePair; STACK],
@@ -113,8 +113,8 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// A traversal of the subtree of the BVTT below `n`, as a worker does from a node of its front; of nothing for
-    /// `None`.
+    /// A cursor at the start of the subtree of the BVTT below `n`, for a worker that traverses from a node of its
+    /// front; `None` is the empty subtree.
     #[inline]
     #[must_use]
     pub fn at(n: impl Into<Option<NodePair>>) -> Self {
@@ -126,7 +126,7 @@ impl Cursor {
         cursor
     }
 
-    /// Goes on to the subtree below `n`. Work counts on.
+    /// Moves to the start of the subtree below `n`. [`Cursor::work`] goes on counting.
     pub fn restart(&mut self, n: NodePair) {
         (self.len, self.budget.done) = (0, 0);
         self.push(n);
@@ -144,9 +144,9 @@ impl Cursor {
         range(&self.stack, 0, self.len as u32)
     }
 
-    /// Takes out the pending node pairs below which nothing has been visited, for others to go on from. This cursor
+    /// Takes out the pending node pairs below which nothing has been visited, for other cursors to start from. This cursor
     /// keeps the leaf pair in which the last step ended, if it did not end between two nodes.
-    pub fn hand_over(&mut self) -> &[NodePair] {
+    pub fn take_pending(&mut self) -> &[NodePair] {
         let pending = core::mem::take(&mut self.len);
         if self.budget.is_inside_leaf_pair() {
             let top = *at(&self.stack, pending - 1);

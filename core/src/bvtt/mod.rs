@@ -1,17 +1,17 @@
-//! The bounding volume test tree (BVTT), its one traversal, and the queries that walk it.
+//! The bounding volume test tree (BVTT), its one traversal, and the queries that it answers.
 //!
 //! A BVTT node is a pair of BVH nodes whose boxes overlap; its children are the overlapping pairs of
 //! their children (Zhang & Kim 2014, section 2.1). The tree is never stored. There are two of them: of
 //! two meshes ([`PairQuery`]) and of one mesh with itself ([`SelfQuery`]).
 //!
-//! How to read this folder: `traverse` is the loop; `cursor` is where it stopped; `pair` and
+//! How to read this folder: `traversal` is the loop; `cursor` is where it stopped; `pair` and
 //! `self_collision` say what the children of a node pair are and which triangles meet in a leaf pair;
 //! `wide_node` and `block` put boxes and triangles into vector lanes for them; `query` is what a user
 //! asks.
 //!
 //! # Where we depart from the paper
 //! The traversal descends two levels at a time, all pairs of up to four nodes and four others, since a
-//! single box test is too small for a vector unit. Counts of box tests, and so costs, are of these.
+//! single box test is too small for a vector unit. Box tests, and so costs, are counted on these pairs.
 
 mod block;
 mod block_pairs;
@@ -22,11 +22,11 @@ mod pair;
 mod planes;
 mod query;
 mod self_collision;
-mod traverse;
+mod traversal;
 mod wide_node;
 
 pub use cursor::{Cursor, Work};
-pub use pair::{PairQuery, Placed};
+pub use pair::{PairQuery, PosedBvh};
 pub use query::Query;
 pub use self_collision::SelfQuery;
 
@@ -45,7 +45,7 @@ pub struct NodePair {
     pub b: u32,
 }
 
-/// Two triangles that meet: indices into the triangles of the first and the second mesh, or of one
+/// Two triangles that intersect: indices into the triangles of the first and the second mesh, or of one
 /// mesh with `a < b`. Pairs are ordered by `a`, then by `b`.
 #[repr(C)]
 #[derive(
@@ -68,7 +68,7 @@ pub struct TrianglePair {
     pub b: u32,
 }
 
-/// A BVTT, one node at a time: what a front is made of ([`crate::front`]).
+/// A BVTT, one node at a time. A [front](crate::front) is a cut through it.
 ///
 /// # Panics
 /// Methods may panic if a node pair is not one of this tree.
@@ -89,7 +89,7 @@ pub trait Bvtt {
     /// O(depth).
     fn triangles_below(&self, n: NodePair) -> [u32; 2];
 
-    /// About the edge of a leaf's box: the scale below which an overlap says nothing of its cost.
+    /// About the edge of a leaf's box. The extent of an overlap that is smaller than this says nothing of its cost.
     fn leaf_edge(&self) -> f32;
 }
 

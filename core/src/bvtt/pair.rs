@@ -2,7 +2,7 @@
 
 use super::block::{BlockCache, Leaf};
 use super::cursor::Budget;
-use super::traverse::{Traverse, Visitor, traverse};
+use super::traversal::{Traverse, Visitor, traverse};
 use super::{Bvtt, Cursor, NodePair, Query, TrianglePair, WideNode};
 use crate::aabb::Bounds;
 use crate::bvh::Layout;
@@ -13,7 +13,7 @@ use crate::{Aabb, Bvh, Node, Pose, Triangle};
 use core::ops::ControlFlow;
 use glam::Vec3A;
 
-/// A BVH in a pose. Copying is free.
+/// A BVH in a pose, one side of a [`PairQuery`]. Copying is free.
 ///
 /// # Examples
 /// ```
@@ -22,19 +22,19 @@ use glam::Vec3A;
 /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
 /// # let root = Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 };
 /// # let bvh = Bvh::new_unchecked(mesh, std::slice::from_ref(&root), &[0]);
-/// let here = Placed::new(bvh, &Pose::from_translation([8.0, 0.0, 0.0]))?;
-/// let there = Placed::new(bvh, &Pose::from_translation([8.5, 0.0, 0.0]))?;
+/// let here = PosedBvh::new(bvh, &Pose::from_translation([8.0, 0.0, 0.0]))?;
+/// let there = PosedBvh::new(bvh, &Pose::from_translation([8.5, 0.0, 0.0]))?;
 /// assert_eq!(PairQuery::in_world(here, there).count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Placed<'a, L: Layout = Node> {
+pub struct PosedBvh<'a, L: Layout = Node> {
     bvh: Bvh<'a, L>,
-    /// The pose of corners; `None` leaves them where they are.
+    /// The pose of the corners; `None` is the identity.
     pose: Option<Affine>,
 }
 
-impl<'a, L: Layout> Placed<'a, L> {
+impl<'a, L: Layout> PosedBvh<'a, L> {
     /// Poses a BVH. [`Pose::IDENTITY`] leaves every vertex as it is and costs a query nothing.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl<'a, L: Layout> Placed<'a, L> {
         Ok(Self::new_unchecked(bvh, world_from_bvh))
     }
 
-    /// Poses a BVH as [`Placed::new`] or [`Pose::check`] has accepted it. In a pose that they refuse a query may
+    /// Poses a BVH as [`PosedBvh::new`] or [`Pose::check`] has accepted it. In a pose that they refuse a query may
     /// miss pairs.
     #[must_use]
     pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
@@ -80,7 +80,7 @@ fn posed(pose: Option<&Affine>, bounds: &Bounds) -> Bounds {
 }
 
 /// Two meshes in one frame: that of the first ([`PairQuery::new`]), or a world in which both are posed
-/// ([`PairQuery::in_world`]). The choice changes how vertices are rounded, and so what is found.
+/// ([`PairQuery::in_world`]). The choice changes how vertices are rounded, and so which pairs intersect.
 ///
 /// # Examples
 /// ```
@@ -97,13 +97,13 @@ fn posed(pose: Option<&Affine>, bounds: &Bounds) -> Bounds {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct PairQuery<'a, A: Layout = Node, B: Layout = A> {
-    a: Placed<'a, A>,
-    b: Placed<'a, B>,
-    /// Where boxes of each side are compared. A turned box needs a larger one around it, so of two posed meshes the
-    /// boxes of the second are seen from the first where that can be. What meets is decided by corners alone.
+    a: PosedBvh<'a, A>,
+    b: PosedBvh<'a, B>,
+    /// The poses in which the boxes of each side are compared. The box of a rotated box is larger, so the boxes of
+    /// the second of two posed meshes are taken to the frame of the first where possible. Hits depend on corners alone.
     boxes: [Option<Affine>; 2],
     inexact: Option<Inexact>,
-    /// Kept because fronts ask for both again and again.
+    /// Computed once, as fronts ask for it often, like `leaf_edge`.
     root: Option<NodePair>,
     leaf_edge: f32,
 }
@@ -114,13 +114,13 @@ impl<'a, A: Layout, B: Layout> PairQuery<'a, A, B> {
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes `b` out of range.
     pub fn new(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: Pose) -> Result<Self, PoseError> {
-        let a = Placed { bvh: a, pose: None };
-        Ok(Self::in_world(a, Placed::new(b, &a_from_b)?))
+        let a = PosedBvh { bvh: a, pose: None };
+        Ok(Self::in_world(a, PosedBvh::new(b, &a_from_b)?))
     }
 
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
-    pub fn in_world(a: Placed<'a, A>, b: Placed<'a, B>) -> Self {
+    pub fn in_world(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
         let mut boxes = [a.pose, b.pose];
         if let ([Some(pose_a), Some(pose_b)], Some(root_a), Some(root_b)) =
             (&boxes, a.bvh.root(), b.bvh.root())
@@ -224,7 +224,7 @@ impl<A: Layout, B: Layout> Traverse for PairQuery<'_, A, B> {
     }
 }
 
-/// Whether two triangles meet that share no vertex.
+/// Whether two triangles that share no vertex intersect.
 #[inline(always)]
 pub(super) fn meet(a: &Triangle, b: &Triangle, inexact: Option<Inexact>) -> bool {
     match inexact {

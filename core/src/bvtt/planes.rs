@@ -1,6 +1,6 @@
 //! Rejection of triangle pairs by supporting planes, a pair in each lane.
 //!
-//! A triangle strictly on one side of another's plane does not meet it, which rejects nearly all pairs whose
+//! A triangle strictly on one side of another's plane does not intersect it, which rejects nearly all pairs whose
 //! boxes overlap. The signs are certified by the bound of [`crate::exact::filter32`]; whatever is left goes to
 //! the exact test of [`crate::triangle`].
 

@@ -7,7 +7,7 @@ use super::{Bvtt, Cursor, TrianglePair};
 use crate::triangle::Contact;
 use core::ops::ControlFlow;
 
-/// What can be asked of two meshes, or of one.
+/// The verbs of a query about two meshes, or about one.
 pub trait Query: Bvtt {
     /// A cursor before the first triangle pair.
     #[inline]
@@ -15,13 +15,13 @@ pub trait Query: Bvtt {
         Cursor::at(self.root())
     }
 
-    /// Goes on from `cursor`, calling `visit` for each triangle pair that meets, until it breaks or
+    /// Goes on from `cursor`, calling `visit` for each intersecting triangle pair, until it breaks or
     /// all have been visited. The pair at which it broke counts as visited.
     ///
     /// The order is fixed for given BVHs, and otherwise arbitrary.
     ///
     /// # Complexity
-    /// Up to 16 box tests a step of two levels of the BVTT and one triangle test a pair of overlapping
+    /// Up to 16 box tests per step of two levels of the BVTT and one triangle test per pair of overlapping
     /// triangle boxes; no allocation, no recursion, below 28 KiB of stack, 20 KiB without the feature
     /// `std`.
     fn visit(
@@ -34,8 +34,8 @@ pub trait Query: Bvtt {
 
     /// [`Query::visit`] for at most about `budget` tests, to spread a query over frames: stops when as
     /// many box and triangle tests are done, as [`Cursor::work`] counts them, and goes on from there with
-    /// the next call. Pairs and their order are the same for every sequence of budgets; with one of 0
-    /// nothing is done.
+    /// the next call. Pairs and their order are the same for every sequence of budgets; a budget
+    /// of 0 does nothing.
     ///
     /// `Break` if `visit` broke, else [`Cursor::is_done`] tells whether anything is left. A `visit` that
     /// breaks when a page is full, or at the first pair, does in steps what [`Query::page`] and
@@ -43,9 +43,8 @@ pub trait Query: Bvtt {
     ///
     /// # Complexity
     /// At most `budget` + 15 tests: box tests come up to 16 at a time, triangle tests one by one. A leaf
-    /// pair without triangle tests counts as one test against the budget, so there are no more than
-    /// `budget` of these. On top come at most 16 triangles loaded for each leaf pair, again for one that
-    /// the last step left in the middle.
+    /// pair without triangle tests counts as one test against the budget, so at most `budget` of
+    /// them are visited. Each loads at most 16 triangles, again if the last step ended inside it.
     ///
     /// # Examples
     /// ```
@@ -69,11 +68,11 @@ pub trait Query: Bvtt {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()>;
 
-    /// Where a pair that a visit reported meets, in the frame of the query. `None` for a pair
-    /// that does not meet.
+    /// The contact of a pair that a visit reported, in the frame of the query; `None` for a pair
+    /// that does not intersect.
     ///
     /// # Panics
-    /// If the indices are not of these meshes. So do the methods that follow if `n` is not a node of this query.
+    /// If an index is out of range.
     fn contact(&self, pair: TrianglePair) -> Option<Contact>;
 
     /// Goes on from `cursor` into `out` and returns how many pairs it wrote. It stops when `out` is
@@ -82,7 +81,7 @@ pub trait Query: Bvtt {
     ///
     /// # Examples
     /// ```
-    /// # use pfront_core::{*, query::*};
+    /// # use pfront_core::bvtt::*;
     /// # fn pages(query: &impl Query) -> usize {
     /// let mut page = [TrianglePair::default(); 16];
     /// let mut cursor = query.start();
@@ -99,7 +98,7 @@ pub trait Query: Bvtt {
             return 0;
         }
         let mut free = out.iter_mut();
-        // Whether it broke or ended, the cursor knows.
+        // The cursor tells whether the visit broke or ended.
         let _ = self.visit(cursor, |pair| {
             if let Some(slot) = free.next() {
                 *slot = pair;
@@ -109,7 +108,7 @@ pub trait Query: Bvtt {
         capacity - free.len()
     }
 
-    /// How many pairs meet.
+    /// The number of intersecting pairs.
     fn count(&self) -> u64 {
         let mut count = 0;
         let _ = self.visit(&mut self.start(), |_| {
@@ -119,7 +118,7 @@ pub trait Query: Bvtt {
         count
     }
 
-    /// Some pair that meets; the walk stops at the first.
+    /// Some intersecting pair, if there is one; the traversal stops at the first.
     fn any(&self) -> Option<TrianglePair> {
         let mut found = None;
         let _ = self.visit(&mut self.start(), |pair| {

@@ -8,7 +8,7 @@ use super::block::{BlockCache, Leaf};
 use super::block_pairs::{PairSets, share_vertex};
 use super::cursor::Budget;
 use super::pair::meet;
-use super::traverse::{Traverse, Visitor, traverse};
+use super::traversal::{Traverse, Visitor, traverse};
 use super::{Bvtt, Cursor, NodePair, Query, TrianglePair, WideNode};
 use crate::bvh::Layout;
 use crate::index::at;
@@ -71,7 +71,7 @@ impl<'a, L: Layout> SelfQuery<'a, L> {
         Self { rings: certified.of_mesh(self.bvh.mesh()), ..self }
     }
 
-    /// Asks for all pairs of triangles whose boxes overlap, whatever else. With each box of a set given
+    /// Asks for all pairs of triangles whose boxes overlap, neighbours included. With each box of a set given
     /// as a triangle through two opposite corners, that is the broad phase of the set.
     ///
     /// # Examples
@@ -105,7 +105,7 @@ impl<L: Layout> Bvtt for SelfQuery<'_, L> {
 
     fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
         let mut tests = 0;
-        // Of (l, r) and (r, l), one is enough.
+        // (l, r) and (r, l) are the same pair.
         for child in n.split(&self.bvh, &self.bvh).filter(|child| n.a != n.b || child.a <= child.b)
         {
             let boxes = self.boxes(child);

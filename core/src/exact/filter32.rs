@@ -3,7 +3,7 @@
 //! # The bound
 //! As that of `filter64`, with u = 2^-24: each of the six products of three differences carries a relative
 //! error below (1+u)^8 − 1, so that the determinant is off by less than 48.06u · mx·my·mz, the largest
-//! absolute differences an axis, in any order of its sums. [`ERROR`] has room for the roundings of the
+//! absolute differences per axis, in any order of its sums. [`ERROR`] has room for the roundings of the
 //! bound. Unlike there, products may underflow or overflow. With no difference above [`MAX_EXTENT`], 2^40,
 //! none overflows, and underflow costs less than 6 · 2^-150 · 2^40 before the last product and 4 · 2^-150
 //! after; the bound may lose 2^-110. [`UNDERFLOW`], 2^-100, is far above their sum.

@@ -4,7 +4,7 @@
 //! Let u = 2^-53. Each of the six products of three differences carries at most 1 rounding for each
 //! difference, 2 for its multiplications, 1 for the subtraction in the cross product and 2 for the final
 //! sum: its relative error is below (1+u)^8 − 1 < 8.01u. A product is at most mx·my·mz, the largest absolute
-//! differences an axis, so the determinant is off by less than 6 · 8.01u · mx·my·mz < 5.34e-15 · mx·my·mz.
+//! differences per axis, so the determinant is off by less than 6 · 8.01u · mx·my·mz < 5.34e-15 · mx·my·mz.
 //! Likewise in the plane: 2 products, each within (1+u)^4 − 1 < 4.01u, give 8.91e-16 · mx·my. The constants
 //! have room for the roundings of the bounds themselves. Differences of finite f32 can neither overflow nor
 //! underflow f64 here (2^-447 … 2^387).

@@ -9,7 +9,7 @@
 //! - [`Exact`]: what f64 does not certify is computed in `i128`, or in 896 bits where that is too narrow;
 //! - [`Fast`]: f32 without a bound.
 //!
-//! Two departures from Shewchuk: the bounds take the largest difference an axis in place of the permanent,
+//! Two departures from Shewchuk: the bounds take the largest difference per axis in place of the permanent,
 //! as Devillers and Pion do (*Efficient Exact Geometric Predicates for Delaunay Triangulations*, 2003), and
 //! the exact stages are integers of fixed width instead of expansions. They need neither branches on
 //! exponents nor more than a few hundred bytes of stack, and cannot overflow.
@@ -39,7 +39,7 @@ pub(crate) type Point2 = [f32; 2];
 /// coplanar. Coordinates must be finite.
 ///
 /// # Complexity
-/// O(1): a few ns where f64 certifies the sign, tens of ns in `i128`, 1 µs in wide integers.
+/// O(1): a few ns where f64 certifies the sign, up to about 1 µs where wide integers decide it.
 ///
 /// # Examples
 /// ```

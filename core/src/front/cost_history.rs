@@ -1,4 +1,4 @@
-//! The cost history: what each node of the last frame's front cost, by query and path.
+//! The cost history: the measured cost of each node of the last frame's front, by query and path.
 //!
 //! The paper keeps one cost for each node of the starting front. Here each node of the whole front has its own, in the
 //! same O(N_p) memory, so that a frame refines by measured costs as far as the last one did.
@@ -8,7 +8,7 @@ use crate::CapacityError;
 use crate::front::heap::sort;
 use bytemuck::{Pod, Zeroable};
 
-/// What one node of a front cost: 24 bytes.
+/// The measured cost of one node of a front: 24 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct CostEntry {
@@ -37,9 +37,9 @@ impl<'a> CostHistory<'a> {
         Self { entries }
     }
 
-    /// Writes down a frame: `costs` are what the traversal from each of `nodes`, all nodes of a front as
-    /// [`Front::partition`](super::Front::partition) returned them, really cost. Returns how many of `memory` are in use,
-    /// which is one entry a node.
+    /// Records a frame: `nodes` are all nodes of a front as [`Front::partition`](super::Front::partition) returned them,
+    /// and `costs` the measured costs of the traversals from them, in the same order. Returns the number of entries of
+    /// `memory` in use, one per node.
     ///
     /// # Errors
     /// [`CapacityError`] if `memory` is shorter than `nodes`.
@@ -62,7 +62,7 @@ impl<'a> CostHistory<'a> {
     /// query that has entries, or `None` if it is gone. No two get the same. Returns how many entries are left.
     ///
     /// # Complexity
-    /// O(entries), and O(n log n) if the order of the queries changes; `number` is called once a query.
+    /// O(entries), and O(n log n) if the order of the queries changes; `number` is called once per query.
     pub fn renumber(
         entries: &mut [CostEntry],
         mut number: impl FnMut(u32) -> Option<u32>,

@@ -1,4 +1,4 @@
-//! What a BVTT node is expected to cost, from how far its boxes overlap (eqs. 2–4).
+//! The estimated cost of a BVTT node, from the overlap of its boxes (eqs. 2–4).
 //!
 //! V is the volume of the overlap of the two boxes, dilated by half the edge of a leaf, so that flat and touching boxes
 //! have one too. α is the density of triangles: α·V is how many triangles would lie in the overlap if those of either box
@@ -8,11 +8,11 @@ use super::FrontNode;
 use crate::Aabb;
 use crate::bvtt::{Bvtt, NodePair};
 
-/// What a triangle that may lie in an overlap costs in box tests, as long as no frame has been measured.
+/// The cost in box tests of a triangle that may lie in an overlap, as long as no frame has been measured.
 pub(super) const TESTS_PER_TRIANGLE: f64 = 16.0;
 
-/// Estimates what a node costs in box tests before anything below it has been visited: right to within a factor of three
-/// in half of all cases, and of thirty in nearly all. Sums over any cut through a BVTT, such as what is
+/// Estimates the cost of a node in box tests before anything below it has been visited. A single estimate may be off by
+/// an order of magnitude. Sums over any cut through a BVTT, such as what is
 /// [pending](crate::bvtt::Cursor::pending), are as good.
 ///
 /// # Complexity

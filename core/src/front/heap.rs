@@ -29,8 +29,7 @@ fn place<T>(heap: &mut [T], at: usize, item: T) {
     }
 }
 
-/// Sorts by keys that all differ. Without std slower, by a tenth of the machine code, and without a way to
-/// panic.
+/// Sorts by keys that all differ. Without `std` a heap sort, which is slower, but small and free of panics.
 pub(crate) fn sort<T: Copy, K: Ord>(items: &mut [T], key: impl Fn(&T) -> K) {
     if cfg!(feature = "std") {
         return items.sort_unstable_by_key(key);

@@ -1,4 +1,4 @@
-//! The way from the root of a BVTT to one of its nodes, by which a frame finds again what the last one measured.
+//! The way from the root of a BVTT to one of its nodes, by which a frame finds the costs that the last one measured.
 
 use bytemuck::{Pod, Zeroable};
 

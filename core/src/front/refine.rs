@@ -44,7 +44,7 @@ impl RefineOptions {
     }
 }
 
-/// How a refinement went.
+/// The outcome of a refinement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrontReport {
     /// Nodes of the starting front, N_s.

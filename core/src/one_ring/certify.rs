@@ -5,7 +5,7 @@
 //! differences mx and my along the other two axes bounds the error, and underflow adds less than the smallest normal
 //! number. Beyond that bound the sign is certified.
 //!
-//! Turns are counted without rounding. A sector is less than half a turn, so what goes round the vertex once crosses
+//! Turns are counted without rounding. A sector is less than half a turn, so a ring that goes round the vertex once crosses
 //! the plane through the vertex across each of the two other axes once upwards and once downwards, which comparisons
 //! of coordinates tell. A row that crosses one of these planes once at most makes less than a full turn.
 
@@ -18,7 +18,7 @@ use bytemuck::{Pod, Zeroable};
 use core::ops::Range;
 use glam::Vec3A;
 
-/// How [`OneRings::certify`] works.
+/// Options of [`OneRings::certify`].
 #[derive(Clone, Copy, Default)]
 pub struct CertifyOptions<'a> {
     /// Runs two tasks, side by side if it can, as `rayon::join` does. The certificates are the same. One task is as
@@ -36,7 +36,7 @@ impl OneRings<'_> {
     /// If the triangles of the mesh are not those of [`OneRings::new`], nothing is certified.
     ///
     /// # Complexity
-    /// O(vertices + triangles), some 15 ns per triangle; with [`CertifyOptions::moved`],
+    /// O(vertices + triangles); with [`CertifyOptions::moved`],
     /// O(m + vertices / 32 + triangles / 64) for m triangles in runs of 64 that hold a vertex which has moved, or a
     /// neighbour of one.
     pub fn certify<'m>(

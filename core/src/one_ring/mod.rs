@@ -2,7 +2,7 @@
 //!
 //! The one-ring of a vertex is the set of triangles around it. Nearly all triangle pairs of a deforming mesh whose
 //! boxes overlap share a vertex, and nearly all of these touch only where they are joined. One certificate per
-//! vertex answers some fifteen such pairs.
+//! vertex decides all pairs of the triangles around it.
 //!
 //! Volino and Magnenat-Thalmann (Efficient Self-Collision Detection on Smoothly Discretized Surface Animations using
 //! Geometrical Shape Regularity, Computer Graphics Forum 13(3), 1994) proved that a patch of a surface does not

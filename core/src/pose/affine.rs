@@ -56,7 +56,7 @@ impl Affine {
     /// boxes, with d and e at most 6u of what the poses reach. So x = A⁻¹(B(y)) + A⁻¹(e − d) without
     /// translation: a box of A⁻¹·B, padded by |A⁻¹| times 16u of both reaches, contains x. What is left
     /// of these 16u is far more than the f64 roundings of A⁻¹ and the products with it. Entries of A⁻¹·B
-    /// that are subnormal in f32 lose half the smallest number each, and so less than that a coordinate.
+    /// that are subnormal in f32 lose half the smallest number each, and so less than that per coordinate.
     pub(crate) fn seen_from(&self, own: &Bounds, from: &Self, of: &Bounds) -> Option<Self> {
         const RIGID: f64 = 2.0;
         const LIMIT: f64 = 1e30;

@@ -1,11 +1,10 @@
 //! Eight floats in one register, where the processor has AVX2.
 //!
-//! The one place with `unsafe` of this crate. It buys a fifth of the time of self-collision
-//! (`benches/record`): nothing in safe Rust lets one binary use a processor's wide registers where they
-//! turn out to be there, and compilers find no masks in loops over arrays.
+//! The one module of this crate with `unsafe`: safe Rust cannot use wide registers that are detected at run time, and
+//! compilers find no masks in loops over arrays. `benches/record` has what it gains.
 //!
 //! A closure is not compiled for the features of the function that it is in, and calls of intrinsics from
-//! one stay calls. So what works on [`Simd`] is written in functions marked `#[inline(always)]`, all of
+//! one stay calls. So code over [`Simd`] is written in functions marked `#[inline(always)]`, all of
 //! which end up in [`with_features`].
 
 #![expect(unsafe_code, reason = "calls intrinsics that need a feature found at run time")]

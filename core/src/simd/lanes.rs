@@ -3,12 +3,12 @@
 use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Neg, Sub};
 use glam::{BVec4A, Vec4};
 
-/// How many floats there are side by side: as many as a leaf may hold triangles.
+/// The number of lanes: as many as a leaf may hold triangles.
 pub(crate) const LANES: usize = 8;
 const _: () = assert!(LANES == crate::bvh::MAX_LEAF_SIZE as usize);
 
-/// Whether there are registers for several floats. Where there are none, a walk that looks at one after the
-/// other takes half the time (on a Cortex-M4 as qemu emulates it) and a third of the machine code.
+/// Whether the target has vector registers. Without them, a traversal with one lane is faster, since most boxes are
+/// separated by the first comparisons, and takes less machine code.
 pub(crate) const VECTORS: bool = cfg!(any(
     target_arch = "x86_64",
     target_arch = "aarch64",
@@ -17,14 +17,14 @@ pub(crate) const VECTORS: bool = cfg!(any(
     target_feature = "simd128",
 ));
 
-/// Some floats. Every operation rounds as that on one float does, and none is fused.
+/// A vector of floats. Every operation rounds as that on one float does, and none is fused.
 pub(crate) trait Simd:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
-    /// How many, a divisor of [`LANES`].
+    /// The number of floats, a divisor of [`LANES`].
     const WIDTH: usize;
 
-    /// A truth value a lane.
+    /// A truth value per lane.
     type Mask: BitAnd<Output = Self::Mask>
         + BitOr<Output = Self::Mask>
         + BitXor<Output = Self::Mask>;
@@ -40,7 +40,7 @@ pub(crate) trait Simd:
     fn lt(self, other: Self) -> Self::Mask;
     fn eq(self, other: Self) -> Self::Mask;
     fn select(mask: &Self::Mask, yes: Self, no: Self) -> Self;
-    /// A bit a lane.
+    /// One bit per lane.
     fn bits(mask: Self::Mask) -> u32;
 }
 
@@ -50,7 +50,7 @@ pub(crate) trait Eight: Simd {
     fn swap_halves(self) -> Self;
 }
 
-/// What is to be done with the widest registers there are.
+/// A computation that is compiled for each width of registers.
 pub(crate) trait Task {
     type Output;
     fn run<S: Eight>(self) -> Self::Output;
@@ -65,7 +65,7 @@ pub(crate) fn widest<T: Task>(task: T) -> T::Output {
     in_halves(task)
 }
 
-/// Apart, so that what it needs of the stack does not add to what wider registers do.
+/// A function of its own, so that its stack frame does not add to that of wider registers.
 #[inline(never)]
 fn in_halves<T: Task>(task: T) -> T::Output {
     task.run::<Halves>()
@@ -162,7 +162,7 @@ impl Eight for Halves {
     }
 }
 
-/// One float: most boxes are apart by the first comparisons.
+/// One lane: most boxes are separated by the first comparisons.
 impl Simd for f32 {
     const WIDTH: usize = 1;
     type Mask = bool;

@@ -2,10 +2,10 @@
 
 use super::{LANES, Simd};
 
-/// Eight points in memory, from which one can be had as fast as all.
+/// Eight points in memory.
 pub(crate) type Points = [[f32; LANES]; 3];
 
-/// Where those lanes begin that are worked on together.
+/// The first lane of each vector of `S`.
 #[inline(always)]
 pub(crate) fn lanes<S: Simd>() -> impl Iterator<Item = usize> {
     (0..LANES / S::WIDTH).map(|i| i * S::WIDTH)

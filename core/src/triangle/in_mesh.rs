@@ -19,7 +19,7 @@ use crate::index::at;
 use crate::{Mesh, Triangle};
 use glam::DVec3;
 
-/// Which pairs of triangles of one mesh a self-collision query looks at.
+/// The rule for triangles of one mesh that share vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Adjacency {
     /// All pairs, with the shared-index rule above.

@@ -37,7 +37,7 @@ use crate::Triangle;
 use crate::exact::{CertifiedF32, CertifiedF64, Exact, Fast, Orientation, Point, Uncertain};
 use glam::Vec3A;
 
-/// What an answer promises (`accuracy.md`, contract 5).
+/// The guarantee of an answer (`accuracy.md`, contract 5).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accuracy {
     /// The true answer for the f32 positions given.

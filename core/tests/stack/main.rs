@@ -144,8 +144,8 @@ fn queries() {
         let mut nodes = vec![CompactNode::ZERO; tree.nodes.len()];
         let small = compact(mesh, &tree.nodes, &tree.order, &mut nodes).unwrap();
         for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
-            let standard = Placed::new(bvh, &turned()).unwrap();
-            let compact = Placed::new(small, &turned()).unwrap();
+            let standard = PosedBvh::new(bvh, &turned()).unwrap();
+            let compact = PosedBvh::new(small, &turned()).unwrap();
             walk(&SelfQuery::new(bvh).with_accuracy(accuracy));
             walk(&SelfQuery::new(small).with_accuracy(accuracy));
             walk(&PairQuery::new(bvh, bvh, turned()).unwrap().with_accuracy(accuracy));

@@ -2,7 +2,7 @@
 
 use super::Shape;
 use crate::Error;
-use pfront_core::bvtt::Placed;
+use pfront_core::bvtt::PosedBvh;
 use pfront_core::{Aabb, Pose};
 use std::fmt;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ impl Body {
     }
 
     pub(super) fn set_pose(&mut self, pose: Pose) -> Result<(), Error> {
-        let aabb = Placed::new(self.shape.bvh(), &pose)?.aabb();
+        let aabb = PosedBvh::new(self.shape.bvh(), &pose)?.aabb();
         (self.pose, self.aabb) = (pose, aabb);
         Ok(())
     }

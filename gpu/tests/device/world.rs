@@ -2,7 +2,7 @@
 
 use crate::common::{Both, sorted};
 use pfront_core::Pose;
-use pfront_core::bvtt::{PairQuery, Placed};
+use pfront_core::bvtt::{PairQuery, PosedBvh};
 use pfront_gpu::{BodyId, Error, SceneHit, SceneQuery, Shape};
 use pfront_oracle::generate::soup::Soup;
 use std::sync::Arc;
@@ -55,7 +55,7 @@ impl<'m> World<'m> {
 
     pub(crate) fn truth(&self) -> Vec<SceneHit> {
         let placed = |&(id, part): &(BodyId, &'m Part)| {
-            Placed::new(part.both.bvh(), &self.query.body(id).unwrap().pose()).unwrap()
+            PosedBvh::new(part.both.bvh(), &self.query.body(id).unwrap().pose()).unwrap()
         };
         let mut hits = Vec::new();
         for (i, a) in self.bodies.iter().enumerate() {

@@ -107,7 +107,7 @@ pub struct BlobStorage<'s> {
     pub positions: &'s mut [[f32; 3]],
     /// For the vertex indices of the triangles.
     pub triangles: &'s mut [[u32; 3]],
-    /// For the order: one entry a triangle.
+    /// For the order: one entry per triangle.
     pub order: &'s mut [u32],
 }
 
@@ -208,7 +208,7 @@ impl<'a> Blob<'a> {
 ///
 /// # Errors
 /// [`BlobError::Capacity`] if `out` is too small; [`BlobError::TooMany`] if a count needs more than 32 bits;
-/// [`BlobError::Bvh`] if there is not one order entry a triangle.
+/// [`BlobError::Bvh`] if the order does not have one entry per triangle.
 ///
 /// # Complexity
 /// O(bytes).

@@ -4,7 +4,7 @@ extern crate std;
 
 mod in_parts;
 mod moved;
-mod strays;
+mod outliers;
 
 use super::*;
 use crate::Mesh;

@@ -4,10 +4,10 @@ use super::{Bvtt, Cursor, NodePair, TrianglePair, block::BlockCache, cursor::Bud
 use crate::simd::{Eight, Simd, Task, VECTORS, widest};
 use core::ops::ControlFlow;
 
-/// Where found pairs go. A trait object, since one traversal for each kind of tree is enough machine code.
+/// The visitor of hits. A trait object, so that there is one traversal in machine code per kind of tree.
 pub(super) type Visitor<'v> = dyn FnMut(TrianglePair) -> ControlFlow<()> + 'v;
 
-/// What the traversal asks of a BVTT.
+/// The questions that the traversal asks of a BVTT.
 pub(super) trait Traverse: Bvtt {
     /// Whether both nodes are leaves.
     fn is_leaf_pair(&self, n: NodePair) -> bool;
@@ -25,7 +25,7 @@ pub(super) trait Traverse: Bvtt {
     ) -> ControlFlow<()>;
 }
 
-/// A traversal with all that it needs, ready to be compiled for the lanes that the processor has.
+/// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes.
 struct Traversal<'t, 'v, T> {
     tree: &'t T,
     cursor: &'t mut Cursor,
@@ -65,7 +65,7 @@ impl<T: Traverse> Task for Traversal<'_, '_, T> {
     }
 }
 
-/// Goes on from `cursor` until `visit` breaks, `tests` more are done or nothing is left.
+/// Continues from `cursor` until `visit` breaks, `tests` more tests are done or nothing is left.
 pub(super) fn traverse<T: Traverse>(
     tree: &T,
     cursor: &mut Cursor,
