@@ -4,7 +4,7 @@
 //! their highest digit before, so that the other digits are sorted within the cache and side by side. To fill buckets
 //! side by side, each of several runs of keys is sorted by bucket for itself.
 
-use crate::index::split;
+use crate::index::{at, part, split};
 use crate::parallel::{GRAIN, Join, both, each};
 use core::array::from_fn;
 use core::iter::once;
@@ -63,8 +63,9 @@ fn sort_buckets(from: &mut [u64], to: &mut [u64], lowest: u32, join: Option<&Joi
         }
     });
     let range = |run: usize, bucket: usize| {
-        let start = if bucket == 0 { 0 } else { ends[run][bucket - 1] };
-        start as usize..ends[run][bucket] as usize
+        let ends = at(&ends, run);
+        let start = if bucket == 0 { 0 } else { *at(ends, bucket - 1) };
+        start as usize..*at(ends, bucket) as usize
     };
     let buckets = Buckets {
         join,
@@ -73,7 +74,7 @@ fn sort_buckets(from: &mut [u64], to: &mut [u64], lowest: u32, join: Option<&Joi
     // While runs are read, nothing is written to `to`.
     buckets.each(0..BUCKETS, from, &mut [], &|bucket, keys, _| {
         let runs = to.chunks(length).enumerate();
-        sort_digit(runs.map(|(run, keys)| &keys[range(run, bucket)]), keys, lowest);
+        sort_digit(runs.map(|(run, keys)| part(keys, range(run, bucket))), keys, lowest);
     });
     buckets.each(0..BUCKETS, from, to, &|_, from, to| {
         sort_digit(once(&*from), to, lowest + DIGIT_BITS);
@@ -92,13 +93,13 @@ impl Buckets<'_> {
         buckets: Range<usize>,
         a: &mut [u64],
         b: &mut [u64],
-        task: &(impl Fn(usize, &mut [u64], &mut [u64]) + Sync),
+        task: &(dyn Fn(usize, &mut [u64], &mut [u64]) + Sync),
     ) {
         if buckets.len() == 1 {
             return task(buckets.start, a, b);
         }
         let middle = buckets.start + buckets.len() / 2;
-        let size = self.sizes[buckets.start..middle].iter().sum();
+        let size = part(&self.sizes, buckets.start..middle).iter().sum();
         let ((a, right_a), (b, right_b)) = (split(a, size), split(b, size));
         both(
             self.join,

@@ -6,7 +6,7 @@
 
 use super::{BuildOptions, BvhStorage};
 use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE, Node, node_bound};
-use crate::index::split;
+use crate::index::{at, at_mut, split};
 use crate::parallel::{GRAIN, Join, both};
 use crate::{Aabb, Bvh, CapacityError, Mesh};
 
@@ -128,7 +128,7 @@ impl<D: Divide> Tree<'_, D> {
         };
         right.0 = moved(right.0);
         for index in left.1..left.1 + right.1 {
-            below[index] = moved(below[index + gap]);
+            *at_mut(below, index) = moved(*at(below, index + gap));
         }
         [left, right]
     }
