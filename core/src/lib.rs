@@ -1,11 +1,163 @@
 #![no_std]
-//! The allocation-free heart of `pfront`.
+//! Finds every pair of intersecting triangles of two meshes, or of one mesh with itself, exactly and without
+//! allocation.
+//!
+//! This crate has the data structures and algorithms of `pfront` on one thread, in memory that the caller provides.
+//! Its central structures are the BVH, the bounding volume test tree (BVTT) of two BVHs, and the p-partition front, a cut
+//! through the BVTT that divides a query evenly among p workers (Zhang & Kim, *Scalable Collision Detection Using
+//! p-Partition Fronts on Many-Core Processors*, TVCG 2014).
+//!
+//! # Modules
+//! In the order in which data flows through them:
+//!
+//! - [`mesh`]: borrowed positions and triangles, checked once; [`pose`]: affine maps, and how a posed vertex is rounded;
+//!   [`aabb`]: boxes;
+//! - [`exact`]: exact signs of orientation determinants, with floating-point filters before integers;
+//! - [`triangle`]: whether two triangles intersect, the rule for triangles that share vertices, and contacts;
+//! - `simd` (private): boxes and triangles in vector lanes;
+//! - [`bvh`]: builds, refits, checks and compact nodes of a BVH; [`blob`]: a BVH and its mesh as bytes;
+//! - [`bvtt`]: the traversal, its cursor, and the queries [`bvtt::PairQuery`] and [`bvtt::SelfQuery`];
+//! - [`front`]: fronts, their refinement, their partition, and the cost history from frame to frame;
+//! - [`one_ring`]: certificates that save a self query the tests of neighbours.
+//!
+//! # Guarantees
+//! - **Exact.** With [`triangle::Accuracy::Exact`], the default, a query finds the pairs of closed triangles that
+//!   intersect, no more and no fewer, for the f32 positions given. Touching counts.
+//! - **No allocation.** Buffers are slices of the caller's. A `const fn` such as [`bvh::node_bound`] gives the length, and
+//!   [`CapacityError`] says how many elements a buffer lacks. Stack use is bounded: no query recurses.
+//! - **No `std`.** The crate is `no_std` and needs no allocator.
+//! - **Additive features.** `std`, the one feature, switches on run-time detection of AVX2 and the float functions of the
+//!   standard library. It changes no answer and no type.
 //!
 //! # Floating-point environment
 //! Exact answers need IEEE 754's default environment on every thread that calls: rounding to nearest, and
 //! subnormal numbers kept (no FTZ or DAZ, so no `-ffast-math` start-up code of the host). Rust assumes
-//! that environment everywhere. [`Mesh::new`] and [`Mesh::with_positions`] look at it and refuse to work in
-//! another one; queries do not look again. The C API sets and restores it by itself.
+//! that environment everywhere. [`Mesh::new`] and [`Mesh::with_positions`] check it and return
+//! [`MeshError::FloatEnvironment`] in another one; queries do not check it again. The C API sets and restores it by
+//! itself.
+//!
+//! # Examples
+//! ## A pair query
+//! Two meshes, the second in a pose relative to the first:
+//! ```
+//! use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
+//! use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
+//! use pfront_core::{Mesh, Node, Pose};
+//!
+//! let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+//! let square = Mesh::new(&positions, &[[0, 1, 2], [1, 3, 2]])?;
+//! let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
+//! let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+//! let mut scratch = [0; morton_scratch_bound(2)];
+//! let bvh = morton(square, &BuildOptions::default(), storage, &mut scratch)?;
+//!
+//! // The square stands upright on the corner at (1, 1).
+//! let upright = Pose::new([[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, -1.0, 1.0], [0.0, 1.0, 0.0, 0.0]]);
+//! let query = PairQuery::new(bvh, bvh, upright)?;
+//! assert_eq!(query.any(), Some(TrianglePair { a: 1, b: 0 }));
+//! assert_eq!(query.count(), 1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! ## A self query
+//! One mesh with itself. What neighbours share by index is no hit:
+//! ```
+//! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
+//! use pfront_core::bvtt::{Query, SelfQuery, TrianglePair};
+//! # use pfront_core::{Mesh, Node};
+//! // Triangles 0 and 1 share an edge; triangle 2 pierces triangle 0.
+//! let positions = [
+//!     [0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [4.0, 4.0, 0.0],
+//!     [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0],
+//! ];
+//! let mesh = Mesh::new(&positions, &[[0, 1, 2], [1, 3, 2], [4, 5, 6]])?;
+//! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(3)], [0; 3]);
+//! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+//! let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; morton_scratch_bound(3)])?;
+//! let query = SelfQuery::new(bvh);
+//! assert_eq!(query.count(), 1);
+//! let pair = TrianglePair { a: 0, b: 2 };
+//! assert_eq!(query.any(), Some(pair));
+//! assert!(query.contact(pair).is_some());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! ## Page by page
+//! [`Query::page`](bvtt::Query::page) fills a slice of any length and goes on from there with the next call:
+//! ```
+//! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
+//! use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
+//! # use pfront_core::{Mesh, Node, Pose};
+//! # let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+//! # let square = Mesh::new(&positions, &[[0, 1, 2], [1, 3, 2]])?;
+//! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
+//! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+//! # let mut scratch = [0; morton_scratch_bound(2)];
+//! # let bvh = morton(square, &BuildOptions::default(), storage, &mut scratch)?;
+//! let query = PairQuery::new(bvh, bvh, Pose::IDENTITY)?;
+//! let (mut cursor, mut page) = (query.start(), [TrianglePair::default(); 3]);
+//! let mut total = 0;
+//! while !cursor.is_done() {
+//!     let len = query.page(&mut cursor, &mut page);
+//!     total += page[..len].len();
+//! }
+//! assert_eq!(total, 4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! ## A front by hand
+//! Each frame refines a front, partitions it over two workers, and traverses from its nodes. The measured costs are the
+//! history of the next frame. Here the workers run one after the other; `pfront-cpu` runs them on threads:
+//! ```
+//! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
+//! use pfront_core::bvtt::{Bvtt, Cursor, NodePair, PairQuery, Query};
+//! use pfront_core::front::{CostEntry, CostHistory, Front, FrontNode, Part, RefineOptions};
+//! # use pfront_core::{Mesh, Node, Pose};
+//! use std::ops::ControlFlow;
+//! # let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+//! # let square = Mesh::new(&positions, &[[0, 1, 2], [1, 3, 2]])?;
+//! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
+//! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+//! # let mut scratch = [0; morton_scratch_bound(2)];
+//! # let options = BuildOptions { leaf_size: 1, ..BuildOptions::default() };
+//! # let bvh = morton(square, &options, storage, &mut scratch)?;
+//! const WORKERS: usize = 2;
+//! let mut front_nodes = [FrontNode::default(); 64];
+//! let mut history = [CostEntry::default(); 64];
+//! let mut entries = 0;
+//! for frame in 0..3 {
+//!     let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.1 * frame as f32, 0.0, 0.0]))?;
+//!     let mut front = Front::new(&mut front_nodes);
+//!     if let Some(root) = query.root() {
+//!         front.add(0, root)?;
+//!     }
+//!     let past = CostHistory::new(&history[..entries]);
+//!     let report = front.refine(&RefineOptions::new(WORKERS), past, |_| &query);
+//!     assert!(!report.full);
+//!     let mut parts = [Part::default(); WORKERS];
+//!     let nodes = front.partition(&mut parts);
+//!
+//!     // Worker number `w` takes the nodes whose `part` is `w`, with one cursor for all of them.
+//!     let (mut costs, mut pairs) = ([0.0; 64], 0);
+//!     for worker in 0..WORKERS as u32 {
+//!         let mut cursor = Cursor::at(None::<NodePair>);
+//!         for (node, cost) in nodes.iter().zip(&mut costs).filter(|(node, _)| node.part == worker) {
+//!             let before = cursor.work();
+//!             cursor.restart(node.pair);
+//!             let _ = query.visit(&mut cursor, |_| {
+//!                 pairs += 1;
+//!                 ControlFlow::Continue(())
+//!             });
+//!             let box_tests = cursor.work().box_tests - before.box_tests;
+//!             let triangle_tests = cursor.work().triangle_tests - before.triangle_tests;
+//!             *cost = 1.0 + box_tests as f32 + 6.5 * triangle_tests as f32;
+//!         }
+//!     }
+//!     assert_eq!(pairs, query.count());
+//!     entries = CostHistory::record(&mut history, nodes, costs)?;
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #[cfg(feature = "std")]
 extern crate std;

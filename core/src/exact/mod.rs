@@ -2,12 +2,12 @@
 //!
 //! A determinant is computed with a bound on its rounding error; a sign that the bound certifies is
 //! exact, and only the others cost more (Shewchuk, *Adaptive Precision Floating-Point Arithmetic and Fast
-//! Robust Geometric Predicates*, 1997). An [`Orientation`] is one way to decide:
+//! Robust Geometric Predicates*, 1997). An `Orientation` is one way to decide:
 //!
-//! - [`CertifiedF32`]: f32, certified signs only. Nearly all triangle pairs end here;
-//! - [`CertifiedF64`]: f64, certified signs only;
-//! - [`Exact`]: what f64 does not certify is computed in `i128`, or in 896 bits where that is too narrow;
-//! - [`Fast`]: f32 without a bound.
+//! - `CertifiedF32`: f32, certified signs only. Nearly all triangle pairs end here;
+//! - `CertifiedF64`: f64, certified signs only;
+//! - `Exact`: what f64 does not certify is computed in `i128`, or in 896 bits where that is too narrow;
+//! - `Fast`: f32 without a bound.
 //!
 //! Two departures from Shewchuk: the bounds take the largest difference per axis in place of the permanent,
 //! as Devillers and Pion do (*Efficient Exact Geometric Predicates for Delaunay Triangulations*, 2003), and

@@ -3,17 +3,17 @@
 //! # How a pair is decided
 //! Only signs of orientation determinants decide, so that exact signs make exact answers and touching needs
 //! no tolerance. Two triangles in general position take up to eight, those of Devillers and Guigue (*Faster
-//! Triangle-Triangle Intersection Tests*, INRIA RR-4488, 2002), in [`meet`]:
+//! Triangle-Triangle Intersection Tests*, INRIA RR-4488, 2002), in `meet`:
 //!
 //! 1. the sides of the plane of b on which the corners of a lie. All strictly on one side: disjoint;
 //! 2. the same for the corners of b and the plane of a;
 //! 3. otherwise each triangle cuts the line common to both planes in an interval. The two intervals overlap
-//!    if the end of each is not before the start of the other, which is two more signs ([`cross`]).
+//!    if the end of each is not before the start of the other, which is two more signs (`cross`).
 //!
 //! If all three signs of a step are zero, the planes coincide or a triangle is degenerate: see `coplanar`.
 //!
 //! # Where signs come from
-//! The test is written once over [`Orientation`] and run with one kind of signs after the other. [`Accuracy`]
+//! The test is written once over `Orientation` and run with one kind of signs after the other. [`Accuracy`]
 //! chooses the kinds:
 //!
 //! - exact: signs that f32 certifies; if one is uncertain, the whole test anew with exact signs;
@@ -22,7 +22,7 @@
 //!
 //! # Where we depart
 //! The paper permutes corners case by case. Here one rule finds the corner that is alone on its side
-//! ([`apex`]), for every pattern with zeros too; and degenerate triangles are tested as the segments or
+//! (`apex`), for every pattern with zeros too; and degenerate triangles are tested as the segments or
 //! points that they are. `in_mesh` has the rule for triangles that share vertices, `contact` the segment in
 //! which two intersect.
 
