@@ -21,7 +21,7 @@ impl Control {
         Self { stop: AtomicBool::new(false), late: AtomicBool::new(false), deadline }
     }
 
-    /// Whether somebody has said stop, or the deadline is past.
+    /// Whether a visitor broke or the deadline is past.
     pub(crate) fn is_over(&self) -> bool {
         if self.stop.load(Relaxed) {
             return true;

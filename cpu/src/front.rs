@@ -17,7 +17,7 @@ const NODES_PER_WORKER: usize = 128;
 /// How much finer estimated nodes are than measured ones where nobody steals.
 const ESTIMATED: f64 = 6.0;
 
-/// A node pair that a front starts from: the root of a query, or what a cursor of it had pending.
+/// A node pair that a front starts from: the root of a query, or a pending node pair of its cursor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
     pub(crate) query: u32,

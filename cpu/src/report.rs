@@ -77,8 +77,8 @@ impl Report {
         work.box_tests as f64 + f64::from(self.triangle_cost) * work.triangle_tests as f64
     }
 
-    /// Adds a frame that continues this one: counts and durations are summed, of what does not add up the largest is
-    /// kept, and both have to be coherent.
+    /// Adds a frame that continues this one: counts and durations are summed, maxima are kept of values
+    /// that do not add up, and the sum is coherent if both frames are.
     pub fn add(&mut self, next: &Self) {
         self.shares.resize(self.shares.len().max(next.shares.len()), Share::default());
         for (share, more) in self.shares.iter_mut().zip(&next.shares) {

@@ -28,13 +28,13 @@ pub const TRIANGLE_COST: f32 = 6.5;
 pub struct Settings {
     /// The way in which nodes are assigned to workers.
     pub schedule: Schedule,
-    /// The g of eq. 1, 8 by default: no node of a front that can be split costs more than 1/g of what a worker gets.
+    /// The g of eq. 1, 8 by default: no node of a front that can be split costs more than 1/g of the mean load of a worker.
     /// Under [`Schedule::Static`] nodes whose cost is an estimate are six times as fine.
     pub g: f64,
     /// The k of |n| = m1 + k·m2: what a triangle test costs, in box tests. A constant by default, [`TRIANGLE_COST`],
     /// so that fronts and all that a [`Report`](crate::Report) counts are the same everywhere.
     pub triangle_cost: f32,
-    /// Whether the costs of the last frame are used. Without, each frame stands for itself, as in
+    /// Whether the costs of the last frame are used. Without them each frame is independent, as in
     /// section 3.2.2.
     pub coherence: bool,
     /// The most nodes a front may have; it then stays coarser. At least 1 per query is needed and taken.

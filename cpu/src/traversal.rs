@@ -26,13 +26,13 @@ pub const MAX_WORKERS: usize = 4096;
 
 /// Answers queries frame after frame with p workers.
 ///
-/// Use one for each series of frames that resemble each other: what the last frame cost tells how to
+/// Use one for each series of frames that resemble each other: the costs of the last frame tell how to
 /// divide the next. Nothing but speed depends on it, and a jump is noticed. Verbs ending in `_of` ask
 /// many queries at once, under one bound and one partition (eq. 5); a query is remembered by its number
 /// in the slice, see [`Traversal::renumber`].
 ///
 /// A frame that is expected to be small, and any search for one hit, begins on the calling thread. After as much work as
-/// it takes to call others, what its cursor has pending goes to them as the start of a front; nothing is done twice.
+/// it takes to call others, the pending node pairs of its cursor start a front for them; nothing is done twice.
 ///
 /// After a break or a panic in a visitor it can be used as before.
 #[derive(Clone, Debug)]
@@ -315,7 +315,7 @@ impl Traversal {
         self.report.traversal_time = clock.elapsed();
     }
 
-    /// Divides what is left by a front. Costs are remembered of a front that begins at the roots.
+    /// Divides the pending node pairs by a front. Costs are remembered for a front that begins at the roots.
     fn divide<Q: Query + Sync, O: Output>(
         &mut self,
         queries: &[Q],
@@ -342,7 +342,7 @@ impl Traversal {
         }
     }
 
-    /// Traverses what is left by work stealing.
+    /// Traverses the pending node pairs by work stealing.
     fn steal<Q: Query + Sync, O: Output>(
         &mut self,
         queries: &[Q],

@@ -11,7 +11,7 @@ use pfront_core::front::FrontNode;
 use rayon::{Scope, ThreadPool};
 use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 
-/// Buffers for one partition, and what is counted.
+/// Buffers for one partition, and its counters.
 #[derive(Debug, Default)]
 pub(crate) struct Workers {
     parts: Vec<PartOfFront>,
@@ -138,7 +138,7 @@ impl Workers {
     }
 }
 
-/// Runs on the calling thread what may call others.
+/// Runs a function on the calling thread, with a scope to call others.
 fn in_scope<'s>(pool: Option<&ThreadPool>, run: impl FnOnce(&Scope<'s>)) {
     match pool {
         Some(pool) => pool.in_place_scope(run),

@@ -1,5 +1,5 @@
 //! Where a traversal stopped: the node pairs still to be visited, the place inside the topmost leaf pair, the
-//! work done and what is left of the budget.
+//! work done and the rest of the budget.
 
 use super::NodePair;
 use crate::bvh::MAX_DEPTH;
@@ -138,7 +138,7 @@ impl Cursor {
         self.len == 0
     }
 
-    /// The node pairs below which not everything has been visited, the next one last: a front of what is left.
+    /// The node pairs below which not everything has been visited, the next one last: a front of the rest of the traversal.
     #[must_use]
     pub fn pending(&self) -> &[NodePair] {
         range(&self.stack, 0, self.len as u32)

@@ -6,8 +6,8 @@
 //!
 //! How to read this folder: `traversal` is the loop; `cursor` is where it stopped; `pair` and
 //! `self_collision` say what the children of a node pair are and which triangles meet in a leaf pair;
-//! `wide_node` and `block` put boxes and triangles into vector lanes for them; `query` is what a user
-//! asks.
+//! `wide_node` and `block` put boxes and triangles into vector lanes for them; `query` has the verbs
+//! of the public interface.
 //!
 //! # Where we depart from the paper
 //! The traversal descends two levels at a time, all pairs of up to four nodes and four others, since a
@@ -119,8 +119,8 @@ impl NodePair {
     /// The pair of roots.
     pub(crate) const ROOT: Self = Self { a: 0, b: 0 };
 
-    /// The pairs of this pair's children, in ascending order; a leaf stands for its children. Nothing for a leaf
-    /// pair.
+    /// The pairs of the children of both nodes, in ascending order; a leaf counts as its only child. A leaf pair has
+    /// none.
     pub(crate) fn split<A: Layout, B: Layout>(
         self,
         a: &Bvh<'_, A>,

@@ -1,7 +1,7 @@
 //! Rejection of triangle pairs by supporting planes, a pair in each lane.
 //!
 //! A triangle strictly on one side of another's plane does not intersect it, which rejects nearly all pairs whose
-//! boxes overlap. The signs are certified by the bound of [`crate::exact::filter32`]; whatever is left goes to
+//! boxes overlap. The signs are certified by the bound of [`crate::exact::filter32`]; all other pairs go to
 //! the exact test of [`crate::triangle`].
 
 use crate::exact::filter32::{ERROR, MAX_EXTENT, UNDERFLOW};

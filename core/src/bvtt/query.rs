@@ -1,7 +1,7 @@
 //! Queries over borrowed meshes, in memory the caller already has.
 //!
-//! [`PairQuery`] and [`SelfQuery`] say what is asked; a [`Cursor`] says how far the answer has come.
-//! The verbs are those of [`Query`].
+//! [`PairQuery`](super::PairQuery) and [`SelfQuery`](super::SelfQuery) are the queries, [`Query`] has their verbs, and a
+//! [`Cursor`] holds the progress of one.
 
 use super::{Bvtt, Cursor, TrianglePair};
 use crate::triangle::Contact;

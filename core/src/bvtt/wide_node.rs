@@ -4,7 +4,7 @@ use super::NodePair;
 use crate::bvh::{Bvh, Layout};
 use crate::simd::Box4;
 
-/// The grandchildren of a node; a child that is a leaf stands for its own, a leaf for itself.
+/// The grandchildren of a node. A leaf counts as its only child.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WideNode {
     nodes: [u32; 4],

@@ -12,7 +12,7 @@ use crate::bvtt::{Bvtt, NodePair};
 pub(super) const TESTS_PER_TRIANGLE: f64 = 16.0;
 
 /// Estimates the cost of a node in box tests before anything below it has been visited. A single estimate may be off by
-/// an order of magnitude. Sums over any cut through a BVTT, such as what is
+/// an order of magnitude. Sums over any cut through a BVTT, such as the node pairs that are
 /// [pending](crate::bvtt::Cursor::pending), are as good.
 ///
 /// # Complexity

@@ -1,6 +1,6 @@
 //! A binary heap in a slice.
 
-/// Restores a heap of which `at` may have to move down; an item stands above another if it is `before` that.
+/// Restores a heap in which the item `at` may have to move down; an item is above another if it is `before` it.
 #[inline]
 pub(crate) fn sift_down<T: Copy>(heap: &mut [T], mut at: usize, before: impl Fn(&T, &T) -> bool) {
     let Some(&moved) = heap.get(at) else { return };

@@ -2,7 +2,7 @@
 //!
 //! Zhang & Kim 2014, section 3. A frame goes through four steps, all in the caller's memory:
 //!
-//! 1. [`Front::add`] puts in the roots of the queries, or what a cursor has pending.
+//! 1. [`Front::add`] adds the roots of the queries, or the pending node pairs of a cursor.
 //! 2. [`Front::refine`] descends from there to a starting front F_s, gives its nodes the costs of the last frame
 //!    ([`CostHistory`]) or estimates from their overlap, and splits nodes until none costs more than a given share of the
 //!    whole (Algorithm 2).

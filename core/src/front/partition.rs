@@ -14,7 +14,7 @@ use crate::index::at_mut;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Part {
-    /// The sum of the costs of its nodes: what it is predicted to cost.
+    /// The predicted cost: the sum of the costs of its nodes.
     pub cost: f64,
     /// Its number, which is [`FrontNode::part`] of its nodes.
     pub number: u32,
@@ -22,7 +22,7 @@ pub struct Part {
 
 impl<'a> Front<'a> {
     /// Assigns each node to one of `parts`, of which there is at least one: sets [`FrontNode::part`], and in `parts`, by
-    /// number, what each is predicted to cost. The largest is the predicted makespan. Returns the nodes, dearest first.
+    /// number, the predicted costs. The largest is the predicted makespan. Returns the nodes, dearest first.
     ///
     /// The result depends on nothing but the nodes.
     ///

@@ -22,17 +22,17 @@ pub(super) const WORTH_SPLITTING: f64 = 64.0;
 /// A node that the last frame split is split again if it costs more than this share of the bound.
 const HYSTERESIS: f64 = 0.5;
 
-/// How small the nodes of a front must be: no node that can be split costs more than 1/g of what a worker gets on
-/// average (eq. 1; eq. 5 where a front serves many queries). The paper has one g, and uses 2.
+/// The grain of a refined front: no node that can be split costs more than 1/g of the mean load of a worker
+/// (eq. 1; eq. 5 where a front serves many queries). The paper has one g, and uses 2.
 ///
-/// A g of 0 asks for nothing, an infinite one for nodes as small as are worth it.
+/// A g of 0 keeps the starting front; an infinite g splits every node that is worth a split.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RefineOptions {
     /// p. With 1 the front stays as it was added.
     pub workers: usize,
-    /// g where the last frame measured what a node costs.
+    /// g for nodes whose cost the last frame measured.
     pub g: f64,
-    /// g where the cost is an estimate, whose errors only a larger number of nodes averages out.
+    /// g for nodes whose cost is an estimate. A larger number of nodes averages out the errors.
     pub g_estimated: f64,
 }
 
@@ -116,8 +116,8 @@ impl Front<'_> {
         }
     }
 
-    /// Sets the costs of a starting front: those of the last frame, and by overlap what it did not have, on the scale
-    /// of what it had.
+    /// Sets the costs of a starting front: those of the last frame, and for nodes without one an estimate by overlap on
+    /// the scale of the known ones.
     fn set_costs<Q: Bvtt>(&mut self, history: CostHistory<'_>, query: &impl Fn(u32) -> Q) {
         let mut rest = history;
         for node in self.nodes_mut() {

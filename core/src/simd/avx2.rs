@@ -53,7 +53,7 @@ struct Avx(__m256);
 #[derive(Clone, Copy)]
 struct Mask(__m256);
 
-/// Calls an intrinsic on what is in some of these.
+/// Calls an intrinsic on the registers of its arguments.
 macro_rules! call {
     ($intrinsic:ident$(::<$constant:ident>)?($($of:expr),*)) => {
         // SAFETY: `Avx` and `Mask` exist only below `with_features`, so AVX2 is there; the intrinsics

@@ -76,7 +76,7 @@ fn in_halves<T: Task>(task: T) -> T::Output {
 #[derive(Clone, Copy)]
 pub(crate) struct Halves(Vec4, Vec4);
 
-/// Truth values of [`Halves`]: what glam compares `Vec4` to, but for its feature `scalar-math`.
+/// Truth values of [`Halves`]: the masks of glam's `Vec4`, unless its feature `scalar-math` is on.
 #[derive(Clone, Copy)]
 pub(crate) struct HalfMasks(BVec4A, BVec4A);
 

@@ -13,7 +13,7 @@ use crate::exact::{
 };
 use glam::Vec3Swizzles;
 
-/// 2^30: what exceeds its error bound as many times is known within 2^-30.
+/// 2^30: a value that exceeds its error bound by this factor is known within a relative 2^-30.
 const TWO_30: f64 = 1_073_741_824.0;
 
 /// How two triangles meet.

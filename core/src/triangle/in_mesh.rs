@@ -1,4 +1,4 @@
-//! Triangles of one mesh: what they share by index is not a contact.
+//! Triangles of one mesh: a vertex or edge that they share by index is not a contact.
 //!
 //! The rule of `accuracy.md` (contract 4), made precise where triangles are degenerate:
 //!
