@@ -6,6 +6,7 @@
 
 use crate::index::{at, part, split};
 use crate::parallel::{GRAIN, Join, both, each};
+use crate::simd::VECTORS;
 use core::array::from_fn;
 use core::iter::once;
 use core::mem::replace;
@@ -32,7 +33,8 @@ pub(super) fn sort(from: &mut [u64], to: &mut [u64], lowest: u32, join: Option<&
         }
         return insert_each(to);
     }
-    if from.len() > 8 * GRAIN {
+    // Firmware, which has no vectors, has no meshes so large either, and little room for code.
+    if VECTORS && from.len() > 8 * GRAIN {
         return sort_buckets(from, to, lowest, join);
     }
     sort_digit(once(&*from), to, lowest);
