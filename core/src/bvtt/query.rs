@@ -22,8 +22,7 @@ pub trait Query: Bvtt {
     ///
     /// # Complexity
     /// Up to 16 box tests per step of two levels of the BVTT and one triangle test per pair of overlapping
-    /// triangle boxes; no allocation, no recursion, below 28 KiB of stack, 20 KiB without the feature
-    /// `std`.
+    /// triangle boxes; no allocation, no recursion, below 28 KiB of stack.
     fn visit(
         &self,
         cursor: &mut Cursor,
