@@ -133,10 +133,10 @@ impl Counters {
     }
 }
 
-/// Checks that a pose suits a mesh within `bounds`: as [`Pose::check`] does, and that no extent that
-/// `boxes.wgsl` pads by 2^-19 of itself leaves the range of f32, where infinity times a zero would be NaN.
+/// Checks that a pose suits a mesh within `bounds`: as [`Pose::check`] does, and that no coordinate is beyond half the
+/// range of f32, since shaders subtract and pad coordinates before they pose them.
 pub(crate) fn check_pose(pose: &Pose, bounds: &Aabb) -> Result<(), PoseError> {
-    const MOST: f32 = f32::MAX * (1.0 - 3.814_697_3e-6);
+    const MOST: f32 = f32::MAX / 2.0;
     pose.check(bounds)?;
     match (0..3).find(|&k| bounds.min[k].abs().max(bounds.max[k].abs()) > MOST) {
         Some(row) => Err(PoseError::Range { row }),

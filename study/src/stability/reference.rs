@@ -217,7 +217,9 @@ mod tests {
             let reference = Reference::of(&query, workers, 0.02, &settings);
             assert!(reference.imbalance >= reference.lower_bound * 0.999, "{reference:?}");
             assert!(reference.imbalance <= 1.02 || workers > 7, "{reference:?}");
-            assert!(reference.nodes >= workers, "{reference:?}");
+            // Nothing is split once a leaf pair, which cannot be, is the dearest.
+            let at_bound = reference.imbalance <= reference.lower_bound * 1.001;
+            assert!(reference.nodes >= workers || at_bound, "{reference:?}");
         }
         let empty = Model::new(Vec::new(), Vec::new()).unwrap();
         let nothing = Reference::of(&SelfQuery::new(empty.bvh()), 8, 0.02, &settings);
