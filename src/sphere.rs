@@ -86,7 +86,6 @@ fn upwards(radius: f64) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
     use super::*;
     use pfront_core::{Aabb, Mesh, Node};

@@ -28,11 +28,11 @@ impl Grid {
         let mut grid = Self { origin: [0.0; LANES], bins_per_unit: [0.0; LANES] };
         let extent = [0, 1, 2].map(|axis| centres.max[axis] - centres.min[axis]);
         let thin = THIN * extent.into_iter().fold(0.0, f32::max);
-        for axis in 0..3 {
+        for (axis, extent) in extent.into_iter().enumerate() {
             grid.origin[axis] = centres.min[axis];
             // A hair below `bins`, so that the last centre is not rounded up into one bin more.
-            let per_unit = bins as f32 * 0.9999 / extent[axis];
-            let is_usable = per_unit <= f32::MAX && extent[axis] >= thin;
+            let per_unit = bins as f32 * 0.9999 / extent;
+            let is_usable = per_unit <= f32::MAX && extent >= thin;
             grid.bins_per_unit[axis] = if is_usable { per_unit } else { 0.0 };
         }
         grid

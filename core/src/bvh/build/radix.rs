@@ -83,6 +83,9 @@ fn sort_buckets(from: &mut [u64], to: &mut [u64], lowest: u32, join: Option<&Joi
     });
 }
 
+/// Work on one bucket, by its number, in two slices of keys.
+type BucketTask<'t> = dyn Fn(usize, &mut [u64], &mut [u64]) + Sync + 't;
+
 struct Buckets<'b> {
     join: Option<&'b Join<'b>>,
     sizes: [usize; BUCKETS],
@@ -90,13 +93,7 @@ struct Buckets<'b> {
 
 impl Buckets<'_> {
     /// Calls `task` on each bucket in two slices.
-    fn each(
-        &self,
-        buckets: Range<usize>,
-        a: &mut [u64],
-        b: &mut [u64],
-        task: &(dyn Fn(usize, &mut [u64], &mut [u64]) + Sync),
-    ) {
+    fn each(&self, buckets: Range<usize>, a: &mut [u64], b: &mut [u64], task: &BucketTask<'_>) {
         if buckets.len() == 1 {
             return task(buckets.start, a, b);
         }
