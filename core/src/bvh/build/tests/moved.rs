@@ -89,6 +89,7 @@ fn a_set_knows_what_it_holds() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "miri is slow")]
 fn a_table_or_a_set_one_short_is_an_error_that_names_the_need() {
     let (positions, triangles) = grid(8);
     let mesh = Mesh::new(&positions, &triangles).unwrap();
