@@ -6,8 +6,8 @@
 //!
 //! How to read this folder: `traversal` is the loop; `cursor` is where it stopped; `pair` and
 //! `self_collision` say what the children of a node pair are and which triangles meet in a leaf pair;
-//! `wide_node` and `block` put boxes and triangles into vector lanes for them; `query` has the verbs
-//! of the public interface.
+//! `wide_node` and `block` put boxes and triangles into vector lanes for them, `block_pairs` and `planes`
+//! reject most triangle pairs there; `query` has the verbs of the public interface.
 //!
 //! # Where we depart from the paper
 //! The traversal descends two levels at a time, all pairs of up to four nodes and four others, since a
