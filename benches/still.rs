@@ -9,8 +9,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use pfront::planner::{Machine, Planner};
 use pfront::{BodyId, Model, Pose, SceneQuery};
 use pfront_scenes::icosphere;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{RngExt, seeded};
 use std::sync::Arc;
 
 const BODIES: usize = 10_000;
@@ -34,7 +33,7 @@ struct Crowd {
 
 impl Crowd {
     fn new(mut query: SceneQuery, moving: usize) -> Self {
-        let random = &mut ChaCha8Rng::seed_from_u64(1);
+        let random = &mut seeded(1);
         let ball = icosphere(TRIANGLES);
         let ball = Arc::new(Model::new(ball.positions, ball.triangles).unwrap());
         let mut body = |number: usize| {

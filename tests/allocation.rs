@@ -10,9 +10,8 @@ use pfront::{
     Accuracy, Adjacency, BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SceneQuery,
     SelfQuery, TrianglePair,
 };
-use pfront_oracle::generate::soup::{Soup, pose_rows, sheet, sphere, tangle};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use pfront_testkit::rng::seeded;
+use pfront_testkit::shapes::{Soup, pose_rows, sheet, sphere, tangle};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -121,7 +120,7 @@ fn threads_take_no_memory_for_each_pair_of_bodies() {
 
 #[test]
 fn the_core_allocates_nothing() {
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut rng = seeded(1);
     for soup in [sphere(20), sheet(20, |x, y| x * y), tangle(30, 300, 2, &mut rng)] {
         let n = soup.triangles.len();
         let mut nodes = vec![Node::EMPTY; node_bound(n)];
@@ -189,7 +188,7 @@ fn verbs(query: &impl Query) -> u64 {
 
 #[test]
 fn steady_frames_allocate_nothing() {
-    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut rng = seeded(2);
     let (a, b) = (model(&sphere(20)), model(&sphere(16)));
     let mut query = PairQuery::new();
     let poses: Vec<_> = (0..30).map(|_| Pose::new(pose_rows(1.0, &mut rng))).collect();
@@ -259,7 +258,7 @@ fn steady_frames_of_a_mesh_that_is_fitted_late_or_in_part_allocate_nothing() {
 
 #[test]
 fn steady_frames_of_a_scene_allocate_nothing() {
-    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut rng = seeded(3);
     let ball = Arc::new(model(&sphere(8)));
     let mut scene = SceneQuery::new();
     let mut place = |reach| Pose::new(pose_rows(reach, &mut rng));

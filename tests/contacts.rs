@@ -2,10 +2,9 @@
 
 use pfront::ContactKind;
 use pfront::core::triangle::contact;
-use pfront_oracle::generate::{Family, Triangle};
-use pfront_oracle::{crossing_points, intersect};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use pfront_testkit::oracle::{crossing_points, intersect};
+use pfront_testkit::rng::seeded;
+use pfront_testkit::{Triangle, families::Family};
 
 const PAIRS: u32 = 10_000;
 
@@ -14,7 +13,7 @@ const PAIRS: u32 = 10_000;
 #[test]
 fn ends_are_where_the_documentation_says() {
     for family in Family::ALL {
-        let mut rng = ChaCha8Rng::seed_from_u64(21);
+        let mut rng = seeded(21);
         for _ in 0..PAIRS {
             let (a, b) = family.pair(&mut rng);
             let found = contact(&a, &b);

@@ -1,9 +1,8 @@
 //! Self-collision around one vertex against brute force with the exact oracle: where certificates answer.
 
 use pfront::{Model, SelfQuery, TrianglePair};
-use pfront_oracle::self_pairs;
-use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::oracle::self_pairs;
+use pfront_testkit::rng::{Rng, RngExt, seeded};
 
 /// A centre and a rim about it, wound `turns` times, then disturbed.
 fn rim(n: usize, turns: f32, rng: &mut impl Rng) -> Vec<[f32; 3]> {
@@ -47,7 +46,7 @@ fn one_ring(n: usize, ring: bool, rng: &mut impl Rng) -> Vec<[u32; 3]> {
 
 #[test]
 fn rings_and_rows_of_every_kind() {
-    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let mut rng = seeded(9);
     let (mut certified, mut met) = (0, 0);
     for round in 0..20_000 {
         let n = rng.random_range(3..12);

@@ -7,12 +7,11 @@
 
 use pfront::core::triangle::{contact, intersects, intersects_in_mesh};
 use pfront::{Accuracy, Adjacency, Mesh};
-use pfront_oracle::generate::{Family, Triangle};
-use pfront_oracle::{Point, intersect, self_hit, share_a_vertex};
+use pfront_testkit::Point;
+use pfront_testkit::oracle::{intersect, self_hit, share_a_vertex};
+use pfront_testkit::rng::{RngExt, seeded};
+use pfront_testkit::{Triangle, families::Family};
 use proptest::prelude::*;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 
 /// Pairs of each family: 29 · 35,000 closed triangles, and 29 · 10,000 of one mesh.
 const CLOSED: u32 = 35_000;
@@ -112,7 +111,7 @@ fn step(x: f32, steps: i32) -> f32 {
 }
 
 fn closed_triangles(family: Family) {
-    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let mut rng = seeded(11);
     for i in 0..CLOSED {
         let (a, b) = family.pair(&mut rng);
         if i % 64 == 0 {
@@ -169,7 +168,7 @@ fn agree_contact(a: &Triangle, b: &Triangle, truth: bool) {
 }
 
 fn triangles_of_one_mesh(family: Family) {
-    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let mut rng = seeded(12);
     for _ in 0..WITHIN {
         let (positions, ta, tb) = family.indexed(&mut rng);
         agree_within(&positions, [ta, tb]);

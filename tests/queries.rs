@@ -13,11 +13,10 @@ use pfront::{
     Accuracy, Adjacency, BuildOptions, Model, Node, PairQuery, Pose, SceneQuery, SelfQuery,
     TrianglePair,
 };
-use pfront_oracle::generate::Family;
-use pfront_oracle::generate::soup::{Soup, family, pose_rows, posed, sheet, sphere, tangle, union};
-use pfront_oracle::{pairs, self_pairs, share_a_vertex};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use pfront_testkit::families::Family;
+use pfront_testkit::oracle::{pairs, self_pairs, share_a_vertex};
+use pfront_testkit::rng::{ChaCha8Rng, seeded};
+use pfront_testkit::shapes::{Soup, family, pose_rows, posed, sheet, sphere, tangle, union};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -25,7 +24,7 @@ const PAGES: [usize; 5] = [1, 2, 3, 7, 64];
 
 #[test]
 fn spheres_in_any_pose() {
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut rng = seeded(1);
     for _ in 0..8 {
         assert!(pair(&sphere(12), &sphere(10), &pose(1.0, &mut rng)) > 0);
     }
@@ -67,7 +66,7 @@ fn spheres_that_coincide_or_just_touch() {
 
 #[test]
 fn sheets_on_sheets() {
-    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut rng = seeded(2);
     let flat = sheet(8, |_, _| 0.0);
     let wavy = sheet(11, |x, y| 0.1 * (5.0 * x).sin() * (4.0 * y).cos());
     pair(&flat, &flat, &Pose::IDENTITY);
@@ -80,7 +79,7 @@ fn sheets_on_sheets() {
 
 #[test]
 fn soups_of_every_family() {
-    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut rng = seeded(3);
     for f in Family::ALL {
         let (a, b) = (family(f, 40, &mut rng), family(f, 30, &mut rng));
         pair(&a, &b, &Pose::IDENTITY);
@@ -90,7 +89,7 @@ fn soups_of_every_family() {
 
 #[test]
 fn soups_of_every_moderate_family_in_any_pose() {
-    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let mut rng = seeded(4);
     for f in Family::ALL.into_iter().filter(|f| !matches!(f, Family::Huge | Family::RawBits)) {
         let (a, b) = (family(f, 30, &mut rng), family(f, 30, &mut rng));
         let here = pose(0.5, &mut rng);
@@ -104,7 +103,7 @@ fn soups_of_every_moderate_family_in_any_pose() {
 /// Affine maps are allowed: they magnify subnormal coordinates and what is lost on them.
 #[test]
 fn poses_that_stretch() {
-    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut rng = seeded(5);
     let steps = |v: f32| v * f32::from_bits(1);
     for scale in [1e-30f32, 1e-3, 1e3, 1e20, 1e36] {
         for _ in 0..3 {
@@ -124,7 +123,7 @@ fn poses_that_stretch() {
 /// is posed without padding loses them.
 #[test]
 fn poses_that_cancel() {
-    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut rng = seeded(7);
     for offset in [10.0f32, 1e3, 1e5, 1e7] {
         for _ in 0..3 {
             let far = tangle(30, 60, 3, &mut rng).map(|p| p.map(|x| offset + x * 1e-6 * offset));
@@ -139,7 +138,7 @@ fn poses_that_cancel() {
 
 #[test]
 fn tangles_of_shared_indices() {
-    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let mut rng = seeded(6);
     for size in [0, 1, 2, 3, 20] {
         for vertices in [1, 3, 5, 8, 40] {
             let soup = tangle(vertices, 50, size, &mut rng);

@@ -13,8 +13,8 @@ use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh};
 use layouts::Compact;
 use pfront::core::bvtt::{self, Query};
 use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
-use pfront_oracle::generate::soup::{Soup, posed};
-use pfront_oracle::{intersect, pairs, self_pairs};
+use pfront_testkit::oracle::{intersect, pairs, self_pairs};
+use pfront_testkit::shapes::{Soup, posed};
 use std::ops::ControlFlow;
 
 #[test]

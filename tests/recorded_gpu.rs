@@ -15,8 +15,8 @@ mod data;
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh, vectors};
 use pfront::gpu::{self, Budget, Deforming, Gpu, Settings};
 use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
-use pfront_oracle::generate::soup::Soup;
 use pfront_scenes::Scene;
+use pfront_testkit::shapes::Soup;
 use std::path::Path;
 use std::sync::OnceLock;
 

@@ -6,11 +6,9 @@
 use pfront::core::mesh::MeshError;
 use pfront::{Body, BodyId, Error, Model, PairQuery, Pose, PoseError, SceneHit, SceneQuery};
 use pfront::{Piece, TrianglePair};
-use pfront_oracle::generate::soup::{Rows, Soup, pose_rows, posed, sheet, sphere, tangle};
-use pfront_oracle::pairs;
-use rand::{Rng, RngExt};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use pfront_testkit::oracle::pairs;
+use pfront_testkit::rng::{Rng, RngExt, seeded};
+use pfront_testkit::shapes::{Rows, Soup, pose_rows, posed, sheet, sphere, tangle};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -147,7 +145,7 @@ const IDENTITY: Rows = Pose::IDENTITY.rows;
 
 #[test]
 fn anything_may_happen_between_frames() {
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut rng = seeded(1);
     let (mut trial, mut met) = (Trial::new(), 0);
     for frame in 0..60 {
         for _ in 0..rng.random_range(0..4) {
@@ -178,7 +176,7 @@ fn none_one_and_empty_bodies() {
     assert_eq!(trial.check(), 0);
     trial.add(Soup::default(), IDENTITY);
     trial.add(Soup::default(), Pose::from_translation([1.0; 3]).rows);
-    trial.deform(2, &mut ChaCha8Rng::seed_from_u64(0));
+    trial.deform(2, &mut seeded(0));
     assert_eq!(trial.check(), 0);
     trial.split(1, 3);
     assert!(trial.known.len() == 2 && trial.scenes[0].len() == 2 && !trial.scenes[0].is_empty());
@@ -194,7 +192,7 @@ fn none_one_and_empty_bodies() {
 #[test]
 fn a_cube_rests_on_a_cube() {
     let cube = cube(6);
-    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut rng = seeded(5);
     let (mut in_world, mut in_frame) = (0, 0);
     for _ in 0..4 {
         let below = pose_rows(0.3, &mut rng);

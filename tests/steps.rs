@@ -8,10 +8,9 @@ mod layouts;
 use layouts::Compact;
 use pfront::core::bvtt::{Cursor, PairQuery, Query, SelfQuery, Work};
 use pfront::{BuildOptions, Model, Pose, TrianglePair};
-use pfront_oracle::generate::soup::{Soup, pose_rows, sheet, sphere, tangle, union};
+use pfront_testkit::rng::seeded;
+use pfront_testkit::shapes::{Soup, pose_rows, sheet, sphere, tangle, union};
 use proptest::prelude::*;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use std::ops::ControlFlow::{Break, Continue};
 
 const BUDGETS: [u64; 3] = [1, 10, 1000];
@@ -128,7 +127,7 @@ proptest! {
         leaf_size in 1_u32..=8,
         mut steps in prop::collection::vec((0_u64..40, 1_usize..6), 1..20),
     ) {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = seeded(seed);
         let (a, b) = (tangle(60, 120, size, &mut rng), tangle(40, 90, size, &mut rng));
         let pose = Pose::new(pose_rows(0.5, &mut rng));
         let (a, b) = (model(&a, leaf_size), model(&b, leaf_size));

@@ -4,9 +4,7 @@
 
 use pfront::{Body, Model, Pose, SceneHit, SceneQuery};
 use pfront_scenes::icosphere;
-use rand::{Rng, RngExt};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use pfront_testkit::rng::{Rng, RngExt, seeded};
 use std::sync::Arc;
 
 const BODIES: usize = 80;
@@ -32,7 +30,7 @@ fn by_place(scene: &SceneQuery, hits: &[SceneHit]) -> Vec<([usize; 2], [u32; 2])
 }
 
 fn run(mut scene: SceneQuery, seed: u64) {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = seeded(seed);
     let ball = icosphere(20);
     let model = Arc::new(Model::new(ball.positions.clone(), ball.triangles.clone()).unwrap());
     for _ in 0..BODIES {

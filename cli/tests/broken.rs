@@ -7,8 +7,7 @@
 mod capped;
 
 use capped::{FEW, run};
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{Rng, seeded};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -103,7 +102,7 @@ fn binaries() -> Vec<(String, Vec<u8>)> {
         ("buffer.gltf", gltf("1", "1000000000000000000")),
     ];
     let mut files: Vec<_> = named.map(|(name, bytes)| (name.to_owned(), bytes)).into();
-    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let mut rng = seeded(6);
     for format in pfront_cli::mesh::FORMATS {
         for length in [1, 84, 4096] {
             let mut garbage = vec![0; length];

@@ -7,8 +7,7 @@ use pfront_cli::mesh::MeshData;
 use pfront_cli::pairs::{self, PairWriter};
 use pfront_cli::workload::{FormatError, Frame, Header, Workload, WorkloadWriter};
 use pfront_scenes::Kind;
-use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{Rng, RngExt, seeded};
 use std::io::Cursor;
 
 fn mesh(vertices: u32) -> MeshData {
@@ -150,7 +149,7 @@ fn lies_are_refused_where_they_are() {
 
 #[test]
 fn changed_bytes_never_panic() {
-    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut random = seeded(7);
     for kind in [Kind::Pair, Kind::SelfMesh, Kind::Many] {
         let bytes = written(kind);
         for _ in 0..20_000 {

@@ -8,8 +8,7 @@ mod files;
 use files::*;
 use pfront::Model;
 use pfront_cli::mesh::{Loaded, MeshData, PaintedMesh, load, read, write_painted};
-use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{Rng, RngExt, seeded};
 use std::fs;
 use std::io::{Seek, Write};
 use tempfile::TempDir;
@@ -198,7 +197,7 @@ fn lying_counts_are_refused() {
 
 #[test]
 fn changed_bytes_never_panic() {
-    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let mut random = seeded(3);
     let folder = TempDir::new().unwrap();
     for (name, bytes) in [
         ("m.obj", obj()),

@@ -11,7 +11,7 @@ use pfront::core::bvtt;
 use pfront::{Blob, BlobError, Mesh, Model, SelfQuery, TrianglePair};
 use pfront_fuzz::input::Palette;
 use pfront_fuzz::{Builder, Tree, as_pairs, pages};
-use pfront_oracle::self_pairs;
+use pfront_testkit::oracle::self_pairs;
 
 #[derive(Arbitrary, Debug)]
 struct Input {

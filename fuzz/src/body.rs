@@ -6,7 +6,7 @@ use pfront::core::bvh::node_bound;
 use pfront::core::bvh::{self, BvhStorage, Join, Refit, SahItem};
 use pfront::core::mesh::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
-use pfront_oracle::generate::soup::Soup;
+use pfront_testkit::shapes::Soup;
 
 /// Who builds a tree.
 #[derive(Arbitrary, Clone, Copy, Debug, PartialEq, Eq)]

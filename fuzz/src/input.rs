@@ -5,7 +5,7 @@ use crate::body::Builder;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{Accuracy, Adjacency, Pose};
-use pfront_oracle::generate::soup::{Soup, sheet};
+use pfront_testkit::shapes::{Soup, sheet};
 
 /// Two bodies, at most 16 steps, and how everything is asked at the end.
 #[derive(Arbitrary, Debug)]

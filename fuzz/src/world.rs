@@ -5,7 +5,7 @@ use crate::input::{Build, Change, Crew, Few, Palette, Placing, Question, Shape, 
 use crate::truth::Truth;
 use pfront::core::bvtt::PosedBvh;
 use pfront::{BodyId, Bvh, Error, PairQuery, Piece, Pose, SceneQuery, SelfQuery};
-use pfront_oracle::generate::soup::{Soup, posed};
+use pfront_testkit::shapes::{Soup, posed};
 use std::fmt::Debug;
 use std::mem::take;
 use std::sync::Arc;

@@ -2,8 +2,8 @@
 //! and mesh by mesh.
 
 use pfront::{Adjacency, Model, SelfQuery, TrianglePair};
-use pfront_oracle::intersect;
 use pfront_study::motion::{Method, NAMES, Row, STEPS, Slide, SlideError, draw, run};
+use pfront_testkit::oracle::intersect;
 
 #[test]
 fn exact_changes_where_the_truth_does() {

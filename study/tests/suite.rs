@@ -2,10 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront_oracle::generate::Family;
 use pfront_study::judge::{Judge, OURS, Tally, Test};
 use pfront_study::suite::{Answers, BLOCK, Block, Case, FileError, Reader, Suite, Writer};
 use pfront_study::textbook;
+use pfront_testkit::families::Family;
 
 fn blocks(suite: &Suite, pairs: u64) -> Vec<Block> {
     suite.waves(pairs).flatten().collect()

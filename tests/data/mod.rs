@@ -4,7 +4,7 @@
 //! checkout; without it the tests fail.
 
 use pfront::{Pose, TrianglePair};
-use pfront_oracle::generate::soup::Soup;
+use pfront_testkit::shapes::Soup;
 use serde_json::Value;
 use std::path::PathBuf;
 

@@ -8,7 +8,7 @@ mod together;
 
 use pfront::core::bvh::{self, Refit};
 use pfront::{BuildOptions, Model};
-use pfront_oracle::generate::soup::{Soup, sheet};
+use pfront_testkit::shapes::{Soup, sheet};
 
 const SIDE: u32 = 24;
 

@@ -11,8 +11,7 @@ use pfront_core::bvh::{check_scratch_bound, node_bound};
 use pfront_core::bvtt::{PairQuery, Query};
 use pfront_core::{Aabb, Bvh, Mesh, Node, Pose};
 use pfront_scenes::torus_knot;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use pfront_testkit::rng::{Rng, seeded};
 use std::sync::OnceLock;
 
 fn gpu() -> &'static Gpu {
@@ -35,7 +34,7 @@ fn run(sequence: &Sequence) {
 
 #[test]
 fn the_sort_is_that_of_the_host() {
-    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut random = seeded(7);
     for n in [1, 2, 4, 5, 127, 128, 129, 255, 256, 257, 511, 513, 5_000, 70_000] {
         let mut sort = Sort::new(gpu(), n).unwrap();
         let mut sequence = Sequence::new(gpu()).unwrap();

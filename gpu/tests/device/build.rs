@@ -4,8 +4,8 @@ use crate::common::{Both, gpu, sorted, truth};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Mesh, MeshError, Pose, bvtt};
 use pfront_gpu::{Deforming, Error, PairQuery, SelfQuery, wgpu};
-use pfront_oracle::generate::soup::{sheet, sphere};
 use pfront_scenes::{Scene, torus_knot};
+use pfront_testkit::shapes::{sheet, sphere};
 
 fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: u32) -> Deforming {
     let mesh = Mesh::new(positions, triangles).unwrap();

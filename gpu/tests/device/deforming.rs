@@ -3,8 +3,8 @@
 use crate::common::{Both, gpu, sorted, truth};
 use pfront_core::{MeshError, Pose, bvtt};
 use pfront_gpu::{Deforming, Error, PairQuery, SelfQuery};
-use pfront_oracle::generate::soup::{sheet, sphere};
 use pfront_scenes::Scene;
+use pfront_testkit::shapes::{sheet, sphere};
 
 #[test]
 fn a_sheet_that_folds() {

@@ -3,11 +3,10 @@
 use crate::common::{Both, gpu, truth};
 use pfront_core::Pose;
 use pfront_gpu::{Arithmetic, Budget, Error, Gpu, Model, PairQuery, Settings, wgpu};
-use pfront_oracle::generate::Family;
-use pfront_oracle::generate::soup::{Soup, family, pose_rows, posed, sheet, sphere, tangle};
 use pfront_scenes::{Kind, Scene};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use pfront_testkit::families::Family;
+use pfront_testkit::rng::seeded;
+use pfront_testkit::shapes::{Soup, family, pose_rows, posed, sheet, sphere, tangle};
 
 /// Checks every verb and returns how many pairs meet.
 fn check(query: &mut PairQuery, a: &Both, b: &Both, a_from_b: &Pose) -> usize {
@@ -47,7 +46,7 @@ fn scenes_of_two_bodies() {
 
 #[test]
 fn soups_of_every_family() {
-    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let mut rng = seeded(11);
     let mut query = PairQuery::new(gpu()).unwrap();
     for f in Family::ALL {
         for leaf_size in [1, 4, 8] {
@@ -83,7 +82,7 @@ fn a_mesh_that_a_pose_brings_into_range_is_taken() {
 
 #[test]
 fn coplanar_touching_and_stretched() {
-    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let mut rng = seeded(12);
     let mut query = PairQuery::new(gpu()).unwrap();
     let flat = sheet(24, |_, _| 0.0);
     let wavy = sheet(20, |x, y| 0.1 * (5.0 * x).sin() * (4.0 * y).cos());
@@ -182,7 +181,7 @@ fn a_query_is_recorded_now_and_read_later() {
 
 #[test]
 fn integers_pose_to_the_same_bits() {
-    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let mut rng = seeded(13);
     let gpu = gpu().with_arithmetic(Arithmetic::Integer).unwrap();
     let mut query = PairQuery::new(&gpu).unwrap();
     for f in [Family::Random, Family::CoplanarRotated, Family::Scaled, Family::Subnormal] {

@@ -5,11 +5,10 @@ use crate::world::{Part, World};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{MeshError, Pose};
 use pfront_gpu::{Arithmetic, Budget, Error, Gpu, SceneQuery, Settings};
-use pfront_oracle::generate::Family;
-use pfront_oracle::generate::soup::{Soup, family, pose_rows, sheet, sphere};
 use pfront_scenes::{Kind, Scene};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use pfront_testkit::families::Family;
+use pfront_testkit::rng::{ChaCha8Rng, Rng, seeded};
+use pfront_testkit::shapes::{Soup, family, pose_rows, sheet, sphere};
 
 fn query() -> SceneQuery {
     SceneQuery::new(gpu()).unwrap()
@@ -50,7 +49,7 @@ fn a_train_of_gears() {
 
 #[test]
 fn bodies_that_move_jump_rest_come_and_go() {
-    let mut rng = ChaCha8Rng::seed_from_u64(31);
+    let mut rng = seeded(31);
     let parts = [
         Part::of(&sphere(10)),
         Part::new(&sphere(4).positions, &sphere(4).triangles, 1),
@@ -116,7 +115,7 @@ fn nobody_somebody_and_somebody_who_is_nothing() {
 
 /// Soups in many poses: coordinates that are subnormal, huge, in one plane, in one place.
 fn hard_cases(gpu: &Gpu, families: &[Family], seed: u64) {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = seeded(seed);
     let mut query = SceneQuery::new(gpu).unwrap();
     for &f in families {
         let parts = [0; 2].map(|_| Part::of(&family(f, 60, &mut rng)));
@@ -191,7 +190,7 @@ fn bodies_that_deform() {
     let (ball, base) = (Part::of(&sphere(8)), sheet(10, |x, y| 0.2 * x * y));
     let mut cloths = [0; 2].map(|_| Part::of(&base));
     let mut query = query();
-    let turned = Pose::new(pose_rows(0.2, &mut ChaCha8Rng::seed_from_u64(34)));
+    let turned = Pose::new(pose_rows(0.2, &mut seeded(34)));
     let own =
         [turned, Pose::IDENTITY].map(|pose| query.add(cloths[0].shape.clone(), pose).unwrap());
     let mut found = 0;

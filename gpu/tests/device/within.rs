@@ -4,11 +4,10 @@ use crate::common::{Both, gpu, sorted};
 use pfront_core::bvtt;
 use pfront_core::triangle::Adjacency;
 use pfront_gpu::{Budget, SelfQuery, Settings};
-use pfront_oracle::generate::Family;
-use pfront_oracle::generate::soup::{Soup, family, sheet, sphere, tangle, union};
 use pfront_scenes::Scene;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use pfront_testkit::families::Family;
+use pfront_testkit::rng::seeded;
+use pfront_testkit::shapes::{Soup, family, sheet, sphere, tangle, union};
 
 /// Checks every verb under both rules and returns how many pairs meet.
 fn check(query: SelfQuery, mesh: &Both) -> (SelfQuery, usize) {
@@ -64,7 +63,7 @@ fn flat_folded_and_coinciding_surfaces() {
 
 #[test]
 fn tangles_of_shared_indices() {
-    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let mut rng = seeded(21);
     let mut query = SelfQuery::new(gpu()).unwrap();
     for size in [0, 1, 3, 20] {
         for vertices in [1, 3, 5, 8, 40] {
@@ -75,7 +74,7 @@ fn tangles_of_shared_indices() {
 
 #[test]
 fn pairs_of_every_family_that_share_indices() {
-    let mut rng = ChaCha8Rng::seed_from_u64(22);
+    let mut rng = seeded(22);
     let mut query = SelfQuery::new(gpu()).unwrap();
     for f in Family::ALL {
         let mut soup = Soup::default();

@@ -4,7 +4,7 @@ use crate::common::{Both, sorted};
 use pfront_core::Pose;
 use pfront_core::bvtt::{PairQuery, PosedBvh};
 use pfront_gpu::{BodyId, Error, SceneHit, SceneQuery, Shape};
-use pfront_oracle::generate::soup::Soup;
+use pfront_testkit::shapes::Soup;
 use std::sync::Arc;
 
 /// Bodies on the device, and what they are made of beside it.

@@ -11,7 +11,7 @@ use crate::suite::{Body, Candidate, Contacts, Site};
 use pfront::gpu;
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{Accuracy, BuildOptions, Model, PairQuery, SelfQuery, TrianglePair};
-use pfront_oracle::{intersect, self_hit};
+use pfront_testkit::oracle::{intersect, self_hit};
 use rayon::prelude::*;
 use std::num::NonZero;
 use std::sync::Arc;

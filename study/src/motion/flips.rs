@@ -6,7 +6,7 @@ use crate::textbook::parry;
 use pfront::Accuracy;
 use pfront::core::Triangle;
 use pfront::core::triangle::intersects;
-use pfront_oracle::intersect;
+use pfront_testkit::oracle::intersect;
 use rayon::prelude::*;
 
 /// A test of two triangles.

@@ -3,8 +3,8 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 use pfront::{Adjacency, Model, SelfQuery, TrianglePair};
-use pfront_oracle::intersect;
 use pfront_scenes::Scene;
+use pfront_testkit::oracle::intersect;
 use std::collections::BTreeSet;
 
 /// The slides that [`Slide::by_name`] knows.

@@ -8,8 +8,7 @@ use super::shapes::model;
 use crate::engine::Objects;
 use glam::Vec3;
 use pfront_scenes::Scene;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{ChaCha8Rng, RngExt};
 
 /// How it moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

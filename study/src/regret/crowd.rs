@@ -9,8 +9,7 @@ use crate::engine::Objects;
 use glam::{DQuat, DVec3};
 use pfront::Pose;
 use pfront_scenes::{Kind, Scene};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{ChaCha8Rng, RngExt};
 use std::f64::consts::PI;
 
 /// How they move.

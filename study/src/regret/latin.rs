@@ -2,9 +2,7 @@
 //! Variables*, Technometrics 1979): of n cases, one lies in each of n equal parts of every variable's range,
 //! so that a few dozen cover all of them evenly, whatever the seed.
 
-use rand::RngExt;
-use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{ChaCha8Rng, RngExt, seq::SliceRandom};
 
 /// One number in each of `n` equal parts of 0 to 1, in random order.
 pub(super) fn spread(n: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
@@ -32,12 +30,12 @@ pub(super) fn by_factors(least: usize, most: usize, share: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::SeedableRng;
+    use pfront_testkit::rng::seeded;
 
     #[test]
     fn every_part_is_met_once() {
         for n in [1, 2, 7, 40] {
-            let mut all = spread(n, &mut ChaCha8Rng::seed_from_u64(n as u64));
+            let mut all = spread(n, &mut seeded(n as u64));
             all.sort_by(f64::total_cmp);
             assert!(all.iter().enumerate().all(|(part, x)| (x * n as f64) as usize == part));
         }
@@ -45,7 +43,7 @@ mod tests {
 
     #[test]
     fn values_are_dealt_evenly() {
-        let dealt = deal(&[1, 2, 3], 8, &mut ChaCha8Rng::seed_from_u64(3));
+        let dealt = deal(&[1, 2, 3], 8, &mut seeded(3));
         let mut counts = [1, 2, 3].map(|value| dealt.iter().filter(|x| **x == value).count());
         counts.sort_unstable();
         assert_eq!(counts, [2, 3, 3]);

@@ -15,9 +15,7 @@ use super::field::Field;
 use super::row::{Outcome, Row};
 use crate::chart::median;
 use crate::engine::{EngineError, On, Tally};
-use rand::SeedableRng;
-use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{seeded, seq::SliceRandom};
 use std::time::{Duration, Instant};
 
 /// How long to play.
@@ -60,7 +58,7 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
     let (planner, again) = (outcomes.len(), outcomes.len() + 1);
     turns.extend([planner, again]);
 
-    let mut random = ChaCha8Rng::seed_from_u64(0);
+    let mut random = seeded(0);
     let mut times = vec![Vec::new(); outcomes.len() + 2];
     let clock = Instant::now();
     let mut rounds = 0;

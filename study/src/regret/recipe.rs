@@ -7,8 +7,7 @@ use super::crowd::{self, Crowd};
 use super::latin::{deal, spread};
 use super::two::{self, Two};
 use crate::engine::Objects;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded};
 
 /// How large cases may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +65,7 @@ const LENGTHS: [Length; 6] =
 /// Draws cases: of eight, three are of two bodies, two of cloth, three of many bodies.
 #[must_use]
 pub fn recipes(seed: u64, cases: usize) -> Vec<Recipe> {
-    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    let random = &mut seeded(seed);
     let cloths = cases / 4;
     let crowds = (cases - cloths) / 2;
     let twos = cases - cloths - crowds;
@@ -144,7 +143,7 @@ impl Recipe {
     /// # Errors
     /// [`RegretError`] if a scene cannot be made.
     pub fn build(&self, scale: &Scale) -> Result<Case, RegretError> {
-        let random = &mut ChaCha8Rng::seed_from_u64(self.seed);
+        let random = &mut seeded(self.seed);
         let seconds = match self.actors {
             Actors::Two(two) => two.seconds(scale),
             Actors::Cloth(cloth) => cloth.seconds(scale),

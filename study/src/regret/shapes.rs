@@ -4,8 +4,7 @@ use super::RegretError;
 use glam::{DAffine3, DQuat, DVec3};
 use pfront::{BuildOptions, Model, Pose};
 use pfront_scenes::{Scene, TriMesh, icosphere, torus_knot};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use pfront_testkit::rng::{ChaCha8Rng, RngExt};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -148,11 +147,11 @@ pub(super) fn pose(turn: DQuat, translation: DVec3) -> Pose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::SeedableRng;
+    use pfront_testkit::rng::seeded;
 
     #[test]
     fn shapes_fit_and_have_about_the_size_asked_for() {
-        let random = &mut ChaCha8Rng::seed_from_u64(1);
+        let random = &mut seeded(1);
         for triangles in [1, 19, 32, 500, 20_000] {
             for _ in 0..8 {
                 let shape = Shape::for_size(triangles, random);

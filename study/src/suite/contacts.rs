@@ -7,8 +7,8 @@
 use pfront::core::bvtt::{self, Bvtt};
 use pfront::core::{Aabb, Bvh, Triangle};
 use pfront::{Model, Pose};
-use pfront_oracle::share_a_vertex;
-use rand::{Rng, RngExt};
+use pfront_testkit::oracle::share_a_vertex;
+use pfront_testkit::rng::{Rng, RngExt};
 use rayon::prelude::*;
 use std::sync::Arc;
 use thiserror::Error;

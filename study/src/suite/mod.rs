@@ -1,7 +1,7 @@
 //! One named suite of triangle pairs with their truth.
 //!
 //! A set is made of one [`Family`] of hard pairs, or harvested from real [`Contacts`]: pairs of posed
-//! meshes whose boxes overlap, which is what a query tests. Truth is by `pfront_oracle`, in big integers,
+//! meshes whose boxes overlap, which is what a query tests. Truth is by `pfront_testkit::oracle`, in big integers,
 //! which shares no code with the predicates.
 //!
 //! A set is an endless stream of blocks of [`BLOCK`] pairs. A block follows from the seed, the name of the
@@ -18,10 +18,9 @@ pub use contacts::{Body, Candidate, Contacts, NoContact, Site};
 pub use file::{FileError, Reader, Writer};
 
 use pfront::core::Triangle;
-use pfront_oracle::generate::Family;
-use pfront_oracle::intersect;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use pfront_testkit::families::Family;
+use pfront_testkit::oracle::intersect;
+use pfront_testkit::rng::seeded;
 use rayon::prelude::*;
 
 /// Pairs of a block; the last one of a set may have fewer.
@@ -160,7 +159,7 @@ impl Suite {
     #[must_use]
     pub fn block(&self, set: usize, block: u64, length: usize) -> Vec<Case> {
         let Set { name, source } = &self.sets[set];
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ hash(name.bytes()));
+        let mut rng = seeded(self.seed ^ hash(name.bytes()));
         rng.set_stream(block);
         let pairs: Vec<_> = match source {
             Source::Family(family) => {

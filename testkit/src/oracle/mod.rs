@@ -1,4 +1,4 @@
-//! Exact truth for the tests of pfront: which triangles share a point, by another road.
+//! Exact truth: which triangles share a point, decided by another method than the library's.
 //!
 //! The library decides signs of orientation determinants, case by case. Here there are no cases.
 //! Two convex hulls are apart exactly if a plane separates them strictly, and if any plane does, so
@@ -6,25 +6,20 @@
 //! difference of two corners, or what is left of one orthogonally to an edge, or orthogonal to two
 //! edges: 78 candidates for two triangles, all of which are tried in integers. Nothing changes
 //! where triangles are segments or points, coplanar, or equal.
-//!
-//! [`generate`] makes the triangle pairs that are hard to get right.
 
 mod crossing;
-pub mod generate;
 mod lattice;
 mod mesh;
 
 pub use crossing::crossing_points;
 pub use mesh::{pairs, self_hit, self_pairs, share_a_vertex};
 
+use crate::{Point, Triangle};
 use lattice::{Integer, Vector, cross, dot, minus, times};
-
-/// A point in f32, finite.
-pub type Point = [f32; 3];
 
 /// Whether two closed triangles share a point; one without area is its segment or point.
 #[must_use]
-pub fn intersect(a: &[Point; 3], b: &[Point; 3]) -> bool {
+pub fn intersect(a: &Triangle, b: &Triangle) -> bool {
     hulls_meet(a, b)
 }
 

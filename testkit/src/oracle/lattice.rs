@@ -11,10 +11,10 @@ use num_traits::{NumRef, RefNum};
 use std::ops::Shl;
 
 /// A point or vector in integers.
-pub(crate) type Vector<T> = [T; 3];
+pub(super) type Vector<T> = [T; 3];
 
 /// Integers of some width. `i128` where the numbers are small, else [`BigInt`].
-pub(crate) trait Integer:
+pub(super) trait Integer:
     NumRef + Ord + Clone + From<i32> + Shl<u32, Output = Self>
 {
     fn times(&self, other: &Self) -> Self;
@@ -40,7 +40,7 @@ where
 /// With coordinates below 2^30, points are shorter than √3 · 2^30 and differences than √3 · 2^31.
 /// The longest normal, (w·w) d − (w·d) w, is then shorter than (√3 · 2^31)³, and no sum of its
 /// products with a point exceeds 9 · 2^123 < 2^127.
-pub(crate) fn small(a: &[Point], b: &[Point]) -> Option<[Vec<Vector<i128>>; 2]> {
+pub(super) fn small(a: &[Point], b: &[Point]) -> Option<[Vec<Vector<i128>>; 2]> {
     let axes = axes(a, b);
     // An f32 has 24 bits before the shift.
     if axes.iter().any(|axis| axis.highest - axis.lowest > 100) {
@@ -52,12 +52,12 @@ pub(crate) fn small(a: &[Point], b: &[Point]) -> Option<[Vec<Vector<i128>>; 2]> 
 }
 
 /// The points in integers of any width.
-pub(crate) fn wide(a: &[Point], b: &[Point]) -> [Vec<Vector<BigInt>>; 2] {
+pub(super) fn wide(a: &[Point], b: &[Point]) -> [Vec<Vector<BigInt>>; 2] {
     on_lattice(&axes(a, b), a, b)
 }
 
 /// The length of one step of the lattice along each axis.
-pub(crate) fn units(a: &[Point], b: &[Point]) -> [f64; 3] {
+pub(super) fn units(a: &[Point], b: &[Point]) -> [f64; 3] {
     axes(a, b).map(|axis| 2f64.powi(axis.lowest))
 }
 
@@ -94,18 +94,18 @@ fn on_lattice<T: Integer>(axes: &[Axis; 3], a: &[Point], b: &[Point]) -> [Vec<Ve
     [a, b].map(|set| set.iter().map(|p| minus(&integer(p), &origin)).collect())
 }
 
-pub(crate) fn dot<T: Integer>(u: &Vector<T>, v: &Vector<T>) -> T {
+pub(super) fn dot<T: Integer>(u: &Vector<T>, v: &Vector<T>) -> T {
     u[0].times(&v[0]) + u[1].times(&v[1]) + u[2].times(&v[2])
 }
 
-pub(crate) fn cross<T: Integer>(u: &Vector<T>, v: &Vector<T>) -> Vector<T> {
+pub(super) fn cross<T: Integer>(u: &Vector<T>, v: &Vector<T>) -> Vector<T> {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| u[i].times(&v[j]) - u[j].times(&v[i]))
 }
 
-pub(crate) fn minus<T: Integer>(u: &Vector<T>, v: &Vector<T>) -> Vector<T> {
+pub(super) fn minus<T: Integer>(u: &Vector<T>, v: &Vector<T>) -> Vector<T> {
     [0, 1, 2].map(|i| u[i].minus(&v[i]))
 }
 
-pub(crate) fn times<T: Integer>(factor: &T, v: &Vector<T>) -> Vector<T> {
+pub(super) fn times<T: Integer>(factor: &T, v: &Vector<T>) -> Vector<T> {
     [0, 1, 2].map(|i| factor.times(&v[i]))
 }

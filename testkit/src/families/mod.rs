@@ -1,14 +1,9 @@
-//! Triangle pairs that are hard to decide, in families, and small meshes, in [`soup`]. The caller
-//! seeds the generator.
+//! Triangle pairs that are hard to decide, in families. The caller seeds the generator.
 
-mod shapes;
-pub mod soup;
+mod make;
 
-use crate::Point;
+use crate::{Point, Triangle};
 use rand::{Rng, RngExt};
-
-/// A triangle by its corners.
-pub type Triangle = [Point; 3];
 
 /// One way of making triangle pairs hard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -132,7 +127,7 @@ impl Family {
 
     /// A pair of triangles with finite coordinates.
     pub fn pair(self, rng: &mut impl Rng) -> (Triangle, Triangle) {
-        let [a, b] = shapes::pair(self, rng);
+        let [a, b] = make::pair(self, rng);
         let [a, b] = [a, b].map(|t| shuffled(t, rng));
         if rng.random() { (a, b) } else { (b, a) }
     }

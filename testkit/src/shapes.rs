@@ -1,7 +1,7 @@
 //! Small meshes for the tests: smooth, flat, tangled, degenerate, from every scale of f32.
 
-use super::Family;
 use crate::Point;
+use crate::families::Family;
 use rand::{Rng, RngExt};
 
 /// Positions and triangles.

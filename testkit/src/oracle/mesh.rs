@@ -1,7 +1,8 @@
 //! Brute force over meshes, with the rule for triangles of one mesh.
 
-use crate::lattice::{Integer, Vector, cross, dot, minus};
-use crate::{Point, hulls_meet, intersect, lattice};
+use super::lattice::{Integer, Vector, cross, dot, minus};
+use super::{hulls_meet, intersect, lattice};
+use crate::{Point, Triangle};
 use num_traits::Zero;
 
 /// All pairs of triangles of two meshes that share a point, sorted.
@@ -118,12 +119,12 @@ fn is_zero<T: Integer>(v: &Vector<T>) -> bool {
     v.iter().all(Zero::is_zero)
 }
 
-fn corners(triangles: &[[u32; 3]], positions: &[Point]) -> Vec<[Point; 3]> {
+fn corners(triangles: &[[u32; 3]], positions: &[Point]) -> Vec<Triangle> {
     triangles.iter().map(|t| t.map(|v| positions[v as usize])).collect()
 }
 
 /// Visits all pairs i < j of triangles whose boxes meet: a sweep along x.
-fn sweep(triangles: &[[Point; 3]], mut visit: impl FnMut(usize, usize)) {
+fn sweep(triangles: &[Triangle], mut visit: impl FnMut(usize, usize)) {
     let boxes: Vec<_> = triangles.iter().map(|t| [0, 1, 2].map(|axis| range(t, axis))).collect();
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_unstable_by(|&i, &j| boxes[i][0].0.total_cmp(&boxes[j][0].0));
@@ -139,7 +140,7 @@ fn sweep(triangles: &[[Point; 3]], mut visit: impl FnMut(usize, usize)) {
     }
 }
 
-fn range(t: &[Point; 3], axis: usize) -> (f32, f32) {
+fn range(t: &Triangle, axis: usize) -> (f32, f32) {
     let [x, y, z] = t.map(|p| p[axis]);
     (x.min(y).min(z), x.max(y).max(z))
 }

@@ -8,10 +8,10 @@
 
 use num_bigint::BigInt;
 use num_traits::{FromPrimitive, One, Signed, Zero};
-use pfront_oracle::generate::Family;
-use pfront_oracle::{Point, intersect, self_hit};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use pfront_testkit::Point;
+use pfront_testkit::families::Family;
+use pfront_testkit::oracle::{intersect, self_hit};
+use pfront_testkit::rng::seeded;
 
 #[test]
 fn known_answers() {
@@ -38,7 +38,7 @@ fn known_answers() {
 #[test]
 fn closed_triangles_against_the_program() {
     for family in Family::ALL {
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut rng = seeded(1);
         for _ in 0..5000 {
             let (a, b) = family.pair(&mut rng);
             assert_eq!(intersect(&a, &b), meet(&a, &b), "{family:?}: {a:?} {b:?}");
@@ -49,7 +49,7 @@ fn closed_triangles_against_the_program() {
 #[test]
 fn triangles_of_one_mesh_against_the_program() {
     for family in Family::ALL {
-        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let mut rng = seeded(2);
         for _ in 0..2000 {
             let (positions, ta, tb) = family.indexed(&mut rng);
             let expected = self_hit_by_program(ta, tb, &positions);
@@ -63,7 +63,7 @@ fn triangles_of_one_mesh_against_the_program() {
 #[test]
 fn families_are_finite_and_mixed() {
     for family in Family::ALL {
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut rng = seeded(3);
         let pairs: Vec<_> = (0..1000).map(|_| family.pair(&mut rng)).collect();
         let finite = |t: &[Point; 3]| t.iter().flatten().all(|x| x.is_finite());
         assert!(pairs.iter().all(|(a, b)| finite(a) && finite(b)), "{family:?}");

@@ -1,7 +1,7 @@
 //! How each family makes its pairs: f64 geometry, rounded to f32 at the end.
 
-use super::{Family, Triangle};
-use crate::Point;
+use super::Family;
+use crate::{Point, Triangle};
 use rand::{Rng, RngExt};
 
 type Point64 = [f64; 3];

@@ -1,7 +1,7 @@
 //! Where two triangles cross: the truth about contact points.
 
-use crate::Point;
-use crate::lattice::{self, Vector, cross, dot, minus, times};
+use super::lattice::{self, Vector, cross, dot, minus, times};
+use crate::Triangle;
 use num_bigint::BigInt;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
@@ -10,7 +10,7 @@ use num_traits::{One, Signed, ToPrimitive, Zero};
 /// Where the planes of the triangles differ, the segment they share is the hull of these points. An
 /// edge in the plane of the other triangle adds none, since its ends belong to other edges too.
 #[must_use]
-pub fn crossing_points(a: &[Point; 3], b: &[Point; 3]) -> Vec<[f64; 3]> {
+pub fn crossing_points(a: &Triangle, b: &Triangle) -> Vec<[f64; 3]> {
     let ([s, t], unit) = (lattice::wide(a, b), lattice::units(a, b));
     let mut found = Vec::new();
     for (edges, face) in [(&s, &t), (&t, &s)] {

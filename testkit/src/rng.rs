@@ -1,0 +1,10 @@
+//! Random numbers: ChaCha with eight rounds, the same from the same seed on every machine.
+
+pub use rand::{Rng, RngExt, seq};
+pub use rand_chacha::ChaCha8Rng;
+
+/// The generator with a seed.
+#[must_use]
+pub fn seeded(seed: u64) -> ChaCha8Rng {
+    rand::SeedableRng::seed_from_u64(seed)
+}
