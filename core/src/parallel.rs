@@ -6,12 +6,8 @@
 /// Runs two tasks, side by side if it can, each once, and returns when both are done: `rayon::join`, for example.
 pub type Join<'j> = dyn Fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send)) + Sync + 'j;
 
-/// Items of a pass that one task takes: some tens of microseconds. Meshes of tests are small, and tiny under miri.
-pub(crate) const GRAIN: usize = match (cfg!(test), cfg!(miri)) {
-    (false, _) => 1 << 13,
-    (true, false) => 1 << 6,
-    (true, true) => 2,
-};
+/// Items of a pass that one task takes: some tens of microseconds. Meshes of tests are small.
+pub(crate) const GRAIN: usize = if cfg!(test) { 1 << 6 } else { 1 << 13 };
 
 /// Runs two tasks by `join`, or one after the other; a task that `join` leaves out runs after it.
 #[inline(always)]

@@ -8,3 +8,13 @@ pub use rand_chacha::ChaCha8Rng;
 pub fn seeded(seed: u64) -> ChaCha8Rng {
     rand::SeedableRng::seed_from_u64(seed)
 }
+
+/// Any finite bit pattern.
+pub fn finite(rng: &mut impl Rng) -> f32 {
+    loop {
+        let x = f32::from_bits(rng.random());
+        if x.is_finite() {
+            return x;
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Small meshes for the tests: smooth, flat, tangled, degenerate, from every scale of f32.
 
-use crate::Point;
 use crate::families::Family;
+use crate::{Point, Triangle};
 use rand::{Rng, RngExt};
 
 /// Positions and triangles.
@@ -14,6 +14,14 @@ pub struct Soup {
 }
 
 impl Soup {
+    /// Triangles that share no vertex.
+    #[must_use]
+    pub fn of(triangles: impl IntoIterator<Item = Triangle>) -> Self {
+        let positions: Vec<_> = triangles.into_iter().flatten().collect();
+        let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+        Self { triangles: triangles.collect(), positions }
+    }
+
     /// The same triangles with every vertex changed.
     #[must_use]
     pub fn map(mut self, change: impl FnMut(Point) -> Point) -> Self {
@@ -24,16 +32,7 @@ impl Soup {
 
 /// Triangles of a family, `pairs` times two, that share no index.
 pub fn family(family: Family, pairs: usize, rng: &mut impl Rng) -> Soup {
-    let mut soup = Soup::default();
-    for _ in 0..pairs {
-        let (a, b) = family.pair(rng);
-        for t in [a, b] {
-            let first = soup.positions.len() as u32;
-            soup.positions.extend(t);
-            soup.triangles.push([first, first + 1, first + 2]);
-        }
-    }
-    soup
+    Soup::of((0..pairs).flat_map(|_| <[Triangle; 2]>::from(family.pair(rng))))
 }
 
 /// Random indices into few lattice points: every degenerate triangle and every way to share.
@@ -43,6 +42,17 @@ pub fn tangle(vertices: u32, triangles: usize, size: i32, rng: &mut impl Rng) ->
     let mut corners = || [0; 3].map(|_| rng.random_range(0..vertices));
     let triangles = (0..triangles).map(|_| corners()).collect();
     Soup { positions, triangles }
+}
+
+/// A row of triangles, each of which shares an edge with the next.
+#[must_use]
+pub fn strip(triangles: u32) -> Soup {
+    let vertices = if triangles == 0 { 0 } else { triangles + 2 };
+    let position = |v: u32| [v as f32, (v % 2) as f32, 0.1 * v as f32];
+    Soup {
+        positions: (0..vertices).map(position).collect(),
+        triangles: (0..triangles).map(|t| [t, t + 1, t + 2]).collect(),
+    }
 }
 
 /// A square of n × n cells over −1 ..= 1 at the heights of a function.
@@ -58,6 +68,12 @@ pub fn sheet(n: u32, height: impl Fn(f32, f32) -> f32) -> Soup {
         soup.triangles.extend([[o, x, xy], [o, xy, y]]);
     }
     soup
+}
+
+/// A sheet with hills.
+#[must_use]
+pub fn bumpy(n: u32) -> Soup {
+    sheet(n, |x, y| 0.2 * (3.5 * x).sin() * (4.5 * y).cos())
 }
 
 /// A closed sphere of radius 1: a sheet bent round, with triangles without area at the poles.
@@ -83,6 +99,11 @@ pub fn union(soups: &[Soup]) -> Soup {
         all.triangles.extend(soup.triangles.iter().map(|t| t.map(|v| v + first)));
     }
     all
+}
+
+/// A point of the cube of an edge length around the origin.
+pub fn point(edge: f32, rng: &mut impl Rng) -> Point {
+    [0; 3].map(|_| rng.random_range(-0.5..0.5f32) * edge)
 }
 
 /// A pose as its rows: `[r0, r1, r2, t]` for each coordinate.

@@ -7,6 +7,7 @@ use crate::simd::Halves;
 use crate::simd::{Eight, LANES, Simd, Task, widest};
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use crate::{Aabb, Mesh};
+use pfront_testkit::rng::{RngExt, seeded};
 
 const VERTICES: usize = 9;
 
@@ -77,12 +78,8 @@ fn random_mesh(next: &mut impl FnMut(u32) -> u32) -> ([[f32; 3]; VERTICES], [[u3
 
 #[test]
 fn side_by_side_as_one_by_one() {
-    let mut state = 11_u64;
-    let mut next = move |below: u32| {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 33) as u32) % below
-    };
+    let mut rng = seeded(11);
+    let mut next = move |below: u32| rng.random_range(0..below);
     let (mut rejected, mut kept) = (0, 0);
     for round in 0..if cfg!(miri) { 4 } else { 20_000 } {
         let (positions, triangles) = random_mesh(&mut next);

@@ -18,7 +18,7 @@ pub(crate) fn is_default() -> bool {
     keeps_results && keeps_operands && one + tiny == 1.0 && one - tiny == 1.0
 }
 
-#[cfg(all(test, target_arch = "x86_64", not(miri)))]
+#[cfg(all(test, target_arch = "x86_64"))]
 #[expect(unsafe_code, reason = "only machine code can leave the default environment")]
 mod tests {
     use super::*;

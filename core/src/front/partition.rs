@@ -64,6 +64,7 @@ mod tests {
     extern crate std;
 
     use super::*;
+    use pfront_testkit::rng::{RngExt, seeded};
     use std::vec;
     use std::vec::Vec;
 
@@ -84,12 +85,9 @@ mod tests {
 
     #[test]
     fn small_costs_give_the_epsilon_bound() {
-        let mut state = 3_u32;
+        let mut rng = seeded(3);
         for workers in [1, 2, 7, 64] {
-            let costs: [f32; if cfg!(miri) { 130 } else { 600 }] = core::array::from_fn(|_| {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                1.0 + (state >> 20) as f32
-            });
+            let costs: [f32; 600] = core::array::from_fn(|_| rng.random_range(1..=4096) as f32);
             let (nodes, parts) = partitioned(&costs, workers);
             assert!(nodes.is_sorted_by(|x, y| (-x.cost, x.index) < (-y.cost, y.index)));
             let total: f64 = nodes.iter().map(|n| f64::from(n.cost)).sum();

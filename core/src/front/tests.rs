@@ -7,11 +7,13 @@ use crate::bvh::{self, BuildOptions, BvhStorage};
 use crate::bvtt::{Bvtt, Cursor, PairQuery, Query, SelfQuery, TrianglePair};
 use crate::{Bvh, Mesh, Node, Pose};
 use core::ops::ControlFlow;
+use pfront_testkit::rng::{RngExt, seeded};
+use pfront_testkit::shapes::{Soup, bumpy, sheet};
 use std::vec;
 use std::vec::Vec;
 
 /// More than any front here has.
-const CAPACITY: usize = if cfg!(miri) { 1 << 8 } else { 1 << 16 };
+const CAPACITY: usize = 1 << 16;
 
 impl Front<'_> {
     /// Checks that the nodes are numbered in order, sorted by query and path, pairwise disjoint as far as paths tell, and
@@ -78,15 +80,12 @@ const fn options(workers: usize, g: f64) -> RefineOptions {
 
 #[test]
 fn any_front_is_a_whole_cut() {
-    let bumpy = Body::bumpy(24);
+    let bumpy = Body::of(bumpy(24));
     let pair = PairQuery::new(bumpy.bvh(), bumpy.bvh(), tilt(0.3)).unwrap();
     let itself = SelfQuery::new(bumpy.bvh());
-    let mut random = 7_u32;
-    let (few, many) =
-        if cfg!(miri) { (3..4, &[30][..]) } else { (1..40, &[64, 100, 1000, CAPACITY][..]) };
-    for capacity in few.chain(many.iter().copied()) {
-        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let options = RefineOptions { g: f64::from(random >> 12 & 15), ..RefineOptions::new(5) };
+    let mut rng = seeded(7);
+    for capacity in (1..40).chain([64, 100, 1000, CAPACITY]) {
+        let options = RefineOptions { g: rng.random_range(0..16).into(), ..RefineOptions::new(5) };
         let [mut of_two, mut of_one] = [Frames::new(capacity), Frames::new(capacity)];
         for _ in 0..2 {
             of_two.frame(&[pair], options);
@@ -97,7 +96,7 @@ fn any_front_is_a_whole_cut() {
 
 #[test]
 fn a_front_without_room_for_a_root_is_refused() {
-    let body = Body::sheet(4, |_, _| 0.0);
+    let body = Body::of(sheet(4, |_, _| 0.0));
     let root = SelfQuery::new(body.bvh()).root().unwrap();
     let mut nodes = [FrontNode::default(); 1];
     let mut front = Front::new(&mut nodes);
@@ -108,7 +107,7 @@ fn a_front_without_room_for_a_root_is_refused() {
 
 #[test]
 fn one_front_serves_many_queries() {
-    let body = Body::sheet(if cfg!(miri) { 2 } else { 16 }, |x, y| x * y);
+    let body = Body::of(sheet(16, |x, y| x * y));
     let query = |z| PairQuery::new(body.bvh(), body.bvh(), tilt(z)).unwrap();
     let queries = [0.0, 9.0, 0.2, 0.4].map(query);
     for capacity in [4, 7, 5000] {
@@ -120,35 +119,19 @@ fn one_front_serves_many_queries() {
         let entries = &mut frames.memory[..frames.remembered];
         frames.remembered = CostHistory::renumber(entries, |old| numbers[old as usize]);
         let report = frames.frame(&[queries[3], queries[2]], RefineOptions::new(4));
-        assert!(report.coherence > 0.9 || cfg!(miri), "{report:?}");
+        assert!(report.coherence > 0.9, "{report:?}");
     }
 }
 
 /// Where there is enough to do for all to be split that costs more, every node costs less than ε·W/p.
 #[test]
 fn epsilon_bounds_the_predicted_makespan() {
-    let body = Body::bumpy(120);
+    let body = Body::of(bumpy(120));
     let query = PairQuery::new(body.bvh(), body.bvh(), tilt(0.1)).unwrap();
     for (epsilon, workers) in [(1.0, 2), (0.5, 7), (0.2, 16), (0.1, 3)] {
         let report = Frames::new(CAPACITY).frame(&[query], options(workers, 1.0 / epsilon));
         assert!(!report.full);
-        // There is never enough to do on miri's small bodies.
-        assert!(report.epsilon < epsilon * 1.000_001 || cfg!(miri), "{report:?}");
-    }
-}
-
-/// A front goes as deep as its tree, with and without a history, though paths do not.
-#[test]
-fn a_deep_tree_is_divided_as_evenly() {
-    let body = Body::bumpy(60).below_outliers(55);
-    assert!(body.bvh().depth() > 60);
-    let query = PairQuery::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap();
-    for workers in [2, 8] {
-        let mut frames = Frames::new(CAPACITY);
-        for _ in 0..if cfg!(miri) { 2 } else { 6 } {
-            let report = frames.frame(&[query], options(workers, 8.0));
-            assert!(!report.full && (report.epsilon < 0.125_001 || cfg!(miri)), "{report:?}");
-        }
+        assert!(report.epsilon < epsilon * 1.000_001, "{report:?}");
     }
 }
 
@@ -156,9 +139,7 @@ fn a_deep_tree_is_divided_as_evenly() {
 #[test]
 fn the_unit_of_length_is_of_no_account() {
     let fronts = [1.0 / 128.0, 1.0, 128.0].map(|unit| {
-        let mut body = Body::bumpy(40);
-        let positions = body.positions.iter().map(|p| p.map(|x| unit * x)).collect();
-        body = Body::of(positions, body.triangles.into_iter());
+        let body = Body::of(bumpy(40).map(|p| p.map(|x| unit * x)));
         let mut here = tilt(0.1);
         here.rows.iter_mut().for_each(|row| row[3] *= unit);
         let query = PairQuery::new(body.bvh(), body.bvh(), here).unwrap();
@@ -175,28 +156,20 @@ fn the_unit_of_length_is_of_no_account() {
 
 #[test]
 fn boxes_without_volume_get_sound_costs() {
-    let flat = Body::sheet(if cfg!(miri) { 1 } else { 12 }, |_, _| 0.0);
-    let point = Body::of(
-        vec![[0.5, 0.5, 0.0]; 30],
-        (0..if cfg!(miri) { 2 } else { 10 }).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]),
-    );
-    let huge = Body::of(
-        vec![[-3e37, 0.0, 0.0], [3e37, 0.0, 0.0], [0.0, 3e37, 3e37]],
-        std::iter::repeat_n([0, 1, 2], if cfg!(miri) { 2 } else { 40 }),
-    );
-    let lifted = |z| Pose::from_translation([0.0, 0.0, z]);
+    let flat = Body::of(sheet(12, |_, _| 0.0));
+    let point = Body::of(Soup::of([[[0.5, 0.5, 0.0]; 3]; 10]));
+    let huge = Body::of(Soup::of([[[-3e37, 0.0, 0.0], [3e37, 0.0, 0.0], [0.0, 3e37, 3e37]]; 40]));
     let cases = [
         (&flat, &flat, Pose::IDENTITY),
         (&flat, &flat, Pose::from_translation([1.0, 0.0, 0.0])),
         (&flat, &point, Pose::IDENTITY),
         (&point, &point, Pose::IDENTITY),
         (&huge, &huge, Pose::IDENTITY),
-        // In one plane they need integers so wide that miri would take minutes.
-        (&huge, &flat, lifted(if cfg!(miri) { 1e37 } else { 0.0 })),
+        (&huge, &flat, Pose::IDENTITY),
     ];
     for (a, b, pose) in cases {
         let query = PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
-        let mut frames = Frames::new(if cfg!(miri) { 9 } else { 3000 });
+        let mut frames = Frames::new(3000);
         for _ in 0..2 {
             frames.frame(&[query], RefineOptions::new(5));
         }
@@ -205,7 +178,7 @@ fn boxes_without_volume_get_sound_costs() {
 
 #[test]
 fn a_jump_is_noticed_and_motion_is_not() {
-    let body = Body::bumpy(40);
+    let body = Body::of(bumpy(40));
     let place = |x: f32| {
         let mut moved = tilt(0.0);
         moved.rows[0][3] += x;
@@ -214,9 +187,8 @@ fn a_jump_is_noticed_and_motion_is_not() {
     let options = RefineOptions::new(8);
     let mut frames = Frames::new(CAPACITY);
     assert!(!frames.frame(&place(0.0), options).coherent);
-    // On the few triangles that miri can bear, any motion is a jump.
     let coherence = frames.frame(&place(0.001), options).coherence;
-    assert!(coherence > 0.9 || cfg!(miri), "{coherence}");
+    assert!(coherence > 0.9, "{coherence}");
     frames.frame(&place(0.7), options);
     let jump = frames.frame(&place(-0.7), options);
     assert!(!jump.coherent && jump.coherence < 0.5);
@@ -224,14 +196,14 @@ fn a_jump_is_noticed_and_motion_is_not() {
 
 #[test]
 fn a_still_scene_settles() {
-    let body = Body::bumpy(60);
+    let body = Body::of(bumpy(60));
     let query = [PairQuery::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap()];
     let mut frames = Frames::new(CAPACITY);
     for _ in 0..3 {
         frames.frame(&query, RefineOptions::new(8));
     }
     let settled = frames.remembered;
-    for _ in 0..if cfg!(miri) { 1 } else { 20 } {
+    for _ in 0..20 {
         frames.frame(&query, RefineOptions::new(8));
         assert_eq!(frames.remembered, settled);
     }
@@ -267,76 +239,26 @@ fn tilt(z: f32) -> Pose {
 }
 
 struct Body {
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+    soup: Soup,
     nodes: Vec<Node>,
     order: Vec<u32>,
 }
 
 impl Body {
-    fn of(positions: Vec<[f32; 3]>, triangles: impl Iterator<Item = [u32; 3]>) -> Self {
-        let triangles: Vec<_> = triangles.collect();
-        let n = triangles.len();
-        let mut body =
-            Self { positions, triangles, nodes: vec![Node::EMPTY; 2 * n], order: vec![0; n] };
-        let mesh = Mesh::new(&body.positions, &body.triangles).unwrap();
+    fn of(soup: Soup) -> Self {
+        let n = soup.triangles.len();
+        let mut body = Self { soup, nodes: vec![Node::EMPTY; 2 * n], order: vec![0; n] };
+        let mesh = Mesh::new(&body.soup.positions, &body.soup.triangles).unwrap();
         let storage = BvhStorage { nodes: &mut body.nodes, order: &mut body.order };
         let mut scratch = vec![0; bvh::morton_scratch_bound(n)];
-        // Small leaves make a tree of the few triangles that miri can bear.
-        let options =
-            BuildOptions { leaf_size: if cfg!(miri) { 1 } else { 4 }, ..BuildOptions::default() };
+        let options = BuildOptions::default();
         let used = bvh::morton(mesh, &options, storage, &mut scratch).unwrap().nodes().len();
         body.nodes.truncate(used);
         body
     }
 
-    /// A sheet with hills; a small one for miri, which is slow.
-    fn bumpy(side: u32) -> Self {
-        let side = if cfg!(miri) { 2 } else { side };
-        Self::sheet(side, |x, y| 0.1 * (7.0 * x).sin() * (9.0 * y).cos())
-    }
-
-    /// A grid of 2·side² triangles over the unit square.
-    fn sheet(side: u32, height: impl Fn(f32, f32) -> f32) -> Self {
-        let at = |i: u32| i as f32 / side as f32;
-        let grid = (0..=side).flat_map(|j| (0..=side).map(move |i| (i, j)));
-        let positions = grid.map(|(i, j)| [at(i), at(j), height(at(i), at(j))]).collect();
-        let cells = (0..side).flat_map(|j| (0..side).map(move |i| j * (side + 1) + i));
-        let triangles =
-            cells.flat_map(|c| [[c, c + 1, c + side + 1], [c + 1, c + side + 2, c + side + 1]]);
-        Self::of(positions, triangles)
-    }
-
-    /// The same below a chain of `levels` nodes, each with a triangle of its own beside it.
-    fn below_outliers(mut self, levels: u32) -> Self {
-        let (own, vertices) = (self.triangles.len() as u32, self.positions.len() as u32);
-        let far = [[3.0, 0.0, 0.0], [3.0, 1.0, 0.0], [3.0, 0.0, 1.0]];
-        self.positions.extend(far);
-        let corners = [vertices, vertices + 1, vertices + 2];
-        self.triangles.extend((0..levels).map(|_| corners));
-        self.order.splice(0..0, own..own + levels);
-        let (mut nodes, mut parent) = (vec![Node::EMPTY; 2], 0);
-        for outlier in 0..levels {
-            nodes[parent].first = nodes.len() as u32;
-            nodes.push(Node { first: outlier, count: 1, ..Node::EMPTY });
-            parent = nodes.len();
-            nodes.push(Node::EMPTY);
-        }
-        let shift = nodes.len() as u32 - 2;
-        let moved = |node: &Node| {
-            let first = node.first + if node.is_leaf() { levels } else { shift };
-            Node { first, ..*node }
-        };
-        let below: Vec<_> = self.nodes.iter().map(moved).collect();
-        nodes[parent] = below[0];
-        nodes.extend_from_slice(&below[2..]);
-        let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
-        bvh::refit(mesh, &mut nodes, &self.order, bvh::Refit::default()).unwrap();
-        Self { nodes, ..self }
-    }
-
     fn bvh(&self) -> Bvh<'_> {
-        let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
+        let mesh = Mesh::new_unchecked(&self.soup.positions, &self.soup.triangles);
         Bvh::new_unchecked(mesh, &self.nodes, &self.order)
     }
 }

@@ -5,6 +5,7 @@ use crate::aabb::Bounds;
 use crate::simd::{Box4, Eight, LANES, Task, widest};
 use crate::{Aabb, Node};
 use glam::{DMat3, DVec3, Vec3A, Vec4};
+use pfront_testkit::rng::{RngExt, seeded};
 
 /// Places a point in all lanes but the first and returns the last.
 struct Lanes {
@@ -31,13 +32,10 @@ impl Task for Lanes {
 }
 
 fn course() -> impl Iterator<Item = (Pose, [[f32; 3]; 2])> {
-    let mut state = 7_u32;
-    let mut next = move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let scale = [1e-6, 1.0, 3.0, 1e4][(state >> 4) as usize % 4];
-        ((state >> 9) as f32 / 4_194_304.0 - 1.0) * scale
-    };
-    (0..if cfg!(miri) { 20 } else { 50_000 }).map(move |_| {
+    let mut rng = seeded(7);
+    let mut next =
+        move || rng.random_range(-1.0..1.0f32) * [1e-6, 1.0, 3.0, 1e4][rng.random_range(0..4)];
+    (0..50_000).map(move |_| {
         let rows = core::array::from_fn(|_| core::array::from_fn(|_| next()));
         (Pose::new(rows), core::array::from_fn(|_| core::array::from_fn(|_| next())))
     })

@@ -1,6 +1,7 @@
 //! How each family makes its pairs: f64 geometry, rounded to f32 at the end.
 
 use super::Family;
+use crate::rng::finite;
 use crate::{Point, Triangle};
 use rand::{Rng, RngExt};
 
@@ -119,7 +120,7 @@ pub(super) fn pair(family: Family, rng: &mut impl Rng) -> [Triangle; 2] {
             }
             [a, b]
         }
-        Family::RawBits => [[[0; 3]; 3]; 2].map(|t| t.map(|p: [i32; 3]| p.map(|_| bits(rng)))),
+        Family::RawBits => [[[0; 3]; 3]; 2].map(|t| t.map(|p: [i32; 3]| p.map(|_| finite(rng)))),
     }
 }
 
@@ -197,15 +198,6 @@ fn collapse(t: &mut Triangle, rng: &mut impl Rng) {
         0 => *t = [t[0]; 3],
         1 => t[1] = t[0],
         _ => t[1] = round(on_segment(widened(t[0]), widened(t[2]), 0.5)),
-    }
-}
-
-fn bits(rng: &mut impl Rng) -> f32 {
-    loop {
-        let x = f32::from_bits(rng.random());
-        if x.is_finite() {
-            return x;
-        }
     }
 }
 

@@ -8,6 +8,7 @@ use super::*;
 use crate::MeshError;
 use crate::bvh::node_bound;
 use crate::bvh::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
+use pfront_testkit::shapes::{Soup, strip};
 use std::prelude::v1::*;
 use std::{format, vec};
 
@@ -61,9 +62,7 @@ impl Owned {
 
     /// A strip of so many triangles.
     fn strip(triangles: u32, leaf_size: u32, by_morton: bool) -> Self {
-        let vertices = if triangles == 0 { 0 } else { triangles + 2 };
-        let positions = (0..vertices).map(|v| [v as f32, (v % 2) as f32, 0.1 * v as f32]).collect();
-        let triangles: Vec<_> = (0..triangles).map(|t| [t, t + 1, t + 2]).collect();
+        let Soup { positions, triangles } = strip(triangles);
         let n = triangles.len();
         let mut own = Self {
             nodes: vec![Node::EMPTY; node_bound(n)],
