@@ -138,14 +138,12 @@ fn radix_sort<T: Element>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pfront_testkit::rng::{RngExt, seeded};
 
     #[test]
     fn radix_sort_sorts() {
-        let mut state = 1_u64;
-        let mut random = |most: u32| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 33) as u32 % most
-        };
+        let mut rng = seeded(1);
+        let mut random = |most: u32| rng.random_range(0..most);
         let mut scratch = Vec::new();
         for (count, most) in
             [(0, 1), (1, 1), (600, 1), (700, 300), (5_000, 70_000), (900, u32::MAX)]

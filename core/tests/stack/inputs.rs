@@ -2,29 +2,17 @@
 
 use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, sah};
 use pfront_core::bvh::{MAX_DEPTH, node_bound};
-use pfront_core::{Bvh, Mesh, Node, Triangle};
+use pfront_core::{Bvh, Mesh, Node};
+use pfront_testkit::rng::{RngExt, seeded};
+use pfront_testkit::shapes::{Soup, sheet, union};
 
-/// What a [`Mesh`] borrows; no two triangles share a vertex.
-pub(crate) struct Soup {
-    pub(crate) positions: Vec<[f32; 3]>,
-    pub(crate) triangles: Vec<[u32; 3]>,
-}
-
-impl Soup {
-    fn new(corners: impl IntoIterator<Item = Triangle>) -> Self {
-        let positions: Vec<_> = corners.into_iter().flatten().collect();
-        let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
-        Self { triangles: triangles.collect(), positions }
-    }
-
-    pub(crate) fn mesh(&self) -> Mesh<'_> {
-        Mesh::new(&self.positions, &self.triangles).unwrap()
-    }
+pub(crate) fn mesh(soup: &Soup) -> Mesh<'_> {
+    Mesh::new(&soup.positions, &soup.triangles).unwrap()
 }
 
 /// `count` triangles in one place, which no build can tell apart.
 pub(crate) fn coincident(count: usize) -> Soup {
-    Soup::new((0..count).map(|_| [[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [0.0, 1.0, 0.3]]))
+    Soup::of((0..count).map(|_| [[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [0.0, 1.0, 0.3]]))
 }
 
 /// `count` plates in a row, of which SAH takes the first as often as depth allows: it is farther from the others than
@@ -32,7 +20,7 @@ pub(crate) fn coincident(count: usize) -> Soup {
 pub(crate) fn peeling(count: usize) -> Soup {
     let plate = |x: f32| [[x, -1e38, -1e38], [x, 1e38, -1e38], [x, 1e38, 1e38]];
     let far = (0..58).map(|k| -1e35 * 18_f32.powi(-k));
-    Soup::new(far.chain((58..count).map(|k| k as f32 * 1e-42)).take(count).map(plate))
+    Soup::of(far.chain((58..count).map(|k| k as f32 * 1e-42)).take(count).map(plate))
 }
 
 /// Points in Morton cells each of which has one bit, and `count` in the first cell.
@@ -44,19 +32,18 @@ pub(crate) fn curled(count: usize) -> Soup {
     });
     let last = [[2047.0; 3]];
     let points = cells.chain(last).chain((0..count).map(|_| [0.0; 3]));
-    Soup::new(points.map(|p| [p; 3]))
+    Soup::of(points.map(|p| [p; 3]))
 }
 
 /// Triangles that meet, or nearly, whose coordinates are so unlike that only long integers decide.
 pub(crate) fn disparate(count: usize) -> Soup {
-    let mut state = 7_u32;
+    let mut rng = seeded(7);
     let mut number = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let exponent = (state >> 9) % 170 + 30;
-        f32::from_bits(state & 0x8000_0000 | exponent << 23 | (state >> 3) & 0x7f_ffff)
+        let exponent = rng.random_range(30..200);
+        f32::from_bits(rng.random::<u32>() & !(0xff << 23) | exponent << 23)
     };
     // In planes through one line.
-    Soup::new((0..count).map(|_| {
+    Soup::of((0..count).map(|_| {
         [(); 3].map(|()| {
             let x = number();
             [x, x, number()]
@@ -66,18 +53,10 @@ pub(crate) fn disparate(count: usize) -> Soup {
 
 /// Two crumpled sheets in one place, `edge` squares along each edge, with corners in common.
 pub(crate) fn sheets(edge: u32) -> Soup {
-    let side = edge + 1;
-    let wave = |u: f32| (9.0 * u).sin();
-    let point = |i: u32| {
-        let [u, v] = [i % side, i / side].map(|k| k as f32 / edge as f32);
-        [u + 0.1 * wave(v), v + 0.1 * wave(u), 0.2 * wave(u + v)]
-    };
-    let one: Vec<_> = (0..side * side).map(point).collect();
-    let squares = (0..2).flat_map(|sheet| {
-        (0..edge * edge).map(move |i| sheet * side * side + i / edge * side + i % edge)
-    });
-    let triangles = squares.flat_map(|i| [[i, i + 1, i + side], [i + side + 1, i + side, i + 1]]);
-    Soup { triangles: triangles.collect(), positions: [&one[..], &one].concat() }
+    let wave = |u: f32| (4.5 * u).sin();
+    let one = sheet(edge, |_, _| 0.0)
+        .map(|[u, v, _]| [u + 0.2 * wave(v), v + 0.2 * wave(u), 0.4 * wave(u + v)]);
+    union(&[one.clone(), one])
 }
 
 /// Nodes and order of a BVH.

@@ -8,7 +8,7 @@
 mod inputs;
 mod meter;
 
-use inputs::{Soup, Tree, coincident, curled, disparate, peeling, sheets};
+use inputs::{Tree, coincident, curled, disparate, mesh, peeling, sheets};
 use meter::stack_of;
 use pfront_core::bvh::*;
 use pfront_core::bvtt::*;
@@ -16,6 +16,7 @@ use pfront_core::front::{CostEntry, CostHistory, Front, FrontNode, Part, RefineO
 use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, link_scratch_bound};
 use pfront_core::triangle::{Accuracy, intersects};
 use pfront_core::{Blob, Bvh, Mesh, Node, Pose, blob};
+use pfront_testkit::shapes::Soup;
 use std::hint::black_box;
 use std::ops::ControlFlow::Continue;
 
@@ -49,7 +50,7 @@ fn turned() -> Pose {
 
 /// BVHs with leaves of one triangle. Returns how deep they are.
 fn build(soup: &Soup) -> [usize; 2] {
-    let (mesh, count) = (soup.mesh(), soup.triangles.len());
+    let (mesh, count) = (mesh(soup), soup.triangles.len());
     let options = BuildOptions { leaf_size: 1, join: None };
     let mut tree = Tree { nodes: vec![Node::EMPTY; node_bound(count)], order: vec![0; count] };
     let (mut items, mut keys) = (vec![SahItem::default(); count], vec![0; 2 * count]);
@@ -86,7 +87,7 @@ fn builds() {
 #[test]
 fn refits() {
     let soup = coincident(MAX_DEPTH + 1);
-    let (mesh, tree) = (soup.mesh(), Tree::deepest(soup.mesh()));
+    let (mesh, tree) = (mesh(&soup), Tree::deepest(mesh(&soup)));
     let (mut nodes, order) = (tree.nodes.clone(), &tree.order);
     let mut table = vec![RefitRow::default(); refit_table_bound(nodes.len())];
     let mut moved = vec![Moved::default(); moved_bound(soup.positions.len())];
@@ -110,7 +111,7 @@ fn refits() {
 #[test]
 fn checks_and_conversions() {
     let soup = coincident(MAX_DEPTH + 1);
-    let (mesh, tree) = (soup.mesh(), Tree::deepest(soup.mesh()));
+    let (mesh, tree) = (mesh(&soup), Tree::deepest(mesh(&soup)));
     let bvh = tree.bvh(mesh);
     assert_eq!(bvh.depth(), MAX_DEPTH);
     let scratch = &mut [0; check_scratch_bound(MAX_DEPTH + 1)];
@@ -136,11 +137,11 @@ fn walk(query: &(impl Query + Sync)) {
 #[test]
 fn queries() {
     let deep = coincident(MAX_DEPTH + 1);
-    let deepest = Tree::deepest(deep.mesh());
+    let deepest = Tree::deepest(mesh(&deep));
     let trees =
-        [sheets(40), disparate(3000), coincident(2000)].map(|soup| (Tree::of(soup.mesh()), soup));
+        [sheets(40), disparate(3000), coincident(2000)].map(|soup| (Tree::of(mesh(&soup)), soup));
     for (tree, soup) in trees.iter().map(|(tree, soup)| (tree, soup)).chain([(&deepest, &deep)]) {
-        let (mesh, bvh) = (soup.mesh(), tree.bvh(soup.mesh()));
+        let (mesh, bvh) = (mesh(soup), tree.bvh(mesh(soup)));
         let mut nodes = vec![CompactNode::ZERO; tree.nodes.len()];
         let small = compact(mesh, &tree.nodes, &tree.order, &mut nodes).unwrap();
         for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
@@ -169,8 +170,8 @@ fn queries() {
 #[test]
 fn fronts() {
     let soup = sheets(40);
-    let tree = Tree::of(soup.mesh());
-    let query = PairQuery::new(tree.bvh(soup.mesh()), tree.bvh(soup.mesh()), turned()).unwrap();
+    let tree = Tree::of(mesh(&soup));
+    let query = PairQuery::new(tree.bvh(mesh(&soup)), tree.bvh(mesh(&soup)), turned()).unwrap();
     let (mut nodes, mut past) =
         (vec![FrontNode::default(); 4096], vec![CostEntry::default(); 4096]);
     let (mut loads, mut len) = ([Part::default(); 64], 0);
@@ -193,8 +194,8 @@ fn fronts() {
 #[test]
 fn a_starting_front_takes_four_box_tests_a_node_above_it() {
     let soup = coincident(2000);
-    let tree = Tree::of(soup.mesh());
-    let bvh = tree.bvh(soup.mesh());
+    let tree = Tree::of(mesh(&soup));
+    let bvh = tree.bvh(mesh(&soup));
     let query = PairQuery::new(bvh, bvh, Pose::IDENTITY).unwrap();
     let mut nodes = [FrontNode::default(); 256];
     let mut front = Front::new(&mut nodes);
@@ -209,7 +210,7 @@ fn a_starting_front_takes_four_box_tests_a_node_above_it() {
 #[test]
 fn one_rings() {
     let soup = sheets(128);
-    let (mesh, vertices) = (soup.mesh(), soup.positions.len());
+    let (mesh, vertices) = (mesh(&soup), soup.positions.len());
     let count = soup.triangles.len();
     let mut history = vec![0; history_bound(vertices, count)];
     let mut scratch = vec![0; link_scratch_bound(vertices, count)];

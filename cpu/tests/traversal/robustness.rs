@@ -3,6 +3,7 @@
 use crate::common::{Frames, SCHEDULES, sequential};
 use pfront_core::bvtt::Query;
 use pfront_cpu::{Schedule, Settings, Traversal};
+use pfront_testkit::rng::{RngExt, seeded};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
@@ -86,13 +87,13 @@ fn ten_thousand_frames() {
     let queries: Vec<_> = (0..120).map(|i| frames.query(i)).collect();
     let expected: Vec<_> = queries.iter().map(sequential).collect();
     let mut traversals: Vec<_> = SCHEDULES.iter().map(|&schedule| traversal(3, schedule)).collect();
-    let (mut pairs, mut state) = (Vec::new(), 1_u32);
+    let (mut pairs, mut rng) = (Vec::new(), seeded(1));
     for frame in 0..10_000 {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         // Mostly onwards, at times elsewhere.
-        let i = if state >> 28 == 0 { (state >> 8) as usize } else { frame } % queries.len();
+        let jumps = rng.random_bool(1.0 / 16.0);
+        let i = if jumps { rng.random_range(0..queries.len()) } else { frame % queries.len() };
         let traversal = &mut traversals[frame % 3];
-        match state >> 26 & 3 {
+        match rng.random_range(0..4) {
             0 => assert_eq!(traversal.count(&queries[i]), expected[i].len() as u64),
             1 => assert_eq!(traversal.any(&queries[i]).is_some(), !expected[i].is_empty()),
             _ => {

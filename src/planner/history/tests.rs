@@ -4,6 +4,7 @@ use super::predict::predicted;
 use super::*;
 use crate::planner::Machine;
 use crate::planner::machine::Device;
+use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded};
 
 const THREADS_THERE: u32 = 16;
 
@@ -26,13 +27,13 @@ struct World {
     off: [f64; WAYS],
     upload: f64,
     there: bool,
-    /// Pseudo-random, so that frames of equal cost do not take equally long.
-    noise: u32,
+    /// Frames of equal cost do not take equally long.
+    noise: ChaCha8Rng,
 }
 
 impl World {
     fn new(off: [f64; WAYS]) -> Self {
-        Self { machine: measured(), off, upload: 5e5, there: false, noise: 1 }
+        Self { machine: measured(), off, upload: 5e5, there: false, noise: seeded(1) }
     }
 
     fn offer(&self) -> Offer {
@@ -82,8 +83,7 @@ impl World {
             Way::Alone => 0.0,
             _ => spent * self.machine.test * self.off[0],
         };
-        self.noise = self.noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let noise = 0.9 + 0.2 * f64::from(self.noise >> 8) / f64::from(1 << 24);
+        let noise = self.noise.random_range(0.9..1.1);
         let mut took = beside + noise * self.takes(choice.way, cost);
         if choice.way == Way::Gpu && !self.there {
             took += self.upload;
@@ -129,9 +129,9 @@ fn the_best_way_is_found_whatever_the_machine_was_thought_to_be() {
 #[test]
 fn jumps_cost_little() {
     for cost in [1e4, 1e5, 1e6] {
-        let jumping = (0..300)
-            .map(|i: u32| if i.wrapping_mul(2_654_435_761) >> 31 == 0 { cost } else { 100.0 });
-        let regret = World::new([1.0; WAYS]).regret(jumping);
+        let mut rng = seeded(2);
+        let jumping = [(); 300].map(|()| if rng.random_bool(0.5) { cost } else { 100.0 });
+        let regret = World::new([1.0; WAYS]).regret(jumping.into_iter());
         assert!(regret < 1.25, "{cost}: {regret}");
     }
 }
