@@ -2,7 +2,7 @@
 
 use pfront::{Model, SelfQuery, TrianglePair};
 use pfront_testkit::oracle::self_pairs;
-use pfront_testkit::rng::{Rng, RngExt, seeded};
+use pfront_testkit::rng::{Rng, RngExt, seeded, seq::SliceRandom};
 
 /// A centre and a rim about it, wound `turns` times, then disturbed.
 fn rim(n: usize, turns: f32, rng: &mut impl Rng) -> Vec<[f32; 3]> {
@@ -38,9 +38,7 @@ fn one_ring(n: usize, ring: bool, rng: &mut impl Rng) -> Vec<[u32; 3]> {
             t
         })
         .collect();
-    for i in (1..triangles.len()).rev() {
-        triangles.swap(i, rng.random_range(0..=i));
-    }
+    triangles.shuffle(rng);
     triangles
 }
 

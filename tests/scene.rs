@@ -8,7 +8,7 @@ use pfront::{Body, BodyId, Error, Model, PairQuery, Pose, PoseError, SceneHit, S
 use pfront::{Piece, TrianglePair};
 use pfront_testkit::oracle::pairs;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
-use pfront_testkit::shapes::{Rows, Soup, pose_rows, posed, sheet, sphere, tangle};
+use pfront_testkit::shapes::{Rows, Soup, pose_rows, posed, sheet, sphere, tangle, union};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -213,18 +213,14 @@ fn a_cube_rests_on_a_cube() {
 
 /// The unit cube of n × n squares a side.
 fn cube(n: u32) -> Soup {
-    let mut cube = Soup::default();
-    for (axis, side) in [(0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0), (2, 0.0), (2, 1.0)] {
-        let face = sheet(n, |_, _| 0.0).map(|[x, y, _]| {
+    let face = |(axis, side): (usize, f32)| {
+        sheet(n, |_, _| 0.0).map(|[x, y, _]| {
             let mut p = [side; 3];
             (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (0.5 + 0.5 * x, 0.5 + 0.5 * y);
             p
-        });
-        let first = cube.positions.len() as u32;
-        cube.positions.extend(face.positions);
-        cube.triangles.extend(face.triangles.iter().map(|t| t.map(|v| v + first)));
-    }
-    cube
+        })
+    };
+    union(&[(0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0), (2, 0.0), (2, 1.0)].map(face))
 }
 
 #[test]

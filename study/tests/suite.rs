@@ -5,20 +5,18 @@
 use pfront_study::judge::{Judge, OURS, Tally, Test};
 use pfront_study::suite::{Answers, BLOCK, Block, Case, FileError, Reader, Suite, Writer};
 use pfront_study::textbook;
-use pfront_testkit::families::Family;
+use pfront_testkit::{checksum, families::Family};
 
 fn blocks(suite: &Suite, pairs: u64) -> Vec<Block> {
     suite.waves(pairs).flatten().collect()
 }
 
-/// FNV-1a over all coordinates and truths.
+/// A checksum of all coordinates and truths.
 fn hash<'c>(cases: impl IntoIterator<Item = &'c Case>) -> u64 {
-    let bytes = cases.into_iter().flat_map(|case| {
+    checksum(cases.into_iter().flat_map(|case| {
         let coordinates = case.a.into_iter().chain(case.b).flatten();
         coordinates.flat_map(f32::to_le_bytes).chain([u8::from(case.meets)])
-    });
-    let step = |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-    bytes.fold(0xcbf2_9ce4_8422_2325, step)
+    }))
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use pfront_scenes::{Kind, Pose, Scene, icosphere};
 
-use crate::oracle::{Triangle, depth, pairs, posed, self_pairs};
+use crate::oracle::{corners, depth, in_world, self_touching, touching};
+use pfront_testkit::shapes::Soup;
 
 const IDENTITY: Pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 /// In modules; a tooth is 2.25 high.
@@ -12,12 +13,12 @@ fn scene(name: &str, size: usize) -> Scene {
     Scene::by_name(name, Some(size)).expect("a named scene")
 }
 
-/// The triangles of each object in `frame`.
-fn world(scene: &Scene, frame: usize) -> Vec<Vec<Triangle>> {
+/// The objects in `frame`.
+fn world(scene: &Scene, frame: usize) -> Vec<Soup> {
     let mut poses = Vec::new();
     scene.poses(frame, &mut poses);
     let objects = scene.objects.iter().zip(&poses);
-    objects.map(|(&mesh, pose)| posed(&scene.meshes[mesh], pose)).collect()
+    objects.map(|(&mesh, pose)| in_world(&scene.meshes[mesh], pose)).collect()
 }
 
 #[test]
@@ -27,7 +28,7 @@ fn worm_and_wheel_touch_in_every_frame_and_overlap_little() {
     // Twenty frames turn the wheel by one tooth; odd ones in between, then the far end.
     for frame in [0, 3, 7, 11, 13, 18, 63, 119] {
         let bodies = world(&scene, frame);
-        let touching = pairs(&bodies[0], &bodies[1], 0.8).len();
+        let touching = touching(&bodies[0], &bodies[1]);
         assert!((100..3_000).contains(&touching), "frame {frame}: {touching} pairs");
         let deepest = depth(&bodies[0], &bodies[1]).max(depth(&bodies[1], &bodies[0]));
         assert!(deepest < DEEPEST, "frame {frame}: {deepest} deep");
@@ -39,7 +40,7 @@ fn worm_and_wheel_touch_in_hundreds_of_pairs_at_full_size() {
     let scene = Scene::by_name("worm-gear", None).expect("a named scene");
     for frame in (0..20).step_by(3) {
         let bodies = world(&scene, frame);
-        let touching = pairs(&bodies[0], &bodies[1], 0.5).len();
+        let touching = touching(&bodies[0], &bodies[1]);
         assert!((300..3_000).contains(&touching), "frame {frame}: {touching} pairs");
     }
 }
@@ -58,7 +59,7 @@ fn exactly_the_meshing_gears_of_the_train_touch_and_overlap_little() {
         let gears = world(&scene, frame);
         for a in 0..gears.len() {
             for b in a + 1..gears.len() {
-                let touching = pairs(&gears[a], &gears[b], 1.5).len();
+                let touching = touching(&gears[a], &gears[b]);
                 assert_eq!(touching > 0, meshing.contains(&(a, b)), "frame {frame}: {a} and {b}");
                 assert!(touching < 1_000, "frame {frame}: {touching} pairs of {a} and {b}");
             }
@@ -77,7 +78,7 @@ fn the_sheet_folds_until_it_crosses_itself_in_places() {
     let mut positions = Vec::new();
     let mut touching = |frame| {
         scene.positions(frame, &mut positions);
-        self_pairs(&scene.meshes[0], &positions, 0.02).len()
+        self_touching(&positions, &scene.meshes[0].triangles)
     };
     assert_eq!(touching(0), 0);
     for frame in [40, 60, 90, 119] {
@@ -90,9 +91,9 @@ fn the_sheet_folds_until_it_crosses_itself_in_places() {
 fn the_sheet_keeps_its_size() {
     let scene = scene("sheet", 20_000);
     let area = |frame| {
-        let mut mesh = scene.meshes[0].clone();
-        scene.positions(frame, &mut mesh.positions);
-        let triangles = posed(&mesh, &IDENTITY);
+        let mut soup = in_world(&scene.meshes[0], &IDENTITY);
+        scene.positions(frame, &mut soup.positions);
+        let triangles = corners(&soup);
         triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() / 2.0).sum::<f64>()
     };
     for frame in [0, 30, 60, 119] {
@@ -104,12 +105,12 @@ fn the_sheet_keeps_its_size() {
 fn passing_bodies_meet_and_part() {
     for name in ["torus-knots", "spheres"] {
         let scene = scene(name, 4_000);
-        let touching = |frame| {
+        let met = |frame| {
             let bodies = world(&scene, frame);
-            pairs(&bodies[0], &bodies[1], 0.1).len()
+            touching(&bodies[0], &bodies[1])
         };
-        assert!(touching(60) > 100, "{name}");
-        assert!(touching(60) > 3 * touching(0).max(touching(119)), "{name}");
+        assert!(met(60) > 100, "{name}");
+        assert!(met(60) > 3 * met(0).max(met(119)), "{name}");
     }
 }
 
@@ -134,7 +135,7 @@ fn courses_are_rigid_random_and_repeatable() {
             *sum += row.element_sum() / 600.0;
         }
         let bodies = world(&scene, frame);
-        hits += usize::from(!pairs(&bodies[0], &bodies[1], 0.3).is_empty());
+        hits += usize::from(touching(&bodies[0], &bodies[1]) > 0);
     }
     assert!(mean.iter().all(|m: &f32| m.abs() < 0.1), "rotations lean: {mean:?}");
     assert!((100..=200).contains(&hits), "{hits} of 200 poses touch");

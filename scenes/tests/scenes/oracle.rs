@@ -1,11 +1,13 @@
-//! Oracles for the scenes: whether a mesh is closed, and how two posed meshes touch. All naive.
+//! Oracles for the scenes: whether a mesh is closed, where it touches another, and how deep.
 
 use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 use pfront_scenes::{Pose, TriMesh};
+use pfront_testkit::oracle;
+use pfront_testkit::shapes::{Soup, posed};
 
-pub(crate) type Triangle = [DVec3; 3];
+type Triangle = [DVec3; 3];
 
 /// The directed edges. Each may occur once, no triangle may be degenerate, no position twice, and
 /// no vertex unused.
@@ -52,122 +54,49 @@ pub(crate) fn assert_closed(mesh: &TriMesh, genus: i64) {
     assert!(mesh.volume() > 0.0, "the mesh is inside out");
 }
 
-/// The mesh's triangles in the world.
-pub(crate) fn posed(mesh: &TriMesh, pose: &Pose) -> Vec<Triangle> {
-    let place = |v: u32| {
-        let p = mesh.positions[v as usize].map(f64::from);
-        DVec3::from(pose.map(|r| {
-            let [x, y, z, t] = r.map(f64::from);
-            x * p[0] + y * p[1] + z * p[2] + t
-        }))
-    };
-    mesh.triangles.iter().map(|t| t.map(place)).collect()
+/// A mesh in the world.
+pub(crate) fn in_world(mesh: &TriMesh, pose: &Pose) -> Soup {
+    Soup { positions: posed(&mesh.positions, pose), triangles: mesh.triangles.clone() }
 }
 
-/// A grid of cells over triangles, by which to find those near others.
-pub(crate) struct Grid<'a> {
-    triangles: &'a [Triangle],
-    cell: f64,
-    cells: HashMap<[i64; 3], Vec<usize>>,
+/// The corners of all triangles.
+pub(crate) fn corners(soup: &Soup) -> Vec<Triangle> {
+    let corner = |v: u32| DVec3::from(soup.positions[v as usize].map(f64::from));
+    soup.triangles.iter().map(|t| t.map(corner)).collect()
 }
 
-impl<'a> Grid<'a> {
-    pub(crate) fn new(triangles: &'a [Triangle], cell: f64) -> Self {
-        let mut grid = Self { triangles, cell, cells: HashMap::new() };
-        for (k, t) in triangles.iter().enumerate() {
-            for cell in grid.covered(t) {
-                grid.cells.entry(cell).or_default().push(k);
-            }
-        }
-        grid
-    }
+/// How many pairs of triangles of two meshes share a point.
+pub(crate) fn touching(a: &Soup, b: &Soup) -> usize {
+    oracle::pairs(&a.positions, &a.triangles, &b.positions, &b.triangles).len()
+}
 
-    fn covered(&self, t: &Triangle) -> Vec<[i64; 3]> {
-        let (lo, hi) = bounds(t);
-        let [lo, hi] = [lo, hi].map(|p| (p / self.cell).floor().to_array().map(|x| x as i64));
-        let mut cells = Vec::new();
-        for x in lo[0]..=hi[0] {
-            for y in lo[1]..=hi[1] {
-                cells.extend((lo[2]..=hi[2]).map(|z| [x, y, z]));
-            }
-        }
-        cells
-    }
-
-    /// The triangles whose boxes overlap that of `t`.
-    pub(crate) fn near(&self, t: &Triangle) -> Vec<usize> {
-        let (lo, hi) = bounds(t);
-        let cells = self.covered(t);
-        let found = cells.iter().filter_map(|c| self.cells.get(c)).flatten().copied();
-        let mut found: Vec<usize> = found
-            .filter(|&k| {
-                let (l, h) = bounds(&self.triangles[k]);
-                l.cmple(hi).all() && lo.cmple(h).all()
-            })
-            .collect();
-        found.sort_unstable();
-        found.dedup();
-        found
-    }
+/// How many pairs of triangles of one mesh share a point and no vertex.
+pub(crate) fn self_touching(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> usize {
+    let pairs = oracle::self_pairs(positions, triangles);
+    let share =
+        |&(i, j): &(u32, u32)| oracle::share_a_vertex(triangles[i as usize], triangles[j as usize]);
+    pairs.iter().filter(|pair| !share(pair)).count()
 }
 
 fn bounds(t: &Triangle) -> (DVec3, DVec3) {
     (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]))
 }
 
-/// Every intersecting pair, in general position.
-pub(crate) fn pairs(a: &[Triangle], b: &[Triangle], cell: f64) -> Vec<(usize, usize)> {
-    let grid = Grid::new(a, cell);
-    let of = |(j, t): (usize, &Triangle)| {
-        let near = grid.near(t).into_iter().filter(|&i| intersect(&a[i], t));
-        near.map(move |i| (i, j)).collect::<Vec<_>>()
-    };
-    b.iter().enumerate().flat_map(of).collect()
-}
-
-/// Pairs of triangles of one mesh that cross and share no vertex.
-pub(crate) fn self_pairs(mesh: &TriMesh, positions: &[[f32; 3]], cell: f64) -> Vec<(usize, usize)> {
-    let corner = |v: u32| DVec3::from(positions[v as usize].map(f64::from));
-    let triangles: Vec<Triangle> = mesh.triangles.iter().map(|t| t.map(corner)).collect();
-    let apart = |&(i, j): &(usize, usize)| {
-        i < j && !mesh.triangles[i].iter().any(|v| mesh.triangles[j].contains(v))
-    };
-    let grid = Grid::new(&triangles, cell);
-    let mut found = Vec::new();
-    for (j, t) in triangles.iter().enumerate() {
-        let near = grid.near(t).into_iter().map(|i| (i, j)).filter(apart);
-        found.extend(near.filter(|&(i, _)| intersect(&triangles[i], t)));
-    }
-    found
-}
-
-/// In general position two triangles meet when an edge of one pierces the other.
-pub(crate) fn intersect(a: &Triangle, b: &Triangle) -> bool {
-    let edges = |t: &Triangle| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
-    edges(a).iter().any(|&e| pierces(e, b)) || edges(b).iter().any(|&e| pierces(e, a))
-}
-
-/// More than f32 rounds coordinates of these scenes by.
-const ROUNDING: f64 = 1e-5;
-
 fn pierces((p, q): (DVec3, DVec3), [a, b, c]: &Triangle) -> bool {
     let side = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| (b - a).cross(c - a).dot(d - a);
-    let [above, below] = [side(*a, *b, *c, p), side(*a, *b, *c, q)];
-    // An edge in the triangle's plane, but for rounding to f32, does not pierce it.
-    let flat = ROUNDING * (*b - *a).cross(*c - *a).length();
-    if (above > 0.0) == (below > 0.0) || above.abs().max(below.abs()) < flat {
-        return false;
-    }
     let turns = [side(p, q, *a, *b), side(p, q, *b, *c), side(p, q, *c, *a)].map(|s| s > 0.0);
-    turns[0] == turns[1] && turns[1] == turns[2]
+    (side(*a, *b, *c, p) > 0.0) != (side(*a, *b, *c, q) > 0.0)
+        && turns[0] == turns[1]
+        && turns[1] == turns[2]
 }
 
 /// How deep the deepest vertex of `a` lies in the closed mesh `b`; 0 when none does.
-pub(crate) fn depth(a: &[Triangle], b: &[Triangle]) -> f64 {
+pub(crate) fn depth(a: &Soup, b: &Soup) -> f64 {
+    let [a, b] = [a, b].map(corners);
     let bounds_of = |ts: &[Triangle]| {
         ts.iter().map(bounds).reduce(|x, y| (x.0.min(y.0), x.1.max(y.1))).expect("triangles")
     };
-    let (lo, hi) = bounds_of(b);
+    let (lo, hi) = bounds_of(&b);
     // In an oblique direction the ray meets no edge.
     let far = DVec3::new(0.571, 0.613, 0.743) * 1e3;
     let inside = |p: DVec3| b.iter().filter(|t| pierces((p, p + far), t)).count() % 2 == 1;

@@ -18,9 +18,9 @@ pub use contacts::{Body, Candidate, Contacts, NoContact, Site};
 pub use file::{FileError, Reader, Writer};
 
 use pfront::core::Triangle;
-use pfront_testkit::families::Family;
 use pfront_testkit::oracle::intersect;
 use pfront_testkit::rng::seeded;
+use pfront_testkit::{checksum, families::Family};
 use rayon::prelude::*;
 
 /// Pairs of a block; the last one of a set may have fewer.
@@ -159,7 +159,7 @@ impl Suite {
     #[must_use]
     pub fn block(&self, set: usize, block: u64, length: usize) -> Vec<Case> {
         let Set { name, source } = &self.sets[set];
-        let mut rng = seeded(self.seed ^ hash(name.bytes()));
+        let mut rng = seeded(self.seed ^ checksum(name.bytes()));
         rng.set_stream(block);
         let pairs: Vec<_> = match source {
             Source::Family(family) => {
@@ -169,10 +169,4 @@ impl Suite {
         };
         pairs.into_iter().map(|(a, b)| Case { a, b, meets: intersect(&a, &b) }).collect()
     }
-}
-
-/// FNV-1a in 64 bits: short, public, and the same everywhere.
-pub(crate) fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
-    let step = |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-    bytes.fold(0xcbf2_9ce4_8422_2325, step)
 }
