@@ -22,7 +22,7 @@ use wgpu::CommandEncoder;
 /// A front this long is split rather than refined. Its children fit in the least front.
 const LONG: usize = 64;
 
-/// What is wanted of an answer.
+/// The verbs of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Want {
     /// Every pair.
@@ -39,7 +39,7 @@ pub(crate) struct Answer {
     pub(crate) engine: Engine,
     /// The pairs found so far, if they are wanted.
     pub(crate) pairs: Vec<TrianglePair>,
-    /// Those of them that the CPU decided.
+    /// Pairs that the CPU decided, until they join `pairs`.
     late: Vec<TrianglePair>,
     pub(crate) count: u64,
     pub(crate) report: Report,

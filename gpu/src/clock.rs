@@ -10,7 +10,7 @@ use wgpu::{
     QuerySet,
 };
 
-/// What a device needs to keep time.
+/// Features that a device needs to keep time.
 pub(crate) const FEATURES: Features =
     Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_PASSES);
 
@@ -43,7 +43,7 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    /// Of each pass, or of all of them together. `None` if the device cannot keep time.
+    /// A clock for each pass, or for all of them together. `None` if the device cannot keep time.
     pub(crate) fn new(gpu: &Gpu, each: bool) -> Result<Option<Self>, Error> {
         let device = gpu.device();
         if !device.features().contains(FEATURES) {

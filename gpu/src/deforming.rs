@@ -234,7 +234,7 @@ impl Deforming {
     fn write(&mut self, positions: &[[f32; 3]]) {
         let bytes = bytemuck::cast_slice(positions);
         self.gpu.queue().write_buffer(&self.source.positions, 0, bytes);
-        // Of all vertices, so that no read-back is needed; it only bounds what a pose may do.
+        // The box of all vertices needs no read-back; it only bounds what a pose may do.
         self.model.bounds = self.model.bounds.map(|_| Aabb::of(positions));
     }
 }

@@ -20,7 +20,7 @@ use wgpu::{Buffer, CommandEncoder};
 /// A node pair as fronts hold it.
 pub(crate) type Entry = [u32; 2];
 
-/// What is asked, about the models that are bound. The engine fills in the capacities.
+/// A question about the models that are bound. The engine fills in the capacities.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Task {
     pub(crate) query: Query,
@@ -62,7 +62,7 @@ pub(crate) struct Run {
     copied: [u32; 2],
 }
 
-/// What a run found, as far as it was copied.
+/// The results of a run, as far as they were copied.
 #[derive(Debug)]
 pub(crate) struct Found {
     pub(crate) counters: Counters,
@@ -106,7 +106,7 @@ impl Engine {
         Ok(())
     }
 
-    /// What was asked last took no pass.
+    /// Forgets the times of the last run: the last question took no pass.
     pub(crate) fn forget_times(&mut self) {
         if let Some(clock) = &mut self.clock {
             clock.forget();

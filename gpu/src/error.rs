@@ -15,7 +15,7 @@ pub enum Error {
          the choice if they are set"
     )]
     NoAdapter {
-        /// What wgpu says.
+        /// The message of wgpu.
         reason: String,
     },
     /// The adapter gave no device.
@@ -25,7 +25,7 @@ pub enum Error {
     NoDevice {
         /// The name of the adapter.
         adapter: String,
-        /// What wgpu says.
+        /// The message of wgpu.
         reason: String,
     },
     /// The device's limits are below those of WebGPU.
@@ -36,9 +36,9 @@ pub enum Error {
     Limit {
         /// The limit, by its name in wgpu.
         limit: &'static str,
-        /// What the passes need.
+        /// The value that the passes need.
         needed: u64,
-        /// What the device has.
+        /// The value of the device.
         available: u64,
     },
     /// A buffer of a model or a query would be larger than the device can bind.
@@ -47,7 +47,7 @@ pub enum Error {
          mesh, lower the budget, or request a device with the limits of its adapter"
     )]
     TooLarge {
-        /// What is too large.
+        /// Name of the buffer that is too large.
         what: &'static str,
         /// Its size.
         needed: u64,
@@ -57,7 +57,7 @@ pub enum Error {
     /// The device has no memory left.
     #[error("no device memory for {bytes} bytes: drop models, or lower the budget of the queries")]
     OutOfMemory {
-        /// What was asked for.
+        /// The size that was asked for.
         bytes: u64,
     },
     /// The device is gone, with everything on it.
@@ -65,13 +65,13 @@ pub enum Error {
         "the device is lost: {reason}. Make a new `Gpu`, upload the models again and ask again"
     )]
     DeviceLost {
-        /// What wgpu says.
+        /// The message of wgpu.
         reason: String,
     },
     /// The device did something that it should not have.
     #[error("the device failed: {reason}. Update its driver, or choose another adapter")]
     Device {
-        /// What went wrong.
+        /// The message of wgpu, or the fault that was found.
         reason: String,
     },
     /// A model was uploaded through another `Gpu`.

@@ -22,7 +22,7 @@ pub struct Gpu {
 
 #[derive(Debug)]
 struct Shared {
-    /// Of the device: buffers of one look to wgpu like those of another.
+    /// Number of the device: buffers of one device look to wgpu like those of another.
     id: u64,
     device: Device,
     queue: Queue,
@@ -166,7 +166,7 @@ impl Gpu {
         self.shared.arithmetic
     }
 
-    /// What suits this device.
+    /// Settings that suit this device.
     #[must_use]
     pub fn settings(&self) -> Settings {
         let cpu = self.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
@@ -202,7 +202,7 @@ impl Gpu {
         self.shared.moving.get_or_init(compile).clone()
     }
 
-    /// Which device this is, of those of the process.
+    /// Number of this device among those of the process.
     pub(crate) fn id(&self) -> u64 {
         self.shared.id
     }
@@ -213,7 +213,7 @@ impl Gpu {
     }
 }
 
-/// What has been noted. A loss is for good; of anything else the device recovers.
+/// Takes the failure that was noted. A loss stays; the device recovers from any other.
 fn reported(failure: &Failure) -> Option<Error> {
     let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
     match &*failure {

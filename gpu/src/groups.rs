@@ -39,7 +39,7 @@ pub(crate) struct Groups {
     /// By the index of the front that is read.
     pub(crate) steps: Vec<BindGroup>,
     pub(crate) refine: BindGroup,
-    /// Those of the passes that sort, in order.
+    /// Groups of the passes that sort, in order.
     pub(crate) sort: [BindGroup; 3],
 }
 

@@ -45,7 +45,7 @@ shared! {
         reach: [[f32; 4]; 3],
     }
 
-    /// What is asked, and how much there is room for.
+    /// A question, and the capacities of all lists.
     Query {
         sides: [Placement; 2],
         posed: [u32; 2],
@@ -80,7 +80,7 @@ shared! {
         end_job: u32,
     }
 
-    /// What a dispatch of a build does.
+    /// Parameters of a dispatch of a build.
     Build {
         triangles: u32,
         depth: u32,
@@ -98,7 +98,7 @@ shared! {
         cells: f32,
     }
 
-    /// What a run counts.
+    /// Counters of a run.
     Counters {
         ticket: u32,
         overflow: u32,

@@ -51,7 +51,7 @@ impl Lists {
         })
     }
 
-    /// What a pass binds beside meshes and steps, in the group where it does.
+    /// The bind group of a pass for everything but meshes and steps.
     pub(crate) fn bind(&self, gpu: &Gpu, pass: &Pass, group: usize) -> Result<BindGroup, Error> {
         let buffers = [
             ("query", &self.query),

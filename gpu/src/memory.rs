@@ -5,7 +5,7 @@ use crate::{Error, Gpu};
 use bytemuck::Pod;
 use wgpu::BufferUsages;
 
-/// What a buffer is for.
+/// The uses of a buffer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Usage {
     /// Read by shaders, written by the host.

@@ -16,7 +16,7 @@ use pfront_shaders::{PROBE, constants::GROUP};
 use wgpu::util::DeviceExt;
 use wgpu::{BufferUsages, Device, Queue};
 
-/// Which arithmetic gives posed positions to the bit.
+/// Finds the arithmetic that gives posed positions to the bit.
 pub(crate) fn arithmetic(device: &Device, queue: &Queue) -> Result<Arithmetic, Error> {
     let trials = trials();
     for arithmetic in [Arithmetic::Hardware, Arithmetic::Flushing, Arithmetic::Integer] {

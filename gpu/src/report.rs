@@ -1,8 +1,8 @@
-//! What an answer took, in counts and in time.
+//! Counts and times of an answer.
 
 use crate::layout::Counters;
 
-/// What the last answer took.
+/// Counts and times of the last answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Report {
     /// Runs of all passes: 1 where the budget holds everything.
@@ -14,7 +14,7 @@ pub struct Report {
     pub leaf_pairs: u32,
     /// Triangle pairs that boxes and planes did not separate.
     pub triangle_pairs: u32,
-    /// Those of them that f32 left open.
+    /// Triangle pairs that f32 left open.
     pub undecided: u32,
     /// Triangle pairs that were left to the CPU.
     pub on_cpu: u32,
@@ -67,7 +67,7 @@ macro_rules! reports {
                 self.answer.engine.timings()
             }
 
-            /// What the last answer took.
+            /// Counts and times of the last answer.
             #[must_use]
             pub fn report(&self) -> crate::Report {
                 self.answer.report

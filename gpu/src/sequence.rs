@@ -9,7 +9,7 @@ use crate::pass::{Named, Pass};
 use std::sync::Arc;
 use wgpu::{BindGroup, BindingResource, CommandEncoder};
 
-/// Which pass a dispatch is of.
+/// Chooses the pass of a dispatch.
 type Which = fn(&Passes) -> &Pass;
 
 /// Workgroups for so many jobs that do not touch each other: one each, as far as a dispatch goes.

@@ -1,4 +1,4 @@
-//! What can be chosen about a query. None of it changes an answer.
+//! Settings of a query. None of them changes an answer.
 
 use crate::Error;
 use crate::layout::{Query, Rest};
@@ -29,7 +29,7 @@ pub struct Settings {
 /// Device memory of a query: fronts, lists and results. When they are full, the query goes on in
 /// parts; nothing is lost.
 ///
-/// Of n = bytes / 64, a front holds n node pairs (there are two), the lists of leaf pairs and of the
+/// With n = bytes / 64, a front holds n node pairs (there are two), the lists of leaf pairs and of the
 /// triangle pairs that boxes and planes do not separate 2n each, that of hits n, and that of triangle
 /// pairs for the CPU n / 16. Counters, parameters and what sorts the hits take 32 KiB more; a read-back
 /// buffer of the host is as large as the answer.

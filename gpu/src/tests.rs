@@ -1,4 +1,4 @@
-//! What needs no adapter: every pass is valid WGSL, and its structs are those of Rust.
+//! Tests without an adapter: every pass is valid WGSL, and its structs are those of Rust.
 
 use crate::layout::SHARED;
 use crate::pass::{bindings, parse};

@@ -94,7 +94,7 @@ pub const NARROW: Pass = pass!(
     SIGNS, FILTER
 );
 
-/// Which of them meet: in f32, and in integers what that leaves open.
+/// Triangle pairs decided: in f32, and in integers where that leaves them open.
 pub const DECIDE: Pass = pass!(
     "decide", LAYOUT, BINDINGS, NOTHING, GROUP, PLACE, SOFT, WIDE, TRIANGLES, SHARING, SIGNS,
     FILTER, LATTICE, EXACT, RESULTS

@@ -42,7 +42,7 @@ struct Tenant {
     first_vertex: u32,
 }
 
-/// What is uploaded.
+/// The arrays to upload.
 #[derive(Default)]
 struct Contents {
     nodes: Vec<Node>,
@@ -112,7 +112,7 @@ impl Arena {
 
     /// Moves the vertices of a body with the next submission.
     pub(super) fn write_positions(&self, gpu: &Gpu, id: BodyId, positions: &[[f32; 3]]) {
-        // What has no triangles is not here.
+        // A body without triangles is not in the arena.
         if let Ok(number) = self.tenants.binary_search_by_key(&id, |tenant| tenant.id) {
             let at = u64::from(self.tenants[number].first_vertex) * size_of::<[f32; 3]>() as u64;
             gpu.queue().write_buffer(&self.shapes, at, bytemuck::cast_slice(positions));
@@ -161,7 +161,7 @@ impl Arena {
         (front, levels)
     }
 
-    /// Whose triangles a pair is of.
+    /// The bodies and triangles of a pair of triangles of the arena.
     pub(super) fn hit(&self, pair: TrianglePair) -> SceneHit {
         let tenant = |triangle: u32| {
             let next = self.tenants.partition_point(|tenant| tenant.first_triangle <= triangle);

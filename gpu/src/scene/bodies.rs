@@ -86,7 +86,7 @@ impl Bodies {
         &self.list[place as usize]
     }
 
-    /// Those that have a triangle, with their boxes.
+    /// Bodies that have a triangle, with their boxes.
     pub(super) fn solid(&self) -> impl Iterator<Item = (&Body, Aabb)> {
         self.list.iter().filter_map(|body| Some((body, body.aabb?)))
     }

@@ -1,4 +1,4 @@
-//! What happens to a scene between frames.
+//! Changes of a scene between frames.
 
 use super::{Body, BodyId, SceneQuery, Shape};
 use crate::Error;

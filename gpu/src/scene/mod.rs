@@ -79,7 +79,7 @@ pub struct SceneQuery {
     /// Whether the device does.
     is_posed: bool,
     hits: Vec<SceneHit>,
-    /// Of moving bodies, if times are wanted.
+    /// Measures the passes that move bodies, if times are wanted.
     clock: Option<Clock>,
 }
 
@@ -179,7 +179,7 @@ impl SceneQuery {
         self.keep_time(true)
     }
 
-    /// What the last question took on the device, moving bodies, if any had moved, before the last run;
+    /// Times of the last question on the device, with those of moving bodies, if any had moved, before the last run;
     /// empty without [`Self::with_time`] or [`Self::with_timings`], or if the device cannot tell.
     ///
     /// # Errors
@@ -190,7 +190,7 @@ impl SceneQuery {
         Ok(timings)
     }
 
-    /// What the last answer took.
+    /// Counts and times of the last answer.
     #[must_use]
     pub fn report(&self) -> Report {
         self.answer.report
@@ -275,7 +275,7 @@ impl SceneQuery {
     }
 }
 
-/// What has been recorded.
+/// A question that has been recorded.
 #[derive(Debug)]
 struct Question {
     task: Task,

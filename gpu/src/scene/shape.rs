@@ -1,4 +1,4 @@
-//! What a body is made of.
+//! Shapes: the mesh and BVH of a body.
 
 use crate::model::{below, reference};
 use pfront_core::{Aabb, Bvh, Mesh, Node};

@@ -4,7 +4,7 @@
 // Node i of a level of 2^level is 2^level + i, but for the root, which is 0; so the children of node
 // h are 2h and 2h + 1, as in a heap, and node 1 is unused.
 
-// What a dispatch of a build does.
+// Parameters of a dispatch of a build.
 struct Build {
     triangles: u32,
     // Level of the leaves.
@@ -15,7 +15,7 @@ struct Build {
     // Entries that a workgroup sorts, and how many workgroups do.
     run: u32,
     workgroups: u32,
-    // Of the digit that they are sorted by.
+    // Lowest bit of the digit that entries are sorted by.
     shift: u32,
 }
 

@@ -6,7 +6,7 @@
 // A front holds node pairs whose boxes overlap, and of each node not its index but where its
 // children are (LEAF and its own index if it has none): a level costs one load of nodes, not a load
 // of parents and then one of children. Four invocations take one pair, each a pair of children.
-// What does not fit in workgroup memory goes straight to the next front, so that nothing is lost;
+// Pairs that do not fit in workgroup memory go straight to the next front, so that nothing is lost;
 // the host sees a front left over after the last pass and goes on from it.
 
 const LEAF = 0x80000000u;

@@ -18,7 +18,7 @@ struct Sides {
     b: vec3i,
 }
 
-// What the sides leave to ask; or MISS.
+// The test that the sides leave to do; or MISS.
 const INTERVALS = 3u;
 const PIERCES = 4u;
 const FLAT = 5u;

@@ -76,7 +76,7 @@ fn filtered_meet(a: Triangle, b: Triangle) -> u32 {
     return select(HIT, UNSURE, start == 0 || end == 0);
 }
 
-// Of three signs that are not all the same, two are.
+// The sign that differs from the two others, of three that are not all the same.
 fn lone_side(sides: vec3i) -> i32 {
     return -(sides.x + sides.y + sides.z);
 }

@@ -1,4 +1,4 @@
-// What the invocations of a workgroup share.
+// Values that the invocations of a workgroup share.
 
 var<workgroup> told: u32;
 

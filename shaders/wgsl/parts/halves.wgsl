@@ -10,7 +10,7 @@ const EMPTY = 0xffffffffu;
 const SAMPLE_BITS = 5u;
 const SAMPLE = 1u << SAMPLE_BITS;
 
-// Which triangle of the block is in a slot, in the lowest bits.
+// Number within the block of the triangle in a slot, in the lowest bits.
 var<workgroup> slots: array<u32, BLOCK>;
 // Boxes of the triangles and their centres, three coordinates to a word.
 var<workgroup> boxes: array<vec2u, BLOCK>;
@@ -18,7 +18,7 @@ var<workgroup> centres: array<u32, BLOCK>;
 // The centres of samples, and on which side each falls: a bit for each axis.
 var<workgroup> sampled: array<u32, BLOCK>;
 var<workgroup> sides: array<u32, BLOCK>;
-// Of each run, across each axis.
+// Costs of halving each run across each axis.
 var<workgroup> costs: array<u32, 3 * BLOCK / 2>;
 
 fn pack(v: vec3u) -> u32 {
@@ -52,7 +52,7 @@ fn halve(lane: u32, job: u32, level: u32) {
     divide(lane, job, level);
 }
 
-// Which triangle of the block is member i of the sample of a run of so many triangles.
+// Member i of the sample of a run of so many triangles, as its number within the block.
 fn sampled_at(level: u32, run: u32, triangles: u32, i: u32) -> u32 {
     let at = select((i * triangles) >> SAMPLE_BITS, i, triangles <= SAMPLE);
     return slots[(run << (SLOT_BITS - level)) + at] % BLOCK;

@@ -52,7 +52,7 @@ struct Step {
 
 // Demands, not contents: they count on beyond what a list can hold.
 struct Counters {
-    // What the host asked, to recognise the answer.
+    // Number of the host's question, to recognise the answer.
     ticket: u32,
     overflow: atomic<u32>,
     leaves: atomic<u32>,

@@ -6,7 +6,7 @@ const RANKED = max(BUCKET, BUCKETS);
 // No hit is there twice.
 var<workgroup> ranked: array<vec2u, RANKED>;
 
-// What makes the number of hits a multiple of 4: later than any.
+// Makes the number of hits a multiple of 4, by entries that sort after any.
 fn pad_ranked(lane: u32, length: u32) {
     if lane < 3u && length + lane < RANKED {
         ranked[length + lane] = vec2u(0xffffffffu);

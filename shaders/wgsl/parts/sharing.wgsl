@@ -1,4 +1,4 @@
-// Which vertices two triangles of one mesh share by index.
+// Vertices that two triangles of one mesh share by index.
 
 struct Sharing {
     // How many corners of each are shared; 0 between two meshes.
@@ -14,7 +14,7 @@ struct SharedCorners {
     b: vec3<bool>,
 }
 
-// Which corners of each are corners of the other too; none between two meshes.
+// Corners of each triangle that are corners of the other too; none between two meshes.
 fn shared_corners_of(a: vec3u, b: vec3u) -> SharedCorners {
     let within = vec3<bool>(query.within == 1u);
     let own = (a == b) | (a == b.yzx) | (a == b.zxy);

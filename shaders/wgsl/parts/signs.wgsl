@@ -1,4 +1,4 @@
-// What signs say, whoever decided them.
+// Conclusions from signs, whichever arithmetic decided them.
 
 const MISS = 0u;
 const HIT = 1u;

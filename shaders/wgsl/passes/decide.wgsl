@@ -155,7 +155,7 @@ fn coordinate(axis: u32, point: u32) -> u32 {
     return bitcast<u32>(corners[lattice_at / 3u + point].position[axis]);
 }
 
-// What names a vertex twice is rare, and has rules of its own: 3 shared corners.
+// A triangle that names a vertex twice is rare, and has rules of its own: 3 shared corners.
 fn pair_of(team: u32) -> Pair {
     let at = team * POINTS;
     let a = vec3u(corners[at].vertex, corners[at + 1u].vertex, corners[at + 2u].vertex);
