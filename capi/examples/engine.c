@@ -101,8 +101,8 @@ int main(void)
 
     pfront_front_t front;
     pfront_front_node_t *nodes = memory(FRONT * sizeof *nodes);
-    pfront_past_t *past = memory(FRONT * sizeof *past);
-    check(pfront_front_init(&front, nodes, FRONT, past, FRONT, &error), &error);
+    pfront_front_node_t *history = memory(FRONT * sizeof *history);
+    check(pfront_front_init(&front, nodes, FRONT, history, FRONT, &error), &error);
 
     list_t list = {NULL, 0, 0};
     unsigned rebuilt = 0, coherent = 0;
@@ -124,8 +124,8 @@ int main(void)
         same(hash, fingerprint(&list), "a blob");
 
         // The same dealt out to workers.
-        pfront_load_t loads[WORKERS];
-        check(pfront_front_divide(&front, &query, 1, loads, WORKERS, &error), &error);
+        pfront_part_t parts[WORKERS];
+        check(pfront_front_divide(&front, &query, 1, parts, WORKERS, &error), &error);
         list.count = 0;
         for (uint32_t part = 0; part < WORKERS; part++) {
             work(&query, &front, part, &list);
@@ -158,7 +158,7 @@ int main(void)
     free(list.pairs);
     free(blob);
     free(nodes);
-    free(past);
+    free(history);
     free(history);
     free_model(&model_a);
     free_model(&model_b);

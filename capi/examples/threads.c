@@ -75,8 +75,8 @@ int main(void)
     pfront_error_t error;
     pfront_front_t front;
     pfront_front_node_t *nodes = memory(FRONT * sizeof *nodes);
-    pfront_past_t *past = memory(FRONT * sizeof *past);
-    check(pfront_front_init(&front, nodes, FRONT, past, FRONT, &error), &error);
+    pfront_front_node_t *history = memory(FRONT * sizeof *history);
+    check(pfront_front_init(&front, nodes, FRONT, history, FRONT, &error), &error);
 
     pfront_query_t query;
     task_t tasks[THREADS];
@@ -97,8 +97,8 @@ int main(void)
             wrong |= fingerprint(&tasks[i].list) != hash;
         }
 
-        pfront_load_t loads[THREADS];
-        check(pfront_front_divide(&front, &query, 1, loads, THREADS, &error), &error);
+        pfront_part_t parts[THREADS];
+        check(pfront_front_divide(&front, &query, 1, parts, THREADS, &error), &error);
         on_threads(do_part, tasks);
         check(pfront_front_remember(&front, &error), &error);
         all.count = 0;
@@ -119,7 +119,7 @@ int main(void)
     }
     free(all.pairs);
     free(nodes);
-    free(past);
+    free(history);
     free_model(&model_a);
     free_model(&model_b);
     free_grid(&a);

@@ -347,14 +347,8 @@ typedef struct pfront_front_node_t {
   // The worker it is assigned to.
   uint32_t part;
   // Private.
-  uint32_t index;
+  uint32_t history;
 } pfront_front_node_t;
-
-// What one node of a front cost in the last frame.
-typedef struct pfront_past_t {
-  // Private.
-  uint64_t words[3];
-} pfront_past_t;
 
 // The front of a frame and what is remembered of the last one: how the queries of a frame are divided among workers.
 typedef struct pfront_front_t {
@@ -372,12 +366,12 @@ typedef struct pfront_front_t {
   size_t node_capacity;
   // How many nodes there are. To be read.
   size_t node_count;
-  // What is remembered; may be null.
-  struct pfront_past_t *past;
+  // The cost history: the nodes of the last front, with what they cost; may be null.
+  struct pfront_front_node_t *history;
   // As many as there are nodes; 0 to forget each frame.
-  size_t past_capacity;
+  size_t history_capacity;
   // How many are in use; set it to 0 to forget the last frame.
-  size_t past_count;
+  size_t history_count;
   // 1 if some node is coarser than was asked for. To be read.
   uint32_t full;
   // 1 if what was remembered was of use. To be read.
@@ -386,13 +380,13 @@ typedef struct pfront_front_t {
   uint64_t box_tests;
 } pfront_front_t;
 
-// The part of one worker.
-typedef struct pfront_load_t {
+// The part of a front that one worker gets.
+typedef struct pfront_part_t {
   // What it is expected to cost in all.
   double cost;
   // The worker, from 0.
-  uint32_t part;
-} pfront_load_t;
+  uint32_t number;
+} pfront_part_t;
 
 #ifdef __cplusplus
 extern "C" {
@@ -610,17 +604,17 @@ pfront_status_t pfront_query_contacts(const struct pfront_query_t *query,
                                       struct pfront_contact_t *contacts,
                                       struct pfront_error_t *error);
 
-// Makes a front in the caller's memory, with nothing remembered, which need not be initialised. `past` may be null if
-// `past_capacity` is 0.
+// Makes a front in the caller's memory, with nothing remembered, which need not be initialised. `history` may be null
+// if `history_capacity` is 0.
 pfront_status_t pfront_front_init(struct pfront_front_t *front,
                                   struct pfront_front_node_t *nodes,
                                   size_t node_capacity,
-                                  struct pfront_past_t *past,
-                                  size_t past_capacity,
+                                  struct pfront_front_node_t *history,
+                                  size_t history_capacity,
                                   struct pfront_error_t *error);
 
 // Divides the queries of a frame into nodes of about equal cost, and assigns these to `workers`, of which there is at
-// least one: the p-partition front of Zhang and Kim (2014). `loads` has one element a worker and tells in the end what
+// least one: the p-partition front of Zhang and Kim (2014). `parts` has one element a worker and tells in the end what
 // each is predicted to cost.
 //
 // Then each worker, on a thread of its own, goes through the nodes whose `part` is its number: it sets its own cursor to
@@ -629,7 +623,7 @@ pfront_status_t pfront_front_init(struct pfront_front_t *front,
 pfront_status_t pfront_front_divide(struct pfront_front_t *front,
                                     const struct pfront_query_t *queries,
                                     size_t query_count,
-                                    struct pfront_load_t *loads,
+                                    struct pfront_part_t *parts,
                                     size_t workers,
                                     struct pfront_error_t *error);
 
@@ -639,7 +633,7 @@ pfront_status_t pfront_front_remember(struct pfront_front_t *front,
 
 // Tells a front that the next frame asks other queries than the last: the one with number `i` gets `numbers[i]`, or is
 // gone if that is UINT32_MAX or `i` is not below `count`. No two get the same. Without this, change no numbers, or set
-// `past_count` to 0.
+// `history_count` to 0.
 pfront_status_t pfront_front_renumber(struct pfront_front_t *front,
                                       const uint32_t *numbers,
                                       size_t count,
@@ -666,7 +660,6 @@ typedef char pfront_node_t_has_32_bytes[sizeof(pfront_node_t) == 32 ? 1 : -1];
 typedef char pfront_pair_t_has_8_bytes[sizeof(pfront_pair_t) == 8 ? 1 : -1];
 typedef char pfront_contact_t_has_52_bytes[sizeof(pfront_contact_t) == 52 ? 1 : -1];
 typedef char pfront_front_node_t_has_40_bytes[sizeof(pfront_front_node_t) == 40 ? 1 : -1];
-typedef char pfront_past_t_has_24_bytes[sizeof(pfront_past_t) == 24 ? 1 : -1];
 typedef char pfront_cursor_t_has_3936_bytes[sizeof(pfront_cursor_t) == 3936 ? 1 : -1];
 
 #endif

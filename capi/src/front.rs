@@ -16,7 +16,7 @@ use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::mem::offset_of;
 use pfront_core::bvtt::Bvtt;
-use pfront_core::front::{CostEntry, CostHistory, Front, FrontNode, Part, RefineOptions};
+use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 
 /// What a triangle test costs, in box tests, as measured on x86-64.
 pub const PFRONT_TRIANGLE_COST: f32 = 6.5;
@@ -37,25 +37,17 @@ pub struct pfront_front_node_t {
     /// The worker it is assigned to.
     pub part: u32,
     /// Private.
-    pub index: u32,
+    pub history: u32,
 }
 
-/// What one node of a front cost in the last frame.
+/// The part of a front that one worker gets.
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct pfront_past_t {
-    /// Private.
-    pub words: [u64; 3],
-}
-
-/// The part of one worker.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pfront_load_t {
+pub struct pfront_part_t {
     /// What it is expected to cost in all.
     pub cost: f64,
     /// The worker, from 0.
-    pub part: u32,
+    pub number: u32,
 }
 
 const _: () = {
@@ -64,11 +56,9 @@ const _: () = {
     assert!(offset_of!(pfront_front_node_t, cost) == offset_of!(FrontNode, cost));
     assert!(offset_of!(pfront_front_node_t, query) == offset_of!(FrontNode, query));
     assert!(offset_of!(pfront_front_node_t, part) == offset_of!(FrontNode, part));
-    assert!(size_of::<pfront_past_t>() == size_of::<CostEntry>());
-    assert!(align_of::<pfront_past_t>() == align_of::<CostEntry>());
-    assert!(size_of::<pfront_load_t>() == size_of::<Part>());
-    assert!(align_of::<pfront_load_t>() == align_of::<Part>());
-    assert!(offset_of!(pfront_load_t, part) == offset_of!(Part, number));
+    assert!(size_of::<pfront_part_t>() == size_of::<Part>());
+    assert!(align_of::<pfront_part_t>() == align_of::<Part>());
+    assert!(offset_of!(pfront_part_t, number) == offset_of!(Part, number));
 };
 
 /// The front of a frame and what is remembered of the last one: how the queries of a frame are divided among workers.
@@ -89,12 +79,12 @@ pub struct pfront_front_t {
     pub node_capacity: usize,
     /// How many nodes there are. To be read.
     pub node_count: usize,
-    /// What is remembered; may be null.
-    pub past: *mut pfront_past_t,
+    /// The cost history: the nodes of the last front, with what they cost; may be null.
+    pub history: *mut pfront_front_node_t,
     /// As many as there are nodes; 0 to forget each frame.
-    pub past_capacity: usize,
+    pub history_capacity: usize,
     /// How many are in use; set it to 0 to forget the last frame.
-    pub past_count: usize,
+    pub history_count: usize,
     /// 1 if some node is coarser than was asked for. To be read.
     pub full: u32,
     /// 1 if what was remembered was of use. To be read.
@@ -110,18 +100,17 @@ impl pfront_front_t {
         if self.seal == SEAL { Ok(self) } else { Err(Fault::of(PFRONT_NOT_MADE, c"front")) }
     }
 
-    /// What is remembered.
-    fn past<'c>(&self, call: &Call<'c>) -> Result<CostHistory<'c>, Fault> {
-        Fault::room(c"past", self.past_capacity, self.past_count)?;
-        let past = self.past.cast_const().cast::<CostEntry>();
-        Ok(CostHistory::new(call.read(c"past", past, self.past_count)?))
+    /// The cost history that is in use.
+    fn history<'c>(&self, call: &mut Call<'c>) -> Result<&'c mut [FrontNode], Fault> {
+        Fault::room(c"history", self.history_capacity, self.history_count)?;
+        call.write(c"history", self.history.cast::<FrontNode>(), self.history_count)
     }
 
     /// Divides queries among workers.
     fn divide(
         &mut self,
         queries: &Queries<'_, '_>,
-        past: CostHistory<'_>,
+        history: &mut [FrontNode],
         nodes: &mut [FrontNode],
         parts: &mut [Part],
     ) -> Result<(), Fault> {
@@ -133,7 +122,7 @@ impl pfront_front_t {
         }
         let options =
             RefineOptions { workers: parts.len(), g: self.g, g_estimated: self.g_estimated };
-        let refined = front.refine(&options, past, |number| queries.again(number));
+        let refined = front.refine(&options, history, |number| queries.again(number));
         self.node_count = front.partition(parts).len();
         (self.full, self.coherent) = (refined.full.into(), refined.coherent.into());
         self.box_tests = refined.box_tests;
@@ -155,22 +144,22 @@ impl<'c> Queries<'_, 'c> {
     }
 }
 
-/// Makes a front in the caller's memory, with nothing remembered, which need not be initialised. `past` may be null if
-/// `past_capacity` is 0.
+/// Makes a front in the caller's memory, with nothing remembered, which need not be initialised. `history` may be null
+/// if `history_capacity` is 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_front_init(
     front: *mut pfront_front_t,
     nodes: *mut pfront_front_node_t,
     node_capacity: usize,
-    past: *mut pfront_past_t,
-    past_capacity: usize,
+    history: *mut pfront_front_node_t,
+    history_capacity: usize,
     error: *mut pfront_error_t,
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"front", front)?;
         call.write(c"nodes", nodes.cast::<FrontNode>(), node_capacity)?;
-        call.write(c"past", past.cast::<CostEntry>(), past_capacity)?;
+        call.write(c"history", history.cast::<FrontNode>(), history_capacity)?;
         let RefineOptions { g, g_estimated, .. } = RefineOptions::new(1);
         out.set(pfront_front_t {
             seal: SEAL,
@@ -179,9 +168,9 @@ pub unsafe extern "C" fn pfront_front_init(
             nodes,
             node_capacity,
             node_count: 0,
-            past,
-            past_capacity,
-            past_count: 0,
+            history,
+            history_capacity,
+            history_count: 0,
             full: 0,
             coherent: 0,
             box_tests: 0,
@@ -191,7 +180,7 @@ pub unsafe extern "C" fn pfront_front_init(
 }
 
 /// Divides the queries of a frame into nodes of about equal cost, and assigns these to `workers`, of which there is at
-/// least one: the p-partition front of Zhang and Kim (2014). `loads` has one element a worker and tells in the end what
+/// least one: the p-partition front of Zhang and Kim (2014). `parts` has one element a worker and tells in the end what
 /// each is predicted to cost.
 ///
 /// Then each worker, on a thread of its own, goes through the nodes whose `part` is its number: it sets its own cursor to
@@ -202,20 +191,20 @@ pub unsafe extern "C" fn pfront_front_divide(
     front: *mut pfront_front_t,
     queries: *const pfront_query_t,
     query_count: usize,
-    loads: *mut pfront_load_t,
+    parts: *mut pfront_part_t,
     workers: usize,
     error: *mut pfront_error_t,
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
-        Fault::room(c"loads", workers, 1)?;
+        Fault::room(c"parts", workers, 1)?;
         Fault::room(c"nodes", own.node_capacity, query_count)?;
-        let loads = call.write(c"loads", loads.cast::<Part>(), workers)?;
+        let parts = call.write(c"parts", parts.cast::<Part>(), workers)?;
         let nodes = call.write(c"nodes", own.nodes.cast::<FrontNode>(), own.node_capacity)?;
         let queries = call.read(c"queries", queries, query_count)?;
-        let past = own.past(call)?;
-        own.divide(&Queries { queries, call }, past, nodes, loads)?;
+        let history = own.history(call)?;
+        own.divide(&Queries { queries, call }, history, nodes, parts)?;
         out.set(own);
         Ok(())
     })
@@ -230,14 +219,15 @@ pub unsafe extern "C" fn pfront_front_remember(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
-        let past = call.write(c"past", own.past.cast::<CostEntry>(), own.past_capacity)?;
+        own.history_count = own.node_count;
+        let history = own.history(call)?;
         let nodes = own.nodes.cast_const().cast::<FrontNode>();
         let nodes = call.read(c"nodes", nodes, own.node_count)?;
         let wrong = |node: &FrontNode| !(0.0..=f32::MAX).contains(&node.cost);
         if let Some(index) = nodes.iter().position(wrong) {
             return Err(Fault::of(PFRONT_OUT_OF_RANGE, c"nodes.cost").at(index));
         }
-        own.past_count = CostHistory::record(past, nodes, nodes.iter().map(|node| node.cost))?;
+        history.copy_from_slice(nodes);
         out.set(own);
         Ok(())
     })
@@ -245,7 +235,7 @@ pub unsafe extern "C" fn pfront_front_remember(
 
 /// Tells a front that the next frame asks other queries than the last: the one with number `i` gets `numbers[i]`, or is
 /// gone if that is UINT32_MAX or `i` is not below `count`. No two get the same. Without this, change no numbers, or set
-/// `past_count` to 0.
+/// `history_count` to 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_front_renumber(
     front: *mut pfront_front_t,
@@ -256,12 +246,19 @@ pub unsafe extern "C" fn pfront_front_renumber(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
-        Fault::room(c"past", own.past_capacity, own.past_count)?;
-        let past = call.write(c"past", own.past.cast::<CostEntry>(), own.past_count)?;
+        let history = own.history(call)?;
         let numbers = call.read(c"numbers", numbers, count)?;
-        own.past_count = CostHistory::renumber(past, |old| {
-            numbers.get(old as usize).copied().filter(|&new| new != u32::MAX)
-        });
+        own.history_count = 0;
+        for index in 0..history.len() {
+            let node = history[index];
+            if let Some(&query) = numbers.get(node.query as usize)
+                && query != u32::MAX
+            {
+                history[own.history_count] = node;
+                history[own.history_count].query = query;
+                own.history_count += 1;
+            }
+        }
         out.set(own);
         Ok(())
     })

@@ -18,7 +18,7 @@ use core::ops::Range;
 use core::slice;
 use pfront_core::Node;
 use pfront_core::bvtt::TrianglePair;
-use pfront_core::front::{CostEntry, FrontNode, Part};
+use pfront_core::front::{FrontNode, Part};
 
 /// What may be read from memory that C has written, whatever it wrote.
 ///
@@ -33,7 +33,7 @@ macro_rules! plain {
         unsafe impl Plain for $type {}
     )* };
 }
-plain!(u8, u32, [f32; 3], [u32; 3], CostEntry, FrontNode, Node, Part, TrianglePair);
+plain!(u8, u32, [f32; 3], [u32; 3], FrontNode, Node, Part, TrianglePair);
 plain!(
     crate::pfront_bvh_memory_t,
     crate::pfront_bvh_t,

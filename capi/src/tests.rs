@@ -110,8 +110,8 @@ fn a_frame_and_the_next() {
     let mut history = [MaybeUninit::<u32>::uninit(); 64];
     let (history, words): (*mut u32, _) = (history.as_mut_ptr().cast(), history.len());
     let mut part = [MaybeUninit::<pfront_front_node_t>::uninit(); 16];
-    let mut past = [MaybeUninit::<pfront_past_t>::uninit(); 16];
-    let mut loads = [MaybeUninit::<pfront_load_t>::uninit(); 2];
+    let mut last = [MaybeUninit::<pfront_front_node_t>::uninit(); 16];
+    let mut costs = [MaybeUninit::<pfront_part_t>::uninit(); 2];
     let mut front = MaybeUninit::uninit();
     let a_from_b = pfront_pose_t { rows: Pose::from_translation([0.25, 0.0, 0.125]).rows };
 
@@ -122,11 +122,11 @@ fn a_frame_and_the_next() {
     let all = [PFRONT_OK; 2];
     // SAFETY: every pointer leads to a live array of the length that goes with it.
     let statuses = unsafe {
-        let (part, past) = (part.as_mut_ptr().cast(), past.as_mut_ptr().cast());
+        let (part, last) = (part.as_mut_ptr().cast(), last.as_mut_ptr().cast());
         let bytes = memory.scratch_bytes;
         [
             pfront_one_rings_link(&mesh, history, words, memory.scratch, bytes, null_mut()),
-            pfront_front_init(front.as_mut_ptr(), part, 16, past, 16, null_mut()),
+            pfront_front_init(front.as_mut_ptr(), part, 16, last, 16, null_mut()),
         ]
     };
     assert_eq!(statuses, all);
@@ -153,7 +153,7 @@ fn a_frame_and_the_next() {
             let count: u64 = made!(pfront_query_count(query));
             assert_eq!(count, expected.len() as u64);
         }
-        let (asked, workers) = (queries.as_ptr(), loads.as_mut_ptr().cast());
+        let (asked, workers) = (queries.as_ptr(), costs.as_mut_ptr().cast());
         // SAFETY: as above.
         let divided = unsafe { pfront_front_divide(&mut front, asked, 2, workers, 2, null_mut()) };
         assert_eq!((divided, front.coherent), (PFRONT_OK, frame));

@@ -82,41 +82,41 @@ static void fronts(void)
     pfront_query_t query;
     pfront_front_t front;
     pfront_front_node_t part[16];
-    pfront_past_t past[16];
-    pfront_load_t loads[2];
+    pfront_front_node_t history[16];
+    pfront_part_t parts[2];
     const uint32_t gone = UINT32_MAX;
     memset(&front, 0, sizeof front);
     OK(pfront_query_pair(&bvh, &bvh, &still, PFRONT_EXACT, &query, &error));
-    EXPECT(PFRONT_NOT_MADE, "front", pfront_front_divide(&front, &query, 1, loads, 2, &error));
-    EXPECT(PFRONT_NULL, "nodes", pfront_front_init(&front, NULL, 16, past, 16, &error));
-    EXPECT(PFRONT_OVERLAP, "past",
-           pfront_front_init(&front, part, 16, (pfront_past_t *)(void *)part, 16, &error));
-    OK(pfront_front_init(&front, part, 16, past, 16, &error));
-    EXPECT(PFRONT_TOO_SMALL, "loads", pfront_front_divide(&front, &query, 1, loads, 0, &error));
-    EXPECT(PFRONT_TOO_SMALL, "nodes", pfront_front_divide(&front, &query, 17, loads, 2, &error));
-    EXPECT(PFRONT_NULL, "queries", pfront_front_divide(&front, NULL, 1, loads, 2, &error));
-    OK(pfront_front_divide(&front, NULL, 0, loads, 2, &error));
+    EXPECT(PFRONT_NOT_MADE, "front", pfront_front_divide(&front, &query, 1, parts, 2, &error));
+    EXPECT(PFRONT_NULL, "nodes", pfront_front_init(&front, NULL, 16, history, 16, &error));
+    EXPECT(PFRONT_OVERLAP, "history",
+           pfront_front_init(&front, part, 16, (pfront_front_node_t *)(void *)part, 16, &error));
+    OK(pfront_front_init(&front, part, 16, history, 16, &error));
+    EXPECT(PFRONT_TOO_SMALL, "parts", pfront_front_divide(&front, &query, 1, parts, 0, &error));
+    EXPECT(PFRONT_TOO_SMALL, "nodes", pfront_front_divide(&front, &query, 17, parts, 2, &error));
+    EXPECT(PFRONT_NULL, "queries", pfront_front_divide(&front, NULL, 1, parts, 2, &error));
+    OK(pfront_front_divide(&front, NULL, 0, parts, 2, &error));
     THAT(front.node_count == 0);
     // What may be changed may be anything.
     front.g = NAN;
     front.g_estimated = INFINITY;
-    OK(pfront_front_divide(&front, &query, 1, loads, 2, &error));
+    OK(pfront_front_divide(&front, &query, 1, parts, 2, &error));
     THAT(front.node_count >= 1 && front.node_count <= 16);
     part[0].cost = -1;
     EXPECT(PFRONT_OUT_OF_RANGE, "nodes.cost", pfront_front_remember(&front, &error));
     part[0].cost = NAN;
     EXPECT(PFRONT_OUT_OF_RANGE, "nodes.cost", pfront_front_remember(&front, &error));
     part[0].cost = 1;
-    front.past_capacity = 0;
-    EXPECT(PFRONT_TOO_SMALL, "past", pfront_front_remember(&front, &error));
-    front.past_capacity = 16;
+    front.history_capacity = 0;
+    EXPECT(PFRONT_TOO_SMALL, "history", pfront_front_remember(&front, &error));
+    front.history_capacity = 16;
     OK(pfront_front_remember(&front, &error));
-    THAT(front.past_count == front.node_count);
-    OK(pfront_front_divide(&front, &query, 1, loads, 2, &error));
+    THAT(front.history_count == front.node_count);
+    OK(pfront_front_divide(&front, &query, 1, parts, 2, &error));
     THAT(front.coherent == 1);
     OK(pfront_front_remember(&front, &error));
     OK(pfront_front_renumber(&front, &gone, 1, &error));
-    THAT(front.past_count == 0);
+    THAT(front.history_count == 0);
 }
 
 // Last, since nothing is of use afterwards.

@@ -106,12 +106,12 @@
 //! ```
 //!
 //! ## A front by hand
-//! Each frame refines a front, partitions it over two workers, and traverses from its nodes. The measured costs are the
-//! history of the next frame. Here the workers run one after the other; `pfront-cpu` runs them on threads:
+//! Each frame refines a front, partitions it over two workers, and traverses from its nodes. With their measured costs
+//! these are the cost history of the next frame. Here the workers run one after the other; `pfront-cpu` runs them on threads:
 //! ```
 //! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
 //! use pfront_core::bvtt::{Bvtt, Cursor, NodePair, PairQuery, Query};
-//! use pfront_core::front::{CostEntry, CostHistory, Front, FrontNode, Part, RefineOptions};
+//! use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 //! # use pfront_core::{Mesh, Node, Pose};
 //! use std::ops::ControlFlow;
 //! # let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
@@ -122,26 +122,22 @@
 //! # let options = BuildOptions { leaf_size: 1, ..BuildOptions::default() };
 //! # let bvh = morton(square, &options, storage, &mut scratch)?;
 //! const WORKERS: usize = 2;
-//! let mut front_nodes = [FrontNode::default(); 64];
-//! let mut history = [CostEntry::default(); 64];
-//! let mut entries = 0;
+//! let (mut memory, mut history) = ([FrontNode::default(); 64], Vec::new());
 //! for frame in 0..3 {
 //!     let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.1 * frame as f32, 0.0, 0.0]))?;
-//!     let mut front = Front::new(&mut front_nodes);
+//!     let mut front = Front::new(&mut memory);
 //!     if let Some(root) = query.root() {
 //!         front.add(0, root)?;
 //!     }
-//!     let past = CostHistory::new(&history[..entries]);
-//!     let report = front.refine(&RefineOptions::new(WORKERS), past, |_| &query);
+//!     let report = front.refine(&RefineOptions::new(WORKERS), &mut history, |_| &query);
 //!     assert!(!report.full);
-//!     let mut parts = [Part::default(); WORKERS];
-//!     let nodes = front.partition(&mut parts);
+//!     let nodes = front.partition(&mut [Part::default(); WORKERS]);
 //!
 //!     // Worker number `w` takes the nodes whose `part` is `w`, with one cursor for all of them.
-//!     let (mut costs, mut pairs) = ([0.0; 64], 0);
+//!     let mut pairs = 0;
 //!     for worker in 0..WORKERS as u32 {
 //!         let mut cursor = Cursor::at(None::<NodePair>);
-//!         for (node, cost) in nodes.iter().zip(&mut costs).filter(|(node, _)| node.part == worker) {
+//!         for node in nodes.iter_mut().filter(|node| node.part == worker) {
 //!             let before = cursor.work();
 //!             cursor.restart(node.pair);
 //!             let _ = query.visit(&mut cursor, |_| {
@@ -150,11 +146,11 @@
 //!             });
 //!             let box_tests = cursor.work().box_tests - before.box_tests;
 //!             let triangle_tests = cursor.work().triangle_tests - before.triangle_tests;
-//!             *cost = 1.0 + box_tests as f32 + 6.5 * triangle_tests as f32;
+//!             node.cost = 1.0 + box_tests as f32 + 6.5 * triangle_tests as f32;
 //!         }
 //!     }
 //!     assert_eq!(pairs, query.count());
-//!     entries = CostHistory::record(&mut history, nodes, costs)?;
+//!     history = nodes.to_vec();
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -1,14 +1,12 @@
 //! The front of a frame and the cost history for the next one, in memory that grows on demand.
 //!
-//! Memory is N nodes of 40 bytes and, for those of the last frame, 24 bytes each: at most 64·N. At first
+//! Memory is N nodes of 40 bytes and as much for those of the last frame: at most 80·N. At first
 //! N = max(1024, 128·p) and one for each node that the front starts from; while that is too little, N doubles, up to
 //! `max_nodes`, and then g is halved.
 
 use crate::{Report, Schedule, Settings, Share};
 use pfront_core::bvtt::{NodePair, Query};
-use pfront_core::front::{
-    CostEntry, CostHistory, Front, FrontNode, FrontReport, Part, RefineOptions,
-};
+use pfront_core::front::{Front, FrontNode, FrontReport, Part, RefineOptions};
 use std::time::Instant;
 
 const FEWEST_NODES: usize = 1024;
@@ -30,13 +28,12 @@ pub(crate) struct FrontMemory {
     /// Nodes of the last front.
     len: usize,
     parts: Vec<Part>,
-    history: Vec<CostEntry>,
-    /// How many entries of the history are in use.
-    remembered: usize,
+    /// Nodes of the last front with their measured costs.
+    history: Vec<FrontNode>,
 }
 
 impl FrontMemory {
-    /// The nodes of the front, dearest first.
+    /// The nodes of the front, in descending order of cost.
     pub(crate) fn nodes(&self) -> &[FrontNode] {
         &self.nodes[..self.len]
     }
@@ -56,16 +53,19 @@ impl FrontMemory {
         let steals = settings.schedule == Schedule::Hybrid;
         let g_estimated = if steals { settings.g } else { ESTIMATED * settings.g };
         let mut options = RefineOptions { workers, g: settings.g, g_estimated };
-        let used = if settings.coherence { self.remembered } else { 0 };
+        if !settings.coherence {
+            self.history.clear();
+        }
         let mut box_tests = 0;
         loop {
-            let (capacity, history) = (self.nodes.len(), CostHistory::new(&self.history[..used]));
+            let capacity = self.nodes.len();
             let mut front = Front::new(&mut self.nodes);
             for start in starts {
                 let added = front.add(start.query, start.pair);
                 debug_assert!(added.is_ok(), "there is room for all starts");
             }
-            let refined = front.refine(&options, history, |number| &queries[number as usize]);
+            let query = |number: u32| &queries[number as usize];
+            let refined = front.refine(&options, &mut self.history, query);
             box_tests += refined.box_tests;
             let is_coarser = options.g > 1.0 || options.g_estimated > 1.0;
             if refined.full && capacity < most {
@@ -84,30 +84,34 @@ impl FrontMemory {
             *share = Share { predicted: part.cost, ..Share::default() };
         }
         report.nodes = self.len;
-        report.front_bytes = self.nodes.capacity() * size_of::<FrontNode>()
-            + self.history.capacity() * size_of::<CostEntry>();
+        let held = self.nodes.capacity() + self.history.capacity();
+        report.front_bytes = held * size_of::<FrontNode>();
         report.front_time = clock.elapsed();
     }
 
     /// Keeps the measured costs of the nodes for the next frame.
     pub(crate) fn remember(&mut self, costs: impl IntoIterator<Item = f32>) {
-        if self.history.len() < self.len {
-            // In steps, but not by doubling, which would break the bound on memory.
-            let to = self.len.next_multiple_of(256);
-            self.history.reserve_exact(to - self.history.len());
-            self.history.resize(to, CostEntry::default());
+        self.history.clear();
+        // Not by doubling, which would break the bound on memory.
+        self.history.reserve_exact(self.len);
+        self.history.extend_from_slice(&self.nodes[..self.len]);
+        for (node, cost) in self.history.iter_mut().zip(costs) {
+            node.cost = cost;
         }
-        let recorded = CostHistory::record(&mut self.history, &self.nodes[..self.len], costs);
-        // The memory has just been made large enough.
-        self.remembered = recorded.unwrap_or(0);
     }
 
     pub(crate) fn forget(&mut self) {
-        self.remembered = 0;
+        self.history.clear();
     }
 
-    pub(crate) fn renumber(&mut self, number: impl FnMut(u32) -> Option<u32>) {
-        self.remembered = CostHistory::renumber(&mut self.history[..self.remembered], number);
+    pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
+        self.history.retain_mut(|node| match number(node.query) {
+            Some(new) => {
+                node.query = new;
+                true
+            }
+            None => false,
+        });
     }
 
     fn grow(&mut self, to: usize) {

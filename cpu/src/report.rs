@@ -25,12 +25,12 @@ pub struct Report {
     pub late: bool,
     /// The k that costs are counted with.
     pub triangle_cost: f32,
-    /// The outcome of refinement: its certificate, eq. 6, and whether the costs of the last frame were used. Its box tests
+    /// The outcome of refinement: its certificate, and whether the costs of the last frame were used. Its box tests
     /// are not part of the shares.
     pub front: FrontReport,
     /// Nodes of the p-partition front, N_p; 0 where there was none.
     pub nodes: usize,
-    /// Bytes of memory held for fronts and their costs; this front uses 64 per node.
+    /// Bytes of memory held for fronts and their costs; this front uses 80 per node.
     pub front_bytes: usize,
     /// The time to generate and partition the front.
     pub front_time: Duration,
@@ -87,20 +87,9 @@ impl Report {
         }
         self.alone = sum(self.alone, next.alone);
         self.late |= next.late;
-        let FrontReport {
-            starting_nodes,
-            coherence,
-            coherent,
-            p_optimal,
-            epsilon,
-            full,
-            box_tests,
-        } = next.front;
+        let FrontReport { coherent, epsilon, full, box_tests } = next.front;
         self.front = FrontReport {
-            starting_nodes: self.front.starting_nodes + starting_nodes,
-            coherence: self.front.coherence.min(coherence),
             coherent: self.front.coherent && coherent,
-            p_optimal: self.front.p_optimal.max(p_optimal),
             epsilon: self.front.epsilon.max(epsilon),
             full: self.front.full || full,
             box_tests: self.front.box_tests + box_tests,

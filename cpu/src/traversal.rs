@@ -150,7 +150,7 @@ impl Traversal {
     /// // ... a frame of four queries, of which the third is then taken out:
     /// traversal.renumber(|query| [Some(0), Some(1), None, Some(2)][query as usize]);
     /// ```
-    pub fn renumber(&mut self, number: impl FnMut(u32) -> Option<u32>) {
+    pub fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
         self.front.renumber(number);
     }
 

@@ -37,8 +37,8 @@ struct Slices<'s> {
     moved: &'s mut [Moved],
     history: &'s mut [u32],
     front: &'s mut [FrontNode],
-    past: &'s mut [CostEntry],
-    loads: &'s mut [Part],
+    last: &'s mut [FrontNode],
+    parts: &'s mut [Part],
     page: &'s mut [TrianglePair],
     bytes: &'s mut [u8],
 }
@@ -69,11 +69,8 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     asked(&pair, slices.page)?;
     let mut front = Front::new(slices.front);
     front.add(some()?, some()?).ok()?;
-    front.refine(&some()?, CostHistory::new(slices.past), |_| &pair);
-    any((front.nodes().len(), estimate(&pair, some()?)));
-    let nodes = front.partition(slices.loads);
-    any(CostHistory::record(slices.past, nodes, nodes.iter().map(|node| node.cost)).is_ok());
-    any((CostHistory::renumber(slices.past, |_| some()), CostHistory::new(slices.past).cost()));
+    front.refine(&some()?, slices.last, |_| &pair);
+    any((front.partition(slices.parts).len(), estimate(&pair, some()?)));
     let small = compact(mesh, bvh.nodes(), bvh.order(), slices.compact).ok()?;
     any((Bvh::new(mesh, small.nodes(), small.order(), words).ok()?.depth(), small.aabb()));
     asked(&SelfQuery::new(small), slices.page)?;

@@ -15,7 +15,7 @@ pub use mesh::{beads, torus};
 use core::ops::ControlFlow::Continue;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
 use pfront_core::bvtt::{Bvtt, Cursor, PairQuery, Query, TrianglePair};
-use pfront_core::front::{CostEntry, CostHistory, Front, FrontNode, Part, RefineOptions};
+use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use shape::TRIANGLES;
 
@@ -39,10 +39,9 @@ const BUDGET: u64 = 100;
 
 /// Words of scratch for a build, in whose place the front and the cost history have room.
 const SCRATCH: usize = morton_scratch_bound(TRIANGLES);
-/// Words of the front, and of its cost history.
+/// Words of the front, and as many of its cost history.
 const FRONT_WORDS: usize = FRONT * size_of::<FrontNode>() / 8;
-const HISTORY_WORDS: usize = FRONT * size_of::<CostEntry>() / 8;
-const _: () = assert!(FRONT_WORDS + HISTORY_WORDS <= SCRATCH, "too little scratch");
+const _: () = assert!(2 * FRONT_WORDS <= SCRATCH, "too little scratch");
 
 /// All memory of the scene but its stack.
 pub struct Memory {
@@ -95,17 +94,20 @@ pub fn play(memory: &mut Memory, mut show: impl FnMut(Pairs, &Line)) -> Result<(
     let a = build(torus().map_err(|_| "mesh")?, BvhStorage { nodes, order }, scratch)?;
     let b = beads().map_err(|_| "blob")?;
     let (front, rest) = scratch.split_at_mut(FRONT_WORDS);
-    let (history, _) = rest.split_at_mut(HISTORY_WORDS);
+    let (history, _) = rest.split_at_mut(FRONT_WORDS);
     let front: &mut [FrontNode] = bytemuck::try_cast_slice_mut(front).map_err(|_| "front")?;
-    let history: &mut [CostEntry] = bytemuck::try_cast_slice_mut(history).map_err(|_| "history")?;
+    let history: &mut [FrontNode] = bytemuck::try_cast_slice_mut(history).map_err(|_| "history")?;
     let mut remembered = 0;
     for number in 0..FRAMES {
         let query = PairQuery::new(a, b, pose(number)).map_err(|_| "pose")?;
-        let last = CostHistory::new(history.get(..remembered).unwrap_or_default());
+        let last = history.get_mut(..remembered).unwrap_or_default();
         let nodes = divide(&query, front, last)?;
         let (mut pairs, mut work) = (Pairs::default(), [0; WORKERS]);
-        let costs = nodes.iter().map(|node| work_through(&query, node, &mut work, &mut pairs));
-        remembered = CostHistory::record(history, nodes, costs).map_err(|error| error.buffer)?;
+        for (node, measured) in nodes.iter().zip(&mut *history) {
+            *measured = *node;
+            measured.cost = work_through(&query, node, &mut work, &mut pairs);
+        }
+        remembered = nodes.len();
         let line = found(pairs).with(remembered as u32, " nodes of a front, ");
         show(pairs, &line.with(work[0], " + ").with(work[1], " tests\n"));
     }
@@ -136,7 +138,7 @@ fn build<'a>(
 fn divide<'n>(
     query: &PairQuery<'_>,
     nodes: &'n mut [FrontNode],
-    last: CostHistory<'_>,
+    last: &mut [FrontNode],
 ) -> Result<&'n [FrontNode], &'static str> {
     let mut front = Front::new(nodes);
     if let Some(root) = query.root() {

@@ -63,7 +63,7 @@ const _: () = assert!(TRIANGLE_COST == crate::threads::TRIANGLE_COST, "threads c
 
 /// Bytes that threads take for a node of a front, for the least front that is worth while, and for each pair
 /// before all are gathered, with room to grow.
-const NODE: usize = 64;
+const NODE: usize = 80;
 const FRONT: usize = 2 * 64 * NODE;
 const LISTED: usize = 16;
 /// A refit takes so many nanoseconds a triangle on one thread, ...

@@ -126,11 +126,12 @@ impl Crew {
         }
         // Both ascend, so that one pass finds them all.
         let mut rest = (0..).zip(&self.asking).peekable();
-        self.traversal.renumber(|old| {
-            let bodies = &self.asked[old as usize];
+        let number = |bodies: &[BodyId; 2]| {
             while rest.next_if(|(_, new)| *new < bodies).is_some() {}
             rest.next_if(|(_, new)| *new == bodies).map(|(number, _)| number)
-        });
+        };
+        let numbers: Vec<_> = self.asked.iter().map(number).collect();
+        self.traversal.renumber(|old| numbers[old as usize]);
         std::mem::swap(&mut self.asked, &mut self.asking);
     }
 }

@@ -160,7 +160,7 @@ fn lines(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
     writeln!(
         out,
         "triangles,p,frame,box_tests,triangle_tests,imbalance,speed_up,front_nodes,front_bytes,\
-         front_box_tests,front_ms,walk_ms,prediction_error,coherent,p_optimal"
+         front_box_tests,front_ms,walk_ms,prediction_error,coherent"
     )?;
     for Series { triangles, workers, frames, .. } in all {
         for (i, report) in frames.iter().enumerate() {
@@ -168,7 +168,7 @@ fn lines(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
                 (report.work(), [report.front_time, report.traversal_time].map(milliseconds));
             writeln!(
                 out,
-                "{triangles},{workers},{i},{},{},{:.4},{:.3},{},{},{},{front:.4},{walk:.4},{:.4},{},{}",
+                "{triangles},{workers},{i},{},{},{:.4},{:.3},{},{},{},{front:.4},{walk:.4},{:.4},{}",
                 work.box_tests,
                 work.triangle_tests,
                 report.imbalance(),
@@ -177,8 +177,7 @@ fn lines(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
                 report.front_bytes,
                 report.front.box_tests,
                 report.error(),
-                u8::from(report.front.coherent),
-                report.front.p_optimal
+                u8::from(report.front.coherent)
             )?;
         }
     }

@@ -8,33 +8,28 @@ use super::FrontNode;
 use crate::Aabb;
 use crate::bvtt::{Bvtt, NodePair};
 
-/// The cost in box tests of a triangle that may lie in an overlap, as long as no frame has been measured.
-pub(super) const TESTS_PER_TRIANGLE: f64 = 16.0;
+/// The cost in box tests of a triangle that may lie in an overlap.
+const TESTS_PER_TRIANGLE: f64 = 16.0;
 
 /// Estimates the cost of a node in box tests before anything below it has been visited. A single estimate may be off by
 /// an order of magnitude. Sums over any cut through a BVTT, such as the node pairs that are
-/// [pending](crate::bvtt::Cursor::pending), are as good.
+/// [pending](crate::bvtt::Cursor::pending), are as good. At least 0 and finite.
 ///
 /// # Complexity
 /// O(depth), to count triangles.
 #[must_use]
 pub fn estimate(query: &impl Bvtt, n: NodePair) -> f64 {
-    TESTS_PER_TRIANGLE * triangles_in_overlap(query, n)
-}
-
-/// α·V, at least 0 and finite; comparable between the nodes of all queries.
-pub(super) fn triangles_in_overlap(query: &impl Bvtt, n: NodePair) -> f64 {
     let margin = margin(query);
     let [a, b] = query.boxes(n);
     let counts = query.triangles_below(n);
-    let both = volume(&intersection(&a, &b), margin);
+    let overlap = volume(&intersection(&a, &b), margin);
     let inside = |aabb: &Aabb, count: u32| {
         let whole = volume(aabb, margin);
-        // Points without extent overlap as a whole or not at all.
-        let share = if whole > 0.0 { both / whole } else { 1.0 };
+        // Points overlap as a whole or not at all.
+        let share = if whole > 0.0 { overlap / whole } else { 1.0 };
         share.min(1.0) * f64::from(count)
     };
-    inside(&a, counts[0]) + inside(&b, counts[1])
+    TESTS_PER_TRIANGLE * (inside(&a, counts[0]) + inside(&b, counts[1]))
 }
 
 /// Divides the cost of a node among its overlapping children.
@@ -55,8 +50,9 @@ pub(super) fn costs_of_children(
     }
     let (sum, count) = (volumes.iter().sum::<f64>(), boxes.len().max(1) as f64);
     let parents = overlap(&query.boxes(parent.pair));
-    // Where siblings lie in the same place, each overlaps as much as their parent. Were all to cost as much, a front
-    // would grow dearer with every split and never fine enough. Half of that is taken for true.
+    // Siblings in the same place overlap as much as their parent, each. If each cost as much as the parent, the sum
+    // would grow with every split and no front would meet its bound. So estimates that add up to more than
+    // 1 + count / 4 times the parent's are shared too.
     let is_share = is_measured || !(parents > 0.0 && sum <= parents * (1.0 + 0.25 * count));
     let whole = if is_share { sum } else { parents };
     let cost = f64::from(if is_measured { parent.cost - 1.0 } else { parent.cost });

@@ -3,12 +3,12 @@
 //! Zhang & Kim 2014, section 3. A frame goes through four steps, all in the caller's memory:
 //!
 //! 1. [`Front::add`] adds the roots of the queries, or the pending node pairs of a cursor.
-//! 2. [`Front::refine`] descends from there to a starting front F_s, gives its nodes the costs of the last frame
-//!    ([`CostHistory`]) or estimates from their overlap, and splits nodes until none costs more than a given share of the
-//!    whole (Algorithm 2).
+//! 2. [`Front::refine`] descends from there to a starting front F_s, gives its nodes the costs that the last frame measured
+//!    or estimates from their overlap, and splits nodes until none costs more than a given share of the whole
+//!    (Algorithm 2).
 //! 3. [`Front::partition`] assigns the nodes to workers.
-//! 4. Each worker traverses from its nodes ([`Cursor::at`](crate::bvtt::Cursor::at)); the work it counts becomes the
-//!    cost history of the next frame.
+//! 4. Each worker traverses from its nodes ([`Cursor::at`](crate::bvtt::Cursor::at)) and sets their costs to the work that
+//!    it counted. The nodes are then the cost history of the next frame.
 //!
 //! A front that is full stops refining. It is coarser then, but still a whole cut: nothing is lost.
 //!
@@ -18,25 +18,26 @@
 //! use pfront_core::bvtt::{Cursor, Query};
 //! use pfront_core::{CapacityError, front::*};
 //! # fn frames(query: &impl Query) -> Result<(), CapacityError> {
-//! let (mut nodes, mut memory) = ([FrontNode::default(); 400], [CostEntry::default(); 400]);
-//! let mut remembered = 0;
+//! let (mut memory, mut history) = ([FrontNode::default(); 400], Vec::new());
 //! for _ in 0..2 {
-//!     let mut front = Front::new(&mut nodes);
+//!     let mut front = Front::new(&mut memory);
 //!     if let Some(root) = query.root() {
 //!         front.add(0, root)?;
 //!     }
-//!     let history = CostHistory::new(&memory[..remembered]);
-//!     front.refine(&RefineOptions::new(2), history, |_| query);
+//!     front.refine(&RefineOptions::new(2), &mut history, |_| query);
 //!     let nodes = front.partition(&mut [Part::default(); 2]);
-//!     let costs = nodes.iter().map(|node| {
+//!     for node in &mut *nodes {
 //!         let mut cursor = Cursor::at(node.pair); // A worker's, by node.part.
 //!         let _ = query.visit(&mut cursor, |_| std::ops::ControlFlow::Continue(()));
-//!         1.0 + cursor.work().box_tests as f32 + 6.5 * cursor.work().triangle_tests as f32
-//!     });
-//!     remembered = CostHistory::record(&mut memory, nodes, costs)?;
+//!         node.cost = 1.0 + cursor.work().box_tests as f32 + 6.5 * cursor.work().triangle_tests as f32;
+//!     }
+//!     history = nodes.to_vec();
 //! }
 //! # Ok(()) }
 //! ```
+//!
+//! # How to read this folder
+//! `refine` is the loop and its bound, `estimate` and `history` say what a node costs, and `partition` assigns nodes.
 //!
 //! # Where we depart from the paper, and why
 //! - The paper remembers one cost for each starting node and shares it among descendants by overlap volume (eq. 3). That
@@ -48,32 +49,29 @@
 //!   [`RefineOptions::g_estimated`].
 //! - A first frame is divided by the density of triangles in the overlap, where the paper takes all nodes of F_s to cost
 //!   the same (section 3.4) or α to be constant (eq. 4); flat and touching boxes, whose volume is 0, are dilated.
-//! - F_s is not cached and its depth d_s is not fixed: each frame descends level by level until there are
-//!   [`STARTING_NODES`] of them or all are leaf pairs, where the paper has 4^3 to 4^5 nodes at a depth set beforehand.
-//!   So objects may move freely, and many queries begin at their roots.
+//! - F_s is not cached and its depth d_s is not fixed: each frame descends level by level until there are 32 nodes or all
+//!   are leaf pairs, where the paper has 4^3 to 4^5 nodes at a depth set beforehand. So objects may move freely, and many
+//!   queries begin at their roots.
 //! - A jump makes the last frame's costs worthless. Where less than half of them lie in nodes that overlap again, the
 //!   frame does without.
 //! - A node that the last frame split is split again until it costs less than half the bound, and no node is split that
 //!   costs hardly more than its split: without this a still scene may swing between two fronts.
 
-mod cost_history;
 mod estimate;
-mod heap;
+mod history;
 mod partition;
-mod path;
 mod refine;
 #[cfg(test)]
 mod tests;
 
-pub use cost_history::{CostEntry, CostHistory};
 pub use estimate::estimate;
 pub use partition::Part;
-pub use refine::{FrontReport, RefineOptions, STARTING_NODES};
+pub use refine::{FrontReport, RefineOptions};
 
 use crate::CapacityError;
 use crate::bvtt::NodePair;
 use crate::index::{at_mut, range, split};
-use path::Path;
+use history::Path;
 
 /// One node of a front: 40 bytes.
 #[repr(C)]
@@ -83,36 +81,47 @@ pub struct FrontNode {
     pub pair: NodePair,
     /// Its way from the root.
     path: Path,
-    /// Its expected cost |n| = m1 + k·m2, in box tests.
+    /// Its expected cost |n| = m1 + k·m2, in box tests. Where the next frame is to use it, the worker replaces this by the
+    /// measured cost, finite and positive.
     pub cost: f32,
-    /// The number of its query, where one front serves many.
+    /// The number of its query, where one front serves many. If the next frame numbers its queries otherwise, nodes of the
+    /// cost history are to be renumbered before, and those of queries that are gone left out.
     pub query: u32,
     /// The worker that it is assigned to.
     pub part: u32,
-    /// Its place in the front in depth-first order.
-    index: u32,
+    /// The first node of the cost history that does not come before it, by query and path.
+    history: u32,
 }
 
-/// A front in the caller's slice, whose length bounds its nodes: 40 bytes each, and 24 for their [`CostEntry`].
+impl FrontNode {
+    /// The first query and path of its subtree.
+    fn start(&self) -> (u32, Path) {
+        (self.query, self.path)
+    }
+
+    /// The last query and path of its subtree.
+    fn end(&self) -> (u32, Path) {
+        (self.query, self.path.last())
+    }
+}
+
+/// A front in the caller's slice, whose length bounds its nodes, 40 bytes each.
 ///
-/// Its nodes are sorted by query and path, pairwise disjoint, and cost at least 1.
+/// Its nodes are pairwise disjoint and cost at least 1. Their order is arbitrary.
 #[derive(Debug)]
 pub struct Front<'a> {
     nodes: &'a mut [FrontNode],
     len: usize,
-    full: bool,
-    box_tests: u64,
 }
 
 impl<'a> Front<'a> {
     /// An empty front.
     pub fn new(nodes: &'a mut [FrontNode]) -> Self {
-        Self { nodes, len: 0, full: false, box_tests: 0 }
+        Self { nodes, len: 0 }
     }
 
     /// Adds a node to start from: the root of query number `query`, or node pairs that a cursor of it has pending.
-    /// Queries are added in ascending order of their numbers. Where a history is to be used, a query has no node but its
-    /// root.
+    /// Where a history is to be used, a query has no node but its root.
     ///
     /// # Errors
     /// [`CapacityError`] if there is no room; the front is unchanged.
@@ -122,9 +131,7 @@ impl<'a> Front<'a> {
         Ok(())
     }
 
-    /// The nodes, in depth-first order.
-    #[must_use]
-    pub fn nodes(&self) -> &[FrontNode] {
+    fn nodes(&self) -> &[FrontNode] {
         range(self.nodes, 0, self.len as u32)
     }
 
@@ -132,17 +139,17 @@ impl<'a> Front<'a> {
         split(self.nodes, self.len).0
     }
 
-    fn into_nodes(self) -> &'a mut [FrontNode] {
-        split(self.nodes, self.len).0
+    fn push(&mut self, node: FrontNode) {
+        *at_mut(self.nodes, self.len) = node;
+        self.len += 1;
     }
 
     /// Σ|n| over the front.
     fn cost(&self) -> f64 {
-        self.nodes().iter().map(|n| f64::from(n.cost)).sum()
+        self.nodes().iter().map(|node| f64::from(node.cost)).sum()
     }
 
-    fn push(&mut self, node: FrontNode) {
-        *at_mut(self.nodes, self.len) = FrontNode { index: self.len as u32, ..node };
-        self.len += 1;
+    fn max_cost(&self) -> f64 {
+        self.nodes().iter().fold(0.0, |max, node| max.max(node.cost.into()))
     }
 }

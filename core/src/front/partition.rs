@@ -6,9 +6,8 @@
 //! 4/3 − 1/(3p) over the optimum (*Bounds on Multiprocessing Timing Anomalies*, 1969), and that a front whose costs are
 //! all at most ε·W/p has a makespan of at most (1 + ε)·W/p.
 
-use super::heap::{sift_down, sort};
 use super::{Front, FrontNode};
-use crate::index::at_mut;
+use crate::index::{at, at_mut, split};
 
 /// The part of a front that one worker gets. The caller's slice of these is the heap of the greedy partition.
 #[repr(C)]
@@ -22,23 +21,23 @@ pub struct Part {
 
 impl<'a> Front<'a> {
     /// Assigns each node to one of `parts`, of which there is at least one: sets [`FrontNode::part`], and in `parts`, by
-    /// number, the predicted costs. The largest is the predicted makespan. Returns the nodes, dearest first.
+    /// number, the predicted costs. The largest is the predicted makespan. Returns the nodes in descending order of cost.
     ///
-    /// The result depends on nothing but the nodes.
+    /// The result depends on nothing but the nodes and their order.
     ///
     /// # Panics
     /// If there are nodes and no parts.
     ///
     /// # Complexity
     /// O(N log N + N log p) for N nodes and p parts; no allocation.
-    pub fn partition(self, parts: &mut [Part]) -> &'a [FrontNode] {
+    pub fn partition(self, parts: &mut [Part]) -> &'a mut [FrontNode] {
+        let (nodes, _) = split(self.nodes, self.len);
+        // Costs are positive, so that their bits sort as they do.
+        sort(nodes, |node| !node.cost.to_bits());
         clear(parts);
-        let nodes = self.into_nodes();
-        // Costs are positive, so that their bits sort as they do. One number to compare, without branches.
-        sort(nodes, |n| u64::from(!n.cost.to_bits()) << 32 | u64::from(n.index));
         let less =
             |x: &Part, y: &Part| (x.cost < y.cost) | ((x.cost == y.cost) & (x.number < y.number));
-        for node in nodes.iter_mut() {
+        for node in &mut *nodes {
             let least = at_mut(parts, 0_usize);
             node.part = least.number;
             least.cost += f64::from(node.cost);
@@ -46,7 +45,7 @@ impl<'a> Front<'a> {
         }
         // From the order of the heap to that of numbers.
         clear(parts);
-        for node in nodes.iter() {
+        for node in &*nodes {
             at_mut(parts, node.part).cost += f64::from(node.cost);
         }
         nodes
@@ -57,6 +56,45 @@ fn clear(parts: &mut [Part]) {
     for (part, number) in parts.iter_mut().zip(0..) {
         *part = Part { cost: 0.0, number };
     }
+}
+
+/// Sorts nodes by a key. Without `std` a heap sort, which is slower, but small and free of panics.
+pub(super) fn sort<K: Ord>(nodes: &mut [FrontNode], key: impl Fn(&FrontNode) -> K) {
+    if cfg!(feature = "std") {
+        return nodes.sort_unstable_by_key(key);
+    }
+    // One copy serves all keys: firmware has little room for code.
+    let after: &dyn Fn(&FrontNode, &FrontNode) -> bool = &|x, y| key(x) > key(y);
+    for root in (0..nodes.len() / 2).rev() {
+        sift_down(nodes, root, after);
+    }
+    let mut rest = nodes;
+    while let Some((last, heap)) = rest.split_last_mut() {
+        if let Some(first) = heap.first_mut() {
+            core::mem::swap(first, last);
+        }
+        sift_down(heap, 0, after);
+        rest = heap;
+    }
+}
+
+/// Restores a heap, in which no item is `before` its parent, where only the item at `index` may have to move down.
+#[inline]
+fn sift_down<T: Copy>(heap: &mut [T], mut index: usize, before: impl Fn(&T, &T) -> bool) {
+    let Some(&moved) = heap.get(index) else { return };
+    while 2 * index + 1 < heap.len() {
+        let left = 2 * index + 1;
+        let right = (left + 1).min(heap.len() - 1);
+        // Without branches: which child is first is a coin toss to a predictor.
+        let child = left + usize::from(before(at(heap, right), at(heap, left)));
+        let risen = *at(heap, child);
+        if !before(&risen, &moved) {
+            break;
+        }
+        *at_mut(heap, index) = risen;
+        index = child;
+    }
+    *at_mut(heap, index) = moved;
 }
 
 #[cfg(test)]
@@ -89,7 +127,7 @@ mod tests {
         for workers in [1, 2, 7, 64] {
             let costs: [f32; 600] = core::array::from_fn(|_| rng.random_range(1..=4096) as f32);
             let (nodes, parts) = partitioned(&costs, workers);
-            assert!(nodes.is_sorted_by(|x, y| (-x.cost, x.index) < (-y.cost, y.index)));
+            assert!(nodes.is_sorted_by(|x, y| x.cost >= y.cost));
             let total: f64 = nodes.iter().map(|n| f64::from(n.cost)).sum();
             let mean = total / workers as f64;
             let epsilon = f64::from(nodes[0].cost) / mean;

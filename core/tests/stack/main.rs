@@ -12,7 +12,7 @@ use inputs::{Tree, coincident, curled, disparate, mesh, peeling, sheets};
 use meter::stack_of;
 use pfront_core::bvh::*;
 use pfront_core::bvtt::*;
-use pfront_core::front::{CostEntry, CostHistory, Front, FrontNode, Part, RefineOptions};
+use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, link_scratch_bound};
 use pfront_core::triangle::{Accuracy, intersects};
 use pfront_core::{Blob, Bvh, Mesh, Node, Pose, blob};
@@ -172,21 +172,17 @@ fn fronts() {
     let soup = sheets(40);
     let tree = Tree::of(mesh(&soup));
     let query = PairQuery::new(tree.bvh(mesh(&soup)), tree.bvh(mesh(&soup)), turned()).unwrap();
-    let (mut nodes, mut past) =
-        (vec![FrontNode::default(); 4096], vec![CostEntry::default(); 4096]);
-    let (mut loads, mut len) = ([Part::default(); 64], 0);
+    let (mut nodes, mut history) = (vec![FrontNode::default(); 4096], Vec::new());
+    let mut parts = [Part::default(); 64];
     for _ in 0..2 {
-        let (mut front, known) = (Front::new(&mut nodes), CostHistory::new(&past[..len]));
+        let mut front = Front::new(&mut nodes);
         front.add(0, query.root().unwrap()).unwrap();
         let options = RefineOptions::new(64);
-        check("Front::refine", || _ = front.refine(&options, known, |_| query));
-        let mut assigned = &[][..];
-        check("Front::partition", || assigned = front.partition(&mut loads));
+        check("Front::refine", || _ = front.refine(&options, &mut history, |_| query));
+        let mut assigned = &mut [][..];
+        check("Front::partition", || assigned = front.partition(&mut parts));
         assert!(assigned.len() > 64, "{}", assigned.len());
-        let costs = assigned.iter().map(|n| n.cost);
-        check("CostHistory::record", || {
-            len = CostHistory::record(&mut past, assigned, costs).unwrap();
-        });
+        history = assigned.to_vec();
     }
 }
 
@@ -201,9 +197,10 @@ fn a_starting_front_takes_four_box_tests_a_node_above_it() {
     let mut front = Front::new(&mut nodes);
     front.add(0, query.root().unwrap()).unwrap();
     let options = RefineOptions { workers: 2, g: 0.0, g_estimated: 0.0 };
-    let report = front.refine(&options, CostHistory::default(), |_| query);
+    let report = front.refine(&options, &mut [], |_| query);
+    let nodes = front.partition(&mut [Part::default(); 2]).len();
     // All nodes overlap all: 1, 4, 16, and 64 are enough.
-    assert_eq!((report.starting_nodes, report.full), (64, false));
+    assert_eq!((nodes, report.full), (64, false));
     assert_eq!(report.box_tests, 4 + 16 + 64);
 }
 

@@ -95,7 +95,6 @@ impl Plain {
             }
             level = below;
         }
-        self.report.front.starting_nodes = level.len();
         level
     }
 

@@ -1,0 +1,141 @@
+//! The cost history: the nodes of the last frame's front with their measured costs, found by query and path.
+//!
+//! The paper keeps one cost for each node of the starting front. Here each node of the whole front has its own, in the
+//! same O(N_p) memory, so that a frame refines by measured costs as far as the last one did.
+
+use super::FrontNode;
+use super::partition::sort;
+use bytemuck::{Pod, Zeroable};
+
+/// The nodes of the last front, sorted by query and path. None overlaps another, so those at and below a node follow each
+/// other.
+#[derive(Clone, Copy, Default)]
+pub(super) struct CostHistory<'a> {
+    nodes: &'a [FrontNode],
+}
+
+impl<'a> CostHistory<'a> {
+    pub(super) fn new(nodes: &'a mut [FrontNode]) -> Self {
+        sort(nodes, FrontNode::start);
+        Self { nodes }
+    }
+
+    /// Finds the nodes of the last front at and below some nodes, which ascend and come after position `first` of this
+    /// history.
+    #[inline]
+    pub(super) fn find(self, nodes: &mut [FrontNode], mut first: u32) {
+        for node in nodes {
+            let before = |past: &&FrontNode| past.start() < node.start();
+            first += self.from(first).iter().take_while(before).count() as u32;
+            node.history = first;
+        }
+    }
+
+    /// Whether the last frame measured the cost of a node.
+    pub(super) fn has_measured(self, node: &FrontNode) -> bool {
+        self.at_and_below(node).next().is_some()
+    }
+
+    /// Whether the last frame split a node.
+    pub(super) fn has_split(self, node: &FrontNode) -> bool {
+        self.at_and_below(node).next().is_some_and(|past| past.path > node.path)
+    }
+
+    /// The measured cost of a node, or 0.
+    pub(super) fn cost(self, node: &FrontNode) -> f32 {
+        let sum: f64 = self.at_and_below(node).map(|past| f64::from(past.cost)).sum();
+        // Costs that a caller hands back may be too large to add up.
+        (sum as f32).min(f32::MAX)
+    }
+
+    /// The share of all costs, 0 to 1, that lies at, above or below one of `nodes`, which ascend.
+    pub(super) fn share_in(self, nodes: &[FrontNode]) -> f64 {
+        let mut rest = self.nodes.iter().peekable();
+        let (mut outside, mut inside) = (0.0, 0.0);
+        for node in nodes {
+            while let Some(past) = rest.next_if(|past| past.end() < node.start()) {
+                outside += f64::from(past.cost);
+            }
+            while let Some(past) = rest.next_if(|past| past.start() <= node.end()) {
+                inside += f64::from(past.cost);
+            }
+        }
+        outside += rest.map(|past| f64::from(past.cost)).sum::<f64>();
+        if inside > 0.0 { inside / (inside + outside) } else { 0.0 }
+    }
+
+    fn at_and_below(self, node: &FrontNode) -> impl Iterator<Item = &'a FrontNode> {
+        let end = node.end();
+        self.from(node.history).iter().take_while(move |past| past.start() <= end)
+    }
+
+    fn from(self, first: u32) -> &'a [FrontNode] {
+        self.nodes.get(first as usize..).unwrap_or_default()
+    }
+}
+
+/// The way from the root of a BVTT to one of its nodes: the child taken at each level, 2 bits each from the top, and the
+/// level in the low 7 bits of 128; the default is the path of the root. The order of paths is the depth-first order of the
+/// tree, and the paper's backward index is a prefix.
+///
+/// A path tells no more than [`Path::MAX_LEVEL`] levels. All nodes below share the path of their ancestor there: what
+/// is remembered of them is remembered of all together, and they are split all the same.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
+pub(super) struct Path([u64; 2]);
+
+impl Path {
+    /// The last level at which paths differ.
+    pub(super) const MAX_LEVEL: u32 = 60;
+
+    const fn bits(self) -> u128 {
+        (self.0[0] as u128) << 64 | self.0[1] as u128
+    }
+
+    const fn of(bits: u128) -> Self {
+        Self([(bits >> 64) as u64, bits as u64])
+    }
+
+    pub(super) fn level(self) -> u32 {
+        (self.0[1] & 127) as u32
+    }
+
+    /// The path to child number `child`, 0 to 3.
+    pub(super) fn child(self, child: u32) -> Self {
+        let level = self.level();
+        if level >= Self::MAX_LEVEL {
+            return self;
+        }
+        Self::of((self.bits() + 1) | u128::from(child) << (126 - 2 * level))
+    }
+
+    /// The largest path of the subtree.
+    pub(super) fn last(self) -> Self {
+        // Memory that a caller hands back may hold any level.
+        Self::of(self.bits() | u128::MAX.checked_shr(2 * self.level()).unwrap_or(0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_sort_depth_first() {
+        let root = Path::default();
+        let order = [
+            root,
+            root.child(0),
+            root.child(0).child(0),
+            root.child(0).child(3),
+            root.child(1),
+            root.child(3).child(2),
+        ];
+        assert!(order.is_sorted());
+        assert!(root.child(0).last() > order[3] && root.child(0).last() < order[4]);
+        let deepest = (0..Path::MAX_LEVEL).fold(root, |p, _| p.child(3));
+        assert_eq!(deepest.level(), Path::MAX_LEVEL);
+        assert_eq!([0, 1, 2, 3].map(|child| deepest.child(child)), [deepest; 4]);
+        assert!(deepest <= root.last() && deepest <= deepest.last());
+    }
+}
