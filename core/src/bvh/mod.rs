@@ -17,7 +17,7 @@ mod layout;
 mod quality;
 mod refit;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use build::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
 pub use check::{BvhError, check_scratch_bound};

@@ -4,35 +4,51 @@ extern crate std;
 
 use super::*;
 use crate::Pose;
-use crate::bvh::{BuildOptions, BvhStorage, SahItem, sah};
+use crate::bvh::{BuildOptions, BvhStorage, SahItem, morton, node_bound, sah};
 use crate::bvtt::{PairQuery, Query, SelfQuery};
 use pfront_testkit::shapes::{Soup, strip};
 use std::sync::LazyLock;
 use std::vec;
 use std::vec::Vec;
 
-/// A strip of triangles and its BVH with leaves of two.
-static STRIP: LazyLock<Strip> = LazyLock::new(|| {
-    let Soup { positions, triangles } = strip(16);
-    let mesh = Mesh::new(&positions, &triangles).unwrap();
-    let (mut nodes, mut order) = (vec![Node::EMPTY; 32], vec![0; 16]);
-    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let options = BuildOptions { leaf_size: 2, ..BuildOptions::default() };
-    let used = sah(mesh, &options, storage, &mut [SahItem::default(); 16]).unwrap().nodes().len();
-    nodes.truncate(used);
-    Strip { positions, triangles, nodes, order }
-});
-
-struct Strip {
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-    nodes: Vec<Node>,
-    order: Vec<u32>,
+/// A mesh and its BVH.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Owned {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) order: Vec<u32>,
 }
+
+impl Owned {
+    pub(crate) fn new(soup: Soup, leaf_size: u32, by_morton: bool) -> Self {
+        let Soup { positions, triangles } = soup;
+        let mesh = Mesh::new(&positions, &triangles).unwrap();
+        let n = triangles.len();
+        let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
+        let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
+        let built = if by_morton {
+            morton(mesh, &options, storage, &mut vec![0; 2 * n])
+        } else {
+            sah(mesh, &options, storage, &mut vec![SahItem::default(); n])
+        };
+        let used = built.unwrap().nodes().len();
+        nodes.truncate(used);
+        Self { positions, triangles, nodes, order }
+    }
+
+    pub(crate) fn bvh(&self) -> Bvh<'_> {
+        let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
+        Bvh::new_unchecked(mesh, &self.nodes, &self.order)
+    }
+}
+
+static STRIP: LazyLock<Owned> = LazyLock::new(|| Owned::new(strip(16), 2, false));
 
 /// The check of the strip's BVH after a change to both arrays.
 fn check_after(change: impl Fn(&mut Vec<Node>, &mut Vec<u32>)) -> Result<(), BvhError> {
-    let Strip { positions, triangles, nodes, order } = &*STRIP;
+    let Owned { positions, triangles, nodes, order } = &*STRIP;
     let mesh = Mesh::new_unchecked(positions, triangles);
     let (mut nodes, mut order) = (nodes.clone(), order.clone());
     change(&mut nodes, &mut order);
@@ -178,7 +194,7 @@ fn an_empty_mesh_has_an_empty_tree() {
 /// with fewer pairs.
 #[test]
 fn unchecked_arrays_never_lose_pairs_silently() {
-    let Strip { positions, triangles, nodes, order } = &*STRIP;
+    let Owned { positions, triangles, nodes, order } = &*STRIP;
     let leaf = first_leaf(nodes);
     type Change = fn(&mut [Node], &mut [u32], &mut [[u32; 3]], usize);
     let changes: [(&str, Change); 6] = [

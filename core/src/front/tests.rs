@@ -4,9 +4,9 @@ extern crate std;
 
 use super::history::CostHistory;
 use super::*;
-use crate::bvh::{self, BuildOptions, BvhStorage};
+use crate::Pose;
+use crate::bvh::tests::Owned;
 use crate::bvtt::{Bvtt, Cursor, PairQuery, Query, SelfQuery, TrianglePair};
-use crate::{Bvh, Mesh, Node, Pose};
 use core::ops::ControlFlow;
 use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::shapes::{Soup, bumpy, sheet};
@@ -90,7 +90,7 @@ const fn options(workers: usize, g: f64) -> RefineOptions {
 
 #[test]
 fn any_front_is_a_whole_cut() {
-    let bumpy = Body::of(bumpy(24));
+    let bumpy = body(bumpy(24));
     let pair = PairQuery::new(bumpy.bvh(), bumpy.bvh(), tilt(0.3)).unwrap();
     let itself = SelfQuery::new(bumpy.bvh());
     let mut rng = seeded(7);
@@ -106,7 +106,7 @@ fn any_front_is_a_whole_cut() {
 
 #[test]
 fn a_front_without_room_for_a_root_is_refused() {
-    let body = Body::of(sheet(4, |_, _| 0.0));
+    let body = body(sheet(4, |_, _| 0.0));
     let root = SelfQuery::new(body.bvh()).root().unwrap();
     let mut nodes = [FrontNode::default(); 1];
     let mut front = Front::new(&mut nodes);
@@ -117,7 +117,7 @@ fn a_front_without_room_for_a_root_is_refused() {
 
 #[test]
 fn one_front_serves_many_queries() {
-    let body = Body::of(sheet(16, |x, y| x * y));
+    let body = body(sheet(16, |x, y| x * y));
     let query = |z| PairQuery::new(body.bvh(), body.bvh(), tilt(z)).unwrap();
     let queries = [0.0, 9.0, 0.2, 0.4].map(query);
     for capacity in [4, 7, 5000] {
@@ -138,7 +138,7 @@ fn one_front_serves_many_queries() {
 /// Where there is enough to do for all to be split that costs more, every node costs less than ε·W/p.
 #[test]
 fn epsilon_bounds_the_predicted_makespan() {
-    let body = Body::of(bumpy(120));
+    let body = body(bumpy(120));
     let query = PairQuery::new(body.bvh(), body.bvh(), tilt(0.1)).unwrap();
     for (epsilon, workers) in [(1.0, 2), (0.5, 7), (0.2, 16), (0.1, 3)] {
         let report = Frames::new(CAPACITY).frame(&[query], options(workers, 1.0 / epsilon));
@@ -151,7 +151,7 @@ fn epsilon_bounds_the_predicted_makespan() {
 #[test]
 fn the_unit_of_length_is_of_no_account() {
     let fronts = [1.0 / 128.0, 1.0, 128.0].map(|unit| {
-        let body = Body::of(bumpy(40).map(|p| p.map(|x| unit * x)));
+        let body = body(bumpy(40).map(|p| p.map(|x| unit * x)));
         let mut here = tilt(0.1);
         here.rows.iter_mut().for_each(|row| row[3] *= unit);
         let query = PairQuery::new(body.bvh(), body.bvh(), here).unwrap();
@@ -168,9 +168,9 @@ fn the_unit_of_length_is_of_no_account() {
 
 #[test]
 fn boxes_without_volume_get_sound_costs() {
-    let flat = Body::of(sheet(12, |_, _| 0.0));
-    let point = Body::of(Soup::of([[[0.5, 0.5, 0.0]; 3]; 10]));
-    let huge = Body::of(Soup::of([[[-3e37, 0.0, 0.0], [3e37, 0.0, 0.0], [0.0, 3e37, 3e37]]; 40]));
+    let flat = body(sheet(12, |_, _| 0.0));
+    let point = body(Soup::of([[[0.5, 0.5, 0.0]; 3]; 10]));
+    let huge = body(Soup::of([[[-3e37, 0.0, 0.0], [3e37, 0.0, 0.0], [0.0, 3e37, 3e37]]; 40]));
     let cases = [
         (&flat, &flat, Pose::IDENTITY),
         (&flat, &flat, Pose::from_translation([1.0, 0.0, 0.0])),
@@ -190,7 +190,7 @@ fn boxes_without_volume_get_sound_costs() {
 
 #[test]
 fn a_jump_is_noticed_and_motion_is_not() {
-    let body = Body::of(bumpy(40));
+    let body = body(bumpy(40));
     let place = |x: f32| {
         let mut moved = tilt(0.0);
         moved.rows[0][3] += x;
@@ -209,7 +209,7 @@ fn a_jump_is_noticed_and_motion_is_not() {
 
 #[test]
 fn a_still_scene_settles() {
-    let body = Body::of(bumpy(60));
+    let body = body(bumpy(60));
     let query = [PairQuery::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap()];
     let mut frames = Frames::new(CAPACITY);
     for _ in 0..5 {
@@ -251,27 +251,6 @@ fn tilt(z: f32) -> Pose {
     Pose::new([[1.0, 0.0, 0.0, 0.0], [0.0, 0.8, -0.6, 0.3], [0.0, 0.6, 0.8, z - 0.3]])
 }
 
-struct Body {
-    soup: Soup,
-    nodes: Vec<Node>,
-    order: Vec<u32>,
-}
-
-impl Body {
-    fn of(soup: Soup) -> Self {
-        let n = soup.triangles.len();
-        let mut body = Self { soup, nodes: vec![Node::EMPTY; 2 * n], order: vec![0; n] };
-        let mesh = Mesh::new(&body.soup.positions, &body.soup.triangles).unwrap();
-        let storage = BvhStorage { nodes: &mut body.nodes, order: &mut body.order };
-        let mut scratch = vec![0; bvh::morton_scratch_bound(n)];
-        let options = BuildOptions::default();
-        let used = bvh::morton(mesh, &options, storage, &mut scratch).unwrap().nodes().len();
-        body.nodes.truncate(used);
-        body
-    }
-
-    fn bvh(&self) -> Bvh<'_> {
-        let mesh = Mesh::new_unchecked(&self.soup.positions, &self.soup.triangles);
-        Bvh::new_unchecked(mesh, &self.nodes, &self.order)
-    }
+fn body(soup: Soup) -> Owned {
+    Owned::new(soup, 4, true)
 }

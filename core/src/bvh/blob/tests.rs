@@ -6,9 +6,8 @@ mod hostile;
 
 use super::*;
 use crate::MeshError;
-use crate::bvh::node_bound;
-use crate::bvh::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
-use pfront_testkit::shapes::{Soup, strip};
+use crate::bvh::tests::Owned;
+use pfront_testkit::shapes::strip;
 use std::prelude::v1::*;
 use std::{format, vec};
 
@@ -41,15 +40,6 @@ fn aligned(bytes: &[u8]) -> Box<Aligned<[u8]>> {
     to
 }
 
-/// The arrays of a mesh and its BVH.
-#[derive(Clone, Debug, PartialEq)]
-struct Owned {
-    nodes: Vec<Node>,
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-    order: Vec<u32>,
-}
-
 impl Owned {
     fn room(counts: Counts) -> Self {
         Self {
@@ -60,29 +50,6 @@ impl Owned {
         }
     }
 
-    /// A strip of so many triangles.
-    fn strip(triangles: u32, leaf_size: u32, by_morton: bool) -> Self {
-        let Soup { positions, triangles } = strip(triangles);
-        let n = triangles.len();
-        let mut own = Self {
-            nodes: vec![Node::EMPTY; node_bound(n)],
-            positions,
-            triangles,
-            order: vec![0; n],
-        };
-        let mesh = Mesh::new(&own.positions, &own.triangles).unwrap();
-        let storage = BvhStorage { nodes: &mut own.nodes, order: &mut own.order };
-        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
-        let built = if by_morton {
-            morton(mesh, &options, storage, &mut vec![0; morton_scratch_bound(n)])
-        } else {
-            sah(mesh, &options, storage, &mut vec![SahItem::default(); n])
-        };
-        let used = built.unwrap().nodes().len();
-        own.nodes.truncate(used);
-        own
-    }
-
     fn storage(&mut self) -> BlobStorage<'_> {
         BlobStorage {
             nodes: &mut self.nodes,
@@ -90,14 +57,6 @@ impl Owned {
             triangles: &mut self.triangles,
             order: &mut self.order,
         }
-    }
-
-    fn bvh(&self) -> Bvh<'_> {
-        Bvh::new_unchecked(
-            Mesh::new_unchecked(&self.positions, &self.triangles),
-            &self.nodes,
-            &self.order,
-        )
     }
 
     fn baked(&self) -> Vec<u8> {
@@ -148,7 +107,7 @@ fn what_is_written_is_read_and_written_again() {
     let sizes: &[u32] = if cfg!(miri) { &[0, 9] } else { &[0, 1, 2, 7, 8, 9, 33, 60] };
     for (&size, by_morton) in sizes.iter().flat_map(|n| [(n, false), (n, true)]) {
         for leaf_size in [1, 8] {
-            let own = Owned::strip(size, leaf_size, by_morton);
+            let own = Owned::new(strip(size), leaf_size, by_morton);
             let bytes = own.baked();
             let again = read(&bytes);
             assert_eq!(again, own, "{size} {by_morton} {leaf_size}");

@@ -114,7 +114,7 @@ type Is<'i> = &'i dyn Fn(BlobError) -> bool;
 #[test]
 fn contents_that_lie_are_refused() {
     // 64 the root, 128 its children, of which the first is a leaf; then positions, triangles and order.
-    let own = Owned::strip(9, 8, false);
+    let own = Owned::new(strip(9), 8, false);
     let bytes = own.baked();
     let [_, positions, triangles, order] = Counts::of(&own.bvh()).sections().map(|s| s.start);
     assert_eq!(own.nodes.len(), 4);
@@ -150,7 +150,7 @@ fn contents_that_lie_are_refused() {
 /// No word anywhere makes a check panic, whatever it says, and what passes is well formed.
 #[test]
 fn no_word_is_trusted() {
-    let bytes = Owned::strip(9, 2, true).baked();
+    let bytes = Owned::new(strip(9), 2, true).baked();
     let words = [0, 1, 2, 9, 1 << 31, u32::MAX, f32::NAN.to_bits(), f32::MAX.to_bits()];
     for at in (0..bytes.len()).step_by(if cfg!(miri) { 124 } else { 4 }) {
         for word in words {
