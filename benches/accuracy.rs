@@ -7,7 +7,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pfront::core::Triangle;
-use pfront::core::bvtt::{self, Bvtt, Query, TrianglePair};
+use pfront::core::bvtt::{self, Query, TrianglePair};
 use pfront::core::triangle::intersects;
 use pfront::{Aabb, Accuracy, Model, PairQuery, Pose};
 use pfront_scenes::Scene;

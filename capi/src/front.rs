@@ -15,7 +15,7 @@ use crate::query::{Asked, pfront_query_t};
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::mem::offset_of;
-use pfront_core::bvtt::Bvtt;
+use pfront_core::bvtt::Query;
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 
 /// What a triangle test costs, in box tests, as measured on x86-64.

@@ -12,7 +12,7 @@
 //!
 //! - [`mesh`]: borrowed positions and triangles, checked once; [`pose`]: affine maps, and how a posed vertex is rounded;
 //!   [`aabb`]: boxes;
-//! - [`exact`]: exact signs of orientation determinants, with floating-point filters before integers;
+//! - `exact` (private): exact signs of orientation determinants, with floating-point filters before integers;
 //! - [`triangle`]: whether two triangles intersect, the rule for triangles that share vertices, and contacts;
 //! - `simd` (private): boxes and triangles in vector lanes;
 //! - [`bvh`]: builds, refits, checks and compact nodes of a BVH; [`blob`]: a BVH and its mesh as bytes;
@@ -110,7 +110,7 @@
 //! these are the cost history of the next frame. Here the workers run one after the other; `pfront-cpu` runs them on threads:
 //! ```
 //! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
-//! use pfront_core::bvtt::{Bvtt, Cursor, NodePair, PairQuery, Query};
+//! use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query};
 //! use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 //! # use pfront_core::{Mesh, Node, Pose};
 //! use std::ops::ControlFlow;
@@ -162,7 +162,7 @@ pub mod aabb;
 pub mod bvh;
 pub mod bvtt;
 mod error;
-pub mod exact;
+mod exact;
 pub mod front;
 mod index;
 pub mod mesh;

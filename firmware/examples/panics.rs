@@ -13,7 +13,6 @@ use core::panic::PanicInfo;
 use pfront_core::bvh::*;
 use pfront_core::bvh::{CompactNode, compact};
 use pfront_core::bvtt::*;
-use pfront_core::exact::{orient2d, orient3d};
 use pfront_core::front::*;
 use pfront_core::one_ring::{CertifyOptions, OneRings};
 use pfront_core::triangle::*;
@@ -76,8 +75,6 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     asked(&SelfQuery::new(small), slices.page)?;
     asked(&PairQuery::new(small, small, some()?).ok()?, slices.page)?;
     asked(&PairQuery::in_world(placed, PosedBvh::new(small, &some()?).ok()?), slices.page)?;
-    let [p, q, r, s]: [[f32; 3]; 4] = some()?;
-    any((orient3d(&p, &q, &r, &s), orient2d(&some()?, &some()?, &some()?)));
     any(intersects(&some()?, &some()?, some()?));
     any(intersects_in_mesh(mesh, some()?, some()?, some()?, some()?));
     any((contact(&some()?, &some()?), mesh.triangle(some()?)));

@@ -14,7 +14,7 @@ pub use mesh::{beads, torus};
 
 use core::ops::ControlFlow::Continue;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
-use pfront_core::bvtt::{Bvtt, Cursor, PairQuery, Query, TrianglePair};
+use pfront_core::bvtt::{Cursor, PairQuery, Query, TrianglePair};
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use shape::TRIANGLES;

@@ -2,7 +2,7 @@
 
 use crate::model::Stamp;
 use crate::{Accuracy, Adjacency, Error, Model, Pose, core};
-use pfront_core::bvtt::{Bvtt, Query};
+use pfront_core::bvtt::Query;
 use pfront_core::front::estimate;
 
 /// What a mesh that hardly meets itself costs for each triangle, in box tests: its neighbours.

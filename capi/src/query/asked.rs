@@ -1,7 +1,7 @@
 //! Either kind of query.
 
 use core::ops::ControlFlow;
-use pfront_core::bvtt::{Bvtt, Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair};
+use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair};
 use pfront_core::triangle::Contact;
 use pfront_core::{Aabb, Bvh, Mesh};
 
@@ -33,21 +33,6 @@ macro_rules! either {
 }
 
 impl Query for Asked<'_> {
-    fn step(
-        &self,
-        cursor: &mut Cursor,
-        budget: u64,
-        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        either!(self, query => query.step(cursor, budget, visit))
-    }
-
-    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        either!(self, query => query.contact(pair))
-    }
-}
-
-impl Bvtt for Asked<'_> {
     fn root(&self) -> Option<NodePair> {
         either!(self, query => query.root())
     }
@@ -66,5 +51,18 @@ impl Bvtt for Asked<'_> {
 
     fn leaf_edge(&self) -> f32 {
         either!(self, query => query.leaf_edge())
+    }
+
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        either!(self, query => query.step(cursor, budget, visit))
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        either!(self, query => query.contact(pair))
     }
 }

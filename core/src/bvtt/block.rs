@@ -1,26 +1,18 @@
 //! The triangles of a leaf in vector lanes.
 
-use crate::index::{at, out_of_range};
+use super::PosedBvh;
+use crate::bvh::Layout;
+use crate::index::at;
 use crate::one_ring::OneRing;
-use crate::pose::Affine;
-use crate::simd::point8::{Points, abs, difference, highest, lanes, load, lowest, store};
+use crate::simd::point8::{Points, abs, chunk_starts, difference, highest, load, lowest, store};
 use crate::simd::{LANES, Simd, VECTORS};
-use crate::{Aabb, Mesh, Triangle};
-
-/// A leaf: its triangles, their pose, and the certificates of their vertices.
-#[derive(Clone, Copy)]
-pub(super) struct Leaf<'a> {
-    pub(super) mesh: Mesh<'a>,
-    pub(super) triangles: &'a [u32],
-    pub(super) pose: Option<&'a Affine>,
-    /// A box that contains the posed triangles.
-    pub(super) bounds: Aabb,
-    pub(super) rings: &'a [OneRing],
-}
+use crate::{Aabb, Triangle};
 
 /// Up to eight posed triangles with their boxes and planes.
 #[derive(Clone, Debug)]
 pub(super) struct TriangleBlock {
+    /// The leaf that was loaded, as the index of its node.
+    node: u32,
     /// Indices of the triangles.
     pub(super) triangles: [u32; LANES],
     pub(super) len: usize,
@@ -38,8 +30,10 @@ pub(super) struct TriangleBlock {
     pub(super) bounds: Aabb,
 }
 
-/// A float for each vertex index, equal only to itself, so that lanes of floats can compare vertices: normal numbers
-/// from the smallest on, NaN above 2^31 − 2^24. A NaN equals nothing, and is decided vertex by vertex.
+/// A float for each vertex index, so that lanes of floats can compare vertices. Different vertices have different keys. A
+/// key is NaN, which does not even equal itself, for some indices above 2^31 − 2^24: such a vertex counts as not
+/// certified, and whether it is shared is left to [`intersects_in_mesh`](crate::triangle::intersects_in_mesh), which
+/// compares indices.
 pub(super) fn vertex_key(vertex: u32) -> f32 {
     f32::from_bits(vertex.saturating_add(f32::MIN_POSITIVE.to_bits()))
 }
@@ -48,6 +42,7 @@ impl TriangleBlock {
     fn empty() -> Self {
         let zero = [[0.0; LANES]; 3];
         Self {
+            node: u32::MAX,
             triangles: [0; LANES],
             len: 0,
             corners: [zero; 3],
@@ -61,34 +56,34 @@ impl TriangleBlock {
         }
     }
 
-    /// Loads, poses and prepares the triangles of a leaf.
+    /// Loads, poses and prepares the triangles of the leaf with index `node`. `rings` are certificates of its vertices.
     #[inline(always)]
-    fn fill<S: Simd>(&mut self, leaf: &Leaf<'_>) {
-        if leaf.triangles.len() > LANES {
-            out_of_range();
-        }
-        (self.len, self.bounds) = (leaf.triangles.len(), leaf.bounds);
+    fn fill<S: Simd, L: Layout>(&mut self, node: u32, side: &PosedBvh<'_, L>, rings: &[OneRing]) {
+        let (leaf, mesh) = (side.bvh.node(node), side.bvh.mesh());
+        let triangles = side.bvh.leaf_triangles(leaf);
+        (self.node, self.len) = (node, triangles.len());
+        self.bounds = side.bounds(leaf).into();
         self.certified = [0; 3];
         // Lanes without a triangle stay zero, so that arithmetic on them is neither slow nor a trap.
         let mut corners = [[[0.0; LANES]; 3]; 3];
-        for (lane, &triangle) in leaf.triangles.iter().enumerate() {
+        for (lane, &triangle) in triangles.iter().enumerate() {
             let lane = lane % LANES;
             self.triangles[lane] = triangle;
-            let vertices = at(leaf.mesh.triangles(), triangle);
+            let vertices = at(mesh.triangles(), triangle);
             for (k, &vertex) in vertices.iter().enumerate() {
-                let [x, y, z] = *at(leaf.mesh.positions(), vertex);
+                let [x, y, z] = *at(mesh.positions(), vertex);
                 (corners[k][0][lane], corners[k][1][lane], corners[k][2][lane]) = (x, y, z);
                 let key = vertex_key(vertex);
                 self.vertices[k][lane] = key;
-                if let Some(ring) = leaf.rings.get(vertex as usize) {
+                if let Some(ring) = rings.get(vertex as usize) {
                     self.certified[k] |= u32::from(ring.is_certified() && !key.is_nan()) << lane;
                 }
             }
         }
-        for at in lanes::<S>() {
+        for at in chunk_starts::<S>() {
             let mut posed =
                 [load::<S>(&corners[0], at), load(&corners[1], at), load(&corners[2], at)];
-            if let Some(affine) = leaf.pose {
+            if let Some(affine) = &side.pose {
                 posed = [affine.points(posed[0]), affine.points(posed[1]), affine.points(posed[2])];
             }
             self.derive(posed, at);
@@ -97,8 +92,8 @@ impl TriangleBlock {
 
     /// [`TriangleBlock::fill`] without vectors: one copy for both sides, for firmware.
     #[inline(never)]
-    fn fill_singly(&mut self, leaf: &Leaf<'_>) {
-        self.fill::<f32>(leaf);
+    fn fill_singly<L: Layout>(&mut self, node: u32, side: &PosedBvh<'_, L>, rings: &[OneRing]) {
+        self.fill::<f32, L>(node, side, rings);
     }
 
     /// Stores posed corners and derives boxes and planes, in the lanes from `at` on.
@@ -123,9 +118,9 @@ impl TriangleBlock {
         self.corners.each_ref().map(|[x, y, z]| [x[lane], y[lane], z[lane]])
     }
 
-    /// Lanes that hold a triangle.
+    /// Lanes that hold a triangle, as bits.
     #[inline(always)]
-    pub(super) fn lanes(&self) -> u32 {
+    pub(super) fn occupied_mask(&self) -> u32 {
         (1 << self.len) - 1
     }
 }
@@ -134,30 +129,30 @@ impl TriangleBlock {
 const CACHED: usize = if VECTORS { 8 } else { 2 };
 
 /// The blocks of the leaves that one side of a traversal visited last: a leaf is visited with several others in a row.
-pub(super) struct BlockCache {
-    leaves: [u32; CACHED],
-    /// Set up when first used, since most small queries use few.
-    blocks: [Option<TriangleBlock>; CACHED],
-}
+/// Blocks are set up when first used, since most small queries use few.
+pub(super) struct BlockCache([Option<TriangleBlock>; CACHED]);
 
 impl BlockCache {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        Self { leaves: [u32::MAX; CACHED], blocks: core::array::from_fn(|_| None) }
+        Self(core::array::from_fn(|_| None))
     }
 
-    /// The block of `leaf`, the node with index `node`.
+    /// The block of the leaf with index `node`.
     #[inline(always)]
-    pub(super) fn get<'a, S: Simd>(
+    pub(super) fn get<S: Simd, L: Layout>(
         &mut self,
         node: u32,
-        leaf: impl FnOnce() -> Leaf<'a>,
+        side: &PosedBvh<'_, L>,
+        rings: &[OneRing],
     ) -> &TriangleBlock {
-        let slot = node as usize % CACHED;
-        let block = self.blocks[slot].get_or_insert_with(TriangleBlock::empty);
-        if self.leaves[slot] != node {
-            self.leaves[slot] = node;
-            if S::WIDTH == 1 { block.fill_singly(&leaf()) } else { block.fill::<S>(&leaf()) }
+        let block = self.0[node as usize % CACHED].get_or_insert_with(TriangleBlock::empty);
+        if block.node != node {
+            if S::WIDTH == 1 {
+                block.fill_singly(node, side, rings);
+            } else {
+                block.fill::<S, L>(node, side, rings);
+            }
         }
         block
     }

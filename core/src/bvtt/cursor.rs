@@ -15,90 +15,9 @@ pub struct Work {
     pub triangle_tests: u64,
 }
 
-/// The work done and the tests that may still be done.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Budget {
-    work: Work,
-    /// The triangle pairs of the topmost leaf pair that are done, in the order of their bits.
-    done: u32,
-    /// Tests left; at most 0 once the budget is spent.
-    left: i64,
-}
-
-impl Budget {
-    /// The triangle pairs of the topmost leaf pair that are still to be tested, as bits.
-    pub(super) fn open(&self) -> u64 {
-        after(self.done)
-    }
-
-    pub(super) fn is_inside_leaf_pair(&self) -> bool {
-        self.done != 0
-    }
-
-    pub(super) fn is_spent(&self) -> bool {
-        self.left <= 0
-    }
-
-    pub(super) fn refill(&mut self, tests: u64) {
-        self.left = i64::try_from(tests).unwrap_or(i64::MAX);
-    }
-
-    pub(super) fn spend_box_tests(&mut self, tests: u32) {
-        self.work.box_tests += u64::from(tests);
-        self.left -= i64::from(tests);
-    }
-
-    /// Calls `visit` for each bit of `left`, the triangle pairs of a leaf pair that are still undecided of those
-    /// `tested`, until it breaks or the budget is spent; the traversal then resumes inside the leaf pair.
-    #[inline(always)]
-    pub(super) fn decide(
-        &mut self,
-        mut tested: u64,
-        mut left: u64,
-        mut visit: impl FnMut(u32) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        self.done = 0;
-        if i64::from(tested.count_ones()) > self.left {
-            tested &= self.cut(tested);
-            left &= tested;
-        }
-        let mut flow = ControlFlow::Continue(());
-        while left != 0 && flow.is_continue() {
-            let bit = left.trailing_zeros();
-            left &= left - 1;
-            flow = visit(bit);
-            if flow.is_break() {
-                // The tests after this pair count when their turn comes.
-                self.done = bit + 1;
-                tested &= !after(self.done);
-            }
-        }
-        // A leaf pair without tests costs one, since it has to be looked at.
-        let tests = tested.count_ones();
-        self.work.triangle_tests += u64::from(tests);
-        self.left -= i64::from(tests.max(1));
-        flow
-    }
-
-    /// The pairs up to the end of the budget, from which the traversal resumes.
-    #[cold]
-    #[inline(never)]
-    fn cut(&mut self, mut tested: u64) -> u64 {
-        for _ in 1..self.left {
-            tested &= tested - 1;
-        }
-        self.done = tested.trailing_zeros() + 1;
-        !after(self.done)
-    }
-}
-
-/// The bits from `first` on.
-fn after(first: u32) -> u64 {
-    u64::MAX.checked_shl(first).unwrap_or(0)
-}
-
-/// The most pending node pairs. A step pops one and pushes at most 16. Each of these is two levels deeper in
-/// either tree, or a leaf there, so at most `MAX_DEPTH / 2` steps follow one another downwards.
+/// The most pending node pairs. A step pops one and pushes at most 16, so the stack grows by at most 15 a step. Each node
+/// pair pushed is two levels deeper in one tree or both, or has a leaf there, so a path downwards has at most
+/// `MAX_DEPTH / 2` steps.
 const STACK: usize = 15 * MAX_DEPTH.div_ceil(2) + 1;
 
 /// The progress of a query: start one with [`Query::start`](super::Query::start), pass it to `page`, `step` or `visit`
@@ -109,7 +28,12 @@ const STACK: usize = 15 * MAX_DEPTH.div_ceil(2) + 1;
 pub struct Cursor {
     stack: [NodePair; STACK],
     len: usize,
-    pub(super) budget: Budget,
+    work: Work,
+    /// The first triangle pair of the topmost leaf pair that is still to be tested, as the index of its bit; 0 unless
+    /// the last step ended inside that leaf pair.
+    next_bit: u32,
+    /// Tests that the present step may still do; at most 0 once its budget is spent.
+    tests_left: i64,
 }
 
 impl Cursor {
@@ -118,8 +42,8 @@ impl Cursor {
     #[inline]
     #[must_use]
     pub fn at(n: impl Into<Option<NodePair>>) -> Self {
-        let budget = Budget { work: Work::default(), done: 0, left: 0 };
-        let mut cursor = Self { stack: [NodePair::ROOT; STACK], len: 0, budget };
+        let (stack, work) = ([NodePair::ROOT; STACK], Work::default());
+        let mut cursor = Self { stack, len: 0, work, next_bit: 0, tests_left: 0 };
         if let Some(n) = n.into() {
             cursor.push(n);
         }
@@ -128,7 +52,7 @@ impl Cursor {
 
     /// Moves to the start of the subtree below `n`. [`Cursor::work`] goes on counting.
     pub fn restart(&mut self, n: NodePair) {
-        (self.len, self.budget.done) = (0, 0);
+        (self.len, self.next_bit) = (0, 0);
         self.push(n);
     }
 
@@ -148,7 +72,7 @@ impl Cursor {
     /// keeps the leaf pair in which the last step ended, if it did not end between two nodes.
     pub fn take_pending(&mut self) -> &[NodePair] {
         let pending = core::mem::take(&mut self.len);
-        if self.budget.is_inside_leaf_pair() {
+        if self.is_inside_leaf_pair() {
             let top = *at(&self.stack, pending - 1);
             let first = core::mem::replace(at_mut(&mut self.stack, 0), top);
             *at_mut(&mut self.stack, pending - 1) = first;
@@ -160,7 +84,7 @@ impl Cursor {
     /// The work done so far.
     #[must_use]
     pub fn work(&self) -> Work {
-        self.budget.work
+        self.work
     }
 
     #[inline]
@@ -175,4 +99,76 @@ impl Cursor {
         self.len = self.len.checked_sub(1)?;
         self.stack.get(self.len).copied()
     }
+
+    pub(super) fn set_budget(&mut self, tests: u64) {
+        self.tests_left = i64::try_from(tests).unwrap_or(i64::MAX);
+    }
+
+    pub(super) fn is_budget_spent(&self) -> bool {
+        self.tests_left <= 0
+    }
+
+    pub(super) fn spend_box_tests(&mut self, tests: u32) {
+        self.work.box_tests += u64::from(tests);
+        self.tests_left -= i64::from(tests);
+    }
+
+    pub(super) fn is_inside_leaf_pair(&self) -> bool {
+        self.next_bit != 0
+    }
+
+    /// The triangle pairs of the topmost leaf pair that are still to be tested, as bits.
+    pub(super) fn bits_left(&self) -> u64 {
+        bits_from(self.next_bit)
+    }
+
+    /// Calls `decide` for each bit of `undecided` until it breaks or the budget is spent; the traversal then resumes
+    /// inside this leaf pair. Bits are triangle pairs of a leaf pair. Every bit of `tested`, which contains
+    /// `undecided`, counts as a triangle test.
+    #[inline(always)]
+    pub(super) fn decide(
+        &mut self,
+        mut tested: u64,
+        mut undecided: u64,
+        mut decide: impl FnMut(u32) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.next_bit = 0;
+        if i64::from(tested.count_ones()) > self.tests_left {
+            tested = self.truncate_at_budget(tested);
+            undecided &= tested;
+        }
+        let mut flow = ControlFlow::Continue(());
+        while undecided != 0 && flow.is_continue() {
+            let bit = undecided.trailing_zeros();
+            undecided &= undecided - 1;
+            flow = decide(bit);
+            if flow.is_break() {
+                // The tests after this pair count in the step that does them.
+                self.next_bit = bit + 1;
+                tested &= !bits_from(self.next_bit);
+            }
+        }
+        // A leaf pair without triangle tests counts as one against the budget, since its triangles were loaded.
+        let tests = tested.count_ones();
+        self.work.triangle_tests += u64::from(tests);
+        self.tests_left -= i64::from(tests.max(1));
+        flow
+    }
+
+    /// The lowest bits of `tested`, as many as the budget has tests left. The traversal resumes after them.
+    #[cold]
+    #[inline(never)]
+    fn truncate_at_budget(&mut self, tested: u64) -> u64 {
+        let mut rest = tested;
+        for _ in 1..self.tests_left {
+            rest &= rest - 1;
+        }
+        self.next_bit = rest.trailing_zeros() + 1;
+        tested & !bits_from(self.next_bit)
+    }
+}
+
+/// The bits from `first` on.
+fn bits_from(first: u32) -> u64 {
+    u64::MAX.checked_shl(first).unwrap_or(0)
 }

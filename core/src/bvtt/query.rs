@@ -1,14 +1,34 @@
-//! Queries over borrowed meshes, in memory the caller already has.
-//!
-//! [`PairQuery`](super::PairQuery) and [`SelfQuery`](super::SelfQuery) are the queries, [`Query`] has their verbs, and a
-//! [`Cursor`] holds the progress of one.
+//! The verbs of a query over borrowed meshes, in memory that the caller already has.
 
-use super::{Bvtt, Cursor, TrianglePair};
+use super::{Cursor, NodePair, TrianglePair};
+use crate::Aabb;
 use crate::triangle::Contact;
 use core::ops::ControlFlow;
 
-/// The verbs of a query about two meshes, or about one.
-pub trait Query: Bvtt {
+/// A query about two meshes, or about one: its BVTT, of which a [front](crate::front) is a cut, and its verbs.
+///
+/// # Panics
+/// Methods may panic if a node pair is not one of this tree.
+pub trait Query {
+    /// The root of the BVTT, if its boxes overlap.
+    fn root(&self) -> Option<NodePair>;
+
+    /// Passes on the children of a node that overlap, at most four and in ascending order, each with
+    /// its [`Query::boxes`]. Returns the number of box tests: 0 for a leaf pair, which has no children.
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32;
+
+    /// The boxes of both nodes in one frame: that of the query, or of the first mesh.
+    fn boxes(&self, n: NodePair) -> [Aabb; 2];
+
+    /// The number of triangles below each node.
+    ///
+    /// # Complexity
+    /// O(depth).
+    fn triangles_below(&self, n: NodePair) -> [u32; 2];
+
+    /// About the edge of a leaf's box. The extent of an overlap that is smaller than this says nothing of its cost.
+    fn leaf_edge(&self) -> f32;
+
     /// A cursor before the first triangle pair.
     #[inline]
     fn start(&self) -> Cursor {
@@ -67,8 +87,8 @@ pub trait Query: Bvtt {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()>;
 
-    /// The contact of a pair that a visit reported, in the frame of the query; `None` for a pair
-    /// that does not intersect.
+    /// The segment in which two triangles intersect, in the frame of the query; `None` if they do not. Of a self query, that
+    /// includes what neighbours share.
     ///
     /// # Panics
     /// If an index is out of range.
@@ -125,5 +145,40 @@ pub trait Query: Bvtt {
             ControlFlow::Break(())
         });
         found
+    }
+}
+
+impl<Q: Query> Query for &Q {
+    fn root(&self) -> Option<NodePair> {
+        Q::root(self)
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        Q::children(self, n, push)
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        Q::boxes(self, n)
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        Q::triangles_below(self, n)
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        Q::leaf_edge(self)
+    }
+
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        Q::step(self, cursor, budget, visit)
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        Q::contact(self, pair)
     }
 }

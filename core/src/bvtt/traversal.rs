@@ -1,73 +1,19 @@
 //! The traversal: one loop for every query, layout and processor.
 
-use super::{Bvtt, Cursor, NodePair, TrianglePair, block::BlockCache, cursor::Budget};
-use crate::simd::{Eight, Simd, Task, VECTORS, widest};
+use super::block::BlockCache;
+use super::wide_node::WideNode;
+use super::{Cursor, MeshQuery, NodePair, TrianglePair};
+use crate::bvh::Layout;
+use crate::simd::{LANES, Simd, Task, VECTORS, widest};
+use crate::triangle::{intersects_by, intersects_in_mesh};
 use core::ops::ControlFlow;
 
-/// The visitor of hits. A trait object, so that there is one traversal in machine code per kind of tree.
-pub(super) type Visitor<'v> = dyn FnMut(TrianglePair) -> ControlFlow<()> + 'v;
-
-/// The questions that the traversal asks of a BVTT.
-pub(super) trait Traverse: Bvtt {
-    /// Whether both nodes are leaves.
-    fn is_leaf_pair(&self, n: NodePair) -> bool;
-
-    /// Passes on the overlapping pairs two levels below, see [`super::WideNode`]. Returns the number of box tests.
-    fn descend(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32;
-
-    /// Visits the triangle pairs of a leaf pair that meet, from where `budget` resumes until it is used up.
-    fn visit_leaf_pair<S: Simd>(
-        &self,
-        n: NodePair,
-        blocks: &mut [BlockCache; 2],
-        budget: &mut Budget,
-        visit: &mut Visitor<'_>,
-    ) -> ControlFlow<()>;
-}
-
-/// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes.
-struct Traversal<'t, 'v, T> {
-    tree: &'t T,
-    cursor: &'t mut Cursor,
-    visit: &'t mut Visitor<'v>,
-}
-
-impl<T: Traverse> Traversal<'_, '_, T> {
-    #[inline(always)]
-    fn run<S: Simd>(self) -> ControlFlow<()> {
-        let Self { tree, cursor, visit } = self;
-        let mut blocks = [BlockCache::new(), BlockCache::new()];
-        while let Some(n) = cursor.pop() {
-            if tree.is_leaf_pair(n) {
-                let flow = tree.visit_leaf_pair::<S>(n, &mut blocks, &mut cursor.budget, visit);
-                if cursor.budget.is_inside_leaf_pair() {
-                    cursor.push(n);
-                }
-                flow?;
-            } else {
-                let tests = tree.descend(n, |below| cursor.push(below));
-                cursor.budget.spend_box_tests(tests);
-            }
-            if cursor.budget.is_spent() {
-                break;
-            }
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-impl<T: Traverse> Task for Traversal<'_, '_, T> {
-    type Output = ControlFlow<()>;
-
-    #[inline(always)]
-    fn run<S: Eight>(self) -> ControlFlow<()> {
-        Traversal::run::<S>(self)
-    }
-}
+/// The visitor of hits. A trait object, so that there is one traversal in machine code per kind of query.
+type Visitor<'v> = dyn FnMut(TrianglePair) -> ControlFlow<()> + 'v;
 
 /// Continues from `cursor` until `visit` breaks, `tests` more tests are done or nothing is left.
-pub(super) fn traverse<T: Traverse>(
-    tree: &T,
+pub(super) fn traverse<A: Layout, B: Layout, const SELF: bool>(
+    query: &MeshQuery<'_, A, B, SELF>,
     cursor: &mut Cursor,
     tests: u64,
     visit: &mut Visitor<'_>,
@@ -75,7 +21,96 @@ pub(super) fn traverse<T: Traverse>(
     if cursor.is_done() || tests == 0 {
         return ControlFlow::Continue(());
     }
-    cursor.budget.refill(tests);
-    let traversal = Traversal { tree, cursor, visit };
+    cursor.set_budget(tests);
+    let traversal = Traversal { query, cursor, visit };
     if VECTORS { widest(traversal) } else { traversal.run::<f32>() }
+}
+
+/// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes.
+struct Traversal<'t, 'v, 'a, A: Layout, B: Layout, const SELF: bool> {
+    query: &'t MeshQuery<'a, A, B, SELF>,
+    cursor: &'t mut Cursor,
+    visit: &'t mut Visitor<'v>,
+}
+
+impl<A: Layout, B: Layout, const SELF: bool> Task for Traversal<'_, '_, '_, A, B, SELF> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self) -> ControlFlow<()> {
+        let Self { query, cursor, visit } = self;
+        let mut blocks = [BlockCache::new(), BlockCache::new()];
+        while let Some(n) = cursor.pop() {
+            if query.is_leaf_pair(n) {
+                let flow = query.visit_leaf_pair::<S>(n, &mut blocks, cursor, visit);
+                if cursor.is_inside_leaf_pair() {
+                    cursor.push(n);
+                }
+                flow?;
+            } else {
+                let tests = query.descend(n, |below| cursor.push(below));
+                cursor.spend_box_tests(tests);
+            }
+            if cursor.is_budget_spent() {
+                break;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// The triangle pairs of a leaf with itself, each once: triangle j with those before it.
+const BEFORE: u64 = 0x7f3f_1f0f_0703_0100;
+
+impl<A: Layout, B: Layout, const SELF: bool> MeshQuery<'_, A, B, SELF> {
+    #[inline]
+    fn is_leaf_pair(&self, n: NodePair) -> bool {
+        self.a.bvh.node(n.a).is_leaf() && self.b.bvh.node(n.b).is_leaf()
+    }
+
+    /// Passes on the overlapping pairs two levels below `n`. Returns the number of box tests.
+    #[inline(always)]
+    fn descend(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
+        let [pose_a, pose_b] = &self.box_poses;
+        let a = WideNode::grandchildren(&self.a.bvh, n.a, pose_a.as_ref());
+        if SELF && n.a == n.b {
+            return a.overlapping::<true>(&a, push);
+        }
+        let b = WideNode::grandchildren(&self.b.bvh, n.b, pose_b.as_ref());
+        a.overlapping::<false>(&b, push)
+    }
+
+    /// Visits the triangle pairs of a leaf pair that intersect, from where `cursor` resumes until its budget is spent.
+    #[inline(always)]
+    fn visit_leaf_pair<S: Simd>(
+        &self,
+        n: NodePair,
+        [blocks_a, blocks_b]: &mut [BlockCache; 2],
+        cursor: &mut Cursor,
+        visit: &mut Visitor<'_>,
+    ) -> ControlFlow<()> {
+        let a = blocks_a.get::<S, A>(n.a, &self.a, self.rings);
+        let b = blocks_b.get::<S, B>(n.b, &self.b, self.rings);
+        let mut allowed = cursor.bits_left();
+        if SELF && n.a == n.b {
+            allowed &= BEFORE;
+        }
+        let pairs = a.cull::<S, SELF>(b, allowed, self.boxes_only);
+        cursor.decide(pairs.overlapping, pairs.undecided, |bit| {
+            let (i, j) = (bit as usize % LANES, bit as usize / LANES % LANES);
+            let mut pair = TrianglePair { a: a.triangles[i], b: b.triangles[j] };
+            if SELF && pair.a > pair.b {
+                pair = TrianglePair { a: pair.b, b: pair.a };
+            }
+            let is_hit = if SELF && self.boxes_only {
+                true
+            } else if SELF && pairs.may_share_vertex >> bit & 1 != 0 {
+                let mesh = self.a.bvh.mesh();
+                intersects_in_mesh(mesh, pair.a, pair.b, self.adjacency, self.accuracy)
+            } else {
+                intersects_by(self.inexact_test, &a.triangle(i), &b.triangle(j))
+            };
+            if is_hit { visit(pair) } else { ControlFlow::Continue(()) }
+        })
+    }
 }

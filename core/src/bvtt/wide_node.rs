@@ -2,19 +2,24 @@
 
 use super::NodePair;
 use crate::bvh::{Bvh, Layout};
+use crate::pose::Affine;
 use crate::simd::Box4;
 
-/// The grandchildren of a node. A leaf counts as its only child.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WideNode {
+/// The grandchildren of a node, with their posed boxes. A leaf counts as its only child.
+pub(super) struct WideNode {
     nodes: [u32; 4],
     len: usize,
-    pub(crate) boxes: Box4,
+    boxes: Box4,
 }
 
 impl WideNode {
+    /// The grandchildren of the node with this index, their boxes in a pose.
     #[inline(always)]
-    pub(crate) fn below<L: Layout>(bvh: &Bvh<'_, L>, index: u32) -> Self {
+    pub(super) fn grandchildren<L: Layout>(
+        bvh: &Bvh<'_, L>,
+        index: u32,
+        pose: Option<&Affine>,
+    ) -> Self {
         let parent = bvh.node(index);
         let (nodes, len) = if parent.is_leaf() {
             ([index; 4], 1)
@@ -30,40 +35,32 @@ impl WideNode {
                 (false, false) => ([p, q, s, t], 4),
             }
         };
-        let boxes = bvh.boxes(nodes.map(|index| bvh.node(index)));
+        let mut boxes = bvh.boxes(nodes.map(|index| bvh.node(index)));
+        if let Some(pose) = pose {
+            boxes = pose.boxes(&boxes);
+        }
         Self { nodes, len, boxes }
     }
 
-    /// Passes on the pairs of these nodes with those of `other` whose boxes overlap. Returns the number of tests.
+    /// Passes on the pairs of these nodes with those of `other` whose boxes overlap. With `SELF` both sides are the
+    /// same: each unordered pair is passed on once, and a node with itself without a test. Returns the number of tests.
     #[inline(always)]
-    pub(crate) fn overlapping(&self, other: &Self, push: impl FnMut(NodePair)) -> u32 {
-        self.overlapping_lanes(other, |_| (1 << self.len) - 1, push);
-        (self.len * other.len) as u32
-    }
-
-    /// Passes on the overlapping pairs of these nodes with each other and themselves, each pair once. Returns the
-    /// number of tests, which a node and itself do not need.
-    #[inline(always)]
-    pub(crate) fn overlapping_self(&self, push: impl FnMut(NodePair)) -> u32 {
-        self.overlapping_lanes(self, |row| (2 << row) - 1, push);
-        (self.len * (self.len - 1) / 2) as u32
-    }
-
-    /// Passes on each node of `other` with those of these in `lanes` of its row that it overlaps.
-    #[inline(always)]
-    fn overlapping_lanes(
+    pub(super) fn overlapping<const SELF: bool>(
         &self,
         other: &Self,
-        lanes: impl Fn(usize) -> u32,
         mut push: impl FnMut(NodePair),
-    ) {
+    ) -> u32 {
         for (row, &b) in other.nodes.iter().take(other.len).enumerate() {
-            let mut found = self.boxes.overlapping(&other.boxes.splat(row)) & lanes(row);
+            // In a row of the same nodes, those up to the node itself.
+            let columns = if SELF { row + 1 } else { self.len };
+            let mut found = self.boxes.overlapping(&other.boxes.splat(row)) & ((1 << columns) - 1);
             while found != 0 {
                 let a = self.nodes[found.trailing_zeros() as usize % self.nodes.len()];
                 push(NodePair { a, b });
                 found &= found - 1;
             }
         }
+        let tests = if SELF { self.len * (self.len - 1) / 2 } else { self.len * other.len };
+        tests as u32
     }
 }

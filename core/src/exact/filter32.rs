@@ -1,17 +1,19 @@
 //! Signs that f32 certifies: nearly all that are asked for, at the price of plain f32.
 //!
 //! # The bound
-//! As that of `filter64`, with u = 2^-24: each of the six products of three differences carries a relative
-//! error below (1+u)^8 − 1, so that the determinant is off by less than 48.06u · mx·my·mz, the largest
-//! absolute differences per axis, in any order of its sums. [`ERROR`] has room for the roundings of the
-//! bound. Unlike there, products may underflow or overflow. With no difference above [`MAX_EXTENT`], 2^40,
-//! none overflows, and underflow costs less than 6 · 2^-150 · 2^40 before the last product and 4 · 2^-150
-//! after; the bound may lose 2^-110. [`UNDERFLOW`], 2^-100, is far above their sum.
+//! Let u = 2^-24, and mx, my, mz the extents: the largest absolute difference along each axis that goes into a
+//! determinant. As in `filter64`, each of its six products carries a relative error below (1+u)^8 − 1, so it is off by
+//! less than 48.06u · mx·my·mz, in whatever order it is summed. [`ERROR`] is that factor, with room for the roundings of
+//! the bound itself.
+//!
+//! In f32, unlike f64, products may underflow or overflow. Where no extent exceeds [`MAX_EXTENT`], 2^40, none overflows.
+//! Underflow then costs the determinant less than 6 · 2^-150 · 2^40 before the last product and 4 · 2^-150 after it, and
+//! the bound 2^-110. [`UNDERFLOW`], 2^-100, is far above their sum.
 //!
 //! So a sign is certified where no extent exceeds `MAX_EXTENT` and the determinant exceeds
 //! `mx·my·mz · ERROR + UNDERFLOW` in magnitude.
 
-use super::{Orientation, Point, Point2, Uncertain};
+use super::{Orientation, Point};
 use glam::{Vec3A, Vec4};
 
 /// Bound of the relative error of a determinant.
@@ -21,18 +23,13 @@ pub(crate) const UNDERFLOW: f32 = 7.888_609e-31;
 /// The largest difference for which the bound holds: 2^40.
 pub(crate) const MAX_EXTENT: f32 = 1.099_511_6e12;
 
-/// Certified signs, and an error for the rest.
+/// Signs that f32 certifies, and `None` for the rest.
 pub(crate) enum CertifiedF32 {}
 
 impl Orientation for CertifiedF32 {
-    type Uncertain = Uncertain;
-
     /// Up to four points side by side.
     #[inline]
-    fn orient3d<const N: usize>(
-        [a, b, c]: [&Point; 3],
-        points: [&Point; N],
-    ) -> Result<[i32; N], Uncertain> {
+    fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
         const { assert!(0 < N && N <= 4) };
         let base = Vec3A::from_array(*a);
         let (u, v) = (Vec3A::from_array(*b) - base, Vec3A::from_array(*c) - base);
@@ -42,9 +39,9 @@ impl Orientation for CertifiedF32 {
             let (determinant, extent) = (normal.dot(w), edges.max(w.abs()));
             let bound = extent.x * extent.y * extent.z * ERROR + UNDERFLOW;
             if determinant.abs() > bound && extent.max_element() <= MAX_EXTENT {
-                return Ok([if determinant > 0.0 { 1 } else { -1 }; N]);
+                return Some([if determinant > 0.0 { 1 } else { -1 }; N]);
             }
-            return Err(Uncertain);
+            return None;
         }
         let [p, q, r, s] = [0, 1, 2, 3].map(|lane: usize| points[lane.min(N - 1)]);
         let w = |k: usize| Vec4::new(p[k], q[k], r[k], s[k]) - Vec4::splat(a[k]);
@@ -57,22 +54,16 @@ impl Orientation for CertifiedF32 {
         let positive = (determinant.cmpgt(bound) & holds).bitmask();
         let negative = (determinant.cmplt(-bound) & holds).bitmask();
         if positive | negative != 0xf {
-            return Err(Uncertain);
+            return None;
         }
-        Ok(core::array::from_fn(|lane| 2 * (positive >> lane & 1) as i32 - 1))
-    }
-
-    /// Never asked: only signs that are zero lead from space to a plane, and none is certified to be.
-    #[inline]
-    fn orient2d(_: &Point2, _: &Point2, _: &Point2) -> Result<i32, Uncertain> {
-        Err(Uncertain)
+        Some(core::array::from_fn(|lane| 2 * (positive >> lane & 1) as i32 - 1))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::Exact;
+    use crate::exact::sides;
     use pfront_testkit::rng::{RngExt, seeded};
 
     #[test]
@@ -89,13 +80,13 @@ mod tests {
                 (next(5) as f32 + nudge) * scale + offset
             };
             let [a, b, c, p, q, r]: [Point; 6] = [[0.0; 3]; 6].map(|p| p.map(&mut coordinate));
-            let Ok(truth) = Exact::orient3d([&a, &b, &c], [&p, &q, &r]);
+            let truth = sides([&a, &b, &c], [&p, &q, &r]);
             match CertifiedF32::orient3d([&a, &b, &c], [&p, &q, &r]) {
-                Ok(signs) => {
+                Some(signs) => {
                     assert_eq!(signs, truth, "{a:?} {b:?} {c:?} {p:?} {q:?} {r:?}");
                     signs.iter().for_each(|sign| certified[usize::from(*sign > 0)] += 1);
                 }
-                Err(Uncertain) => uncertain += 1,
+                None => uncertain += 1,
             }
         }
         let enough = certified.iter().all(|count| *count > 5_000) && uncertain > 5_000;
@@ -108,7 +99,7 @@ mod tests {
         let corner = |size: f32| [[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]];
         let certified = |size: f32, height: f32| {
             let [a, b, c] = corner(size);
-            CertifiedF32::orient3d([&a, &b, &c], [&[0.0, 0.0, height]]).ok()
+            CertifiedF32::orient3d([&a, &b, &c], [&[0.0, 0.0, height]])
         };
         assert_eq!(certified(1.0, 1.0), Some([1]));
         assert_eq!(certified(1.0, -1e-20), Some([-1]), "the bound shrinks with each extent");
@@ -119,7 +110,7 @@ mod tests {
         let lifted = |z: f32| {
             let [a, mut b, c] = corner(1.0);
             b[2] = 1.0;
-            CertifiedF32::orient3d([&a, &b, &c], [&[0.0, 0.0, z], &[0.0, 0.0, -z]]).ok()
+            CertifiedF32::orient3d([&a, &b, &c], [&[0.0, 0.0, z], &[0.0, 0.0, -z]])
         };
         assert_eq!(lifted(1.1 * ERROR), Some([1, -1]));
         assert_eq!(lifted(0.9 * ERROR), None);

@@ -9,7 +9,7 @@
 //! have room for the roundings of the bounds themselves. Differences of finite f32 can neither overflow nor
 //! underflow f64 here (2^-447 … 2^387).
 
-use super::{Orientation, Point, Point2, Uncertain};
+use super::{Orientation, Point, Point2};
 use glam::{DVec3, Vec3};
 
 /// Bound of the error of a determinant of three differences, for extents of 1.
@@ -17,25 +17,14 @@ pub(crate) const ERROR_3D: f64 = 5.4e-15;
 /// The same for two differences.
 pub(crate) const ERROR_2D: f64 = 9.0e-16;
 
-/// Certified signs, and an error for the rest.
+/// Signs that f64 certifies, and `None` for the rest.
 pub(crate) enum CertifiedF64 {}
 
 impl Orientation for CertifiedF64 {
-    type Uncertain = Uncertain;
-
     #[inline]
-    fn orient3d<const N: usize>(
-        plane: [&Point; 3],
-        points: [&Point; N],
-    ) -> Result<[i32; N], Uncertain> {
+    fn orient3d<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
         let signs = orient3d(plane, points);
-        if signs.contains(&0) { Err(Uncertain) } else { Ok(signs) }
-    }
-
-    /// Never asked: only signs that are zero lead from space to a plane, and none is certified to be.
-    #[inline]
-    fn orient2d(_: &Point2, _: &Point2, _: &Point2) -> Result<i32, Uncertain> {
-        Err(Uncertain)
+        if signs.contains(&0) { None } else { Some(signs) }
     }
 }
 

@@ -24,7 +24,7 @@ mod orientation;
 pub(crate) use filter32::CertifiedF32;
 pub(crate) use filter64::{CertifiedF64, difference};
 pub(crate) use integer::{normal, orient3d_ratio};
-pub(crate) use orientation::{Exact, Fast, Orientation, Uncertain};
+pub(crate) use orientation::{Exact, Fast, Orientation, orient2d, sides};
 
 /// A point in space.
 pub(crate) type Point = [f32; 3];
@@ -37,42 +37,10 @@ pub(crate) type Point2 = [f32; 2];
 ///
 /// 1 when a, b, c turn counter-clockwise seen from `d`'s side, −1 on the other side, 0 when the four points are
 /// coplanar. Coordinates must be finite.
-///
-/// # Complexity
-/// O(1): a few ns where f64 certifies the sign, up to about 1 µs where wide integers decide it.
-///
-/// # Examples
-/// ```
-/// use pfront_core::exact::orient3d;
-/// let [o, x, y] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// assert_eq!(orient3d(&o, &x, &y, &[0.3, 0.3, 1e-45]), 1);
-/// assert_eq!(orient3d(&o, &x, &y, &[9.0, 9.0, 0.0]), 0);
-/// ```
 #[inline]
-#[must_use]
-pub fn orient3d(a: &[f32; 3], b: &[f32; 3], c: &[f32; 3], d: &[f32; 3]) -> i32 {
-    let Ok([sign]) = Exact::orient3d([a, b, c], [d]);
-    sign
-}
-
-/// The turn of `a`, `b`, `c`: the exact sign of det(b − a, c − a).
-///
-/// 1 is counter-clockwise, −1 clockwise, 0 collinear. Coordinates must be finite.
-///
-/// # Complexity
-/// As [`orient3d`].
-///
-/// # Examples
-/// ```
-/// use pfront_core::exact::orient2d;
-/// assert_eq!(orient2d(&[0.0, 0.0], &[1.0, 0.0], &[0.0, 1.0]), 1);
-/// assert_eq!(orient2d(&[0.0, 0.0], &[1.0, 1.0], &[3.0, 3.0]), 0);
-/// ```
-#[inline]
-#[must_use]
-pub fn orient2d(a: &[f32; 2], b: &[f32; 2], c: &[f32; 2]) -> i32 {
-    let Ok(sign) = Exact::orient2d(a, b, c);
-    sign
+pub(crate) fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
+    let [side] = sides([a, b, c], [d]);
+    side
 }
 
 #[cfg(test)]

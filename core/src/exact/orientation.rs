@@ -3,26 +3,19 @@
 //! The triangle tests are written once over [`Orientation`]: what they promise is what its signs promise.
 
 use super::{Point, Point2, filter64, integer};
-use core::convert::Infallible;
 use glam::Vec3;
 
-/// Decides [`orient3d`](super::orient3d) and [`orient2d`](super::orient2d).
+/// Decides [`orient3d`](super::orient3d) and [`orient2d`](super::orient2d). A sign that is not known is `None`.
 pub(crate) trait Orientation {
-    /// Why a sign is not known; [`Infallible`] where every sign is.
-    type Uncertain;
+    /// The sides of one plane, through three points, on which several points lie; `None` if one of them is not known.
+    fn orient3d<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]>;
 
-    /// The sides of one plane, through three points, on which several points lie.
-    fn orient3d<const N: usize>(
-        plane: [&Point; 3],
-        points: [&Point; N],
-    ) -> Result<[i32; N], Self::Uncertain>;
-
-    /// The turn of three points.
-    fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> Result<i32, Self::Uncertain>;
+    /// The turn of three points. Only sides that are known to be zero lead from space to a plane, and a filter never
+    /// knows that: it is not asked.
+    fn orient2d(_: &Point2, _: &Point2, _: &Point2) -> Option<i32> {
+        None
+    }
 }
-
-/// A sign that an error bound does not certify.
-pub(crate) struct Uncertain;
 
 /// Every sign is exact.
 pub(crate) enum Exact {}
@@ -34,46 +27,48 @@ pub(crate) enum Fast {}
 /// takes 2 KiB of machine code.
 const HAS_F64: bool = !cfg!(all(target_arch = "arm", target_os = "none"));
 
-impl Orientation for Exact {
-    type Uncertain = Infallible;
-
-    #[inline]
-    fn orient3d<const N: usize>(
-        plane: [&Point; 3],
-        points: [&Point; N],
-    ) -> Result<[i32; N], Infallible> {
-        let mut signs = if HAS_F64 { filter64::orient3d(plane, points) } else { [0; N] };
-        for (sign, point) in signs.iter_mut().zip(points) {
-            if *sign == 0 {
-                *sign = integer::orient3d(plane, point);
-            }
+/// The exact sides of the plane through three points on which several points lie.
+#[inline]
+pub(crate) fn sides<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> [i32; N] {
+    let mut sides = if HAS_F64 { filter64::orient3d(plane, points) } else { [0; N] };
+    for (side, point) in sides.iter_mut().zip(points) {
+        if *side == 0 {
+            *side = integer::orient3d(plane, point);
         }
-        Ok(signs)
+    }
+    sides
+}
+
+/// The exact turn of three points, the sign of det(b − a, c − a): 1 is counter-clockwise, −1 clockwise, 0 collinear.
+#[inline]
+pub(crate) fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> i32 {
+    let turn = if HAS_F64 { filter64::orient2d(a, b, c) } else { 0 };
+    if turn == 0 { integer::orient2d(a, b, c) } else { turn }
+}
+
+impl Orientation for Exact {
+    #[inline(always)]
+    fn orient3d<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
+        Some(sides(plane, points))
     }
 
-    #[inline]
-    fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> Result<i32, Infallible> {
-        let sign = if HAS_F64 { filter64::orient2d(a, b, c) } else { 0 };
-        Ok(if sign == 0 { integer::orient2d(a, b, c) } else { sign })
+    #[inline(always)]
+    fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> Option<i32> {
+        Some(orient2d(a, b, c))
     }
 }
 
 impl Orientation for Fast {
-    type Uncertain = Infallible;
-
     #[inline]
-    fn orient3d<const N: usize>(
-        [a, b, c]: [&Point; 3],
-        points: [&Point; N],
-    ) -> Result<[i32; N], Infallible> {
+    fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
         let edge = |p: &Point| Vec3::from_array(*p) - Vec3::from_array(*a);
         let normal = edge(b).cross(edge(c));
-        Ok(points.map(|p| sign(normal.dot(edge(p)))))
+        Some(points.map(|p| sign(normal.dot(edge(p)))))
     }
 
     #[inline]
-    fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> Result<i32, Infallible> {
-        Ok(sign((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])))
+    fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> Option<i32> {
+        Some(sign((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])))
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::FrontNode;
 use crate::Aabb;
-use crate::bvtt::{Bvtt, NodePair};
+use crate::bvtt::{NodePair, Query};
 
 /// The cost in box tests of a triangle that may lie in an overlap.
 const TESTS_PER_TRIANGLE: f64 = 16.0;
@@ -18,7 +18,7 @@ const TESTS_PER_TRIANGLE: f64 = 16.0;
 /// # Complexity
 /// O(depth), to count triangles.
 #[must_use]
-pub fn estimate(query: &impl Bvtt, n: NodePair) -> f64 {
+pub fn estimate(query: &impl Query, n: NodePair) -> f64 {
     let margin = margin(query);
     let [a, b] = query.boxes(n);
     let counts = query.triangles_below(n);
@@ -37,7 +37,7 @@ pub fn estimate(query: &impl Bvtt, n: NodePair) -> f64 {
 /// A measured cost |n| is shared by overlap volume, as |n| − 1 in eq. 3. An estimate is not, since that would carry its
 /// error down: each child is estimated anew by its own volume, on the scale of its parent's.
 pub(super) fn costs_of_children(
-    query: &impl Bvtt,
+    query: &impl Query,
     parent: &FrontNode,
     is_measured: bool,
     boxes: &[[Aabb; 2]],
@@ -64,7 +64,7 @@ pub(super) fn costs_of_children(
 }
 
 /// Half the edge of a leaf, by which boxes are dilated in all.
-fn margin(query: &impl Bvtt) -> f64 {
+fn margin(query: &impl Query) -> f64 {
     f64::from(query.leaf_edge()) * 0.5
 }
 

@@ -8,7 +8,7 @@ use super::history::CostHistory;
 use super::partition::sort;
 use super::{Front, FrontNode};
 use crate::Aabb;
-use crate::bvtt::{Bvtt, NodePair};
+use crate::bvtt::{NodePair, Query};
 use crate::index::{at, at_mut, part_mut, range};
 
 /// The starting front is the first level of the BVTT with this many overlapping nodes, or the last.
@@ -69,7 +69,7 @@ impl Front<'_> {
     /// # Complexity
     /// O(nodes added), one box test each at most, and O(N) for each level that is added, after O(N log N) for N nodes
     /// of the history.
-    pub fn refine<Q: Bvtt>(
+    pub fn refine<Q: Query>(
         &mut self,
         options: &RefineOptions,
         history: &mut [FrontNode],
@@ -99,7 +99,7 @@ impl Front<'_> {
     }
 
     /// Sets the costs of a starting front: those of the last frame, and estimates for nodes without one.
-    fn set_costs<Q: Bvtt>(&mut self, history: CostHistory<'_>, query: &impl Fn(u32) -> Q) {
+    fn set_costs<Q: Query>(&mut self, history: CostHistory<'_>, query: &impl Fn(u32) -> Q) {
         history.find(self.nodes_mut(), 0);
         for node in self.nodes_mut() {
             let measured = history.cost(node);
@@ -109,7 +109,7 @@ impl Front<'_> {
     }
 
     /// Splits nodes that exceed the bound which the present sum of costs gives. Returns whether any was split.
-    fn split_expensive<Q: Bvtt>(
+    fn split_expensive<Q: Query>(
         &mut self,
         options: &RefineOptions,
         history: CostHistory<'_>,
@@ -131,7 +131,7 @@ impl Front<'_> {
     /// Replaces each node that `exceeds` by its overlapping children, as long as there is room. Leaf pairs stay. Returns
     /// whether any node was split.
     #[inline(never)] // One copy serves both uses: firmware has little room for code.
-    fn split<Q: Bvtt>(
+    fn split<Q: Query>(
         &mut self,
         history: CostHistory<'_>,
         query: &impl Fn(u32) -> Q,

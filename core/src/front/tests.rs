@@ -6,7 +6,7 @@ use super::history::CostHistory;
 use super::*;
 use crate::Pose;
 use crate::bvh::tests::Owned;
-use crate::bvtt::{Bvtt, Cursor, PairQuery, Query, SelfQuery, TrianglePair};
+use crate::bvtt::{Cursor, PairQuery, Query, SelfQuery, TrianglePair};
 use core::ops::ControlFlow;
 use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::shapes::{Soup, bumpy, sheet};

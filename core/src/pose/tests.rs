@@ -2,7 +2,7 @@
 
 use super::{Affine, Pose, PoseError};
 use crate::aabb::Bounds;
-use crate::simd::{Box4, Eight, LANES, Task, widest};
+use crate::simd::{Box4, LANES, Simd, Task, widest};
 use crate::{Aabb, Node};
 use glam::{DMat3, DVec3, Vec3A, Vec4};
 use pfront_testkit::rng::{RngExt, seeded};
@@ -17,7 +17,7 @@ impl Task for Lanes {
     type Output = [f32; 3];
 
     #[inline(always)]
-    fn run<S: Eight>(self) -> [f32; 3] {
+    fn run<S: Simd>(self) -> [f32; 3] {
         let placed = self.place.points(self.point.map(|x| {
             let mut lanes = [x; LANES];
             lanes[0] = -x;

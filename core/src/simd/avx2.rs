@@ -9,9 +9,9 @@
 
 #![expect(unsafe_code, reason = "calls intrinsics that need a feature found at run time")]
 
-use super::lanes::{Eight, LANES, Simd, Task};
+use super::lanes::{LANES, Simd, Task};
 use core::arch::x86_64::*;
-use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Neg, Sub};
+use core::ops::{Add, BitAnd, BitOr, Mul, Sub};
 
 /// Whether [`run`] may be called. Without `std` that is settled when compiling.
 #[inline]
@@ -76,15 +76,6 @@ macro_rules! operators {
 
 operators!(Add add Avx _mm256_add_ps, Sub sub Avx _mm256_sub_ps, Mul mul Avx _mm256_mul_ps);
 operators!(BitAnd bitand Mask _mm256_and_ps, BitOr bitor Mask _mm256_or_ps);
-operators!(BitXor bitxor Mask _mm256_xor_ps);
-
-impl Neg for Avx {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(call!(_mm256_xor_ps(self.0, Self::splat(-0.0).0)))
-    }
-}
 
 impl Simd for Avx {
     const WIDTH: usize = LANES;
@@ -119,10 +110,6 @@ impl Simd for Avx {
         Mask(call!(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)))
     }
     #[inline(always)]
-    fn lt(self, other: Self) -> Mask {
-        Mask(call!(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)))
-    }
-    #[inline(always)]
     fn eq(self, other: Self) -> Mask {
         Mask(call!(_mm256_cmp_ps::<_CMP_EQ_OQ>(self.0, other.0)))
     }
@@ -131,15 +118,12 @@ impl Simd for Avx {
         Self(call!(_mm256_blendv_ps(no.0, yes.0, mask.0)))
     }
     #[inline(always)]
-    fn bits(mask: Mask) -> u32 {
-        call!(_mm256_movemask_ps(mask.0)).cast_unsigned()
-    }
-}
-
-impl Eight for Avx {
-    #[inline(always)]
     fn swap_halves(self) -> Self {
         const SWAPPED: i32 = 1;
         Self(call!(_mm256_permute2f128_ps::<SWAPPED>(self.0, self.0)))
+    }
+    #[inline(always)]
+    fn bits(mask: Mask) -> u32 {
+        call!(_mm256_movemask_ps(mask.0)).cast_unsigned()
     }
 }

@@ -1,13 +1,13 @@
 //! Eight points: all x, all y, all z.
 
-use super::{LANES, Simd};
+use super::lanes::{LANES, Simd};
 
 /// Eight points in memory.
 pub(crate) type Points = [[f32; LANES]; 3];
 
 /// The first lane of each vector of `S`.
 #[inline(always)]
-pub(crate) fn lanes<S: Simd>() -> impl Iterator<Item = usize> {
+pub(crate) fn chunk_starts<S: Simd>() -> impl Iterator<Item = usize> {
     (0..LANES / S::WIDTH).map(|i| i * S::WIDTH)
 }
 

@@ -8,9 +8,7 @@
 use super::coplanar::{extremes, flat};
 use super::{Accuracy, arrange, intersects, one_sided};
 use crate::Triangle;
-use crate::exact::{
-    self, Exact, Orientation, Point, Point2, difference, filter64, orient2d, orient3d,
-};
+use crate::exact::{self, Point, Point2, difference, filter64, orient2d, orient3d, sides};
 use glam::Vec3Swizzles;
 
 /// 2^30: a value that exceeds its error bound by this factor is known within a relative 2^-30.
@@ -55,8 +53,8 @@ pub struct Contact {
 /// ```
 #[must_use]
 pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
-    let Ok(a_sides) = Exact::orient3d(b.each_ref(), a.each_ref());
-    let Ok(b_sides) = Exact::orient3d(a.each_ref(), b.each_ref());
+    let a_sides = sides(b.each_ref(), a.each_ref());
+    let b_sides = sides(a.each_ref(), b.each_ref());
     if one_sided(&a_sides) || one_sided(&b_sides) {
         return None;
     }
@@ -81,7 +79,7 @@ fn unit_normal(t: &Triangle) -> [f32; 3] {
     if largest == 0.0 { [0.0; 3] } else { (normal / largest).normalize().as_vec3().to_array() }
 }
 
-/// The overlap of the two intervals that [`cross`](super::cross) compares.
+/// The overlap of the two intervals that [`intervals_overlap`](super::intervals_overlap) compares.
 fn crossing(
     a: &Triangle,
     a_sides: &[i32; 3],
@@ -149,8 +147,8 @@ fn flat_chord(a: &Triangle, b: &Triangle, are_coplanar: bool) -> Option<[Point; 
     } else {
         for (thin, t) in [(a, b), (b, a)] {
             let [p, q] = extremes(thin);
-            let Ok(sides) = Exact::orient3d(t.each_ref(), [&p, &q]);
-            if sides[0] * sides[1] < 0 && intersects(&[p, q, q], t, Accuracy::Exact) {
+            let [p_side, q_side] = sides(t.each_ref(), [&p, &q]);
+            if p_side * q_side < 0 && intersects(&[p, q, q], t, Accuracy::Exact) {
                 add(edge_point(&p, &q, t));
             }
         }

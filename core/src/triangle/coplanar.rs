@@ -9,29 +9,29 @@ use crate::exact::{Orientation, Point, Point2, difference};
 
 /// Whether two triangles intersect that are coplanar or of which at least one is degenerate.
 #[cold]
-pub(super) fn meet<K: Orientation>(a: &Triangle, b: &Triangle) -> Result<bool, K::Uncertain> {
+pub(super) fn coplanar_triangles_intersect<K: Orientation>(
+    a: &Triangle,
+    b: &Triangle,
+) -> Option<bool> {
     match (projection::<K>(a)?, projection::<K>(b)?) {
         (Some(p), Some(q)) => {
             let turn = if p.axis == q.axis { q.turn } else { turn::<K>(b, p.axis)? };
-            polygons_meet::<K>(&flat(a, p.axis), p.turn, &flat(b, p.axis), turn)
+            polygons_intersect::<K>(&flat(a, p.axis), p.turn, &flat(b, p.axis), turn)
         }
-        (_, None) => segment_meets::<K>(extremes(b), a),
-        (None, Some(_)) => segment_meets::<K>(extremes(a), b),
+        (_, None) => segment_intersects::<K>(extremes(b), a),
+        (None, Some(_)) => segment_intersects::<K>(extremes(a), b),
     }
 }
 
 /// Whether the closed segment `s` meets the closed triangle `t`; either may be degenerate.
-pub(super) fn segment_meets<K: Orientation>(
-    s: [Point; 2],
-    t: &Triangle,
-) -> Result<bool, K::Uncertain> {
+pub(super) fn segment_intersects<K: Orientation>(s: [Point; 2], t: &Triangle) -> Option<bool> {
     match K::orient3d(t.each_ref(), s.each_ref())? {
-        [x, y] if x * y > 0 => Ok(false),
+        [x, y] if x * y > 0 => Some(false),
         [0, 0] => match projection::<K>(t)? {
             Some(Projection { axis, turn }) => {
-                polygons_meet::<K>(&flat(&s, axis), 1, &flat(t, axis), turn)
+                polygons_intersect::<K>(&flat(&s, axis), 1, &flat(t, axis), turn)
             }
-            None => segments_meet::<K>(s, extremes(t)),
+            None => segments_intersect::<K>(s, extremes(t)),
         },
         _ => pierces::<K>(&s, t),
     }
@@ -46,21 +46,21 @@ pub(super) struct Projection {
 }
 
 /// `None` if the triangle is degenerate.
-pub(super) fn projection<K: Orientation>(t: &Triangle) -> Result<Option<Projection>, K::Uncertain> {
+pub(super) fn projection<K: Orientation>(t: &Triangle) -> Option<Option<Projection>> {
     let normal = difference(&t[1], &t[0]).cross(difference(&t[2], &t[0]));
     // The largest area first: it nearly always decides.
     let largest = normal.abs().max_position();
     for axis in [largest, (largest + 1) % 3, (largest + 2) % 3] {
         let turn = turn::<K>(t, axis)?;
         if turn != 0 {
-            return Ok(Some(Projection { axis, turn }));
+            return Some(Some(Projection { axis, turn }));
         }
     }
-    Ok(None)
+    Some(None)
 }
 
 /// The turn of the corners in the projection along an axis.
-pub(super) fn turn<K: Orientation>(t: &Triangle, axis: usize) -> Result<i32, K::Uncertain> {
+pub(super) fn turn<K: Orientation>(t: &Triangle, axis: usize) -> Option<i32> {
     let [p, q, r] = flat(t, axis);
     K::orient2d(&p, &q, &r)
 }
@@ -83,7 +83,7 @@ pub(super) fn extremes(t: &Triangle) -> [Point; 2] {
 
 /// Whether a segment that reaches the plane of `t` in one point does so within `t`: its line passes
 /// all three edges on the same side, or through one.
-fn pierces<K: Orientation>([p, q]: &[Point; 2], t: &Triangle) -> Result<bool, K::Uncertain> {
+fn pierces<K: Orientation>([p, q]: &[Point; 2], t: &Triangle) -> Option<bool> {
     let (mut left, mut right) = (false, false);
     let [a, b, c] = t;
     for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -91,39 +91,39 @@ fn pierces<K: Orientation>([p, q]: &[Point; 2], t: &Triangle) -> Result<bool, K:
         left |= side < 0;
         right |= side > 0;
         if left && right {
-            return Ok(false);
+            return Some(false);
         }
     }
-    Ok(true)
+    Some(true)
 }
 
-fn segments_meet<K: Orientation>(s: [Point; 2], r: [Point; 2]) -> Result<bool, K::Uncertain> {
+fn segments_intersect<K: Orientation>(s: [Point; 2], r: [Point; 2]) -> Option<bool> {
     // A common point is between the ends of both in lexicographic order.
     let [[p, q], [u, v]] = [s, r].map(|[p, q]| if p < q { [p, q] } else { [q, p] });
     if q < u || v < p || K::orient3d([&p, &q, &u], [&v])? != [0] {
-        return Ok(false);
+        return Some(false);
     }
     // Where all four project onto one line nothing separates them, elsewhere the answer is the true one.
     for axis in 0..3 {
-        if !polygons_meet::<K>(&flat(&s, axis), 1, &flat(&r, axis), 1)? {
-            return Ok(false);
+        if !polygons_intersect::<K>(&flat(&s, axis), 1, &flat(&r, axis), 1)? {
+            return Some(false);
         }
     }
-    Ok(true)
+    Some(true)
 }
 
 /// Whether two polygons in one plane intersect, by their corners and turns.
-fn polygons_meet<K: Orientation>(
+fn polygons_intersect<K: Orientation>(
     p: &[Point2],
     p_turn: i32,
     q: &[Point2],
     q_turn: i32,
-) -> Result<bool, K::Uncertain> {
-    Ok(!separates::<K>(p, p_turn, q)? && !separates::<K>(q, q_turn, p)?)
+) -> Option<bool> {
+    Some(!separates::<K>(p, p_turn, q)? && !separates::<K>(q, q_turn, p)?)
 }
 
 /// Whether the line of some edge of `p` has all of `q` strictly on its outer side.
-fn separates<K: Orientation>(p: &[Point2], turn: i32, q: &[Point2]) -> Result<bool, K::Uncertain> {
+fn separates<K: Orientation>(p: &[Point2], turn: i32, q: &[Point2]) -> Option<bool> {
     let ends = p.iter().skip(1).chain(p);
     for (from, to) in p.iter().zip(ends) {
         let mut outside = true;
@@ -134,8 +134,8 @@ fn separates<K: Orientation>(p: &[Point2], turn: i32, q: &[Point2]) -> Result<bo
             }
         }
         if outside {
-            return Ok(true);
+            return Some(true);
         }
     }
-    Ok(false)
+    Some(false)
 }

@@ -1,6 +1,6 @@
 //! Triangles of one mesh: a vertex or edge that they share by index is not a contact.
 //!
-//! The rule of `accuracy.md` (contract 4), made precise where triangles are degenerate:
+//! Two triangles of a mesh collide by the number of vertices they share, which holds for degenerate triangles too:
 //!
 //! - no shared vertex: the closed triangles intersect;
 //! - one shared vertex: the rest of one, the hull of its other vertices, meets the other triangle;
@@ -8,11 +8,11 @@
 //!   triangles with area means that they lie in one plane on the same side of it;
 //! - three shared vertices, or the same set of vertices: always a hit.
 //!
-//! Neighbours in a surface are far from intersecting, but a shared corner lies in both planes, so that no
-//! side certifies it. One plane through the shared vertex or edge that separates the rest does, in f64 with
-//! a bound of its own: see [`separated_at_vertex`] and [`separated_at_edge`].
+//! Neighbours in a surface are far from intersecting. But a shared corner lies in both planes, and no filter certifies a
+//! side that is zero. So a plane through the shared vertex or edge is tried first that separates all other corners, in f64
+//! with an error bound of its own: see [`separated_at_vertex`] and [`separated_at_edge`].
 
-use super::coplanar::{projection, segment_meets, turn};
+use super::coplanar::{projection, segment_intersects, turn};
 use super::{Accuracy, intersects};
 use crate::exact::{CertifiedF64, Exact, Fast, Orientation, Point, difference};
 use crate::index::at;
@@ -61,9 +61,9 @@ pub fn intersects_in_mesh(
     }
     let [a, b] = [Neighbour::new(mesh, a, shared), Neighbour::new(mesh, b, shared_with(a, b))];
     match accuracy {
-        Accuracy::Exact => meet::<Exact>(&a, &b) == Ok(true),
-        Accuracy::Conservative => meet::<CertifiedF64>(&a, &b).unwrap_or(true),
-        Accuracy::Fast => meet::<Fast>(&a, &b) == Ok(true),
+        Accuracy::Exact => neighbours_intersect::<Exact>(&a, &b) == Some(true),
+        Accuracy::Conservative => neighbours_intersect::<CertifiedF64>(&a, &b).unwrap_or(true),
+        Accuracy::Fast => neighbours_intersect::<Fast>(&a, &b) == Some(true),
     }
 }
 
@@ -128,55 +128,55 @@ fn repeated_shared_first(triangle: &[u32; 3], is_shared: [bool; 3]) -> ([u32; 3]
     (vertices, distinct.min(usize::from(shared) + usize::from(other_shared)), distinct)
 }
 
-fn meet<K: Orientation>(a: &Neighbour, b: &Neighbour) -> Result<bool, K::Uncertain> {
+fn neighbours_intersect<K: Orientation>(a: &Neighbour, b: &Neighbour) -> Option<bool> {
     match a.shared {
-        _ if [a.distinct, b.distinct] == [a.shared; 2] => Ok(true),
+        _ if [a.distinct, b.distinct] == [a.shared; 2] => Some(true),
         2 => edge_rule::<K>(&a.corners, &b.corners),
         _ => vertex_rule::<K>(a, b),
     }
 }
 
 /// The rule for one shared vertex, the first of both.
-fn vertex_rule<K: Orientation>(a: &Neighbour, b: &Neighbour) -> Result<bool, K::Uncertain> {
+fn vertex_rule<K: Orientation>(a: &Neighbour, b: &Neighbour) -> Option<bool> {
     if separated_at_vertex(&a.corners, &b.corners) {
-        return Ok(false);
+        return Some(false);
     }
     // With the rest of one strictly on one side of the other's plane, the planes cut each triangle in the
     // shared vertex alone: neighbours in a smooth surface end here.
     for (t, [_, p, q]) in [(b, &a.corners), (a, &b.corners)] {
-        if let Ok([p, q]) = K::orient3d(t.corners.each_ref(), [p, q])
+        if let Some([p, q]) = K::orient3d(t.corners.each_ref(), [p, q])
             && p * q > 0
         {
-            return Ok(false);
+            return Some(false);
         }
     }
     for (t, rest) in [(b, a.rest()), (a, b.rest())] {
         if let Some(rest) = rest
-            && segment_meets::<K>(rest, &t.corners)?
+            && segment_intersects::<K>(rest, &t.corners)?
         {
-            return Ok(true);
+            return Some(true);
         }
     }
-    Ok(false)
+    Some(false)
 }
 
 /// The rule for a shared edge, the first two corners of both.
-fn edge_rule<K: Orientation>(a: &Triangle, b: &Triangle) -> Result<bool, K::Uncertain> {
+fn edge_rule<K: Orientation>(a: &Triangle, b: &Triangle) -> Option<bool> {
     let ([e, f, c], d) = (*a, b[2]);
     if separated_at_edge(a, &d) || K::orient3d([&e, &f, &c], [&d])? != [0] {
-        return Ok(false);
+        return Some(false);
     }
     if let Some(p) = projection::<K>(&[e, f, c])? {
-        return Ok(turn::<K>(&[e, f, d], p.axis)? == p.turn);
+        return Some(turn::<K>(&[e, f, d], p.axis)? == p.turn);
     }
     // The first lies on the line of the edge. If the second does not, they meet in the edge alone, and so do
     // two segments in different directions from an edge without length.
     if projection::<K>(&[e, f, d])?.is_some() || projection::<K>(&[e, c, d])?.is_some() {
-        return Ok(false);
+        return Some(false);
     }
     // All on one line: only past the same end of the edge do they have more in common.
     let (low, high) = if e < f { (e, f) } else { (f, e) };
-    Ok(c < low && d < low || c > high && d > high)
+    Some(c < low && d < low || c > high && d > high)
 }
 
 /// Whether a plane through the shared vertex, the first corner, certainly has all other corners of one

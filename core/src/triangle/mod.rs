@@ -3,12 +3,12 @@
 //! # How a pair is decided
 //! Only signs of orientation determinants decide, so that exact signs make exact answers and touching needs
 //! no tolerance. Two triangles in general position take up to eight, those of Devillers and Guigue (*Faster
-//! Triangle-Triangle Intersection Tests*, INRIA RR-4488, 2002), in `meet`:
+//! Triangle-Triangle Intersection Tests*, INRIA RR-4488, 2002), in `triangles_intersect`:
 //!
 //! 1. the sides of the plane of b on which the corners of a lie. All strictly on one side: disjoint;
 //! 2. the same for the corners of b and the plane of a;
 //! 3. otherwise each triangle cuts the line common to both planes in an interval. The two intervals overlap
-//!    if the end of each is not before the start of the other, which is two more signs (`cross`).
+//!    if the end of each is not before the start of the other, which is two more signs (`intervals_overlap`).
 //!
 //! If all three signs of a step are zero, the planes coincide or a triangle is degenerate: see `coplanar`.
 //!
@@ -30,17 +30,20 @@ mod contact;
 mod coplanar;
 mod in_mesh;
 
+use coplanar::coplanar_triangles_intersect;
+
 pub use contact::{Contact, ContactKind, contact};
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
-use crate::exact::{CertifiedF32, CertifiedF64, Exact, Fast, Orientation, Point, Uncertain};
+use crate::exact::{CertifiedF32, CertifiedF64, Exact, Fast, Orientation, Point};
 use glam::Vec3A;
 
-/// The guarantee of an answer (`accuracy.md`, contract 5).
+/// The guarantee of an answer about triangles with f32 positions. Posed ones are taken as
+/// [`Pose::apply`](crate::Pose::apply) rounds them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accuracy {
-    /// The true answer for the f32 positions given.
+    /// The true answer.
     #[default]
     Exact,
     /// Never misses; a pair that the f64 filter leaves open counts as a hit.
@@ -68,59 +71,70 @@ pub enum Accuracy {
 #[inline]
 #[must_use]
 pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
-    match accuracy.inexact() {
+    intersects_by(accuracy.inexact_test(), a, b)
+}
+
+/// [`intersects`] at another accuracy than `Exact`. A query holds it by pointer, so that firmware which asks for none links
+/// none.
+pub(crate) type InexactTest = fn(&Triangle, &Triangle) -> bool;
+
+impl Accuracy {
+    /// `None` is the exact test.
+    pub(crate) fn inexact_test(self) -> Option<InexactTest> {
+        match self {
+            Self::Exact => None,
+            Self::Conservative => Some(|a, b| {
+                let certified = triangles_intersect::<CertifiedF32>(a, b);
+                certified.or_else(|| triangles_intersect::<CertifiedF64>(a, b)).unwrap_or(true)
+            }),
+            Self::Fast => Some(|a, b| triangles_intersect::<Fast>(a, b) == Some(true)),
+        }
+    }
+}
+
+/// [`intersects`] by another test than the exact one, if there is one.
+#[inline(always)]
+pub(crate) fn intersects_by(test: Option<InexactTest>, a: &Triangle, b: &Triangle) -> bool {
+    match test {
         None => intersects_exactly(a, b),
         Some(test) => test(a, b),
     }
 }
 
-/// [`intersects`] at another accuracy than `Exact`. Queries hold it by pointer, so that firmware which asks
-/// for none does not link them.
-pub(crate) type Inexact = fn(&Triangle, &Triangle) -> bool;
-
-impl Accuracy {
-    pub(crate) fn inexact(self) -> Option<Inexact> {
-        match self {
-            Self::Exact => None,
-            Self::Conservative => Some(|a, b| {
-                let certified = meet::<CertifiedF32>(a, b);
-                certified.or_else(|Uncertain| meet::<CertifiedF64>(a, b)).unwrap_or(true)
-            }),
-            Self::Fast => Some(|a, b| meet::<Fast>(a, b) == Ok(true)),
-        }
-    }
-}
-
 /// [`intersects`] at the accuracy `Exact`.
 #[inline]
-pub(crate) fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
-    meet::<CertifiedF32>(a, b).unwrap_or_else(|Uncertain| {
+fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
+    triangles_intersect::<CertifiedF32>(a, b).unwrap_or_else(|| {
         // Faces that lie flush often do so across an axis, which takes no sign to see.
         let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
         let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
-        let Ok(hit) = if flush.any() { coplanar::meet::<Exact>(a, b) } else { meet::<Exact>(a, b) };
-        hit
+        let hit = if flush.any() {
+            coplanar_triangles_intersect::<Exact>(a, b)
+        } else {
+            triangles_intersect::<Exact>(a, b)
+        };
+        hit == Some(true)
     })
 }
 
-/// [`intersects`], by any kind of signs.
+/// [`intersects`] by one kind of signs; `None` if a sign that decides is not known.
 #[inline]
-fn meet<K: Orientation>(a: &Triangle, b: &Triangle) -> Result<bool, K::Uncertain> {
+fn triangles_intersect<K: Orientation>(a: &Triangle, b: &Triangle) -> Option<bool> {
     // One plane with the other triangle on one side is enough, whatever is uncertain about the other plane.
     let a_sides = K::orient3d(b.each_ref(), a.each_ref());
-    if matches!(&a_sides, Ok(sides) if one_sided(sides)) {
-        return Ok(false);
+    if a_sides.as_ref().is_some_and(one_sided) {
+        return Some(false);
     }
     let b_sides = K::orient3d(a.each_ref(), b.each_ref());
-    if matches!(&b_sides, Ok(sides) if one_sided(sides)) {
-        return Ok(false);
+    if b_sides.as_ref().is_some_and(one_sided) {
+        return Some(false);
     }
     let (a_sides, b_sides) = (a_sides?, b_sides?);
     if a_sides == [0; 3] || b_sides == [0; 3] {
-        return coplanar::meet::<K>(a, b);
+        return coplanar_triangles_intersect::<K>(a, b);
     }
     let (a, b, side) = arrange(a, &a_sides, b, &b_sides);
-    cross::<K>(a, b, side)
+    intervals_overlap::<K>(a, b, side)
 }
 
 /// Whether all three corners are strictly on one side of a plane.
@@ -128,28 +142,27 @@ fn one_sided(sides: &[i32; 3]) -> bool {
     sides[0] != 0 && sides[0] == sides[1] && sides[0] == sides[2]
 }
 
-/// Whether two triangles intersect that have areas, lie in different planes and reach the plane of each other,
-/// as [`arrange`] has put them.
+/// Whether two triangles intersect that have areas, lie in different planes and reach the plane of each other;
+/// their corners and `side` are as [`arrange`] returns them.
 ///
-/// Let a0 be the apex of `a` with side δ, and b0, ε those of `b`. On the line common to both planes, `a` covers
-/// the interval between its edges a0a1 and a0a2, and `b` likewise. In coordinates along that line and within the
-/// two planes, det(a1 − a0, b0 − a0, b1 − a0) is the position on b0b1 minus the position on a0a1, times a
-/// factor with the sign of −ε. The two intervals run the same way if δε = −1 and opposite ways if δε = 1, so
-/// that two such signs compare the ends that matter. The factor is never zero since an apex is not on the
-/// side of the other two, which is why touching needs no case of its own.
+/// On the line common to both planes each triangle covers an interval: `a` from its edge a0a1 to its edge a0a2, `b` from
+/// b0b2 to b0b1. The intervals overlap unless one ends before the other begins. Each of these two comparisons is one
+/// determinant: det(a1 − a0, b0 − a0, b1 − a0) is the position at which b0b1 cuts the line minus that of a0a1, times a
+/// factor with the sign of −`side`; likewise for a0a2 and b0b2. The factor is never zero, since an apex is not on the
+/// side of the other two corners. So touching, where a determinant is zero, needs no case of its own.
 #[inline]
-fn cross<K: Orientation>(
+fn intervals_overlap<K: Orientation>(
     [a0, a1, a2]: [&Point; 3],
     [b0, b1, b2]: [&Point; 3],
     side: i32,
-) -> Result<bool, K::Uncertain> {
+) -> Option<bool> {
     // Both before either is looked at, so that a processor works on them side by side.
     let (first, second) = (K::orient3d([a0, a1, b0], [b1])?, K::orient3d([a0, a2, b0], [b2])?);
-    Ok((first != [side]) & (second != [-side]))
+    Some((first != [side]) & (second != [-side]))
 }
 
-/// The corners of both triangles from their apexes on, those of `b` in the order in which their intervals run
-/// the same way; and the side of the apex of `b`.
+/// The corners of both triangles from their apexes on, and the side of the apex of `b`. The other two corners of `b` are in
+/// the order in which the intervals of both triangles run the same way.
 #[inline]
 fn arrange<'t>(
     a: &'t Triangle,
@@ -163,8 +176,11 @@ fn arrange<'t>(
     (rotated(a, i), b, epsilon)
 }
 
-/// The corner that no other is with: neither on its side of the plane nor, if it lies in the plane, in it;
-/// and its side, which for a corner in the plane is the one on which the others are not.
+/// The apex of a triangle that reaches a plane: the corner that both edges which cut the plane have in common, and its
+/// side.
+///
+/// An apex off the plane has no other corner on its side. An apex in the plane has both others on one side, and counts as
+/// on the other.
 #[inline]
 fn apex(&[p, q, r]: &[i32; 3]) -> (usize, i32) {
     let is_apex = |own: i32, p: i32, q: i32| own != p && own != q && (own != 0 || p == q);

@@ -172,7 +172,7 @@ impl Ord for Costed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pfront::core::bvtt::{Bvtt, PairQuery, SelfQuery};
+    use pfront::core::bvtt::{PairQuery, Query, SelfQuery};
     use pfront::{Model, Pose, TrianglePair};
     use pfront_scenes::icosphere;
 

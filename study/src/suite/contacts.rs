@@ -4,7 +4,7 @@
 //! moved by up to a thousandth of its size: coordinates are other ones each time, and faces that lie
 //! flush along an axis often stay so, since a move may leave out axes.
 
-use pfront::core::bvtt::{self, Bvtt};
+use pfront::core::bvtt::{self, Query};
 use pfront::core::{Aabb, Bvh, Triangle};
 use pfront::{Model, Pose};
 use pfront_testkit::oracle::share_a_vertex;

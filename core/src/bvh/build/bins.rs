@@ -4,7 +4,7 @@ use super::divide::Split;
 use super::item::{LaneBox, SahItem, centre};
 use crate::Aabb;
 use crate::parallel::{GRAIN, Join, both};
-use crate::simd::{Eight, LANES, Task, widest};
+use crate::simd::{LANES, Simd, Task, widest};
 
 /// Bins per axis of a large run.
 const MAX_BINS: usize = 16;
@@ -46,7 +46,7 @@ impl Grid {
 
     /// The bin of a centre on each axis, plus [`Grid::TO_BITS`].
     #[inline(always)]
-    pub(super) fn bins<S: Eight>(&self, centre: S) -> S {
+    pub(super) fn bins<S: Simd>(&self, centre: S) -> S {
         let position = (centre - S::load(&self.origin, 0)) * S::load(&self.bins_per_unit, 0);
         (position - S::splat(0.5)).max(S::splat(0.0)) + S::splat(Self::TO_BITS)
     }
@@ -133,7 +133,7 @@ impl Task for Fill<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<S: Eight>(self) {
+    fn run<S: Simd>(self) {
         let Self { bins, items, grid } = self;
         let usable = [0, 1, 2].map(|axis| grid.is_usable(axis));
         for item in items {

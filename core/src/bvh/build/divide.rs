@@ -4,15 +4,15 @@ use super::bins::Grid;
 use super::item::{LaneBox, SahItem, centre};
 use crate::Aabb;
 use crate::parallel::{GRAIN, Join, both, halves};
-use crate::simd::{Eight, LANES, Task, widest};
+use crate::simd::{LANES, Simd, Task, widest};
 
 /// A plane between two bins.
 pub(super) struct Split {
     grid: Grid,
     /// Across the plane.
     axis: usize,
-    /// The first bin on the right, plus [`Grid::TO_BITS`].
-    bin: f32,
+    /// The last bin on the left, plus [`Grid::TO_BITS`].
+    last_left: f32,
 }
 
 /// How many items are on the left, and the boxes of the centres on both sides.
@@ -23,7 +23,7 @@ pub(super) struct Divided {
 
 impl Split {
     pub(super) fn new(axis: usize, grid: Grid, bin: usize) -> Self {
-        Self { grid, axis, bin: bin as f32 + Grid::TO_BITS }
+        Self { grid, axis, last_left: bin as f32 - 1.0 + Grid::TO_BITS }
     }
 
     /// Moves the items left of the plane to the front.
@@ -59,9 +59,9 @@ impl Task for Divide<'_> {
     /// Every step swaps and grows the centres of both sides, whichever side the item is on: which one
     /// is a coin toss to a branch predictor.
     #[inline(always)]
-    fn run<S: Eight>(self) -> Divided {
+    fn run<S: Simd>(self) -> Divided {
         let Self { split, items } = self;
-        let (bin, none) = (S::splat(split.bin), S::splat(f32::INFINITY));
+        let (last_left, none) = (S::splat(split.last_left), S::splat(f32::INFINITY));
         let (mut left, mut right) = (none, none);
         let mut middle = 0;
         for i in 0..items.len() {
@@ -69,7 +69,7 @@ impl Task for Divide<'_> {
             let centre = centre(item.load::<S>());
             let mut bins = [0.0; LANES];
             split.grid.bins(centre).store(&mut bins, 0);
-            let is_left = S::splat(bins[split.axis % LANES]).lt(bin);
+            let is_left = S::splat(bins[split.axis % LANES]).le(last_left);
             left = left.min(S::select(&is_left, centre, none));
             right = right.min(S::select(&is_left, none, centre));
             items[i] = items[middle];
@@ -104,7 +104,7 @@ impl Task for Centres<'_> {
     type Output = LaneBox;
 
     #[inline(always)]
-    fn run<S: Eight>(self) -> LaneBox {
+    fn run<S: Simd>(self) -> LaneBox {
         let all = self
             .items
             .iter()

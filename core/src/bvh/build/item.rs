@@ -1,7 +1,7 @@
 //! The scratch of the SAH build: triangles with their boxes, laid out for vector registers.
 
 use crate::Aabb;
-use crate::simd::{Eight, LANES};
+use crate::simd::{LANES, Simd};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3A, Vec4};
 
@@ -55,7 +55,7 @@ impl SahItem {
     }
 
     #[inline(always)]
-    pub(super) fn load<S: Eight>(&self) -> S {
+    pub(super) fn load<S: Simd>(&self) -> S {
         S::load(&self.0.0, 0)
     }
 
@@ -67,7 +67,7 @@ impl SahItem {
 
 /// [`SahItem::centre`] of an item in lanes, and its negation in the upper half: a [`LaneBox`].
 #[inline(always)]
-pub(super) fn centre<S: Eight>(item: S) -> S {
+pub(super) fn centre<S: Simd>(item: S) -> S {
     let quarter = item * S::splat(0.25);
     quarter - quarter.swap_halves()
 }

@@ -1,12 +1,12 @@
 //! Blocks against the same tests triangle by triangle, with eight lanes, in halves and with one lane.
 
-use super::block::{BlockCache, Leaf};
-use super::block_pairs::PairSets;
+use super::PosedBvh;
+use super::block::BlockCache;
+use super::cull::PairSets;
 use crate::one_ring::{CertifyOptions, OneRing, OneRings, history_bound, link_scratch_bound};
-use crate::simd::Halves;
-use crate::simd::{Eight, LANES, Simd, Task, widest};
+use crate::simd::{Halves, LANES, Simd, Task, widest};
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
-use crate::{Aabb, Mesh};
+use crate::{Aabb, Bvh, Mesh, Node};
 use pfront_testkit::rng::{RngExt, seeded};
 
 const VERTICES: usize = 9;
@@ -18,39 +18,37 @@ struct Two<'m> {
     rings: &'m [OneRing],
 }
 
-/// The pairs found, with the shared-index rule, without it, and by boxes alone.
+/// The pairs found: by boxes, with the shared-index rule and without it.
 #[derive(Debug, PartialEq)]
 struct Found {
+    boxes: u64,
     in_mesh: PairSets,
     apart: PairSets,
-    boxes: u64,
 }
 
 impl Task for Two<'_> {
     type Output = Found;
 
     #[inline(always)]
-    fn run<S: Eight>(self) -> Found {
-        self.find::<S>()
-    }
-}
-
-impl Two<'_> {
-    #[inline(always)]
-    fn find<S: Simd>(self) -> Found {
+    fn run<S: Simd>(self) -> Found {
         let Self { mesh, leaves, rings } = self;
-        let [first, second] = leaves.map(|triangles| {
+        let nodes = leaves.map(|triangles| {
             let boxes = triangles.iter().map(|t| Aabb::of(&mesh.triangle(*t)));
-            let bounds = boxes.fold(Aabb::EMPTY, |x, y| x.union(&y));
-            Leaf { mesh, triangles, pose: None, bounds, rings }
+            let Aabb { min, max } = boxes.fold(Aabb::EMPTY, |x, y| x.union(&y));
+            [Node { min, first: 0, max, count: triangles.len() as u32 }]
+        });
+        let [first, second] = [0, 1].map(|side: usize| PosedBvh {
+            bvh: Bvh::new_unchecked(mesh, &nodes[side], leaves[side]),
+            pose: None,
         });
         let mut caches = [BlockCache::new(), BlockCache::new()];
         let [a, b] = &mut caches;
-        let (a, b) = (a.get::<S>(1, || first), b.get::<S>(1, || second));
+        let a = a.get::<S, Node>(0, &first, rings);
+        let b = b.get::<S, Node>(0, &second, rings);
         Found {
-            in_mesh: a.pairs::<S, true>(b, u64::MAX),
-            apart: a.pairs::<S, false>(b, u64::MAX),
-            boxes: a.box_pairs::<S>(b, u64::MAX),
+            boxes: a.cull::<S, true>(b, u64::MAX, true).undecided,
+            in_mesh: a.cull::<S, true>(b, u64::MAX, false),
+            apart: a.cull::<S, false>(b, u64::MAX, false),
         }
     }
 }
@@ -97,29 +95,31 @@ fn side_by_side_as_one_by_one() {
         let two = || Two { mesh, leaves, rings };
         let found = widest(two());
         assert_eq!(found, two().run::<Halves>());
-        assert_eq!(found, two().find::<f32>());
+        assert_eq!(found, two().run::<f32>());
         for (j, &tb) in leaves[1].iter().enumerate() {
             for (i, &ta) in leaves[0].iter().enumerate() {
                 let is = |pairs: u64| pairs >> (LANES * j + i) & 1 != 0;
                 let [a, b] = [ta, tb].map(|t| mesh.triangle(t));
                 assert_eq!(is(found.boxes), Aabb::of(&a).overlaps(&Aabb::of(&b)));
-                assert_eq!([found.in_mesh.tested, found.apart.tested], [found.boxes; 2]);
+                assert_eq!([found.in_mesh.overlapping, found.apart.overlapping], [found.boxes; 2]);
                 if !is(found.boxes) {
                     continue;
                 }
                 let meet = intersects(&a, &b, Accuracy::Exact);
-                assert!(is(found.apart.left) || !meet);
+                assert!(is(found.apart.undecided) || !meet);
                 if ta == tb {
                     continue;
                 }
                 let (rule, exact) = (Adjacency::SharedIndexRule, Accuracy::Exact);
                 let collide = intersects_in_mesh(mesh, ta, tb, rule, exact);
-                assert!(is(found.in_mesh.left) || !collide, "{ta} and {tb} collide");
+                assert!(is(found.in_mesh.undecided) || !collide, "{ta} and {tb} collide");
                 let [t, u] = [ta, tb].map(|t| mesh.triangles()[t as usize]);
                 let shared = t.iter().any(|v| u.contains(v));
-                assert!(!is(found.in_mesh.left) || !shared || is(found.in_mesh.neighbours));
-                rejected += u32::from(!is(found.in_mesh.left) && shared);
-                kept += u32::from(is(found.in_mesh.left) && shared && !collide);
+                assert!(
+                    !is(found.in_mesh.undecided) || !shared || is(found.in_mesh.may_share_vertex)
+                );
+                rejected += u32::from(!is(found.in_mesh.undecided) && shared);
+                kept += u32::from(is(found.in_mesh.undecided) && shared && !collide);
             }
         }
     }

@@ -1,0 +1,234 @@
+//! Two meshes, one or both of them posed, or one mesh with itself.
+//!
+//! The self-collision of a mesh is a query about the mesh and itself in which each unordered pair of triangles counts
+//! once: the node pair (n, n) has the children (l, l), (l, r) and (r, r), and a pair of different nodes branches as that
+//! of two meshes does. Boxes of triangles that share a vertex overlap, so the traversal reaches all of these pairs; what
+//! they share by index is left to [`Adjacency`], in the leaves.
+
+use super::posed_bvh::posed;
+use super::traversal::traverse;
+use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
+use crate::aabb::Bounds;
+use crate::bvh::Layout;
+use crate::one_ring::{Certified, OneRing};
+use crate::pose::{Affine, PoseError};
+use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact};
+use crate::{Aabb, Bvh, Node, Pose};
+use core::ops::{ControlFlow, Range};
+
+/// Two meshes in one frame: that of the first ([`PairQuery::new`]), or a world in which both are posed
+/// ([`PairQuery::in_world`]). The choice changes how vertices are rounded, and so which pairs intersect.
+///
+/// # Examples
+/// ```
+/// use pfront_core::{bvh::{self, *}, bvtt::*, *};
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+/// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
+/// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+/// let mut scratch = [0; bvh::morton_scratch_bound(1)];
+/// let bvh = bvh::morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
+/// let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.5, 0.0, 0.0]))?;
+/// assert_eq!(query.any(), Some(TrianglePair { a: 0, b: 0 }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub type PairQuery<'a, A = Node, B = A> = MeshQuery<'a, A, B, false>;
+
+/// One mesh against itself, each unordered pair of triangles once.
+pub type SelfQuery<'a, L = Node> = MeshQuery<'a, L, L, true>;
+
+/// A [`PairQuery`], or with `SELF` a [`SelfQuery`].
+#[derive(Clone, Copy, Debug)]
+pub struct MeshQuery<'a, A: Layout, B: Layout, const SELF: bool> {
+    pub(super) a: PosedBvh<'a, A>,
+    pub(super) b: PosedBvh<'a, B>,
+    /// The poses in which the boxes of each side are compared. The box of a rotated box is larger, so the boxes of
+    /// the second of two posed meshes are taken to the frame of the first where possible. Hits depend on corners alone.
+    pub(super) box_poses: [Option<Affine>; 2],
+    pub(super) accuracy: Accuracy,
+    /// The test of triangles that share no vertex, unless it is the exact one.
+    pub(super) inexact_test: Option<InexactTest>,
+    pub(super) adjacency: Adjacency,
+    pub(super) rings: &'a [OneRing],
+    pub(super) boxes_only: bool,
+    /// Computed once, as fronts ask for it often, like `leaf_edge`.
+    root: Option<NodePair>,
+    leaf_edge: f32,
+}
+
+impl<'a, A: Layout, B: Layout> PairQuery<'a, A, B> {
+    /// Asks for `a` against `b` posed by `a_from_b`, exactly.
+    ///
+    /// # Errors
+    /// [`PoseError`] if the pose is not finite or takes `b` out of range.
+    pub fn new(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: Pose) -> Result<Self, PoseError> {
+        let a = PosedBvh { bvh: a, pose: None };
+        Ok(Self::in_world(a, PosedBvh::new(b, &a_from_b)?))
+    }
+
+    /// Asks for two meshes that are both posed into a third frame, exactly.
+    #[must_use]
+    pub fn in_world(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
+        let mut query = Self::of_sides(a, b);
+        let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
+        if let [Some(pose_a), Some(pose_b)] = &query.box_poses {
+            let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
+            if let Some(seen) = pose_b.seen_from(&of_b, pose_a, &of_a) {
+                query.box_poses = [None, Some(seen)];
+            }
+        }
+        let [own, other] = query.bounds(NodePair::ROOT);
+        query.root = own.overlaps(&other).then_some(NodePair::ROOT);
+        query
+    }
+}
+
+impl<'a, L: Layout> SelfQuery<'a, L> {
+    /// Asks for all pairs under the shared-index rule, exactly.
+    #[must_use]
+    pub fn new(bvh: Bvh<'a, L>) -> Self {
+        let side = PosedBvh { bvh, pose: None };
+        Self { root: bvh.root().map(|_| NodePair::ROOT), ..Self::of_sides(side, side) }
+    }
+
+    /// The same with another rule for neighbours.
+    #[must_use]
+    pub fn with_adjacency(self, adjacency: Adjacency) -> Self {
+        Self { adjacency, ..self }
+    }
+
+    /// The same pairs, found sooner where many vertices are certified: see [`one_ring`](crate::one_ring).
+    ///
+    /// Certificates of another mesh are not used: both must borrow the same positions and triangles.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvh::*, bvtt::*, one_ring::*, *};
+    /// let (points, triangles) = ([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]]);
+    /// let mesh = Mesh::new(&points, &triangles)?;
+    /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
+    /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    /// let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 2])?;
+    /// let (mut history, mut scratch) = ([0; history_bound(3, 1)], [0; link_scratch_bound(3, 1)]);
+    /// let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
+    /// let certified = rings.certify(mesh, &CertifyOptions::default());
+    /// assert_eq!(SelfQuery::new(bvh).with_certificates(certified).count(), 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_certificates(self, certified: Certified<'a>) -> Self {
+        Self { rings: certified.of_mesh(self.a.bvh.mesh()), ..self }
+    }
+
+    /// Asks for all pairs of triangles whose boxes overlap, neighbours included. With each box of a set given
+    /// as a triangle through two opposite corners, that is the broad phase of the set.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvh::*, bvtt::*, *};
+    /// let corners = [[0.0; 3], [2.0; 3], [1.0; 3], [3.0; 3], [2.5, 0.0, 0.0], [4.0, 0.9, 9.0]];
+    /// let boxes = Mesh::new(&corners, &[[0, 1, 1], [2, 3, 3], [4, 5, 5]])?;
+    /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(3)], [0; 3]);
+    /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    /// let bvh = morton(boxes, &BuildOptions::default(), storage, &mut [0; 6])?;
+    /// let query = SelfQuery::new(bvh).boxes_only();
+    /// assert_eq!((query.count(), query.any()), (1, Some(TrianglePair { a: 0, b: 1 })));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn boxes_only(self) -> Self {
+        Self { boxes_only: true, ..self }
+    }
+}
+
+impl<'a, A: Layout, B: Layout, const SELF: bool> MeshQuery<'a, A, B, SELF> {
+    /// A query without a root.
+    fn of_sides(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
+        Self {
+            a,
+            b,
+            box_poses: [a.pose, b.pose],
+            accuracy: Accuracy::Exact,
+            inexact_test: None,
+            adjacency: Adjacency::SharedIndexRule,
+            rings: &[],
+            boxes_only: false,
+            root: None,
+            leaf_edge: a.bvh.leaf_edge().max(b.bvh.leaf_edge()),
+        }
+    }
+
+    /// The same with another [`Accuracy`].
+    #[must_use]
+    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
+        Self { accuracy, inexact_test: accuracy.inexact_test(), ..self }
+    }
+
+    fn bounds(&self, n: NodePair) -> [Bounds; 2] {
+        let Self { a, b, box_poses: [pose_a, pose_b], .. } = self;
+        [
+            posed(pose_a.as_ref(), &a.bvh.bounds(a.bvh.node(n.a))),
+            posed(pose_b.as_ref(), &b.bvh.bounds(b.bvh.node(n.b))),
+        ]
+    }
+}
+
+impl<A: Layout, B: Layout, const SELF: bool> Query for MeshQuery<'_, A, B, SELF> {
+    fn root(&self) -> Option<NodePair> {
+        self.root
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        let (of_a, of_b) = (children(&self.a.bvh, n.a), children(&self.b.bvh, n.b));
+        if of_a.len() + of_b.len() == 2 {
+            return 0;
+        }
+        let mut tests = 0;
+        for a in of_a {
+            for b in of_b.clone() {
+                // (l, r) and (r, l) are the same pair.
+                if SELF && n.a == n.b && a > b {
+                    continue;
+                }
+                let child = NodePair { a, b };
+                tests += u32::from(!SELF || a != b);
+                let bounds = self.bounds(child);
+                if bounds[0].overlaps(&bounds[1]) {
+                    push(child, bounds.map(Aabb::from));
+                }
+            }
+        }
+        tests
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        self.bounds(n).map(Aabb::from)
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        [self.a.bvh.triangles_below(n.a), self.b.bvh.triangles_below(n.b)]
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        self.leaf_edge
+    }
+
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        traverse(self, cursor, budget, &mut visit)
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b))
+    }
+}
+
+/// The children of a node, or a leaf itself.
+fn children<L: Layout>(bvh: &Bvh<'_, L>, index: u32) -> Range<u32> {
+    let node = bvh.node(index);
+    if node.is_leaf() { index..index + 1 } else { node.left()..node.left() + 2 }
+}
