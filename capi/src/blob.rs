@@ -64,14 +64,14 @@ pub unsafe extern "C" fn pfront_blob_scratch_bytes(
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"scratch_bytes", scratch_bytes)?;
         let bytes = call.read(c"blob", blob.cast::<u8>(), blob_bytes)?;
-        out.set(pfront_adopt_scratch_bytes(Blob::new_unchecked(own(bytes))?.counts().triangles));
+        out.set(pfront_adopt_scratch_bytes(Blob::new(own(bytes))?.counts().triangles));
         Ok(())
     })
 }
 
 /// The blob that `bytes` begin with, as far as its header says, or all of them.
 fn own(bytes: &[u8]) -> &[u8] {
-    let Err(BlobError::Length { needed, .. }) = Blob::new_unchecked(bytes) else { return bytes };
+    let Err(BlobError::Length { needed, .. }) = Blob::new(bytes) else { return bytes };
     usize::try_from(needed).ok().and_then(|needed| bytes.get(..needed)).unwrap_or(bytes)
 }
 

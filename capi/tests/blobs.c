@@ -117,11 +117,11 @@ static void mistakes(void)
     EXPECT(PFRONT_BLOB_MAGIC, "blob", pfront_blob_scratch_bytes(bad, blob_bytes, &needed, &error));
     EXPECT(PFRONT_BLOB_VERSION, "blob", borrow(8, 2, 0));
     THAT(error.needed == 1 && error.given == 2);
-    EXPECT(PFRONT_BLOB_KIND, "positions", borrow(24, 0x70001, 0));
-    THAT(error.given == 7);
-    EXPECT(PFRONT_BLOB_COUNTS, "blob", borrow(32, 1, 1));
-    EXPECT(PFRONT_BLOB_COUNTS, "blob", borrow(36, UINT32_MAX, 1));
-    EXPECT(PFRONT_BLOB_NOT_ZERO, "blob", borrow(44, 1, 0));
+    EXPECT(PFRONT_BLOB_BYTE, "blob", borrow(24, 0x70001, 0));
+    THAT(error.index == 26);
+    EXPECT(PFRONT_BLOB_BYTE, "blob", borrow(32, 1, 1));
+    EXPECT(PFRONT_BLOB_BYTE, "blob", borrow(36, UINT32_MAX, 1));
+    EXPECT(PFRONT_BLOB_BYTE, "blob", borrow(44, 1, 0));
     THAT(error.index == 44);
     // One bit anywhere.
     for (size_t at = 64; at < blob_bytes; at += 13) {

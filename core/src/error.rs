@@ -1,9 +1,8 @@
 //! The error for buffers that are too small.
 
-use core::fmt;
-
 /// A buffer that the caller passed is too small. Nothing was written that later calls rely on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{buffer}` holds {capacity} elements, but {needed} are needed")]
 pub struct CapacityError {
     /// The name of the parameter.
     pub buffer: &'static str,
@@ -23,12 +22,3 @@ impl CapacityError {
         if capacity < needed { Err(Self { buffer, needed, capacity }) } else { Ok(()) }
     }
 }
-
-impl fmt::Display for CapacityError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { buffer, needed, capacity } = self;
-        write!(f, "`{buffer}` holds {capacity} elements, but {needed} are needed")
-    }
-}
-
-impl core::error::Error for CapacityError {}

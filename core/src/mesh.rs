@@ -5,7 +5,6 @@
 
 use crate::exact::environment;
 use crate::index::at;
-use core::fmt;
 use glam::Vec3A;
 
 /// Corner positions of one triangle, in the units of the mesh.
@@ -158,15 +157,17 @@ fn check_positions(positions: &[[f32; 3]]) -> Result<(), MeshError> {
 }
 
 /// Positions and indices that are not a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} has a NaN or infinite coordinate")]
     NonFinite {
         /// The vertex with that coordinate.
         vertex: usize,
     },
     /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} names vertex {index}, but there are {vertices} vertices")]
     IndexOutOfRange {
         /// The triangle at fault.
         triangle: usize,
@@ -176,11 +177,13 @@ pub enum MeshError {
         vertices: usize,
     },
     /// More triangles than [`MAX_TRIANGLES`].
+    #[error("{triangles} triangles are more than the {MAX_TRIANGLES} supported")]
     TooManyTriangles {
         /// The number of triangles.
         triangles: usize,
     },
     /// New positions for a deforming mesh differ in number.
+    #[error("{found} positions were given for a mesh of {expected} vertices")]
     VertexCount {
         /// The number of vertices of the mesh.
         expected: usize,
@@ -189,31 +192,9 @@ pub enum MeshError {
     },
     /// The calling thread flushes subnormal numbers or does not round to nearest, so that answers could
     /// be wrong. Restore the default environment before each call: MXCSR 0x1f80 on x86, FPCR 0 on Arm.
+    #[error(
+        "this thread flushes subnormal numbers or does not round to nearest: \
+         set MXCSR to 0x1f80 (x86) or FPCR to 0 (Arm) before calling"
+    )]
     FloatEnvironment,
 }
-
-impl fmt::Display for MeshError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::NonFinite { vertex } => {
-                write!(f, "vertex {vertex} has a NaN or infinite coordinate")
-            }
-            Self::IndexOutOfRange { triangle, index, vertices } => write!(
-                f,
-                "triangle {triangle} names vertex {index}, but there are {vertices} vertices"
-            ),
-            Self::TooManyTriangles { triangles } => {
-                write!(f, "{triangles} triangles are more than the {MAX_TRIANGLES} supported")
-            }
-            Self::VertexCount { expected, found } => {
-                write!(f, "{found} positions were given for a mesh of {expected} vertices")
-            }
-            Self::FloatEnvironment => f.write_str(
-                "this thread flushes subnormal numbers or does not round to nearest: \
-                 set MXCSR to 0x1f80 (x86) or FPCR to 0 (Arm) before calling",
-            ),
-        }
-    }
-}
-
-impl core::error::Error for MeshError {}

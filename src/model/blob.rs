@@ -61,7 +61,7 @@ impl Model {
     /// The mesh and its BVH as a blob, the same on every machine.
     ///
     /// # Errors
-    /// [`Error::Blob`] if there are 2³² vertices or more.
+    /// [`Error::Capacity`] if there are 2³² vertices or more.
     ///
     /// # Complexity
     /// O(bytes); they are [`Counts::bytes`].

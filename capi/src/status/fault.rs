@@ -4,7 +4,6 @@ use super::pfront_error_t;
 use super::pfront_status_t::{self, *};
 use core::ffi::CStr;
 use core::ptr::null;
-use pfront_core::blob::VERSION;
 use pfront_core::pose::PoseError;
 use pfront_core::{BlobError, BvhError, CapacityError, MeshError};
 
@@ -63,6 +62,7 @@ impl From<CapacityError> for Fault {
             "history" => c"history",
             "memory" => c"past",
             "out" => c"blob",
+            "vertices" => c"positions",
             _ => return Self::new(PFRONT_DAMAGED),
         };
         Self::of(PFRONT_TOO_SMALL, what).numbers(needed, capacity)
@@ -95,11 +95,12 @@ impl From<BvhError> for Fault {
         let (order, node) =
             (Self::of(PFRONT_BVH_ORDER, c"order"), Self::of(PFRONT_BVH_NODE, c"nodes"));
         match error {
-            BvhError::OrderLength { found, expected } => order.numbers(expected, found),
-            BvhError::Order { entry } | BvhError::Uncovered { entry } => order.at(entry),
+            BvhError::Length { array, expected, found } => {
+                let fault = if array == "order" { order } else { node };
+                fault.numbers(expected, found)
+            }
+            BvhError::Order { entry } => order.at(entry),
             BvhError::Child { node: at } | BvhError::Leaf { node: at } => node.at(at),
-            BvhError::Depth { node: at } => node.at(at),
-            BvhError::NodeCount { reached, found } => node.numbers(reached, found),
             BvhError::Box { node: at } => Self::of(PFRONT_BVH_BOX, c"nodes").at(at),
             _ => Self::new(PFRONT_DAMAGED),
         }
@@ -111,20 +112,14 @@ impl From<BlobError> for Fault {
         let of = |status| Self::of(status, c"blob");
         match error {
             BlobError::Magic => of(PFRONT_BLOB_MAGIC),
-            BlobError::Version { found } => {
-                of(PFRONT_BLOB_VERSION).numbers(VERSION as usize, found as usize)
-            }
-            BlobError::Kind { section, found } => {
-                Self::of(PFRONT_BLOB_KIND, counted(section)).numbers(0, found.into())
+            BlobError::Version { found, known } => {
+                of(PFRONT_BLOB_VERSION).numbers(known as usize, found as usize)
             }
             BlobError::Length { needed, found } => {
                 let needed = usize::try_from(needed).unwrap_or(usize::MAX);
                 of(PFRONT_BLOB_LENGTH).numbers(needed, found)
             }
-            BlobError::Counts { counts, found } => {
-                of(PFRONT_BLOB_COUNTS).numbers(counts.bytes(), found)
-            }
-            BlobError::NotZero { byte } => of(PFRONT_BLOB_NOT_ZERO).at(byte),
+            BlobError::Byte { byte } => of(PFRONT_BLOB_BYTE).at(byte),
             BlobError::Checksum { stored, computed } => {
                 of(PFRONT_BLOB_CHECKSUM).numbers(stored as usize, computed as usize)
             }
@@ -133,20 +128,7 @@ impl From<BlobError> for Fault {
             BlobError::Mesh(error) => error.into(),
             BlobError::Bvh(error) => error.into(),
             BlobError::Capacity(error) => error.into(),
-            BlobError::TooMany { what, count } => {
-                Self::of(PFRONT_BLOB_TOO_MANY, counted(what)).numbers(u32::MAX as usize, count)
-            }
             _ => Self::new(PFRONT_DAMAGED),
         }
-    }
-}
-
-/// What a blob has many of.
-fn counted(what: &str) -> &'static CStr {
-    match what {
-        "nodes" => c"nodes",
-        "positions" | "vertices" => c"positions",
-        "order" => c"order",
-        _ => c"triangles",
     }
 }

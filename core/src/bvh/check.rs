@@ -7,7 +7,6 @@
 use super::{Bvh, Layout, MAX_DEPTH, MAX_LEAF_SIZE, preorder};
 use crate::index::{at, range};
 use crate::{Aabb, CapacityError};
-use core::fmt;
 
 /// How many words of scratch [`Bvh::new`] needs to check `triangles` triangles in one pass.
 #[must_use]
@@ -19,7 +18,7 @@ impl<N: Layout> Bvh<'_, N> {
     pub(super) fn check(&self, scratch: &mut [u32]) -> Result<(), BvhError> {
         let (found, expected) = (self.order.len(), self.mesh.triangles().len());
         if found != expected {
-            return Err(BvhError::OrderLength { found, expected });
+            return Err(BvhError::Length { array: "order", expected, found });
         }
         check_permutation(self.order, scratch)?;
         let (mut reached, mut covered) = (0, 0);
@@ -37,11 +36,9 @@ impl<N: Layout> Bvh<'_, N> {
                 triangles.fold(Aabb::EMPTY, |a, &t| a.union(&Aabb::of(&self.mesh.triangle(t))))
             } else {
                 let left = node.left() as usize;
-                if left <= index || !left.is_multiple_of(2) || left + 1 >= self.nodes.len() {
+                let in_range = left > index && left + 1 < self.nodes.len();
+                if !in_range || !left.is_multiple_of(2) || depth == MAX_DEPTH {
                     return Err(BvhError::Child { node: index });
-                }
-                if depth == MAX_DEPTH {
-                    return Err(BvhError::Depth { node: index });
                 }
                 let [a, b] = [left, left + 1].map(|n| Aabb::from(self.bounds(at(self.nodes, n))));
                 a.union(&b)
@@ -52,16 +49,12 @@ impl<N: Layout> Bvh<'_, N> {
             if fits { Ok(()) } else { Err(BvhError::Box { node: index }) }
         })?;
         if covered != self.order.len() {
-            return Err(BvhError::Uncovered { entry: covered });
+            return Err(BvhError::Order { entry: covered });
         }
-        // The reached nodes are all different, and slot 1 is never among them.
-        let needed = match reached {
-            0 => 0,
-            1 => N::LONE,
-            _ => reached + 1,
-        };
-        if needed != self.nodes.len() {
-            return Err(BvhError::NodeCount { reached, found: self.nodes.len() });
+        // The reached nodes are all different, and slot 1 is never among them. A compact tree has it beside a lone root.
+        let (expected, found) = (reached + usize::from(reached > 1), self.nodes.len());
+        if found != expected && (reached, found) != (1, 2) {
+            return Err(BvhError::Length { array: "nodes", expected, found });
         }
         Ok(())
     }
@@ -71,7 +64,7 @@ impl<N: Layout> Bvh<'_, N> {
 fn check_permutation(order: &[u32], scratch: &mut [u32]) -> Result<(), BvhError> {
     if !order.is_empty() && scratch.is_empty() {
         let needed = check_scratch_bound(order.len());
-        return Err(BvhError::Capacity(CapacityError { buffer: "scratch", needed, capacity: 0 }));
+        return Err(CapacityError { buffer: "scratch", needed, capacity: 0 }.into());
     }
     if let Some(entry) = order.iter().position(|&t| t as usize >= order.len()) {
         return Err(BvhError::Order { entry });
@@ -95,103 +88,53 @@ fn check_permutation(order: &[u32], scratch: &mut [u32]) -> Result<(), BvhError>
 }
 
 /// The fault of arrays that are not a BVH of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BvhError {
-    /// The order does not have one entry per triangle.
-    OrderLength {
-        /// Entries given.
-        found: usize,
-        /// Triangles of the mesh.
+    /// An array has another length: `order` one entry per triangle, `nodes` those that the root leads to and the unused
+    /// slot 1, unless the root is alone.
+    #[error("`{array}` has {found} elements instead of {expected}")]
+    Length {
+        /// The array.
+        array: &'static str,
+        /// How many elements it should have.
         expected: usize,
+        /// How many it has.
+        found: usize,
     },
-    /// An entry of the order names no triangle, or one that an earlier entry names.
+    /// An entry of the order names no triangle, or one that an earlier entry names, or lies in no leaf.
+    #[error("order entry {entry} is out of range, names a triangle again, or is in no leaf")]
     Order {
-        /// The entry at fault.
+        /// The first entry at fault.
         entry: usize,
     },
-    /// A left child at an odd index, out of range or not after its parent.
+    /// A left child at an odd index, out of range, not after its parent, or deeper than [`MAX_DEPTH`].
+    #[error(
+        "the left child of node {node} must be even, in range, after its parent and at most \
+         {MAX_DEPTH} levels below the root"
+    )]
     Child {
         /// The parent.
         node: usize,
     },
     /// A leaf holds more than [`MAX_LEAF_SIZE`] triangles, or its range is out of bounds or does not
     /// begin where that of the leaf to its left ends: also when a node has two parents.
+    #[error(
+        "leaf {node} must hold at most {MAX_LEAF_SIZE} triangles and continue the order where the \
+         leaf to its left ends"
+    )]
     Leaf {
         /// The leaf at fault.
         node: usize,
     },
-    /// No leaf holds an entry of the order.
-    Uncovered {
-        /// The first such entry.
-        entry: usize,
-    },
-    /// Children deeper than [`MAX_DEPTH`].
-    Depth {
-        /// Their parent.
-        node: usize,
-    },
-    /// A box is not finite, or does not contain the boxes or triangles below it.
+    /// A box is not finite, or does not contain the boxes or triangles below it; or slot 1 of a compact BVH, to whose
+    /// grid all boxes refer, holds none.
+    #[error("the box of node {node} must be finite and contain the boxes below it: refit first")]
     Box {
         /// The node at fault.
         node: usize,
     },
-    /// Some nodes cannot be reached from the root, so a refit would trip over them.
-    NodeCount {
-        /// Nodes reached. Unless the root is alone, the array has the unused slot 1 besides.
-        reached: usize,
-        /// Length of the node array.
-        found: usize,
-    },
-    /// Slot 1 of a compact BVH does not hold a grid.
-    Grid,
-    /// More triangles than a compact BVH can hold.
-    TooManyTriangles {
-        /// How many there are.
-        triangles: usize,
-        /// How many there may be.
-        most: usize,
-    },
     /// A buffer is too small.
-    Capacity(CapacityError),
+    #[error(transparent)]
+    Capacity(#[from] CapacityError),
 }
-
-impl fmt::Display for BvhError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::OrderLength { found, expected } => {
-                write!(f, "the order has {found} entries for {expected} triangles")
-            }
-            Self::Order { entry } => {
-                write!(f, "order entry {entry} is out of range or names a triangle again")
-            }
-            Self::Child { node } => write!(
-                f,
-                "the left child of node {node} must be even, in range and after its parent"
-            ),
-            Self::Leaf { node } => write!(
-                f,
-                "leaf {node} must hold at most {MAX_LEAF_SIZE} triangles and continue the order \
-                 where the leaf to its left ends"
-            ),
-            Self::Uncovered { entry } => write!(f, "no leaf holds order entry {entry}"),
-            Self::Depth { node } => {
-                write!(f, "the children of node {node} are deeper than {MAX_DEPTH}")
-            }
-            Self::Box { node } => write!(
-                f,
-                "the box of node {node} must be finite and contain the boxes below it: refit first"
-            ),
-            Self::NodeCount { reached, found } => {
-                write!(f, "{reached} nodes can be reached, which does not fit an array of {found}")
-            }
-            Self::Grid => write!(f, "slot 1 of a compact BVH must hold its grid"),
-            Self::TooManyTriangles { triangles, most } => {
-                write!(f, "a compact BVH holds at most {most} triangles, not {triangles}")
-            }
-            Self::Capacity(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for BvhError {}

@@ -31,9 +31,9 @@
 #[cfg(test)]
 mod tests;
 
-use super::{Bvh, BvhError, Layout, Node, TreeNode};
+use super::{Bvh, Layout, Node, TreeNode};
 use crate::aabb::Bounds;
-use crate::index::at_mut;
+use crate::index::{at_mut, part_mut};
 use crate::simd::Box4;
 use crate::{Aabb, CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable};
@@ -48,7 +48,7 @@ const MAX_COMPACT_TRIANGLES: usize = 1 << 28;
 /// as many nodes, but at least 2: [`node_bound`](super::node_bound) is always enough.
 ///
 /// # Errors
-/// [`BvhError::Capacity`] if `storage` is too small; [`BvhError::TooManyTriangles`] for more than 2^28.
+/// [`CapacityError`] if `storage` is too small, or if `order` has more than 2^28 entries.
 ///
 /// # Complexity
 /// O(nodes).
@@ -71,16 +71,12 @@ pub fn compact<'a>(
     nodes: &[Node],
     order: &'a [u32],
     storage: &'a mut [CompactNode],
-) -> Result<Bvh<'a, CompactNode>, BvhError> {
-    let (triangles, most) = (order.len(), MAX_COMPACT_TRIANGLES);
-    if triangles > most {
-        return Err(BvhError::TooManyTriangles { triangles, most });
-    }
-    let needed = if nodes.len() == 1 { CompactNode::LONE } else { nodes.len() };
-    let capacity = storage.len();
-    let Some(storage) = storage.get_mut(..needed) else {
-        return Err(BvhError::Capacity(CapacityError { buffer: "storage", needed, capacity }));
-    };
+) -> Result<Bvh<'a, CompactNode>, CapacityError> {
+    CapacityError::check("order", order.len(), MAX_COMPACT_TRIANGLES)?;
+    // Slot 1 is the grid's, even beside a lone root.
+    let needed = if nodes.len() == 1 { 2 } else { nodes.len() };
+    CapacityError::check("storage", needed, storage.len())?;
+    let storage = part_mut(storage, ..needed);
     if let Some(root) = nodes.first() {
         let cells = Cells::new(&root.aabb());
         for (slot, node) in storage.iter_mut().zip(nodes) {
@@ -246,9 +242,6 @@ fn with_bits(q: u32) -> f32 {
 
 impl TreeNode for CompactNode {
     type Grid = Grid;
-
-    /// The root, and the grid.
-    const LONE: usize = 2;
 
     fn grid(nodes: &[Self]) -> Option<Grid> {
         if nodes.is_empty() {

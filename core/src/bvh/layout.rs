@@ -21,9 +21,6 @@ pub(crate) trait TreeNode: Copy + Debug + 'static {
     /// The data that all boxes of a tree share.
     type Grid: Copy + Debug;
 
-    /// Slots of a tree of one node.
-    const LONE: usize;
-
     /// The grid of a tree; `None` if `nodes` lacks it.
     fn grid(nodes: &[Self]) -> Option<Self::Grid>;
 
@@ -83,8 +80,6 @@ impl Node {
 
 impl TreeNode for Node {
     type Grid = ();
-
-    const LONE: usize = 1;
 
     fn grid(_: &[Self]) -> Option<()> {
         Some(())

@@ -103,7 +103,8 @@ impl<'a, N: Layout> Bvh<'a, N> {
         order: &'a [u32],
         scratch: &mut [u32],
     ) -> Result<Self, BvhError> {
-        let bvh = Self { mesh, nodes, order, grid: N::grid(nodes).ok_or(BvhError::Grid)? };
+        let bvh =
+            Self { mesh, nodes, order, grid: N::grid(nodes).ok_or(BvhError::Box { node: 1 })? };
         bvh.check(scratch)?;
         Ok(bvh)
     }

@@ -10,7 +10,6 @@ mod tests;
 pub(crate) use affine::Affine;
 
 use crate::Aabb;
-use core::fmt;
 
 /// A pose: `rows[i] = [r_i0, r_i1, r_i2, t_i]`, row-major 3×4. It is meant to be rigid, but any
 /// finite affine map works.
@@ -91,8 +90,8 @@ impl Pose {
     }
 }
 
-/// The largest coordinate that a pose may take a mesh to, 2^125: an eighth of the range of f32.
-pub const POSED_LIMIT: f32 = 4.253_529_6e37;
+/// The largest coordinate that a pose may take a mesh to: 2^125.
+const POSED_LIMIT: f32 = 4.253_529_6e37;
 
 impl From<glam::Affine3A> for Pose {
     fn from(m: glam::Affine3A) -> Self {
@@ -102,34 +101,21 @@ impl From<glam::Affine3A> for Pose {
 }
 
 /// A pose that a mesh cannot have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {
     /// An entry is NaN or infinite.
+    #[error("entry {column} of row {row} of the pose is NaN or infinite")]
     NonFinite {
         /// The row of the entry.
         row: usize,
         /// The column of the entry; 3 is the translation.
         column: usize,
     },
-    /// The pose may take the mesh beyond [`POSED_LIMIT`].
+    /// The pose may take the mesh beyond 2^125, an eighth of the range of f32.
+    #[error("row {row} of the pose takes the mesh beyond ±{POSED_LIMIT:e}")]
     Range {
         /// The row, and coordinate, at fault.
         row: usize,
     },
 }
-
-impl fmt::Display for PoseError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NonFinite { row, column } => {
-                write!(f, "entry {column} of row {row} of the pose is NaN or infinite")
-            }
-            Self::Range { row } => {
-                write!(f, "row {row} of the pose takes the mesh beyond ±{POSED_LIMIT:e}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for PoseError {}

@@ -10,13 +10,7 @@ use core::ops::Range;
 pub const MAGIC: [u8; 8] = *b"\x89PFB\r\n\x1a\n";
 
 /// The version that is written, and the only one that is read.
-pub const VERSION: u32 = 1;
-
-/// The sections by name.
-pub(super) const SECTIONS: [&str; 4] = ["nodes", "positions", "triangles", "order"];
-
-/// The kind of every section.
-const KIND: [u8; 2] = 1_u16.to_le_bytes();
+pub(super) const VERSION: u32 = 1;
 
 /// A section begins at a multiple of so many bytes.
 const SECTION_ALIGN: usize = 16;
@@ -37,25 +31,18 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// The header of a blob, with a checksum of 0.
-    pub(super) fn new(counts: Counts) -> Result<Self, BlobError> {
-        let word = |what, count: usize| match u32::try_from(count) {
-            Ok(word) => Ok(word.to_le_bytes()),
-            Err(_) => Err(BlobError::TooMany { what, count }),
-        };
-        Ok(Self {
+    /// The header of a blob, with a checksum of 0. A BVH has no more nodes and triangles than fit in 32 bits.
+    pub(super) fn new(counts: Counts) -> Self {
+        Self {
             magic: MAGIC,
             version: VERSION.to_le_bytes(),
             checksum: [0; 4],
             length: (counts.bytes() as u64).to_le_bytes(),
-            kinds: [KIND; 4],
-            counts: [
-                word("nodes", counts.nodes)?,
-                word("vertices", counts.vertices)?,
-                word("triangles", counts.triangles)?,
-            ],
+            kinds: [1_u16.to_le_bytes(); 4],
+            counts: [counts.nodes, counts.vertices, counts.triangles]
+                .map(|count| (count as u32).to_le_bytes()),
             zero: [0; 20],
-        })
+        }
     }
 
     /// Reads the header; checks all of it but the checksum, and the length of `bytes`.
@@ -68,26 +55,21 @@ impl Header {
             return Err(BlobError::Length { needed: size_of::<Self>() as u64, found });
         };
         let header: Self = bytemuck::must_cast(*header);
-        let version = u32::from_le_bytes(header.version);
+        let (version, needed) =
+            (u32::from_le_bytes(header.version), u64::from_le_bytes(header.length));
         if version != VERSION {
-            return Err(BlobError::Version { found: version });
+            return Err(BlobError::Version { found: version, known: VERSION });
         }
-        for (section, kind) in SECTIONS.into_iter().zip(header.kinds) {
-            if kind != KIND {
-                return Err(BlobError::Kind { section, found: u16::from_le_bytes(kind) });
-            }
-        }
-        if header.zero != [0; 20] {
-            return Err(BlobError::NotZero { byte: size_of::<Self>() - header.zero.len() });
-        }
-        let (needed, counts) = (u64::from_le_bytes(header.length), header.counts());
         if needed != found as u64 {
             return Err(BlobError::Length { needed, found });
         }
-        if counts.bytes() != found {
-            return Err(BlobError::Counts { counts, found });
+        // The counts determine all other bytes.
+        let expected = Self { checksum: header.checksum, ..Self::new(header.counts()) };
+        let mut bytes = bytemuck::bytes_of(&header).iter().zip(bytemuck::bytes_of(&expected));
+        match bytes.position(|(found, expected)| found != expected) {
+            Some(byte) => Err(BlobError::Byte { byte }),
+            None => Ok(header),
         }
-        Ok(header)
     }
 
     /// Writes the header before the sections of a blob, with the checksum of all.
@@ -144,7 +126,7 @@ impl Counts {
         order.end
     }
 
-    /// The bytes of each section, in the order of [`SECTIONS`].
+    /// The bytes of the nodes, the positions, the triangles and the order.
     pub(super) const fn sections(self) -> [Range<usize>; 4] {
         let nodes = section(size_of::<Header>(), self.nodes, size_of::<Node>());
         let positions = section(nodes.end, self.vertices, size_of::<[f32; 3]>());

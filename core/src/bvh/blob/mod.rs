@@ -6,10 +6,10 @@
 //! | offset | type | meaning |
 //! |---:|---|---|
 //! | 0 | `[u8; 8]` | [`MAGIC`] |
-//! | 8 | `u32` | [`VERSION`] |
+//! | 8 | `u32` | version, 1 |
 //! | 12 | `u32` | checksum of every byte but these four: CRC-32/ISO-HDLC, the one of zlib |
 //! | 16 | `u64` | bytes of the whole blob |
-//! | 24 | `[u16; 4]` | kinds of the four sections; so far each is 1 |
+//! | 24 | `[u16; 4]` | kinds of the four sections, each 1 |
 //! | 32 | `u32` | n, the number of nodes |
 //! | 36 | `u32` | v, the number of vertices |
 //! | 40 | `u32` | t, the number of triangles |
@@ -23,10 +23,10 @@
 //! reading it and writing it again gives the same bytes.
 //!
 //! # Checks
-//! [`Blob::new`] refuses blobs of other versions, of another length than their header says, and changed by accident:
-//! the checksum finds every change of one or two bits and of any 32 bits in a row, and misses one in 2³² of all others.
-//! It is not a signature, so [`Blob::bvh`] checks every coordinate, index, box and child, as [`Mesh::new`] and
-//! [`Bvh::new`] do.
+//! [`Blob::new`] refuses blobs of other versions and of another length than their header says, [`Blob::bvh`] and
+//! [`Blob::read_into`] those changed by accident: the checksum finds every change of one or two bits and of any 32 bits
+//! in a row, and misses one in 2³² of all others. It is not a signature, so they check every coordinate, index, box and
+//! child, as [`Mesh::new`] and [`Bvh::new`] do.
 //!
 //! # Alignment
 //! To be borrowed, the bytes must begin at a multiple of 4; at one of 64 siblings share a cache line.
@@ -37,8 +37,7 @@
 //! [`Blob::read_into`] copies.
 //!
 //! # Versions
-//! [`VERSION`] changes when old readers would misread a blob. Another layout of a section is another kind of it, which
-//! readers that do not know it refuse. The first 12 bytes stay as they are in every version.
+//! The version changes when old readers would misread a blob. The first 12 bytes stay as they are in every version.
 //!
 //! # Examples
 //! ```
@@ -67,13 +66,12 @@ mod header;
 mod tests;
 
 pub use error::BlobError;
-pub use header::{Counts, MAGIC, VERSION};
+pub use header::{Counts, MAGIC};
 
-use crate::bvh::BvhError;
 use crate::index::{part, part_mut};
 use crate::{Bvh, CapacityError, Mesh, Node};
 use bytes::{borrow, copy_from, copy_to};
-use header::{Header, SECTIONS, checksum};
+use header::{Header, checksum};
 
 /// A value that begins at a multiple of 64 bytes, for a [`Blob`] to be borrowed.
 ///
@@ -112,13 +110,13 @@ pub struct BlobStorage<'s> {
 }
 
 impl<'a> Blob<'a> {
-    /// Checks the header, the length and the checksum of `bytes`, a whole blob.
+    /// Checks the header and the length of `bytes`, a whole blob.
     ///
     /// # Errors
     /// [`BlobError`] says what is at fault.
     ///
     /// # Complexity
-    /// O(bytes).
+    /// O(1).
     ///
     /// # Examples
     /// ```
@@ -126,32 +124,6 @@ impl<'a> Blob<'a> {
     /// assert_eq!(Blob::new(b"solid teapot").err(), Some(BlobError::Magic));
     /// ```
     pub fn new(bytes: &'a [u8]) -> Result<Self, BlobError> {
-        let blob = Self::new_unchecked(bytes)?;
-        let (stored, computed) = (blob.header.checksum(), checksum(bytes));
-        if stored != computed {
-            return Err(BlobError::Checksum { stored, computed });
-        }
-        let mut end = size_of::<Header>();
-        for section in blob.counts().sections() {
-            if let Some(at) = part(bytes, end..section.start).iter().position(|&byte| byte != 0) {
-                return Err(BlobError::NotZero { byte: end + at });
-            }
-            end = section.end;
-        }
-        Ok(blob)
-    }
-
-    /// [`Blob::new`] without the checksum and the gaps between sections: only header and length are checked.
-    ///
-    /// # Wrong answers
-    /// Where bytes have changed since they were written, [`Blob::bvh`] may accept a mesh other than was written.
-    ///
-    /// # Errors
-    /// As [`Blob::new`], but for the checksum.
-    ///
-    /// # Complexity
-    /// O(1).
-    pub fn new_unchecked(bytes: &'a [u8]) -> Result<Self, BlobError> {
         Ok(Self { bytes, header: Header::parse(bytes)? })
     }
 
@@ -161,19 +133,19 @@ impl<'a> Blob<'a> {
         self.header.counts()
     }
 
-    /// Borrows the mesh and the BVH, after checking all that queries rely on.
+    /// Borrows the mesh and the BVH, after checking the checksum and all that queries rely on.
     ///
     /// `scratch` is as for [`Bvh::new`]: [`check_scratch_bound`](crate::bvh::check_scratch_bound) words of it,
     /// or fewer and more time.
     ///
     /// # Errors
-    /// [`BlobError::Mesh`] or [`BlobError::Bvh`] names what is at fault; [`BlobError::Misaligned`] and
-    /// [`BlobError::BigEndian`] are about where the bytes lie, not what they are.
+    /// [`BlobError`] says what is at fault; [`BlobError::Misaligned`] and [`BlobError::BigEndian`] are about where the
+    /// bytes lie, not what they are.
     ///
     /// # Complexity
-    /// As [`Bvh::new`] and [`Mesh::new`]: O(vertices + triangles).
+    /// O(bytes), beside what [`Bvh::new`] and [`Mesh::new`] take.
     pub fn bvh(&self, scratch: &mut [u32]) -> Result<Bvh<'a>, BlobError> {
-        let [nodes, positions, triangles, order] = self.sections();
+        let [nodes, positions, triangles, order] = self.sections()?;
         let mesh = Mesh::new(borrow(positions)?, borrow(triangles)?)?;
         Ok(Bvh::new(mesh, borrow(nodes)?, borrow(order)?, scratch)?)
     }
@@ -182,7 +154,7 @@ impl<'a> Blob<'a> {
     /// copy as [`Blob::bvh`] does.
     ///
     /// # Errors
-    /// [`BlobError::Capacity`] if `storage` is too small, [`BlobError::Mesh`] or [`BlobError::Bvh`].
+    /// [`BlobError::Capacity`] if `storage` is too small, or another [`BlobError`] that says what is at fault.
     ///
     /// # Complexity
     /// As [`Blob::bvh`].
@@ -191,34 +163,42 @@ impl<'a> Blob<'a> {
         storage: BlobStorage<'s>,
         scratch: &mut [u32],
     ) -> Result<Bvh<'s>, BlobError> {
-        let ([nodes, positions, triangles, order], [n, p, t, o]) = (self.sections(), SECTIONS);
-        let positions = copy_from(positions, p, storage.positions)?;
-        let triangles = copy_from(triangles, t, storage.triangles)?;
-        let nodes = copy_from(nodes, n, storage.nodes)?;
-        let order = copy_from(order, o, storage.order)?;
+        let [nodes, positions, triangles, order] = self.sections()?;
+        let positions = copy_from(positions, "positions", storage.positions)?;
+        let triangles = copy_from(triangles, "triangles", storage.triangles)?;
+        let nodes = copy_from(nodes, "nodes", storage.nodes)?;
+        let order = copy_from(order, "order", storage.order)?;
         Ok(Bvh::new(Mesh::new(positions, triangles)?, nodes, order, scratch)?)
     }
 
-    fn sections(&self) -> [&'a [u8]; 4] {
-        self.counts().sections().map(|section| part(self.bytes, section))
+    /// The bytes of each section, after checking the checksum and what lies between.
+    fn sections(&self) -> Result<[&'a [u8]; 4], BlobError> {
+        let (stored, computed) = (self.header.checksum(), checksum(self.bytes));
+        if stored != computed {
+            return Err(BlobError::Checksum { stored, computed });
+        }
+        let mut end = size_of::<Header>();
+        for section in self.counts().sections() {
+            let mut between = part(self.bytes, end..section.start).iter();
+            if let Some(index) = between.position(|&byte| byte != 0) {
+                return Err(BlobError::Byte { byte: end + index });
+            }
+            end = section.end;
+        }
+        Ok(self.counts().sections().map(|section| part(self.bytes, section)))
     }
 }
 
 /// Writes a mesh and its BVH as a blob of [`Counts::bytes`] at the beginning of `out`, and returns these bytes.
 ///
 /// # Errors
-/// [`BlobError::Capacity`] if `out` is too small; [`BlobError::TooMany`] if a count needs more than 32 bits;
-/// [`BlobError::Bvh`] if the order does not have one entry per triangle.
+/// [`CapacityError`] if `out` is too small, or if there are 2³² vertices or more.
 ///
 /// # Complexity
 /// O(bytes).
-pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BlobError> {
+pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], CapacityError> {
     let (mesh, counts) = (bvh.mesh(), Counts::of(bvh));
-    let (found, expected) = (bvh.order().len(), counts.triangles);
-    if found != expected {
-        return Err(BvhError::OrderLength { found, expected }.into());
-    }
-    let header = Header::new(counts)?;
+    CapacityError::check("vertices", counts.vertices, u32::MAX as usize)?;
     CapacityError::check("out", counts.bytes(), out.len())?;
     let out = part_mut(out, ..counts.bytes());
     out.fill(0);
@@ -227,6 +207,6 @@ pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BlobError
     copy_to(mesh.positions(), part_mut(out, positions));
     copy_to(mesh.triangles(), part_mut(out, triangles));
     copy_to(bvh.order(), part_mut(out, order));
-    header.write(out);
+    Header::new(counts).write(out);
     Ok(out)
 }

@@ -3,6 +3,7 @@
 extern crate std;
 
 use super::*;
+use crate::bvh::BvhError;
 use pfront_testkit::rng::{Rng, RngExt, finite, seeded};
 use std::vec;
 use std::vec::Vec;
@@ -150,7 +151,7 @@ fn storage_that_is_too_small_is_refused() {
         let mut storage = vec![CompactNode::ZERO; needed - 1];
         let refused = compact(mesh, &nodes[..count], &[0, 1, 2], &mut storage).err();
         let error = CapacityError { buffer: "storage", needed, capacity: needed - 1 };
-        assert_eq!(refused, Some(BvhError::Capacity(error)));
+        assert_eq!(refused, Some(error));
     }
 }
 
@@ -181,10 +182,10 @@ fn wrong_arrays_are_refused() {
         }
     }
     // The grid: too far, too wide, bits that mean nothing, none at all; another one.
-    assert_eq!(after(&|nodes, _| nodes[1].min[1] = 0x7fff), Err(BvhError::Grid));
-    assert_eq!(after(&|nodes, _| nodes[1].link |= 0x3ff), Err(BvhError::Grid));
-    assert_eq!(after(&|nodes, _| nodes[1].link |= 1 << 31), Err(BvhError::Grid));
-    assert_eq!(after(&|nodes, _| nodes.truncate(1)), Err(BvhError::Grid));
+    assert_eq!(after(&|nodes, _| nodes[1].min[1] = 0x7fff), Err(BvhError::Box { node: 1 }));
+    assert_eq!(after(&|nodes, _| nodes[1].link |= 0x3ff), Err(BvhError::Box { node: 1 }));
+    assert_eq!(after(&|nodes, _| nodes[1].link |= 1 << 31), Err(BvhError::Box { node: 1 }));
+    assert_eq!(after(&|nodes, _| nodes.truncate(1)), Err(BvhError::Box { node: 1 }));
     let moved = after(&|nodes, _| nodes[1].min[0] += 9);
     assert!(matches!(moved, Err(BvhError::Box { .. })), "{moved:?}");
     // Children before their parent, odd or out of range; a leaf too many; a run that does not go on.
@@ -193,7 +194,7 @@ fn wrong_arrays_are_refused() {
     assert_eq!(after(&|nodes, _| nodes[4].link += 16), Err(BvhError::Leaf { node: 4 }));
     assert_eq!(after(&|nodes, _| nodes[5].link += 2), Err(BvhError::Leaf { node: 5 }));
     let more = after(&|nodes, _| nodes.push(CompactNode::ZERO));
-    assert_eq!(more, Err(BvhError::NodeCount { reached: 5, found: 7 }));
+    assert_eq!(more, Err(BvhError::Length { array: "nodes", expected: 6, found: 7 }));
     assert_eq!(after(&|_, order| order[2] = 1), Err(BvhError::Order { entry: 2 }));
     assert!(matches!(after(&|_, order| order.swap(0, 2)), Err(BvhError::Box { .. })));
 }
