@@ -91,14 +91,14 @@ impl<'m> Tree<'m> {
         let options = BuildOptions { leaf_size, ..BuildOptions::default() };
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let bvh = if matches!(build, Build::Morton) {
-            bvh::morton(mesh, &options, storage, &mut vec![0; bvh::morton_scratch_bound(n)])
+            bvh::morton(mesh, &options, storage, &mut vec![0; 2 * n])
         } else {
             let mut scratch = vec![bvh::SahItem::default(); n];
             bvh::sah(mesh, &options, storage, &mut scratch)
         };
         let used = bvh.unwrap().nodes().len();
         nodes.truncate(used);
-        let mut small = vec![CompactNode::ZERO; used];
+        let mut small = vec![CompactNode::default(); used];
         compact(mesh, &nodes, &order, &mut small).unwrap();
         Self { mesh, nodes, order, compact: small }
     }

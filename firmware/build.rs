@@ -1,7 +1,7 @@
 //! Bakes a mesh for the firmware, and lays out what is built for the device.
 
 use pfront_core::bvh::node_bound;
-use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
+use pfront_core::bvh::{BuildOptions, BvhStorage, morton};
 use pfront_core::{Mesh, Node, blob};
 use std::error::Error;
 use std::path::Path;
@@ -29,7 +29,7 @@ fn bake(path: &Path) -> Result<(), Box<dyn Error>> {
     let mesh = Mesh::new(&positions, &triangles)?;
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(N)], vec![0; N]);
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let mut scratch = vec![0; morton_scratch_bound(N)];
+    let mut scratch = vec![0; 2 * N];
     let bvh = morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
     let mut bytes = vec![0; blob::Counts::of(&bvh).bytes()];
     Ok(std::fs::write(path, blob::write(&bvh, &mut bytes)?)?)

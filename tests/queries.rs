@@ -293,7 +293,7 @@ fn morton(soup: &Soup, ask: impl FnOnce(pfront::Bvh<'_>)) {
     let n = soup.triangles.len();
     let mesh = pfront::Mesh::new(&soup.positions, &soup.triangles).unwrap();
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-    let mut scratch = vec![0; bvh::morton_scratch_bound(n)];
+    let mut scratch = vec![0; 2 * n];
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
     let bvh = bvh::morton(mesh, &BuildOptions::default(), storage, &mut scratch).unwrap();
     bvh.assert_well_formed();

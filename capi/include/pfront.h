@@ -76,8 +76,8 @@ enum pfront_status_t
   // Entry `index` of an order names no triangle, one that was named before, or is in no leaf; or there are `given`
   // entries for `needed` triangles.
   PFRONT_BVH_ORDER = 14,
-  // Node `index` names children or triangles that it cannot have, or lies too deep; or there are `given` nodes of
-  // which `needed` can be reached.
+  // Node `index` names children or triangles that it cannot have, or lies too deep; or there are `given` nodes
+  // instead of `needed`.
   PFRONT_BVH_NODE = 15,
   // The box of node `index` is not finite or does not contain what lies below.
   PFRONT_BVH_BOX = 16,
@@ -91,23 +91,17 @@ enum pfront_status_t
   PFRONT_BLOB_MAGIC = 20,
   // Version `given` has written the blob; only `needed` is known.
   PFRONT_BLOB_VERSION = 21,
-  // The section `what` of the blob is laid out in the way `given`, which is not known.
-  PFRONT_BLOB_KIND = 22,
   // The blob has `needed` bytes; there are `given`.
-  PFRONT_BLOB_LENGTH = 23,
-  // So many nodes, vertices and triangles as the blob has take `needed` bytes and not the `given` that it has.
-  PFRONT_BLOB_COUNTS = 24,
-  // Byte `index` of the blob must be 0.
-  PFRONT_BLOB_NOT_ZERO = 25,
+  PFRONT_BLOB_LENGTH = 22,
+  // Byte `index` of the blob is not what its counts and its version determine.
+  PFRONT_BLOB_BYTE = 23,
   // The checksum of the blob is `given` and must be `needed`: some byte has changed.
-  PFRONT_BLOB_CHECKSUM = 26,
-  // `given` elements of `what` are more than a blob can have, `needed`.
-  PFRONT_BLOB_TOO_MANY = 27,
+  PFRONT_BLOB_CHECKSUM = 24,
   // Blobs are little-endian, and this machine is not: it can write them, but not borrow.
-  PFRONT_BIG_ENDIAN = 28,
+  PFRONT_BIG_ENDIAN = 25,
   // The calling thread flushes subnormal numbers or does not round to nearest. On x86-64 and AArch64 each function
   // sets what it needs and restores it on return, so this is for other processors only.
-  PFRONT_FLOAT_ENVIRONMENT = 29,
+  PFRONT_FLOAT_ENVIRONMENT = 26,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -14,8 +14,8 @@ use crate::memory::{Call, Caller};
 use crate::mesh::pfront_mesh_t;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
 use core::ffi::c_void;
-use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
-use pfront_core::bvh::{check_scratch_bound, node_bound};
+use pfront_core::bvh::node_bound;
+use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, morton, sah};
 use pfront_core::mesh::MAX_TRIANGLES;
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
@@ -60,7 +60,7 @@ pub extern "C" fn pfront_node_bound(triangle_count: usize) -> usize {
 /// How much scratch `pfront_bvh_build_morton` needs for so many triangles; SIZE_MAX if that cannot be.
 #[unsafe(no_mangle)]
 pub extern "C" fn pfront_morton_scratch_bytes(triangle_count: usize) -> usize {
-    bounded(triangle_count, |count| bytes::<u64>(morton_scratch_bound(count)))
+    bounded(triangle_count, |count| bytes::<u64>(2 * count))
 }
 
 /// How much scratch `pfront_bvh_build_sah` needs for so many triangles; SIZE_MAX if that cannot be.
@@ -73,7 +73,7 @@ pub extern "C" fn pfront_sah_scratch_bytes(triangle_count: usize) -> usize {
 /// order, and 7 bytes at least; SIZE_MAX if that cannot be.
 #[unsafe(no_mangle)]
 pub extern "C" fn pfront_adopt_scratch_bytes(triangle_count: usize) -> usize {
-    bounded(triangle_count, |count| bytes::<u32>(check_scratch_bound(count).max(1)))
+    bounded(triangle_count, |count| bytes::<u32>(count.div_ceil(32).max(1)))
 }
 
 /// What is to be built.

@@ -52,30 +52,6 @@ impl Aabb {
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
-
-    /// Whether `other` lies within this box.
-    #[inline]
-    #[must_use]
-    pub fn contains(&self, other: &Self) -> bool {
-        (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
-    }
-
-    /// Returns half the surface area, by which the surface area heuristic weighs a box; 0 for the empty box.
-    ///
-    /// The range of f64 holds that of every finite box, but an edge longer than [`f32::MAX`] counts as that long.
-    #[inline]
-    #[must_use]
-    pub fn half_area(&self) -> f64 {
-        half_area(Vec3A::from_array(self.max) - Vec3A::from_array(self.min))
-    }
-}
-
-/// Half the surface area of a box with these edges.
-#[inline(always)]
-pub(crate) fn half_area(edges: Vec3A) -> f64 {
-    let [x, y, z] = edges.max(Vec3A::ZERO).min(Vec3A::splat(f32::MAX)).to_array();
-    let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
-    x * (y + z) + y * z
 }
 
 /// An [`Aabb`] in vector registers, for the inner loops.
@@ -99,8 +75,22 @@ impl Bounds {
         Self { min: Vec3A::from_array(aabb.min), max: Vec3A::from_array(aabb.max) }
     }
 
+    #[inline(always)]
+    pub(crate) fn union(&self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
     #[inline]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
+    }
+
+    /// Half the surface area, by which the surface area heuristic weighs a box; 0 for the empty box. The range of f64
+    /// holds that of every finite box, but an edge longer than [`f32::MAX`] counts as that long.
+    #[inline(always)]
+    pub(crate) fn half_area(&self) -> f64 {
+        let edges = (self.max - self.min).max(Vec3A::ZERO).min(Vec3A::splat(f32::MAX));
+        let [x, y, z] = edges.to_array().map(f64::from);
+        x * (y + z) + y * z
     }
 }

@@ -40,7 +40,7 @@
 //! ## A pair query
 //! Two meshes, the second in a pose relative to the first:
 //! ```
-//! use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
+//! use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
 //! use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
 //! use pfront_core::{Mesh, Node, Pose};
 //!
@@ -48,7 +48,7 @@
 //! let square = Mesh::new(&positions, &[[0, 1, 2], [1, 3, 2]])?;
 //! let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
 //! let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-//! let mut scratch = [0; morton_scratch_bound(2)];
+//! let mut scratch = [0; 4];
 //! let bvh = morton(square, &BuildOptions::default(), storage, &mut scratch)?;
 //!
 //! // The square stands upright on the corner at (1, 1).
@@ -62,7 +62,7 @@
 //! ## A self query
 //! One mesh with itself. What neighbours share by index is no hit:
 //! ```
-//! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
+//! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
 //! use pfront_core::bvtt::{Query, SelfQuery, TrianglePair};
 //! # use pfront_core::{Mesh, Node};
 //! // Triangles 0 and 1 share an edge; triangle 2 pierces triangle 0.
@@ -73,7 +73,7 @@
 //! let mesh = Mesh::new(&positions, &[[0, 1, 2], [1, 3, 2], [4, 5, 6]])?;
 //! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(3)], [0; 3]);
 //! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-//! let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; morton_scratch_bound(3)])?;
+//! let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 6])?;
 //! let query = SelfQuery::new(bvh);
 //! assert_eq!(query.count(), 1);
 //! let pair = TrianglePair { a: 0, b: 2 };
@@ -85,14 +85,14 @@
 //! ## Page by page
 //! [`Query::page`](bvtt::Query::page) fills a slice of any length and goes on from there with the next call:
 //! ```
-//! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
+//! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
 //! use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
 //! # use pfront_core::{Mesh, Node, Pose};
 //! # let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 //! # let square = Mesh::new(&positions, &[[0, 1, 2], [1, 3, 2]])?;
 //! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
 //! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-//! # let mut scratch = [0; morton_scratch_bound(2)];
+//! # let mut scratch = [0; 4];
 //! # let bvh = morton(square, &BuildOptions::default(), storage, &mut scratch)?;
 //! let query = PairQuery::new(bvh, bvh, Pose::IDENTITY)?;
 //! let (mut cursor, mut page) = (query.start(), [TrianglePair::default(); 3]);
@@ -109,7 +109,7 @@
 //! Each frame refines a front, partitions it over two workers, and traverses from its nodes. With their measured costs
 //! these are the cost history of the next frame. Here the workers run one after the other; `pfront-cpu` runs them on threads:
 //! ```
-//! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound, node_bound};
+//! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
 //! use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query};
 //! use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 //! # use pfront_core::{Mesh, Node, Pose};
@@ -118,7 +118,7 @@
 //! # let square = Mesh::new(&positions, &[[0, 1, 2], [1, 3, 2]])?;
 //! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(2)], [0; 2]);
 //! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-//! # let mut scratch = [0; morton_scratch_bound(2)];
+//! # let mut scratch = [0; 4];
 //! # let options = BuildOptions { leaf_size: 1, ..BuildOptions::default() };
 //! # let bvh = morton(square, &options, storage, &mut scratch)?;
 //! const WORKERS: usize = 2;

@@ -3,6 +3,7 @@
 //! All other modules rely on a [`Mesh`]: indices are in range and coordinates finite, so no traversal checks either
 //! again.
 
+use crate::aabb::Bounds;
 use crate::exact::environment;
 use crate::index::at;
 use glam::Vec3A;
@@ -131,12 +132,11 @@ impl<'a> Mesh<'a> {
         [*at(self.positions, a), *at(self.positions, b), *at(self.positions, c)]
     }
 
-    /// The smallest and the largest corner of the box of triangle `index`.
+    /// The box of triangle `index`.
     #[inline(always)]
-    pub(crate) fn extent(self, index: u32) -> [Vec3A; 2] {
-        let [a, b, c] = self.triangle(index);
-        let (a, b, c) = (Vec3A::from_array(a), Vec3A::from_array(b), Vec3A::from_array(c));
-        [a.min(b).min(c), a.max(b).max(c)]
+    pub(crate) fn bounds(self, index: u32) -> Bounds {
+        let [a, b, c] = self.triangle(index).map(Vec3A::from_array);
+        Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
     }
 }
 

@@ -20,26 +20,25 @@ pub struct Moved {
 }
 
 /// Returns the number of words in a set of so many vertices.
-#[must_use]
-pub const fn moved_bound(vertices: usize) -> usize {
+pub(crate) const fn moved_bound(vertices: usize) -> usize {
     vertices.div_ceil(SHARE)
 }
 
 /// Adds to a set the vertices whose positions differ in any bit; returns how many of its words are not
 /// empty then.
 ///
-/// Default words make an empty set. `before` and `after` hold as many positions.
+/// Default words make an empty set; a word is for 32 vertices. `before` and `after` hold as many positions.
 ///
 /// # Errors
-/// [`CapacityError`] if `moved` has fewer words than [`moved_bound`].
+/// [`CapacityError`] if `moved` is too short.
 ///
 /// # Complexity
 /// O(vertices).
 ///
 /// # Examples
 /// ```
-/// use pfront_core::bvh::{Moved, mark_moved, moved_bound};
-/// let mut moved = [Moved::default(); moved_bound(40)];
+/// use pfront_core::bvh::{Moved, mark_moved};
+/// let mut moved = [Moved::default(); 2];
 /// assert_eq!(mark_moved(&[[0.0; 3]; 40], &[[0.0; 3]; 40], &mut moved)?, 0);
 /// assert_eq!(mark_moved(&[[0.0; 3]; 40], &[[-0.0; 3]; 40], &mut moved)?, 2);
 /// # Ok::<(), pfront_core::CapacityError>(())

@@ -15,7 +15,7 @@
 //! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
 //! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
 //! # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
-//! # let mut scratch = [0; morton_scratch_bound(1)];
+//! # let mut scratch = [0; 2];
 //! # let bvh = morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
 //! let mut traversal = Traversal::new(8);
 //! let mut pairs = Vec::new();

@@ -3,7 +3,6 @@
 
 use crate::shape::{TRIANGLES, VERTICES, grid, ring};
 use pfront_core::blob::Aligned;
-use pfront_core::bvh::check_scratch_bound;
 use pfront_core::{Blob, BlobError, Bvh, Mesh, MeshError};
 
 static POSITIONS: [[f32; 3]; VERTICES] = ring(0.0);
@@ -20,5 +19,5 @@ pub fn torus() -> Result<Mesh<'static>, MeshError> {
 
 /// The one with a bulging tube.
 pub fn beads() -> Result<Bvh<'static>, BlobError> {
-    Blob::new(&BAKED.0)?.bvh(&mut [0; check_scratch_bound(TRIANGLES)])
+    Blob::new(&BAKED.0)?.bvh(&mut [0; TRIANGLES.div_ceil(32)])
 }

@@ -13,7 +13,7 @@ pub use line::Line;
 pub use mesh::{beads, torus};
 
 use core::ops::ControlFlow::Continue;
-use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
+use pfront_core::bvh::{BuildOptions, BvhStorage, morton};
 use pfront_core::bvtt::{Cursor, PairQuery, Query, TrianglePair};
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::{Bvh, Mesh, Node, Pose};
@@ -38,7 +38,7 @@ const PAGE: usize = 64;
 const BUDGET: u64 = 100;
 
 /// Words of scratch for a build, in whose place the front and the cost history have room.
-const SCRATCH: usize = morton_scratch_bound(TRIANGLES);
+const SCRATCH: usize = 2 * TRIANGLES;
 /// Words of the front, and as many of its cost history.
 const FRONT_WORDS: usize = FRONT * size_of::<FrontNode>() / 8;
 const _: () = assert!(2 * FRONT_WORDS <= SCRATCH, "too little scratch");

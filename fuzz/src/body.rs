@@ -42,7 +42,7 @@ impl Tree {
         let join: Option<&Join<'_>> = if side_by_side { Some(&threads::join) } else { None };
         let options = BuildOptions { leaf_size, join };
         let mut items = vec![SahItem::default(); n];
-        let mut keys = vec![0; bvh::morton_scratch_bound(n)];
+        let mut keys = vec![0; 2 * n];
         let built = match builder {
             Builder::Sah | Builder::SahThreads => bvh::sah(mesh, &options, storage, &mut items),
             Builder::Morton | Builder::MortonThreads => {

@@ -6,7 +6,6 @@ use super::tree::Tree;
 use crate::Error;
 use pfront_core::blob::{Blob, BlobStorage, Counts, write};
 use pfront_core::bvh::BuildOptions;
-use pfront_core::bvh::check_scratch_bound;
 use pfront_core::{Mesh, Node};
 
 impl Model {
@@ -46,7 +45,7 @@ impl Model {
             triangles: &mut triangles,
             order: &mut order,
         };
-        let mut scratch = vec![0; check_scratch_bound(counts.triangles)];
+        let mut scratch = vec![0; counts.triangles.div_ceil(32)];
         let as_built = blob.read_into(storage, &mut scratch)?.is_depth_first();
         let (mesh, options) =
             (Mesh::new_unchecked(&positions, &triangles), BuildOptions::default());

@@ -1,6 +1,6 @@
 //! Which vertices have moved, as long as these are few.
 
-use pfront_core::bvh::{Moved, mark_moved, moved_bound};
+use pfront_core::bvh::{Moved, mark_moved};
 
 /// What has moved since the tree fitted. More than has is never wrong, only slower.
 #[derive(Clone, Debug, Default)]
@@ -25,7 +25,7 @@ impl Moves {
     pub(super) fn add(&mut self, before: &[[f32; 3]], after: &[[f32; 3]]) {
         self.many = self.many || many_differ(before, after);
         if !self.many {
-            self.marks.resize(moved_bound(after.len()), Moved::default());
+            self.marks.resize(after.len().div_ceil(32), Moved::default());
             let words = mark_moved(before, after, &mut self.marks);
             self.many = words.is_ok_and(|words| words > self.marks.len() / MANY);
         }
@@ -33,7 +33,7 @@ impl Moves {
 
     /// Makes room to mark so many vertices.
     pub(super) fn reserve(&mut self, vertices: usize) {
-        self.marks.reserve(moved_bound(vertices) - self.marks.len());
+        self.marks.reserve(vertices.div_ceil(32) - self.marks.len());
     }
 
     pub(super) fn clear(&mut self) {

@@ -4,7 +4,6 @@ use super::moves::Moves;
 use super::passes::Parallel;
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, SahItem, node_bound,
-    refit_table_bound,
 };
 use pfront_core::{Bvh, Mesh, Node};
 use std::mem::take;
@@ -83,7 +82,7 @@ impl Tree {
         // The first refit of few vertices fills the table.
         let moved = if self.table.is_empty() { None } else { Some(moved) };
         let mut table = take(&mut self.table);
-        table.resize(refit_table_bound(self.nodes.len()), RefitRow::default());
+        table.resize(self.nodes.len() / 2, RefitRow::default());
         self.refit(mesh, Refit { join: parallel, table: &mut table, moved });
         self.table = table;
     }
@@ -107,7 +106,7 @@ impl Tree {
 
     /// Makes room for what a partial refit goes by, whatever tree a rebuild will make.
     pub(super) fn reserve(&mut self) {
-        let rows = refit_table_bound(node_bound(self.order.len()));
+        let rows = node_bound(self.order.len()) / 2;
         self.table.reserve(rows - self.table.len());
     }
 

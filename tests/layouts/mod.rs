@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::bvh::{CompactNode, check_scratch_bound, compact, node_bound};
+use pfront::core::bvh::{CompactNode, compact, node_bound};
 use pfront::{Bvh, Mesh};
 
 /// The arrays of a compact BVH.
@@ -13,7 +13,7 @@ pub(crate) struct Compact {
 
 impl Compact {
     pub(crate) fn of(bvh: Bvh<'_>) -> Self {
-        let mut nodes = vec![CompactNode::ZERO; node_bound(bvh.order().len())];
+        let mut nodes = vec![CompactNode::default(); node_bound(bvh.order().len())];
         let used = compact(bvh.mesh(), bvh.nodes(), bvh.order(), &mut nodes).unwrap().nodes().len();
         nodes.truncate(used);
         Self { nodes, order: bvh.order().to_vec() }
@@ -21,7 +21,7 @@ impl Compact {
 
     /// The BVH, checked as one from elsewhere: its boxes contain all that is below them.
     pub(crate) fn bvh<'a>(&'a self, mesh: Mesh<'a>) -> Bvh<'a, CompactNode> {
-        let mut scratch = vec![0; check_scratch_bound(self.order.len()).max(1)];
+        let mut scratch = vec![0; self.order.len().div_ceil(32).max(1)];
         Bvh::new(mesh, &self.nodes, &self.order, &mut scratch).unwrap()
     }
 }

@@ -55,7 +55,7 @@ fn baked(mesh: &MeshData, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
             bvh::sah(mesh, &options, storage, &mut scratch)
         }
         Build::Morton => {
-            let mut scratch = vec![0; bvh::morton_scratch_bound(n)];
+            let mut scratch = vec![0; 2 * n];
             bvh::morton(mesh, &options, storage, &mut scratch)
         }
     }?;

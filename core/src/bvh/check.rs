@@ -5,14 +5,9 @@
 //! reached twice is caught at its first leaf, and a tangled graph cannot take longer than a tree.
 
 use super::{Bvh, Layout, MAX_DEPTH, MAX_LEAF_SIZE, preorder};
+use crate::CapacityError;
+use crate::aabb::Bounds;
 use crate::index::{at, range};
-use crate::{Aabb, CapacityError};
-
-/// How many words of scratch [`Bvh::new`] needs to check `triangles` triangles in one pass.
-#[must_use]
-pub const fn check_scratch_bound(triangles: usize) -> usize {
-    triangles.div_ceil(u32::BITS as usize)
-}
 
 impl<N: Layout> Bvh<'_, N> {
     pub(super) fn check(&self, scratch: &mut [u32]) -> Result<(), BvhError> {
@@ -33,19 +28,19 @@ impl<N: Layout> Bvh<'_, N> {
                 }
                 covered += count as usize;
                 let triangles = range(self.order, first, count).iter();
-                triangles.fold(Aabb::EMPTY, |a, &t| a.union(&Aabb::of(&self.mesh.triangle(t))))
+                triangles.fold(Bounds::EMPTY, |all, &t| all.union(&self.mesh.bounds(t)))
             } else {
                 let left = node.left() as usize;
                 let in_range = left > index && left + 1 < self.nodes.len();
                 if !in_range || !left.is_multiple_of(2) || depth == MAX_DEPTH {
                     return Err(BvhError::Child { node: index });
                 }
-                let [a, b] = [left, left + 1].map(|n| Aabb::from(self.bounds(at(self.nodes, n))));
+                let [a, b] = [left, left + 1].map(|n| self.bounds(at(self.nodes, n)));
                 a.union(&b)
             };
-            let aabb = Aabb::from(self.bounds(node));
-            let is_finite = aabb.min.iter().chain(&aabb.max).all(|x| x.is_finite());
-            let fits = is_finite && aabb.contains(&content);
+            let Bounds { min, max } = self.bounds(node);
+            let contains = (min.cmple(content.min) & content.max.cmple(max)).all();
+            let fits = min.is_finite() && max.is_finite() && contains;
             if fits { Ok(()) } else { Err(BvhError::Box { node: index }) }
         })?;
         if covered != self.order.len() {
@@ -63,7 +58,7 @@ impl<N: Layout> Bvh<'_, N> {
 /// Whether `order` holds each of 0 … its length − 1 once; a pass marks as many as `scratch` can.
 fn check_permutation(order: &[u32], scratch: &mut [u32]) -> Result<(), BvhError> {
     if !order.is_empty() && scratch.is_empty() {
-        let needed = check_scratch_bound(order.len());
+        let needed = order.len().div_ceil(u32::BITS as usize);
         return Err(CapacityError { buffer: "scratch", needed, capacity: 0 }.into());
     }
     if let Some(entry) = order.iter().position(|&t| t as usize >= order.len()) {

@@ -61,7 +61,7 @@ const MAX_COMPACT_TRIANGLES: usize = 1 << 28;
 /// let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
 /// let standard = Bvh::new(mesh, &root, &[0], &mut [0])?;
 ///
-/// let mut storage = [CompactNode::ZERO; node_bound(1)];
+/// let mut storage = [CompactNode::default(); node_bound(1)];
 /// let compact = compact(mesh, &root, standard.order(), &mut storage)?;
 /// assert_eq!(PairQuery::new(compact, standard, Pose::IDENTITY)?.count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -78,18 +78,18 @@ pub fn compact<'a>(
     CapacityError::check("storage", needed, storage.len())?;
     let storage = part_mut(storage, ..needed);
     if let Some(root) = nodes.first() {
-        let cells = Cells::new(&root.aabb());
+        let grid = Grid::new(&root.aabb());
         for (slot, node) in storage.iter_mut().zip(nodes) {
-            *slot = CompactNode::new(node, &cells);
+            *slot = CompactNode::new(node, &grid);
         }
-        *at_mut(storage, 1) = cells.header();
+        *at_mut(storage, 1) = grid.header();
     }
     Ok(Bvh::new_unchecked(mesh, storage, order))
 }
 
 /// A BVH node of the compact layout: 16 bytes.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct CompactNode {
     /// Smallest corner of the box, in cells of the grid.
     pub min: [u16; 3],
@@ -102,136 +102,98 @@ pub struct CompactNode {
 
 impl Layout for CompactNode {}
 
-/// The grid of an axis begins within so many cells of 0.
+/// The grid of an axis begins and ends within so many cells of 0.
 const FARTHEST: i32 = 1 << 23;
 /// The number of the last corner.
 const LAST: i32 = u16::MAX as i32;
-/// The exponent of the smallest subnormal number.
-const LEAST_EXPONENT: i32 = -149;
-/// Cells that would be wider are never asked for.
-const MOST_EXPONENT: i32 = 127;
-/// Bits of an exponent in the header.
-const EXPONENT_BITS: i32 = 10;
+/// The lowest bits of a float this large are an integer: 2^23.
+const TO_BITS: f32 = 8_388_608.0;
+/// Bits of the logarithm of a width in the header.
+const WIDTH_BITS: u32 = 10;
+/// What the exponent of an f64 exceeds that logarithm by: 0 stands for the smallest subnormal f32.
+const WIDTH_BIAS: u32 = 1023 - 149;
+/// Cells that would be wider are never asked for: 2^127.
+const WIDEST: f32 = f32::from_bits(0x7f00_0000);
 
 impl CompactNode {
-    /// All zero, to initialise buffers.
-    pub const ZERO: Self = Self { min: [0; 3], max: [0; 3], link: 0 };
-
-    /// A standard node on a grid that contains it.
-    pub(super) fn new(node: &Node, grid: &Cells) -> Self {
+    /// A standard node on a grid that contains it. Slot 1 of a standard tree has infinite coordinates.
+    fn new(node: &Node, grid: &Grid) -> Self {
         let leaf = node.first << 4 | node.count.wrapping_sub(1) << 1 | 1;
-        let (Cells([x, y, z]), [a, b, c], [d, e, f]) = (grid, node.min, node.max);
+        let first = grid.offset.map(|offset| (offset + TO_BITS) as i32);
+        let number = |k: usize, corner: i32| corner.saturating_sub(first[k]).clamp(0, LAST) as u16;
         Self {
-            min: [x.number(x.below(a)), y.number(y.below(b)), z.number(z.below(c))],
-            max: [x.number(x.above(d)), y.number(y.above(e)), z.number(z.above(f))],
+            min: [0, 1, 2].map(|k| number(k, below(node.min[k], grid.width[k]))),
+            max: [0, 1, 2].map(|k| number(k, above(node.max[k], grid.width[k]))),
             link: if node.is_leaf() { leaf } else { node.first },
         }
     }
 }
 
-/// The cells along one axis: 2^`exponent` wide, from `first` times that on.
-#[derive(Clone, Copy, Debug)]
-struct Axis {
-    first: i32,
-    exponent: i32,
+/// The last corner at or below a coordinate, counted from 0.
+#[inline]
+fn below(x: f32, width: f32) -> i32 {
+    // Exact: a product with a power of two within the range of f64.
+    let x = f64::from(x) * (1.0 / f64::from(width));
+    let whole = x as i32;
+    whole.saturating_sub(i32::from(f64::from(whole) > x))
 }
 
-impl Axis {
-    /// The finest cells for coordinates from `min` to `max`.
-    fn new(min: f32, max: f32) -> Self {
-        // In narrower cells than these the extent is 2^16 of them, or the farthest 2^24.
-        let exponent = |x: f64| (x.to_bits() >> 52) as i32 - 1023;
-        let extent = f64::from(max) - f64::from(min);
-        let farthest = f64::from(min).abs().max(f64::from(max).abs());
-        let least = (exponent(extent) - 15).max(exponent(farthest) - 23).max(LEAST_EXPONENT);
-        let mut axis = Self { first: 0, exponent: least };
-        loop {
-            axis.first = axis.below(min);
-            let last = axis.above(max);
-            let near = axis.first >= -FARTHEST && last <= FARTHEST;
-            if near && last - axis.first <= LAST || axis.exponent >= MOST_EXPONENT {
-                return axis;
-            }
-            axis.exponent += 1;
-        }
-    }
-
-    /// The corner at or below a coordinate, counted from 0. Slot 1 of a standard tree has coordinates that are
-    /// infinite.
-    fn below(self, x: f32) -> i32 {
-        // Exact: a product with a power of two within the range of f64.
-        let x = f64::from(x) * power_of_two(-self.exponent);
-        let whole = x as i32;
-        whole.saturating_sub(i32::from(f64::from(whole) > x))
-    }
-
-    fn above(self, x: f32) -> i32 {
-        self.below(-x).saturating_neg()
-    }
-
-    /// The number of a corner on the grid.
-    fn number(self, corner: i32) -> u16 {
-        corner.saturating_sub(self.first).clamp(0, LAST) as u16
-    }
+/// The first corner at or above a coordinate.
+#[inline]
+fn above(x: f32, width: f32) -> i32 {
+    below(-x, width).saturating_neg()
 }
 
-/// 2^`exponent`.
-fn power_of_two(exponent: i32) -> f64 {
-    f64::from_bits(((1023 + exponent) as u64) << 52)
-}
-
-/// The grid of a tree, in integers.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cells([Axis; 3]);
-
-impl Cells {
-    /// The finest grid that contains a box.
-    pub(super) fn new(root: &Aabb) -> Self {
-        let ([a, b, c], [d, e, f]) = (root.min, root.max);
-        Self([Axis::new(a, d), Axis::new(b, e), Axis::new(c, f)])
-    }
-
-    /// The grid as slot 1 of a tree.
-    pub(super) fn header(&self) -> CompactNode {
-        let [x, y, z] = self.0;
-        let exponents = [x, y, z]
-            .iter()
-            .rev()
-            .fold(0, |bits, axis| bits << EXPONENT_BITS | (axis.exponent - LEAST_EXPONENT) as u32);
-        let first = |axis: Axis| axis.first.cast_unsigned();
-        bytemuck::must_cast([first(x), first(y), first(z), exponents])
-    }
-
-    /// Reads slot 1 of a tree; `None` if that holds no grid.
-    pub(super) fn read(header: &CompactNode) -> Option<Self> {
-        let [x, y, z, exponents]: [u32; 4] = bytemuck::must_cast(*header);
-        let axis = |first: u32, k: i32| {
-            let bits = exponents >> (EXPONENT_BITS * k) & ((1 << EXPONENT_BITS) - 1);
-            let axis = Axis { first: first.cast_signed(), exponent: bits as i32 + LEAST_EXPONENT };
-            let near = (-FARTHEST..=FARTHEST).contains(&axis.first);
-            (near && axis.exponent <= MOST_EXPONENT).then_some(axis)
-        };
-        let axes = [axis(x, 0)?, axis(y, 1)?, axis(z, 2)?];
-        (exponents >> (3 * EXPONENT_BITS) == 0).then_some(Self(axes))
-    }
-
-    /// The grid as decoding needs it.
-    pub(super) fn grid(self) -> Grid {
-        Grid {
-            offset: self.0.map(|axis| axis.first as f32 - TO_BITS),
-            width: self.0.map(|axis| power_of_two(axis.exponent) as f32),
-        }
-    }
-}
-
-/// The lowest bits of a float this large are an integer: 2^23.
-const TO_BITS: f32 = 8_388_608.0;
-
-/// The grid of a tree as decoding needs it: corner q is (2^23 + q + `offset`)·`width`.
+/// The grid of a tree: corner q of an axis is (2^23 + q + `offset`)·`width`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
     offset: [f32; 3],
     width: [f32; 3],
+}
+
+impl Grid {
+    /// The finest grid that contains a box.
+    fn new(root: &Aabb) -> Self {
+        let axis = |k: usize| {
+            let mut width = f32::from_bits(1);
+            loop {
+                let (first, last) = (below(root.min[k], width), above(root.max[k], width));
+                let fits = first >= -FARTHEST && last <= FARTHEST && last - first <= LAST;
+                if fits || width >= WIDEST {
+                    return (first as f32 - TO_BITS, width);
+                }
+                width *= 2.0;
+            }
+        };
+        let axes = [axis(0), axis(1), axis(2)];
+        Self { offset: axes.map(|(offset, _)| offset), width: axes.map(|(_, width)| width) }
+    }
+
+    /// The grid as slot 1 of a tree.
+    fn header(&self) -> CompactNode {
+        let [x, y, z] = self.offset.map(|offset| ((offset + TO_BITS) as i32).cast_unsigned());
+        let widths = self.width.iter().rev().fold(0, |bits, &width| {
+            let exponent = (f64::from(width).to_bits() >> 52) as u32;
+            bits << WIDTH_BITS | (exponent - WIDTH_BIAS)
+        });
+        bytemuck::must_cast([x, y, z, widths])
+    }
+
+    /// Reads slot 1 of a tree; `None` if that holds no grid.
+    fn read(header: &CompactNode) -> Option<Self> {
+        let [x, y, z, mut widths]: [u32; 4] = bytemuck::must_cast(*header);
+        let mut grid = Self { offset: [0.0; 3], width: [0.0; 3] };
+        for (k, first) in [x, y, z].map(u32::cast_signed).into_iter().enumerate() {
+            let exponent = (widths & ((1 << WIDTH_BITS) - 1)) + WIDTH_BIAS;
+            widths >>= WIDTH_BITS;
+            grid.offset[k] = first as f32 - TO_BITS;
+            grid.width[k] = f64::from_bits(u64::from(exponent) << 52) as f32;
+            if !(-FARTHEST..=FARTHEST).contains(&first) || grid.width[k] > WIDEST {
+                return None;
+            }
+        }
+        (widths == 0).then_some(grid)
+    }
 }
 
 /// 2^23 + q.
@@ -247,7 +209,7 @@ impl TreeNode for CompactNode {
         if nodes.is_empty() {
             return Some(Grid { offset: [0.0; 3], width: [0.0; 3] });
         }
-        nodes.get(1).and_then(Cells::read).map(Cells::grid)
+        nodes.get(1).and_then(Grid::read)
     }
 
     #[inline(always)]
@@ -267,13 +229,9 @@ impl TreeNode for CompactNode {
 
     #[inline]
     fn bounds(&self, grid: &Grid) -> Bounds {
-        let (offset, width) = (Vec3A::from_array(grid.offset), Vec3A::from_array(grid.width));
-        let corner = |q: [u16; 3]| {
-            let [x, y, z] = q.map(|q| with_bits(q.into()));
-            (Vec3A::new(x, y, z) + offset) * width
-        };
-        let most = Vec3A::splat(f32::MAX);
-        Bounds { min: corner(self.min).max(-most), max: corner(self.max).min(most) }
+        let Box4 { min, max } = Self::boxes(grid, [self; 4]);
+        let [min, max] = [min, max].map(|[x, y, z]| Vec3A::new(x.x, y.x, z.x));
+        Bounds { min, max }
     }
 
     #[inline(always)]

@@ -19,15 +19,15 @@ mod refit;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use build::{BuildOptions, BvhStorage, SahItem, morton, morton_scratch_bound, sah};
-pub use check::{BvhError, check_scratch_bound};
+pub use build::{BuildOptions, BvhStorage, SahItem, morton, sah};
+pub use check::BvhError;
 pub use compact::{CompactNode, compact};
 pub use layout::{Layout, Node};
 pub use quality::{REBUILD_RATIO, quality};
-pub use refit::{Refit, RefitRow, refit, refit_table_bound};
+pub use refit::{Refit, RefitRow, refit};
 
 pub use crate::parallel::Join;
-pub use crate::vertex_set::{Moved, mark_moved, moved_bound};
+pub use crate::vertex_set::{Moved, mark_moved};
 
 pub(crate) use layout::TreeNode;
 
@@ -76,8 +76,8 @@ pub struct Bvh<'a, N: Layout = Node> {
 impl<'a, N: Layout> Bvh<'a, N> {
     /// Adopts arrays from elsewhere (a file, a GPU) after checking all that queries rely on.
     ///
-    /// `scratch` marks the triangles seen: [`check_scratch_bound`] words do it in one pass. Fewer
-    /// are enough for the same answer, but every pass goes over the whole order.
+    /// `scratch` marks the triangles seen: a bit for each does it in one pass. Fewer words are enough for the same
+    /// answer, but every pass goes over the whole order.
     ///
     /// # Errors
     /// [`BvhError`] names the first node or order entry at fault.

@@ -8,11 +8,10 @@
 //! least and by all triangles of the mesh at most. So a triangle far away, whose ancestors are larger than everything
 //! else together, does not hide what happens among the others.
 
-use crate::aabb::half_area;
+use crate::aabb::Bounds;
 use crate::bvh::Node;
 use crate::index::at;
 use crate::{Aabb, Bvh, Mesh};
-use glam::Vec3A;
 
 /// Rebuild a tree once its [`quality()`] is above this many times what it was when built.
 ///
@@ -52,7 +51,7 @@ fn visits(bvh: &Bvh<'_>, node: &Node) -> Visits {
         return Visits::of_leaf(bvh.mesh(), bvh.leaf_triangles(node)).1;
     }
     let [left, right] = [0, 1].map(|side| visits(bvh, at(bvh.nodes(), node.first + side)));
-    left.and(&right).with_node(&node.aabb(), 2, bvh.mesh())
+    left.and(&right).with_node(&Bounds::new(&node.aabb()), 2, bvh.mesh())
 }
 
 /// The tests in a node and all below it.
@@ -71,16 +70,15 @@ impl Visits {
     /// A leaf, and the box of its triangles.
     #[inline(always)]
     pub(super) fn of_leaf(mesh: Mesh<'_>, triangles: &[u32]) -> (Aabb, Self) {
-        let (mut min, mut max, mut area) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, 0.0);
+        let (mut all, mut area) = (Bounds::EMPTY, 0.0);
         for &triangle in triangles {
-            let [low, high] = mesh.extent(triangle);
-            area += half_area(high - low);
-            (min, max) = (min.min(low), max.max(high));
+            let bounds = mesh.bounds(triangle);
+            area += bounds.half_area();
+            all = all.union(&bounds);
         }
-        let aabb = Aabb { min: min.to_array(), max: max.to_array() };
         let count = triangles.len() as u32;
         let visits = Self { area, triangles: count, tests: 0.0 };
-        (aabb, visits.with_node(&aabb, count, mesh))
+        (all.into(), visits.with_node(&all, count, mesh))
     }
 
     pub(super) fn and(&self, other: &Self) -> Self {
@@ -93,10 +91,10 @@ impl Visits {
 
     /// Adds the node above, where a triangle that meets its box is tested so many times.
     #[inline(always)]
-    pub(super) fn with_node(self, aabb: &Aabb, tests: u32, mesh: Mesh<'_>) -> Self {
+    pub(super) fn with_node(self, bounds: &Bounds, tests: u32, mesh: Mesh<'_>) -> Self {
         let (own, all) = (self.triangles as f32, mesh.triangles().len() as f32);
         let expected =
-            if self.area > 0.0 { (aabb.half_area() / self.area) as f32 * own } else { all };
+            if self.area > 0.0 { (bounds.half_area() / self.area) as f32 * own } else { all };
         // Nothing is NaN: `f32::max` and `min`, which provide for it, take longer.
         let meeting = if expected > own { expected } else { own };
         let meeting = if meeting < all { meeting } else { all };

@@ -7,6 +7,7 @@
 //! have moved. A row of a table for each pair holds that range, and what the nodes below add to the quality.
 
 use super::quality::Visits;
+use crate::aabb::Bounds;
 use crate::bvh::Node;
 use crate::index::{at, at_mut, range, split};
 use crate::parallel::{GRAIN, Join, both};
@@ -19,9 +20,10 @@ pub struct Refit<'r> {
     /// Runs parts of the pass side by side; boxes and quality are the same to the bit. The tree must be one that a
     /// build has made: all that lies below a node is one run of nodes.
     pub join: Option<&'r Join<'r>>,
-    /// Filled for later calls with `moved`, unless empty.
+    /// One row for two nodes. Filled for later calls with `moved`, unless empty.
     pub table: &'r mut [RefitRow],
-    /// The vertices that have moved since the tree fitted and `table` was filled, if they are few.
+    /// The vertices that have moved since the tree fitted and `table` was filled, if they are few: see
+    /// [`mark_moved`](super::mark_moved).
     pub moved: Option<&'r [Moved]>,
 }
 
@@ -33,19 +35,12 @@ pub struct RefitRow {
     vertices: [u32; 2],
 }
 
-/// How many rows the table of a tree of so many nodes has.
-#[must_use]
-pub const fn refit_table_bound(nodes: usize) -> usize {
-    nodes.saturating_sub(2) / 2
-}
-
 /// Fits the boxes of a tree to new positions of its mesh; returns its [`quality()`](super::quality()).
 ///
 /// `nodes` and `order` are those of a BVH of a mesh with the same triangles.
 ///
 /// # Errors
-/// [`CapacityError`] if `options.table` has fewer rows than [`refit_table_bound`], unless it is empty and nothing needs
-/// it, or `options.moved` fewer words than [`moved_bound`].
+/// [`CapacityError`] if `options.table` or `options.moved` is too short.
 ///
 /// # Panics
 /// If `nodes` and `order` are not of such a tree.
@@ -64,7 +59,7 @@ pub const fn refit_table_bound(nodes: usize) -> usize {
 /// # let (mut nodes, mut order, mut keys) = ([Node::EMPTY; 4], [0; 2], [0; 4]);
 /// # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
 /// # morton(mesh, &BuildOptions { leaf_size: 1, ..BuildOptions::default() }, storage, &mut keys)?;
-/// let mut table = [RefitRow::default(); 1];
+/// let mut table = [RefitRow::default(); 2];
 /// refit(mesh, &mut nodes, &order, Refit { table: &mut table, ..Refit::default() })?;
 ///
 /// let after = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
@@ -86,7 +81,7 @@ pub fn refit(
         CapacityError::check("moved", moved_bound(mesh.positions().len()), moved.len())?;
     }
     if moved.is_some() || !table.is_empty() {
-        CapacityError::check("table", refit_table_bound(nodes.len()), table.len())?;
+        CapacityError::check("table", nodes.len() / 2, table.len())?;
     }
     let ranged = !table.is_empty();
     let pass = Pass { mesh, order, join, moved, ranged };
@@ -123,7 +118,7 @@ impl Pass<'_> {
         let left = node.first as usize - part.base;
         let row = self.pair(part, left);
         let aabb = at(part.nodes, left).aabb().union(&at(part.nodes, left + 1).aabb());
-        (aabb, RefitRow { visits: row.visits.with_node(&aabb, 2, self.mesh), ..row })
+        (aabb, RefitRow { visits: row.visits.with_node(&Bounds::new(&aabb), 2, self.mesh), ..row })
     }
 
     #[inline(never)]

@@ -26,7 +26,7 @@ use core::ops::{ControlFlow, Range};
 /// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
 /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
 /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-/// let mut scratch = [0; bvh::morton_scratch_bound(1)];
+/// let mut scratch = [0; 2];
 /// let bvh = bvh::morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
 /// let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.5, 0.0, 0.0]))?;
 /// assert_eq!(query.any(), Some(TrianglePair { a: 0, b: 0 }));

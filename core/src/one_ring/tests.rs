@@ -183,7 +183,7 @@ fn what_has_moved_is_all_that_certification_needs() {
                 for (i, p) in after.iter_mut().enumerate().filter(|(i, _)| chosen(*i)) {
                     *p = [p[0] + 0.7 * (i % 3) as f32 - 0.7, p[1] - 0.3, p[2]];
                 }
-                let mut moved = [Moved::default(); moved_bound(800)];
+                let mut moved = [Moved::default(); 25];
                 mark_moved(&before, &after, &mut moved).unwrap();
                 let mesh = mesh.with_positions(&after).unwrap();
                 let options = CertifyOptions { moved: Some(&moved), ..Default::default() };

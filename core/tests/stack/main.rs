@@ -89,8 +89,8 @@ fn refits() {
     let soup = coincident(MAX_DEPTH + 1);
     let (mesh, tree) = (mesh(&soup), Tree::deepest(mesh(&soup)));
     let (mut nodes, order) = (tree.nodes.clone(), &tree.order);
-    let mut table = vec![RefitRow::default(); refit_table_bound(nodes.len())];
-    let mut moved = vec![Moved::default(); moved_bound(soup.positions.len())];
+    let mut table = vec![RefitRow::default(); nodes.len() / 2];
+    let mut moved = vec![Moved::default(); soup.positions.len().div_ceil(32)];
     let after: Vec<_> = soup.positions.iter().map(|p| p.map(|x| 1.5 * x)).collect();
     let join: Option<&Join<'_>> = Some(&one_after_the_other);
     check("refit", || _ = refit(mesh, &mut nodes, order, Refit::default()).unwrap());
@@ -114,10 +114,10 @@ fn checks_and_conversions() {
     let (mesh, tree) = (mesh(&soup), Tree::deepest(mesh(&soup)));
     let bvh = tree.bvh(mesh);
     assert_eq!(bvh.depth(), MAX_DEPTH);
-    let scratch = &mut [0; check_scratch_bound(MAX_DEPTH + 1)];
+    let scratch = &mut [0; (MAX_DEPTH + 1).div_ceil(32)];
     check("Mesh::new", || _ = black_box(Mesh::new(mesh.positions(), mesh.triangles())).unwrap());
     check("Bvh::new", || _ = black_box(Bvh::new(mesh, &tree.nodes, &tree.order, scratch)).unwrap());
-    let mut nodes = vec![CompactNode::ZERO; tree.nodes.len()];
+    let mut nodes = vec![CompactNode::default(); tree.nodes.len()];
     check("compact", || _ = compact(mesh, &tree.nodes, &tree.order, &mut nodes).unwrap());
     let mut bytes = blob::Aligned([0; 1 << 14]);
     let bytes = &mut bytes.0[..blob::Counts::of(&bvh).bytes()];
@@ -142,7 +142,7 @@ fn queries() {
         [sheets(40), disparate(3000), coincident(2000)].map(|soup| (Tree::of(mesh(&soup)), soup));
     for (tree, soup) in trees.iter().map(|(tree, soup)| (tree, soup)).chain([(&deepest, &deep)]) {
         let (mesh, bvh) = (mesh(soup), tree.bvh(mesh(soup)));
-        let mut nodes = vec![CompactNode::ZERO; tree.nodes.len()];
+        let mut nodes = vec![CompactNode::default(); tree.nodes.len()];
         let small = compact(mesh, &tree.nodes, &tree.order, &mut nodes).unwrap();
         for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
             let standard = PosedBvh::new(bvh, &turned()).unwrap();
@@ -211,7 +211,7 @@ fn one_rings() {
     let count = soup.triangles.len();
     let mut history = vec![0; history_bound(vertices, count)];
     let mut scratch = vec![0; link_scratch_bound(vertices, count)];
-    let mut moved = vec![Moved::default(); moved_bound(vertices)];
+    let mut moved = vec![Moved::default(); vertices.div_ceil(32)];
     let after: Vec<_> = soup.positions.iter().map(|p| p.map(|x| 1.5 * x)).collect();
     mark_moved(&soup.positions, &after, &mut moved).unwrap();
     let mut rings = None;

@@ -6,8 +6,8 @@ use crate::layout::{Build, Corner};
 use crate::read::read_now;
 use crate::sequence::Sequence;
 use bytemuck::{Pod, Zeroable};
+use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, sah};
-use pfront_core::bvh::{check_scratch_bound, node_bound};
 use pfront_core::bvtt::{PairQuery, Query};
 use pfront_core::{Aabb, Bvh, Mesh, Node, Pose};
 use pfront_scenes::torus_knot;
@@ -69,7 +69,7 @@ fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: u32) -> Tree
     let order: Vec<u32> = read(&model.order, n);
     let nodes: Vec<Node> = read(&model.nodes, (model.nodes.size() / 32) as usize);
     let nodes = &nodes[..if model.depth == 0 { n.min(1) } else { 2 << model.depth }];
-    let bvh = Bvh::new(mesh, nodes, &order, &mut vec![0; check_scratch_bound(n)]).unwrap();
+    let bvh = Bvh::new(mesh, nodes, &order, &mut vec![0; n.div_ceil(32)]).unwrap();
     assert_eq!(bvh.depth() as u32, model.depth);
     assert!(nodes.iter().all(|node| node.count <= leaf_size.max(2)));
     let corners: Vec<[Corner; 3]> = read(&model.corners, n);

@@ -5,7 +5,7 @@
 
 use crate::Error;
 use pfront_core::bvh::node_bound;
-use pfront_core::bvh::{BuildOptions, BvhStorage, morton, morton_scratch_bound};
+use pfront_core::bvh::{BuildOptions, BvhStorage, morton};
 use pfront_core::bvtt::{Query, SelfQuery};
 use pfront_core::{Aabb, Mesh, Node};
 use std::ops::ControlFlow;
@@ -36,7 +36,7 @@ impl Broad {
         self.diagonals.extend((self.diagonals.len() as u32..n as u32).map(diagonal));
         self.nodes.resize(node_bound(n), Node::EMPTY);
         self.order.resize(n, 0);
-        self.scratch.resize(morton_scratch_bound(n), 0);
+        self.scratch.resize(2 * n, 0);
         let mesh = Mesh::new(&self.corners, &self.diagonals)?;
         let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
         let bvh = morton(

@@ -42,7 +42,7 @@
 //! # Examples
 //! ```
 //! use pfront_core::blob::{self, Aligned, Counts};
-//! use pfront_core::{Blob, Bvh, Mesh, Node, bvh::check_scratch_bound};
+//! use pfront_core::{Blob, Bvh, Mesh, Node};
 //! // On the machine that bakes:
 //! let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
 //! let nodes = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
@@ -54,7 +54,7 @@
 //! // On the one that borrows:
 //! let blob = Blob::new(&baked.0)?;
 //! # if cfg!(target_endian = "big") { return Ok(()) }
-//! let borrowed = blob.bvh(&mut [0; check_scratch_bound(1)])?;
+//! let borrowed = blob.bvh(&mut [0; 1])?;
 //! assert_eq!(borrowed.mesh().triangle(0), mesh.triangle(0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -135,8 +135,7 @@ impl<'a> Blob<'a> {
 
     /// Borrows the mesh and the BVH, after checking the checksum and all that queries rely on.
     ///
-    /// `scratch` is as for [`Bvh::new`]: [`check_scratch_bound`](crate::bvh::check_scratch_bound) words of it,
-    /// or fewer and more time.
+    /// `scratch` is as for [`Bvh::new`]: a bit for each triangle, or fewer and more time.
     ///
     /// # Errors
     /// [`BlobError`] says what is at fault; [`BlobError::Misaligned`] and [`BlobError::BigEndian`] are about where the

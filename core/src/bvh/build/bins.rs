@@ -2,16 +2,12 @@
 
 use super::divide::Split;
 use super::item::{LaneBox, SahItem, centre};
-use crate::Aabb;
+use crate::aabb::Bounds;
 use crate::parallel::{GRAIN, Join, both};
 use crate::simd::{LANES, Simd, Task, widest};
 
 /// Bins per axis of a large run.
 const MAX_BINS: usize = 16;
-
-/// No plane is sought across an axis along which centres extend less than this times what they do along the longest:
-/// it leaves most of the area to both sides.
-const THIN: f32 = 0.4;
 
 /// Maps centres to bins. Lanes are those of [`centre`]; beyond the third they mean nothing.
 #[derive(Clone, Copy)]
@@ -24,15 +20,17 @@ impl Grid {
     /// Adding it moves the integer part of a small number to the lowest bits.
     pub(super) const TO_BITS: f32 = 8_388_608.0;
 
-    fn new(centres: &Aabb, bins: usize) -> Self {
+    fn new(centres: &Bounds, bins: usize) -> Self {
         let mut grid = Self { origin: [0.0; LANES], bins_per_unit: [0.0; LANES] };
-        let extent = [0, 1, 2].map(|axis| centres.max[axis] - centres.min[axis]);
-        let thin = THIN * extent.into_iter().fold(0.0, f32::max);
-        for (axis, extent) in extent.into_iter().enumerate() {
+        let extent = centres.max - centres.min;
+        // No plane is sought across an axis less than half as long as the longest: it leaves most of the area to both
+        // sides, and the axis comes second even when the longest has been halved.
+        let shortest = 0.5 * extent.max_element();
+        for (axis, extent) in extent.to_array().into_iter().enumerate() {
             grid.origin[axis] = centres.min[axis];
             // A hair below `bins`, so that the last centre is not rounded up into one bin more.
             let per_unit = bins as f32 * 0.9999 / extent;
-            let is_usable = per_unit <= f32::MAX && extent >= thin;
+            let is_usable = per_unit <= f32::MAX && extent >= shortest;
             grid.bins_per_unit[axis] = if is_usable { per_unit } else { 0.0 };
         }
         grid
@@ -67,7 +65,7 @@ struct Bins {
 /// The cheapest plane with items on both sides, or `None` where the centres coincide or all areas are 0.
 pub(super) fn best_split(
     items: &[SahItem],
-    centres: &Aabb,
+    centres: &Bounds,
     join: Option<&Join<'_>>,
 ) -> Option<Split> {
     // Most runs are small, and sweeping all bins would cost them more than filling them.
@@ -106,7 +104,7 @@ impl Bins {
         for bin in (1..bins).rev() {
             side = side.union(&boxes[bin]);
             items += counts[bin];
-            right_costs[bin] = side.half_area() * f64::from(items);
+            right_costs[bin] = side.bounds().half_area() * f64::from(items);
         }
         let all = items + counts[0];
         let mut best = Plane { cost: f64::INFINITY, bin: 0 };
@@ -114,7 +112,7 @@ impl Bins {
         for bin in 1..bins {
             side = side.union(&boxes[bin - 1]);
             items += counts[bin - 1];
-            let cost = side.half_area() * f64::from(items) + right_costs[bin];
+            let cost = side.bounds().half_area() * f64::from(items) + right_costs[bin];
             if cost < best.cost && items > 0 && items < all {
                 best = Plane { cost, bin };
             }

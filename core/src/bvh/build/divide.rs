@@ -2,7 +2,7 @@
 
 use super::bins::Grid;
 use super::item::{LaneBox, SahItem, centre};
-use crate::Aabb;
+use crate::aabb::Bounds;
 use crate::parallel::{GRAIN, Join, both, halves};
 use crate::simd::{LANES, Simd, Task, widest};
 
@@ -84,9 +84,9 @@ impl Task for Divide<'_> {
 }
 
 /// Divides the run in the middle by centre along the longest axis, or as it stands if the centres coincide.
-pub(super) fn halve(items: &mut [SahItem], centres: &Aabb) -> Divided {
-    let extent = [0, 1, 2].map(|k| centres.max[k] - centres.min[k]);
-    let axis = (0..3).fold(0, |best, k| if extent[k] > extent[best] { k } else { best });
+pub(super) fn halve(items: &mut [SahItem], centres: &Bounds) -> Divided {
+    let extent = centres.max - centres.min;
+    let axis = extent.max_position();
     let left = items.len() / 2;
     if extent[axis] > 0.0 {
         items.select_nth_unstable_by(left, |a, b| a.centre(axis).total_cmp(&b.centre(axis)));

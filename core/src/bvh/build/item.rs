@@ -1,6 +1,6 @@
 //! The scratch of the SAH build: triangles with their boxes, laid out for vector registers.
 
-use crate::Aabb;
+use crate::aabb::Bounds;
 use crate::simd::{LANES, Simd};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3A, Vec4};
@@ -20,19 +20,10 @@ impl LaneBox {
         Self(bytemuck::must_cast([a.min(c), b.min(d)]))
     }
 
-    /// As [`Aabb::half_area`]; not finite if an edge is too long for f32.
     #[inline(always)]
-    pub(super) fn half_area(&self) -> f64 {
+    pub(super) fn bounds(&self) -> Bounds {
         let [min, negated_max]: [Vec4; 2] = bytemuck::must_cast(self.0);
-        let [x, y, z, _] = (-(min + negated_max)).max(Vec4::ZERO).to_array();
-        let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
-        x * (y + z) + y * z
-    }
-
-    #[inline(always)]
-    pub(super) fn aabb(&self) -> Aabb {
-        let [a, b, c, _, d, e, f, _] = self.0;
-        Aabb { min: [a, b, c], max: [-d, -e, -f] }
+        Bounds { min: Vec3A::from_vec4(min), max: Vec3A::from_vec4(-negated_max) }
     }
 }
 
@@ -45,9 +36,9 @@ impl SahItem {
     /// Arithmetic runs over all eight lanes, and is slow on subnormal numbers, which the bits of an index would be. So
     /// each half of the index is a number of its own.
     #[inline(always)]
-    pub(super) fn new(triangle: u32, [min, max]: [Vec3A; 2]) -> Self {
+    pub(super) fn new(triangle: u32, bounds: &Bounds) -> Self {
         let (low, high) = ((triangle & 0xffff) as f32, (triangle >> 16) as f32);
-        Self(LaneBox(bytemuck::must_cast([min.extend(low), (-max).extend(high)])))
+        Self(LaneBox(bytemuck::must_cast([bounds.min.extend(low), (-bounds.max).extend(high)])))
     }
 
     pub(super) fn triangle(&self) -> u32 {

@@ -18,7 +18,7 @@ mod tests;
 mod tree;
 
 pub use item::SahItem;
-pub use morton::{morton, morton_scratch_bound};
+pub use morton::morton;
 pub use sah::sah;
 
 use crate::bvh::{MAX_LEAF_SIZE, Node};

@@ -9,6 +9,7 @@
 
 use super::tree::{Divide, build};
 use super::{BuildOptions, BvhStorage, radix};
+use crate::aabb::Bounds;
 use crate::index::split;
 use crate::parallel::{Join, halves};
 use crate::{Aabb, Bvh, CapacityError, Mesh};
@@ -24,17 +25,13 @@ const LAST_CELL: u32 = (1 << AXIS_BITS) - 1;
 
 const _: () = assert!(radix::BITS == 3 * AXIS_BITS && INDEX_BITS + 3 * AXIS_BITS <= u64::BITS);
 
-/// How many words of scratch [`morton()`] needs for so many triangles.
-#[must_use]
-pub const fn morton_scratch_bound(triangles: usize) -> usize {
-    2 * triangles
-}
-
 /// Builds a BVH in linear time: several times faster than [`sah()`](super::sah()), and slower to traverse.
+///
+/// `scratch` has two words a triangle.
 ///
 /// # Errors
 /// [`CapacityError`] if `storage` has fewer order entries than there are triangles or fewer nodes than the tree,
-/// or `scratch` fewer words than [`morton_scratch_bound`].
+/// or `scratch` is too short.
 ///
 /// # Complexity
 /// O(n) for usual meshes, O(n · [`MAX_DEPTH`](crate::bvh::MAX_DEPTH)) for any.
@@ -58,7 +55,7 @@ pub fn morton<'a>(
 ) -> Result<Bvh<'a>, CapacityError> {
     let count = mesh.triangles().len();
     CapacityError::check("order", count, storage.order.len())?;
-    CapacityError::check("scratch", morton_scratch_bound(count), scratch.len())?;
+    CapacityError::check("scratch", 2 * count, scratch.len())?;
     let (keys, spare) = split(split(scratch, 2 * count).0, count);
     for (key, triangle) in keys.iter_mut().zip(0..) {
         *key = triangle;
@@ -95,12 +92,12 @@ impl Divide for Curve<'_> {
     type Run<'r> = Run<'r>;
 
     fn leaf(&self, run: &Run<'_>, order: &mut [u32]) -> Aabb {
-        let mut all = NOTHING;
+        let mut all = Bounds::EMPTY;
         for (entry, &key) in order.iter_mut().zip(&*run.keys) {
             *entry = (key & INDEX) as u32;
-            all = union(all, self.mesh.extent(*entry));
+            all = all.union(&self.mesh.bounds(*entry));
         }
-        Aabb { min: all[0].to_array(), max: all[1].to_array() }
+        all.into()
     }
 
     fn divide<'r>(&self, run: &'r mut Run<'_>, count: usize, free: bool) -> (usize, [Run<'r>; 2]) {
@@ -119,15 +116,6 @@ impl Divide for Curve<'_> {
     }
 }
 
-/// The smallest corner of a box and the largest.
-type Corners = [Vec3A; 2];
-const NOTHING: Corners = [Vec3A::INFINITY, Vec3A::NEG_INFINITY];
-
-#[inline(always)]
-fn union(a: Corners, b: Corners) -> Corners {
-    [a[0].min(b[0]), a[1].max(b[1])]
-}
-
 impl Curve<'_> {
     /// Replaces the codes of a run by those within the box of its centres, and sorts.
     #[inline(never)]
@@ -135,19 +123,20 @@ impl Curve<'_> {
         // At half scale neither a centre nor the difference of two can overflow. In between, x and y are in the
         // key, z and the index in the other word.
         let centre = |keys: &mut [u64], spare: &mut [u64]| {
-            let mut all = NOTHING;
+            let mut all = Bounds::EMPTY;
             for (key, spare) in keys.iter_mut().zip(spare) {
                 let triangle = *key & INDEX;
-                let [min, max] = self.mesh.extent(triangle as u32);
+                let Bounds { min, max } = self.mesh.bounds(triangle as u32);
                 let centre = min * 0.25 + max * 0.25;
-                all = union(all, [centre, centre]);
+                all = all.union(&Bounds { min: centre, max: centre });
                 let [x, y, z] = centre.to_array().map(|x| u64::from(x.to_bits()));
                 (*key, *spare) = (x | y << 32, z | triangle << 32);
             }
             all
         };
-        let [origin, end] = halves(self.join, run.keys, run.spare, &centre, &union);
-        let per_unit = Vec3A::splat(LAST_CELL as f32) / (end - origin);
+        let union = |a: Bounds, b: Bounds| a.union(&b);
+        let Bounds { min: origin, max } = halves(self.join, run.keys, run.spare, &centre, &union);
+        let per_unit = Vec3A::splat(LAST_CELL as f32) / (max - origin);
         let usable = per_unit.cmple(Vec3A::splat(f32::MAX));
         let cells_per_unit = Vec3A::select(usable, per_unit, Vec3A::ZERO);
         // A float this large has no room for fractions: its lowest bits are the nearest cell.

@@ -53,7 +53,7 @@ pub fn sah<'a>(
     }
     let load = |items: &mut [SahItem], order: &mut [u32]| {
         for (item, &mut triangle) in items.iter_mut().zip(order) {
-            *item = SahItem::new(triangle, mesh.extent(triangle));
+            *item = SahItem::new(triangle, &mesh.bounds(triangle));
         }
         widest(Centres { items })
     };
@@ -75,18 +75,18 @@ impl Divide for Sah<'_> {
     type Run<'r> = Run<'r>;
 
     fn leaf(&self, run: &Run<'_>, order: &mut [u32]) -> Aabb {
-        let mut all = Aabb::EMPTY;
+        let mut all = LaneBox::EMPTY;
         for (entry, item) in order.iter_mut().zip(&*run.items) {
             *entry = item.triangle();
-            all = all.union(&item.0.aabb());
+            all = all.union(&item.0);
         }
-        all
+        all.bounds().into()
     }
 
     // Apart, so that the bins are not on the stack of every level below.
     #[inline(never)]
     fn divide<'r>(&self, run: &'r mut Run<'_>, _: usize, free: bool) -> (usize, [Run<'r>; 2]) {
-        let centres = run.centres.aabb();
+        let centres = run.centres.bounds();
         let split = if free { best_split(run.items, &centres, self.join) } else { None };
         let divided = match split {
             Some(split) => split.divide(run.items, self.join),

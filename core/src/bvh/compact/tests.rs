@@ -46,9 +46,8 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
         let [y, z] = [roots[i * 7 % roots.len()], roots[i * 13 % roots.len()]];
         let axes = [*x, y, z];
         let root = Aabb { min: axes.map(|axis| axis.0), max: axes.map(|axis| axis.1) };
-        let cells = Cells::new(&root);
-        let grid = cells.grid();
-        assert_eq!(Cells::read(&cells.header()).map(|c| c.header()), Some(cells.header()));
+        let grid = Grid::new(&root);
+        assert_eq!(Grid::read(&grid.header()).map(|grid| grid.header()), Some(grid.header()));
         let part = axes.map(|axis| {
             let (a, b) = (within(axis, &mut rng), within(axis, &mut rng));
             (a.min(b), a.max(b))
@@ -58,18 +57,19 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
             let (min, max) = (axes.map(|axis| axis.0), axes.map(|axis| axis.1));
             Node { min, max, first: 6, count: 0 }
         });
-        let small = nodes.map(|node| CompactNode::new(&node, &cells));
+        let small = nodes.map(|node| CompactNode::new(&node, &grid));
         let [a, b, c, d] = &small;
         let four = CompactNode::boxes(&grid, [a, b, c, d]);
         for (lane, (node, small)) in nodes.iter().zip(&small).enumerate() {
             let found = Aabb::from(small.bounds(&grid));
-            assert!(found.contains(&node.aabb()), "{node:?} {small:?} {found:?}");
-            assert!(Aabb::from(a.bounds(&grid)).contains(&found));
+            let of_root = Aabb::from(a.bounds(&grid));
+            assert_eq!(found.union(&node.aabb()), found, "{node:?} {small:?}");
+            assert_eq!(of_root.union(&found), of_root);
             for k in 0..3 {
-                let Axis { first, exponent } = cells.0[k];
-                let width = power_of_two(exponent);
+                let width = grid.width[k];
                 // As real numbers, of which f64 holds these.
-                let at = |q: i32| f64::from(first + q) * width;
+                let first = f64::from(grid.offset[k]) + f64::from(TO_BITS);
+                let at = |q: i32| (first + f64::from(q)) * f64::from(width);
                 let [low, high] = [small.min[k], small.max[k]].map(i32::from);
                 assert!(
                     f64::from(node.min[k]) < at(low + 1) && f64::from(node.max[k]) > at(high - 1)
@@ -79,9 +79,9 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
                 assert!(exact(small.min[k], low) && exact(small.max[k], high));
                 assert!([low, high] == [found.min[k], found.max[k]]);
                 // No wider than it must be.
-                if exponent > LEAST_EXPONENT {
-                    let finer = Axis { first: 0, exponent: exponent - 1 };
-                    let (low, high) = (finer.below(root.min[k]), finer.above(root.max[k]));
+                if width > f32::from_bits(1) {
+                    let (low, high) =
+                        (below(root.min[k], width / 2.0), above(root.max[k], width / 2.0));
                     assert!(high - low > LAST || low < -FARTHEST || high > FARTHEST);
                 }
             }
@@ -91,15 +91,15 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
 
 #[test]
 fn links_tell_leaves_from_children() {
-    let cells = Cells::new(&Aabb { min: [0.0; 3], max: [1.0; 3] });
+    let grid = Grid::new(&Aabb { min: [0.0; 3], max: [1.0; 3] });
     for first in [0, 1, 7, (1 << 28) - 8] {
         for count in 1..=8 {
             let leaf = Node { first, count, min: [0.0; 3], max: [1.0; 3] };
-            let small = CompactNode::new(&leaf, &cells);
+            let small = CompactNode::new(&leaf, &grid);
             assert!(small.is_leaf() && small.leaf_range() == [first, count]);
         }
         let inner = Node { first: 2 * first + 2, count: 0, min: [0.0; 3], max: [1.0; 3] };
-        let small = CompactNode::new(&inner, &cells);
+        let small = CompactNode::new(&inner, &grid);
         assert!(!small.is_leaf() && small.left() == inner.first);
     }
 }
@@ -133,7 +133,7 @@ fn trees_of_any_size_are_well_formed() {
     for (nodes, order) in cases {
         let mesh = Mesh::new(&POSITIONS, &TRIANGLES[..order.len()]).unwrap();
         Bvh::new(mesh, nodes, order, &mut [0]).unwrap();
-        let mut storage = [CompactNode::ZERO; 8];
+        let mut storage = [CompactNode::default(); 8];
         let bvh = compact(mesh, nodes, order, &mut storage).unwrap();
         bvh.assert_well_formed();
         assert_eq!(
@@ -148,7 +148,7 @@ fn storage_that_is_too_small_is_refused() {
     let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
     let nodes = standard();
     for (count, needed) in [(6, 6), (1, 2)] {
-        let mut storage = vec![CompactNode::ZERO; needed - 1];
+        let mut storage = vec![CompactNode::default(); needed - 1];
         let refused = compact(mesh, &nodes[..count], &[0, 1, 2], &mut storage).err();
         let error = CapacityError { buffer: "storage", needed, capacity: needed - 1 };
         assert_eq!(refused, Some(error));
@@ -159,13 +159,13 @@ fn storage_that_is_too_small_is_refused() {
 #[should_panic(expected = "index out of range")]
 fn unchecked_nodes_without_a_grid_panic() {
     let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
-    let _ = Bvh::new_unchecked(mesh, &[CompactNode::ZERO], &[0, 1, 2]);
+    let _ = Bvh::new_unchecked(mesh, &[CompactNode::default()], &[0, 1, 2]);
 }
 
 #[test]
 fn wrong_arrays_are_refused() {
     let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
-    let mut nodes = [CompactNode::ZERO; 6];
+    let mut nodes = [CompactNode::default(); 6];
     compact(mesh, &standard(), &[0, 1, 2], &mut nodes).unwrap();
     let after = |change: &dyn Fn(&mut Vec<CompactNode>, &mut [u32])| {
         let (mut nodes, mut order) = (nodes.to_vec(), [0, 1, 2]);
@@ -193,7 +193,7 @@ fn wrong_arrays_are_refused() {
     assert_eq!(after(&|nodes, _| nodes[3].link = 6), Err(BvhError::Child { node: 3 }));
     assert_eq!(after(&|nodes, _| nodes[4].link += 16), Err(BvhError::Leaf { node: 4 }));
     assert_eq!(after(&|nodes, _| nodes[5].link += 2), Err(BvhError::Leaf { node: 5 }));
-    let more = after(&|nodes, _| nodes.push(CompactNode::ZERO));
+    let more = after(&|nodes, _| nodes.push(CompactNode::default()));
     assert_eq!(more, Err(BvhError::Length { array: "nodes", expected: 6, found: 7 }));
     assert_eq!(after(&|_, order| order[2] = 1), Err(BvhError::Order { entry: 2 }));
     assert!(matches!(after(&|_, order| order.swap(0, 2)), Err(BvhError::Box { .. })));

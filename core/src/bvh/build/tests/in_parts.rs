@@ -18,7 +18,7 @@ fn parts_give_the_tree_of_the_whole() {
                     let in_parts = if build == "sah" {
                         sah(mesh, &options, storage, &mut vec![SahItem::default(); count]).unwrap()
                     } else {
-                        let mut keys = vec![7; morton_scratch_bound(count)];
+                        let mut keys = vec![7; 2 * count];
                         morton(mesh, &options, storage, &mut keys).unwrap()
                     };
                     let context = format!("{build} of {name}, way {way}, leaves of {leaf_size}");

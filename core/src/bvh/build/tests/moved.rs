@@ -41,9 +41,9 @@ fn what_has_moved_is_all_that_a_refit_needs() {
         with_builds(mesh, 2, |build, bvh| {
             let (mut nodes, order) = (bvh.nodes().to_vec(), bvh.order());
             let mut whole = nodes.clone();
-            let mut table = vec![RefitRow::default(); refit_table_bound(nodes.len())];
+            let mut table = vec![RefitRow::default(); nodes.len() / 2];
             let mut fresh = table.clone();
-            let mut marks = vec![Moved::default(); moved_bound(positions.len())];
+            let mut marks = vec![Moved::default(); positions.len().div_ceil(32)];
             refit(mesh, &mut nodes, order, filling(&mut table)).unwrap();
             let mut before = positions.clone();
             for (way, after) in moves(&positions, &mut rng).into_iter().enumerate() {
@@ -74,7 +74,7 @@ fn a_set_knows_what_it_holds() {
         let before = vec![[0.0; 3]; vertices_in_all];
         let after = before.iter().map(|p| if rng.random_bool(share) { [1.0; 3] } else { *p });
         let after: Vec<_> = after.collect();
-        let mut set = vec![Moved::default(); moved_bound(vertices_in_all)];
+        let mut set = vec![Moved::default(); vertices_in_all.div_ceil(32)];
         mark_moved(&before, &after, &mut set).unwrap();
         let held: Vec<_> = (0..vertices_in_all).filter(|&i| after[i] != before[i]).collect();
         assert_eq!(vertices(&set).collect::<Vec<_>>(), held);
@@ -104,9 +104,9 @@ fn a_table_or_a_set_one_short_is_an_error_that_names_the_need() {
             let refitted = refit(mesh, &mut nodes, order, refitted).err();
             [made, refitted].map(|error| error.map(short))
         };
-        assert_eq!(run(127, 3), [None; 2]);
-        assert_eq!(run(126, 3), [Some(("table", 127, 126)); 2]);
-        assert_eq!(run(127, 2), [None, Some(("moved", 3, 2))]);
+        assert_eq!(run(128, 3), [None; 2]);
+        assert_eq!(run(127, 3), [Some(("table", 128, 127)); 2]);
+        assert_eq!(run(128, 2), [None, Some(("moved", 3, 2))]);
     });
     let marked = mark_moved(&positions, &positions, &mut [Moved::default(); 2]).err();
     assert_eq!(marked.map(short), Some(("moved", 3, 2)));
