@@ -16,7 +16,7 @@ use pfront::{
 use pfront_testkit::families::Family;
 use pfront_testkit::oracle::{pairs, self_pairs, share_a_vertex};
 use pfront_testkit::rng::{ChaCha8Rng, seeded};
-use pfront_testkit::shapes::{Soup, family, pose_rows, posed, sheet, sphere, tangle, union};
+use pfront_testkit::shapes::{Soup, bumpy, family, pose_rows, posed, sheet, sphere, tangle, union};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -68,7 +68,7 @@ fn spheres_that_coincide_or_just_touch() {
 fn sheets_on_sheets() {
     let mut rng = seeded(2);
     let flat = sheet(8, |_, _| 0.0);
-    let wavy = sheet(11, |x, y| 0.1 * (5.0 * x).sin() * (4.0 * y).cos());
+    let wavy = bumpy(11);
     pair(&flat, &flat, &Pose::IDENTITY);
     pair(&flat, &flat, &Pose::from_translation([0.1, 0.05, 0.0]));
     pair(&flat, &flat, &Pose::from_translation([0.0, 0.0, 1e-45]));

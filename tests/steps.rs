@@ -9,7 +9,7 @@ use layouts::Compact;
 use pfront::core::bvtt::{Cursor, PairQuery, Query, SelfQuery, Work};
 use pfront::{BuildOptions, Model, Pose, TrianglePair};
 use pfront_testkit::rng::seeded;
-use pfront_testkit::shapes::{Soup, pose_rows, sheet, sphere, tangle, union};
+use pfront_testkit::shapes::{Soup, bumpy, pose_rows, sheet, sphere, tangle, union};
 use proptest::prelude::*;
 use std::ops::ControlFlow::{Break, Continue};
 
@@ -85,8 +85,7 @@ fn with_each_budget(query: &impl Query) {
 
 #[test]
 fn two_meshes_with_each_budget() {
-    let folds = sheet(120, |x, y| 0.1 * (9.0 * x).sin() * (7.0 * y).cos());
-    let meshes = [(sphere(90), sphere(70)), (folds, sheet(90, |_, _| 0.0))];
+    let meshes = [(sphere(90), sphere(70)), (bumpy(120), sheet(90, |_, _| 0.0))];
     for leaf_size in [1, 4, 8] {
         for (a, b) in &meshes {
             let (a, b) = (model(a, leaf_size), model(b, leaf_size));

@@ -1,6 +1,6 @@
 //! Any sequence of moves, fits, questions and clones.
 
-use super::{SIDE, assert_fits, model, shape};
+use super::{SIDE, assert_fits, bumpy, model};
 use pfront::{Model, SelfQuery};
 use proptest::prelude::*;
 
@@ -82,7 +82,7 @@ proptest! {
 
     #[test]
     fn any_history_leaves_what_fits(events in prop::collection::vec(event(), 1..25)) {
-        let mut model = model(&shape());
+        let mut model = model(&bumpy(SIDE));
         for event in &events {
             // By the stamp, what is asked of one can be answered from the other.
             let twin = model.clone();

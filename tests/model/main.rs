@@ -8,13 +8,9 @@ mod together;
 
 use pfront::core::bvh::{self, Refit};
 use pfront::{BuildOptions, Model};
-use pfront_testkit::shapes::{Soup, sheet};
+use pfront_testkit::shapes::{Soup, bumpy};
 
 const SIDE: u32 = 24;
-
-fn shape() -> Soup {
-    sheet(SIDE, |x, y| 0.1 * (9.0 * x).sin() * (7.0 * y).cos())
-}
 
 fn model(soup: &Soup) -> Model {
     let options = BuildOptions { leaf_size: 3, ..BuildOptions::default() };
@@ -51,7 +47,7 @@ fn shifted(soup: &Soup, by: f32, which: impl Fn(usize) -> bool) -> Vec<[f32; 3]>
 
 #[test]
 fn few_moves_are_refitted_by_a_table_and_many_without() {
-    let soup = shape();
+    let soup = bumpy(SIDE);
     let mut model = model(&soup);
     let bytes = model.bytes();
     model.set_positions(&shifted(&soup, 0.1, |_| true)).unwrap();
@@ -63,7 +59,7 @@ fn few_moves_are_refitted_by_a_table_and_many_without() {
 
 #[test]
 fn what_was_asked_for_long_ago_is_brought_up_to_date() {
-    let soup = shape();
+    let soup = bumpy(SIDE);
     let mut model = model(&soup);
     assert!(model.certificates().is_certified(200) && model.sphere().is_some());
     // Near vertex 200, which the tree is told of, but not the certificates.
@@ -82,7 +78,7 @@ fn what_was_asked_for_long_ago_is_brought_up_to_date() {
 
 #[test]
 fn a_stamp_says_what_is_the_same() {
-    let soup = shape();
+    let soup = bumpy(SIDE);
     let mut model = model(&soup);
     let (first, copy) = (model.stamp(), model.clone());
     let parts = |model: &Model| {
@@ -117,7 +113,7 @@ fn a_stamp_says_what_is_the_same() {
 
 /// The sheet torn into triangles that lie about at random, far apart or not.
 fn torn() -> (Model, Vec<[f32; 3]>) {
-    let soup = shape();
+    let soup = bumpy(SIDE);
     let vertices = soup.triangles.as_flattened();
     let corners: Vec<_> = vertices.iter().map(|&v| soup.positions[v as usize]).collect();
     let triangles = (0..vertices.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();

@@ -1,13 +1,13 @@
 //! Several threads that ask a model which does not fit yet.
 
-use super::{SIDE, certified, model, shape, shifted};
+use super::{SIDE, bumpy, certified, model, shifted};
 #[cfg(feature = "threads")]
 use pfront::SelfQuery;
 use std::sync::Barrier;
 
 #[test]
 fn many_threads_ask_at_once() {
-    let soup = shape();
+    let soup = bumpy(SIDE);
     let mut model = model(&soup);
     assert!(certified(&model).contains(&true));
     for round in 0..200 {
@@ -41,7 +41,7 @@ fn many_threads_ask_at_once() {
 #[cfg(feature = "threads")]
 #[test]
 fn workers_of_a_pool_ask_at_once() {
-    let soup = shape();
+    let soup = bumpy(SIDE);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let mut model = model(&soup);
     for round in 0..100 {
