@@ -64,7 +64,7 @@ pub use pfront_core as core;
 pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::TrianglePair;
 pub use pfront_core::pose::PoseError;
-pub use pfront_core::triangle::{Accuracy, Adjacency, Contact, ContactKind};
+pub use pfront_core::triangle::{Accuracy, Adjacency, Contact};
 pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose};
 /// The backend on several CPU threads, and what can be chosen about it.
 #[cfg(feature = "threads")]

@@ -76,7 +76,7 @@ fn twin_in_bounded_memory() {
     }
     paged.sort_unstable();
     assert_eq!(paged.len(), 1239);
-    assert_eq!(cursor.work().triangle_tests, 48_184_455);
+    assert_eq!(cursor.work.triangle_tests, 48_184_455);
     let meet = |p: &TrianglePair| intersect(&a.mesh().triangle(p.a), &b.mesh().triangle(p.b));
     assert!(paged.iter().all(meet));
     assert_eq!(PairQuery::new().all(&a, &b, &Pose::IDENTITY).unwrap(), paged);

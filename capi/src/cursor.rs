@@ -77,7 +77,7 @@ impl pfront_cursor_t {
         // Should C have made it up: a cursor is nothing but integers.
         let cursor = unsafe { &mut *self.state.as_mut_ptr().cast::<Cursor>() };
         let gone = go(cursor);
-        let Work { box_tests, triangle_tests } = cursor.work();
+        let Work { box_tests, triangle_tests } = cursor.work;
         self.done = cursor.is_done().into();
         (self.box_tests, self.triangle_tests) = (box_tests, triangle_tests);
         Ok(gone)

@@ -16,7 +16,7 @@ use crate::status::{Fault, pfront_error_t, pfront_status_t};
 use core::mem::offset_of;
 use core::ops::ControlFlow::{Break, Continue};
 use pfront_core::bvtt::{Query, TrianglePair};
-use pfront_core::triangle::{Contact, ContactKind};
+use pfront_core::triangle::Contact;
 
 /// Two triangles that meet: one of the first mesh and one of the second, or two of one mesh with `a < b`.
 #[repr(C)]
@@ -148,15 +148,12 @@ pub struct pfront_contact_t {
 impl From<Option<Contact>> for pfront_contact_t {
     fn from(contact: Option<Contact>) -> Self {
         use pfront_contact_kind_t::*;
-        let Some(Contact { kind, segment, normals }) = contact else {
+        let Some(Contact { is_flat, segment, normals }) = contact else {
             let nothing = [[0.0; 3]; 2];
             return Self { kind: PFRONT_APART as u32, segment: nothing, normals: nothing };
         };
-        let kind = match kind {
-            ContactKind::Crossing => PFRONT_CROSSING as u32,
-            ContactKind::Flat => PFRONT_FLAT as u32,
-        };
-        Self { kind, segment, normals }
+        let kind = if is_flat { PFRONT_FLAT } else { PFRONT_CROSSING };
+        Self { kind: kind as u32, segment, normals }
     }
 }
 

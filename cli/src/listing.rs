@@ -3,7 +3,7 @@
 use crate::args::{Format, Listing};
 use crate::output::{Draft, out};
 use anyhow::{Context, Result};
-use pfront::{Contact, ContactKind, Mesh, TrianglePair};
+use pfront::{Contact, Mesh, TrianglePair};
 use pfront_cli::mesh::{PaintedMesh, write_painted};
 use serde::{Serialize, Serializer};
 use std::io::{BufWriter, Write};
@@ -44,10 +44,7 @@ struct Row {
 
 impl Row {
     fn new((pair, contact): &(TrianglePair, Contact)) -> Self {
-        let kind = match contact.kind {
-            ContactKind::Crossing => "crossing",
-            ContactKind::Flat => "flat",
-        };
+        let kind = if contact.is_flat { "flat" } else { "crossing" };
         Self { a: pair.a, b: pair.b, kind, segment: contact.segment, normals: contact.normals }
     }
 

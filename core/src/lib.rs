@@ -110,7 +110,7 @@
 //! these are the cost history of the next frame. Here the workers run one after the other; `pfront-cpu` runs them on threads:
 //! ```
 //! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
-//! use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query};
+//! use pfront_core::bvtt::{Cursor, PairQuery, Query, Work};
 //! use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 //! # use pfront_core::{Mesh, Node, Pose};
 //! use std::ops::ControlFlow;
@@ -133,19 +133,16 @@
 //!     assert!(!report.full);
 //!     let nodes = front.partition(&mut [Part::default(); WORKERS]);
 //!
-//!     // Worker number `w` takes the nodes whose `part` is `w`, with one cursor for all of them.
+//!     // Worker number `w` takes the nodes whose `part` is `w`.
 //!     let mut pairs = 0;
 //!     for worker in 0..WORKERS as u32 {
-//!         let mut cursor = Cursor::at(None::<NodePair>);
 //!         for node in nodes.iter_mut().filter(|node| node.part == worker) {
-//!             let before = cursor.work();
-//!             cursor.restart(node.pair);
+//!             let mut cursor = Cursor::at(node.pair);
 //!             let _ = query.visit(&mut cursor, |_| {
 //!                 pairs += 1;
 //!                 ControlFlow::Continue(())
 //!             });
-//!             let box_tests = cursor.work().box_tests - before.box_tests;
-//!             let triangle_tests = cursor.work().triangle_tests - before.triangle_tests;
+//!             let Work { box_tests, triangle_tests } = cursor.work;
 //!             node.cost = 1.0 + box_tests as f32 + 6.5 * triangle_tests as f32;
 //!         }
 //!     }

@@ -53,7 +53,7 @@ impl Control {
         most: u64,
     ) {
         while !cursor.is_done() && !self.is_over() {
-            let left = most.saturating_sub(tests(cursor.work()));
+            let left = most.saturating_sub(tests(cursor.work));
             if left == 0 {
                 break;
             }
@@ -70,6 +70,7 @@ impl Control {
     }
 }
 
-fn tests(work: Work) -> u64 {
+/// Tests of both kinds.
+pub(crate) fn tests(work: Work) -> u64 {
     work.box_tests + work.triangle_tests
 }

@@ -55,7 +55,7 @@ impl<Q: Query + Sync, O: Output, N: Fn() -> O + Sync> Stealing<'_, Q, N> {
         if tests == 0 {
             let (mut output, mut cursor) = ((self.new_output)(), Cursor::at(start.pair));
             self.control.traverse(query, start.query, &mut cursor, &mut output, u64::MAX);
-            let mut found = Found { outputs: LinkedList::new(), work: cursor.work() };
+            let mut found = Found { outputs: LinkedList::new(), work: cursor.work };
             if !output.is_empty() {
                 found.outputs.push_back(output);
             }

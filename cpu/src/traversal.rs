@@ -1,12 +1,12 @@
 //! Frames of queries on p workers, with memory that is kept in between.
 
-use crate::control::Control;
+use crate::control::{Control, tests};
 use crate::front::{FrontMemory, Start};
 use crate::output::{self, Element, Output, Visitor};
 use crate::stealing::Stealing;
 use crate::workers::{Frame, Workers};
 use crate::{Hit, Report, Schedule, Settings, Share};
-use pfront_core::bvtt::{Cursor, NodePair, Query, TrianglePair};
+use pfront_core::bvtt::{Cursor, Query, TrianglePair, Work};
 use pfront_core::front::estimate;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -301,17 +301,24 @@ impl Traversal {
     ) {
         let clock = Instant::now();
         self.starts.clear();
-        let mut cursor = Cursor::at(NodePair::default());
+        let mut work = Work::default();
         for (query, number) in queries.iter().zip(0..) {
             let Some(root) = query.root() else { continue };
-            cursor.restart(root);
-            control.traverse(query, number, &mut cursor, output, most);
+            let left = most.saturating_sub(tests(work));
+            if left == 0 {
+                self.starts.push(Start { query: number, pair: root });
+                continue;
+            }
+            let mut cursor = Cursor::at(root);
+            control.traverse(query, number, &mut cursor, output, left);
             let left = cursor.take_pending().iter().map(|&pair| Start { query: number, pair });
             self.starts.extend(left);
             // At most one leaf pair.
             control.traverse(query, number, &mut cursor, output, u64::MAX);
+            work.box_tests += cursor.work.box_tests;
+            work.triangle_tests += cursor.work.triangle_tests;
         }
-        self.report.alone = cursor.work();
+        self.report.alone = work;
         self.report.traversal_time = clock.elapsed();
     }
 

@@ -6,7 +6,7 @@
 use crate::control::Control;
 use crate::output::Output;
 use crate::{Schedule, Share};
-use pfront_core::bvtt::{Cursor, NodePair, Query, Work};
+use pfront_core::bvtt::{Cursor, Query, Work};
 use pfront_core::front::FrontNode;
 use rayon::{Scope, ThreadPool};
 use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
@@ -94,15 +94,14 @@ impl Workers {
         output: &mut impl Output,
     ) {
         let (count, mut last) = (self.parts.len(), None);
-        let mut cursor = Cursor::at(NodePair::default());
         while let Some(part) = Some(begun.fetch_add(1, Relaxed)).filter(|&part| part < count) {
-            self.take_nodes(frame, part, part, &mut cursor, output);
+            self.take_nodes(frame, part, part, output);
             last = Some(part);
         }
         if frame.schedule == Schedule::Hybrid {
             let first = last.map_or(0, |part| part + 1);
             for other in (first..count).chain(0..first) {
-                self.take_nodes(frame, other, last.unwrap_or(other), &mut cursor, output);
+                self.take_nodes(frame, other, last.unwrap_or(other), output);
             }
         }
     }
@@ -113,7 +112,6 @@ impl Workers {
         frame: &Frame<'_, Q>,
         part: usize,
         worker: usize,
-        cursor: &mut Cursor,
         output: &mut impl Output,
     ) {
         let Frame { queries, nodes, triangle_cost, control, .. } = *frame;
@@ -122,13 +120,10 @@ impl Workers {
             && let Some(&position) = part.nodes.get(part.begun.fetch_add(1, Relaxed))
         {
             let node = &nodes[position as usize];
-            let before = cursor.work();
-            cursor.restart(node.pair);
+            let mut cursor = Cursor::at(node.pair);
             let query = &queries[node.query as usize];
-            control.traverse(query, node.query, cursor, output, u64::MAX);
-            let after = cursor.work();
-            let box_tests = after.box_tests - before.box_tests;
-            let triangle_tests = after.triangle_tests - before.triangle_tests;
+            control.traverse(query, node.query, &mut cursor, output, u64::MAX);
+            let Work { box_tests, triangle_tests } = cursor.work;
             worker.box_tests.fetch_add(box_tests, Relaxed);
             worker.triangle_tests.fetch_add(triangle_tests, Relaxed);
             // To look at the node at all costs a test.

@@ -92,7 +92,6 @@ fn baked(bvh: &Bvh<'_>, bytes: &mut [u8]) -> Option<()> {
 
 fn asked(query: &impl Query, page: &mut [TrianglePair]) -> Option<()> {
     let (mut cursor, n) = (Cursor::at(some::<NodePair>()?), some()?);
-    cursor.restart(n);
     let ended = query.step(&mut cursor, some()?, |pair| {
         any(pair);
         Continue(())

@@ -186,5 +186,5 @@ fn in_steps(query: &PairQuery<'_>) -> (Pairs, u32, u32) {
 }
 
 fn tests(cursor: &Cursor) -> u32 {
-    (cursor.work().box_tests + cursor.work().triangle_tests) as u32
+    (cursor.work.box_tests + cursor.work.triangle_tests) as u32
 }

@@ -71,12 +71,12 @@ pub(crate) fn alone<N: Copy, Q: Query>(
             let left = (leash.cost - spent) / f64::from(TRIANGLE_COST);
             let step = (left as u64).clamp(STEP, most);
             let stopped = query.step(&mut cursor, step, |pair| found(name, pair)).is_break();
-            spent = before + cost(cursor.work());
+            spent = before + cost(cursor.work);
             if stopped {
                 return (spent, End::Complete);
             }
         }
-        spent = before + cost(cursor.work());
+        spent = before + cost(cursor.work);
     }
     (spent, End::Complete)
 }

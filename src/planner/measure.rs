@@ -52,7 +52,7 @@ impl Sheets {
             let mut cursor = query.start();
             // Never broken off.
             let _ = query.visit(&mut cursor, |_| ControlFlow::Continue(()));
-            let work = cursor.work();
+            let work = cursor.work;
             cost += work.box_tests as f64 + f64::from(TRIANGLE_COST) * work.triangle_tests as f64;
         }
         Ok(Self { cost: cost / POSES as f64, ..own })

@@ -28,7 +28,8 @@ const STACK: usize = 15 * MAX_DEPTH.div_ceil(2) + 1;
 pub struct Cursor {
     stack: [NodePair; STACK],
     len: usize,
-    work: Work,
+    /// The work done so far.
+    pub work: Work,
     /// The first triangle pair of the topmost leaf pair that is still to be tested, as the index of its bit; 0 unless
     /// the last step ended inside that leaf pair.
     next_bit: u32,
@@ -48,12 +49,6 @@ impl Cursor {
             cursor.push(n);
         }
         cursor
-    }
-
-    /// Moves to the start of the subtree below `n`. [`Cursor::work`] goes on counting.
-    pub fn restart(&mut self, n: NodePair) {
-        (self.len, self.next_bit) = (0, 0);
-        self.push(n);
     }
 
     /// Whether nothing is left.
@@ -79,12 +74,6 @@ impl Cursor {
             self.len = 1;
         }
         range(&self.stack, self.len as u32, (pending - self.len) as u32)
-    }
-
-    /// The work done so far.
-    #[must_use]
-    pub fn work(&self) -> Work {
-        self.work
     }
 
     #[inline]

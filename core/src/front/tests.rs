@@ -237,7 +237,7 @@ fn traverse(query: &impl Query, root: NodePair, found: &mut Vec<TrianglePair>) -
         found.push(pair);
         ControlFlow::Continue(())
     });
-    let work = cursor.work();
+    let work = cursor.work;
     (1 + work.box_tests + 4 * work.triangle_tests) as f32
 }
 

@@ -14,21 +14,12 @@ use glam::Vec3Swizzles;
 /// 2^30: a value that exceeds its error bound by this factor is known within a relative 2^-30.
 const TWO_30: f64 = 1_073_741_824.0;
 
-/// How two triangles meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ContactKind {
-    /// Their planes differ: they meet in a segment, or in a point if its ends are equal.
-    Crossing,
-    /// They lie in one plane, or one has no area: the segment is the longest chord between corners
-    /// of the region they share.
-    Flat,
-}
-
 /// Where two triangles meet, and how they face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Whether their planes differ.
-    pub kind: ContactKind,
+    /// Whether they lie in one plane or one has no area: then the segment is the longest chord between corners of the
+    /// region they share. Otherwise they cross in a segment, or in a point if its ends are equal.
+    pub is_flat: bool,
     /// End points, each coordinate within 2^-28 of the extent of the edge it lies on, plus half an
     /// f32 unit in the last place, of the true one.
     pub segment: [[f32; 3]; 2],
@@ -59,12 +50,13 @@ pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
         return None;
     }
     let are_flat = [a_sides, b_sides].map(|sides| sides == [0; 3]);
-    let (kind, segment) = if are_flat == [false; 2] {
-        (ContactKind::Crossing, crossing(a, &a_sides, b, &b_sides)?)
+    let is_flat = are_flat != [false; 2];
+    let segment = if is_flat {
+        flat_chord(a, b, are_flat == [true; 2])?
     } else {
-        (ContactKind::Flat, flat_chord(a, b, are_flat == [true; 2])?)
+        crossing(a, &a_sides, b, &b_sides)?
     };
-    Some(Contact { kind, segment, normals: [unit_normal(a), unit_normal(b)] })
+    Some(Contact { is_flat, segment, normals: [unit_normal(a), unit_normal(b)] })
 }
 
 /// The unit normal of a triangle by the right-hand rule, or zero if it is degenerate.
@@ -213,7 +205,7 @@ mod tests {
         let c = contact(&FLOOR, &wall).unwrap();
         let mut ends = c.segment;
         ends.sort_by(|p, q| p.partial_cmp(q).unwrap());
-        assert_eq!(c.kind, ContactKind::Crossing);
+        assert!(!c.is_flat);
         assert_eq!(ends, [[1.0, 0.0, 0.0], [1.0, 3.0, 0.0]]);
         assert_eq!(c.normals, [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
     }
@@ -252,7 +244,7 @@ mod tests {
     #[test]
     fn flat_contacts() {
         let c = contact(&FLOOR, &[[1.0, 1.0, 0.0], [1.0, 9.0, 0.0], [-9.0, 1.0, 0.0]]).unwrap();
-        assert_eq!(c.kind, ContactKind::Flat);
+        assert!(c.is_flat);
         for [p, expected] in
             [[[1.0, 1.0, -1.0], [1.0, 1.0, 0.0]], [[2.0, 2.0, -1.0], [2.0, 2.0, 0.0]]]
         {

@@ -32,7 +32,7 @@ mod in_mesh;
 
 use coplanar::coplanar_triangles_intersect;
 
-pub use contact::{Contact, ContactKind, contact};
+pub use contact::{Contact, contact};
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;

@@ -120,7 +120,7 @@ impl Census {
             let mut cursor = Cursor::at(n);
             // Never broken off.
             let _ = query.visit(&mut cursor, |_| ControlFlow::Continue(()));
-            let cost = report.cost(cursor.work());
+            let cost = report.cost(cursor.work);
             self.keep(n, cost, true);
             return (cost, cost);
         }

@@ -162,7 +162,7 @@ impl Plain {
                 out.push(pair);
                 ControlFlow::Continue(())
             });
-            let work = cursor.work();
+            let work = cursor.work;
             *self.last.entry(node.sprouted_from).or_default() += 1.0 + self.report.cost(work);
             let share = &mut self.report.shares[part];
             share.predicted += node.cost;

@@ -236,5 +236,5 @@ pub(super) fn one_core(query: &impl Query) -> (Vec<TrianglePair>, u64) {
         ControlFlow::Continue(())
     });
     pairs.sort_unstable();
-    (pairs, cursor.work().triangle_tests)
+    (pairs, cursor.work.triangle_tests)
 }

@@ -123,7 +123,7 @@ impl<'q, Q: Query> Cut<'q, Q> {
         let mut cursor = Cursor::at(pair);
         // Never broken off.
         let _ = self.query.visit(&mut cursor, |_| ControlFlow::Continue(()));
-        let work = cursor.work();
+        let work = cursor.work;
         let tests =
             work.box_tests as f64 + f64::from(self.triangle_cost) * work.triangle_tests as f64;
         Costed { cost: 1.0 + tests, pair }

@@ -25,7 +25,7 @@ fn box_tests(Soup { positions, triangles }: &Soup) -> [f64; 2] {
         let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.0, 0.0, 0.3])).unwrap();
         let mut cursor = query.start();
         let _ = query.visit(&mut cursor, |_| Continue(()));
-        tests.push(cursor.work().box_tests as f64);
+        tests.push(cursor.work.box_tests as f64);
     });
     [tests[0], tests[1]]
 }
@@ -89,7 +89,7 @@ fn quality_notices_what_queries_do_though_one_body_is_far_away() {
                 let query = SelfQuery::new(Bvh::new_unchecked(mesh, &nodes, order)).boxes_only();
                 let mut cursor = query.start();
                 let _ = query.visit(&mut cursor, |_| Continue(()));
-                (now / quality(&bvh), cursor.work().box_tests as f32)
+                (now / quality(&bvh), cursor.work.box_tests as f32)
             };
             let (_, tests) = after(&centres);
             let mut centres = centres.clone();
