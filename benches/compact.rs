@@ -93,7 +93,7 @@ impl<'m> Tree<'m> {
         let bvh = if matches!(build, Build::Morton) {
             bvh::morton(mesh, &options, storage, &mut vec![0; 2 * n])
         } else {
-            let mut scratch = vec![bvh::SahItem::default(); n];
+            let mut scratch = vec![Node::EMPTY; n];
             bvh::sah(mesh, &options, storage, &mut scratch)
         };
         let used = bvh.unwrap().nodes().len();

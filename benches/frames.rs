@@ -39,7 +39,7 @@ fn builds(c: &mut Criterion) {
         let mesh = model(case).mesh();
         let n = mesh.triangles().len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let mut items = vec![bvh::SahItem::default(); n];
+        let mut items = vec![Node::EMPTY; n];
         let mut keys = vec![0; 2 * n];
         let mut group = c.benchmark_group(format!("build/{}", case.name()));
         group.sample_size(10);

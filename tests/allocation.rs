@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::bvh::{self, BvhStorage, Refit, SahItem};
+use pfront::core::bvh::{self, BvhStorage, Refit};
 use pfront::core::bvh::{CompactNode, compact, node_bound};
 use pfront::core::bvtt::{self, Query};
 use pfront::core::triangle::{contact, intersects};
@@ -126,7 +126,7 @@ fn the_core_allocates_nothing() {
         let mut nodes = vec![Node::EMPTY; node_bound(n)];
         let mut order = vec![0; n];
         let mut compact_nodes = vec![CompactNode::default(); node_bound(n)];
-        let mut sah_scratch = vec![SahItem::default(); n];
+        let mut sah_scratch = vec![Node::EMPTY; n];
         let mut morton_scratch = vec![0; 2 * n];
         let mut check_scratch = vec![0; n.div_ceil(32)];
         let moved: Vec<_> = soup.positions.iter().map(|p| p.map(|x| x * 0.9)).collect();

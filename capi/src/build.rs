@@ -15,7 +15,7 @@ use crate::mesh::pfront_mesh_t;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
 use core::ffi::c_void;
 use pfront_core::bvh::node_bound;
-use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, morton, sah};
+use pfront_core::bvh::{BuildOptions, BvhStorage, morton, sah};
 use pfront_core::mesh::MAX_TRIANGLES;
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
@@ -66,7 +66,7 @@ pub extern "C" fn pfront_morton_scratch_bytes(triangle_count: usize) -> usize {
 /// How much scratch `pfront_bvh_build_sah` needs for so many triangles; SIZE_MAX if that cannot be.
 #[unsafe(no_mangle)]
 pub extern "C" fn pfront_sah_scratch_bytes(triangle_count: usize) -> usize {
-    bounded(triangle_count, bytes::<SahItem>)
+    bounded(triangle_count, bytes::<Node>)
 }
 
 /// How much scratch `pfront_bvh_adopt` and `pfront_bvh_from_blob` need for so many triangles to take one pass over the

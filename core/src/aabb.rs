@@ -80,6 +80,18 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// The box of one point.
+    #[inline(always)]
+    pub(crate) fn of(point: Vec3A) -> Self {
+        Self { min: point, max: point }
+    }
+
+    /// Half the centre, so that neither it nor the difference of two can overflow.
+    #[inline(always)]
+    pub(crate) fn half_centre(&self) -> Vec3A {
+        self.min * 0.25 + self.max * 0.25
+    }
+
     #[inline]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         (self.min.cmple(other.max) & other.min.cmple(self.max)).all()

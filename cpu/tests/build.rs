@@ -1,8 +1,6 @@
 //! Builds and refits in the parts that [`pfront_cpu::join`] runs: the same as in one.
 
-use pfront_core::bvh::{
-    BuildOptions, BvhStorage, Join, Refit, SahItem, morton, node_bound, refit, sah,
-};
+use pfront_core::bvh::{BuildOptions, BvhStorage, Join, Refit, morton, node_bound, refit, sah};
 use pfront_core::{Mesh, Node};
 use pfront_cpu::join;
 use pfront_scenes::icosphere;
@@ -16,7 +14,7 @@ fn parts_give_the_tree_of_the_whole() {
         let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
         let n = ball.triangles.len();
         for (by_morton, leaf_size) in [(false, 1), (false, 8), (true, 1), (true, 8)] {
-            let (mut items, mut keys) = (vec![SahItem::default(); n], vec![0; 2 * n]);
+            let (mut items, mut keys) = (vec![Node::EMPTY; n], vec![0; 2 * n]);
             let threads: Option<&Join<'_>> = Some(&join);
             let mut built = |join: Option<&Join<'_>>| {
                 let options = BuildOptions { leaf_size, join };

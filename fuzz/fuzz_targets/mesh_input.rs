@@ -8,8 +8,8 @@ use pfront::core::bvtt::{self, Query};
 use pfront::{BuildOptions, Bvh, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_fuzz::input::Palette;
 use pfront_fuzz::{Builder, Tree, as_pairs};
-use pfront_testkit::shapes::posed;
 use pfront_testkit::oracle::{pairs, self_pairs};
+use pfront_testkit::shapes::posed;
 
 #[derive(Arbitrary, Debug)]
 struct Input {

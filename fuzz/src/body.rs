@@ -3,7 +3,7 @@
 use crate::input::Build;
 use arbitrary::Arbitrary;
 use pfront::core::bvh::node_bound;
-use pfront::core::bvh::{self, BvhStorage, Join, Refit, SahItem};
+use pfront::core::bvh::{self, BvhStorage, Join, Refit};
 use pfront::core::mesh::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
 use pfront_testkit::shapes::Soup;
@@ -41,7 +41,7 @@ impl Tree {
         let side_by_side = matches!(builder, Builder::SahThreads | Builder::MortonThreads);
         let join: Option<&Join<'_>> = if side_by_side { Some(&threads::join) } else { None };
         let options = BuildOptions { leaf_size, join };
-        let mut items = vec![SahItem::default(); n];
+        let mut items = vec![Node::EMPTY; n];
         let mut keys = vec![0; 2 * n];
         let built = match builder {
             Builder::Sah | Builder::SahThreads => bvh::sah(mesh, &options, storage, &mut items),

@@ -3,7 +3,7 @@
 use super::moves::Moves;
 use super::passes::Parallel;
 use pfront_core::bvh::{
-    self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, SahItem, node_bound,
+    self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
 use pfront_core::{Bvh, Mesh, Node};
 use std::mem::take;
@@ -50,7 +50,7 @@ impl Tree {
         self.nodes.resize(node_bound(n), Node::EMPTY);
         self.order.resize(n, 0);
         self.table.clear();
-        let mut scratch = vec![SahItem::default(); n];
+        let mut scratch = vec![Node::EMPTY; n];
         let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
         let options = BuildOptions { join: parallel, ..options };
         let built = bvh::sah(mesh, &options, storage, &mut scratch);

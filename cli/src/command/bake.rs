@@ -5,7 +5,7 @@ use crate::output::{Draft, out};
 use anyhow::{Context, Result};
 use pfront::core::blob::{self, Counts};
 use pfront::core::bvh::node_bound;
-use pfront::core::bvh::{self, BuildOptions, BvhStorage, SahItem};
+use pfront::core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
 use pfront_cli::mesh::{self, MeshData};
 use std::io::Write;
@@ -51,7 +51,7 @@ fn baked(mesh: &MeshData, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
     let options = BuildOptions { leaf_size: bake.leaf_size, join: Some(&threads::join) };
     let bvh = match bake.build {
         Build::Sah => {
-            let mut scratch = vec![SahItem::default(); n];
+            let mut scratch = vec![Node::EMPTY; n];
             bvh::sah(mesh, &options, storage, &mut scratch)
         }
         Build::Morton => {

@@ -4,7 +4,7 @@ extern crate std;
 
 use super::*;
 use crate::Pose;
-use crate::bvh::{BuildOptions, BvhStorage, SahItem, morton, node_bound, sah};
+use crate::bvh::{BuildOptions, BvhStorage, morton, node_bound, sah};
 use crate::bvtt::{PairQuery, Query, SelfQuery};
 use pfront_testkit::shapes::{Soup, strip};
 use std::sync::LazyLock;
@@ -31,7 +31,7 @@ impl Owned {
         let built = if by_morton {
             morton(mesh, &options, storage, &mut vec![0; 2 * n])
         } else {
-            sah(mesh, &options, storage, &mut vec![SahItem::default(); n])
+            sah(mesh, &options, storage, &mut vec![Node::EMPTY; n])
         };
         let used = built.unwrap().nodes().len();
         nodes.truncate(used);

@@ -118,11 +118,6 @@ impl Simd for Avx {
         Self(call!(_mm256_blendv_ps(no.0, yes.0, mask.0)))
     }
     #[inline(always)]
-    fn swap_halves(self) -> Self {
-        const SWAPPED: i32 = 1;
-        Self(call!(_mm256_permute2f128_ps::<SWAPPED>(self.0, self.0)))
-    }
-    #[inline(always)]
     fn bits(mask: Mask) -> u32 {
         call!(_mm256_movemask_ps(mask.0)).cast_unsigned()
     }

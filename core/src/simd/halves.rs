@@ -71,10 +71,6 @@ impl Simd for Halves {
         Self(Vec4::select(mask.0, yes.0, no.0), Vec4::select(mask.1, yes.1, no.1))
     }
     #[inline(always)]
-    fn swap_halves(self) -> Self {
-        Self(self.1, self.0)
-    }
-    #[inline(always)]
     fn bits(mask: HalfMasks) -> u32 {
         mask.0.bitmask() | mask.1.bitmask() << 4
     }

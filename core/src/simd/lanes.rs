@@ -36,8 +36,6 @@ pub(crate) trait Simd:
     fn le(self, other: Self) -> Self::Mask;
     fn eq(self, other: Self) -> Self::Mask;
     fn select(mask: &Self::Mask, yes: Self, no: Self) -> Self;
-    /// The last half of the lanes, then the first. A single lane stays.
-    fn swap_halves(self) -> Self;
     /// One bit per lane.
     fn bits(mask: Self::Mask) -> u32;
 }
@@ -88,10 +86,6 @@ impl Simd for f32 {
     #[inline(always)]
     fn select(mask: &bool, yes: Self, no: Self) -> Self {
         if *mask { yes } else { no }
-    }
-    #[inline(always)]
-    fn swap_halves(self) -> Self {
-        self
     }
     #[inline(always)]
     fn bits(mask: bool) -> u32 {

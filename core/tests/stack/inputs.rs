@@ -1,6 +1,6 @@
 //! Meshes and BVHs on which calls take most of the stack.
 
-use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, sah};
+use pfront_core::bvh::{BuildOptions, BvhStorage, sah};
 use pfront_core::bvh::{MAX_DEPTH, node_bound};
 use pfront_core::{Bvh, Mesh, Node};
 use pfront_testkit::rng::{RngExt, seeded};
@@ -69,7 +69,7 @@ impl Tree {
     pub(crate) fn of(mesh: Mesh<'_>) -> Self {
         let count = mesh.triangles().len();
         let mut tree = Self { nodes: vec![Node::EMPTY; node_bound(count)], order: vec![0; count] };
-        let (options, mut items) = (BuildOptions::default(), vec![SahItem::default(); count]);
+        let (options, mut items) = (BuildOptions::default(), vec![Node::EMPTY; count]);
         let used = sah(mesh, &options, tree.storage(), &mut items).unwrap().nodes().len();
         tree.nodes.truncate(used);
         tree

@@ -53,7 +53,7 @@ fn build(soup: &Soup) -> [usize; 2] {
     let (mesh, count) = (mesh(soup), soup.triangles.len());
     let options = BuildOptions { leaf_size: 1, join: None };
     let mut tree = Tree { nodes: vec![Node::EMPTY; node_bound(count)], order: vec![0; count] };
-    let (mut items, mut keys) = (vec![SahItem::default(); count], vec![0; 2 * count]);
+    let (mut items, mut keys) = (vec![Node::EMPTY; count], vec![0; 2 * count]);
     let mut depth = [0; 2];
     check("sah", || depth[0] = sah(mesh, &options, tree.storage(), &mut items).unwrap().depth());
     let join: Option<&Join<'_>> = Some(&one_after_the_other);

@@ -1,7 +1,7 @@
 //! Meshes with a BVH, and frames of the scenes.
 
 use pfront_core::bvh::node_bound;
-use pfront_core::bvh::{self, BuildOptions, BvhStorage, SahItem};
+use pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use pfront_cpu::Schedule;
@@ -22,7 +22,7 @@ impl Body {
     pub(crate) fn new(mesh: TriMesh) -> Self {
         let n = mesh.triangles.len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let mut scratch = vec![SahItem::default(); n];
+        let mut scratch = vec![Node::EMPTY; n];
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let view = Mesh::new(&mesh.positions, &mesh.triangles).unwrap();
         let options = BuildOptions::default();

@@ -7,7 +7,7 @@ use crate::read::read_now;
 use crate::sequence::Sequence;
 use bytemuck::{Pod, Zeroable};
 use pfront_core::bvh::node_bound;
-use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, sah};
+use pfront_core::bvh::{BuildOptions, BvhStorage, sah};
 use pfront_core::bvtt::{PairQuery, Query};
 use pfront_core::{Aabb, Bvh, Mesh, Node, Pose};
 use pfront_scenes::torus_knot;
@@ -138,7 +138,7 @@ fn queries_take_little_more_work_than_with_the_tree_of_the_core() {
     let mesh = Mesh::new(&knot.positions, &knot.triangles).unwrap();
     let n = knot.triangles.len();
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-    let mut scratch = vec![SahItem::default(); n];
+    let mut scratch = vec![Node::EMPTY; n];
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
     let core =
         sah(mesh, &BuildOptions { leaf_size: 4, ..BuildOptions::default() }, storage, &mut scratch)

@@ -28,7 +28,7 @@ impl Both {
         let n = triangles.len();
         let mesh = Mesh::new(positions, triangles).unwrap();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
-        let mut scratch = vec![bvh::SahItem::default(); n];
+        let mut scratch = vec![Node::EMPTY; n];
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let bvh = bvh::sah(
             mesh,

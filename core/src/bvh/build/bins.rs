@@ -1,19 +1,21 @@
 //! The cheapest plane between bins of triangles, by the surface area heuristic.
 
 use super::divide::Split;
-use super::item::{LaneBox, SahItem, centre};
+use super::item::bounds;
+use crate::Node;
 use crate::aabb::Bounds;
 use crate::parallel::{GRAIN, Join, both};
-use crate::simd::{LANES, Simd, Task, widest};
+use glam::Vec3A;
 
 /// Bins per axis of a large run.
 const MAX_BINS: usize = 16;
 
-/// Maps centres to bins. Lanes are those of [`centre`]; beyond the third they mean nothing.
+/// Maps centres to bins.
 #[derive(Clone, Copy)]
 pub(super) struct Grid {
-    origin: [f32; LANES],
-    bins_per_unit: [f32; LANES],
+    origin: Vec3A,
+    /// 0 on axes across which no plane is sought.
+    bins_per_unit: Vec3A,
 }
 
 impl Grid {
@@ -21,32 +23,22 @@ impl Grid {
     pub(super) const TO_BITS: f32 = 8_388_608.0;
 
     fn new(centres: &Bounds, bins: usize) -> Self {
-        let mut grid = Self { origin: [0.0; LANES], bins_per_unit: [0.0; LANES] };
         let extent = centres.max - centres.min;
+        // A hair below `bins`, so that the last centre is not rounded up into one bin more.
+        let per_unit = Vec3A::splat(bins as f32 * 0.9999) / extent;
         // No plane is sought across an axis less than half as long as the longest: it leaves most of the area to both
         // sides, and the axis comes second even when the longest has been halved.
-        let shortest = 0.5 * extent.max_element();
-        for (axis, extent) in extent.to_array().into_iter().enumerate() {
-            grid.origin[axis] = centres.min[axis];
-            // A hair below `bins`, so that the last centre is not rounded up into one bin more.
-            let per_unit = bins as f32 * 0.9999 / extent;
-            let is_usable = per_unit <= f32::MAX && extent >= shortest;
-            grid.bins_per_unit[axis] = if is_usable { per_unit } else { 0.0 };
-        }
-        grid
-    }
-
-    /// Whether planes across an axis are sought.
-    #[inline(always)]
-    fn is_usable(&self, axis: usize) -> bool {
-        self.bins_per_unit[axis] > 0.0
+        let usable = per_unit.cmple(Vec3A::splat(f32::MAX))
+            & extent.cmpge(Vec3A::splat(0.5 * extent.max_element()));
+        let bins_per_unit = Vec3A::select(usable, per_unit, Vec3A::ZERO);
+        Self { origin: centres.min, bins_per_unit }
     }
 
     /// The bin of a centre on each axis, plus [`Grid::TO_BITS`].
     #[inline(always)]
-    pub(super) fn bins<S: Simd>(&self, centre: S) -> S {
-        let position = (centre - S::load(&self.origin, 0)) * S::load(&self.bins_per_unit, 0);
-        (position - S::splat(0.5)).max(S::splat(0.0)) + S::splat(Self::TO_BITS)
+    pub(super) fn bins(&self, centre: Vec3A) -> Vec3A {
+        let position = (centre - self.origin) * self.bins_per_unit;
+        (position - 0.5).max(Vec3A::ZERO) + Self::TO_BITS
     }
 }
 
@@ -58,13 +50,13 @@ struct Plane {
 }
 
 struct Bins {
-    boxes: [[LaneBox; MAX_BINS]; 3],
+    boxes: [[Bounds; MAX_BINS]; 3],
     counts: [[u32; MAX_BINS]; 3],
 }
 
 /// The cheapest plane with items on both sides, or `None` where the centres coincide or all areas are 0.
 pub(super) fn best_split(
-    items: &[SahItem],
+    items: &[Node],
     centres: &Bounds,
     join: Option<&Join<'_>>,
 ) -> Option<Split> {
@@ -73,18 +65,18 @@ pub(super) fn best_split(
     let grid = Grid::new(centres, count);
     let mut bins = Bins::EMPTY;
     bins.fill(items, &grid, join);
-    let usable = (0..3).filter(|&axis| grid.is_usable(axis));
+    let usable = (0..3).filter(|&axis| grid.bins_per_unit[axis] > 0.0);
     let planes = usable.map(|axis| (axis, bins.sweep(axis, count)));
     let (axis, plane) = planes.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
     (plane.cost > 0.0 && plane.cost < f64::INFINITY).then(|| Split::new(axis, grid, plane.bin))
 }
 
 impl Bins {
-    const EMPTY: Self = Self { boxes: [[LaneBox::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
+    const EMPTY: Self = Self { boxes: [[Bounds::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
 
-    fn fill(&mut self, items: &[SahItem], grid: &Grid, join: Option<&Join<'_>>) {
+    fn fill(&mut self, items: &[Node], grid: &Grid, join: Option<&Join<'_>>) {
         if items.len() <= GRAIN {
-            return widest(Fill { bins: self, items, grid });
+            return self.add(items, grid);
         }
         let ((left, right), mut other) = (items.split_at(items.len() / 2), Self::EMPTY);
         both(join, || self.fill(left, grid, join), || other.fill(right, grid, join));
@@ -96,54 +88,40 @@ impl Bins {
         }
     }
 
+    fn add(&mut self, items: &[Node], grid: &Grid) {
+        let usable = [0, 1, 2].map(|axis| grid.bins_per_unit[axis] > 0.0);
+        for item in items {
+            let bounds = bounds(item);
+            let at = grid.bins(bounds.half_centre()).to_array();
+            for axis in (0..3).filter(|&axis| usable[axis]) {
+                let bin = at[axis].to_bits() as usize % MAX_BINS;
+                self.boxes[axis][bin] = self.boxes[axis][bin].union(&bounds);
+                self.counts[axis][bin] += 1;
+            }
+        }
+    }
+
     /// The cheapest plane of one axis with items on both sides.
     fn sweep(&self, axis: usize, bins: usize) -> Plane {
         let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
         let mut right_costs = [0.0; MAX_BINS];
-        let (mut side, mut items) = (LaneBox::EMPTY, 0);
+        let (mut side, mut items) = (Bounds::EMPTY, 0);
         for bin in (1..bins).rev() {
             side = side.union(&boxes[bin]);
             items += counts[bin];
-            right_costs[bin] = side.bounds().half_area() * f64::from(items);
+            right_costs[bin] = side.half_area() * f64::from(items);
         }
         let all = items + counts[0];
         let mut best = Plane { cost: f64::INFINITY, bin: 0 };
-        (side, items) = (LaneBox::EMPTY, 0);
+        (side, items) = (Bounds::EMPTY, 0);
         for bin in 1..bins {
             side = side.union(&boxes[bin - 1]);
             items += counts[bin - 1];
-            let cost = side.bounds().half_area() * f64::from(items) + right_costs[bin];
+            let cost = side.half_area() * f64::from(items) + right_costs[bin];
             if cost < best.cost && items > 0 && items < all {
                 best = Plane { cost, bin };
             }
         }
         best
-    }
-}
-
-struct Fill<'f> {
-    bins: &'f mut Bins,
-    items: &'f [SahItem],
-    grid: &'f Grid,
-}
-
-impl Task for Fill<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self) {
-        let Self { bins, items, grid } = self;
-        let usable = [0, 1, 2].map(|axis| grid.is_usable(axis));
-        for item in items {
-            let item = item.load::<S>();
-            let mut at = [0.0; LANES];
-            grid.bins(centre(item)).store(&mut at, 0);
-            for axis in (0..3).filter(|&axis| usable[axis]) {
-                let bin = at[axis].to_bits() as usize % MAX_BINS;
-                let grown = &mut bins.boxes[axis][bin].0;
-                S::load(grown, 0).min(item).store(grown, 0);
-                bins.counts[axis][bin] += 1;
-            }
-        }
     }
 }

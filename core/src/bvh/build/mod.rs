@@ -17,7 +17,6 @@ mod sah;
 mod tests;
 mod tree;
 
-pub use item::SahItem;
 pub use morton::morton;
 pub use sah::sah;
 

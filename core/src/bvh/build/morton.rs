@@ -126,9 +126,8 @@ impl Curve<'_> {
             let mut all = Bounds::EMPTY;
             for (key, spare) in keys.iter_mut().zip(spare) {
                 let triangle = *key & INDEX;
-                let Bounds { min, max } = self.mesh.bounds(triangle as u32);
-                let centre = min * 0.25 + max * 0.25;
-                all = all.union(&Bounds { min: centre, max: centre });
+                let centre = self.mesh.bounds(triangle as u32).half_centre();
+                all = all.union(&Bounds::of(centre));
                 let [x, y, z] = centre.to_array().map(|x| u64::from(x.to_bits()));
                 (*key, *spare) = (x | y << 32, z | triangle << 32);
             }

@@ -8,17 +8,17 @@
 //! median split.
 
 use super::bins::best_split;
-use super::divide::{Centres, halve};
-use super::item::{LaneBox, SahItem};
+use super::divide::{centres, halve};
+use super::item::{bounds, item, triangle};
 use super::tree::{Divide, build};
 use super::{BuildOptions, BvhStorage};
+use crate::aabb::Bounds;
 use crate::parallel::{Join, halves};
-use crate::simd::widest;
-use crate::{Aabb, Bvh, CapacityError, Mesh};
+use crate::{Aabb, Bvh, CapacityError, Mesh, Node};
 
 /// Builds a BVH by binned SAH.
 ///
-/// `scratch` has one item a triangle.
+/// `scratch` has one node a triangle.
 ///
 /// # Errors
 /// [`CapacityError`] if `storage` has fewer order entries than there are triangles or fewer nodes than the tree,
@@ -29,12 +29,12 @@ use crate::{Aabb, Bvh, CapacityError, Mesh};
 ///
 /// # Examples
 /// ```
-/// use pfront_core::bvh::{BuildOptions, BvhStorage, SahItem, sah};
+/// use pfront_core::bvh::{BuildOptions, BvhStorage, sah};
 /// use pfront_core::{Mesh, Node};
 /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
 /// let (mut nodes, mut order) = ([Node::EMPTY; 2], [0; 1]);
 /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-/// let bvh = sah(mesh, &BuildOptions::default(), storage, &mut [SahItem::default()])?;
+/// let bvh = sah(mesh, &BuildOptions::default(), storage, &mut [Node::EMPTY])?;
 /// assert_eq!(bvh.aabb().map(|root| root.max), Some([1.0, 1.0, 0.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -42,7 +42,7 @@ pub fn sah<'a>(
     mesh: Mesh<'a>,
     options: &BuildOptions<'_>,
     storage: BvhStorage<'a>,
-    scratch: &mut [SahItem],
+    scratch: &mut [Node],
 ) -> Result<Bvh<'a>, CapacityError> {
     let count = mesh.triangles().len();
     CapacityError::check("order", count, storage.order.len())?;
@@ -51,20 +51,20 @@ pub fn sah<'a>(
     for (entry, triangle) in order.iter_mut().zip(0..) {
         *entry = triangle;
     }
-    let load = |items: &mut [SahItem], order: &mut [u32]| {
-        for (item, &mut triangle) in items.iter_mut().zip(order) {
-            *item = SahItem::new(triangle, &mesh.bounds(triangle));
+    let load = |items: &mut [Node], order: &mut [u32]| {
+        for (slot, &mut triangle) in items.iter_mut().zip(order) {
+            *slot = item(triangle, &mesh.bounds(triangle));
         }
-        widest(Centres { items })
+        centres(items)
     };
-    let centres = halves(options.join, items, order, &load, &|a, b| LaneBox::union(&a, &b));
+    let centres = halves(options.join, items, order, &load, &|a, b| Bounds::union(&a, &b));
     build(mesh, options, storage, &Sah { join: options.join }, Run { items, centres })
 }
 
 struct Run<'r> {
-    items: &'r mut [SahItem],
+    items: &'r mut [Node],
     /// The box of the items' centres.
-    centres: LaneBox,
+    centres: Bounds,
 }
 
 struct Sah<'s> {
@@ -75,18 +75,18 @@ impl Divide for Sah<'_> {
     type Run<'r> = Run<'r>;
 
     fn leaf(&self, run: &Run<'_>, order: &mut [u32]) -> Aabb {
-        let mut all = LaneBox::EMPTY;
+        let mut all = Bounds::EMPTY;
         for (entry, item) in order.iter_mut().zip(&*run.items) {
-            *entry = item.triangle();
-            all = all.union(&item.0);
+            *entry = triangle(item);
+            all = all.union(&bounds(item));
         }
-        all.bounds().into()
+        all.into()
     }
 
     // Apart, so that the bins are not on the stack of every level below.
     #[inline(never)]
     fn divide<'r>(&self, run: &'r mut Run<'_>, _: usize, free: bool) -> (usize, [Run<'r>; 2]) {
-        let centres = run.centres.bounds();
+        let centres = run.centres;
         let split = if free { best_split(run.items, &centres, self.join) } else { None };
         let divided = match split {
             Some(split) => split.divide(run.items, self.join),

@@ -16,7 +16,7 @@ fn parts_give_the_tree_of_the_whole() {
                     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
                     let options = BuildOptions { leaf_size, join: Some(join) };
                     let in_parts = if build == "sah" {
-                        sah(mesh, &options, storage, &mut vec![SahItem::default(); count]).unwrap()
+                        sah(mesh, &options, storage, &mut vec![Node::EMPTY; count]).unwrap()
                     } else {
                         let mut keys = vec![7; 2 * count];
                         morton(mesh, &options, storage, &mut keys).unwrap()
@@ -62,7 +62,7 @@ fn builds_need_no_more_nodes_than_there_are_and_say_how_many() {
                 let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
                 let options = BuildOptions { leaf_size, join };
                 let built = if by_sah {
-                    sah(mesh, &options, storage, &mut vec![SahItem::default(); count])
+                    sah(mesh, &options, storage, &mut vec![Node::EMPTY; count])
                 } else {
                     morton(mesh, &options, storage, &mut vec![0; 2 * count])
                 };

@@ -84,7 +84,7 @@ fn with_builds(mesh: Mesh<'_>, leaf_size: u32, mut visit: impl FnMut(&str, Bvh<'
     let mut nodes = vec![dirty; node_bound(count) + 3];
     let mut order = vec![u32::MAX; count + 3];
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-    let mut items = vec![SahItem::default(); count];
+    let mut items = vec![Node::EMPTY; count];
     visit("sah", sah(mesh, &options, storage, &mut items).unwrap());
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
     let mut keys = vec![u64::MAX; 2 * count];
@@ -174,7 +174,7 @@ fn a_buffer_one_short_is_an_error_that_names_the_need() {
     let run = |nodes: usize, order: usize, scratch: usize| {
         let (mut nodes, mut order) = (vec![Node::EMPTY; nodes], vec![0; order]);
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-        let by_sah = sah(mesh, &options, storage, &mut vec![SahItem::default(); scratch]).err();
+        let by_sah = sah(mesh, &options, storage, &mut vec![Node::EMPTY; scratch]).err();
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
         let by_morton = morton(mesh, &options, storage, &mut vec![0; scratch]).err();
         [by_sah, by_morton].map(|e| e.map(|e| (e.buffer, e.needed, e.capacity)))
