@@ -81,8 +81,8 @@ pub(crate) fn alone<N: Copy, Q: Query>(
     (spent, End::Complete)
 }
 
-/// What is left of a query, by its boxes. What waited longest is largest by far: all else is part of what was
-/// its like.
+/// The work that is left of a query, by its boxes. The node pairs that waited longest are the largest by far:
+/// the others are parts of node pairs that were as large.
 fn rest(query: &impl Query, cursor: &Cursor) -> f64 {
     cursor.pending().iter().take(LARGEST).map(|n| estimate(query, *n)).sum()
 }

@@ -197,12 +197,12 @@ impl Planned {
         query
     }
 
-    /// What is known of a question without looking for its size.
+    /// The knowledge of a question without looking for its size.
     fn known(question: &impl Question, want: Want) -> Known {
         Known { until_first: want == Want::Any, guess: question.guess(), size: None }
     }
 
-    /// Which ways there are for a question.
+    /// The ways that there are for a question.
     fn offer(&self, question: &impl Question, want: Want) -> Offer {
         let (gpu, gpu_upkeep) = self.gpu(question);
         Offer {

@@ -1,4 +1,4 @@
-//! What is asked of the models of a frame.
+//! Questions about the models of a frame.
 
 use crate::model::Stamp;
 use crate::{Accuracy, Adjacency, Error, Model, Pose, core};
@@ -87,7 +87,7 @@ impl Question for OfTwo<'_> {
         a.saturating_mul(b) <= SMALL || self.query.root().is_none()
     }
 
-    /// That depends on how they lie.
+    /// `None`: the work depends on how the models lie.
     fn guess(&self) -> Option<f64> {
         None
     }

@@ -10,7 +10,7 @@ use crate::threads::Traversal;
 use pfront_core::bvtt::{Query, TrianglePair};
 use std::ops::ControlFlow;
 
-/// What is wanted of an answer.
+/// The verbs of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Want {
     All,
@@ -32,7 +32,7 @@ impl<T> Default for Given<T> {
 }
 
 impl<T> Given<T> {
-    /// Of all, in order.
+    /// The answer to `all`: a list in order.
     pub(crate) fn listed(list: &[T]) -> Self
     where
         T: Copy,
@@ -44,7 +44,7 @@ impl<T> Given<T> {
         Self { count, first: None }
     }
 
-    /// Of the first.
+    /// The answer to `any`: the first pair found.
     pub(crate) fn found(first: Option<T>) -> Self {
         Self { count: u64::from(first.is_some()), first }
     }

@@ -50,7 +50,7 @@ impl Model {
     /// [`Model::set_positions`] that leaves the BVH alone until it is asked for, as a query on a GPU never
     /// does.
     ///
-    /// Whoever asks first then refits it on his own thread; [`Model::fit`] and `Model::fit_with_threads` do
+    /// The first query refits it then on its own thread; [`Model::fit`] and `Model::fit_with_threads` do
     /// it ahead of time. If the quality figure has grown too much by then, these rebuild the BVH; else the
     /// refit after the next call of this is a rebuild, and the [`Model::stamp`] says so from that call on.
     ///

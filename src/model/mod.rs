@@ -154,8 +154,8 @@ impl Model {
         *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))
     }
 
-    /// Which mesh, BVH and positions these are: what is equal to an earlier stamp need not be looked at
-    /// again.
+    /// Numbers that tell this mesh, BVH and positions from all others: what is equal to an earlier stamp need not be
+    /// looked at again.
     ///
     /// # Complexity
     /// O(1).

@@ -1,4 +1,4 @@
-//! Which vertices have moved, as long as these are few.
+//! The vertices that have moved, as long as these are few.
 
 use pfront_core::bvh::{Moved, mark_moved};
 

@@ -28,24 +28,24 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// Of a mesh that no other has been.
+    /// The stamp of a mesh that differs from all before.
     pub(super) fn new() -> Self {
         Self { mesh: next(), tree: next(), positions: next() }
     }
 
-    /// Which triangles over how many vertices.
+    /// Number of the triangles and of how many vertices there are.
     #[must_use]
     pub fn mesh(self) -> u64 {
         self.mesh
     }
 
-    /// Which nodes in which order, but for their boxes: a build changes it, a refit does not.
+    /// Number of the nodes and their order, but for their boxes: a build changes it, a refit does not.
     #[must_use]
     pub fn tree(self) -> u64 {
         self.tree
     }
 
-    /// Which positions: a build does not change it.
+    /// Number of the positions: a build does not change it.
     #[must_use]
     pub fn positions(self) -> u64 {
         self.positions

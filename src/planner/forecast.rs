@@ -25,7 +25,7 @@ pub(super) struct Forecast {
     last: Option<Past>,
     /// How far one cost is from the next on average, on the logarithm's scale.
     surprise: f64,
-    /// Of estimates, on that scale; `None` before there was one.
+    /// Bias of estimates, on that scale; `None` before there was one.
     bias: Option<f64>,
 }
 

@@ -16,7 +16,7 @@ pub(super) struct Last {
 }
 
 impl Last {
-    /// One that has only been decided about.
+    /// A frame that has been decided about and not yet answered.
     pub(super) fn new(choice: Choice, reason: Reason) -> Self {
         let (backend, actual) = (choice.way.into(), Duration::ZERO);
         Self { backend, reason, choice, cost: None, actual, concession: None }

@@ -102,7 +102,7 @@ struct Choices {
     limits: Limits,
     #[cfg(feature = "threads")]
     traversal: Option<Traversal>,
-    /// One that the machine was measured with, and how it is best used.
+    /// The GPU that the machine was measured with, and how it is best used.
     #[cfg(feature = "gpu")]
     gpu: Option<(Gpu, gpu::Settings)>,
 }

@@ -86,7 +86,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Of what is too small to think about.
+    /// The plan of a question that is too small to plan.
     pub(crate) const SMALL: Self = Self {
         backend: Backend::Sequential,
         reason: Reason::Small,
@@ -102,7 +102,7 @@ impl Plan {
 }
 
 impl Default for Plan {
-    /// Of a question that is too small to think about.
+    /// The plan of a question that is too small to plan.
     fn default() -> Self {
         Self::SMALL
     }

@@ -51,7 +51,7 @@ impl Body {
         Some(self.bounds?.0)
     }
 
-    /// That box and a sphere of which the same is true.
+    /// The box of [`Self::aabb`], and a sphere that contains every posed vertex too.
     pub(super) fn bounds(&self) -> Option<(Aabb, Sphere)> {
         self.bounds
     }
@@ -81,7 +81,7 @@ pub(super) struct Bodies {
     known: Vec<(BodyId, u64)>,
     bodies: Vec<Option<Body>>,
     live: usize,
-    /// Of all of them together.
+    /// Triangles of all bodies together.
     triangles: usize,
     vertices: usize,
     next: u64,
@@ -107,7 +107,7 @@ impl Bodies {
         [self.triangles, self.vertices]
     }
 
-    /// Of the last change; 0 before any.
+    /// Time of the last change; 0 before any.
     pub(super) fn time(&self) -> u64 {
         self.time
     }

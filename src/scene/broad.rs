@@ -146,7 +146,7 @@ impl Broad {
         &self.pairs
     }
 
-    /// Those of which a body has changed since, if they are a list of their own.
+    /// Pairs with a body that has changed since, if they are a list of their own.
     pub(super) fn changed_since(&self, since: u64) -> Option<&[Places]> {
         match since {
             0 => Some(&self.pairs),

@@ -11,7 +11,7 @@ pub(super) struct Frame<'s> {
     pub(super) accuracy: Accuracy,
     pub(super) bodies: &'s Bodies,
     pairs: &'s [Places],
-    /// Of which those are not asked about each other that have not changed since, if there is a number.
+    /// If there is a number, a pair of bodies that have both not changed since is not asked about.
     since: Option<u64>,
 }
 

@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, BodyId};
 use super::{Contact, SceneHit};
 
-/// What is said of two bodies.
+/// An answer about two bodies.
 pub(super) trait OfTwo: Copy {
     fn bodies(&self) -> [BodyId; 2];
 }
@@ -50,13 +50,13 @@ impl<T: OfTwo> Kept<T> {
         self.at = 0;
     }
 
-    /// What is said of bodies that are there and have not changed since, a piece for each two.
+    /// Answers about bodies that are there and have not changed since, a piece for each two.
     pub(super) fn still_true(&self, bodies: &Bodies) -> impl Iterator<Item = &[T]> {
         let pieces = self.list.chunk_by(|x, y| x.bodies() == y.bodies());
         pieces.filter(|piece| bodies.changed(piece[0].bodies()) <= self.at)
     }
 
-    /// What is in the list is not to be relied on in the next frame.
+    /// Makes the next frame rely on nothing in the list.
     pub(super) fn distrust(&mut self) {
         self.at = 0;
     }

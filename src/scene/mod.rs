@@ -97,7 +97,7 @@ pub struct SceneQuery {
     broad: Broad,
     hits: Kept<SceneHit>,
     contacts: Kept<(SceneHit, Contact)>,
-    /// Those of the bodies that have changed.
+    /// Hits and contacts of the bodies that have changed.
     new_hits: Vec<SceneHit>,
     new_contacts: Vec<(SceneHit, Contact)>,
     asker: Asker,

@@ -239,7 +239,7 @@ impl Planned {
         false
     }
 
-    /// Which ways there are.
+    /// The ways that there are.
     fn offer(&self, accuracy: Accuracy, bodies: &Bodies, known: Known) -> Offer {
         let (gpu, gpu_upkeep) = self.gpu(accuracy, bodies);
         Offer {

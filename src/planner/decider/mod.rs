@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug)]
 pub(crate) struct Decider {
     planner: Planner,
-    /// Of whole answers, and of those that stop at the first pair.
+    /// Histories of whole answers, and of those that stop at the first pair.
     histories: [History; 2],
     /// The history of the last question.
     asked: usize,
@@ -76,7 +76,7 @@ impl Decider {
         &self.planner
     }
 
-    /// Of the last frame, once there was one.
+    /// The plan of the last frame, once there was one.
     pub(crate) fn plan(&self) -> Option<Plan> {
         let plan = match self.untimed {
             Some((backend, reason, cost)) => Plan { backend, reason, cost, ..Plan::SMALL },

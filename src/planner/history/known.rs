@@ -1,4 +1,4 @@
-//! What is known of a way.
+//! The knowledge of each way.
 
 /// Weight of the last frame in what is known of a way.
 const WEIGHT: f64 = 0.25;
@@ -37,7 +37,7 @@ impl Ratio {
     }
 }
 
-/// What is known of one way.
+/// The knowledge of one way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OfWay {
     pub(super) ratio: Ratio,

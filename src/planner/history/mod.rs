@@ -23,7 +23,7 @@ use way::{ALONE, GPU, WAYS};
 const BRIEF: f64 = 2.0;
 /// An unknown question is looked at after this part of that.
 const LOOK: f64 = 0.08;
-/// One that ends with the first pair is looked at after so many times that.
+/// A question that ends with the first pair is looked at after so many times that.
 const PATIENCE: f64 = 4.0;
 /// It is looked at again when it has cost so many times as much.
 const AGAIN: f64 = 3.0;
@@ -47,7 +47,7 @@ const FRAMES: f64 = 1.0;
 const FRAMES_OF_MOTION: f64 = 4.0;
 /// Numbers of threads that are told apart.
 const NUMBERS: usize = 9;
-/// One that was not tried is hoped to be so much better than thought, so that it is.
+/// A way that was not tried yet counts as this much of its prediction, so that it is tried.
 const UNTRIED: f64 = 0.8;
 /// Another number of threads has to be so much better.
 const OTHER_NUMBER: f64 = 0.93;

@@ -1,4 +1,4 @@
-//! What is offered, what is decided, and what it came to.
+//! Offers of ways, decisions among them, and their outcome.
 
 /// A way to answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +24,7 @@ impl Way {
     }
 }
 
-/// Which ways there are for a question.
+/// The ways that there are for a question.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Offer {
     /// The most threads; 1 if there are no others.
@@ -37,7 +37,7 @@ pub(crate) struct Offer {
     pub(crate) known: Known,
     /// Whether vertices have been moved for it.
     pub(crate) moves: bool,
-    /// Of how many queries it consists.
+    /// The number of queries that it consists of.
     pub(crate) queries: usize,
     /// What has to be done first on the CPU in each frame, in nanoseconds, unless the GPU does it.
     pub(crate) upkeep: f64,
@@ -45,7 +45,7 @@ pub(crate) struct Offer {
     pub(crate) unmade: f64,
 }
 
-/// What is decided.
+/// A decision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice {
     pub(crate) way: Way,
@@ -53,7 +53,7 @@ pub(crate) struct Choice {
     pub(crate) alone_until: Option<f64>,
     /// Expected box tests.
     pub(crate) expected: Option<f64>,
-    /// Those of the offer.
+    /// `gpu_upkeep` and `known` of the offer.
     pub(crate) gpu_upkeep: f64,
     pub(crate) known: Known,
     /// Predicted nanoseconds of each way.
@@ -88,7 +88,7 @@ impl Choice {
     }
 }
 
-/// What is known of a question before anybody begins.
+/// The knowledge of a question before work begins.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Known {
     /// Whether the first pair will do.
@@ -131,13 +131,13 @@ pub(crate) struct Look {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Frame {
     pub(crate) nanoseconds: f64,
-    /// Of which not for the question itself: a refit before it, and what was begun in vain.
+    /// The part that was not for the question itself: a refit before it, and work begun in vain.
     pub(crate) beside: f64,
-    /// That of the offer.
+    /// `gpu_upkeep` of the offer.
     pub(crate) gpu_upkeep: f64,
     pub(crate) cost: Option<f64>,
     pub(crate) leaf_pairs: Option<u32>,
-    /// That of the offer.
+    /// `known` of the offer.
     pub(crate) known: Known,
     /// The first look at it.
     pub(crate) look: Option<Look>,
