@@ -28,8 +28,8 @@ pub(super) struct PairSets {
 }
 
 impl TriangleBlock {
-    /// Tests the `allowed` pairs with the triangles of `other`. `SELF` if both blocks are of one mesh; then nothing but
-    /// boxes may decide.
+    /// Tests the `allowed` pairs with the triangles of `other`; `SELF` if both blocks are of one mesh. Then, with
+    /// `boxes_only`, no pair whose boxes overlap is rejected.
     #[inline(always)]
     pub(super) fn cull<S: Simd, const SELF: bool>(
         &self,
@@ -176,8 +176,8 @@ impl<S: Simd> Planes<S> {
     /// Lanes in which this plane certainly has all corners of the other triangle strictly on one side; with `SELF`, all
     /// corners that the two triangles do not share, of which there must be one.
     ///
-    /// The height of a corner over the plane is the determinant of [`crate::exact::filter32`], and certain when it
-    /// exceeds the error bound stated there.
+    /// The height of a corner over the plane, times the length of the normal, is the determinant of
+    /// [`crate::exact::filter32`]. Its sign is certain when it reaches the error bound stated there.
     #[inline(always)]
     fn separate<const SELF: bool>(&self, other: &Self) -> u32 {
         let (infinity, minus_infinity) = (S::splat(f32::INFINITY), S::splat(f32::NEG_INFINITY));

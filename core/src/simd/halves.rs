@@ -1,4 +1,4 @@
-//! Eight floats in two vectors of four, for every processor that has vector registers.
+//! Eight floats in two vectors of four, for processors without AVX2.
 
 use super::lanes::{LANES, Simd};
 use core::ops::{Add, BitAnd, BitOr, Mul, Sub};

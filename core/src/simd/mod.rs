@@ -7,7 +7,8 @@
 //! layout in memory would save the loading, but take twice the memory and a pass after every refit, and a traversal
 //! could not start from any node of a front.
 //!
-//! The code is written once over [`Simd`], and compiled twice where AVX2 is detected at run time (`avx2`).
+//! The code is written once over [`Simd`] (`lanes`), and compiled twice where AVX2 is detected at run time: over one
+//! register of eight floats (`avx2`), and over two of four (`halves`). Processors without vector registers have one lane.
 
 #[cfg(all(target_arch = "x86_64", any(feature = "std", target_feature = "avx2")))]
 mod avx2;

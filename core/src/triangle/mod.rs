@@ -102,7 +102,8 @@ pub(crate) fn intersects_by(test: Option<InexactTest>, a: &Triangle, b: &Triangl
 }
 
 /// [`intersects`] at the accuracy `Exact`.
-#[inline]
+#[cfg_attr(not(target_os = "none"), inline)]
+#[cfg_attr(target_os = "none", inline(never))] // Firmware has little room for code.
 fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
     triangles_intersect::<CertifiedF32>(a, b).unwrap_or_else(|| {
         // Faces that lie flush often do so across an axis, which takes no sign to see.
