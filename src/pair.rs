@@ -79,7 +79,7 @@ impl PairQuery {
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
-        Some(self.answer.traversal.as_ref()?.report())
+        Some(&self.answer.traversal.as_ref()?.report)
     }
 
     /// The same by a [`Planner`]: the query decides for itself, from frame to frame, who answers. The answers

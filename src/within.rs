@@ -70,7 +70,7 @@ impl SelfQuery {
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
-        Some(self.answer.traversal.as_ref()?.report())
+        Some(&self.answer.traversal.as_ref()?.report)
     }
 
     /// The same by a [`Planner`]; see [`crate::PairQuery::with_planner`].

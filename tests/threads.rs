@@ -79,29 +79,30 @@ fn compact_models() {
     let (a, b) = (model(0), model(1));
     let (small, least) = (Compact::of(a.bvh()), Compact::of(b.bvh()));
     let (small, least) = (small.bvh(a.mesh()), least.bvh(b.mesh()));
-    let (mut poses, mut found, mut truth) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut poses, mut found, mut truth) =
+        (Vec::new(), Vec::<bvtt::TrianglePair>::new(), Vec::new());
     let aside = Pose::new([[0.6, -0.8, 0.0, 0.3], [0.8, 0.6, 0.0, -2.0], [0.0, 0.0, 1.0, 0.1]]);
     for mut traversal in traversals() {
         for frame in 0..3 {
             scene.poses(frame, &mut poses);
             let pose = Pose::new(poses[1]);
             let query = bvtt::PairQuery::new(small, least, pose).unwrap();
-            traversal.all(&query, &mut found);
+            traversal.all(&[query], &mut found);
             assert_eq!(found, PairQuery::new().all(&a, &b, &pose).unwrap());
 
             let here = PosedBvh::new(a.bvh(), &aside).unwrap();
             traversal.all(
-                &bvtt::PairQuery::in_world(here, PosedBvh::new(b.bvh(), &pose).unwrap()),
+                &[bvtt::PairQuery::in_world(here, PosedBvh::new(b.bvh(), &pose).unwrap())],
                 &mut truth,
             );
             let there = PosedBvh::new(least, &pose).unwrap();
-            traversal.all(&bvtt::PairQuery::in_world(here, there), &mut found);
+            traversal.all(&[bvtt::PairQuery::in_world(here, there)], &mut found);
             assert_eq!(found, truth);
             let here = PosedBvh::new(small, &aside).unwrap();
-            traversal.all(&bvtt::PairQuery::in_world(here, there), &mut found);
+            traversal.all(&[bvtt::PairQuery::in_world(here, there)], &mut found);
             assert!(found == truth && !truth.is_empty());
         }
-        traversal.all(&bvtt::SelfQuery::new(small), &mut found);
+        traversal.all(&[bvtt::SelfQuery::new(small)], &mut found);
         assert_eq!(found, SelfQuery::new().all(&a));
     }
 }

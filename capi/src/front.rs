@@ -15,7 +15,7 @@ use crate::query::{Asked, pfront_query_t};
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::mem::offset_of;
-use pfront_core::bvtt::Query;
+use pfront_core::bvtt::{Query, Work};
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 
 /// What a triangle test costs, in box tests, as measured on x86-64.
@@ -51,6 +51,7 @@ pub struct pfront_part_t {
 }
 
 const _: () = {
+    assert!(PFRONT_TRIANGLE_COST as f64 == Work::TRIANGLE_COST);
     assert!(size_of::<pfront_front_node_t>() == size_of::<FrontNode>());
     assert!(align_of::<pfront_front_node_t>() == align_of::<FrontNode>());
     assert!(offset_of!(pfront_front_node_t, cost) == offset_of!(FrontNode, cost));

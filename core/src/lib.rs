@@ -142,8 +142,7 @@
 //!                 pairs += 1;
 //!                 ControlFlow::Continue(())
 //!             });
-//!             let Work { box_tests, triangle_tests } = cursor.work;
-//!             node.cost = 1.0 + box_tests as f32 + 6.5 * triangle_tests as f32;
+//!             node.cost = 1.0 + cursor.work.cost() as f32;
 //!         }
 //!     }
 //!     assert_eq!(pairs, query.count());

@@ -18,10 +18,10 @@
 //! # let mut scratch = [0; 2];
 //! # let bvh = morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
 //! let mut traversal = Traversal::new(8);
-//! let mut pairs = Vec::new();
+//! let mut pairs = Vec::<bvtt::TrianglePair>::new();
 //! for frame in 0..3 {
 //!     let pose = Pose::from_translation([0.1 * frame as f32, 0.0, 0.0]);
-//!     traversal.all(&PairQuery::new(bvh, bvh, pose)?, &mut pairs);
+//!     traversal.all(&[PairQuery::new(bvh, bvh, pose)?], &mut pairs);
 //!     assert_eq!(pairs.len(), 1);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -34,6 +34,7 @@
 
 mod build;
 mod control;
+mod frame;
 mod front;
 mod output;
 mod report;
@@ -45,5 +46,5 @@ mod workers;
 pub use build::join;
 pub use output::Hit;
 pub use report::{Report, Share};
-pub use settings::{Schedule, Settings, TRIANGLE_COST};
-pub use traversal::{MAX_WORKERS, Traversal, current_threads};
+pub use settings::{Schedule, Settings};
+pub use traversal::{MAX_WORKERS, Traversal};

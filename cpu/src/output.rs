@@ -15,20 +15,13 @@ pub struct Hit {
 /// The output of one thread.
 pub(crate) trait Output: Send {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()>;
-
-    /// Whether nothing has been put into it.
-    fn is_empty(&self) -> bool;
 }
 
-impl<T: Element> Output for Vec<T> {
+impl<T: Item> Output for Vec<T> {
     #[inline]
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         self.push(T::new(query, pair));
         ControlFlow::Continue(())
-    }
-
-    fn is_empty(&self) -> bool {
-        self.is_empty()
     }
 }
 
@@ -38,20 +31,12 @@ impl Output for u64 {
         *self += 1;
         ControlFlow::Continue(())
     }
-
-    fn is_empty(&self) -> bool {
-        *self == 0
-    }
 }
 
 impl Output for Option<Hit> {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         *self = Some(Hit { query, pair });
         ControlFlow::Break(())
-    }
-
-    fn is_empty(&self) -> bool {
-        self.is_none()
     }
 }
 
@@ -62,23 +47,32 @@ impl<V: Fn(Hit) -> ControlFlow<()> + Sync> Output for Visitor<'_, V> {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         (self.0)(Hit { query, pair })
     }
-
-    fn is_empty(&self) -> bool {
-        true
-    }
 }
 
-/// An element of an answer.
-pub(crate) trait Element: Copy + Default + Ord + Send {
+/// Lists of an answer's parts, one for each thread, whose memory is kept from frame to frame.
+#[derive(Clone, Debug, Default)]
+pub struct Storage {
+    pairs: Vec<Vec<TrianglePair>>,
+    hits: Vec<Vec<Hit>>,
+}
+
+/// An item of an answer: a triangle pair, or a hit, which tells the query too.
+pub trait Item: Copy + Default + Ord + Send {
     fn new(query: u32, pair: TrianglePair) -> Self;
+
+    fn storage(storage: &mut Storage) -> &mut Vec<Vec<Self>>;
 
     /// A number that sorts as the element does.
     fn key(&self) -> u128;
 }
 
-impl Element for TrianglePair {
+impl Item for TrianglePair {
     fn new(_: u32, pair: TrianglePair) -> Self {
         pair
+    }
+
+    fn storage(storage: &mut Storage) -> &mut Vec<Vec<Self>> {
+        &mut storage.pairs
     }
 
     #[inline]
@@ -87,9 +81,13 @@ impl Element for TrianglePair {
     }
 }
 
-impl Element for Hit {
+impl Item for Hit {
     fn new(query: u32, pair: TrianglePair) -> Self {
         Self { query, pair }
+    }
+
+    fn storage(storage: &mut Storage) -> &mut Vec<Vec<Self>> {
+        &mut storage.hits
     }
 
     #[inline]
@@ -103,11 +101,11 @@ pub(crate) fn is_worth_threads(len: usize, threads: usize) -> bool {
     len >= 1 << 16 && threads >= 8
 }
 
-/// Shorter lists are sorted by comparison.
+/// Shorter storage are sorted by comparison.
 const RADIX_FROM: usize = 512;
 
 /// Sorts an answer.
-pub(crate) fn sort<T: Element>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
+pub(crate) fn sort<T: Item>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
     if items.len() < RADIX_FROM {
         items.sort_unstable();
     } else {
@@ -116,7 +114,7 @@ pub(crate) fn sort<T: Element>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
 }
 
 /// Sorts by one byte of the key after the other, from the least on, leaving out those in which all keys agree.
-fn radix_sort<T: Element>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
+fn radix_sort<T: Item>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
     let bits = |(any, all), item: &T| (any | item.key(), all & item.key());
     let (any, all) = items.iter().fold((0, u128::MAX), bits);
     scratch.resize(items.len(), T::default());

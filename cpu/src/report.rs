@@ -23,8 +23,6 @@ pub struct Report {
     pub shares: Vec<Share>,
     /// Whether the deadline came before the end.
     pub late: bool,
-    /// The k that costs are counted with.
-    pub triangle_cost: f32,
     /// The outcome of refinement: its certificate, and whether the costs of the last frame were used. Its box tests
     /// are not part of the shares.
     pub front: FrontReport,
@@ -48,18 +46,9 @@ impl Report {
         if self.nodes == 0 && !self.shares.is_empty() {
             return f64::NAN;
         }
-        self.busiest_over_mean(|share| self.cost(share.work))
-    }
-
-    /// The imbalance that the partition was predicted to have.
-    #[must_use]
-    pub fn predicted_imbalance(&self) -> f64 {
-        self.busiest_over_mean(|share| share.predicted)
-    }
-
-    fn busiest_over_mean(&self, cost: impl Fn(&Share) -> f64) -> f64 {
-        let total: f64 = self.shares.iter().map(&cost).sum();
-        let busiest = self.shares.iter().map(&cost).fold(0.0, f64::max);
+        let costs = || self.shares.iter().map(|share| share.work.cost());
+        let total: f64 = costs().sum();
+        let busiest = costs().fold(0.0, f64::max);
         if total > 0.0 { busiest * self.shares.len() as f64 / total } else { 1.0 }
     }
 
@@ -69,12 +58,6 @@ impl Report {
         let front = Work { box_tests: self.front.box_tests, triangle_tests: 0 };
         let shares = self.shares.iter().map(|share| share.work);
         shares.chain([self.alone]).fold(front, sum)
-    }
-
-    /// Work as one figure, in box tests.
-    #[must_use]
-    pub fn cost(&self, work: Work) -> f64 {
-        work.box_tests as f64 + f64::from(self.triangle_cost) * work.triangle_tests as f64
     }
 
     /// Adds a frame that continues this one: counts and durations are summed, maxima are kept of values
@@ -102,7 +85,7 @@ impl Report {
     }
 }
 
-fn sum(one: Work, other: Work) -> Work {
+pub(crate) fn sum(one: Work, other: Work) -> Work {
     Work {
         box_tests: one.box_tests + other.box_tests,
         triangle_tests: one.triangle_tests + other.triangle_tests,

@@ -13,9 +13,6 @@ pub enum Schedule {
     Hybrid,
 }
 
-/// The cost of a triangle test in box tests by default; measured on x86-64.
-pub const TRIANGLE_COST: f32 = 6.5;
-
 /// Settings of a [`Traversal`](crate::Traversal).
 ///
 /// # Examples
@@ -31,9 +28,6 @@ pub struct Settings {
     /// The g of eq. 1, 8 by default: no node of a front that can be split costs more than 1/g of the mean load of a worker.
     /// Under [`Schedule::Static`] nodes whose cost is an estimate are six times as fine.
     pub g: f64,
-    /// The k of |n| = m1 + k·m2: what a triangle test costs, in box tests. A constant by default, [`TRIANGLE_COST`],
-    /// so that fronts and all that a [`Report`](crate::Report) counts are the same everywhere.
-    pub triangle_cost: f32,
     /// Whether the costs of the last frame are used. Without them each frame is independent, as in
     /// section 3.2.2.
     pub coherence: bool,
@@ -43,12 +37,6 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            schedule: Schedule::default(),
-            g: 8.0,
-            triangle_cost: TRIANGLE_COST,
-            coherence: true,
-            max_nodes: 1 << 20,
-        }
+        Self { schedule: Schedule::default(), g: 8.0, coherence: true, max_nodes: 1 << 20 }
     }
 }

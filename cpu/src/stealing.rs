@@ -3,43 +3,47 @@
 use crate::control::Control;
 use crate::front::Start;
 use crate::output::Output;
+use crate::report::sum;
 use pfront_core::bvtt::{Cursor, NodePair, Query, Work};
-use std::collections::LinkedList;
+use std::sync::{Mutex, PoisonError};
 
 /// A node pair with at most this many triangles below both sides together is traversed as a whole.
 const CUT_OFF: u64 = 512;
 
 /// A traversal by stealing.
-pub(crate) struct Stealing<'s, Q, N> {
-    pub(crate) queries: &'s [Q],
-    pub(crate) new_output: N,
-    pub(crate) control: &'s Control,
+pub(crate) struct Stealing<'s, Q, N, O> {
+    queries: &'s [Q],
+    new_output: N,
+    control: &'s Control,
+    /// An output for each subtree that was traversed as a whole, and all work.
+    found: Mutex<(Vec<O>, Work)>,
 }
 
-/// The outputs and the work of a subtree. Lists are appended in O(1), so nothing is copied on the way up.
-pub(crate) struct Found<O> {
-    pub(crate) outputs: LinkedList<O>,
-    pub(crate) work: Work,
-}
+impl<'s, Q: Query + Sync, O: Output, N: Fn() -> O + Sync> Stealing<'s, Q, N, O> {
+    pub(crate) fn new(queries: &'s [Q], new_output: N, control: &'s Control) -> Self {
+        Self { queries, new_output, control, found: Mutex::default() }
+    }
 
-impl<Q: Query + Sync, O: Output, N: Fn() -> O + Sync> Stealing<'_, Q, N> {
-    /// All that lies below `starts`, by halves.
-    pub(crate) fn run(&self, starts: &[Start]) -> Found<O> {
+    pub(crate) fn found(self) -> (Vec<O>, Work) {
+        self.found.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Traverses all that lies below `starts`, by halves.
+    pub(crate) fn run(&self, starts: &[Start]) {
         match starts {
-            [] => Found { outputs: LinkedList::new(), work: Work::default() },
+            [] => (),
             [one] => self.node(*one),
             _ => {
                 let (left, right) = starts.split_at(starts.len() / 2);
-                let (left, right) = rayon::join(|| self.run(left), || self.run(right));
-                left.and(right)
+                rayon::join(|| self.run(left), || self.run(right));
             }
         }
     }
 
-    fn node(&self, start: Start) -> Found<O> {
+    fn node(&self, start: Start) {
         let query = &self.queries[start.query as usize];
         if self.control.is_over() {
-            return self.run(&[]);
+            return;
         }
         let [a, b] = query.triangles_below(start.pair).map(u64::from);
         let (mut children, mut count) = ([start; 4], 0);
@@ -55,23 +59,16 @@ impl<Q: Query + Sync, O: Output, N: Fn() -> O + Sync> Stealing<'_, Q, N> {
         if tests == 0 {
             let (mut output, mut cursor) = ((self.new_output)(), Cursor::at(start.pair));
             self.control.traverse(query, start.query, &mut cursor, &mut output, u64::MAX);
-            let mut found = Found { outputs: LinkedList::new(), work: cursor.work };
-            if !output.is_empty() {
-                found.outputs.push_back(output);
-            }
-            return found;
+            self.add(cursor.work, Some(output));
+        } else {
+            self.add(Work { box_tests: tests.into(), triangle_tests: 0 }, None);
+            self.run(&children[..count]);
         }
-        let mut found = self.run(&children[..count]);
-        found.work.box_tests += u64::from(tests);
-        found
     }
-}
 
-impl<O> Found<O> {
-    fn and(mut self, mut other: Self) -> Self {
-        self.outputs.append(&mut other.outputs);
-        self.work.box_tests += other.work.box_tests;
-        self.work.triangle_tests += other.work.triangle_tests;
-        self
+    fn add(&self, work: Work, output: Option<O>) {
+        let mut found = self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        found.0.extend(output);
+        found.1 = sum(found.1, work);
     }
 }

@@ -42,7 +42,6 @@ pub(crate) struct Frame<'f, Q> {
     pub(crate) queries: &'f [Q],
     pub(crate) nodes: &'f [FrontNode],
     pub(crate) schedule: Schedule,
-    pub(crate) triangle_cost: f32,
     pub(crate) control: &'f Control,
 }
 
@@ -114,7 +113,7 @@ impl Workers {
         worker: usize,
         output: &mut impl Output,
     ) {
-        let Frame { queries, nodes, triangle_cost, control, .. } = *frame;
+        let Frame { queries, nodes, control, .. } = *frame;
         let (part, worker) = (&self.parts[part], &self.parts[worker]);
         while !control.is_over()
             && let Some(&position) = part.nodes.get(part.begun.fetch_add(1, Relaxed))
@@ -123,11 +122,10 @@ impl Workers {
             let mut cursor = Cursor::at(node.pair);
             let query = &queries[node.query as usize];
             control.traverse(query, node.query, &mut cursor, output, u64::MAX);
-            let Work { box_tests, triangle_tests } = cursor.work;
-            worker.box_tests.fetch_add(box_tests, Relaxed);
-            worker.triangle_tests.fetch_add(triangle_tests, Relaxed);
+            worker.box_tests.fetch_add(cursor.work.box_tests, Relaxed);
+            worker.triangle_tests.fetch_add(cursor.work.triangle_tests, Relaxed);
             // To look at the node at all costs a test.
-            let cost = 1.0 + box_tests as f32 + triangle_cost * triangle_tests as f32;
+            let cost = 1.0 + cursor.work.cost() as f32;
             self.costs[position as usize].store(cost.to_bits(), Relaxed);
         }
     }

@@ -1,6 +1,5 @@
 //! Answering on the calling thread, within limits.
 
-use crate::planner::TRIANGLE_COST;
 use pfront_core::bvtt::{Cursor, Query, TrianglePair, Work};
 use pfront_core::front::estimate;
 use std::ops::ControlFlow;
@@ -68,15 +67,15 @@ pub(crate) fn alone<N: Copy, Q: Query>(
                 }
             }
             // All of them could be triangle tests.
-            let left = (leash.cost - spent) / f64::from(TRIANGLE_COST);
+            let left = (leash.cost - spent) / Work::TRIANGLE_COST;
             let step = (left as u64).clamp(STEP, most);
             let stopped = query.step(&mut cursor, step, |pair| found(name, pair)).is_break();
-            spent = before + cost(cursor.work);
+            spent = before + cursor.work.cost();
             if stopped {
                 return (spent, End::Complete);
             }
         }
-        spent = before + cost(cursor.work);
+        spent = before + cursor.work.cost();
     }
     (spent, End::Complete)
 }
@@ -85,9 +84,4 @@ pub(crate) fn alone<N: Copy, Q: Query>(
 /// the others are parts of node pairs that were as large.
 fn rest(query: &impl Query, cursor: &Cursor) -> f64 {
     cursor.pending().iter().take(LARGEST).map(|n| estimate(query, *n)).sum()
-}
-
-/// As one figure, in box tests.
-pub(crate) fn cost(work: Work) -> f64 {
-    work.box_tests as f64 + f64::from(TRIANGLE_COST) * work.triangle_tests as f64
 }

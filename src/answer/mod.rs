@@ -9,8 +9,6 @@ mod planned;
 mod question;
 mod ways;
 
-#[cfg(feature = "threads")]
-pub(crate) use alone::cost;
 pub(crate) use alone::{End, Leash, alone};
 pub(crate) use question::{OfOne, OfTwo, Question};
 pub(crate) use ways::{Given, Outcome, Want};
@@ -21,6 +19,8 @@ use pfront_core::bvtt::{Query, TrianglePair};
 use pfront_core::triangle::Contact;
 use planned::Planned;
 use std::ops::ControlFlow;
+#[cfg(feature = "threads")]
+use std::slice::from_ref;
 use ways::on_one;
 
 #[derive(Clone, Debug, Default)]
@@ -117,7 +117,7 @@ impl Answer {
         let query = &question.query(question.accuracy());
         #[cfg(feature = "threads")]
         if let Some(traversal) = &mut self.traversal {
-            traversal.all(query, &mut self.pairs);
+            traversal.all(from_ref(query), &mut self.pairs);
             return &self.pairs;
         }
         self.pairs.clear();
@@ -137,7 +137,7 @@ impl Answer {
         let query = &question.query(question.accuracy());
         #[cfg(feature = "threads")]
         if let Some(traversal) = &mut self.traversal {
-            return traversal.count(query);
+            return traversal.count(from_ref(query));
         }
         query.count()
     }
@@ -150,7 +150,7 @@ impl Answer {
         let query = &question.query(question.accuracy());
         #[cfg(feature = "threads")]
         if let Some(traversal) = &mut self.traversal {
-            return traversal.any(query);
+            return traversal.any(from_ref(query)).map(|hit| hit.pair);
         }
         query.any()
     }

@@ -1,7 +1,5 @@
 //! Answers on the CPU, and what they came to.
 
-#[cfg(feature = "threads")]
-use super::alone::cost;
 use super::alone::{End, Leash, alone};
 #[cfg(feature = "threads")]
 use crate::planner::Decider;
@@ -9,6 +7,8 @@ use crate::planner::Decider;
 use crate::threads::Traversal;
 use pfront_core::bvtt::{Query, TrianglePair};
 use std::ops::ControlFlow;
+#[cfg(feature = "threads")]
+use std::slice::from_ref;
 
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,13 +118,13 @@ pub(super) fn on_threads(
 ) -> Outcome {
     let given = match want {
         Want::All => {
-            traversal.all(query, pairs);
+            traversal.all(from_ref(query), pairs);
             Given::listed(pairs)
         }
-        Want::Count => Given::counted(traversal.count(query)),
-        Want::Any => Given::found(traversal.any(query)),
+        Want::Count => Given::counted(traversal.count(from_ref(query))),
+        Want::Any => Given::found(traversal.any(from_ref(query)).map(|hit| hit.pair)),
     };
-    let report = traversal.report();
+    let report = &traversal.report;
     let end = if report.late { End::Late } else { End::Complete };
-    Outcome { given, cost: Some(cost(report.work())), leaf_pairs: None, end }
+    Outcome { given, cost: Some(report.work().cost()), leaf_pairs: None, end }
 }

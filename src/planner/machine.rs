@@ -23,7 +23,7 @@ pub struct Machine {
     /// Threads that can work at once.
     pub threads: u32,
     /// A box test on one thread, in nanoseconds; a triangle test counts as
-    /// [`TRIANGLE_COST`](super::TRIANGLE_COST) of them.
+    /// [`TRIANGLE_COST`](pfront_core::bvtt::Work::TRIANGLE_COST) of them.
     pub test: f64,
     /// How many times faster all threads are than one, on a long question.
     pub speedup: f64,

@@ -1,7 +1,7 @@
 //! Measuring a [`Machine`]: two questions, a short and a long one, are asked each way. What they take on top of
 //! a time that grows with their cost is what the way takes to get going.
 
-use super::{Machine, TRIANGLE_COST};
+use super::Machine;
 use crate::core::bvtt::{PairQuery, Query};
 use crate::{Error, Model, Pose, TrianglePair};
 use std::ops::ControlFlow;
@@ -53,7 +53,7 @@ impl Sheets {
             // Never broken off.
             let _ = query.visit(&mut cursor, |_| ControlFlow::Continue(()));
             let work = cursor.work;
-            cost += work.box_tests as f64 + f64::from(TRIANGLE_COST) * work.triangle_tests as f64;
+            cost += work.cost();
         }
         Ok(Self { cost: cost / POSES as f64, ..own })
     }
@@ -135,14 +135,14 @@ fn measured(typical: &Machine) -> Result<Machine, Error> {
 /// `alone` is what the questions take on one thread.
 #[cfg(feature = "threads")]
 fn on_threads(machine: Machine, sheets: &[Sheets; 2], alone: [f64; 2]) -> Result<Machine, Error> {
-    let threads = crate::threads::current_threads() as u32;
+    let threads = crate::threads::Traversal::default().workers as u32;
     if threads < 2 {
         return Ok(machine);
     }
     let on = |workers: u32| -> Result<[f64; 2], Error> {
         let mut traversal = crate::threads::Traversal::new(workers as usize);
-        let mut pairs = Vec::new();
-        undisturbed(sheets, |query| traversal.all(query, &mut pairs))
+        let mut pairs = Vec::<TrianglePair>::new();
+        undisturbed(sheets, |query| traversal.all(std::slice::from_ref(query), &mut pairs))
     };
     let two = on(2)?;
     let all = if threads == 2 { two } else { on(threads)? };

@@ -52,14 +52,9 @@ pub(crate) use history::{Known, Offer, Way};
 #[cfg(feature = "gpu")]
 use crate::gpu::{self, Gpu};
 #[cfg(feature = "threads")]
-use crate::threads::{Settings, Traversal};
+use crate::threads::Traversal;
 use crate::{Error, Model};
 use std::sync::Arc;
-
-/// What a triangle test counts, in box tests.
-pub const TRIANGLE_COST: f32 = 6.5;
-#[cfg(feature = "threads")]
-const _: () = assert!(TRIANGLE_COST == crate::threads::TRIANGLE_COST, "threads count otherwise");
 
 /// Bytes that threads take for a node of a front, for the least front that is worth while, and for each pair
 /// before all are gathered, with room to grow.
@@ -141,7 +136,7 @@ impl Planner {
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn with_traversal(self, traversal: Traversal) -> Self {
-        let planner = self.with_threads(traversal.workers() as u32);
+        let planner = self.with_threads(traversal.workers as u32);
         planner.with(|choices| choices.traversal = Some(traversal))
     }
 
@@ -187,11 +182,12 @@ impl Planner {
     #[cfg(feature = "threads")]
     pub(crate) fn traversal(&self, workers: u32) -> Traversal {
         let traversal = self.0.traversal.clone();
-        let traversal = traversal.unwrap_or_else(|| Traversal::new(workers as usize));
-        let Some(memory) = self.0.limits.memory else { return traversal };
-        let max_nodes = traversal.settings().max_nodes.min(memory / 2 / NODE);
-        let settings = Settings { max_nodes, ..*traversal.settings() };
-        traversal.with_settings(settings)
+        let mut traversal = traversal.unwrap_or_else(|| Traversal::new(workers as usize));
+        if let Some(memory) = self.0.limits.memory {
+            let max_nodes = &mut traversal.settings.max_nodes;
+            *max_nodes = (memory / 2 / NODE).min(*max_nodes);
+        }
+        traversal
     }
 
     /// The GPU, if it is the one that was measured, and how much of it may be used.

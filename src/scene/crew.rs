@@ -54,7 +54,7 @@ impl Crew {
             Want::All => {
                 let mut found = std::mem::take(&mut self.found);
                 self.each_batch(frame, |traversal, asked, queries| {
-                    traversal.all_of(queries, &mut found);
+                    traversal.all(queries, &mut found);
                     hits.extend(found.iter().map(|&found| hit(asked, found)));
                     ControlFlow::Continue(())
                 });
@@ -64,7 +64,7 @@ impl Crew {
             Want::Count => {
                 let mut count = 0;
                 self.each_batch(frame, |traversal, _, queries| {
-                    count += traversal.count_of(queries);
+                    count += traversal.count(queries);
                     ControlFlow::Continue(())
                 });
                 Given::counted(count)
@@ -72,7 +72,7 @@ impl Crew {
             Want::Any => {
                 let mut first = None;
                 self.each_batch(frame, |traversal, asked, queries| {
-                    first = traversal.any_of(queries).map(|found| hit(asked, found));
+                    first = traversal.any(queries).map(|found| hit(asked, found));
                     if first.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
                 });
                 Given::found(first)
@@ -106,9 +106,9 @@ impl Crew {
             let end = ask(&mut self.traversal, &self.asked, &queries);
             queries.clear();
             if is_first {
-                self.report.clone_from(self.traversal.report());
+                self.report.clone_from(&self.traversal.report);
             } else {
-                self.report.add(self.traversal.report());
+                self.report.add(&self.traversal.report);
             }
             if is_last || end.is_break() || self.report.late {
                 break;

@@ -9,8 +9,6 @@ use super::crew::Crew;
 use super::device::Device;
 use super::frame::{Found, Frame, Given};
 use super::ways::{Outcome, on_one};
-#[cfg(feature = "threads")]
-use crate::answer::cost;
 use crate::answer::{End, Leash, Want};
 use crate::planner::{Decider, Known, Offer, Plan, Planner, Way};
 use crate::{Accuracy, Error};
@@ -205,7 +203,12 @@ impl Planned {
         let given = crew.ask(frame, want, hits);
         let report = crew.report();
         let end = if report.late { End::Late } else { End::Complete };
-        Outcome { given: Found::New(given), cost: Some(cost(report.work())), leaf_pairs: None, end }
+        Outcome {
+            given: Found::New(given),
+            cost: Some(report.work().cost()),
+            leaf_pairs: None,
+            end,
+        }
     }
 
     /// Asks the GPU; says who else is to be asked if that fails.

@@ -90,11 +90,11 @@ pub(crate) trait Figures {
 
 impl Figures for Report {
     fn total(&self) -> f64 {
-        self.shares.iter().map(|share| self.cost(share.work)).sum()
+        self.shares.iter().map(|share| share.work.cost()).sum()
     }
 
     fn speed_up(&self) -> f64 {
-        let costs = self.shares.iter().map(|share| self.cost(share.work));
+        let costs = self.shares.iter().map(|share| share.work.cost());
         let busiest = costs.fold(0.0, f64::max) + self.front.box_tests as f64;
         if busiest > 0.0 { self.total() / busiest } else { 1.0 }
     }
@@ -112,7 +112,7 @@ impl Figures for Report {
 
     fn error(&self) -> f64 {
         let predicted = self.shares(|share| share.predicted);
-        let found = self.shares(|share| self.cost(share.work));
+        let found = self.shares(|share| share.work.cost());
         predicted.iter().zip(found).map(|(p, f)| (p - f).abs()).sum()
     }
 

@@ -15,6 +15,17 @@ pub struct Work {
     pub triangle_tests: u64,
 }
 
+impl Work {
+    /// k, the cost of a triangle test in box tests: measured on x86-64, and the same everywhere, so that fronts are too.
+    pub const TRIANGLE_COST: f64 = 6.5;
+
+    /// The cost |n| = m1 + k·m2, in box tests.
+    #[must_use]
+    pub fn cost(self) -> f64 {
+        self.box_tests as f64 + Self::TRIANGLE_COST * self.triangle_tests as f64
+    }
+}
+
 /// The most pending node pairs. A step pops one and pushes at most 16, so the stack grows by at most 15 a step. Each node
 /// pair pushed is two levels deeper in one tree or both, or has a leaf there, so a path downwards has at most
 /// `MAX_DEPTH / 2` steps.

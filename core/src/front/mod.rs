@@ -29,7 +29,7 @@
 //!     for node in &mut *nodes {
 //!         let mut cursor = Cursor::at(node.pair); // A worker's, by node.part.
 //!         let _ = query.visit(&mut cursor, |_| std::ops::ControlFlow::Continue(()));
-//!         node.cost = 1.0 + cursor.work.box_tests as f32 + 6.5 * cursor.work.triangle_tests as f32;
+//!         node.cost = 1.0 + cursor.work.cost() as f32;
 //!     }
 //!     history = nodes.to_vec();
 //! }

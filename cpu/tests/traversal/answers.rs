@@ -1,6 +1,6 @@
 //! The same pairs as one core finds, for every number of workers, schedule and verb.
 
-use crate::common::{Body, Frames, SCHEDULES, sequential};
+use crate::common::{Body, Frames, SCHEDULES, predicted_imbalance, sequential};
 use pfront_core::bvtt::{PairQuery, Query, SelfQuery, TrianglePair};
 use pfront_cpu::{Hit, MAX_WORKERS, Schedule, Settings, Traversal};
 use pfront_scenes::{Scene, TriMesh, icosphere};
@@ -17,20 +17,20 @@ fn traversals() -> Vec<Traversal> {
 
 /// Asks everything of one query, of all traversals.
 fn conforms<Q: Query + Sync>(traversals: &mut [Traversal], query: &Q) -> usize {
-    let expected = sequential(query);
+    let (queries, expected) = (std::slice::from_ref(query), sequential(query));
     let mut pairs = vec![TrianglePair { a: 7, b: 7 }; 3];
     for traversal in traversals {
-        traversal.all(query, &mut pairs);
-        let p = traversal.workers();
+        traversal.all(queries, &mut pairs);
+        let p = traversal.workers;
         assert!(pairs == expected, "p = {p}: {} pairs, not {}", pairs.len(), expected.len());
-        assert_eq!(traversal.count(query), expected.len() as u64, "p = {p}");
-        match traversal.any(query) {
-            Some(pair) => assert!(expected.binary_search(&pair).is_ok(), "p = {p}"),
+        assert_eq!(traversal.count(queries), expected.len() as u64, "p = {p}");
+        match traversal.any(queries) {
+            Some(hit) => assert!(expected.binary_search(&hit.pair).is_ok(), "p = {p}"),
             None => assert!(expected.is_empty(), "p = {p}"),
         }
         let visited = Mutex::new(Vec::new());
-        let end = traversal.visit(query, |pair| {
-            visited.lock().unwrap().push(pair);
+        let end = traversal.visit(queries, |hit| {
+            visited.lock().unwrap().push(hit.pair);
             ControlFlow::Continue(())
         });
         let mut visited = visited.into_inner().unwrap();
@@ -91,17 +91,17 @@ fn nothing_and_nearly_nothing() {
 fn many_queries_at_once() {
     let frames = Frames::named("spheres", 3_000);
     let mut traversals = traversals();
-    let mut hits = Vec::new();
+    let mut hits = Vec::<Hit>::new();
     // Their number changes from frame to frame, and some find nothing.
     for count in [9, 0, 4, 9] {
         let queries: Vec<_> = (0..count).map(|i| frames.query(20 + 9 * i)).collect();
         let one = |(query, q)| sequential(q).into_iter().map(move |pair| Hit { query, pair });
         let expected: Vec<_> = (0..).zip(&queries).flat_map(one).collect();
         for traversal in &mut traversals {
-            traversal.all_of(&queries, &mut hits);
-            assert!(hits == expected, "p = {}", traversal.workers());
-            assert_eq!(traversal.count_of(&queries), expected.len() as u64);
-            assert_eq!(traversal.any_of(&queries).is_some(), !expected.is_empty());
+            traversal.all(&queries, &mut hits);
+            assert!(hits == expected, "p = {}", traversal.workers);
+            assert_eq!(traversal.count(&queries), expected.len() as u64);
+            assert_eq!(traversal.any(&queries).is_some(), !expected.is_empty());
         }
     }
 }
@@ -110,18 +110,16 @@ fn many_queries_at_once() {
 fn settings_change_no_answer() {
     let frames = Frames::named("spheres", 4_000);
     let default = Settings::default();
-    let mut pairs = Vec::new();
+    let mut pairs = Vec::<TrianglePair>::new();
     for g in [0.1, 1.0, 2.0, 100.0] {
-        for (triangle_cost, coherence, max_nodes) in
-            [(0.0, true, 1), (1.0, false, 5), (40.0, true, 33), (4.0, true, 1 << 20)]
-        {
-            let settings = Settings { g, triangle_cost, coherence, max_nodes, ..default };
+        for (coherence, max_nodes) in [(true, 1), (false, 5), (true, 33), (true, 1 << 20)] {
+            let settings = Settings { g, coherence, max_nodes, ..default };
             let mut traversal = Traversal::new(13).with_settings(settings);
             for frame in 50..54 {
                 let query = frames.query(frame);
-                traversal.all(&query, &mut pairs);
+                traversal.all(&[query], &mut pairs);
                 assert!(pairs == sequential(&query), "{settings:?}");
-                assert!(traversal.report().nodes <= max_nodes.max(1));
+                assert!(traversal.report.nodes <= max_nodes.max(1));
             }
         }
     }
@@ -133,13 +131,13 @@ fn only_a_partition_has_an_imbalance() {
     for schedule in SCHEDULES {
         let settings = Settings { schedule, ..Settings::default() };
         let mut traversal = Traversal::new(4).with_settings(settings);
-        traversal.count(&frames.query(50));
-        let report = traversal.report();
+        traversal.count(&[frames.query(50)]);
+        let report = &traversal.report;
         assert_eq!(report.imbalance().is_nan(), schedule == Schedule::Stealing);
         if schedule != Schedule::Stealing {
-            assert!(report.imbalance() >= 1.0 && report.predicted_imbalance() >= 1.0);
-            let bound = 1.0 + report.front.epsilon;
-            assert!(report.predicted_imbalance() <= bound * 1.000_001, "{report:?}");
+            let (predicted, bound) = (predicted_imbalance(report), 1.0 + report.front.epsilon);
+            assert!(report.imbalance() >= 1.0 && predicted >= 1.0);
+            assert!(predicted <= bound * 1.000_001, "{report:?}");
         }
     }
 }
@@ -157,37 +155,35 @@ fn what_outgrows_one_thread_is_handed_over() {
     for schedule in SCHEDULES {
         let settings = Settings { schedule, ..Settings::default() };
         let mut traversal = Traversal::new(4).with_settings(settings);
-        let mut pairs = Vec::new();
+        let mut pairs = Vec::<TrianglePair>::new();
         for _ in 0..2 {
             // After a small frame, another is expected.
-            traversal.all(&near, &mut pairs);
+            traversal.all(&[near], &mut pairs);
             assert!(pairs == few);
-            traversal.all(&near, &mut pairs);
-            assert!(pairs == few && traversal.report().shares.is_empty());
-            traversal.all(&query, &mut pairs);
+            traversal.all(&[near], &mut pairs);
+            assert!(pairs == few && traversal.report.shares.is_empty());
+            traversal.all(&[query], &mut pairs);
             assert!(pairs == expected, "{schedule:?}");
-            let report = traversal.report();
+            let report = &traversal.report;
             assert!(report.alone.box_tests > 0 && !report.shares.is_empty(), "{report:?}");
             // Then it is known to be worth several threads.
-            traversal.all(&query, &mut pairs);
-            assert!(pairs == expected && traversal.report().alone.box_tests == 0);
-            assert!(traversal.any(&query).is_some());
-            assert!(traversal.report().alone.box_tests > 0, "any begins on the calling thread");
+            traversal.all(&[query], &mut pairs);
+            assert!(pairs == expected && traversal.report.alone.box_tests == 0);
+            assert!(traversal.any(&[query]).is_some());
+            assert!(traversal.report.alone.box_tests > 0, "any begins on the calling thread");
             // Where nothing overlaps, nothing is known.
-            traversal.all(&far, &mut pairs);
-            assert!(pairs.is_empty() && traversal.report().shares.is_empty());
+            traversal.all(&[far], &mut pairs);
+            assert!(pairs.is_empty() && traversal.report.shares.is_empty());
         }
     }
 }
 
 #[test]
 fn the_number_of_workers_is_bounded() {
-    let mut traversal = Traversal::new(usize::MAX);
-    assert_eq!(traversal.workers(), MAX_WORKERS);
-    traversal.set_workers(0);
-    assert_eq!(traversal.workers(), 1);
-    traversal.set_workers(100_000);
-    assert_eq!(traversal.workers(), MAX_WORKERS);
-    let frames = Frames::named("spheres", 6_000);
-    assert_eq!(traversal.count(&frames.query(60)), frames.query(60).count());
+    let (frames, mut traversal) = (Frames::named("spheres", 6_000), Traversal::new(0));
+    for (workers, shares) in [(usize::MAX, MAX_WORKERS), (0, 0), (100_000, MAX_WORKERS)] {
+        traversal.workers = workers;
+        assert_eq!(traversal.count(&[frames.query(60)]), frames.query(60).count());
+        assert_eq!(traversal.report.shares.len(), shares);
+    }
 }

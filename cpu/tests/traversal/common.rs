@@ -4,7 +4,7 @@ use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
-use pfront_cpu::Schedule;
+use pfront_cpu::{Report, Schedule};
 use pfront_scenes::{Scene, TriMesh};
 use std::ops::ControlFlow;
 
@@ -114,4 +114,10 @@ pub(crate) fn sequential(query: &impl Query) -> Vec<TrianglePair> {
     });
     pairs.sort_unstable();
     pairs
+}
+
+/// The predicted cost of the busiest worker over the mean.
+pub(crate) fn predicted_imbalance(report: &Report) -> f64 {
+    let predicted = || report.shares.iter().map(|share| share.predicted);
+    predicted().fold(0.0, f64::max) * report.shares.len() as f64 / predicted().sum::<f64>()
 }

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// Tests between two looks at the clock, as `Traversal::set_deadline` tells.
+/// Tests between two looks at the clock, as `Traversal::deadline` tells.
 const SLICE: u64 = 4096;
 
 #[test]
@@ -21,34 +21,34 @@ fn frames_end_at_their_deadline() {
         for p in [1, 2, 8] {
             let settings = Settings { schedule, ..Settings::default() };
             let mut traversal = Traversal::new(p).with_settings(settings);
-            let whole = traversal.count(&query);
-            assert!(whole > 1000 && !traversal.report().late);
-            let all = traversal.report().work();
+            let whole = traversal.count(&[query]);
+            assert!(whole > 1000 && !traversal.report.late);
+            let all = traversal.report.work();
             let tests = all.box_tests + all.triangle_tests;
             assert!(tests > 50 * SLICE, "{tests}");
 
-            traversal.set_deadline(Some(Instant::now()));
-            assert_eq!(traversal.count(&query), 0);
-            let report = traversal.report();
+            traversal.deadline = Some(Instant::now());
+            assert_eq!(traversal.count(&[query]), 0);
+            let report = &traversal.report;
             assert!(report.late && report.alone == Default::default(), "{report:?}");
             assert!(report.shares.iter().all(|share| share.work == Default::default()));
 
             let deadline = Instant::now() + Duration::from_micros(300);
-            traversal.set_deadline(Some(deadline));
+            traversal.deadline = Some(deadline);
             let after = AtomicU64::new(0);
-            let end = traversal.visit(&query, |_| {
+            let end = traversal.visit(&[query], |_| {
                 after.fetch_add(u64::from(Instant::now() > deadline), Relaxed);
                 ControlFlow::Continue(())
             });
-            assert!(end.is_break() && traversal.report().late, "{schedule:?} {p}");
+            assert!(end.is_break() && traversal.report.late, "{schedule:?} {p}");
             // Each hit takes a test.
             let after = after.into_inner();
             assert!(after <= p as u64 * SLICE, "{schedule:?} {p}: {after} hits after the deadline");
 
             // Nothing is left of it.
-            traversal.set_deadline(None);
-            assert_eq!(traversal.count(&query), whole);
-            assert!(!traversal.report().late);
+            traversal.deadline = None;
+            assert_eq!(traversal.count(&[query]), whole);
+            assert!(!traversal.report.late);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Breaks, panics, odd settings, any number of threads and ten thousand frames leave everything usable.
 
 use crate::common::{Frames, SCHEDULES, sequential};
-use pfront_core::bvtt::Query;
+use pfront_core::bvtt::{Query, TrianglePair};
 use pfront_cpu::{Schedule, Settings, Traversal};
 use pfront_testkit::rng::{RngExt, seeded};
 use std::ops::ControlFlow;
@@ -25,15 +25,15 @@ fn a_break_stops_all_workers() {
         let mut traversal = traversal(4, schedule);
         for after in [1, 2, 10, expected.len()] {
             let seen = AtomicUsize::new(0);
-            let end = traversal.visit(&query, |_| {
+            let end = traversal.visit(&[query], |_| {
                 let last = seen.fetch_add(1, Relaxed) + 1 >= after;
                 if last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
             assert!(end.is_break());
             // Each other worker may have been in a call.
             assert!((after..after + 4).contains(&seen.into_inner()));
-            let mut pairs = Vec::new();
-            traversal.all(&query, &mut pairs);
+            let mut pairs = Vec::<TrianglePair>::new();
+            traversal.all(&[query], &mut pairs);
             assert_eq!(pairs, expected);
         }
     }
@@ -49,7 +49,7 @@ fn a_panic_leaves_it_usable() {
         for _ in 0..3 {
             let seen = AtomicUsize::new(0);
             let panicked = catch_unwind(AssertUnwindSafe(|| {
-                traversal.visit(&query, |_| {
+                traversal.visit(&[query], |_| {
                     if seen.fetch_add(1, Relaxed) == 20 {
                         resume_unwind(Box::new("visitor"));
                     }
@@ -57,8 +57,8 @@ fn a_panic_leaves_it_usable() {
                 })
             }));
             assert!(panicked.is_err());
-            let mut pairs = Vec::new();
-            traversal.all(&query, &mut pairs);
+            let mut pairs = Vec::<TrianglePair>::new();
+            traversal.all(&[query], &mut pairs);
             assert_eq!(pairs, expected);
         }
     }
@@ -75,7 +75,7 @@ fn any_g_comes_to_an_end() {
             let mut traversal = Traversal::new(3 + i).with_settings(settings);
             for frame in [50, 51] {
                 let query = frames.query(frame);
-                assert_eq!(traversal.count(&query), query.count(), "{g}");
+                assert_eq!(traversal.count(&[query]), query.count(), "{g}");
             }
         }
     }
@@ -87,17 +87,17 @@ fn ten_thousand_frames() {
     let queries: Vec<_> = (0..120).map(|i| frames.query(i)).collect();
     let expected: Vec<_> = queries.iter().map(sequential).collect();
     let mut traversals: Vec<_> = SCHEDULES.iter().map(|&schedule| traversal(3, schedule)).collect();
-    let (mut pairs, mut rng) = (Vec::new(), seeded(1));
+    let (mut pairs, mut rng) = (Vec::<TrianglePair>::new(), seeded(1));
     for frame in 0..10_000 {
         // Mostly onwards, at times elsewhere.
         let jumps = rng.random_bool(1.0 / 16.0);
         let i = if jumps { rng.random_range(0..queries.len()) } else { frame % queries.len() };
         let traversal = &mut traversals[frame % 3];
         match rng.random_range(0..4) {
-            0 => assert_eq!(traversal.count(&queries[i]), expected[i].len() as u64),
-            1 => assert_eq!(traversal.any(&queries[i]).is_some(), !expected[i].is_empty()),
+            0 => assert_eq!(traversal.count(&[queries[i]]), expected[i].len() as u64),
+            1 => assert_eq!(traversal.any(&[queries[i]]).is_some(), !expected[i].is_empty()),
             _ => {
-                traversal.all(&queries[i], &mut pairs);
+                traversal.all(&[queries[i]], &mut pairs);
                 assert!(pairs == expected[i], "frame {frame}");
             }
         }
@@ -113,8 +113,8 @@ fn threads_do_not_show_in_a_front() {
         let settings = Settings { schedule: Schedule::Static, max_nodes, ..Settings::default() };
         let mut traversal = Traversal::new(p).with_settings(settings);
         [40, 41, 42, 90, 91].map(|i| {
-            pool.install(|| traversal.count(&frames.query(i)));
-            let report = traversal.report();
+            pool.install(|| traversal.count(&[frames.query(i)]));
+            let report = &traversal.report;
             (report.front, report.nodes, report.imbalance(), report.shares.clone())
         })
     };

@@ -243,8 +243,8 @@ impl Decider {
         if self.was_elsewhere {
             traversal.forget();
         }
-        traversal.set_workers(workers as usize);
-        traversal.set_deadline(self.deadline());
+        traversal.workers = workers as usize;
+        traversal.deadline = self.deadline();
     }
 
     /// When to end, complete or not.

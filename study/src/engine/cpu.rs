@@ -5,7 +5,7 @@ use super::{Engine, EngineError, Objects, second};
 use crate::stability::Reference;
 use pfront::core::bvtt;
 use pfront::planner::{Plan, Planner};
-use pfront::threads::{Report, Settings, Traversal};
+use pfront::threads::{Report, Traversal};
 use pfront::{
     Accuracy, Adjacency, BodyId, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair,
 };
@@ -59,7 +59,7 @@ pub(super) fn engine(
 
 /// To within 2 %, which is nearer than estimates come.
 fn reference(query: &impl bvtt::Query, workers: usize) -> Reference {
-    Reference::of(query, workers, 0.02, &Settings::default())
+    Reference::of(query, workers, 0.02)
 }
 
 struct Pair {

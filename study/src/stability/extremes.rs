@@ -53,7 +53,7 @@ impl Sweep {
 
     /// The setting that changes the work of the last frame most.
     fn worst(&self, scene: &str) -> Option<Finding> {
-        let work = |divider: &Divider| divider.report().cost(divider.report().work());
+        let work = |divider: &Divider| divider.report().work().cost();
         let usual = work(&self.usual);
         let found = self.others.iter().map(|(name, other)| {
             let change = (work(other) / usual - 1.0).abs();

@@ -14,7 +14,6 @@
 //!   frame, where p·w_max/W is 2.4).
 
 use pfront::core::bvtt::{Cursor, NodePair, Query};
-use pfront::threads::Report;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
@@ -89,16 +88,16 @@ pub struct Census {
 }
 
 impl Census {
-    /// Goes on to another frame, with the costs of `report`.
+    /// Goes on to another frame.
     ///
     /// # Complexity
     /// Visits the whole BVTT.
-    pub fn take(&mut self, query: &impl Query, report: &Report) {
+    pub fn take(&mut self, query: &impl Query) {
         std::mem::swap(&mut self.costs, &mut self.last);
         self.costs.clear();
         self.w_rise = 0.0;
         let root = query.root();
-        self.w_max = root.map_or(0.0, |root| self.cost_and_w_max(query, root, report).1);
+        self.w_max = root.map_or(0.0, |root| self.cost_and_w_max(query, root).1);
     }
 
     fn keep(&mut self, n: NodePair, cost: f64, is_leaf: bool) {
@@ -110,7 +109,7 @@ impl Census {
     }
 
     /// What a BVTT node costs, and the dearest at or below it that no front splits.
-    fn cost_and_w_max(&mut self, query: &impl Query, n: NodePair, report: &Report) -> (f64, f64) {
+    fn cost_and_w_max(&mut self, query: &impl Query, n: NodePair) -> (f64, f64) {
         let (mut children, mut count) = ([NodePair::default(); 4], 0);
         let tests = query.children(n, &mut |child, _| {
             children[count] = child;
@@ -120,13 +119,13 @@ impl Census {
             let mut cursor = Cursor::at(n);
             // Never broken off.
             let _ = query.visit(&mut cursor, |_| ControlFlow::Continue(()));
-            let cost = report.cost(cursor.work);
+            let cost = cursor.work.cost();
             self.keep(n, cost, true);
             return (cost, cost);
         }
         let (mut cost, mut w_max) = (f64::from(tests), 0.0);
         for &child in &children[..count] {
-            let (below, dearest) = self.cost_and_w_max(query, child, report);
+            let (below, dearest) = self.cost_and_w_max(query, child);
             (cost, w_max) = (cost + below, f64::max(w_max, dearest));
         }
         self.keep(n, cost, false);

@@ -21,7 +21,7 @@
 use pfront::TrianglePair;
 use pfront::core::Aabb;
 use pfront::core::bvtt::{Cursor, NodePair, Query};
-use pfront::threads::{Report, Share, TRIANGLE_COST};
+use pfront::threads::{Report, Share};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
@@ -68,7 +68,7 @@ impl Plain {
 
     /// Replaces the contents of `out` by all pairs that meet, sorted.
     pub fn all<Q: Query>(&mut self, query: &Q, out: &mut Vec<TrianglePair>) {
-        self.report = Report { triangle_cost: TRIANGLE_COST, ..Report::default() };
+        self.report = Report::default();
         let starting = self.starting_front(query);
         let mut front = self.front(query, &starting);
         let parts = deal(&mut front, self.workers);
@@ -163,7 +163,7 @@ impl Plain {
                 ControlFlow::Continue(())
             });
             let work = cursor.work;
-            *self.last.entry(node.sprouted_from).or_default() += 1.0 + self.report.cost(work);
+            *self.last.entry(node.sprouted_from).or_default() += 1.0 + work.cost();
             let share = &mut self.report.shares[part];
             share.predicted += node.cost;
             share.work.box_tests += work.box_tests;

@@ -6,7 +6,7 @@ use super::plain::{Evidence, Plain};
 use super::scene::{Scene, Shown, Watch};
 use pfront::TrianglePair;
 use pfront::core::bvtt::Query;
-use pfront::threads::{Report, Schedule, Settings, TRIANGLE_COST, Traversal};
+use pfront::threads::{Report, Schedule, Settings, Traversal};
 use std::ops::ControlFlow;
 
 /// What the oracle looks at: no more triangle tests than it does in about a second.
@@ -75,14 +75,14 @@ impl Divider {
 
     pub(super) fn all<Q: Query + Sync>(&mut self, query: &Q, out: &mut Vec<TrianglePair>) {
         match self {
-            Self::Ours(traversal) => traversal.all(query, out),
+            Self::Ours(traversal) => traversal.all(std::slice::from_ref(query), out),
             Self::Plain(plain) => plain.all(query, out),
         }
     }
 
     pub(super) fn report(&self) -> &Report {
         match self {
-            Self::Ours(traversal) => traversal.report(),
+            Self::Ours(traversal) => &traversal.report,
             Self::Plain(plain) => plain.report(),
         }
     }
@@ -129,7 +129,7 @@ impl Frame {
         census: &Census,
         right: bool,
     ) -> Self {
-        let costs = || report.shares.iter().map(|share| report.cost(share.work));
+        let costs = || report.shares.iter().map(|share| share.work.cost());
         let predicted = || report.shares.iter().map(|share| share.predicted);
         let (total, p) = (costs().sum::<f64>(), report.shares.len() as f64);
         let relative = |w: f64| if total > 0.0 { w * p / total } else { 0.0 };
@@ -215,7 +215,7 @@ impl Watch for Player<'_> {
             agreed = expected == oracle();
             self.by_oracle += 1;
         }
-        self.census.take(query, &Report { triangle_cost: TRIANGLE_COST, ..Report::default() });
+        self.census.take(query);
         let mut pairs = Vec::new();
         for (series, divider) in self.series.iter_mut().zip(&mut self.dividers) {
             divider.all(query, &mut pairs);

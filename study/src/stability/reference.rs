@@ -6,7 +6,6 @@
 //! sixteenth.
 
 use pfront::core::bvtt::{Cursor, NodePair, Query};
-use pfront::threads::Settings;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
@@ -31,8 +30,8 @@ impl Reference {
     /// Walks the BVTT once for each level of the front, and partitions the front each time that it has
     /// grown by a sixteenth.
     #[must_use]
-    pub fn of<Q: Query>(query: &Q, workers: usize, tolerance: f64, settings: &Settings) -> Self {
-        let Some(mut cut) = Cut::root(query, settings.triangle_cost) else {
+    pub fn of<Q: Query>(query: &Q, workers: usize, tolerance: f64) -> Self {
+        let Some(mut cut) = Cut::root(query) else {
             return Self { nodes: 0, imbalance: 1.0, lower_bound: 1.0 };
         };
         let (best, cost) = cut.refine(workers, tolerance);
@@ -44,7 +43,6 @@ impl Reference {
 /// A front, and how to make it finer.
 struct Cut<'q, Q> {
     query: &'q Q,
-    triangle_cost: f32,
     /// Nodes that may have children.
     inner: BinaryHeap<Costed>,
     /// Leaf pairs, dearest first: no node costs more than one above it, so that they are met in this
@@ -54,8 +52,8 @@ struct Cut<'q, Q> {
 
 impl<'q, Q: Query> Cut<'q, Q> {
     /// Nothing but the root.
-    fn root(query: &'q Q, triangle_cost: f32) -> Option<Self> {
-        let mut cut = Self { query, triangle_cost, inner: BinaryHeap::new(), leaves: Vec::new() };
+    fn root(query: &'q Q) -> Option<Self> {
+        let mut cut = Self { query, inner: BinaryHeap::new(), leaves: Vec::new() };
         let root = query.root()?;
         cut.inner.push(cut.costed(root));
         Some(cut)
@@ -123,10 +121,7 @@ impl<'q, Q: Query> Cut<'q, Q> {
         let mut cursor = Cursor::at(pair);
         // Never broken off.
         let _ = self.query.visit(&mut cursor, |_| ControlFlow::Continue(()));
-        let work = cursor.work;
-        let tests =
-            work.box_tests as f64 + f64::from(self.triangle_cost) * work.triangle_tests as f64;
-        Costed { cost: 1.0 + tests, pair }
+        Costed { cost: 1.0 + cursor.work.cost(), pair }
     }
 
     fn nodes(&self) -> impl Iterator<Item = &Costed> {
@@ -183,12 +178,11 @@ mod tests {
         let bvh = ball.bvh();
         let here = Pose::from_translation([0.3, 0.2, 0.1]);
         let query = PairQuery::new(bvh, bvh, here).unwrap();
-        let k = Settings::default().triangle_cost;
         let whole = pairs(&query, query.root());
         assert!(!whole.is_empty());
         for workers in [1, 2, 7, 64, 1024] {
             for tolerance in [0.0, 0.02, 0.5] {
-                let mut cut = Cut::root(&query, k).unwrap();
+                let mut cut = Cut::root(&query).unwrap();
                 let all = cut.cost();
                 let (best, cost) = cut.refine(workers, tolerance);
                 assert_eq!(pairs(&query, cut.nodes().map(|node| node.pair)), whole);
@@ -212,9 +206,8 @@ mod tests {
         let ball = Model::new(ball.positions, ball.triangles).unwrap();
         let here = Pose::from_translation([0.3, 0.2, 0.1]);
         let query = PairQuery::new(ball.bvh(), ball.bvh(), here).unwrap();
-        let settings = Settings::default();
         for workers in [1, 2, 7, 64, 1024] {
-            let reference = Reference::of(&query, workers, 0.02, &settings);
+            let reference = Reference::of(&query, workers, 0.02);
             assert!(reference.imbalance >= reference.lower_bound * 0.999, "{reference:?}");
             assert!(reference.imbalance <= 1.02 || workers > 7, "{reference:?}");
             // Nothing is split once a leaf pair, which cannot be, is the dearest.
@@ -222,7 +215,7 @@ mod tests {
             assert!(reference.nodes >= workers || at_bound, "{reference:?}");
         }
         let empty = Model::new(Vec::new(), Vec::new()).unwrap();
-        let nothing = Reference::of(&SelfQuery::new(empty.bvh()), 8, 0.02, &settings);
+        let nothing = Reference::of(&SelfQuery::new(empty.bvh()), 8, 0.02);
         assert_eq!(nothing, Reference { nodes: 0, imbalance: 1.0, lower_bound: 1.0 });
     }
 

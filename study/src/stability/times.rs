@@ -2,7 +2,7 @@
 
 use super::StabilityError;
 use super::scene::{Scene, Shown, Watch};
-use pfront::core::bvtt::Query;
+use pfront::core::bvtt::{Query, TrianglePair};
 use pfront::threads::{Schedule, Settings, Traversal};
 use std::iter::once;
 use std::time::Instant;
@@ -53,12 +53,12 @@ struct Clock {
 
 impl Watch for Clock {
     fn frame<Q: Query + Sync>(&mut self, &Shown { index, .. }: &Shown<'_>, query: &Q) {
-        let mut pairs = Vec::new();
+        let mut pairs = Vec::<TrianglePair>::new();
         for (traversal, Times { milliseconds, .. }) in
             self.traversals.iter_mut().zip(&mut self.times)
         {
             let clock = Instant::now();
-            traversal.all(query, &mut pairs);
+            traversal.all(std::slice::from_ref(query), &mut pairs);
             let taken = 1e3 * clock.elapsed().as_secs_f64();
             match milliseconds.get_mut(index) {
                 Some(least) => *least = least.min(taken),
