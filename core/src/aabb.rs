@@ -75,19 +75,19 @@ impl Bounds {
         Self { min: Vec3A::from_array(aabb.min), max: Vec3A::from_array(aabb.max) }
     }
 
-    #[inline(always)]
+    #[inline]
     pub(crate) fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// The box of one point.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn of(point: Vec3A) -> Self {
         Self { min: point, max: point }
     }
 
     /// Half the centre, so that neither it nor the difference of two can overflow.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn half_centre(&self) -> Vec3A {
         self.min * 0.25 + self.max * 0.25
     }
@@ -99,7 +99,7 @@ impl Bounds {
 
     /// Half the surface area, by which the surface area heuristic weighs a box; 0 for the empty box. The range of f64
     /// holds that of every finite box, but an edge longer than [`f32::MAX`] counts as that long.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn half_area(&self) -> f64 {
         let edges = (self.max - self.min).max(Vec3A::ZERO).min(Vec3A::splat(f32::MAX));
         let [x, y, z] = edges.to_array().map(f64::from);

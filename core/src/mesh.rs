@@ -133,7 +133,7 @@ impl<'a> Mesh<'a> {
     }
 
     /// The box of triangle `index`.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn bounds(self, index: u32) -> Bounds {
         let [a, b, c] = self.triangle(index).map(Vec3A::from_array);
         Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
