@@ -20,10 +20,9 @@ fn after(bytes: &[u8], change: impl FnOnce(&mut [u8])) -> Option<BlobError> {
     let copied = blob.read_into(Owned::room(blob.counts()).storage(), &mut [0; 4]).err();
     let place = aligned(&bytes);
     let borrowed = Blob::new(&place.0[..bytes.len()]).unwrap().bvh(&mut [0; 4]).err();
-    assert_eq!(
-        borrowed,
-        if cfg!(target_endian = "big") { Some(BlobError::BigEndian) } else { copied }
-    );
+    // A big-endian machine names what is wrong between sections, and borrows none.
+    let is_foreign = cfg!(target_endian = "big") && borrowed == Some(BlobError::BigEndian);
+    assert!(is_foreign || borrowed == copied, "{borrowed:?} {copied:?}");
     copied
 }
 
