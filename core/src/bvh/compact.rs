@@ -120,10 +120,12 @@ impl CompactNode {
     fn new(node: &Node, grid: &Grid) -> Self {
         let leaf = node.first << 4 | node.count.wrapping_sub(1) << 1 | 1;
         let first = grid.offset.map(|offset| (offset + TO_BITS) as i32);
-        let number = |k: usize, corner: i32| corner.saturating_sub(first[k]).clamp(0, LAST) as u16;
+        let ([u, v, w], [i, j, k]) = (grid.width, first);
+        let ([a, b, c], [d, e, f]) = (node.min, node.max);
+        let number = |corner: i32, first: i32| corner.saturating_sub(first).clamp(0, LAST) as u16;
         Self {
-            min: [0, 1, 2].map(|k| number(k, below(node.min[k], grid.width[k]))),
-            max: [0, 1, 2].map(|k| number(k, above(node.max[k], grid.width[k]))),
+            min: [number(below(a, u), i), number(below(b, v), j), number(below(c, w), k)],
+            max: [number(above(d, u), i), number(above(e, v), j), number(above(f, w), k)],
             link: if node.is_leaf() { leaf } else { node.first },
         }
     }
