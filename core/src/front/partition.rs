@@ -23,7 +23,7 @@ impl<'a> Front<'a> {
     /// Assigns each node to one of `parts`, of which there is at least one: sets [`FrontNode::part`], and in `parts`, by
     /// number, the predicted costs. The largest is the predicted makespan. Returns the nodes in descending order of cost.
     ///
-    /// The result depends on nothing but the nodes and their order.
+    /// The result depends on nothing but the nodes.
     ///
     /// # Panics
     /// If there are nodes and no parts.
@@ -32,8 +32,8 @@ impl<'a> Front<'a> {
     /// O(N log N + N log p) for N nodes and p parts; no allocation.
     pub fn partition(self, parts: &mut [Part]) -> &'a mut [FrontNode] {
         let (nodes, _) = split(self.nodes, self.len);
-        // Costs are positive, so that their bits sort as they do.
-        sort(nodes, |node| !node.cost.to_bits());
+        // Costs are positive, so that their bits sort as they do. Equal ones sort by path, alike on every machine.
+        sort(nodes, |node| (!node.cost.to_bits(), node.start()));
         clear(parts);
         let less =
             |x: &Part, y: &Part| (x.cost < y.cost) | ((x.cost == y.cost) & (x.number < y.number));
