@@ -132,11 +132,10 @@ impl Traversal {
         new_output: impl Fn() -> O + Send + Sync,
     ) {
         let clock = Instant::now();
-        let stealing = Stealing::new(queries, new_output, control);
-        self.install(|| stealing.run(&self.starts));
-        let (found, work) = stealing.found();
-        outputs.extend(found);
-        self.report.shares.push(Share { predicted: 0.0, work });
+        let stealing = Stealing { queries, new_output, control };
+        let found = self.install(|| stealing.run(&self.starts));
+        outputs.extend(found.outputs);
+        self.report.shares.push(Share { predicted: 0.0, work: found.work });
         self.report.traversal_time += clock.elapsed();
     }
 }

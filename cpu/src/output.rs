@@ -15,6 +15,9 @@ pub struct Hit {
 /// The output of one thread.
 pub(crate) trait Output: Send {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()>;
+
+    /// Whether nothing has been put into it.
+    fn is_empty(&self) -> bool;
 }
 
 impl<T: Item> Output for Vec<T> {
@@ -22,6 +25,10 @@ impl<T: Item> Output for Vec<T> {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         self.push(T::new(query, pair));
         ControlFlow::Continue(())
+    }
+
+    fn is_empty(&self) -> bool {
+        self.is_empty()
     }
 }
 
@@ -31,12 +38,20 @@ impl Output for u64 {
         *self += 1;
         ControlFlow::Continue(())
     }
+
+    fn is_empty(&self) -> bool {
+        *self == 0
+    }
 }
 
 impl Output for Option<Hit> {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         *self = Some(Hit { query, pair });
         ControlFlow::Break(())
+    }
+
+    fn is_empty(&self) -> bool {
+        self.is_none()
     }
 }
 
@@ -46,6 +61,10 @@ pub(crate) struct Visitor<'v, V>(pub(crate) &'v V);
 impl<V: Fn(Hit) -> ControlFlow<()> + Sync> Output for Visitor<'_, V> {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         (self.0)(Hit { query, pair })
+    }
+
+    fn is_empty(&self) -> bool {
+        true
     }
 }
 
