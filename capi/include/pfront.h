@@ -51,7 +51,7 @@ enum pfront_status_t
   PFRONT_NULL = 1,
   // `what` is not at a multiple of `needed` bytes.
   PFRONT_MISALIGNED = 2,
-  // `what` has more elements, `given`, than memory can hold.
+  // `what` has more elements, `given`, than memory can hold; or more than `needed`, the most of a blob.
   PFRONT_TOO_LONG = 3,
   // `what` overlaps something else that is to be written.
   PFRONT_OVERLAP = 4,

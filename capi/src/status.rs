@@ -16,7 +16,7 @@ pub enum pfront_status_t {
     PFRONT_NULL = 1,
     /// `what` is not at a multiple of `needed` bytes.
     PFRONT_MISALIGNED = 2,
-    /// `what` has more elements, `given`, than memory can hold.
+    /// `what` has more elements, `given`, than memory can hold; or more than `needed`, the most of a blob.
     PFRONT_TOO_LONG = 3,
     /// `what` overlaps something else that is to be written.
     PFRONT_OVERLAP = 4,
@@ -94,7 +94,7 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
-        c"an array is longer than memory can be",
+        c"an array is longer than memory or a blob can be",
         c"an array or a structure overlaps another one that is written",
         c"a buffer is too small",
         c"a structure was not filled in by the function that makes it",

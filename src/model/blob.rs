@@ -6,7 +6,7 @@ use super::tree::Tree;
 use crate::Error;
 use pfront_core::blob::{Blob, BlobStorage, Counts, write};
 use pfront_core::bvh::BuildOptions;
-use pfront_core::{Mesh, Node};
+use pfront_core::{BlobError, Mesh, Node};
 
 impl Model {
     /// Copies a mesh and its BVH out of a blob, wherever that lies, instead of building the BVH. Nothing in it
@@ -60,14 +60,14 @@ impl Model {
     /// The mesh and its BVH as a blob, the same on every machine.
     ///
     /// # Errors
-    /// [`Error::Capacity`] if there are 2³² vertices or more.
+    /// [`Error::Blob`] if there are 2³² vertices or more.
     ///
     /// # Complexity
     /// O(bytes); they are [`Counts::bytes`].
     pub fn to_blob(&self) -> Result<Vec<u8>, Error> {
         let bvh = self.bvh();
         let mut bytes = vec![0; Counts::of(&bvh).bytes()];
-        write(&bvh, &mut bytes)?;
+        write(&bvh, &mut bytes).map_err(BlobError::from)?;
         Ok(bytes)
     }
 }

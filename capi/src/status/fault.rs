@@ -62,7 +62,6 @@ impl From<CapacityError> for Fault {
             "history" => c"history",
             "memory" => c"past",
             "out" => c"blob",
-            "vertices" => c"positions",
             _ => return Self::new(PFRONT_DAMAGED),
         };
         Self::of(PFRONT_TOO_SMALL, what).numbers(needed, capacity)
@@ -102,6 +101,10 @@ impl From<BvhError> for Fault {
             BvhError::Order { entry } => order.at(entry),
             BvhError::Child { node: at } | BvhError::Leaf { node: at } => node.at(at),
             BvhError::Box { node: at } => Self::of(PFRONT_BVH_BOX, c"nodes").at(at),
+            BvhError::TooMany { array: "positions", most, found } => {
+                Self::of(PFRONT_TOO_LONG, c"positions").numbers(most, found)
+            }
+            BvhError::Capacity(error) => error.into(),
             _ => Self::new(PFRONT_DAMAGED),
         }
     }

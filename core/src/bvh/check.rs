@@ -16,6 +16,11 @@ impl<N: Layout> Bvh<'_, N> {
             return Err(BvhError::Length { array: "order", expected, found });
         }
         check_permutation(self.order, scratch)?;
+        let bounds = |index: usize| {
+            let bounds = self.bounds(at(self.nodes, index));
+            let is_finite = bounds.min.is_finite() && bounds.max.is_finite();
+            if is_finite { Ok(bounds) } else { Err(BvhError::Box { node: index }) }
+        };
         let (mut reached, mut covered) = (0, 0);
         preorder(self.nodes, |index, depth| {
             let node = at(self.nodes, index);
@@ -35,20 +40,19 @@ impl<N: Layout> Bvh<'_, N> {
                 if !in_range || !left.is_multiple_of(2) || depth == MAX_DEPTH {
                     return Err(BvhError::Child { node: index });
                 }
-                let [a, b] = [left, left + 1].map(|n| self.bounds(at(self.nodes, n)));
-                a.union(&b)
+                bounds(left)?.union(&bounds(left + 1)?)
             };
-            let Bounds { min, max } = self.bounds(node);
+            let Bounds { min, max } = bounds(index)?;
             let contains = (min.cmple(content.min) & content.max.cmple(max)).all();
-            let fits = min.is_finite() && max.is_finite() && contains;
-            if fits { Ok(()) } else { Err(BvhError::Box { node: index }) }
+            if contains { Ok(()) } else { Err(BvhError::Box { node: index }) }
         })?;
         if covered != self.order.len() {
             return Err(BvhError::Order { entry: covered });
         }
-        // The reached nodes are all different, and slot 1 is never among them. A compact tree has it beside a lone root.
-        let (expected, found) = (reached + usize::from(reached > 1), self.nodes.len());
-        if found != expected && (reached, found) != (1, 2) {
+        // The reached nodes are all different, and slot 1 is never among them.
+        let expected = if reached == 1 { N::LONE } else { reached + usize::from(reached > 1) };
+        let found = self.nodes.len();
+        if found != expected {
             return Err(BvhError::Length { array: "nodes", expected, found });
         }
         Ok(())
@@ -87,7 +91,7 @@ fn check_permutation(order: &[u32], scratch: &mut [u32]) -> Result<(), BvhError>
 #[non_exhaustive]
 pub enum BvhError {
     /// An array has another length: `order` one entry per triangle, `nodes` those that the root leads to and the unused
-    /// slot 1, unless the root is alone.
+    /// slot 1, which a lone root of the standard layout does without.
     #[error("`{array}` has {found} elements instead of {expected}")]
     Length {
         /// The array.
@@ -100,7 +104,7 @@ pub enum BvhError {
     /// An entry of the order names no triangle, or one that an earlier entry names, or lies in no leaf.
     #[error("order entry {entry} is out of range, names a triangle again, or is in no leaf")]
     Order {
-        /// The first entry at fault.
+        /// An entry at fault.
         entry: usize,
     },
     /// A left child at an odd index, out of range, not after its parent, or deeper than [`MAX_DEPTH`].
@@ -122,12 +126,27 @@ pub enum BvhError {
         /// The leaf at fault.
         node: usize,
     },
-    /// A box is not finite, or does not contain the boxes or triangles below it; or slot 1 of a compact BVH, to whose
-    /// grid all boxes refer, holds none.
-    #[error("the box of node {node} must be finite and contain the boxes below it: refit first")]
+    /// A box is not finite, or does not contain the boxes or triangles below it.
+    #[error(
+        "the box of node {node} must be finite and contain the boxes below it: refit first, and \
+         write compact nodes anew"
+    )]
     Box {
         /// The node at fault.
         node: usize,
+    },
+    /// Slot 1 of a compact BVH holds no grid.
+    #[error("slot 1 of a compact BVH must hold its grid: keep all that `compact` has written")]
+    Grid,
+    /// An array is longer than compact nodes or a blob can tell.
+    #[error("`{array}` has {found} elements, and may have at most {most}: split the mesh")]
+    TooMany {
+        /// The array.
+        array: &'static str,
+        /// How many elements it may have.
+        most: usize,
+        /// How many it has.
+        found: usize,
     },
     /// A buffer is too small.
     #[error(transparent)]

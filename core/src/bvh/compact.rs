@@ -31,7 +31,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::{Bvh, Layout, Node, TreeNode};
+use super::{Bvh, BvhError, Layout, Node, TreeNode};
 use crate::aabb::Bounds;
 use crate::index::{at_mut, part_mut};
 use crate::simd::Box4;
@@ -48,7 +48,10 @@ const MAX_COMPACT_TRIANGLES: usize = 1 << 28;
 /// as many nodes, but at least 2: [`node_bound`](super::node_bound) is always enough.
 ///
 /// # Errors
-/// [`CapacityError`] if `storage` is too small, or if `order` has more than 2^28 entries.
+/// [`BvhError::Capacity`] if `storage` is too small, [`BvhError::TooMany`] if `order` has more than 2^28 entries.
+///
+/// # Panics and wrong answers
+/// As [`Bvh::new_unchecked`], with nodes and an order that are not those of a BVH of `mesh`.
 ///
 /// # Complexity
 /// O(nodes).
@@ -71,16 +74,19 @@ pub fn compact<'a>(
     nodes: &[Node],
     order: &'a [u32],
     storage: &'a mut [CompactNode],
-) -> Result<Bvh<'a, CompactNode>, CapacityError> {
-    CapacityError::check("order", order.len(), MAX_COMPACT_TRIANGLES)?;
-    // Slot 1 is the grid's, even beside a lone root.
-    let needed = if nodes.len() == 1 { 2 } else { nodes.len() };
+) -> Result<Bvh<'a, CompactNode>, BvhError> {
+    let (found, most) = (order.len(), MAX_COMPACT_TRIANGLES);
+    if found > most {
+        return Err(BvhError::TooMany { array: "order", most, found });
+    }
+    let needed = if nodes.len() == 1 { CompactNode::LONE } else { nodes.len() };
     CapacityError::check("storage", needed, storage.len())?;
     let storage = part_mut(storage, ..needed);
     if let Some(root) = nodes.first() {
         let grid = Grid::new(&root.aabb());
+        let (first, inverse_width) = (grid.first(), grid.width.map(inverse_width));
         for (slot, node) in storage.iter_mut().zip(nodes) {
-            *slot = CompactNode::new(node, &grid);
+            *slot = CompactNode::new(node, first, inverse_width);
         }
         *at_mut(storage, 1) = grid.header();
     }
@@ -117,10 +123,8 @@ const WIDEST: f32 = f32::from_bits(0x7f00_0000);
 
 impl CompactNode {
     /// A standard node on a grid that contains it. Slot 1 of a standard tree has infinite coordinates.
-    fn new(node: &Node, grid: &Grid) -> Self {
+    fn new(node: &Node, [i, j, k]: [i32; 3], [u, v, w]: [f64; 3]) -> Self {
         let leaf = node.first << 4 | node.count.wrapping_sub(1) << 1 | 1;
-        let first = grid.offset.map(|offset| (offset + TO_BITS) as i32);
-        let ([u, v, w], [i, j, k]) = (grid.width, first);
         let ([a, b, c], [d, e, f]) = (node.min, node.max);
         let number = |corner: i32, first: i32| corner.saturating_sub(first).clamp(0, LAST) as u16;
         Self {
@@ -131,19 +135,24 @@ impl CompactNode {
     }
 }
 
+/// How many cells of a width there are to 1.
+fn inverse_width(width: f32) -> f64 {
+    1.0 / f64::from(width)
+}
+
 /// The last corner at or below a coordinate, counted from 0.
 #[inline]
-fn below(x: f32, width: f32) -> i32 {
+fn below(x: f32, inverse_width: f64) -> i32 {
     // Exact: a product with a power of two within the range of f64.
-    let x = f64::from(x) * (1.0 / f64::from(width));
+    let x = f64::from(x) * inverse_width;
     let whole = x as i32;
     whole.saturating_sub(i32::from(f64::from(whole) > x))
 }
 
 /// The first corner at or above a coordinate.
 #[inline]
-fn above(x: f32, width: f32) -> i32 {
-    below(-x, width).saturating_neg()
+fn above(x: f32, inverse_width: f64) -> i32 {
+    below(-x, inverse_width).saturating_neg()
 }
 
 /// The grid of a tree: corner q of an axis is (2^23 + q + `offset`)·`width`.
@@ -157,10 +166,18 @@ impl Grid {
     /// The finest grid that contains a box.
     fn new(root: &Aabb) -> Self {
         let axis = |k: usize| {
-            let mut width = f32::from_bits(1);
+            // In narrower cells the extent is 2^16 of them, or the farthest corner beyond FARTHEST.
+            let (min, max) = (f64::from(root.min[k]), f64::from(root.max[k]));
+            let farthest = min.abs().max(max.abs());
+            let least = ((max - min) / f64::from(LAST + 1)).max(farthest / f64::from(FARTHEST));
+            let power = f64::from_bits(least.to_bits() >> 52 << 52) as f32;
+            let mut width = power.clamp(f32::from_bits(1), WIDEST);
             loop {
-                let (first, last) = (below(root.min[k], width), above(root.max[k], width));
-                let fits = first >= -FARTHEST && last <= FARTHEST && last - first <= LAST;
+                let inverse_width = inverse_width(width);
+                let (first, last) =
+                    (below(root.min[k], inverse_width), above(root.max[k], inverse_width));
+                let extent = last.saturating_sub(first);
+                let fits = first >= -FARTHEST && last <= FARTHEST && extent <= LAST;
                 if fits || width >= WIDEST {
                     return (first as f32 - TO_BITS, width);
                 }
@@ -171,9 +188,14 @@ impl Grid {
         Self { offset: axes.map(|(offset, _)| offset), width: axes.map(|(_, width)| width) }
     }
 
+    /// The corners that are number 0, counted from the origin.
+    fn first(&self) -> [i32; 3] {
+        self.offset.map(|offset| (offset + TO_BITS) as i32)
+    }
+
     /// The grid as slot 1 of a tree.
     fn header(&self) -> CompactNode {
-        let [x, y, z] = self.offset.map(|offset| ((offset + TO_BITS) as i32).cast_unsigned());
+        let [x, y, z] = self.first().map(i32::cast_unsigned);
         let widths = self.width.iter().rev().fold(0, |bits, &width| {
             let exponent = (f64::from(width).to_bits() >> 52) as u32;
             bits << WIDTH_BITS | (exponent - WIDTH_BIAS)
@@ -206,6 +228,9 @@ fn with_bits(q: u32) -> f32 {
 
 impl TreeNode for CompactNode {
     type Grid = Grid;
+
+    /// The root, and the grid.
+    const LONE: usize = 2;
 
     fn grid(nodes: &[Self]) -> Option<Grid> {
         if nodes.is_empty() {

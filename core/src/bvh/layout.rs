@@ -21,6 +21,9 @@ pub(crate) trait TreeNode: Copy + Debug + 'static {
     /// The data that all boxes of a tree share.
     type Grid: Copy + Debug;
 
+    /// How many nodes a tree has that is one leaf.
+    const LONE: usize;
+
     /// The grid of a tree; `None` if `nodes` lacks it.
     fn grid(nodes: &[Self]) -> Option<Self::Grid>;
 
@@ -80,6 +83,8 @@ impl Node {
 
 impl TreeNode for Node {
     type Grid = ();
+
+    const LONE: usize = 1;
 
     fn grid(_: &[Self]) -> Option<()> {
         Some(())

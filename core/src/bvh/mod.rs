@@ -80,7 +80,7 @@ impl<'a, N: Layout> Bvh<'a, N> {
     /// answer, but every pass goes over the whole order.
     ///
     /// # Errors
-    /// [`BvhError`] names the first node or order entry at fault.
+    /// [`BvhError`] names the array, the node or the order entry at fault.
     ///
     /// # Complexity
     /// O(triangles) with full scratch. Stops early at the first fault, however tangled the nodes.
@@ -103,8 +103,8 @@ impl<'a, N: Layout> Bvh<'a, N> {
         order: &'a [u32],
         scratch: &mut [u32],
     ) -> Result<Self, BvhError> {
-        let bvh =
-            Self { mesh, nodes, order, grid: N::grid(nodes).ok_or(BvhError::Box { node: 1 })? };
+        let grid = N::grid(nodes).ok_or(BvhError::Grid)?;
+        let bvh = Self { mesh, nodes, order, grid };
         bvh.check(scratch)?;
         Ok(bvh)
     }

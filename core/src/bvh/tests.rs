@@ -117,16 +117,18 @@ fn wrong_leaves_are_refused() {
 #[test]
 fn wrong_boxes_are_refused() {
     for (node, axis) in [0, 2, 3, 4].into_iter().flat_map(|n| (0..3).map(move |k| (n, k))) {
-        let refused = |what: &str, change: &dyn Fn(&mut f32, &mut f32)| {
+        let refused = |what: &str, change: &dyn Fn(&mut f32, &mut f32)| -> Option<BvhError> {
             let found = check_after(|n, _| {
                 let n = &mut n[node];
                 change(&mut n.min[axis], &mut n.max[axis]);
             });
             assert!(matches!(found, Err(BvhError::Box { .. })), "{what}: {node} {axis} {found:?}");
+            found.err()
         };
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            refused("min", &|min, _| *min = bad);
-            refused("max", &|_, max| *max = bad);
+            let named = Some(BvhError::Box { node });
+            assert_eq!(refused("min", &|min, _| *min = bad), named);
+            assert_eq!(refused("max", &|_, max| *max = bad), named);
         }
         refused("shrunk below its content", &|min, _| *min += 0.1);
         refused("shrunk below its content", &|_, max| *max -= 0.1);
@@ -144,6 +146,13 @@ fn wrong_node_counts_are_refused() {
     let found = check_after(|n, _| n.truncate(n.len() - 1));
     assert!(matches!(found, Err(BvhError::Child { .. })), "{found:?}");
     assert_eq!(check_after(|n, _| n.clear()), Err(BvhError::Order { entry: 0 }));
+    // A lone root has no slot 1.
+    let Soup { positions, triangles } = strip(2);
+    let mesh = Mesh::new(&positions, &triangles).unwrap();
+    let nodes = [Node { min: [-99.0; 3], first: 0, max: [99.0; 3], count: 2 }, Node::EMPTY];
+    assert!(Bvh::new(mesh, &nodes[..1], &[0, 1], &mut [0]).is_ok());
+    let two = Bvh::new(mesh, &nodes, &[0, 1], &mut [0]).err();
+    assert_eq!(two, Some(BvhError::Length { array: "nodes", expected: 1, found: 2 }));
 }
 
 #[test]

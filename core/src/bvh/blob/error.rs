@@ -18,7 +18,7 @@ pub enum BlobError {
         /// The version that is read.
         known: u32,
     },
-    /// The blob is shorter or longer than its header says, or than a header.
+    /// The blob is shorter or longer than the length in its header or the counts there say, or than a header.
     #[error("a baked mesh of {needed} bytes in {found}: copy exactly those")]
     Length {
         /// How many bytes it should have.

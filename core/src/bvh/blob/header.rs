@@ -60,8 +60,10 @@ impl Header {
         if version != VERSION {
             return Err(BlobError::Version { found: version, known: VERSION });
         }
-        if needed != found as u64 {
-            return Err(BlobError::Length { needed, found });
+        for needed in [needed, header.counts().bytes() as u64] {
+            if needed != found as u64 {
+                return Err(BlobError::Length { needed, found });
+            }
         }
         // The counts determine all other bytes.
         let expected = Self { checksum: header.checksum, ..Self::new(header.counts()) };

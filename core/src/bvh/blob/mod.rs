@@ -69,7 +69,7 @@ pub use error::BlobError;
 pub use header::{Counts, MAGIC};
 
 use crate::index::{part, part_mut};
-use crate::{Bvh, CapacityError, Mesh, Node};
+use crate::{Bvh, BvhError, CapacityError, Mesh, Node};
 use bytes::{borrow, copy_from, copy_to};
 use header::{Header, checksum};
 
@@ -191,13 +191,21 @@ impl<'a> Blob<'a> {
 /// Writes a mesh and its BVH as a blob of [`Counts::bytes`] at the beginning of `out`, and returns these bytes.
 ///
 /// # Errors
-/// [`CapacityError`] if `out` is too small, or if there are 2³² vertices or more.
+/// [`BvhError::Capacity`] if `out` is too small, [`BvhError::TooMany`] if there are 2³² vertices or more,
+/// [`BvhError::Length`] if the order does not have one entry per triangle.
 ///
 /// # Complexity
 /// O(bytes).
-pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], CapacityError> {
+pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BvhError> {
     let (mesh, counts) = (bvh.mesh(), Counts::of(bvh));
-    CapacityError::check("vertices", counts.vertices, u32::MAX as usize)?;
+    let (found, expected) = (bvh.order().len(), counts.triangles);
+    if found != expected {
+        return Err(BvhError::Length { array: "order", expected, found });
+    }
+    let (found, most) = (counts.vertices, u32::MAX as usize);
+    if found > most {
+        return Err(BvhError::TooMany { array: "positions", most, found });
+    }
     CapacityError::check("out", counts.bytes(), out.len())?;
     let out = part_mut(out, ..counts.bytes());
     out.fill(0);

@@ -6,7 +6,6 @@ mod hostile;
 
 use super::*;
 use crate::MeshError;
-use crate::bvh::BvhError;
 use crate::bvh::tests::Owned;
 use pfront_testkit::shapes::strip;
 use std::prelude::v1::*;
@@ -139,7 +138,7 @@ fn buffers_that_are_too_small_are_named() {
     let own = triangle();
     let short = write(&own.bvh(), &mut [0; 163]).err();
     let error = CapacityError { buffer: "out", needed: 164, capacity: 163 };
-    assert_eq!(short, Some(error));
+    assert_eq!(short, Some(error.into()));
     let golden = GOLDEN.concat();
     let blob = Blob::new(&golden).unwrap();
     for name in ["nodes", "positions", "triangles", "order"] {
@@ -161,6 +160,15 @@ fn buffers_that_are_too_small_are_named() {
         blob.read_into(Owned::room(blob.counts()).storage(), &mut []),
         Err(BlobError::Bvh(BvhError::Capacity(_)))
     ));
+}
+
+#[test]
+fn what_is_no_bvh_is_not_written() {
+    for order in [vec![], vec![0, 0]] {
+        let error = BvhError::Length { array: "order", expected: 1, found: order.len() };
+        let own = Owned { order, ..triangle() };
+        assert_eq!(write(&own.bvh(), &mut [0; 999]).err(), Some(error));
+    }
 }
 
 #[test]

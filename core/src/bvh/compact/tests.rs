@@ -3,7 +3,6 @@
 extern crate std;
 
 use super::*;
-use crate::bvh::BvhError;
 use pfront_testkit::rng::{Rng, RngExt, finite, seeded};
 use std::vec;
 use std::vec::Vec;
@@ -37,6 +36,10 @@ fn within((min, max): (f32, f32), rng: &mut impl Rng) -> f32 {
     (min + share * (max * 0.5 - min * 0.5) * 2.0).clamp(min, max)
 }
 
+fn on(grid: &Grid, node: &Node) -> CompactNode {
+    CompactNode::new(node, grid.first(), grid.width.map(inverse_width))
+}
+
 #[test]
 fn boxes_on_a_grid_contain_what_they_are_made_of() {
     let mut rng = seeded(7);
@@ -57,7 +60,7 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
             let (min, max) = (axes.map(|axis| axis.0), axes.map(|axis| axis.1));
             Node { min, max, first: 6, count: 0 }
         });
-        let small = nodes.map(|node| CompactNode::new(&node, &grid));
+        let small = nodes.map(|node| on(&grid, &node));
         let [a, b, c, d] = &small;
         let four = CompactNode::boxes(&grid, [a, b, c, d]);
         for (lane, (node, small)) in nodes.iter().zip(&small).enumerate() {
@@ -80,8 +83,8 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
                 assert!([low, high] == [found.min[k], found.max[k]]);
                 // No wider than it must be.
                 if width > f32::from_bits(1) {
-                    let (low, high) =
-                        (below(root.min[k], width / 2.0), above(root.max[k], width / 2.0));
+                    let twice = 2.0 * inverse_width(width);
+                    let (low, high) = (below(root.min[k], twice), above(root.max[k], twice));
                     assert!(high - low > LAST || low < -FARTHEST || high > FARTHEST);
                 }
             }
@@ -95,11 +98,11 @@ fn links_tell_leaves_from_children() {
     for first in [0, 1, 7, (1 << 28) - 8] {
         for count in 1..=8 {
             let leaf = Node { first, count, min: [0.0; 3], max: [1.0; 3] };
-            let small = CompactNode::new(&leaf, &grid);
+            let small = on(&grid, &leaf);
             assert!(small.is_leaf() && small.leaf_range() == [first, count]);
         }
         let inner = Node { first: 2 * first + 2, count: 0, min: [0.0; 3], max: [1.0; 3] };
-        let small = CompactNode::new(&inner, &grid);
+        let small = on(&grid, &inner);
         assert!(!small.is_leaf() && small.left() == inner.first);
     }
 }
@@ -151,7 +154,7 @@ fn storage_that_is_too_small_is_refused() {
         let mut storage = vec![CompactNode::default(); needed - 1];
         let refused = compact(mesh, &nodes[..count], &[0, 1, 2], &mut storage).err();
         let error = CapacityError { buffer: "storage", needed, capacity: needed - 1 };
-        assert_eq!(refused, Some(error));
+        assert_eq!(refused, Some(error.into()));
     }
 }
 
@@ -160,6 +163,14 @@ fn storage_that_is_too_small_is_refused() {
 fn unchecked_nodes_without_a_grid_panic() {
     let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
     let _ = Bvh::new_unchecked(mesh, &[CompactNode::default()], &[0, 1, 2]);
+}
+
+/// The panic is that of `new_unchecked`, in debug builds too.
+#[test]
+#[should_panic(expected = "index out of range")]
+fn nodes_without_a_box_panic() {
+    let mesh = Mesh::new(&POSITIONS, &TRIANGLES).unwrap();
+    let _ = compact(mesh, &[Node::EMPTY], &[0, 1, 2], &mut [CompactNode::default(); 2]);
 }
 
 #[test]
@@ -182,10 +193,10 @@ fn wrong_arrays_are_refused() {
         }
     }
     // The grid: too far, too wide, bits that mean nothing, none at all; another one.
-    assert_eq!(after(&|nodes, _| nodes[1].min[1] = 0x7fff), Err(BvhError::Box { node: 1 }));
-    assert_eq!(after(&|nodes, _| nodes[1].link |= 0x3ff), Err(BvhError::Box { node: 1 }));
-    assert_eq!(after(&|nodes, _| nodes[1].link |= 1 << 31), Err(BvhError::Box { node: 1 }));
-    assert_eq!(after(&|nodes, _| nodes.truncate(1)), Err(BvhError::Box { node: 1 }));
+    assert_eq!(after(&|nodes, _| nodes[1].min[1] = 0x7fff), Err(BvhError::Grid));
+    assert_eq!(after(&|nodes, _| nodes[1].link |= 0x3ff), Err(BvhError::Grid));
+    assert_eq!(after(&|nodes, _| nodes[1].link |= 1 << 31), Err(BvhError::Grid));
+    assert_eq!(after(&|nodes, _| nodes.truncate(1)), Err(BvhError::Grid));
     let moved = after(&|nodes, _| nodes[1].min[0] += 9);
     assert!(matches!(moved, Err(BvhError::Box { .. })), "{moved:?}");
     // Children before their parent, odd or out of range; a leaf too many; a run that does not go on.
@@ -195,6 +206,9 @@ fn wrong_arrays_are_refused() {
     assert_eq!(after(&|nodes, _| nodes[5].link += 2), Err(BvhError::Leaf { node: 5 }));
     let more = after(&|nodes, _| nodes.push(CompactNode::default()));
     assert_eq!(more, Err(BvhError::Length { array: "nodes", expected: 6, found: 7 }));
+    let leaf = CompactNode { link: 5, ..nodes[0] };
+    let lone = after(&|nodes, _| *nodes = [&[leaf][..], &nodes[1..3]].concat());
+    assert_eq!(lone, Err(BvhError::Length { array: "nodes", expected: 2, found: 3 }));
     assert_eq!(after(&|_, order| order[2] = 1), Err(BvhError::Order { entry: 2 }));
     assert!(matches!(after(&|_, order| order.swap(0, 2)), Err(BvhError::Box { .. })));
 }
