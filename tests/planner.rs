@@ -59,6 +59,16 @@ mod gpu {
     }
 }
 
+#[cfg(feature = "threads")]
+#[test]
+fn any_number_of_workers_is_bounded() {
+    use pfront::threads::{MAX_WORKERS, Traversal};
+    for (workers, threads) in [(0, 1), (3, 3), (usize::MAX, MAX_WORKERS)] {
+        let planner = Planner::new(eager()).with_traversal(Traversal::new(workers));
+        assert_eq!(planner.machine().threads as usize, threads);
+    }
+}
+
 fn model(mesh: &pfront_scenes::TriMesh) -> Model {
     Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap()
 }

@@ -48,6 +48,22 @@ fn two_models() {
     }
 }
 
+/// What a traversal remembers of other queries is of no use to a scene, and no harm.
+#[test]
+fn a_scene_takes_a_traversal_that_was_used() {
+    let mesh = Scene::by_name("sheet", Some(4_000)).unwrap().meshes[0].clone();
+    let model = Arc::new(Model::new(mesh.positions, mesh.triangles).unwrap());
+    let mut traversal = Traversal::new(3);
+    let query = bvtt::PairQuery::new(model.bvh(), model.bvh(), Pose::IDENTITY).unwrap();
+    let expected = traversal.count(&[query]);
+    assert!(traversal.report.nodes > 0);
+    let mut scene = SceneQuery::new().with_traversal(traversal);
+    for _ in 0..2 {
+        scene.add(model.clone(), Pose::IDENTITY).unwrap();
+    }
+    assert_eq!(scene.count().unwrap(), expected);
+}
+
 #[test]
 fn one_model() {
     let scene = Scene::by_name("sheet", Some(4_000)).unwrap();

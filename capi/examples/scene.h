@@ -216,7 +216,7 @@ static inline void work(const pfront_query_t *queries, const pfront_front_t *fro
             check(pfront_query_page(query, &cursor, page, PAGE, &count, &error), &error);
             append(list, page, count);
         }
-        node->cost = (float)cursor.box_tests
+        node->cost = 1.0f + (float)cursor.box_tests
                      + (float)PFRONT_TRIANGLE_COST * (float)cursor.triangle_tests;
     }
 }

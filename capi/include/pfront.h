@@ -334,7 +334,7 @@ typedef struct pfront_front_node_t {
   // Private.
   uint64_t path[2];
   // What it is expected to cost. The worker puts in its place what it did cost:
-  // `box_tests + PFRONT_TRIANGLE_COST * triangle_tests` of the cursor.
+  // `1 + box_tests + PFRONT_TRIANGLE_COST * triangle_tests` of the cursor, so that it is above 0.
   float cost;
   // The query it belongs to.
   uint32_t query;
@@ -609,7 +609,7 @@ pfront_status_t pfront_front_init(struct pfront_front_t *front,
 
 // Divides the queries of a frame into nodes of about equal cost, and assigns these to `workers`, of which there is at
 // least one: the p-partition front of Zhang and Kim (2014). `parts` has one element a worker and tells in the end what
-// each is predicted to cost.
+// each is predicted to cost. `history` is sorted.
 //
 // Then each worker, on a thread of its own, goes through the nodes whose `part` is its number: it sets its own cursor to
 // the node by `pfront_cursor_at`, asks page by page until that is done, and writes what this cost to the node. All

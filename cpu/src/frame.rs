@@ -11,8 +11,8 @@ use pfront_core::bvtt::{Cursor, Query, Work};
 use pfront_core::front::estimate;
 use std::time::Instant;
 
-/// Tests that the calling thread does before it calls others: about the time that the call takes. A frame that is expected
-/// to cost no more begins there.
+/// Tests of both kinds that the calling thread does before it calls others: about the time that the call takes. A frame
+/// whose expected cost, in box tests, is lower than this begins there.
 const ALONE: u64 = 2048;
 
 impl Traversal {
@@ -37,11 +37,11 @@ impl Traversal {
             _ => ALONE,
         };
         self.begin(queries, alone, &control, &mut outputs[0]);
-        let is_whole = alone == 0;
+        let from_roots = alone == 0;
         if !self.starts.is_empty() && !control.is_over() {
             match self.settings.schedule {
                 Schedule::Stealing => self.steal(queries, &control, outputs, new_output),
-                _ => self.divide(queries, is_whole, &control, outputs, new_output),
+                _ => self.divide(queries, from_roots, &control, outputs, new_output),
             }
         }
         self.report.late = control.was_late();
@@ -49,7 +49,7 @@ impl Traversal {
         if complete && !only_one_hit {
             // Where nothing overlapped, nothing is known.
             self.last_cost = Some(self.report.work().cost()).filter(|&cost| cost > 0.0);
-            if !is_whole {
+            if !from_roots {
                 // What is left from earlier frames says less than an estimate.
                 self.front.forget();
             }
@@ -57,7 +57,8 @@ impl Traversal {
         complete
     }
 
-    /// Whether a frame is worth several threads from the start: as the last one was, or, if there was none, by estimate.
+    /// Whether a frame is worth several threads from the start: by the cost of the last one, or, if there was none, by
+    /// estimate.
     fn expects_much<Q: Query>(&self, queries: &[Q]) -> bool {
         let estimated = || {
             let roots = queries.iter().filter_map(|query| Some((query, query.root()?)));
@@ -100,7 +101,7 @@ impl Traversal {
     fn divide<Q: Query + Sync, O: Output>(
         &mut self,
         queries: &[Q],
-        is_whole: bool,
+        from_roots: bool,
         control: &Control,
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
@@ -108,7 +109,7 @@ impl Traversal {
         let p = self.p();
         let Self { settings, pool, front, starts, buffers, report, .. } = self;
         report.shares.resize(p, Share::default());
-        let settings = Settings { coherence: settings.coherence && is_whole, ..*settings };
+        let settings = Settings { coherence: settings.coherence && from_roots, ..*settings };
         front.divide(queries, starts, &settings, report);
         let clock = Instant::now();
         let threads = pool
@@ -118,7 +119,7 @@ impl Traversal {
         let frame = Frame { queries, nodes: front.nodes(), schedule: settings.schedule, control };
         buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares);
         report.traversal_time += clock.elapsed();
-        if is_whole && !control.has_stopped() {
+        if from_roots && !control.has_stopped() {
             front.remember(buffers.costs());
         }
     }

@@ -53,24 +53,23 @@ impl FrontMemory {
         let steals = settings.schedule == Schedule::Hybrid;
         let g_estimated = if steals { settings.g } else { ESTIMATED * settings.g };
         let mut options = RefineOptions { workers, g: settings.g, g_estimated };
-        if !settings.coherence {
-            self.history.clear();
-        }
         let mut box_tests = 0;
         loop {
-            let capacity = self.nodes.len();
-            let mut front = Front::new(&mut self.nodes);
+            // Memory that an earlier frame grew may be larger.
+            let capacity = self.nodes.len().min(most);
+            let mut front = Front::new(&mut self.nodes[..capacity]);
             for start in starts {
                 let added = front.add(start.query, start.pair);
                 debug_assert!(added.is_ok(), "there is room for all starts");
             }
             let query = |number: u32| &queries[number as usize];
-            let refined = front.refine(&options, &mut self.history, query);
+            let history = if settings.coherence { &mut self.history[..] } else { &mut [] };
+            let refined = front.refine(&options, history, query);
             box_tests += refined.box_tests;
-            let is_coarser = options.g > 1.0 || options.g_estimated > 1.0;
+            let can_coarsen = options.g > 1.0 || options.g_estimated > 1.0;
             if refined.full && capacity < most {
                 self.grow((2 * capacity).min(most));
-            } else if refined.full && is_coarser {
+            } else if refined.full && can_coarsen {
                 options.g = options.g.min(ESTIMATED * u32::MAX as f64) / 2.0;
                 options.g_estimated = options.g_estimated.min(ESTIMATED * u32::MAX as f64) / 2.0;
             } else {

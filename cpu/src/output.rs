@@ -120,7 +120,7 @@ pub(crate) fn is_worth_threads(len: usize, threads: usize) -> bool {
     len >= 1 << 16 && threads >= 8
 }
 
-/// Shorter storage are sorted by comparison.
+/// Shorter answers are sorted by comparison.
 const RADIX_FROM: usize = 512;
 
 /// Sorts an answer.

@@ -39,7 +39,7 @@ pub struct Traversal {
     pub report: Report,
     pub(crate) pool: Option<Arc<ThreadPool>>,
     pub(crate) front: FrontMemory,
-    /// The cost of the last whole frame.
+    /// The cost of the last complete frame.
     pub(crate) last_cost: Option<f64>,
     pub(crate) starts: Vec<Start>,
     pub(crate) buffers: Workers,

@@ -52,7 +52,7 @@ pub(crate) use history::{Known, Offer, Way};
 #[cfg(feature = "gpu")]
 use crate::gpu::{self, Gpu};
 #[cfg(feature = "threads")]
-use crate::threads::Traversal;
+use crate::threads::{MAX_WORKERS, Traversal};
 use crate::{Error, Model};
 use std::sync::Arc;
 
@@ -136,7 +136,7 @@ impl Planner {
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn with_traversal(self, traversal: Traversal) -> Self {
-        let planner = self.with_threads(traversal.workers as u32);
+        let planner = self.with_threads(traversal.workers.clamp(1, MAX_WORKERS) as u32);
         planner.with(|choices| choices.traversal = Some(traversal))
     }
 

@@ -26,7 +26,9 @@ pub(super) struct Crew {
 }
 
 impl Crew {
-    pub(super) fn new(traversal: Traversal) -> Self {
+    pub(super) fn new(mut traversal: Traversal) -> Self {
+        // What it did before was asked of other bodies.
+        traversal.forget();
         let (asked, asking, queries, found) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Self { traversal, asked, asking, queries, found, report: Report::default() }
     }

@@ -60,7 +60,6 @@ impl From<CapacityError> for Fault {
         let what = match buffer {
             "nodes" | "front" => c"nodes",
             "history" => c"history",
-            "memory" => c"past",
             "out" => c"blob",
             _ => return Self::new(PFRONT_DAMAGED),
         };

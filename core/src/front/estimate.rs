@@ -24,9 +24,9 @@ pub fn estimate(query: &impl Query, n: NodePair) -> f64 {
     let counts = query.triangles_below(n);
     let overlap = volume(&intersection(&a, &b), margin);
     let inside = |aabb: &Aabb, count: u32| {
-        let whole = volume(aabb, margin);
+        let own = volume(aabb, margin);
         // Points overlap as a whole or not at all.
-        let share = if whole > 0.0 { overlap / whole } else { 1.0 };
+        let share = if own > 0.0 { overlap / own } else { 1.0 };
         share.min(1.0) * f64::from(count)
     };
     TESTS_PER_TRIANGLE * (inside(&a, counts[0]) + inside(&b, counts[1]))
@@ -35,7 +35,7 @@ pub fn estimate(query: &impl Query, n: NodePair) -> f64 {
 /// Divides the cost of a node among its overlapping children.
 ///
 /// A measured cost |n| is shared by overlap volume, as |n| − 1 in eq. 3. An estimate is not, since that would carry its
-/// error down: each child is estimated anew by its own volume, on the scale of its parent's.
+/// error down: the estimate of a child is its parent's times the child's overlap volume over its parent's.
 pub(super) fn costs_of_children(
     query: &impl Query,
     parent: &FrontNode,
@@ -49,15 +49,16 @@ pub(super) fn costs_of_children(
         *volume = overlap(boxes);
     }
     let (sum, count) = (volumes.iter().sum::<f64>(), boxes.len().max(1) as f64);
-    let parents = overlap(&query.boxes(parent.pair));
+    let parent_volume = overlap(&query.boxes(parent.pair));
     // Siblings in the same place overlap as much as their parent, each. If each cost as much as the parent, the sum
     // would grow with every split and no front would meet its bound. So estimates that add up to more than
     // 1 + count / 4 times the parent's are shared too.
-    let is_share = is_measured || !(parents > 0.0 && sum <= parents * (1.0 + 0.25 * count));
-    let whole = if is_share { sum } else { parents };
+    let is_share =
+        is_measured || !(parent_volume > 0.0 && sum <= parent_volume * (1.0 + 0.25 * count));
+    let divisor = if is_share { sum } else { parent_volume };
     let cost = f64::from(if is_measured { parent.cost - 1.0 } else { parent.cost });
     volumes.map(|volume| {
-        let share = volume / whole;
+        let share = volume / divisor;
         // Evenly where volumes tell nothing; rounding aside, a child has no more overlap than its parent.
         (cost * if share.is_finite() { share.min(1.0) } else { 1.0 / count }) as f32
     })

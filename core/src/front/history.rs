@@ -16,23 +16,23 @@ pub(super) struct CostHistory<'a> {
 
 impl<'a> CostHistory<'a> {
     pub(super) fn new(nodes: &'a mut [FrontNode]) -> Self {
-        sort(nodes, FrontNode::start);
+        sort(nodes, FrontNode::order);
         Self { nodes }
     }
 
-    /// Finds the nodes of the last front at and below some nodes, which ascend and come after position `first` of this
-    /// history.
+    /// Finds the nodes of the last front at and below `nodes`, which ascend by key. The search starts at position `first`,
+    /// which is not after the first of them.
     #[inline]
     pub(super) fn find(self, nodes: &mut [FrontNode], mut first: u32) {
         for node in nodes {
-            let before = |past: &&FrontNode| past.start() < node.start();
+            let before = |past: &&FrontNode| past.first_key() < node.first_key();
             first += self.from(first).iter().take_while(before).count() as u32;
-            node.history = first;
+            node.first_past = first;
         }
     }
 
-    /// Whether the last frame measured the cost of a node.
-    pub(super) fn has_measured(self, node: &FrontNode) -> bool {
+    /// Whether nodes of the last front lie at or below a node, so that its cost is known.
+    pub(super) fn is_at_or_below(self, node: &FrontNode) -> bool {
         self.at_and_below(node).next().is_some()
     }
 
@@ -41,22 +41,22 @@ impl<'a> CostHistory<'a> {
         self.at_and_below(node).next().is_some_and(|past| past.path > node.path)
     }
 
-    /// The measured cost of a node, or 0.
+    /// The measured cost of a node: the sum at and below it, 0 if there is none.
     pub(super) fn cost(self, node: &FrontNode) -> f32 {
         let sum: f64 = self.at_and_below(node).map(|past| f64::from(past.cost)).sum();
         // Costs that a caller hands back may be too large to add up.
         (sum as f32).min(f32::MAX)
     }
 
-    /// The share of all costs, 0 to 1, that lies at, above or below one of `nodes`, which ascend.
+    /// The share of all costs, 0 to 1, that lies at, above or below one of `nodes`, which ascend by key.
     pub(super) fn share_in(self, nodes: &[FrontNode]) -> f64 {
         let mut rest = self.nodes.iter().peekable();
         let (mut outside, mut inside) = (0.0, 0.0);
         for node in nodes {
-            while let Some(past) = rest.next_if(|past| past.end() < node.start()) {
+            while let Some(past) = rest.next_if(|past| past.last_key() < node.first_key()) {
                 outside += f64::from(past.cost);
             }
-            while let Some(past) = rest.next_if(|past| past.start() <= node.end()) {
+            while let Some(past) = rest.next_if(|past| past.first_key() <= node.last_key()) {
                 inside += f64::from(past.cost);
             }
         }
@@ -65,8 +65,8 @@ impl<'a> CostHistory<'a> {
     }
 
     fn at_and_below(self, node: &FrontNode) -> impl Iterator<Item = &'a FrontNode> {
-        let end = node.end();
-        self.from(node.history).iter().take_while(move |past| past.start() <= end)
+        let last = node.last_key();
+        self.from(node.first_past).iter().take_while(move |past| past.first_key() <= last)
     }
 
     fn from(self, first: u32) -> &'a [FrontNode] {
@@ -74,9 +74,9 @@ impl<'a> CostHistory<'a> {
     }
 }
 
-/// The way from the root of a BVTT to one of its nodes: the child taken at each level, 2 bits each from the top, and the
-/// level in the low 7 bits of 128; the default is the path of the root. The order of paths is the depth-first order of the
-/// tree, and the paper's backward index is a prefix.
+/// The way from a node that was added to a front, such as the root of a BVTT, to one below: the child taken at each level,
+/// 2 bits each from the top, and the level in the low 7 bits of 128; the default is the path of the node that was added.
+/// The order of paths is the depth-first order of the tree, and the paper's backward index is a prefix.
 ///
 /// A path tells no more than [`Path::MAX_LEVEL`] levels. All nodes below share the path of their ancestor there: what
 /// is remembered of them is remembered of all together, and they are split all the same.

@@ -2,7 +2,7 @@
 //!
 //! Zhang & Kim 2014, section 3. A frame goes through four steps, all in the caller's memory:
 //!
-//! 1. [`Front::add`] adds the roots of the queries, or the pending node pairs of a cursor.
+//! 1. [`Front::add`] adds the roots of the queries, or the node pairs that a cursor gives away.
 //! 2. [`Front::refine`] descends from there to a starting front F_s, gives its nodes the costs that the last frame measured
 //!    or estimates from their overlap, and splits nodes until none costs more than a given share of the whole
 //!    (Algorithm 2).
@@ -42,8 +42,9 @@
 //! # Where we depart from the paper, and why
 //! - The paper remembers one cost for each starting node and shares it among descendants by overlap volume (eq. 3). That
 //!   is a weak guess, so we remember a cost for each node of the *whole* front: the same use of coherence at the grain
-//!   that is assigned, in the same O(N_p) memory. Below those nodes eq. 3 holds as printed.
-//! - Estimates are not shared by eq. 3, which would carry an error down: a node below an estimated one is estimated anew.
+//!   that is assigned, in the same O(N_p) memory. The children of those nodes get their costs by eq. 3 as printed.
+//! - Estimates are not shared by eq. 3, which would carry an error down: a child of an estimated node gets as much of its
+//!   parent's estimate as it has of its parent's overlap volume, whatever its siblings have.
 //!   Since the sum then changes, refinement is repeated until it meets its bound. And since no overlap measure tells much
 //!   about a single node, estimated nodes are refined further than measured ones, so that errors average out:
 //!   [`RefineOptions::g_estimated`].
@@ -54,8 +55,8 @@
 //!   queries begin at their roots.
 //! - A jump makes the last frame's costs worthless. Where less than half of them lie in nodes that overlap again, the
 //!   frame does without.
-//! - A node that the last frame split is split again until it costs less than half the bound, and no node is split that
-//!   costs hardly more than its split: without this a still scene may swing between two fronts.
+//! - A node that the last frame split is split again until it costs less than half the bound, and no bound is lower than
+//!   the cost of a few splits: without this a still scene may swing between two fronts.
 
 mod estimate;
 mod history;
@@ -79,7 +80,7 @@ use history::Path;
 pub struct FrontNode {
     /// The BVTT node.
     pub pair: NodePair,
-    /// Its way from the root.
+    /// Its way from the node that was added.
     path: Path,
     /// Its expected cost |n| = m1 + k·m2, in box tests. Where the next frame is to use it, the worker replaces this by the
     /// measured cost, finite and positive.
@@ -89,19 +90,25 @@ pub struct FrontNode {
     pub query: u32,
     /// The worker that it is assigned to.
     pub part: u32,
-    /// The first node of the cost history that does not come before it, by query and path.
-    history: u32,
+    /// The position in the cost history of the first node whose [`FrontNode::first_key`] is not below its own.
+    first_past: u32,
 }
 
 impl FrontNode {
-    /// The first query and path of its subtree.
-    fn start(&self) -> (u32, Path) {
+    /// The first query and path of its subtree, its own.
+    fn first_key(&self) -> (u32, Path) {
         (self.query, self.path)
     }
 
     /// The last query and path of its subtree.
-    fn end(&self) -> (u32, Path) {
+    fn last_key(&self) -> (u32, Path) {
         (self.query, self.path.last())
+    }
+
+    /// Its place in the order of a front: by query and path, and where these are equal, as for nodes that were added to one
+    /// query or lie deep, by node pair. No two nodes of a front have the same.
+    fn order(&self) -> (u32, Path, [u32; 2]) {
+        (self.query, self.path, [self.pair.a, self.pair.b])
     }
 }
 
@@ -120,7 +127,9 @@ impl<'a> Front<'a> {
         Self { nodes, len: 0 }
     }
 
-    /// Adds a node to start from: the root of query number `query`, or node pairs that a cursor of it has pending.
+    /// Adds a node to start from: the root of query number `query`, or the node pairs that
+    /// [`Cursor::take_pending`](crate::bvtt::Cursor::take_pending) took from a cursor of it. Of a node pair that is merely
+    /// pending, some may have been visited.
     /// Where a history is to be used, a query has no node but its root.
     ///
     /// # Errors

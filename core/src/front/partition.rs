@@ -32,8 +32,8 @@ impl<'a> Front<'a> {
     /// O(N log N + N log p) for N nodes and p parts; no allocation.
     pub fn partition(self, parts: &mut [Part]) -> &'a mut [FrontNode] {
         let (nodes, _) = split(self.nodes, self.len);
-        // Costs are positive, so that their bits sort as they do. Equal ones sort by path, alike on every machine.
-        sort(nodes, |node| (!node.cost.to_bits(), node.start()));
+        // Costs are positive, so that their bits sort as they do. Equal ones sort alike on every machine.
+        sort(nodes, |node| (!node.cost.to_bits(), node.order()));
         clear(parts);
         let less =
             |x: &Part, y: &Part| (x.cost < y.cost) | ((x.cost == y.cost) & (x.number < y.number));

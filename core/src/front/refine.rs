@@ -1,7 +1,7 @@
 //! Algorithm 2: refining a front until its nodes are small enough to be assigned evenly.
 //!
-//! [`Front::split`] is the one pass: it replaces nodes by their children. It runs once for each level of the starting
-//! front, and then for as long as some node exceeds the bound, which changes with the sum of all costs.
+//! [`Front::split_nodes`] is the one pass: it replaces nodes by their children. It runs once for each level of the starting
+//! front, and then for as long as some node exceeds its bound, which changes with the sum of all costs.
 
 use super::estimate::{costs_of_children, estimate};
 use super::history::CostHistory;
@@ -17,10 +17,10 @@ const STARTING_NODES: usize = 32;
 /// The least share of the last frame's cost that must lie in nodes that overlap again for its costs to be used.
 const COHERENT: f64 = 0.5;
 
-/// Below this cost no node is split: a split takes about as long as 20 box tests.
-const WORTH_SPLITTING: f64 = 64.0;
+/// The least bound, however fine a front is asked for: a split takes about as long as 20 box tests.
+const LEAST_BOUND: f64 = 64.0;
 
-/// A node that the last frame split is split again if it costs more than this share of the bound.
+/// A node that the last frame split is split again if it costs at least this share of the bound.
 const HYSTERESIS: f64 = 0.5;
 
 /// The grain of a refined front: no node that can be split costs more than 1/g of the mean load of a worker
@@ -48,13 +48,14 @@ impl RefineOptions {
 /// The outcome of a refinement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrontReport {
-    /// Whether enough of the cost history lies in nodes that overlap again for it to be used.
+    /// Whether at least half of the costs in the history lie in nodes that overlap again. Nodes then cost what the history
+    /// says, where it says anything.
     pub coherent: bool,
     /// The certificate: the predicted makespan of [`Front::partition`] is at most (1 + ε)·W/p, where W is the cost of the
     /// front. At most 1/g, unless the front is full, or leaf pairs and nodes not worth a split prevent it. No more than
     /// p/ε workers, rounded up, can be kept busy (eq. 6 for the refined front).
     pub epsilon: f64,
-    /// Whether some node is coarser than asked for, as the memory of the front is used up.
+    /// Whether some node is coarser than asked for, since there was no room for its children.
     pub full: bool,
     /// Box tests spent on the front, which are part of the work of the frame.
     pub box_tests: u64,
@@ -67,8 +68,8 @@ impl Front<'_> {
     /// path.
     ///
     /// # Complexity
-    /// O(nodes added), one box test each at most, and O(N) for each level that is added, after O(N log N) for N nodes
-    /// of the history.
+    /// O(1) and at most 4 box tests for each node that is split, and O(N) for each level that is added, after O(N log N)
+    /// for N nodes of the history.
     pub fn refine<Q: Query>(
         &mut self,
         options: &RefineOptions,
@@ -80,10 +81,10 @@ impl Front<'_> {
         let none = CostHistory::default();
         while several
             && self.len < STARTING_NODES
-            && self.split(none, &query, &|_| true, &mut report)
+            && self.split_nodes(none, &query, &|_| true, &mut report)
         {}
         // In the order of the history, for one pass through both.
-        sort(self.nodes_mut(), FrontNode::start);
+        sort(self.nodes_mut(), FrontNode::order);
         let mut history = CostHistory::new(history);
         report.coherent = history.share_in(self.nodes()) >= COHERENT;
         if !report.coherent {
@@ -118,41 +119,44 @@ impl Front<'_> {
     ) -> bool {
         let mean = self.cost() / options.workers as f64;
         // A g that is negative or NaN asks for nothing, like 0.
-        let bound = |g: f64| (mean / g.max(0.0)).max(WORTH_SPLITTING);
+        let bound = |g: f64| (mean / g.max(0.0)).max(LEAST_BOUND);
         let [estimated, measured] = [options.g_estimated, options.g].map(bound);
-        let exceeds = |node: &FrontNode| {
-            let bound = if history.has_measured(node) { measured } else { estimated };
+        let is_due = |node: &FrontNode| {
+            let bound = if history.is_at_or_below(node) { measured } else { estimated };
             let cost = f64::from(node.cost);
             cost >= bound || cost >= HYSTERESIS * bound && history.has_split(node)
         };
-        self.split(history, query, &exceeds, report)
+        self.split_nodes(history, query, &is_due, report)
     }
 
-    /// Replaces each node that `exceeds` by its overlapping children, as long as there is room. Leaf pairs stay. Returns
+    /// Replaces each node that `is_due` by its overlapping children, as long as there is room. Leaf pairs stay. Returns
     /// whether any node was split.
     #[inline(never)] // One copy serves both uses: firmware has little room for code.
-    fn split<Q: Query>(
+    fn split_nodes<Q: Query>(
         &mut self,
         history: CostHistory<'_>,
         query: &impl Fn(u32) -> Q,
-        exceeds: &dyn Fn(&FrontNode) -> bool,
+        is_due: &dyn Fn(&FrontNode) -> bool,
         report: &mut FrontReport,
     ) -> bool {
-        let tests_before = report.box_tests;
+        let mut was_any_split = false;
         // Backwards, so that only nodes that have had their turn move into gaps.
         for index in (0..self.len).rev() {
             let parent = *at(self.nodes, index);
-            if !exceeds(&parent) {
+            if !is_due(&parent) {
                 continue;
             }
             let first = self.len;
-            if first + 4 > self.nodes.len() {
-                report.full = true;
+            let has_room = first + 4 <= self.nodes.len();
+            if !has_room && report.full {
                 continue;
             }
             let query = query(parent.query);
             let mut boxes = [[Aabb::EMPTY; 2]; 4];
             let tests = query.children(parent.pair, &mut |pair, both| {
+                if !has_room {
+                    return;
+                }
                 *at_mut(&mut boxes, self.len - first) = both;
                 self.push(FrontNode {
                     pair,
@@ -160,18 +164,20 @@ impl Front<'_> {
                     ..parent
                 });
             });
-            if tests == 0 {
+            report.box_tests += u64::from(tests);
+            if tests == 0 || !has_room {
+                report.full |= tests > 0;
                 continue;
             }
-            report.box_tests += u64::from(tests);
+            was_any_split = true;
             let children = part_mut(self.nodes, first..self.len);
-            history.find(children, parent.history);
+            history.find(children, parent.first_past);
             let was_split = history.has_split(&parent);
             for child in &mut *children {
                 child.cost = if was_split { history.cost(child) } else { 0.0 };
             }
             if children.iter().any(|child| child.cost == 0.0) {
-                let is_measured = history.has_measured(&parent);
+                let is_measured = history.is_at_or_below(&parent);
                 let boxes = range(&boxes, 0, children.len() as u32);
                 let shares = costs_of_children(&query, &parent, is_measured, boxes);
                 for (child, share) in children.iter_mut().zip(shares) {
@@ -183,7 +189,7 @@ impl Front<'_> {
             self.len -= 1;
             *at_mut(self.nodes, index) = *at(self.nodes, self.len);
         }
-        report.box_tests > tests_before
+        was_any_split
     }
 }
 

@@ -23,11 +23,11 @@ impl Front<'_> {
             assert!(node.cost >= 1.0 && node.cost.is_finite(), "node {i} costs {}", node.cost);
         }
         let mut sorted = self.nodes().to_vec();
-        sorted.sort_by_key(FrontNode::start);
+        sorted.sort_by_key(FrontNode::first_key);
         for two in sorted.windows(2) {
             let [x, y] = [two[0], two[1]];
             let is_deep = x.path == y.path && x.path.level() == Path::MAX_LEVEL && x.pair != y.pair;
-            assert!(x.end() < y.start() || is_deep, "{x:?} {y:?}");
+            assert!(x.last_key() < y.first_key() || is_deep, "{x:?} {y:?}");
         }
     }
 }
@@ -79,7 +79,7 @@ impl Frames {
         }
         front.refine(&options(2, 0.0), &mut [], |n| &queries[n as usize]);
         let mut starting = front.nodes().to_vec();
-        starting.sort_by_key(FrontNode::start);
+        starting.sort_by_key(FrontNode::first_key);
         CostHistory::new(&mut self.history.clone()).share_in(&starting)
     }
 }
@@ -222,6 +222,73 @@ fn a_still_scene_settles() {
     }
 }
 
+/// Costs of any sign and size, other queries, nodes twice, and nodes of random bits.
+#[test]
+fn any_history_is_harmless() {
+    let bumpy = body(bumpy(20));
+    let huge = body(Soup::of([[[-f32::MAX; 3], [f32::MAX; 3], [0.0, f32::MAX, -f32::MAX]]; 3]));
+    let (nan, infinity, max) = (f32::NAN, f32::INFINITY, f32::MAX);
+    let odd = [nan, -nan, infinity, -infinity, -1.0, 0.0, -0.0, max, -max, 1e-45, 1.0, 50.0];
+    let mut rng = seeded(1);
+    for round in 0..300 {
+        let bvh = if round % 7 == 0 { huge.bvh() } else { bumpy.bvh() };
+        let query = [PairQuery::new(bvh, bvh, Pose::IDENTITY).unwrap()];
+        let capacity = [1, 4, 5, 33, 40, 300, CAPACITY][rng.random_range(0..7)];
+        let mut frames = Frames::new(capacity);
+        frames.frame(&query, RefineOptions::new(5));
+        let usual = odd.get(rng.random_range(0..=odd.len()));
+        for node in &mut frames.history {
+            if usual.is_none() || rng.random_bool(0.2) {
+                node.cost = *usual.unwrap_or(&odd[rng.random_range(0..odd.len())]);
+            }
+            if rng.random_bool(0.1) {
+                node.query = rng.random_range(0..3);
+            }
+        }
+        for node in frames.history.clone() {
+            if rng.random_bool(0.3) {
+                frames.history.push(node);
+            }
+            if rng.random_bool(0.1) {
+                let words: [u32; 10] = core::array::from_fn(|_| rng.random());
+                let mut forged: FrontNode = bytemuck::cast(words);
+                if rng.random_bool(0.5) {
+                    (forged.query, forged.cost) = (0, forged.cost.abs().min(1e6));
+                }
+                frames.history.push(forged);
+            }
+        }
+        frames.frame(&query, RefineOptions::new(5));
+    }
+}
+
+/// The pending nodes of a cursor all have the path of the root: sorts that differ, with and without `std`, still agree.
+#[test]
+fn nodes_of_a_cursor_are_assigned_alike_in_any_order() {
+    let flat = body(sheet(12, |_, _| 0.0));
+    let query = SelfQuery::new(flat.bvh());
+    let mut cursor = query.start();
+    let _ = query.step(&mut cursor, 400, |_| ControlFlow::Continue(()));
+    let mut pending = cursor.take_pending().to_vec();
+    let mut assigned = || {
+        pending.reverse();
+        let mut memory = vec![FrontNode::default(); 4000];
+        let mut front = Front::new(&mut memory);
+        pending.iter().for_each(|&pair| front.add(0, pair).unwrap());
+        front.refine(&RefineOptions::new(4), &mut [], |_| &query);
+        front.partition(&mut [Part::default(); 4]).to_vec()
+    };
+    assert!(assigned() == assigned());
+}
+
+#[test]
+fn a_front_of_leaf_pairs_is_not_full() {
+    let one = body(sheet(1, |_, _| 0.0));
+    let query = SelfQuery::new(one.bvh());
+    let report = Frames::new(1).frame(&[query], RefineOptions::new(2));
+    assert!(!report.full && report.box_tests == 0, "{report:?}");
+}
+
 fn pairs(query: &impl Query, roots: impl IntoIterator<Item = NodePair>) -> Vec<TrianglePair> {
     let mut found = Vec::new();
     for root in roots {
@@ -237,8 +304,7 @@ fn traverse(query: &impl Query, root: NodePair, found: &mut Vec<TrianglePair>) -
         found.push(pair);
         ControlFlow::Continue(())
     });
-    let work = cursor.work;
-    (1 + work.box_tests + 4 * work.triangle_tests) as f32
+    1.0 + cursor.work.cost() as f32
 }
 
 fn sorted(mut pairs: Vec<TrianglePair>) -> Vec<TrianglePair> {

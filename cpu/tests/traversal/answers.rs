@@ -126,6 +126,34 @@ fn settings_change_no_answer() {
 }
 
 #[test]
+fn max_nodes_bounds_a_front_whose_memory_has_grown() {
+    let (frames, mut traversal) = (Frames::named("spheres", 6_000), Traversal::new(64));
+    for (max_nodes, expected) in [(1 << 20, 41..2000), (40, 1..41)] {
+        traversal.settings.max_nodes = max_nodes;
+        assert_eq!(traversal.count(&[frames.query(50)]), frames.query(50).count());
+        assert!(expected.contains(&traversal.report.nodes), "{}", traversal.report.nodes);
+    }
+}
+
+/// One sphere inside another, just not touching: a search for one hit takes long enough to be divided.
+#[test]
+fn a_search_for_one_hit_leaves_costs_as_they_are() {
+    let mut mesh = icosphere(20_000);
+    let outer = Body::new(mesh.clone());
+    mesh.positions.iter_mut().flatten().for_each(|x| *x *= 0.999);
+    let inner = Body::new(mesh);
+    let queries = [PairQuery::new(outer.bvh(), inner.bvh(), pfront_core::Pose::IDENTITY).unwrap()];
+    let mut traversal = Traversal::new(4);
+    assert_eq!(traversal.count(&queries), 0);
+    for _ in 0..2 {
+        assert_eq!(traversal.count(&queries), 0);
+        assert!(traversal.report.front.coherent);
+        assert!(traversal.any(&queries).is_none());
+        assert!(!traversal.report.shares.is_empty() && !traversal.report.front.coherent);
+    }
+}
+
+#[test]
 fn only_a_partition_has_an_imbalance() {
     let frames = Frames::named("spheres", 2_000);
     for schedule in SCHEDULES {
