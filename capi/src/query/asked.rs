@@ -7,7 +7,6 @@ use pfront_core::{Aabb, Bvh, Mesh};
 
 /// A query that C has made.
 #[derive(Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "it lives on the stack for the time of a call")]
 pub(crate) enum Asked<'c> {
     /// Two meshes.
     Pair(PairQuery<'c>),
