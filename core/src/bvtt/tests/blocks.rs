@@ -1,8 +1,8 @@
 //! Blocks against the same tests triangle by triangle, with eight lanes, in halves and with one lane.
 
-use super::PosedBvh;
-use super::block::BlockCache;
-use super::cull::PairSets;
+use super::super::PosedBvh;
+use super::super::block::BlockCache;
+use super::super::cull::PairSets;
 use crate::one_ring::{CertifyOptions, OneRing, OneRings, history_bound, link_scratch_bound};
 use crate::simd::{Halves, LANES, Simd, Task, widest};
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};

@@ -1,0 +1,239 @@
+//! Queries against the oracle: every verb, in pages, in steps of any size, and in parts.
+
+extern crate std;
+
+use super::super::{Cursor, NodePair, PairQuery, PosedBvh, Query, SelfQuery, TrianglePair, Work};
+use crate::bvh::tests::Owned;
+use crate::one_ring::{CertifyOptions, OneRings, history_bound, link_scratch_bound};
+use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
+use crate::{Aabb, Pose};
+use core::ops::ControlFlow::{Break, Continue};
+use pfront_testkit::oracle::{pairs, self_pairs, share_a_vertex};
+use pfront_testkit::rng::seeded;
+use pfront_testkit::shapes::{Soup, bumpy, pose_rows, posed, sheet, sphere, tangle, union};
+use std::vec;
+use std::vec::Vec;
+
+/// The pairs that all forms of a query visit, in its order, after they were compared.
+fn visited(query: &impl Query) -> Vec<TrianglePair> {
+    let (all, work) = at_one_go(query);
+    assert_eq!(query.count(), all.len() as u64);
+    assert_eq!(query.any(), all.first().copied());
+    for size in [1, 3, 64] {
+        assert_eq!(in_pages(query, size), all, "pages of {size}");
+    }
+    for budget in [0, 1, 2, 7, 100] {
+        assert_eq!(in_steps(query, budget), (all.clone(), work), "budget {budget}");
+    }
+    for budget in [1, 5, 40, 1000] {
+        assert_eq!(sorted(in_parts(query, budget)), sorted(all.clone()), "parts after {budget}");
+    }
+    assert_eq!(sorted(from_children(query)), sorted(all.clone()));
+    for pair in all.iter().take(20) {
+        assert!(query.contact(*pair).is_some(), "{pair:?}");
+    }
+    all
+}
+
+fn at_one_go(query: &impl Query) -> (Vec<TrianglePair>, Work) {
+    let (mut found, mut cursor) = (Vec::new(), query.start());
+    assert!(query.visit(&mut cursor, |pair| push(&mut found, pair)).is_continue());
+    assert!(cursor.is_done());
+    (found, cursor.work)
+}
+
+fn push(found: &mut Vec<TrianglePair>, pair: TrianglePair) -> core::ops::ControlFlow<()> {
+    found.push(pair);
+    Continue(())
+}
+
+fn in_pages(query: &impl Query, size: usize) -> Vec<TrianglePair> {
+    let (mut found, mut cursor) = (Vec::new(), query.start());
+    let mut page = vec![TrianglePair::default(); size];
+    assert_eq!(query.page(&mut cursor, &mut []), 0);
+    while !cursor.is_done() {
+        let count = query.page(&mut cursor, &mut page);
+        assert!(count == size || cursor.is_done());
+        found.extend(&page[..count]);
+    }
+    found
+}
+
+/// In steps of `budget` tests, every third of which is cut short by a visitor that breaks.
+fn in_steps(query: &impl Query, budget: u64) -> (Vec<TrianglePair>, Work) {
+    let (mut found, mut cursor) = (Vec::new(), query.start());
+    let mut idle = 0;
+    for step in 0.. {
+        if cursor.is_done() {
+            break;
+        }
+        // A budget of 0 does nothing, and one without end the rest.
+        let budget = if budget == 0 && step == 9 { u64::MAX } else { budget };
+        let before = cursor.work;
+        let flow = query.step(&mut cursor, budget, |pair| {
+            let _ = push(&mut found, pair);
+            if step % 3 == 2 { Break(()) } else { Continue(()) }
+        });
+        assert!(flow.is_continue() || step % 3 == 2);
+        let tests = (cursor.work.box_tests - before.box_tests)
+            + (cursor.work.triangle_tests - before.triangle_tests);
+        assert!(tests <= budget.saturating_add(15), "{tests} of {budget}");
+        idle = if tests == 0 { idle + 1 } else { 0 };
+        assert!(idle < 1_000, "no progress");
+    }
+    (found, cursor.work)
+}
+
+/// The first `budget` tests by one cursor, the rest by one cursor for each node pair that is pending.
+fn in_parts(query: &impl Query, budget: u64) -> Vec<TrianglePair> {
+    let (mut found, mut cursor) = (Vec::new(), query.start());
+    let _ = query.step(&mut cursor, budget, |pair| push(&mut found, pair));
+    let pending = cursor.take_pending().to_vec();
+    for part in pending {
+        let _ = query.visit(&mut Cursor::at(part), |pair| push(&mut found, pair));
+    }
+    let _ = query.visit(&mut cursor, |pair| push(&mut found, pair));
+    assert!(cursor.is_done());
+    found
+}
+
+/// By one cursor for each leaf pair that [`Query::children`] leads to.
+fn from_children(query: &impl Query) -> Vec<TrianglePair> {
+    let mut stack: Vec<NodePair> = query.root().into_iter().collect();
+    let mut found = Vec::new();
+    while let Some(n) = stack.pop() {
+        let (first, mut last) = (stack.len(), None);
+        let tests = query.children(n, &mut |child, boxes| {
+            assert_eq!(boxes, query.boxes(child));
+            assert!(last < Some((child.a, child.b)), "children ascend");
+            last = Some((child.a, child.b));
+            stack.push(child);
+        });
+        assert!(tests <= 4 && tests as usize + 2 >= stack.len() - first);
+        let [mut a, mut b] = [0; 2];
+        for child in &stack[first..] {
+            let [below_a, below_b] = query.triangles_below(*child);
+            (a, b) = (a.max(below_a), b.max(below_b));
+        }
+        let [most_a, most_b] = query.triangles_below(n);
+        assert!(a <= most_a && b <= most_b);
+        if tests == 0 {
+            assert_eq!(stack.len(), first);
+            let _ = query.visit(&mut Cursor::at(n), |pair| push(&mut found, pair));
+        }
+    }
+    found
+}
+
+fn sorted(mut pairs: Vec<TrianglePair>) -> Vec<TrianglePair> {
+    pairs.sort_unstable();
+    pairs
+}
+
+fn as_pairs(truth: Vec<(u32, u32)>) -> Vec<TrianglePair> {
+    truth.into_iter().map(|(a, b)| TrianglePair { a, b }).collect()
+}
+
+/// BVHs of a mesh with leaves of each kind.
+fn trees(soup: &Soup) -> impl Iterator<Item = Owned> {
+    [(1, false), (3, true), (8, false)]
+        .into_iter()
+        .map(|(leaf_size, by_morton)| Owned::new(soup.clone(), leaf_size, by_morton))
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long; `blocks` runs the same vector code")]
+fn two_meshes_as_the_oracle() {
+    let mut rng = seeded(5);
+    let scenes = [
+        [sphere(7), sphere(6)],
+        [bumpy(9), sheet(8, |_, _| 0.0)],
+        [tangle(12, 40, 2, &mut rng), tangle(12, 40, 2, &mut rng)],
+        [sheet(6, |_, _| 0.0), sheet(6, |_, _| 0.0)],
+    ];
+    for [a, b] in scenes {
+        let still = [[1.0, 0.0, 0.0, 0.25], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        let far = [[1.0, 0.0, 0.0, 50.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        for rows in [still, far, pose_rows(0.5, &mut rng)] {
+            let (pose, moved) = (Pose { rows }, posed(&b.positions, &rows));
+            let truth = as_pairs(pairs(&a.positions, &a.triangles, &moved, &b.triangles));
+            for (of_a, of_b) in trees(&a).zip(trees(&b)) {
+                let query = PairQuery::new(of_a.bvh(), of_b.bvh(), pose).unwrap();
+                assert_eq!(sorted(visited(&query)), truth);
+                let fast = query.with_accuracy(Accuracy::Fast);
+                for pair in at_one_go(&fast).0 {
+                    let t = of_a.bvh().mesh().triangle(pair.a);
+                    let u = of_b.bvh().mesh().triangle(pair.b).map(|p| pose.apply(p));
+                    assert!(intersects(&t, &u, Accuracy::Fast));
+                }
+            }
+            // Both posed alike, in a world.
+            let (of_a, of_b) = (Owned::new(a.clone(), 4, false), Owned::new(b.clone(), 4, true));
+            let sides = [of_a.bvh(), of_b.bvh()].map(|bvh| PosedBvh::new(bvh, &pose).unwrap());
+            let world = posed(&a.positions, &rows);
+            let truth = as_pairs(pairs(&world, &a.triangles, &moved, &b.triangles));
+            let query = PairQuery::in_world(sides[0], sides[1]);
+            assert_eq!(sorted(visited(&query)), truth);
+            let aabb = sides[1].aabb().unwrap();
+            assert!(moved.iter().all(|&p| aabb.overlaps(&Aabb { min: p, max: p })));
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long; `blocks` runs the same vector code")]
+fn one_mesh_as_the_oracle() {
+    let mut rng = seeded(6);
+    let crossing = union(&[bumpy(7), sphere(6), sheet(5, |x, _| 0.3 * x)]);
+    for soup in [crossing, tangle(14, 60, 2, &mut rng), bumpy(6)] {
+        let truth = as_pairs(self_pairs(&soup.positions, &soup.triangles));
+        let (vertices, n) = (soup.positions.len(), soup.triangles.len());
+        for owned in trees(&soup) {
+            let mesh = owned.bvh().mesh();
+            let query = SelfQuery::new(owned.bvh());
+            assert_eq!(sorted(visited(&query)), truth);
+
+            let mut memory =
+                (vec![0; history_bound(vertices, n)], vec![0; link_scratch_bound(vertices, n)]);
+            let mut rings =
+                OneRings::new(vertices, mesh.triangles(), &mut memory.0, &mut memory.1).unwrap();
+            let certified = rings.certify(mesh, &CertifyOptions::default());
+            assert_eq!(sorted(at_one_go(&query.with_certificates(certified)).0), truth);
+
+            let skip = |p: &TrianglePair| {
+                let [t, u] = [p.a, p.b].map(|i| mesh.triangles()[i as usize]);
+                !share_a_vertex(t, u)
+            };
+            let apart: Vec<_> = truth.iter().copied().filter(skip).collect();
+            let without = query.with_adjacency(Adjacency::SkipNeighbours);
+            assert_eq!(sorted(at_one_go(&without).0), apart);
+
+            let every = || (0..n as u32).flat_map(|b| (0..b).map(move |a| TrianglePair { a, b }));
+            let boxes = |p: &TrianglePair| {
+                let [t, u] = [p.a, p.b].map(|i| Aabb::of(&mesh.triangle(i)));
+                t.overlaps(&u)
+            };
+            let overlapping: Vec<_> = every().filter(boxes).collect();
+            let found = at_one_go(&query.boxes_only()).0;
+            assert_eq!(sorted(found), sorted(overlapping.clone()));
+
+            let rule = Adjacency::SharedIndexRule;
+            let fast = |p: &TrianglePair| intersects_in_mesh(mesh, p.a, p.b, rule, Accuracy::Fast);
+            let found = at_one_go(&query.with_accuracy(Accuracy::Conservative)).0;
+            assert!(truth.iter().all(|pair| found.contains(pair)));
+            let found = at_one_go(&query.with_accuracy(Accuracy::Fast)).0;
+            assert!(found.iter().all(fast));
+        }
+    }
+}
+
+#[test]
+fn an_empty_mesh_meets_nothing() {
+    let (empty, some) =
+        (Owned::new(Soup::default(), 4, false), Owned::new(Soup::of([[[0.0; 3]; 3]]), 4, false));
+    for [a, b] in [[&empty, &some], [&some, &empty], [&empty, &empty]] {
+        let query = PairQuery::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
+        assert_eq!((query.root(), query.count(), query.any()), (None, 0, None));
+    }
+    assert_eq!(SelfQuery::new(empty.bvh()).count(), 0);
+}
