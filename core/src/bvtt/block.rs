@@ -64,7 +64,7 @@ impl TriangleBlock {
         (self.node, self.len) = (node, triangles.len());
         self.bounds = side.bounds(leaf).into();
         self.certified = [0; 3];
-        // Lanes without a triangle stay zero, so that arithmetic on them is neither slow nor a trap.
+        // Lanes without a triangle hold a posed origin, so that arithmetic on them is neither slow nor a trap.
         let mut corners = [[[0.0; LANES]; 3]; 3];
         for (lane, &triangle) in triangles.iter().enumerate() {
             let lane = lane % LANES;
@@ -80,13 +80,13 @@ impl TriangleBlock {
                 }
             }
         }
-        for at in chunk_starts::<S>() {
+        for lane in chunk_starts::<S>() {
             let mut posed =
-                [load::<S>(&corners[0], at), load(&corners[1], at), load(&corners[2], at)];
+                [load::<S>(&corners[0], lane), load(&corners[1], lane), load(&corners[2], lane)];
             if let Some(affine) = &side.pose {
                 posed = [affine.points(posed[0]), affine.points(posed[1]), affine.points(posed[2])];
             }
-            self.derive(posed, at);
+            self.derive(posed, lane);
         }
     }
 
@@ -96,19 +96,19 @@ impl TriangleBlock {
         self.fill::<f32, L>(node, side, rings);
     }
 
-    /// Stores posed corners and derives boxes and planes, in the lanes from `at` on.
+    /// Stores posed corners and derives boxes and planes, in the lanes from `lane` on.
     #[inline(always)]
-    fn derive<S: Simd>(&mut self, [p, q, r]: [[S; 3]; 3], at: usize) {
-        store(p, &mut self.corners[0], at);
-        store(q, &mut self.corners[1], at);
-        store(r, &mut self.corners[2], at);
-        store(lowest(lowest(p, q), r), &mut self.min, at);
-        store(highest(highest(p, q), r), &mut self.max, at);
+    fn derive<S: Simd>(&mut self, [p, q, r]: [[S; 3]; 3], lane: usize) {
+        store(p, &mut self.corners[0], lane);
+        store(q, &mut self.corners[1], lane);
+        store(r, &mut self.corners[2], lane);
+        store(lowest(lowest(p, q), r), &mut self.min, lane);
+        store(highest(highest(p, q), r), &mut self.max, lane);
         let (u, v) = (difference(q, p), difference(r, p));
         let normal =
             [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        store(normal, &mut self.normal, at);
-        store(highest(abs(u), abs(v)), &mut self.extent, at);
+        store(normal, &mut self.normal, lane);
+        store(highest(abs(u), abs(v)), &mut self.extent, lane);
     }
 
     /// The posed corners in a lane.

@@ -21,9 +21,9 @@ use crate::simd::{LANES, Simd};
 pub(super) struct PairSets {
     /// Pairs whose boxes overlap.
     pub(super) overlapping: u64,
-    /// Pairs of these that no plane separates and no certificate rejects.
+    /// Overlapping pairs that no plane separates and no certificate rejects.
     pub(super) undecided: u64,
-    /// Pairs of these that may share a vertex.
+    /// Undecided pairs that may share a vertex.
     pub(super) may_share_vertex: u64,
 }
 

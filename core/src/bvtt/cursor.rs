@@ -11,7 +11,7 @@ use core::ops::ControlFlow;
 pub struct Work {
     /// Box tests (m1).
     pub box_tests: u64,
-    /// Triangle tests (m2): triangle pairs whose own boxes overlap.
+    /// Triangle tests (m2): triangle pairs whose own boxes overlap, also those that planes then separate.
     pub triangle_tests: u64,
 }
 
@@ -69,6 +69,7 @@ impl Cursor {
     }
 
     /// The node pairs below which not everything has been visited, the next one last: a front of the rest of the traversal.
+    /// The last may be a leaf pair of which a part has been visited: to go on elsewhere, use [`Cursor::take_pending`].
     #[must_use]
     pub fn pending(&self) -> &[NodePair] {
         range(&self.stack, 0, self.len as u32)
@@ -122,15 +123,15 @@ impl Cursor {
         bits_from(self.next_bit)
     }
 
-    /// Calls `decide` for each bit of `undecided` until it breaks or the budget is spent; the traversal then resumes
+    /// Calls `visit` for each bit of `undecided` until it breaks or the budget is spent; the traversal then resumes
     /// inside this leaf pair. Bits are triangle pairs of a leaf pair. Every bit of `tested`, which contains
     /// `undecided`, counts as a triangle test.
     #[inline(always)]
-    pub(super) fn decide(
+    pub(super) fn for_each_within_budget(
         &mut self,
         mut tested: u64,
         mut undecided: u64,
-        mut decide: impl FnMut(u32) -> ControlFlow<()>,
+        mut visit: impl FnMut(u32) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         self.next_bit = 0;
         if i64::from(tested.count_ones()) > self.tests_left {
@@ -141,7 +142,7 @@ impl Cursor {
         while undecided != 0 && flow.is_continue() {
             let bit = undecided.trailing_zeros();
             undecided &= undecided - 1;
-            flow = decide(bit);
+            flow = visit(bit);
             if flow.is_break() {
                 // The tests after this pair count in the step that does them.
                 self.next_bit = bit + 1;

@@ -7,9 +7,12 @@
 //! # How a leaf pair is decided
 //! 1. `traversal` pops node pairs from a [`Cursor`] and tests the boxes of their descendants, up to a leaf pair.
 //! 2. `block` loads the triangles of both leaves into vector lanes, at most eight a side, and poses them.
-//! 3. `cull` compares their boxes, then rejects each pair that the supporting plane of one triangle certainly separates.
-//! 4. [`crate::triangle`] decides the pairs that are left, one by one, by signs of orientation determinants from
-//!    `exact`. Triangles of one mesh that share vertices follow a rule of their own there.
+//! 3. `cull` compares their boxes, then rejects each pair that the supporting plane of one triangle certainly separates, or
+//!    that shares a vertex whose one-ring is certified.
+//! 4. [`Cursor`] goes through the pairs that are left in the order of their bits, as far as the budget reaches, and notes
+//!    where to resume.
+//! 5. [`crate::triangle`] decides each of them by signs of orientation determinants from `exact`. Triangles of one mesh
+//!    that share vertices follow a rule of their own there.
 //!
 //! `wide_node` has the boxes of a step of the traversal, `mesh_query` how queries are made, and `query` the verbs
 //! of the public interface.

@@ -59,7 +59,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Task for Traversal<'_, '_, '_, A, B
     }
 }
 
-/// The triangle pairs of a leaf with itself, each once: triangle j with those before it.
+/// The triangle pairs of a leaf with itself, each once: for triangle j, in byte j, bits i < j (see [`super::cull`]).
 const BEFORE: u64 = 0x7f3f_1f0f_0703_0100;
 
 impl<A: Layout, B: Layout, const SELF: bool> MeshQuery<'_, A, B, SELF> {
@@ -96,7 +96,7 @@ impl<A: Layout, B: Layout, const SELF: bool> MeshQuery<'_, A, B, SELF> {
             allowed &= BEFORE;
         }
         let pairs = a.cull::<S, SELF>(b, allowed, self.boxes_only);
-        cursor.decide(pairs.overlapping, pairs.undecided, |bit| {
+        cursor.for_each_within_budget(pairs.overlapping, pairs.undecided, |bit| {
             let (i, j) = (bit as usize % LANES, bit as usize / LANES % LANES);
             let mut pair = TrianglePair { a: a.triangles[i], b: b.triangles[j] };
             if SELF && pair.a > pair.b {

@@ -43,7 +43,7 @@ impl WideNode {
     }
 
     /// Passes on the pairs of these nodes with those of `other` whose boxes overlap. With `SELF` both sides are the
-    /// same: each unordered pair is passed on once, and a node with itself without a test. Returns the number of tests.
+    /// same: each unordered pair is passed on once, and a node with itself is no test. Returns the number of tests.
     #[inline(always)]
     pub(super) fn overlapping<const SELF: bool>(
         &self,
@@ -51,7 +51,7 @@ impl WideNode {
         mut push: impl FnMut(NodePair),
     ) -> u32 {
         for (row, &b) in other.nodes.iter().take(other.len).enumerate() {
-            // In a row of the same nodes, those up to the node itself.
+            // With `SELF`, columns up to the row, so that each unordered pair comes once.
             let columns = if SELF { row + 1 } else { self.len };
             let mut found = self.boxes.overlapping(&other.boxes.splat(row)) & ((1 << columns) - 1);
             while found != 0 {

@@ -74,8 +74,8 @@ pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
     intersects_by(accuracy.inexact_test(), a, b)
 }
 
-/// [`intersects`] at another accuracy than `Exact`. A query holds it by pointer, so that firmware which asks for none links
-/// none.
+/// [`intersects`] at another accuracy than `Exact`. A query holds it by pointer, so that firmware whose pair queries are
+/// exact links no other test.
 pub(crate) type InexactTest = fn(&Triangle, &Triangle) -> bool;
 
 impl Accuracy {
@@ -106,7 +106,7 @@ pub(crate) fn intersects_by(test: Option<InexactTest>, a: &Triangle, b: &Triangl
 #[cfg_attr(target_os = "none", inline(never))] // Firmware has little room for code.
 fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
     triangles_intersect::<CertifiedF32>(a, b).unwrap_or_else(|| {
-        // Faces that lie flush often do so across an axis, which takes no sign to see.
+        // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
         let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
         let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
         let hit = if flush.any() {
