@@ -101,8 +101,8 @@ int main(void)
 
     pfront_front_t front;
     pfront_front_node_t *nodes = memory(FRONT * sizeof *nodes);
-    pfront_front_node_t *history = memory(FRONT * sizeof *history);
-    check(pfront_front_init(&front, nodes, FRONT, history, FRONT, &error), &error);
+    pfront_front_node_t *last_nodes = memory(FRONT * sizeof *last_nodes);
+    check(pfront_front_init(&front, nodes, FRONT, last_nodes, FRONT, &error), &error);
 
     list_t list = {NULL, 0, 0};
     unsigned rebuilt = 0, coherent = 0;
@@ -158,7 +158,7 @@ int main(void)
     free(list.pairs);
     free(blob);
     free(nodes);
-    free(history);
+    free(last_nodes);
     free(history);
     free_model(&model_a);
     free_model(&model_b);

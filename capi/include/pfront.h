@@ -644,7 +644,7 @@ pfront_status_t pfront_front_renumber(struct pfront_front_t *front,
 // of the same names return, but for numbers that no mesh can have.
 #define PFRONT_NODE_BOUND(n) (2 * (size_t)(n))
 #define PFRONT_MORTON_SCRATCH_BYTES(n) (16 * (size_t)(n) + 7)
-#define PFRONT_SAH_SCRATCH_BYTES(n) (32 * (size_t)(n) + 31)
+#define PFRONT_SAH_SCRATCH_BYTES(n) (32 * (size_t)(n) + 3)
 #define PFRONT_ADOPT_SCRATCH_BYTES(n) (4 * ((size_t)(n) > 32 ? ((size_t)(n) + 31) / 32 : 1) + 3)
 #define PFRONT_HISTORY_BOUND(v, n) ((size_t)(v) + 2 * (((size_t)(n) + 63) / 64) + 2 * (((size_t)(v) + 31) / 32))
 #define PFRONT_LINK_SCRATCH_BYTES(v, n) (4 * (size_t)(v) + 12 * (size_t)(n) + 7)
