@@ -119,8 +119,8 @@ static void mistakes(void)
     THAT(error.needed == 1 && error.given == 2);
     EXPECT(PFRONT_BLOB_BYTE, "blob", borrow(24, 0x70001, 0));
     THAT(error.index == 26);
-    EXPECT(PFRONT_BLOB_BYTE, "blob", borrow(32, 1, 1));
-    EXPECT(PFRONT_BLOB_BYTE, "blob", borrow(36, UINT32_MAX, 1));
+    EXPECT(PFRONT_BLOB_LENGTH, "blob", borrow(32, 1, 1));
+    EXPECT(PFRONT_BLOB_LENGTH, "blob", borrow(36, UINT32_MAX, 1));
     EXPECT(PFRONT_BLOB_BYTE, "blob", borrow(44, 1, 0));
     THAT(error.index == 44);
     // One bit anywhere.
