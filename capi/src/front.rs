@@ -14,6 +14,7 @@ use crate::memory::{Call, Caller};
 use crate::query::{Asked, pfront_query_t};
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
+use core::cell::Cell;
 use core::mem::offset_of;
 use pfront_core::bvtt::{Query, Work};
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
@@ -228,7 +229,10 @@ pub unsafe extern "C" fn pfront_front_remember(
         if let Some(index) = nodes.iter().position(wrong) {
             return Err(Fault::of(PFRONT_OUT_OF_RANGE, c"nodes.cost").at(index));
         }
-        history.copy_from_slice(nodes);
+        // As many of both; a loop, since copying slices checks that with a panic.
+        for (remembered, node) in history.iter_mut().zip(nodes) {
+            *remembered = *node;
+        }
         out.set(own);
         Ok(())
     })
@@ -250,13 +254,17 @@ pub unsafe extern "C" fn pfront_front_renumber(
         let history = own.history(call)?;
         let numbers = call.read(c"numbers", numbers, count)?;
         own.history_count = 0;
-        for index in 0..history.len() {
-            let node = history[index];
+        // Nodes move to the front of the array as they are met, never past the one that is read.
+        let history = Cell::from_mut(history).as_slice_of_cells();
+        let mut kept = history.iter();
+        for node in history {
+            let mut node = node.get();
             if let Some(&query) = numbers.get(node.query as usize)
                 && query != u32::MAX
+                && let Some(slot) = kept.next()
             {
-                history[own.history_count] = node;
-                history[own.history_count].query = query;
+                node.query = query;
+                slot.set(node);
                 own.history_count += 1;
             }
         }
