@@ -8,18 +8,19 @@
 //! could not start from any node of a front.
 //!
 //! The code is written once over [`Simd`] (`lanes`), and compiled twice where AVX2 is detected at run time: over one
-//! register of eight floats (`avx2`), and over two of four (`halves`). Processors without vector registers have one lane.
+//! register of eight floats (`avx2`), and over two of four (`portable`). Processors without vector registers have one
+//! lane.
 
 #[cfg(all(target_arch = "x86_64", any(feature = "std", target_feature = "avx2")))]
 mod avx2;
 mod box4;
-mod halves;
 mod lanes;
 pub(crate) mod point8;
+mod portable;
 
 pub(crate) use box4::Box4;
-pub(crate) use halves::Halves;
 pub(crate) use lanes::{LANES, Simd, Task, VECTORS};
+pub(crate) use portable::Portable;
 
 /// Does a task in the widest vectors that this processor has, all of [`LANES`] floats.
 #[inline]
@@ -28,11 +29,11 @@ pub(crate) fn widest<T: Task>(task: T) -> T::Output {
     if avx2::is_here() {
         return avx2::run(task);
     }
-    in_halves(task)
+    run_portable(task)
 }
 
 /// A function of its own, so that its stack frame does not add to that of wider registers.
 #[inline(never)]
-fn in_halves<T: Task>(task: T) -> T::Output {
-    task.run::<Halves>()
+fn run_portable<T: Task>(task: T) -> T::Output {
+    task.run::<Portable>()
 }

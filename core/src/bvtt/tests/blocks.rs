@@ -1,10 +1,10 @@
-//! Blocks against the same tests triangle by triangle, with eight lanes, in halves and with one lane.
+//! Blocks against the same tests triangle by triangle, in the widest vectors, in portable ones and with one lane.
 
 use super::super::PosedBvh;
 use super::super::block::BlockCache;
 use super::super::cull::PairSets;
 use crate::one_ring::{CertifyOptions, OneRing, OneRings, history_bound, link_scratch_bound};
-use crate::simd::{Halves, LANES, Simd, Task, widest};
+use crate::simd::{LANES, Portable, Simd, Task, widest};
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use crate::{Aabb, Bvh, Mesh, Node};
 use pfront_testkit::rng::{RngExt, seeded};
@@ -94,7 +94,7 @@ fn side_by_side_as_one_by_one() {
         let rings = if round % 3 == 0 { &[] } else { certified.of_mesh(mesh) };
         let two = || Two { mesh, leaves, rings };
         let found = widest(two());
-        assert_eq!(found, two().run::<Halves>());
+        assert_eq!(found, two().run::<Portable>());
         assert_eq!(found, two().run::<f32>());
         for (j, &tb) in leaves[1].iter().enumerate() {
             for (i, &ta) in leaves[0].iter().enumerate() {

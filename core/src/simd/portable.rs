@@ -1,4 +1,4 @@
-//! Eight floats in two vectors of four, for processors without AVX2.
+//! Eight floats in two vectors of four, on any processor: used where AVX2 is not detected.
 
 use super::lanes::{LANES, Simd};
 use core::ops::{Add, BitAnd, BitOr, Mul, Sub};
@@ -7,13 +7,13 @@ use glam::{BVec4A, Vec4};
 /// Two of glam's `Vec4`, which is SSE2, NEON or wasm's simd128 where the target has it and plain floats
 /// elsewhere.
 #[derive(Clone, Copy)]
-pub(crate) struct Halves(Vec4, Vec4);
+pub(crate) struct Portable(Vec4, Vec4);
 
-/// Truth values of [`Halves`]: the masks of glam's `Vec4`, unless its feature `scalar-math` is on.
+/// Truth values of [`Portable`]: the masks of glam's `Vec4`, unless its feature `scalar-math` is on.
 #[derive(Clone, Copy)]
-pub(crate) struct HalfMasks(BVec4A, BVec4A);
+pub(crate) struct PortableMask(BVec4A, BVec4A);
 
-macro_rules! in_halves {
+macro_rules! impl_by_halves {
     ($($trait:ident $method:ident $of:ty),*) => {$(
         impl $trait for $of {
             type Output = Self;
@@ -25,12 +25,12 @@ macro_rules! in_halves {
     )*};
 }
 
-in_halves!(Add add Halves, Sub sub Halves, Mul mul Halves);
-in_halves!(BitAnd bitand HalfMasks, BitOr bitor HalfMasks);
+impl_by_halves!(Add add Portable, Sub sub Portable, Mul mul Portable);
+impl_by_halves!(BitAnd bitand PortableMask, BitOr bitor PortableMask);
 
-impl Simd for Halves {
+impl Simd for Portable {
     const WIDTH: usize = LANES;
-    type Mask = HalfMasks;
+    type Mask = PortableMask;
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
@@ -59,19 +59,19 @@ impl Simd for Halves {
         Self(self.0.abs(), self.1.abs())
     }
     #[inline(always)]
-    fn le(self, other: Self) -> HalfMasks {
-        HalfMasks(self.0.cmple(other.0), self.1.cmple(other.1))
+    fn le(self, other: Self) -> PortableMask {
+        PortableMask(self.0.cmple(other.0), self.1.cmple(other.1))
     }
     #[inline(always)]
-    fn eq(self, other: Self) -> HalfMasks {
-        HalfMasks(self.0.cmpeq(other.0), self.1.cmpeq(other.1))
+    fn eq(self, other: Self) -> PortableMask {
+        PortableMask(self.0.cmpeq(other.0), self.1.cmpeq(other.1))
     }
     #[inline(always)]
-    fn select(mask: &HalfMasks, yes: Self, no: Self) -> Self {
+    fn select(mask: &PortableMask, yes: Self, no: Self) -> Self {
         Self(Vec4::select(mask.0, yes.0, no.0), Vec4::select(mask.1, yes.1, no.1))
     }
     #[inline(always)]
-    fn bits(mask: HalfMasks) -> u32 {
+    fn bits(mask: PortableMask) -> u32 {
         mask.0.bitmask() | mask.1.bitmask() << 4
     }
 }
