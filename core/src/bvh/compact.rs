@@ -31,7 +31,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::{Bvh, BvhError, Layout, Node, TreeNode};
+use super::{Bvh, BvhError, Layout, Node, TO_BITS, TreeNode};
 use crate::aabb::Bounds;
 use crate::index::{at_mut, part_mut};
 use crate::simd::Box4;
@@ -112,8 +112,6 @@ impl Layout for CompactNode {}
 const FARTHEST: i32 = 1 << 23;
 /// The number of the last corner.
 const LAST: i32 = u16::MAX as i32;
-/// The lowest bits of a float this large are an integer: 2^23.
-const TO_BITS: f32 = 8_388_608.0;
 /// Bits of the logarithm of a width in the header.
 const WIDTH_BITS: u32 = 10;
 /// What the exponent of an f64 exceeds that logarithm by: 0 stands for the smallest subnormal f32.
@@ -155,7 +153,7 @@ fn above(x: f32, inverse_width: f64) -> i32 {
     below(-x, inverse_width).saturating_neg()
 }
 
-/// The grid of a tree: corner q of an axis is (2^23 + q + `offset`)·`width`.
+/// The grid of a tree: corner q of an axis is ([`TO_BITS`] + q + `offset`)·`width`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
     offset: [f32; 3],
@@ -220,7 +218,7 @@ impl Grid {
     }
 }
 
-/// 2^23 + q.
+/// [`TO_BITS`] + q.
 #[inline(always)]
 fn with_bits(q: u32) -> f32 {
     f32::from_bits(TO_BITS.to_bits() | q)

@@ -46,6 +46,10 @@ pub const MAX_DEPTH: usize = 64;
 /// The most triangles one leaf may hold.
 pub const MAX_LEAF_SIZE: u32 = 8;
 
+/// 2^23. A sum of it and a smaller positive number has no room for a fraction, so the lowest bits of such a float are an
+/// integer: the number, rounded to the nearest.
+const TO_BITS: f32 = 8_388_608.0;
+
 /// The most nodes that the BVH of `triangles` triangles may have, whatever its leaf size.
 ///
 /// A binary tree with n leaves has 2n − 1 nodes, and one slot is left unused to align siblings.

@@ -4,6 +4,7 @@ use super::divide::Split;
 use super::item::bounds;
 use crate::Node;
 use crate::aabb::Bounds;
+use crate::bvh::TO_BITS;
 use crate::parallel::{GRAIN, Join, both};
 use glam::Vec3A;
 
@@ -12,16 +13,13 @@ const MAX_BINS: usize = 16;
 
 /// Maps centres to bins.
 #[derive(Clone, Copy)]
-pub(super) struct Grid {
+pub(super) struct Binning {
     origin: Vec3A,
     /// 0 on axes across which no plane is sought.
     bins_per_unit: Vec3A,
 }
 
-impl Grid {
-    /// Adding it moves the integer part of a small number to the lowest bits.
-    pub(super) const TO_BITS: f32 = 8_388_608.0;
-
+impl Binning {
     fn new(centres: &Bounds, bins: usize) -> Self {
         let extent = centres.max - centres.min;
         // A hair below `bins`, so that the last centre is not rounded up into one bin more.
@@ -34,11 +32,11 @@ impl Grid {
         Self { origin: centres.min, bins_per_unit }
     }
 
-    /// The bin of a centre on each axis, plus [`Grid::TO_BITS`].
+    /// The bin of a centre on each axis, plus [`TO_BITS`].
     #[inline(always)]
     pub(super) fn bins(&self, centre: Vec3A) -> Vec3A {
         let position = (centre - self.origin) * self.bins_per_unit;
-        (position - 0.5).max(Vec3A::ZERO) + Self::TO_BITS
+        (position - 0.5).max(Vec3A::ZERO) + TO_BITS
     }
 }
 
@@ -62,24 +60,24 @@ pub(super) fn best_split(
 ) -> Option<Split> {
     // Most runs are small, and sweeping all bins would cost them more than filling them.
     let count = (4 + items.len() / 16).min(MAX_BINS);
-    let grid = Grid::new(centres, count);
+    let binning = Binning::new(centres, count);
     let mut bins = Bins::EMPTY;
-    bins.fill(items, &grid, join);
-    let usable = (0..3).filter(|&axis| grid.bins_per_unit[axis] > 0.0);
+    bins.fill(items, &binning, join);
+    let usable = (0..3).filter(|&axis| binning.bins_per_unit[axis] > 0.0);
     let planes = usable.map(|axis| (axis, bins.sweep(axis, count)));
     let (axis, plane) = planes.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
-    (plane.cost > 0.0 && plane.cost < f64::INFINITY).then(|| Split::new(axis, grid, plane.bin))
+    (plane.cost > 0.0 && plane.cost < f64::INFINITY).then(|| Split::new(axis, binning, plane.bin))
 }
 
 impl Bins {
     const EMPTY: Self = Self { boxes: [[Bounds::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
 
-    fn fill(&mut self, items: &[Node], grid: &Grid, join: Option<&Join<'_>>) {
+    fn fill(&mut self, items: &[Node], binning: &Binning, join: Option<&Join<'_>>) {
         if items.len() <= GRAIN {
-            return self.add(items, grid);
+            return self.add(items, binning);
         }
         let ((left, right), mut other) = (items.split_at(items.len() / 2), Self::EMPTY);
-        both(join, || self.fill(left, grid, join), || other.fill(right, grid, join));
+        both(join, || self.fill(left, binning, join), || other.fill(right, binning, join));
         for axis in 0..3 {
             for bin in 0..MAX_BINS {
                 self.boxes[axis][bin] = self.boxes[axis][bin].union(&other.boxes[axis][bin]);
@@ -88,11 +86,11 @@ impl Bins {
         }
     }
 
-    fn add(&mut self, items: &[Node], grid: &Grid) {
-        let usable = [0, 1, 2].map(|axis| grid.bins_per_unit[axis] > 0.0);
+    fn add(&mut self, items: &[Node], binning: &Binning) {
+        let usable = [0, 1, 2].map(|axis| binning.bins_per_unit[axis] > 0.0);
         for item in items {
             let bounds = bounds(item);
-            let at = grid.bins(bounds.half_centre()).to_array();
+            let at = binning.bins(bounds.half_centre()).to_array();
             for axis in (0..3).filter(|&axis| usable[axis]) {
                 let bin = at[axis].to_bits() as usize % MAX_BINS;
                 self.boxes[axis][bin] = self.boxes[axis][bin].union(&bounds);

@@ -1,17 +1,18 @@
 //! Reordering a run of items into two.
 
-use super::bins::Grid;
+use super::bins::Binning;
 use super::item::bounds;
 use crate::Node;
 use crate::aabb::Bounds;
+use crate::bvh::TO_BITS;
 use crate::parallel::{GRAIN, Join, both, halves};
 
 /// A plane between two bins.
 pub(super) struct Split {
-    grid: Grid,
+    binning: Binning,
     /// Across the plane.
     axis: usize,
-    /// The first bin on the right, plus [`Grid::TO_BITS`].
+    /// The first bin on the right, plus [`TO_BITS`].
     bin: f32,
 }
 
@@ -22,8 +23,8 @@ pub(super) struct Divided {
 }
 
 impl Split {
-    pub(super) fn new(axis: usize, grid: Grid, bin: usize) -> Self {
-        Self { grid, axis, bin: bin as f32 + Grid::TO_BITS }
+    pub(super) fn new(axis: usize, binning: Binning, bin: usize) -> Self {
+        Self { binning, axis, bin: bin as f32 + TO_BITS }
     }
 
     /// Moves the items left of the plane to the front.
@@ -54,7 +55,7 @@ impl Split {
         for i in 0..items.len() {
             let item = items[i];
             let centre = bounds(&item).half_centre();
-            let side = usize::from(self.grid.bins(centre)[self.axis] >= self.bin);
+            let side = usize::from(self.binning.bins(centre)[self.axis] >= self.bin);
             centres[side] = centres[side].union(&Bounds::of(centre));
             items[i] = items[left];
             items[left] = item;

@@ -10,6 +10,7 @@
 use super::tree::{Divide, build};
 use super::{BuildOptions, BvhStorage, radix};
 use crate::aabb::Bounds;
+use crate::bvh::TO_BITS;
 use crate::index::split;
 use crate::parallel::{Join, halves};
 use crate::{Aabb, Bvh, CapacityError, Mesh};
@@ -138,13 +139,11 @@ impl Curve<'_> {
         let per_unit = Vec3A::splat(LAST_CELL as f32) / (max - origin);
         let usable = per_unit.cmple(Vec3A::splat(f32::MAX));
         let cells_per_unit = Vec3A::select(usable, per_unit, Vec3A::ZERO);
-        // A float this large has no room for fractions: its lowest bits are the nearest cell.
-        let to_bits = Vec3A::splat(8_388_608.0);
         let encode = |keys: &mut [u64], spare: &mut [u64]| {
             for (&mut key, spare) in keys.iter_mut().zip(spare) {
                 let centre = [key, key >> 32, *spare].map(|x| f32::from_bits(x as u32));
                 let cell = (Vec3A::from_array(centre) - origin) * cells_per_unit;
-                let [x, y, z] = (cell + to_bits).to_array().map(|cell| cell.to_bits() & LAST_CELL);
+                let [x, y, z] = (cell + TO_BITS).to_array().map(|cell| cell.to_bits() & LAST_CELL);
                 let code = spread(x, y) << 1 | spread(0, z);
                 *spare = code << INDEX_BITS | *spare >> 32;
             }
