@@ -5,6 +5,7 @@
 
 use super::FrontNode;
 use super::partition::sort;
+use crate::index::part;
 use bytemuck::{Pod, Zeroable};
 
 /// The nodes of the last front, sorted by query and path. None overlaps another, so those at and below a node follow each
@@ -70,7 +71,8 @@ impl<'a> CostHistory<'a> {
     }
 
     fn from(self, first: u32) -> &'a [FrontNode] {
-        self.nodes.get(first as usize..).unwrap_or_default()
+        // No position that `find` stores exceeds the number of nodes.
+        part(self.nodes, first as usize..)
     }
 }
 
