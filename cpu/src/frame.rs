@@ -50,7 +50,8 @@ impl Traversal {
             // Where nothing overlapped, nothing is known.
             self.last_cost = Some(self.report.work().cost()).filter(|&cost| cost > 0.0);
             if !from_roots {
-                // What is left from earlier frames says less than an estimate.
+                // This frame has not remembered its costs. Those in the history are of an earlier frame, and predict the
+                // next one worse than an estimate does, so they go.
                 self.front.forget();
             }
         }
