@@ -3,13 +3,13 @@
 extern crate std;
 
 use super::super::{
-    Cursor, MeshQuery, NodePair, PairQuery, PosedBvh, Query, SelfQuery, TrianglePair, Work,
+    Cursor, MeshQuery, NodePair, PairQuery, PosedBvh, Query, SelfQuery, TrianglePair,
 };
+use super::steps::in_steps;
+use super::{at_one_go, push, with_certificates};
 use crate::bvh::tests::Owned;
-use crate::one_ring::{CertifyOptions, OneRings, history_bound, link_scratch_bound};
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use crate::{Aabb, Node, Pose};
-use core::ops::ControlFlow::{Break, Continue};
 use pfront_testkit::oracle::{pairs, self_pairs, share_a_vertex};
 use pfront_testkit::rng::seeded;
 use pfront_testkit::shapes::{Soup, bumpy, pose_rows, posed, sheet, sphere, tangle, union};
@@ -18,14 +18,18 @@ use std::vec::Vec;
 
 /// The pairs that all forms of a query visit, in its order, after they were compared.
 fn visited(query: &impl Query) -> Vec<TrianglePair> {
-    let (all, work) = at_one_go(query);
+    let whole = at_one_go(query);
+    let all = &whole.0;
     assert_eq!(query.count(), all.len() as u64);
     assert_eq!(query.any(), all.first().copied());
     for size in [1, 3, 64] {
-        assert_eq!(in_pages(query, size), all, "pages of {size}");
+        assert_eq!(in_pages(query, size), *all, "pages of {size}");
     }
-    for budget in [0, 1, 2, 7, 100] {
-        assert_eq!(in_steps(query, budget), (all.clone(), work), "budget {budget}");
+    in_steps(query, &whole, [(0, 1), (u64::MAX, usize::MAX)]);
+    for budget in [1, 2, 7, 100] {
+        // A visitor breaks every third step.
+        let steps = [(budget, usize::MAX), (budget, usize::MAX), (budget, 1)];
+        in_steps(query, &whole, steps.into_iter().cycle());
     }
     for budget in [1, 5, 40, 1000] {
         assert_eq!(sorted(in_parts(query, budget)), sorted(all.clone()), "parts after {budget}");
@@ -34,19 +38,7 @@ fn visited(query: &impl Query) -> Vec<TrianglePair> {
     for pair in all.iter().take(20) {
         assert!(query.contact(*pair).is_some(), "{pair:?}");
     }
-    all
-}
-
-fn at_one_go(query: &impl Query) -> (Vec<TrianglePair>, Work) {
-    let (mut found, mut cursor) = (Vec::new(), query.start());
-    assert!(query.visit(&mut cursor, |pair| push(&mut found, pair)).is_continue());
-    assert!(cursor.is_done());
-    (found, cursor.work)
-}
-
-fn push(found: &mut Vec<TrianglePair>, pair: TrianglePair) -> core::ops::ControlFlow<()> {
-    found.push(pair);
-    Continue(())
+    whole.0
 }
 
 fn in_pages(query: &impl Query, size: usize) -> Vec<TrianglePair> {
@@ -59,31 +51,6 @@ fn in_pages(query: &impl Query, size: usize) -> Vec<TrianglePair> {
         found.extend(&page[..count]);
     }
     found
-}
-
-/// In steps of `budget` tests, every third of which is cut short by a visitor that breaks.
-fn in_steps(query: &impl Query, budget: u64) -> (Vec<TrianglePair>, Work) {
-    let (mut found, mut cursor) = (Vec::new(), query.start());
-    let mut idle = 0;
-    for step in 0.. {
-        if cursor.is_done() {
-            break;
-        }
-        // A budget of 0 does nothing, and one without end the rest.
-        let budget = if budget == 0 && step == 9 { u64::MAX } else { budget };
-        let before = cursor.work;
-        let flow = query.step(&mut cursor, budget, |pair| {
-            let _ = push(&mut found, pair);
-            if step % 3 == 2 { Break(()) } else { Continue(()) }
-        });
-        assert!(flow.is_continue() || step % 3 == 2);
-        let tests = (cursor.work.box_tests - before.box_tests)
-            + (cursor.work.triangle_tests - before.triangle_tests);
-        assert!(tests <= budget.saturating_add(15), "{tests} of {budget}");
-        idle = if tests == 0 { idle + 1 } else { 0 };
-        assert!(idle < 1_000, "no progress");
-    }
-    (found, cursor.work)
 }
 
 /// The first `budget` tests by one cursor, the rest by one cursor for each node pair that is pending.
@@ -207,18 +174,15 @@ fn one_mesh_as_the_oracle() {
     let crossing = union(&[bumpy(7), sphere(6), sheet(5, |x, _| 0.3 * x)]);
     for soup in [crossing, tangle(14, 60, 2, &mut rng), bumpy(6)] {
         let truth = as_pairs(self_pairs(&soup.positions, &soup.triangles));
-        let (vertices, n) = (soup.positions.len(), soup.triangles.len());
+        let n = soup.triangles.len();
         for owned in trees(&soup) {
             let mesh = owned.bvh().mesh();
             let query = SelfQuery::new(owned.bvh());
             assert_eq!(sorted(visited(&query)), truth);
 
-            let mut memory =
-                (vec![0; history_bound(vertices, n)], vec![0; link_scratch_bound(vertices, n)]);
-            let mut rings =
-                OneRings::new(vertices, mesh.triangles(), &mut memory.0, &mut memory.1).unwrap();
-            let certified = rings.certify(mesh, &CertifyOptions::default());
-            assert_eq!(sorted(at_one_go(&query.with_certificates(certified)).0), truth);
+            with_certificates(mesh, |certified| {
+                assert_eq!(sorted(at_one_go(&query.with_certificates(certified)).0), truth);
+            });
 
             let skip = |p: &TrianglePair| {
                 let [t, u] = [p.a, p.b].map(|i| mesh.triangles()[i as usize]);

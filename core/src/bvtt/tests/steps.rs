@@ -1,0 +1,131 @@
+//! Queries in steps of bounded work: the same pairs in the same order for every budget, and no step above its bound.
+
+extern crate std;
+
+use super::super::{Cursor, PairQuery, Query, SelfQuery, TrianglePair, Work};
+use super::{at_one_go, with_certificates};
+use crate::bvh::tests::Owned;
+use crate::bvh::{CompactNode, compact, node_bound};
+use crate::{Bvh, Pose};
+use core::ops::ControlFlow::{Break, Continue};
+use pfront_testkit::rng::{RngExt, seeded};
+use pfront_testkit::shapes::{bumpy, pose_rows, sheet, sphere, tangle, union};
+use std::vec::Vec;
+
+/// By how much a step may exceed its budget: box tests come up to 16 at a time.
+const OVERSHOOT: u64 = 15;
+
+fn tests(cursor: &Cursor) -> u64 {
+    let Work { box_tests, triangle_tests } = cursor.work;
+    box_tests + triangle_tests
+}
+
+/// Asks in steps, each with a budget and a visitor that breaks after as many pairs as a page takes. Checks each step, and
+/// that the whole is what the query does at one go. Returns the tests of the longest step.
+pub(super) fn in_steps(
+    query: &impl Query,
+    (expected, work): &(Vec<TrianglePair>, Work),
+    steps: impl IntoIterator<Item = (u64, usize)>,
+) -> u64 {
+    let (mut cursor, mut pairs, mut longest, mut idle) = (query.start(), Vec::new(), 0, 0);
+    let mut steps = steps.into_iter();
+    while !cursor.is_done() {
+        let (budget, page) = steps.next().unwrap();
+        let (before, found) = (tests(&cursor), pairs.len());
+        let flow = query.step(&mut cursor, budget, |pair| {
+            pairs.push(pair);
+            if pairs.len() - found == page { Break(()) } else { Continue(()) }
+        });
+        let done = tests(&cursor) - before;
+        assert_eq!(flow.is_break(), pairs.len() - found == page);
+        assert!(done <= budget.saturating_add(OVERSHOOT), "{done} tests for {budget}");
+        longest = longest.max(done);
+        idle = if done == 0 { idle + 1 } else { 0 };
+        assert!(idle < 1_000, "no progress");
+    }
+    assert_eq!((&pairs, cursor.work), (expected, *work));
+    longest
+}
+
+/// Asks with each budget; for those that the query is large enough for, the bound is tight.
+fn with_each_budget(query: &impl Query) {
+    let whole = at_one_go(query);
+    let all = whole.1.box_tests + whole.1.triangle_tests;
+    for budget in [1, 10, 1000] {
+        let longest = in_steps(query, &whole, core::iter::repeat((budget, usize::MAX)));
+        let bound = budget + OVERSHOOT;
+        assert!(all <= 100 * budget || 10 * longest >= 9 * bound, "{longest} of {bound} tests");
+    }
+}
+
+/// A BVH in the compact layout, in `memory`.
+fn compacted<'m>(bvh: Bvh<'m>, memory: &'m mut Vec<CompactNode>) -> Bvh<'m, CompactNode> {
+    memory.resize(node_bound(bvh.order().len()), CompactNode::default());
+    compact(bvh.mesh(), bvh.nodes(), bvh.order(), memory).unwrap()
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long; `blocks` runs the same vector code")]
+fn two_meshes_with_each_budget() {
+    let meshes = [(sphere(90), sphere(70)), (bumpy(120), sheet(90, |_, _| 0.0))];
+    for leaf_size in [1, 4, 8] {
+        for (a, b) in &meshes {
+            let [a, b] = [a, b].map(|soup| Owned::new(soup.clone(), leaf_size, false));
+            for translation in [[0.0; 3], [0.3, 0.1, 0.02]] {
+                let pose = Pose::from_translation(translation);
+                with_each_budget(&PairQuery::new(a.bvh(), b.bvh(), pose).unwrap());
+                let mut memory = Vec::new();
+                let small = compacted(a.bvh(), &mut memory);
+                with_each_budget(&PairQuery::new(small, b.bvh(), pose).unwrap());
+            }
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long; `blocks` runs the same vector code")]
+fn one_mesh_with_each_budget() {
+    let rolled = sheet(100, |_, _| 0.0)
+        .map(|[x, y, _]| [(14.0 * x).cos(), (14.0 * x).sin() * (1.0 - 0.1 * x), y]);
+    let two = union(&[sphere(60), sphere(60).map(|[x, y, z]| [x + 0.01, y, z])]);
+    for leaf_size in [1, 4, 8] {
+        for soup in [&rolled, &two] {
+            let owned = Owned::new(soup.clone(), leaf_size, false);
+            let query = SelfQuery::new(owned.bvh());
+            with_each_budget(&query);
+            with_certificates(owned.bvh().mesh(), |certified| {
+                with_each_budget(&query.with_certificates(certified));
+            });
+            with_each_budget(&query.boxes_only());
+        }
+    }
+}
+
+/// Budgets and pages that change from step to step, down to none.
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long; `blocks` runs the same vector code")]
+fn with_any_budgets() {
+    let mut rng = seeded(8);
+    for _ in 0..64 {
+        let (size, leaf_size) = (rng.random_range(0..8), rng.random_range(1..=8));
+        let (a, b) = (tangle(60, 120, size, &mut rng), tangle(40, 90, size, &mut rng));
+        let [a, b] = [a, b].map(|soup| Owned::new(soup, leaf_size, false));
+        let pose = Pose { rows: pose_rows(0.5, &mut rng) };
+        let count = rng.random_range(1..20);
+        let mut steps: Vec<_> =
+            (0..count).map(|_| (rng.random_range(0..40), rng.random_range(1..6))).collect();
+        steps.push((1, 1));
+        let [mut memory_a, mut memory_b] = [Vec::new(), Vec::new()];
+        let (small_a, small_b) =
+            (compacted(a.bvh(), &mut memory_a), compacted(b.bvh(), &mut memory_b));
+        with_steps(&PairQuery::new(a.bvh(), b.bvh(), pose).unwrap(), &steps);
+        with_steps(&SelfQuery::new(a.bvh()), &steps);
+        with_steps(&PairQuery::new(small_a, small_b, pose).unwrap(), &steps);
+        with_steps(&SelfQuery::new(small_a), &steps);
+    }
+}
+
+/// Asks in these steps, again and again.
+fn with_steps(query: &impl Query, steps: &[(u64, usize)]) {
+    in_steps(query, &at_one_go(query), steps.iter().copied().cycle());
+}
