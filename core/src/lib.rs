@@ -60,7 +60,7 @@
 //! ```
 //!
 //! ## A self query
-//! One mesh with itself. What neighbours share by index is no hit:
+//! One mesh with itself. Neighbours do not hit each other in the vertices that they share by index:
 //! ```
 //! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
 //! use pfront_core::bvtt::{Query, SelfQuery, TrianglePair};

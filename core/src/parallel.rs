@@ -23,7 +23,7 @@ pub(crate) fn both<A: Send, B: Send>(
 }
 
 /// Calls `pass` on matching parts of two slices, each at most [`GRAIN`] long, and merges what it returns from left to
-/// right. Where `b` is shorter than `a`, the last parts of it are.
+/// right. If `b` is shorter than `a`, so are its last parts.
 pub(crate) fn halves<A: Send, B: Send, R: Send>(
     join: Option<&Join<'_>>,
     a: &mut [A],

@@ -47,11 +47,11 @@ impl Traversal {
         self.report.late = control.was_late();
         let complete = !control.has_stopped();
         if complete && !only_one_hit {
-            // Where nothing overlapped, nothing is known.
+            // A frame in which nothing overlapped says nothing about the cost of the next.
             self.last_cost = Some(self.report.work().cost()).filter(|&cost| cost > 0.0);
             if !from_roots {
-                // This frame has not remembered its costs. Those in the history are of an earlier frame, and predict the
-                // next one worse than an estimate does, so they go.
+                // This frame has not remembered its costs. The history is that of an earlier frame, which predicts the
+                // next one worse than an estimate does, so it goes.
                 self.front.forget();
             }
         }
@@ -90,7 +90,7 @@ impl Traversal {
             control.traverse(query, number, &mut cursor, output, left);
             let left = cursor.take_pending().iter().map(|&pair| Start { query: number, pair });
             self.starts.extend(left);
-            // At most one leaf pair.
+            // The cursor is left with at most one leaf pair, which is visited to its end.
             control.traverse(query, number, &mut cursor, output, u64::MAX);
             work = sum(work, cursor.work);
         }

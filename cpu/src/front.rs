@@ -91,7 +91,7 @@ impl FrontMemory {
     /// Keeps the measured costs of the nodes for the next frame.
     pub(crate) fn remember(&mut self, costs: impl IntoIterator<Item = f32>) {
         self.history.clear();
-        // Not by doubling, which would break the bound on memory.
+        // The capacity does not double, which would break the bound on memory.
         self.history.reserve_exact(self.len);
         self.history.extend_from_slice(&self.nodes[..self.len]);
         for (node, cost) in self.history.iter_mut().zip(costs) {

@@ -7,8 +7,8 @@ pub enum Schedule {
     Static,
     /// No front: rayon's recursion, in which idle threads steal. Keeps no cost history.
     Stealing,
-    /// [`Schedule::Static`], and a worker that is done takes nodes that others have not begun. That makes
-    /// up for wrong estimates, so estimated nodes are no finer than measured ones.
+    /// [`Schedule::Static`], and a worker that is done takes nodes that others have not begun. Taking them makes up for
+    /// wrong estimates, so estimated nodes are no finer than measured ones.
     #[default]
     Hybrid,
 }

@@ -143,8 +143,8 @@ impl Traversal {
         counts.into_iter().sum()
     }
 
-    /// Some intersecting pair, if there is one: the first that some worker finds, at which all stop. Which one
-    /// that is may differ from call to call. Costs are neither used nor remembered.
+    /// Some intersecting pair, if there is one: the first that some worker finds, at which all stop. The pair may
+    /// differ from call to call. Costs are neither used nor remembered.
     pub fn any<Q: Query + Sync>(&mut self, queries: &[Q]) -> Option<Hit> {
         let mut found = Vec::new();
         self.run(queries, true, &mut found, || None);

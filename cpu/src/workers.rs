@@ -32,7 +32,7 @@ struct PartOfFront {
     nodes: Vec<u32>,
     /// How many of them have been begun.
     begun: AtomicUsize,
-    /// What its worker has done.
+    /// The work that its worker has done.
     box_tests: AtomicU64,
     triangle_tests: AtomicU64,
 }
@@ -124,7 +124,7 @@ impl Workers {
             control.traverse(query, node.query, &mut cursor, output, u64::MAX);
             worker.box_tests.fetch_add(cursor.work.box_tests, Relaxed);
             worker.triangle_tests.fetch_add(cursor.work.triangle_tests, Relaxed);
-            // To look at the node at all costs a test.
+            // Looking at the node at all costs a test.
             let cost = 1.0 + cursor.work.cost() as f32;
             self.costs[position as usize].store(cost.to_bits(), Relaxed);
         }

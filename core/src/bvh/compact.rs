@@ -114,9 +114,9 @@ const FARTHEST: i32 = 1 << 23;
 const LAST: i32 = u16::MAX as i32;
 /// Bits of the logarithm of a width in the header.
 const WIDTH_BITS: u32 = 10;
-/// What the exponent of an f64 exceeds that logarithm by: 0 stands for the smallest subnormal f32.
+/// The exponent of an f64 minus that logarithm: 0 stands for the smallest subnormal f32.
 const WIDTH_BIAS: u32 = 1023 - 149;
-/// Cells that would be wider are never asked for: 2^127.
+/// The greatest width of a cell: 2^127.
 const WIDEST: f32 = f32::from_bits(0x7f00_0000);
 
 impl CompactNode {
@@ -141,7 +141,7 @@ fn inverse_width(width: f32) -> f64 {
 /// The last corner at or below a coordinate, counted from 0.
 #[inline]
 fn below(x: f32, inverse_width: f64) -> i32 {
-    // Exact: a product with a power of two within the range of f64.
+    // The product is exact: its factor is a power of two, and it is within the range of f64.
     let x = f64::from(x) * inverse_width;
     let whole = x as i32;
     whole.saturating_sub(i32::from(f64::from(whole) > x))

@@ -46,8 +46,8 @@ pub const MAX_DEPTH: usize = 64;
 /// The most triangles one leaf may hold.
 pub const MAX_LEAF_SIZE: u32 = 8;
 
-/// 2^23. A sum of it and a smaller positive number has no room for a fraction, so the lowest bits of such a float are an
-/// integer: the number, rounded to the nearest.
+/// 2^23. A sum of it and a smaller positive number has no room for a fraction, so the lowest bits of such a float are
+/// an integer: the number, rounded to the nearest.
 const TO_BITS: f32 = 8_388_608.0;
 
 /// The most nodes that the BVH of `triangles` triangles may have, whatever its leaf size.
@@ -249,7 +249,7 @@ impl<'a, N: Layout> Bvh<'a, N> {
         right + count - left
     }
 
-    /// About the edge of a leaf's box: the longest edge of the root's over the root of the number of
+    /// The edge of a leaf's box, roughly: the longest edge of the root's box over the square root of the number of
     /// leaves, to a power of two, as for leaves that tile a face of it.
     pub(crate) fn leaf_edge(&self) -> f32 {
         let leaves = self.nodes.len() / 2 + 1;

@@ -4,9 +4,9 @@
 //! proportional to its area. So the area of a node over the mean area of the triangles' boxes in it is the number of
 //! triangles that are expected to meet the node.
 //!
-//! What differs: each node is judged by the triangles below it instead of by all or by the root, and is met by those at
-//! least and by all triangles of the mesh at most. So a triangle far away, whose ancestors are larger than everything
-//! else together, does not hide what happens among the others.
+//! Where we depart: each node is judged by the triangles below it instead of by all or by the root, and counts as met
+//! by these at least and by all triangles of the mesh at most. So a triangle far away, whose ancestors are larger than
+//! everything else together, does not hide what happens among the others.
 
 use crate::aabb::Bounds;
 use crate::bvh::Node;

@@ -2,7 +2,7 @@
 //!
 //! A post-order pass fits each node after its children, and sums up the [`quality()`] on the way.
 //!
-//! Where few vertices have moved, the pass leaves out what has not: vertices that are near in space mostly have near
+//! If few vertices have moved, the pass leaves out parts without any: vertices that are near in space mostly have near
 //! indices, so that a pair of siblings knows by the smallest and the largest index below it whether anything there can
 //! have moved. A row of a table for each pair holds that range, and what the nodes below add to the quality.
 
@@ -95,7 +95,7 @@ struct Pass<'p> {
     mesh: Mesh<'p>,
     order: &'p [u32],
     join: Option<&'p Join<'p>>,
-    /// Or everything.
+    /// The vertices that have moved; all if `None`.
     moved: Option<&'p [Moved]>,
     /// Whether there is a table.
     ranged: bool,

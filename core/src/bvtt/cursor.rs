@@ -1,5 +1,5 @@
-//! Where a traversal stopped: the node pairs still to be visited, the place inside the topmost leaf pair, the
-//! work done and the rest of the budget.
+//! The position at which a traversal stopped: the node pairs still to be visited, the place inside the topmost leaf
+//! pair, the work done and the rest of the budget.
 
 use super::NodePair;
 use crate::bvh::MAX_DEPTH;
@@ -34,7 +34,7 @@ const STACK: usize = 15 * MAX_DEPTH.div_ceil(2) + 1;
 /// The progress of a query: start one with [`Query::start`](super::Query::start), pass it to `page`, `step` or `visit`
 /// until [`Cursor::is_done`].
 ///
-/// Less than 4 KiB, without allocation; a copy is a bookmark. Use it with the query that made it.
+/// A cursor takes less than 4 KiB and allocates nothing; a copy is a bookmark. Use it with the query that made it.
 #[derive(Clone, Copy, Debug)]
 pub struct Cursor {
     stack: [NodePair; STACK],

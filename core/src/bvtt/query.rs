@@ -26,7 +26,7 @@ pub trait Query {
     /// O(depth).
     fn triangles_below(&self, n: NodePair) -> [u32; 2];
 
-    /// About the edge of a leaf's box. The extent of an overlap that is smaller than this says nothing of its cost.
+    /// The edge of a leaf's box, roughly. The extent of an overlap that is smaller than this says nothing of its cost.
     fn leaf_edge(&self) -> f32;
 
     /// A cursor before the first triangle pair.
@@ -87,8 +87,8 @@ pub trait Query {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()>;
 
-    /// The segment in which two triangles intersect, in the frame of the query; `None` if they do not. Of a self query, that
-    /// includes what neighbours share.
+    /// The segment in which two triangles intersect, in the frame of the query; `None` if they do not. In a self query,
+    /// it includes what neighbours share.
     ///
     /// # Panics
     /// If an index is out of range.

@@ -51,7 +51,7 @@ impl WideNode {
         mut push: impl FnMut(NodePair),
     ) -> u32 {
         for (row, &b) in other.nodes.iter().take(other.len).enumerate() {
-            // With `SELF`, columns up to the row, so that each unordered pair comes once.
+            // With `SELF` only columns up to the row are taken, so that each unordered pair comes once.
             let columns = if SELF { row + 1 } else { self.len };
             let mut found = self.boxes.overlapping(&other.boxes.splat(row)) & ((1 << columns) - 1);
             while found != 0 {

@@ -25,7 +25,7 @@ mod tests {
     use crate::{Mesh, MeshError};
     use core::arch::asm;
 
-    /// What `check` returns where the control register of SSE holds `mxcsr`.
+    /// Returns the result of `check` while the control register of SSE holds `mxcsr`.
     #[inline(never)]
     fn under<T>(mxcsr: u32, check: fn() -> T) -> T {
         const DEFAULT: u32 = 0x1f80;

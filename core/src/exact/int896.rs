@@ -66,7 +66,7 @@ impl Add for Int896 {
 
 impl Sub for Int896 {
     type Output = Self;
-    /// By !x = −x − 1.
+    /// The identity !x = −x − 1 makes a sum of the difference.
     fn sub(self, other: Self) -> Self {
         !(!self + other)
     }

@@ -40,21 +40,21 @@
 //! `refine` is the loop and its bound, `estimate` and `history` say what a node costs, and `partition` assigns nodes.
 //!
 //! # Where we depart from the paper, and why
-//! - The paper remembers one cost for each starting node and shares it among descendants by overlap volume (eq. 3). That
-//!   is a weak guess, so we remember a cost for each node of the *whole* front: the same use of coherence at the grain
+//! - The paper remembers one cost for each starting node and shares it among descendants by overlap volume (eq. 3).
+//!   This is a weak guess, so we remember a cost for each node of the *whole* front: the same use of coherence at the grain
 //!   that is assigned, in the same O(N_p) memory. The children of those nodes get their costs by eq. 3 as printed.
 //! - Estimates are not shared by eq. 3, which would carry an error down: a child of an estimated node gets as much of its
 //!   parent's estimate as it has of its parent's overlap volume, whatever its siblings have.
-//!   Since the sum then changes, refinement is repeated until it meets its bound. And since no overlap measure tells much
-//!   about a single node, estimated nodes are refined further than measured ones, so that errors average out:
+//!   The sum then changes, so refinement is repeated until it meets its bound. No overlap measure tells much about a
+//!   single node, so estimated nodes are refined further than measured ones, and errors average out:
 //!   [`RefineOptions::g_estimated`].
 //! - A first frame is divided by the density of triangles in the overlap, where the paper takes all nodes of F_s to cost
 //!   the same (section 3.4) or α to be constant (eq. 4); flat and touching boxes, whose volume is 0, are dilated.
 //! - F_s is not cached and its depth d_s is not fixed: each frame descends level by level until there are 32 nodes or all
 //!   are leaf pairs, where the paper has 4^3 to 4^5 nodes at a depth set beforehand. So objects may move freely, and many
 //!   queries begin at their roots.
-//! - A jump makes the last frame's costs worthless. Where less than half of them lie in nodes that overlap again, the
-//!   frame does without.
+//! - A jump makes the last frame's costs worthless. A frame does without them if less than half of them lie in nodes
+//!   that overlap again.
 //! - A node that the last frame split is split again until it costs less than half the bound, and no bound is lower than
 //!   the cost of a few splits: without this a still scene may swing between two fronts.
 
@@ -128,9 +128,10 @@ impl<'a> Front<'a> {
     }
 
     /// Adds a node to start from: the root of query number `query`, or the node pairs that
-    /// [`Cursor::take_pending`](crate::bvtt::Cursor::take_pending) took from a cursor of it. Of a node pair that is merely
-    /// pending, some may have been visited.
-    /// Where a history is to be used, a query has no node but its root.
+    /// [`Cursor::take_pending`](crate::bvtt::Cursor::take_pending) took from a cursor of it. A node pair that is merely
+    /// pending may have been visited in part.
+    ///
+    /// A query whose history is to be used has no node but its root.
     ///
     /// # Errors
     /// [`CapacityError`] if there is no room; the front is unchanged.

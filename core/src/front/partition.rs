@@ -2,9 +2,9 @@
 //!
 //! The best p-partition is NP-hard. The greedy one takes nodes in descending order of cost and gives each to the worker
 //! with the least so far (longest processing time first). The paper quotes (p+2)/(p+1) for it, which does not hold in the
-//! worst case: costs 7, 7, 6, 6, 5, 5, 4, 4, 4 on four workers give 15 where 12 is possible. What holds is Graham's
-//! 4/3 − 1/(3p) over the optimum (*Bounds on Multiprocessing Timing Anomalies*, 1969), and that a front whose costs are
-//! all at most ε·W/p has a makespan of at most (1 + ε)·W/p.
+//! worst case: costs 7, 7, 6, 6, 5, 5, 4, 4, 4 on four workers give 15 where 12 is possible. Two bounds do
+//! hold: Graham's 4/3 − 1/(3p) over the optimum (*Bounds on Multiprocessing Timing Anomalies*, 1969), and a makespan of
+//! at most (1 + ε)·W/p for a front whose costs are all at most ε·W/p.
 
 use super::{Front, FrontNode};
 use crate::index::{at, at_mut, split};
@@ -43,7 +43,7 @@ impl<'a> Front<'a> {
             least.cost += f64::from(node.cost);
             sift_down(parts, 0, less);
         }
-        // From the order of the heap to that of numbers.
+        // The heap is not in the order of the numbers of parts, so the sums are written anew.
         clear(parts);
         for node in &*nodes {
             at_mut(parts, node.part).cost += f64::from(node.cost);
@@ -85,7 +85,7 @@ fn sift_down<T: Copy>(heap: &mut [T], mut index: usize, before: impl Fn(&T, &T) 
     while 2 * index + 1 < heap.len() {
         let left = 2 * index + 1;
         let right = (left + 1).min(heap.len() - 1);
-        // Without branches: which child is first is a coin toss to a predictor.
+        // The choice takes no branch: which child is first is a coin toss to a predictor.
         let child = left + usize::from(before(at(heap, right), at(heap, left)));
         let risen = *at(heap, child);
         if !before(&risen, &moved) {

@@ -38,7 +38,7 @@ pub struct RefineOptions {
 }
 
 impl RefineOptions {
-    /// For p = `workers`, with a g of 8 where costs were measured and of 48 where they are estimates.
+    /// Options for p = `workers`, with a g of 8 where costs were measured and of 48 where they are estimates.
     #[must_use]
     pub const fn new(workers: usize) -> Self {
         Self { workers, g: 8.0, g_estimated: 48.0 }
@@ -83,7 +83,7 @@ impl Front<'_> {
             && self.len < STARTING_NODES
             && self.split_nodes(none, &query, &|_| true, &mut report)
         {}
-        // In the order of the history, for one pass through both.
+        // The order of the history allows one pass through both.
         sort(self.nodes_mut(), FrontNode::order);
         let mut history = CostHistory::new(history);
         report.coherent = history.share_in(self.nodes()) >= COHERENT;
@@ -140,7 +140,7 @@ impl Front<'_> {
         report: &mut FrontReport,
     ) -> bool {
         let mut was_any_split = false;
-        // Backwards, so that only nodes that have had their turn move into gaps.
+        // The loop runs backwards, so that only nodes that have had their turn move into gaps.
         for index in (0..self.len).rev() {
             let parent = *at(self.nodes, index);
             if !is_due(&parent) {

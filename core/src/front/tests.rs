@@ -13,7 +13,7 @@ use pfront_testkit::shapes::{Soup, bumpy, sheet};
 use std::vec;
 use std::vec::Vec;
 
-/// More than any front here has.
+/// More nodes than any front here has.
 const CAPACITY: usize = 1 << 16;
 
 impl Front<'_> {
@@ -135,7 +135,7 @@ fn one_front_serves_many_queries() {
     }
 }
 
-/// Where there is enough to do for all to be split that costs more, every node costs less than ε·W/p.
+/// Every node costs less than ε·W/p, if there is enough work for all nodes to be split that cost more.
 #[test]
 fn epsilon_bounds_the_predicted_makespan() {
     let body = body(bumpy(120));
@@ -147,7 +147,7 @@ fn epsilon_bounds_the_predicted_makespan() {
     }
 }
 
-/// By powers of two, so that all coordinates round alike: about 0.01, 1 and 100.
+/// The units are powers of two, so that all coordinates round alike: about 0.01, 1 and 100.
 #[test]
 fn the_unit_of_length_is_of_no_account() {
     let fronts = [1.0 / 128.0, 1.0, 128.0].map(|unit| {

@@ -108,7 +108,7 @@ struct Run<'r> {
 }
 
 impl Run<'_> {
-    /// From the first span to the last that reach some vertices.
+    /// The spans from the first to the last that reach some vertices.
     fn reaching(self, part: Range<usize>) -> Self {
         let Self { spans, triangles } = self;
         let reaches = |span: &Span| span.reaches(&part);

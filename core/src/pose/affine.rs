@@ -17,14 +17,14 @@ use glam::{DMat3, DVec3, Vec3A};
 pub(crate) struct Affine {
     columns: [Vec3A; 3],
     translation: Vec3A,
-    /// By how much a posed box is padded.
+    /// The padding of a posed box on each axis.
     padding: Vec3A,
 }
 
 /// 16u, and the roundings of the padding itself.
 const ROUNDING: f64 = Pose::ROUNDING as f64 * 1.001;
 
-/// 2^-147, four times the smallest subnormal f32. In f64, since subnormal numbers are slow.
+/// 2^-147, four times the smallest subnormal f32. It is an f64, since subnormal numbers are slow.
 const UNDERFLOW: f64 = 5.605_193_857_299_268e-45;
 
 /// 2^-126.
@@ -54,7 +54,7 @@ impl Affine {
     ///
     /// A point common to both as they are posed in f32 is A(x) + d = B(y) + e for points x and y of the
     /// boxes, with d and e at most 6u of what the poses reach. So x = A⁻¹(B(y)) + A⁻¹(e − d) without
-    /// translation: a box of A⁻¹·B, padded by |A⁻¹| times 16u of both reaches, contains x. What is left
+    /// translation: a box of A⁻¹·B, padded by |A⁻¹| times 16u of both reaches, contains x. The rest
     /// of these 16u is far more than the f64 roundings of A⁻¹ and the products with it. Entries of A⁻¹·B
     /// that are subnormal in f32 lose half the smallest number each, and so less than that per coordinate.
     pub(crate) fn seen_from(&self, own: &Bounds, from: &Self, of: &Bounds) -> Option<Self> {
@@ -82,7 +82,7 @@ impl Affine {
         DMat3::from_cols(x, y, z)
     }
 
-    /// About the farthest from the origin that posed points of `bounds` get.
+    /// The farthest that posed points of `bounds` get from the origin, roughly.
     fn reach(&self, bounds: &Bounds) -> DVec3 {
         self.matrix().abs() * farthest(bounds) + self.translation.abs().as_dvec3()
     }

@@ -2,8 +2,8 @@
 //!
 //! Exact signs decide which features bound the segment; only the coordinates of its ends are rounded. An end is
 //! where an edge cuts a plane, at the parameter d/(d − e) of the edge, with d and e the determinants of its ends
-//! over that plane. Where f64 does not know these to 2^-30 they come from integers, so that nearly parallel
-//! triangles lose no accuracy.
+//! over that plane. They come from integers if f64 does not know them to 2^-30, so that nearly parallel triangles
+//! lose no accuracy.
 
 use super::coplanar::{extremes, flat};
 use super::{Accuracy, arrange, intersects, one_sided};
@@ -14,7 +14,7 @@ use glam::Vec3Swizzles;
 /// 2^30: a value that exceeds its error bound by this factor is known within a relative 2^-30.
 const TWO_30: f64 = 1_073_741_824.0;
 
-/// Where two triangles meet, and how they face.
+/// The segment in which two triangles meet, and how they face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Whether they lie in one plane or one has no area: then the segment is the longest chord between corners of the
@@ -28,8 +28,8 @@ pub struct Contact {
     pub normals: [[f32; 3]; 2],
 }
 
-/// Where two closed triangles meet, or `None` if they do not: `Some` exactly when [`intersects`]
-/// says so in mode `Exact`.
+/// The segment in which two closed triangles meet, or `None` if they do not: `Some` exactly when [`intersects`] says so
+/// at the accuracy `Exact`.
 ///
 /// # Complexity
 /// O(1), no allocation.
@@ -99,7 +99,7 @@ fn crossing(
 /// The point in which the edge p–q, whose ends lie on different sides of the plane of `t`, cuts it.
 fn edge_point(p: &Point, q: &Point, t: &Triangle) -> Point {
     let s = edge_parameter(p, q, t);
-    // From the nearer end, so that an end in the plane is returned unchanged.
+    // The parameter counts from the nearer end, so that an end in the plane is returned unchanged.
     let (end, part) = if s <= 0.5 { (p, s) } else { (q, s - 1.0) };
     (difference(end, &[0.0; 3]) + part * difference(q, p)).as_vec3().to_array()
 }

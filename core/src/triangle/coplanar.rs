@@ -103,7 +103,7 @@ fn segments_intersect<K: Orientation>(s: [Point; 2], r: [Point; 2]) -> Option<bo
     if q < u || v < p || K::orient3d([&p, &q, &u], [&v])? != [0] {
         return Some(false);
     }
-    // Where all four project onto one line nothing separates them, elsewhere the answer is the true one.
+    // In a projection of all four onto one line nothing separates them; in every other the answer is the true one.
     for axis in 0..3 {
         if !polygons_intersect::<K>(&flat(&s, axis), 1, &flat(&r, axis), 1)? {
             return Some(false);

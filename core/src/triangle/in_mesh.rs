@@ -180,8 +180,8 @@ fn edge_rule<K: Orientation>(a: &Triangle, b: &Triangle) -> Option<bool> {
 }
 
 /// Whether a plane through the shared vertex, the first corner, certainly has all other corners of one
-/// triangle strictly above it and those of the other below. That settles neighbours in a plane, which no side
-/// of their own planes does.
+/// triangle strictly above it and those of the other below. This settles neighbours in one plane, which no
+/// side of their own planes does.
 ///
 /// Any plane will do; this one is normal to the directions of one triangle minus those of the other. Its height
 /// over a corner is off by less than (1+u)^4 − 1 of the sum of the three products, u = 2^-53.

@@ -157,7 +157,7 @@ fn intervals_overlap<K: Orientation>(
     [b0, b1, b2]: [&Point; 3],
     side: i32,
 ) -> Option<bool> {
-    // Both before either is looked at, so that a processor works on them side by side.
+    // Both are computed before either is looked at, so that a processor works on them side by side.
     let (first, second) = (K::orient3d([a0, a1, b0], [b1])?, K::orient3d([a0, a2, b0], [b2])?);
     Some((first != [side]) & (second != [-side]))
 }

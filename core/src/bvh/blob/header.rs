@@ -138,7 +138,7 @@ impl Counts {
     }
 }
 
-/// The section of `count` elements behind the byte `end`. Of a false count its end is beyond every slice, whatever
+/// The section of `count` elements behind the byte `end`. A false count gives it an end beyond every slice, whatever
 /// the width of usize.
 const fn section(end: usize, count: usize, size: usize) -> Range<usize> {
     let start = end.saturating_add(SECTION_ALIGN - 1) / SECTION_ALIGN * SECTION_ALIGN;

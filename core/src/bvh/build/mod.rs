@@ -52,8 +52,8 @@ impl fmt::Debug for BuildOptions<'_> {
 /// The memory that a build writes the BVH to.
 #[derive(Debug)]
 pub struct BvhStorage<'a> {
-    /// As many nodes as the tree has: [`node_bound`](super::node_bound) always are enough, and needed to build
-    /// parts side by side. Most trees with leaves of 8 triangles take a fifth of it.
+    /// Room for the nodes of the tree: [`node_bound`](super::node_bound) always are enough, and needed to build parts
+    /// side by side. Most trees with leaves of 8 triangles take a fifth of it.
     pub nodes: &'a mut [Node],
     /// At least one entry per triangle.
     pub order: &'a mut [u32],

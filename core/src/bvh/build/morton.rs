@@ -3,9 +3,9 @@
 //! Linear BVH after Lauterbach et al., "Fast BVH construction on GPUs" (2009): sort the triangles by the interleaved
 //! bits of their centres, then split every run at its highest differing bit.
 //!
-//! What differs: a run whose codes are all equal gets new ones, over the box of its own centres. The root is the first
-//! such run. So a few triangles far away take no resolution from the others, and codes of 27 bits are enough: they
-//! share a word with the triangle's index.
+//! Where we depart: a run whose codes are all equal gets new ones, over the box of its own centres. The root is the
+//! first such run. So a few triangles far away take no resolution from the others, and codes of 27 bits are enough:
+//! they share a word with the triangle's index.
 
 use super::tree::{Divide, build};
 use super::{BuildOptions, BvhStorage, radix};
@@ -65,11 +65,11 @@ pub fn morton<'a>(
     build(mesh, options, storage, &Curve { mesh, join: options.join }, run)
 }
 
-/// Triangles by their keys: a Morton code above the index. Sorted, but for the run of all.
+/// Triangles by their keys: a Morton code above the index. Every run but that of all triangles is sorted.
 struct Run<'r> {
     keys: &'r mut [u64],
     spare: &'r mut [u64],
-    /// No code can tell the centres apart.
+    /// Whether no code can tell the centres apart.
     coincide: bool,
 }
 

@@ -21,7 +21,7 @@ const RUNS: usize = 16;
 /// The bits that keys are sorted by.
 pub(super) const BITS: u32 = 2 * DIGIT_BITS + BUCKET_BITS;
 
-/// Up to so many keys, counting digits does not pay.
+/// The most keys for which counting digits does not pay.
 const FEW: usize = 64;
 
 /// Sorts distinct keys, which are in ascending order of their lowest `lowest` bits, by the [`BITS`] above. Moves them to

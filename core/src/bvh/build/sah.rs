@@ -3,7 +3,7 @@
 //! Binned SAH after Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007), on items that carry
 //! their box, so that every pass runs over memory in sequence.
 //!
-//! What differs: depth is bounded, and no finite input can mislead the build. A split that could exceed
+//! Where we depart: depth is bounded, and no finite input can mislead the build. A split that could exceed
 //! [`MAX_DEPTH`](crate::bvh::MAX_DEPTH), or that the heuristic cannot find (equal centres, areas that are 0), becomes a
 //! median split.
 

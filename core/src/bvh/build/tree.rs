@@ -1,7 +1,7 @@
 //! The recursion of every build: which nodes there are, where they lie and how deep.
 //!
 //! Nodes are numbered in preorder: the children of a node, all that lies below the left one, all that lies below the
-//! right one. Where that second stretch begins is known only when the first is finished. If both grow at once, the
+//! right one. The start of that second stretch is known only when the first is finished. If both grow at once, the
 //! right one begins where it would if the left side had leaves of one triangle, and moves up afterwards.
 
 use super::{BuildOptions, BvhStorage};

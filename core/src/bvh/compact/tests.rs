@@ -70,7 +70,7 @@ fn boxes_on_a_grid_contain_what_they_are_made_of() {
             assert_eq!(of_root.union(&found), of_root);
             for k in 0..3 {
                 let width = grid.width[k];
-                // As real numbers, of which f64 holds these.
+                // Corners as real numbers, which f64 holds without rounding.
                 let first = f64::from(grid.offset[k]) + f64::from(TO_BITS);
                 let at = |q: i32| (first + f64::from(q)) * f64::from(width);
                 let [low, high] = [small.min[k], small.max[k]].map(i32::from);

@@ -66,7 +66,7 @@ fn in_parts(query: &impl Query, budget: u64) -> Vec<TrianglePair> {
     found
 }
 
-/// By one cursor for each leaf pair that [`Query::children`] leads to.
+/// The pairs that cursors find, one for each leaf pair that [`Query::children`] leads to.
 fn from_children(query: &impl Query) -> Vec<TrianglePair> {
     let mut stack: Vec<NodePair> = query.root().into_iter().collect();
     let mut found = Vec::new();

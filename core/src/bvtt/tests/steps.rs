@@ -12,7 +12,7 @@ use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::shapes::{bumpy, pose_rows, sheet, sphere, tangle, union};
 use std::vec::Vec;
 
-/// By how much a step may exceed its budget: box tests come up to 16 at a time.
+/// The tests by which a step may exceed its budget: box tests come up to 16 at a time.
 const OVERSHOOT: u64 = 15;
 
 fn tests(cursor: &Cursor) -> u64 {
@@ -20,8 +20,8 @@ fn tests(cursor: &Cursor) -> u64 {
     box_tests + triangle_tests
 }
 
-/// Asks in steps, each with a budget and a visitor that breaks after as many pairs as a page takes. Checks each step, and
-/// that the whole is what the query does at one go. Returns the tests of the longest step.
+/// Asks in steps, each with a budget and a visitor that breaks after as many pairs as a page takes. Checks each step,
+/// and that the whole is what the query does at one go. Returns the tests of the longest step.
 pub(super) fn in_steps(
     query: &impl Query,
     (expected, work): &(Vec<TrianglePair>, Work),
