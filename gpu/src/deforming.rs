@@ -16,7 +16,7 @@ use wgpu::CommandEncoder;
 /// A refit moves the boxes of the tree that is there, and queries slow down as the mesh leaves the shape
 /// that the tree was built for. A rebuild makes a new tree. The answers are the same.
 ///
-/// Takes 12 bytes a vertex and 12 a triangle beside those of the model; about 5 a node while the tree is
+/// Takes 12 bytes a vertex and 12 a triangle beside those of the model; about 9 a node while the tree is
 /// an uploaded one, and 16 a triangle from the first build on.
 ///
 /// # Examples

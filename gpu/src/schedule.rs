@@ -12,17 +12,16 @@ use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
 use crate::{Error, Gpu, Model};
 use pfront_core::Node;
-use pfront_shaders::constants::GROUP;
+use pfront_shaders::constants::{EARLIER, GROUP, JOB};
 use std::ops::Range;
 use wgpu::Buffer;
-
-/// The most nodes of a job.
-const JOB: u32 = 512;
 
 /// Nodes by stage, job and round.
 #[derive(Debug, Default)]
 pub(crate) struct Schedule {
-    nodes: Vec<u32>,
+    /// Each node with the slots of its children in the job, 16 bits each; [`EARLIER`] if a child was
+    /// fitted in an earlier stage.
+    nodes: Vec<[u32; 2]>,
     /// Where each round begins in `nodes`, and the end of the last.
     rounds: Vec<u32>,
     /// Where each job begins in `rounds`, and the end of the last.
@@ -42,9 +41,10 @@ impl Schedule {
     pub(crate) fn of_forest(tree: &[Node], roots: &[u32]) -> Self {
         let mut schedule = Self::default();
         let mut done = vec![false; tree.len()];
+        let mut slots = vec![EARLIER; tree.len()];
         while roots.iter().any(|&root| !done[root as usize]) {
             let first = schedule.jobs.len() as u32;
-            schedule.add_stage(tree, roots, &mut done);
+            schedule.add_stage(tree, roots, &mut done, &mut slots);
             schedule.stages.push(first..schedule.jobs.len() as u32);
         }
         schedule.jobs.push(schedule.rounds.len() as u32);
@@ -92,12 +92,12 @@ impl Schedule {
 
     /// Bytes of device memory that it takes.
     pub(crate) fn bytes(&self) -> u64 {
-        let words = self.nodes.len() + self.rounds.len() + self.jobs.len();
+        let words = 2 * self.nodes.len() + self.rounds.len() + self.jobs.len();
         (words * size_of::<u32>()) as u64
     }
 
     /// Adds every largest subtree of at most [`JOB`] nodes that are not yet done.
-    fn add_stage(&mut self, tree: &[Node], roots: &[u32], done: &mut [bool]) {
+    fn add_stage(&mut self, tree: &[Node], roots: &[u32], done: &mut [bool], slots: &mut [u32]) {
         // How many nodes a subtree has, and how many rounds from its leaves it takes to fit it.
         let mut subtrees = vec![(0, 0); tree.len()];
         // Children come after their parents.
@@ -118,7 +118,7 @@ impl Schedule {
                 (nodes @ 1..=JOB, _) => {
                     // Small ones share a job, most of whose invocations they would leave idle.
                     if size + nodes > GROUP && size != 0 {
-                        self.add_job(tree, std::mem::take(&mut job), &subtrees, done);
+                        self.add_job(tree, std::mem::take(&mut job), &subtrees, done, slots);
                         size = 0;
                     }
                     job.push(index);
@@ -128,17 +128,19 @@ impl Schedule {
             }
         }
         if size != 0 {
-            self.add_job(tree, job, &subtrees, done);
+            self.add_job(tree, job, &subtrees, done, slots);
         }
     }
 
-    /// Adds subtrees, all leaves of them first: what takes longest has the most invocations.
+    /// Adds subtrees, all leaves of them first: what takes longest has the most invocations. `slots` is
+    /// [`EARLIER`] for every node, and is so again afterwards.
     fn add_job(
         &mut self,
         tree: &[Node],
         roots: Vec<u32>,
         subtrees: &[(u32, u32)],
         done: &mut [bool],
+        slots: &mut [u32],
     ) {
         self.jobs.push(self.rounds.len() as u32);
         let mut nodes = vec![];
@@ -151,11 +153,20 @@ impl Schedule {
         }
         let round = |index: u32| subtrees[index as usize].1;
         nodes.sort_unstable_by_key(|&index| (round(index), index));
+        (0..).zip(&nodes).for_each(|(slot, &index)| slots[index as usize] = slot);
+        let entry = |&index: &u32| match &tree[index as usize] {
+            leaf if leaf.is_leaf() => [index, EARLIER | (EARLIER << 16)],
+            inner => {
+                let left = inner.first as usize;
+                [index, slots[left] | (slots[left + 1] << 16)]
+            }
+        };
         for nodes in nodes.chunk_by(|&a, &b| round(a) == round(b)) {
             self.rounds.push(self.nodes.len() as u32);
             nodes.iter().for_each(|&index| done[index as usize] = true);
-            self.nodes.extend(nodes);
+            self.nodes.extend(nodes.iter().map(entry));
         }
+        nodes.iter().for_each(|&index| slots[index as usize] = EARLIER);
     }
 }
 
@@ -203,8 +214,9 @@ mod tests {
     fn check(tree: &[Node], roots: &[u32], count: u32) {
         let Schedule { nodes, rounds, jobs, stages } = Schedule::of_forest(tree, roots);
         assert_eq!(nodes.len() as u32, count);
-        // When a node is done: stages follow one another, as do rounds of a job.
+        // When a node is done, and its slot: stages follow one another, as do rounds of a job.
         let mut when = vec![None; tree.len()];
+        let mut kept = vec![[EARLIER; 2]; tree.len()];
         for (stage, range) in stages.iter().enumerate() {
             for job in range.clone() {
                 let of_job = jobs[job as usize]..jobs[job as usize + 1];
@@ -212,18 +224,21 @@ mod tests {
                 assert!(end - start <= JOB);
                 for round in of_job {
                     for i in rounds[round as usize]..rounds[round as usize + 1] {
-                        let old = when[nodes[i as usize] as usize].replace((stage, job, round));
+                        let [index, children] = nodes[i as usize];
+                        let old = when[index as usize].replace((stage, job, round, i - start));
                         assert_eq!(old, None);
+                        kept[index as usize] = [children & 0xffff, children >> 16];
                     }
                 }
             }
         }
         for (index, node) in tree.iter().enumerate().filter(|(_, node)| !node.is_leaf()) {
             // The second slot of a tree is not used.
-            let Some((stage, job, round)) = when[index] else { continue };
-            for child in [node.first, node.first + 1] {
-                let (s, j, r) = when[child as usize].unwrap();
+            let Some((stage, job, round, _)) = when[index] else { continue };
+            for (child, slot) in (node.first..).zip(kept[index]) {
+                let (s, j, r, at) = when[child as usize].unwrap();
                 assert!(s < stage || (s == stage && j == job && r < round));
+                assert_eq!(slot, if s < stage { EARLIER } else { at });
             }
         }
         assert!(stages.len() <= 4, "{} stages", stages.len());

@@ -3,7 +3,9 @@
 use crate::layout::SHARED;
 use crate::pass::{bindings, parse};
 use crate::settings::{Budget, Capacities};
-use naga::{Module, TypeInner};
+use naga::{
+    AddressSpace, Barrier, Block, Expression, Function, Handle, Module, Statement, TypeInner,
+};
 use pfront_core::Node;
 use pfront_core::bvh::MAX_LEAF_SIZE;
 use pfront_shaders::{PASSES, constants};
@@ -59,6 +61,95 @@ fn structs_have_the_same_layout_in_wgsl_and_in_rust() {
         }
     }
     assert_eq!(compared.len(), SHARED.len() + 1, "{compared:?}");
+}
+
+/// naga 30 decorates no buffer as coherent, so that one invocation may never see what another of its
+/// dispatch has stored, barrier or not. What passes read of buffers that they also store to is listed here.
+#[test]
+fn no_pass_reads_storage_that_other_invocations_of_its_dispatch_write() {
+    let mut found = BTreeSet::new();
+    for pass in PASSES {
+        let (module, _) = parse(&pass.source()).unwrap();
+        let functions = module.functions.iter().map(|(_, function)| function);
+        let mut access = StorageAccess::default();
+        functions.chain([&module.entry_points[0].function]).for_each(|function| {
+            access.add(&module, function, &function.body);
+        });
+        assert!(!access.has_barrier, "{} orders accesses of storage by a barrier", pass.entry);
+        found.extend(
+            access.loads.intersection(&access.stores).map(|name| (pass.entry, name.clone())),
+        );
+    }
+    let own = [
+        // Vertices of corners, of which only positions are written.
+        ("fit", "corners"),
+        ("refit", "corners"),
+        // Boxes of earlier dispatches, and links, which do not change.
+        ("fit", "nodes"),
+        ("refit", "nodes"),
+        // Each invocation reads and writes elements that are its own.
+        ("keys", "entries_out"),
+        ("probe", "trials"),
+        ("scan", "table"),
+    ];
+    assert_eq!(found, own.map(|(pass, name)| (pass, name.to_owned())).into());
+}
+
+/// Buffers that are loaded and stored, atomics apart.
+#[derive(Default)]
+struct StorageAccess {
+    loads: BTreeSet<String>,
+    stores: BTreeSet<String>,
+    has_barrier: bool,
+}
+
+impl StorageAccess {
+    fn add(&mut self, module: &Module, function: &Function, block: &Block) {
+        let buffer = |pointer| -> Option<String> {
+            let mut at: Handle<Expression> = pointer;
+            loop {
+                match function.expressions[at] {
+                    Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
+                        at = base
+                    }
+                    Expression::GlobalVariable(variable) => {
+                        let variable = &module.global_variables[variable];
+                        let is_storage = matches!(variable.space, AddressSpace::Storage { .. });
+                        return is_storage.then(|| variable.name.clone().unwrap_or_default());
+                    }
+                    _ => return None,
+                }
+            }
+        };
+        for statement in block {
+            match statement {
+                Statement::ControlBarrier(barrier) | Statement::MemoryBarrier(barrier) => {
+                    self.has_barrier |= barrier.contains(Barrier::STORAGE);
+                }
+                Statement::Emit(range) => {
+                    for expression in range.clone() {
+                        if let Expression::Load { pointer } = function.expressions[expression] {
+                            self.loads.extend(buffer(pointer));
+                        }
+                    }
+                }
+                Statement::Store { pointer, .. } => self.stores.extend(buffer(*pointer)),
+                _ => {}
+            }
+            blocks(statement).into_iter().for_each(|block| self.add(module, function, block));
+        }
+    }
+}
+
+/// The blocks within a statement.
+fn blocks(statement: &Statement) -> Vec<&Block> {
+    match statement {
+        Statement::Block(block) => vec![block],
+        Statement::If { accept, reject, .. } => vec![accept, reject],
+        Statement::Switch { cases, .. } => cases.iter().map(|case| &case.body).collect(),
+        Statement::Loop { body, continuing, .. } => vec![body, continuing],
+        _ => vec![],
+    }
 }
 
 fn layout<'m>(module: &'m Module, name: &str) -> Option<(usize, Vec<(&'m str, usize)>)> {

@@ -53,6 +53,10 @@ constants! {
     AXIS_BITS = 10;
     /// Slots for the triangles that a workgroup arranges at once.
     BLOCK = 512;
+    /// Boxes that a workgroup keeps while it fits those above them.
+    JOB = 512;
+    /// A child whose box an earlier dispatch has fitted, in place of its slot among those of a job.
+    EARLIER = 0xffff;
     /// Rounds of work that a workgroup does in a pass before it gives up and the host divides the
     /// run. Mesa's lavapipe (tried: 22.3.6) counts the turns of all loops of an invocation together
     /// and ends every loop from 65,535 on, without a word; so many rounds take some 50,000.

@@ -8,15 +8,15 @@ use crate::model::MOST_SEEDS;
 use bytemuck::Zeroable;
 use pfront_core::bvh::BuildOptions;
 use pfront_core::bvh::MAX_LEAF_SIZE;
-use pfront_shaders::constants::BLOCK;
+use pfront_shaders::constants::{BLOCK, JOB};
 use std::ops::Range;
 
 /// The most levels that a sort divides nodes by, all across one axis. Fewer make better trees and more
 /// sorts.
 const ROUND_LEVELS: u32 = 3;
 
-/// Levels that a stage fits: a job has at most 512 nodes of the lowest.
-const STAGE_LEVELS: u32 = 10;
+/// Levels that a stage fits: a job has at most [`JOB`] nodes of the lowest.
+const STAGE_LEVELS: u32 = JOB.ilog2() + 1;
 
 /// 2^depth leaves, which hold the same number of triangles or one more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

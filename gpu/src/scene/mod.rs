@@ -44,7 +44,7 @@ pub struct SceneHit {
 /// A deforming body is not asked whether it meets itself; [`crate::SelfQuery`] does that.
 ///
 /// # Memory
-/// On the device, 52 bytes a triangle, 28 a vertex and 37 a node (about 25 a triangle with the default leaf
+/// On the device, 52 bytes a triangle, 28 a vertex and 41 a node (about 27 a triangle with the default leaf
 /// size) for each body, however many share its shape, and the [`crate::Budget`].
 ///
 /// # Complexity

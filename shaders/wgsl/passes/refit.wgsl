@@ -1,15 +1,17 @@
 // Reads positions and a schedule, writes the corners of triangles and the boxes of nodes.
 //
-// A job is a part of the tree, whole below its root but for what earlier jobs have done. A
-// workgroup does it in rounds, from the leaves up, each round being some entries of the schedule.
+// A job is a part of the tree, whole below its root but for what earlier stages have done. A
+// workgroup does it in rounds, from the leaves up, each round being some entries of the schedule. Each
+// entry of a job has a slot of its own, in order, where its box is kept for that of its parent.
 
 struct Stage {
     first_job: u32,
     end_job: u32,
 }
 
-// Nodes, in the order of jobs and rounds.
-@group(0) @binding(6) var<storage, read> schedule: array<u32>;
+// Nodes, in the order of jobs and rounds, each with the slots of its children, 16 bits each: EARLIER if
+// an earlier stage has fitted the child.
+@group(0) @binding(6) var<storage, read> schedule: array<vec2u>;
 // Where each round begins; it ends where the next begins.
 @group(0) @binding(7) var<storage, read> rounds: array<u32>;
 // The first round of each job, which ends likewise.
@@ -23,21 +25,32 @@ fn refit(
     @builtin(num_workgroups) groups: vec3u,
 ) {
     for (var job = stage.first_job + group.x; job < stage.end_job; job += groups.x) {
+        let start = rounds[jobs[job]];
         for (var round = jobs[job]; round < jobs[job + 1u]; round++) {
             for (var i = rounds[round] + lane; i < rounds[round + 1u]; i += GROUP) {
-                fit(schedule[i]);
+                fit(schedule[i], i - start);
             }
-            storageBarrier();
+            workgroupBarrier();
         }
     }
 }
 
-fn fit(index: u32) {
-    let first = nodes[index].first;
-    let count = nodes[index].count;
+fn fit(entry: vec2u, slot: u32) {
+    let first = nodes[entry.x].first;
+    let count = nodes[entry.x].count;
+    var box: Extent;
     if count == 0u {
-        nodes[index] = fitted_inner(first);
+        box = around(child_box(first, entry.y & 0xffffu), child_box(first + 1u, entry.y >> 16u));
     } else {
-        nodes[index] = fitted_leaf(first, count);
+        box = leaf_box(first, count);
     }
+    keep(slot, box);
+    write_node(entry.x, box, first, count);
+}
+
+fn child_box(index: u32, slot: u32) -> Extent {
+    if slot == EARLIER {
+        return earlier_box(index);
+    }
+    return kept_box(slot);
 }
