@@ -8,6 +8,10 @@ use crate::{Error, Model};
 use pfront_shaders::constants::FRONTS;
 use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePassDescriptor};
 
+/// Workgroups that a test adds to every dispatch of its thread: passes guard their own stores.
+#[cfg(test)]
+thread_local!(pub(crate) static EXTRA: std::cell::Cell<u32> = const { std::cell::Cell::new(0) });
+
 /// One bind group for each pass.
 #[derive(Debug)]
 pub(crate) struct EachPass {
@@ -110,6 +114,8 @@ impl<'e, 'c> Dispatches<'e, 'c> {
         for (index, group) in (0..).zip(groups) {
             self.compute.set_bind_group(index, *group, &[]);
         }
+        #[cfg(test)]
+        let workgroups = workgroups + EXTRA.get();
         self.compute.dispatch_workgroups(workgroups, 1, 1);
         if let Some(clock) = &mut self.clock {
             clock.mark(&mut self.compute, Some(pass.entry));

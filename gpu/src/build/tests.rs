@@ -2,6 +2,7 @@
 
 use super::{Built, Source, sort::Sort};
 use crate::Gpu;
+use crate::groups::EXTRA;
 use crate::layout::{Build, Corner};
 use crate::read::read_now;
 use crate::sequence::Sequence;
@@ -152,4 +153,28 @@ fn queries_take_little_more_work_than_with_the_tree_of_the_core() {
     };
     let [[boxes, triangles], [most_boxes, most_triangles]] = [own, core].map(of);
     assert!(boxes < 2 * most_boxes && triangles < most_triangles * 5 / 4);
+}
+
+#[test]
+fn workgroups_without_work_store_nothing() {
+    let knot = torus_knot(5_000);
+    let n = knot.triangles.len();
+    let mesh = Mesh::new(&knot.positions, &knot.triangles).unwrap();
+    let source = Source::new(gpu(), mesh).unwrap();
+    let options = BuildOptions { leaf_size: 4, ..BuildOptions::default() };
+    let mut answers = [0, 1, 3].map(|extra| {
+        EXTRA.set(extra);
+        let built = Built::new(gpu(), &source, &Aabb::of(&knot.positions), options).unwrap();
+        run(&built.build);
+        run(&built.refit);
+        let mut query = crate::PairQuery::new(gpu()).unwrap();
+        let pose = Pose::from_translation([0.3, 0.1, 0.2]);
+        let pairs = query.all(&built.model, &built.model, &pose).unwrap().to_vec();
+        let nodes: Vec<Node> = read(&built.model.nodes, built.model.nodes.size() as usize / 32);
+        EXTRA.set(0);
+        (read::<u32>(&built.model.order, n), nodes[2..].to_vec(), pairs)
+    });
+    assert!(answers[0].2.len() > 100);
+    let [first, rest @ ..] = &mut answers;
+    assert!(rest.iter().all(|other| other == first));
 }

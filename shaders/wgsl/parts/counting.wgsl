@@ -15,6 +15,10 @@ fn count_digit(key: u32) {
 
 fn write_counts(lane: u32, group: u32) {
     workgroupBarrier();
+    // A row of the table has one place for each workgroup that has a run.
+    if group >= build.workgroups {
+        return;
+    }
     for (var i = lane; i < DIGITS; i += GROUP) {
         table[i * build.workgroups + group] = atomicLoad(&counts[i]);
     }

@@ -22,11 +22,12 @@ fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
         atomicStore(&ranks[mine], 0u);
     }
     workgroupBarrier();
-    let own = ranked[group.x * (GROUP / RANKERS) + mine];
+    let place = group.x * (GROUP / RANKERS) + mine;
+    let own = ranked[min(place, BUCKETS - 1u)];
     const PART = BUCKETS / RANKERS;
     atomicAdd(&ranks[mine], rank_among(own, part * PART, (part + 1u) * PART));
     workgroupBarrier();
-    if part == 0u {
+    if part == 0u && place < BUCKETS {
         let rank = atomicLoad(&ranks[mine]);
         buckets.splitters[rank] = own;
         atomicStore(&buckets.dealt[rank], 0u);

@@ -24,7 +24,7 @@ fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
     let start = tell(lane, atomicLoad(&preceding));
     let has_room = tell(lane, atomicLoad(&most)) <= room();
     let size = tell(lane, atomicLoad(&buckets.dealt[group.x]));
-    if !has_room {
+    if !has_room || group.x >= BUCKETS {
         return;
     }
     for (var i = lane; i < size; i += GROUP) {
