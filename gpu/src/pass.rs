@@ -53,7 +53,7 @@ impl Pass {
             entry_point: Some(pass.entry),
             compilation_options: wgpu::PipelineCompilationOptions {
                 constants,
-                // Every pass clears what it reads.
+                // Every pass writes what it reads.
                 zero_initialize_workgroup_memory: false,
             },
             cache: None,

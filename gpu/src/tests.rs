@@ -105,21 +105,8 @@ struct StorageAccess {
 
 impl StorageAccess {
     fn add(&mut self, module: &Module, function: &Function, block: &Block) {
-        let buffer = |pointer| -> Option<String> {
-            let mut at: Handle<Expression> = pointer;
-            loop {
-                match function.expressions[at] {
-                    Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
-                        at = base
-                    }
-                    Expression::GlobalVariable(variable) => {
-                        let variable = &module.global_variables[variable];
-                        let is_storage = matches!(variable.space, AddressSpace::Storage { .. });
-                        return is_storage.then(|| variable.name.clone().unwrap_or_default());
-                    }
-                    _ => return None,
-                }
-            }
+        let buffer = |pointer| {
+            global(module, function, pointer, |space| matches!(space, AddressSpace::Storage { .. }))
         };
         for statement in block {
             match statement {
@@ -137,6 +124,67 @@ impl StorageAccess {
                 _ => {}
             }
             blocks(statement).into_iter().for_each(|block| self.add(module, function, block));
+        }
+    }
+}
+
+/// Idle teams have no data: what they read would be memory that nothing has written.
+#[test]
+fn teams_read_workgroup_memory_under_a_condition() {
+    let (module, _) = parse(&pfront_shaders::DECIDE.source()).unwrap();
+    let unconditional = unconditional_loads(&module, &module.entry_points[0].function);
+    for name in ["corners", "doubts", "widths", "first_signs", "second_signs", "lattice"] {
+        let exists = module.global_variables.iter().any(|(_, v)| v.name.as_deref() == Some(name));
+        assert!(exists && !unconditional.contains(name), "{name}");
+    }
+}
+
+/// Variables of workgroup memory that a pass loads outside of any condition, but for those in the body of
+/// its entry point.
+fn unconditional_loads(module: &Module, entry: &Function) -> BTreeSet<String> {
+    let mut loads = BTreeSet::new();
+    let mut waiting = vec![(entry, &entry.body, true)];
+    while let Some((function, block, is_entry)) = waiting.pop() {
+        for statement in block {
+            match statement {
+                Statement::Call { function: callee, .. } => {
+                    let callee = &module.functions[*callee];
+                    waiting.push((callee, &callee.body, false));
+                }
+                Statement::Emit(range) => {
+                    for expression in range.clone() {
+                        if let Expression::Load { pointer } = function.expressions[expression] {
+                            loads.extend(global(module, function, pointer, |space| {
+                                space == AddressSpace::WorkGroup
+                            }));
+                        }
+                    }
+                }
+                Statement::If { .. } | Statement::Switch { .. } if !is_entry => {}
+                _ => waiting.extend(blocks(statement).into_iter().map(|b| (function, b, is_entry))),
+            }
+        }
+    }
+    loads
+}
+
+/// The name of the variable that a pointer points into, if it lies in such a space.
+fn global(
+    module: &Module,
+    function: &Function,
+    pointer: Handle<Expression>,
+    is_wanted: impl Fn(AddressSpace) -> bool,
+) -> Option<String> {
+    let mut at = pointer;
+    loop {
+        match function.expressions[at] {
+            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => at = base,
+            Expression::GlobalVariable(variable) => {
+                let variable = &module.global_variables[variable];
+                return is_wanted(variable.space)
+                    .then(|| variable.name.clone().unwrap_or_default());
+            }
+            _ => return None,
         }
     }
 }

@@ -77,6 +77,9 @@ fn rank_samples(lane: u32, job: u32, level: u32) {
         let first = run << room_bits;
         let counts = run_counts(job, level, run);
         let size = min(counts.x, 1u << room_bits);
+        if i - first >= size {
+            continue;
+        }
         let own = unpack(sampled[i]);
         var rank = vec3u(0u);
         for (var other = first; other < first + size; other++) {

@@ -6,7 +6,8 @@
 var<workgroup> undecided: array<vec2u, 2 * GROUP>;
 var<workgroup> undecided_count: atomic<u32>;
 // For each team: its corners, whether they are in doubt, the bits of each axis, and the signs of two
-// rounds. Doubts are numbers, since an H200 reads false from a truth value in workgroup memory.
+// rounds. Doubts are numbers: as truth values in workgroup memory, an H200 read them as false. The cause is
+// not known. Idle teams then read memory that nothing had written, which they no longer do.
 var<workgroup> corners: array<Corner, TEAMS * POINTS>;
 var<workgroup> doubts: array<u32, TEAMS * POINTS>;
 var<workgroup> widths: array<u32, TEAMS * 3>;
@@ -108,20 +109,32 @@ fn decide_in_integers(lane: u32, first: u32, count: u32) {
         widths[team * 3u + member] = place_on_lattice(member);
     }
     workgroupBarrier();
-    let pair = pair_of(team);
-    let is_asked = is_busy && fit_in_integers(team) && pair.shared_corners < 3u;
+    // Workgroup memory is not zeroed: a team reads only what it has written.
+    var pair: Pair;
+    var is_asked = false;
+    if is_busy {
+        pair = pair_of(team);
+        is_asked = fit_in_integers(team) && pair.shared_corners < 3u;
+    }
     if is_asked && member < POINTS {
         first_signs[team * POINTS + member] = side_of_corner(pair, member);
     }
     workgroupBarrier();
-    let sides = sides_of(team);
-    let asked = question(pair, sides);
-    if is_asked && asked != MISS {
+    var sides: Sides;
+    var asked = MISS;
+    if is_asked {
+        sides = sides_of(team);
+        asked = question(pair, sides);
+    }
+    if asked != MISS {
         second_signs[team * TEAM + member] = reply(pair, sides, asked, member);
     }
     workgroupBarrier();
     if is_busy && member == 0u {
-        let outcome = select(UNSURE, conclusion(sides, pair, asked, replies(team)), is_asked);
+        var outcome = select(UNSURE, MISS, is_asked);
+        if asked != MISS {
+            outcome = conclusion(sides, pair, asked, replies(team));
+        }
         if outcome == HIT {
             add_hit(slots);
         } else if outcome == UNSURE {
