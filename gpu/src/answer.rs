@@ -10,13 +10,12 @@
 
 use crate::engine::{Engine, Entry, Found, Run, Start, Task};
 use crate::layout::{Counters, Query, Rest};
-use crate::model::LEAF;
 use crate::read::read_now;
 use crate::{Error, Report};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use pfront_core::{Mesh, Pose};
-use pfront_shaders::constants::HIT_OVERFLOW;
+use pfront_shaders::constants::{HIT_OVERFLOW, LEAF};
 use wgpu::CommandEncoder;
 
 /// A front this long is split rather than refined. Its children fit in the least front.

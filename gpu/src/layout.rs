@@ -6,7 +6,7 @@
 use bytemuck::{Pod, Zeroable};
 use pfront_core::pose::PoseError;
 use pfront_core::{Aabb, Pose};
-use pfront_shaders::constants::FRONTS;
+use pfront_shaders::constants::{FRONTS, PADDING};
 
 /// Declares a `#[repr(C)]` struct and the table of its fields, for the comparison.
 macro_rules! shared {
@@ -147,11 +147,10 @@ pub(crate) fn check_pose(pose: &Pose, bounds: &Aabb) -> Result<(), PoseError> {
 impl Placement {
     /// A pose as the shaders use it.
     ///
-    /// The magnitudes in `reach` pad a box by 2^-19 of themselves (`boxes.wgsl`), which covers roundings
+    /// The magnitudes in `reach` pad a box by [`PADDING`] of themselves (`boxes.wgsl`), which covers roundings
     /// of normal numbers only. An adapter may flush an entry below 2^-126; to be covered then too, its
     /// magnitude counts as 2^-107.
     pub(crate) fn new(pose: &Pose) -> Self {
-        const PADDING: f32 = 1.907_348_6e-6;
         const FLUSHED: f32 = f32::MIN_POSITIVE * 16.0;
         let magnitude = |x: f32| {
             if x.is_subnormal() { f32::MIN_POSITIVE * (1 << 19) as f32 } else { x.abs() }

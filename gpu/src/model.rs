@@ -5,16 +5,12 @@ use crate::gpu::Gpu;
 use crate::layout::Corner;
 use crate::memory::Usage;
 use pfront_core::{Aabb, Bvh, Node};
-use pfront_shaders::constants::LEAF_SHIFT;
+use pfront_shaders::constants::{LEAF, LEAF_SHIFT};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The most nodes of one level that the first pass of a query pairs with those of the other tree: both
 /// together give 4^7 node pairs at most, the larger starting front of the paper's GPU algorithm.
 pub(crate) const MOST_SEEDS: usize = 128;
-
-/// A child index in this bit says that there are no children: the node's own index is in the others.
-/// The same as LEAF in `descend.wgsl`.
-pub(crate) const LEAF: u32 = 1 << 31;
 
 /// A mesh and its BVH in device memory.
 ///

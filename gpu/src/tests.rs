@@ -36,22 +36,23 @@ fn every_pass_is_valid_and_stays_within_the_limits_of_webgpu() {
     }
 }
 
+const NODE: (&str, usize, &[(&str, usize)]) = (
+    "Node",
+    size_of::<Node>(),
+    &[
+        ("min", offset_of!(Node, min)),
+        ("first", offset_of!(Node, first)),
+        ("max", offset_of!(Node, max)),
+        ("count", offset_of!(Node, count)),
+    ],
+);
+
 #[test]
 fn structs_have_the_same_layout_in_wgsl_and_in_rust() {
-    let node = (
-        "Node",
-        size_of::<Node>(),
-        &[
-            ("min", offset_of!(Node, min)),
-            ("first", offset_of!(Node, first)),
-            ("max", offset_of!(Node, max)),
-            ("count", offset_of!(Node, count)),
-        ][..],
-    );
     let mut compared = BTreeSet::new();
     for pass in PASSES {
         let (module, _) = parse(&pass.source()).unwrap();
-        for &(name, size, fields) in SHARED.iter().chain([&node]) {
+        for &(name, size, fields) in SHARED.iter().chain([&NODE]) {
             let Some(found) = layout(&module, name) else { continue };
             let fields: Vec<_> =
                 fields.iter().filter(|(field, _)| !field.starts_with("padding")).collect();
@@ -198,6 +199,70 @@ fn blocks(statement: &Statement) -> Vec<&Block> {
         Statement::Loop { body, continuing, .. } => vec![body, continuing],
         _ => vec![],
     }
+}
+
+/// Queries load nodes and corners as vectors of words: what is decoded from them is what Rust has there.
+#[test]
+fn words_are_decoded_by_the_layout_of_rust() {
+    let corner = SHARED.iter().find(|(name, ..)| *name == "Corner").unwrap();
+    let mut compared = BTreeSet::new();
+    for pass in PASSES {
+        let (module, _) = parse(&pass.source()).unwrap();
+        for (_, buffer) in module.global_variables.iter() {
+            let size = match buffer.name.as_deref() {
+                Some("nodes_a" | "nodes_b") => size_of::<Node>(),
+                Some("corners_a" | "corners_b") => corner.1,
+                _ => continue,
+            };
+            let TypeInner::Array { stride, .. } = module.types[buffer.ty].inner else {
+                panic!("{:?}", buffer.name)
+            };
+            assert_eq!(stride as usize, size, "{}: {:?}", pass.entry, buffer.name);
+        }
+        for (_, function) in module.functions.iter() {
+            let layout = match function.name.as_deref() {
+                Some("node_of") => NODE.2,
+                Some("corner_of") => corner.2,
+                _ => continue,
+            };
+            let of_rust: Vec<_> = layout.iter().map(|(_, offset)| *offset).collect();
+            assert_eq!(decoded(function), of_rust, "{}: {:?}", pass.entry, function.name);
+            compared.insert(function.name.clone());
+        }
+    }
+    assert_eq!(compared.len(), 2);
+}
+
+/// The byte within the argument of a function where each component of its result comes from.
+fn decoded(function: &Function) -> Vec<usize> {
+    let offset = |from: Handle<Expression>| {
+        let (mut at, mut words) = (from, 0);
+        loop {
+            // An index counts words in a vector, and vectors of four words in an array of them.
+            let (base, index) = match function.expressions[at] {
+                Expression::As { expr, convert: None, .. } => (expr, 0),
+                Expression::Swizzle { vector, pattern: [x, y, z, _], .. } => {
+                    assert_eq!([y as usize, z as usize], [x as usize + 1, x as usize + 2]);
+                    (vector, x as usize)
+                }
+                Expression::AccessIndex { base, index } => {
+                    (base, if at == from { index as usize } else { 4 * index as usize })
+                }
+                Expression::FunctionArgument(0) => return 4 * words,
+                ref other => panic!("{other:?}"),
+            };
+            (at, words) = (base, words + index);
+        }
+    };
+    let is_result = |statement: &&Statement| matches!(statement, Statement::Return { .. });
+    let Some(Statement::Return { value: Some(result) }) = function.body.iter().find(is_result)
+    else {
+        panic!("{:?} returns nothing", function.name)
+    };
+    let Expression::Compose { components, .. } = &function.expressions[*result] else {
+        panic!("{:?} composes nothing", function.name)
+    };
+    components.iter().map(|&component| offset(component)).collect()
 }
 
 fn layout<'m>(module: &'m Module, name: &str) -> Option<(usize, Vec<(&'m str, usize)>)> {

@@ -3,15 +3,22 @@
 use std::fmt::Write;
 
 macro_rules! constants {
-    ($($(#[$doc:meta])* $name:ident = $value:expr;)*) => {
-        $($(#[$doc])* pub const $name: u32 = $value;)*
+    ($all:ident: $type:ty; $($(#[$doc:meta])* $name:ident = $value:expr;)*) => {
+        $($(#[$doc])* pub const $name: $type = $value;)*
 
         /// The name and value of each.
-        pub const ALL: &[(&str, u32)] = &[$((stringify!($name), $name),)*];
+        pub const $all: &[(&str, $type)] = &[$((stringify!($name), $name),)*];
     };
 }
 
 constants! {
+    ALL_FLOATS: f32;
+    /// What the roundings of a posed box cost, relative to its size: 2^-19.
+    PADDING = 16.0 * f32::EPSILON;
+}
+
+constants! {
+    ALL: u32;
     /// Invocations of a workgroup, in every pass.
     GROUP = 128;
     /// Node pairs in each half of a workgroup's queue.
@@ -45,6 +52,8 @@ constants! {
     /// A leaf in the list of leaf pairs: its first slot below this bit, its triangles less one from
     /// it up.
     LEAF_SHIFT = 28;
+    /// A child index in this bit says that there are no children: the node's own index is in the others.
+    LEAF = 1 << 31;
     /// Values of a digit of the sort.
     DIGITS = 256;
     /// Bits of a coordinate across a cut, in a key below the node that is divided.
@@ -83,6 +92,10 @@ pub(crate) fn header() -> String {
     for (name, value) in ALL {
         // Writing to a string cannot fail.
         let _ = writeln!(header, "const {name} = {value}u;");
+    }
+    for (name, value) in ALL_FLOATS {
+        // The shortest decimal that rounds to the value.
+        let _ = writeln!(header, "const {name} = {value:e}f;");
     }
     header
 }

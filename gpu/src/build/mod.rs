@@ -17,13 +17,12 @@ mod tests;
 
 use crate::layout::{Corner, Cut};
 use crate::memory::Usage;
-use crate::model::LEAF;
 use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
 use crate::{Error, Gpu, Model};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Mesh, Node};
-use pfront_shaders::constants::CUT_BITS;
+use pfront_shaders::constants::{CUT_BITS, LEAF};
 use shape::Balanced;
 use sort::Sort;
 use wgpu::Buffer;

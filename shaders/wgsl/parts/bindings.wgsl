@@ -1,12 +1,15 @@
 // Every buffer, by the name under which Rust binds it. A pass gets those that it mentions.
 //
 // Nodes and corners are read as whole vectors, since compilers load a vec3f and a u32 next to each other
-// in two or three steps: a Node is two of these, a Corner is one.
+// in two or three steps.
 
-@group(0) @binding(0) var<storage, read> nodes_a: array<vec4u>;
-@group(0) @binding(1) var<storage, read> nodes_b: array<vec4u>;
-@group(0) @binding(2) var<storage, read> corners_a: array<vec4u>;
-@group(0) @binding(3) var<storage, read> corners_b: array<vec4u>;
+alias NodeWords = array<vec4u, 2>;
+alias CornerWords = vec4u;
+
+@group(0) @binding(0) var<storage, read> nodes_a: array<NodeWords>;
+@group(0) @binding(1) var<storage, read> nodes_b: array<NodeWords>;
+@group(0) @binding(2) var<storage, read> corners_a: array<CornerWords>;
+@group(0) @binding(3) var<storage, read> corners_b: array<CornerWords>;
 @group(0) @binding(4) var<storage, read> order_a: array<u32>;
 @group(0) @binding(5) var<storage, read> order_b: array<u32>;
 @group(0) @binding(6) var<storage, read> seeds_a: array<u32>;

@@ -6,8 +6,6 @@ struct Box {
     max: vec3f,
 }
 
-// 16 · 2^-23.
-const PADDING = 1.9073486328125e-6;
 // 2^-124: what flushed subnormal numbers cost centre and extent, before a pose magnifies it.
 const FLUSHED = 4.70197740328915e-38;
 

@@ -9,8 +9,6 @@
 // Pairs that do not fit in workgroup memory go straight to the next front, so that nothing is lost;
 // the host sees a front left over after the last pass and goes on from it.
 
-const LEAF = 0x80000000u;
-
 // Two halves, read and written in turn.
 var<workgroup> queue: array<vec2u, 2 * QUEUE>;
 var<workgroup> queued: array<atomic<u32>, 2>;
@@ -26,8 +24,14 @@ fn clear_queues(lane: u32) {
     workgroupBarrier();
 }
 
-fn node_of(low: vec4u, high: vec4u) -> Node {
-    return Node(bitcast<vec3f>(low.xyz), low.w, bitcast<vec3f>(high.xyz), high.w);
+// A test compares which words become which fields with the layout of Node.
+fn node_of(words: NodeWords) -> Node {
+    return Node(
+        bitcast<vec3f>(words[0].xyz),
+        words[0].w,
+        bitcast<vec3f>(words[1].xyz),
+        words[1].w,
+    );
 }
 
 // A leaf as the narrow phase wants it: its triangles. The host sees to it that slots stay below
@@ -48,11 +52,11 @@ struct Placed {
 }
 
 fn placed_a(index: u32) -> Placed {
-    return placed_node(0u, index, node_of(nodes_a[2u * index], nodes_a[2u * index + 1u]));
+    return placed_node(0u, index, node_of(nodes_a[index]));
 }
 
 fn placed_b(index: u32) -> Placed {
-    return placed_node(1u, index, node_of(nodes_b[2u * index], nodes_b[2u * index + 1u]));
+    return placed_node(1u, index, node_of(nodes_b[index]));
 }
 
 fn placed_node(side: u32, index: u32, node: Node) -> Placed {

@@ -32,18 +32,30 @@ fn placed(side: u32, t: Triangle) -> Triangle {
     return own;
 }
 
-fn corners_of(p: vec4u, q: vec4u, r: vec4u) -> Corners {
-    let positions = Triangle(bitcast<vec3f>(p.xyz), bitcast<vec3f>(q.xyz), bitcast<vec3f>(r.xyz));
-    return Corners(positions, vec3u(p.w, q.w, r.w));
+// A test compares which words become which fields with the layout of Corner.
+fn corner_of(words: CornerWords) -> Corner {
+    return Corner(bitcast<vec3f>(words.xyz), words.w);
+}
+
+fn corners_of(words: array<CornerWords, 3>) -> Corners {
+    let p = corner_of(words[0]);
+    let q = corner_of(words[1]);
+    let r = corner_of(words[2]);
+    let positions = Triangle(p.position, q.position, r.position);
+    return Corners(positions, vec3u(p.vertex, q.vertex, r.vertex));
 }
 
 // In the frames of their meshes.
 fn triangle_a(slot: u32) -> Corners {
     let at = 3u * slot;
-    return corners_of(corners_a[at], corners_a[at + 1u], corners_a[at + 2u]);
+    return corners_of(
+        array<CornerWords, 3>(corners_a[at], corners_a[at + 1u], corners_a[at + 2u])
+    );
 }
 
 fn triangle_b(slot: u32) -> Corners {
     let at = 3u * slot;
-    return corners_of(corners_b[at], corners_b[at + 1u], corners_b[at + 2u]);
+    return corners_of(
+        array<CornerWords, 3>(corners_b[at], corners_b[at + 1u], corners_b[at + 2u])
+    );
 }

@@ -144,18 +144,15 @@ fn decide_in_integers(lane: u32, first: u32, count: u32) {
     workgroupBarrier();
 }
 
-fn corner_of(slots: vec2u, member: u32) -> Corner {
-    var corner: vec4u;
+fn corner_at(slots: vec2u, member: u32) -> Corner {
     if member < 3u {
-        corner = corners_a[3u * slots.x + member];
-    } else {
-        corner = corners_b[3u * slots.y + member - 3u];
+        return corner_of(corners_a[3u * slots.x + member]);
     }
-    return Corner(bitcast<vec3f>(corner.xyz), corner.w);
+    return corner_of(corners_b[3u * slots.y + member - 3u]);
 }
 
 fn placed_corner(slots: vec2u, member: u32) -> Corner {
-    let corner = corner_of(slots, member);
+    let corner = corner_at(slots, member);
     let side = member / 3u;
     if (query.posed[side] ^ nothing) == 0u {
         return corner;
@@ -226,7 +223,7 @@ fn put_aside(lane: u32, count: u32) {
 fn rest_of(slots: vec2u) -> Rest {
     var all: array<Corner, POINTS>;
     for (var i = 0u; i < POINTS; i++) {
-        all[i] = corner_of(slots, i);
+        all[i] = corner_at(slots, i);
     }
     return Rest(all, vec2u(order_a[slots.x], order_b[slots.y]));
 }
