@@ -1,6 +1,6 @@
 //! A device with the passes compiled for it.
 
-use crate::pass::Pass;
+use crate::pass::{Pass, Target};
 use crate::{Budget, Error, Settings, clock, moving, probe};
 use pfront_shaders::{DEAL, DECIDE, EXPAND, NARROW, SAMPLE, SEED, SETTLE};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -28,7 +28,7 @@ struct Shared {
     queue: Queue,
     passes: Passes,
     moving: OnceLock<Result<Arc<moving::Passes>, Error>>,
-    arithmetic: Arithmetic,
+    target: Target,
     failure: Failure,
 }
 
@@ -111,17 +111,18 @@ impl Gpu {
             .map_err(|error| reported(&failure).unwrap_or(error))?;
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let id = NEXT.fetch_add(1, Ordering::Relaxed);
-        Self::assemble(id, device, queue, arithmetic, failure)
+        let target = Target::new(&device, arithmetic);
+        Self::assemble(id, device, queue, target, failure)
     }
 
     fn assemble(
         id: u64,
         device: Device,
         queue: Queue,
-        arithmetic: Arithmetic,
+        target: Target,
         failure: Failure,
     ) -> Result<Self, Error> {
-        let pass = |pass| Pass::new(&device, pass, arithmetic);
+        let pass = |pass| Pass::new(&device, pass, target);
         let passes = Passes {
             seed: pass(&SEED)?,
             expand: pass(&EXPAND)?,
@@ -132,7 +133,7 @@ impl Gpu {
             settle: pass(&SETTLE)?,
         };
         let moving = OnceLock::new();
-        let shared = Arc::new(Shared { id, device, queue, passes, moving, arithmetic, failure });
+        let shared = Arc::new(Shared { id, device, queue, passes, moving, target, failure });
         let gpu = Self { shared };
         gpu.check()?;
         Ok(gpu)
@@ -144,8 +145,13 @@ impl Gpu {
     /// # Errors
     /// [`Error::Device`] if a shader does not compile.
     pub fn with_arithmetic(&self, arithmetic: Arithmetic) -> Result<Self, Error> {
+        self.with_target(Target { arithmetic, ..self.shared.target })
+    }
+
+    /// The same device, with passes compiled for another target.
+    pub(crate) fn with_target(&self, target: Target) -> Result<Self, Error> {
         let Shared { id, device, queue, failure, .. } = &*self.shared;
-        Self::assemble(*id, device.clone(), queue.clone(), arithmetic, failure.clone())
+        Self::assemble(*id, device.clone(), queue.clone(), target, failure.clone())
     }
 
     /// The device.
@@ -163,7 +169,7 @@ impl Gpu {
     /// How posed positions are computed on this adapter.
     #[must_use]
     pub fn arithmetic(&self) -> Arithmetic {
-        self.shared.arithmetic
+        self.shared.target.arithmetic
     }
 
     /// Settings that suit this device.
@@ -196,7 +202,7 @@ impl Gpu {
     /// The passes for meshes that move, compiled when the first of them is made.
     pub(crate) fn moving(&self) -> Result<Arc<moving::Passes>, Error> {
         let compile = || {
-            let passes = moving::Passes::new(self.device(), self.arithmetic())?;
+            let passes = moving::Passes::new(self.device(), self.shared.target)?;
             self.check().map(|()| Arc::new(passes))
         };
         self.shared.moving.get_or_init(compile).clone()

@@ -1,7 +1,7 @@
 //! The passes for meshes that move.
 
-use crate::pass::Pass;
-use crate::{Arithmetic, Error};
+use crate::Error;
+use crate::pass::{Pass, Target};
 use pfront_shaders::{ARRANGE, COUNT, FIT, KEYS, POSE, REFIT, SCAN, SCATTER, SURVEY};
 use wgpu::Device;
 
@@ -20,9 +20,8 @@ pub(crate) struct Passes {
 }
 
 impl Passes {
-    /// `arithmetic` is that of poses.
-    pub(crate) fn new(device: &Device, arithmetic: Arithmetic) -> Result<Self, Error> {
-        let pass = |pass| Pass::new(device, pass, arithmetic);
+    pub(crate) fn new(device: &Device, target: Target) -> Result<Self, Error> {
+        let pass = |pass| Pass::new(device, pass, target);
         Ok(Self {
             pose: pass(&POSE)?,
             refit: pass(&REFIT)?,

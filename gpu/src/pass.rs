@@ -26,12 +26,40 @@ struct Group {
     names: Vec<(u32, String)>,
 }
 
+/// What passes are compiled for: the values of their overrides.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Target {
+    /// The arithmetic of poses.
+    pub(crate) arithmetic: Arithmetic,
+    /// Rounds that a workgroup does in a pass before it gives up.
+    pub(crate) rounds: u32,
+}
+
+impl Target {
+    pub(crate) fn new(device: &Device, arithmetic: Arithmetic) -> Self {
+        Self { arithmetic, rounds: rounds(device.adapter_info().device_type) }
+    }
+
+    fn overrides(self) -> [(&'static str, f64); 2] {
+        [("ARITHMETIC", f64::from(self.arithmetic as u8)), ("MOST_ROUNDS", self.rounds.into())]
+    }
+}
+
+/// Rounds of a workgroup on an adapter.
+///
+/// Mesa's lavapipe (tried: 22.3.6) counts the turns of all loops of an invocation together and ends
+/// every loop from 65,535 on, without a word; 800 rounds take some 50,000. A GPU needs a limit only so
+/// that a dispatch ends whatever it reads: 2^16 rounds take some tenths of a second, and drivers give a
+/// dispatch two seconds at least.
+pub(crate) fn rounds(adapter: wgpu::DeviceType) -> u32 {
+    if adapter == wgpu::DeviceType::Cpu { 800 } else { 1 << 16 }
+}
+
 impl Pass {
-    /// `arithmetic` is that of poses.
     pub(crate) fn new(
         device: &Device,
         pass: &pfront_shaders::Pass,
-        arithmetic: Arithmetic,
+        target: Target,
     ) -> Result<Self, Error> {
         let source = pass.source();
         let (module, info) = parse(&source)?;
@@ -43,16 +71,17 @@ impl Pass {
             immediate_size: 0,
         });
         let shader = shader_module(device, pass.entry, source);
-        let poses = module.overrides.iter().next().is_some();
-        let chosen = [("ARITHMETIC", f64::from(arithmetic as u8))];
-        let constants = if poses { &chosen[..] } else { &[] };
+        let names: Vec<_> =
+            module.overrides.iter().filter_map(|(_, o)| o.name.as_deref()).collect();
+        let mut constants = target.overrides().to_vec();
+        constants.retain(|(name, _)| names.contains(name));
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(pass.entry),
             layout: Some(&layout),
             module: &shader,
             entry_point: Some(pass.entry),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants,
+                constants: &constants,
                 // Every pass writes what it reads.
                 zero_initialize_workgroup_memory: false,
             },
@@ -103,7 +132,7 @@ fn shader_module(device: &Device, entry: &str, source: String) -> wgpu::ShaderMo
         source: wgpu::ShaderSource::Wgsl(source.into()),
     };
     // SAFETY: every loop of the passes ends: it counts to a bound that does not change, halves or
-    // doubles a number, or stops after MOST_ROUNDS or NARROW_ROUNDS, whatever trees and lists hold.
+    // doubles a number, or stops after MOST_ROUNDS or a multiple, whatever trees and lists hold.
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
 }
 

@@ -8,7 +8,7 @@
 use crate::Error;
 use crate::gpu::Arithmetic;
 use crate::layout::Trial;
-use crate::pass::Pass;
+use crate::pass::{Pass, Target};
 use crate::read::read_now;
 use bytemuck::Zeroable;
 use pfront_core::Pose;
@@ -33,7 +33,7 @@ fn passes(
     trials: &[Trial],
     arithmetic: Arithmetic,
 ) -> Result<bool, Error> {
-    let pass = Pass::new(device, &PROBE, arithmetic)?;
+    let pass = Pass::new(device, &PROBE, Target::new(device, arithmetic))?;
     let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some("trials"),
         contents: bytemuck::cast_slice(trials),

@@ -1,7 +1,7 @@
 //! Tests without an adapter: every pass is valid WGSL, and its structs are those of Rust.
 
 use crate::layout::SHARED;
-use crate::pass::{bindings, parse};
+use crate::pass::{bindings, parse, rounds};
 use crate::settings::{Budget, Capacities};
 use naga::{
     AddressSpace, Barrier, Block, Expression, Function, Handle, Module, Statement, TypeInner,
@@ -263,6 +263,23 @@ fn decoded(function: &Function) -> Vec<usize> {
         panic!("{:?} composes nothing", function.name)
     };
     components.iter().map(|&component| offset(component)).collect()
+}
+
+#[test]
+fn only_adapters_that_run_on_the_cpu_count_rounds_closely() {
+    let [cpu, discrete, unknown] =
+        [wgpu::DeviceType::Cpu, wgpu::DeviceType::DiscreteGpu, wgpu::DeviceType::Other].map(rounds);
+    assert!(cpu < discrete && discrete == unknown);
+    for pass in [
+        pfront_shaders::SEED,
+        pfront_shaders::EXPAND,
+        pfront_shaders::NARROW,
+        pfront_shaders::DECIDE,
+    ] {
+        let (module, _) = parse(&pass.source()).unwrap();
+        let mut names = module.overrides.iter().filter_map(|(_, own)| own.name.as_deref());
+        assert!(names.any(|name| name == "MOST_ROUNDS"), "{}", pass.entry);
+    }
 }
 
 fn layout<'m>(module: &'m Module, name: &str) -> Option<(usize, Vec<(&'m str, usize)>)> {

@@ -66,12 +66,6 @@ constants! {
     JOB = 512;
     /// A child whose box an earlier dispatch has fitted, in place of its slot among those of a job.
     EARLIER = 0xffff;
-    /// Rounds of work that a workgroup does in a pass before it gives up and the host divides the
-    /// run. Mesa's lavapipe (tried: 22.3.6) counts the turns of all loops of an invocation together
-    /// and ends every loop from 65,535 on, without a word; so many rounds take some 50,000.
-    MOST_ROUNDS = 800;
-    /// The same for `narrow`, whose rounds are shorter.
-    NARROW_ROUNDS = 4 * MOST_ROUNDS;
     /// A front was too small.
     FRONT_OVERFLOW = 1;
     /// The list of leaf pairs was too small.

@@ -4,6 +4,7 @@ use super::{Built, Source, sort::Sort};
 use crate::Gpu;
 use crate::groups::EXTRA;
 use crate::layout::{Build, Corner};
+use crate::pass::Target;
 use crate::read::read_now;
 use crate::sequence::Sequence;
 use bytemuck::{Pod, Zeroable};
@@ -177,4 +178,25 @@ fn workgroups_without_work_store_nothing() {
     assert!(answers[0].2.len() > 100);
     let [first, rest @ ..] = &mut answers;
     assert!(rest.iter().all(|other| other == first));
+}
+
+#[test]
+fn few_rounds_take_more_runs_and_give_the_same_answer() {
+    let knot = torus_knot(5_000);
+    let mesh = Mesh::new(&knot.positions, &knot.triangles).unwrap();
+    let source = Source::new(gpu(), mesh).unwrap();
+    let options = BuildOptions { leaf_size: 4, ..BuildOptions::default() };
+    let built = Built::new(gpu(), &source, &Aabb::of(&knot.positions), options).unwrap();
+    run(&built.build);
+    let pose = Pose::from_translation([0.05, 0.0, 0.0]);
+    let [(many, one), (few, more)] = [800, 10].map(|rounds| {
+        let target = Target { arithmetic: gpu().arithmetic(), rounds };
+        let settings = crate::Settings { groups: 1, ..gpu().settings() };
+        let gpu = gpu().with_target(target).unwrap();
+        let mut query = crate::PairQuery::with_settings(&gpu, settings).unwrap();
+        let pairs = query.all(&built.model, &built.model, &pose).unwrap().to_vec();
+        (pairs, query.report().runs)
+    });
+    assert!(many.len() > 100 && many == few);
+    assert!(one < more, "{one} and {more} runs");
 }

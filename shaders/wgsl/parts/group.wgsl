@@ -15,6 +15,10 @@ fn share(n: u32, group: u32, groups: u32) -> u32 {
     return (n + groups - 1u - group) / groups;
 }
 
+// Rounds of work that a workgroup does in a pass before it gives up and the host divides the run. Rust sets
+// it for the adapter.
+override MOST_ROUNDS: u32;
+
 // Why the answer of a run may lack something.
 fn overflowed(what: u32) {
     atomicOr(&counters.overflow, what);

@@ -24,7 +24,8 @@ fn narrow(
     let batch = max(GROUP / query.leaf_size, 1u);
     var next = group.x * batch;
     for (var round = 0u; ; round++) {
-        if round >= NARROW_ROUNDS {
+        // These rounds are shorter than those of other passes.
+        if round >= 4u * MOST_ROUNDS {
             overflowed(WORK_OVERFLOW);
             break;
         }
