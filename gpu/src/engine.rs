@@ -129,8 +129,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Records a run, and copies of so many hits, sorted or not, and so many of the rest. Parameters
-    /// reach the device with the next submission.
+    /// Records a run, and copies of so many hits, sorted or not, and so many of the rest.
     pub(crate) fn record(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -148,7 +147,7 @@ impl Engine {
         };
         let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - first);
         let descent = Descent { levels: levels.div_ceil(passes), last_pass: first + passes - 1 };
-        self.prepare(task, start, descent);
+        self.prepare(encoder, task, start, descent)?;
         let Self { gpu, groups, workgroups, .. } = self;
         let shaders = gpu.passes();
         let mut dispatches = Dispatches::begin(encoder, self.clock.as_mut());
@@ -181,26 +180,46 @@ impl Engine {
         Ok(Run { ticket: self.ticket, last_front: first + passes, copied })
     }
 
-    /// Writes the parameters of a run.
-    fn prepare(&mut self, task: &Task, start: Start<'_>, descent: Descent) {
+    /// Records what a run starts from: counters, parameters and a front, copied from a buffer of their
+    /// own, so that it does not matter which encoders have been recorded or submitted in between.
+    fn prepare(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        task: &Task,
+        start: Start<'_>,
+        descent: Descent,
+    ) -> Result<(), Error> {
         self.ticket = self.ticket.wrapping_add(1);
         let mut counters = Counters { ticket: self.ticket, ..Counters::zeroed() };
-        let queue = self.gpu.queue();
+        let mut front: &[Entry] = &[];
         match start {
             Start::Seeds => {}
-            Start::Front(front) => {
-                counters.fronts[0] = front.len() as u32;
-                queue.write_buffer(&self.lists.fronts[0], 0, bytemuck::cast_slice(front));
+            Start::Front(own) => {
+                counters.fronts[0] = own.len() as u32;
+                front = own;
             }
             Start::Left(front, before) => {
                 counters.fronts[front as usize % 2] = before.fronts[front as usize];
                 (counters.hits, counters.rest) = (before.hits, before.rest);
             }
         }
-        queue.write_buffer(&self.lists.counters, 0, bytemuck::bytes_of(&counters));
         let Descent { levels, last_pass } = descent;
         let query = self.lists.capacities.in_query(Query { levels, last_pass, ..task.query });
-        queue.write_buffer(&self.lists.query, 0, bytemuck::bytes_of(&query));
+        let parts = [
+            (&self.lists.counters, bytemuck::bytes_of(&counters)),
+            (&self.lists.query, bytemuck::bytes_of(&query)),
+            (&self.lists.fronts[0], bytemuck::cast_slice(front)),
+        ];
+        let contents = parts.map(|(_, bytes)| bytes).concat();
+        let source = self.gpu.upload("the parameters", &contents, Usage::Source)?;
+        let mut at = 0;
+        for (to, bytes) in parts.map(|(to, bytes)| (to, bytes.len() as u64)) {
+            if bytes != 0 {
+                encoder.copy_buffer_to_buffer(&source, at, to, 0, bytes);
+            }
+            at += bytes;
+        }
+        Ok(())
     }
 
     /// Copies counters and results for the host.
@@ -250,9 +269,10 @@ impl Engine {
 
     /// The children of some node pairs, leaf pairs among them staying what they are.
     pub(crate) fn refine(&mut self, task: &Task, front: &[Entry]) -> Result<Vec<Entry>, Error> {
-        self.prepare(task, Start::Front(front), Descent { levels: 1, last_pass: u32::MAX });
+        let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
+        let descent = Descent { levels: 1, last_pass: u32::MAX };
+        self.prepare(&mut encoder, task, Start::Front(front), descent)?;
         let Self { gpu, groups, lists, .. } = self;
-        let mut encoder = gpu.device().create_command_encoder(&Default::default());
         if let Some(Meshes { groups: meshes, .. }) = &self.meshes {
             let all = [&meshes.expand, &groups.lists.expand, &groups.refine];
             let expand = &gpu.passes().expand;

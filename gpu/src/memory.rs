@@ -16,6 +16,8 @@ pub(crate) enum Usage {
     Uniform,
     /// Mapped by the host to read.
     ReadBack,
+    /// Copied into other buffers.
+    Source,
 }
 
 impl Gpu {
@@ -63,11 +65,12 @@ impl Gpu {
             Usage::List => BufferUsages::STORAGE | BufferUsages::COPY_SRC,
             Usage::Uniform => BufferUsages::UNIFORM,
             Usage::ReadBack => BufferUsages::MAP_READ,
+            Usage::Source => BufferUsages::COPY_SRC,
         };
         let limits = self.device().limits();
         let bound = match usage {
             Usage::Input | Usage::List => limits.max_storage_buffer_binding_size,
-            Usage::Uniform | Usage::ReadBack => u64::MAX,
+            Usage::Uniform | Usage::ReadBack | Usage::Source => u64::MAX,
         };
         let available = limits.max_buffer_size.min(bound);
         if size > available {

@@ -101,7 +101,7 @@ impl PairQuery {
 
     /// Records the query into an encoder of the caller's, to be submitted with other work and read later.
     /// The models stay borrowed until then, since a full list makes the query go on from them. An
-    /// encoder whose answer was not read must not be submitted after the query has been asked again.
+    /// encoder whose answer was not read may still be submitted, before the one that is read.
     ///
     /// # Errors
     /// As [`PairQuery::all`].

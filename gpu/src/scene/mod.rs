@@ -138,8 +138,8 @@ impl SceneQuery {
     }
 
     /// Records everything that [`SceneQuery::all`] does into an encoder of the caller's, to be submitted
-    /// with other work and read later. An encoder whose answer was not read must not be submitted after the
-    /// scene has been asked again.
+    /// with other work and read later. An encoder whose answer was not read may still be submitted, before
+    /// the one that is read.
     ///
     /// # Errors
     /// As [`SceneQuery::all`].

@@ -180,6 +180,19 @@ fn a_query_is_recorded_now_and_read_later() {
 }
 
 #[test]
+fn an_answer_that_was_dropped_leaves_no_trace_in_the_next() {
+    let mut query = PairQuery::new(gpu()).unwrap();
+    let ball = both(&sphere(16));
+    let poses = [[0.3, 0.1, 0.2], [0.7, 0.1, 0.2]].map(Pose::from_translation);
+    let mut encoders = poses
+        .map(|_| gpu().device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default()));
+    drop(query.record(&mut encoders[0], &ball.model, &ball.model, &poses[0]).unwrap());
+    let pending = query.record(&mut encoders[1], &ball.model, &ball.model, &poses[1]).unwrap();
+    gpu().queue().submit(encoders.map(wgpu::CommandEncoder::finish));
+    assert_eq!(pending.read().unwrap(), truth(&ball, &ball, &poses[1]));
+}
+
+#[test]
 fn integers_pose_to_the_same_bits() {
     let mut rng = seeded(13);
     let gpu = gpu().with_arithmetic(Arithmetic::Integer).unwrap();
