@@ -85,7 +85,7 @@ impl Answer {
             Want::Any => 1,
             Want::Count => 0,
         };
-        self.engine.record(encoder, task, start, [hits, rest], want == Want::All)
+        self.engine.record(encoder, task, start, [hits, rest], want)
     }
 
     /// Takes the results of the first run over a task, and sees to it that they are complete.
@@ -123,7 +123,9 @@ impl Answer {
                 run = self.run(task, Start::Left(run.last_front, &found.counters), want)?;
                 continue;
             } else {
-                self.expected = [hits, rest];
+                if want != Want::Any {
+                    self.expected = [hits, rest];
+                }
                 self.take(task, before, found, want)?;
                 if want == Want::Any && self.count > 0 {
                     break;

@@ -4,6 +4,7 @@
 //! get to the bottom. What a pass works on is counted on the device, so a run is one submission with
 //! nothing read back in between.
 
+use crate::answer::Want;
 use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
 use crate::groups::{Dispatches, Groups, Meshes};
@@ -14,7 +15,9 @@ use crate::read::{map, read_now};
 use crate::{Error, Model, Settings};
 use bytemuck::Zeroable;
 use pfront_core::bvtt::TrianglePair;
-use pfront_shaders::constants::{BUCKETS, FRONTS, GROUP, RANKERS};
+use pfront_shaders::constants::{BEAM, BUCKETS, FRONTS, GROUP, RANKERS};
+use std::mem::offset_of;
+use std::ops::Range;
 use wgpu::{Buffer, CommandEncoder};
 
 /// A node pair as fronts hold it.
@@ -41,15 +44,6 @@ pub(crate) enum Start<'a> {
     Front(&'a [Entry]),
     /// The front of this index, left over by a run that counted this. Its results stay.
     Left(u32, &'a Counters),
-}
-
-/// How far passes go.
-#[derive(Clone, Copy, Debug)]
-struct Descent {
-    /// Each but the last.
-    levels: u32,
-    /// The one that goes to the bottom.
-    last_pass: u32,
 }
 
 /// A run that has been recorded.
@@ -129,14 +123,17 @@ impl Engine {
         Ok(())
     }
 
-    /// Records a run, and copies of so many hits, sorted or not, and so many of the rest.
+    /// Records a run, and copies of so many hits, sorted if all are wanted, and so many of the rest.
+    ///
+    /// Where any hit will do, a run along a narrow beam of node pairs goes first. If it finds a hit, the
+    /// passes of the whole run have nothing to do.
     pub(crate) fn record(
         &mut self,
         encoder: &mut CommandEncoder,
         task: &Task,
         start: Start<'_>,
         copies: [u32; 2],
-        sorts: bool,
+        want: Want,
     ) -> Result<Run, Error> {
         // A pass reads the front of its own index and writes the next.
         let (first, levels) = match start {
@@ -146,50 +143,72 @@ impl Engine {
             Start::Left(front, _) => (front % 2, task.levels),
         };
         let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - first);
-        let descent = Descent { levels: levels.div_ceil(passes), last_pass: first + passes - 1 };
-        self.prepare(encoder, task, start, descent)?;
-        let Self { gpu, groups, workgroups, .. } = self;
-        let shaders = gpu.passes();
-        let mut dispatches = Dispatches::begin(encoder, self.clock.as_mut());
-        if let Some(Meshes { groups: meshes, .. }) = &self.meshes {
-            let lists = &groups.lists;
-            for index in first..first + passes {
-                if index == 0 && matches!(start, Start::Seeds) {
-                    let [x, y] = task.query.seeds;
-                    let groups = [&meshes.seed, &lists.seed, &groups.seed_step];
-                    dispatches.add(&shaders.seed, &groups, (*workgroups).min(x * y));
-                } else {
-                    let groups = [&meshes.expand, &lists.expand, &groups.steps[index as usize]];
-                    dispatches.add(&shaders.expand, &groups, *workgroups);
-                }
-            }
-            dispatches.add(&shaders.narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
-            dispatches.add(&shaders.decide, &[&meshes.decide, &lists.decide], *workgroups);
-            if sorts {
-                let [sample, deal, settle] = &groups.sort;
-                dispatches.add(&shaders.sample, &[sample], BUCKETS * RANKERS / GROUP);
-                dispatches.add(&shaders.deal, &[deal], *workgroups);
-                dispatches.add(&shaders.settle, &[settle], BUCKETS);
-            }
+        let (levels, last_front) = (levels.div_ceil(passes), first + passes);
+        self.ticket = self.ticket.wrapping_add(1);
+        let one_hit = u32::from(want == Want::Any);
+        let whole =
+            Query { levels, last_pass: last_front - 1, one_hit, beam: u32::MAX, ..task.query };
+        let looks_ahead = want == Want::Any && !matches!(start, Start::Left(..));
+        if looks_ahead {
+            // No pass of it goes to the bottom at once, which all together do.
+            let beam = Query { beam: BEAM, last_pass: u32::MAX, ..whole };
+            self.prepare(encoder, beam, start, 0)?;
+            self.dispatch(encoder, task, start, first..last_front, None);
         }
-        drop(dispatches);
+        let kept = if looks_ahead { offset_of!(Counters, overflow) } else { 0 };
+        self.prepare(encoder, whole, start, kept)?;
+        self.dispatch(encoder, task, start, first..last_front, Some(want));
         if let Some(clock) = &self.clock {
             clock.finish(encoder);
         }
         let copied = self.copy(encoder, copies)?;
-        Ok(Run { ticket: self.ticket, last_front: first + passes, copied })
+        Ok(Run { ticket: self.ticket, last_front, copied })
     }
 
-    /// Records what a run starts from: counters, parameters and a front, copied from a buffer of their
-    /// own, so that it does not matter which encoders have been recorded or submitted in between.
-    fn prepare(
+    /// Records the passes of a run. Without a verb, it is one whose time does not count.
+    fn dispatch(
         &mut self,
         encoder: &mut CommandEncoder,
         task: &Task,
         start: Start<'_>,
-        descent: Descent,
+        passes: Range<u32>,
+        want: Option<Want>,
+    ) {
+        let Self { gpu, groups, workgroups, clock, .. } = self;
+        let shaders = gpu.passes();
+        let mut dispatches = Dispatches::begin(encoder, clock.as_mut().filter(|_| want.is_some()));
+        let Some(Meshes { groups: meshes, .. }) = &self.meshes else { return };
+        let lists = &groups.lists;
+        for index in passes {
+            if index == 0 && matches!(start, Start::Seeds) {
+                let [x, y] = task.query.seeds;
+                let groups = [&meshes.seed, &lists.seed, &groups.seed_step];
+                dispatches.add(&shaders.seed, &groups, (*workgroups).min(x * y));
+            } else {
+                let groups = [&meshes.expand, &lists.expand, &groups.steps[index as usize]];
+                dispatches.add(&shaders.expand, &groups, *workgroups);
+            }
+        }
+        dispatches.add(&shaders.narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
+        dispatches.add(&shaders.decide, &[&meshes.decide, &lists.decide], *workgroups);
+        if want == Some(Want::All) {
+            let [sample, deal, settle] = &groups.sort;
+            dispatches.add(&shaders.sample, &[sample], BUCKETS * RANKERS / GROUP);
+            dispatches.add(&shaders.deal, &[deal], *workgroups);
+            dispatches.add(&shaders.settle, &[settle], BUCKETS);
+        }
+    }
+
+    /// Records what a run starts from: parameters, a front, and the counters but for those before byte
+    /// `kept`. They are copied from a buffer of their own, so that it does not matter which encoders have
+    /// been recorded or submitted in between.
+    fn prepare(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        query: Query,
+        start: Start<'_>,
+        kept: usize,
     ) -> Result<(), Error> {
-        self.ticket = self.ticket.wrapping_add(1);
         let mut counters = Counters { ticket: self.ticket, ..Counters::zeroed() };
         let mut front: &[Entry] = &[];
         match start {
@@ -203,21 +222,21 @@ impl Engine {
                 (counters.hits, counters.rest) = (before.hits, before.rest);
             }
         }
-        let Descent { levels, last_pass } = descent;
-        let query = self.lists.capacities.in_query(Query { levels, last_pass, ..task.query });
+        let query = self.lists.capacities.in_query(query);
         let parts = [
-            (&self.lists.counters, bytemuck::bytes_of(&counters)),
-            (&self.lists.query, bytemuck::bytes_of(&query)),
-            (&self.lists.fronts[0], bytemuck::cast_slice(front)),
+            (&self.lists.counters, kept, &bytemuck::bytes_of(&counters)[kept..]),
+            (&self.lists.query, 0, bytemuck::bytes_of(&query)),
+            (&self.lists.fronts[0], 0, bytemuck::cast_slice(front)),
         ];
-        let contents = parts.map(|(_, bytes)| bytes).concat();
+        let contents = parts.map(|(.., bytes)| bytes).concat();
         let source = self.gpu.upload("the parameters", &contents, Usage::Source)?;
-        let mut at = 0;
-        for (to, bytes) in parts.map(|(to, bytes)| (to, bytes.len() as u64)) {
-            if bytes != 0 {
-                encoder.copy_buffer_to_buffer(&source, at, to, 0, bytes);
+        let mut from = 0;
+        for (to, at, bytes) in parts {
+            let size = bytes.len() as u64;
+            if size != 0 {
+                encoder.copy_buffer_to_buffer(&source, from, to, at as u64, size);
             }
-            at += bytes;
+            from += size;
         }
         Ok(())
     }
@@ -270,8 +289,9 @@ impl Engine {
     /// The children of some node pairs, leaf pairs among them staying what they are.
     pub(crate) fn refine(&mut self, task: &Task, front: &[Entry]) -> Result<Vec<Entry>, Error> {
         let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
-        let descent = Descent { levels: 1, last_pass: u32::MAX };
-        self.prepare(&mut encoder, task, Start::Front(front), descent)?;
+        self.ticket = self.ticket.wrapping_add(1);
+        let query = Query { levels: 1, last_pass: u32::MAX, beam: u32::MAX, ..task.query };
+        self.prepare(&mut encoder, query, Start::Front(front), 0)?;
         let Self { gpu, groups, lists, .. } = self;
         if let Some(Meshes { groups: meshes, .. }) = &self.meshes {
             let all = [&meshes.expand, &groups.lists.expand, &groups.refine];

@@ -60,7 +60,8 @@ shared! {
         apart: u32,
         levels: u32,
         last_pass: u32,
-        padding: [u32; 2],
+        one_hit: u32,
+        beam: u32,
     }
 
     /// One pass of a run.
@@ -101,9 +102,9 @@ shared! {
     /// Counters of a run.
     Counters {
         ticket: u32,
-        overflow: u32,
         leaves: u32,
         hits: u32,
+        overflow: u32,
         kept: u32,
         undecided: u32,
         rest: u32,

@@ -26,6 +26,9 @@ constants! {
     /// Node pairs of a front that a workgroup takes at once: at most a quarter of [`QUEUE`], so
     /// that the first level cannot overflow it.
     CHUNK = 128;
+    /// Node pairs that a workgroup follows on each level while it looks for one hit: their children are one for
+    /// each invocation.
+    BEAM = GROUP / 4;
     /// Leaf pairs that a workgroup gathers before it writes them out.
     FOUND = 512;
     /// Counters of fronts, and so one more than passes in a run.

@@ -180,6 +180,22 @@ fn a_query_is_recorded_now_and_read_later() {
 }
 
 #[test]
+fn any_stops_at_a_hit() {
+    let settings = Settings { groups: 4, ..gpu().settings() };
+    let mut query = PairQuery::with_settings(gpu(), settings).unwrap();
+    let flat = both(&sheet(48, |_, _| 0.0));
+    let (here, apart) = (Pose::IDENTITY, Pose::from_translation([0.0, 0.0, 1.0]));
+    let count = query.count(&flat.model, &flat.model, &here).unwrap();
+    let all = query.report();
+    let any = query.any(&flat.model, &flat.model, &here).unwrap().unwrap();
+    let one = query.report();
+    assert!(truth(&flat, &flat, &here).binary_search(&any).is_ok() && count > 40_000);
+    assert!(one.leaf_pairs * 8 < all.leaf_pairs, "{one:?} of {all:?}");
+    assert!(one.triangle_pairs * 8 < all.triangle_pairs, "{one:?} of {all:?}");
+    assert_eq!(query.any(&flat.model, &flat.model, &apart).unwrap(), None);
+}
+
+#[test]
 fn an_answer_that_was_dropped_leaves_no_trace_in_the_next() {
     let mut query = PairQuery::new(gpu()).unwrap();
     let ball = both(&sphere(16));

@@ -121,12 +121,19 @@ fn descend(lane: u32, before: u32) -> u32 {
     return rounds;
 }
 
+// Whether the workgroups have found as much as this run looks for.
+fn is_enough(lane: u32) -> bool {
+    let next = atomicLoad(&counters.fronts[step.pass_index + 1u]);
+    return tell(lane, max(next, atomicLoad(&counters.leaves))) >= query.beam;
+}
+
 fn descend_some_levels(lane: u32) {
     var level = 0u;
     loop {
         let half = level & 1u;
         let ready = min(atomicLoad(&queued[half]), QUEUE);
-        let pairs = tell(lane, select(ready, 0u, level == query.levels));
+        let followed = min(ready, query.beam);
+        let pairs = tell(lane, select(followed, 0u, level == query.levels));
         if pairs == 0u {
             break;
         }

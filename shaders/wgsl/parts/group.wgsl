@@ -15,6 +15,11 @@ fn share(n: u32, group: u32, groups: u32) -> u32 {
     return (n + groups - 1u - group) / groups;
 }
 
+// Whether one hit is enough and there is one. No branch on a uniform alone (see `nothing`).
+fn is_answered() -> bool {
+    return (query.one_hit == 1u) & (atomicLoad(&counters.hits) != 0u);
+}
+
 // Rounds of work that a workgroup does in a pass before it gives up and the host divides the run. Rust sets
 // it for the adapter.
 override MOST_ROUNDS: u32;

@@ -41,6 +41,11 @@ struct Query {
     // How many levels a pass descends, but for the last, which goes to the bottom.
     levels: u32,
     last_pass: u32,
+    // 1 if one hit is enough: once there is one, what is left of the work is dropped.
+    one_hit: u32,
+    // Node pairs that a workgroup follows on each level, the others being dropped; and how many node pairs and
+    // leaf pairs suffice for a pass. BEAM in a run that only looks for a hit, else all.
+    beam: u32,
 }
 
 struct Step {
@@ -54,9 +59,10 @@ struct Step {
 struct Counters {
     // Number of the host's question, to recognise the answer.
     ticket: u32,
-    overflow: atomic<u32>,
+    // What a run that looks for one hit leaves to the next: these two.
     leaves: atomic<u32>,
     hits: atomic<u32>,
+    overflow: atomic<u32>,
     // Triangle pairs that boxes and planes do not separate, and those of them that f32 leaves open.
     kept: atomic<u32>,
     undecided: atomic<u32>,

@@ -34,6 +34,11 @@ fn decide(
             overflowed(WORK_OVERFLOW);
             break;
         }
+        // A hit that this workgroup has still to write answers as well.
+        let is_over = is_answered() | ((query.one_hit == 1u) & (atomicLoad(&sure) != 0u));
+        if tell(lane, u32(is_over)) == 1u {
+            break;
+        }
         let ready = tell(lane, atomicLoad(&undecided_count));
         if ready < TEAMS && next < mine {
             if next + lane < mine {

@@ -7,12 +7,16 @@ fn expand(
     @builtin(num_workgroups) groups: vec3u,
 ) {
     nothing = group.z;
-    let length = tell(lane, min(atomicLoad(&counters.fronts[step.pass_index]), query.front_capacity));
+    let held = min(atomicLoad(&counters.fronts[step.pass_index]), query.front_capacity);
+    let length = tell(lane, select(held, 0u, is_answered()));
     let mine = share(length, group.x, groups.x);
     var rounds = 0u;
     for (var done = 0u; done < mine; done += CHUNK) {
         if rounds >= MOST_ROUNDS {
             overflowed(WORK_OVERFLOW);
+            break;
+        }
+        if done != 0u && is_enough(lane) {
             break;
         }
         clear_queues(lane);

@@ -19,7 +19,8 @@ fn narrow(
         atomicStore(&waiting_count, 0u);
         atomicStore(&stay_count, 0u);
     }
-    let length = tell(lane, min(atomicLoad(&counters.leaves), query.leaf_capacity));
+    let held = min(atomicLoad(&counters.leaves), query.leaf_capacity);
+    let length = tell(lane, select(held, 0u, is_answered()));
     // An invocation takes one triangle of the first leaf against all of the second.
     let batch = max(GROUP / query.leaf_size, 1u);
     var next = group.x * batch;

@@ -8,11 +8,15 @@ fn seed(
     @builtin(num_workgroups) groups: vec3u,
 ) {
     nothing = group.z;
-    let mine = share(query.seeds.x * query.seeds.y, group.x, groups.x);
+    let length = tell(lane, select(query.seeds.x * query.seeds.y, 0u, is_answered()));
+    let mine = share(length, group.x, groups.x);
     var rounds = 0u;
     for (var done = 0u; done < mine; done += GROUP) {
         if rounds >= MOST_ROUNDS {
             overflowed(WORK_OVERFLOW);
+            break;
+        }
+        if done != 0u && is_enough(lane) {
             break;
         }
         clear_queues(lane);
