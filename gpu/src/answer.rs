@@ -144,8 +144,8 @@ impl Answer {
     /// Records and submits a run.
     pub(crate) fn run(&mut self, task: &Task, start: Start<'_>, want: Want) -> Result<Run, Error> {
         let mut encoder = self.engine.gpu.device().create_command_encoder(&Default::default());
-        let run = self.record(&mut encoder, task, start, want)?;
-        self.engine.gpu.queue().submit([encoder.finish()]);
+        let mut run = self.record(&mut encoder, task, start, want)?;
+        run.submission = Some(self.engine.gpu.queue().submit([encoder.finish()]));
         Ok(run)
     }
 

@@ -18,7 +18,7 @@ use pfront_core::bvtt::TrianglePair;
 use pfront_shaders::constants::{BEAM, BUCKETS, FRONTS, GROUP, RANKERS};
 use std::mem::offset_of;
 use std::ops::Range;
-use wgpu::{Buffer, CommandEncoder};
+use wgpu::{Buffer, CommandEncoder, SubmissionIndex};
 
 /// A node pair as fronts hold it.
 pub(crate) type Entry = [u32; 2];
@@ -47,9 +47,11 @@ pub(crate) enum Start<'a> {
 }
 
 /// A run that has been recorded.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Run {
     ticket: u32,
+    /// The submission that it is part of, if that is known.
+    pub(crate) submission: Option<SubmissionIndex>,
     /// The front after the last pass, which is empty if the run got to the bottom.
     pub(crate) last_front: u32,
     /// How many hits, and how many of the rest, are copied for the host.
@@ -162,7 +164,7 @@ impl Engine {
             clock.finish(encoder);
         }
         let copied = self.copy(encoder, copies)?;
-        Ok(Run { ticket: self.ticket, last_front, copied })
+        Ok(Run { ticket: self.ticket, submission: None, last_front, copied })
     }
 
     /// Records the passes of a run. Without a verb, it is one whose time does not count.
@@ -268,16 +270,17 @@ impl Engine {
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Found, Error> {
         let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
-        let found = map(self.gpu.device(), &self.read_back, end as u64, |bytes| {
-            let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..hits_at]);
-            let hits = (counters.hits as usize).min(run.copied[0] as usize);
-            let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
-            let before = pairs.len();
-            pairs.resize(before + hits, TrianglePair { a: 0, b: 0 });
-            let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
-            bytemuck::cast_slice_mut(&mut pairs[before..]).copy_from_slice(copied);
-            Found { counters, rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]) }
-        });
+        let found =
+            map(self.gpu.device(), &self.read_back, end as u64, run.submission.clone(), |bytes| {
+                let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..hits_at]);
+                let hits = (counters.hits as usize).min(run.copied[0] as usize);
+                let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
+                let before = pairs.len();
+                pairs.resize(before + hits, TrianglePair { a: 0, b: 0 });
+                let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
+                bytemuck::cast_slice_mut(&mut pairs[before..]).copy_from_slice(copied);
+                Found { counters, rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]) }
+            });
         self.gpu.check()?;
         let found = found?;
         if found.counters.ticket != run.ticket {

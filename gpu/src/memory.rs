@@ -1,6 +1,7 @@
 //! Buffers on the device, within its limits.
 
 use crate::layout::Query;
+use crate::read::poll;
 use crate::{Error, Gpu};
 use bytemuck::Pod;
 use wgpu::BufferUsages;
@@ -44,9 +45,12 @@ impl Gpu {
             return self.buffer(what, 0, usage);
         }
         let buffer = self.allocate(what, contents.len() as u64, usage, true)?;
-        let mut view = buffer
-            .get_mapped_range_mut(..)
-            .map_err(|error| Error::Device { reason: error.to_string() })?;
+        let mut view = buffer.get_mapped_range_mut(..).map_err(|error| {
+            // A lost device gives buffers without memory, and says that it is lost when it is polled.
+            let reason = error.to_string();
+            let lost = poll(self.device(), None, None).and_then(|_| self.check());
+            lost.err().unwrap_or(Error::Device { reason })
+        })?;
         view.copy_from_slice(contents);
         drop(view);
         buffer.unmap();

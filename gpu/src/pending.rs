@@ -3,8 +3,9 @@
 use crate::Error;
 use crate::answer::{Answer, Want};
 use crate::engine::{Entry, Run, Start, Task};
+use crate::read::is_done;
 use pfront_core::bvtt::TrianglePair;
-use wgpu::CommandEncoder;
+use wgpu::{CommandEncoder, SubmissionIndex};
 
 /// A query that has been recorded, and waits for its answer to be read.
 #[derive(Debug)]
@@ -16,7 +17,7 @@ pub struct Pending<'q> {
 }
 
 impl<'q> Pending<'q> {
-    /// Waits for the device, and returns all pairs that meet, sorted.
+    /// Waits for everything that has been submitted to the device, and returns all pairs that meet, sorted.
     ///
     /// # Errors
     /// [`Error::NotSubmitted`], and those of the query.
@@ -26,6 +27,25 @@ impl<'q> Pending<'q> {
             None => self.answer.clear(),
         }
         Ok(&self.answer.pairs)
+    }
+
+    /// The same, waiting only for the submission that the query was part of.
+    ///
+    /// # Errors
+    /// As [`Pending::read`].
+    pub fn read_after(mut self, submission: SubmissionIndex) -> Result<&'q [TrianglePair], Error> {
+        if let Some((_, run)) = &mut self.run {
+            run.submission = Some(submission);
+        }
+        self.read()
+    }
+
+    /// Whether the submission that the query was part of is done, so that reading does not wait for it.
+    ///
+    /// # Errors
+    /// [`Error::Device`] if the submission is one of another device.
+    pub fn is_ready(&self, submission: &SubmissionIndex) -> Result<bool, Error> {
+        is_done(self.answer.engine.gpu.device(), submission)
     }
 
     /// Records a query from its seeds.

@@ -4,13 +4,15 @@ use crate::Error;
 use bytemuck::Pod;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::channel;
-use wgpu::{Buffer, BufferUsages, CommandEncoder, Device, Queue};
+use std::time::Duration;
+use wgpu::{Buffer, BufferUsages, CommandEncoder, Device, Queue, SubmissionIndex};
 
-/// Waits for everything submitted so far, and hands over what a mapped buffer then holds.
+/// Waits for a submission, or for all of them so far, and hands over what a mapped buffer then holds.
 pub(crate) fn map<T>(
     device: &Device,
     buffer: &Buffer,
     bytes: u64,
+    submission: Option<SubmissionIndex>,
     take: impl FnOnce(&[u8]) -> T,
 ) -> Result<T, Error> {
     let failed = |reason: String| Error::Device { reason };
@@ -19,15 +21,16 @@ pub(crate) fn map<T>(
         // The receiver is gone only if polling failed.
         let _ = tell.send(result);
     });
-    let wait = wgpu::PollType::Wait { submission_index: None, timeout: None };
-    // wgpu panics when the device is lost while somebody waits for it.
-    match catch_unwind(AssertUnwindSafe(|| device.poll(wait))) {
-        Ok(Ok(_)) => {}
-        Ok(Err(error)) => return Err(failed(error.to_string())),
-        Err(_) => return Err(Error::DeviceLost { reason: "it was lost while busy".to_owned() }),
+    if poll(device, submission, None).is_err() {
+        // A lost device has no such submission. Waiting for all of them calls back with what has happened.
+        poll(device, None, None)?;
     }
-    // If another thread polled at the same time, it is that thread which calls back.
-    match told.recv() {
+    let told = match told.try_recv() {
+        Ok(told) => Ok(told),
+        // The submission was an earlier one, or another thread polled at the same time: it calls back.
+        Err(_) => poll(device, None, None).map(|_| told.recv())?,
+    };
+    match told {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(Error::DeviceLost { reason: error.to_string() }),
         Err(error) => return Err(failed(error.to_string())),
@@ -37,6 +40,27 @@ pub(crate) fn map<T>(
     drop(view);
     buffer.unmap();
     Ok(taken)
+}
+
+/// Waits for a submission, or for all of them so far; returns whether it was done in time.
+pub(crate) fn poll(
+    device: &Device,
+    submission_index: Option<SubmissionIndex>,
+    timeout: Option<Duration>,
+) -> Result<bool, Error> {
+    let wait = wgpu::PollType::Wait { submission_index, timeout };
+    // wgpu panics when the device is lost while somebody waits for it.
+    match catch_unwind(AssertUnwindSafe(|| device.poll(wait))) {
+        Ok(Ok(_)) => Ok(true),
+        Ok(Err(wgpu::PollError::Timeout)) => Ok(false),
+        Ok(Err(error)) => Err(Error::Device { reason: error.to_string() }),
+        Err(_) => Err(Error::DeviceLost { reason: "it was lost while busy".to_owned() }),
+    }
+}
+
+/// Whether a submission is done.
+pub(crate) fn is_done(device: &Device, submission: &SubmissionIndex) -> Result<bool, Error> {
+    poll(device, Some(submission.clone()), Some(Duration::ZERO))
 }
 
 /// Submits an encoder and reads the first `count` elements of a buffer after it, through a buffer made
@@ -64,6 +88,6 @@ pub(crate) fn read_now<T: Pod>(
         return Err(Error::OutOfMemory { bytes });
     }
     encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
-    queue.submit([encoder.finish()]);
-    map(device, &staging, bytes, |view| bytemuck::pod_collect_to_vec(view))
+    let submission = queue.submit([encoder.finish()]);
+    map(device, &staging, bytes, Some(submission), |view| bytemuck::pod_collect_to_vec(view))
 }

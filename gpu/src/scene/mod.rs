@@ -211,9 +211,9 @@ impl SceneQuery {
     fn ask(&mut self, want: Want) -> Result<(), Error> {
         let gpu = self.answer.engine.gpu.clone();
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        let question = self.start(&mut encoder, want)?;
-        if question.is_some() {
-            gpu.queue().submit([encoder.finish()]);
+        let mut question = self.start(&mut encoder, want)?;
+        if let Some(question) = &mut question {
+            question.run.submission = Some(gpu.queue().submit([encoder.finish()]));
         }
         self.finish(question, want)
     }

@@ -180,6 +180,33 @@ fn a_query_is_recorded_now_and_read_later() {
 }
 
 #[test]
+fn answers_are_read_after_their_own_submissions() {
+    let own = Gpu::new().unwrap();
+    let ball = both(&sphere(6));
+    let model = Model::new(&own, ball.bvh()).unwrap();
+    let flat = Model::new(&own, both(&sheet(40, |_, _| 0.0)).bvh()).unwrap();
+    let pose = Pose::from_translation([0.3, 0.0, 0.0]);
+    let met = truth(&ball, &ball, &pose);
+    let [mut first, mut later] = [0; 2].map(|_| PairQuery::new(&own).unwrap());
+    let encoder =
+        || own.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let (mut one, mut other) = (encoder(), encoder());
+    let pending = first.record(&mut one, &model, &model, &pose).unwrap();
+    let waiting = later.record(&mut other, &flat, &flat, &Pose::IDENTITY).unwrap();
+    let submission = own.queue().submit([one.finish()]);
+    let last = own.queue().submit([other.finish()]);
+    assert_eq!(pending.read_after(submission).unwrap(), met);
+    assert!(waiting.read_after(last.clone()).unwrap().len() > 20_000);
+    let pending = first.record(&mut encoder(), &model, &model, &pose).unwrap();
+    assert!(pending.is_ready(&last).unwrap());
+    // An index of an earlier submission is no reason to miss the answer.
+    let mut one = encoder();
+    let pending = first.record(&mut one, &model, &model, &pose).unwrap();
+    own.queue().submit([one.finish()]);
+    assert_eq!(pending.read_after(last).unwrap(), met);
+}
+
+#[test]
 fn any_stops_at_a_hit() {
     let settings = Settings { groups: 4, ..gpu().settings() };
     let mut query = PairQuery::with_settings(gpu(), settings).unwrap();
@@ -257,7 +284,8 @@ fn a_lost_device_is_an_error_and_another_goes_on() {
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
     assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
     lost.device().destroy();
-    assert!(matches!(query.all(&model, &model, &pose), Err(Error::DeviceLost { .. })));
+    let error = query.all(&model, &model, &pose).unwrap_err();
+    assert!(matches!(error, Error::DeviceLost { .. }), "{error:?}");
     assert!(matches!(Model::new(&lost, ball.bvh()), Err(Error::DeviceLost { .. })));
     let next = Gpu::new().unwrap();
     let model = Model::new(&next, ball.bvh()).unwrap();
