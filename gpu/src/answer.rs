@@ -143,10 +143,13 @@ impl Answer {
 
     /// Records and submits a run.
     pub(crate) fn run(&mut self, task: &Task, start: Start<'_>, want: Want) -> Result<Run, Error> {
-        let mut encoder = self.engine.gpu.device().create_command_encoder(&Default::default());
-        let mut run = self.record(&mut encoder, task, start, want)?;
-        run.submission = Some(self.engine.gpu.queue().submit([encoder.finish()]));
-        Ok(run)
+        let gpu = self.engine.gpu.clone();
+        gpu.checked(|| {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            let mut run = self.record(&mut encoder, task, start, want)?;
+            run.submission = Some(gpu.queue().submit([encoder.finish()]));
+            Ok(run)
+        })
     }
 
     /// Divides what was too much for one run.

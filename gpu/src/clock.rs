@@ -50,23 +50,25 @@ impl Clock {
             return Ok(None);
         }
         let bytes = u64::from(MOST * wgpu::QUERY_SIZE);
-        Ok(Some(Self {
-            set: device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("timestamps"),
-                ty: wgpu::QueryType::Timestamp,
-                count: MOST,
-            }),
-            resolved: device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("timestamps"),
-                size: bytes,
-                usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            }),
-            read_back: gpu.buffer("the timestamps", bytes, Usage::ReadBack)?,
-            each,
-            marks: Vec::new(),
-            period: gpu.queue().get_timestamp_period(),
-        }))
+        gpu.checked(|| {
+            Ok(Some(Self {
+                set: device.create_query_set(&wgpu::QuerySetDescriptor {
+                    label: Some("timestamps"),
+                    ty: wgpu::QueryType::Timestamp,
+                    count: MOST,
+                }),
+                resolved: device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("timestamps"),
+                    size: bytes,
+                    usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
+                    mapped_at_creation: false,
+                }),
+                read_back: gpu.buffer("the timestamps", bytes, Usage::ReadBack)?,
+                each,
+                marks: Vec::new(),
+                period: gpu.queue().get_timestamp_period(),
+            }))
+        })
     }
 
     /// Before the first pass of a run: where the timestamps of the whole run go.

@@ -205,10 +205,13 @@ impl Deforming {
         &mut self,
         record: impl FnOnce(&mut Self, &mut CommandEncoder) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
-        record(self, &mut encoder)?;
-        self.gpu.queue().submit([encoder.finish()]);
-        self.gpu.check()
+        let gpu = self.gpu.clone();
+        gpu.checked(|| {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            record(self, &mut encoder)?;
+            gpu.queue().submit([encoder.finish()]);
+            gpu.check()
+        })
     }
 
     /// Puts a model to build in place of an uploaded one.

@@ -32,7 +32,7 @@ struct Shared {
     failure: Failure,
 }
 
-/// The first thing that went wrong outside of any call.
+/// The loss of the device, once it has been told.
 type Failure = Arc<Mutex<Option<Error>>>;
 
 /// The passes of queries.
@@ -82,10 +82,6 @@ impl Gpu {
             })?;
         let failure = Failure::default();
         let seen = failure.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            note(&seen, Error::Device { reason: error.to_string() });
-        }));
-        let seen = failure.clone();
         device.set_device_lost_callback(move |_, reason| {
             // Whatever else is a consequence.
             *seen.lock().unwrap_or_else(PoisonError::into_inner) =
@@ -94,8 +90,8 @@ impl Gpu {
         Self::with_failure(device, queue, failure)
     }
 
-    /// Works on a device of the caller's, so that a frame can use the results where they are. Set its
-    /// handlers, `on_uncaptured_error` and `set_device_lost_callback`: wgpu panics without.
+    /// Works on a device of the caller's. Errors of its own calls are returned; those of the caller's go to
+    /// the handlers of the device.
     ///
     /// # Errors
     /// [`Error::Limit`] if it was requested with less than the default limits of WebGPU;
@@ -106,9 +102,7 @@ impl Gpu {
 
     fn with_failure(device: Device, queue: Queue, failure: Failure) -> Result<Self, Error> {
         check_limits(&device.limits())?;
-        // If a shader does not compile, that is what went wrong.
-        let arithmetic = probe::arithmetic(&device, &queue)
-            .map_err(|error| reported(&failure).unwrap_or(error))?;
+        let arithmetic = probe::arithmetic(&device, &queue)?;
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let id = NEXT.fetch_add(1, Ordering::Relaxed);
         let target = Target::new(&device, arithmetic);
@@ -215,21 +209,31 @@ impl Gpu {
 
     /// Reports what has gone wrong on the device, if anything has.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        reported(&self.shared.failure).map_or(Ok(()), Err)
+        let failure = self.shared.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure.clone().map_or(Ok(()), Err)
+    }
+
+    /// Makes calls of wgpu, and returns the error that they report, if any.
+    pub(crate) fn checked<T>(&self, call: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+        checked(self.device(), call)
     }
 }
 
-/// Takes the failure that was noted. A loss stays; the device recovers from any other.
-fn reported(failure: &Failure) -> Option<Error> {
-    let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
-    match &*failure {
-        Some(Error::DeviceLost { .. }) => failure.clone(),
-        _ => failure.take(),
+/// Makes calls of wgpu, and returns the error that they report, if any. Such errors would go to the handler
+/// of the device otherwise, which is the caller's.
+pub(crate) fn checked<T>(
+    device: &Device,
+    call: impl FnOnce() -> Result<T, Error>,
+) -> Result<T, Error> {
+    let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
+    let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let result = call();
+    // The inner scope ends first.
+    let validation = pollster::block_on(validation.pop());
+    match (pollster::block_on(internal.pop()).or(validation), result) {
+        (None, result) | (Some(_), result @ Err(Error::DeviceLost { .. })) => result,
+        (Some(error), _) => Err(Error::Device { reason: error.to_string() }),
     }
-}
-
-fn note(failure: &Failure, error: Error) {
-    failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
 }
 
 async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, Error> {

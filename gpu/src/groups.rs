@@ -8,9 +8,11 @@ use crate::{Error, Model};
 use pfront_shaders::constants::FRONTS;
 use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePassDescriptor};
 
-/// Workgroups that a test adds to every dispatch of its thread: passes guard their own stores.
 #[cfg(test)]
-thread_local!(pub(crate) static EXTRA: std::cell::Cell<u32> = const { std::cell::Cell::new(0) });
+thread_local! {
+    /// Workgroups that a test adds to every dispatch of its thread: passes guard their own stores.
+    pub(crate) static EXTRA: std::cell::Cell<u32> = const { std::cell::Cell::new(0) };
+}
 
 /// One bind group for each pass.
 #[derive(Debug)]

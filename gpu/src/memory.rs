@@ -44,6 +44,15 @@ impl Gpu {
         if contents.is_empty() {
             return self.buffer(what, 0, usage);
         }
+        self.checked(|| self.upload_bytes(what, contents, usage))
+    }
+
+    fn upload_bytes(
+        &self,
+        what: &'static str,
+        contents: &[u8],
+        usage: Usage,
+    ) -> Result<wgpu::Buffer, Error> {
         let buffer = self.allocate(what, contents.len() as u64, usage, true)?;
         let mut view = buffer.get_mapped_range_mut(..).map_err(|error| {
             // A lost device gives buffers without memory, and says that it is lost when it is polled.

@@ -3,6 +3,7 @@
 //! Rust names the buffers and nothing else: which of them a pass binds, where, and whether it writes
 //! them, is what the WGSL says.
 
+use crate::gpu::checked;
 use crate::{Arithmetic, Error};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, GlobalVariable, Module, StorageAccess};
@@ -61,6 +62,14 @@ impl Pass {
         pass: &pfront_shaders::Pass,
         target: Target,
     ) -> Result<Self, Error> {
+        checked(device, || Self::compile(device, pass, target))
+    }
+
+    fn compile(
+        device: &Device,
+        pass: &pfront_shaders::Pass,
+        target: Target,
+    ) -> Result<Self, Error> {
         let source = pass.source();
         let (module, info) = parse(&source)?;
         let groups = groups(device, &module, &info);
@@ -104,7 +113,7 @@ impl Pass {
         };
         let entries = names.iter().map(entry).collect::<Result<Vec<_>, Error>>()?;
         let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
-        Ok(device.create_bind_group(&descriptor))
+        checked(device, || Ok(device.create_bind_group(&descriptor)))
     }
 
     /// A bind group of this pass, of buffers that may be more than it uses.

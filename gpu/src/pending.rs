@@ -55,7 +55,8 @@ impl<'q> Pending<'q> {
         task: Option<Task>,
     ) -> Result<Self, Error> {
         let Some(task) = task else { return Ok(Self { answer, run: None }) };
-        let run = answer.record(encoder, &task, Start::Seeds, Want::All)?;
+        let gpu = answer.engine.gpu.clone();
+        let run = gpu.checked(|| answer.record(encoder, &task, Start::Seeds, Want::All))?;
         Ok(Self { answer, run: Some((task, run)) })
     }
 }

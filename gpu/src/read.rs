@@ -1,6 +1,7 @@
 //! Bringing bytes back to the host.
 
 use crate::Error;
+use crate::gpu::checked;
 use bytemuck::Pod;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::channel;
@@ -17,9 +18,13 @@ pub(crate) fn map<T>(
 ) -> Result<T, Error> {
     let failed = |reason: String| Error::Device { reason };
     let (tell, told) = channel();
-    buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| {
-        // The receiver is gone only if polling failed.
-        let _ = tell.send(result);
+    // What it reports is what the callback is told.
+    let _ = checked(device, || {
+        buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| {
+            // The receiver is gone only if polling failed.
+            let _ = tell.send(result);
+        });
+        Ok(())
     });
     if poll(device, submission, None).is_err() {
         // A lost device has no such submission. Waiting for all of them calls back with what has happened.
@@ -74,8 +79,10 @@ pub(crate) fn read_now<T: Pod>(
 ) -> Result<Vec<T>, Error> {
     let bytes = (count * size_of::<T>()) as u64;
     if bytes == 0 {
-        queue.submit([encoder.finish()]);
-        return Ok(Vec::new());
+        return checked(device, || {
+            queue.submit([encoder.finish()]);
+            Ok(Vec::new())
+        });
     }
     let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let staging = device.create_buffer(&wgpu::BufferDescriptor {
@@ -87,7 +94,9 @@ pub(crate) fn read_now<T: Pod>(
     if pollster::block_on(scope.pop()).is_some() {
         return Err(Error::OutOfMemory { bytes });
     }
-    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
-    let submission = queue.submit([encoder.finish()]);
+    let submission = checked(device, || {
+        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
+        Ok(queue.submit([encoder.finish()]))
+    })?;
     map(device, &staging, bytes, Some(submission), |view| bytemuck::pod_collect_to_vec(view))
 }

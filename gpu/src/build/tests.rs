@@ -200,3 +200,15 @@ fn few_rounds_take_more_runs_and_give_the_same_answer() {
     assert!(many.len() > 100 && many == few);
     assert!(one < more, "{one} and {more} runs");
 }
+
+#[test]
+fn a_shader_that_the_device_refuses_is_an_error() {
+    let large = pfront_shaders::Pass {
+        entry: "large",
+        parts: &["@compute @workgroup_size(65536) fn large() {}"],
+    };
+    let device = gpu().device();
+    let target = Target::new(device, gpu().arithmetic());
+    let refused = crate::pass::Pass::new(device, &large, target);
+    assert!(matches!(refused, Err(crate::Error::Device { .. })), "{refused:?}");
+}

@@ -159,7 +159,8 @@ impl SceneQuery {
         &'q mut self,
         encoder: &mut CommandEncoder,
     ) -> Result<PendingScene<'q>, Error> {
-        let question = self.start(encoder, Want::All)?;
+        let gpu = self.answer.engine.gpu.clone();
+        let question = gpu.checked(|| self.start(encoder, Want::All))?;
         Ok(PendingScene { scene: self, question })
     }
 
@@ -210,11 +211,14 @@ impl SceneQuery {
 
     fn ask(&mut self, want: Want) -> Result<(), Error> {
         let gpu = self.answer.engine.gpu.clone();
-        let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        let mut question = self.start(&mut encoder, want)?;
-        if let Some(question) = &mut question {
-            question.run.submission = Some(gpu.queue().submit([encoder.finish()]));
-        }
+        let question = gpu.checked(|| {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            let mut question = self.start(&mut encoder, want)?;
+            if let Some(question) = &mut question {
+                question.run.submission = Some(gpu.queue().submit([encoder.finish()]));
+            }
+            Ok(question)
+        })?;
         self.finish(question, want)
     }
 

@@ -7,6 +7,8 @@ use pfront_scenes::{Kind, Scene};
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
 use pfront_testkit::shapes::{Soup, bumpy, family, pose_rows, posed, sheet, sphere, tangle};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Checks every verb and returns how many pairs meet.
 fn check(query: &mut PairQuery, a: &Both, b: &Both, a_from_b: &Pose) -> usize {
@@ -273,6 +275,26 @@ fn a_device_of_the_callers_will_do() {
     assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap_err(), Error::OtherDevice);
     let model = Model::new(&own, ball.bvh()).unwrap();
     assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
+}
+
+#[test]
+fn errors_of_the_caller_stay_with_the_caller() {
+    let own = Gpu::new().unwrap();
+    let seen = Arc::new(AtomicUsize::new(0));
+    let count = seen.clone();
+    own.device().on_uncaptured_error(Arc::new(move |_| _ = count.fetch_add(1, Ordering::Relaxed)));
+    let ball = both(&sphere(12));
+    let model = Model::new(&own, ball.bvh()).unwrap();
+    let mut query = PairQuery::new(&own).unwrap();
+    let pose = Pose::from_translation([0.3, 0.0, 0.0]);
+    let _invalid = own.device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 4,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::MAP_WRITE,
+        mapped_at_creation: false,
+    });
+    assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
+    assert_eq!(seen.load(Ordering::Relaxed), 1);
 }
 
 #[test]
