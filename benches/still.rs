@@ -6,8 +6,7 @@
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use pfront::planner::{Machine, Planner};
-use pfront::{BodyId, Model, Pose, SceneQuery};
+use pfront::{BodyId, Executor, Model, Pose, SceneQuery};
 use pfront_scenes::icosphere;
 use pfront_testkit::rng::{RngExt, seeded};
 use std::sync::Arc;
@@ -60,10 +59,10 @@ impl Crowd {
 fn still(c: &mut Criterion) {
     let mut group = c.benchmark_group("still");
     group.sample_size(20);
+    let executors = [("one thread", Executor::sequential()), ("auto", Executor::auto())];
     for (name, moving) in [("all move", BODIES), ("1 % move", BODIES / 100), ("none moves", 0)] {
-        let planned = SceneQuery::new().with_planner(Planner::new(Machine::measure()));
-        for (who, query) in [("one thread", SceneQuery::new()), ("planner", planned)] {
-            let mut crowd = Crowd::new(query, moving);
+        for (who, executor) in &executors {
+            let mut crowd = Crowd::new(SceneQuery::new().on(executor), moving);
             for _ in 0..3 {
                 let found = crowd.step();
                 let mut fresh = Crowd::new(SceneQuery::new(), moving);

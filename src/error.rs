@@ -5,7 +5,7 @@ use pfront_core::pose::PoseError;
 use pfront_core::{BlobError, CapacityError, MeshError};
 
 /// Why a call could not answer. Each variant names the vertex, triangle, entry or size at fault.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The positions and indices are not a mesh.
@@ -26,6 +26,10 @@ pub enum Error {
     /// A buffer of the core was too small.
     #[error(transparent)]
     Capacity(#[from] CapacityError),
+    /// A GPU refused or failed.
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Gpu(#[from] crate::gpu::Error),
 }
 
 impl From<BlobError> for Error {

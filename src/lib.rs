@@ -35,7 +35,6 @@
 //! # Features
 //! - `threads` (default): the queries on several CPU threads.
 //! - `gpu`: the module `gpu`, the queries on any GPU, with the same answers.
-//! - `serde`: [`planner::Machine`] can be written and read, [`planner::Plan`] written.
 //!
 //! The heart of it, [`core`], needs neither an allocator nor std. How to put any of it into an engine or into
 //! firmware, how large every buffer has to be, and the worst case of every call: [`embedding`].
@@ -44,16 +43,17 @@ mod answer;
 #[doc = include_str!("../docs/embedding.md")]
 pub mod embedding {}
 mod error;
+pub mod executor;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod model;
 mod pair;
-pub mod planner;
 mod scene;
 mod sphere;
 mod within;
 
 pub use error::Error;
+pub use executor::Executor;
 pub use model::{Model, Stamp};
 pub use pair::PairQuery;
 pub use scene::{Body, BodyId, Piece, SceneHit, SceneQuery};

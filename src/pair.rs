@@ -1,17 +1,19 @@
 //! Two models.
 
-use crate::answer::{Answer, OfTwo, Planning, Question};
-use crate::planner::{Plan, Planner};
+use crate::answer::{About, Answer, OfTwo};
+use crate::executor::Plan;
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Contact, Error, Model, Pose, TrianglePair};
+use crate::{Accuracy, Contact, Error, Executor, Model, Pose, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
 /// Asks which triangles of two models meet, the second in the pose `a_from_b`.
 ///
-/// Keeps its buffers: make one and use it every frame, for any models. A frame that finds no more
-/// pairs than an earlier one allocates nothing.
+/// Make one for each two models that are asked about every frame: it keeps its buffers, what its executor learned of
+/// earlier frames, and the last answer, which is that to the next question if neither the models nor the pose have
+/// changed. Other models may be asked about, which costs what was learned. A frame that finds no more pairs than an earlier
+/// one allocates nothing on one thread.
 ///
 /// # Examples
 /// ```
@@ -42,73 +44,48 @@ impl PairQuery {
         Self { accuracy, ..self }
     }
 
-    /// The same on several threads: each frame is divided into `workers` parts, which run in the rayon
-    /// pool of whoever asks. The answers stay the same to the bit, whatever the number; one beyond what
-    /// [`threads::Traversal::new`] takes is lowered to that.
+    /// The same by an executor; a new query is sequential. The answers stay the same to the bit, and what was remembered
+    /// of earlier frames is forgotten.
     ///
     /// # Examples
     /// ```
-    /// use pfront::{Model, PairQuery, Pose};
+    /// use pfront::{Executor, Model, PairQuery, Pose};
     /// # let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
-    /// let mut query = PairQuery::new().with_threads(8);
+    /// let mut query = PairQuery::new().on(&Executor::auto());
     /// assert_eq!(query.all(&a, &a, &Pose::IDENTITY)?.len(), 1);
     /// # Ok::<(), pfront::Error>(())
     /// ```
-    #[cfg(feature = "threads")]
     #[must_use]
-    pub fn with_threads(self, workers: usize) -> Self {
-        self.with_traversal(threads::Traversal::new(workers))
-    }
-
-    /// [`PairQuery::with_threads`] with a pool and settings of your own.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront::threads::{Schedule, Settings, Traversal};
-    /// let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
-    /// let query = pfront::PairQuery::new().with_traversal(Traversal::new(8).with_settings(settings));
-    /// ```
-    #[cfg(feature = "threads")]
-    #[must_use]
-    pub fn with_traversal(mut self, traversal: threads::Traversal) -> Self {
-        self.answer.traversal = Some(traversal);
-        self
+    pub fn on(self, executor: &Executor) -> Self {
+        Self { answer: Answer::on(executor), ..self }
     }
 
     /// What the last frame on threads did; see [`threads::Report`].
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
-        Some(&self.answer.traversal.as_ref()?.report)
+        self.answer.report()
     }
 
-    /// The same by a [`Planner`]: the query decides for itself, from frame to frame, who answers. The answers
-    /// stay the same to the bit.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront::{PairQuery, planner::{Machine, Planner}};
-    /// let query = PairQuery::new().with_planner(Planner::new(Machine::typical()));
-    /// ```
-    #[must_use]
-    pub fn with_planner(mut self, planner: Planner) -> Self {
-        self.answer.planning = Some(Planning::new(planner));
-        self
+    /// Forgets the last answer, so that the same question is answered anew, as a measurement wants it.
+    pub fn forget(&mut self) {
+        self.answer.forget();
     }
 
-    /// How the last frame was answered by a planner, and why so.
+    /// Who answered the last frame, and why; `None` before the first.
     #[must_use]
-    pub fn plan(&self) -> Option<Plan> {
-        self.answer.planning.as_ref()?.plan()
+    pub fn plan(&self) -> Option<&Plan> {
+        self.answer.plan()
     }
 
     /// All pairs that meet, sorted; `a` and `b` of a pair are triangles of `a` and `b`.
     ///
     /// # Errors
-    /// [`Error::Pose`] if the pose is not finite or takes `b` out of range.
+    /// [`Error::Pose`] if the pose is not finite or takes `b` out of range; `Error::Gpu` if a GPU fails that is to answer
+    /// everything.
     pub fn all(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<&[TrianglePair], Error> {
         let question = self.question(a, b, a_from_b)?;
-        Ok(self.answer.all(&question))
+        self.answer.all(&question)
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -122,7 +99,7 @@ impl PairQuery {
         a_from_b: &Pose,
     ) -> Result<Option<TrianglePair>, Error> {
         let question = self.question(a, b, a_from_b)?;
-        Ok(self.answer.any(&question))
+        self.answer.any(&question)
     }
 
     /// How many pairs meet.
@@ -131,11 +108,11 @@ impl PairQuery {
     /// As [`PairQuery::all`].
     pub fn count(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<u64, Error> {
         let question = self.question(a, b, a_from_b)?;
-        Ok(self.answer.count(&question))
+        self.answer.count(&question)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
-    /// buffer at all, and only the calling thread.
+    /// buffer at all and only the calling thread, whatever the executor.
     ///
     /// # Errors
     /// As [`PairQuery::all`].
@@ -161,7 +138,7 @@ impl PairQuery {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
         let question = self.question(a, b, a_from_b)?;
-        let query = question.query(self.accuracy);
+        let query = question.query();
         Ok(query.visit(&mut query.start(), visit))
     }
 
@@ -177,7 +154,7 @@ impl PairQuery {
         a_from_b: &Pose,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
         let question = self.question(a, b, a_from_b)?;
-        Ok(self.answer.contacts(&question))
+        self.answer.contacts(&question)
     }
 
     fn question<'m>(

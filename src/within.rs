@@ -1,17 +1,17 @@
 //! One model with itself.
 
-use crate::answer::{Answer, OfOne, Planning, Question};
-use crate::planner::{Plan, Planner};
+use crate::answer::{About, Answer, OfOne};
+use crate::executor::Plan;
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Adjacency, Contact, Error, Model, TrianglePair};
+use crate::{Accuracy, Adjacency, Contact, Error, Executor, Model, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with
 /// `a < b`.
 ///
-/// Keeps its buffers, as [`crate::PairQuery`] does. What two triangles share by index is no contact.
+/// Make one for each model that is asked about every frame: it keeps what [`crate::PairQuery`] does. What two triangles share by index is no contact.
 ///
 /// # Examples
 /// ```
@@ -22,7 +22,7 @@ use std::ops::ControlFlow;
 ///     [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [9.0, 9.0, 9.0],
 /// ];
 /// let model = Model::new(points, vec![[0, 1, 2], [1, 0, 3], [4, 5, 6]])?;
-/// assert_eq!(SelfQuery::new().all(&model), [TrianglePair { a: 0, b: 2 }]);
+/// assert_eq!(SelfQuery::new().all(&model)?, [TrianglePair { a: 0, b: 2 }]);
 /// # Ok::<(), pfront::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]
@@ -51,44 +51,32 @@ impl SelfQuery {
         Self { adjacency, ..self }
     }
 
-    /// The same on several threads; see [`crate::PairQuery::with_threads`].
-    #[cfg(feature = "threads")]
+    /// The same by an executor; see [`crate::PairQuery::on`].
     #[must_use]
-    pub fn with_threads(self, workers: usize) -> Self {
-        self.with_traversal(threads::Traversal::new(workers))
-    }
-
-    /// [`SelfQuery::with_threads`] with a pool and settings of your own.
-    #[cfg(feature = "threads")]
-    #[must_use]
-    pub fn with_traversal(mut self, traversal: threads::Traversal) -> Self {
-        self.answer.traversal = Some(traversal);
-        self
+    pub fn on(self, executor: &Executor) -> Self {
+        Self { answer: Answer::on(executor), ..self }
     }
 
     /// What the last frame on threads did; see [`threads::Report`].
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
-        Some(&self.answer.traversal.as_ref()?.report)
+        self.answer.report()
     }
 
-    /// The same by a [`Planner`]; see [`crate::PairQuery::with_planner`].
+    /// Forgets the last answer, so that the same question is answered anew, as a measurement wants it.
+    pub fn forget(&mut self) {
+        self.answer.forget();
+    }
+
+    /// Who answered the last frame, and why; `None` before the first.
     #[must_use]
-    pub fn with_planner(mut self, planner: Planner) -> Self {
-        self.answer.planning = Some(Planning::new(planner));
-        self
+    pub fn plan(&self) -> Option<&Plan> {
+        self.answer.plan()
     }
 
-    /// How the last frame was answered by a planner, and why so.
-    #[must_use]
-    pub fn plan(&self) -> Option<Plan> {
-        self.answer.planning.as_ref()?.plan()
-    }
-
-    /// Moves the vertices of a model before it is asked about, as [`Model::set_positions`] does, on the threads
-    /// that this query has, or so as its [`Planner`] will want it: on a GPU, for one, nothing has to be refitted
-    /// here.
+    /// Moves the vertices of a model before it is asked about, as [`Model::set_positions`] does, on the threads of the
+    /// executor; on a GPU nothing has to be refitted here.
     ///
     /// # Errors
     /// As [`Model::set_positions`].
@@ -99,7 +87,7 @@ impl SelfQuery {
     /// let mut cloth = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
     /// let mut query = SelfQuery::new();
     /// query.set_positions(&mut cloth, &[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]])?;
-    /// assert_eq!(query.count(&cloth), 0);
+    /// assert_eq!(query.count(&cloth)?, 0);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions(
@@ -107,55 +95,59 @@ impl SelfQuery {
         model: &mut Model,
         positions: &[[f32; 3]],
     ) -> Result<(), Error> {
-        let Self { accuracy, adjacency, answer } = self;
-        if let Some(planning) = &mut answer.planning {
-            return planning.set_positions(model, positions, *adjacency, *accuracy);
-        }
-        #[cfg(feature = "threads")]
-        if let Some(traversal) = &answer.traversal {
-            return traversal.install(|| model.set_positions_with_threads(positions));
-        }
-        model.set_positions(positions)
+        self.answer.set_positions(model, positions)
     }
 
     /// All pairs that meet, sorted.
-    pub fn all(&mut self, model: &Model) -> &[TrianglePair] {
+    ///
+    /// # Errors
+    /// `Error::Gpu` if a GPU fails that is to answer everything; on CPU threads there is none.
+    pub fn all(&mut self, model: &Model) -> Result<&[TrianglePair], Error> {
         let question = self.question(model);
         self.answer.all(&question)
     }
 
     /// Some pair that meets, if any does; stops at the first.
-    pub fn any(&mut self, model: &Model) -> Option<TrianglePair> {
+    ///
+    /// # Errors
+    /// As [`SelfQuery::all`].
+    pub fn any(&mut self, model: &Model) -> Result<Option<TrianglePair>, Error> {
         let question = self.question(model);
         self.answer.any(&question)
     }
 
     /// How many pairs meet.
-    pub fn count(&mut self, model: &Model) -> u64 {
+    ///
+    /// # Errors
+    /// As [`SelfQuery::all`].
+    pub fn count(&mut self, model: &Model) -> Result<u64, Error> {
         let question = self.question(model);
         self.answer.count(&question)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
-    /// buffer at all, and only the calling thread.
+    /// buffer at all and only the calling thread, whatever the executor.
     pub fn visit(
         &mut self,
         model: &Model,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let question = self.question(model);
-        let query = question.query(self.accuracy);
+        let query = question.query();
         query.visit(&mut query.start(), visit)
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals. For
     /// triangles that share a vertex or an edge the segment may include what they share.
-    pub fn contacts(&mut self, model: &Model) -> &[(TrianglePair, Contact)] {
+    ///
+    /// # Errors
+    /// As [`SelfQuery::all`].
+    pub fn contacts(&mut self, model: &Model) -> Result<&[(TrianglePair, Contact)], Error> {
         let question = self.question(model);
         self.answer.contacts(&question)
     }
 
     fn question<'m>(&self, model: &'m Model) -> OfOne<'m> {
-        OfOne { model, adjacency: self.adjacency, accuracy: self.accuracy }
+        OfOne::new(model, self.adjacency, self.accuracy)
     }
 }

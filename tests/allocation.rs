@@ -103,7 +103,7 @@ fn threads_take_no_memory_for_each_pair_of_bodies() {
     let triangle = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
     let tile = Arc::new(Model::new(triangle, vec![[0, 1, 2]]).unwrap());
     let frame = |bodies: usize| {
-        let mut scene = SceneQuery::new().with_threads(2);
+        let mut scene = SceneQuery::new().on(&pfront::Executor::threads(2));
         for i in 0..bodies {
             let shift = Pose::from_translation([0.0, 0.0, 1e-4 * i as f32]);
             scene.add(tile.clone(), shift).unwrap();
@@ -193,10 +193,11 @@ fn steady_frames_allocate_nothing() {
     let mut query = PairQuery::new();
     let poses: Vec<_> = (0..30).map(|_| Pose::new(pose_rows(1.0, &mut rng))).collect();
     let mut frame = |pose: &Pose| {
-        query.all(&a, &b, pose).unwrap();
-        query.contacts(&a, &b, pose).unwrap();
+        // In this order none is answered by what is kept of the one before.
         query.any(&a, &b, pose).unwrap();
         query.count(&a, &b, pose).unwrap();
+        query.all(&a, &b, pose).unwrap();
+        query.contacts(&a, &b, pose).unwrap();
         let _ = query.visit(&a, &b, pose, |_| ControlFlow::Continue(())).unwrap();
     };
     // The first round grows the buffers to the largest frame.
@@ -219,10 +220,10 @@ fn steady_frames_of_a_deforming_mesh_allocate_nothing() {
         for shape in &shapes {
             // The motion is so small that the tree is refitted, never rebuilt.
             model.set_positions(&shape.positions).unwrap();
-            query.all(&model);
-            query.contacts(&model);
-            query.any(&model);
-            query.count(&model);
+            query.any(&model).unwrap();
+            query.count(&model).unwrap();
+            query.all(&model).unwrap();
+            query.contacts(&model).unwrap();
             let _ = query.visit(&model, |_| ControlFlow::Continue(()));
         }
     };
@@ -244,9 +245,9 @@ fn steady_frames_of_a_mesh_that_is_fitted_late_or_in_part_allocate_nothing() {
     let mut frames = || {
         for shape in &shapes {
             model.set_positions(shape).unwrap();
-            query.all(&model);
+            query.all(&model).unwrap();
             model.set_positions_unfitted(&flat.positions).unwrap();
-            query.all(&model);
+            query.all(&model).unwrap();
             model.set_positions_unfitted(shape).unwrap();
             model.set_positions_unfitted(&flat.positions).unwrap();
             model.fit();
@@ -271,10 +272,10 @@ fn steady_frames_of_a_scene_allocate_nothing() {
         .collect();
     let mut frame = |poses: &Vec<Pose>| {
         ids.iter().zip(poses).for_each(|(&id, &pose)| scene.set_pose(id, pose).unwrap());
-        scene.all().unwrap();
-        scene.contacts().unwrap();
         scene.any().unwrap();
         scene.count().unwrap();
+        scene.all().unwrap();
+        scene.contacts().unwrap();
         let _ = scene.visit(|_| ControlFlow::Continue(())).unwrap();
     };
     // The first round grows the buffers to the largest frame.

@@ -23,7 +23,7 @@ fn seal(bytes: &mut [u8]) {
 }
 
 fn pairs(model: &Model) -> Vec<pfront::TrianglePair> {
-    SelfQuery::new().all(model).to_vec()
+    SelfQuery::new().all(model).unwrap().to_vec()
 }
 
 #[test]

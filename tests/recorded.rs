@@ -53,7 +53,7 @@ fn nasty_meshes_with_themselves() {
         let soup = mesh(&format!("nasty/{file}"));
         let truth = as_pairs(&self_pairs(&soup.positions, &soup.triangles));
         let model = Model::new(soup.positions, soup.triangles).unwrap();
-        assert_eq!(SelfQuery::new().all(&model), truth, "{file}");
+        assert_eq!(SelfQuery::new().all(&model).unwrap(), truth, "{file}");
         let small = Compact::of(model.bvh());
         let compact = bvtt::SelfQuery::new(small.bvh(model.mesh()));
         assert_eq!(sorted(&compact), truth, "{file}, compact");

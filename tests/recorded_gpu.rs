@@ -78,7 +78,7 @@ impl Asker {
 
     /// How many both find within a model, which on the GPU may be one that moves.
     fn within(&mut self, what: &str, cpu: &Model, gpu: &gpu::Model) -> usize {
-        let truth = self.within.0.all(cpu);
+        let truth = self.within.0.all(cpu).unwrap();
         let found = self.within.1.all(gpu).unwrap();
         assert!(found == truth, "{what}: {} pairs, not {}", found.len(), truth.len());
         truth.len()

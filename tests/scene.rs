@@ -24,7 +24,8 @@ fn scenes() -> Vec<SceneQuery> {
                 // The three make up for each other in what they leave at the default.
                 let max_nodes = if schedule == Schedule::Static { 1 } else { 1 << 20 };
                 let settings = Settings { schedule, max_nodes, ..Settings::default() };
-                SceneQuery::new().with_traversal(Traversal::new(workers).with_settings(settings))
+                let traversal = Traversal::new(workers).with_settings(settings);
+                SceneQuery::new().on(&traversal.into())
             })
         });
         [SceneQuery::new()].into_iter().chain(threaded).collect()
@@ -110,19 +111,24 @@ impl Trial {
             assert!(
                 ids.iter().eq(self.known.iter().map(|(id, ..)| id)) && ids.len() == scene.len()
             );
-            assert!(scene.all().unwrap() == expected);
-            assert_eq!(scene.count().unwrap(), expected.len() as u64);
-            let any = scene.any().unwrap();
-            assert!(any.map_or(expected.is_empty(), |hit| expected.binary_search(&hit).is_ok()));
+            // Before the list is known, and when it is kept.
+            for _ in 0..2 {
+                let mut visited = Vec::new();
+                let end = scene.visit(|hit| {
+                    visited.push(hit);
+                    ControlFlow::Continue(())
+                });
+                visited.sort_unstable();
+                assert!(end.unwrap().is_continue() && visited == expected);
+                let any = scene.any().unwrap();
+                assert!(
+                    any.map_or(expected.is_empty(), |hit| expected.binary_search(&hit).is_ok())
+                );
+                assert_eq!(scene.count().unwrap(), expected.len() as u64);
+                assert!(scene.all().unwrap() == expected);
+            }
             let contacts = scene.contacts().unwrap();
             assert!(contacts.iter().map(|(hit, _)| hit).eq(&expected));
-            let mut visited = Vec::new();
-            let end = scene.visit(|hit| {
-                visited.push(hit);
-                ControlFlow::Continue(())
-            });
-            visited.sort_unstable();
-            assert!(end.unwrap().is_continue() && visited == expected);
         }
         expected.len()
     }
@@ -255,13 +261,13 @@ fn refuses_what_it_cannot_do_and_changes_nothing() {
 
     let (gone, ..) = trial.known[0];
     trial.remove(0);
-    let error = Error::StaleBody { id: gone };
-    let stale = Some(error);
+    let stale = Some(Error::StaleBody { id: gone });
     assert_eq!(trial.tell(|scene| scene.set_pose(gone, Pose::IDENTITY).err()), stale);
     assert_eq!(trial.tell(|scene| scene.set_positions(gone, &[]).err()), stale);
     assert_eq!(trial.tell(|scene| scene.split(gone, |_| 0).err()), stale);
     assert_eq!(trial.tell(|scene| scene.body(gone).map(Body::id).err()), stale);
-    assert_eq!(error.to_string(), "body 0 is not in the scene; it has been removed or split");
+    let told = Error::StaleBody { id: gone }.to_string();
+    assert_eq!(told, "body 0 is not in the scene; it has been removed or split");
     // The new one is another, though it may be in the same place.
     trial.add(Soup::default(), IDENTITY);
     assert!(trial.known[1].0 > id && trial.check() == 0);

@@ -96,7 +96,7 @@ fn kept_answers_are_those_of_a_new_scene() {
 #[cfg(feature = "threads")]
 #[test]
 fn likewise_on_threads() {
-    (4..8).for_each(|seed| run(SceneQuery::new().with_threads(3), seed));
+    (4..8).for_each(|seed| run(SceneQuery::new().on(&pfront::Executor::threads(3)), seed));
 }
 
 #[test]

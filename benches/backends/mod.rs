@@ -42,7 +42,7 @@ impl Backend for Cpu<'_> {
                     true => moving.set_positions_with_threads(positions).unwrap(),
                     false => moving.set_positions(positions).unwrap(),
                 }
-                self.asker.within.all(moving)
+                self.asker.within.all(moving).unwrap()
             }
             _ => self.case.found(&mut self.asker, frame),
         }

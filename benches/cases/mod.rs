@@ -1,7 +1,7 @@
 //! The frames that benches run, and who runs them on the CPU.
 
 use pfront::threads::{Schedule, Settings, Traversal};
-use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
+use pfront::{Executor, Model, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_scenes::{Kind, Scene};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
@@ -67,7 +67,7 @@ fn dragon() -> Option<Model> {
     Some(Model::new(mesh.positions, mesh.triangles).unwrap())
 }
 
-/// Which of the frames comes next, to and fro.
+/// The number of the frame that comes next, to and fro; never twice the same, whose answer a query would have kept.
 pub(crate) fn turn(number: usize) -> usize {
     let turn = number % (2 * FRAMES - 2);
     turn.min(2 * FRAMES - 2 - turn)
@@ -84,7 +84,7 @@ impl Case {
     pub(crate) fn found<'q>(&self, query: &'q mut Asker, frame: usize) -> &'q [TrianglePair] {
         match self {
             Self::Pair { a, b, poses, .. } => query.pair.all(a, b, &poses[frame]).unwrap(),
-            Self::Within { frames, .. } => query.within.all(&frames[frame]),
+            Self::Within { frames, .. } => query.within.all(&frames[frame]).unwrap(),
         }
     }
 }
@@ -98,10 +98,8 @@ pub(crate) struct Asker {
 
 impl Asker {
     pub(crate) fn on(traversal: &Traversal) -> Self {
-        Self {
-            pair: PairQuery::new().with_traversal(traversal.clone()),
-            within: SelfQuery::new().with_traversal(traversal.clone()),
-        }
+        let executor = Executor::from(traversal.clone());
+        Self { pair: PairQuery::new().on(&executor), within: SelfQuery::new().on(&executor) }
     }
 }
 

@@ -36,7 +36,7 @@ fn within(work: &Work) -> Finder<'_> {
     let mut query = SelfQuery::new();
     Box::new(move |frame, found| {
         model.set_positions(work.shape(frame, 0)).unwrap();
-        found.extend(query.all(&model).iter().map(|&pair| ([0; 2], pair)));
+        found.extend(query.all(&model).unwrap().iter().map(|&pair| ([0; 2], pair)));
     })
 }
 

@@ -81,7 +81,7 @@ fn main() -> Result<(), pfront::Error> {
         print!("frame {frame}: {} pairs, list {:08x}, ", pairs.len(), fingerprint(pairs));
         print!("segments {segments:08x}; ");
         sheet.set_positions(&roll(frame))?;
-        let folds = within.all(&sheet);
+        let folds = within.all(&sheet)?;
         println!("sheet: {} pairs, list {:08x}", folds.len(), fingerprint(folds));
     }
     Ok(())

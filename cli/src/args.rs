@@ -4,7 +4,7 @@ mod bake;
 mod study;
 
 pub(crate) use bake::{Bake, Build};
-pub(crate) use study::{Bench, BenchGpu, Chart, Judge, Plan, Regret, Stability};
+pub(crate) use study::{Bench, BenchGpu, Chart, Judge, Regret, Stability};
 
 use crate::how::How;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
@@ -89,11 +89,7 @@ pub(crate) enum Command {
     /// one core, small ones with an exact oracle too. Prints the figure nearest to its limit, or farthest
     /// beyond, in counted work; exit code 1 if one of pfront's own is beyond.
     Stability(Stability),
-    /// Run a workload with a planner, and print each change of plan with its reason
-    ///
-    /// Times are those of a frame: moving the objects of one mesh against itself, and asking.
-    Plan(Plan),
-    /// Measure what a planner's choices cost, against the best of all plans that never change
+    /// Measure what --backend auto costs, against the best of all plans that never change
     ///
     /// Cases are generated from a seed, from one triangle to three million and from two bodies to ten thousand;
     /// everyone plays each of them in turn, and answers are compared. A/A is how far a plan is from itself.

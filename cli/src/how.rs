@@ -1,16 +1,14 @@
 //! Who finds the pairs, and how exactly: the options that all queries share.
 
-use crate::planning::{self, Gpus};
+use crate::gpus::Gpus;
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use pfront::gpu::Gpu;
-use pfront::planner::Machine;
 use pfront::threads::Traversal;
-use pfront::{Accuracy, Adjacency};
-use pfront_study::engine::{Asked, On, OnGpu};
+use pfront::{Accuracy, Adjacency, Executor};
+use pfront_study::engine::Asked;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
@@ -25,9 +23,6 @@ pub(crate) struct How {
     /// What to run on
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     backend: Backend,
-    /// What auto is to know of this machine, as plan --calibrate writes it
-    #[arg(long, value_name = "FILE")]
-    machine: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -46,18 +41,18 @@ enum Backend {
     Cpu,
     /// The best adapter, even if it computes on the CPU; see pfront devices
     Gpu,
-    /// Whoever is the fastest, frame by frame; standard error says who it was, and why
+    /// The threads, and a GPU if there is one where it pays; standard error says who it was, and why
     Auto,
 }
 
 impl How {
     /// All threads, exactly.
     pub(crate) const DEFAULT: Self =
-        Self { accuracy: Promise::Exact, threads: None, backend: Backend::Cpu, machine: None };
+        Self { accuracy: Promise::Exact, threads: None, backend: Backend::Cpu };
 
     /// How many threads will work.
     pub(crate) fn threads(&self) -> usize {
-        threads(self.threads)
+        number(self.threads)
     }
 
     /// What has to answer.
@@ -65,45 +60,30 @@ impl How {
     /// # Errors
     /// If there is no adapter, none that could do it, or no pool of as many threads.
     pub(crate) fn asked(&self) -> Result<Asked> {
-        ensure!(
-            self.backend == Backend::Auto || self.machine.is_none(),
-            "--machine is for --backend auto, which has a choice"
-        );
-        let on = match self.backend {
-            Backend::Cpu => self.on_cpu()?,
-            Backend::Gpu => self.on_gpu()?,
-            Backend::Auto => self.on_fastest()?,
+        let executor = match self.backend {
+            Backend::Cpu => threads(self.threads())?,
+            Backend::Gpu => self.gpu()?,
+            Backend::Auto => match Gpus::Auto.open()? {
+                Some(gpu) => threads(self.threads())?.and_gpu(&gpu)?,
+                None => threads(self.threads())?,
+            },
         };
-        Ok(Asked { accuracy: self.accuracy.into(), adjacency: Adjacency::default(), on })
+        let accuracy = self.accuracy.into();
+        Ok(Asked { accuracy, adjacency: Adjacency::default(), ..executor.into() })
     }
 
-    fn on_cpu(&self) -> Result<On> {
-        on_threads(self.threads())
+    /// Whether who answers is worth telling: there was a choice.
+    pub(crate) fn is_auto(&self) -> bool {
+        self.backend == Backend::Auto
     }
 
-    fn on_gpu(&self) -> Result<On> {
+    fn gpu(&self) -> Result<Executor> {
         ensure!(
             self.accuracy == Promise::Exact,
             "every answer of a GPU is exact: leave out --accuracy, or --backend"
         );
-        Ok(On::Gpu(OnGpu::new(Gpu::new()?)))
-    }
-
-    /// What is known of this machine; else, if there is a GPU to open, what a second of measuring tells.
-    fn on_fastest(&self) -> Result<On> {
-        let (machine, gpu) = match &self.machine {
-            Some(path) => {
-                let machine = planning::read(path)?;
-                let gpu = machine.device.is_some().then(|| Gpus::Auto.open()).transpose()?;
-                (machine, gpu.flatten())
-            }
-            None => match Gpus::Auto.open()? {
-                Some(gpu) => (planning::measure(Some(&gpu))?, Some(gpu)),
-                None => (Machine::typical(), None),
-            },
-        };
-        let planner = planning::planner(machine, self.threads, gpu.as_ref())?;
-        Ok(On::Planner(Box::new(planner)))
+        let gpu = Gpu::new()?;
+        Ok(Executor::gpu(&gpu, gpu.settings()))
     }
 }
 
@@ -129,7 +109,7 @@ pub(crate) fn parse_threads(text: &str) -> Result<NonZero<usize>> {
 }
 
 /// As many threads as are asked for, or else all.
-pub(crate) fn threads(asked: Option<NonZero<usize>>) -> usize {
+pub(crate) fn number(asked: Option<NonZero<usize>>) -> usize {
     let all = || available_parallelism().unwrap_or(NonZero::<usize>::MIN);
     asked.unwrap_or_else(all).get()
 }
@@ -138,13 +118,13 @@ pub(crate) fn threads(asked: Option<NonZero<usize>>) -> usize {
 ///
 /// # Errors
 /// If there is no pool of them.
-pub(crate) fn on_threads(threads: usize) -> Result<On> {
+pub(crate) fn threads(threads: usize) -> Result<Executor> {
     if threads == 1 {
-        return Ok(On::Cpu(None));
+        return Ok(Executor::sequential());
     }
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.with_context(|| format!("no pool of {threads} threads"))?;
-    Ok(On::Cpu(Some(Box::new(Traversal::with_pool(Arc::new(pool))))))
+    Ok(Executor::from(Traversal::with_pool(Arc::new(pool))))
 }
 
 impl From<Promise> for Accuracy {

@@ -5,11 +5,11 @@ mod args;
 mod charts;
 mod command;
 mod engine;
+mod gpus;
 mod how;
 mod listing;
 mod memory;
 mod output;
-mod planning;
 mod recording;
 mod stacks;
 
@@ -36,7 +36,6 @@ fn main() -> ExitCode {
         Some(Command::Chart(chart)) => command::chart::run(&chart),
         Some(Command::Judge(judge)) => command::judge::run(&judge),
         Some(Command::Stability(stability)) => command::stability::run(&stability),
-        Some(Command::Plan(plan)) => command::plan::run(&plan),
         Some(Command::Regret(regret)) => command::regret::run(&regret),
         Some(Command::Bench { what: Bench::Gpu(bench) }) => command::bench::run(&bench),
         Some(Command::Devices { json }) => command::devices::run(json),

@@ -2,12 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "command/auto.rs"]
+mod auto;
 #[path = "command/bake.rs"]
 mod bake;
 #[path = "command/gpu.rs"]
 mod gpu;
-#[path = "command/plan.rs"]
-mod plan;
 #[path = "command/stability.rs"]
 mod stability;
 #[path = "command/study.rs"]

@@ -57,7 +57,7 @@ fn check(model: &Model, input: &Input) {
     model.bvh().assert_well_formed();
     let (positions, triangles) = (model.mesh().positions(), model.mesh().triangles());
     let truth = as_pairs(&self_pairs(positions, triangles));
-    assert_eq!(SelfQuery::new().all(model), truth);
+    assert_eq!(SelfQuery::new().all(model).unwrap(), truth);
     pages(&bvtt::SelfQuery::new(model.bvh()), input.capacity, &truth);
     let tree = Tree::new(model.mesh(), 8, Builder::Morton);
     pages(&bvtt::SelfQuery::new(tree.bvh(model.mesh())), input.capacity, &truth);
@@ -100,6 +100,6 @@ fn adopt(model: &Model, input: &Input) {
         adopted.assert_well_formed();
         let query = bvtt::SelfQuery::new(adopted);
         let mut truth = SelfQuery::new();
-        pages(&query, input.capacity, truth.all(model));
+        pages(&query, input.capacity, truth.all(model).unwrap());
     }
 }

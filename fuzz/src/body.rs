@@ -90,7 +90,7 @@ impl Body {
         let error = mesh_error(&soup).map(Error::Mesh);
         assert_eq!(Mesh::new(&positions, &triangles).err().map(Error::Mesh), error);
         assert_eq!(threaded.err(), error);
-        assert_eq!(model.as_ref().err().copied(), error);
+        assert_eq!(model.as_ref().err(), error.as_ref());
         let model = model?;
         let tree = Tree::new(model.mesh(), build.leaf_size.into(), build.builder);
         Ok(Self { soup, model, tree })

@@ -4,7 +4,7 @@ use crate::body::Body;
 use crate::input::{Build, Change, Crew, Few, Palette, Placing, Question, Shape, Step};
 use crate::truth::Truth;
 use pfront::core::bvtt::PosedBvh;
-use pfront::{BodyId, Bvh, Error, PairQuery, Piece, Pose, SceneQuery, SelfQuery};
+use pfront::{BodyId, Bvh, Error, Executor, PairQuery, Piece, Pose, SceneQuery, SelfQuery};
 use pfront_testkit::shapes::{Soup, posed};
 use std::fmt::Debug;
 use std::mem::take;
@@ -55,6 +55,13 @@ pub(crate) struct Queries {
     pub(crate) scene: SceneQuery,
 }
 
+impl Queries {
+    fn on(self, executor: &Executor) -> Self {
+        let Self { pair, within, scene } = self;
+        Self { pair: pair.on(executor), within: within.on(executor), scene: scene.on(executor) }
+    }
+}
+
 /// Every pair of bodies is asked of the oracle.
 const MOST_BODIES: usize = 4;
 
@@ -62,11 +69,7 @@ impl World {
     /// An empty one.
     pub(crate) fn new(palette: Palette) -> Self {
         let one = Queries::default();
-        let many = Queries {
-            pair: PairQuery::new().with_threads(3),
-            within: SelfQuery::new().with_threads(3),
-            scene: SceneQuery::new().with_threads(3),
-        };
+        let many = Queries::default().on(&Executor::threads(3));
         Self { palette, bodies: Vec::new(), one, many, truth: Truth::default() }
     }
 
@@ -134,7 +137,7 @@ impl World {
     fn push(&mut self, body: Body, placing: Placing) {
         let (model, pose) = (Arc::new(body.model.clone()), placing.pose(&self.palette));
         let id = self.tell(|scene| scene.add(model.clone(), pose));
-        assert_eq!(id.err(), refusal(body.bvh(), &pose));
+        assert_eq!(id.as_ref().err(), refusal(body.bvh(), &pose).as_ref());
         if let Ok(id) = id {
             self.bodies.push(Known { id, body, pose });
         }
@@ -154,7 +157,7 @@ impl World {
         let (id, pose) = (self.bodies[place].id, placing.pose(&self.palette));
         let said = self.tell(|scene| scene.set_pose(id, pose));
         let known = &mut self.bodies[place];
-        assert_eq!(said.err(), refusal(known.body.bvh(), &pose));
+        assert_eq!(said.as_ref().err(), refusal(known.body.bvh(), &pose).as_ref());
         if said.is_ok() {
             known.pose = pose;
         }
@@ -205,12 +208,7 @@ impl World {
     }
 
     fn divide(&mut self, crew: Crew) {
-        let Queries { pair, within, scene } = take(&mut self.many);
-        self.many = Queries {
-            pair: pair.with_traversal(crew.traversal()),
-            within: within.with_traversal(crew.traversal()),
-            scene: scene.with_traversal(crew.traversal()),
-        };
+        self.many = take(&mut self.many).on(&crew.traversal().into());
     }
 }
 

@@ -1,6 +1,5 @@
 //! Why a GPU cannot answer, and what to do about it.
 
-use crate::BodyId;
 use pfront_core::pose::PoseError;
 use pfront_core::{CapacityError, MeshError};
 
@@ -94,11 +93,13 @@ pub enum Error {
     /// A mesh cannot be posed so.
     #[error(transparent)]
     Pose(#[from] PoseError),
-    /// A body is no longer in the scene.
-    #[error("{id} is not in the scene; it has been removed")]
-    StaleBody {
-        /// The body asked for.
-        id: BodyId,
+    /// There is no such body.
+    #[error("there is no body {body}; the world has {bodies}")]
+    NoBody {
+        /// The number of the body asked for.
+        body: u32,
+        /// How many there are.
+        bodies: u32,
     },
     /// A buffer of the core was too small.
     #[error(transparent)]

@@ -13,7 +13,7 @@
 //!
 //! A [`Model`] is a mesh with its BVH on the device, a [`Deforming`] one whose vertices move; a
 //! [`PairQuery`] or [`SelfQuery`] owns the lists that a question needs, within a [`Budget`]; when they
-//! are full, the query goes on in parts. A [`SceneQuery`] owns many posed bodies as well.
+//! are full, the query goes on in parts. A [`World`] owns many posed bodies as well.
 
 mod answer;
 mod build;
@@ -35,13 +35,13 @@ mod pending;
 mod probe;
 mod read;
 mod report;
-mod scene;
 mod schedule;
 mod sequence;
 mod settings;
 #[cfg(test)]
 mod tests;
 mod within;
+mod world;
 
 pub use clock::Timing;
 pub use deforming::Deforming;
@@ -51,7 +51,7 @@ pub use model::Model;
 pub use pair::PairQuery;
 pub use pending::Pending;
 pub use report::Report;
-pub use scene::{Body, BodyId, PendingScene, SceneHit, SceneQuery, Shape};
 pub use settings::{Budget, Settings};
 pub use wgpu;
 pub use within::SelfQuery;
+pub use world::{Bodies, World};

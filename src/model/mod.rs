@@ -142,11 +142,6 @@ impl Model {
         self.certificates.get(renew, || Certificates::new(mesh)).certified(mesh)
     }
 
-    /// Whether the certificates are made, up to date or not.
-    pub(crate) fn has_certificates(&self) -> bool {
-        self.certificates.map(|_| ()).is_some()
-    }
-
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
     /// changed, in O(n); `None` if there is no triangle.
     #[must_use]

@@ -81,9 +81,6 @@ pub(super) struct Bodies {
     known: Vec<(BodyId, u64)>,
     bodies: Vec<Option<Body>>,
     live: usize,
-    /// Triangles of all bodies together.
-    triangles: usize,
-    vertices: usize,
     next: u64,
     /// Counts changes.
     time: u64,
@@ -101,10 +98,10 @@ impl Bodies {
         self.live
     }
 
-    /// Triangles and vertices of all bodies together.
+    /// Triangles of all bodies together.
     #[cfg(feature = "gpu")]
-    pub(super) fn sizes(&self) -> [usize; 2] {
-        [self.triangles, self.vertices]
+    pub(super) fn triangles(&self) -> usize {
+        self.iter().map(|body| body.model().mesh().triangles().len()).sum()
     }
 
     /// Time of the last change; 0 before any.
@@ -146,16 +143,12 @@ impl Bodies {
 
     pub(super) fn add(&mut self, model: Arc<Model>, pose: Pose) -> Result<BodyId, Error> {
         let id = BodyId(self.next);
-        let sizes = sizes(&model);
         let mut body = Body { id, model, pose, bounds: None };
         body.set_pose(pose)?;
         self.regathered();
         self.known.push((id, self.time));
         self.bodies.push(Some(body));
         self.live += 1;
-        let [triangles, vertices] = sizes;
-        self.triangles += triangles;
-        self.vertices += vertices;
         self.next += 1;
         Ok(id)
     }
@@ -187,9 +180,6 @@ impl Bodies {
         let body = self.bodies[place].take().ok_or(Error::StaleBody { id })?;
         self.known[place].1 = GONE;
         self.live -= 1;
-        let [triangles, vertices] = sizes(&body.model);
-        self.triangles -= triangles;
-        self.vertices -= vertices;
         self.regathered();
         Ok(body)
     }
@@ -221,9 +211,4 @@ impl Bodies {
         }
         self.known[..guess].binary_search_by_key(&id, |&(id, _)| id).ok()
     }
-}
-
-/// Triangles and vertices, which no move changes.
-fn sizes(model: &Model) -> [usize; 2] {
-    [model.mesh().triangles().len(), model.mesh().positions().len()]
 }

@@ -61,11 +61,6 @@ impl Broad {
         Ok(())
     }
 
-    /// Whether the next update is one like most: of something that has changed, but no body has come or gone.
-    pub(super) fn follows(&self, bodies: &Bodies) -> bool {
-        self.at != bodies.time() && bodies.gathered() <= self.at
-    }
-
     fn update_all(&mut self, bodies: &Bodies) -> Result<(), Error> {
         self.corners.clear();
         self.spheres.clear();

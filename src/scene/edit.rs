@@ -54,7 +54,7 @@ impl SceneQuery {
     }
 
     /// Moves the vertices of a body, given in its own frame, as [`Model::set_positions`] does, or on the
-    /// threads of the scene; its bounding sphere follows on this one.
+    /// threads of the executor; its bounding sphere follows on this one.
     ///
     /// If the model is shared, with another body or a caller that has kept an [`Arc`] of it, it is copied
     /// first, which takes as long as the refit and its [`Model::bytes`] of memory; from then on this body
@@ -64,14 +64,14 @@ impl SceneQuery {
     /// [`Error::StaleBody`] if the body is not there, [`Error::Mesh`] if a coordinate is not finite or
     /// the number of vertices differs, [`Error::Pose`] if its pose takes a vertex out of range.
     pub fn set_positions(&mut self, id: BodyId, positions: &[[f32; 3]]) -> Result<(), Error> {
-        let asker = &self.asker;
+        let run = &self.run;
         self.bodies.change(id, |body| {
             body.model().mesh().with_positions(positions)?;
             if body.pose() != Pose::IDENTITY {
                 body.pose().check(&Aabb::of(positions))?;
             }
             let model = Arc::make_mut(&mut body.model);
-            asker.set_positions(model, positions)?;
+            run.refit(model, positions)?;
             body.reshaped();
             Ok(())
         })

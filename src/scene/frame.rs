@@ -16,22 +16,7 @@ pub(super) struct Frame<'s> {
 }
 
 /// What an answer says, beside the list.
-pub(super) type Given = crate::answer::Given<SceneHit>;
-
-/// What was found.
-pub(super) enum Found {
-    /// Between bodies of which one has changed.
-    New(Given),
-    /// Between all.
-    All(Given),
-}
-
-impl Found {
-    pub(super) fn get(&self) -> &Given {
-        let (Self::New(given) | Self::All(given)) = self;
-        given
-    }
-}
+pub(super) type Given = crate::executor::Given<SceneHit>;
 
 impl<'s> Frame<'s> {
     pub(super) fn since(
@@ -47,27 +32,17 @@ impl<'s> Frame<'s> {
         Self { accuracy, bodies, pairs, since }
     }
 
-    /// The same, less accurately.
-    pub(super) fn with_accuracy(self, accuracy: Accuracy) -> Self {
-        Self { accuracy, ..self }
+    /// Bodies whose bounds overlap, by their places and in order.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = Places> + use<'s> {
+        let Self { bodies, pairs, since, .. } = *self;
+        let changed = move |two: &Places| since.is_none_or(|t| bodies.changed_at(*two) > t);
+        pairs.iter().copied().filter(changed)
     }
 
-    /// How many queries there are.
-    pub(super) fn len(&self) -> usize {
-        match self.since {
-            None => self.pairs.len(),
-            Some(since) => {
-                let changed = |two: &&Places| self.bodies.changed_at(**two) > since;
-                self.pairs.iter().filter(changed).count()
-            }
-        }
-    }
-
-    /// Bodies whose bounds overlap, in order.
+    /// The same as queries.
     pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairQuery<'s>)> {
-        let Self { accuracy, bodies, pairs, since } = *self;
-        let changed = move |two: &&Places| since.is_none_or(|t| bodies.changed_at(**two) > t);
-        pairs.iter().filter(changed).filter_map(move |&[a, b]| {
+        let Self { accuracy, bodies, .. } = *self;
+        self.pairs().filter_map(move |[a, b]| {
             // Always there: the places are those of this frame.
             let (a, b) = (bodies.at(a)?, bodies.at(b)?);
             Some(([a.id(), b.id()], meeting(a, b).with_accuracy(accuracy)))

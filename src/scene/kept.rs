@@ -56,17 +56,6 @@ impl<T: OfTwo> Kept<T> {
         pieces.filter(|piece| bodies.changed(piece[0].bodies()) <= self.at)
     }
 
-    /// Makes the next frame rely on nothing in the list.
-    pub(super) fn distrust(&mut self) {
-        self.at = 0;
-    }
-
-    /// Makes it another list, likewise in order, as of now, and takes this one's memory in exchange.
-    pub(super) fn replace(&mut self, list: &mut Vec<T>, bodies: &Bodies) {
-        std::mem::swap(&mut self.list, list);
-        self.at = bodies.time();
-    }
-
     /// Adds what is said of all others, likewise in order, as of now. Whole pieces are copied into another
     /// list, which takes half the time of closing gaps and opening others in place.
     pub(super) fn complete(&mut self, mut rest: &[T], bodies: &Bodies) {

@@ -1,31 +1,32 @@
 //! Many posed models.
 
-mod asker;
+mod asking;
+#[cfg(feature = "threads")]
+mod batches;
 mod bodies;
 mod broad;
-#[cfg(feature = "threads")]
-mod crew;
 #[cfg(feature = "gpu")]
 mod device;
 mod edit;
 mod frame;
 mod kept;
-mod planned;
 mod split;
-mod ways;
 
 pub use bodies::{Body, BodyId};
 pub use edit::Piece;
 
-use crate::answer::Want;
-use crate::planner::{Plan, Planner};
+use crate::executor::{Plan, Run, Want};
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Contact, Error, TrianglePair};
-use asker::Asker;
+use crate::{Accuracy, Contact, Error, Executor, TrianglePair};
+use asking::Asking;
+#[cfg(feature = "threads")]
+use batches::Batches;
 use bodies::Bodies;
 use broad::Broad;
-use frame::{Found, Frame, meeting};
+#[cfg(feature = "gpu")]
+use device::Mirror;
+use frame::{Frame, Given, meeting};
 use kept::Kept;
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
@@ -50,10 +51,10 @@ pub struct SceneHit {
 /// A deforming body is not asked whether it meets itself; [`crate::SelfQuery`] does that.
 ///
 /// # Threads
-/// With [`SceneQuery::with_threads`] all pairs of bodies that have to be asked are divided among the workers
+/// On [`Executor::threads`] all pairs of bodies that have to be asked are divided among the workers
 /// together, by one front under one bound (Zhang & Kim 2014, eq. 5). What a pair of bodies cost is
 /// remembered from one frame to the next in which it is asked. More pairs than 65,536 are asked in batches of as
-/// many, which bounds the memory; then nothing is remembered.
+/// many, which bounds the memory; then nothing is remembered. Contacts are found on the calling thread.
 ///
 /// # Still bodies
 /// What [`SceneQuery::all`] and [`SceneQuery::contacts`] find is kept: as long as neither of two bodies
@@ -100,7 +101,11 @@ pub struct SceneQuery {
     /// Hits and contacts of the bodies that have changed.
     new_hits: Vec<SceneHit>,
     new_contacts: Vec<(SceneHit, Contact)>,
-    asker: Asker,
+    run: Run,
+    #[cfg(feature = "threads")]
+    batches: Batches,
+    #[cfg(feature = "gpu")]
+    mirror: Mirror,
 }
 
 impl SceneQuery {
@@ -119,18 +124,18 @@ impl SceneQuery {
         self
     }
 
-    /// The same on several threads; see [`crate::PairQuery::with_threads`].
-    #[cfg(feature = "threads")]
+    /// The same by an executor; see [`crate::PairQuery::on`]. Bodies, and what is known of those that stay, are kept.
     #[must_use]
-    pub fn with_threads(self, workers: usize) -> Self {
-        self.with_traversal(threads::Traversal::new(workers))
-    }
-
-    /// [`SceneQuery::with_threads`] with a pool and settings of your own.
-    #[cfg(feature = "threads")]
-    #[must_use]
-    pub fn with_traversal(mut self, traversal: threads::Traversal) -> Self {
-        self.asker = Asker::Crew(Box::new(crew::Crew::new(traversal)));
+    pub fn on(mut self, executor: &Executor) -> Self {
+        self.run = Run::on(executor);
+        #[cfg(feature = "threads")]
+        {
+            self.batches = Batches::default();
+        }
+        #[cfg(feature = "gpu")]
+        {
+            self.mirror = Mirror::default();
+        }
         self
     }
 
@@ -138,45 +143,27 @@ impl SceneQuery {
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
-        match &self.asker {
-            Asker::Crew(crew) => Some(crew.report()),
-            _ => None,
-        }
+        self.run.report()
     }
 
-    /// The same by a [`Planner`]; see [`crate::PairQuery::with_planner`].
+    /// Who answered the last frame, and why; `None` before the first.
     #[must_use]
-    pub fn with_planner(mut self, planner: Planner) -> Self {
-        self.asker = Asker::Planned(Box::new(planned::Planned::new(planner)));
-        self
-    }
-
-    /// How the last frame was answered by a planner, and why so.
-    #[must_use]
-    pub fn plan(&self) -> Option<Plan> {
-        match &self.asker {
-            Asker::Planned(planned) => planned.plan(),
-            _ => None,
-        }
+    pub fn plan(&self) -> Option<&Plan> {
+        self.run.plan()
     }
 
     /// All pairs that meet, sorted.
     ///
     /// # Errors
-    /// [`Error::Mesh`] if there are more than 2^31 bodies.
+    /// [`Error::Mesh`] if there are more than 2^31 bodies; `Error::Gpu` if a GPU fails that is to answer everything.
     pub fn all(&mut self) -> Result<&[SceneHit], Error> {
         let since = self.start();
         if since == self.bodies.time() {
-            self.asker.keep();
+            self.run.keep();
             return Ok(self.hits.list());
         }
-        match self.ask(since, Want::All)? {
-            Found::New(_) => self.hits.complete(&self.new_hits, &self.bodies),
-            Found::All(_) => self.hits.replace(&mut self.new_hits, &self.bodies),
-        }
-        if self.asker.has_conceded() {
-            self.hits.distrust();
-        }
+        self.ask(since, Want::All)?;
+        self.hits.complete(&self.new_hits, &self.bodies);
         Ok(self.hits.list())
     }
 
@@ -187,14 +174,14 @@ impl SceneQuery {
     pub fn any(&mut self) -> Result<Option<SceneHit>, Error> {
         let since = self.start();
         if let Some(hits) = self.hits.still_true(&self.bodies).next() {
-            self.asker.keep();
+            self.run.keep();
             return Ok(hits.first().copied());
         }
         if since == self.bodies.time() {
-            self.asker.keep();
+            self.run.keep();
             return Ok(None);
         }
-        Ok(self.ask(since, Want::Any)?.get().first)
+        Ok(self.ask(since, Want::Any)?.first)
     }
 
     /// How many pairs meet.
@@ -205,13 +192,10 @@ impl SceneQuery {
         let since = self.start();
         let kept = self.hits.still_true(&self.bodies).map(|hits| hits.len() as u64).sum::<u64>();
         if since == self.bodies.time() {
-            self.asker.keep();
+            self.run.keep();
             return Ok(kept);
         }
-        Ok(match self.ask(since, Want::Count)? {
-            Found::New(given) => kept + given.count,
-            Found::All(given) => given.count,
-        })
+        Ok(kept + self.ask(since, Want::Count)?.count)
     }
 
     /// Calls `visit` for each pair that meets, bodies in order and their triangles in none, until it
@@ -238,7 +222,7 @@ impl SceneQuery {
         if self.start() == self.bodies.time() {
             return Ok(self.hits.list().iter().try_for_each(|&hit| visit(hit)));
         }
-        self.asker.update(&mut self.broad, &mut self.bodies)?;
+        self.broad.update(&mut self.bodies)?;
         let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
         let end = frame.queries().try_for_each(|(bodies, query)| {
             query.visit(&mut query.start(), |pair| visit(SceneHit { bodies, pair }))
@@ -267,29 +251,29 @@ impl SceneQuery {
             self.new_contacts.extend(found);
         }
         self.contacts.complete(&self.new_contacts, &self.bodies);
-        // Those of hits that were not all are not all either.
-        if self.asker.has_conceded() {
-            self.contacts.distrust();
-        }
         Ok(self.contacts.list())
     }
 
     /// Begins a frame. Hits are known of the bodies that have not changed since the time that is returned.
     fn start(&mut self) -> u64 {
-        self.asker.start();
         self.bodies.compact();
         self.hits.at()
     }
 
-    /// Asks of the bodies that have changed since then, or of all; lists new hits if all are wanted.
-    fn ask(&mut self, since: u64, want: Want) -> Result<Found, Error> {
+    /// Asks of the bodies that have changed since then; lists new hits if all are wanted.
+    fn ask(&mut self, since: u64, want: Want) -> Result<Given, Error> {
         self.new_hits.clear();
-        let Self { accuracy, bodies, broad, asker, new_hits, .. } = self;
-        if let Some(given) = asker.ask_ahead(*accuracy, bodies, want, new_hits) {
-            return Ok(Found::All(given));
-        }
-        asker.update(broad, bodies)?;
-        let frame = Frame::since(since, *accuracy, bodies, broad);
-        Ok(asker.ask(&frame, want, new_hits))
+        let mut asking = Asking {
+            accuracy: self.accuracy,
+            since,
+            bodies: &mut self.bodies,
+            broad: &mut self.broad,
+            hits: &mut self.new_hits,
+            #[cfg(feature = "threads")]
+            batches: &mut self.batches,
+            #[cfg(feature = "gpu")]
+            mirror: &mut self.mirror,
+        };
+        self.run.ask(&mut asking, want)
     }
 }

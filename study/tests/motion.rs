@@ -43,7 +43,7 @@ fn queries_change_where_the_truth_does() {
         for frame in -12..12 {
             let length = STEPS[0] * f64::from(frame);
             model.set_positions(&slide.positions(length)).unwrap();
-            let found = query.all(&model);
+            let found = query.all(&model).unwrap();
             for (&[a, b], [s, t]) in slide.watched().iter().zip(slide.pairs(length)) {
                 let reported = found.binary_search(&TrianglePair { a, b }).is_ok();
                 assert_eq!(reported, intersect(&s, &t), "{name}, {a} and {b} in frame {frame}");

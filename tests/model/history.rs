@@ -97,9 +97,9 @@ proptest! {
             assert_fits(&model.clone());
         }
         assert_fits(&model);
-        let own = SelfQuery::new().all(&model).to_vec();
+        let own = SelfQuery::new().all(&model).unwrap().to_vec();
         let mesh = model.mesh();
         let fresh = Model::new(mesh.positions().to_vec(), mesh.triangles().to_vec()).unwrap();
-        assert_eq!(own, SelfQuery::new().all(&fresh));
+        assert_eq!(own, SelfQuery::new().all(&fresh).unwrap());
     }
 }

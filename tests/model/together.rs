@@ -2,7 +2,7 @@
 
 use super::{SIDE, bumpy, certified, model, shifted};
 #[cfg(feature = "threads")]
-use pfront::SelfQuery;
+use pfront::{Executor, SelfQuery};
 use std::sync::Barrier;
 
 #[test]
@@ -47,12 +47,13 @@ fn workers_of_a_pool_ask_at_once() {
     for round in 0..100 {
         let moved = shifted(&soup, 0.001 * round as f32, |_| true);
         model.set_positions_unfitted(&moved).unwrap();
-        let expected = SelfQuery::new().count(&model.clone());
+        let expected = SelfQuery::new().count(&model.clone()).unwrap();
         let model = &model;
         pool.scope(|scope| {
             for _ in 0..12 {
                 scope.spawn(move |_| {
-                    assert_eq!(SelfQuery::new().with_threads(3).count(model), expected);
+                    let mut query = SelfQuery::new().on(&Executor::threads(3));
+                    assert_eq!(query.count(model).unwrap(), expected);
                 });
             }
         });

@@ -1,8 +1,7 @@
 //! The options of studies, and of what else measures.
 
-use super::Mode;
+use crate::gpus::Gpus;
 use crate::how::parse_threads;
-use crate::planning::Gpus;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use clap::{Args, Subcommand};
 use pfront_study::stability::ROWS;
@@ -90,46 +89,12 @@ pub(crate) struct Regret {
     /// What else there is to choose from
     #[arg(long, value_enum, default_value_t = Gpus::Auto)]
     pub(crate) backend: Gpus,
-    /// What the planner is to know of this machine, as plan --calibrate writes it [default: measured]
-    #[arg(long, value_name = "FILE")]
-    pub(crate) machine: Option<PathBuf>,
     /// Write one line for each case
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
     /// Few and small cases, to see that it works
     #[arg(long)]
     pub(crate) quick: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Plan {
-    /// The workload (.tcw), or the name of a built-in scene
-    #[arg(value_name = "SCENE", required_unless_present = "calibrate")]
-    pub(crate) scene: Option<String>,
-    /// About so many triangles in a built-in scene, instead of its own number
-    #[arg(long, value_name = "TRIANGLES")]
-    pub(crate) size: Option<usize>,
-    /// Run only so many frames; a built-in scene may go on beyond its own
-    #[arg(long, value_name = "N")]
-    pub(crate) frames: Option<u32>,
-    /// Find all pairs of a frame, or stop at the first
-    #[arg(long, value_enum, default_value_t = Mode::All)]
-    pub(crate) mode: Mode,
-    /// CPU threads [default: all]
-    #[arg(long, value_name = "N", value_parser = parse_threads)]
-    pub(crate) threads: Option<NonZero<usize>>,
-    /// What else there is to choose from
-    #[arg(long, value_enum, default_value_t = Gpus::Auto)]
-    pub(crate) backend: Gpus,
-    /// What to know of this machine, as --calibrate writes it [default: measured]
-    #[arg(long, value_name = "FILE", conflicts_with = "calibrate")]
-    pub(crate) machine: Option<PathBuf>,
-    /// Measure this machine, and write what was found here, as JSON
-    #[arg(long, value_name = "FILE")]
-    pub(crate) calibrate: Option<PathBuf>,
-    /// Print every plan, one JSON object a line, and nothing else
-    #[arg(long)]
-    pub(crate) json: bool,
 }
 
 #[derive(Debug, Subcommand)]

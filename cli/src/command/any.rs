@@ -18,6 +18,6 @@ pub(crate) fn run(meshes: &TwoMeshes, how: &How) -> Result<bool> {
         Some(pair) => writeln!(out(), "triangles {} and {} meet", pair.a, pair.b)?,
         None => writeln!(out(), "nothing meets")?,
     }
-    explain(&*engine);
+    explain(how, &*engine);
     Ok(found.is_some())
 }

@@ -7,8 +7,8 @@ use crate::engine::{objects, update};
 use crate::output::{Draft, out};
 use crate::recording::Recording;
 use anyhow::{Context, Result};
+use pfront::Executor;
 use pfront::threads::{Report, Schedule, Settings, Share, Traversal};
-use pfront_study::engine::On;
 use pfront_study::stability::Reference;
 use std::io::{self, Write};
 
@@ -54,10 +54,10 @@ fn series(balance: &Balance, size: Option<usize>, workers: usize) -> Result<Seri
         ..Settings::default()
     };
     let (count, bar) = (header.frames, progress(header.frames.into()));
-    let traversal = Some(Box::new(Traversal::new(workers).with_settings(settings)));
+    let executor = Executor::from(Traversal::new(workers).with_settings(settings));
     let objects = objects(header).with_context(|| balance.scene.clone())?;
     let triangles = objects.triangles();
-    let mut engine = objects.engine(On::Cpu(traversal).into())?;
+    let mut engine = objects.engine(executor.into())?;
     let (mut frames, mut reference) = (Vec::new(), None);
     while let Some(frame) = recording.next_frame()? {
         update(&mut *engine, frame)?;

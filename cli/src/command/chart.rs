@@ -19,7 +19,7 @@ pub(crate) fn run(chart: &args::Chart) -> Result<bool> {
     let suite = recorded::suite(chart.seed, chart.size)?;
     let plan = if chart.quick { Plan::QUICK } else { Plan::FULL };
     let plan = Plan { pairs: chart.pairs.unwrap_or(plan.pairs), ..plan };
-    let machine = Machine { threads: how::threads(chart.threads), ..Machine::this() };
+    let machine = Machine { threads: how::number(chart.threads), ..Machine::this() };
     let spinner = ProgressBar::new_spinner();
     let charts = Charts::measure(&suite, &plan, &machine, |what| {
         spinner.set_message(what.to_owned());

@@ -9,13 +9,13 @@ pub(crate) mod demo;
 pub(crate) mod devices;
 pub(crate) mod judge;
 pub(crate) mod pairs;
-pub(crate) mod plan;
 pub(crate) mod record;
 pub(crate) mod regret;
 pub(crate) mod replay;
 pub(crate) mod stability;
 pub(crate) mod within;
 
+use crate::how::How;
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use pfront::core::bvtt::Query;
@@ -43,8 +43,8 @@ fn contacts(query: &impl Query, pairs: &[TrianglePair]) -> Vec<(TrianglePair, Co
 }
 
 /// Says on standard error who has answered, and why, if there was a choice.
-fn explain(engine: &dyn Engine) {
-    if let Some(plan) = engine.plan() {
+fn explain(how: &How, engine: &dyn Engine) {
+    if let Some(plan) = engine.plan().filter(|_| how.is_auto()) {
         eprintln!("{plan}");
     }
 }

@@ -30,6 +30,6 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bo
         }
         None => found.print(listing)?,
     }
-    explain(&*engine);
+    explain(how, &*engine);
     Ok(true)
 }

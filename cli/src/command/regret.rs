@@ -1,10 +1,9 @@
-//! `pfront regret`: what a planner's choices cost, against the best of all fixed plans.
+//! `pfront regret`: what the choices of an executor cost, against the best of all fixed plans.
 
 use crate::adapters;
 use crate::args::Regret;
 use crate::how;
 use crate::output::{Draft, out};
-use crate::planning;
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use pfront_study::regret::{Effort, Field, Heading, Scale, Summary, race, recipes, write_csv};
@@ -24,14 +23,13 @@ pub(crate) fn run(asked: &Regret) -> Result<bool> {
     // Before the work, not after it.
     let mut csv = asked.csv.as_deref().map(Draft::new).transpose()?;
     let gpu = asked.backend.open()?;
-    let machine = planning::machine(asked.machine.as_deref(), gpu.as_ref())?;
     let mut out = out();
-    writeln!(out, "seed {}; {machine}", asked.seed)?;
-    let planner = planning::planner(machine, asked.threads, gpu.as_ref())?;
-    let mut field = Field::new(how::threads(asked.threads), planner)?;
+    let threads = how::number(asked.threads);
+    writeln!(out, "seed {}, {threads} threads", asked.seed)?;
+    let mut field = Field::new(threads)?;
     if let Some(gpu) = &gpu {
         writeln!(out, "GPU: {}", adapters::name(&gpu.device().adapter_info()))?;
-        field = field.with_gpu(gpu);
+        field = field.with_gpu(gpu)?;
     }
     field.warm_up()?;
     let bar = progress(cases as u64);

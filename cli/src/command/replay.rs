@@ -52,7 +52,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
             pairs.frame(found).context("cannot write the pairs")?;
         }
         if let Some(plan) = engine.plan() {
-            tally.add(&plan, took);
+            tally.add(plan);
         }
         bar.inc(1);
     }
@@ -60,7 +60,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     if let Some(pairs) = pairs {
         pairs.finish().finish()?;
     }
-    if tally != Tally::default() {
+    if replay.how.is_auto() {
         eprintln!("{tally}");
     }
     writeln!(out, "RSS\t{}", memory::peak())?;

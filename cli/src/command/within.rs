@@ -28,6 +28,6 @@ pub(crate) fn run(within: &Within) -> Result<bool> {
         Some(path) => found.paint(path, &[model.mesh()])?,
         None => found.print(&within.listing)?,
     }
-    explain(&*engine);
+    explain(&within.how, &*engine);
     Ok(true)
 }

@@ -2,78 +2,68 @@
 
 use crate::common::{Both, sorted};
 use pfront_core::Pose;
-use pfront_core::bvtt::{PairQuery, PosedBvh};
-use pfront_gpu::{BodyId, Error, SceneHit, SceneQuery, Shape};
+use pfront_core::bvtt::{PairQuery, PosedBvh, TrianglePair};
+use pfront_gpu::{Bodies, Error, World};
 use pfront_testkit::shapes::Soup;
-use std::sync::Arc;
 
-/// Bodies on the device, and what they are made of beside it.
-pub(crate) struct World<'m> {
-    pub(crate) query: SceneQuery,
-    pub(crate) bodies: Vec<(BodyId, &'m Part)>,
+/// Bodies on the device, and what they are made of beside it. Each is paired with each.
+pub(crate) struct Scene<'m> {
+    pub(crate) world: World,
+    pub(crate) bodies: Vec<(&'m Both, Pose)>,
 }
 
-/// A mesh as the core has it, and as a scene does.
-pub(crate) struct Part {
-    pub(crate) both: Both,
-    pub(crate) shape: Arc<Shape>,
+pub(crate) fn part(soup: &Soup) -> Both {
+    Both::new(&soup.positions, &soup.triangles, 4)
 }
 
-impl Part {
-    pub(crate) fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: u32) -> Self {
-        let both = Both::new(positions, triangles, leaf_size);
-        let shape = Arc::new(Shape::new(both.bvh()));
-        Self { both, shape }
+impl<'m> Scene<'m> {
+    pub(crate) fn new(world: World, bodies: Vec<(&'m Both, Pose)>) -> Self {
+        let mut scene = Self { world, bodies };
+        scene.gather();
+        scene
     }
 
-    pub(crate) fn of(soup: &Soup) -> Self {
-        Self::new(&soup.positions, &soup.triangles, 4)
-    }
-}
-
-impl<'m> World<'m> {
-    pub(crate) fn new(query: SceneQuery) -> Self {
-        Self { query, bodies: Vec::new() }
-    }
-
-    pub(crate) fn add(&mut self, part: &'m Part, pose: Pose) -> BodyId {
-        let id = self.query.add(part.shape.clone(), pose).unwrap();
-        self.bodies.push((id, part));
-        id
+    /// Brings all bodies there anew.
+    pub(crate) fn gather(&mut self) {
+        let bvhs: Vec<_> = self.bodies.iter().map(|(part, _)| part.bvh()).collect();
+        self.world.set_bodies(&bvhs).unwrap();
+        for (number, (part, pose)) in (0..).zip(&self.bodies) {
+            self.world.set_pose(number, part.bvh(), *pose).unwrap();
+        }
     }
 
-    pub(crate) fn remove(&mut self, index: usize) {
-        let (id, _) = self.bodies.remove(index);
-        assert_eq!(self.query.remove(id).unwrap().id(), id);
-        assert_eq!(self.query.remove(id).unwrap_err(), Error::StaleBody { id });
-        assert_eq!(self.query.body(id).unwrap_err(), Error::StaleBody { id });
+    /// Moves a body, unless the pose takes it out of range.
+    pub(crate) fn set_pose(&mut self, number: usize, pose: Pose) -> Result<(), Error> {
+        let (part, own) = &mut self.bodies[number];
+        self.world.set_pose(number as u32, part.bvh(), pose)?;
+        *own = pose;
+        Ok(())
     }
 
-    pub(crate) fn set_pose(&mut self, index: usize, pose: Pose) {
-        self.query.set_pose(self.bodies[index].0, pose).unwrap();
+    pub(crate) fn pairs(&self) -> Vec<Bodies> {
+        let count = self.bodies.len() as u32;
+        (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect()
     }
 
-    pub(crate) fn truth(&self) -> Vec<SceneHit> {
-        let placed = |&(id, part): &(BodyId, &'m Part)| {
-            PosedBvh::new(part.both.bvh(), &self.query.body(id).unwrap().pose()).unwrap()
+    fn truth(&self) -> Vec<(Bodies, TrianglePair)> {
+        let placed = |i: u32| {
+            let (part, pose) = &self.bodies[i as usize];
+            PosedBvh::new(part.bvh(), pose).unwrap()
         };
         let mut hits = Vec::new();
-        for (i, a) in self.bodies.iter().enumerate() {
-            for b in &self.bodies[i + 1..] {
-                let pairs = sorted(&PairQuery::in_world(placed(a), placed(b)));
-                hits.extend(pairs.iter().map(|&pair| SceneHit { bodies: [a.0, b.0], pair }));
-            }
+        for two in self.pairs() {
+            let [a, b] = two.map(placed);
+            hits.extend(sorted(&PairQuery::in_world(a, b)).iter().map(|&pair| (two, pair)));
         }
         hits
     }
 
     /// Checks every verb and returns how many pairs meet.
     pub(crate) fn check(&mut self) -> usize {
-        let truth = self.truth();
-        assert_eq!(self.query.len(), self.bodies.len());
-        assert!(self.query.all().unwrap() == truth, "{} pairs", truth.len());
-        assert_eq!(self.query.count().unwrap(), truth.len() as u64);
-        let any = self.query.any().unwrap();
+        let (truth, pairs) = (self.truth(), self.pairs());
+        assert!(self.world.all(&pairs).unwrap() == truth, "{} pairs", truth.len());
+        assert_eq!(self.world.count(&pairs).unwrap(), truth.len() as u64);
+        let any = self.world.any(&pairs).unwrap();
         assert!(any.map_or(truth.is_empty(), |hit| truth.binary_search(&hit).is_ok()));
         truth.len()
     }

@@ -10,7 +10,7 @@ use crate::suite::{Body, Candidate, Contacts, Site};
 #[cfg(feature = "gpu")]
 use pfront::gpu;
 use pfront::threads::{Schedule, Settings, Traversal};
-use pfront::{Accuracy, BuildOptions, Model, PairQuery, SelfQuery, TrianglePair};
+use pfront::{Accuracy, BuildOptions, Executor, Model, PairQuery, SelfQuery, TrianglePair};
 use pfront_testkit::oracle::{intersect, self_hit};
 use rayon::prelude::*;
 use std::num::NonZero;
@@ -175,8 +175,9 @@ fn lanes(machine: &Machine) -> Result<Vec<Lane>, ChartError> {
                 if let Some(schedule) = *schedule {
                     let settings = Settings { schedule, ..Settings::default() };
                     let traversal = Traversal::with_pool(pool.clone()).with_settings(settings);
-                    pair = pair.with_traversal(traversal.clone());
-                    within = within.with_traversal(traversal);
+                    let executor = Executor::from(traversal);
+                    pair = pair.on(&executor);
+                    within = within.on(&executor);
                 }
                 let asker = Asker::Cpu(Box::new((pair, within)));
                 lanes.push(lane(format!("{accuracy:?}, {who}"), shape, colour, asker));
@@ -234,8 +235,14 @@ impl Asker {
     fn ask(&mut self, frame: &Frame) -> Result<&[TrianglePair], ChartError> {
         match self {
             Self::Cpu(queries) => match &frame.site {
-                Site::Pair { a, b, a_from_b } => Ok(queries.0.all(a, b, a_from_b)?),
-                Site::Within(body) => Ok(queries.1.all(body)),
+                Site::Pair { a, b, a_from_b } => {
+                    queries.0.forget();
+                    Ok(queries.0.all(a, b, a_from_b)?)
+                }
+                Site::Within(body) => {
+                    queries.1.forget();
+                    Ok(queries.1.all(body)?)
+                }
             },
             #[cfg(feature = "gpu")]
             Self::Gpu(queries) => match (&frame.site, &frame.on_device) {

@@ -1,40 +1,23 @@
-//! Engines on the CPU, and those that decide for themselves.
+//! Engines over the queries of the root crate.
 
 use super::numbers::Numbers;
 use super::{Engine, EngineError, Objects, second};
 use crate::stability::Reference;
 use pfront::core::bvtt;
-use pfront::planner::{Plan, Planner};
-use pfront::threads::{Report, Traversal};
+use pfront::executor::Plan;
+use pfront::threads::Report;
 use pfront::{
-    Accuracy, Adjacency, BodyId, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair,
+    Accuracy, Adjacency, BodyId, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery,
+    TrianglePair,
 };
 use pfront_scenes::Kind;
 use std::sync::Arc;
-
-/// Who works on a query.
-pub(super) enum Hands {
-    One,
-    Threads(Box<Traversal>),
-    Planned(Box<Planner>),
-}
-
-/// Gives a query of any kind its hands.
-macro_rules! by {
-    ($query:ident, $hands:ident) => {
-        match $hands {
-            Hands::One => $query,
-            Hands::Threads(traversal) => $query.with_traversal(*traversal),
-            Hands::Planned(planner) => $query.with_planner(*planner),
-        }
-    };
-}
 
 pub(super) fn engine(
     objects: Objects,
     accuracy: Accuracy,
     adjacency: Adjacency,
-    hands: Hands,
+    executor: &Executor,
 ) -> Result<Box<dyn Engine>, EngineError> {
     let Objects { kind, mut models } = objects;
     Ok(match (kind, &models[..]) {
@@ -43,16 +26,16 @@ pub(super) fn engine(
             Box::new(Pair {
                 models: [a.clone(), b.clone()],
                 a_from_b: Pose::IDENTITY,
-                query: by!(query, hands),
+                query: query.on(executor),
             })
         }
         (Kind::SelfMesh, [_]) => {
             let query = SelfQuery::new().with_accuracy(accuracy).with_adjacency(adjacency);
-            Box::new(Within { model: models.remove(0), query: by!(query, hands) })
+            Box::new(Within { model: models.remove(0), query: query.on(executor) })
         }
         _ => {
             let query = SceneQuery::new().with_accuracy(accuracy);
-            Box::new(Many::new(models, by!(query, hands))?)
+            Box::new(Many::new(models, query.on(executor))?)
         }
     })
 }
@@ -92,7 +75,7 @@ impl Engine for Pair {
         self.query.report()
     }
 
-    fn plan(&self) -> Option<Plan> {
+    fn plan(&self) -> Option<&Plan> {
         self.query.plan()
     }
 
@@ -119,22 +102,22 @@ impl Engine for Within {
     }
 
     fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
-        Ok(self.query.all(&self.model))
+        Ok(self.query.all(&self.model)?)
     }
 
     fn any(&mut self) -> Result<Option<TrianglePair>, EngineError> {
-        Ok(self.query.any(&self.model))
+        Ok(self.query.any(&self.model)?)
     }
 
     fn count(&mut self) -> Result<u64, EngineError> {
-        Ok(self.query.count(&self.model))
+        Ok(self.query.count(&self.model)?)
     }
 
     fn report(&self) -> Option<&Report> {
         self.query.report()
     }
 
-    fn plan(&self) -> Option<Plan> {
+    fn plan(&self) -> Option<&Plan> {
         self.query.plan()
     }
 
@@ -190,7 +173,7 @@ impl Engine for Many {
         self.query.report()
     }
 
-    fn plan(&self) -> Option<Plan> {
+    fn plan(&self) -> Option<&Plan> {
         self.query.plan()
     }
 }

@@ -2,9 +2,10 @@
 
 use super::numbers::Numbers;
 use super::{Engine, EngineError, Objects, OnGpu, second};
-use pfront::gpu::{BodyId, Deforming, Gpu, Model, PairQuery, Report, SceneQuery, SelfQuery};
-use pfront::gpu::{Settings, Shape, Timing};
-use pfront::{Adjacency, Pose, TrianglePair};
+use pfront::core::bvtt::PosedBvh;
+use pfront::gpu::{Bodies, Deforming, Gpu, Model, PairQuery, Report, SelfQuery, Settings};
+use pfront::gpu::{Timing, World};
+use pfront::{Aabb, Adjacency, Bvh, Pose, TrianglePair};
 use pfront_scenes::Kind;
 use std::sync::Arc;
 
@@ -32,9 +33,9 @@ pub(super) fn engine(
             Ok(Box::new(Within { model, moved: false, query }))
         }
         (_, models) => {
-            let query = SceneQuery::with_settings(gpu, *settings)?;
-            let query = if *timed { query.with_timings()? } else { query };
-            Ok(Box::new(Many::new(models, query)?))
+            let world = World::new(gpu, *settings)?;
+            let world = if *timed { world.with_timings()? } else { world };
+            Ok(Box::new(Many::new(models, world)?))
         }
     }
 }
@@ -134,67 +135,92 @@ impl Engine for Within {
     }
 }
 
+/// Objects by their numbers.
 struct Many {
-    query: SceneQuery,
-    numbers: Numbers<BodyId>,
+    world: World,
+    models: Vec<Arc<pfront::Model>>,
+    boxes: Vec<Option<Aabb>>,
+    /// Objects whose boxes overlap; empty after a move.
+    near: Vec<Bodies>,
+    numbers: Numbers<u32>,
     pairs: Vec<TrianglePair>,
 }
 
 impl Many {
-    fn new(objects: &[Arc<pfront::Model>], mut query: SceneQuery) -> Result<Self, EngineError> {
-        let (mut numbers, mut shapes) = (Numbers::new(), Vec::new());
-        for model in objects {
-            // Objects of one model share a shape.
-            let known = shapes.iter().find(|(own, _)| Arc::ptr_eq(own, model));
-            let shape = match known {
-                Some((_, shape)) => Arc::clone(shape),
-                None => {
-                    let shape = Arc::new(Shape::new(model.bvh()));
-                    shapes.push((model.clone(), shape.clone()));
-                    shape
-                }
-            };
-            numbers.add(query.add(shape, Pose::IDENTITY)?, model.mesh().triangles().len())?;
+    fn new(models: &[Arc<pfront::Model>], mut world: World) -> Result<Self, EngineError> {
+        let bvhs: Vec<_> = models.iter().map(|model| model.bvh()).collect();
+        world.set_bodies(&bvhs)?;
+        let mut numbers = Numbers::new();
+        for (model, number) in models.iter().zip(0..) {
+            numbers.add(number, model.mesh().triangles().len())?;
         }
-        Ok(Self { query, numbers, pairs: Vec::new() })
+        let boxes = bvhs.iter().map(Bvh::aabb).collect();
+        let models = models.to_vec();
+        Ok(Self { world, models, boxes, near: Vec::new(), numbers, pairs: Vec::new() })
+    }
+
+    /// The world, and each two objects whose boxes overlap.
+    fn near(&mut self) -> (&mut World, &[Bodies]) {
+        if self.near.is_empty() {
+            let numbers = 0..self.boxes.len() as u32;
+            let two = numbers
+                .clone()
+                .flat_map(|a| numbers.clone().skip(a as usize + 1).map(move |b| [a, b]));
+            let meet = |two: &Bodies| match two.map(|i| self.boxes[i as usize]) {
+                [Some(a), Some(b)] => a.overlaps(&b),
+                _ => false,
+            };
+            self.near = two.filter(meet).collect();
+        }
+        (&mut self.world, &self.near)
     }
 }
 
 impl Engine for Many {
     fn place(&mut self, object: usize, world_from_object: Pose) -> Result<(), EngineError> {
-        Ok(self.query.set_pose(self.numbers.body(object)?, world_from_object)?)
+        let (number, bvh) = (self.numbers.body(object)?, self.models[object].bvh());
+        self.world.set_pose(number, bvh, world_from_object)?;
+        let posed = PosedBvh::new(bvh, &world_from_object).map_err(pfront::Error::from)?;
+        self.boxes[object] = posed.aabb();
+        self.near.clear();
+        Ok(())
     }
 
     fn all(&mut self) -> Result<&[TrianglePair], EngineError> {
-        let Self { query, numbers, pairs } = self;
+        self.near();
+        let Self { world, near, numbers, pairs, .. } = self;
         pairs.clear();
-        pairs.extend(query.all()?.iter().map(|hit| numbers.pair(hit.bodies, hit.pair)));
+        pairs.extend(world.all(near)?.iter().map(|&(bodies, pair)| numbers.pair(bodies, pair)));
         // They came by bodies first.
         pairs.sort();
         Ok(pairs)
     }
 
     fn any(&mut self) -> Result<Option<TrianglePair>, EngineError> {
-        Ok(self.query.any()?.map(|hit| self.numbers.pair(hit.bodies, hit.pair)))
+        let (world, near) = self.near();
+        let hit = world.any(near)?;
+        Ok(hit.map(|(bodies, pair)| self.numbers.pair(bodies, pair)))
     }
 
     fn count(&mut self) -> Result<u64, EngineError> {
-        Ok(self.query.count()?)
+        let (world, near) = self.near();
+        Ok(world.count(near)?)
     }
 
     fn find(&mut self) -> Result<usize, EngineError> {
-        Ok(self.query.all()?.len())
+        let (world, near) = self.near();
+        Ok(world.all(near)?.len())
     }
 
     fn gpu_report(&self) -> Option<Report> {
-        Some(self.query.report())
+        Some(self.world.report())
     }
 
     fn device_bytes(&self) -> u64 {
-        self.query.bytes()
+        self.world.bytes()
     }
 
     fn timings(&self) -> Result<Vec<Timing>, EngineError> {
-        Ok(self.query.timings()?)
+        Ok(self.world.timings()?)
     }
 }

@@ -1,5 +1,4 @@
-//! Who answers what is asked of moving objects, frame by frame: one thread, several, a GPU, or
-//! whoever a planner picks.
+//! Moving objects and an executor that answers, frame by frame.
 //!
 //! One driver for all studies and for the command: [`Objects`] are what is asked about, [`Asked`] says how and
 //! of whom, and the [`Engine`] that both make keeps its buffers from frame to frame.
@@ -13,12 +12,11 @@ mod tally;
 pub use tally::Tally;
 
 use crate::stability::Reference;
-use cpu::Hands;
+use pfront::executor::Plan;
 #[cfg(feature = "gpu")]
 use pfront::gpu::{Gpu, Settings, Timing};
-use pfront::planner::{Plan, Planner};
-use pfront::threads::{Report, Traversal};
-use pfront::{Accuracy, Adjacency, Model, Pose, TrianglePair};
+use pfront::threads::Report;
+use pfront::{Accuracy, Adjacency, Executor, Model, Pose, TrianglePair};
 use pfront_scenes::Kind;
 use std::sync::Arc;
 
@@ -57,8 +55,8 @@ pub trait Engine {
         Ok(self.all()?.len())
     }
 
-    /// How the last frame was answered, if there was a choice.
-    fn plan(&self) -> Option<Plan> {
+    /// Who answered the last frame, and why.
+    fn plan(&self) -> Option<&Plan> {
         None
     }
 
@@ -132,9 +130,10 @@ impl EngineError {
         match self {
             Self::Unable { .. } => true,
             #[cfg(feature = "gpu")]
-            Self::Gpu(
-                pfront::gpu::Error::TooLarge { .. } | pfront::gpu::Error::OutOfMemory { .. },
-            ) => true,
+            Self::Gpu(error) | Self::Query(pfront::Error::Gpu(error)) => matches!(
+                error,
+                pfront::gpu::Error::TooLarge { .. } | pfront::gpu::Error::OutOfMemory { .. }
+            ),
             _ => false,
         }
     }
@@ -154,11 +153,9 @@ pub struct Asked {
 /// Who finds the pairs.
 #[derive(Clone)]
 pub enum On {
-    /// Several threads, or else the calling one.
-    Cpu(Option<Box<Traversal>>),
-    /// Whoever is the fastest, frame by frame.
-    Planner(Box<Planner>),
-    /// A GPU, whose answers are all exact.
+    /// An executor.
+    Executor(Executor),
+    /// A GPU of which counts and times are wanted.
     #[cfg(feature = "gpu")]
     Gpu(OnGpu),
 }
@@ -181,6 +178,13 @@ impl OnGpu {
     #[must_use]
     pub fn new(gpu: Gpu) -> Self {
         Self { settings: gpu.settings(), gpu, timed: false }
+    }
+}
+
+impl From<Executor> for Asked {
+    /// Everything, exactly.
+    fn from(executor: Executor) -> Self {
+        On::Executor(executor).into()
     }
 }
 
@@ -244,11 +248,7 @@ impl Objects {
         match on {
             #[cfg(feature = "gpu")]
             On::Gpu(on) => gpu::engine(&self, adjacency, &on),
-            On::Cpu(None) => cpu::engine(self, accuracy, adjacency, Hands::One),
-            On::Cpu(Some(traversal)) => {
-                cpu::engine(self, accuracy, adjacency, Hands::Threads(traversal))
-            }
-            On::Planner(planner) => cpu::engine(self, accuracy, adjacency, Hands::Planned(planner)),
+            On::Executor(executor) => cpu::engine(self, accuracy, adjacency, &executor),
         }
     }
 }

@@ -23,7 +23,7 @@ pub struct Slide {
 }
 
 /// Why there is no such slide.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SlideError {
     /// No slide has this name.
     #[error("no slide is called '{name}'; there are {}", NAMES.join(", "))]
@@ -129,7 +129,7 @@ impl Slide {
     fn meeting(&self, length: f64) -> Result<BTreeSet<TrianglePair>, SlideError> {
         let model = Model::new(self.positions(length), self.triangles.clone())?;
         let mut query = SelfQuery::new().with_adjacency(Adjacency::SkipNeighbours);
-        Ok(query.all(&model).iter().copied().collect())
+        Ok(query.all(&model)?.iter().copied().collect())
     }
 }
 

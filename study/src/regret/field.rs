@@ -1,14 +1,11 @@
-//! Who takes part: every fixed plan that the machine has, and who plans.
+//! The players: every fixed plan that the machine has, and the executor that chooses.
 
 use super::RegretError;
 use super::race::play;
 use super::recipe::{Scale, samples};
-use crate::engine::On;
-#[cfg(feature = "gpu")]
-use crate::engine::OnGpu;
+use pfront::Executor;
 #[cfg(feature = "gpu")]
 use pfront::gpu::Gpu;
-use pfront::planner::Planner;
 use pfront::threads::Traversal;
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
@@ -17,8 +14,8 @@ use std::sync::Arc;
 pub struct Field {
     /// Plans that never change; the first is one thread.
     pub fixed: Vec<Lane>,
-    /// Who chooses.
-    pub planner: Planner,
+    /// The one that chooses.
+    pub chooser: Executor,
 }
 
 /// A fixed plan.
@@ -26,37 +23,36 @@ pub struct Lane {
     /// What tables call it.
     pub name: String,
     /// Who answers.
-    pub on: On,
+    pub executor: Executor,
 }
 
 impl Field {
-    /// One thread; 2, 4, 8 … of them, and all `threads`; and who plans.
+    /// One thread; 2, 4, 8 … of them, and all `threads`, of which the last also chooses.
     ///
     /// # Errors
     /// If there is no pool of as many threads.
-    pub fn new(threads: usize, planner: Planner) -> Result<Self, RegretError> {
-        let mut fixed = vec![Lane { name: "sequential".to_owned(), on: On::Cpu(None) }];
+    pub fn new(threads: usize) -> Result<Self, RegretError> {
+        let mut chooser = Executor::sequential();
+        let mut fixed = vec![Lane { name: "sequential".to_owned(), executor: chooser.clone() }];
         let powers = (1..).map(|i| 1 << i).take_while(|&p| p < threads);
         for p in powers.chain((threads > 1).then_some(threads)) {
             let pool = Arc::new(ThreadPoolBuilder::new().num_threads(p).build()?);
-            let on = On::Cpu(Some(Box::new(Traversal::with_pool(pool))));
-            fixed.push(Lane { name: format!("{p} threads"), on });
+            chooser = Executor::from(Traversal::with_pool(pool));
+            fixed.push(Lane { name: format!("{p} threads"), executor: chooser.clone() });
         }
-        Ok(Self { fixed, planner })
+        Ok(Self { fixed, chooser })
     }
 
-    /// Adds a GPU to the fixed plans.
+    /// Adds a GPU to the fixed plans, and to the choice.
+    ///
+    /// # Errors
+    /// If the GPU fails while it is measured.
     #[cfg(feature = "gpu")]
-    #[must_use]
-    pub fn with_gpu(mut self, gpu: &Gpu) -> Self {
-        self.fixed.push(Lane { name: "GPU".to_owned(), on: On::Gpu(OnGpu::new(gpu.clone())) });
-        self
-    }
-
-    /// Whoever the planner picks.
-    #[must_use]
-    pub fn chosen(&self) -> On {
-        On::Planner(Box::new(self.planner.clone()))
+    pub fn with_gpu(mut self, gpu: &Gpu) -> Result<Self, RegretError> {
+        let executor = Executor::gpu(gpu, gpu.settings());
+        self.fixed.push(Lane { name: "GPU".to_owned(), executor });
+        self.chooser = self.chooser.and_gpu(gpu).map_err(pfront::Error::from)?;
+        Ok(self)
     }
 
     /// Lets everyone play something of each kind, so that threads are up and shaders compiled before anything is
@@ -67,8 +63,8 @@ impl Field {
     pub fn warm_up(&self) -> Result<(), RegretError> {
         for recipe in samples() {
             let case = recipe.build(&Scale::QUICK)?;
-            for on in self.fixed.iter().map(|lane| &lane.on).chain([&self.chosen()]) {
-                match play(&case, on) {
+            for executor in self.fixed.iter().map(|lane| &lane.executor).chain([&self.chooser]) {
+                match play(&case, executor) {
                     Err(error) if error.is_want_of_means() => continue,
                     played => played?,
                 };

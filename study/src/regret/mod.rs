@@ -1,7 +1,7 @@
 //! What a plan costs that was chosen, against the best of all that never change: its regret.
 //!
-//! Regret is the planner's time for a whole case, deciding included, over that of the best fixed plan, minus
-//! one; the best is known only afterwards, and may be another for each case. It is the one over which the planner
+//! Regret is the chooser's time for a whole case, deciding included, over that of the best fixed plan, minus
+//! one; the best is known only afterwards, and may be another for each case. It is the one over which the chooser
 //! took longest: the largest of some ratios, of which each is the median over rounds.
 //!
 //! - [`recipes`]: the cases, drawn from a seed; [`Case`]: one of them, built.

@@ -14,7 +14,8 @@ use super::case::Case;
 use super::field::Field;
 use super::row::{Outcome, Row};
 use crate::chart::median;
-use crate::engine::{EngineError, On, Tally};
+use crate::engine::{EngineError, Tally};
+use pfront::Executor;
 use pfront_testkit::rng::{seeded, seq::SliceRandom};
 use std::time::{Duration, Instant};
 
@@ -45,18 +46,17 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
     let (mut outcomes, mut best) = (Vec::<Outcome>::new(), f64::INFINITY);
     for lane in &field.fixed {
         // The first is never given up: all others are compared with it.
-        let outcome = rehearsal.play(&lane.name, &lane.on, HOPELESS * best)?;
+        let outcome = rehearsal.play(&lane.name, &lane.executor, HOPELESS * best)?;
         best = best.min(outcome.seconds());
         outcomes.push(outcome);
     }
-    let chosen = field.chosen();
-    rehearsal.play("planner", &chosen, f64::INFINITY)?;
+    rehearsal.play("chooser", &field.chooser, f64::INFINITY)?;
     let seconds = |lane: &usize| outcomes[*lane].seconds();
     let mut turns: Vec<usize> =
         (0..outcomes.len()).filter(|&lane| outcomes[lane].is_timed()).collect();
     let twin = turns.iter().copied().min_by(|x, y| seconds(x).total_cmp(&seconds(y))).unwrap_or(0);
-    let (planner, again) = (outcomes.len(), outcomes.len() + 1);
-    turns.extend([planner, again]);
+    let (chooser, again) = (outcomes.len(), outcomes.len() + 1);
+    turns.extend([chooser, again]);
 
     let mut random = seeded(0);
     let mut times = vec![Vec::new(); outcomes.len() + 2];
@@ -65,22 +65,22 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
     while rounds < effort.rounds || rounds < MOST * effort.rounds && clock.elapsed() < effort.time {
         turns.shuffle(&mut random);
         for &turn in &turns {
-            let on = match turn {
-                turn if turn == planner => &chosen,
-                turn if turn == again => &field.fixed[twin].on,
-                lane => &field.fixed[lane].on,
+            let executor = match turn {
+                turn if turn == chooser => &field.chooser,
+                turn if turn == again => &field.fixed[twin].executor,
+                lane => &field.fixed[lane].executor,
             };
-            times[turn].push(play(case, on)?);
+            times[turn].push(play(case, executor)?);
         }
         rounds += 1;
     }
     let noise = over(&times[again], &times[twin]) - 1.0;
-    let to_planner: Vec<_> = (0..planner).map(|lane| over(&times[planner], &times[lane])).collect();
+    let to_chooser: Vec<_> = (0..chooser).map(|lane| over(&times[chooser], &times[lane])).collect();
     let mut medians = times.iter_mut().map(|times| median(times));
     let names = field.fixed.iter().map(|lane| lane.name.clone());
-    let lanes = names.zip(outcomes).zip(medians.by_ref().zip(to_planner));
-    let fixed = lanes.map(|((name, outcome), (seconds, planner))| {
-        (name, if outcome.is_timed() { Outcome::Took { seconds, planner } } else { outcome })
+    let lanes = names.zip(outcomes).zip(medians.by_ref().zip(to_chooser));
+    let fixed = lanes.map(|((name, outcome), (seconds, chooser))| {
+        (name, if outcome.is_timed() { Outcome::Took { seconds, chooser } } else { outcome })
     });
     let fixed: Vec<_> = fixed.collect();
     Ok(Row {
@@ -91,10 +91,10 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
         frames: case.frames.len(),
         verb: case.verb,
         rounds,
-        planner: medians.next().unwrap_or(0.0),
+        chooser: medians.next().unwrap_or(0.0),
         fixed,
         noise,
-        tally: watch(case, &chosen)?,
+        tally: watch(case, &field.chooser)?,
     })
 }
 
@@ -109,8 +109,8 @@ fn over(own: &[f64], other: &[f64]) -> f64 {
 
 /// Seconds that a whole case takes: making the query, which uploads what a GPU needs, and all frames. Models are
 /// there.
-pub(super) fn play(case: &Case, on: &On) -> Result<f64, EngineError> {
-    let (objects, asked) = (case.fresh(), on.clone().into());
+pub(super) fn play(case: &Case, executor: &Executor) -> Result<f64, EngineError> {
+    let (objects, asked) = (case.fresh(), executor.clone().into());
     let clock = Instant::now();
     let mut engine = objects.engine(asked)?;
     for frame in &case.frames {
@@ -120,17 +120,15 @@ pub(super) fn play(case: &Case, on: &On) -> Result<f64, EngineError> {
     Ok(clock.elapsed().as_secs_f64())
 }
 
-/// What a planner does, after everything else.
-fn watch(case: &Case, chosen: &On) -> Result<Tally, EngineError> {
-    let mut engine = case.fresh().engine(chosen.clone().into())?;
+/// What the executor that chooses does, after everything else.
+fn watch(case: &Case, chooser: &Executor) -> Result<Tally, EngineError> {
+    let mut engine = case.fresh().engine(chooser.clone().into())?;
     let mut tally = Tally::default();
     for frame in &case.frames {
-        let clock = Instant::now();
         frame.apply(&mut *engine)?;
         case.verb.ask(&mut *engine)?;
-        let took = clock.elapsed();
         if let Some(plan) = engine.plan() {
-            tally.add(&plan, took);
+            tally.add(plan);
         }
     }
     Ok(tally)
@@ -145,9 +143,9 @@ struct Rehearsal<'c> {
 
 impl Rehearsal<'_> {
     /// Plays until more than `most` seconds are over.
-    fn play(&mut self, name: &str, on: &On, most: f64) -> Result<Outcome, RegretError> {
+    fn play(&mut self, name: &str, executor: &Executor, most: f64) -> Result<Outcome, RegretError> {
         let case = self.case;
-        let (objects, asked) = (case.fresh(), on.clone().into());
+        let (objects, asked) = (case.fresh(), executor.clone().into());
         let clock = Instant::now();
         let mut engine = match objects.engine(asked) {
             Err(error) if error.is_want_of_means() => {
@@ -176,7 +174,7 @@ impl Rehearsal<'_> {
                 return Ok(Outcome::Hopeless { seconds, frames: number + 1 });
             }
         }
-        Ok(Outcome::Took { seconds, planner: 1.0 })
+        Ok(Outcome::Took { seconds, chooser: 1.0 })
     }
 }
 
@@ -184,23 +182,18 @@ impl Rehearsal<'_> {
 mod tests {
     use super::*;
     use crate::regret::{Field, Heading, Lane, Scale, Summary, recipes, write_csv};
-    use pfront::planner::{Machine, Planner};
     use pfront::threads::Traversal;
-
-    fn planner() -> Planner {
-        Planner::new(Machine::typical()).with_threads(2)
-    }
 
     const ONCE: Effort = Effort { rounds: 1, time: Duration::ZERO };
 
     #[test]
     fn everyone_answers_alike_and_is_timed() {
-        let field = Field::new(2, planner()).unwrap();
+        let field = Field::new(2).unwrap();
         field.warm_up().unwrap();
         let cases = recipes(3, 24).into_iter().map(|recipe| recipe.build(&Scale::QUICK).unwrap());
         let rows: Vec<_> = cases.map(|case| race(&case, &field, &ONCE).unwrap()).collect();
         for row in &rows {
-            assert!(row.planner > 0.0 && row.fixed[0].1.is_timed(), "{row:?}");
+            assert!(row.chooser > 0.0 && row.fixed[0].1.is_timed(), "{row:?}");
             assert_eq!(row.tally.frames.iter().sum::<usize>(), row.frames, "{row:?}");
             assert!(row.best().1.is_timed() && row.regret() > -1.0, "{row:?}");
         }
@@ -218,8 +211,8 @@ mod tests {
     fn whoever_is_hopeless_is_not_played_again_and_whoever_differs_is_told() {
         let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
         let mut rehearsal = Rehearsal { case: &case, digests: Vec::new() };
-        rehearsal.play("first", &On::Cpu(None), f64::INFINITY).unwrap();
-        let threads = On::Cpu(Some(Box::new(Traversal::new(2))));
+        rehearsal.play("first", &Executor::sequential(), f64::INFINITY).unwrap();
+        let threads = Executor::from(Traversal::new(2));
         let outcome = rehearsal.play("second", &threads, 0.0).unwrap();
         assert!(matches!(outcome, Outcome::Hopeless { frames: 1, .. }), "{outcome:?}");
         rehearsal.digests[0] ^= 1;
@@ -241,7 +234,7 @@ mod tests {
     #[test]
     fn without_a_fixed_plan_there_is_no_regret() {
         let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
-        let field = Field { fixed: Vec::<Lane>::new(), planner: planner() };
+        let field = Field { fixed: Vec::<Lane>::new(), chooser: Executor::sequential() };
         assert!(matches!(race(&case, &field, &ONCE), Err(RegretError::NoPlan)));
     }
 }

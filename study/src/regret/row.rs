@@ -10,8 +10,8 @@ pub enum Outcome {
     Took {
         /// All frames.
         seconds: f64,
-        /// What the planner took over what this took in the same round.
-        planner: f64,
+        /// What the chooser took over what this took in the same round.
+        chooser: f64,
     },
     /// In the first round, by when it was more than [`super::HOPELESS`] times as slow as the best.
     Hopeless {
@@ -43,11 +43,11 @@ impl Outcome {
         }
     }
 
-    /// What the planner took over what this took; nothing where they were not all played.
+    /// What the chooser took over what this took; nothing where they were not all played.
     #[must_use]
-    pub fn planner(&self) -> f64 {
+    pub fn chooser(&self) -> f64 {
         match self {
-            Self::Took { planner, .. } => *planner,
+            Self::Took { chooser, .. } => *chooser,
             Self::Hopeless { .. } | Self::Refused { .. } => 0.0,
         }
     }
@@ -73,7 +73,7 @@ pub struct Row {
     /// Each fixed plan; the first is one thread.
     pub fixed: Vec<(String, Outcome)>,
     /// Who chooses.
-    pub planner: f64,
+    pub chooser: f64,
     /// What was chosen, once everything was warm.
     pub tally: Tally,
     /// By how much the fixed plan that played twice in each round took longer than itself, as a share; less than
@@ -82,23 +82,23 @@ pub struct Row {
 }
 
 impl Row {
-    /// The fixed plan over which the planner took longest.
+    /// The fixed plan over which the chooser took longest.
     #[must_use]
     pub fn best(&self) -> (&str, &Outcome) {
         let all = self.fixed.iter().map(|(name, outcome)| (&**name, outcome));
-        all.max_by(|x, y| x.1.planner().total_cmp(&y.1.planner())).unwrap_or(("none", &NONE))
+        all.max_by(|x, y| x.1.chooser().total_cmp(&y.1.chooser())).unwrap_or(("none", &NONE))
     }
 
-    /// By how much the planner took longer than the best fixed plan, as a share of that.
+    /// By how much the chooser took longer than the best fixed plan, as a share of that.
     #[must_use]
     pub fn regret(&self) -> f64 {
-        self.best().1.planner() - 1.0
+        self.best().1.chooser() - 1.0
     }
 
-    /// The planner's time over that of one thread.
+    /// The chooser's time over that of one thread.
     #[must_use]
     pub fn to_sequential(&self) -> f64 {
-        self.fixed.first().map_or(0.0, |(_, outcome)| outcome.planner())
+        self.fixed.first().map_or(0.0, |(_, outcome)| outcome.chooser())
     }
 }
 
@@ -109,7 +109,7 @@ pub struct Summary {
     pub cases: usize,
     /// The mean regret.
     pub mean: f64,
-    /// The same where a planner that beats all fixed plans, as one that keeps answers does, counts as 0.
+    /// The same where a chooser that beats all fixed plans, as one that keeps answers does, counts as 0.
     pub mean_loss: f64,
     /// What 95 of a hundred regrets do not exceed.
     pub p95: f64,
@@ -119,8 +119,6 @@ pub struct Summary {
     pub noise: f64,
     /// What 95 of a hundred such distances do not exceed.
     pub noise_p95: f64,
-    /// The largest share of deciding in a case, see [`Tally::deciding`].
-    pub deciding: f64,
 }
 
 impl Summary {
@@ -141,7 +139,6 @@ impl Summary {
             to_sequential: all(Row::to_sequential).last().copied().unwrap_or(0.0),
             noise: mean(&noises),
             noise_p95: quantile(&noises, 0.95),
-            deciding: all(|row| row.tally.deciding()).last().copied().unwrap_or(0.0),
         }
     }
 }
@@ -171,7 +168,7 @@ mod tests {
             verb: Verb::All,
             rounds: 1,
             fixed: fixed.map(|(name, outcome)| (name.to_owned(), outcome)).into(),
-            planner: 3.0,
+            chooser: 3.0,
             tally: Tally::default(),
             noise,
         }
@@ -179,7 +176,7 @@ mod tests {
 
     #[test]
     fn regret_is_against_the_best_that_was_played_to_the_end() {
-        let took = |planner: f64| Outcome::Took { seconds: 3.0 / planner, planner };
+        let took = |chooser: f64| Outcome::Took { seconds: 3.0 / chooser, chooser };
         let hopeless = Outcome::Hopeless { seconds: 0.5, frames: 1 };
         let alone = row(took(1.5), hopeless, 0.25);
         assert_eq!(

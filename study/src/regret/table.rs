@@ -16,7 +16,7 @@ impl fmt::Display for Heading<'_> {
         write!(f, "{:<9} {:<CLASS$} {:>9} ", "case", "what moves", "triangles")?;
         write!(f, "{:>6} {:>6} {:<5}", "bodies", "frames", "verb")?;
         self.0.fixed.iter().try_for_each(|(name, _)| write!(f, " {name:>11}"))?;
-        write!(f, " {:>11} {:>8} {:>7} {:>7}  mostly", "planner", "regret", "to seq.", "A/A")
+        write!(f, " {:>11} {:>8} {:>7} {:>7}  mostly", "chooser", "regret", "to seq.", "A/A")
     }
 }
 
@@ -36,7 +36,7 @@ impl fmt::Display for Row {
             };
             write!(f, " {cell:>11}")?;
         }
-        write!(f, " {:>11} {:>7.1}%", time(self.planner), 100.0 * self.regret())?;
+        write!(f, " {:>11} {:>7.1}%", time(self.chooser), 100.0 * self.regret())?;
         write!(f, " {:>7.2} {:>6.1}%", self.to_sequential(), 100.0 * self.noise)?;
         write!(f, "  {}", self.tally.mostly())
     }
@@ -45,7 +45,7 @@ impl fmt::Display for Row {
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let Self { cases, mean, mean_loss, p95, to_sequential, noise, noise_p95, deciding } = *self;
+        let Self { cases, mean, mean_loss, p95, to_sequential, noise, noise_p95 } = *self;
         writeln!(
             f,
             "Times of all frames: the median over rounds. Ratios: the median of those within rounds. * the best fixed plan,"
@@ -62,8 +62,7 @@ impl fmt::Display for Summary {
             percent(mean_loss)
         )?;
         writeln!(f, "sequential  at worst {to_sequential:.2} times as long")?;
-        writeln!(f, "A/A         mean {}, 95th percentile {}", percent(noise), percent(noise_p95))?;
-        write!(f, "deciding    at worst {} of frames of 10 µs and more", percent(deciding))
+        write!(f, "A/A         mean {}, 95th percentile {}", percent(noise), percent(noise_p95))
     }
 }
 
@@ -85,7 +84,7 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
     let Some(first) = rows.first() else { return Ok(table.flush()?) };
     let column = |name: &str| name.replace(' ', "_");
     let facts = ["case", "what_moves", "triangles", "bodies", "frames", "verb", "rounds"];
-    let judged = ["planner_ms", "best", "regret", "to_sequential", "a_a", "changes", "deciding"];
+    let judged = ["planner_ms", "best", "regret", "to_sequential", "a_a", "changes"];
     let mut head = facts.map(str::to_owned).to_vec();
     head.extend(first.fixed.iter().map(|(name, _)| format!("{}_ms", column(name))));
     head.extend(judged.map(str::to_owned));
@@ -107,16 +106,15 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
             Outcome::Hopeless { .. } | Outcome::Refused { .. } => String::new(),
         }));
         line.extend([
-            format!("{:.6}", 1e3 * row.planner),
+            format!("{:.6}", 1e3 * row.chooser),
             row.best().0.to_owned(),
             format!("{:.4}", row.regret()),
             format!("{:.4}", row.to_sequential()),
             format!("{:.4}", row.noise),
             row.tally.changes.to_string(),
-            format!("{:.4}", row.tally.deciding()),
         ]);
         line.extend(row.fixed.iter().map(|(_, outcome)| match outcome {
-            Outcome::Took { planner, .. } => format!("{planner:.4}"),
+            Outcome::Took { chooser, .. } => format!("{chooser:.4}"),
             Outcome::Hopeless { .. } | Outcome::Refused { .. } => String::new(),
         }));
         line.extend(row.tally.frames.map(|count| count.to_string()));

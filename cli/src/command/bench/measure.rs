@@ -8,11 +8,11 @@
 use super::super::{milliseconds, progress};
 use crate::args::BenchGpu;
 use crate::engine::{objects, update};
-use crate::how::on_threads;
+use crate::how;
 use crate::recording::Recording;
 use anyhow::{Result, ensure};
-use pfront::TrianglePair;
 use pfront::gpu::{Report, Timing};
+use pfront::{Executor, TrianglePair};
 use pfront_cli::workload::Frame;
 use pfront_study::engine::{Engine, On, OnGpu};
 use serde::Serialize;
@@ -101,16 +101,16 @@ pub(super) fn measure(
         device.run(frame)?;
         bar.inc(1);
     }
-    let mut one_thread = Lane::new(objects.clone().engine(On::Cpu(None).into())?);
-    let mut all_threads = Lane::new(objects.engine(on_threads(threads)?.into())?);
+    let mut one_thread = Lane::new(objects.clone().engine(Executor::sequential().into())?);
+    let mut all_threads = Lane::new(objects.engine(how::threads(threads)?.into())?);
     let mut recording = Recording::open(name, bench.size, bench.frames)?;
     for (number, answer) in device.answers.iter().enumerate() {
         let Some(frame) = recording.next_frame()? else { break };
         if number == 0 {
-            // It makes buffers, and does not count.
+            // It wakes threads and makes buffers, and does not count. Another verb, since an answer is kept.
             for lane in [&mut one_thread, &mut all_threads] {
                 update(&mut *lane.engine, frame)?;
-                lane.engine.all()?;
+                lane.engine.count()?;
             }
         }
         let same = one_thread.run(frame)? == answer && all_threads.run(frame)? == answer;

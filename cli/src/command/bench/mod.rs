@@ -40,7 +40,7 @@ pub(crate) fn run(bench: &BenchGpu) -> Result<bool> {
         ..suits
     };
     let on = OnGpu { gpu, settings, timed: false };
-    let threads = how::threads(bench.threads);
+    let threads = how::number(bench.threads);
     let mut record = Record {
         adapter: adapters::name(&info),
         driver: format!("{} {}", info.driver, info.driver_info),

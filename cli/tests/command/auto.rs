@@ -1,53 +1,19 @@
-//! `pfront plan`, `pfront regret`, and `--backend auto`.
+//! `--backend auto`, and `pfront regret`.
 
 use super::{command, folder, out, refused};
 use std::fs;
 
 #[test]
-fn plans_are_explained_on_a_machine_that_was_measured() {
-    let folder = folder();
-    let at = folder.path();
-    let measured = out(at, "plan --calibrate m.json --backend cpu");
-    assert!(measured.starts_with("a box test takes "), "{measured}");
-    let machine: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(at.join("m.json")).unwrap()).unwrap();
-    assert!(machine["test"].as_f64().unwrap() > 0.0, "{machine}");
-
-    let text = out(at, "plan sheet --size 2000 --frames 6 --machine m.json --threads 2");
-    for part in [&*measured, "frame     0  ", "\n6 frames: ", "deciding took"] {
-        assert!(text.contains(part), "no '{part}' in:\n{text}");
-    }
-    let lines = out(at, "plan worm-gear --size 8000 --frames 4 --mode any --json --threads 1");
-    let plans: Vec<serde_json::Value> =
-        lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    assert_eq!(plans.len(), 4);
-    assert!(plans.iter().all(|plan| plan["backend"] == "Sequential"), "{lines}");
-
-    fs::write(at.join("no.json"), "{}").unwrap();
-    for (arguments, message) in [
-        ("plan", "SCENE"),
-        ("plan nothing", "built-in scenes"),
-        ("plan sheet --machine no.json", "no.json: not a machine"),
-        ("plan sheet --machine none.json", "none.json"),
-        ("pairs a.obj b.obj --machine m.json", "--backend auto"),
-    ] {
-        let error = refused(at, arguments);
-        assert!(error.contains(message), "{arguments}: {error}");
-    }
-}
-
-#[test]
 fn auto_answers_as_all_others_do_and_says_who_did() {
     let folder = folder();
     let at = folder.path();
-    out(at, "plan --calibrate m.json --backend cpu");
     for (arguments, said) in [
         ("pairs a.obj b.obj --format csv", "one thread: "),
         ("self a.obj --format csv", "one thread: "),
         ("any a.obj b.obj", "one thread: "),
         ("replay epicyclic --frames 3 --pairs auto.tcp", "3 frames: "),
     ] {
-        let auto = format!("{arguments} --backend auto --machine m.json");
+        let auto = format!("{arguments} --backend auto");
         let ended = command(at, &auto).output().unwrap();
         let [found, why] = [ended.stdout, ended.stderr].map(|o| String::from_utf8(o).unwrap());
         assert!(ended.status.success() && why.starts_with(said), "{auto}: {why}");
@@ -67,7 +33,9 @@ fn regret_of_a_few_cases() {
     let facts = |on: &str| {
         let asked = format!("regret --quick --cases 4 --seed 5 --threads 2 --csv r.csv {on}");
         let table = out(at, &asked);
-        for part in ["seed 5; ", "pair 1", "self 3", "scene 4", "4 cases", "regret      mean"] {
+        for part in
+            ["seed 5, 2 threads", "pair 1", "self 3", "scene 4", "4 cases", "regret      mean"]
+        {
             assert!(table.contains(part), "no '{part}' in:\n{table}");
         }
         let csv = fs::read_to_string(at.join("r.csv")).unwrap();

@@ -1,22 +1,23 @@
 //! All bodies on the device: one mesh and one forest of trees, each body with its own run of both.
 
-use super::bodies::{Bodies, BodyId};
-use super::shape::MOST_PAIRS;
-use super::{SceneHit, Shape};
 use crate::clock::Clock;
 use crate::engine::Entry;
 use crate::layout::{Corner, Posing};
 use crate::memory::Usage;
+use crate::model::{below, reference};
 use crate::parameters::Parameters;
 use crate::schedule::Schedule;
 use crate::sequence::{Sequence, groups_for};
 use crate::{Error, Gpu, Model};
 use pfront_core::bvtt::TrianglePair;
-use pfront_core::{Node, Pose};
+use pfront_core::{Bvh, Node, Pose};
 use pfront_shaders::constants::GROUP;
 use wgpu::{Buffer, CommandEncoder};
 
-/// The bodies that have triangles, in the world.
+/// A first front pairs at most so many nodes: one level on, that is the larger starting front of the paper's GPU algorithm.
+const MOST_PAIRS: usize = 4096;
+
+/// The bodies in the world.
 #[derive(Debug)]
 pub(super) struct Arena {
     /// Without seeds: a query starts from [`Arena::front`].
@@ -31,15 +32,17 @@ pub(super) struct Arena {
     bytes: u64,
 }
 
-/// A body and where its runs begin.
+/// A body, and where its runs begin.
 #[derive(Debug)]
 struct Tenant {
-    id: BodyId,
-    /// Among all bodies.
-    place: u32,
-    first_node: u32,
     first_triangle: u32,
     first_vertex: u32,
+    /// How many vertices it has.
+    vertices: usize,
+    /// The depth of its BVH.
+    depth: u32,
+    /// The nodes of each of the first levels, leaves above it included, as a front holds them.
+    levels: Vec<Vec<u32>>,
 }
 
 /// The arrays to upload.
@@ -48,6 +51,7 @@ struct Contents {
     nodes: Vec<Node>,
     corners: Vec<Corner>,
     order: Vec<u32>,
+    roots: Vec<u32>,
     shapes: Vec<[f32; 3]>,
     /// The number of the tenant of each vertex.
     owners: Vec<u32>,
@@ -59,14 +63,11 @@ impl Arena {
     ///
     /// # Complexity
     /// O(triangles).
-    pub(super) fn new(gpu: &Gpu, bodies: &Bodies) -> Result<Self, Error> {
-        let triangles = bodies.solid().map(|(body, _)| body.shape().mesh().triangles().len()).sum();
-        Model::check_size(triangles)?;
+    pub(super) fn new(gpu: &Gpu, bodies: &[Bvh<'_>]) -> Result<Self, Error> {
+        Model::check_size(bodies.iter().map(|bvh| bvh.order().len()).sum())?;
         let mut contents = Contents::default();
-        for (body, place) in bodies.iter().zip(0..).filter(|(body, _)| body.aabb().is_some()) {
-            contents.add(body.id(), place, body.shape());
-        }
-        let Contents { nodes, corners, order, shapes, owners, tenants } = contents;
+        bodies.iter().for_each(|bvh| contents.add(bvh));
+        let Contents { nodes, corners, order, roots, shapes, owners, tenants } = contents;
         let model = Model {
             id: Model::next_id(),
             device: gpu.id(),
@@ -98,7 +99,6 @@ impl Arena {
         let parameters = Parameters::new(gpu, "the vertices", &[Posing { vertices: owner_count }])?;
         let groups = groups_for(owner_count.div_ceil(GROUP));
         motion.add(gpu, |p| &p.pose, &buffers, parameters.binding(0), groups)?;
-        let roots: Vec<u32> = tenants.iter().map(|tenant| tenant.first_node).collect();
         let schedule = Schedule::of_forest(&nodes, &roots);
         schedule.add_to(&mut motion, gpu, &model, &positions)?;
         let bytes = buffers.iter().map(|(_, buffer)| buffer.size()).sum::<u64>() + schedule.bytes();
@@ -110,39 +110,39 @@ impl Arena {
         self.model.bytes() + self.bytes
     }
 
-    /// Moves the vertices of a body with the next submission.
-    pub(super) fn write_positions(&self, gpu: &Gpu, id: BodyId, positions: &[[f32; 3]]) {
-        // A body without triangles is not in the arena.
-        if let Ok(number) = self.tenants.binary_search_by_key(&id, |tenant| tenant.id) {
-            let at = u64::from(self.tenants[number].first_vertex) * size_of::<[f32; 3]>() as u64;
-            gpu.queue().write_buffer(&self.shapes, at, bytemuck::cast_slice(positions));
-        }
+    /// How many vertices a body has.
+    pub(super) fn vertices(&self, body: usize) -> usize {
+        self.tenants[body].vertices
     }
 
-    /// Moves everybody to where they are now.
+    /// Moves the vertices of a body with the next submission.
+    pub(super) fn write_positions(&self, gpu: &Gpu, body: usize, positions: &[[f32; 3]]) {
+        let first = u64::from(self.tenants[body].first_vertex);
+        let at = first * size_of::<[f32; 3]>() as u64;
+        gpu.queue().write_buffer(&self.shapes, at, bytemuck::cast_slice(positions));
+    }
+
+    /// Moves all bodies to their poses.
     pub(super) fn record_motion(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        bodies: &Bodies,
+        poses: &[Pose],
         clock: Option<&mut Clock>,
     ) {
-        let poses: Vec<Pose> = bodies.solid().map(|(body, _)| body.pose()).collect();
-        gpu.queue().write_buffer(&self.poses, 0, bytemuck::cast_slice(&poses));
+        gpu.queue().write_buffer(&self.poses, 0, bytemuck::cast_slice(poses));
         self.motion.run(encoder, clock);
     }
 
-    /// Node pairs to start from, of pairs of tenants by their numbers, and the levels of the BVTT below
-    /// them.
+    /// Node pairs to start from, of pairs of bodies, and the levels of the BVTT below them.
     ///
     /// Few pairs of bodies start some levels below their roots, so that the first pass has work for many
     /// workgroups.
-    pub(super) fn front(&self, bodies: &Bodies, pairs: &[[u32; 2]]) -> (Vec<Entry>, u32) {
-        let tenants = |pair: &[u32; 2]| pair.map(|number| &self.tenants[number as usize]);
-        let nodes = |tenant: &Tenant, level| bodies.at(tenant.place).shape().level(level);
+    pub(super) fn front(&self, pairs: &[[u32; 2]]) -> (Vec<Entry>, u32) {
+        let tenants = |pair: &[u32; 2]| pair.map(|body| &self.tenants[body as usize]);
         let node_pairs = |level: usize| -> usize {
             let of_pair = |pair| -> usize {
-                tenants(pair).into_iter().map(|tenant| nodes(tenant, level).0.len()).product()
+                tenants(pair).into_iter().map(|tenant| tenant.level(level).0.len()).product()
             };
             pairs.iter().map(of_pair).sum()
         };
@@ -151,35 +151,42 @@ impl Arena {
         let level = (1..=deepest).rev().find(|&level| node_pairs(level) <= MOST_PAIRS).unwrap_or(0);
         let (mut front, mut levels) = (Vec::with_capacity(node_pairs(level)), 1);
         for pair in pairs {
-            let [a, b] = tenants(pair);
-            let ((own, own_levels), (other, other_levels)) = (nodes(a, level), nodes(b, level));
+            let [(own, own_levels), (other, other_levels)] =
+                tenants(pair).map(|tenant| tenant.level(level));
             levels = levels.max(own_levels).max(other_levels);
-            for x in own {
-                front.extend(other.iter().map(|y| [x + a.first_node, y + b.first_node]));
+            for &x in own {
+                front.extend(other.iter().map(|&y| [x, y]));
             }
         }
         (front, levels)
     }
 
     /// The bodies and triangles of a pair of triangles of the arena.
-    pub(super) fn hit(&self, pair: TrianglePair) -> SceneHit {
-        let tenant = |triangle: u32| {
+    pub(super) fn hit(&self, pair: TrianglePair) -> ([u32; 2], TrianglePair) {
+        let [(a, own), (b, other)] = [pair.a, pair.b].map(|triangle| {
             let next = self.tenants.partition_point(|tenant| tenant.first_triangle <= triangle);
-            &self.tenants[next - 1]
-        };
-        let (own, other) = (tenant(pair.a), tenant(pair.b));
-        let pair =
-            TrianglePair { a: pair.a - own.first_triangle, b: pair.b - other.first_triangle };
-        SceneHit { bodies: [own.id, other.id], pair }
+            (next as u32 - 1, triangle - self.tenants[next - 1].first_triangle)
+        });
+        ([a, b], TrianglePair { a: own, b: other })
+    }
+}
+
+impl Tenant {
+    /// The nodes of a level, or of the last one there is, as a front holds them; and how many levels
+    /// lie below, of which a leaf on its own counts as one.
+    fn level(&self, level: usize) -> (&[u32], u32) {
+        let level = level.min(self.levels.len().saturating_sub(1));
+        let nodes = self.levels.get(level).map_or(&[][..], Vec::as_slice);
+        (nodes, (self.depth - level as u32).max(1))
     }
 }
 
 impl Contents {
-    /// Adds an instance of a shape.
-    fn add(&mut self, id: BodyId, place: u32, shape: &Shape) {
+    /// Adds a body.
+    fn add(&mut self, bvh: &Bvh<'_>) {
         let [first_node, first_triangle, first_vertex] =
             [self.nodes.len(), self.order.len(), self.shapes.len()].map(|first| first as u32);
-        let (bvh, mesh) = (shape.bvh(), shape.mesh());
+        let mesh = bvh.mesh();
         self.nodes.extend(bvh.nodes().iter().map(|node| {
             let shift = if node.is_leaf() { first_triangle } else { first_node };
             Node { first: node.first + shift, ..*node }
@@ -191,8 +198,32 @@ impl Contents {
             }));
             self.order.push(triangle + first_triangle);
         }
+        if !bvh.nodes().is_empty() {
+            self.roots.push(first_node);
+        }
         self.shapes.extend(mesh.positions());
         self.owners.resize(self.shapes.len(), self.tenants.len() as u32);
-        self.tenants.push(Tenant { id, place, first_node, first_triangle, first_vertex });
+        self.tenants.push(Tenant {
+            first_triangle,
+            first_vertex,
+            vertices: mesh.positions().len(),
+            depth: bvh.depth() as u32,
+            levels: levels(bvh.nodes(), first_node),
+        });
     }
+}
+
+/// From the root on, as long as a level paired with its own does not exceed [`MOST_PAIRS`].
+fn levels(nodes: &[Node], first_node: u32) -> Vec<Vec<u32>> {
+    let mut level: Vec<u32> = (0..nodes.len().min(1) as u32).collect();
+    let mut levels = Vec::new();
+    while !level.is_empty() && level.len().pow(2) <= MOST_PAIRS {
+        levels.push(level.iter().map(|&node| reference(nodes, node) + first_node).collect());
+        let next = below(nodes, &level);
+        if next.len() == level.len() {
+            break;
+        }
+        level = next;
+    }
+    levels
 }

@@ -1,0 +1,98 @@
+//! A GPU as an executor has it: its lists, shared by all queries, and the models that are there.
+
+use super::measure::Line;
+use super::{Given, Want};
+use crate::gpu::{self, Error, Gpu, Settings};
+use crate::{Adjacency, Model, Pose, Stamp, TrianglePair};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+#[derive(Debug)]
+pub(crate) struct Device {
+    pub(crate) gpu: Gpu,
+    pub(crate) settings: Settings,
+    /// What it is predicted to take beside a CPU; `None` if it is to answer whatever is asked.
+    pub(super) line: Option<Line>,
+    pair: Mutex<Option<gpu::PairQuery>>,
+    within: Mutex<Option<gpu::SelfQuery>>,
+    /// Models that do not move, for as long as some query has them.
+    models: Mutex<Vec<(Stamp, Weak<gpu::Model>)>>,
+}
+
+impl Device {
+    pub(super) fn new(gpu: &Gpu, settings: Settings, line: Option<Line>) -> Self {
+        Self {
+            gpu: gpu.clone(),
+            settings,
+            line,
+            pair: Mutex::default(),
+            within: Mutex::default(),
+            models: Mutex::default(),
+        }
+    }
+
+    /// A model there, which is uploaded unless some query has it.
+    pub(super) fn model(&self, model: &Model) -> Result<Arc<gpu::Model>, Error> {
+        let stamp = model.stamp();
+        let mut models = lock(&self.models);
+        models.retain(|(_, model)| model.strong_count() > 0);
+        let known = models.iter().find(|(known, _)| *known == stamp);
+        if let Some(model) = known.and_then(|(_, model)| model.upgrade()) {
+            return Ok(model);
+        }
+        let uploaded = Arc::new(gpu::Model::new(&self.gpu, model.bvh())?);
+        models.push((stamp, Arc::downgrade(&uploaded)));
+        Ok(uploaded)
+    }
+
+    /// Asks about two models there.
+    pub(crate) fn ask_pair(
+        &self,
+        [a, b]: [&gpu::Model; 2],
+        a_from_b: &Pose,
+        want: Want,
+        pairs: &mut Vec<TrianglePair>,
+    ) -> Result<Given<TrianglePair>, Error> {
+        let mut query = lock(&self.pair);
+        let query = match &mut *query {
+            Some(query) => query,
+            none => none.insert(gpu::PairQuery::with_settings(&self.gpu, self.settings)?),
+        };
+        Ok(match want {
+            Want::All => {
+                query.all_into(a, b, a_from_b, pairs)?;
+                Given::listed(pairs)
+            }
+            Want::Count => Given::counted(query.count(a, b, a_from_b)?),
+            Want::Any => Given::found(query.any(a, b, a_from_b)?),
+        })
+    }
+
+    /// Asks about a model there and itself.
+    pub(crate) fn ask_within(
+        &self,
+        model: &gpu::Model,
+        adjacency: Adjacency,
+        want: Want,
+        pairs: &mut Vec<TrianglePair>,
+    ) -> Result<Given<TrianglePair>, Error> {
+        let mut within = lock(&self.within);
+        let query = match within.take() {
+            Some(query) => query,
+            None => gpu::SelfQuery::with_settings(&self.gpu, self.settings)?,
+        };
+        let query = within.insert(query.with_adjacency(adjacency));
+        Ok(match want {
+            Want::All => {
+                query.all_into(model, pairs)?;
+                Given::listed(pairs)
+            }
+            Want::Count => Given::counted(query.count(model)?),
+            Want::Any => Given::found(query.any(model)?),
+        })
+    }
+}
+
+/// Nothing is half done under these locks that the next question would not do anew.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

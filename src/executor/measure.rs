@@ -1,0 +1,95 @@
+//! What a GPU takes beside a CPU: a short and a long question are asked of both, and a line is drawn through the times.
+
+use super::Executor;
+use crate::gpu::{self, Error, Gpu};
+use crate::{Model, PairQuery, Pose};
+use std::time::Instant;
+
+/// Cells along a side of the sheets that are asked about, two triangles each: few enough that the GPU takes its latency, and
+/// enough that it takes several times as long.
+const SIDES: [usize; 2] = [32, 192];
+/// How often each question is asked, in other poses; the median counts.
+const RUNS: usize = 9;
+
+/// The line of a GPU beside a CPU. All times are in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Line {
+    /// To ask anything at all and read the answer.
+    pub(super) latency: f64,
+    /// What a longer question takes beyond that, as a multiple of what it takes the CPU.
+    pub(super) slope: f64,
+    /// To bring a model there, however small.
+    pub(super) setup: f64,
+    /// To bring a triangle there.
+    pub(super) upload: f64,
+}
+
+/// Measures a GPU beside the CPU of an executor.
+pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, Error> {
+    // Else the first deforming mesh would wait for that.
+    gpu.warm_up()?;
+    let mut on_cpu = PairQuery::new().on(&Executor { device: None, ..executor.clone() });
+    let mut on_gpu = gpu::PairQuery::new(gpu)?;
+    let (mut cpu, mut there, mut uploads) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+    let sheets = [sheet(SIDES[0])?, sheet(SIDES[1])?];
+    // The first round wakes threads and grows buffers.
+    for _ in 0..2 {
+        for (i, sheet) in sheets.iter().enumerate() {
+            let clock = Instant::now();
+            let model = gpu::Model::new(gpu, sheet.bvh())?;
+            on_gpu.count(&model, &model, &pose(RUNS))?;
+            let first = clock.elapsed().as_secs_f64();
+            there[i] = median(|pose| on_gpu.all(&model, &model, &pose).map(drop))?;
+            uploads[i] = (first - there[i]).max(0.0);
+            cpu[i] = median(|pose| on_cpu.all(sheet, sheet, &pose).map(drop).map_err(refused))?;
+        }
+    }
+    let triangles = sheets.map(|sheet| sheet.mesh().triangles().len() as f64);
+    let (latency, slope) = line(cpu, there);
+    let (setup, upload) = line(triangles, uploads);
+    Ok(Line { latency, slope, setup, upload })
+}
+
+/// The start and the slope of the line through two points, neither less than nothing.
+fn line(x: [f64; 2], y: [f64; 2]) -> (f64, f64) {
+    let slope = ((y[1] - y[0]) / (x[1] - x[0])).max(0.0);
+    let slope = if slope.is_finite() { slope } else { 0.0 };
+    ((y[0] - slope * x[0]).max(0.0), slope)
+}
+
+/// A wavy sheet of the unit square.
+fn sheet(side: usize) -> Result<Model, Error> {
+    let at = |i: usize| i as f32 / side as f32;
+    let wave = |x: f32, y: f32| 0.1 * (9.0 * x).sin() * (7.0 * y).cos();
+    let grid = (0..=side).flat_map(|j| (0..=side).map(move |i| (at(i), at(j))));
+    let positions = grid.map(|(x, y)| [x, y, wave(x, y)]).collect();
+    let corner = |i: usize, j: usize| (j * (side + 1) + i) as u32;
+    let cells = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
+    let triangles = cells.flat_map(|(i, j)| {
+        let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| corner(i + x, j + y));
+        [[a, b, c], [b, d, c]]
+    });
+    Model::new(positions, triangles.collect()).map_err(refused)
+}
+
+/// A sheet moved a little way through itself, never twice alike: an answer must not be a kept one.
+fn pose(run: usize) -> Pose {
+    Pose::from_translation([0.011 + 0.0004 * run as f32, 0.007, 0.003])
+}
+
+/// The CPU refuses no such sheet, and no such pose.
+fn refused(error: crate::Error) -> Error {
+    Error::Device { reason: error.to_string() }
+}
+
+/// What a run takes.
+fn median(mut run: impl FnMut(Pose) -> Result<(), Error>) -> Result<f64, Error> {
+    let mut times = [0.0; RUNS];
+    for (number, time) in times.iter_mut().enumerate() {
+        let clock = Instant::now();
+        run(pose(number))?;
+        *time = clock.elapsed().as_secs_f64();
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(times[RUNS / 2])
+}

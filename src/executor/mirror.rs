@@ -1,0 +1,115 @@
+//! The models of a query on a GPU, brought there when it is first asked and kept up to date from then on.
+
+use super::Device;
+use crate::gpu::{self, Deforming, Error};
+use crate::{Model, Stamp};
+use std::sync::Arc;
+
+/// One model or two, of which the second may be the first.
+#[derive(Debug, Default)]
+pub(crate) struct Mirrors([Option<Mirror>; 2]);
+
+/// A clone has to bring its models there by itself.
+impl Clone for Mirrors {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+/// A model as it was brought there.
+#[derive(Debug)]
+struct Mirror {
+    stamp: Stamp,
+    model: Mirrored,
+}
+
+#[derive(Debug)]
+enum Mirrored {
+    Rigid(Arc<gpu::Model>),
+    Moving(Box<Deforming>),
+}
+
+impl Mirrors {
+    /// Triangles of models that are not there.
+    pub(crate) fn lack(&self, models: &[&Model]) -> usize {
+        let lacks = |(own, model): (&Option<Mirror>, &&Model)| match own {
+            Some(own) if own.stamp.mesh() == model.stamp().mesh() => 0,
+            _ => model.mesh().triangles().len(),
+        };
+        self.0.iter().zip(distinct(models)).map(lacks).sum()
+    }
+
+    /// Brings models there, whose vertices will move if `moves`, and returns them.
+    pub(crate) fn bring(
+        &mut self,
+        device: &Device,
+        models: &[&Model],
+        moves: bool,
+    ) -> Result<[&gpu::Model; 2], Error> {
+        let distinct = distinct(models);
+        for (own, model) in self.0.iter_mut().zip(distinct) {
+            Mirror::bring(own, device, model, moves)?;
+        }
+        let [first, second] = &self.0;
+        let first = first.as_ref().map(Mirror::model).ok_or(Error::OtherDevice)?;
+        let second = if distinct.len() == 1 { None } else { second.as_ref() };
+        Ok([first, second.map_or(first, Mirror::model)])
+    }
+}
+
+/// A model that is both of two is brought there once.
+fn distinct<'m, 's>(models: &'s [&'m Model]) -> &'s [&'m Model] {
+    match models {
+        [a, b] if a.stamp() == b.stamp() => &models[..1],
+        _ => models,
+    }
+}
+
+impl Mirror {
+    fn model(&self) -> &gpu::Model {
+        match &self.model {
+            Mirrored::Rigid(model) => model,
+            Mirrored::Moving(model) => model,
+        }
+    }
+
+    /// Makes it that of a model: uploads it, or its positions if it is the same mesh that has moved.
+    fn bring(
+        own: &mut Option<Self>,
+        device: &Device,
+        model: &Model,
+        moves: bool,
+    ) -> Result<(), Error> {
+        let stamp = model.stamp();
+        let same_mesh = own.as_ref().is_some_and(|own| own.stamp.mesh() == stamp.mesh());
+        match own {
+            Some(own) if own.stamp == stamp => return Ok(()),
+            Some(Self { stamp: own, model: Mirrored::Moving(moving) })
+                if same_mesh && own.tree() == stamp.tree() =>
+            {
+                moving.set_positions(model.mesh().positions())?;
+                *own = stamp;
+                return Ok(());
+            }
+            _ => {}
+        }
+        let model = match moves || same_mesh {
+            true => Mirrored::Moving(Box::new(Self::moving(device, model)?)),
+            false => Mirrored::Rigid(device.model(model)?),
+        };
+        *own = Some(Self { stamp, model });
+        Ok(())
+    }
+
+    /// A mesh whose boxes the GPU fits to its positions, if the CPU has not.
+    fn moving(device: &Device, model: &Model) -> Result<Deforming, Error> {
+        match model.map_unfitted(|bvh| Deforming::new(&device.gpu, bvh)) {
+            Some(moving) => {
+                let mut moving = moving?;
+                moving.set_positions(model.mesh().positions())?;
+                Ok(moving)
+            }
+            None => Deforming::new(&device.gpu, model.bvh()),
+        }
+    }
+}

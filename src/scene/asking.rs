@@ -1,0 +1,84 @@
+//! A frame of a scene, as each kind of executor answers it.
+
+#[cfg(feature = "threads")]
+use super::batches::Batches;
+use super::bodies::{Bodies, BodyId};
+use super::broad::Broad;
+#[cfg(feature = "gpu")]
+use super::device::Mirror;
+use super::frame::{Frame, Given};
+use super::{Accuracy, Error, SceneHit};
+#[cfg(feature = "gpu")]
+use crate::executor::Device;
+use crate::executor::{Question, Want};
+#[cfg(feature = "threads")]
+use crate::threads::Traversal;
+use pfront_core::bvtt::{PairQuery, Query};
+use std::ops::ControlFlow;
+
+pub(super) struct Asking<'s> {
+    pub(super) accuracy: Accuracy,
+    /// Hits are known of pairs of bodies that have not changed since then.
+    pub(super) since: u64,
+    pub(super) bodies: &'s mut Bodies,
+    pub(super) broad: &'s mut Broad,
+    /// New hits; empty.
+    pub(super) hits: &'s mut Vec<SceneHit>,
+    #[cfg(feature = "threads")]
+    pub(super) batches: &'s mut Batches,
+    #[cfg(feature = "gpu")]
+    pub(super) mirror: &'s mut Mirror,
+}
+
+impl Question for Asking<'_> {
+    type Answer = Given;
+
+    #[cfg(feature = "gpu")]
+    fn accuracy(&self) -> Accuracy {
+        self.accuracy
+    }
+
+    fn on_one_thread(&mut self, want: Want) -> Result<Given, Error> {
+        self.broad.update(self.bodies)?;
+        let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
+        Ok(match want {
+            Want::All => {
+                for (bodies, query) in frame.queries() {
+                    let first = self.hits.len();
+                    let _ = query.visit(&mut query.start(), |pair| {
+                        self.hits.push(SceneHit { bodies, pair });
+                        ControlFlow::Continue(())
+                    });
+                    self.hits[first..].sort_unstable();
+                }
+                Given::listed(self.hits)
+            }
+            Want::Count => Given::counted(frame.queries().map(|(_, query)| query.count()).sum()),
+            Want::Any => {
+                let hit = |(bodies, query): ([BodyId; 2], PairQuery<'_>)| {
+                    Some(SceneHit { bodies, pair: query.any()? })
+                };
+                Given::found(frame.queries().find_map(hit))
+            }
+        })
+    }
+
+    #[cfg(feature = "threads")]
+    fn on_threads(&mut self, traversal: &mut Traversal, want: Want) -> Result<Given, Error> {
+        self.broad.update(self.bodies)?;
+        let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
+        Ok(self.batches.ask(traversal, &frame, want, self.hits))
+    }
+
+    #[cfg(feature = "gpu")]
+    fn to_upload(&self) -> usize {
+        self.mirror.lacks(self.bodies)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn on_gpu(&mut self, device: &Device, want: Want) -> Result<Given, Error> {
+        self.broad.update(self.bodies)?;
+        let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
+        Ok(self.mirror.ask(device, &frame, want, self.hits)?)
+    }
+}
