@@ -39,13 +39,13 @@
 //! The heart of it, [`core`], needs neither an allocator nor std. How to put any of it into an engine or into
 //! firmware, how large every buffer has to be, and the worst case of every call: [`embedding`].
 
-mod answer;
 #[doc = include_str!("../docs/embedding.md")]
 pub mod embedding {}
 mod error;
 pub mod executor;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod history;
 mod model;
 mod pair;
 mod scene;

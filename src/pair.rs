@@ -1,7 +1,7 @@
 //! Two models.
 
-use crate::answer::{About, Answer, OfTwo};
 use crate::executor::Plan;
+use crate::history::{About, History, OfTwo};
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Contact, Error, Executor, Model, Pose, TrianglePair};
@@ -28,7 +28,7 @@ use std::ops::ControlFlow;
 #[derive(Clone, Debug, Default)]
 pub struct PairQuery {
     accuracy: Accuracy,
-    answer: Answer,
+    history: History,
 }
 
 impl PairQuery {
@@ -57,25 +57,25 @@ impl PairQuery {
     /// ```
     #[must_use]
     pub fn on(self, executor: &Executor) -> Self {
-        Self { answer: Answer::on(executor), ..self }
+        Self { history: History::on(executor), ..self }
     }
 
     /// What the last frame on threads did; see [`threads::Report`].
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
-        self.answer.report()
+        self.history.report()
     }
 
     /// Forgets the last answer, so that the same question is answered anew, as a measurement wants it.
     pub fn forget(&mut self) {
-        self.answer.forget();
+        self.history.forget();
     }
 
     /// Who answered the last frame, and why; `None` before the first.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
-        self.answer.plan()
+        self.history.plan()
     }
 
     /// All pairs that meet, sorted; `a` and `b` of a pair are triangles of `a` and `b`.
@@ -85,7 +85,7 @@ impl PairQuery {
     /// everything.
     pub fn all(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<&[TrianglePair], Error> {
         let question = self.question(a, b, a_from_b)?;
-        self.answer.all(&question)
+        self.history.all(&question)
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -99,7 +99,7 @@ impl PairQuery {
         a_from_b: &Pose,
     ) -> Result<Option<TrianglePair>, Error> {
         let question = self.question(a, b, a_from_b)?;
-        self.answer.any(&question)
+        self.history.any(&question)
     }
 
     /// How many pairs meet.
@@ -108,7 +108,7 @@ impl PairQuery {
     /// As [`PairQuery::all`].
     pub fn count(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<u64, Error> {
         let question = self.question(a, b, a_from_b)?;
-        self.answer.count(&question)
+        self.history.count(&question)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
@@ -154,7 +154,7 @@ impl PairQuery {
         a_from_b: &Pose,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
         let question = self.question(a, b, a_from_b)?;
-        self.answer.contacts(&question)
+        self.history.contacts(&question)
     }
 
     fn question<'m>(

@@ -1,7 +1,7 @@
 //! One model with itself.
 
-use crate::answer::{About, Answer, OfOne};
 use crate::executor::Plan;
+use crate::history::{About, History, OfOne};
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Adjacency, Contact, Error, Executor, Model, TrianglePair};
@@ -29,7 +29,7 @@ use std::ops::ControlFlow;
 pub struct SelfQuery {
     accuracy: Accuracy,
     adjacency: Adjacency,
-    answer: Answer,
+    history: History,
 }
 
 impl SelfQuery {
@@ -54,25 +54,25 @@ impl SelfQuery {
     /// The same by an executor; see [`crate::PairQuery::on`].
     #[must_use]
     pub fn on(self, executor: &Executor) -> Self {
-        Self { answer: Answer::on(executor), ..self }
+        Self { history: History::on(executor), ..self }
     }
 
     /// What the last frame on threads did; see [`threads::Report`].
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
-        self.answer.report()
+        self.history.report()
     }
 
     /// Forgets the last answer, so that the same question is answered anew, as a measurement wants it.
     pub fn forget(&mut self) {
-        self.answer.forget();
+        self.history.forget();
     }
 
     /// Who answered the last frame, and why; `None` before the first.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
-        self.answer.plan()
+        self.history.plan()
     }
 
     /// Moves the vertices of a model before it is asked about, as [`Model::set_positions`] does, on the threads of the
@@ -95,7 +95,7 @@ impl SelfQuery {
         model: &mut Model,
         positions: &[[f32; 3]],
     ) -> Result<(), Error> {
-        self.answer.set_positions(model, positions)
+        self.history.set_positions(model, positions)
     }
 
     /// All pairs that meet, sorted.
@@ -104,7 +104,7 @@ impl SelfQuery {
     /// `Error::Gpu` if a GPU fails that is to answer everything; on CPU threads there is none.
     pub fn all(&mut self, model: &Model) -> Result<&[TrianglePair], Error> {
         let question = self.question(model);
-        self.answer.all(&question)
+        self.history.all(&question)
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -113,7 +113,7 @@ impl SelfQuery {
     /// As [`SelfQuery::all`].
     pub fn any(&mut self, model: &Model) -> Result<Option<TrianglePair>, Error> {
         let question = self.question(model);
-        self.answer.any(&question)
+        self.history.any(&question)
     }
 
     /// How many pairs meet.
@@ -122,7 +122,7 @@ impl SelfQuery {
     /// As [`SelfQuery::all`].
     pub fn count(&mut self, model: &Model) -> Result<u64, Error> {
         let question = self.question(model);
-        self.answer.count(&question)
+        self.history.count(&question)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
@@ -144,7 +144,7 @@ impl SelfQuery {
     /// As [`SelfQuery::all`].
     pub fn contacts(&mut self, model: &Model) -> Result<&[(TrianglePair, Contact)], Error> {
         let question = self.question(model);
-        self.answer.contacts(&question)
+        self.history.contacts(&question)
     }
 
     fn question<'m>(&self, model: &'m Model) -> OfOne<'m> {

@@ -63,10 +63,13 @@ impl How {
         let executor = match self.backend {
             Backend::Cpu => threads(self.threads())?,
             Backend::Gpu => self.gpu()?,
-            Backend::Auto => match Gpus::Auto.open()? {
-                Some(gpu) => threads(self.threads())?.and_gpu(&gpu)?,
-                None => threads(self.threads())?,
-            },
+            Backend::Auto => {
+                let cpu = threads(self.threads())?;
+                match Gpus::Auto.open()? {
+                    Some(gpu) => cpu.and_gpu(&gpu, gpu.settings())?,
+                    None => cpu,
+                }
+            }
         };
         let accuracy = self.accuracy.into();
         Ok(Asked { accuracy, adjacency: Adjacency::default(), ..executor.into() })

@@ -23,7 +23,7 @@ const LONG: usize = 64;
 
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Want {
+pub(crate) enum Verb {
     /// Every pair.
     All,
     /// One pair, if there is any.
@@ -77,20 +77,20 @@ impl Answer {
         encoder: &mut CommandEncoder,
         task: &Task,
         start: Start<'_>,
-        want: Want,
+        verb: Verb,
     ) -> Result<Run, Error> {
         let [hits, rest] = self.expected;
-        let hits = match want {
-            Want::All => hits.saturating_add(hits / 4),
-            Want::Any => 1,
-            Want::Count => 0,
+        let hits = match verb {
+            Verb::All => hits.saturating_add(hits / 4),
+            Verb::Any => 1,
+            Verb::Count => 0,
         };
-        self.engine.record(encoder, task, start, [hits, rest], want)
+        self.engine.record(encoder, task, start, [hits, rest], verb)
     }
 
     /// Takes the results of the first run over a task, and sees to it that they are complete.
-    pub(crate) fn finish(&mut self, task: &Task, first: Run, want: Want) -> Result<(), Error> {
-        self.finish_parts(task, vec![vec![task.root]], first, want)
+    pub(crate) fn finish(&mut self, task: &Task, first: Run, verb: Verb) -> Result<(), Error> {
+        self.finish_parts(task, vec![vec![task.root]], first, verb)
     }
 
     /// The same for a task in parts, of which the last is the first to be run.
@@ -99,7 +99,7 @@ impl Answer {
         task: &Task,
         parts: Vec<Vec<Entry>>,
         first: Run,
-        want: Want,
+        verb: Verb,
     ) -> Result<(), Error> {
         self.reset();
         let mut waiting = parts;
@@ -110,24 +110,24 @@ impl Answer {
             let found = self.engine.read(&run, &mut self.pairs)?;
             self.report.add(&found.counters);
             let Counters { overflow, hits, rest, fronts, .. } = found.counters;
-            let refused = match want {
-                Want::All => overflow,
-                Want::Any if hits > 0 => 0,
-                Want::Any | Want::Count => overflow & !HIT_OVERFLOW,
+            let refused = match verb {
+                Verb::All => overflow,
+                Verb::Any if hits > 0 => 0,
+                Verb::Any | Verb::Count => overflow & !HIT_OVERFLOW,
             };
             if refused != 0 {
                 self.pairs.truncate(before);
                 waiting.extend(self.divide(task, &part, &found.counters)?.into_iter().rev());
-            } else if fronts[run.last_front as usize] != 0 && !(want == Want::Any && hits > 0) {
+            } else if fronts[run.last_front as usize] != 0 && !(verb == Verb::Any && hits > 0) {
                 self.pairs.truncate(before);
-                run = self.run(task, Start::Left(run.last_front, &found.counters), want)?;
+                run = self.run(task, Start::Left(run.last_front, &found.counters), verb)?;
                 continue;
             } else {
-                if want != Want::Any {
+                if verb != Verb::Any {
                     self.expected = [hits, rest];
                 }
-                self.take(task, before, found, want)?;
-                if want == Want::Any && self.count > 0 {
+                self.take(task, before, found, verb)?;
+                if verb == Verb::Any && self.count > 0 {
                     break;
                 }
             }
@@ -135,18 +135,18 @@ impl Answer {
                 Some(next) => part = next,
                 None => break,
             }
-            run = self.run(task, Start::Front(&part), want)?;
+            run = self.run(task, Start::Front(&part), verb)?;
         }
         self.put_in_order();
         Ok(())
     }
 
     /// Records and submits a run.
-    pub(crate) fn run(&mut self, task: &Task, start: Start<'_>, want: Want) -> Result<Run, Error> {
+    pub(crate) fn run(&mut self, task: &Task, start: Start<'_>, verb: Verb) -> Result<Run, Error> {
         let gpu = self.engine.gpu.clone();
         gpu.checked(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
-            let mut run = self.record(&mut encoder, task, start, want)?;
+            let mut run = self.record(&mut encoder, task, start, verb)?;
             run.submission = Some(gpu.queue().submit([encoder.finish()]));
             Ok(run)
         })
@@ -188,17 +188,17 @@ impl Answer {
     }
 
     /// Adds what a complete run found beyond the hits that have been read already.
-    fn take(&mut self, task: &Task, before: usize, found: Found, want: Want) -> Result<(), Error> {
+    fn take(&mut self, task: &Task, before: usize, found: Found, verb: Verb) -> Result<(), Error> {
         let Found { counters, mut rest } = found;
         let (device, queue) = (self.engine.gpu.device(), self.engine.gpu.queue());
         let again = || device.create_command_encoder(&Default::default());
         let lists = &self.engine.lists;
-        if want == Want::All && self.pairs.len() - before < counters.hits as usize {
+        if verb == Verb::All && self.pairs.len() - before < counters.hits as usize {
             self.pairs.truncate(before);
             let hits = read_now(device, queue, again(), &lists.hits, counters.hits as usize)?;
             self.pairs.extend_from_slice(&hits);
         }
-        if rest.len() < counters.rest as usize && (want != Want::Any || counters.hits == 0) {
+        if rest.len() < counters.rest as usize && (verb != Verb::Any || counters.hits == 0) {
             rest = read_now(device, queue, again(), &lists.rest, counters.rest as usize)?;
         }
         let late = self.late.len();

@@ -4,7 +4,7 @@
 //! get to the bottom. What a pass works on is counted on the device, so a run is one submission with
 //! nothing read back in between.
 
-use crate::answer::Want;
+use crate::answer::Verb;
 use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
 use crate::groups::{Dispatches, Groups, Meshes};
@@ -135,7 +135,7 @@ impl Engine {
         task: &Task,
         start: Start<'_>,
         copies: [u32; 2],
-        want: Want,
+        verb: Verb,
     ) -> Result<Run, Error> {
         // A pass reads the front of its own index and writes the next.
         let (first, levels) = match start {
@@ -147,10 +147,10 @@ impl Engine {
         let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - first);
         let (levels, last_front) = (levels.div_ceil(passes), first + passes);
         self.ticket = self.ticket.wrapping_add(1);
-        let one_hit = u32::from(want == Want::Any);
+        let one_hit = u32::from(verb == Verb::Any);
         let whole =
             Query { levels, last_pass: last_front - 1, one_hit, beam: u32::MAX, ..task.query };
-        let looks_ahead = want == Want::Any && !matches!(start, Start::Left(..));
+        let looks_ahead = verb == Verb::Any && !matches!(start, Start::Left(..));
         if looks_ahead {
             // No pass of it goes to the bottom at once, which all together do.
             let beam = Query { beam: BEAM, last_pass: u32::MAX, ..whole };
@@ -159,7 +159,7 @@ impl Engine {
         }
         let kept = if looks_ahead { offset_of!(Counters, overflow) } else { 0 };
         self.prepare(encoder, whole, start, kept)?;
-        self.dispatch(encoder, task, start, first..last_front, Some(want));
+        self.dispatch(encoder, task, start, first..last_front, Some(verb));
         if let Some(clock) = &self.clock {
             clock.finish(encoder);
         }
@@ -174,11 +174,11 @@ impl Engine {
         task: &Task,
         start: Start<'_>,
         passes: Range<u32>,
-        want: Option<Want>,
+        verb: Option<Verb>,
     ) {
         let Self { gpu, groups, workgroups, clock, .. } = self;
         let shaders = gpu.passes();
-        let mut dispatches = Dispatches::begin(encoder, clock.as_mut().filter(|_| want.is_some()));
+        let mut dispatches = Dispatches::begin(encoder, clock.as_mut().filter(|_| verb.is_some()));
         let Some(Meshes { groups: meshes, .. }) = &self.meshes else { return };
         let lists = &groups.lists;
         for index in passes {
@@ -193,7 +193,7 @@ impl Engine {
         }
         dispatches.add(&shaders.narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
         dispatches.add(&shaders.decide, &[&meshes.decide, &lists.decide], *workgroups);
-        if want == Some(Want::All) {
+        if verb == Some(Verb::All) {
             let [sample, deal, settle] = &groups.sort;
             dispatches.add(&shaders.sample, &[sample], BUCKETS * RANKERS / GROUP);
             dispatches.add(&shaders.deal, &[deal], *workgroups);

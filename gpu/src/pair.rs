@@ -1,6 +1,6 @@
 //! Two models.
 
-use crate::answer::{Answer, Want};
+use crate::answer::{Answer, Verb};
 use crate::engine::{Engine, Task};
 use crate::layout::{Placement, Query, check_pose};
 use crate::report::reports;
@@ -56,7 +56,7 @@ impl PairQuery {
     /// [`Error::Pose`] if the pose is not finite or takes `b` out of range; [`Error::DeviceLost`],
     /// [`Error::Device`], [`Error::OutOfMemory`].
     pub fn all(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<&[TrianglePair], Error> {
-        self.ask(a, b, a_from_b, Want::All)?;
+        self.ask(a, b, a_from_b, Verb::All)?;
         Ok(&self.answer.pairs)
     }
 
@@ -71,7 +71,7 @@ impl PairQuery {
         a_from_b: &Pose,
         out: &mut Vec<TrianglePair>,
     ) -> Result<(), Error> {
-        self.ask(a, b, a_from_b, Want::All)?;
+        self.ask(a, b, a_from_b, Verb::All)?;
         std::mem::swap(&mut self.answer.pairs, out);
         Ok(())
     }
@@ -86,7 +86,7 @@ impl PairQuery {
         b: &Model,
         a_from_b: &Pose,
     ) -> Result<Option<TrianglePair>, Error> {
-        self.ask(a, b, a_from_b, Want::Any)?;
+        self.ask(a, b, a_from_b, Verb::Any)?;
         Ok(self.answer.pairs.first().copied())
     }
 
@@ -95,7 +95,7 @@ impl PairQuery {
     /// # Errors
     /// As [`PairQuery::all`].
     pub fn count(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<u64, Error> {
-        self.ask(a, b, a_from_b, Want::Count)?;
+        self.ask(a, b, a_from_b, Verb::Count)?;
         Ok(self.answer.count)
     }
 
@@ -129,9 +129,9 @@ impl PairQuery {
         Pending::record(&mut self.answer, encoder, task)
     }
 
-    fn ask(&mut self, a: &Model, b: &Model, a_from_b: &Pose, want: Want) -> Result<(), Error> {
+    fn ask(&mut self, a: &Model, b: &Model, a_from_b: &Pose, verb: Verb) -> Result<(), Error> {
         let task = self.prepare(a, b, a_from_b)?;
-        self.answer.ask(task, want)
+        self.answer.ask(task, verb)
     }
 
     /// Binds the models and says what to ask about them; `None` if one is empty.

@@ -1,7 +1,7 @@
 //! Asking now, and asking now to read later.
 
 use crate::Error;
-use crate::answer::{Answer, Want};
+use crate::answer::{Answer, Verb};
 use crate::engine::{Entry, Run, Start, Task};
 use crate::read::is_done;
 use pfront_core::bvtt::TrianglePair;
@@ -23,7 +23,7 @@ impl<'q> Pending<'q> {
     /// [`Error::NotSubmitted`], and those of the query.
     pub fn read(self) -> Result<&'q [TrianglePair], Error> {
         match self.run {
-            Some((task, run)) => self.answer.finish(&task, run, Want::All)?,
+            Some((task, run)) => self.answer.finish(&task, run, Verb::All)?,
             None => self.answer.clear(),
         }
         Ok(&self.answer.pairs)
@@ -56,18 +56,18 @@ impl<'q> Pending<'q> {
     ) -> Result<Self, Error> {
         let Some(task) = task else { return Ok(Self { answer, run: None }) };
         let gpu = answer.engine.gpu.clone();
-        let run = gpu.checked(|| answer.record(encoder, &task, Start::Seeds, Want::All))?;
+        let run = gpu.checked(|| answer.record(encoder, &task, Start::Seeds, Verb::All))?;
         Ok(Self { answer, run: Some((task, run)) })
     }
 }
 
 impl Answer {
     /// Asks, waits and answers; `None` asks nothing.
-    pub(crate) fn ask(&mut self, task: Option<Task>, want: Want) -> Result<(), Error> {
+    pub(crate) fn ask(&mut self, task: Option<Task>, verb: Verb) -> Result<(), Error> {
         match task {
             Some(task) => {
-                let run = self.run(&task, Start::Seeds, want)?;
-                self.finish(&task, run, want)
+                let run = self.run(&task, Start::Seeds, verb)?;
+                self.finish(&task, run, verb)
             }
             None => {
                 self.clear();
@@ -83,12 +83,12 @@ impl Answer {
         encoder: &mut CommandEncoder,
         task: &Task,
         front: &[Entry],
-        want: Want,
+        verb: Verb,
     ) -> Result<(Vec<Vec<Entry>>, Run), Error> {
         let most = self.engine.lists.capacities.front as usize;
         let parts: Vec<_> = front.chunks(most).rev().map(<[Entry]>::to_vec).collect();
         let start = Start::Front(parts.last().map_or(&[], Vec::as_slice));
-        let run = self.record(encoder, task, start, want)?;
+        let run = self.record(encoder, task, start, verb)?;
         Ok((parts, run))
     }
 }

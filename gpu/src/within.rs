@@ -1,6 +1,6 @@
 //! One model with itself.
 
-use crate::answer::{Answer, Want};
+use crate::answer::{Answer, Verb};
 use crate::engine::{Engine, Task};
 use crate::layout::{Placement, Query};
 use crate::report::reports;
@@ -60,7 +60,7 @@ impl SelfQuery {
     /// # Errors
     /// [`Error::DeviceLost`], [`Error::Device`], [`Error::OutOfMemory`].
     pub fn all(&mut self, model: &Model) -> Result<&[TrianglePair], Error> {
-        self.ask(model, Want::All)?;
+        self.ask(model, Verb::All)?;
         Ok(&self.answer.pairs)
     }
 
@@ -69,7 +69,7 @@ impl SelfQuery {
     /// # Errors
     /// As [`SelfQuery::all`].
     pub fn all_into(&mut self, model: &Model, out: &mut Vec<TrianglePair>) -> Result<(), Error> {
-        self.ask(model, Want::All)?;
+        self.ask(model, Verb::All)?;
         std::mem::swap(&mut self.answer.pairs, out);
         Ok(())
     }
@@ -79,7 +79,7 @@ impl SelfQuery {
     /// # Errors
     /// As [`SelfQuery::all`].
     pub fn any(&mut self, model: &Model) -> Result<Option<TrianglePair>, Error> {
-        self.ask(model, Want::Any)?;
+        self.ask(model, Verb::Any)?;
         Ok(self.answer.pairs.first().copied())
     }
 
@@ -88,7 +88,7 @@ impl SelfQuery {
     /// # Errors
     /// As [`SelfQuery::all`].
     pub fn count(&mut self, model: &Model) -> Result<u64, Error> {
-        self.ask(model, Want::Count)?;
+        self.ask(model, Verb::Count)?;
         Ok(self.answer.count)
     }
 
@@ -105,9 +105,9 @@ impl SelfQuery {
         Pending::record(&mut self.answer, encoder, task)
     }
 
-    fn ask(&mut self, model: &Model, want: Want) -> Result<(), Error> {
+    fn ask(&mut self, model: &Model, verb: Verb) -> Result<(), Error> {
         let task = self.prepare(model)?;
-        self.answer.ask(task, want)
+        self.answer.ask(task, verb)
     }
 
     /// Binds the model and says what to ask about it; `None` if it is empty.

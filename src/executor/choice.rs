@@ -1,121 +1,153 @@
-//! The choice between the CPU and a GPU, for one query: see [the bound](crate::executor).
+//! The choice between the CPU and a GPU, for one verb of one query: see [the bound](crate::executor).
 
 use super::Reason;
 use super::measure::Line;
 use std::time::Duration;
 
-/// The weight of what one change to the GPU tells about its slope.
-const WEIGHT: f64 = 0.5;
+/// On the GPU, the CPU answers one frame as soon as the GPU has taken so many times what the CPU last took, in case it has
+/// become faster. Each time that it has not, the next such frame comes twice as late.
+const FIRST_CHECK: f64 = 8.0;
 
-/// All times are in seconds.
-#[derive(Clone, Copy, Debug, Default)]
+/// Predictions are the last frames of both sides. All times are in seconds.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice {
     is_on_gpu: bool,
-    /// How many times as long as the CPU the GPU takes beyond its latency; that of the line before it was ever asked.
-    slope: Option<f64>,
-    /// What the last frame took on the CPU.
     cpu: Option<f64>,
-    /// What the next frame is predicted to take on the CPU and on the GPU.
-    predicted: Option<[f64; 2]>,
-    /// What the other side would have saved.
+    /// Uploads are not part of it.
+    gpu: Option<f64>,
+    /// The difference between the first frames on the GPU and the measured line.
+    offset: f64,
+    /// The time that the other side would have saved since the last change.
     saved: f64,
     /// Frames since the last change.
     frames: u32,
-    /// What it took to move vertices for the next frame.
-    moving: f64,
+    /// The time on the GPU since the CPU was last asked, and, in frames of the CPU, when to ask it again.
+    since_check: f64,
+    next_check: f64,
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        Self {
+            is_on_gpu: false,
+            cpu: None,
+            gpu: None,
+            offset: 0.0,
+            saved: 0.0,
+            frames: 0,
+            since_check: 0.0,
+            next_check: FIRST_CHECK,
+        }
+    }
 }
 
 impl Choice {
+    /// Whether the GPU answered last, checks aside.
     pub(super) fn is_on_gpu(&self) -> bool {
         self.is_on_gpu
     }
 
-    pub(super) fn predicted(&self) -> Option<[Duration; 2]> {
-        Some(self.predicted?.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX)))
+    /// The predictions for the next frame, on the CPU and on the GPU.
+    pub(super) fn predicted(&self, line: &Line) -> Option<[Duration; 2]> {
+        let cpu = self.cpu?;
+        let duration = |time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX);
+        Some([cpu, self.on_gpu(line, cpu)].map(duration))
     }
 
-    /// Chooses for the next frame, before which the GPU lacks so many triangles.
-    pub(super) fn choose(&mut self, line: &Line, to_upload: usize) -> Reason {
-        let Some([cpu, gpu]) = self.predicted else { return Reason::NotWorthChanging };
-        let (own, other) = if self.is_on_gpu { (gpu, cpu) } else { (cpu, gpu) };
-        self.saved = (self.saved + own - other).max(0.0);
-        let price = match (self.is_on_gpu, to_upload) {
-            // What it costs if the prediction is wrong: a frame like the last one there.
-            (true, _) => self.cpu.unwrap_or_default(),
-            (false, 0) => line.latency,
-            (false, triangles) => line.setup + line.upload * triangles as f64,
+    fn on_gpu(&self, line: &Line, cpu: f64) -> f64 {
+        let by_line = (line.latency + line.slope * cpu + self.offset).max(line.latency);
+        self.gpu.filter(|_| self.is_on_gpu).unwrap_or(by_line)
+    }
+
+    /// Chooses for a frame before which the GPU has to be brought what takes `upload`. Returns whether the GPU answers.
+    pub(super) fn choose(&mut self, line: &Line, upload: f64) -> (bool, Reason) {
+        let Some(cpu) = self.cpu else { return (false, Reason::Unknown) };
+        let gpu = self.on_gpu(line, cpu);
+        // A change costs the upload, and one frame on the other side if the prediction is wrong.
+        let (own, other, price) = match self.is_on_gpu {
+            true => (gpu + upload, cpu, cpu),
+            false => (cpu, gpu, gpu + upload),
         };
-        if own <= other {
-            Reason::Faster
-        } else if self.saved <= price {
-            Reason::NotWorthChanging
-        } else {
+        // No single frame decides.
+        self.saved = (self.saved + (own - other).min(price / 2.0)).max(0.0);
+        if own > other && self.saved >= price {
             (self.is_on_gpu, self.frames, self.saved) = (!self.is_on_gpu, 0, 0.0);
-            Reason::Faster
+            (self.since_check, self.next_check) = (0.0, FIRST_CHECK);
+            return (self.is_on_gpu, Reason::Faster);
         }
+        if self.is_on_gpu && self.since_check >= self.next_check * cpu {
+            return (false, Reason::Check);
+        }
+        let reason = if own > other { Reason::NotWorthChanging } else { Reason::Faster };
+        (self.is_on_gpu, reason)
     }
 
-    /// Takes note of what it took to move vertices, which belongs to the next frame.
-    pub(super) fn moved(&mut self, time: Duration) {
-        self.moving += time.as_secs_f64();
-    }
-
-    /// Takes note of what a frame took where it was asked.
-    pub(super) fn took(&mut self, line: &Line, time: Duration) {
-        let time = time.as_secs_f64() + std::mem::take(&mut self.moving);
-        let slope = self.slope.unwrap_or(line.slope);
-        let before = self.frames;
-        self.frames = before.saturating_add(1);
-        if !self.is_on_gpu {
-            self.cpu = Some(time);
-            self.predicted = Some([time, line.latency + slope * time]);
-            return;
+    /// Takes note of the time of a frame, which the GPU answered or did not, after an upload or without.
+    pub(super) fn took(&mut self, line: &Line, by_gpu: bool, uploaded: bool, time: Duration) {
+        let time = time.as_secs_f64();
+        let is_first = self.frames == 0;
+        self.frames = self.frames.saturating_add(1);
+        match (self.is_on_gpu, by_gpu) {
+            (false, _) => self.cpu = Some(time),
+            // A check wakes threads as well: it can only lower the prediction.
+            (true, false) => {
+                let before = self.cpu.unwrap_or(time);
+                self.next_check = if time < before { FIRST_CHECK } else { 2.0 * self.next_check };
+                (self.cpu, self.since_check) = (Some(time.min(before)), 0.0);
+            }
+            (true, true) => {
+                self.since_check += time;
+                // The first frame grows buffers.
+                if is_first || uploaded {
+                    return;
+                }
+                if let (None, Some(cpu)) = (self.gpu, self.cpu) {
+                    self.offset = time - (line.latency + line.slope * cpu);
+                }
+                self.gpu = Some(time);
+            }
         }
-        // The first frame also brings models there, and the second is the nearest to the last on the CPU.
-        let beyond = (time - line.latency).max(0.0);
-        let slope = match (before, self.cpu) {
-            (0, _) => return,
-            (1, Some(cpu)) if cpu > 0.0 => slope + WEIGHT * (beyond / cpu - slope),
-            _ => slope,
-        };
-        self.slope = Some(slope);
-        self.predicted = Some([beyond / slope.max(f64::EPSILON), time]);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pfront_testkit::rng::{RngExt, seeded};
 
     const LINE: Line = Line { latency: 1e-4, slope: 0.05, setup: 1e-3, upload: 5e-8 };
+    const UPLOAD: f64 = 6e-3;
 
-    /// Plays frames that take so long on the CPU, and `slope` times as long on a GPU with 100,000 triangles to bring there;
-    /// returns what they took, and would have taken on either side all the time.
-    fn play(slope: f64, frames: impl IntoIterator<Item = f64>) -> [f64; 3] {
-        let (mut choice, mut is_there) = (Choice::default(), false);
-        let mut sums = [0.0, 0.0, LINE.setup + LINE.upload * 1e5];
-        for cpu in frames {
-            choice.choose(&LINE, if is_there { 0 } else { 100_000 });
-            let gpu = LINE.latency + slope * cpu;
-            let mut took = if choice.is_on_gpu() { gpu } else { cpu };
-            if choice.is_on_gpu() && !is_there {
-                took += LINE.setup + LINE.upload * 1e5;
-                is_there = true;
-            }
-            choice.took(&LINE, Duration::from_secs_f64(took));
-            sums = [sums[0] + took, sums[1] + cpu, sums[2] + gpu];
+    /// Plays frames by their times on the CPU and on the GPU, and whether models have come that the GPU lacks. Returns
+    /// the time of all frames by choice, on the CPU, and on the GPU.
+    fn play(frames: impl IntoIterator<Item = (f64, f64, bool)>) -> [f64; 3] {
+        let (mut choice, mut sums, mut is_there) = (Choice::default(), [0.0, 0.0, UPLOAD], false);
+        for (cpu, gpu, is_new) in frames {
+            is_there &= !is_new;
+            let upload = if is_there { 0.0 } else { UPLOAD };
+            let (by_gpu, _) = choice.choose(&LINE, upload);
+            let took = if by_gpu { gpu + upload } else { cpu };
+            choice.took(&LINE, by_gpu, by_gpu && !is_there, Duration::from_secs_f64(took));
+            is_there |= by_gpu;
+            sums = [sums[0] + took, sums[1] + cpu, sums[2] + gpu + f64::from(is_new) * UPLOAD];
         }
         sums
     }
 
     #[test]
-    fn steady_frames_take_at_most_twice_the_better_side() {
+    fn frames_that_are_alike_take_at_most_twice_the_better_side() {
         for cpu in [1e-6, 5e-5, 1.05e-4, 2e-4, 1e-3, 2e-2] {
-            for slope in [0.02, 0.05, 0.5, 2.0] {
+            for factor in [1.0, 1.5, 5.0, 40.0] {
+                let gpu = factor * (LINE.latency + LINE.slope * cpu);
                 for n in [1, 2, 5, 10, 30, 300, 3000] {
-                    let [own, on_cpu, on_gpu] = play(slope, vec![cpu; n]);
-                    let most = 2.0 * on_cpu.min(on_gpu) + cpu.max(LINE.latency + slope * cpu);
-                    assert!(own <= most * (1.0 + 1e-9), "{cpu} {slope} {n}: {own} of {most}");
+                    let [own, on_cpu, on_gpu] = play(vec![(cpu, gpu, false); n]);
+                    let best = on_cpu.min(on_gpu);
+                    let mut most = (2.0 + 0.125) * best + 4.0 * cpu.max(gpu);
+                    if factor > 1.0 {
+                        // The line promised more: that costs one upload.
+                        most += UPLOAD;
+                    }
+                    assert!(own <= most * (1.0 + 1e-9), "{cpu} {gpu} {n}: {own} of {most}");
                 }
             }
         }
@@ -123,19 +155,54 @@ mod tests {
 
     #[test]
     fn long_sequences_take_what_the_better_side_takes() {
-        let [own, _, on_gpu] = play(0.05, vec![4e-3; 300]);
-        assert!(own < 1.1 * on_gpu, "{own} {on_gpu}");
-        let [own, on_cpu, _] = play(0.05, vec![5e-5; 300]);
+        let [own, _, on_gpu] = play([(4e-3, 3e-4, false); 300]);
+        assert!(own < 1.15 * on_gpu, "{own} {on_gpu}");
+        let [own, on_cpu, _] = play([(5e-5, 1.1e-4, false); 300]);
         assert_eq!(own, on_cpu);
     }
 
     #[test]
     fn a_gpu_that_was_overrated_is_left() {
-        let [own, on_cpu, _] = play(2.0, vec![4e-3; 300]);
+        let [own, on_cpu, _] = play([(4e-3, 8e-3, false); 300]);
         assert!(own < 1.1 * on_cpu, "{own} {on_cpu}");
-        // Frames that become small go back to the CPU.
-        let frames = [4e-3; 100].into_iter().chain([1e-5; 2000]);
-        let [own, _, on_gpu] = play(0.05, frames);
-        assert!(own < 0.6 * on_gpu, "{own} {on_gpu}");
+    }
+
+    #[test]
+    fn frames_that_become_small_for_the_cpu_alone_go_back_to_it() {
+        // The GPU refits and poses a large scene whatever there is to find.
+        let frames = [(3e-2, 3e-3, false); 100].into_iter().chain([(5e-5, 2e-3, false); 2000]);
+        let [own, on_cpu, on_gpu] = play(frames);
+        assert!(own < 0.3 * on_gpu && own < 0.5 * on_cpu, "{own} {on_cpu} {on_gpu}");
+    }
+
+    #[test]
+    fn models_that_come_in_every_frame_are_left_to_the_cpu() {
+        let frames = [(1e-2, 6e-4, false); 50].into_iter().chain([(1e-2, 6e-4, true); 500]);
+        let [own, on_cpu, on_gpu] = play(frames);
+        assert!(own < 1.3 * on_cpu.min(on_gpu), "{own} {on_cpu} {on_gpu}");
+    }
+
+    #[test]
+    fn one_frame_that_was_interrupted_changes_nothing() {
+        let calm = (5e-5, 1.1e-4, false);
+        let frames = [calm; 50].into_iter().chain([(1e-2, 1.1e-4, false)]).chain([calm; 50]);
+        let [own, on_cpu, _] = play(frames);
+        assert_eq!(own, on_cpu);
+    }
+
+    #[test]
+    fn frames_that_jump_take_at_most_four_times_the_better_side() {
+        let mut rng = seeded(7);
+        for round in 0..200 {
+            let spread = f64::from(round % 5);
+            let frames: Vec<_> = (0..400)
+                .map(|_| {
+                    let cpu = 1e-3 * 10_f64.powf(rng.random_range(-spread..=spread) / 2.0);
+                    (cpu, 1e-4 + 0.1 * cpu, false)
+                })
+                .collect();
+            let [own, on_cpu, on_gpu] = play(frames);
+            assert!(own < 4.0 * on_cpu.min(on_gpu), "{spread}: {own} {on_cpu} {on_gpu}");
+        }
     }
 }

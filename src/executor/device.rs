@@ -1,7 +1,7 @@
 //! A GPU as an executor has it: its lists, shared by all queries, and the models that are there.
 
 use super::measure::Line;
-use super::{Given, Want};
+use super::{Answer, Verb};
 use crate::gpu::{self, Error, Gpu, Settings};
 use crate::{Adjacency, Model, Pose, Stamp, TrianglePair};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -49,21 +49,21 @@ impl Device {
         &self,
         [a, b]: [&gpu::Model; 2],
         a_from_b: &Pose,
-        want: Want,
+        verb: Verb,
         pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Given<TrianglePair>, Error> {
+    ) -> Result<Answer<TrianglePair>, Error> {
         let mut query = lock(&self.pair);
         let query = match &mut *query {
             Some(query) => query,
             none => none.insert(gpu::PairQuery::with_settings(&self.gpu, self.settings)?),
         };
-        Ok(match want {
-            Want::All => {
+        Ok(match verb {
+            Verb::All => {
                 query.all_into(a, b, a_from_b, pairs)?;
-                Given::listed(pairs)
+                Answer::listed(pairs)
             }
-            Want::Count => Given::counted(query.count(a, b, a_from_b)?),
-            Want::Any => Given::found(query.any(a, b, a_from_b)?),
+            Verb::Count => Answer::counted(query.count(a, b, a_from_b)?),
+            Verb::Any => Answer::found(query.any(a, b, a_from_b)?),
         })
     }
 
@@ -72,22 +72,22 @@ impl Device {
         &self,
         model: &gpu::Model,
         adjacency: Adjacency,
-        want: Want,
+        verb: Verb,
         pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Given<TrianglePair>, Error> {
+    ) -> Result<Answer<TrianglePair>, Error> {
         let mut within = lock(&self.within);
         let query = match within.take() {
             Some(query) => query,
             None => gpu::SelfQuery::with_settings(&self.gpu, self.settings)?,
         };
         let query = within.insert(query.with_adjacency(adjacency));
-        Ok(match want {
-            Want::All => {
+        Ok(match verb {
+            Verb::All => {
                 query.all_into(model, pairs)?;
-                Given::listed(pairs)
+                Answer::listed(pairs)
             }
-            Want::Count => Given::counted(query.count(model)?),
-            Want::Any => Given::found(query.any(model)?),
+            Verb::Count => Answer::counted(query.count(model)?),
+            Verb::Any => Answer::found(query.any(model)?),
         })
     }
 }

@@ -1,4 +1,4 @@
-//! What a GPU takes beside a CPU: a short and a long question are asked of both, and a line is drawn through the times.
+//! A line from the time of a question on the CPU to that on a GPU: a short and a long one are asked of both.
 
 use super::Executor;
 use crate::gpu::{self, Error, Gpu};
@@ -11,7 +11,7 @@ const SIDES: [usize; 2] = [32, 192];
 /// How often each question is asked, in other poses; the median counts.
 const RUNS: usize = 9;
 
-/// The line of a GPU beside a CPU. All times are in seconds.
+/// The line of a GPU and a CPU. All times are in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Line {
     /// To ask anything at all and read the answer.
@@ -24,11 +24,20 @@ pub(crate) struct Line {
     pub(super) upload: f64,
 }
 
-/// Measures a GPU beside the CPU of an executor.
+impl Line {
+    /// To bring so many triangles there.
+    pub(super) fn upload(&self, triangles: usize) -> f64 {
+        if triangles == 0 { 0.0 } else { self.setup + self.upload * triangles as f64 }
+    }
+}
+
+/// Measures a GPU and the CPU of an executor.
 pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, Error> {
     // Else the first deforming mesh would wait for that.
     gpu.warm_up()?;
-    let mut on_cpu = PairQuery::new().on(&Executor { device: None, ..executor.clone() });
+    let mut cpu = executor.clone();
+    cpu.device = None;
+    let mut on_cpu = PairQuery::new().on(&cpu);
     let mut on_gpu = gpu::PairQuery::new(gpu)?;
     let (mut cpu, mut there, mut uploads) = ([0.0; 2], [0.0; 2], [0.0; 2]);
     let sheets = [sheet(SIDES[0])?, sheet(SIDES[1])?];

@@ -81,14 +81,19 @@ impl Mirror {
         moves: bool,
     ) -> Result<(), Error> {
         let stamp = model.stamp();
-        let same_mesh = own.as_ref().is_some_and(|own| own.stamp.mesh() == stamp.mesh());
-        match own {
-            Some(own) if own.stamp == stamp => return Ok(()),
-            Some(Self { stamp: own, model: Mirrored::Moving(moving) })
-                if same_mesh && own.tree() == stamp.tree() =>
+        // After an error nothing is known of what is there.
+        let before = own.take();
+        let same_mesh = before.as_ref().is_some_and(|own| own.stamp.mesh() == stamp.mesh());
+        match before {
+            Some(before) if before.stamp == stamp => {
+                *own = Some(before);
+                return Ok(());
+            }
+            Some(Self { stamp: before, model: Mirrored::Moving(mut moving) })
+                if same_mesh && before.tree() == stamp.tree() =>
             {
                 moving.set_positions(model.mesh().positions())?;
-                *own = stamp;
+                *own = Some(Self { stamp, model: Mirrored::Moving(moving) });
                 return Ok(());
             }
             _ => {}

@@ -1,17 +1,16 @@
-//! Executors: who answers a query.
+//! Executors: the threads or the GPU that answer queries.
 //!
 //! An [`Executor`] owns resources: a pool of threads, a GPU with its lists. It is made once and shared by any number of
-//! queries. A query owns what it remembers from frame to frame: a front, the costs of its nodes, which models the GPU
-//! has. Whoever answers, the answer is the same, to the bit.
+//! queries. A query owns its history: the front and the costs of its nodes, the models that the GPU has, the last answer.
+//! All executors give the same answers, to the bit.
 //!
-//! # Which one
-//! - [`Executor::sequential`]: the calling thread, and nothing else.
+//! - [`Executor::sequential`]: the calling thread.
 //! - [`Executor::threads`]: starts on the calling thread and calls others after as much work as calling them costs. The
-//!   pending node pairs of its cursor then start their front (Zhang & Kim 2014, section 3), so that nothing is done twice:
-//!   a frame of unknown cost takes at most twice as long as the better of one thread and several, and a frame like the
-//!   last one does not have to find out.
+//!   pending node pairs of its cursor then start their front (Zhang & Kim 2014, section 3), so that nothing is done twice. A
+//!   frame like the last one calls them at once.
 //! - `Executor::gpu`: a GPU, which always answers.
-//! - `Executor::and_gpu`: the CPU, and a GPU where that pays; [`Executor::auto`] is all that there is.
+//! - `Executor::and_gpu`: the CPU, and a GPU where that pays.
+//! - [`Executor::auto`]: all threads, and the GPU if there is one.
 //!
 //! ```
 //! use pfront::{Executor, Model, PairQuery, Pose};
@@ -24,18 +23,22 @@
 //! ```
 //!
 //! # When a GPU pays
-//! It has to have the models before it can answer, and nobody knows how many frames will follow. That is the ski rental
-//! problem: the query stays on the CPU until the GPU would have saved the price of the upload, and then changes; it changes
-//! back when the CPU would have saved what a mistake costs, one frame of the CPU.
+//! A GPU has to have the models before it can answer, and the number of frames to come is unknown: the ski rental problem. A
+//! query stays on the CPU until the GPU would have saved the price of a change, which is the upload and one of its frames;
+//! it goes back when the CPU would have saved one frame of the CPU. No single frame counts for more than half a price. The
+//! prediction for the own side is the last frame; that for the GPU is a line through two questions that were measured,
+//! shifted by the first frame there; that for the CPU is its last frame, which is checked after the GPU has taken 8
+//! times as long, then 16 times, and so on. Each verb of a query chooses for itself, and other meshes begin anew.
 //!
-//! **Bound.** Let C_f and G_f be what frame f takes on the CPU and on the GPU, and U the upload. As long as predictions
-//! hold, n frames that never change sides again take at most twice min(ΣC_f, U + ΣG_f), and one frame. *Proof.* Up to the change the
-//! query pays ΣC_f over those frames, which is their ΣG_f plus at most U and one frame's saving. From then on it pays U
-//! and ΣG_f: in all at most ΣG_f + 2U and one frame. If it never changes, it pays ΣC_f, of which Σ(C_f − G_f) is at most
-//! U. ∎
+//! **Bound.** Let all frames take C on the CPU and G on the GPU, as predicted, and the upload U. Then n frames take at most
+//! 2·min(nC, U + nG), and four frames, and one eighth of the time on the GPU for checks. *Proof.* If C ≤ G, the query
+//! stays on the CPU. Else it changes when the savings of k frames, k(C − G) or at least 2 frames, reach U + G.
+//! These frames took kC ≤ kG + U + G + C, or 2C; with the first frame, the upload and all others on the GPU that is at most
+//! nG + 2U and four frames. It is at most 2nC and four frames as well, since U ≤ k(C − G) or U ≤ 2(C − G). Without a change,
+//! nC is less than nG + U and three frames. Check i costs C after at least 2^i · 8C on the GPU. ∎
 //!
-//! Predictions come from a line that is measured when the GPU is added, G = latency + slope · C, whose slope each change to
-//! the GPU corrects for this query.
+//! Frames that are not alike have no such bound: the tests of `choice.rs` play frames that shrink, jump, bring new models or
+//! are interrupted.
 
 #[cfg(feature = "gpu")]
 mod choice;
@@ -53,7 +56,7 @@ pub(crate) use device::Device;
 #[cfg(feature = "gpu")]
 pub(crate) use mirror::Mirrors;
 pub use plan::{Backend, Plan, Reason};
-pub(crate) use run::{Given, Question, Run, Want};
+pub(crate) use run::{Answer, Question, Run, Verb};
 
 #[cfg(feature = "gpu")]
 use crate::gpu::{Gpu, Settings};
@@ -62,9 +65,9 @@ use crate::threads::Traversal;
 #[cfg(feature = "gpu")]
 use std::sync::Arc;
 
-/// Who answers queries: the calling thread, several, a GPU, or whoever is the fastest. See [the module](crate::executor).
+/// The threads or the GPU that answer queries. See [the module](crate::executor).
 ///
-/// Copies share the pool and the GPU. Queries on one GPU take turns: each waits for the one before.
+/// Copies share the pool and the GPU. On one GPU, pair queries wait for each other, and so do self queries.
 #[derive(Clone, Debug, Default)]
 pub struct Executor {
     /// The threads, of which each query gets a copy for what it remembers; the calling thread alone if there are none.
@@ -100,7 +103,7 @@ impl Executor {
     }
 
     /// All threads of the rayon pool of the caller, and the best GPU if there is one that does not compute on the CPU. A GPU
-    /// that cannot be used is left out.
+    /// that cannot be used is left out; `Executor::and_gpu` would tell why.
     ///
     /// Opening and measuring a GPU takes about two seconds: make one executor and keep it.
     #[must_use]
@@ -112,14 +115,19 @@ impl Executor {
         #[cfg(feature = "gpu")]
         if let Ok(gpu) = Gpu::new()
             && gpu.device().adapter_info().device_type != crate::gpu::wgpu::DeviceType::Cpu
-            && let Ok(both) = own.clone().and_gpu(&gpu)
+            && let Ok(both) = own.clone().and_gpu(&gpu, gpu.settings())
         {
             return both;
         }
         own
     }
 
-    /// A GPU, which answers whatever is asked, exactly whatever the [`Accuracy`](crate::Accuracy) of the query.
+    /// A GPU, which answers all questions, and exactly, whatever the [`Accuracy`](crate::Accuracy) of the query. Where it fails,
+    /// the verb returns its error.
+    ///
+    /// A query keeps the models of its last question there, and shares them with others that ask about the same. A query
+    /// that asks about other models each time uploads them each time: make one for each pair of models. A mesh that
+    /// deforms keeps its tree there until [`Model`](crate::Model) rebuilds it.
     ///
     /// Its lists take [`Settings::budget`] of device memory once for pairs of models, once for models with themselves, and
     /// once for each scene, from the first such question on.
@@ -135,25 +143,29 @@ impl Executor {
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn gpu(gpu: &Gpu, settings: Settings) -> Self {
-        let device = Some(Arc::new(Device::new(gpu, settings, None)));
-        Self { device, ..Self::default() }
+        Self {
+            #[cfg(feature = "threads")]
+            traversal: None,
+            device: Some(Arc::new(Device::new(gpu, settings, None))),
+        }
     }
 
-    /// The same CPU and a GPU, which answers from where it pays on. Measures both, which takes about two seconds.
+    /// The same CPU and a GPU, which answers where that pays. Measures both, which takes about two seconds.
+    ///
+    /// After an error of the GPU, the CPU answers all later questions of that query; [`Plan::failure`] tells why.
     ///
     /// # Errors
     /// What the GPU reports while it is measured.
     #[cfg(feature = "gpu")]
-    pub fn and_gpu(self, gpu: &Gpu) -> Result<Self, crate::gpu::Error> {
+    pub fn and_gpu(self, gpu: &Gpu, settings: Settings) -> Result<Self, crate::gpu::Error> {
         let line = measure::measure(&self, gpu)?;
-        Ok(self.beside(gpu, line))
+        Ok(self.with_line(gpu, settings, line))
     }
 
-    /// The same with a GPU that has been measured.
     #[cfg(feature = "gpu")]
-    fn beside(self, gpu: &Gpu, line: measure::Line) -> Self {
-        let device = Some(Arc::new(Device::new(gpu, gpu.settings(), Some(line))));
-        Self { device, ..self }
+    fn with_line(mut self, gpu: &Gpu, settings: Settings, line: measure::Line) -> Self {
+        self.device = Some(Arc::new(Device::new(gpu, settings, Some(line))));
+        self
     }
 }
 
@@ -164,13 +176,21 @@ impl From<Traversal> for Executor {
     fn from(mut traversal: Traversal) -> Self {
         traversal.forget();
         traversal.deadline = None;
-        Self { traversal: Some(Box::new(traversal)), ..Self::default() }
+        Self {
+            traversal: Some(Box::new(traversal)),
+            #[cfg(feature = "gpu")]
+            device: None,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    #[cfg(feature = "gpu")]
+    use super::Backend;
     use super::Executor;
+    #[cfg(feature = "gpu")]
+    use crate::Pose;
     use crate::{Model, PairQuery, SceneQuery, SelfQuery};
 
     #[test]
@@ -184,29 +204,85 @@ mod tests {
         sent::<SceneQuery>();
     }
 
-    /// Lavapipe is slower than the CPU that it runs on, so a line that promises everything stands in for measuring.
+    /// A CPU and a GPU that promises to be faster. Lavapipe is slower than the CPU that it runs on, so that queries change
+    /// to it and back.
+    #[cfg(feature = "gpu")]
+    fn promising() -> Executor {
+        let gpu = crate::gpu::Gpu::new().unwrap();
+        let line = super::measure::Line { latency: 0.0, slope: 0.0, setup: 0.0, upload: 0.0 };
+        Executor::sequential().with_line(&gpu, gpu.settings(), line)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn ball() -> Model {
+        let ball = pfront_scenes::icosphere(500);
+        Model::new(ball.positions, ball.triangles).unwrap()
+    }
+
     #[cfg(feature = "gpu")]
     #[test]
-    fn a_gpu_that_promises_to_be_faster_is_asked() {
-        use super::measure::Line;
-        use super::{Backend, Reason};
-        use crate::Pose;
-        use crate::gpu::Gpu;
-        let gpu = Gpu::new().unwrap();
-        let line = Line { latency: 0.0, slope: 0.0, setup: 0.0, upload: 0.0 };
-        let executor = Executor::sequential().beside(&gpu, line);
-        let ball = pfront_scenes::icosphere(500);
-        let ball = Model::new(ball.positions, ball.triangles).unwrap();
-        let (mut query, mut truth) = (PairQuery::new().on(&executor), PairQuery::new());
-        for (frame, backend) in [Backend::Sequential, Backend::Gpu, Backend::Gpu].iter().enumerate()
-        {
-            let pose = Pose::from_translation([0.1 + 0.1 * frame as f32, 0.0, 0.0]);
-            let pairs = query.all(&ball, &ball, &pose).unwrap();
-            assert_eq!(pairs, truth.all(&ball, &ball, &pose).unwrap());
-            let plan = query.plan().unwrap();
-            assert_eq!(plan.backend, *backend, "{frame}: {plan}");
-            assert_eq!(plan.predicted.is_some(), frame > 0);
+    fn pairs_are_the_same_while_the_query_changes_sides() {
+        let (ball, mut query, mut truth) =
+            (ball(), PairQuery::new().on(&promising()), PairQuery::new());
+        let mut seen = Vec::new();
+        for frame in 0..60 {
+            let pose = Pose::from_translation([0.1 + 0.02 * frame as f32, 0.0, 0.0]);
+            assert_eq!(
+                query.all(&ball, &ball, &pose).unwrap(),
+                truth.all(&ball, &ball, &pose).unwrap()
+            );
+            seen.push(query.plan().unwrap().backend);
         }
-        assert_eq!(query.plan().unwrap().reason, Reason::Faster);
+        assert!(
+            [Backend::Sequential, Backend::Gpu].iter().all(|one| seen.contains(one)),
+            "{seen:?}"
+        );
+    }
+
+    #[cfg(feature = "gpu")]
+    #[test]
+    fn deforming_meshes_and_scenes_are_the_same_while_queries_change_sides() {
+        let executor = promising();
+        let (mut own, mut other, start) = (ball(), ball(), ball());
+        let (mut query, mut truth) = (SelfQuery::new().on(&executor), SelfQuery::new());
+        let scenes = || [SceneQuery::new().on(&executor), SceneQuery::new()];
+        let mut scenes = scenes();
+        let shared = std::sync::Arc::new(ball());
+        let bodies = scenes.each_mut().map(|scene| {
+            [0.0, 0.7, 1.4]
+                .map(|x| scene.add(shared.clone(), Pose::from_translation([x, 0.0, 0.0])).unwrap())
+        });
+        let mut seen = Vec::new();
+        for frame in 0..40 {
+            let fold = 0.02 * frame as f32;
+            let folded: Vec<_> = start
+                .mesh()
+                .positions()
+                .iter()
+                .map(|&[x, y, z]| [x, y, z * (1.0 - 3.0 * fold * x)])
+                .collect();
+            query.set_positions(&mut own, &folded).unwrap();
+            truth.set_positions(&mut other, &folded).unwrap();
+            assert_eq!(query.all(&own).unwrap(), truth.all(&other).unwrap(), "{frame}");
+            seen.push(query.plan().unwrap().backend);
+            for (scene, bodies) in scenes.iter_mut().zip(&bodies) {
+                scene.set_pose(bodies[1], Pose::from_translation([0.7, fold, 0.0])).unwrap();
+                if frame % 7 == 3 {
+                    scene.set_positions(bodies[2], &folded).unwrap();
+                }
+                if frame % 11 == 5 {
+                    scene
+                        .add(shared.clone(), Pose::from_translation([0.3, 0.1 * fold, 0.5]))
+                        .unwrap();
+                }
+            }
+            let [scene, truth] = &mut scenes;
+            assert_eq!(scene.all().unwrap(), truth.all().unwrap(), "{frame}");
+            seen.push(scene.plan().unwrap().backend);
+        }
+        for parity in 0..2 {
+            let of = |backend| seen.iter().skip(parity).step_by(2).any(|&one| one == backend);
+            assert!(of(Backend::Sequential) && of(Backend::Gpu), "{seen:?}");
+        }
     }
 }

@@ -1,14 +1,14 @@
-//! Who answered the last frame, and why.
+//! The backend that answered the last frame, and the reason.
 
 use std::fmt;
 use std::time::Duration;
 
-/// Who answers.
+/// The part of an executor that answers a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Backend {
-    /// Nobody had to: nothing has changed since the last answer.
-    Kept,
+    /// The cache: nothing has changed since the last answer.
+    Cached,
     /// The calling thread.
     Sequential,
     /// Several threads, after the calling one had begun or at once.
@@ -17,25 +17,29 @@ pub enum Backend {
     Gpu,
 }
 
-/// Why it was that one.
+/// The reason for a choice of backend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reason {
     /// Neither the question nor the models have changed.
     Unchanged,
-    /// The executor has no other.
-    OnlyOne,
+    /// The executor has only a CPU, or only a GPU.
+    NoChoice,
+    /// A query begins on the CPU, whose first frame tells nothing yet.
+    Unknown,
     /// It is predicted to be at least as fast as the other.
     Faster,
-    /// The other may be faster, but has not yet saved what changing to it costs.
+    /// The other may be faster, but has not yet saved the price of a change.
     NotWorthChanging,
+    /// The CPU answers one frame of many, in case it has become faster than the GPU.
+    Check,
     /// The GPU answers exactly, and something else was asked for.
     Inexact,
     /// The GPU has failed: see [`Plan::failure`].
     GpuFailed,
 }
 
-/// Who answered a frame, and why.
+/// The backend that answered a frame, and the reason.
 ///
 /// # Examples
 /// ```
@@ -51,20 +55,20 @@ pub enum Reason {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Plan {
-    /// Who answered.
+    /// The backend that answered.
     pub backend: Backend,
-    /// Why.
+    /// The reason for it.
     pub reason: Reason,
-    /// What the CPU and the GPU were predicted to take, where there was a choice and something to go by.
+    /// The predicted times of the CPU and of the GPU, if there was a choice and an earlier frame.
     pub predicted: Option<[Duration; 2]>,
-    /// Why the GPU is not asked any more.
+    /// The error after which the GPU is not asked any more.
     pub failure: Option<String>,
 }
 
 impl fmt::Display for Backend {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Kept => "kept answer",
+            Self::Cached => "cache",
             Self::Sequential => "one thread",
             Self::Threads => "threads",
             Self::Gpu => "GPU",
@@ -76,9 +80,11 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Unchanged => "nothing has changed",
-            Self::OnlyOne => "the executor has no other",
+            Self::NoChoice => "there is no choice between CPU and GPU",
+            Self::Unknown => "nothing is known yet",
             Self::Faster => "predicted to be as fast as the other or faster",
-            Self::NotWorthChanging => "the other has not yet saved what changing to it costs",
+            Self::NotWorthChanging => "the other has not yet saved the price of a change",
+            Self::Check => "to see whether the CPU has become faster",
             Self::Inexact => "a GPU answers exactly, and that was not asked for",
             Self::GpuFailed => "the GPU has failed",
         })

@@ -10,11 +10,12 @@ use crate::threads::{Report, Traversal};
 use crate::{Contact, Error, Model, TrianglePair};
 use pfront_core::bvtt::Query;
 #[cfg(feature = "gpu")]
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The verbs of a query.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Want {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Verb {
+    #[default]
     All,
     Count,
     Any,
@@ -22,12 +23,12 @@ pub(crate) enum Want {
 
 /// What an answer says, beside the list.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Given<T> {
+pub(crate) struct Answer<T> {
     pub(crate) count: u64,
     pub(crate) first: Option<T>,
 }
 
-impl<T: Copy> Given<T> {
+impl<T: Copy> Answer<T> {
     /// The answer to `all`: a list in order.
     pub(crate) fn listed(list: &[T]) -> Self {
         Self { count: list.len() as u64, first: list.first().copied() }
@@ -50,10 +51,14 @@ pub(crate) trait Question {
     #[cfg(feature = "gpu")]
     fn accuracy(&self) -> Accuracy;
 
-    fn on_one_thread(&mut self, want: Want) -> Result<Self::Answer, Error>;
+    fn on_one_thread(&mut self, verb: Verb) -> Result<Self::Answer, Error>;
 
     #[cfg(feature = "threads")]
-    fn on_threads(&mut self, traversal: &mut Traversal, want: Want) -> Result<Self::Answer, Error>;
+    fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Self::Answer, Error>;
+
+    /// The numbers of the meshes that it is about.
+    #[cfg(feature = "gpu")]
+    fn meshes(&self) -> [u64; 2];
 
     /// Triangles that the GPU does not have.
     #[cfg(feature = "gpu")]
@@ -61,7 +66,7 @@ pub(crate) trait Question {
 
     /// Brings the GPU what it lacks, and asks it.
     #[cfg(feature = "gpu")]
-    fn on_gpu(&mut self, device: &Device, want: Want) -> Result<Self::Answer, Error>;
+    fn on_gpu(&mut self, device: &Device, verb: Verb) -> Result<Self::Answer, Error>;
 }
 
 /// What a query remembers of its executor.
@@ -69,8 +74,17 @@ pub(crate) trait Question {
 pub(crate) struct Run {
     #[cfg(any(feature = "threads", feature = "gpu"))]
     executor: Executor,
+    /// One for each verb.
     #[cfg(feature = "gpu")]
-    choice: Choice,
+    choices: [Choice; 3],
+    /// The meshes that the choices are about.
+    #[cfg(feature = "gpu")]
+    meshes: Option<[u64; 2]>,
+    #[cfg(feature = "gpu")]
+    last_verb: Verb,
+    /// The time that it took to move vertices for the next frame.
+    #[cfg(feature = "gpu")]
+    moving: Duration,
     /// Why the GPU is not asked any more.
     #[cfg(feature = "gpu")]
     failure: Option<String>,
@@ -99,9 +113,13 @@ impl Run {
         self.last.as_ref()
     }
 
-    /// Takes note of a frame that nobody had to answer.
+    /// Takes note of a frame that was answered from the cache.
     pub(crate) fn keep(&mut self) {
-        self.note(Backend::Kept, Reason::Unchanged);
+        #[cfg(feature = "gpu")]
+        {
+            self.moving = Duration::ZERO;
+        }
+        self.note(Backend::Cached, Reason::Unchanged);
     }
 
     /// Adds to `out`, in order, where each of `pairs` meets, if it does.
@@ -132,7 +150,7 @@ impl Run {
                 true => model.set_positions_unfitted(positions),
                 false => self.refit(model, positions),
             };
-            self.choice.moved(clock.elapsed());
+            self.moving += clock.elapsed();
             return moved;
         }
         self.refit(model, positions)
@@ -150,90 +168,101 @@ impl Run {
     pub(crate) fn ask<Q: Question>(
         &mut self,
         question: &mut Q,
-        want: Want,
+        verb: Verb,
     ) -> Result<Q::Answer, Error> {
         #[cfg(feature = "gpu")]
         if let Some(device) = self.executor.device.clone() {
-            return self.ask_either(&device, question, want);
+            return self.ask_either(&device, question, verb);
         }
-        self.on_cpu(question, want, Reason::OnlyOne)
+        self.on_cpu(question, verb, Reason::NoChoice)
     }
 
     fn on_cpu<Q: Question>(
         &mut self,
         question: &mut Q,
-        want: Want,
+        verb: Verb,
         reason: Reason,
     ) -> Result<Q::Answer, Error> {
         #[cfg(feature = "threads")]
         if let Some(traversal) = &mut self.executor.traversal {
-            let answer = question.on_threads(traversal, want);
+            let answer = question.on_threads(traversal, verb);
             let called = !traversal.report.shares.is_empty();
             self.note(if called { Backend::Threads } else { Backend::Sequential }, reason);
             return answer;
         }
-        let answer = question.on_one_thread(want);
+        let answer = question.on_one_thread(verb);
         self.note(Backend::Sequential, reason);
         answer
     }
 
     fn note(&mut self, backend: Backend, reason: Reason) {
         #[cfg(feature = "gpu")]
-        let predicted = match reason {
-            Reason::Faster | Reason::NotWorthChanging => self.choice.predicted(),
-            _ => None,
-        };
-        #[cfg(feature = "gpu")]
         let failure = self.failure.clone();
         #[cfg(not(feature = "gpu"))]
-        let (predicted, failure) = (None, None);
-        self.last = Some(Plan { backend, reason, predicted, failure });
+        let failure = None;
+        self.last = Some(Plan { backend, reason, predicted: None, failure });
     }
 }
 
 /// Choosing between the CPU and a GPU.
 #[cfg(feature = "gpu")]
 impl Run {
+    /// Whether the GPU will answer the next frame, as far as that is known.
     fn is_on_gpu(&self) -> bool {
-        let is_only = |device: &Device| device.line.is_none() || self.choice.is_on_gpu();
-        self.failure.is_none() && self.executor.device.as_deref().is_some_and(is_only)
+        let is_only = |device: &Device| device.line.is_none();
+        let is_chosen = || self.choices[self.last_verb as usize].is_on_gpu();
+        let device = self.executor.device.as_deref();
+        self.failure.is_none() && device.is_some_and(|device| is_only(device) || is_chosen())
     }
 
     fn ask_either<Q: Question>(
         &mut self,
         device: &Device,
         question: &mut Q,
-        want: Want,
+        verb: Verb,
     ) -> Result<Q::Answer, Error> {
+        let moving = std::mem::take(&mut self.moving);
         let Some(line) = &device.line else {
-            let answer = question.on_gpu(device, want);
-            self.note(Backend::Gpu, Reason::OnlyOne);
+            let answer = question.on_gpu(device, verb);
+            self.note(Backend::Gpu, Reason::NoChoice);
             return answer;
         };
         if self.failure.is_some() {
-            return self.on_cpu(question, want, Reason::GpuFailed);
+            return self.on_cpu(question, verb, Reason::GpuFailed);
         }
         if question.accuracy() != Accuracy::Exact {
-            return self.on_cpu(question, want, Reason::Inexact);
+            return self.on_cpu(question, verb, Reason::Inexact);
         }
-        let reason = self.choice.choose(line, question.to_upload());
-        let clock = Instant::now();
-        if self.choice.is_on_gpu() {
-            match question.on_gpu(device, want) {
-                Ok(answer) => {
-                    let time = clock.elapsed();
-                    self.note(Backend::Gpu, reason);
-                    self.choice.took(line, time);
-                    return Ok(answer);
-                }
-                // It can do no more: from now on the CPU answers, and the plan says why.
-                Err(Error::Gpu(error)) => self.failure = Some(error.to_string()),
-                Err(error) => return Err(error),
+        // What was learned of other models tells nothing of these.
+        let meshes = question.meshes();
+        if self.meshes.replace(meshes) != Some(meshes) {
+            self.choices = Default::default();
+        }
+        self.last_verb = verb;
+        let (to_upload, clock) = (question.to_upload(), Instant::now());
+        let choice = &mut self.choices[verb as usize];
+        let (by_gpu, reason) = choice.choose(line, line.upload(to_upload));
+        let predicted = choice.predicted(line);
+        let answer = match by_gpu {
+            true => question.on_gpu(device, verb),
+            false => self.on_cpu(question, verb, reason),
+        };
+        match answer {
+            // It can do no more: from now on the CPU answers, and the plan says why.
+            Err(Error::Gpu(error)) if by_gpu => {
+                self.failure = Some(error.to_string());
+                self.on_cpu(question, verb, Reason::GpuFailed)
             }
-            return self.on_cpu(question, want, Reason::GpuFailed);
+            Err(error) => Err(error),
+            Ok(answer) => {
+                let time = clock.elapsed() + moving;
+                self.choices[verb as usize].took(line, by_gpu, to_upload > 0, time);
+                if by_gpu {
+                    self.note(Backend::Gpu, reason);
+                }
+                self.last.iter_mut().for_each(|plan| plan.predicted = predicted);
+                Ok(answer)
+            }
         }
-        let answer = self.on_cpu(question, want, reason);
-        self.choice.took(line, clock.elapsed());
-        answer
     }
 }

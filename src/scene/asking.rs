@@ -6,11 +6,11 @@ use super::bodies::{Bodies, BodyId};
 use super::broad::Broad;
 #[cfg(feature = "gpu")]
 use super::device::Mirror;
-use super::frame::{Frame, Given};
+use super::frame::{Answer, Frame};
 use super::{Accuracy, Error, SceneHit};
 #[cfg(feature = "gpu")]
 use crate::executor::Device;
-use crate::executor::{Question, Want};
+use crate::executor::{Question, Verb};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use pfront_core::bvtt::{PairQuery, Query};
@@ -31,18 +31,18 @@ pub(super) struct Asking<'s> {
 }
 
 impl Question for Asking<'_> {
-    type Answer = Given;
+    type Answer = Answer;
 
     #[cfg(feature = "gpu")]
     fn accuracy(&self) -> Accuracy {
         self.accuracy
     }
 
-    fn on_one_thread(&mut self, want: Want) -> Result<Given, Error> {
+    fn on_one_thread(&mut self, verb: Verb) -> Result<Answer, Error> {
         self.broad.update(self.bodies)?;
         let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
-        Ok(match want {
-            Want::All => {
+        Ok(match verb {
+            Verb::All => {
                 for (bodies, query) in frame.queries() {
                     let first = self.hits.len();
                     let _ = query.visit(&mut query.start(), |pair| {
@@ -51,23 +51,29 @@ impl Question for Asking<'_> {
                     });
                     self.hits[first..].sort_unstable();
                 }
-                Given::listed(self.hits)
+                Answer::listed(self.hits)
             }
-            Want::Count => Given::counted(frame.queries().map(|(_, query)| query.count()).sum()),
-            Want::Any => {
+            Verb::Count => Answer::counted(frame.queries().map(|(_, query)| query.count()).sum()),
+            Verb::Any => {
                 let hit = |(bodies, query): ([BodyId; 2], PairQuery<'_>)| {
                     Some(SceneHit { bodies, pair: query.any()? })
                 };
-                Given::found(frame.queries().find_map(hit))
+                Answer::found(frame.queries().find_map(hit))
             }
         })
     }
 
     #[cfg(feature = "threads")]
-    fn on_threads(&mut self, traversal: &mut Traversal, want: Want) -> Result<Given, Error> {
+    fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Answer, Error> {
         self.broad.update(self.bodies)?;
         let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
-        Ok(self.batches.ask(traversal, &frame, want, self.hits))
+        Ok(self.batches.ask(traversal, &frame, verb, self.hits))
+    }
+
+    /// A scene stays itself, whichever bodies it has.
+    #[cfg(feature = "gpu")]
+    fn meshes(&self) -> [u64; 2] {
+        [0; 2]
     }
 
     #[cfg(feature = "gpu")]
@@ -76,9 +82,9 @@ impl Question for Asking<'_> {
     }
 
     #[cfg(feature = "gpu")]
-    fn on_gpu(&mut self, device: &Device, want: Want) -> Result<Given, Error> {
+    fn on_gpu(&mut self, device: &Device, verb: Verb) -> Result<Answer, Error> {
         self.broad.update(self.bodies)?;
         let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
-        Ok(self.mirror.ask(device, &frame, want, self.hits)?)
+        Ok(self.mirror.ask(device, &frame, verb, self.hits)?)
     }
 }

@@ -1,8 +1,8 @@
 //! A scene on several threads.
 
-use super::frame::{Frame, Given};
+use super::frame::{Answer, Frame};
 use super::{BodyId, SceneHit};
-use crate::executor::Want;
+use crate::executor::Verb;
 use crate::threads::{Hit, Report, Traversal};
 use pfront_core::bvtt::PairQuery;
 use std::ops::ControlFlow;
@@ -29,15 +29,15 @@ impl Batches {
         &mut self,
         traversal: &mut Traversal,
         frame: &Frame<'_>,
-        want: Want,
+        verb: Verb,
         hits: &mut Vec<SceneHit>,
-    ) -> Given {
+    ) -> Answer {
         let hit = |asked: &[[BodyId; 2]], hit: Hit| SceneHit {
             bodies: asked[hit.query as usize],
             pair: hit.pair,
         };
-        match want {
-            Want::All => {
+        match verb {
+            Verb::All => {
                 let mut found = std::mem::take(&mut self.found);
                 self.each_batch(traversal, frame, |traversal, asked, queries| {
                     traversal.all(queries, &mut found);
@@ -45,23 +45,23 @@ impl Batches {
                     ControlFlow::Continue(())
                 });
                 self.found = found;
-                Given::listed(hits)
+                Answer::listed(hits)
             }
-            Want::Count => {
+            Verb::Count => {
                 let mut count = 0;
                 self.each_batch(traversal, frame, |traversal, _, queries| {
                     count += traversal.count(queries);
                     ControlFlow::Continue(())
                 });
-                Given::counted(count)
+                Answer::counted(count)
             }
-            Want::Any => {
+            Verb::Any => {
                 let mut first = None;
                 self.each_batch(traversal, frame, |traversal, asked, queries| {
                     first = traversal.any(queries).map(|found| hit(asked, found));
                     if first.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
                 });
-                Given::found(first)
+                Answer::found(first)
             }
         }
     }

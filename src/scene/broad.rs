@@ -6,7 +6,7 @@
 //! boxes go down that BVH, and all other pairs are those of the last frame.
 
 use super::bodies::Bodies;
-use super::kept::merge;
+use super::cache::merge;
 use crate::sphere::Sphere;
 use crate::{Aabb, BuildOptions, Error, Model};
 use pfront_core::bvh::MAX_DEPTH;

@@ -3,8 +3,8 @@
 use super::SceneHit;
 use super::bodies::Bodies;
 use super::broad::Places;
-use super::frame::{Frame, Given};
-use crate::executor::{Device, Want};
+use super::frame::{Answer, Frame};
+use crate::executor::{Device, Verb};
 use crate::gpu::{Error, World};
 use crate::model::Stamp;
 use pfront_core::bvtt::TrianglePair;
@@ -41,9 +41,9 @@ impl Mirror {
         &mut self,
         device: &Device,
         frame: &Frame<'_>,
-        want: Want,
+        verb: Verb,
         hits: &mut Vec<SceneHit>,
-    ) -> Result<Given, Error> {
+    ) -> Result<Answer, Error> {
         let scene = match &mut self.0 {
             Some(scene) => scene,
             none => none.insert(Scene {
@@ -61,13 +61,13 @@ impl Mirror {
             let [a, b] = places.map(|place| frame.bodies.at(place));
             Some(SceneHit { bodies: [a?.id(), b?.id()], pair })
         };
-        Ok(match want {
-            Want::All => {
+        Ok(match verb {
+            Verb::All => {
                 hits.extend(world.all(pairs)?.iter().filter_map(own));
-                Given::listed(hits)
+                Answer::listed(hits)
             }
-            Want::Count => Given::counted(world.count(pairs)?),
-            Want::Any => Given::found(world.any(pairs)?.as_ref().and_then(own)),
+            Verb::Count => Answer::counted(world.count(pairs)?),
+            Verb::Any => Answer::found(world.any(pairs)?.as_ref().and_then(own)),
         })
     }
 }

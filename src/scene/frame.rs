@@ -16,7 +16,7 @@ pub(super) struct Frame<'s> {
 }
 
 /// What an answer says, beside the list.
-pub(super) type Given = crate::executor::Given<SceneHit>;
+pub(super) type Answer = crate::executor::Answer<SceneHit>;
 
 impl<'s> Frame<'s> {
     pub(super) fn since(

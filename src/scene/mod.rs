@@ -5,17 +5,17 @@ mod asking;
 mod batches;
 mod bodies;
 mod broad;
+mod cache;
 #[cfg(feature = "gpu")]
 mod device;
 mod edit;
 mod frame;
-mod kept;
 mod split;
 
 pub use bodies::{Body, BodyId};
 pub use edit::Piece;
 
-use crate::executor::{Plan, Run, Want};
+use crate::executor::{Plan, Run, Verb};
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Contact, Error, Executor, TrianglePair};
@@ -24,10 +24,10 @@ use asking::Asking;
 use batches::Batches;
 use bodies::Bodies;
 use broad::Broad;
+use cache::Cache;
 #[cfg(feature = "gpu")]
 use device::Mirror;
-use frame::{Frame, Given, meeting};
-use kept::Kept;
+use frame::{Answer, Frame, meeting};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
@@ -96,8 +96,8 @@ pub struct SceneQuery {
     accuracy: Accuracy,
     bodies: Bodies,
     broad: Broad,
-    hits: Kept<SceneHit>,
-    contacts: Kept<(SceneHit, Contact)>,
+    hits: Cache<SceneHit>,
+    contacts: Cache<(SceneHit, Contact)>,
     /// Hits and contacts of the bodies that have changed.
     new_hits: Vec<SceneHit>,
     new_contacts: Vec<(SceneHit, Contact)>,
@@ -162,7 +162,7 @@ impl SceneQuery {
             self.run.keep();
             return Ok(self.hits.list());
         }
-        self.ask(since, Want::All)?;
+        self.ask(since, Verb::All)?;
         self.hits.complete(&self.new_hits, &self.bodies);
         Ok(self.hits.list())
     }
@@ -181,7 +181,7 @@ impl SceneQuery {
             self.run.keep();
             return Ok(None);
         }
-        Ok(self.ask(since, Want::Any)?.first)
+        Ok(self.ask(since, Verb::Any)?.first)
     }
 
     /// How many pairs meet.
@@ -195,7 +195,7 @@ impl SceneQuery {
             self.run.keep();
             return Ok(kept);
         }
-        Ok(kept + self.ask(since, Want::Count)?.count)
+        Ok(kept + self.ask(since, Verb::Count)?.count)
     }
 
     /// Calls `visit` for each pair that meets, bodies in order and their triangles in none, until it
@@ -261,7 +261,7 @@ impl SceneQuery {
     }
 
     /// Asks of the bodies that have changed since then; lists new hits if all are wanted.
-    fn ask(&mut self, since: u64, want: Want) -> Result<Given, Error> {
+    fn ask(&mut self, since: u64, verb: Verb) -> Result<Answer, Error> {
         self.new_hits.clear();
         let mut asking = Asking {
             accuracy: self.accuracy,
@@ -274,6 +274,6 @@ impl SceneQuery {
             #[cfg(feature = "gpu")]
             mirror: &mut self.mirror,
         };
-        self.run.ask(&mut asking, want)
+        self.run.ask(&mut asking, verb)
     }
 }

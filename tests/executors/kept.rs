@@ -1,9 +1,12 @@
 //! What is answered by what is kept, and what is not.
 
-use super::{EXECUTORS, Heap, folds, forgetful, model, worm};
+#[cfg(feature = "gpu")]
+use super::model;
+use super::{EXECUTORS, Heap, folds, forgetful, worm};
 use crate::verbs::{Between, Within, check};
 use pfront::executor::{Backend, Reason};
 use pfront::{Accuracy, Adjacency, Body, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
+#[cfg(feature = "gpu")]
 use pfront_scenes::icosphere;
 use std::mem::take;
 
@@ -11,14 +14,14 @@ use std::mem::take;
 macro_rules! assert_kept {
     ($query:expr, $name:expr) => {{
         let plan = $query.plan().unwrap();
-        assert_eq!((plan.backend, plan.reason), (Backend::Kept, Reason::Unchanged), "{}", $name);
+        assert_eq!((plan.backend, plan.reason), (Backend::Cached, Reason::Unchanged), "{}", $name);
     }};
 }
 
 macro_rules! assert_asked {
     ($query:expr, $name:expr) => {{
         let plan = $query.plan().unwrap();
-        assert_ne!(plan.backend, Backend::Kept, "{}", $name);
+        assert_ne!(plan.backend, Backend::Cached, "{}", $name);
         assert_ne!(plan.reason, Reason::Unchanged, "{}", $name);
     }};
 }
@@ -241,7 +244,7 @@ fn other_accuracies() {
             let mut truth = PairQuery::new().with_accuracy(expected);
             let reason = match *name {
                 name if name.contains("and gpu") => Reason::Inexact,
-                _ => Reason::OnlyOne,
+                _ => Reason::NoChoice,
             };
             for pose in &poses[..4] {
                 assert_eq!(query.count(&a, &b, pose), truth.count(&a, &b, pose), "{name}");

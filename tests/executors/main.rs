@@ -34,9 +34,15 @@ static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
         let gpu = Gpu::new().unwrap();
         let settings = Settings { budget: Budget { bytes: 1 << 20 }, ..gpu.settings() };
         all.push(("gpu", Executor::gpu(&gpu, settings)));
-        all.push(("sequential and gpu", Executor::sequential().and_gpu(&gpu).unwrap()));
+        all.push((
+            "sequential and gpu",
+            Executor::sequential().and_gpu(&gpu, gpu.settings()).unwrap(),
+        ));
         #[cfg(feature = "threads")]
-        all.push(("2 threads and gpu", Executor::threads(2).and_gpu(&gpu).unwrap()));
+        all.push((
+            "2 threads and gpu",
+            Executor::threads(2).and_gpu(&gpu, gpu.settings()).unwrap(),
+        ));
     }
     all
 });
@@ -363,7 +369,7 @@ fn the_plan_tells_who_answered() {
             let plan = query.plan().unwrap();
             assert_eq!(plan.failure, None);
             let is_choice = name.contains("and gpu");
-            assert_eq!(plan.reason == Reason::OnlyOne, !is_choice, "{name}: {plan}");
+            assert_eq!(plan.reason == Reason::NoChoice, !is_choice, "{name}: {plan}");
             // The first frame has nothing to go by.
             assert_eq!(plan.predicted.is_some(), is_choice && frame > 0, "{name}: {plan}");
             assert!(plan.to_string().starts_with(&plan.backend.to_string()));

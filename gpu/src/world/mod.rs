@@ -2,7 +2,7 @@
 
 mod arena;
 
-use crate::answer::{Answer, Want};
+use crate::answer::{Answer, Verb};
 use crate::clock::Clock;
 use crate::engine::{Engine, Entry, Run, Task};
 use crate::layout::{Placement, Query};
@@ -13,7 +13,7 @@ use pfront_core::bvtt::{PosedBvh, TrianglePair};
 use pfront_core::{Bvh, Mesh, MeshError, Pose};
 use wgpu::CommandEncoder;
 
-/// Two bodies by their numbers, the lower first.
+/// Two different bodies by their numbers.
 pub type Bodies = [u32; 2];
 
 /// Many bodies, of which pairs are asked whether they meet in the world. The answer is the same, to the bit, as that of the
@@ -73,7 +73,7 @@ impl World {
         })
     }
 
-    /// Replaces all bodies, by their BVHs; each is at [`Pose::IDENTITY`].
+    /// Replaces all bodies, by their BVHs; each is at [`Pose::IDENTITY`]. After an error there is none.
     ///
     /// # Errors
     /// [`Error::TooLarge`] if all bodies together do not fit in a binding; [`Error::OutOfMemory`].
@@ -85,10 +85,10 @@ impl World {
         self.arena = None;
         self.is_posed = false;
         self.poses.clear();
-        self.poses.resize(bodies.len(), Pose::IDENTITY);
         if bodies.iter().any(|bvh| !bvh.order().is_empty()) {
             self.arena = Some(Arena::new(&self.answer.engine.gpu, bodies)?);
         }
+        self.poses.resize(bodies.len(), Pose::IDENTITY);
         Ok(())
     }
 
@@ -141,7 +141,7 @@ impl World {
     /// # Errors
     /// [`Error::NoBody`]; [`Error::DeviceLost`], [`Error::Device`], [`Error::OutOfMemory`].
     pub fn all(&mut self, pairs: &[Bodies]) -> Result<&[(Bodies, TrianglePair)], Error> {
-        self.ask(pairs, Want::All)?;
+        self.ask(pairs, Verb::All)?;
         Ok(&self.hits)
     }
 
@@ -150,7 +150,7 @@ impl World {
     /// # Errors
     /// As [`World::all`].
     pub fn any(&mut self, pairs: &[Bodies]) -> Result<Option<(Bodies, TrianglePair)>, Error> {
-        self.ask(pairs, Want::Any)?;
+        self.ask(pairs, Verb::Any)?;
         Ok(self.hits.first().copied())
     }
 
@@ -159,7 +159,7 @@ impl World {
     /// # Errors
     /// As [`World::all`].
     pub fn count(&mut self, pairs: &[Bodies]) -> Result<u64, Error> {
-        self.ask(pairs, Want::Count)?;
+        self.ask(pairs, Verb::Count)?;
         Ok(self.answer.count)
     }
 
@@ -208,7 +208,7 @@ impl World {
         Ok(self)
     }
 
-    fn ask(&mut self, pairs: &[Bodies], want: Want) -> Result<(), Error> {
+    fn ask(&mut self, pairs: &[Bodies], verb: Verb) -> Result<(), Error> {
         let bodies = self.poses.len() as u32;
         if let Some(&body) = pairs.iter().flatten().find(|&&body| body >= bodies) {
             return Err(Error::NoBody { body, bodies });
@@ -216,7 +216,7 @@ impl World {
         let gpu = self.answer.engine.gpu.clone();
         let question = gpu.checked(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
-            let mut question = self.start(&mut encoder, pairs, want)?;
+            let mut question = self.start(&mut encoder, pairs, verb)?;
             if let Some(question) = &mut question {
                 question.run.submission = Some(gpu.queue().submit([encoder.finish()]));
             }
@@ -224,7 +224,7 @@ impl World {
         })?;
         match question {
             Some(Question { task, parts, run }) => {
-                self.answer.finish_parts(&task, parts, run, want)?;
+                self.answer.finish_parts(&task, parts, run, verb)?;
                 self.is_posed = true;
             }
             None => self.answer.clear(),
@@ -243,7 +243,7 @@ impl World {
         &mut self,
         encoder: &mut CommandEncoder,
         pairs: &[Bodies],
-        want: Want,
+        verb: Verb,
     ) -> Result<Option<Question>, Error> {
         if let Some(clock) = &mut self.clock {
             clock.forget();
@@ -263,7 +263,7 @@ impl World {
             ..Query::zeroed()
         };
         let task = Task { query, root, levels, levels_below_seeds: levels };
-        let (parts, run) = self.answer.record_from(encoder, &task, &front, want)?;
+        let (parts, run) = self.answer.record_from(encoder, &task, &front, verb)?;
         Ok(Some(Question { task, parts, run }))
     }
 }

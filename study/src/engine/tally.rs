@@ -20,7 +20,7 @@ impl Tally {
     /// Adds a frame; returns whether another backend answered it than the last.
     pub fn add(&mut self, plan: &Plan) -> bool {
         let kind = match plan.backend {
-            Backend::Kept => 0,
+            Backend::Cached => 0,
             Backend::Threads => 2,
             Backend::Gpu => 3,
             _ => 1,

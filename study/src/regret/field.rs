@@ -51,7 +51,7 @@ impl Field {
     pub fn with_gpu(mut self, gpu: &Gpu) -> Result<Self, RegretError> {
         let executor = Executor::gpu(gpu, gpu.settings());
         self.fixed.push(Lane { name: "GPU".to_owned(), executor });
-        self.chooser = self.chooser.and_gpu(gpu).map_err(pfront::Error::from)?;
+        self.chooser = self.chooser.and_gpu(gpu, gpu.settings()).map_err(pfront::Error::from)?;
         Ok(self)
     }
 

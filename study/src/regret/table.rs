@@ -84,11 +84,11 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
     let Some(first) = rows.first() else { return Ok(table.flush()?) };
     let column = |name: &str| name.replace(' ', "_");
     let facts = ["case", "what_moves", "triangles", "bodies", "frames", "verb", "rounds"];
-    let judged = ["planner_ms", "best", "regret", "to_sequential", "a_a", "changes"];
+    let judged = ["chooser_ms", "best", "regret", "to_sequential", "a_a", "changes"];
     let mut head = facts.map(str::to_owned).to_vec();
     head.extend(first.fixed.iter().map(|(name, _)| format!("{}_ms", column(name))));
     head.extend(judged.map(str::to_owned));
-    head.extend(first.fixed.iter().map(|(name, _)| format!("planner_to_{}", column(name))));
+    head.extend(first.fixed.iter().map(|(name, _)| format!("chooser_to_{}", column(name))));
     head.extend(Tally::NAMES.map(|name| format!("frames_{}", column(name))));
     table.write_record(head)?;
     for row in rows {

@@ -22,20 +22,20 @@ impl OfTwo for (SceneHit, Contact) {
 
 /// A list in order of bodies, and when it was complete.
 #[derive(Clone, Debug)]
-pub(super) struct Kept<T> {
+pub(super) struct Cache<T> {
     list: Vec<T>,
     at: u64,
     /// Memory for the next list: empty.
     next: Vec<T>,
 }
 
-impl<T> Default for Kept<T> {
+impl<T> Default for Cache<T> {
     fn default() -> Self {
         Self { list: Vec::new(), at: 0, next: Vec::new() }
     }
 }
 
-impl<T: OfTwo> Kept<T> {
+impl<T: OfTwo> Cache<T> {
     /// The time at which the list was complete; 0 if it never was.
     pub(super) fn at(&self) -> u64 {
         self.at

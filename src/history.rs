@@ -1,9 +1,9 @@
-//! The answer to a question about one model or two: its lists, kept from frame to frame, and the last question, whose
+//! The history of a query about one model or two: lists whose memory is used again, and the last question, whose
 //! answer is that to the next if nothing has changed.
 
+use crate::executor::{Answer, Executor, Plan, Question, Run, Verb};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
-use crate::executor::{Executor, Given, Plan, Question, Run, Want};
 use crate::model::Stamp;
 #[cfg(feature = "threads")]
 use crate::threads::{Report, Traversal};
@@ -38,9 +38,9 @@ pub(crate) trait About {
         &self,
         device: &Device,
         mirrors: &mut Mirrors,
-        want: Want,
+        verb: Verb,
         pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Given<TrianglePair>, Error>;
+    ) -> Result<Answer<TrianglePair>, Error>;
 }
 
 /// Two models.
@@ -87,11 +87,11 @@ impl About for OfTwo<'_> {
         &self,
         device: &Device,
         mirrors: &mut Mirrors,
-        want: Want,
+        verb: Verb,
         pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Given<TrianglePair>, Error> {
+    ) -> Result<Answer<TrianglePair>, Error> {
         let models = mirrors.bring(device, &self.models, false)?;
-        Ok(device.ask_pair(models, &self.a_from_b, want, pairs)?)
+        Ok(device.ask_pair(models, &self.a_from_b, verb, pairs)?)
     }
 }
 
@@ -136,29 +136,29 @@ impl About for OfOne<'_> {
         &self,
         device: &Device,
         mirrors: &mut Mirrors,
-        want: Want,
+        verb: Verb,
         pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Given<TrianglePair>, Error> {
+    ) -> Result<Answer<TrianglePair>, Error> {
         let [model, _] = mirrors.bring(device, &self.models, true)?;
-        Ok(device.ask_within(model, self.adjacency, want, pairs)?)
+        Ok(device.ask_within(model, self.adjacency, verb, pairs)?)
     }
 }
 
 /// The memory of a query.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Answer {
+pub(crate) struct History {
     run: Run,
     #[cfg(feature = "gpu")]
     mirrors: Mirrors,
     pairs: Vec<TrianglePair>,
     contacts: Vec<(TrianglePair, Contact)>,
-    /// What was asked last, and the answer; that to [`Want::All`] is `pairs`.
-    last: Option<(Subject, Want, Given<TrianglePair>)>,
+    /// What was asked last, and the answer; that to [`Verb::All`] is `pairs`.
+    last: Option<(Subject, Verb, Answer<TrianglePair>)>,
     /// What `contacts` are about.
     touched: Option<Subject>,
 }
 
-impl Answer {
+impl History {
     pub(crate) fn on(executor: &Executor) -> Self {
         Self { run: Run::on(executor), ..Self::default() }
     }
@@ -186,18 +186,18 @@ impl Answer {
 
     /// All pairs, sorted. Allocates only when there are more than ever before.
     pub(crate) fn all(&mut self, about: &impl About) -> Result<&[TrianglePair], Error> {
-        self.ask(about, Want::All)?;
+        self.ask(about, Verb::All)?;
         Ok(&self.pairs)
     }
 
     /// How many pairs meet.
     pub(crate) fn count(&mut self, about: &impl About) -> Result<u64, Error> {
-        Ok(self.ask(about, Want::Count)?.count)
+        Ok(self.ask(about, Verb::Count)?.count)
     }
 
     /// Some pair that meets.
     pub(crate) fn any(&mut self, about: &impl About) -> Result<Option<TrianglePair>, Error> {
-        Ok(self.ask(about, Want::Any)?.first)
+        Ok(self.ask(about, Verb::Any)?.first)
     }
 
     /// All pairs that meet, sorted, with where. A pair that only `Conservative` or `Fast` reports
@@ -206,25 +206,27 @@ impl Answer {
         &mut self,
         about: &impl About,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
-        self.ask(about, Want::All)?;
+        self.ask(about, Verb::All)?;
         let subject = about.subject();
-        if self.touched.replace(subject) != Some(subject) {
+        if self.touched.take() != Some(subject) {
             let Self { run, pairs, contacts, .. } = self;
             contacts.clear();
             run.contacts(&about.query(), pairs, contacts);
         }
+        // Not before: a visitor of the pool may panic.
+        self.touched = Some(subject);
         Ok(&self.contacts)
     }
 
-    fn ask(&mut self, about: &impl About, want: Want) -> Result<Given<TrianglePair>, Error> {
+    fn ask(&mut self, about: &impl About, verb: Verb) -> Result<Answer<TrianglePair>, Error> {
         let subject = about.subject();
         match self.last {
             // From a list follows everything else.
-            Some((asked, Want::All, given)) if asked == subject => {
+            Some((asked, Verb::All, given)) if asked == subject => {
                 self.run.keep();
                 return Ok(given);
             }
-            Some((asked, verb, given)) if asked == subject && verb == want => {
+            Some((asked, answered, given)) if asked == subject && answered == verb => {
                 self.run.keep();
                 return Ok(given);
             }
@@ -237,8 +239,8 @@ impl Answer {
             #[cfg(feature = "gpu")]
             mirrors: &mut self.mirrors,
         };
-        let given = run.ask(&mut asking, want)?;
-        self.last = Some((subject, want, given));
+        let given = run.ask(&mut asking, verb)?;
+        self.last = Some((subject, verb, given));
         Ok(given)
     }
 }
@@ -251,41 +253,46 @@ struct Asking<'a, A> {
 }
 
 impl<A: About> Question for Asking<'_, A> {
-    type Answer = Given<TrianglePair>;
+    type Answer = Answer<TrianglePair>;
 
     #[cfg(feature = "gpu")]
     fn accuracy(&self) -> Accuracy {
         self.about.subject().accuracy
     }
 
-    fn on_one_thread(&mut self, want: Want) -> Result<Self::Answer, Error> {
+    fn on_one_thread(&mut self, verb: Verb) -> Result<Self::Answer, Error> {
         let query = self.about.query();
-        Ok(match want {
-            Want::All => {
+        Ok(match verb {
+            Verb::All => {
                 self.pairs.clear();
                 let _ = query.visit(&mut query.start(), |pair| {
                     self.pairs.push(pair);
                     ControlFlow::Continue(())
                 });
                 self.pairs.sort_unstable();
-                Given::listed(self.pairs)
+                Answer::listed(self.pairs)
             }
-            Want::Count => Given::counted(query.count()),
-            Want::Any => Given::found(query.any()),
+            Verb::Count => Answer::counted(query.count()),
+            Verb::Any => Answer::found(query.any()),
         })
     }
 
     #[cfg(feature = "threads")]
-    fn on_threads(&mut self, traversal: &mut Traversal, want: Want) -> Result<Self::Answer, Error> {
+    fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Self::Answer, Error> {
         let query = &self.about.query();
-        Ok(match want {
-            Want::All => {
+        Ok(match verb {
+            Verb::All => {
                 traversal.all(from_ref(query), self.pairs);
-                Given::listed(self.pairs)
+                Answer::listed(self.pairs)
             }
-            Want::Count => Given::counted(traversal.count(from_ref(query))),
-            Want::Any => Given::found(traversal.any(from_ref(query)).map(|hit| hit.pair)),
+            Verb::Count => Answer::counted(traversal.count(from_ref(query))),
+            Verb::Any => Answer::found(traversal.any(from_ref(query)).map(|hit| hit.pair)),
         })
+    }
+
+    #[cfg(feature = "gpu")]
+    fn meshes(&self) -> [u64; 2] {
+        self.about.subject().models.map(Stamp::mesh)
     }
 
     #[cfg(feature = "gpu")]
@@ -294,7 +301,7 @@ impl<A: About> Question for Asking<'_, A> {
     }
 
     #[cfg(feature = "gpu")]
-    fn on_gpu(&mut self, device: &Device, want: Want) -> Result<Self::Answer, Error> {
-        self.about.on_gpu(device, self.mirrors, want, self.pairs)
+    fn on_gpu(&mut self, device: &Device, verb: Verb) -> Result<Self::Answer, Error> {
+        self.about.on_gpu(device, self.mirrors, verb, self.pairs)
     }
 }
