@@ -107,7 +107,7 @@ fn triangle_pairs(c: &mut Criterion) {
 /// The triangle pairs whose boxes overlap: what a query tests.
 fn candidates(case: &Case) -> Vec<(Triangle, Triangle)> {
     let (a, b) = (case.a.bvh(), case.b.bvh());
-    let query = bvtt::PairQuery::new(a, b, case.a_from_b).unwrap_or_else(|e| panic!("{e}"));
+    let query = bvtt::PairBvtt::new(a, b, case.a_from_b).unwrap_or_else(|e| panic!("{e}"));
     let run = |bvh: &pfront::Bvh<'_>, node: u32| {
         let leaf = bvh.nodes()[node as usize];
         bvh.order()[leaf.first as usize..][..leaf.count as usize].to_vec()

@@ -8,7 +8,7 @@
 
 use pfront::core::bvh::{self, BvhStorage};
 use pfront::core::bvh::{CompactNode, Layout, compact, node_bound};
-use pfront::core::bvtt::{PairQuery, Query, SelfQuery};
+use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront::{BuildOptions, Bvh, Mesh, Node, Pose};
 use pfront_scenes::{Scene, TriMesh};
 use std::time::{Duration, Instant};
@@ -124,9 +124,9 @@ fn bytes<N>(trees: &[Tree<'_>]) -> String {
 fn ask<N: Layout>(case: &Case, bvhs: &[Bvh<'_, N>]) -> (u64, Duration) {
     let clock = Instant::now();
     let count = match *bvhs {
-        [own] => SelfQuery::new(own).count(),
+        [own] => SelfBvtt::new(own).count(),
         _ => {
-            let ask = |pose: &Pose| PairQuery::new(bvhs[0], bvhs[1], *pose).unwrap().count();
+            let ask = |pose: &Pose| PairBvtt::new(bvhs[0], bvhs[1], *pose).unwrap().count();
             case.poses.iter().map(ask).sum()
         }
     };

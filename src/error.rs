@@ -29,7 +29,7 @@ pub enum Error {
     /// A GPU refused or failed.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
-    Gpu(#[from] crate::gpu::Error),
+    Gpu(#[from] crate::gpu::GpuError),
 }
 
 impl From<BlobError> for Error {

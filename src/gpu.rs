@@ -1,16 +1,17 @@
 //! The queries on a GPU: the same pairs, to the bit, through wgpu on Vulkan, Metal or Direct3D 12.
 //!
-//! A [`Gpu`] is a device of this machine or of the caller's; a [`Model`] is the BVH of a
+//! A [`Gpu`] is a device of this machine or of the caller's; a [`GpuModel`] is the BVH of a
 //! [`crate::Model`] in its memory, a [`Deforming`] one whose vertices move there. Queries ask what
 //! those of the CPU ask, in the same words.
 //!
 //! # Examples
 //! ```no_run
-//! use pfront::{Pose, gpu};
-//! # fn demo(body: pfront::Model, cloth: pfront::Model) -> Result<(), gpu::Error> {
-//! let gpu = gpu::Gpu::new()?;
-//! let body = gpu::Model::new(&gpu, body.bvh())?;
-//! let mut query = gpu::PairQuery::new(&gpu)?;
+//! use pfront::Pose;
+//! use pfront::gpu::{Deforming, Gpu, GpuError, GpuModel, GpuPairQuery, GpuSelfQuery};
+//! # fn demo(body: pfront::Model, cloth: pfront::Model) -> Result<(), GpuError> {
+//! let gpu = Gpu::new()?;
+//! let body = GpuModel::new(&gpu, body.bvh())?;
+//! let mut query = GpuPairQuery::new(&gpu)?;
 //! for frame in 0..4 {
 //!     let a_from_b = Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]);
 //!     let pairs = query.all(&body, &body, &a_from_b)?; // &[TrianglePair], sorted
@@ -18,8 +19,8 @@
 //! }
 //!
 //! // A mesh that deforms goes there once; then only its vertices do.
-//! let mut moving = gpu::Deforming::new(&gpu, cloth.bvh())?;
-//! let mut folds = gpu::SelfQuery::new(&gpu)?;
+//! let mut moving = Deforming::new(&gpu, cloth.bvh())?;
+//! let mut folds = GpuSelfQuery::new(&gpu)?;
 //! # let frames: [Vec<[f32; 3]>; 0] = [];
 //! for positions in &frames {
 //!     moving.set_positions(positions)?;

@@ -47,7 +47,7 @@ pub(crate) trait About {
 pub(crate) struct OfTwo<'m> {
     models: [&'m Model; 2],
     a_from_b: Pose,
-    query: core::bvtt::PairQuery<'m>,
+    query: core::bvtt::PairBvtt<'m>,
     accuracy: Accuracy,
 }
 
@@ -58,7 +58,7 @@ impl<'m> OfTwo<'m> {
         accuracy: Accuracy,
     ) -> Result<Self, Error> {
         let [a, b] = models.map(Model::bvh);
-        let query = core::bvtt::PairQuery::new(a, b, *a_from_b)?.with_accuracy(accuracy);
+        let query = core::bvtt::PairBvtt::new(a, b, *a_from_b)?.with_accuracy(accuracy);
         Ok(Self { models, a_from_b: *a_from_b, query, accuracy })
     }
 }
@@ -111,7 +111,7 @@ impl<'m> OfOne<'m> {
 impl About for OfOne<'_> {
     fn query(&self) -> impl Query + Sync {
         let [model] = self.models;
-        core::bvtt::SelfQuery::new(model.bvh())
+        core::bvtt::SelfBvtt::new(model.bvh())
             .with_accuracy(self.accuracy)
             .with_adjacency(self.adjacency)
             .with_certificates(model.certificates())

@@ -159,11 +159,11 @@ fn ask_everything<N: bvh::Layout>(bvh: Bvh<'_, N>, pose: Pose) {
     bvh.assert_well_formed();
     for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
         for pose in [pose, Pose::IDENTITY] {
-            let pair = bvtt::PairQuery::new(bvh, bvh, pose).unwrap();
+            let pair = bvtt::PairBvtt::new(bvh, bvh, pose).unwrap();
             assert!(verbs(&pair.with_accuracy(accuracy)) > 0);
         }
         for adjacency in [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours] {
-            let own = bvtt::SelfQuery::new(bvh).with_adjacency(adjacency);
+            let own = bvtt::SelfBvtt::new(bvh).with_adjacency(adjacency);
             verbs(&own.with_accuracy(accuracy));
         }
     }

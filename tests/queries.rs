@@ -216,16 +216,16 @@ fn pair(a: &Soup, b: &Soup, a_from_b: &Pose) -> usize {
             let contacts = exact.contacts(s, t, a_from_b).unwrap();
             assert!(contacts.iter().map(|c| &c.0).eq(&truth));
         }
-        pages(&bvtt::PairQuery::new(s.bvh(), t.bvh(), *a_from_b).unwrap(), &truth);
+        pages(&bvtt::PairBvtt::new(s.bvh(), t.bvh(), *a_from_b).unwrap(), &truth);
         let (small, least) = (Compact::of(s.bvh()), Compact::of(t.bvh()));
         let (small, least) = (small.bvh(s.mesh()), least.bvh(t.mesh()));
-        pages(&bvtt::PairQuery::new(small, least, *a_from_b).unwrap(), &truth);
-        pages(&bvtt::PairQuery::new(small, t.bvh(), *a_from_b).unwrap(), &truth);
-        pages(&bvtt::PairQuery::new(s.bvh(), least, *a_from_b).unwrap(), &truth);
+        pages(&bvtt::PairBvtt::new(small, least, *a_from_b).unwrap(), &truth);
+        pages(&bvtt::PairBvtt::new(small, t.bvh(), *a_from_b).unwrap(), &truth);
+        pages(&bvtt::PairBvtt::new(s.bvh(), least, *a_from_b).unwrap(), &truth);
     }
     morton(a, |s| {
         morton(b, |t| {
-            pages(&bvtt::PairQuery::new(s, t, *a_from_b).unwrap(), &truth);
+            pages(&bvtt::PairBvtt::new(s, t, *a_from_b).unwrap(), &truth);
         });
     });
     truth.len()
@@ -252,13 +252,13 @@ fn within(soup: &Soup) -> usize {
                 stops(truth, stop, |visit| exact.visit(model, visit));
             }
             assert!(superset(conservative.all(model).unwrap(), truth));
-            let query = bvtt::SelfQuery::new(model.bvh()).with_adjacency(adjacency);
+            let query = bvtt::SelfBvtt::new(model.bvh()).with_adjacency(adjacency);
             pages(&query, truth);
             let small = Compact::of(model.bvh());
-            pages(&bvtt::SelfQuery::new(small.bvh(model.mesh())).with_adjacency(adjacency), truth);
+            pages(&bvtt::SelfBvtt::new(small.bvh(model.mesh())).with_adjacency(adjacency), truth);
         }
         morton(soup, |bvh| {
-            pages(&bvtt::SelfQuery::new(bvh).with_adjacency(adjacency), truth);
+            pages(&bvtt::SelfBvtt::new(bvh).with_adjacency(adjacency), truth);
         });
     }
     truth.len()

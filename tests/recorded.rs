@@ -55,7 +55,7 @@ fn nasty_meshes_with_themselves() {
         let model = Model::new(soup.positions, soup.triangles).unwrap();
         assert_eq!(SelfQuery::new().all(&model).unwrap(), truth, "{file}");
         let small = Compact::of(model.bvh());
-        let compact = bvtt::SelfQuery::new(small.bvh(model.mesh()));
+        let compact = bvtt::SelfBvtt::new(small.bvh(model.mesh()));
         assert_eq!(sorted(&compact), truth, "{file}, compact");
     }
 }
@@ -67,7 +67,7 @@ fn twin_in_bounded_memory() {
         let soup = mesh(&format!("nasty/Generic_Twin_7081.1.t0_{side}.obj"));
         Model::new(soup.positions, soup.triangles).unwrap()
     });
-    let query = bvtt::PairQuery::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
+    let query = bvtt::PairBvtt::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
     let (mut cursor, mut page) = (query.start(), [TrianglePair::default(); 64]);
     let mut paged = Vec::new();
     while !cursor.is_done() {
@@ -96,7 +96,7 @@ fn found(a: &Soup, b: &Soup, a_from_b: &Pose) -> Vec<TrianglePair> {
     let pairs = PairQuery::new().all(&a, &b, a_from_b).unwrap().to_vec();
     let small = [&a, &b].map(|model| Compact::of(model.bvh()));
     let [s, t] = [small[0].bvh(a.mesh()), small[1].bvh(b.mesh())];
-    assert_eq!(sorted(&bvtt::PairQuery::new(s, t, *a_from_b).unwrap()), pairs, "compact");
+    assert_eq!(sorted(&bvtt::PairBvtt::new(s, t, *a_from_b).unwrap()), pairs, "compact");
     pairs
 }
 

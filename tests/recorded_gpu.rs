@@ -13,7 +13,7 @@
 mod data;
 
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh, vectors};
-use pfront::gpu::{self, Budget, Deforming, Gpu, Settings};
+use pfront::gpu::{Budget, Deforming, Gpu, GpuModel, GpuPairQuery, GpuSelfQuery, GpuSettings};
 use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use pfront_scenes::Scene;
 use pfront_testkit::shapes::Soup;
@@ -39,13 +39,13 @@ fn frames(count: usize, few: usize) -> impl Iterator<Item = usize> {
 /// A model in both memories.
 struct Both {
     cpu: Model,
-    gpu: gpu::Model,
+    gpu: GpuModel,
 }
 
 impl Both {
     fn new(soup: Soup) -> Self {
         let cpu = Model::new(soup.positions, soup.triangles).unwrap();
-        Self { gpu: gpu::Model::new(gpu(), cpu.bvh()).unwrap(), cpu }
+        Self { gpu: GpuModel::new(gpu(), cpu.bvh()).unwrap(), cpu }
     }
 
     fn file(file: impl AsRef<Path>) -> Self {
@@ -55,15 +55,15 @@ impl Both {
 
 /// Both kinds of query on both backends.
 struct Asker {
-    pairs: (PairQuery, gpu::PairQuery),
-    within: (SelfQuery, gpu::SelfQuery),
+    pairs: (PairQuery, GpuPairQuery),
+    within: (SelfQuery, GpuSelfQuery),
 }
 
 impl Asker {
-    fn new(settings: Settings) -> Self {
+    fn new(settings: GpuSettings) -> Self {
         Self {
-            pairs: (PairQuery::new(), gpu::PairQuery::with_settings(gpu(), settings).unwrap()),
-            within: (SelfQuery::new(), gpu::SelfQuery::with_settings(gpu(), settings).unwrap()),
+            pairs: (PairQuery::new(), GpuPairQuery::with_settings(gpu(), settings).unwrap()),
+            within: (SelfQuery::new(), GpuSelfQuery::with_settings(gpu(), settings).unwrap()),
         }
     }
 
@@ -77,7 +77,7 @@ impl Asker {
     }
 
     /// How many both find within a model, which on the GPU may be one that moves.
-    fn within(&mut self, what: &str, cpu: &Model, gpu: &gpu::Model) -> usize {
+    fn within(&mut self, what: &str, cpu: &Model, gpu: &GpuModel) -> usize {
         let truth = self.within.0.all(cpu).unwrap();
         let found = self.within.1.all(gpu).unwrap();
         assert!(found == truth, "{what}: {} pairs, not {}", found.len(), truth.len());
@@ -133,7 +133,7 @@ fn twin_in_bounded_memory() {
         .map(|side| Both::file(format!("nasty/Generic_Twin_7081.1.t0_{side}.obj")));
     let all = gpu().settings().budget.bytes;
     for bytes in if full() { vec![all, all / 16] } else { vec![all] } {
-        let mut asker = Asker::new(Settings { budget: Budget { bytes }, ..gpu().settings() });
+        let mut asker = Asker::new(GpuSettings { budget: Budget { bytes }, ..gpu().settings() });
         assert_eq!(asker.found("twin", &a, &b, &Pose::IDENTITY).len(), 1239);
     }
 }
@@ -145,7 +145,7 @@ fn every_depth_bound_and_budget() {
     let sliding = Both::file("nasty/same_mesh_far_from_origin.obj");
     for depth in 1..=4 {
         for bytes in [Budget::LEAST.bytes, 100_000, 1 << 20, 64 << 20] {
-            let settings = Settings { depth, budget: Budget { bytes }, ..gpu().settings() };
+            let settings = GpuSettings { depth, budget: Budget { bytes }, ..gpu().settings() };
             let (mut asker, what) = (Asker::new(settings), format!("{depth}, {bytes} bytes"));
             assert_eq!(asker.found(&what, &a, &b, &Pose::IDENTITY).len(), 276);
             assert_eq!(asker.found(&what, &s, &t, &Pose::IDENTITY).len(), 62);

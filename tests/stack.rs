@@ -20,9 +20,9 @@ fn a_walk_fits_a_small_stack() {
     let turned = Pose::new([[1.0, 0.0, 0.0, 0.0], [0.0, 0.8, -0.6, 0.0], [0.0, 0.6, 0.8, 0.0]]);
     let counts = thread::scope(|scope| {
         let walk = || {
-            let own = bvtt::SelfQuery::new(model.bvh()).count();
+            let own = bvtt::SelfBvtt::new(model.bvh()).count();
             let placed = bvtt::PosedBvh::new(model.bvh(), &turned).unwrap();
-            [own, bvtt::PairQuery::in_world(placed, placed).count()]
+            [own, bvtt::PairBvtt::in_world(placed, placed).count()]
         };
         thread::Builder::new().stack_size(STACK).spawn_scoped(scope, walk).unwrap().join().unwrap()
     });

@@ -55,7 +55,7 @@ fn a_scene_takes_a_traversal_that_was_used() {
     let mesh = Scene::by_name("sheet", Some(4_000)).unwrap().meshes[0].clone();
     let model = Arc::new(Model::new(mesh.positions, mesh.triangles).unwrap());
     let mut traversal = Traversal::new(3);
-    let query = bvtt::PairQuery::new(model.bvh(), model.bvh(), Pose::IDENTITY).unwrap();
+    let query = bvtt::PairBvtt::new(model.bvh(), model.bvh(), Pose::IDENTITY).unwrap();
     let expected = traversal.count(&[query]);
     assert!(traversal.report.nodes > 0);
     let mut scene = SceneQuery::new().on(&Executor::from(traversal));
@@ -104,23 +104,23 @@ fn compact_models() {
         for frame in 0..3 {
             scene.poses(frame, &mut poses);
             let pose = Pose::new(poses[1]);
-            let query = bvtt::PairQuery::new(small, least, pose).unwrap();
+            let query = bvtt::PairBvtt::new(small, least, pose).unwrap();
             traversal.all(&[query], &mut found);
             assert_eq!(found, PairQuery::new().all(&a, &b, &pose).unwrap());
 
             let here = PosedBvh::new(a.bvh(), &aside).unwrap();
             traversal.all(
-                &[bvtt::PairQuery::in_world(here, PosedBvh::new(b.bvh(), &pose).unwrap())],
+                &[bvtt::PairBvtt::in_world(here, PosedBvh::new(b.bvh(), &pose).unwrap())],
                 &mut truth,
             );
             let there = PosedBvh::new(least, &pose).unwrap();
-            traversal.all(&[bvtt::PairQuery::in_world(here, there)], &mut found);
+            traversal.all(&[bvtt::PairBvtt::in_world(here, there)], &mut found);
             assert_eq!(found, truth);
             let here = PosedBvh::new(small, &aside).unwrap();
-            traversal.all(&[bvtt::PairQuery::in_world(here, there)], &mut found);
+            traversal.all(&[bvtt::PairBvtt::in_world(here, there)], &mut found);
             assert!(found == truth && !truth.is_empty());
         }
-        traversal.all(&[bvtt::SelfQuery::new(small)], &mut found);
+        traversal.all(&[bvtt::SelfBvtt::new(small)], &mut found);
         assert_eq!(found, SelfQuery::new().all(&a).unwrap());
     }
 }

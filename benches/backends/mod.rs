@@ -1,7 +1,7 @@
 //! Who finds the pairs of a frame: threads of the CPU, or the GPU.
 
 use crate::cases::{Asker, Case, all_threads, traversal};
-use pfront::gpu::{self, Deforming, Gpu};
+use pfront::gpu::{Deforming, Gpu, GpuModel, GpuPairQuery, GpuSelfQuery};
 use pfront::threads::Schedule;
 use pfront::{Model, Pose, TrianglePair};
 
@@ -50,9 +50,9 @@ impl Backend for Cpu<'_> {
 }
 
 struct Pair<'c> {
-    models: [gpu::Model; 2],
+    models: [GpuModel; 2],
     poses: &'c [Pose],
-    query: gpu::PairQuery,
+    query: GpuPairQuery,
 }
 
 impl Backend for Pair<'_> {
@@ -65,7 +65,7 @@ impl Backend for Pair<'_> {
 struct Within<'c> {
     moving: Deforming,
     frames: &'c [Model],
-    query: gpu::SelfQuery,
+    query: GpuSelfQuery,
 }
 
 impl Backend for Within<'_> {
@@ -79,14 +79,14 @@ impl Backend for Within<'_> {
 pub(crate) fn on_gpu<'c>(gpu: &Gpu, case: &'c Case) -> Box<dyn Backend + 'c> {
     match case {
         Case::Pair { a, b, poses, .. } => Box::new(Pair {
-            models: [a, b].map(|model| gpu::Model::new(gpu, model.bvh()).unwrap()),
+            models: [a, b].map(|model| GpuModel::new(gpu, model.bvh()).unwrap()),
             poses,
-            query: gpu::PairQuery::new(gpu).unwrap(),
+            query: GpuPairQuery::new(gpu).unwrap(),
         }),
         Case::Within { model, frames, .. } => Box::new(Within {
             moving: Deforming::new(gpu, model.bvh()).unwrap(),
             frames,
-            query: gpu::SelfQuery::new(gpu).unwrap(),
+            query: GpuSelfQuery::new(gpu).unwrap(),
         }),
     }
 }

@@ -21,7 +21,7 @@ pub(crate) use asked::Asked;
 use core::ffi::CStr;
 use core::ptr::null;
 use pfront_core::Bvh;
-use pfront_core::bvtt::{PairQuery, PosedBvh, SelfQuery};
+use pfront_core::bvtt::{PairBvtt, PosedBvh, SelfBvtt};
 use pfront_core::one_ring::{Certified, CertifyOptions, OneRings};
 use pfront_core::triangle::{Accuracy, Adjacency};
 
@@ -90,7 +90,7 @@ impl pfront_query_t {
                 let (a, b) = (self.a.view(call, c"a")?, self.b.view(call, c"b")?);
                 let a = PosedBvh::new_unchecked(a, &self.frame_from_a.pose());
                 let b = PosedBvh::new_unchecked(b, &self.frame_from_b.pose());
-                Ok(Asked::Pair(PairQuery::in_world(a, b).with_accuracy(accuracy)))
+                Ok(Asked::Pair(PairBvtt::in_world(a, b).with_accuracy(accuracy)))
             }
             SELF => Ok(Asked::Within(self.within(self.a.view(call, c"bvh")?, accuracy, call)?)),
             _ => Err(Fault::of(PFRONT_NOT_MADE, c"query")),
@@ -107,8 +107,8 @@ impl pfront_query_t {
         bvh: Bvh<'c>,
         accuracy: Accuracy,
         call: &Call<'c>,
-    ) -> Result<SelfQuery<'c>, Fault> {
-        let query = SelfQuery::new(bvh).with_accuracy(accuracy);
+    ) -> Result<SelfBvtt<'c>, Fault> {
+        let query = SelfBvtt::new(bvh).with_accuracy(accuracy);
         let query = match self.rule {
             0 => query,
             1 => query.with_adjacency(Adjacency::SkipNeighbours),

@@ -9,7 +9,7 @@ use crate::*;
 use core::mem::MaybeUninit;
 use core::ptr::{null, null_mut};
 use core::slice;
-use pfront_core::bvtt::{PairQuery, Query, SelfQuery};
+use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 
 const TRIANGLES: usize = 8;
@@ -143,8 +143,8 @@ fn a_frame_and_the_next() {
         let within: pfront_query_t = made!(pfront_query_self(&bvh, history, 0, exact));
         let pair: pfront_query_t = made!(pfront_query_pair(&bvh, &bvh, &a_from_b, exact));
         let own = checked(&bvh);
-        let other = PairQuery::new(own, own, Pose::new(a_from_b.rows)).unwrap();
-        let expected = [truth(&SelfQuery::new(own)), truth(&other)];
+        let other = PairBvtt::new(own, own, Pose::new(a_from_b.rows)).unwrap();
+        let expected = [truth(&SelfBvtt::new(own)), truth(&other)];
         assert!(expected.iter().all(|pairs| !pairs.is_empty()));
 
         let queries = [within, pair];

@@ -16,7 +16,7 @@
 //! - [`triangle`]: whether two triangles intersect, the rule for triangles that share vertices, and contacts;
 //! - `simd` (private): boxes and triangles in vector lanes;
 //! - [`bvh`]: builds, refits, checks and compact nodes of a BVH; [`blob`]: a BVH and its mesh as bytes;
-//! - [`bvtt`]: the traversal, its cursor, and the queries [`bvtt::PairQuery`] and [`bvtt::SelfQuery`];
+//! - [`bvtt`]: the traversal, its cursor, and the queries [`bvtt::PairBvtt`] and [`bvtt::SelfBvtt`];
 //! - [`front`]: fronts, their refinement, their partition, and the cost history from frame to frame;
 //! - [`one_ring`]: certificates that save a self query the tests of neighbours.
 //!
@@ -41,7 +41,7 @@
 //! Two meshes, the second in a pose relative to the first:
 //! ```
 //! use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
-//! use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
+//! use pfront_core::bvtt::{PairBvtt, Query, TrianglePair};
 //! use pfront_core::{Mesh, Node, Pose};
 //!
 //! let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
@@ -53,7 +53,7 @@
 //!
 //! // The square stands upright on the corner at (1, 1).
 //! let upright = Pose::new([[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, -1.0, 1.0], [0.0, 1.0, 0.0, 0.0]]);
-//! let query = PairQuery::new(bvh, bvh, upright)?;
+//! let query = PairBvtt::new(bvh, bvh, upright)?;
 //! assert_eq!(query.any(), Some(TrianglePair { a: 1, b: 0 }));
 //! assert_eq!(query.count(), 1);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -63,7 +63,7 @@
 //! One mesh with itself. Neighbours do not hit each other in the vertices that they share by index:
 //! ```
 //! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
-//! use pfront_core::bvtt::{Query, SelfQuery, TrianglePair};
+//! use pfront_core::bvtt::{Query, SelfBvtt, TrianglePair};
 //! # use pfront_core::{Mesh, Node};
 //! // Triangles 0 and 1 share an edge; triangle 2 pierces triangle 0.
 //! let positions = [
@@ -74,7 +74,7 @@
 //! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(3)], [0; 3]);
 //! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
 //! let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 6])?;
-//! let query = SelfQuery::new(bvh);
+//! let query = SelfBvtt::new(bvh);
 //! assert_eq!(query.count(), 1);
 //! let pair = TrianglePair { a: 0, b: 2 };
 //! assert_eq!(query.any(), Some(pair));
@@ -86,7 +86,7 @@
 //! [`Query::page`](bvtt::Query::page) fills a slice of any length and goes on from there with the next call:
 //! ```
 //! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
-//! use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
+//! use pfront_core::bvtt::{PairBvtt, Query, TrianglePair};
 //! # use pfront_core::{Mesh, Node, Pose};
 //! # let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 //! # let square = Mesh::new(&positions, &[[0, 1, 2], [1, 3, 2]])?;
@@ -94,7 +94,7 @@
 //! # let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
 //! # let mut scratch = [0; 4];
 //! # let bvh = morton(square, &BuildOptions::default(), storage, &mut scratch)?;
-//! let query = PairQuery::new(bvh, bvh, Pose::IDENTITY)?;
+//! let query = PairBvtt::new(bvh, bvh, Pose::IDENTITY)?;
 //! let (mut cursor, mut page) = (query.start(), [TrianglePair::default(); 3]);
 //! let mut total = 0;
 //! while !cursor.is_done() {
@@ -110,7 +110,7 @@
 //! these are the cost history of the next frame. Here the workers run one after the other; `pfront-cpu` runs them on threads:
 //! ```
 //! # use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
-//! use pfront_core::bvtt::{Cursor, PairQuery, Query, Work};
+//! use pfront_core::bvtt::{Cursor, PairBvtt, Query, Work};
 //! use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 //! # use pfront_core::{Mesh, Node, Pose};
 //! use std::ops::ControlFlow;
@@ -124,7 +124,7 @@
 //! const WORKERS: usize = 2;
 //! let (mut memory, mut history) = ([FrontNode::default(); 64], Vec::new());
 //! for frame in 0..3 {
-//!     let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.1 * frame as f32, 0.0, 0.0]))?;
+//!     let query = PairBvtt::new(bvh, bvh, Pose::from_translation([0.1 * frame as f32, 0.0, 0.0]))?;
 //!     let mut front = Front::new(&mut memory);
 //!     if let Some(root) = query.root() {
 //!         front.add(0, root)?;

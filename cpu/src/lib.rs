@@ -9,7 +9,7 @@
 //! thread. Costs are counted in box and triangle tests, not timed, so that the [`Report`] of a frame means the same on every machine and for any p.
 //!
 //! ```
-//! use pfront_core::{bvh::*, bvh::node_bound, bvtt::PairQuery, *};
+//! use pfront_core::{bvh::*, bvh::node_bound, bvtt::PairBvtt, *};
 //! use pfront_cpu::Traversal;
 //! # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! # let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
@@ -21,7 +21,7 @@
 //! let mut pairs = Vec::<bvtt::TrianglePair>::new();
 //! for frame in 0..3 {
 //!     let pose = Pose::from_translation([0.1 * frame as f32, 0.0, 0.0]);
-//!     traversal.all(&[PairQuery::new(bvh, bvh, pose)?], &mut pairs);
+//!     traversal.all(&[PairBvtt::new(bvh, bvh, pose)?], &mut pairs);
 //!     assert_eq!(pairs.len(), 1);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -60,11 +60,11 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let mut rings = OneRings::new(some()?, triangles, slices.history, words).ok()?;
     let certified = rings.certify(mesh, &CertifyOptions { join: Some(join), moved: Some(moved) });
     any(certified.is_certified(some()?));
-    let within = SelfQuery::new(bvh).with_certificates(certified).with_adjacency(some()?);
+    let within = SelfBvtt::new(bvh).with_certificates(certified).with_adjacency(some()?);
     asked(&within.with_accuracy(some()?).boxes_only(), slices.page)?;
     let placed: PosedBvh<'_> = PosedBvh::new(bvh, &some()?).ok()?;
-    any((placed.aabb(), PairQuery::new(bvh, bvh, some()?).ok()?));
-    let pair: PairQuery<'_> = PairQuery::in_world(placed, some()?).with_accuracy(some()?);
+    any((placed.aabb(), PairBvtt::new(bvh, bvh, some()?).ok()?));
+    let pair: PairBvtt<'_> = PairBvtt::in_world(placed, some()?).with_accuracy(some()?);
     asked(&pair, slices.page)?;
     let mut front = Front::new(slices.front);
     front.add(some()?, some()?).ok()?;
@@ -72,9 +72,9 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any((front.partition(slices.parts).len(), estimate(&pair, some()?)));
     let small = compact(mesh, bvh.nodes(), bvh.order(), slices.compact).ok()?;
     any((Bvh::new(mesh, small.nodes(), small.order(), words).ok()?.depth(), small.aabb()));
-    asked(&SelfQuery::new(small), slices.page)?;
-    asked(&PairQuery::new(small, small, some()?).ok()?, slices.page)?;
-    asked(&PairQuery::in_world(placed, PosedBvh::new(small, &some()?).ok()?), slices.page)?;
+    asked(&SelfBvtt::new(small), slices.page)?;
+    asked(&PairBvtt::new(small, small, some()?).ok()?, slices.page)?;
+    asked(&PairBvtt::in_world(placed, PosedBvh::new(small, &some()?).ok()?), slices.page)?;
     any(intersects(&some()?, &some()?, some()?));
     any(intersects_in_mesh(mesh, some()?, some()?, some()?, some()?));
     any((contact(&some()?, &some()?), mesh.triangle(some()?)));

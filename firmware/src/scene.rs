@@ -14,7 +14,7 @@ pub use mesh::{beads, torus};
 
 use core::ops::ControlFlow::Continue;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton};
-use pfront_core::bvtt::{Cursor, PairQuery, Query, TrianglePair};
+use pfront_core::bvtt::{Cursor, PairBvtt, Query, TrianglePair};
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use shape::TRIANGLES;
@@ -99,7 +99,7 @@ pub fn play(memory: &mut Memory, mut show: impl FnMut(Pairs, &Line)) -> Result<(
     let history: &mut [FrontNode] = bytemuck::try_cast_slice_mut(history).map_err(|_| "history")?;
     let mut remembered = 0;
     for number in 0..FRAMES {
-        let query = PairQuery::new(a, b, pose(number)).map_err(|_| "pose")?;
+        let query = PairBvtt::new(a, b, pose(number)).map_err(|_| "pose")?;
         let last = history.get_mut(..remembered).unwrap_or_default();
         let nodes = divide(&query, front, last)?;
         let (mut pairs, mut work) = (Pairs::default(), [0; WORKERS]);
@@ -112,7 +112,7 @@ pub fn play(memory: &mut Memory, mut show: impl FnMut(Pairs, &Line)) -> Result<(
         show(pairs, &line.with(work[0], " + ").with(work[1], " tests\n"));
     }
     let (pairs, steps, longest) =
-        in_steps(&PairQuery::new(a, b, pose(FRAMES)).map_err(|_| "pose")?);
+        in_steps(&PairBvtt::new(a, b, pose(FRAMES)).map_err(|_| "pose")?);
     show(pairs, &found(pairs).with(steps, " steps of up to ").with(longest, " tests\n"));
     Ok(())
 }
@@ -136,7 +136,7 @@ fn build<'a>(
 /// The front of a frame, assigned to the workers.
 #[inline(never)]
 fn divide<'n>(
-    query: &PairQuery<'_>,
+    query: &PairBvtt<'_>,
     nodes: &'n mut [FrontNode],
     last: &mut [FrontNode],
 ) -> Result<&'n [FrontNode], &'static str> {
@@ -151,7 +151,7 @@ fn divide<'n>(
 /// Traverses from a node, page by page; adds what it costs to the work of its worker, and returns it.
 #[inline(never)]
 fn work_through(
-    query: &PairQuery<'_>,
+    query: &PairBvtt<'_>,
     node: &FrontNode,
     work: &mut [u32; WORKERS],
     pairs: &mut Pairs,
@@ -170,7 +170,7 @@ fn work_through(
 
 /// The pairs of a whole query in steps, how many there were and how long the longest.
 #[inline(never)]
-fn in_steps(query: &PairQuery<'_>) -> (Pairs, u32, u32) {
+fn in_steps(query: &PairBvtt<'_>) -> (Pairs, u32, u32) {
     let (mut pairs, mut steps, mut longest) = (Pairs::default(), 0, 0);
     let mut cursor = query.start();
     while !cursor.is_done() {

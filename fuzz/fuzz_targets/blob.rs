@@ -84,7 +84,7 @@ fn check(bytes: &[u8], input: &Input) -> bool {
         (Ok(bvh), Ok(_)) => {
             let mut again = vec![0xaa; bytes.len()];
             assert_eq!(blob::write(&bvh, &mut again).unwrap(), bytes);
-            assert_eq!(pages(&bvtt::SelfQuery::new(bvh), 7), truth(bvh.mesh()));
+            assert_eq!(pages(&bvtt::SelfBvtt::new(bvh), 7), truth(bvh.mesh()));
         }
         (borrowed, copied) => panic!("borrowed: {borrowed:?}, copied: {copied:?}"),
     }

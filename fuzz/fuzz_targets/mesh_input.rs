@@ -58,9 +58,9 @@ fn check(model: &Model, input: &Input) {
     let (positions, triangles) = (model.mesh().positions(), model.mesh().triangles());
     let truth = as_pairs(&self_pairs(positions, triangles));
     assert_eq!(SelfQuery::new().all(model).unwrap(), truth);
-    pages(&bvtt::SelfQuery::new(model.bvh()), input.capacity, &truth);
+    pages(&bvtt::SelfBvtt::new(model.bvh()), input.capacity, &truth);
     let tree = Tree::new(model.mesh(), 8, Builder::Morton);
-    pages(&bvtt::SelfQuery::new(tree.bvh(model.mesh())), input.capacity, &truth);
+    pages(&bvtt::SelfBvtt::new(tree.bvh(model.mesh())), input.capacity, &truth);
 
     let pose =
         input.pose.map_or(Pose::IDENTITY, |rows| Pose::new(rows.map(|r| r.map(f32::from_bits))));
@@ -72,7 +72,7 @@ fn check(model: &Model, input: &Input) {
         assert!(corners.flatten().all(|x| x.is_finite()));
         let truth = as_pairs(&pairs(positions, triangles, &there, triangles));
         assert_eq!(found, truth, "{pose:?}");
-        let query = bvtt::PairQuery::new(model.bvh(), model.bvh(), pose).unwrap();
+        let query = bvtt::PairBvtt::new(model.bvh(), model.bvh(), pose).unwrap();
         pages(&query, input.capacity, &truth);
     }
 }
@@ -98,7 +98,7 @@ fn adopt(model: &Model, input: &Input) {
     let mut scratch = vec![0; order.len().div_ceil(32)];
     if let Ok(adopted) = Bvh::new(bvh.mesh(), nodes, &order, &mut scratch) {
         adopted.assert_well_formed();
-        let query = bvtt::SelfQuery::new(adopted);
+        let query = bvtt::SelfBvtt::new(adopted);
         let mut truth = SelfQuery::new();
         pages(&query, input.capacity, truth.all(model).unwrap());
     }

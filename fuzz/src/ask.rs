@@ -22,7 +22,7 @@ impl World {
     pub(crate) fn ask_pair(&mut self, two: [usize; 2], placing: Placing, ask: Ask) {
         let pose = placing.pose(&self.palette);
         let [a, b] = two.map(|place| &self.bodies[place].body);
-        let core = bvtt::PairQuery::new(a.bvh(), b.bvh(), pose)
+        let core = bvtt::PairBvtt::new(a.bvh(), b.bvh(), pose)
             .map(|query| of_core(&query.with_accuracy(ask.accuracy()), ask));
         let said = [&mut self.one, &mut self.many]
             .map(|queries| of_two(&mut queries.pair, &a.model, &b.model, &pose, ask));
@@ -49,7 +49,7 @@ impl World {
             (a.body.model.bvh(), b.body.model.bvh()),
         ] {
             let [s, t] = [(s, a), (t, b)].map(|(bvh, it)| PosedBvh::new(bvh, &it.pose).unwrap());
-            let query = bvtt::PairQuery::in_world(s, t).with_accuracy(ask.accuracy());
+            let query = bvtt::PairBvtt::in_world(s, t).with_accuracy(ask.accuracy());
             of_core(&query, ask).check(&truth, ask);
         }
     }
@@ -65,7 +65,7 @@ impl World {
         one.same(&many);
         [one, many].iter().for_each(|answers| answers.check(&truth, ask));
         for bvh in [body.bvh(), body.model.bvh()] {
-            let query = bvtt::SelfQuery::new(bvh)
+            let query = bvtt::SelfBvtt::new(bvh)
                 .with_accuracy(ask.accuracy())
                 .with_adjacency(adjacency(skip));
             of_core(&query, ask).check(&truth, ask);

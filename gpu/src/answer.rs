@@ -11,7 +11,7 @@
 use crate::engine::{Engine, Entry, Found, Run, Start, Task};
 use crate::layout::{Counters, Query, Rest};
 use crate::read::read_now;
-use crate::{Error, Report};
+use crate::{GpuError, GpuReport};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use pfront_core::{Mesh, Pose};
@@ -41,7 +41,7 @@ pub(crate) struct Answer {
     /// Pairs that the CPU decided, until they join `pairs`.
     late: Vec<TrianglePair>,
     pub(crate) count: u64,
-    pub(crate) report: Report,
+    pub(crate) report: GpuReport,
     /// How many hits, and how many of the rest, the last answer had: about what the next will have.
     expected: [u32; 2],
 }
@@ -53,7 +53,7 @@ impl Answer {
             pairs: Vec::new(),
             late: Vec::new(),
             count: 0,
-            report: Report::default(),
+            report: GpuReport::default(),
             expected: [1024, 16],
         }
     }
@@ -68,7 +68,7 @@ impl Answer {
         self.pairs.clear();
         self.late.clear();
         self.count = 0;
-        self.report = Report::default();
+        self.report = GpuReport::default();
     }
 
     /// Records a run, with copies of as many results as are likely to be wanted.
@@ -78,7 +78,7 @@ impl Answer {
         task: &Task,
         start: Start<'_>,
         verb: Verb,
-    ) -> Result<Run, Error> {
+    ) -> Result<Run, GpuError> {
         let [hits, rest] = self.expected;
         let hits = match verb {
             Verb::All => hits.saturating_add(hits / 4),
@@ -89,7 +89,7 @@ impl Answer {
     }
 
     /// Takes the results of the first run over a task, and sees to it that they are complete.
-    pub(crate) fn finish(&mut self, task: &Task, first: Run, verb: Verb) -> Result<(), Error> {
+    pub(crate) fn finish(&mut self, task: &Task, first: Run, verb: Verb) -> Result<(), GpuError> {
         self.finish_parts(task, vec![vec![task.root]], first, verb)
     }
 
@@ -100,7 +100,7 @@ impl Answer {
         parts: Vec<Vec<Entry>>,
         first: Run,
         verb: Verb,
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         self.reset();
         let mut waiting = parts;
         let mut part = waiting.pop().unwrap_or_default();
@@ -142,7 +142,12 @@ impl Answer {
     }
 
     /// Records and submits a run.
-    pub(crate) fn run(&mut self, task: &Task, start: Start<'_>, verb: Verb) -> Result<Run, Error> {
+    pub(crate) fn run(
+        &mut self,
+        task: &Task,
+        start: Start<'_>,
+        verb: Verb,
+    ) -> Result<Run, GpuError> {
         let gpu = self.engine.gpu.clone();
         gpu.checked(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
@@ -158,7 +163,7 @@ impl Answer {
         task: &Task,
         part: &[Entry],
         counters: &Counters,
-    ) -> Result<Vec<Vec<Entry>>, Error> {
+    ) -> Result<Vec<Vec<Entry>>, GpuError> {
         let is_leaf_pair = |pair: &Entry| pair.iter().all(|node| node & LEAF != 0);
         let mut front = part.to_vec();
         while front.len() < LONG && !front.iter().all(is_leaf_pair) {
@@ -166,7 +171,7 @@ impl Answer {
         }
         if part.len() == 1 && front == part {
             let reason = "a leaf pair overflowed lists that can hold its results".to_owned();
-            return Err(Error::Device { reason });
+            return Err(GpuError::Device { reason });
         }
         let length = front.len().div_ceil(self.parts(counters).clamp(2, LONG)).max(1);
         Ok(front.chunks(length).map(<[Entry]>::to_vec).collect())
@@ -188,7 +193,13 @@ impl Answer {
     }
 
     /// Adds what a complete run found beyond the hits that have been read already.
-    fn take(&mut self, task: &Task, before: usize, found: Found, verb: Verb) -> Result<(), Error> {
+    fn take(
+        &mut self,
+        task: &Task,
+        before: usize,
+        found: Found,
+        verb: Verb,
+    ) -> Result<(), GpuError> {
         let Found { counters, mut rest } = found;
         let (device, queue) = (self.engine.gpu.device(), self.engine.gpu.queue());
         let again = || device.create_command_encoder(&Default::default());

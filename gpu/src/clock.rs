@@ -1,6 +1,6 @@
 //! Device time of each pass, by timestamps.
 
-use crate::Error;
+use crate::GpuError;
 use crate::gpu::Gpu;
 use crate::memory::Usage;
 use crate::read::map;
@@ -44,7 +44,7 @@ pub(crate) struct Clock {
 
 impl Clock {
     /// A clock for each pass, or for all of them together. `None` if the device cannot keep time.
-    pub(crate) fn new(gpu: &Gpu, each: bool) -> Result<Option<Self>, Error> {
+    pub(crate) fn new(gpu: &Gpu, each: bool) -> Result<Option<Self>, GpuError> {
         let device = gpu.device();
         if !device.features().contains(FEATURES) {
             return Ok(None);
@@ -107,7 +107,7 @@ impl Clock {
     }
 
     /// The times of the last run, which has been submitted; none without a clock.
-    pub(crate) fn read(clock: Option<&Self>, gpu: &Gpu) -> Result<Vec<Timing>, Error> {
+    pub(crate) fn read(clock: Option<&Self>, gpu: &Gpu) -> Result<Vec<Timing>, GpuError> {
         let Some(Self { marks, read_back, period, .. }) = clock else { return Ok(Vec::new()) };
         if marks.is_empty() {
             return Ok(Vec::new());

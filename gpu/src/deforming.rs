@@ -5,13 +5,13 @@ use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
-use crate::{Error, Model};
+use crate::{GpuError, GpuModel};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Bvh, Mesh, MeshError};
 use std::ops::Deref;
 use wgpu::CommandEncoder;
 
-/// A [`Model`] whose vertices move. Ask about it as about any other.
+/// A [`GpuModel`] whose vertices move. Ask about it as about any other.
 ///
 /// A refit moves the boxes of the tree that is there, and queries slow down as the mesh leaves the shape
 /// that the tree was built for. A rebuild makes a new tree. The answers are the same.
@@ -21,10 +21,10 @@ use wgpu::CommandEncoder;
 ///
 /// # Examples
 /// ```no_run
-/// # fn demo(gpu: pfront_gpu::Gpu, mesh: pfront_core::Mesh<'_>) -> Result<(), pfront_gpu::Error> {
-/// use pfront_gpu::{Deforming, SelfQuery};
+/// # fn demo(gpu: pfront_gpu::Gpu, mesh: pfront_core::Mesh<'_>) -> Result<(), pfront_gpu::GpuError> {
+/// use pfront_gpu::{Deforming, GpuSelfQuery};
 /// let mut cloth = Deforming::build(&gpu, mesh, &Default::default())?;
-/// let mut query = SelfQuery::new(&gpu)?;
+/// let mut query = GpuSelfQuery::new(&gpu)?;
 /// # let frames: [Vec<[f32; 3]>; 0] = [];
 /// for (frame, positions) in frames.iter().enumerate() {
 ///     if frame % 10 == 0 {
@@ -39,7 +39,7 @@ use wgpu::CommandEncoder;
 #[derive(Debug)]
 pub struct Deforming {
     gpu: Gpu,
-    model: Model,
+    model: GpuModel,
     source: Source,
     options: BuildOptions<'static>,
     refit: Sequence,
@@ -50,9 +50,9 @@ pub struct Deforming {
 }
 
 impl Deref for Deforming {
-    type Target = Model;
+    type Target = GpuModel;
 
-    fn deref(&self) -> &Model {
+    fn deref(&self) -> &GpuModel {
         &self.model
     }
 }
@@ -61,12 +61,12 @@ impl Deforming {
     /// Uploads a mesh with its BVH.
     ///
     /// # Errors
-    /// As [`Model::new`].
+    /// As [`GpuModel::new`].
     ///
     /// # Complexity
     /// O(triangles).
-    pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, Error> {
-        let (model, source) = (Model::new(gpu, bvh)?, Source::new(gpu, bvh.mesh())?);
+    pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, GpuError> {
+        let (model, source) = (GpuModel::new(gpu, bvh)?, Source::new(gpu, bvh.mesh())?);
         let schedule = Schedule::new(bvh.nodes());
         let refit = schedule.sequence(gpu, &model, &source.positions)?;
         // A rebuild keeps to leaves of this size.
@@ -81,11 +81,11 @@ impl Deforming {
     /// counts as 2.
     ///
     /// # Errors
-    /// As [`Model::new`].
+    /// As [`GpuModel::new`].
     ///
     /// # Complexity
     /// O(vertices + triangles) on the host, which waits for nothing, and on the device.
-    pub fn build(gpu: &Gpu, mesh: Mesh<'_>, options: &BuildOptions) -> Result<Self, Error> {
+    pub fn build(gpu: &Gpu, mesh: Mesh<'_>, options: &BuildOptions) -> Result<Self, GpuError> {
         let source = Source::new(gpu, mesh)?;
         let bounds = Aabb::of(mesh.positions());
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
@@ -99,8 +99,8 @@ impl Deforming {
     /// The same, keeping the device time of a refit or rebuild as a whole.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub fn with_time(mut self) -> Result<Self, Error> {
+    /// [`GpuError::OutOfMemory`].
+    pub fn with_time(mut self) -> Result<Self, GpuError> {
         self.clock = Clock::new(&self.gpu, false)?;
         Ok(self)
     }
@@ -108,8 +108,8 @@ impl Deforming {
     /// The same, keeping the device time of each pass, which takes some microseconds for each.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub fn with_timings(mut self) -> Result<Self, Error> {
+    /// [`GpuError::OutOfMemory`].
+    pub fn with_timings(mut self) -> Result<Self, GpuError> {
         self.clock = Clock::new(&self.gpu, true)?;
         Ok(self)
     }
@@ -118,19 +118,19 @@ impl Deforming {
     /// [`Self::with_time`] or [`Self::with_timings`], or if the device cannot tell.
     ///
     /// # Errors
-    /// [`Error::DeviceLost`], [`Error::Device`].
-    pub fn timings(&self) -> Result<Vec<Timing>, Error> {
+    /// [`GpuError::DeviceLost`], [`GpuError::Device`].
+    pub fn timings(&self) -> Result<Vec<Timing>, GpuError> {
         Clock::read(self.clock.as_ref(), &self.gpu)
     }
 
-    /// Moves the vertices and refits the BVH. On [`Error::Mesh`] nothing has changed.
+    /// Moves the vertices and refits the BVH. On [`GpuError::Mesh`] nothing has changed.
     ///
     /// # Errors
-    /// [`Error::Mesh`] if a coordinate is not finite or the number of vertices differs.
+    /// [`GpuError::Mesh`] if a coordinate is not finite or the number of vertices differs.
     ///
     /// # Complexity
     /// O(vertices) on the host, which waits for nothing; O(triangles) on the device.
-    pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+    pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), GpuError> {
         self.submit(|own, encoder| own.record_positions(encoder, positions))
     }
 
@@ -143,7 +143,7 @@ impl Deforming {
         &mut self,
         encoder: &mut CommandEncoder,
         positions: &[[f32; 3]],
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         self.check(positions)?;
         self.write(positions);
         self.refit.run(encoder, self.clock.as_mut());
@@ -153,11 +153,11 @@ impl Deforming {
     /// Builds a new BVH for the vertices where they are.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] and [`Error::TooLarge`], when it replaces an uploaded BVH.
+    /// [`GpuError::OutOfMemory`] and [`GpuError::TooLarge`], when it replaces an uploaded BVH.
     ///
     /// # Complexity
     /// O(1) on the host, which waits for nothing; O(triangles) on the device.
-    pub fn rebuild(&mut self) -> Result<(), Error> {
+    pub fn rebuild(&mut self) -> Result<(), GpuError> {
         self.submit(Self::record_rebuild)
     }
 
@@ -166,7 +166,7 @@ impl Deforming {
     ///
     /// # Errors
     /// As [`Deforming::rebuild`].
-    pub fn record_rebuild(&mut self, encoder: &mut CommandEncoder) -> Result<(), Error> {
+    pub fn record_rebuild(&mut self, encoder: &mut CommandEncoder) -> Result<(), GpuError> {
         self.prepare_build()?;
         if let Some(build) = &self.build {
             build.run(encoder, self.clock.as_mut());
@@ -181,7 +181,7 @@ impl Deforming {
     ///
     /// # Complexity
     /// As [`Deforming::set_positions`].
-    pub fn rebuild_at(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
+    pub fn rebuild_at(&mut self, positions: &[[f32; 3]]) -> Result<(), GpuError> {
         self.submit(|own, encoder| own.record_rebuild_at(encoder, positions))
     }
 
@@ -194,7 +194,7 @@ impl Deforming {
         &mut self,
         encoder: &mut CommandEncoder,
         positions: &[[f32; 3]],
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         self.check(positions)?;
         self.prepare_build()?;
         self.write(positions);
@@ -203,8 +203,8 @@ impl Deforming {
 
     fn submit(
         &mut self,
-        record: impl FnOnce(&mut Self, &mut CommandEncoder) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+        record: impl FnOnce(&mut Self, &mut CommandEncoder) -> Result<(), GpuError>,
+    ) -> Result<(), GpuError> {
         let gpu = self.gpu.clone();
         gpu.checked(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
@@ -215,7 +215,7 @@ impl Deforming {
     }
 
     /// Puts a model to build in place of an uploaded one.
-    fn prepare_build(&mut self) -> Result<(), Error> {
+    fn prepare_build(&mut self) -> Result<(), GpuError> {
         if let (None, Some(bounds)) = (&self.build, &self.model.bounds) {
             let Built { model, build, refit } =
                 Built::new(&self.gpu, &self.source, bounds, self.options)?;
@@ -224,7 +224,7 @@ impl Deforming {
         Ok(())
     }
 
-    fn check(&self, positions: &[[f32; 3]]) -> Result<(), Error> {
+    fn check(&self, positions: &[[f32; 3]]) -> Result<(), GpuError> {
         let (expected, found) = (self.source.vertices, positions.len());
         if found != expected {
             return Err(MeshError::VertexCount { expected, found }.into());

@@ -12,7 +12,7 @@ use crate::layout::{Counters, Query, Rest};
 use crate::lists::Lists;
 use crate::memory::Usage;
 use crate::read::{map, read_now};
-use crate::{Error, Model, Settings};
+use crate::{GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
 use pfront_core::bvtt::TrianglePair;
 use pfront_shaders::constants::{BEAM, BUCKETS, FRONTS, GROUP, RANKERS};
@@ -81,7 +81,7 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
-    pub(crate) fn new(gpu: &Gpu, settings: &Settings) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu, settings: &GpuSettings) -> Result<Self, GpuError> {
         let lists = Lists::new(gpu, settings)?;
         Ok(Self {
             gpu: gpu.clone(),
@@ -97,7 +97,7 @@ impl Engine {
     }
 
     /// Keeps time from now on, if the device can: of each pass, or of all together.
-    pub(crate) fn keep_time(&mut self, each: bool) -> Result<(), Error> {
+    pub(crate) fn keep_time(&mut self, each: bool) -> Result<(), GpuError> {
         self.clock = Clock::new(&self.gpu, each)?;
         Ok(())
     }
@@ -110,14 +110,14 @@ impl Engine {
     }
 
     /// The passes of the last run and their times.
-    pub(crate) fn timings(&self) -> Result<Vec<Timing>, Error> {
+    pub(crate) fn timings(&self) -> Result<Vec<Timing>, GpuError> {
         Clock::read(self.clock.as_ref(), &self.gpu)
     }
 
     /// Makes two models those of the runs to come.
-    pub(crate) fn bind(&mut self, a: &Model, b: &Model) -> Result<(), Error> {
+    pub(crate) fn bind(&mut self, a: &GpuModel, b: &GpuModel) -> Result<(), GpuError> {
         if [a.device, b.device] != [self.gpu.id(); 2] {
-            return Err(Error::OtherDevice);
+            return Err(GpuError::OtherDevice);
         }
         if self.meshes.as_ref().is_none_or(|bound| bound.ids != [a.id, b.id]) {
             self.meshes = Some(Meshes::new(&self.gpu, a, b)?);
@@ -136,7 +136,7 @@ impl Engine {
         start: Start<'_>,
         copies: [u32; 2],
         verb: Verb,
-    ) -> Result<Run, Error> {
+    ) -> Result<Run, GpuError> {
         // A pass reads the front of its own index and writes the next.
         let (first, levels) = match start {
             Start::Seeds => (0, task.levels_below_seeds),
@@ -210,7 +210,7 @@ impl Engine {
         query: Query,
         start: Start<'_>,
         kept: usize,
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         let mut counters = Counters { ticket: self.ticket, ..Counters::zeroed() };
         let mut front: &[Entry] = &[];
         match start {
@@ -244,7 +244,7 @@ impl Engine {
     }
 
     /// Copies counters and results for the host.
-    fn copy(&mut self, encoder: &mut CommandEncoder, most: [u32; 2]) -> Result<[u32; 2], Error> {
+    fn copy(&mut self, encoder: &mut CommandEncoder, most: [u32; 2]) -> Result<[u32; 2], GpuError> {
         let capacities = &self.lists.capacities;
         let copied = [most[0].min(capacities.hits), most[1].min(capacities.rest)];
         let [hits_at, rest_at, end] = offsets(copied);
@@ -268,7 +268,7 @@ impl Engine {
         &mut self,
         run: &Run,
         pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Found, Error> {
+    ) -> Result<Found, GpuError> {
         let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
         let found =
             map(self.gpu.device(), &self.read_back, end as u64, run.submission.clone(), |bytes| {
@@ -284,13 +284,13 @@ impl Engine {
         self.gpu.check()?;
         let found = found?;
         if found.counters.ticket != run.ticket {
-            return Err(Error::NotSubmitted);
+            return Err(GpuError::NotSubmitted);
         }
         Ok(found)
     }
 
     /// The children of some node pairs, leaf pairs among them staying what they are.
-    pub(crate) fn refine(&mut self, task: &Task, front: &[Entry]) -> Result<Vec<Entry>, Error> {
+    pub(crate) fn refine(&mut self, task: &Task, front: &[Entry]) -> Result<Vec<Entry>, GpuError> {
         let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
         self.ticket = self.ticket.wrapping_add(1);
         let query = Query { levels: 1, last_pass: u32::MAX, beam: u32::MAX, ..task.query };
@@ -304,7 +304,7 @@ impl Engine {
         let (device, queue) = (gpu.device(), gpu.queue());
         let [counters]: [Counters; 1] = read_now(device, queue, encoder, &lists.counters, 1)?
             .try_into()
-            .map_err(|_| Error::NotSubmitted)?;
+            .map_err(|_| GpuError::NotSubmitted)?;
         let encoder = device.create_command_encoder(&Default::default());
         read_now(device, queue, encoder, &lists.fronts[1], counters.fronts[1] as usize)
     }

@@ -6,7 +6,7 @@ use pfront_core::{CapacityError, MeshError};
 /// Why a call could not answer. Each message says what would help.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Error {
+pub enum GpuError {
     /// There is no adapter.
     #[error(
         "no GPU adapter: {reason}. Install a Vulkan driver; the package mesa-vulkan-drivers (with \

@@ -1,7 +1,7 @@
 //! A device with the passes compiled for it.
 
 use crate::pass::{Pass, Target};
-use crate::{Budget, Error, Settings, clock, moving, probe};
+use crate::{Budget, GpuError, GpuSettings, clock, moving, probe};
 use pfront_shaders::{DEAL, DECIDE, EXPAND, NARROW, SAMPLE, SEED, SETTLE};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -13,7 +13,7 @@ use wgpu::{Device, Queue};
 /// ```no_run
 /// let gpu = pfront_gpu::Gpu::new()?;
 /// println!("{}", gpu.device().adapter_info().name);
-/// # Ok::<(), pfront_gpu::Error>(())
+/// # Ok::<(), pfront_gpu::GpuError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Gpu {
@@ -27,13 +27,13 @@ struct Shared {
     device: Device,
     queue: Queue,
     passes: Passes,
-    moving: OnceLock<Result<Arc<moving::Passes>, Error>>,
+    moving: OnceLock<Result<Arc<moving::Passes>, GpuError>>,
     target: Target,
     failure: Failure,
 }
 
 /// The loss of the device, once it has been told.
-type Failure = Arc<Mutex<Option<Error>>>;
+type Failure = Arc<Mutex<Option<GpuError>>>;
 
 /// The passes of queries.
 #[derive(Debug)]
@@ -64,8 +64,8 @@ impl Gpu {
     /// the CPU last. WGPU_BACKEND and WGPU_ADAPTER_NAME choose another.
     ///
     /// # Errors
-    /// [`Error::NoAdapter`], [`Error::NoDevice`], and those of [`Gpu::from_device`].
-    pub fn new() -> Result<Self, Error> {
+    /// [`GpuError::NoAdapter`], [`GpuError::NoDevice`], and those of [`Gpu::from_device`].
+    pub fn new() -> Result<Self, GpuError> {
         let instance =
             wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = pollster::block_on(adapter(&instance))?;
@@ -78,14 +78,14 @@ impl Gpu {
         };
         let (device, queue) =
             pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
-                Error::NoDevice { adapter: adapter.get_info().name, reason: error.to_string() }
+                GpuError::NoDevice { adapter: adapter.get_info().name, reason: error.to_string() }
             })?;
         let failure = Failure::default();
         let seen = failure.clone();
         device.set_device_lost_callback(move |_, reason| {
             // Whatever else is a consequence.
             *seen.lock().unwrap_or_else(PoisonError::into_inner) =
-                Some(Error::DeviceLost { reason });
+                Some(GpuError::DeviceLost { reason });
         });
         Self::with_failure(device, queue, failure)
     }
@@ -94,13 +94,13 @@ impl Gpu {
     /// the handlers of the device.
     ///
     /// # Errors
-    /// [`Error::Limit`] if it was requested with less than the default limits of WebGPU;
-    /// [`Error::Device`] if its integer arithmetic is wrong or a shader does not compile.
-    pub fn from_device(device: Device, queue: Queue) -> Result<Self, Error> {
+    /// [`GpuError::Limit`] if it was requested with less than the default limits of WebGPU;
+    /// [`GpuError::Device`] if its integer arithmetic is wrong or a shader does not compile.
+    pub fn from_device(device: Device, queue: Queue) -> Result<Self, GpuError> {
         Self::with_failure(device, queue, Failure::default())
     }
 
-    fn with_failure(device: Device, queue: Queue, failure: Failure) -> Result<Self, Error> {
+    fn with_failure(device: Device, queue: Queue, failure: Failure) -> Result<Self, GpuError> {
         check_limits(&device.limits())?;
         let arithmetic = probe::arithmetic(&device, &queue)?;
         static NEXT: AtomicU64 = AtomicU64::new(0);
@@ -115,7 +115,7 @@ impl Gpu {
         queue: Queue,
         target: Target,
         failure: Failure,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, GpuError> {
         let pass = |pass| Pass::new(&device, pass, target);
         let passes = Passes {
             seed: pass(&SEED)?,
@@ -137,13 +137,13 @@ impl Gpu {
     /// the test of the adapter has refused is not, and serves to try it.
     ///
     /// # Errors
-    /// [`Error::Device`] if a shader does not compile.
-    pub fn with_arithmetic(&self, arithmetic: Arithmetic) -> Result<Self, Error> {
+    /// [`GpuError::Device`] if a shader does not compile.
+    pub fn with_arithmetic(&self, arithmetic: Arithmetic) -> Result<Self, GpuError> {
         self.with_target(Target { arithmetic, ..self.shared.target })
     }
 
     /// The same device, with passes compiled for another target.
-    pub(crate) fn with_target(&self, target: Target) -> Result<Self, Error> {
+    pub(crate) fn with_target(&self, target: Target) -> Result<Self, GpuError> {
         let Shared { id, device, queue, failure, .. } = &*self.shared;
         Self::assemble(*id, device.clone(), queue.clone(), target, failure.clone())
     }
@@ -166,13 +166,13 @@ impl Gpu {
         self.shared.target.arithmetic
     }
 
-    /// Settings that suit this device.
+    /// GpuSettings that suit this device.
     #[must_use]
-    pub fn settings(&self) -> Settings {
+    pub fn settings(&self) -> GpuSettings {
         let cpu = self.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
         // On a GPU, enough to fill the largest; on a CPU, a few for each core.
         let groups = if cpu { 64 } else { 512 };
-        Settings { depth: 7, groups, budget: Budget::default() }
+        GpuSettings { depth: 7, groups, budget: Budget::default() }
     }
 
     pub(crate) fn passes(&self) -> &Passes {
@@ -182,8 +182,8 @@ impl Gpu {
     /// Compiles the passes for meshes that move, which the first of them does otherwise: some half a second.
     ///
     /// # Errors
-    /// [`Error::Device`], [`Error::DeviceLost`], [`Error::OutOfMemory`].
-    pub fn warm_up(&self) -> Result<(), Error> {
+    /// [`GpuError::Device`], [`GpuError::DeviceLost`], [`GpuError::OutOfMemory`].
+    pub fn warm_up(&self) -> Result<(), GpuError> {
         self.moving().map(drop)
     }
 
@@ -194,7 +194,7 @@ impl Gpu {
     }
 
     /// The passes for meshes that move, compiled when the first of them is made.
-    pub(crate) fn moving(&self) -> Result<Arc<moving::Passes>, Error> {
+    pub(crate) fn moving(&self) -> Result<Arc<moving::Passes>, GpuError> {
         let compile = || {
             let passes = moving::Passes::new(self.device(), self.shared.target)?;
             self.check().map(|()| Arc::new(passes))
@@ -208,13 +208,16 @@ impl Gpu {
     }
 
     /// Reports what has gone wrong on the device, if anything has.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
         let failure = self.shared.failure.lock().unwrap_or_else(PoisonError::into_inner);
         failure.clone().map_or(Ok(()), Err)
     }
 
     /// Makes calls of wgpu, and returns the error that they report, if any.
-    pub(crate) fn checked<T>(&self, call: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    pub(crate) fn checked<T>(
+        &self,
+        call: impl FnOnce() -> Result<T, GpuError>,
+    ) -> Result<T, GpuError> {
         checked(self.device(), call)
     }
 }
@@ -223,20 +226,20 @@ impl Gpu {
 /// of the device otherwise, which is the caller's.
 pub(crate) fn checked<T>(
     device: &Device,
-    call: impl FnOnce() -> Result<T, Error>,
-) -> Result<T, Error> {
+    call: impl FnOnce() -> Result<T, GpuError>,
+) -> Result<T, GpuError> {
     let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
     let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
     let result = call();
     // The inner scope ends first.
     let validation = pollster::block_on(validation.pop());
     match (pollster::block_on(internal.pop()).or(validation), result) {
-        (None, result) | (Some(_), result @ Err(Error::DeviceLost { .. })) => result,
-        (Some(error), _) => Err(Error::Device { reason: error.to_string() }),
+        (None, result) | (Some(_), result @ Err(GpuError::DeviceLost { .. })) => result,
+        (Some(error), _) => Err(GpuError::Device { reason: error.to_string() }),
     }
 }
 
-async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, Error> {
+async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, GpuError> {
     let found = if std::env::var_os("WGPU_ADAPTER_NAME").is_some() {
         wgpu::util::initialize_adapter_from_env(instance, None).await
     } else {
@@ -246,11 +249,11 @@ async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, Error> {
         };
         instance.request_adapter(&options).await
     };
-    found.map_err(|error| Error::NoAdapter { reason: error.to_string() })
+    found.map_err(|error| GpuError::NoAdapter { reason: error.to_string() })
 }
 
 /// The defaults of WebGPU, as far as the passes use them.
-fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
+fn check_limits(limits: &wgpu::Limits) -> Result<(), GpuError> {
     let least = wgpu::Limits::default();
     let used = |name, of: fn(&wgpu::Limits) -> u32| (name, of(&least), of(limits));
     for (limit, needed, available) in [
@@ -260,7 +263,11 @@ fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
         used("max_compute_workgroups_per_dimension", |l| l.max_compute_workgroups_per_dimension),
     ] {
         if available < needed {
-            return Err(Error::Limit { limit, needed: needed.into(), available: available.into() });
+            return Err(GpuError::Limit {
+                limit,
+                needed: needed.into(),
+                available: available.into(),
+            });
         }
     }
     Ok(())

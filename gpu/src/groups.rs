@@ -4,7 +4,7 @@ use crate::clock::Clock;
 use crate::gpu::{Gpu, Passes};
 use crate::lists::{Lists, REFINE};
 use crate::pass::Pass;
-use crate::{Error, Model};
+use crate::{GpuError, GpuModel};
 use pfront_shaders::constants::FRONTS;
 use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePassDescriptor};
 
@@ -26,8 +26,8 @@ pub(crate) struct EachPass {
 impl EachPass {
     fn new(
         passes: &Passes,
-        bind: impl Fn(&Pass) -> Result<BindGroup, Error>,
-    ) -> Result<Self, Error> {
+        bind: impl Fn(&Pass) -> Result<BindGroup, GpuError>,
+    ) -> Result<Self, GpuError> {
         Ok(Self {
             seed: bind(&passes.seed)?,
             expand: bind(&passes.expand)?,
@@ -50,7 +50,7 @@ pub(crate) struct Groups {
 }
 
 impl Groups {
-    pub(crate) fn new(gpu: &Gpu, lists: &Lists) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu, lists: &Lists) -> Result<Self, GpuError> {
         let passes = gpu.passes();
         let step = |index| lists.bind_step(gpu, &passes.expand, index);
         Ok(Self {
@@ -75,7 +75,7 @@ pub(crate) struct Meshes {
 }
 
 impl Meshes {
-    pub(crate) fn new(gpu: &Gpu, a: &Model, b: &Model) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu, a: &GpuModel, b: &GpuModel) -> Result<Self, GpuError> {
         let buffers = [
             ("nodes_a", &a.nodes),
             ("nodes_b", &b.nodes),

@@ -11,8 +11,8 @@
 //! - a triangle pair is decided in f32 where that is certain, in integers where it is not, and the few
 //!   that do not fit come back to the CPU. Nothing else needs it.
 //!
-//! A [`Model`] is a mesh with its BVH on the device, a [`Deforming`] one whose vertices move; a
-//! [`PairQuery`] or [`SelfQuery`] owns the lists that a question needs, within a [`Budget`]; when they
+//! A [`GpuModel`] is a mesh with its BVH on the device, a [`Deforming`] one whose vertices move; a
+//! [`GpuPairQuery`] or [`GpuSelfQuery`] owns the lists that a question needs, within a [`Budget`]; when they
 //! are full, the query goes on in parts. A [`World`] owns many posed bodies as well.
 
 mod answer;
@@ -45,13 +45,13 @@ mod world;
 
 pub use clock::Timing;
 pub use deforming::Deforming;
-pub use error::Error;
+pub use error::GpuError;
 pub use gpu::{Arithmetic, Gpu};
-pub use model::Model;
-pub use pair::PairQuery;
+pub use model::GpuModel;
+pub use pair::GpuPairQuery;
 pub use pending::Pending;
-pub use report::Report;
-pub use settings::{Budget, Settings};
+pub use report::GpuReport;
+pub use settings::{Budget, GpuSettings};
 pub use wgpu;
-pub use within::SelfQuery;
+pub use within::GpuSelfQuery;
 pub use world::{Bodies, World};

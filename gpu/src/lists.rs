@@ -6,7 +6,7 @@ use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::pass::Pass;
 use crate::settings::Capacities;
-use crate::{Error, Settings};
+use crate::{GpuError, GpuSettings};
 use pfront_shaders::constants::{BUCKETS, FRONTS};
 use wgpu::{BindGroup, Buffer};
 
@@ -31,7 +31,7 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    pub(crate) fn new(gpu: &Gpu, settings: &Settings) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu, settings: &GpuSettings) -> Result<Self, GpuError> {
         let capacities = Capacities::new(settings.budget)?;
         let list = |what, elements: u32, size: usize| {
             gpu.buffer(what, u64::from(elements) * size as u64, Usage::List)
@@ -52,7 +52,7 @@ impl Lists {
     }
 
     /// The bind group of a pass for everything but meshes and steps.
-    pub(crate) fn bind(&self, gpu: &Gpu, pass: &Pass, group: usize) -> Result<BindGroup, Error> {
+    pub(crate) fn bind(&self, gpu: &Gpu, pass: &Pass, group: usize) -> Result<BindGroup, GpuError> {
         let buffers = [
             ("query", &self.query),
             ("counters", &self.counters),
@@ -66,7 +66,12 @@ impl Lists {
     }
 
     /// The fronts of pass `index` and its parameters.
-    pub(crate) fn bind_step(&self, gpu: &Gpu, pass: &Pass, index: u32) -> Result<BindGroup, Error> {
+    pub(crate) fn bind_step(
+        &self,
+        gpu: &Gpu,
+        pass: &Pass,
+        index: u32,
+    ) -> Result<BindGroup, GpuError> {
         let from = if index == REFINE { 0 } else { index as usize % 2 };
         pass.bind(gpu.device(), 2, |name| match name {
             "step" => Some(self.steps.binding(index as usize)),

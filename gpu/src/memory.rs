@@ -2,7 +2,7 @@
 
 use crate::layout::Query;
 use crate::read::poll;
-use crate::{Error, Gpu};
+use crate::{Gpu, GpuError};
 use bytemuck::Pod;
 use wgpu::BufferUsages;
 
@@ -28,7 +28,7 @@ impl Gpu {
         what: &'static str,
         bytes: u64,
         usage: Usage,
-    ) -> Result<wgpu::Buffer, Error> {
+    ) -> Result<wgpu::Buffer, GpuError> {
         let size = bytes.next_multiple_of(4).max(size_of::<Query>() as u64);
         self.allocate(what, size, usage, false)
     }
@@ -39,7 +39,7 @@ impl Gpu {
         what: &'static str,
         contents: &[T],
         usage: Usage,
-    ) -> Result<wgpu::Buffer, Error> {
+    ) -> Result<wgpu::Buffer, GpuError> {
         let contents: &[u8] = bytemuck::cast_slice(contents);
         if contents.is_empty() {
             return self.buffer(what, 0, usage);
@@ -52,13 +52,13 @@ impl Gpu {
         what: &'static str,
         contents: &[u8],
         usage: Usage,
-    ) -> Result<wgpu::Buffer, Error> {
+    ) -> Result<wgpu::Buffer, GpuError> {
         let buffer = self.allocate(what, contents.len() as u64, usage, true)?;
         let mut view = buffer.get_mapped_range_mut(..).map_err(|error| {
             // A lost device gives buffers without memory, and says that it is lost when it is polled.
             let reason = error.to_string();
             let lost = poll(self.device(), None, None).and_then(|_| self.check());
-            lost.err().unwrap_or(Error::Device { reason })
+            lost.err().unwrap_or(GpuError::Device { reason })
         })?;
         view.copy_from_slice(contents);
         drop(view);
@@ -72,7 +72,7 @@ impl Gpu {
         size: u64,
         usage: Usage,
         mapped_at_creation: bool,
-    ) -> Result<wgpu::Buffer, Error> {
+    ) -> Result<wgpu::Buffer, GpuError> {
         let own = match usage {
             Usage::Input => BufferUsages::STORAGE,
             Usage::List => BufferUsages::STORAGE | BufferUsages::COPY_SRC,
@@ -87,7 +87,7 @@ impl Gpu {
         };
         let available = limits.max_buffer_size.min(bound);
         if size > available {
-            return Err(Error::TooLarge { what, needed: size, available });
+            return Err(GpuError::TooLarge { what, needed: size, available });
         }
         let scope = self.device().push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = self.device().create_buffer(&wgpu::BufferDescriptor {
@@ -97,7 +97,7 @@ impl Gpu {
             mapped_at_creation,
         });
         match pollster::block_on(scope.pop()) {
-            Some(_) => Err(Error::OutOfMemory { bytes: size }),
+            Some(_) => Err(GpuError::OutOfMemory { bytes: size }),
             // A lost device gives buffers too, but no good ones.
             None => self.check().map(|()| buffer),
         }

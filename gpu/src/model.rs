@@ -1,6 +1,6 @@
 //! A mesh and its BVH on the device.
 
-use crate::Error;
+use crate::GpuError;
 use crate::gpu::Gpu;
 use crate::layout::Corner;
 use crate::memory::Usage;
@@ -20,7 +20,7 @@ pub(crate) const MOST_SEEDS: usize = 128;
 ///
 /// Takes 52 bytes a triangle and 32 a node (about 21 a triangle with the default leaf size).
 #[derive(Debug)]
-pub struct Model {
+pub struct GpuModel {
     pub(crate) id: u64,
     /// The device it is on.
     pub(crate) device: u64,
@@ -41,15 +41,15 @@ pub struct Model {
     pub(crate) bounds: Option<Aabb>,
 }
 
-impl Model {
+impl GpuModel {
     /// Uploads a mesh with its BVH.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] if an array does not fit in a binding, [`Error::OutOfMemory`].
+    /// [`GpuError::TooLarge`] if an array does not fit in a binding, [`GpuError::OutOfMemory`].
     ///
     /// # Complexity
     /// O(triangles).
-    pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, Error> {
+    pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, GpuError> {
         Self::check_size(bvh.order().len())?;
         let (level, seeds) = seeds(bvh.nodes());
         let mesh = bvh.mesh();
@@ -80,12 +80,12 @@ impl Model {
     }
 
     /// Whether the slots of so many triangles leave room for the size of a leaf.
-    pub(crate) fn check_size(triangles: usize) -> Result<(), Error> {
+    pub(crate) fn check_size(triangles: usize) -> Result<(), GpuError> {
         let slots = triangles as u64;
         if slots >= 1 << LEAF_SHIFT {
             let bytes = size_of::<[Corner; 3]>() as u64;
             let (needed, available) = (slots * bytes, (1 << LEAF_SHIFT) * bytes);
-            return Err(Error::TooLarge { what: "the triangles", needed, available });
+            return Err(GpuError::TooLarge { what: "the triangles", needed, available });
         }
         Ok(())
     }

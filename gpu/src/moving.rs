@@ -1,6 +1,6 @@
 //! The passes for meshes that move.
 
-use crate::Error;
+use crate::GpuError;
 use crate::pass::{Pass, Target};
 use pfront_shaders::{ARRANGE, COUNT, FIT, KEYS, POSE, REFIT, SCAN, SCATTER, SURVEY};
 use wgpu::Device;
@@ -20,7 +20,7 @@ pub(crate) struct Passes {
 }
 
 impl Passes {
-    pub(crate) fn new(device: &Device, target: Target) -> Result<Self, Error> {
+    pub(crate) fn new(device: &Device, target: Target) -> Result<Self, GpuError> {
         let pass = |pass| Pass::new(device, pass, target);
         Ok(Self {
             pose: pass(&POSE)?,

@@ -4,7 +4,7 @@ use crate::answer::{Answer, Verb};
 use crate::engine::{Engine, Task};
 use crate::layout::{Placement, Query, check_pose};
 use crate::report::reports;
-use crate::{Error, Gpu, Model, Pending, Settings};
+use crate::{Gpu, GpuError, GpuModel, GpuSettings, Pending};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
 use pfront_core::bvtt::TrianglePair;
@@ -17,11 +17,11 @@ use pfront_core::bvtt::TrianglePair;
 /// # Examples
 /// ```no_run
 /// use pfront_core::Pose;
-/// use pfront_gpu::{Gpu, Model, PairQuery};
-/// # fn demo(bvh: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::Error> {
+/// use pfront_gpu::{Gpu, GpuModel, GpuPairQuery};
+/// # fn demo(bvh: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::GpuError> {
 /// let gpu = Gpu::new()?;
-/// let model = Model::new(&gpu, bvh)?;
-/// let mut query = PairQuery::new(&gpu)?;
+/// let model = GpuModel::new(&gpu, bvh)?;
+/// let mut query = GpuPairQuery::new(&gpu)?;
 /// for frame in 0..4 {
 ///     let a_from_b = Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]);
 ///     println!("{} pairs", query.all(&model, &model, &a_from_b)?.len());
@@ -29,33 +29,38 @@ use pfront_core::bvtt::TrianglePair;
 /// # Ok(()) }
 /// ```
 #[derive(Debug)]
-pub struct PairQuery {
+pub struct GpuPairQuery {
     answer: Answer,
 }
 
-impl PairQuery {
+impl GpuPairQuery {
     /// A query with the settings that suit the device.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub fn new(gpu: &Gpu) -> Result<Self, Error> {
+    /// [`GpuError::OutOfMemory`].
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         Self::with_settings(gpu, gpu.settings())
     }
 
     /// A query with other settings.
     ///
     /// # Errors
-    /// [`Error::Budget`], [`Error::TooLarge`], [`Error::OutOfMemory`].
-    pub fn with_settings(gpu: &Gpu, settings: Settings) -> Result<Self, Error> {
+    /// [`GpuError::Budget`], [`GpuError::TooLarge`], [`GpuError::OutOfMemory`].
+    pub fn with_settings(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
         Ok(Self { answer: Answer::new(Engine::new(gpu, &settings)?) })
     }
 
     /// All pairs that meet, sorted; `a` and `b` of a pair are triangles of `a` and `b`.
     ///
     /// # Errors
-    /// [`Error::Pose`] if the pose is not finite or takes `b` out of range; [`Error::DeviceLost`],
-    /// [`Error::Device`], [`Error::OutOfMemory`].
-    pub fn all(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<&[TrianglePair], Error> {
+    /// [`GpuError::Pose`] if the pose is not finite or takes `b` out of range; [`GpuError::DeviceLost`],
+    /// [`GpuError::Device`], [`GpuError::OutOfMemory`].
+    pub fn all(
+        &mut self,
+        a: &GpuModel,
+        b: &GpuModel,
+        a_from_b: &Pose,
+    ) -> Result<&[TrianglePair], GpuError> {
         self.ask(a, b, a_from_b, Verb::All)?;
         Ok(&self.answer.pairs)
     }
@@ -63,14 +68,14 @@ impl PairQuery {
     /// The same into a list of the caller's, whose memory the query takes in exchange.
     ///
     /// # Errors
-    /// As [`PairQuery::all`].
+    /// As [`GpuPairQuery::all`].
     pub fn all_into(
         &mut self,
-        a: &Model,
-        b: &Model,
+        a: &GpuModel,
+        b: &GpuModel,
         a_from_b: &Pose,
         out: &mut Vec<TrianglePair>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         self.ask(a, b, a_from_b, Verb::All)?;
         std::mem::swap(&mut self.answer.pairs, out);
         Ok(())
@@ -79,13 +84,13 @@ impl PairQuery {
     /// Some pair that meets, if any does.
     ///
     /// # Errors
-    /// As [`PairQuery::all`].
+    /// As [`GpuPairQuery::all`].
     pub fn any(
         &mut self,
-        a: &Model,
-        b: &Model,
+        a: &GpuModel,
+        b: &GpuModel,
         a_from_b: &Pose,
-    ) -> Result<Option<TrianglePair>, Error> {
+    ) -> Result<Option<TrianglePair>, GpuError> {
         self.ask(a, b, a_from_b, Verb::Any)?;
         Ok(self.answer.pairs.first().copied())
     }
@@ -93,8 +98,8 @@ impl PairQuery {
     /// How many pairs meet. Needs no memory for them.
     ///
     /// # Errors
-    /// As [`PairQuery::all`].
-    pub fn count(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<u64, Error> {
+    /// As [`GpuPairQuery::all`].
+    pub fn count(&mut self, a: &GpuModel, b: &GpuModel, a_from_b: &Pose) -> Result<u64, GpuError> {
         self.ask(a, b, a_from_b, Verb::Count)?;
         Ok(self.answer.count)
     }
@@ -104,13 +109,13 @@ impl PairQuery {
     /// encoder whose answer was not read may still be submitted, before the one that is read.
     ///
     /// # Errors
-    /// As [`PairQuery::all`].
+    /// As [`GpuPairQuery::all`].
     ///
     /// # Examples
     /// ```no_run
     /// # use pfront_core::Pose;
     /// # use pfront_gpu::*;
-    /// # fn demo(gpu: Gpu, a: Model, b: Model, mut query: PairQuery) -> Result<(), Error> {
+    /// # fn demo(gpu: Gpu, a: GpuModel, b: GpuModel, mut query: GpuPairQuery) -> Result<(), GpuError> {
     /// let mut encoder = gpu.device().create_command_encoder(&Default::default());
     /// let pending = query.record(&mut encoder, &a, &b, &Pose::IDENTITY)?;
     /// // … record what else the frame needs …
@@ -121,21 +126,32 @@ impl PairQuery {
     pub fn record<'q>(
         &'q mut self,
         encoder: &mut wgpu::CommandEncoder,
-        a: &'q Model,
-        b: &'q Model,
+        a: &'q GpuModel,
+        b: &'q GpuModel,
         a_from_b: &Pose,
-    ) -> Result<Pending<'q>, Error> {
+    ) -> Result<Pending<'q>, GpuError> {
         let task = self.prepare(a, b, a_from_b)?;
         Pending::record(&mut self.answer, encoder, task)
     }
 
-    fn ask(&mut self, a: &Model, b: &Model, a_from_b: &Pose, verb: Verb) -> Result<(), Error> {
+    fn ask(
+        &mut self,
+        a: &GpuModel,
+        b: &GpuModel,
+        a_from_b: &Pose,
+        verb: Verb,
+    ) -> Result<(), GpuError> {
         let task = self.prepare(a, b, a_from_b)?;
         self.answer.ask(task, verb)
     }
 
     /// Binds the models and says what to ask about them; `None` if one is empty.
-    fn prepare(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<Option<Task>, Error> {
+    fn prepare(
+        &mut self,
+        a: &GpuModel,
+        b: &GpuModel,
+        a_from_b: &Pose,
+    ) -> Result<Option<Task>, GpuError> {
         let (Some(_), Some(bounds)) = (a.bounds, b.bounds) else { return Ok(None) };
         let posed = *a_from_b != Pose::IDENTITY;
         if posed {
@@ -158,4 +174,4 @@ impl PairQuery {
     }
 }
 
-reports!(PairQuery);
+reports!(GpuPairQuery);

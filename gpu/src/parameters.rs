@@ -1,7 +1,7 @@
 //! Parameters that never change, one set for each dispatch of a sequence.
 
 use crate::memory::Usage;
-use crate::{Error, Gpu};
+use crate::{Gpu, GpuError};
 use bytemuck::Pod;
 use std::marker::PhantomData;
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferSize};
@@ -17,7 +17,7 @@ pub(crate) struct Parameters<T> {
 }
 
 impl<T: Pod> Parameters<T> {
-    pub(crate) fn new(gpu: &Gpu, what: &'static str, sets: &[T]) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu, what: &'static str, sets: &[T]) -> Result<Self, GpuError> {
         const { assert!(size_of::<T>() <= STRIDE) };
         let mut bytes = vec![0; sets.len() * STRIDE];
         for (slot, set) in bytes.chunks_exact_mut(STRIDE).zip(sets) {

@@ -4,7 +4,7 @@
 //! them, is what the WGSL says.
 
 use crate::gpu::checked;
-use crate::{Arithmetic, Error};
+use crate::{Arithmetic, GpuError};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, GlobalVariable, Module, StorageAccess};
 use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, Device, ShaderRuntimeChecks};
@@ -61,7 +61,7 @@ impl Pass {
         device: &Device,
         pass: &pfront_shaders::Pass,
         target: Target,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, GpuError> {
         checked(device, || Self::compile(device, pass, target))
     }
 
@@ -69,7 +69,7 @@ impl Pass {
         device: &Device,
         pass: &pfront_shaders::Pass,
         target: Target,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, GpuError> {
         let source = pass.source();
         let (module, info) = parse(&source)?;
         let groups = groups(device, &module, &info);
@@ -105,13 +105,13 @@ impl Pass {
         device: &Device,
         group: usize,
         find: impl Fn(&str) -> Option<wgpu::BindingResource<'a>>,
-    ) -> Result<wgpu::BindGroup, Error> {
+    ) -> Result<wgpu::BindGroup, GpuError> {
         let Group { layout, names } = &self.groups[group];
         let entry = |(binding, name): &(u32, String)| {
             let resource = find(name).ok_or_else(|| shader_error(&format!("no buffer {name}")))?;
             Ok(wgpu::BindGroupEntry { binding: *binding, resource })
         };
-        let entries = names.iter().map(entry).collect::<Result<Vec<_>, Error>>()?;
+        let entries = names.iter().map(entry).collect::<Result<Vec<_>, GpuError>>()?;
         let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
         checked(device, || Ok(device.create_bind_group(&descriptor)))
     }
@@ -122,7 +122,7 @@ impl Pass {
         device: &Device,
         group: usize,
         buffers: Named<'_>,
-    ) -> Result<wgpu::BindGroup, Error> {
+    ) -> Result<wgpu::BindGroup, GpuError> {
         self.bind(device, group, |name| {
             let (_, buffer) = buffers.iter().find(|(own, _)| *own == name)?;
             Some(buffer.as_entire_binding())
@@ -146,7 +146,7 @@ fn shader_module(device: &Device, entry: &str, source: String) -> wgpu::ShaderMo
 }
 
 /// Parses and validates WGSL.
-pub(crate) fn parse(source: &str) -> Result<(Module, ModuleInfo), Error> {
+pub(crate) fn parse(source: &str) -> Result<(Module, ModuleInfo), GpuError> {
     let module = naga::front::wgsl::parse_str(source)
         .map_err(|error| shader_error(&error.emit_to_string(source)))?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::default())
@@ -155,8 +155,8 @@ pub(crate) fn parse(source: &str) -> Result<(Module, ModuleInfo), Error> {
     Ok((module, info))
 }
 
-fn shader_error(reason: &str) -> Error {
-    Error::Device { reason: format!("a shader is wrong: {reason}") }
+fn shader_error(reason: &str) -> GpuError {
+    GpuError::Device { reason: format!("a shader is wrong: {reason}") }
 }
 
 /// The buffers that the entry point uses: name, group, binding, type.

@@ -1,6 +1,6 @@
 //! Asking now, and asking now to read later.
 
-use crate::Error;
+use crate::GpuError;
 use crate::answer::{Answer, Verb};
 use crate::engine::{Entry, Run, Start, Task};
 use crate::read::is_done;
@@ -20,8 +20,8 @@ impl<'q> Pending<'q> {
     /// Waits for everything that has been submitted to the device, and returns all pairs that meet, sorted.
     ///
     /// # Errors
-    /// [`Error::NotSubmitted`], and those of the query.
-    pub fn read(self) -> Result<&'q [TrianglePair], Error> {
+    /// [`GpuError::NotSubmitted`], and those of the query.
+    pub fn read(self) -> Result<&'q [TrianglePair], GpuError> {
         match self.run {
             Some((task, run)) => self.answer.finish(&task, run, Verb::All)?,
             None => self.answer.clear(),
@@ -33,7 +33,10 @@ impl<'q> Pending<'q> {
     ///
     /// # Errors
     /// As [`Pending::read`].
-    pub fn read_after(mut self, submission: SubmissionIndex) -> Result<&'q [TrianglePair], Error> {
+    pub fn read_after(
+        mut self,
+        submission: SubmissionIndex,
+    ) -> Result<&'q [TrianglePair], GpuError> {
         if let Some((_, run)) = &mut self.run {
             run.submission = Some(submission);
         }
@@ -43,8 +46,8 @@ impl<'q> Pending<'q> {
     /// Whether the submission that the query was part of is done, so that reading does not wait for it.
     ///
     /// # Errors
-    /// [`Error::Device`] if the submission is one of another device.
-    pub fn is_ready(&self, submission: &SubmissionIndex) -> Result<bool, Error> {
+    /// [`GpuError::Device`] if the submission is one of another device.
+    pub fn is_ready(&self, submission: &SubmissionIndex) -> Result<bool, GpuError> {
         is_done(self.answer.engine.gpu.device(), submission)
     }
 
@@ -53,7 +56,7 @@ impl<'q> Pending<'q> {
         answer: &'q mut Answer,
         encoder: &mut CommandEncoder,
         task: Option<Task>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, GpuError> {
         let Some(task) = task else { return Ok(Self { answer, run: None }) };
         let gpu = answer.engine.gpu.clone();
         let run = gpu.checked(|| answer.record(encoder, &task, Start::Seeds, Verb::All))?;
@@ -63,7 +66,7 @@ impl<'q> Pending<'q> {
 
 impl Answer {
     /// Asks, waits and answers; `None` asks nothing.
-    pub(crate) fn ask(&mut self, task: Option<Task>, verb: Verb) -> Result<(), Error> {
+    pub(crate) fn ask(&mut self, task: Option<Task>, verb: Verb) -> Result<(), GpuError> {
         match task {
             Some(task) => {
                 let run = self.run(&task, Start::Seeds, verb)?;
@@ -84,7 +87,7 @@ impl Answer {
         task: &Task,
         front: &[Entry],
         verb: Verb,
-    ) -> Result<(Vec<Vec<Entry>>, Run), Error> {
+    ) -> Result<(Vec<Vec<Entry>>, Run), GpuError> {
         let most = self.engine.lists.capacities.front as usize;
         let parts: Vec<_> = front.chunks(most).rev().map(<[Entry]>::to_vec).collect();
         let start = Start::Front(parts.last().map_or(&[], Vec::as_slice));

@@ -5,7 +5,7 @@
 //! compiler, and this module asks the adapter for results of which each known deviation would get some
 //! wrong. If it does, the passes pose in integers, which are tried likewise.
 
-use crate::Error;
+use crate::GpuError;
 use crate::gpu::Arithmetic;
 use crate::layout::Trial;
 use crate::pass::{Pass, Target};
@@ -17,14 +17,14 @@ use wgpu::util::DeviceExt;
 use wgpu::{BufferUsages, Device, Queue};
 
 /// Finds the arithmetic that gives posed positions to the bit.
-pub(crate) fn arithmetic(device: &Device, queue: &Queue) -> Result<Arithmetic, Error> {
+pub(crate) fn arithmetic(device: &Device, queue: &Queue) -> Result<Arithmetic, GpuError> {
     let trials = trials();
     for arithmetic in [Arithmetic::Hardware, Arithmetic::Flushing, Arithmetic::Integer] {
         if passes(device, queue, &trials, arithmetic)? {
             return Ok(arithmetic);
         }
     }
-    Err(Error::Device { reason: "its integer arithmetic is wrong".to_owned() })
+    Err(GpuError::Device { reason: "its integer arithmetic is wrong".to_owned() })
 }
 
 fn passes(
@@ -32,7 +32,7 @@ fn passes(
     queue: &Queue,
     trials: &[Trial],
     arithmetic: Arithmetic,
-) -> Result<bool, Error> {
+) -> Result<bool, GpuError> {
     let pass = Pass::new(device, &PROBE, Target::new(device, arithmetic))?;
     let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some("trials"),

@@ -1,6 +1,6 @@
 //! Bringing bytes back to the host.
 
-use crate::Error;
+use crate::GpuError;
 use crate::gpu::checked;
 use bytemuck::Pod;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,8 +15,8 @@ pub(crate) fn map<T>(
     bytes: u64,
     submission: Option<SubmissionIndex>,
     take: impl FnOnce(&[u8]) -> T,
-) -> Result<T, Error> {
-    let failed = |reason: String| Error::Device { reason };
+) -> Result<T, GpuError> {
+    let failed = |reason: String| GpuError::Device { reason };
     let (tell, told) = channel();
     // What it reports is what the callback is told.
     let _ = checked(device, || {
@@ -37,7 +37,7 @@ pub(crate) fn map<T>(
     };
     match told {
         Ok(Ok(())) => {}
-        Ok(Err(error)) => return Err(Error::DeviceLost { reason: error.to_string() }),
+        Ok(Err(error)) => return Err(GpuError::DeviceLost { reason: error.to_string() }),
         Err(error) => return Err(failed(error.to_string())),
     }
     let view = buffer.get_mapped_range(..bytes).map_err(|error| failed(error.to_string()))?;
@@ -52,19 +52,19 @@ pub(crate) fn poll(
     device: &Device,
     submission_index: Option<SubmissionIndex>,
     timeout: Option<Duration>,
-) -> Result<bool, Error> {
+) -> Result<bool, GpuError> {
     let wait = wgpu::PollType::Wait { submission_index, timeout };
     // wgpu panics when the device is lost while somebody waits for it.
     match catch_unwind(AssertUnwindSafe(|| device.poll(wait))) {
         Ok(Ok(_)) => Ok(true),
         Ok(Err(wgpu::PollError::Timeout)) => Ok(false),
-        Ok(Err(error)) => Err(Error::Device { reason: error.to_string() }),
-        Err(_) => Err(Error::DeviceLost { reason: "it was lost while busy".to_owned() }),
+        Ok(Err(error)) => Err(GpuError::Device { reason: error.to_string() }),
+        Err(_) => Err(GpuError::DeviceLost { reason: "it was lost while busy".to_owned() }),
     }
 }
 
 /// Whether a submission is done.
-pub(crate) fn is_done(device: &Device, submission: &SubmissionIndex) -> Result<bool, Error> {
+pub(crate) fn is_done(device: &Device, submission: &SubmissionIndex) -> Result<bool, GpuError> {
     poll(device, Some(submission.clone()), Some(Duration::ZERO))
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn read_now<T: Pod>(
     mut encoder: CommandEncoder,
     buffer: &Buffer,
     count: usize,
-) -> Result<Vec<T>, Error> {
+) -> Result<Vec<T>, GpuError> {
     let bytes = (count * size_of::<T>()) as u64;
     if bytes == 0 {
         return checked(device, || {
@@ -92,7 +92,7 @@ pub(crate) fn read_now<T: Pod>(
         mapped_at_creation: false,
     });
     if pollster::block_on(scope.pop()).is_some() {
-        return Err(Error::OutOfMemory { bytes });
+        return Err(GpuError::OutOfMemory { bytes });
     }
     let submission = checked(device, || {
         encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);

@@ -4,7 +4,7 @@ use crate::layout::Counters;
 
 /// Counts and times of the last answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Report {
+pub struct GpuReport {
     /// Runs of all passes: 1 where the budget holds everything.
     pub runs: u32,
     /// The longest front, in node pairs, over all runs; so are the others. Above what the budget
@@ -20,7 +20,7 @@ pub struct Report {
     pub on_cpu: u32,
 }
 
-impl Report {
+impl GpuReport {
     pub(crate) fn add(&mut self, counters: &Counters) {
         self.runs += 1;
         for (most, now) in [
@@ -42,8 +42,8 @@ macro_rules! reports {
             /// The same, keeping the device time of a run as a whole.
             ///
             /// # Errors
-            /// [`Error::OutOfMemory`].
-            pub fn with_time(mut self) -> Result<Self, crate::Error> {
+            /// [`GpuError::OutOfMemory`].
+            pub fn with_time(mut self) -> Result<Self, crate::GpuError> {
                 self.answer.engine.keep_time(false)?;
                 Ok(self)
             }
@@ -52,8 +52,8 @@ macro_rules! reports {
             /// each.
             ///
             /// # Errors
-            /// [`Error::OutOfMemory`].
-            pub fn with_timings(mut self) -> Result<Self, crate::Error> {
+            /// [`GpuError::OutOfMemory`].
+            pub fn with_timings(mut self) -> Result<Self, crate::GpuError> {
                 self.answer.engine.keep_time(true)?;
                 Ok(self)
             }
@@ -62,14 +62,14 @@ macro_rules! reports {
             /// [`Self::with_time`] or [`Self::with_timings`], or if the device cannot tell.
             ///
             /// # Errors
-            /// [`Error::DeviceLost`], [`Error::Device`].
-            pub fn timings(&self) -> Result<Vec<crate::Timing>, crate::Error> {
+            /// [`GpuError::DeviceLost`], [`GpuError::Device`].
+            pub fn timings(&self) -> Result<Vec<crate::Timing>, crate::GpuError> {
                 self.answer.engine.timings()
             }
 
             /// Counts and times of the last answer.
             #[must_use]
-            pub fn report(&self) -> crate::Report {
+            pub fn report(&self) -> crate::GpuReport {
                 self.answer.report
             }
         }

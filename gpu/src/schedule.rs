@@ -10,7 +10,7 @@ use crate::layout::Stage;
 use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
-use crate::{Error, Gpu, Model};
+use crate::{Gpu, GpuError, GpuModel};
 use pfront_core::Node;
 use pfront_shaders::constants::{EARLIER, GROUP, JOB};
 use std::ops::Range;
@@ -56,9 +56,9 @@ impl Schedule {
     pub(crate) fn sequence(
         &self,
         gpu: &Gpu,
-        model: &Model,
+        model: &GpuModel,
         positions: &Buffer,
-    ) -> Result<Sequence, Error> {
+    ) -> Result<Sequence, GpuError> {
         let mut sequence = Sequence::new(gpu)?;
         self.add_to(&mut sequence, gpu, model, positions)?;
         Ok(sequence)
@@ -69,9 +69,9 @@ impl Schedule {
         &self,
         sequence: &mut Sequence,
         gpu: &Gpu,
-        model: &Model,
+        model: &GpuModel,
         positions: &Buffer,
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         let buffers = [
             ("nodes", &model.nodes),
             ("corners", &model.corners),

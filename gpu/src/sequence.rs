@@ -1,6 +1,6 @@
 //! Dispatches that are the same each time, bound once.
 
-use crate::Error;
+use crate::GpuError;
 use crate::clock::Clock;
 use crate::gpu::Gpu;
 use crate::groups::Dispatches;
@@ -25,7 +25,7 @@ pub(crate) struct Sequence {
 }
 
 impl Sequence {
-    pub(crate) fn new(gpu: &Gpu) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         Ok(Self { passes: gpu.moving()?, dispatches: Vec::new() })
     }
 
@@ -37,7 +37,7 @@ impl Sequence {
         buffers: Named<'_>,
         parameters: BindingResource<'_>,
         workgroups: u32,
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         let pass = which(&self.passes);
         let buffers = pass.bind_buffers(gpu.device(), 0, buffers)?;
         let parameters = pass.bind(gpu.device(), 1, |_| Some(parameters.clone()))?;

@@ -1,20 +1,20 @@
-//! Settings of a query. None of them changes an answer.
+//! GpuSettings of a query. None of them changes an answer.
 
-use crate::Error;
+use crate::GpuError;
 use crate::layout::{Query, Rest};
 
 /// How a query works on the device.
 ///
 /// # Examples
 /// ```no_run
-/// use pfront_gpu::{Budget, Gpu, PairQuery, Settings};
+/// use pfront_gpu::{Budget, Gpu, GpuPairQuery, GpuSettings};
 /// let gpu = Gpu::new()?;
-/// let settings = Settings { depth: 2, budget: Budget { bytes: 16 << 20 }, ..gpu.settings() };
-/// let query = PairQuery::with_settings(&gpu, settings)?;
-/// # Ok::<(), pfront_gpu::Error>(())
+/// let settings = GpuSettings { depth: 2, budget: Budget { bytes: 16 << 20 }, ..gpu.settings() };
+/// let query = GpuPairQuery::with_settings(&gpu, settings)?;
+/// # Ok::<(), pfront_gpu::GpuError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Settings {
+pub struct GpuSettings {
     /// The depth bound d_b of the paper: how many levels a pass descends at most. 0 counts as 1. A query
     /// takes as few passes as it allows, and these descend about equally far.
     pub depth: u32,
@@ -66,10 +66,10 @@ pub(crate) struct Capacities {
 }
 
 impl Capacities {
-    pub(crate) fn new(budget: Budget) -> Result<Self, Error> {
+    pub(crate) fn new(budget: Budget) -> Result<Self, GpuError> {
         let least = Budget::LEAST.bytes;
         if budget.bytes < least {
-            return Err(Error::Budget { bytes: budget.bytes, least });
+            return Err(GpuError::Budget { bytes: budget.bytes, least });
         }
         // Far more than any device binds, and counters still cannot wrap before they overflow.
         let n = (budget.bytes / UNIT).min(1 << 28) as u32;

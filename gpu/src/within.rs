@@ -4,7 +4,7 @@ use crate::answer::{Answer, Verb};
 use crate::engine::{Engine, Task};
 use crate::layout::{Placement, Query};
 use crate::report::reports;
-use crate::{Error, Gpu, Model, Pending, Settings};
+use crate::{Gpu, GpuError, GpuModel, GpuSettings, Pending};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
 use pfront_core::bvtt::TrianglePair;
@@ -14,37 +14,37 @@ use pfront_core::triangle::Adjacency;
 /// `a < b`. What two triangles share by index is no contact
 /// ([`pfront_core::triangle::intersects_in_mesh`]).
 ///
-/// Keeps its buffers, as [`crate::PairQuery`] does.
+/// Keeps its buffers, as [`crate::GpuPairQuery`] does.
 ///
 /// # Examples
 /// ```no_run
-/// use pfront_gpu::{Gpu, Model, SelfQuery};
-/// # fn demo(bvh: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::Error> {
+/// use pfront_gpu::{Gpu, GpuModel, GpuSelfQuery};
+/// # fn demo(bvh: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::GpuError> {
 /// let gpu = Gpu::new()?;
-/// let model = Model::new(&gpu, bvh)?;
-/// println!("{} pairs", SelfQuery::new(&gpu)?.all(&model)?.len());
+/// let model = GpuModel::new(&gpu, bvh)?;
+/// println!("{} pairs", GpuSelfQuery::new(&gpu)?.all(&model)?.len());
 /// # Ok(()) }
 /// ```
 #[derive(Debug)]
-pub struct SelfQuery {
+pub struct GpuSelfQuery {
     answer: Answer,
     adjacency: Adjacency,
 }
 
-impl SelfQuery {
+impl GpuSelfQuery {
     /// A query under the shared-index rule, with the settings that suit the device.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub fn new(gpu: &Gpu) -> Result<Self, Error> {
+    /// [`GpuError::OutOfMemory`].
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         Self::with_settings(gpu, gpu.settings())
     }
 
     /// A query with other settings.
     ///
     /// # Errors
-    /// [`Error::Budget`], [`Error::TooLarge`], [`Error::OutOfMemory`].
-    pub fn with_settings(gpu: &Gpu, settings: Settings) -> Result<Self, Error> {
+    /// [`GpuError::Budget`], [`GpuError::TooLarge`], [`GpuError::OutOfMemory`].
+    pub fn with_settings(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
         let answer = Answer::new(Engine::new(gpu, &settings)?);
         Ok(Self { answer, adjacency: Adjacency::default() })
     }
@@ -58,8 +58,8 @@ impl SelfQuery {
     /// All pairs that meet, sorted.
     ///
     /// # Errors
-    /// [`Error::DeviceLost`], [`Error::Device`], [`Error::OutOfMemory`].
-    pub fn all(&mut self, model: &Model) -> Result<&[TrianglePair], Error> {
+    /// [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
+    pub fn all(&mut self, model: &GpuModel) -> Result<&[TrianglePair], GpuError> {
         self.ask(model, Verb::All)?;
         Ok(&self.answer.pairs)
     }
@@ -67,8 +67,12 @@ impl SelfQuery {
     /// The same into a list of the caller's, whose memory the query takes in exchange.
     ///
     /// # Errors
-    /// As [`SelfQuery::all`].
-    pub fn all_into(&mut self, model: &Model, out: &mut Vec<TrianglePair>) -> Result<(), Error> {
+    /// As [`GpuSelfQuery::all`].
+    pub fn all_into(
+        &mut self,
+        model: &GpuModel,
+        out: &mut Vec<TrianglePair>,
+    ) -> Result<(), GpuError> {
         self.ask(model, Verb::All)?;
         std::mem::swap(&mut self.answer.pairs, out);
         Ok(())
@@ -77,8 +81,8 @@ impl SelfQuery {
     /// Some pair that meets, if any does.
     ///
     /// # Errors
-    /// As [`SelfQuery::all`].
-    pub fn any(&mut self, model: &Model) -> Result<Option<TrianglePair>, Error> {
+    /// As [`GpuSelfQuery::all`].
+    pub fn any(&mut self, model: &GpuModel) -> Result<Option<TrianglePair>, GpuError> {
         self.ask(model, Verb::Any)?;
         Ok(self.answer.pairs.first().copied())
     }
@@ -86,32 +90,32 @@ impl SelfQuery {
     /// How many pairs meet. Needs no memory for them.
     ///
     /// # Errors
-    /// As [`SelfQuery::all`].
-    pub fn count(&mut self, model: &Model) -> Result<u64, Error> {
+    /// As [`GpuSelfQuery::all`].
+    pub fn count(&mut self, model: &GpuModel) -> Result<u64, GpuError> {
         self.ask(model, Verb::Count)?;
         Ok(self.answer.count)
     }
 
-    /// Records the query; see [`crate::PairQuery::record`].
+    /// Records the query; see [`crate::GpuPairQuery::record`].
     ///
     /// # Errors
-    /// As [`SelfQuery::all`].
+    /// As [`GpuSelfQuery::all`].
     pub fn record<'q>(
         &'q mut self,
         encoder: &mut wgpu::CommandEncoder,
-        model: &'q Model,
-    ) -> Result<Pending<'q>, Error> {
+        model: &'q GpuModel,
+    ) -> Result<Pending<'q>, GpuError> {
         let task = self.prepare(model)?;
         Pending::record(&mut self.answer, encoder, task)
     }
 
-    fn ask(&mut self, model: &Model, verb: Verb) -> Result<(), Error> {
+    fn ask(&mut self, model: &GpuModel, verb: Verb) -> Result<(), GpuError> {
         let task = self.prepare(model)?;
         self.answer.ask(task, verb)
     }
 
     /// Binds the model and says what to ask about it; `None` if it is empty.
-    fn prepare(&mut self, model: &Model) -> Result<Option<Task>, Error> {
+    fn prepare(&mut self, model: &GpuModel) -> Result<Option<Task>, GpuError> {
         if model.bounds.is_none() {
             return Ok(None);
         }
@@ -133,4 +137,4 @@ impl SelfQuery {
     }
 }
 
-reports!(SelfQuery);
+reports!(GpuSelfQuery);

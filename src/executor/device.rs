@@ -2,24 +2,24 @@
 
 use super::measure::Line;
 use super::{Answer, Verb};
-use crate::gpu::{self, Error, Gpu, Settings};
+use crate::gpu::{Gpu, GpuError, GpuModel, GpuPairQuery, GpuSelfQuery, GpuSettings};
 use crate::{Adjacency, Model, Pose, Stamp, TrianglePair};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 #[derive(Debug)]
 pub(crate) struct Device {
     pub(crate) gpu: Gpu,
-    pub(crate) settings: Settings,
+    pub(crate) settings: GpuSettings,
     /// What it is predicted to take beside a CPU; `None` if it is to answer whatever is asked.
     pub(super) line: Option<Line>,
-    pair: Mutex<Option<gpu::PairQuery>>,
-    within: Mutex<Option<gpu::SelfQuery>>,
+    pair: Mutex<Option<GpuPairQuery>>,
+    within: Mutex<Option<GpuSelfQuery>>,
     /// Models that do not move, for as long as some query has them.
-    models: Mutex<Vec<(Stamp, Weak<gpu::Model>)>>,
+    models: Mutex<Vec<(Stamp, Weak<GpuModel>)>>,
 }
 
 impl Device {
-    pub(super) fn new(gpu: &Gpu, settings: Settings, line: Option<Line>) -> Self {
+    pub(super) fn new(gpu: &Gpu, settings: GpuSettings, line: Option<Line>) -> Self {
         Self {
             gpu: gpu.clone(),
             settings,
@@ -31,7 +31,7 @@ impl Device {
     }
 
     /// A model there, which is uploaded unless some query has it.
-    pub(super) fn model(&self, model: &Model) -> Result<Arc<gpu::Model>, Error> {
+    pub(super) fn model(&self, model: &Model) -> Result<Arc<GpuModel>, GpuError> {
         let stamp = model.stamp();
         let mut models = lock(&self.models);
         models.retain(|(_, model)| model.strong_count() > 0);
@@ -39,7 +39,7 @@ impl Device {
         if let Some(model) = known.and_then(|(_, model)| model.upgrade()) {
             return Ok(model);
         }
-        let uploaded = Arc::new(gpu::Model::new(&self.gpu, model.bvh())?);
+        let uploaded = Arc::new(GpuModel::new(&self.gpu, model.bvh())?);
         models.push((stamp, Arc::downgrade(&uploaded)));
         Ok(uploaded)
     }
@@ -47,15 +47,15 @@ impl Device {
     /// Asks about two models there.
     pub(crate) fn ask_pair(
         &self,
-        [a, b]: [&gpu::Model; 2],
+        [a, b]: [&GpuModel; 2],
         a_from_b: &Pose,
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Answer<TrianglePair>, Error> {
+    ) -> Result<Answer<TrianglePair>, GpuError> {
         let mut query = lock(&self.pair);
         let query = match &mut *query {
             Some(query) => query,
-            none => none.insert(gpu::PairQuery::with_settings(&self.gpu, self.settings)?),
+            none => none.insert(GpuPairQuery::with_settings(&self.gpu, self.settings)?),
         };
         Ok(match verb {
             Verb::All => {
@@ -70,15 +70,15 @@ impl Device {
     /// Asks about a model there and itself.
     pub(crate) fn ask_within(
         &self,
-        model: &gpu::Model,
+        model: &GpuModel,
         adjacency: Adjacency,
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Answer<TrianglePair>, Error> {
+    ) -> Result<Answer<TrianglePair>, GpuError> {
         let mut within = lock(&self.within);
         let query = match within.take() {
             Some(query) => query,
-            None => gpu::SelfQuery::with_settings(&self.gpu, self.settings)?,
+            None => GpuSelfQuery::with_settings(&self.gpu, self.settings)?,
         };
         let query = within.insert(query.with_adjacency(adjacency));
         Ok(match verb {

@@ -1,7 +1,7 @@
 //! A line from the time of a question on the CPU to that on a GPU: a short and a long one are asked of both.
 
 use super::Executor;
-use crate::gpu::{self, Error, Gpu};
+use crate::gpu::{Gpu, GpuError, GpuModel, GpuPairQuery};
 use crate::{Model, PairQuery, Pose};
 use std::time::Instant;
 
@@ -32,20 +32,20 @@ impl Line {
 }
 
 /// Measures a GPU and the CPU of an executor.
-pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, Error> {
+pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> {
     // Else the first deforming mesh would wait for that.
     gpu.warm_up()?;
     let mut cpu = executor.clone();
     cpu.device = None;
     let mut on_cpu = PairQuery::new().on(&cpu);
-    let mut on_gpu = gpu::PairQuery::new(gpu)?;
+    let mut on_gpu = GpuPairQuery::new(gpu)?;
     let (mut cpu, mut there, mut uploads) = ([0.0; 2], [0.0; 2], [0.0; 2]);
     let sheets = [sheet(SIDES[0])?, sheet(SIDES[1])?];
     // The first round wakes threads and grows buffers.
     for _ in 0..2 {
         for (i, sheet) in sheets.iter().enumerate() {
             let clock = Instant::now();
-            let model = gpu::Model::new(gpu, sheet.bvh())?;
+            let model = GpuModel::new(gpu, sheet.bvh())?;
             on_gpu.count(&model, &model, &pose(RUNS))?;
             let first = clock.elapsed().as_secs_f64();
             there[i] = median(|pose| on_gpu.all(&model, &model, &pose).map(drop))?;
@@ -67,7 +67,7 @@ fn line(x: [f64; 2], y: [f64; 2]) -> (f64, f64) {
 }
 
 /// A wavy sheet of the unit square.
-fn sheet(side: usize) -> Result<Model, Error> {
+fn sheet(side: usize) -> Result<Model, GpuError> {
     let at = |i: usize| i as f32 / side as f32;
     let wave = |x: f32, y: f32| 0.1 * (9.0 * x).sin() * (7.0 * y).cos();
     let grid = (0..=side).flat_map(|j| (0..=side).map(move |i| (at(i), at(j))));
@@ -87,12 +87,12 @@ fn pose(run: usize) -> Pose {
 }
 
 /// The CPU refuses no such sheet, and no such pose.
-fn refused(error: crate::Error) -> Error {
-    Error::Device { reason: error.to_string() }
+fn refused(error: crate::Error) -> GpuError {
+    GpuError::Device { reason: error.to_string() }
 }
 
 /// What a run takes.
-fn median(mut run: impl FnMut(Pose) -> Result<(), Error>) -> Result<f64, Error> {
+fn median(mut run: impl FnMut(Pose) -> Result<(), GpuError>) -> Result<f64, GpuError> {
     let mut times = [0.0; RUNS];
     for (number, time) in times.iter_mut().enumerate() {
         let clock = Instant::now();

@@ -1,7 +1,7 @@
 //! The models of a query on a GPU, brought there when it is first asked and kept up to date from then on.
 
 use super::Device;
-use crate::gpu::{self, Deforming, Error};
+use crate::gpu::{Deforming, GpuError, GpuModel};
 use crate::{Model, Stamp};
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ struct Mirror {
 
 #[derive(Debug)]
 enum Mirrored {
-    Rigid(Arc<gpu::Model>),
+    Rigid(Arc<GpuModel>),
     Moving(Box<Deforming>),
 }
 
@@ -45,13 +45,13 @@ impl Mirrors {
         device: &Device,
         models: &[&Model],
         moves: bool,
-    ) -> Result<[&gpu::Model; 2], Error> {
+    ) -> Result<[&GpuModel; 2], GpuError> {
         let distinct = distinct(models);
         for (own, model) in self.0.iter_mut().zip(distinct) {
             Mirror::bring(own, device, model, moves)?;
         }
         let [first, second] = &self.0;
-        let first = first.as_ref().map(Mirror::model).ok_or(Error::OtherDevice)?;
+        let first = first.as_ref().map(Mirror::model).ok_or(GpuError::OtherDevice)?;
         let second = if distinct.len() == 1 { None } else { second.as_ref() };
         Ok([first, second.map_or(first, Mirror::model)])
     }
@@ -66,7 +66,7 @@ fn distinct<'m, 's>(models: &'s [&'m Model]) -> &'s [&'m Model] {
 }
 
 impl Mirror {
-    fn model(&self) -> &gpu::Model {
+    fn model(&self) -> &GpuModel {
         match &self.model {
             Mirrored::Rigid(model) => model,
             Mirrored::Moving(model) => model,
@@ -79,7 +79,7 @@ impl Mirror {
         device: &Device,
         model: &Model,
         moves: bool,
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         let stamp = model.stamp();
         // After an error nothing is known of what is there.
         let before = own.take();
@@ -107,7 +107,7 @@ impl Mirror {
     }
 
     /// A mesh whose boxes the GPU fits to its positions, if the CPU has not.
-    fn moving(device: &Device, model: &Model) -> Result<Deforming, Error> {
+    fn moving(device: &Device, model: &Model) -> Result<Deforming, GpuError> {
         match model.map_unfitted(|bvh| Deforming::new(&device.gpu, bvh)) {
             Some(moving) => {
                 let mut moving = moving?;

@@ -59,7 +59,7 @@ pub use plan::{Backend, Plan, Reason};
 pub(crate) use run::{Answer, Question, Run, Verb};
 
 #[cfg(feature = "gpu")]
-use crate::gpu::{Gpu, Settings};
+use crate::gpu::{Gpu, GpuError, GpuSettings};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 #[cfg(feature = "gpu")]
@@ -90,9 +90,9 @@ impl Executor {
     ///
     /// # Examples
     /// ```
-    /// use pfront::threads::{Schedule, Settings, Traversal};
+    /// use pfront::threads::{Schedule, GpuSettings, Traversal};
     /// use pfront::{Executor, PairQuery};
-    /// let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
+    /// let settings = GpuSettings { schedule: Schedule::Static, ..GpuSettings::default() };
     /// let executor = Executor::from(Traversal::new(8).with_settings(settings));
     /// let query = PairQuery::new().on(&executor);
     /// ```
@@ -129,7 +129,7 @@ impl Executor {
     /// that asks about other models each time uploads them each time: make one for each pair of models. A mesh that
     /// deforms keeps its tree there until [`Model`](crate::Model) rebuilds it.
     ///
-    /// Its lists take [`Settings::budget`] of device memory once for pairs of models, once for models with themselves, and
+    /// Its lists take [`GpuSettings::budget`] of device memory once for pairs of models, once for models with themselves, and
     /// once for each scene, from the first such question on.
     ///
     /// # Examples
@@ -138,11 +138,11 @@ impl Executor {
     /// use pfront::{Executor, PairQuery};
     /// let gpu = Gpu::new()?;
     /// let query = PairQuery::new().on(&Executor::gpu(&gpu, gpu.settings()));
-    /// # Ok::<(), pfront::gpu::Error>(())
+    /// # Ok::<(), pfront::gpu::GpuError>(())
     /// ```
     #[cfg(feature = "gpu")]
     #[must_use]
-    pub fn gpu(gpu: &Gpu, settings: Settings) -> Self {
+    pub fn gpu(gpu: &Gpu, settings: GpuSettings) -> Self {
         Self {
             #[cfg(feature = "threads")]
             traversal: None,
@@ -157,13 +157,13 @@ impl Executor {
     /// # Errors
     /// What the GPU reports while it is measured.
     #[cfg(feature = "gpu")]
-    pub fn and_gpu(self, gpu: &Gpu, settings: Settings) -> Result<Self, crate::gpu::Error> {
+    pub fn and_gpu(self, gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
         let line = measure::measure(&self, gpu)?;
         Ok(self.with_line(gpu, settings, line))
     }
 
     #[cfg(feature = "gpu")]
-    fn with_line(mut self, gpu: &Gpu, settings: Settings, line: measure::Line) -> Self {
+    fn with_line(mut self, gpu: &Gpu, settings: GpuSettings, line: measure::Line) -> Self {
         self.device = Some(Arc::new(Device::new(gpu, settings, Some(line))));
         self
     }

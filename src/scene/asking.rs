@@ -13,7 +13,7 @@ use crate::executor::Device;
 use crate::executor::{Question, Verb};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
-use pfront_core::bvtt::{PairQuery, Query};
+use pfront_core::bvtt::{PairBvtt, Query};
 use std::ops::ControlFlow;
 
 pub(super) struct Asking<'s> {
@@ -55,7 +55,7 @@ impl Question for Asking<'_> {
             }
             Verb::Count => Answer::counted(frame.queries().map(|(_, query)| query.count()).sum()),
             Verb::Any => {
-                let hit = |(bodies, query): ([BodyId; 2], PairQuery<'_>)| {
+                let hit = |(bodies, query): ([BodyId; 2], PairBvtt<'_>)| {
                     Some(SceneHit { bodies, pair: query.any()? })
                 };
                 Answer::found(frame.queries().find_map(hit))

@@ -4,7 +4,7 @@ use super::frame::{Answer, Frame};
 use super::{BodyId, SceneHit};
 use crate::executor::Verb;
 use crate::threads::{Hit, Report, Traversal};
-use pfront_core::bvtt::PairQuery;
+use pfront_core::bvtt::PairBvtt;
 use std::ops::ControlFlow;
 
 /// The most pairs of bodies that are asked at once. Each takes a query and a node of the front, some 800 bytes,
@@ -19,7 +19,7 @@ pub(super) struct Batches {
     /// The bodies of each query of this batch.
     asking: Vec<[BodyId; 2]>,
     /// Empty, to use its memory again.
-    queries: Vec<PairQuery<'static>>,
+    queries: Vec<PairBvtt<'static>>,
     found: Vec<Hit>,
 }
 
@@ -72,9 +72,9 @@ impl Batches {
         &mut self,
         traversal: &mut Traversal,
         frame: &Frame<'_>,
-        mut ask: impl FnMut(&mut Traversal, &[[BodyId; 2]], &[PairQuery<'_>]) -> ControlFlow<()>,
+        mut ask: impl FnMut(&mut Traversal, &[[BodyId; 2]], &[PairBvtt<'_>]) -> ControlFlow<()>,
     ) {
-        let mut queries: Vec<PairQuery<'_>> = std::mem::take(&mut self.queries);
+        let mut queries: Vec<PairBvtt<'_>> = std::mem::take(&mut self.queries);
         let mut rest = frame.queries().peekable();
         let mut before: Option<Report> = None;
         loop {

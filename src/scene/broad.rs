@@ -10,7 +10,7 @@ use super::cache::merge;
 use crate::sphere::Sphere;
 use crate::{Aabb, BuildOptions, Error, Model};
 use pfront_core::bvh::MAX_DEPTH;
-use pfront_core::bvtt::{Query, SelfQuery};
+use pfront_core::bvtt::{Query, SelfBvtt};
 use std::ops::ControlFlow;
 
 /// Two bodies by their places in the list.
@@ -90,7 +90,7 @@ impl Broad {
                 model
             }
         };
-        let query = SelfQuery::new(boxes.bvh()).boxes_only();
+        let query = SelfBvtt::new(boxes.bvh()).boxes_only();
         self.pairs.clear();
         let _ = query.visit(&mut query.start(), |pair| {
             let [a, b] = [pair.a, pair.b].map(|i| i as usize);

@@ -5,7 +5,7 @@ use super::bodies::Bodies;
 use super::broad::Places;
 use super::frame::{Answer, Frame};
 use crate::executor::{Device, Verb};
-use crate::gpu::{Error, World};
+use crate::gpu::{GpuError, World};
 use crate::model::Stamp;
 use pfront_core::bvtt::TrianglePair;
 
@@ -43,7 +43,7 @@ impl Mirror {
         frame: &Frame<'_>,
         verb: Verb,
         hits: &mut Vec<SceneHit>,
-    ) -> Result<Answer, Error> {
+    ) -> Result<Answer, GpuError> {
         let scene = match &mut self.0 {
             Some(scene) => scene,
             none => none.insert(Scene {
@@ -74,7 +74,7 @@ impl Mirror {
 
 impl Scene {
     /// Makes the bodies there those of the scene.
-    fn bring(&mut self, bodies: &Bodies) -> Result<(), Error> {
+    fn bring(&mut self, bodies: &Bodies) -> Result<(), GpuError> {
         // After an error nothing is known of what is there.
         let at = std::mem::take(&mut self.at);
         let is_there = at > 0 && bodies.gathered() <= at;

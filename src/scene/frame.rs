@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, Body, BodyId};
 use super::broad::{Broad, Places};
 use super::{Accuracy, SceneHit};
-use pfront_core::bvtt::PairQuery;
+use pfront_core::bvtt::PairBvtt;
 
 /// The bodies of a frame, and which of them may meet.
 #[derive(Clone, Copy)]
@@ -40,7 +40,7 @@ impl<'s> Frame<'s> {
     }
 
     /// The same as queries.
-    pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairQuery<'s>)> {
+    pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairBvtt<'s>)> {
         let Self { accuracy, bodies, .. } = *self;
         self.pairs().filter_map(move |[a, b]| {
             // Always there: the places are those of this frame.
@@ -51,6 +51,6 @@ impl<'s> Frame<'s> {
 }
 
 /// Whether two bodies meet in the world.
-pub(super) fn meeting<'s>(a: &'s Body, b: &'s Body) -> PairQuery<'s> {
-    PairQuery::in_world(a.placed(), b.placed())
+pub(super) fn meeting<'s>(a: &'s Body, b: &'s Body) -> PairBvtt<'s> {
+    PairBvtt::in_world(a.placed(), b.placed())
 }

@@ -273,9 +273,9 @@ fn other_accuracies() {
 #[cfg(feature = "gpu")]
 #[test]
 fn lists_of_a_gpu() {
-    use pfront::gpu::{Budget, Gpu, Settings};
+    use pfront::gpu::{Budget, Gpu, GpuSettings};
     let gpu = Gpu::new().unwrap();
-    let settings = Settings { budget: Budget { bytes: 32 << 20 }, ..gpu.settings() };
+    let settings = GpuSettings { budget: Budget { bytes: 32 << 20 }, ..gpu.settings() };
     let executor = Executor::gpu(&gpu, settings);
     let taken =
         || gpu.device().generate_allocator_report().map(|report| report.total_allocated_bytes);

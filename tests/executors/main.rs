@@ -30,9 +30,9 @@ static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
     }
     #[cfg(feature = "gpu")]
     {
-        use pfront::gpu::{Budget, Gpu, Settings};
+        use pfront::gpu::{Budget, Gpu, GpuSettings};
         let gpu = Gpu::new().unwrap();
-        let settings = Settings { budget: Budget { bytes: 1 << 20 }, ..gpu.settings() };
+        let settings = GpuSettings { budget: Budget { bytes: 1 << 20 }, ..gpu.settings() };
         all.push(("gpu", Executor::gpu(&gpu, settings)));
         all.push((
             "sequential and gpu",

@@ -1,7 +1,7 @@
 //! Either kind of query.
 
 use core::ops::ControlFlow;
-use pfront_core::bvtt::{Cursor, NodePair, PairQuery, Query, SelfQuery, TrianglePair};
+use pfront_core::bvtt::{Cursor, NodePair, PairBvtt, Query, SelfBvtt, TrianglePair};
 use pfront_core::triangle::Contact;
 use pfront_core::{Aabb, Bvh, Mesh};
 
@@ -9,15 +9,15 @@ use pfront_core::{Aabb, Bvh, Mesh};
 #[derive(Clone, Copy)]
 pub(crate) enum Asked<'c> {
     /// Two meshes.
-    Pair(PairQuery<'c>),
+    Pair(PairBvtt<'c>),
     /// One mesh.
-    Within(SelfQuery<'c>),
+    Within(SelfBvtt<'c>),
 }
 
 impl Asked<'_> {
     /// What nothing answers to.
     pub(crate) fn nothing() -> Self {
-        Self::Within(SelfQuery::new(Bvh::new_unchecked(Mesh::new_unchecked(&[], &[]), &[], &[])))
+        Self::Within(SelfBvtt::new(Bvh::new_unchecked(Mesh::new_unchecked(&[], &[]), &[], &[])))
     }
 }
 

@@ -17,7 +17,7 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bo
     let pairs = engine.all()?;
     let with_contacts;
     let found = if listing.contacts {
-        let query = bvtt::PairQuery::new(a.bvh(), b.bvh(), a_from_b)?;
+        let query = bvtt::PairBvtt::new(a.bvh(), b.bvh(), a_from_b)?;
         with_contacts = contacts(&query, pairs);
         Found::Contacts(&with_contacts)
     } else {

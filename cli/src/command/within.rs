@@ -19,7 +19,7 @@ pub(crate) fn run(within: &Within) -> Result<bool> {
     let pairs = engine.all()?;
     let with_contacts;
     let found = if within.listing.contacts {
-        with_contacts = contacts(&bvtt::SelfQuery::new(model.bvh()), pairs);
+        with_contacts = contacts(&bvtt::SelfBvtt::new(model.bvh()), pairs);
         Found::Contacts(&with_contacts)
     } else {
         Found::Pairs(pairs)

@@ -66,7 +66,7 @@ const MAX_COMPACT_TRIANGLES: usize = 1 << 28;
 ///
 /// let mut storage = [CompactNode::default(); node_bound(1)];
 /// let compact = compact(mesh, &root, standard.order(), &mut storage)?;
-/// assert_eq!(PairQuery::new(compact, standard, Pose::IDENTITY)?.count(), 1);
+/// assert_eq!(PairBvtt::new(compact, standard, Pose::IDENTITY)?.count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn compact<'a>(

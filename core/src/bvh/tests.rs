@@ -5,7 +5,7 @@ extern crate std;
 use super::*;
 use crate::Pose;
 use crate::bvh::{BuildOptions, BvhStorage, morton, node_bound, sah};
-use crate::bvtt::{PairQuery, Query, SelfQuery};
+use crate::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront_testkit::shapes::{Soup, strip};
 use std::sync::LazyLock;
 use std::vec;
@@ -219,10 +219,10 @@ fn unchecked_arrays_never_lose_pairs_silently() {
             (nodes.clone(), order.clone(), triangles.clone());
         change(&mut nodes, &mut order, &mut triangles, leaf);
         let bvh = Bvh::new_unchecked(Mesh::new_unchecked(positions, &triangles), &nodes, &order);
-        let pair = PairQuery::new(bvh, bvh, Pose::IDENTITY);
+        let pair = PairBvtt::new(bvh, bvh, Pose::IDENTITY);
         let asked = std::panic::catch_unwind(|| pair.map(|query| query.count()));
         assert!(asked.is_err(), "{what}: {asked:?}");
-        let asked = std::panic::catch_unwind(|| SelfQuery::new(bvh).count());
+        let asked = std::panic::catch_unwind(|| SelfBvtt::new(bvh).count());
         assert!(asked.is_err(), "{what}: {asked:?}");
     }
 }

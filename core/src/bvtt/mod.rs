@@ -2,7 +2,7 @@
 //!
 //! A BVTT node is a pair of BVH nodes whose boxes overlap; its children are the overlapping pairs of
 //! their children (Zhang & Kim 2014, section 2.1). The tree is never stored. There are two of them: of
-//! two meshes ([`PairQuery`]) and of one mesh with itself ([`SelfQuery`]).
+//! two meshes ([`PairBvtt`]) and of one mesh with itself ([`SelfBvtt`]).
 //!
 //! # How a leaf pair is decided
 //! 1. `traversal` pops node pairs from a [`Cursor`] and tests the boxes of their descendants, up to a leaf pair.
@@ -14,7 +14,7 @@
 //! 5. [`crate::triangle`] decides each of them by signs of orientation determinants from `exact`. Triangles of one mesh
 //!    that share vertices follow a rule of their own there.
 //!
-//! `wide_node` has the boxes of a step of the traversal, `mesh_query` how queries are made, and `query` the verbs
+//! `wide_node` has the boxes of a step of the traversal, `trees` how queries are made, and `query` the verbs
 //! of the public interface.
 //!
 //! # Where we depart from the paper
@@ -24,18 +24,18 @@
 mod block;
 mod cull;
 mod cursor;
-mod mesh_query;
 mod posed_bvh;
 mod query;
 #[cfg(test)]
 mod tests;
 mod traversal;
+mod trees;
 mod wide_node;
 
 pub use cursor::{Cursor, Work};
-pub use mesh_query::{MeshQuery, PairQuery, SelfQuery};
 pub use posed_bvh::PosedBvh;
 pub use query::Query;
+pub use trees::{Bvtt, PairBvtt, SelfBvtt};
 
 /// A BVTT node: a node of the first BVH and one of the second.
 #[repr(C)]

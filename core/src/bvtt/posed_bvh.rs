@@ -6,7 +6,7 @@ use crate::pose::{Affine, PoseError};
 use crate::{Aabb, Bvh, Node, Pose, Triangle};
 use glam::Vec3A;
 
-/// A BVH in a pose, one side of a [`PairQuery`](super::PairQuery). Copying is free.
+/// A BVH in a pose, one side of a [`PairBvtt`](super::PairBvtt). Copying is free.
 ///
 /// # Examples
 /// ```
@@ -17,7 +17,7 @@ use glam::Vec3A;
 /// # let bvh = Bvh::new_unchecked(mesh, std::slice::from_ref(&root), &[0]);
 /// let here = PosedBvh::new(bvh, &Pose::from_translation([8.0, 0.0, 0.0]))?;
 /// let there = PosedBvh::new(bvh, &Pose::from_translation([8.5, 0.0, 0.0]))?;
-/// assert_eq!(PairQuery::in_world(here, there).count(), 1);
+/// assert_eq!(PairBvtt::in_world(here, there).count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 
 use super::block::BlockCache;
 use super::wide_node::WideNode;
-use super::{Cursor, MeshQuery, NodePair, TrianglePair};
+use super::{Bvtt, Cursor, NodePair, TrianglePair};
 use crate::bvh::Layout;
 use crate::simd::{LANES, Simd, Task, VECTORS, widest};
 use crate::triangle::{intersects_by, intersects_in_mesh};
@@ -13,7 +13,7 @@ type Visitor<'v> = dyn FnMut(TrianglePair) -> ControlFlow<()> + 'v;
 
 /// Continues from `cursor` until `visit` breaks, `tests` more tests are done or nothing is left.
 pub(super) fn traverse<A: Layout, B: Layout, const SELF: bool>(
-    query: &MeshQuery<'_, A, B, SELF>,
+    query: &Bvtt<'_, A, B, SELF>,
     cursor: &mut Cursor,
     tests: u64,
     visit: &mut Visitor<'_>,
@@ -28,7 +28,7 @@ pub(super) fn traverse<A: Layout, B: Layout, const SELF: bool>(
 
 /// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes.
 struct Traversal<'t, 'v, 'a, A: Layout, B: Layout, const SELF: bool> {
-    query: &'t MeshQuery<'a, A, B, SELF>,
+    query: &'t Bvtt<'a, A, B, SELF>,
     cursor: &'t mut Cursor,
     visit: &'t mut Visitor<'v>,
 }
@@ -62,7 +62,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Task for Traversal<'_, '_, '_, A, B
 /// The triangle pairs of a leaf with itself, each once: for triangle j, in byte j, bits i < j (see [`super::cull`]).
 const BEFORE: u64 = 0x7f3f_1f0f_0703_0100;
 
-impl<A: Layout, B: Layout, const SELF: bool> MeshQuery<'_, A, B, SELF> {
+impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
     #[inline]
     fn is_leaf_pair(&self, n: NodePair) -> bool {
         self.a.bvh.node(n.a).is_leaf() && self.b.bvh.node(n.b).is_leaf()

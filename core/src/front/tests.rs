@@ -6,7 +6,7 @@ use super::history::CostHistory;
 use super::*;
 use crate::Pose;
 use crate::bvh::tests::Owned;
-use crate::bvtt::{Cursor, PairQuery, Query, SelfQuery, TrianglePair};
+use crate::bvtt::{Cursor, PairBvtt, Query, SelfBvtt, TrianglePair};
 use core::ops::ControlFlow;
 use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::shapes::{Soup, bumpy, sheet};
@@ -91,8 +91,8 @@ const fn options(workers: usize, g: f64) -> RefineOptions {
 #[test]
 fn any_front_is_a_whole_cut() {
     let bumpy = body(bumpy(24));
-    let pair = PairQuery::new(bumpy.bvh(), bumpy.bvh(), tilt(0.3)).unwrap();
-    let itself = SelfQuery::new(bumpy.bvh());
+    let pair = PairBvtt::new(bumpy.bvh(), bumpy.bvh(), tilt(0.3)).unwrap();
+    let itself = SelfBvtt::new(bumpy.bvh());
     let mut rng = seeded(7);
     for capacity in (1..40).chain([64, 100, 1000, CAPACITY]) {
         let options = RefineOptions { g: rng.random_range(0..16).into(), ..RefineOptions::new(5) };
@@ -107,7 +107,7 @@ fn any_front_is_a_whole_cut() {
 #[test]
 fn a_front_without_room_for_a_root_is_refused() {
     let body = body(sheet(4, |_, _| 0.0));
-    let root = SelfQuery::new(body.bvh()).root().unwrap();
+    let root = SelfBvtt::new(body.bvh()).root().unwrap();
     let mut nodes = [FrontNode::default(); 1];
     let mut front = Front::new(&mut nodes);
     assert_eq!(front.add(0, root), Ok(()));
@@ -118,7 +118,7 @@ fn a_front_without_room_for_a_root_is_refused() {
 #[test]
 fn one_front_serves_many_queries() {
     let body = body(sheet(16, |x, y| x * y));
-    let query = |z| PairQuery::new(body.bvh(), body.bvh(), tilt(z)).unwrap();
+    let query = |z| PairBvtt::new(body.bvh(), body.bvh(), tilt(z)).unwrap();
     let queries = [0.0, 9.0, 0.2, 0.4].map(query);
     for capacity in [4, 7, 5000] {
         let mut frames = Frames::new(capacity);
@@ -139,7 +139,7 @@ fn one_front_serves_many_queries() {
 #[test]
 fn epsilon_bounds_the_predicted_makespan() {
     let body = body(bumpy(120));
-    let query = PairQuery::new(body.bvh(), body.bvh(), tilt(0.1)).unwrap();
+    let query = PairBvtt::new(body.bvh(), body.bvh(), tilt(0.1)).unwrap();
     for (epsilon, workers) in [(1.0, 2), (0.5, 7), (0.2, 16), (0.1, 3)] {
         let report = Frames::new(CAPACITY).frame(&[query], options(workers, 1.0 / epsilon));
         assert!(!report.full);
@@ -154,7 +154,7 @@ fn the_unit_of_length_is_of_no_account() {
         let body = body(bumpy(40).map(|p| p.map(|x| unit * x)));
         let mut here = tilt(0.1);
         here.rows.iter_mut().for_each(|row| row[3] *= unit);
-        let query = PairQuery::new(body.bvh(), body.bvh(), here).unwrap();
+        let query = PairBvtt::new(body.bvh(), body.bvh(), here).unwrap();
         let mut nodes = vec![FrontNode::default(); CAPACITY];
         let mut front = Front::new(&mut nodes);
         front.add(0, query.root().unwrap()).unwrap();
@@ -180,7 +180,7 @@ fn boxes_without_volume_get_sound_costs() {
         (&huge, &flat, Pose::IDENTITY),
     ];
     for (a, b, pose) in cases {
-        let query = PairQuery::new(a.bvh(), b.bvh(), pose).unwrap();
+        let query = PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap();
         let mut frames = Frames::new(3000);
         for _ in 0..2 {
             frames.frame(&[query], RefineOptions::new(5));
@@ -194,7 +194,7 @@ fn a_jump_is_noticed_and_motion_is_not() {
     let place = |x: f32| {
         let mut moved = tilt(0.0);
         moved.rows[0][3] += x;
-        [PairQuery::new(body.bvh(), body.bvh(), moved).unwrap()]
+        [PairBvtt::new(body.bvh(), body.bvh(), moved).unwrap()]
     };
     let options = RefineOptions::new(8);
     let mut frames = Frames::new(CAPACITY);
@@ -210,7 +210,7 @@ fn a_jump_is_noticed_and_motion_is_not() {
 #[test]
 fn a_still_scene_settles() {
     let body = body(bumpy(60));
-    let query = [PairQuery::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap()];
+    let query = [PairBvtt::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap()];
     let mut frames = Frames::new(CAPACITY);
     for _ in 0..5 {
         frames.frame(&query, RefineOptions::new(8));
@@ -232,7 +232,7 @@ fn any_history_is_harmless() {
     let mut rng = seeded(1);
     for round in 0..300 {
         let bvh = if round % 7 == 0 { huge.bvh() } else { bumpy.bvh() };
-        let query = [PairQuery::new(bvh, bvh, Pose::IDENTITY).unwrap()];
+        let query = [PairBvtt::new(bvh, bvh, Pose::IDENTITY).unwrap()];
         let capacity = [1, 4, 5, 33, 40, 300, CAPACITY][rng.random_range(0..7)];
         let mut frames = Frames::new(capacity);
         frames.frame(&query, RefineOptions::new(5));
@@ -266,7 +266,7 @@ fn any_history_is_harmless() {
 #[test]
 fn nodes_of_a_cursor_are_assigned_alike_in_any_order() {
     let flat = body(sheet(12, |_, _| 0.0));
-    let query = SelfQuery::new(flat.bvh());
+    let query = SelfBvtt::new(flat.bvh());
     let mut cursor = query.start();
     let _ = query.step(&mut cursor, 400, |_| ControlFlow::Continue(()));
     let mut pending = cursor.take_pending().to_vec();
@@ -284,7 +284,7 @@ fn nodes_of_a_cursor_are_assigned_alike_in_any_order() {
 #[test]
 fn a_front_of_leaf_pairs_is_not_full() {
     let one = body(sheet(1, |_, _| 0.0));
-    let query = SelfQuery::new(one.bvh());
+    let query = SelfBvtt::new(one.bvh());
     let report = Frames::new(1).frame(&[query], RefineOptions::new(2));
     assert!(!report.full && report.box_tests == 0, "{report:?}");
 }

@@ -5,7 +5,7 @@ extern crate std;
 
 use super::*;
 use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, mark_moved, morton, node_bound, refit};
-use crate::bvtt::{Query, SelfQuery};
+use crate::bvtt::{Query, SelfBvtt};
 use crate::{Bvh, Node};
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use pfront_testkit::rng::{RngExt, seeded};
@@ -220,7 +220,7 @@ fn hits(certified_for: &[[f32; 3]], triangles: &[[u32; 3]]) -> u64 {
         let mesh = Mesh::new(certified_for, triangles).unwrap();
         let certified = rings.certify(mesh, &CertifyOptions::default());
         assert_eq!(certified.is_certified(0), certified_for == REST);
-        SelfQuery::new(bvh).with_certificates(certified).count()
+        SelfBvtt::new(bvh).with_certificates(certified).count()
     })
 }
 

@@ -147,15 +147,15 @@ fn queries() {
         for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
             let standard = PosedBvh::new(bvh, &turned()).unwrap();
             let compact = PosedBvh::new(small, &turned()).unwrap();
-            walk(&SelfQuery::new(bvh).with_accuracy(accuracy));
-            walk(&SelfQuery::new(small).with_accuracy(accuracy));
-            walk(&PairQuery::new(bvh, bvh, turned()).unwrap().with_accuracy(accuracy));
-            walk(&PairQuery::in_world(standard, standard).with_accuracy(accuracy));
-            walk(&PairQuery::in_world(compact, standard).with_accuracy(accuracy));
+            walk(&SelfBvtt::new(bvh).with_accuracy(accuracy));
+            walk(&SelfBvtt::new(small).with_accuracy(accuracy));
+            walk(&PairBvtt::new(bvh, bvh, turned()).unwrap().with_accuracy(accuracy));
+            walk(&PairBvtt::in_world(standard, standard).with_accuracy(accuracy));
+            walk(&PairBvtt::in_world(compact, standard).with_accuracy(accuracy));
         }
-        let query = PairQuery::new(bvh, bvh, turned()).unwrap();
+        let query = PairBvtt::new(bvh, bvh, turned()).unwrap();
         let mut page = vec![TrianglePair::default(); 1000];
-        check("PairQuery::new", || _ = black_box(PairQuery::new(bvh, bvh, turned())).unwrap());
+        check("PairBvtt::new", || _ = black_box(PairBvtt::new(bvh, bvh, turned())).unwrap());
         check("page", || _ = query.page(&mut query.start(), &mut page));
         check("any", || _ = black_box(query.any()));
         check("contact", || page.iter().for_each(|p| _ = black_box(query.contact(*p))));
@@ -171,7 +171,7 @@ fn queries() {
 fn fronts() {
     let soup = sheets(40);
     let tree = Tree::of(mesh(&soup));
-    let query = PairQuery::new(tree.bvh(mesh(&soup)), tree.bvh(mesh(&soup)), turned()).unwrap();
+    let query = PairBvtt::new(tree.bvh(mesh(&soup)), tree.bvh(mesh(&soup)), turned()).unwrap();
     let (mut nodes, mut history) = (vec![FrontNode::default(); 4096], Vec::new());
     let mut parts = [Part::default(); 64];
     for _ in 0..2 {
@@ -192,7 +192,7 @@ fn a_starting_front_takes_four_box_tests_a_node_above_it() {
     let soup = coincident(2000);
     let tree = Tree::of(mesh(&soup));
     let bvh = tree.bvh(mesh(&soup));
-    let query = PairQuery::new(bvh, bvh, Pose::IDENTITY).unwrap();
+    let query = PairBvtt::new(bvh, bvh, Pose::IDENTITY).unwrap();
     let mut nodes = [FrontNode::default(); 256];
     let mut front = Front::new(&mut nodes);
     front.add(0, query.root().unwrap()).unwrap();

@@ -1,7 +1,7 @@
 //! The same pairs as one core finds, for every number of workers, schedule and verb.
 
 use crate::common::{Body, Frames, SCHEDULES, predicted_imbalance, sequential};
-use pfront_core::bvtt::{PairQuery, Query, SelfQuery, TrianglePair};
+use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt, TrianglePair};
 use pfront_cpu::{Hit, MAX_WORKERS, Schedule, Settings, Traversal};
 use pfront_scenes::{Scene, TriMesh, icosphere};
 use std::ops::ControlFlow;
@@ -67,7 +67,7 @@ fn a_deforming_mesh_with_itself() {
     for frame in (40..70).step_by(10) {
         scene.positions(frame, &mut positions);
         body.deform(&positions);
-        met += conforms(&mut traversals, &SelfQuery::new(body.bvh()));
+        met += conforms(&mut traversals, &SelfBvtt::new(body.bvh()));
     }
     assert!(met > 0);
 }
@@ -81,9 +81,9 @@ fn nothing_and_nearly_nothing() {
     });
     let mut traversals = traversals();
     for (a, b, met) in [(&empty, &empty, 0), (&one, &empty, 0), (&one, &one, 1)] {
-        let query = PairQuery::new(a.bvh(), b.bvh(), pfront_core::Pose::IDENTITY).unwrap();
+        let query = PairBvtt::new(a.bvh(), b.bvh(), pfront_core::Pose::IDENTITY).unwrap();
         assert_eq!(conforms(&mut traversals, &query), met);
-        assert_eq!(conforms(&mut traversals, &SelfQuery::new(a.bvh())), 0);
+        assert_eq!(conforms(&mut traversals, &SelfBvtt::new(a.bvh())), 0);
     }
 }
 
@@ -142,7 +142,7 @@ fn a_search_for_one_hit_leaves_costs_as_they_are() {
     let outer = Body::new(mesh.clone());
     mesh.positions.iter_mut().flatten().for_each(|x| *x *= 0.999);
     let inner = Body::new(mesh);
-    let queries = [PairQuery::new(outer.bvh(), inner.bvh(), pfront_core::Pose::IDENTITY).unwrap()];
+    let queries = [PairBvtt::new(outer.bvh(), inner.bvh(), pfront_core::Pose::IDENTITY).unwrap()];
     let mut traversal = Traversal::new(4);
     assert_eq!(traversal.count(&queries), 0);
     for _ in 0..2 {
@@ -176,7 +176,7 @@ fn what_outgrows_one_thread_is_handed_over() {
     let ball = Body::new(icosphere(20_000));
     let at = |x| {
         let pose = pfront_core::Pose::from_translation([x, 0.01, 0.0]);
-        PairQuery::new(ball.bvh(), ball.bvh(), pose).unwrap()
+        PairBvtt::new(ball.bvh(), ball.bvh(), pose).unwrap()
     };
     let (far, near, query) = (at(3.0), at(1.9999), at(0.1));
     let (few, expected) = (sequential(&near), sequential(&query));

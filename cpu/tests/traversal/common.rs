@@ -2,7 +2,7 @@
 
 use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{self, BuildOptions, BvhStorage};
-use pfront_core::bvtt::{PairQuery, Query, TrianglePair};
+use pfront_core::bvtt::{PairBvtt, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use pfront_cpu::{Report, Schedule};
 use pfront_scenes::{Scene, TriMesh};
@@ -97,11 +97,11 @@ impl Frames {
         Self::new(Scene::by_name(name, Some(size)).unwrap())
     }
 
-    pub(crate) fn query(&self, frame: usize) -> PairQuery<'_> {
+    pub(crate) fn query(&self, frame: usize) -> PairBvtt<'_> {
         let mut poses = Vec::new();
         self.scene.poses(frame, &mut poses);
         let [a, b] = [0, 1].map(|i| self.bodies[self.scene.objects[i]].bvh());
-        PairQuery::new(a, b, Pose::new(poses[1])).unwrap()
+        PairBvtt::new(a, b, Pose::new(poses[1])).unwrap()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::common::{Body, SCHEDULES};
 use pfront_core::Pose;
-use pfront_core::bvtt::PairQuery;
+use pfront_core::bvtt::PairBvtt;
 use pfront_cpu::{Settings, Traversal};
 use pfront_scenes::icosphere;
 use std::ops::ControlFlow;
@@ -16,7 +16,7 @@ const SLICE: u64 = 4096;
 fn frames_end_at_their_deadline() {
     let ball = Body::new(icosphere(50_000));
     let pose = Pose::from_translation([0.0, 0.0, 0.002]);
-    let query = PairQuery::new(ball.bvh(), ball.bvh(), pose).unwrap();
+    let query = PairBvtt::new(ball.bvh(), ball.bvh(), pose).unwrap();
     for schedule in SCHEDULES {
         for p in [1, 2, 8] {
             let settings = Settings { schedule, ..Settings::default() };

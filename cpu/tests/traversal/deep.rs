@@ -2,7 +2,7 @@
 
 use crate::common::{Body, predicted_imbalance, sequential};
 use pfront_core::Pose;
-use pfront_core::bvtt::{PairQuery, TrianglePair};
+use pfront_core::bvtt::{PairBvtt, TrianglePair};
 use pfront_cpu::{Schedule, Settings, Traversal};
 use pfront_scenes::icosphere;
 
@@ -12,7 +12,7 @@ fn a_dense_body_beside_outliers_is_divided_evenly() {
         let body = Body::new(icosphere(20_000)).below_outliers(levels);
         assert!(body.bvh().depth() > levels as usize + 8);
         let pose = Pose::from_translation([0.0, 0.01, 0.02]);
-        let query = PairQuery::new(body.bvh(), body.bvh(), pose).unwrap();
+        let query = PairBvtt::new(body.bvh(), body.bvh(), pose).unwrap();
         let expected = sequential(&query);
         for schedule in [Schedule::Static, Schedule::Hybrid] {
             for p in [2, 8] {

@@ -19,7 +19,7 @@ use crate::layout::{Corner, Cut};
 use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
-use crate::{Error, Gpu, Model};
+use crate::{Gpu, GpuError, GpuModel};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Mesh, Node};
 use pfront_shaders::constants::{CUT_BITS, LEAF};
@@ -39,13 +39,13 @@ pub(crate) struct Source {
 /// A model with how it is built, as often as wanted, and how it is refitted.
 #[derive(Debug)]
 pub(crate) struct Built {
-    pub(crate) model: Model,
+    pub(crate) model: GpuModel,
     pub(crate) build: Sequence,
     pub(crate) refit: Sequence,
 }
 
 impl Source {
-    pub(crate) fn new(gpu: &Gpu, mesh: Mesh<'_>) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu, mesh: Mesh<'_>) -> Result<Self, GpuError> {
         let (positions, triangles) = (mesh.positions(), mesh.triangles());
         Ok(Self {
             vertices: positions.len(),
@@ -63,8 +63,8 @@ impl Built {
         source: &Source,
         bounds: &Aabb,
         options: BuildOptions,
-    ) -> Result<Self, Error> {
-        Model::check_size(source.count)?;
+    ) -> Result<Self, GpuError> {
+        GpuModel::check_size(source.count)?;
         let shape = Balanced::new(source.count as u32, options);
         let model = model(gpu, shape, bounds)?;
         let (mut build, mut refit) = (Sequence::new(gpu)?, Sequence::new(gpu)?);
@@ -82,9 +82,9 @@ fn arrange(
     gpu: &Gpu,
     source: &Source,
     shape: Balanced,
-    model: &Model,
+    model: &GpuModel,
     sequence: &mut Sequence,
-) -> Result<(), Error> {
+) -> Result<(), GpuError> {
     let mut sort = Sort::new(gpu, shape.triangles)?;
     let (rounds, blocks) = (shape.rounds(), shape.blocks());
     let nodes = rounds.last().map_or(0, |round| 1 << round.top);
@@ -111,9 +111,9 @@ fn fit(
     gpu: &Gpu,
     source: &Source,
     shape: Balanced,
-    model: &Model,
+    model: &GpuModel,
     sequence: &mut Sequence,
-) -> Result<(), Error> {
+) -> Result<(), GpuError> {
     let buffers =
         [("nodes", &model.nodes), ("corners", &model.corners), ("positions", &source.positions)];
     let stages = shape.stages();
@@ -126,7 +126,7 @@ fn fit(
 }
 
 /// A model whose tree is still to be built.
-fn model(gpu: &Gpu, shape: Option<Balanced>, bounds: &Aabb) -> Result<Model, Error> {
+fn model(gpu: &Gpu, shape: Option<Balanced>, bounds: &Aabb) -> Result<GpuModel, GpuError> {
     let triangles = shape.map_or(0, |shape| shape.triangles);
     let buffer = |what, bytes: usize, count: u32| {
         gpu.buffer(what, bytes as u64 * u64::from(count), Usage::List)
@@ -134,8 +134,8 @@ fn model(gpu: &Gpu, shape: Option<Balanced>, bounds: &Aabb) -> Result<Model, Err
     let (level, seeds) = shape.map_or((0, 0..0), Balanced::seeds);
     let seeds: Vec<u32> = seeds.collect();
     let depth = shape.map_or(0, |shape| shape.depth);
-    Ok(Model {
-        id: Model::next_id(),
+    Ok(GpuModel {
+        id: GpuModel::next_id(),
         device: gpu.id(),
         nodes: buffer("the nodes", size_of::<Node>(), shape.map_or(0, Balanced::nodes))?,
         corners: buffer("the triangles", size_of::<[Corner; 3]>(), triangles)?,

@@ -10,7 +10,7 @@ use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::pass::Named;
 use crate::sequence::Sequence;
-use crate::{Error, Gpu};
+use crate::{Gpu, GpuError};
 use pfront_shaders::constants::{DIGITS, GROUP};
 use wgpu::Buffer;
 
@@ -30,7 +30,7 @@ pub(crate) struct Sort {
 
 impl Sort {
     /// Takes 16 bytes an entry.
-    pub(crate) fn new(gpu: &Gpu, entries: u32) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu, entries: u32) -> Result<Self, GpuError> {
         let most = 2 * gpu.settings().groups;
         let run = entries.div_ceil(most).max(LEAST_RUN).next_multiple_of(GROUP);
         let workgroups = entries.div_ceil(run);
@@ -59,7 +59,7 @@ impl Sort {
         round: Build,
         bits: u32,
         keys: Option<Named<'_>>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         let Self { run, workgroups, .. } = *self;
         let digit = |digit| Build { run, workgroups, shift: digit * DIGITS.ilog2(), ..round };
         let digits: Vec<_> = (0..bits.div_ceil(DIGITS.ilog2())).map(digit).collect();

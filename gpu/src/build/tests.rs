@@ -10,7 +10,7 @@ use crate::sequence::Sequence;
 use bytemuck::{Pod, Zeroable};
 use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{BuildOptions, BvhStorage, sah};
-use pfront_core::bvtt::{PairQuery, Query};
+use pfront_core::bvtt::{PairBvtt, Query};
 use pfront_core::{Aabb, Bvh, Mesh, Node, Pose};
 use pfront_scenes::torus_knot;
 use pfront_testkit::rng::{Rng, seeded};
@@ -149,7 +149,7 @@ fn queries_take_little_more_work_than_with_the_tree_of_the_core() {
     let own = Bvh::new_unchecked(mesh, &nodes, &order);
     let pose = Pose::from_translation([0.3, 0.1, 0.2]);
     let of = |bvh: Bvh<'_>| {
-        let pair = PairQuery::new(bvh, bvh, pose).unwrap();
+        let pair = PairBvtt::new(bvh, bvh, pose).unwrap();
         work(&pair, [bvh.nodes(); 2])
     };
     let [[boxes, triangles], [most_boxes, most_triangles]] = [own, core].map(of);
@@ -168,7 +168,7 @@ fn workgroups_without_work_store_nothing() {
         let built = Built::new(gpu(), &source, &Aabb::of(&knot.positions), options).unwrap();
         run(&built.build);
         run(&built.refit);
-        let mut query = crate::PairQuery::new(gpu()).unwrap();
+        let mut query = crate::GpuPairQuery::new(gpu()).unwrap();
         let pose = Pose::from_translation([0.3, 0.1, 0.2]);
         let pairs = query.all(&built.model, &built.model, &pose).unwrap().to_vec();
         let nodes: Vec<Node> = read(&built.model.nodes, built.model.nodes.size() as usize / 32);
@@ -191,9 +191,9 @@ fn few_rounds_take_more_runs_and_give_the_same_answer() {
     let pose = Pose::from_translation([0.05, 0.0, 0.0]);
     let [(many, one), (few, more)] = [800, 10].map(|rounds| {
         let target = Target { arithmetic: gpu().arithmetic(), rounds };
-        let settings = crate::Settings { groups: 1, ..gpu().settings() };
+        let settings = crate::GpuSettings { groups: 1, ..gpu().settings() };
         let gpu = gpu().with_target(target).unwrap();
-        let mut query = crate::PairQuery::with_settings(&gpu, settings).unwrap();
+        let mut query = crate::GpuPairQuery::with_settings(&gpu, settings).unwrap();
         let pairs = query.all(&built.model, &built.model, &pose).unwrap().to_vec();
         (pairs, query.report().runs)
     });
@@ -210,5 +210,5 @@ fn a_shader_that_the_device_refuses_is_an_error() {
     let device = gpu().device();
     let target = Target::new(device, gpu().arithmetic());
     let refused = crate::pass::Pass::new(device, &large, target);
-    assert!(matches!(refused, Err(crate::Error::Device { .. })), "{refused:?}");
+    assert!(matches!(refused, Err(crate::GpuError::Device { .. })), "{refused:?}");
 }

@@ -8,7 +8,7 @@ use crate::model::{below, reference};
 use crate::parameters::Parameters;
 use crate::schedule::Schedule;
 use crate::sequence::{Sequence, groups_for};
-use crate::{Error, Gpu, Model};
+use crate::{Gpu, GpuError, GpuModel};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Bvh, Node, Pose};
 use pfront_shaders::constants::GROUP;
@@ -21,7 +21,7 @@ const MOST_PAIRS: usize = 4096;
 #[derive(Debug)]
 pub(super) struct Arena {
     /// Without seeds: a query starts from [`Arena::front`].
-    pub(super) model: Model,
+    pub(super) model: GpuModel,
     tenants: Vec<Tenant>,
     /// Where each vertex is in the frame of its body.
     shapes: Buffer,
@@ -63,13 +63,13 @@ impl Arena {
     ///
     /// # Complexity
     /// O(triangles).
-    pub(super) fn new(gpu: &Gpu, bodies: &[Bvh<'_>]) -> Result<Self, Error> {
-        Model::check_size(bodies.iter().map(|bvh| bvh.order().len()).sum())?;
+    pub(super) fn new(gpu: &Gpu, bodies: &[Bvh<'_>]) -> Result<Self, GpuError> {
+        GpuModel::check_size(bodies.iter().map(|bvh| bvh.order().len()).sum())?;
         let mut contents = Contents::default();
         bodies.iter().for_each(|bvh| contents.add(bvh));
         let Contents { nodes, corners, order, roots, shapes, owners, tenants } = contents;
-        let model = Model {
-            id: Model::next_id(),
+        let model = GpuModel {
+            id: GpuModel::next_id(),
             device: gpu.id(),
             nodes: gpu.upload("the nodes", &nodes, Usage::Input)?,
             corners: gpu.upload("the triangles", &corners, Usage::Input)?,

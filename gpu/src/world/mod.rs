@@ -6,7 +6,7 @@ use crate::answer::{Answer, Verb};
 use crate::clock::Clock;
 use crate::engine::{Engine, Entry, Run, Task};
 use crate::layout::{Placement, Query};
-use crate::{Error, Gpu, Report, Settings, Timing};
+use crate::{Gpu, GpuError, GpuReport, GpuSettings, Timing};
 use arena::Arena;
 use bytemuck::Zeroable;
 use pfront_core::bvtt::{PosedBvh, TrianglePair};
@@ -35,7 +35,7 @@ pub type Bodies = [u32; 2];
 /// ```no_run
 /// use pfront_core::Pose;
 /// use pfront_gpu::{Gpu, World};
-/// # fn demo(tile: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::Error> {
+/// # fn demo(tile: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::GpuError> {
 /// let gpu = Gpu::new()?;
 /// let mut world = World::new(&gpu, gpu.settings())?;
 /// world.set_bodies(&[tile; 2])?;
@@ -61,8 +61,8 @@ impl World {
     /// A world of no bodies.
     ///
     /// # Errors
-    /// [`Error::Budget`], [`Error::TooLarge`], [`Error::OutOfMemory`].
-    pub fn new(gpu: &Gpu, settings: Settings) -> Result<Self, Error> {
+    /// [`GpuError::Budget`], [`GpuError::TooLarge`], [`GpuError::OutOfMemory`].
+    pub fn new(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
         Ok(Self {
             answer: Answer::new(Engine::new(gpu, &settings)?),
             arena: None,
@@ -76,11 +76,11 @@ impl World {
     /// Replaces all bodies, by their BVHs; each is at [`Pose::IDENTITY`]. After an error there is none.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] if all bodies together do not fit in a binding; [`Error::OutOfMemory`].
+    /// [`GpuError::TooLarge`] if all bodies together do not fit in a binding; [`GpuError::OutOfMemory`].
     ///
     /// # Complexity
     /// O(triangles).
-    pub fn set_bodies(&mut self, bodies: &[Bvh<'_>]) -> Result<(), Error> {
+    pub fn set_bodies(&mut self, bodies: &[Bvh<'_>]) -> Result<(), GpuError> {
         // The memory of the last ones is free before that of the next is taken.
         self.arena = None;
         self.is_posed = false;
@@ -95,15 +95,15 @@ impl World {
     /// Moves a body, whose present shape is that of `bvh`, to the pose `world_from_body`.
     ///
     /// # Errors
-    /// [`Error::NoBody`]; [`Error::Pose`] if the pose is not finite or takes the body out of range.
+    /// [`GpuError::NoBody`]; [`GpuError::Pose`] if the pose is not finite or takes the body out of range.
     pub fn set_pose(
         &mut self,
         body: u32,
         bvh: Bvh<'_>,
         world_from_body: Pose,
-    ) -> Result<(), Error> {
+    ) -> Result<(), GpuError> {
         let bodies = self.poses.len() as u32;
-        let pose = self.poses.get_mut(body as usize).ok_or(Error::NoBody { body, bodies })?;
+        let pose = self.poses.get_mut(body as usize).ok_or(GpuError::NoBody { body, bodies })?;
         if *pose != world_from_body {
             PosedBvh::new(bvh, &world_from_body)?;
             *pose = world_from_body;
@@ -115,14 +115,14 @@ impl World {
     /// Moves the vertices of a body, given in its own frame. Its pose has to be one that does not take them out of range.
     ///
     /// # Errors
-    /// [`Error::NoBody`]; [`Error::Mesh`] if a coordinate is not finite or the number of vertices differs.
+    /// [`GpuError::NoBody`]; [`GpuError::Mesh`] if a coordinate is not finite or the number of vertices differs.
     ///
     /// # Complexity
     /// O(vertices) on the host; the device refits all trees anyway.
-    pub fn set_positions(&mut self, body: u32, positions: &[[f32; 3]]) -> Result<(), Error> {
+    pub fn set_positions(&mut self, body: u32, positions: &[[f32; 3]]) -> Result<(), GpuError> {
         let bodies = self.poses.len() as u32;
         if body >= bodies {
-            return Err(Error::NoBody { body, bodies });
+            return Err(GpuError::NoBody { body, bodies });
         }
         Mesh::new(positions, &[])?;
         if let Some(arena) = &self.arena {
@@ -139,8 +139,8 @@ impl World {
     /// All pairs of triangles of these pairs of bodies that meet, sorted; the first triangle is one of the first body.
     ///
     /// # Errors
-    /// [`Error::NoBody`]; [`Error::DeviceLost`], [`Error::Device`], [`Error::OutOfMemory`].
-    pub fn all(&mut self, pairs: &[Bodies]) -> Result<&[(Bodies, TrianglePair)], Error> {
+    /// [`GpuError::NoBody`]; [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
+    pub fn all(&mut self, pairs: &[Bodies]) -> Result<&[(Bodies, TrianglePair)], GpuError> {
         self.ask(pairs, Verb::All)?;
         Ok(&self.hits)
     }
@@ -149,7 +149,7 @@ impl World {
     ///
     /// # Errors
     /// As [`World::all`].
-    pub fn any(&mut self, pairs: &[Bodies]) -> Result<Option<(Bodies, TrianglePair)>, Error> {
+    pub fn any(&mut self, pairs: &[Bodies]) -> Result<Option<(Bodies, TrianglePair)>, GpuError> {
         self.ask(pairs, Verb::Any)?;
         Ok(self.hits.first().copied())
     }
@@ -158,7 +158,7 @@ impl World {
     ///
     /// # Errors
     /// As [`World::all`].
-    pub fn count(&mut self, pairs: &[Bodies]) -> Result<u64, Error> {
+    pub fn count(&mut self, pairs: &[Bodies]) -> Result<u64, GpuError> {
         self.ask(pairs, Verb::Count)?;
         Ok(self.answer.count)
     }
@@ -166,16 +166,16 @@ impl World {
     /// The same, keeping the device time of moving all bodies and of a run, each as a whole.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub fn with_time(self) -> Result<Self, Error> {
+    /// [`GpuError::OutOfMemory`].
+    pub fn with_time(self) -> Result<Self, GpuError> {
         self.keep_time(false)
     }
 
     /// The same, keeping the device time of each pass, which takes some microseconds for each.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub fn with_timings(self) -> Result<Self, Error> {
+    /// [`GpuError::OutOfMemory`].
+    pub fn with_timings(self) -> Result<Self, GpuError> {
         self.keep_time(true)
     }
 
@@ -183,8 +183,8 @@ impl World {
     /// empty without [`Self::with_time`] or [`Self::with_timings`], or if the device cannot tell.
     ///
     /// # Errors
-    /// [`Error::DeviceLost`], [`Error::Device`].
-    pub fn timings(&self) -> Result<Vec<Timing>, Error> {
+    /// [`GpuError::DeviceLost`], [`GpuError::Device`].
+    pub fn timings(&self) -> Result<Vec<Timing>, GpuError> {
         let mut timings = Clock::read(self.clock.as_ref(), &self.answer.engine.gpu)?;
         timings.extend(self.answer.engine.timings()?);
         Ok(timings)
@@ -192,7 +192,7 @@ impl World {
 
     /// Counts and times of the last answer.
     #[must_use]
-    pub fn report(&self) -> Report {
+    pub fn report(&self) -> GpuReport {
         self.answer.report
     }
 
@@ -202,16 +202,16 @@ impl World {
         self.arena.as_ref().map_or(0, Arena::bytes)
     }
 
-    fn keep_time(mut self, each: bool) -> Result<Self, Error> {
+    fn keep_time(mut self, each: bool) -> Result<Self, GpuError> {
         self.answer.engine.keep_time(each)?;
         self.clock = Clock::new(&self.answer.engine.gpu, each)?;
         Ok(self)
     }
 
-    fn ask(&mut self, pairs: &[Bodies], verb: Verb) -> Result<(), Error> {
+    fn ask(&mut self, pairs: &[Bodies], verb: Verb) -> Result<(), GpuError> {
         let bodies = self.poses.len() as u32;
         if let Some(&body) = pairs.iter().flatten().find(|&&body| body >= bodies) {
-            return Err(Error::NoBody { body, bodies });
+            return Err(GpuError::NoBody { body, bodies });
         }
         let gpu = self.answer.engine.gpu.clone();
         let question = gpu.checked(|| {
@@ -244,7 +244,7 @@ impl World {
         encoder: &mut CommandEncoder,
         pairs: &[Bodies],
         verb: Verb,
-    ) -> Result<Option<Question>, Error> {
+    ) -> Result<Option<Question>, GpuError> {
         if let Some(clock) = &mut self.clock {
             clock.forget();
         }

@@ -3,7 +3,7 @@
 use crate::common::{Both, gpu, sorted, truth};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Mesh, MeshError, Pose, bvtt};
-use pfront_gpu::{Deforming, Error, PairQuery, SelfQuery, wgpu};
+use pfront_gpu::{Deforming, GpuError, GpuPairQuery, GpuSelfQuery, wgpu};
 use pfront_scenes::{Scene, torus_knot};
 use pfront_testkit::shapes::{bumpy, sheet, sphere};
 
@@ -23,7 +23,8 @@ fn a_sheet_that_folds_refitted_and_rebuilt() {
     let ball = Both::new(&soup.positions, &soup.triangles, 4);
     let mut built = build(&positions, triangles, 4);
     let mut given = Deforming::new(gpu(), sheet.bvh()).unwrap();
-    let (mut own, mut pair) = (SelfQuery::new(gpu()).unwrap(), PairQuery::new(gpu()).unwrap());
+    let (mut own, mut pair) =
+        (GpuSelfQuery::new(gpu()).unwrap(), GpuPairQuery::new(gpu()).unwrap());
     let mut found = 0;
     for (step, frame) in (0..scene.frames()).step_by(scene.frames() / 6).skip(1).enumerate() {
         scene.positions(frame, &mut positions);
@@ -40,7 +41,7 @@ fn a_sheet_that_folds_refitted_and_rebuilt() {
             _ => given.set_positions(&positions).unwrap(),
         }
         sheet.set_positions(&positions);
-        let within = sorted(&bvtt::SelfQuery::new(sheet.bvh()));
+        let within = sorted(&bvtt::SelfBvtt::new(sheet.bvh()));
         assert!(own.all(&built).unwrap() == within, "frame {frame}");
         assert!(own.all(&given).unwrap() == within, "frame {frame}");
         let pose = Pose::from_translation(positions[frame]);
@@ -58,7 +59,7 @@ fn a_frame_in_one_submission() {
     let mesh = Both::new(&knot.positions, &knot.triangles, 4);
     let flat: Vec<_> = knot.positions.iter().map(|&[x, y, _]| [x, y, 0.0]).collect();
     let mut built = build(&flat, &knot.triangles, 4);
-    let mut own = PairQuery::new(gpu()).unwrap();
+    let mut own = GpuPairQuery::new(gpu()).unwrap();
     let pose = Pose::from_translation([0.5, 0.0, 0.0]);
     let mut encoder = gpu().device().create_command_encoder(&Default::default());
     built.record_rebuild_at(&mut encoder, &knot.positions).unwrap();
@@ -78,7 +79,7 @@ fn two_built_trees() {
             build(&knot.positions, &knot.triangles, leaf_size),
             build(&ball.positions, &ball.triangles, leaf_size),
         ];
-        let mut pair = PairQuery::new(gpu()).unwrap();
+        let mut pair = GpuPairQuery::new(gpu()).unwrap();
         for x in [0.0, 0.7, 1.5] {
             let pose = Pose::from_translation([x, 0.1, 0.0]);
             let met = truth(&a, &b, &pose);
@@ -97,8 +98,8 @@ fn any_number_of_triangles() {
         let mesh = Both::new(&tangled, triangles, 4);
         let mut built = build(&whole.positions, triangles, 4);
         built.rebuild_at(&tangled).unwrap();
-        let mut own = SelfQuery::new(gpu()).unwrap();
-        assert_eq!(own.all(&built).unwrap(), sorted(&bvtt::SelfQuery::new(mesh.bvh())), "{n}");
+        let mut own = GpuSelfQuery::new(gpu()).unwrap();
+        assert_eq!(own.all(&built).unwrap(), sorted(&bvtt::SelfBvtt::new(mesh.bvh())), "{n}");
     }
 }
 
@@ -107,13 +108,13 @@ fn positions_at_the_ends_of_the_range() {
     let soup = sheet(12, |x, y| x * y);
     let mut mesh = Both::new(&soup.positions, &soup.triangles, 4);
     let mut built = build(&soup.positions, &soup.triangles, 4);
-    let mut own = SelfQuery::new(gpu()).unwrap();
+    let mut own = GpuSelfQuery::new(gpu()).unwrap();
     for scale in [f32::from_bits(7), f32::MIN_POSITIVE, -1e-20, 1.6e38, -0.0, 0.0] {
         let crumple = |[x, y, z]: [f32; 3]| [(x * 9.0).sin(), (y * 7.0).cos() * z, x - y];
         let positions: Vec<_> =
             soup.positions.iter().map(|&p| crumple(p).map(|x| x * scale)).collect();
         mesh.set_positions(&positions);
-        let within = sorted(&bvtt::SelfQuery::new(mesh.bvh()));
+        let within = sorted(&bvtt::SelfBvtt::new(mesh.bvh()));
         built.rebuild_at(&positions).unwrap();
         assert!(own.all(&built).unwrap() == within, "{scale:e}");
     }
@@ -125,9 +126,9 @@ fn all_triangles_in_one_place() {
     for positions in [corners, [[0.5; 3]; 3]] {
         let mesh = Both::new(&positions, &triangles, 4);
         let built = build(&positions, &triangles, 4);
-        let mut own = SelfQuery::new(gpu()).unwrap();
-        assert_eq!(own.all(&built).unwrap(), sorted(&bvtt::SelfQuery::new(mesh.bvh())));
-        let mut pair = PairQuery::new(gpu()).unwrap();
+        let mut own = GpuSelfQuery::new(gpu()).unwrap();
+        assert_eq!(own.all(&built).unwrap(), sorted(&bvtt::SelfBvtt::new(mesh.bvh())));
+        let mut pair = GpuPairQuery::new(gpu()).unwrap();
         let pose = Pose::from_translation([0.25, 0.25, 0.0]);
         assert!(pair.all(&built, &mesh.model, &pose).unwrap() == truth(&mesh, &mesh, &pose));
     }
@@ -138,11 +139,11 @@ fn positions_that_do_not_fit_change_nothing() {
     let soup = sheet(2, |_, _| 0.0);
     let mut built = build(&soup.positions, &soup.triangles, 4);
     let refused = built.rebuild_at(&soup.positions[1..]).unwrap_err();
-    assert_eq!(refused, Error::Mesh(MeshError::VertexCount { expected: 9, found: 8 }));
+    assert_eq!(refused, GpuError::Mesh(MeshError::VertexCount { expected: 9, found: 8 }));
     let mut broken = soup.positions.clone();
     broken[4][1] = f32::NAN;
     let refused = built.rebuild_at(&broken).unwrap_err();
-    assert_eq!(refused, Error::Mesh(MeshError::NonFinite { vertex: 4 }));
+    assert_eq!(refused, GpuError::Mesh(MeshError::NonFinite { vertex: 4 }));
 }
 
 #[test]

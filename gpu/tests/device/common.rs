@@ -4,7 +4,7 @@ use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront_core::bvtt::{self, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
-use pfront_gpu::{Gpu, Model};
+use pfront_gpu::{Gpu, GpuModel};
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
 
@@ -20,7 +20,7 @@ pub(crate) struct Both {
     triangles: Vec<[u32; 3]>,
     nodes: Vec<Node>,
     order: Vec<u32>,
-    pub(crate) model: Model,
+    pub(crate) model: GpuModel,
 }
 
 impl Both {
@@ -37,7 +37,7 @@ impl Both {
             &mut scratch,
         )
         .unwrap();
-        let (used, model) = (bvh.nodes().len(), Model::new(gpu(), bvh).unwrap());
+        let (used, model) = (bvh.nodes().len(), GpuModel::new(gpu(), bvh).unwrap());
         nodes.truncate(used);
         Self { positions: positions.to_vec(), triangles: triangles.to_vec(), nodes, order, model }
     }
@@ -60,7 +60,7 @@ impl Both {
 
 /// What the core finds, sorted.
 pub(crate) fn truth(a: &Both, b: &Both, a_from_b: &Pose) -> Vec<TrianglePair> {
-    sorted(&bvtt::PairQuery::new(a.bvh(), b.bvh(), *a_from_b).unwrap())
+    sorted(&bvtt::PairBvtt::new(a.bvh(), b.bvh(), *a_from_b).unwrap())
 }
 
 pub(crate) fn sorted(query: &impl Query) -> Vec<TrianglePair> {

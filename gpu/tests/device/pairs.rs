@@ -2,7 +2,7 @@
 
 use crate::common::{Both, gpu, truth};
 use pfront_core::Pose;
-use pfront_gpu::{Arithmetic, Budget, Error, Gpu, Model, PairQuery, Settings, wgpu};
+use pfront_gpu::{Arithmetic, Budget, Gpu, GpuError, GpuModel, GpuPairQuery, GpuSettings, wgpu};
 use pfront_scenes::{Kind, Scene};
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Checks every verb and returns how many pairs meet.
-fn check(query: &mut PairQuery, a: &Both, b: &Both, a_from_b: &Pose) -> usize {
+fn check(query: &mut GpuPairQuery, a: &Both, b: &Both, a_from_b: &Pose) -> usize {
     let truth = truth(a, b, a_from_b);
     assert_eq!(query.all(&a.model, &b.model, a_from_b).unwrap(), truth);
     assert_eq!(query.count(&a.model, &b.model, a_from_b).unwrap(), truth.len() as u64);
@@ -26,7 +26,7 @@ fn both(soup: &Soup) -> Both {
 
 #[test]
 fn scenes_of_two_bodies() {
-    let mut query = PairQuery::new(gpu()).unwrap();
+    let mut query = GpuPairQuery::new(gpu()).unwrap();
     for name in ["worm-gear", "torus-knots", "spheres", "course"] {
         let scene = Scene::by_name(name, Some(8_000)).unwrap();
         assert_eq!(scene.kind(), Kind::Pair);
@@ -49,7 +49,7 @@ fn scenes_of_two_bodies() {
 #[test]
 fn soups_of_every_family() {
     let mut rng = seeded(11);
-    let mut query = PairQuery::new(gpu()).unwrap();
+    let mut query = GpuPairQuery::new(gpu()).unwrap();
     for f in Family::ALL {
         for leaf_size in [1, 4, 8] {
             let [a, b] = [0; 2].map(|_| {
@@ -66,13 +66,13 @@ fn soups_of_every_family() {
 
 #[test]
 fn a_mesh_that_a_pose_brings_into_range_is_taken() {
-    let mut query = PairQuery::new(gpu()).unwrap();
+    let mut query = GpuPairQuery::new(gpu()).unwrap();
     let diagonal = |k: f32| Pose::new([[k, 0.0, 0.0, 0.0], [0.0, k, 0.0, 0.0], [0.0, 0.0, k, 0.0]]);
     let scaled = |by: f32| both(&sphere(12).map(|p| p.map(|x| x * by)));
     assert!(check(&mut query, &scaled(1e35), &scaled(1e38), &diagonal(1e-3)) > 0);
     for size in [2e38, f32::MAX] {
         let refused = query.all(&scaled(1.0).model, &scaled(size).model, &diagonal(1e-3));
-        assert!(matches!(refused, Err(Error::Pose(_))), "{size:e}");
+        assert!(matches!(refused, Err(GpuError::Pose(_))), "{size:e}");
     }
     let error = query.all(&scaled(1.0).model, &scaled(1.6e38).model, &diagonal(0.5)).unwrap_err();
     let (text, source) = (error.to_string(), std::error::Error::source(&error));
@@ -85,7 +85,7 @@ fn a_mesh_that_a_pose_brings_into_range_is_taken() {
 #[test]
 fn coplanar_touching_and_stretched() {
     let mut rng = seeded(12);
-    let mut query = PairQuery::new(gpu()).unwrap();
+    let mut query = GpuPairQuery::new(gpu()).unwrap();
     let flat = sheet(24, |_, _| 0.0);
     let wavy = bumpy(20);
     let (flat, wavy, ball) = (both(&flat), both(&wavy), both(&sphere(24)));
@@ -112,14 +112,14 @@ fn coplanar_touching_and_stretched() {
 
 #[test]
 fn nothing_and_nearly_nothing() {
-    let mut query = PairQuery::new(gpu()).unwrap();
+    let mut query = GpuPairQuery::new(gpu()).unwrap();
     let (none, one) = (both(&Soup::default()), both(&sheet(1, |_, _| 0.0)));
     assert_eq!(check(&mut query, &none, &none, &Pose::IDENTITY), 0);
     assert_eq!(check(&mut query, &one, &none, &Pose::IDENTITY), 0);
     assert_eq!(check(&mut query, &one, &one, &Pose::IDENTITY), 4);
     let mut nan = Pose::IDENTITY;
     nan.rows[0][0] = f32::NAN;
-    assert!(matches!(query.all(&one.model, &one.model, &nan), Err(Error::Pose(_))));
+    assert!(matches!(query.all(&one.model, &one.model, &nan), Err(GpuError::Pose(_))));
 }
 
 #[test]
@@ -136,8 +136,8 @@ fn every_depth_bound_and_budget_gives_the_same_list() {
     assert!(truths[0].len() > 500 && truths[1].len() > 30_000);
     for depth in 1..=4 {
         for bytes in [Budget::LEAST.bytes, 100_000, 1 << 20, 16 << 20] {
-            let settings = Settings { depth, budget: Budget { bytes }, ..gpu().settings() };
-            let mut query = PairQuery::with_settings(gpu(), settings).unwrap();
+            let settings = GpuSettings { depth, budget: Budget { bytes }, ..gpu().settings() };
+            let mut query = GpuPairQuery::with_settings(gpu(), settings).unwrap();
             for ((a, b, pose), truth) in scenes.iter().zip(&truths) {
                 let found = query.all(&a.model, &b.model, pose).unwrap();
                 assert!(found == truth, "depth {depth}, {bytes} bytes: {} pairs", found.len());
@@ -149,15 +149,15 @@ fn every_depth_bound_and_budget_gives_the_same_list() {
         }
     }
     let too_small = Budget { bytes: Budget::LEAST.bytes - 1 };
-    let settings = Settings { budget: too_small, ..gpu().settings() };
-    let refused = PairQuery::with_settings(gpu(), settings).unwrap_err();
-    assert_eq!(refused, Error::Budget { bytes: 65_535, least: 65_536 });
+    let settings = GpuSettings { budget: too_small, ..gpu().settings() };
+    let refused = GpuPairQuery::with_settings(gpu(), settings).unwrap_err();
+    assert_eq!(refused, GpuError::Budget { bytes: 65_535, least: 65_536 });
 }
 
 #[test]
 fn every_verb_within_the_least_budget() {
-    let settings = Settings { budget: Budget::LEAST, ..gpu().settings() };
-    let mut query = PairQuery::with_settings(gpu(), settings).unwrap();
+    let settings = GpuSettings { budget: Budget::LEAST, ..gpu().settings() };
+    let mut query = GpuPairQuery::with_settings(gpu(), settings).unwrap();
     let flat = both(&sheet(20, |_, _| 0.0));
     assert!(check(&mut query, &flat, &flat, &Pose::IDENTITY) > 8_000);
     assert_eq!(check(&mut query, &flat, &flat, &Pose::from_translation([0.0, 0.0, 1.0])), 0);
@@ -165,7 +165,7 @@ fn every_verb_within_the_least_budget() {
 
 #[test]
 fn a_query_is_recorded_now_and_read_later() {
-    let mut query = PairQuery::new(gpu()).unwrap();
+    let mut query = GpuPairQuery::new(gpu()).unwrap();
     let ball = both(&sphere(16));
     let pose = Pose::from_translation([0.7, 0.1, 0.2]);
     let truth = truth(&ball, &ball, &pose);
@@ -177,7 +177,7 @@ fn a_query_is_recorded_now_and_read_later() {
     }
     let mut encoder = gpu().device().create_command_encoder(&Default::default());
     let pending = query.record(&mut encoder, &ball.model, &ball.model, &pose).unwrap();
-    assert_eq!(pending.read().unwrap_err(), Error::NotSubmitted);
+    assert_eq!(pending.read().unwrap_err(), GpuError::NotSubmitted);
     assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap(), truth);
 }
 
@@ -185,11 +185,11 @@ fn a_query_is_recorded_now_and_read_later() {
 fn answers_are_read_after_their_own_submissions() {
     let own = Gpu::new().unwrap();
     let ball = both(&sphere(6));
-    let model = Model::new(&own, ball.bvh()).unwrap();
-    let flat = Model::new(&own, both(&sheet(40, |_, _| 0.0)).bvh()).unwrap();
+    let model = GpuModel::new(&own, ball.bvh()).unwrap();
+    let flat = GpuModel::new(&own, both(&sheet(40, |_, _| 0.0)).bvh()).unwrap();
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
     let met = truth(&ball, &ball, &pose);
-    let [mut first, mut later] = [0; 2].map(|_| PairQuery::new(&own).unwrap());
+    let [mut first, mut later] = [0; 2].map(|_| GpuPairQuery::new(&own).unwrap());
     let encoder =
         || own.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let (mut one, mut other) = (encoder(), encoder());
@@ -210,8 +210,8 @@ fn answers_are_read_after_their_own_submissions() {
 
 #[test]
 fn any_stops_at_a_hit() {
-    let settings = Settings { groups: 4, ..gpu().settings() };
-    let mut query = PairQuery::with_settings(gpu(), settings).unwrap();
+    let settings = GpuSettings { groups: 4, ..gpu().settings() };
+    let mut query = GpuPairQuery::with_settings(gpu(), settings).unwrap();
     let flat = both(&sheet(48, |_, _| 0.0));
     let (here, apart) = (Pose::IDENTITY, Pose::from_translation([0.0, 0.0, 1.0]));
     let count = query.count(&flat.model, &flat.model, &here).unwrap();
@@ -226,7 +226,7 @@ fn any_stops_at_a_hit() {
 
 #[test]
 fn an_answer_that_was_dropped_leaves_no_trace_in_the_next() {
-    let mut query = PairQuery::new(gpu()).unwrap();
+    let mut query = GpuPairQuery::new(gpu()).unwrap();
     let ball = both(&sphere(16));
     let poses = [[0.3, 0.1, 0.2], [0.7, 0.1, 0.2]].map(Pose::from_translation);
     let mut encoders = poses
@@ -241,7 +241,7 @@ fn an_answer_that_was_dropped_leaves_no_trace_in_the_next() {
 fn integers_pose_to_the_same_bits() {
     let mut rng = seeded(13);
     let gpu = gpu().with_arithmetic(Arithmetic::Integer).unwrap();
-    let mut query = PairQuery::new(&gpu).unwrap();
+    let mut query = GpuPairQuery::new(&gpu).unwrap();
     for f in [Family::Random, Family::CoplanarRotated, Family::Scaled, Family::Subnormal] {
         let soups = [0; 2].map(|_| both(&family(f, 100, &mut rng)));
         check(&mut query, &soups[0], &soups[1], &Pose::new(pose_rows(0.1, &mut rng)));
@@ -252,7 +252,7 @@ fn integers_pose_to_the_same_bits() {
 
 #[test]
 fn passes_are_timed_if_the_device_can_tell() {
-    let mut query = PairQuery::new(gpu()).unwrap().with_timings().unwrap();
+    let mut query = GpuPairQuery::new(gpu()).unwrap().with_timings().unwrap();
     let ball = both(&sphere(16));
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
     assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap(), truth(&ball, &ball, &pose));
@@ -271,9 +271,9 @@ fn a_device_of_the_callers_will_do() {
     let own = Gpu::from_device(gpu().device().clone(), gpu().queue().clone()).unwrap();
     let ball = both(&sphere(12));
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
-    let mut query = PairQuery::new(&own).unwrap();
-    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap_err(), Error::OtherDevice);
-    let model = Model::new(&own, ball.bvh()).unwrap();
+    let mut query = GpuPairQuery::new(&own).unwrap();
+    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap_err(), GpuError::OtherDevice);
+    let model = GpuModel::new(&own, ball.bvh()).unwrap();
     assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
 }
 
@@ -284,8 +284,8 @@ fn errors_of_the_caller_stay_with_the_caller() {
     let count = seen.clone();
     own.device().on_uncaptured_error(Arc::new(move |_| _ = count.fetch_add(1, Ordering::Relaxed)));
     let ball = both(&sphere(12));
-    let model = Model::new(&own, ball.bvh()).unwrap();
-    let mut query = PairQuery::new(&own).unwrap();
+    let model = GpuModel::new(&own, ball.bvh()).unwrap();
+    let mut query = GpuPairQuery::new(&own).unwrap();
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
     let _invalid = own.device().create_buffer(&wgpu::BufferDescriptor {
         label: None,
@@ -301,16 +301,16 @@ fn errors_of_the_caller_stay_with_the_caller() {
 fn a_lost_device_is_an_error_and_another_goes_on() {
     let lost = Gpu::new().unwrap();
     let ball = both(&sphere(12));
-    let model = Model::new(&lost, ball.bvh()).unwrap();
-    let mut query = PairQuery::new(&lost).unwrap();
+    let model = GpuModel::new(&lost, ball.bvh()).unwrap();
+    let mut query = GpuPairQuery::new(&lost).unwrap();
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
     assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
     lost.device().destroy();
     let error = query.all(&model, &model, &pose).unwrap_err();
-    assert!(matches!(error, Error::DeviceLost { .. }), "{error:?}");
-    assert!(matches!(Model::new(&lost, ball.bvh()), Err(Error::DeviceLost { .. })));
+    assert!(matches!(error, GpuError::DeviceLost { .. }), "{error:?}");
+    assert!(matches!(GpuModel::new(&lost, ball.bvh()), Err(GpuError::DeviceLost { .. })));
     let next = Gpu::new().unwrap();
-    let model = Model::new(&next, ball.bvh()).unwrap();
-    let found = PairQuery::new(&next).unwrap().all(&model, &model, &pose).unwrap().to_vec();
+    let model = GpuModel::new(&next, ball.bvh()).unwrap();
+    let found = GpuPairQuery::new(&next).unwrap().all(&model, &model, &pose).unwrap().to_vec();
     assert_eq!(found, truth(&ball, &ball, &pose));
 }

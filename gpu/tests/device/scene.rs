@@ -3,7 +3,7 @@
 use crate::common::{Both, gpu};
 use crate::world::{Scene, part};
 use pfront_core::{MeshError, Pose};
-use pfront_gpu::{Arithmetic, Budget, Error, Gpu, Settings, World};
+use pfront_gpu::{Arithmetic, Budget, Gpu, GpuError, GpuSettings, World};
 use pfront_scenes::{self as scenes, Kind};
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::{ChaCha8Rng, Rng, seeded};
@@ -103,9 +103,9 @@ fn no_body_one_body_and_bodies_without_triangles() {
 
     let mut broken = Pose::IDENTITY;
     broken.rows[2][1] = f32::NAN;
-    assert!(matches!(scene.set_pose(3, broken), Err(Error::Pose(_))));
+    assert!(matches!(scene.set_pose(3, broken), Err(GpuError::Pose(_))));
     assert!(scene.check() > 0);
-    let missing = Error::NoBody { body: 4, bodies: 4 };
+    let missing = GpuError::NoBody { body: 4, bodies: 4 };
     assert_eq!(scene.world.set_pose(4, one.bvh(), Pose::IDENTITY).unwrap_err(), missing);
     assert_eq!(scene.world.set_positions(4, &[]).unwrap_err(), missing);
     assert_eq!(scene.world.count(&[[0, 1], [3, 4]]).unwrap_err(), missing);
@@ -163,7 +163,7 @@ fn every_budget_and_depth_gives_the_same_list() {
     let parts = [part(&sphere(8)), part(&sheet(8, |_, _| 0.0))];
     for bytes in [Budget::LEAST.bytes, 1 << 20] {
         for depth in [1, 9] {
-            let settings = Settings { depth, budget: Budget { bytes }, ..gpu().settings() };
+            let settings = GpuSettings { depth, budget: Budget { bytes }, ..gpu().settings() };
             let at = |i: usize| Pose::from_translation([0.3 * i as f32, 0.0, 0.0]);
             let bodies = (0..6).map(|i| (&parts[i % 2], at(i))).collect();
             let mut scene = Scene::new(World::new(gpu(), settings).unwrap(), bodies);
@@ -174,7 +174,7 @@ fn every_budget_and_depth_gives_the_same_list() {
         }
     }
     // More pairs of bodies than the least front holds.
-    let settings = Settings { budget: Budget::LEAST, ..gpu().settings() };
+    let settings = GpuSettings { budget: Budget::LEAST, ..gpu().settings() };
     let one = part(&sheet(1, |_, _| 0.0));
     let at = |i: usize| Pose::from_translation([0.0, 0.0, (i % 2) as f32]);
     let bodies = (0..100).map(|i| (&one, at(i))).collect();
@@ -209,9 +209,12 @@ fn bodies_that_deform() {
     }
     assert!(found > 0);
     let refused = world.set_positions(0, &base.positions[1..]).unwrap_err();
-    assert!(matches!(refused, Error::Mesh(MeshError::VertexCount { expected: 121, found: 120 })));
+    assert!(matches!(
+        refused,
+        GpuError::Mesh(MeshError::VertexCount { expected: 121, found: 120 })
+    ));
     let nan = vec![[f32::NAN; 3]; 121];
-    assert!(matches!(world.set_positions(0, &nan), Err(Error::Mesh(_))));
+    assert!(matches!(world.set_positions(0, &nan), Err(GpuError::Mesh(_))));
     world.set_positions(1, &vec![[1e30; 3]; 121]).unwrap();
     let hits = world.all(&[[0, 1], [0, 2], [1, 2]]).unwrap();
     assert_eq!(hits.iter().find(|(bodies, _)| bodies.contains(&1)), None);

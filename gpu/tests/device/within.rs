@@ -3,17 +3,17 @@
 use crate::common::{Both, gpu, sorted};
 use pfront_core::bvtt;
 use pfront_core::triangle::Adjacency;
-use pfront_gpu::{Budget, SelfQuery, Settings};
+use pfront_gpu::{Budget, GpuSelfQuery, GpuSettings};
 use pfront_scenes::Scene;
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
 use pfront_testkit::shapes::{Soup, family, sheet, sphere, tangle, union};
 
 /// Checks every verb under both rules and returns how many pairs meet.
-fn check(query: SelfQuery, mesh: &Both) -> (SelfQuery, usize) {
+fn check(query: GpuSelfQuery, mesh: &Both) -> (GpuSelfQuery, usize) {
     let (mut query, mut most) = (query, 0);
     for adjacency in [Adjacency::SkipNeighbours, Adjacency::SharedIndexRule] {
-        let truth = sorted(&bvtt::SelfQuery::new(mesh.bvh()).with_adjacency(adjacency));
+        let truth = sorted(&bvtt::SelfBvtt::new(mesh.bvh()).with_adjacency(adjacency));
         query = query.with_adjacency(adjacency);
         assert_eq!(query.all(&mesh.model).unwrap(), truth);
         assert_eq!(query.count(&mesh.model).unwrap(), truth.len() as u64);
@@ -30,7 +30,7 @@ fn both(soup: &Soup, leaf_size: u32) -> Both {
 
 #[test]
 fn a_deforming_sheet() {
-    let mut query = SelfQuery::new(gpu()).unwrap();
+    let mut query = GpuSelfQuery::new(gpu()).unwrap();
     let scene = Scene::by_name("sheet", Some(6_000)).unwrap();
     let (mut positions, mut found) = (Vec::new(), 0);
     for frame in (0..scene.frames()).step_by(scene.frames() / 6) {
@@ -44,7 +44,7 @@ fn a_deforming_sheet() {
 
 #[test]
 fn flat_folded_and_coinciding_surfaces() {
-    let mut query = SelfQuery::new(gpu()).unwrap();
+    let mut query = GpuSelfQuery::new(gpu()).unwrap();
     let flat = sheet(16, |_, _| 0.0);
     let tilted = sheet(16, |x, _| x);
     let rolled = sheet(24, |_, _| 0.0).map(|[x, y, _]| [(4.0 * x).cos(), (4.0 * x).sin() * 0.9, y]);
@@ -56,15 +56,15 @@ fn flat_folded_and_coinciding_surfaces() {
             (query, _) = check(query, &both(&soup, leaf_size));
         }
     }
-    let settings = Settings { budget: Budget::LEAST, depth: 1, ..gpu().settings() };
-    let query = SelfQuery::with_settings(gpu(), settings).unwrap();
+    let settings = GpuSettings { budget: Budget::LEAST, depth: 1, ..gpu().settings() };
+    let query = GpuSelfQuery::with_settings(gpu(), settings).unwrap();
     assert!(check(query, &both(&union(&balls), 8)).1 > 0);
 }
 
 #[test]
 fn tangles_of_shared_indices() {
     let mut rng = seeded(21);
-    let mut query = SelfQuery::new(gpu()).unwrap();
+    let mut query = GpuSelfQuery::new(gpu()).unwrap();
     for size in [0, 1, 3, 20] {
         for vertices in [1, 3, 5, 8, 40] {
             (query, _) = check(query, &both(&tangle(vertices, 100, size, &mut rng), 4));
@@ -75,7 +75,7 @@ fn tangles_of_shared_indices() {
 #[test]
 fn pairs_of_every_family_that_share_indices() {
     let mut rng = seeded(22);
-    let mut query = SelfQuery::new(gpu()).unwrap();
+    let mut query = GpuSelfQuery::new(gpu()).unwrap();
     for f in Family::ALL {
         let mut soup = Soup::default();
         for _ in 0..300 {

@@ -2,8 +2,8 @@
 
 use crate::common::{Both, sorted};
 use pfront_core::Pose;
-use pfront_core::bvtt::{PairQuery, PosedBvh, TrianglePair};
-use pfront_gpu::{Bodies, Error, World};
+use pfront_core::bvtt::{PairBvtt, PosedBvh, TrianglePair};
+use pfront_gpu::{Bodies, GpuError, World};
 use pfront_testkit::shapes::Soup;
 
 /// Bodies on the device, and what they are made of beside it. Each is paired with each.
@@ -33,7 +33,7 @@ impl<'m> Scene<'m> {
     }
 
     /// Moves a body, unless the pose takes it out of range.
-    pub(crate) fn set_pose(&mut self, number: usize, pose: Pose) -> Result<(), Error> {
+    pub(crate) fn set_pose(&mut self, number: usize, pose: Pose) -> Result<(), GpuError> {
         let (part, own) = &mut self.bodies[number];
         self.world.set_pose(number as u32, part.bvh(), pose)?;
         *own = pose;
@@ -53,7 +53,7 @@ impl<'m> Scene<'m> {
         let mut hits = Vec::new();
         for two in self.pairs() {
             let [a, b] = two.map(placed);
-            hits.extend(sorted(&PairQuery::in_world(a, b)).iter().map(|&pair| (two, pair)));
+            hits.extend(sorted(&PairBvtt::in_world(a, b)).iter().map(|&pair| (two, pair)));
         }
         hits
     }

@@ -8,7 +8,7 @@ use super::{ChartError, Look, Point, median};
 use crate::judge::Tally;
 use crate::suite::{Body, Candidate, Contacts, Site};
 #[cfg(feature = "gpu")]
-use pfront::gpu;
+use pfront::gpu::{Gpu, GpuModel, GpuPairQuery, GpuSelfQuery};
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{Accuracy, BuildOptions, Executor, Model, PairQuery, SelfQuery, TrianglePair};
 use pfront_testkit::oracle::{intersect, self_hit};
@@ -28,7 +28,7 @@ pub struct Machine {
     pub threads: usize,
     /// A GPU, if there is one.
     #[cfg(feature = "gpu")]
-    pub gpu: Option<gpu::Gpu>,
+    pub gpu: Option<Gpu>,
 }
 
 impl Machine {
@@ -38,7 +38,7 @@ impl Machine {
         Self {
             threads: available_parallelism().map_or(1, NonZero::get),
             #[cfg(feature = "gpu")]
-            gpu: gpu::Gpu::new().ok(),
+            gpu: Gpu::new().ok(),
         }
     }
 }
@@ -47,7 +47,7 @@ impl Machine {
 enum Asker {
     Cpu(Box<(PairQuery, SelfQuery)>),
     #[cfg(feature = "gpu")]
-    Gpu(Box<(gpu::PairQuery, gpu::SelfQuery)>),
+    Gpu(Box<(GpuPairQuery, GpuSelfQuery)>),
 }
 
 /// One configuration.
@@ -64,7 +64,7 @@ struct Lane {
 struct Frame {
     site: Site,
     #[cfg(feature = "gpu")]
-    on_device: Option<(gpu::Model, gpu::Model)>,
+    on_device: Option<(GpuModel, GpuModel)>,
 }
 
 /// Measures all configurations on the first `frames` sites of some contacts.
@@ -185,7 +185,7 @@ fn lanes(machine: &Machine) -> Result<Vec<Lane>, ChartError> {
         }
         #[cfg(feature = "gpu")]
         if let Some(gpu) = &machine.gpu {
-            let queries = (gpu::PairQuery::new(gpu)?, gpu::SelfQuery::new(gpu)?);
+            let queries = (GpuPairQuery::new(gpu)?, GpuSelfQuery::new(gpu)?);
             let asker = Asker::Gpu(Box::new(queries));
             let adapter = gpu.device().adapter_info().name;
             let adapter = adapter.split(" (").next().unwrap_or_default();
@@ -217,10 +217,10 @@ impl Frame {
         let on_device = match (&machine.gpu, &site) {
             (None, _) => None,
             (Some(gpu), Site::Pair { a, b, .. }) => {
-                Some((gpu::Model::new(gpu, a.bvh())?, gpu::Model::new(gpu, b.bvh())?))
+                Some((GpuModel::new(gpu, a.bvh())?, GpuModel::new(gpu, b.bvh())?))
             }
             (Some(gpu), Site::Within(body)) => {
-                Some((gpu::Model::new(gpu, body.bvh())?, gpu::Model::new(gpu, body.bvh())?))
+                Some((GpuModel::new(gpu, body.bvh())?, GpuModel::new(gpu, body.bvh())?))
             }
         };
         Ok(Self {

@@ -36,7 +36,7 @@ pub enum ChartError {
     /// The GPU failed.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
-    Gpu(#[from] pfront::gpu::Error),
+    Gpu(#[from] pfront::gpu::GpuError),
     /// There are no threads to be had.
     #[error(transparent)]
     Threads(#[from] rayon::ThreadPoolBuildError),

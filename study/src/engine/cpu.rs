@@ -82,7 +82,7 @@ impl Engine for Pair {
     fn reference(&self, workers: usize) -> Result<Option<Reference>, EngineError> {
         let [a, b] = &self.models;
         let query =
-            bvtt::PairQuery::new(a.bvh(), b.bvh(), self.a_from_b).map_err(pfront::Error::from)?;
+            bvtt::PairBvtt::new(a.bvh(), b.bvh(), self.a_from_b).map_err(pfront::Error::from)?;
         Ok(Some(reference(&query, workers)))
     }
 }
@@ -122,7 +122,7 @@ impl Engine for Within {
     }
 
     fn reference(&self, workers: usize) -> Result<Option<Reference>, EngineError> {
-        Ok(Some(reference(&bvtt::SelfQuery::new(self.model.bvh()), workers)))
+        Ok(Some(reference(&bvtt::SelfBvtt::new(self.model.bvh()), workers)))
     }
 }
 

@@ -3,7 +3,9 @@
 use super::numbers::Numbers;
 use super::{Engine, EngineError, Objects, OnGpu, second};
 use pfront::core::bvtt::PosedBvh;
-use pfront::gpu::{Bodies, Deforming, Gpu, Model, PairQuery, Report, SelfQuery, Settings};
+use pfront::gpu::{
+    Bodies, Deforming, Gpu, GpuModel, GpuPairQuery, GpuReport, GpuSelfQuery, GpuSettings,
+};
 use pfront::gpu::{Timing, World};
 use pfront::{Aabb, Adjacency, Bvh, Pose, TrianglePair};
 use pfront_scenes::Kind;
@@ -18,10 +20,10 @@ pub(super) fn engine(
     let OnGpu { gpu, settings, timed } = on;
     match (objects.kind, &objects.models[..]) {
         (Kind::Pair, [a, b]) => {
-            let first = Arc::new(Model::new(gpu, a.bvh())?);
+            let first = Arc::new(GpuModel::new(gpu, a.bvh())?);
             let second = match Arc::ptr_eq(a, b) {
                 true => first.clone(),
-                false => Arc::new(Model::new(gpu, b.bvh())?),
+                false => Arc::new(GpuModel::new(gpu, b.bvh())?),
             };
             let query = pair_query(gpu, *settings, *timed)?;
             Ok(Box::new(Pair { models: [first, second], a_from_b: Pose::IDENTITY, query }))
@@ -40,20 +42,20 @@ pub(super) fn engine(
     }
 }
 
-fn pair_query(gpu: &Gpu, settings: Settings, timed: bool) -> Result<PairQuery, EngineError> {
-    let query = PairQuery::with_settings(gpu, settings)?;
+fn pair_query(gpu: &Gpu, settings: GpuSettings, timed: bool) -> Result<GpuPairQuery, EngineError> {
+    let query = GpuPairQuery::with_settings(gpu, settings)?;
     Ok(if timed { query.with_timings()? } else { query })
 }
 
-fn self_query(gpu: &Gpu, settings: Settings, timed: bool) -> Result<SelfQuery, EngineError> {
-    let query = SelfQuery::with_settings(gpu, settings)?;
+fn self_query(gpu: &Gpu, settings: GpuSettings, timed: bool) -> Result<GpuSelfQuery, EngineError> {
+    let query = GpuSelfQuery::with_settings(gpu, settings)?;
     Ok(if timed { query.with_timings()? } else { query })
 }
 
 struct Pair {
-    models: [Arc<Model>; 2],
+    models: [Arc<GpuModel>; 2],
     a_from_b: Pose,
-    query: PairQuery,
+    query: GpuPairQuery,
 }
 
 impl Engine for Pair {
@@ -76,7 +78,7 @@ impl Engine for Pair {
         Ok(self.query.count(a, b, &self.a_from_b)?)
     }
 
-    fn gpu_report(&self) -> Option<Report> {
+    fn gpu_report(&self) -> Option<GpuReport> {
         Some(self.query.report())
     }
 
@@ -94,7 +96,7 @@ struct Within {
     model: Deforming,
     /// Whether there has been a refit, which may be timed.
     moved: bool,
-    query: SelfQuery,
+    query: GpuSelfQuery,
 }
 
 impl Engine for Within {
@@ -120,7 +122,7 @@ impl Engine for Within {
         Ok(self.query.count(&self.model)?)
     }
 
-    fn gpu_report(&self) -> Option<Report> {
+    fn gpu_report(&self) -> Option<GpuReport> {
         Some(self.query.report())
     }
 
@@ -212,7 +214,7 @@ impl Engine for Many {
         Ok(world.all(near)?.len())
     }
 
-    fn gpu_report(&self) -> Option<Report> {
+    fn gpu_report(&self) -> Option<GpuReport> {
         Some(self.world.report())
     }
 

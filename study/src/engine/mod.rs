@@ -14,7 +14,7 @@ pub use tally::Tally;
 use crate::stability::Reference;
 use pfront::executor::Plan;
 #[cfg(feature = "gpu")]
-use pfront::gpu::{Gpu, Settings, Timing};
+use pfront::gpu::{Gpu, GpuSettings, Timing};
 use pfront::threads::Report;
 use pfront::{Accuracy, Adjacency, Executor, Model, Pose, TrianglePair};
 use pfront_scenes::Kind;
@@ -72,7 +72,7 @@ pub trait Engine {
 
     /// What the last frame on a GPU did.
     #[cfg(feature = "gpu")]
-    fn gpu_report(&self) -> Option<pfront::gpu::Report> {
+    fn gpu_report(&self) -> Option<pfront::gpu::GpuReport> {
         None
     }
 
@@ -97,7 +97,7 @@ pub enum EngineError {
     /// The GPU refused or failed.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
-    Gpu(#[from] pfront::gpu::Error),
+    Gpu(#[from] pfront::gpu::GpuError),
     /// All objects together are too large.
     #[error("more triangles than u32 can number; leave out some objects")]
     TooMany,
@@ -132,7 +132,7 @@ impl EngineError {
             #[cfg(feature = "gpu")]
             Self::Gpu(error) | Self::Query(pfront::Error::Gpu(error)) => matches!(
                 error,
-                pfront::gpu::Error::TooLarge { .. } | pfront::gpu::Error::OutOfMemory { .. }
+                pfront::gpu::GpuError::TooLarge { .. } | pfront::gpu::GpuError::OutOfMemory { .. }
             ),
             _ => false,
         }
@@ -167,7 +167,7 @@ pub struct OnGpu {
     /// The GPU.
     pub gpu: Gpu,
     /// Of its queries.
-    pub settings: Settings,
+    pub settings: GpuSettings,
     /// Keeps the time of each pass.
     pub timed: bool,
 }

@@ -7,14 +7,14 @@
 
 use crate::suite::Case;
 use pfront::core::Triangle;
-use pfront::gpu::{Error, Gpu, Model, PairQuery, Report};
+use pfront::gpu::{Gpu, GpuError, GpuModel, GpuPairQuery, GpuReport};
 use pfront::{Bvh, Mesh, Node, Pose};
 
 /// A GPU, and what it needs to answer.
 #[derive(Debug)]
 pub struct OnGpu {
     gpu: Gpu,
-    query: PairQuery,
+    query: GpuPairQuery,
     left_to_cpu: u64,
 }
 
@@ -23,9 +23,9 @@ impl OnGpu {
     ///
     /// # Errors
     /// If there is none, or none that could do it.
-    pub fn new() -> Result<Self, Error> {
+    pub fn new() -> Result<Self, GpuError> {
         let gpu = Gpu::new()?;
-        let query = PairQuery::new(&gpu)?;
+        let query = GpuPairQuery::new(&gpu)?;
         Ok(Self { gpu, query, left_to_cpu: 0 })
     }
 
@@ -45,14 +45,14 @@ impl OnGpu {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn answers(&mut self, cases: &[Case]) -> Result<Vec<bool>, Error> {
+    pub fn answers(&mut self, cases: &[Case]) -> Result<Vec<bool>, GpuError> {
         let nodes = row(cases.len() as u32);
         let order: Vec<u32> = (0..cases.len() as u32).collect();
         let triangles: Vec<[u32; 3]> =
             order.iter().map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let model = |of: fn(&Case) -> Triangle| {
             let corners: Vec<_> = cases.iter().flat_map(of).collect();
-            Model::new(
+            GpuModel::new(
                 &self.gpu,
                 Bvh::new_unchecked(Mesh::new_unchecked(&corners, &triangles), &nodes, &order),
             )
@@ -62,7 +62,7 @@ impl OnGpu {
         for pair in self.query.all(&a, &b, &Pose::IDENTITY)? {
             answers[pair.a as usize] |= pair.a == pair.b;
         }
-        let Report { on_cpu, .. } = self.query.report();
+        let GpuReport { on_cpu, .. } = self.query.report();
         self.left_to_cpu += u64::from(on_cpu);
         Ok(answers)
     }

@@ -1,7 +1,7 @@
 //! The tests of pfront.
 
 use super::Test;
-use pfront::core::bvtt::{PairQuery, Query};
+use pfront::core::bvtt::{PairBvtt, Query};
 use pfront::core::triangle::intersects;
 use pfront::core::{Aabb, Triangle};
 use pfront::{Accuracy, Bvh, Mesh, Node, Pose};
@@ -24,6 +24,6 @@ fn in_query(a: &Triangle, b: &Triangle) -> bool {
     let bvh = |i: usize, corners| {
         Bvh::new_unchecked(Mesh::new_unchecked(corners, &[[0, 1, 2]]), &leaves[i], &[0])
     };
-    let query = PairQuery::new(bvh(0, a), bvh(1, b), Pose::IDENTITY);
+    let query = PairBvtt::new(bvh(0, a), bvh(1, b), Pose::IDENTITY);
     query.is_ok_and(|query| query.count() > 0)
 }

@@ -167,7 +167,7 @@ impl Ord for Costed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pfront::core::bvtt::{PairQuery, Query, SelfQuery};
+    use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
     use pfront::{Model, Pose, TrianglePair};
     use pfront_scenes::icosphere;
 
@@ -177,7 +177,7 @@ mod tests {
         let ball = Model::new(ball.positions, ball.triangles).unwrap();
         let bvh = ball.bvh();
         let here = Pose::from_translation([0.3, 0.2, 0.1]);
-        let query = PairQuery::new(bvh, bvh, here).unwrap();
+        let query = PairBvtt::new(bvh, bvh, here).unwrap();
         let whole = pairs(&query, query.root());
         assert!(!whole.is_empty());
         for workers in [1, 2, 7, 64, 1024] {
@@ -205,7 +205,7 @@ mod tests {
         let ball = icosphere(20_000);
         let ball = Model::new(ball.positions, ball.triangles).unwrap();
         let here = Pose::from_translation([0.3, 0.2, 0.1]);
-        let query = PairQuery::new(ball.bvh(), ball.bvh(), here).unwrap();
+        let query = PairBvtt::new(ball.bvh(), ball.bvh(), here).unwrap();
         for workers in [1, 2, 7, 64, 1024] {
             let reference = Reference::of(&query, workers, 0.02);
             assert!(reference.imbalance >= reference.lower_bound * 0.999, "{reference:?}");
@@ -215,7 +215,7 @@ mod tests {
             assert!(reference.nodes >= workers || at_bound, "{reference:?}");
         }
         let empty = Model::new(Vec::new(), Vec::new()).unwrap();
-        let nothing = Reference::of(&SelfQuery::new(empty.bvh()), 8, 0.02);
+        let nothing = Reference::of(&SelfBvtt::new(empty.bvh()), 8, 0.02);
         assert_eq!(nothing, Reference { nodes: 0, imbalance: 1.0, lower_bound: 1.0 });
     }
 

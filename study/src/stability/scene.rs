@@ -2,7 +2,7 @@
 
 use super::StabilityError;
 use super::limit::Bound;
-use pfront::core::bvtt::{PairQuery, Query, SelfQuery};
+use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront::{Model, Pose, TrianglePair};
 use pfront_scenes::TriMesh;
 
@@ -91,7 +91,7 @@ impl Scene {
             match &mut self.actors {
                 Actors::Two(models) => {
                     let [a, b] = &**models;
-                    let query = PairQuery::new(a.bvh(), b.bvh(), step.a_from_b)
+                    let query = PairBvtt::new(a.bvh(), b.bvh(), step.a_from_b)
                         .map_err(pfront::Error::from)?;
                     let oracle = || pairs(a, b, &step.a_from_b);
                     watch.frame(&Shown { index, step, oracle: &oracle }, &query);
@@ -100,7 +100,7 @@ impl Scene {
                     let mut positions = Vec::new();
                     sheet.positions(*first + index, &mut positions);
                     model.set_positions(&positions)?;
-                    let query = SelfQuery::new(model.bvh());
+                    let query = SelfBvtt::new(model.bvh());
                     let oracle = || self_pairs(model);
                     watch.frame(&Shown { index, step, oracle: &oracle }, &query);
                 }

@@ -131,7 +131,7 @@ impl Site {
             Self::Pair { a, b, a_from_b } => (a.bvh(), b.bvh(), *a_from_b),
             Self::Within(body) => (body.bvh(), body.bvh(), Pose::IDENTITY),
         };
-        let Ok(query) = bvtt::PairQuery::new(a, b, pose) else { return Vec::new() };
+        let Ok(query) = bvtt::PairBvtt::new(a, b, pose) else { return Vec::new() };
         let is_one = matches!(self, Self::Within(_));
         let placed = |bvh: &Bvh<'_>, node: u32, pose: &Pose| -> Vec<(u32, Triangle, Aabb)> {
             let leaf = bvh.nodes()[node as usize];

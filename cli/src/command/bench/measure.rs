@@ -11,7 +11,7 @@ use crate::engine::{objects, update};
 use crate::how;
 use crate::recording::Recording;
 use anyhow::{Result, ensure};
-use pfront::gpu::{Report, Timing};
+use pfront::gpu::{GpuReport, Timing};
 use pfront::{Executor, TrianglePair};
 use pfront_cli::workload::Frame;
 use pfront_study::engine::{Engine, On, OnGpu};
@@ -200,7 +200,7 @@ impl Lane {
 }
 
 impl Most {
-    fn add(&mut self, report: &Report) {
+    fn add(&mut self, report: &GpuReport) {
         for (most, now) in [
             (&mut self.runs, report.runs),
             (&mut self.front, report.longest_front),

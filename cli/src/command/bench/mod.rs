@@ -10,7 +10,7 @@ use crate::output::{Draft, out};
 use crate::stacks;
 use anyhow::{Context, Result};
 use measure::measure;
-use pfront::gpu::{Budget, Gpu, Settings};
+use pfront::gpu::{Budget, Gpu, GpuSettings};
 use pfront_study::engine::OnGpu;
 use serde::Serialize;
 use std::io::Write;
@@ -34,7 +34,7 @@ pub(crate) fn run(bench: &BenchGpu) -> Result<bool> {
     let gpu = Gpu::new()?;
     let info = gpu.device().adapter_info();
     let suits = gpu.settings();
-    let settings = Settings {
+    let settings = GpuSettings {
         depth: bench.depth.unwrap_or(suits.depth),
         budget: bench.budget.map_or(suits.budget, |bytes| Budget { bytes }),
         ..suits

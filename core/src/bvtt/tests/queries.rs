@@ -2,9 +2,7 @@
 
 extern crate std;
 
-use super::super::{
-    Cursor, MeshQuery, NodePair, PairQuery, PosedBvh, Query, SelfQuery, TrianglePair,
-};
+use super::super::{Bvtt, Cursor, NodePair, PairBvtt, PosedBvh, Query, SelfBvtt, TrianglePair};
 use super::steps::in_steps;
 use super::{at_one_go, push, with_certificates};
 use crate::bvh::tests::Owned;
@@ -98,7 +96,7 @@ fn from_children(query: &impl Query) -> Vec<TrianglePair> {
 /// nothing that it does not. Pairs that only the test accepts may be missing, since boxes and certified planes reject
 /// some first.
 fn check_inexact<const SELF: bool>(
-    query: &MeshQuery<'_, Node, Node, SELF>,
+    query: &Bvtt<'_, Node, Node, SELF>,
     truth: &[TrianglePair],
     accepts: impl Fn(&TrianglePair, Accuracy) -> bool,
 ) {
@@ -146,7 +144,7 @@ fn two_meshes_as_the_oracle() {
             let (pose, moved) = (Pose { rows }, posed(&b.positions, &rows));
             let truth = as_pairs(pairs(&a.positions, &a.triangles, &moved, &b.triangles));
             for (of_a, of_b) in trees(&a).zip(trees(&b)) {
-                let query = PairQuery::new(of_a.bvh(), of_b.bvh(), pose).unwrap();
+                let query = PairBvtt::new(of_a.bvh(), of_b.bvh(), pose).unwrap();
                 assert_eq!(sorted(visited(&query)), truth);
                 check_inexact(&query, &truth, |pair, accuracy| {
                     let t = of_a.bvh().mesh().triangle(pair.a);
@@ -159,7 +157,7 @@ fn two_meshes_as_the_oracle() {
             let sides = [of_a.bvh(), of_b.bvh()].map(|bvh| PosedBvh::new(bvh, &pose).unwrap());
             let world = posed(&a.positions, &rows);
             let truth = as_pairs(pairs(&world, &a.triangles, &moved, &b.triangles));
-            let query = PairQuery::in_world(sides[0], sides[1]);
+            let query = PairBvtt::in_world(sides[0], sides[1]);
             assert_eq!(sorted(visited(&query)), truth);
             let aabb = sides[1].aabb().unwrap();
             assert!(moved.iter().all(|&p| aabb.overlaps(&Aabb { min: p, max: p })));
@@ -177,7 +175,7 @@ fn one_mesh_as_the_oracle() {
         let n = soup.triangles.len();
         for owned in trees(&soup) {
             let mesh = owned.bvh().mesh();
-            let query = SelfQuery::new(owned.bvh());
+            let query = SelfBvtt::new(owned.bvh());
             assert_eq!(sorted(visited(&query)), truth);
 
             with_certificates(mesh, |certified| {
@@ -214,8 +212,8 @@ fn an_empty_mesh_meets_nothing() {
     let (empty, some) =
         (Owned::new(Soup::default(), 4, false), Owned::new(Soup::of([[[0.0; 3]; 3]]), 4, false));
     for [a, b] in [[&empty, &some], [&some, &empty], [&empty, &empty]] {
-        let query = PairQuery::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
+        let query = PairBvtt::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
         assert_eq!((query.root(), query.count(), query.any()), (None, 0, None));
     }
-    assert_eq!(SelfQuery::new(empty.bvh()).count(), 0);
+    assert_eq!(SelfBvtt::new(empty.bvh()).count(), 0);
 }

@@ -2,7 +2,7 @@
 
 extern crate std;
 
-use super::super::{Cursor, PairQuery, Query, SelfQuery, TrianglePair, Work};
+use super::super::{Cursor, PairBvtt, Query, SelfBvtt, TrianglePair, Work};
 use super::{at_one_go, with_certificates};
 use crate::bvh::tests::Owned;
 use crate::bvh::{CompactNode, compact, node_bound};
@@ -73,10 +73,10 @@ fn two_meshes_with_each_budget() {
             let [a, b] = [a, b].map(|soup| Owned::new(soup.clone(), leaf_size, false));
             for translation in [[0.0; 3], [0.3, 0.1, 0.02]] {
                 let pose = Pose::from_translation(translation);
-                with_each_budget(&PairQuery::new(a.bvh(), b.bvh(), pose).unwrap());
+                with_each_budget(&PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap());
                 let mut memory = Vec::new();
                 let small = compacted(a.bvh(), &mut memory);
-                with_each_budget(&PairQuery::new(small, b.bvh(), pose).unwrap());
+                with_each_budget(&PairBvtt::new(small, b.bvh(), pose).unwrap());
             }
         }
     }
@@ -91,7 +91,7 @@ fn one_mesh_with_each_budget() {
     for leaf_size in [1, 4, 8] {
         for soup in [&rolled, &two] {
             let owned = Owned::new(soup.clone(), leaf_size, false);
-            let query = SelfQuery::new(owned.bvh());
+            let query = SelfBvtt::new(owned.bvh());
             with_each_budget(&query);
             with_certificates(owned.bvh().mesh(), |certified| {
                 with_each_budget(&query.with_certificates(certified));
@@ -118,10 +118,10 @@ fn with_any_budgets() {
         let [mut memory_a, mut memory_b] = [Vec::new(), Vec::new()];
         let (small_a, small_b) =
             (compacted(a.bvh(), &mut memory_a), compacted(b.bvh(), &mut memory_b));
-        with_steps(&PairQuery::new(a.bvh(), b.bvh(), pose).unwrap(), &steps);
-        with_steps(&SelfQuery::new(a.bvh()), &steps);
-        with_steps(&PairQuery::new(small_a, small_b, pose).unwrap(), &steps);
-        with_steps(&SelfQuery::new(small_a), &steps);
+        with_steps(&PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap(), &steps);
+        with_steps(&SelfBvtt::new(a.bvh()), &steps);
+        with_steps(&PairBvtt::new(small_a, small_b, pose).unwrap(), &steps);
+        with_steps(&SelfBvtt::new(small_a), &steps);
     }
 }
 

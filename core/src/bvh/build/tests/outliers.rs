@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::bvh::*;
-use crate::bvtt::{PairQuery, Query, SelfQuery};
+use crate::bvtt::{PairBvtt, Query, SelfBvtt};
 use crate::pose::Pose;
 use core::ops::ControlFlow::Continue;
 use pfront_testkit::rng::seq::SliceRandom;
@@ -22,7 +22,7 @@ fn box_tests(Soup { positions, triangles }: &Soup) -> [f64; 2] {
     let mut tests = vec![];
     with_builds(mesh, 8, |_, bvh| {
         bvh.assert_well_formed();
-        let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.0, 0.0, 0.3])).unwrap();
+        let query = PairBvtt::new(bvh, bvh, Pose::from_translation([0.0, 0.0, 0.3])).unwrap();
         let mut cursor = query.start();
         let _ = query.visit(&mut cursor, |_| Continue(()));
         tests.push(cursor.work.box_tests as f64);
@@ -86,7 +86,7 @@ fn quality_notices_what_queries_do_though_one_body_is_far_away() {
                 let corners = corners(centres);
                 let mesh = mesh.with_positions(&corners).unwrap();
                 let now = refit(mesh, &mut nodes, order, Refit::default()).unwrap();
-                let query = SelfQuery::new(Bvh::new_unchecked(mesh, &nodes, order)).boxes_only();
+                let query = SelfBvtt::new(Bvh::new_unchecked(mesh, &nodes, order)).boxes_only();
                 let mut cursor = query.start();
                 let _ = query.visit(&mut cursor, |_| Continue(()));
                 (now / quality(&bvh), cursor.work.box_tests as f32)

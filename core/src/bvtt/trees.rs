@@ -16,8 +16,8 @@ use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact};
 use crate::{Aabb, Bvh, Node, Pose};
 use core::ops::{ControlFlow, Range};
 
-/// Two meshes in one frame: that of the first ([`PairQuery::new`]), or a world in which both are posed
-/// ([`PairQuery::in_world`]). The choice changes how vertices are rounded, and so which pairs intersect.
+/// Two meshes in one frame: that of the first ([`PairBvtt::new`]), or a world in which both are posed
+/// ([`PairBvtt::in_world`]). The choice changes how vertices are rounded, and so which pairs intersect.
 ///
 /// # Examples
 /// ```
@@ -28,18 +28,18 @@ use core::ops::{ControlFlow, Range};
 /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
 /// let mut scratch = [0; 2];
 /// let bvh = bvh::morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
-/// let query = PairQuery::new(bvh, bvh, Pose::from_translation([0.5, 0.0, 0.0]))?;
+/// let query = PairBvtt::new(bvh, bvh, Pose::from_translation([0.5, 0.0, 0.0]))?;
 /// assert_eq!(query.any(), Some(TrianglePair { a: 0, b: 0 }));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub type PairQuery<'a, A = Node, B = A> = MeshQuery<'a, A, B, false>;
+pub type PairBvtt<'a, A = Node, B = A> = Bvtt<'a, A, B, false>;
 
 /// One mesh against itself, each unordered pair of triangles once.
-pub type SelfQuery<'a, L = Node> = MeshQuery<'a, L, L, true>;
+pub type SelfBvtt<'a, L = Node> = Bvtt<'a, L, L, true>;
 
-/// A [`PairQuery`], or with `SELF` a [`SelfQuery`].
+/// A [`PairBvtt`], or with `SELF` a [`SelfBvtt`].
 #[derive(Clone, Copy, Debug)]
-pub struct MeshQuery<'a, A: Layout, B: Layout, const SELF: bool> {
+pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
     pub(super) a: PosedBvh<'a, A>,
     pub(super) b: PosedBvh<'a, B>,
     /// The poses in which the boxes of each side are compared. The box of a rotated box is larger, so the boxes of
@@ -56,7 +56,7 @@ pub struct MeshQuery<'a, A: Layout, B: Layout, const SELF: bool> {
     leaf_edge: f32,
 }
 
-impl<'a, A: Layout, B: Layout> PairQuery<'a, A, B> {
+impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     /// Asks for `a` against `b` posed by `a_from_b`, exactly.
     ///
     /// # Errors
@@ -83,7 +83,7 @@ impl<'a, A: Layout, B: Layout> PairQuery<'a, A, B> {
     }
 }
 
-impl<'a, L: Layout> SelfQuery<'a, L> {
+impl<'a, L: Layout> SelfBvtt<'a, L> {
     /// Asks for all pairs under the shared-index rule, exactly.
     #[must_use]
     pub fn new(bvh: Bvh<'a, L>) -> Self {
@@ -112,7 +112,7 @@ impl<'a, L: Layout> SelfQuery<'a, L> {
     /// let (mut history, mut scratch) = ([0; history_bound(3, 1)], [0; link_scratch_bound(3, 1)]);
     /// let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
     /// let certified = rings.certify(mesh, &CertifyOptions::default());
-    /// assert_eq!(SelfQuery::new(bvh).with_certificates(certified).count(), 0);
+    /// assert_eq!(SelfBvtt::new(bvh).with_certificates(certified).count(), 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
@@ -131,7 +131,7 @@ impl<'a, L: Layout> SelfQuery<'a, L> {
     /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(3)], [0; 3]);
     /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
     /// let bvh = morton(boxes, &BuildOptions::default(), storage, &mut [0; 6])?;
-    /// let query = SelfQuery::new(bvh).boxes_only();
+    /// let query = SelfBvtt::new(bvh).boxes_only();
     /// assert_eq!((query.count(), query.any()), (1, Some(TrianglePair { a: 0, b: 1 })));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -141,7 +141,7 @@ impl<'a, L: Layout> SelfQuery<'a, L> {
     }
 }
 
-impl<'a, A: Layout, B: Layout, const SELF: bool> MeshQuery<'a, A, B, SELF> {
+impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
     /// A query without a root.
     fn of_sides(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
         Self {
@@ -173,7 +173,7 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> MeshQuery<'a, A, B, SELF> {
     }
 }
 
-impl<A: Layout, B: Layout, const SELF: bool> Query for MeshQuery<'_, A, B, SELF> {
+impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
     fn root(&self) -> Option<NodePair> {
         self.root
     }
