@@ -90,9 +90,9 @@ impl Executor {
     ///
     /// # Examples
     /// ```
-    /// use pfront::threads::{Schedule, GpuSettings, Traversal};
+    /// use pfront::threads::{Schedule, Settings, Traversal};
     /// use pfront::{Executor, PairQuery};
-    /// let settings = GpuSettings { schedule: Schedule::Static, ..GpuSettings::default() };
+    /// let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
     /// let executor = Executor::from(Traversal::new(8).with_settings(settings));
     /// let query = PairQuery::new().on(&executor);
     /// ```
