@@ -8,12 +8,15 @@ use crate::stealing::Stealing;
 use crate::workers::Frame;
 use crate::{Report, Schedule, Settings, Share, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
-use pfront_core::front::estimate;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Tests of both kinds that the calling thread does before it calls others: about the time that the call takes. A frame
-/// whose expected cost, in box tests, is lower than this begins there.
+/// Tests of both kinds that the calling thread does before it calls others, if nobody has measured what a call takes
+/// ([`Traversal::measured`]). A frame whose expected cost, in box tests, is lower than this begins there.
 const ALONE: u64 = 2048;
+
+/// Tests between two looks at the clock while others may be called. A frame that ends sooner is not timed: that would take
+/// as long as a part of such a frame.
+const STEP: u64 = 512;
 
 impl Traversal {
     /// A frame, into the first of `outputs` and others that are added as needed. Returns whether it came to the end.
@@ -31,13 +34,8 @@ impl Traversal {
         shares.clear();
         self.report = Report { shares, ..Report::default() };
         let control = Control::new(self.deadline);
-        let alone = match self.p() {
-            1 => u64::MAX,
-            _ if !only_one_hit && self.expects_much(queries) => 0,
-            _ => ALONE,
-        };
-        self.begin(queries, alone, &control, &mut outputs[0]);
-        let from_roots = alone == 0;
+        let from_roots = self.p() > 1 && !only_one_hit && self.expects_much();
+        self.begin(queries, from_roots, &control, &mut outputs[0]);
         if !self.starts.is_empty() && !control.is_over() {
             match self.settings.schedule {
                 Schedule::Stealing => self.steal(queries, &control, outputs, new_output),
@@ -58,36 +56,55 @@ impl Traversal {
         complete
     }
 
-    /// Whether a frame is worth several threads from the start: by the cost of the last one, or, if there was none, by
-    /// estimate.
-    fn expects_much<Q: Query>(&self, queries: &[Q]) -> bool {
-        let estimated = || {
-            let roots = queries.iter().filter_map(|query| Some((query, query.root()?)));
-            roots.map(|(query, root)| estimate(query, root)).sum()
-        };
-        self.last_cost.unwrap_or_else(estimated) >= ALONE as f64
+    /// Whether a frame is worth several threads from the start: by the cost of the last one. Nothing is expected of a
+    /// first frame.
+    fn expects_much(&self) -> bool {
+        let Some(cost) = self.last_cost else { return false };
+        match (self.call, self.pace) {
+            (Some(_), Some(pace)) => cost * pace >= self.worth_a_call().as_secs_f64(),
+            (Some(_), None) => false,
+            (None, _) => cost >= ALONE as f64,
+        }
     }
 
-    /// Traverses the queries in turn on the calling thread for `most` tests, and notes what is left.
+    /// The time W p / (p - 1) from which on p workers, called in W, are faster than one.
+    fn worth_a_call(&self) -> Duration {
+        let p = self.p() as f64;
+        self.call.unwrap_or_default().mul_f64(p / (p - 1.0))
+    }
+
+    /// Traverses the queries in turn on the calling thread for as long as pays, unless the frame is to be divided
+    /// `from_roots`, and notes what is left.
     fn begin<Q: Query>(
         &mut self,
         queries: &[Q],
-        most: u64,
+        from_roots: bool,
         control: &Control,
         output: &mut impl Output,
     ) {
-        let clock = Instant::now();
         self.starts.clear();
-        let mut work = Work::default();
+        let (mut work, mut is_enough) = (Work::default(), from_roots);
+        // The end of the first step, and the work until then.
+        let mut clock: Option<(Instant, f64)> = None;
         for (query, number) in queries.iter().zip(0..) {
             let Some(root) = query.root() else { continue };
-            let left = most.saturating_sub(tests(work));
-            if left == 0 {
+            if is_enough {
                 self.starts.push(Start { query: number, pair: root });
                 continue;
             }
             let mut cursor = Cursor::at(root);
-            control.traverse(query, number, &mut cursor, output, left);
+            while !cursor.is_done() && !is_enough && !control.is_over() {
+                let most = if self.p() == 1 { u64::MAX } else { tests(cursor.work) + STEP };
+                control.traverse(query, number, &mut cursor, output, most);
+                let done = sum(work, cursor.work);
+                if self.p() > 1 && tests(done) >= STEP {
+                    let (clock, _) = clock.get_or_insert_with(|| (Instant::now(), done.cost()));
+                    is_enough = match self.call {
+                        Some(_) => clock.elapsed() >= self.worth_a_call(),
+                        None => tests(done) >= ALONE,
+                    };
+                }
+            }
             let left = cursor.take_pending().iter().map(|&pair| Start { query: number, pair });
             self.starts.extend(left);
             // The cursor is left with at most one leaf pair, which is visited to its end.
@@ -95,7 +112,13 @@ impl Traversal {
             work = sum(work, cursor.work);
         }
         self.report.alone = work;
-        self.report.traversal_time = clock.elapsed();
+        if let Some((clock, before)) = clock {
+            self.report.traversal_time = clock.elapsed();
+            if is_enough {
+                let cost = (work.cost() - before).max(1.0);
+                self.pace = Some(self.report.traversal_time.as_secs_f64() / cost);
+            }
+        }
     }
 
     /// Divides the pending node pairs by a front. Costs are remembered for a front that begins at the roots.
@@ -107,16 +130,13 @@ impl Traversal {
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
     ) {
-        let p = self.p();
+        let (p, threads) = (self.p(), self.threads());
         let Self { settings, pool, front, starts, buffers, report, .. } = self;
         report.shares.resize(p, Share::default());
         let settings = Settings { coherence: settings.coherence && from_roots, ..*settings };
         front.divide(queries, starts, &settings, report);
         let clock = Instant::now();
-        let threads = pool
-            .as_ref()
-            .map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads());
-        outputs.resize_with(threads.min(p), new_output);
+        outputs.resize_with(threads, new_output);
         let frame = Frame { queries, nodes: front.nodes(), schedule: settings.schedule, control };
         buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares);
         report.traversal_time += clock.elapsed();

@@ -32,9 +32,9 @@ pub struct Report {
     pub front_bytes: usize,
     /// The time to generate and partition the front.
     pub front_time: Duration,
-    /// The time of the traversal.
+    /// The time of the traversal; zero for a frame that ended within its first 512 tests.
     pub traversal_time: Duration,
-    /// The time to gather and sort the hits.
+    /// The time to gather and sort the hits, where others than the calling thread were called.
     pub gather_time: Duration,
 }
 

@@ -31,7 +31,8 @@ pub struct Settings {
     /// Whether the costs of the last frame are used. Without them each frame is independent, as in
     /// section 3.2.2.
     pub coherence: bool,
-    /// The most nodes a front may have; it then stays coarser. At least 1 per query is needed and taken.
+    /// The most nodes a front may have; it then stays coarser. At least one for each query, or for each node pair that the
+    /// calling thread has left pending, is needed and taken.
     pub max_nodes: usize,
 }
 

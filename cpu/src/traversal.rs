@@ -2,7 +2,7 @@
 
 use crate::front::{FrontMemory, Start};
 use crate::output::{self, Item, Storage, Visitor};
-use crate::workers::Workers;
+use crate::workers::{Workers, in_scope};
 use crate::{Hit, Report, Settings};
 use pfront_core::bvtt::{Query, TrianglePair};
 use pfront_core::triangle::Contact;
@@ -10,7 +10,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The largest number of workers p.
 pub const MAX_WORKERS: usize = 4096;
@@ -45,6 +45,10 @@ pub struct Traversal {
     pub(crate) front: FrontMemory,
     /// The cost of the last complete frame.
     pub(crate) last_cost: Option<f64>,
+    /// What it takes to call other threads, if it was measured.
+    pub(crate) call: Option<Duration>,
+    /// The seconds that a box test took the calling thread when it last was alone for as long as pays.
+    pub(crate) pace: Option<f64>,
     pub(crate) starts: Vec<Start>,
     pub(crate) buffers: Workers,
     storage: Storage,
@@ -69,6 +73,8 @@ impl Traversal {
             pool: None,
             front: FrontMemory::default(),
             last_cost: None,
+            call: None,
+            pace: None,
             starts: Vec::new(),
             buffers: Workers::default(),
             storage: Storage::default(),
@@ -85,6 +91,31 @@ impl Traversal {
     #[must_use]
     pub fn with_settings(self, settings: Settings) -> Self {
         Self { settings, ..self }
+    }
+
+    /// The same with frames that begin on the calling thread for as long as it takes to call the others, measured now, in
+    /// some 2 ms: W p / (p - 1) for p workers and a call of W. Then a frame takes at most 1 + (p - 1) / p times what one thread
+    /// takes, as long as a call takes W. Without, they begin there for 2,048 tests, and the counts of a [`Report`] depend on no
+    /// machine.
+    ///
+    /// # Examples
+    /// ```
+    /// let traversal = pfront_cpu::Traversal::new(4).measured();
+    /// ```
+    #[must_use]
+    pub fn measured(self) -> Self {
+        let mut times = [Duration::ZERO; 9];
+        for time in &mut times {
+            // Threads that have just worked are still awake.
+            std::thread::sleep(Duration::from_micros(200));
+            let clock = Instant::now();
+            in_scope(self.pool.as_deref(), |scope| {
+                (1..self.threads()).for_each(|_| scope.spawn(|_| ()));
+            });
+            *time = clock.elapsed();
+        }
+        times.sort_unstable();
+        Self { call: Some(times[times.len() / 2]), ..self }
     }
 
     /// Forgets the costs of the last frame, for a next one that does not resemble it.
@@ -128,7 +159,7 @@ impl Traversal {
         found.truncate(self.p());
         found.iter_mut().for_each(Vec::clear);
         self.run(queries, false, &mut found, Vec::new);
-        let clock = Instant::now();
+        let clock = (!self.report.shares.is_empty()).then(Instant::now);
         out.clear();
         found.iter().for_each(|found| out.extend_from_slice(found));
         if output::is_worth_threads(out.len(), self.p()) {
@@ -136,7 +167,7 @@ impl Traversal {
         } else if let Some(scratch) = found.first_mut() {
             output::sort(out, scratch);
         }
-        self.report.gather_time = clock.elapsed();
+        self.report.gather_time = clock.map_or(Duration::ZERO, |clock| clock.elapsed());
         *T::storage(&mut self.storage) = found;
     }
 
@@ -182,6 +213,15 @@ impl Traversal {
                 out.par_extend(pairs.par_iter().with_min_len(CONTACTS).filter_map(contact));
             });
         }
+    }
+
+    /// How many threads take its parts.
+    pub(crate) fn threads(&self) -> usize {
+        let threads = self
+            .pool
+            .as_ref()
+            .map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads());
+        threads.min(self.p())
     }
 
     /// The number of workers.

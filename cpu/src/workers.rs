@@ -132,7 +132,7 @@ impl Workers {
 }
 
 /// Runs a function on the calling thread, with a scope to call others.
-fn in_scope<'s>(pool: Option<&ThreadPool>, run: impl FnOnce(&Scope<'s>)) {
+pub(crate) fn in_scope<'s>(pool: Option<&ThreadPool>, run: impl FnOnce(&Scope<'s>)) {
     match pool {
         Some(pool) => pool.in_place_scope(run),
         None => rayon::in_place_scope(run),

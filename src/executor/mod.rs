@@ -177,7 +177,7 @@ impl From<Traversal> for Executor {
         traversal.forget();
         traversal.deadline = None;
         Self {
-            traversal: Some(Box::new(traversal)),
+            traversal: Some(Box::new(traversal.measured())),
             #[cfg(feature = "gpu")]
             device: None,
         }
