@@ -56,7 +56,7 @@ pub use error::Error;
 pub use executor::Executor;
 pub use model::{Model, Stamp};
 pub use pair::PairQuery;
-pub use scene::{Body, BodyId, Piece, SceneHit, SceneQuery};
+pub use scene::{Body, BodyId, Groups, Piece, SceneHit, SceneQuery};
 pub use sphere::Sphere;
 pub use within::SelfQuery;
 

@@ -4,7 +4,9 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::core::mesh::MeshError;
-use pfront::{Body, BodyId, Error, Model, PairQuery, Pose, PoseError, SceneHit, SceneQuery};
+use pfront::{
+    Body, BodyId, Error, Groups, Model, PairQuery, Pose, PoseError, SceneHit, SceneQuery,
+};
 use pfront::{Piece, TrianglePair};
 use pfront_testkit::oracle::pairs;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
@@ -38,11 +40,12 @@ fn scenes() -> Vec<SceneQuery> {
 struct Trial {
     scenes: Vec<SceneQuery>,
     known: Vec<(BodyId, Soup, Rows)>,
+    ignored: BTreeSet<[BodyId; 2]>,
 }
 
 impl Trial {
     fn new() -> Self {
-        Self { scenes: scenes(), known: Vec::new() }
+        Self { scenes: scenes(), known: Vec::new(), ignored: BTreeSet::new() }
     }
 
     /// Tells all scenes, which give the same answer.
@@ -68,6 +71,26 @@ impl Trial {
         self.known[place].2 = rows;
         let id = self.known[place].0;
         self.tell(|scene| scene.set_pose(id, Pose::new(rows))).unwrap();
+    }
+
+    fn group(&mut self, place: usize, rng: &mut impl Rng) {
+        let id = self.known[place].0;
+        let mut bits = || 1 << rng.random_range(0..3) | 1 << rng.random_range(0..3);
+        let groups = Groups { memberships: bits(), filter: bits() };
+        self.tell(|scene| scene.set_groups(id, groups)).unwrap();
+        self.tell(|scene| scene.set_user_data(id, u64::from(groups.filter))).unwrap();
+    }
+
+    /// Ignores two bodies, or no longer if they were ignored.
+    fn ignore(&mut self, places: [usize; 2]) {
+        let mut ids = places.map(|place| self.known[place].0);
+        let [a, b] = ids;
+        ids.sort();
+        let ignored = self.ignored.insert(ids);
+        if !ignored {
+            self.ignored.remove(&ids);
+        }
+        self.tell(|scene| scene.ignore(a, b, ignored)).unwrap();
     }
 
     fn deform(&mut self, place: usize, rng: &mut impl Rng) {
@@ -100,6 +123,10 @@ impl Trial {
         let world = |(_, soup, rows): &(BodyId, Soup, Rows)| posed(&soup.positions, rows);
         for (place, a) in self.known.iter().enumerate() {
             for b in &self.known[place + 1..] {
+                let [s, t] = [a.0, b.0].map(|id| self.scenes[0].body(id).unwrap());
+                if !s.groups().meet(&t.groups()) || self.ignored.contains(&[a.0, b.0]) {
+                    continue;
+                }
                 let found = pairs(&world(a), &a.1.triangles, &world(b), &b.1.triangles);
                 let hit =
                     |(t, u)| SceneHit { bodies: [a.0, b.0], pair: TrianglePair { a: t, b: u } };
@@ -125,7 +152,8 @@ impl Trial {
                     any.map_or(expected.is_empty(), |hit| expected.binary_search(&hit).is_ok())
                 );
                 assert_eq!(scene.count().unwrap(), expected.len() as u64);
-                assert!(scene.all().unwrap() == expected);
+                scene.update().unwrap();
+                assert!(scene.hits() == expected && scene.all().unwrap() == expected);
             }
             let contacts = scene.contacts().unwrap();
             assert!(contacts.iter().map(|(hit, _)| hit).eq(&expected));
@@ -156,13 +184,15 @@ fn anything_may_happen_between_frames() {
     for frame in 0..60 {
         for _ in 0..rng.random_range(0..4) {
             let rows = if rng.random() { pose_rows(1.5, &mut rng) } else { IDENTITY };
-            let what = if trial.known.len() < 4 { 0 } else { rng.random_range(0..9) };
+            let what = if trial.known.len() < 4 { 0 } else { rng.random_range(0..11) };
             let place = rng.random_range(0..trial.known.len().max(1));
             match what {
                 0 => trial.add(soup(&mut rng), rows),
                 1 => trial.remove(place),
                 2 => trial.split(place, frame % 3 + 1),
                 3 | 4 => trial.deform(place, &mut rng),
+                5 => trial.group(place, &mut rng),
+                6 => trial.ignore([place, rng.random_range(0..trial.known.len())]),
                 _ => trial.pose(place, rows),
             }
         }

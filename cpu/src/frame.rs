@@ -8,7 +8,7 @@ use crate::stealing::Stealing;
 use crate::workers::Frame;
 use crate::{Report, Schedule, Settings, Share, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Tests of both kinds that the calling thread does before it calls others, if nobody has measured what a call takes
 /// ([`Traversal::measured`]). A frame whose expected cost, in box tests, is lower than this begins there.
@@ -17,6 +17,10 @@ const ALONE: u64 = 2048;
 /// Tests between two looks at the clock while others may be called. A frame that ends sooner is not timed: that would take
 /// as long as a part of such a frame.
 const STEP: u64 = 512;
+
+/// The remembered overhead of a frame on several threads shrinks to this part of it with each frame on the calling thread, so
+/// that others are called again sooner or later, in case they have become faster.
+const FADING: f64 = 31.0 / 32.0;
 
 impl Traversal {
     /// A frame, into the first of `outputs` and others that are added as needed. Returns whether it came to the end.
@@ -35,12 +39,21 @@ impl Traversal {
         self.report = Report { shares, ..Report::default() };
         let control = Control::new(self.deadline);
         let from_roots = self.p() > 1 && !only_one_hit && self.expects_much();
-        self.begin(queries, from_roots, &control, &mut outputs[0]);
-        if !self.starts.is_empty() && !control.is_over() {
+        // Nearly as long as predicted is no reason to call others shortly before the end.
+        let predicted = if only_one_hit { 0.0 } else { self.predicted() };
+        let alone = self.call.map(|call| self.worth(call).max(2.0 * predicted));
+        self.begin(queries, from_roots, alone, &control, &mut outputs[0]);
+        if self.starts.is_empty() || control.is_over() {
+            self.overhead *= FADING;
+        } else {
+            let clock = Instant::now();
             match self.settings.schedule {
                 Schedule::Stealing => self.steal(queries, &control, outputs, new_output),
                 _ => self.divide(queries, from_roots, &control, outputs, new_output),
             }
+            let work = self.report.work().cost() - self.report.alone.cost();
+            let ideal = work * self.pace.unwrap_or_default() / self.p() as f64;
+            self.overhead = (clock.elapsed().as_secs_f64() - ideal).max(0.0);
         }
         self.report.late = control.was_late();
         let complete = !control.has_stopped();
@@ -60,25 +73,29 @@ impl Traversal {
     /// first frame.
     fn expects_much(&self) -> bool {
         let Some(cost) = self.last_cost else { return false };
-        match (self.call, self.pace) {
-            (Some(_), Some(pace)) => cost * pace >= self.worth_a_call().as_secs_f64(),
-            (Some(_), None) => false,
-            (None, _) => cost >= ALONE as f64,
+        match self.call {
+            Some(call) => self.predicted() >= self.worth(call.max(self.overhead)),
+            None => cost >= ALONE as f64,
         }
     }
 
-    /// The time W p / (p - 1) from which on p workers, called in W, are faster than one.
-    fn worth_a_call(&self) -> Duration {
-        let p = self.p() as f64;
-        self.call.unwrap_or_default().mul_f64(p / (p - 1.0))
+    /// The seconds that a frame like the last one takes the calling thread.
+    fn predicted(&self) -> f64 {
+        self.last_cost.unwrap_or_default() * self.pace.unwrap_or_default()
     }
 
-    /// Traverses the queries in turn on the calling thread for as long as pays, unless the frame is to be divided
-    /// `from_roots`, and notes what is left.
+    /// The seconds from which on p workers are faster than one, if it takes `overhead` to call them: W p / (p - 1).
+    fn worth(&self, overhead: f64) -> f64 {
+        overhead * self.p() as f64 / (self.p() as f64 - 1.0)
+    }
+
+    /// Traverses the queries in turn on the calling thread, for so many seconds `alone` if they are known, unless the frame
+    /// is to be divided `from_roots`; notes what is left.
     fn begin<Q: Query>(
         &mut self,
         queries: &[Q],
         from_roots: bool,
+        alone: Option<f64>,
         control: &Control,
         output: &mut impl Output,
     ) {
@@ -94,13 +111,13 @@ impl Traversal {
             }
             let mut cursor = Cursor::at(root);
             while !cursor.is_done() && !is_enough && !control.is_over() {
-                let most = if self.p() == 1 { u64::MAX } else { tests(cursor.work) + STEP };
-                control.traverse(query, number, &mut cursor, output, most);
+                let next = if self.p() == 1 { u64::MAX } else { tests(cursor.work) + STEP };
+                control.traverse(query, number, &mut cursor, output, next);
                 let done = sum(work, cursor.work);
                 if self.p() > 1 && tests(done) >= STEP {
                     let (clock, _) = clock.get_or_insert_with(|| (Instant::now(), done.cost()));
-                    is_enough = match self.call {
-                        Some(_) => clock.elapsed() >= self.worth_a_call(),
+                    is_enough = match alone {
+                        Some(alone) => clock.elapsed().as_secs_f64() >= alone,
                         None => tests(done) >= ALONE,
                     };
                 }

@@ -45,8 +45,10 @@ pub struct Traversal {
     pub(crate) front: FrontMemory,
     /// The cost of the last complete frame.
     pub(crate) last_cost: Option<f64>,
-    /// What it takes to call other threads, if it was measured.
-    pub(crate) call: Option<Duration>,
+    /// The seconds that it takes to call other threads, if that was measured.
+    pub(crate) call: Option<f64>,
+    /// The seconds that the last frame for which others were called took beyond its share of the work.
+    pub(crate) overhead: f64,
     /// The seconds that a box test took the calling thread when it last was alone for as long as pays.
     pub(crate) pace: Option<f64>,
     pub(crate) starts: Vec<Start>,
@@ -74,6 +76,7 @@ impl Traversal {
             front: FrontMemory::default(),
             last_cost: None,
             call: None,
+            overhead: 0.0,
             pace: None,
             starts: Vec::new(),
             buffers: Workers::default(),
@@ -93,10 +96,13 @@ impl Traversal {
         Self { settings, ..self }
     }
 
-    /// The same with frames that begin on the calling thread for as long as it takes to call the others, measured now, in
-    /// some 2 ms: W p / (p - 1) for p workers and a call of W. Then a frame takes at most 1 + (p - 1) / p times what one thread
-    /// takes, as long as a call takes W. Without, they begin there for 2,048 tests, and the counts of a [`Report`] depend on no
-    /// machine.
+    /// The same, with what it takes to call other threads measured now, in some 10 ms, instead of assumed.
+    ///
+    /// A frame then begins on the calling thread for a time of W p / (p - 1), with W the time of a call and p workers, or for
+    /// twice what the last frame took, if that is longer: so it takes at most 1 + (p - 1) / p times what one thread takes,
+    /// whatever it finds, as long as a call takes W. Others are called from the start if the last frame was worth it with what
+    /// calling them really took, front included. Without a measurement, 2,048 tests stand for both times, and the counts of
+    /// a [`Report`] are the same on every machine.
     ///
     /// # Examples
     /// ```
@@ -107,7 +113,7 @@ impl Traversal {
         let mut times = [Duration::ZERO; 9];
         for time in &mut times {
             // Threads that have just worked are still awake.
-            std::thread::sleep(Duration::from_micros(200));
+            std::thread::sleep(Duration::from_millis(1));
             let clock = Instant::now();
             in_scope(self.pool.as_deref(), |scope| {
                 (1..self.threads()).for_each(|_| scope.spawn(|_| ()));
@@ -115,7 +121,8 @@ impl Traversal {
             *time = clock.elapsed();
         }
         times.sort_unstable();
-        Self { call: Some(times[times.len() / 2]), ..self }
+        // A bound rather than a mean, but for the one time that something else may have come between.
+        Self { call: Some(times[times.len() - 2].as_secs_f64()), ..self }
     }
 
     /// Forgets the costs of the last frame, for a next one that does not resemble it.

@@ -22,6 +22,11 @@
 //! # Ok::<(), pfront::Error>(())
 //! ```
 //!
+//! # When threads pay
+//! A frame whose cost is unknown, and any search for one hit, begins on the calling thread. After as much work as calling
+//! others costs, which is measured when the executor is made, its pending node pairs go to them; nothing is done twice.
+//! `threads::Traversal::measured` states the bound.
+//!
 //! # When a GPU pays
 //! A GPU has to have the models before it can answer, and the number of frames to come is unknown: the ski rental problem. A
 //! query stays on the CPU until the GPU would have saved the price of a change, which is the upload and one of its frames;

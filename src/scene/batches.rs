@@ -5,11 +5,13 @@ use super::{BodyId, SceneHit};
 use crate::executor::Verb;
 use crate::threads::{Hit, Report, Traversal};
 use pfront_core::bvtt::PairBvtt;
-use std::ops::ControlFlow;
 
 /// The most pairs of bodies that are asked at once. Each takes a query and a node of the front, some 800 bytes,
 /// so that all of them take 50 MiB at most, however many pairs a frame has.
 const BATCH: usize = 1 << 16;
+
+/// The same for the first batch of a search for one hit; each further one is four times as large.
+const FIRST_BATCH: usize = 64;
 
 /// What a scene remembers of its frames on threads.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +44,6 @@ impl Batches {
                 self.each_batch(traversal, frame, |traversal, asked, queries| {
                     traversal.all(queries, &mut found);
                     hits.extend(found.iter().map(|&found| hit(asked, found)));
-                    ControlFlow::Continue(())
                 });
                 self.found = found;
                 Answer::listed(hits)
@@ -51,28 +52,39 @@ impl Batches {
                 let mut count = 0;
                 self.each_batch(traversal, frame, |traversal, _, queries| {
                     count += traversal.count(queries);
-                    ControlFlow::Continue(())
                 });
                 Answer::counted(count)
             }
             Verb::Any => {
                 let mut first = None;
-                self.each_batch(traversal, frame, |traversal, asked, queries| {
-                    first = traversal.any(queries).map(|found| hit(asked, found));
-                    if first.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-                });
+                let mut queries: Vec<PairBvtt<'_>> = std::mem::take(&mut self.queries);
+                let (mut rest, mut size) = (frame.queries(), FIRST_BATCH);
+                while first.is_none() {
+                    self.asking.clear();
+                    for (bodies, query) in rest.by_ref().take(size) {
+                        self.asking.push(bodies);
+                        queries.push(query);
+                    }
+                    if queries.is_empty() {
+                        break;
+                    }
+                    first = traversal.any(&queries).map(|found| hit(&self.asking, found));
+                    queries.clear();
+                    size = (4 * size).min(BATCH);
+                }
+                self.queries = emptied(queries);
                 Answer::found(first)
             }
         }
     }
 
-    /// Asks the queries of a frame in batches of at most [`BATCH`], until `ask` breaks or time runs out. The report of
-    /// the traversal is then that of all batches together.
+    /// Asks the queries of a frame in batches of at most [`BATCH`], until time runs out. The report of the
+    /// traversal is then that of all batches together.
     fn each_batch(
         &mut self,
         traversal: &mut Traversal,
         frame: &Frame<'_>,
-        mut ask: impl FnMut(&mut Traversal, &[[BodyId; 2]], &[PairBvtt<'_>]) -> ControlFlow<()>,
+        mut ask: impl FnMut(&mut Traversal, &[[BodyId; 2]], &[PairBvtt<'_>]),
     ) {
         let mut queries: Vec<PairBvtt<'_>> = std::mem::take(&mut self.queries);
         let mut rest = frame.queries().peekable();
@@ -91,19 +103,18 @@ impl Batches {
                 traversal.forget();
                 std::mem::swap(&mut self.asked, &mut self.asking);
             }
-            let end = ask(traversal, &self.asked, &queries);
+            ask(traversal, &self.asked, &queries);
             queries.clear();
             if let Some(mut report) = before.take() {
                 report.add(&traversal.report);
                 traversal.report = report;
             }
-            if is_last || end.is_break() || traversal.report.late {
+            if is_last || traversal.report.late {
                 break;
             }
             before = Some(traversal.report.clone());
         }
-        // An empty vector of one lifetime becomes one of another, in place.
-        self.queries = queries.into_iter().map_while(|_| None).collect();
+        self.queries = emptied(queries);
     }
 
     /// Makes the bodies of this frame those of the last, and keeps what is remembered of pairs that are in both.
@@ -121,4 +132,9 @@ impl Batches {
         traversal.renumber(|old| numbers[old as usize]);
         std::mem::swap(&mut self.asked, &mut self.asking);
     }
+}
+
+/// An empty vector of one lifetime becomes one of another, in place.
+fn emptied(queries: Vec<PairBvtt<'_>>) -> Vec<PairBvtt<'static>> {
+    queries.into_iter().map_while(|_| None).collect()
 }

@@ -3,6 +3,7 @@
 use crate::sphere::Sphere;
 use crate::{Aabb, Error, Model, Pose};
 use pfront_core::bvtt::PosedBvh;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
@@ -16,6 +17,39 @@ impl fmt::Display for BodyId {
     }
 }
 
+/// Groups of bodies: two bodies are asked about if each is a member of a group that the other's filter lets through.
+///
+/// # Examples
+/// ```
+/// use pfront::Groups;
+/// let wheels = Groups { memberships: 0b01, filter: 0b10 };
+/// let ground = Groups { memberships: 0b10, filter: 0b11 };
+/// assert!(wheels.meet(&ground) && !wheels.meet(&wheels));
+/// assert!(ground.meet(&Groups::default()));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Groups {
+    /// A bit for each group that the body is a member of.
+    pub memberships: u32,
+    /// A bit for each group whose members it may meet.
+    pub filter: u32,
+}
+
+impl Groups {
+    /// Whether members of both are asked about.
+    #[must_use]
+    pub const fn meet(&self, other: &Self) -> bool {
+        self.memberships & other.filter != 0 && other.memberships & self.filter != 0
+    }
+}
+
+/// Every body meets every other.
+impl Default for Groups {
+    fn default() -> Self {
+        Self { memberships: u32::MAX, filter: u32::MAX }
+    }
+}
+
 /// A model and where it is.
 #[derive(Clone, Debug)]
 pub struct Body {
@@ -23,6 +57,8 @@ pub struct Body {
     pub(super) model: Arc<Model>,
     pose: Pose,
     bounds: Option<(Aabb, Sphere)>,
+    pub(super) groups: Groups,
+    pub(super) user_data: u64,
 }
 
 impl Body {
@@ -42,6 +78,18 @@ impl Body {
     #[must_use]
     pub fn pose(&self) -> Pose {
         self.pose
+    }
+
+    /// The groups of [`crate::SceneQuery::set_groups`].
+    #[must_use]
+    pub fn groups(&self) -> Groups {
+        self.groups
+    }
+
+    /// The number of [`crate::SceneQuery::set_user_data`], 0 at first.
+    #[must_use]
+    pub fn user_data(&self) -> u64 {
+        self.user_data
     }
 
     /// A box in the world that contains every posed vertex, rounding included; `None` if there is no
@@ -88,6 +136,8 @@ pub(super) struct Bodies {
     gathered: u64,
     /// The places of bodies that have changed, some twice; as soon as there are more than bodies, not of all.
     moved: Vec<u32>,
+    /// Pairs that are not asked about, the first id before the second.
+    ignored: BTreeSet<[BodyId; 2]>,
 }
 
 /// Later than any change.
@@ -143,7 +193,8 @@ impl Bodies {
 
     pub(super) fn add(&mut self, model: Arc<Model>, pose: Pose) -> Result<BodyId, Error> {
         let id = BodyId(self.next);
-        let mut body = Body { id, model, pose, bounds: None };
+        let groups = Groups::default();
+        let mut body = Body { id, model, pose, bounds: None, groups, user_data: 0 };
         body.set_pose(pose)?;
         self.regathered();
         self.known.push((id, self.time));
@@ -181,7 +232,34 @@ impl Bodies {
         self.known[place].1 = GONE;
         self.live -= 1;
         self.regathered();
+        self.ignored.retain(|two| !two.contains(&id));
         Ok(body)
+    }
+
+    /// Ignores two bodies, or no longer.
+    pub(super) fn ignore(&mut self, mut two: [BodyId; 2], ignored: bool) -> Result<(), Error> {
+        two.sort_unstable();
+        for id in two {
+            self.get(id)?;
+        }
+        let is_new = if ignored { self.ignored.insert(two) } else { self.ignored.remove(&two) };
+        if is_new {
+            // What is known of the two is no longer true, or no longer all.
+            self.change(two[0], |_| Ok(()))?;
+        }
+        Ok(())
+    }
+
+    /// Whether two bodies are asked about if their bounds overlap, by their places.
+    pub(super) fn may_meet(&self, two: [u32; 2]) -> bool {
+        let [Some(a), Some(b)] = two.map(|place| self.at(place)) else { return false };
+        a.groups.meet(&b.groups)
+            && (self.ignored.is_empty() || !self.ignored.contains(&[a.id, b.id]))
+    }
+
+    pub(super) fn get_mut(&mut self, id: BodyId) -> Result<&mut Body, Error> {
+        let place = self.place(id).ok_or(Error::StaleBody { id })?;
+        self.bodies[place].as_mut().ok_or(Error::StaleBody { id })
     }
 
     fn regathered(&mut self) {

@@ -1,7 +1,7 @@
 //! What happens to a scene between frames.
 
 use super::SceneQuery;
-use super::bodies::{Body, BodyId};
+use super::bodies::{Body, BodyId, Groups};
 use super::split::{Cutter, parts};
 use crate::{Aabb, Error, Model, Pose};
 use std::sync::Arc;
@@ -77,8 +77,49 @@ impl SceneQuery {
         })
     }
 
+    /// Says which other bodies a body may meet; all, at first.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if it is not there.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Groups, Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let tile = std::sync::Arc::new(tile);
+    /// let mut scene = SceneQuery::new();
+    /// let bodies = [0; 2].map(|_| scene.add(tile.clone(), Pose::IDENTITY));
+    /// assert_eq!(scene.count()?, 1);
+    /// for body in bodies {
+    ///     scene.set_groups(body?, Groups { memberships: 0b1, filter: 0b10 })?;
+    /// }
+    /// assert_eq!(scene.count()?, 0);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn set_groups(&mut self, id: BodyId, groups: Groups) -> Result<(), Error> {
+        if self.bodies.get(id)?.groups() == groups {
+            return Ok(());
+        }
+        self.bodies.change(id, |body| {
+            body.groups = groups;
+            Ok(())
+        })
+    }
+
+    /// Ignores two bodies, as the links of a joint that overlap by design, or no longer.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if one of them is not there.
+    ///
+    /// # Complexity
+    /// O(log n) for n ignored pairs.
+    pub fn ignore(&mut self, a: BodyId, b: BodyId, ignored: bool) -> Result<(), Error> {
+        self.bodies.ignore([a, b], ignored)
+    }
+
     /// Breaks a body into one for each part, that is each value of `part_of` over its triangles. The
-    /// pieces stay where they are; their ids follow all others, in ascending order of the parts.
+    /// pieces stay where they are, in the same groups and with the same user data; their ids follow all others, in ascending
+    /// order of the parts. Nobody ignores them.
     ///
     /// The triangles of a piece keep their order and are numbered anew, as [`Piece::triangles`] tells;
     /// its vertices are those that its triangles use, so that one on the cut is doubled. The body itself
@@ -107,6 +148,7 @@ impl SceneQuery {
     pub fn split(&mut self, id: BodyId, part_of: impl Fn(u32) -> u32) -> Result<Vec<Piece>, Error> {
         let body = self.bodies.get(id)?;
         let (model, pose) = (body.model().clone(), body.pose());
+        let (groups, user_data) = (body.groups(), body.user_data());
         let mut cutter = Cutter::new(&model);
         let parts = parts(model.mesh().triangles().len() as u32, part_of);
         let models = parts.iter().map(|(_, triangles)| cutter.cut(triangles));
@@ -115,6 +157,8 @@ impl SceneQuery {
         let pieces = parts.into_iter().zip(models).map(|((part, triangles), model)| {
             // What the pose does to the whole it can do to a part.
             let body = self.bodies.add(model.into(), pose)?;
+            let piece = self.bodies.get_mut(body)?;
+            (piece.groups, piece.user_data) = (groups, user_data);
             Ok(Piece { body, part, triangles })
         });
         pieces.collect()
@@ -126,6 +170,15 @@ impl SceneQuery {
     /// [`Error::StaleBody`] if it is not there.
     pub fn body(&self, id: BodyId) -> Result<&Body, Error> {
         self.bodies.get(id)
+    }
+
+    /// Keeps a number of the caller's with a body, such as the index of an entity.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if it is not there.
+    pub fn set_user_data(&mut self, id: BodyId, user_data: u64) -> Result<(), Error> {
+        self.bodies.get_mut(id)?.user_data = user_data;
+        Ok(())
     }
 
     /// The bodies in the order in which they were added.

@@ -32,11 +32,11 @@ impl<'s> Frame<'s> {
         Self { accuracy, bodies, pairs, since }
     }
 
-    /// Bodies whose bounds overlap, by their places and in order.
+    /// Bodies that may meet and whose bounds overlap, by their places and in order.
     pub(super) fn pairs(&self) -> impl Iterator<Item = Places> + use<'s> {
         let Self { bodies, pairs, since, .. } = *self;
         let changed = move |two: &Places| since.is_none_or(|t| bodies.changed_at(*two) > t);
-        pairs.iter().copied().filter(changed)
+        pairs.iter().copied().filter(changed).filter(|&two| bodies.may_meet(two))
     }
 
     /// The same as queries.

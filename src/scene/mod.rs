@@ -12,7 +12,7 @@ mod edit;
 mod frame;
 mod split;
 
-pub use bodies::{Body, BodyId};
+pub use bodies::{Body, BodyId, Groups};
 pub use edit::Piece;
 
 use crate::executor::{Plan, Run, Verb};
@@ -165,6 +165,31 @@ impl SceneQuery {
         self.ask(since, Verb::All)?;
         self.hits.complete(&self.new_hits, &self.bodies);
         Ok(self.hits.list())
+    }
+
+    /// Finds what [`SceneQuery::all`] finds, for [`SceneQuery::hits`], which leaves the scene free to be looked into.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::all`].
+    ///
+    /// # Examples
+    /// ```
+    /// # let mut scene = pfront::SceneQuery::new();
+    /// scene.update()?;
+    /// for hit in scene.hits() {
+    ///     let [a, b] = hit.bodies;
+    ///     println!("{:?} meets {:?}", scene.body(a)?.pose(), scene.body(b)?.pose());
+    /// }
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn update(&mut self) -> Result<(), Error> {
+        self.all().map(drop)
+    }
+
+    /// The list of the last [`SceneQuery::update`] or [`SceneQuery::all`], whatever has changed since; empty before the first.
+    #[must_use]
+    pub fn hits(&self) -> &[SceneHit] {
+        self.hits.list()
     }
 
     /// Some pair that meets, if any does; stops at the first.

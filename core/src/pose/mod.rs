@@ -52,6 +52,85 @@ impl Pose {
         pose
     }
 
+    /// Makes a pose from a matrix by columns, as glam, bevy, rapier, OpenGL and three.js keep it. Its last row, 0 0 0 1 of
+    /// every affine map, is not read.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Pose;
+    /// let matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0, 1.0];
+    /// assert_eq!(Pose::from_cols_array(&matrix), Pose::from_translation([5.0, 6.0, 7.0]));
+    /// ```
+    #[must_use]
+    pub const fn from_cols_array(m: &[f32; 16]) -> Self {
+        Self {
+            rows: [
+                [m[0], m[4], m[8], m[12]],
+                [m[1], m[5], m[9], m[13]],
+                [m[2], m[6], m[10], m[14]],
+            ],
+        }
+    }
+
+    /// Makes a pose from a rotation, as a unit quaternion (x, y, z, w), and a translation that comes after it.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Pose;
+    /// let half_turn_about_z = Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 5.0]);
+    /// assert_eq!(half_turn_about_z.apply([1.0, 2.0, 3.0]), [-1.0, -2.0, 8.0]);
+    /// ```
+    #[must_use]
+    pub fn from_rotation_translation(rotation: [f32; 4], translation: [f32; 3]) -> Self {
+        let [x, y, z, w] = rotation.map(f64::from);
+        let row = |r: [f64; 3], t: f32| [r[0] as f32, r[1] as f32, r[2] as f32, t];
+        let [tx, ty, tz] = translation;
+        Self {
+            rows: [
+                row(
+                    [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+                    tx,
+                ),
+                row(
+                    [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+                    ty,
+                ),
+                row(
+                    [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+                    tz,
+                ),
+            ],
+        }
+    }
+
+    /// The pose that takes every point back; `None` if there is none, since the pose is flat or not finite. Computed in f64
+    /// and rounded once.
+    ///
+    /// # Examples
+    /// With the poses of two bodies in the world, the pose of a query is `a_from_b = world_from_a⁻¹ · world_from_b`:
+    /// ```
+    /// use pfront_core::Pose;
+    /// let world_from_a = Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
+    /// let world_from_b = Pose::from_translation([3.0, 0.0, 0.0]);
+    /// let a_from_b = world_from_a.inverse().expect("a rigid pose has an inverse") * world_from_b;
+    /// assert_eq!(a_from_b.apply([0.0; 3]), [-2.0, 0.0, 0.0]);
+    /// ```
+    #[must_use]
+    pub fn inverse(&self) -> Option<Self> {
+        let m = self.rows.map(|row| row.map(f64::from));
+        let minor = |i: usize, j: usize| {
+            let ([r, s], [c, d]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
+            m[r][c] * m[s][d] - m[r][d] * m[s][c]
+        };
+        let determinant: f64 = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
+        let rows = [0, 1, 2].map(|i| {
+            let r = [0, 1, 2].map(|j| minor(j, i) / determinant);
+            let t = -(r[0] * m[0][3] + r[1] * m[1][3] + r[2] * m[2][3]);
+            [r[0], r[1], r[2], t].map(|x| x as f32)
+        });
+        rows.iter().flatten().all(|x| x.is_finite()).then_some(Self { rows })
+    }
+
     /// Returns the posed point, rounded as the [module](self) says.
     #[inline]
     #[must_use]
@@ -87,6 +166,23 @@ impl Pose {
             }
         }
         Ok(())
+    }
+}
+
+/// `a_from_b * b_from_c` is `a_from_c`: the pose on the right comes first. Computed in f64 and rounded once, so that a point
+/// posed by it may differ from one posed twice in the last digits.
+impl core::ops::Mul for Pose {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        let other = other.rows.map(|row| row.map(f64::from));
+        Self {
+            rows: self.rows.map(|row| {
+                let r = row.map(f64::from);
+                let entry = |k: usize| r[0] * other[0][k] + r[1] * other[1][k] + r[2] * other[2][k];
+                [entry(0), entry(1), entry(2), entry(3) + r[3]].map(|x| x as f32)
+            }),
+        }
     }
 }
 

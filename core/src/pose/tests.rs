@@ -174,3 +174,45 @@ fn a_huge_mesh_may_shrink_into_range() {
         assert!(posed.min.cmple(p).all() && p.cmple(posed.max).all(), "{posed:?} {p}");
     }
 }
+
+#[test]
+fn poses_are_made_from_what_engines_keep() {
+    let rotation = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
+    let (translation, point) = (glam::Vec3::new(1.0, -2.0, 3.5), glam::Vec3::new(0.2, 0.7, -4.0));
+    let matrix = glam::Mat4::from_rotation_translation(rotation, translation);
+    let expected = matrix.transform_point3(point);
+    let poses = [
+        Pose::from_cols_array(&matrix.to_cols_array()),
+        Pose::from_rotation_translation(rotation.to_array(), translation.to_array()),
+        Pose::from(glam::Affine3A::from_mat4(matrix)),
+    ];
+    for pose in poses {
+        let found = glam::Vec3::from(pose.apply(point.to_array()));
+        assert!((found - expected).length() < 1e-5, "{found} {expected}");
+    }
+}
+
+#[test]
+fn a_pose_and_its_inverse_take_points_back() {
+    let mut rng = seeded(4);
+    for _ in 0..200 {
+        // Not rigid: any map that is not flat has an inverse.
+        let mut pose =
+            || Pose::new([[0; 4]; 3].map(|row| row.map(|_| rng.random_range(-1.0..1.0))));
+        let (a, b) = (pose(), pose());
+        let rows = a.rows.map(|[x, y, z, _]| DVec3::new(x.into(), y.into(), z.into()));
+        let determinant = DMat3::from_cols_array_2d(&rows.map(|row| row.to_array())).determinant();
+        if determinant.abs() < 0.05 {
+            continue;
+        }
+        let p = [0.3, -0.8, 0.5];
+        let back = a.inverse().unwrap().apply(a.apply(p));
+        let (twice, once) = (a.apply(b.apply(p)), (a * b).apply(p));
+        for k in 0..3 {
+            assert!((back[k] - p[k]).abs() < 1e-4 && (twice[k] - once[k]).abs() < 1e-5);
+        }
+    }
+    let flat = Pose::new([[1.0, 2.0, 3.0, 0.0], [2.0, 4.0, 6.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+    let endless = Pose::from_translation([f32::INFINITY, 0.0, 0.0]);
+    assert_eq!([flat.inverse(), endless.inverse()], [None, None]);
+}
