@@ -114,5 +114,11 @@ mod tests {
         };
         assert_eq!(lifted(1.1 * ERROR), Some([1, -1]));
         assert_eq!(lifted(0.9 * ERROR), None);
+        for size in [1.0 / 1024.0, 1.0, 1024.0] {
+            let [a, mut b, c] = corner(size);
+            b[2] = size;
+            let one = |z: f32| CertifiedF32::orient3d([&a, &b, &c], [&[0.0, 0.0, z * size]]);
+            assert_eq!([one(1.1 * ERROR), one(0.9 * ERROR)], [Some([1]), None], "{size}");
+        }
     }
 }

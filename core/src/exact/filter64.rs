@@ -93,6 +93,12 @@ mod tests {
                 assert_eq!(orient2d(&a, &b, &c), 0, "{exponent}");
             }
         }
+        // One edge much longer than the other: the bound takes the longer one.
+        for exponent in 20..60 {
+            let scales = [-2f32.powi(-exponent), 2f32.powi(20), 1.5 * 2f32.powi(30)];
+            let [a, b, c] = scales.map(|s| [11.0 * s, 7.0 * s]);
+            assert_eq!([orient2d(&a, &b, &c), orient2d(&a, &c, &b)], [0; 2], "{exponent}");
+        }
         assert_eq!(orient2d(&[0.0, 0.0], &[1e-30, 0.0], &[0.0, 1e-30]), 1);
         assert_eq!(orient2d(&[0.0, 0.0], &[0.0, 1e30], &[1e30, 0.0]), -1);
     }

@@ -202,6 +202,15 @@ mod tests {
         }
     }
 
+    /// 7 MAX³ in units of the least f32 fills the bits of the topmost limb below its sign.
+    #[test]
+    fn the_largest_determinants_keep_their_sign() {
+        let (max, least) = (f32::MAX, f32::from_bits(1));
+        let (a, b) = ([-max; 3], [max, least, -max]);
+        let (c, d) = ([-max, max, least], [least, least, max]);
+        assert_eq!([orient3d([&a, &b, &c], &d), orient3d([&a, &c, &b], &d)], [1, -1]);
+    }
+
     #[test]
     fn ratios_and_normals_of_any_size() {
         let least = f32::from_bits(2);

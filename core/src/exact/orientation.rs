@@ -76,3 +76,22 @@ impl Orientation for Fast {
 fn sign(x: f32) -> i32 {
     i32::from(x > 0.0) - i32::from(x < 0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pfront_testkit::rng::{RngExt, seeded};
+
+    /// In small whole coordinates f32 makes no error.
+    #[test]
+    fn plain_f32_is_right_where_it_is_exact() {
+        let mut rng = seeded(2);
+        for _ in 0..2_000 {
+            let [a, b, c, d]: [Point; 4] =
+                [[0; 3]; 4].map(|p| p.map(|_| f32::from(rng.random_range(-9..=9_i8))));
+            assert_eq!(Fast::orient3d([&a, &b, &c], [&d]), Some(sides([&a, &b, &c], [&d])));
+            let [a, b, c] = [a, b, c].map(|[x, y, _]| [x, y]);
+            assert_eq!(Fast::orient2d(&a, &b, &c), Some(orient2d(&a, &b, &c)));
+        }
+    }
+}

@@ -82,3 +82,77 @@ fn intersection(a: &Aabb, b: &Aabb) -> Aabb {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvtt::{Cursor, TrianglePair};
+    use crate::triangle::Contact;
+    use core::ops::ControlFlow;
+
+    /// A query of one node pair, whose boxes are these.
+    struct Boxes([Aabb; 2], f32);
+
+    impl Query for Boxes {
+        fn root(&self) -> Option<NodePair> {
+            Some(NodePair::ROOT)
+        }
+        fn children(&self, _: NodePair, _: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+            0
+        }
+        fn boxes(&self, _: NodePair) -> [Aabb; 2] {
+            self.0
+        }
+        fn triangles_below(&self, _: NodePair) -> [u32; 2] {
+            [32, 64]
+        }
+        fn leaf_edge(&self) -> f32 {
+            self.1
+        }
+        fn step(
+            &self,
+            _: &mut Cursor,
+            _: u64,
+            _: impl FnMut(TrianglePair) -> ControlFlow<()>,
+        ) -> ControlFlow<()> {
+            ControlFlow::Continue(())
+        }
+        fn contact(&self, _: TrianglePair) -> Option<Contact> {
+            None
+        }
+    }
+
+    const fn aabb(min: [f32; 3], max: [f32; 3]) -> Aabb {
+        Aabb { min, max }
+    }
+
+    /// Cubes of edge 3 that overlap in 1 × 2 × 0, all dilated by half a leaf's edge of 2.
+    #[test]
+    fn estimates_follow_the_overlap() {
+        let (a, b) = (aabb([0.0; 3], [3.0; 3]), aabb([2.0, 1.0, 3.0], [5.0, 4.0, 6.0]));
+        let share = 2.0 * 3.0 * 1.0 / 64.0;
+        assert_eq!(estimate(&Boxes([a, b], 2.0), NodePair::ROOT), 16.0 * share * (32.0 + 64.0));
+        let point = aabb([1.0; 3], [1.0; 3]);
+        assert_eq!(estimate(&Boxes([point; 2], 0.0), NodePair::ROOT), 16.0 * (32.0 + 64.0));
+    }
+
+    /// Costs of children that overlap by these lengths, below a parent that costs 9 and overlaps by 10.
+    fn shares<const N: usize>(is_measured: bool, overlaps: [f32; N]) -> [f32; N] {
+        let slab = |x: f32| [aabb([0.0; 3], [x, 1.0, 1.0]); 2];
+        let parent = FrontNode { cost: 9.0, ..FrontNode::default() };
+        let query = Boxes(slab(10.0), 0.0);
+        let costs = costs_of_children(&query, &parent, is_measured, &overlaps.map(slab));
+        core::array::from_fn(|i| costs[i])
+    }
+
+    #[test]
+    fn children_share_the_cost_of_their_parent() {
+        // A measured cost less 1 is divided, an estimate is scaled by the overlap,
+        assert_eq!(shares(true, [2.5, 7.5]), [2.0, 6.0]);
+        assert_eq!(shares(false, [5.0]), [4.5]);
+        assert_eq!(shares(false, [7.0, 7.0]), [6.3; 2]);
+        // unless the children lie in the same place. Where nothing overlaps all get the same.
+        assert_eq!(shares(false, [10.0; 4]), [2.25; 4]);
+        assert_eq!(shares(true, [0.0; 4]), [2.0; 4]);
+    }
+}

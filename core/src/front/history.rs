@@ -122,6 +122,30 @@ impl Path {
 mod tests {
     use super::*;
 
+    fn node(path: Path, cost: f32) -> FrontNode {
+        FrontNode { path, cost, ..FrontNode::default() }
+    }
+
+    /// The last frame kept the first of four children, split the second, did not reach the third and kept the fourth.
+    #[test]
+    fn costs_are_found_at_and_below_a_node() {
+        let children = [0, 1, 2, 3].map(|child| Path::default().child(child));
+        let mut past = [
+            node(children[3], 5.0),
+            node(children[1].child(2), 4.0),
+            node(children[0], 2.0),
+            node(children[1].child(0), 3.0),
+        ];
+        let history = CostHistory::new(&mut past);
+        let mut nodes = children.map(|path| node(path, 0.0));
+        history.find(&mut nodes, 0);
+        let found = nodes.each_ref().map(|n| (history.cost(n), history.has_split(n)));
+        assert_eq!(found, [(2.0, false), (7.0, true), (0.0, false), (5.0, false)]);
+        assert_eq!(nodes.each_ref().map(|n| history.is_at_or_below(n)), [true, true, false, true]);
+        assert_eq!([history.share_in(&nodes), history.share_in(&nodes[1..2])], [1.0, 0.5]);
+        assert_eq!(CostHistory::default().share_in(&nodes), 0.0);
+    }
+
     #[test]
     fn paths_sort_depth_first() {
         let root = Path::default();

@@ -140,6 +140,13 @@ mod tests {
         }
     }
 
+    /// Ties between equally busy parts go to the first in number.
+    #[test]
+    fn ties_go_by_number() {
+        let (nodes, _) = partitioned(&[1.0; 8], 4);
+        assert!(nodes.iter().map(|n| n.part).eq([0, 1, 2, 3, 0, 1, 2, 3]));
+    }
+
     #[test]
     fn the_papers_bound_does_not_hold() {
         let (_, parts) = partitioned(&[7., 7., 6., 6., 5., 5., 4., 4., 4.], 4);

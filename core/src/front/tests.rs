@@ -106,11 +106,11 @@ fn any_front_is_a_whole_cut() {
 
 #[test]
 fn a_front_without_room_for_a_root_is_refused() {
-    let body = body(sheet(4, |_, _| 0.0));
-    let root = SelfBvtt::new(body.bvh()).root().unwrap();
+    let root = NodePair { a: 1, b: 2 };
     let mut nodes = [FrontNode::default(); 1];
     let mut front = Front::new(&mut nodes);
     assert_eq!(front.add(0, root), Ok(()));
+    assert_eq!((front.nodes()[0].pair, front.nodes()[0].cost), (root, 1.0));
     let error = CapacityError { buffer: "front", needed: 2, capacity: 1 };
     assert_eq!(front.add(1, root), Err(error));
 }
@@ -287,6 +287,72 @@ fn a_front_of_leaf_pairs_is_not_full() {
     let query = SelfBvtt::new(one.bvh());
     let report = Frames::new(1).frame(&[query], RefineOptions::new(2));
     assert!(!report.full && report.box_tests == 0, "{report:?}");
+}
+
+#[test]
+fn a_front_without_room_for_children_is_full() {
+    let bumpy = body(bumpy(24));
+    let report = Frames::new(1).frame(&[SelfBvtt::new(bumpy.bvh())], RefineOptions::new(2));
+    // The root branches into three pairs, of which one takes a test.
+    assert!(report.full && report.box_tests > 0, "{report:?}");
+}
+
+/// A level of 32 nodes is a starting front, and a g of 0 leaves it as it is. So does one worker with any.
+#[test]
+fn a_starting_front_is_not_split() {
+    let body = body(bumpy(24));
+    let query = SelfBvtt::new(body.bvh());
+    let none: [SelfBvtt; 0] = [];
+    assert_eq!(Frames::new(1).frame(&none, RefineOptions::new(2)), FrontReport::default());
+    let mut frames = Frames::new(CAPACITY);
+    frames.frame(&[query], RefineOptions::new(1));
+    assert_eq!(frames.history.len(), 1);
+    for (queries, expected) in [(32, 32), (31, 93)] {
+        let mut frames = Frames::new(CAPACITY);
+        frames.frame(&vec![&query; queries], options(2, 0.0));
+        assert_eq!(frames.history.len(), expected);
+    }
+}
+
+/// The costs of a front are those that the last frame measured, if it was like this one, and estimates if it was not.
+#[test]
+fn measured_costs_are_used_again_if_frames_are_alike() {
+    let body = body(bumpy(60));
+    let query = PairBvtt::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap();
+    let mut frames = Frames::new(CAPACITY);
+    for _ in 0..5 {
+        frames.frame(&[query], RefineOptions::new(8));
+    }
+    let front = |history: &mut [FrontNode]| {
+        let mut memory = vec![FrontNode::default(); CAPACITY];
+        let mut front = Front::new(&mut memory);
+        front.add(0, NodePair::ROOT).unwrap();
+        let report = front.refine(&RefineOptions::new(8), history, |_| &query);
+        let mut nodes = front.nodes().to_vec();
+        nodes.sort_by_key(FrontNode::order);
+        let costs: Vec<_> = nodes.iter().map(|n| (n.pair, n.cost)).collect();
+        (costs, report.coherent)
+    };
+    let mut settled = frames.history.clone();
+    settled.sort_by_key(FrontNode::order);
+    let measured = settled.iter().map(|n| (n.pair, n.cost)).collect();
+    assert_eq!(front(&mut frames.history.clone()), (measured, true));
+    // Most of the cost lies in another query now.
+    frames.history.push(FrontNode { query: 1, cost: 1e9, ..FrontNode::default() });
+    assert_eq!(front(&mut frames.history), front(&mut []));
+}
+
+/// Nodes that the last frame split are merged again where they have become cheap.
+#[test]
+fn a_coarser_grain_makes_a_smaller_front() {
+    let body = body(bumpy(60));
+    let query = [PairBvtt::new(body.bvh(), body.bvh(), tilt(0.05)).unwrap()];
+    let mut frames = Frames::new(CAPACITY);
+    let lengths = [64.0, 1.0].map(|g| {
+        frames.frame(&query, options(8, g));
+        frames.history.len()
+    });
+    assert!(2 * lengths[1] < lengths[0], "{lengths:?}");
 }
 
 fn pairs(query: &impl Query, roots: impl IntoIterator<Item = NodePair>) -> Vec<TrianglePair> {

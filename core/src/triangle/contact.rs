@@ -196,6 +196,9 @@ fn longest<'p>(points: impl Iterator<Item = &'p Point> + Clone) -> Option<[Point
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pfront_testkit::families::Family;
+    use pfront_testkit::oracle::intersect;
+    use pfront_testkit::rng::seeded;
 
     const FLOOR: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
 
@@ -228,8 +231,11 @@ mod tests {
         let direction = [1.0_f32, 3.0, 7.0];
         for exponent in 20..60 {
             let [near, far] = [-2f32.powi(-exponent), 2f32.powi(20)];
-            let t = [near, far, 1.5 * far].map(|scale| direction.map(|x| scale * x));
-            assert_eq!(unit_normal(&t), [0.0; 3], "{exponent}");
+            for size in [1.0, 2f32.powi(60)] {
+                let scales = [near, far, 1.5 * far].map(|scale| size * scale);
+                let t = scales.map(|scale| direction.map(|x| scale * x));
+                assert_eq!(unit_normal(&t), [0.0; 3], "{exponent}");
+            }
         }
         assert_eq!(unit_normal(&[[2.0; 3]; 3]), [0.0; 3]);
         // And with an area that f64 does not see.
@@ -256,5 +262,42 @@ mod tests {
         ends.sort_by(|p, q| p.partial_cmp(q).unwrap());
         assert_eq!(ends, [[0.0, 1.0, 0.0], [3.0, 1.0, 0.0]]);
         assert!(contact(&FLOOR, &[[5.0, 5.0, 0.0]; 3]).is_none());
+        let beside = [[5.0, 5.0, -1.0], [5.0, 5.0, 1.0], [5.0, 5.0, 1.0]];
+        assert!(contact(&FLOOR, &beside).is_none());
+    }
+
+    #[test]
+    fn contacts_exist_where_the_oracle_sees_an_intersection() {
+        let mut rng = seeded(15);
+        for family in Family::ALL {
+            for _ in 0..if cfg!(miri) { 2 } else { 100 } {
+                let (a, b) = family.pair(&mut rng);
+                assert_eq!(contact(&a, &b).is_some(), intersect(&a, &b), "{family:?} {a:?} {b:?}");
+            }
+        }
+    }
+
+    /// An end of an edge that lies in the plane is returned as it is, though f64 cannot hold its distance from the other
+    /// end.
+    #[test]
+    fn ends_in_the_plane_are_not_rounded() {
+        let (near, far) = ([0.1, 0.2, 0.0], [1e12, 1e12, 1e12]);
+        for [p, q] in [[near, far], [far, near]] {
+            assert_eq!(edge_point(&p, &q, &FLOOR), near);
+        }
+    }
+
+    /// The plane x = y, and an edge through it whose ends are closer to it than f64 can tell from so far away.
+    #[test]
+    fn edge_parameters_that_f64_does_not_know_come_from_integers() {
+        let (far, close) = (2f32.powi(20), 2f32.powi(-40));
+        let t = [[far, far, 0.0], [-far, -far, 0.0], [0.0, 0.0, far]];
+        let (p, q) = ([close, 0.0, 0.0], [0.0, 3.0 * close, 0.0]);
+        assert_eq!(edge_parameter(&p, &q, &t), 0.25);
+        // Ends at heights of 1 and −3 over the plane 7x = 3y, of which f64 knows four digits.
+        let (far, near, close) = (1_572_863.0 * 2f32.powi(40), 1_398_101.0 * 32.0, 2f32.powi(20));
+        let t = [[3.0 * far, 7.0 * far, 0.0], [-3.0 * near, -7.0 * near, 0.0], [0.0, 0.0, far]];
+        let (p, q) = ([3.0 * close, 0.0, 0.0], [0.0, 21.0 * close, 0.0]);
+        assert_eq!(edge_parameter(&p, &q, &t), 0.25);
     }
 }

@@ -139,3 +139,23 @@ fn separates<K: Orientation>(p: &[Point2], turn: i32, q: &[Point2]) -> Option<bo
     }
     Some(false)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exact::Exact;
+
+    /// An area that f64 takes for zero, in each projection: all are tried.
+    #[test]
+    fn every_projection_is_tried() {
+        let sliver = [[-1.0, 1.0, 0.0], [f32::from_bits(1), 1.0, -1.0], [-0.5, 1.0, -0.5]];
+        for turns in 0..3 {
+            let t = sliver.map(|mut p: Point| {
+                p.rotate_right(turns);
+                p
+            });
+            let found = projection::<Exact>(&t).unwrap().map(|p| (p.axis, p.turn != 0));
+            assert_eq!(found, Some(((1 + turns) % 3, true)));
+        }
+    }
+}

@@ -118,13 +118,13 @@ fn shared_first(triangle: &[u32; 3], is_shared: [bool; 3]) -> ([u32; 3], usize, 
 #[cold]
 fn repeated_shared_first(triangle: &[u32; 3], is_shared: [bool; 3]) -> ([u32; 3], usize, usize) {
     let [p, q, r] = *triangle;
-    let ([twice, once], [shared, other_shared]) = match is_shared {
+    // Two corners with all the vertices there are.
+    let ([u, v], [shared, other_shared]) = match is_shared {
         [x, _, y] if p == q => ([p, r], [x, y]),
-        [x, y, _] if q == r => ([q, p], [y, x]),
         [x, y, _] => ([p, q], [x, y]),
     };
-    let distinct = if twice == once { 1 } else { 2 };
-    let vertices = if shared { [twice, once, once] } else { [once, twice, twice] };
+    let distinct = if u == v { 1 } else { 2 };
+    let vertices = if shared { [u, v, v] } else { [v, u, u] };
     (vertices, distinct.min(usize::from(shared) + usize::from(other_shared)), distinct)
 }
 
@@ -204,5 +204,90 @@ fn separated_at_edge(a: &Triangle, d: &Point) -> bool {
     let across = edge.cross(normal);
     let error = 4.8e-15 * edge.abs().max_element() * normal.abs().max_element();
     let [c, d] = [c, d].map(|x| (across.dot(x), error * x.abs().max_element()));
-    c.0 > c.1 && d.0 < -d.1 || c.0 < -c.1 && d.0 > d.1
+    // Away from c by construction: across·c = (edge·c)² − edge²·c² ≤ 0.
+    c.0 < -c.1 && d.0 > d.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pfront_testkit::families::Family;
+    use pfront_testkit::oracle::self_hit;
+    use pfront_testkit::rng::{RngExt, seeded};
+
+    const RULE: Adjacency = Adjacency::SharedIndexRule;
+
+    #[test]
+    fn neighbours_as_the_oracle() {
+        let mut rng = seeded(12);
+        for family in Family::ALL {
+            for _ in 0..if cfg!(miri) { 2 } else { 150 } {
+                let (positions, a, b) = family.indexed(&mut rng);
+                let triangles = [a, b];
+                let mesh = Mesh::new(&positions, &triangles).unwrap();
+                let hits = |accuracy| intersects_in_mesh(mesh, 0, 1, RULE, accuracy);
+                let truth = self_hit(a, b, &positions);
+                assert_eq!(hits(Accuracy::Exact), truth, "{family:?} {positions:?} {triangles:?}");
+                assert!(hits(Accuracy::Conservative) || !truth);
+            }
+        }
+    }
+
+    /// All six corners on one line, in whole numbers, so that f32 makes no error.
+    #[test]
+    fn segments_on_one_line_as_the_oracle() {
+        let mut rng = seeded(13);
+        for _ in 0..if cfg!(miri) { 20 } else { 4_000 } {
+            let direction = [0; 3].map(|_| rng.random_range(-2..=2_i8));
+            let positions: [Point; 6] = [0; 6].map(|_| {
+                let step = rng.random_range(0..5_i8);
+                direction.map(|x| f32::from(step * x))
+            });
+            let triangles = [0; 2].map(|_| [0; 3].map(|_| rng.random_range(0..6)));
+            let mesh = Mesh::new(&positions, &triangles).unwrap();
+            let truth = self_hit(triangles[0], triangles[1], &positions);
+            for accuracy in [Accuracy::Exact, Accuracy::Fast] {
+                let found = intersects_in_mesh(mesh, 0, 1, RULE, accuracy);
+                assert_eq!(found, truth, "{accuracy:?} {positions:?} {triangles:?}");
+            }
+        }
+    }
+
+    /// Triangles with edges of one direction from the shared corner, which no plane separates: the height of these edges
+    /// over a plane normal to the difference of the other two is nothing but rounding errors.
+    #[test]
+    fn rounding_errors_do_not_separate_at_a_vertex() {
+        let mut rng = seeded(14);
+        for round in 0..if cfg!(miri) { 20 } else { 20_000 } {
+            let size = [1e-9, 1.0, 1e9][round % 3];
+            let mut third = || size * rng.random_range(1..1 << 22) as f32;
+            let (x, y) = (third(), third());
+            let edge = [[x; 3], [3.0 * x; 3]];
+            let positions =
+                [[0.0; 3], edge[0], [x, y, third()], edge[1], [third(), x, y], [y, third(), x]];
+            let [a, b] = [[0, 1, 2], [0, 3, 4 + rng.random_range(0..2)]];
+            let corners = [a, b].map(|t: [usize; 3]| t.map(|v| positions[v]));
+            assert!(!separated_at_vertex(&corners[0], &corners[1]), "{corners:?}");
+        }
+        // Equal directions make a plane without a normal.
+        let ([x, y], [far_x, far_y]) =
+            ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
+        assert!(!separated_at_vertex(&[[0.0; 3], x, y], &[[0.0; 3], far_x, far_y]));
+    }
+
+    /// Neighbours in one plane, which no side of their own planes tells apart.
+    #[test]
+    fn neighbours_in_a_plane_are_separated() {
+        let [o, x, y] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let opposite = [o, [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
+        assert!(separated_at_vertex(&[o, x, y], &opposite));
+        assert!(separated_at_vertex(&[o, x.map(|c| 1e6 * c), y], &opposite));
+        for (c, d, expected) in [(y, [0.5, -1.0, 0.0], true), (y, [0.5, 1.0, 0.0], false)] {
+            for size in [1e-12, 1.0, 1e12] {
+                let [x, c, d] = [x, c, d].map(|p| p.map(|coordinate| size * coordinate));
+                assert_eq!(separated_at_edge(&[o, x, c], &d), expected, "{size}");
+                assert!(!separated_at_edge(&[o, x, c], &x), "a corner on the plane");
+            }
+        }
+    }
 }

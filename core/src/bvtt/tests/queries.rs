@@ -6,7 +6,7 @@ use super::super::{Bvtt, Cursor, NodePair, PairBvtt, PosedBvh, Query, SelfBvtt, 
 use super::steps::in_steps;
 use super::{at_one_go, push, with_certificates};
 use crate::bvh::tests::Owned;
-use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
+use crate::triangle::{Accuracy, Adjacency, Contact, contact, intersects, intersects_in_mesh};
 use crate::{Aabb, Node, Pose};
 use pfront_testkit::oracle::{pairs, self_pairs, share_a_vertex};
 use pfront_testkit::rng::seeded;
@@ -207,6 +207,52 @@ fn one_mesh_as_the_oracle() {
     }
 }
 
+/// The children of the root, and the box tests that it takes to find them.
+fn children_of_root(query: &impl Query) -> (Vec<[u32; 2]>, u32) {
+    let mut found = Vec::new();
+    let tests = query.children(NodePair::ROOT, &mut |child, _| found.push([child.a, child.b]));
+    (found, tests)
+}
+
+/// Four triangles in one place, each a leaf, and one leaf of all four.
+#[test]
+fn tests_are_counted_once_for_each_unordered_pair() {
+    let soup = Soup::of([[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]; 4]);
+    let (four, one) = (Owned::new(soup.clone(), 1, true), Owned::new(soup, 4, true));
+    let itself = SelfBvtt::new(four.bvh());
+    let [left, right] = [2, 3];
+    assert_eq!(four.nodes[0].first, left);
+    let ordered = vec![[left, left], [left, right], [right, right]];
+    assert_eq!(children_of_root(&itself), (ordered, 1));
+    assert_eq!(at_one_go(&itself).1.box_tests, 6);
+    let two = PairBvtt::new(four.bvh(), one.bvh(), Pose::IDENTITY).unwrap();
+    assert_eq!(children_of_root(&two), (vec![[left, 0], [right, 0]], 2));
+    assert_eq!(at_one_go(&two).1.box_tests, 4);
+    let four = PairBvtt::new(four.bvh(), four.bvh(), Pose::IDENTITY).unwrap();
+    assert_eq!((children_of_root(&four).1, at_one_go(&four).1.box_tests), (4, 16));
+}
+
+/// The root and the leaf edge of a query, and the contact of one pair.
+fn described(query: impl Query, pair: TrianglePair) -> (Option<NodePair>, f32, Option<Contact>) {
+    (query.root(), query.leaf_edge(), query.contact(pair))
+}
+
+#[test]
+fn a_reference_to_a_query_is_that_query() {
+    let (a, b) = (Owned::new(bumpy(9), 4, false), Owned::new(sphere(6), 4, false));
+    let pose = Pose { rows: pose_rows(0.2, &mut seeded(9)) };
+    let query = PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap();
+    let pair = query.any().unwrap();
+    let t = a.bvh().mesh().triangle(pair.a);
+    let u = b.bvh().mesh().triangle(pair.b).map(|p| pose.apply(p));
+    let edge = a.bvh().leaf_edge().max(b.bvh().leaf_edge());
+    let expected = (Some(NodePair::ROOT), edge, contact(&t, &u));
+    assert!(edge > 0.0 && expected.2.is_some());
+    let by_reference: &_ = &query;
+    assert_eq!(described(by_reference, pair), expected);
+    assert_eq!(described(query, pair), expected);
+}
+
 #[test]
 fn an_empty_mesh_meets_nothing() {
     let (empty, some) =
@@ -214,6 +260,7 @@ fn an_empty_mesh_meets_nothing() {
     for [a, b] in [[&empty, &some], [&some, &empty], [&empty, &empty]] {
         let query = PairBvtt::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
         assert_eq!((query.root(), query.count(), query.any()), (None, 0, None));
+        assert_eq!(Query::root(&&query), None);
     }
     assert_eq!(SelfBvtt::new(empty.bvh()).count(), 0);
 }

@@ -5,11 +5,12 @@ extern crate std;
 use super::super::{Cursor, PairBvtt, Query, SelfBvtt, TrianglePair, Work};
 use super::{at_one_go, with_certificates};
 use crate::bvh::tests::Owned;
-use crate::bvh::{CompactNode, compact, node_bound};
-use crate::{Bvh, Pose};
+use crate::bvh::{CompactNode, MAX_DEPTH, compact, node_bound};
+use crate::{Bvh, Mesh, Node, Pose};
 use core::ops::ControlFlow::{Break, Continue};
 use pfront_testkit::rng::{RngExt, seeded};
-use pfront_testkit::shapes::{bumpy, pose_rows, sheet, sphere, tangle, union};
+use pfront_testkit::shapes::{Soup, bumpy, pose_rows, sheet, sphere, tangle, union};
+use std::vec;
 use std::vec::Vec;
 
 /// The tests by which a step may exceed its budget: box tests come up to 16 at a time.
@@ -128,4 +129,49 @@ fn with_any_budgets() {
 /// Asks in these steps, again and again.
 fn with_steps(query: &impl Query, steps: &[(u64, usize)]) {
     in_steps(query, &at_one_go(query), steps.iter().copied().cycle());
+}
+
+#[test]
+fn a_budget_ends_inside_a_leaf_pair() {
+    let eight = Owned::new(Soup::of([[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]; 8]), 8, false);
+    let query = PairBvtt::new(eight.bvh(), eight.bvh(), Pose::IDENTITY).unwrap();
+    let mut cursor = query.start();
+    for done in [10, 20, 30, 40, 50, 60, 64] {
+        let _ = query.step(&mut cursor, 10, |_| Continue(()));
+        assert_eq!(cursor.work, Work { box_tests: 0, triangle_tests: done });
+    }
+    assert!(cursor.is_done());
+}
+
+/// At every second level of the deepest tree all 16 pairs of grandchildren overlap, and the last leads on downwards.
+#[test]
+fn the_deepest_tree_fills_the_stack() {
+    let point = Node { min: [0.0; 3], first: 0, max: [0.0; 3], count: 0 };
+    let leaf = |first: u32| Node { first, count: 1, ..point };
+    let (mut nodes, mut parent, mut leaves) = (vec![point; 2], 0, 0..);
+    let mut next = || leaf(leaves.next().unwrap());
+    for _ in 0..MAX_DEPTH / 2 {
+        let at = nodes.len() as u32;
+        nodes[parent].first = at;
+        nodes.extend([Node { first: at + 2, ..point }, Node { first: at + 4, ..point }]);
+        nodes.extend([next(), next(), next(), point]);
+        parent = nodes.len() - 1;
+    }
+    nodes[parent] = next();
+    let triangles = vec![[0; 3]; next().first as usize];
+    let order: Vec<_> = (0..triangles.len() as u32).collect();
+    let mesh = Mesh::new(&[[0.0; 3]], &triangles).unwrap();
+    let bvh = Bvh::new(mesh, &nodes, &order, &mut [0; 3]).unwrap();
+    assert_eq!(bvh.depth(), MAX_DEPTH);
+    let query = PairBvtt::new(bvh, bvh, Pose::IDENTITY).unwrap();
+    let mut cursor = query.start();
+    let _ = query.step(&mut cursor, 16 * (MAX_DEPTH / 2) as u64, |_| Continue(()));
+    assert_eq!(cursor.pending().len(), 15 * MAX_DEPTH / 2 + 1);
+    assert_eq!(query.count(), (triangles.len() * triangles.len()) as u64);
+}
+
+#[test]
+fn work_costs_box_tests_and_some_for_each_triangle_test() {
+    let work = Work { box_tests: 2, triangle_tests: 3 };
+    assert_eq!(work.cost(), 2.0 + 3.0 * Work::TRIANGLE_COST);
 }
