@@ -30,7 +30,7 @@ impl Traversal {
         let mut shares = std::mem::take(&mut self.report.shares);
         shares.clear();
         self.report = Report { shares, ..Report::default() };
-        let control = Control::new(self.deadline);
+        let control = Control::new(self.deadline, self.cancel.clone());
         let alone = match self.p() {
             1 => u64::MAX,
             _ if !only_one_hit && self.expects_much(queries) => 0,
@@ -107,16 +107,13 @@ impl Traversal {
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
     ) {
-        let p = self.p();
+        let (p, threads) = (self.p(), self.threads());
         let Self { settings, pool, front, starts, buffers, report, .. } = self;
         report.shares.resize(p, Share::default());
         let settings = Settings { coherence: settings.coherence && from_roots, ..*settings };
         front.divide(queries, starts, &settings, report);
         let clock = Instant::now();
-        let threads = pool
-            .as_ref()
-            .map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads());
-        outputs.resize_with(threads.min(p), new_output);
+        outputs.resize_with(threads, new_output);
         let frame = Frame { queries, nodes: front.nodes(), schedule: settings.schedule, control };
         buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares);
         report.traversal_time += clock.elapsed();

@@ -72,7 +72,7 @@ use std::sync::Arc;
 pub struct Executor {
     /// The threads, of which each query gets a copy for what it remembers; the calling thread alone if there are none.
     #[cfg(feature = "threads")]
-    traversal: Option<Box<Traversal>>,
+    pub(crate) traversal: Option<Box<Traversal>>,
     #[cfg(feature = "gpu")]
     device: Option<Arc<Device>>,
 }
@@ -162,6 +162,12 @@ impl Executor {
         Ok(self.with_line(gpu, settings, line))
     }
 
+    /// The GPU, if it answers all questions.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn only_device(&self) -> Option<&Arc<Device>> {
+        self.device.as_ref().filter(|device| device.line.is_none())
+    }
+
     #[cfg(feature = "gpu")]
     fn with_line(mut self, gpu: &Gpu, settings: GpuSettings, line: measure::Line) -> Self {
         self.device = Some(Arc::new(Device::new(gpu, settings, Some(line))));
@@ -171,11 +177,11 @@ impl Executor {
 
 #[cfg(feature = "threads")]
 impl From<Traversal> for Executor {
-    /// Several threads, with the pool and the settings of `traversal`. What it remembers is forgotten, and so is its deadline:
+    /// Several threads, with the pool and the settings of `traversal`. What it remembers is forgotten, and so are its deadline and its cancel flag:
     /// an answer that ended there would be kept as if it were complete.
     fn from(mut traversal: Traversal) -> Self {
         traversal.forget();
-        traversal.deadline = None;
+        (traversal.deadline, traversal.cancel) = (None, None);
         Self {
             traversal: Some(Box::new(traversal)),
             #[cfg(feature = "gpu")]
