@@ -17,7 +17,7 @@ const BEGIN: u64 = 16;
 pub(super) struct Steps {
     job: Job,
     left: Range<usize>,
-    /// Of the first question that is left, if it has been begun.
+    /// The progress of the first question that is left, if it has been begun.
     cursor: Option<Cursor>,
     answer: Answer<TrianglePair>,
     pub(super) found: Found,

@@ -6,7 +6,8 @@ use super::{Job, Question};
 use crate::executor::{Answer, Device, Verb};
 use crate::gpu::{self, GpuError, GpuModel, GpuSubmission, wgpu};
 use crate::{Error, Model, Stamp, TrianglePair};
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
+use std::collections::hash_map::{Entry, HashMap};
 use std::io;
 use std::sync::{Arc, PoisonError};
 #[cfg(not(target_arch = "wasm32"))]
@@ -73,10 +74,9 @@ fn upload(
 ) -> Result<HashMap<Stamp, Arc<GpuModel>>, GpuError> {
     let mut uploads = HashMap::new();
     let mut bring = |model: &Model| -> Result<(), GpuError> {
-        let stamp = model.stamp();
-        if !uploads.contains_key(&stamp) {
-            let known = before.get(&stamp).filter(|model| model.is_on(&device.gpu)).cloned();
-            uploads.insert(stamp, known.map_or_else(|| device.model(model), Ok)?);
+        if let Entry::Vacant(entry) = uploads.entry(model.stamp()) {
+            let known = before.get(entry.key()).filter(|model| model.is_on(&device.gpu)).cloned();
+            entry.insert(known.map_or_else(|| device.model(model), Ok)?);
         }
         Ok(())
     };

@@ -129,8 +129,8 @@ impl Executor {
     /// that asks about other models each time uploads them each time: make one for each pair of models. A mesh that
     /// deforms keeps its tree there until [`Model`](crate::Model) rebuilds it.
     ///
-    /// Its lists take [`GpuSettings::budget`] of device memory once for pairs of models, once for models with themselves, and
-    /// once for each scene, from the first such question on.
+    /// Its lists take [`GpuSettings::budget`] of device memory once for pairs of models, once for models with themselves,
+    /// once for each scene, and once or twice for as many tickets as were in flight at a time, from the first such question on.
     ///
     /// # Examples
     /// ```no_run
