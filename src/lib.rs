@@ -71,3 +71,8 @@ pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose};
 /// The backend on several CPU threads, and what can be chosen about it.
 #[cfg(feature = "threads")]
 pub use pfront_cpu as threads;
+
+/// The examples of the README are compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
