@@ -13,7 +13,6 @@ const SLICE: u64 = 4096;
 const BEGIN: u64 = 16;
 
 /// Consecutive questions, answered in slices on the thread that calls.
-#[derive(Debug)]
 pub(super) struct Steps {
     job: Job,
     left: Range<usize>,
@@ -113,10 +112,12 @@ mod pool {
             let (mut own_traversal, own) = (traversal.clone(), outcome.clone());
             own_traversal.cancel = Some(outcome.flag());
             traversal.spawn(move || {
-                if let Some(found) = own.guard(|| together(&mut own_traversal, &job)) {
+                own.guard(|| {
+                    let found = together(&mut own_traversal, &job)?;
                     // If it is cancelled, the outcome is known.
                     own.set(Ok(found));
-                }
+                    Ok(())
+                });
             });
             return outcome;
         }

@@ -28,7 +28,8 @@
 //!   [`Ticket::try_read`] and poll of the future does about 4096 tests, some 0.1 ms; [`Ticket::wait`] and [`Ticket::read`]
 //!   go on until they are done or out of time. A future wakes itself between slices.
 //! - **Threads**: the pool of the executor. If there are at least as many questions as threads, each thread takes the next
-//!   few; otherwise all threads divide one question after the other. Tickets are answered in the order of submission.
+//!   few, and a question is answered by one thread, however large; otherwise all threads divide one question after the
+//!   other. Tickets are answered in about the order of submission.
 //! - **A GPU**: the call uploads models that are not there and submits the first question, so that its place in the queue is
 //!   before everything submitted later. A helper thread, which lives until the ticket is answered, reads it and
 //!   submits the next, two at a time. It waits for no submission but its own. Natively, wgpu calls back only if somebody
@@ -54,12 +55,13 @@ use crate::executor::Verb;
 use crate::history::{About, OfOne, OfTwo};
 use crate::{Accuracy, Adjacency, Error, Executor, Model, Pose, TrianglePair};
 use found::Found;
+use std::fmt;
 use std::sync::Arc;
 
 /// Questions for one submission. See [the module](crate::batch).
 ///
 /// It can be submitted again, with another verb or to another executor, and added to while tickets are in flight. Keep it
-/// from frame to frame, by [`Batch::clear`]: models that are asked about again stay on the GPU.
+/// from frame to frame, by [`Batch::clear`]: models that are asked about again, unchanged, stay on the GPU.
 ///
 /// # Examples
 /// ```
@@ -73,7 +75,7 @@ use std::sync::Arc;
 /// assert_eq!(batch.count(&Executor::threads(4))?.read()?, [1, 0]);
 /// # Ok::<(), pfront::Error>(())
 /// ```
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Batch {
     job: Job,
     /// The models of the last submission.
@@ -82,7 +84,7 @@ pub struct Batch {
 }
 
 /// Questions and what is asked about them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 struct Job {
     questions: Arc<Vec<Question>>,
     accuracy: Accuracy,
@@ -90,7 +92,7 @@ struct Job {
 }
 
 /// The subject of a question.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 enum Question {
     Pair { models: [Arc<Model>; 2], a_from_b: Pose },
     Within { model: Arc<Model>, adjacency: Adjacency },
@@ -268,5 +270,12 @@ impl Batch {
         }
         let _ = executor;
         Ok(Ticket::new(Arc::default(), Some(cpu::Steps::new(job)), answer))
+    }
+}
+
+/// Without the meshes.
+impl fmt::Debug for Batch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Batch").field("len", &self.len()).finish_non_exhaustive()
     }
 }

@@ -111,7 +111,11 @@ impl Outcome {
         }
     }
 
+    /// An error is told as often as it is asked for.
     fn hand_out(state: &mut State) -> Result<Found, Error> {
+        if let State::Known(Err(error)) = state {
+            return Err(error.clone());
+        }
         match std::mem::replace(state, State::Read) {
             State::Known(outcome) => outcome,
             State::Pending(_) | State::Read => Err(Error::AlreadyRead),
@@ -151,22 +155,32 @@ impl Outcome {
 #[cfg(all(test, feature = "threads"))]
 mod tests {
     use super::*;
+    use std::panic::resume_unwind;
 
     #[test]
     fn a_panic_is_the_outcome_and_ends_all_work() {
         let outcome = Outcome::default();
         assert_eq!(outcome.guard(|| Ok(1)), Some(1));
         assert!(!outcome.is_known() && !outcome.is_over());
-        assert_eq!(
-            outcome.guard(|| -> Result<(), _> { std::panic::resume_unwind(Box::new(0)) }),
-            None
-        );
+        assert_eq!(outcome.guard(|| -> Result<(), _> { resume_unwind(Box::new(0)) }), None);
         assert!(outcome.is_known() && outcome.is_over());
         // Others come too late.
         outcome.set(Ok(Found::default()));
-        assert_eq!(outcome.take().map(|found| found.err()), Some(Some(Error::Panicked)));
-        assert_eq!(outcome.take().map(|found| found.err()), Some(Some(Error::AlreadyRead)));
+        for _ in 0..2 {
+            assert_eq!(outcome.take().map(Result::err), Some(Some(Error::Panicked)));
+        }
         outcome.cancel();
-        assert_eq!(outcome.take().map(|found| found.err()), Some(Some(Error::AlreadyRead)));
+        assert_eq!(outcome.take().map(Result::err), Some(Some(Error::Cancelled)));
+    }
+
+    #[test]
+    fn a_panic_of_a_thread_is_an_error_of_the_ticket() {
+        let outcome = Arc::<Outcome>::default();
+        let own = outcome.clone();
+        crate::threads::Traversal::new(2).spawn(move || {
+            own.guard(|| -> Result<(), _> { resume_unwind(Box::new(0)) });
+        });
+        outcome.wait(None);
+        assert_eq!(outcome.take().map(Result::err), Some(Some(Error::Panicked)));
     }
 }

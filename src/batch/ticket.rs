@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 /// The answers to a batch, which are on their way. See [the module](crate::batch) for who works on them, and when.
 ///
-/// A ticket is read once, by any of its methods or as a future. Dropping it cancels it. It needs neither its batch nor its
+/// Answers are handed out once, by any of its methods or to a future. Dropping a ticket cancels it. It needs neither its batch nor its
 /// executor any longer.
 ///
 /// # Examples
@@ -53,7 +53,7 @@ impl<T> Ticket<T> {
         }
     }
 
-    /// Whether reading would not wait: the answers are there, or an error is. Never waits.
+    /// Whether reading would not wait: the answers are there, or an error is, which reading tells. Never waits.
     ///
     /// # Complexity
     /// O(1); on a sequential executor, one slice of about 4096 tests.
@@ -92,8 +92,8 @@ impl<T> Ticket<T> {
         self.outcome.take().transpose().map(|found| found.map(self.answer))
     }
 
-    /// The answers, if they are there in time. Waits for this ticket and for nothing else; a thread of the rayon pool that
-    /// answers it works there meanwhile, and may come back late. Not on wasm32, which has no clock.
+    /// The answers, if they are there in time. Waits for this ticket and for nothing else; a thread of a rayon pool works on
+    /// what waits in its pool meanwhile, and may come back late. Not on wasm32, which has no clock.
     ///
     /// # Errors
     /// As [`Ticket::try_read`].
@@ -112,6 +112,7 @@ impl<T> Ticket<T> {
     pub fn wait(&mut self, timeout: Duration) -> Result<Option<T>, Error> {
         // A time too long to be told is waited for without an end.
         let until = Instant::now().checked_add(timeout);
+        self.step();
         while self.steps.is_some() && until.is_none_or(|until| Instant::now() < until) {
             self.step();
         }
