@@ -26,6 +26,15 @@ pub enum Error {
     /// A buffer of the core was too small.
     #[error(transparent)]
     Capacity(#[from] CapacityError),
+    /// A ticket was cancelled.
+    #[error("the ticket was cancelled")]
+    Cancelled,
+    /// A ticket was read again.
+    #[error("the ticket has been read; its answers are handed out once")]
+    AlreadyRead,
+    /// A thread panicked while it answered a ticket.
+    #[error("a thread panicked while it answered the ticket")]
+    Panicked,
     /// A GPU refused or failed.
     #[cfg(feature = "gpu")]
     #[error(transparent)]

@@ -245,6 +245,24 @@ impl History {
     }
 }
 
+/// Answers a question on threads; `pairs` are replaced under [`Verb::All`].
+#[cfg(feature = "threads")]
+pub(crate) fn traverse(
+    traversal: &mut Traversal,
+    query: &(impl Query + Sync),
+    verb: Verb,
+    pairs: &mut Vec<TrianglePair>,
+) -> Answer<TrianglePair> {
+    match verb {
+        Verb::All => {
+            traversal.all(from_ref(query), pairs);
+            Answer::listed(pairs)
+        }
+        Verb::Count => Answer::counted(traversal.count(from_ref(query))),
+        Verb::Any => Answer::found(traversal.any(from_ref(query)).map(|hit| hit.pair)),
+    }
+}
+
 struct Asking<'a, A> {
     about: &'a A,
     pairs: &'a mut Vec<TrianglePair>,
@@ -279,15 +297,7 @@ impl<A: About> Question for Asking<'_, A> {
 
     #[cfg(feature = "threads")]
     fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Self::Answer, Error> {
-        let query = &self.about.query();
-        Ok(match verb {
-            Verb::All => {
-                traversal.all(from_ref(query), self.pairs);
-                Answer::listed(self.pairs)
-            }
-            Verb::Count => Answer::counted(traversal.count(from_ref(query))),
-            Verb::Any => Answer::found(traversal.any(from_ref(query)).map(|hit| hit.pair)),
-        })
+        Ok(traverse(traversal, &self.about.query(), verb, self.pairs))
     }
 
     #[cfg(feature = "gpu")]

@@ -39,6 +39,7 @@
 //! The heart of it, [`core`], needs neither an allocator nor std. How to put any of it into an engine or into
 //! firmware, how large every buffer has to be, and the worst case of every call: [`embedding`].
 
+pub mod batch;
 #[doc = include_str!("../docs/embedding.md")]
 pub mod embedding {}
 mod error;
@@ -52,6 +53,7 @@ mod scene;
 mod sphere;
 mod within;
 
+pub use batch::{Batch, PairLists, Ticket};
 pub use error::Error;
 pub use executor::Executor;
 pub use model::{Model, Stamp};
@@ -69,3 +71,8 @@ pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose};
 /// The backend on several CPU threads, and what can be chosen about it.
 #[cfg(feature = "threads")]
 pub use pfront_cpu as threads;
+
+/// The examples of the README are compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

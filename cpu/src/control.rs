@@ -1,11 +1,12 @@
-//! The early end of a traversal: at a break, or at a deadline.
+//! The early end of a traversal: at a break, at a deadline, or when it is cancelled.
 
 use crate::output::Output;
 use pfront_core::bvtt::{Cursor, Query, Work};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Instant;
 
-/// Tests between two looks at the clock and at whether another worker has stopped: about 0.1 ms.
+/// Tests between two looks at the clock, at the cancel flag and at whether another worker has stopped: about 0.1 ms.
 pub(crate) const SLICE: u64 = 4096;
 
 /// State that all threads of a frame share.
@@ -14,15 +15,19 @@ pub(crate) struct Control {
     stop: AtomicBool,
     late: AtomicBool,
     deadline: Option<Instant>,
+    cancel: Option<Arc<AtomicBool>>,
 }
 
 impl Control {
-    pub(crate) fn new(deadline: Option<Instant>) -> Self {
-        Self { stop: AtomicBool::new(false), late: AtomicBool::new(false), deadline }
+    pub(crate) fn new(deadline: Option<Instant>, cancel: Option<Arc<AtomicBool>>) -> Self {
+        Self { stop: AtomicBool::new(false), late: AtomicBool::new(false), deadline, cancel }
     }
 
-    /// Whether a visitor broke or the deadline is past.
+    /// Whether a visitor broke, the frame was cancelled or the deadline is past.
     pub(crate) fn is_over(&self) -> bool {
+        if self.cancel.as_ref().is_some_and(|cancel| cancel.load(Relaxed)) {
+            self.stop.store(true, Relaxed);
+        }
         if self.stop.load(Relaxed) {
             return true;
         }

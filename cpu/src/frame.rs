@@ -37,7 +37,7 @@ impl Traversal {
         let mut shares = std::mem::take(&mut self.report.shares);
         shares.clear();
         self.report = Report { shares, ..Report::default() };
-        let control = Control::new(self.deadline);
+        let control = Control::new(self.deadline, self.cancel.clone());
         let from_roots = self.p() > 1 && !only_one_hit && self.expects_much();
         // Nearly as long as predicted is no reason to call others shortly before the end.
         let predicted = if only_one_hit { 0.0 } else { self.predicted() };

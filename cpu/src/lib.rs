@@ -45,6 +45,7 @@ mod workers;
 
 pub use build::join;
 pub use output::Hit;
+pub use rayon;
 pub use report::{Report, Share};
 pub use settings::{Schedule, Settings};
 pub use traversal::{MAX_WORKERS, Traversal};

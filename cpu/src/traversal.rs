@@ -10,6 +10,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// The largest number of workers p.
@@ -39,6 +40,9 @@ pub struct Traversal {
     /// The instant at which frames end, complete or not: see [`Report::late`]. Under every schedule each thread looks at
     /// the clock before every 4096 tests, about 0.1 ms. Generating a front and sorting are not interrupted.
     pub deadline: Option<Instant>,
+    /// A flag that ends the frame, complete or not, as soon as it is true: each thread looks at it where it looks at the
+    /// clock. Nobody but the caller sets it or clears it.
+    pub cancel: Option<Arc<AtomicBool>>,
     /// Counts and durations of the last frame.
     pub report: Report,
     pub(crate) pool: Option<Arc<ThreadPool>>,
@@ -71,6 +75,7 @@ impl Traversal {
             workers,
             settings: Settings::default(),
             deadline: None,
+            cancel: None,
             report: Report::default(),
             pool: None,
             front: FrontMemory::default(),
@@ -143,6 +148,29 @@ impl Traversal {
             Some(pool) => pool.install(run),
             None => run(),
         }
+    }
+
+    /// Starts a function in the pool of this traversal, and does not wait for it. A panic there is one of the pool: see
+    /// [`rayon::spawn`].
+    ///
+    /// # Examples
+    /// ```
+    /// let (tell, told) = std::sync::mpsc::channel();
+    /// pfront_cpu::Traversal::new(2).spawn(move || tell.send(6 * 7).unwrap());
+    /// assert_eq!(told.recv(), Ok(42));
+    /// ```
+    pub fn spawn(&self, run: impl FnOnce() + Send + 'static) {
+        match &self.pool {
+            Some(pool) => pool.spawn(run),
+            None => rayon::spawn(run),
+        }
+    }
+
+    /// The number of threads that may work on a frame: one for each worker, if the pool has as many.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        let pool = self.pool.as_ref();
+        self.p().min(pool.map_or_else(rayon::current_num_threads, |p| p.current_num_threads()))
     }
 
     /// Renumbers the queries of the last frame, for a next frame that asks other ones: `number` returns the new number
@@ -220,15 +248,6 @@ impl Traversal {
                 out.par_extend(pairs.par_iter().with_min_len(CONTACTS).filter_map(contact));
             });
         }
-    }
-
-    /// How many threads take its parts.
-    pub(crate) fn threads(&self) -> usize {
-        let threads = self
-            .pool
-            .as_ref()
-            .map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads());
-        threads.min(self.p())
     }
 
     /// The number of workers.

@@ -23,7 +23,7 @@ const LONG: usize = 64;
 
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verb {
+pub enum Verb {
     /// Every pair.
     All,
     /// One pair, if there is any.

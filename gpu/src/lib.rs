@@ -38,11 +38,13 @@ mod report;
 mod schedule;
 mod sequence;
 mod settings;
+mod submission;
 #[cfg(test)]
 mod tests;
 mod within;
 mod world;
 
+pub use answer::Verb;
 pub use clock::Timing;
 pub use deforming::Deforming;
 pub use error::GpuError;
@@ -52,6 +54,7 @@ pub use pair::GpuPairQuery;
 pub use pending::Pending;
 pub use report::GpuReport;
 pub use settings::{Budget, GpuSettings};
+pub use submission::GpuSubmission;
 pub use wgpu;
 pub use within::GpuSelfQuery;
 pub use world::{Bodies, World};

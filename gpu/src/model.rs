@@ -90,6 +90,12 @@ impl GpuModel {
         Ok(())
     }
 
+    /// Whether it was uploaded through `gpu` or a copy of it.
+    #[must_use]
+    pub fn is_on(&self, gpu: &Gpu) -> bool {
+        self.device == gpu.id()
+    }
+
     /// Bytes of device memory the model holds.
     #[must_use]
     pub fn bytes(&self) -> u64 {

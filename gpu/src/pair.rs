@@ -130,7 +130,7 @@ impl GpuPairQuery {
         b: &'q GpuModel,
         a_from_b: &Pose,
     ) -> Result<Pending<'q>, GpuError> {
-        let task = self.prepare(a, b, a_from_b)?;
+        let task = prepare(&mut self.answer.engine, a, b, a_from_b)?;
         Pending::record(&mut self.answer, encoder, task)
     }
 
@@ -141,37 +141,37 @@ impl GpuPairQuery {
         a_from_b: &Pose,
         verb: Verb,
     ) -> Result<(), GpuError> {
-        let task = self.prepare(a, b, a_from_b)?;
+        let task = prepare(&mut self.answer.engine, a, b, a_from_b)?;
         self.answer.ask(task, verb)
     }
+}
 
-    /// Binds the models and says what to ask about them; `None` if one is empty.
-    fn prepare(
-        &mut self,
-        a: &GpuModel,
-        b: &GpuModel,
-        a_from_b: &Pose,
-    ) -> Result<Option<Task>, GpuError> {
-        let (Some(_), Some(bounds)) = (a.bounds, b.bounds) else { return Ok(None) };
-        let posed = *a_from_b != Pose::IDENTITY;
-        if posed {
-            check_pose(a_from_b, &bounds)?;
-        }
-        self.answer.engine.bind(a, b)?;
-        let query = Query {
-            sides: [Placement::new(&Pose::IDENTITY), Placement::new(a_from_b)],
-            posed: [0, u32::from(posed)],
-            seeds: [a.seed_count, b.seed_count],
-            leaf_size: a.leaf_size,
-            ..Query::zeroed()
-        };
-        Ok(Some(Task {
-            query,
-            root: [a.root, b.root],
-            levels: a.depth.max(b.depth),
-            levels_below_seeds: a.depth_below_seeds.max(b.depth_below_seeds),
-        }))
+/// Binds the models and says what to ask about them; `None` if one is empty.
+pub(crate) fn prepare(
+    engine: &mut Engine,
+    a: &GpuModel,
+    b: &GpuModel,
+    a_from_b: &Pose,
+) -> Result<Option<Task>, GpuError> {
+    let (Some(_), Some(bounds)) = (a.bounds, b.bounds) else { return Ok(None) };
+    let posed = *a_from_b != Pose::IDENTITY;
+    if posed {
+        check_pose(a_from_b, &bounds)?;
     }
+    engine.bind(a, b)?;
+    let query = Query {
+        sides: [Placement::new(&Pose::IDENTITY), Placement::new(a_from_b)],
+        posed: [0, u32::from(posed)],
+        seeds: [a.seed_count, b.seed_count],
+        leaf_size: a.leaf_size,
+        ..Query::zeroed()
+    };
+    Ok(Some(Task {
+        query,
+        root: [a.root, b.root],
+        levels: a.depth.max(b.depth),
+        levels_below_seeds: a.depth_below_seeds.max(b.depth_below_seeds),
+    }))
 }
 
 reports!(GpuPairQuery);

@@ -8,6 +8,12 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 use wgpu::{Buffer, BufferUsages, CommandEncoder, Device, Queue, SubmissionIndex};
 
+/// While a thread waits, wgpu lets no other thread present a surface, so waiting is cut into slices.
+const SLICE: Duration = Duration::from_micros(100);
+
+/// The time within which a thread that polls calls back.
+const CALL_BACK: Duration = Duration::from_millis(10);
+
 /// Waits for a submission, or for all of them so far, and hands over what a mapped buffer then holds.
 pub(crate) fn map<T>(
     device: &Device,
@@ -32,8 +38,11 @@ pub(crate) fn map<T>(
     }
     let told = match told.try_recv() {
         Ok(told) => Ok(told),
-        // The submission was an earlier one, or another thread polled at the same time: it calls back.
-        Err(_) => poll(device, None, None).map(|_| told.recv())?,
+        // Another thread polled at the same time: it calls back. If it does not, the submission was an earlier one.
+        Err(_) => match told.recv_timeout(CALL_BACK) {
+            Ok(told) => Ok(told),
+            Err(_) => poll(device, None, None).map(|_| told.recv())?,
+        },
     };
     match told {
         Ok(Ok(())) => {}
@@ -53,6 +62,10 @@ pub(crate) fn poll(
     submission_index: Option<SubmissionIndex>,
     timeout: Option<Duration>,
 ) -> Result<bool, GpuError> {
+    if submission_index.is_some() && timeout.is_none() {
+        while !poll(device, submission_index.clone(), Some(SLICE))? {}
+        return Ok(true);
+    }
     let wait = wgpu::PollType::Wait { submission_index, timeout };
     // wgpu panics when the device is lost while somebody waits for it.
     match catch_unwind(AssertUnwindSafe(|| device.poll(wait))) {

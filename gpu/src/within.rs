@@ -105,36 +105,40 @@ impl GpuSelfQuery {
         encoder: &mut wgpu::CommandEncoder,
         model: &'q GpuModel,
     ) -> Result<Pending<'q>, GpuError> {
-        let task = self.prepare(model)?;
+        let task = prepare(&mut self.answer.engine, model, self.adjacency)?;
         Pending::record(&mut self.answer, encoder, task)
     }
 
     fn ask(&mut self, model: &GpuModel, verb: Verb) -> Result<(), GpuError> {
-        let task = self.prepare(model)?;
+        let task = prepare(&mut self.answer.engine, model, self.adjacency)?;
         self.answer.ask(task, verb)
     }
+}
 
-    /// Binds the model and says what to ask about it; `None` if it is empty.
-    fn prepare(&mut self, model: &GpuModel) -> Result<Option<Task>, GpuError> {
-        if model.bounds.is_none() {
-            return Ok(None);
-        }
-        self.answer.engine.bind(model, model)?;
-        let query = Query {
-            sides: [Placement::new(&Pose::IDENTITY); 2],
-            seeds: [model.seed_count; 2],
-            within: 1,
-            apart: u32::from(self.adjacency == Adjacency::SkipNeighbours),
-            leaf_size: model.leaf_size,
-            ..Query::zeroed()
-        };
-        Ok(Some(Task {
-            query,
-            root: [model.root; 2],
-            levels: model.depth,
-            levels_below_seeds: model.depth_below_seeds,
-        }))
+/// Binds the model and says what to ask about it; `None` if it is empty.
+pub(crate) fn prepare(
+    engine: &mut Engine,
+    model: &GpuModel,
+    adjacency: Adjacency,
+) -> Result<Option<Task>, GpuError> {
+    if model.bounds.is_none() {
+        return Ok(None);
     }
+    engine.bind(model, model)?;
+    let query = Query {
+        sides: [Placement::new(&Pose::IDENTITY); 2],
+        seeds: [model.seed_count; 2],
+        within: 1,
+        apart: u32::from(adjacency == Adjacency::SkipNeighbours),
+        leaf_size: model.leaf_size,
+        ..Query::zeroed()
+    };
+    Ok(Some(Task {
+        query,
+        root: [model.root; 2],
+        levels: model.depth,
+        levels_below_seeds: model.depth_below_seeds,
+    }))
 }
 
 reports!(GpuSelfQuery);

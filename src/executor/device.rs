@@ -1,8 +1,8 @@
-//! A GPU as an executor has it: its lists, shared by all queries, and the models that are there.
+//! A GPU as an executor has it: its lists, shared by all queries or lent to a ticket, and the models that are there.
 
 use super::measure::Line;
 use super::{Answer, Verb};
-use crate::gpu::{Gpu, GpuError, GpuModel, GpuPairQuery, GpuSelfQuery, GpuSettings};
+use crate::gpu::{Gpu, GpuError, GpuModel, GpuPairQuery, GpuSelfQuery, GpuSettings, GpuSubmission};
 use crate::{Adjacency, Model, Pose, Stamp, TrianglePair};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
@@ -14,6 +14,8 @@ pub(crate) struct Device {
     pub(super) line: Option<Line>,
     pair: Mutex<Option<GpuPairQuery>>,
     within: Mutex<Option<GpuSelfQuery>>,
+    /// Lists of tickets, while no ticket has them.
+    idle: Mutex<Vec<GpuSubmission>>,
     /// Models that do not move, for as long as some query has them.
     models: Mutex<Vec<(Stamp, Weak<GpuModel>)>>,
 }
@@ -26,12 +28,13 @@ impl Device {
             line,
             pair: Mutex::default(),
             within: Mutex::default(),
+            idle: Mutex::default(),
             models: Mutex::default(),
         }
     }
 
     /// A model there, which is uploaded unless some query has it.
-    pub(super) fn model(&self, model: &Model) -> Result<Arc<GpuModel>, GpuError> {
+    pub(crate) fn model(&self, model: &Model) -> Result<Arc<GpuModel>, GpuError> {
         let stamp = model.stamp();
         let mut models = lock(&self.models);
         models.retain(|(_, model)| model.strong_count() > 0);
@@ -42,6 +45,17 @@ impl Device {
         let uploaded = Arc::new(GpuModel::new(&self.gpu, model.bvh())?);
         models.push((stamp, Arc::downgrade(&uploaded)));
         Ok(uploaded)
+    }
+
+    /// Lists for one more question at a time.
+    pub(crate) fn lend(&self) -> Result<GpuSubmission, GpuError> {
+        let idle = lock(&self.idle).pop();
+        idle.map_or_else(|| GpuSubmission::new(&self.gpu, self.settings), Ok)
+    }
+
+    /// Takes lists back.
+    pub(crate) fn take_back(&self, lists: impl IntoIterator<Item = GpuSubmission>) {
+        lock(&self.idle).extend(lists);
     }
 
     /// Asks about two models there.

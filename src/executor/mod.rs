@@ -77,7 +77,7 @@ use std::sync::Arc;
 pub struct Executor {
     /// The threads, of which each query gets a copy for what it remembers; the calling thread alone if there are none.
     #[cfg(feature = "threads")]
-    traversal: Option<Box<Traversal>>,
+    pub(crate) traversal: Option<Box<Traversal>>,
     #[cfg(feature = "gpu")]
     device: Option<Arc<Device>>,
 }
@@ -134,8 +134,8 @@ impl Executor {
     /// that asks about other models each time uploads them each time: make one for each pair of models. A mesh that
     /// deforms keeps its tree there until [`Model`](crate::Model) rebuilds it.
     ///
-    /// Its lists take [`GpuSettings::budget`] of device memory once for pairs of models, once for models with themselves, and
-    /// once for each scene, from the first such question on.
+    /// Its lists take [`GpuSettings::budget`] of device memory once for pairs of models, once for models with themselves,
+    /// once for each scene, and once or twice for as many tickets as were in flight at a time, from the first such question on.
     ///
     /// # Examples
     /// ```no_run
@@ -167,6 +167,12 @@ impl Executor {
         Ok(self.with_line(gpu, settings, line))
     }
 
+    /// The GPU, if it answers all questions.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn only_device(&self) -> Option<&Arc<Device>> {
+        self.device.as_ref().filter(|device| device.line.is_none())
+    }
+
     #[cfg(feature = "gpu")]
     fn with_line(mut self, gpu: &Gpu, settings: GpuSettings, line: measure::Line) -> Self {
         self.device = Some(Arc::new(Device::new(gpu, settings, Some(line))));
@@ -176,11 +182,11 @@ impl Executor {
 
 #[cfg(feature = "threads")]
 impl From<Traversal> for Executor {
-    /// Several threads, with the pool and the settings of `traversal`. What it remembers is forgotten, and so is its deadline:
+    /// Several threads, with the pool and the settings of `traversal`. What it remembers is forgotten, and so are its deadline and its cancel flag:
     /// an answer that ended there would be kept as if it were complete.
     fn from(mut traversal: Traversal) -> Self {
         traversal.forget();
-        traversal.deadline = None;
+        (traversal.deadline, traversal.cancel) = (None, None);
         Self {
             traversal: Some(Box::new(traversal.measured())),
             #[cfg(feature = "gpu")]

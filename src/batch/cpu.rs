@@ -1,0 +1,206 @@
+//! Answering a batch on the CPU: in slices on one thread, or on a pool.
+
+use super::found::Found;
+use super::{About, Job, OfOne, OfTwo, Question};
+use crate::executor::{Answer, Verb};
+use crate::{Error, TrianglePair};
+use pfront_core::bvtt::{Cursor, Query, Work};
+use std::ops::{ControlFlow, Range};
+
+/// Tests between two looks at whether the ticket is cancelled, and those of one poll: about 0.1 ms.
+const SLICE: u64 = 4096;
+/// To begin a question costs as much as so many tests.
+const BEGIN: u64 = 16;
+
+/// Consecutive questions, answered in slices on the thread that calls.
+pub(super) struct Steps {
+    job: Job,
+    left: Range<usize>,
+    /// The progress of the first question that is left, if it has been begun.
+    cursor: Option<Cursor>,
+    answer: Answer<TrianglePair>,
+    pub(super) found: Found,
+}
+
+impl Steps {
+    /// All questions.
+    pub(super) fn new(job: Job) -> Self {
+        let all = 0..job.questions.len();
+        Self::part(job, all)
+    }
+
+    fn part(job: Job, left: Range<usize>) -> Self {
+        Self { job, left, cursor: None, answer: Answer::counted(0), found: Found::default() }
+    }
+
+    /// Goes on for about [`SLICE`] tests. Returns whether nothing is left.
+    pub(super) fn step(&mut self) -> Result<bool, Error> {
+        let (questions, accuracy) = (self.job.questions.clone(), self.job.accuracy);
+        let mut budget = SLICE;
+        while budget > 0 && !self.left.is_empty() {
+            let spent = match &questions[self.left.start] {
+                Question::Pair { models: [a, b], a_from_b } => {
+                    self.ask(&OfTwo::new([a, b], a_from_b, accuracy)?.query(), budget)
+                }
+                Question::Within { model, adjacency } => {
+                    self.ask(&OfOne::new(model, *adjacency, accuracy).query(), budget)
+                }
+            };
+            budget = budget.saturating_sub(spent);
+        }
+        Ok(self.left.is_empty())
+    }
+
+    /// Goes on with a question, and returns the tests done, at least the budget if the question is not answered.
+    fn ask(&mut self, query: &impl Query, budget: u64) -> u64 {
+        let Self { job, cursor, answer, found, .. } = self;
+        let cursor = cursor.get_or_insert_with(|| query.start());
+        let before = tests(cursor.work);
+        let end = query.step(cursor, budget, |pair| {
+            answer.count += 1;
+            match job.verb {
+                Verb::All => found.pairs.push(pair),
+                Verb::Count => {}
+                Verb::Any => {
+                    answer.first = Some(pair);
+                    return ControlFlow::Break(());
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        if end.is_continue() && !cursor.is_done() {
+            return budget;
+        }
+        let spent = tests(cursor.work) - before + BEGIN;
+        let first =
+            found.pairs.len() - if job.verb == Verb::All { answer.count as usize } else { 0 };
+        found.pairs[first..].sort_unstable();
+        found.answers.push(std::mem::replace(answer, Answer::counted(0)));
+        self.cursor = None;
+        self.left.start += 1;
+        spent
+    }
+}
+
+/// Tests of both kinds.
+fn tests(work: Work) -> u64 {
+    work.box_tests + work.triangle_tests
+}
+
+#[cfg(feature = "threads")]
+pub(super) use pool::submit;
+
+#[cfg(feature = "threads")]
+mod pool {
+    use super::super::outcome::Outcome;
+    use super::*;
+    use crate::history::traverse;
+    use crate::threads::Traversal;
+    use std::sync::atomic::{AtomicUsize, Ordering::AcqRel, Ordering::Relaxed};
+    use std::sync::{Arc, Mutex, PoisonError};
+
+    /// The most questions that a thread takes at a time.
+    const BLOCK: usize = 64;
+    /// With fewer, it takes so few that each thread takes at least so often.
+    const TURNS: usize = 16;
+
+    /// Submits a batch to the pool of a traversal.
+    pub(in super::super) fn submit(traversal: &Traversal, job: Job) -> Arc<Outcome> {
+        let (outcome, threads) = (Arc::<Outcome>::default(), traversal.threads());
+        let count = job.questions.len();
+        if count < threads {
+            let (mut own_traversal, own) = (traversal.clone(), outcome.clone());
+            own_traversal.cancel = Some(outcome.flag());
+            traversal.spawn(move || {
+                own.guard(|| {
+                    let found = together(&mut own_traversal, &job)?;
+                    // If it is cancelled, the outcome is known.
+                    own.set(Ok(found));
+                    Ok(())
+                });
+            });
+            return outcome;
+        }
+        let blocks = Arc::new(Blocks {
+            size: (count / (TURNS * threads)).clamp(1, BLOCK),
+            job,
+            outcome: outcome.clone(),
+            taken: AtomicUsize::new(0),
+            answered: Mutex::default(),
+            at_work: AtomicUsize::new(threads),
+        });
+        for _ in 0..threads {
+            let blocks = blocks.clone();
+            traversal.spawn(move || {
+                blocks.outcome.guard(|| blocks.work());
+            });
+        }
+        outcome
+    }
+
+    /// Answers one question after the other, each by all threads.
+    fn together(traversal: &mut Traversal, job: &Job) -> Result<Found, Error> {
+        let (mut found, mut pairs) = (Found::default(), Vec::new());
+        for question in job.questions.iter() {
+            // The next question does not resemble the last.
+            traversal.forget();
+            let answer = match question {
+                Question::Pair { models: [a, b], a_from_b } => {
+                    let about = OfTwo::new([a, b], a_from_b, job.accuracy)?;
+                    traverse(traversal, &about.query(), job.verb, &mut pairs)
+                }
+                Question::Within { model, adjacency } => {
+                    let about = OfOne::new(model, *adjacency, job.accuracy);
+                    traverse(traversal, &about.query(), job.verb, &mut pairs)
+                }
+            };
+            found.answers.push(answer);
+            found.pairs.append(&mut pairs);
+        }
+        Ok(found)
+    }
+
+    /// Questions that threads take in blocks, in their order.
+    struct Blocks {
+        job: Job,
+        outcome: Arc<Outcome>,
+        size: usize,
+        /// Questions that have been taken.
+        taken: AtomicUsize,
+        /// Each block that has been answered, with its first question.
+        answered: Mutex<Vec<(usize, Found)>>,
+        /// Threads that have not come to the end.
+        at_work: AtomicUsize,
+    }
+
+    impl Blocks {
+        /// Takes blocks until none is left. The last thread puts them in order.
+        fn work(&self) -> Result<(), Error> {
+            let count = self.job.questions.len();
+            while let Some(first) =
+                Some(self.taken.fetch_add(self.size, Relaxed)).filter(|&first| first < count)
+            {
+                let block = first..count.min(first + self.size);
+                let mut steps = Steps::part(self.job.clone(), block);
+                while !self.outcome.is_over() && !steps.step()? {}
+                if self.outcome.is_over() {
+                    return Ok(());
+                }
+                let mut answered = self.answered.lock().unwrap_or_else(PoisonError::into_inner);
+                answered.push((first, steps.found));
+            }
+            if self.at_work.fetch_sub(1, AcqRel) == 1 {
+                let mut answered = self.answered.lock().unwrap_or_else(PoisonError::into_inner);
+                answered.sort_unstable_by_key(|&(first, _)| first);
+                let mut all = Found::default();
+                for (_, mut found) in answered.drain(..) {
+                    all.answers.append(&mut found.answers);
+                    all.pairs.append(&mut found.pairs);
+                }
+                drop(answered);
+                self.outcome.set(Ok(all));
+            }
+            Ok(())
+        }
+    }
+}

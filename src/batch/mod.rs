@@ -1,0 +1,281 @@
+//! Batches: many questions in one submission, answered while the caller does something else.
+//!
+//! A [`Batch`] holds questions: two models and a pose, or one model and itself. [`Batch::any`], [`Batch::count`] and
+//! [`Batch::all`] submit all of them to an [`Executor`] and return a [`Ticket`] at once; the ticket is read later, by
+//! polling, with a timeout, or as a future. Answers are those of [`crate::PairQuery`] and [`crate::SelfQuery`], to the bit.
+//!
+//! ```
+//! use pfront::{Batch, Executor, Model, Pose};
+//! use std::sync::Arc;
+//! # let triangle = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+//! let model = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
+//! let mut batch = Batch::new();
+//! for i in 0..10 {
+//!     batch.pair(&model, &model, &Pose::from_translation([0.5 * i as f32, 0.0, 0.0]))?;
+//! }
+//! let mut ticket = batch.any(&Executor::auto())?;
+//! // ... the rest of the frame ...
+//! let found = match ticket.try_read()? {
+//!     Some(found) => found,
+//!     None => ticket.read()?,
+//! };
+//! assert_eq!(found.iter().filter(|hit| hit.is_some()).count(), 5);
+//! # Ok::<(), pfront::Error>(())
+//! ```
+//!
+//! # Who works, and when
+//! - **One thread** ([`Executor::sequential`]): nobody else can, so whoever polls does. Each [`Ticket::is_ready`],
+//!   [`Ticket::try_read`] and poll of the future does about 4096 tests, some 0.1 ms; [`Ticket::wait`] and [`Ticket::read`]
+//!   go on until they are done or out of time. A future wakes itself between slices.
+//! - **Threads**: the pool of the executor. If there are at least as many questions as threads, each thread takes the next
+//!   few, and a question is answered by one thread, however large; otherwise all threads divide one question after the
+//!   other. Tickets are answered in about the order of submission.
+//! - **A GPU**: the call uploads models that are not there and submits the first question, so that its place in the queue is
+//!   before everything submitted later. A helper thread, which lives until the ticket is answered, reads it and
+//!   submits the next, two at a time. It waits for no submission but its own. Natively, wgpu calls back only if somebody
+//!   polls, and this thread does, so a ticket needs no poll of the caller's and a future no runtime. Each ticket in flight
+//!   has lists of its own ([`Budget`](crate::gpu::Budget)), one more set with more than one question; the executor keeps
+//!   them for the next.
+//! - **A CPU and a GPU** ([`Executor::and_gpu`], [`Executor::auto`]): the CPU. A question of a batch has no earlier
+//!   frame from which its cost could be predicted.
+//!
+//! On wasm32, where no thread can wait for a GPU, whoever polls works instead.
+
+mod cpu;
+mod found;
+#[cfg(feature = "gpu")]
+mod gpu;
+mod outcome;
+mod ticket;
+
+pub use found::PairLists;
+pub use ticket::Ticket;
+
+use crate::executor::Verb;
+use crate::history::{About, OfOne, OfTwo};
+use crate::{Accuracy, Adjacency, Error, Executor, Model, Pose, TrianglePair};
+use found::Found;
+use std::fmt;
+use std::sync::Arc;
+
+/// Questions for one submission. See [the module](crate::batch).
+///
+/// It can be submitted again, with another verb or to another executor, and added to while tickets are in flight. Keep it
+/// from frame to frame, by [`Batch::clear`]: models that are asked about again, unchanged, stay on the GPU.
+///
+/// # Examples
+/// ```
+/// use pfront::{Adjacency, Batch, Executor, Model, Pose};
+/// use std::sync::Arc;
+/// # let triangle = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+/// let model = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
+/// let mut batch = Batch::new();
+/// batch.pair(&model, &model, &Pose::IDENTITY)?;
+/// batch.within(&model, Adjacency::default());
+/// assert_eq!(batch.count(&Executor::threads(4))?.read()?, [1, 0]);
+/// # Ok::<(), pfront::Error>(())
+/// ```
+#[derive(Clone, Default)]
+pub struct Batch {
+    job: Job,
+    /// The models of the last submission.
+    #[cfg(feature = "gpu")]
+    uploads: gpu::Uploads,
+}
+
+/// Questions and what is asked about them.
+#[derive(Clone, Default)]
+struct Job {
+    questions: Arc<Vec<Question>>,
+    accuracy: Accuracy,
+    verb: Verb,
+}
+
+/// The subject of a question.
+#[derive(Clone)]
+enum Question {
+    Pair { models: [Arc<Model>; 2], a_from_b: Pose },
+    Within { model: Arc<Model>, adjacency: Adjacency },
+}
+
+impl Batch {
+    /// A batch without questions, which are exact.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The same with another [`Accuracy`] for all questions. A GPU that answers alone is exact whatever it is.
+    #[must_use]
+    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
+        self.job.accuracy = accuracy;
+        self
+    }
+
+    /// Adds a question about two models, the second in the pose `a_from_b`. Answers have the order of questions.
+    ///
+    /// # Errors
+    /// [`Error::Pose`] if the pose is not finite or takes `b` out of range; nothing is added then.
+    ///
+    /// # Complexity
+    /// O(1), and a refit of models whose positions were set by [`Model::set_positions_unfitted`].
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Error, Model, Pose};
+    /// # use std::sync::Arc;
+    /// let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
+    /// let mut batch = Batch::new();
+    /// batch.pair(&model, &model, &Pose::IDENTITY)?;
+    /// let refused = batch.pair(&model, &model, &Pose::from_translation([f32::NAN, 0.0, 0.0]));
+    /// assert!(matches!(refused, Err(Error::Pose(_))));
+    /// assert_eq!(batch.len(), 1);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn pair(&mut self, a: &Arc<Model>, b: &Arc<Model>, a_from_b: &Pose) -> Result<(), Error> {
+        OfTwo::new([a, b], a_from_b, self.job.accuracy)?;
+        self.add(Question::Pair { models: [a, b].map(Arc::clone), a_from_b: *a_from_b });
+        Ok(())
+    }
+
+    /// Adds a question about a model and itself.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Adjacency, Batch, Model};
+    /// # use std::sync::Arc;
+    /// let cloth = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
+    /// let mut batch = Batch::new();
+    /// batch.within(&cloth, Adjacency::default());
+    /// assert_eq!(batch.len(), 1);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn within(&mut self, model: &Arc<Model>, adjacency: Adjacency) {
+        self.add(Question::Within { model: model.clone(), adjacency });
+    }
+
+    /// The number of questions.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.job.questions.len()
+    }
+
+    /// Whether there are no questions.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.job.questions.is_empty()
+    }
+
+    /// Removes all questions. Tickets in flight keep theirs.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
+    /// let (executor, mut batch) = (Executor::threads(4), Batch::new());
+    /// for frame in 0..3 {
+    ///     batch.clear();
+    ///     batch.pair(&model, &model, &Pose::from_translation([frame as f32, 0.0, 0.0]))?;
+    ///     let ticket = batch.any(&executor)?;
+    ///     // ...
+    ///     assert_eq!(ticket.read()?[0].is_some(), frame == 0);
+    /// }
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn clear(&mut self) {
+        match Arc::get_mut(&mut self.job.questions) {
+            Some(questions) => questions.clear(),
+            None => self.job.questions = Arc::default(),
+        }
+    }
+
+    /// Submits all questions, each for some pair that meets, if any does.
+    ///
+    /// # Errors
+    /// `Error::Gpu` if a GPU fails that is to answer everything. On a CPU there is none.
+    ///
+    /// # Complexity
+    /// O(1) on a CPU; on a GPU, the upload of models that are not there.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Executor, Model, Pose, TrianglePair};
+    /// # use std::sync::Arc;
+    /// # let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
+    /// # let mut batch = Batch::new();
+    /// batch.pair(&model, &model, &Pose::IDENTITY)?;
+    /// let ticket = batch.any(&Executor::sequential())?;
+    /// assert_eq!(ticket.read()?, [Some(TrianglePair { a: 0, b: 0 })]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn any(&mut self, executor: &Executor) -> Result<Ticket<Vec<Option<TrianglePair>>>, Error> {
+        self.submit(executor, Verb::Any, Found::into_first)
+    }
+
+    /// Submits all questions, each for the number of pairs that meet.
+    ///
+    /// # Errors
+    /// As [`Batch::any`].
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Executor};
+    /// assert_eq!(Batch::new().count(&Executor::sequential())?.read()?, []);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn count(&mut self, executor: &Executor) -> Result<Ticket<Vec<u64>>, Error> {
+        self.submit(executor, Verb::Count, Found::into_counts)
+    }
+
+    /// Submits all questions, each for all pairs that meet, sorted.
+    ///
+    /// # Errors
+    /// As [`Batch::any`].
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Executor, Model, Pose, TrianglePair};
+    /// # use std::sync::Arc;
+    /// # let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
+    /// # let mut batch = Batch::new();
+    /// batch.pair(&model, &model, &Pose::IDENTITY)?;
+    /// let lists = batch.all(&Executor::sequential())?.read()?;
+    /// assert_eq!(lists[0], [TrianglePair { a: 0, b: 0 }]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn all(&mut self, executor: &Executor) -> Result<Ticket<PairLists>, Error> {
+        self.submit(executor, Verb::All, PairLists::from)
+    }
+
+    fn add(&mut self, question: Question) {
+        Arc::make_mut(&mut self.job.questions).push(question);
+    }
+
+    fn submit<T>(
+        &mut self,
+        executor: &Executor,
+        verb: Verb,
+        answer: fn(Found) -> T,
+    ) -> Result<Ticket<T>, Error> {
+        let job = Job { verb, ..self.job.clone() };
+        #[cfg(feature = "gpu")]
+        if let Some(device) = executor.only_device().filter(|_| gpu::CAN_WAIT) {
+            let (outcome, buffers) = gpu::submit(device, job, &mut self.uploads)?;
+            return Ok(Ticket::new(outcome, None, answer).with_buffers(buffers));
+        }
+        #[cfg(feature = "threads")]
+        if let Some(traversal) = &executor.traversal {
+            return Ok(Ticket::new(cpu::submit(traversal, job), None, answer));
+        }
+        let _ = executor;
+        Ok(Ticket::new(Arc::default(), Some(cpu::Steps::new(job)), answer))
+    }
+}
+
+/// Without the meshes.
+impl fmt::Debug for Batch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Batch").field("len", &self.len()).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,186 @@
+//! The outcome of a submission: what a ticket and those who work for it share.
+
+use super::found::Found;
+use crate::Error;
+#[cfg(any(feature = "threads", feature = "gpu"))]
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::task::{Poll, Waker};
+use std::time::{Duration, Instant};
+
+/// A thread of a pool looks so often whether there is work that only it can do.
+#[cfg(feature = "threads")]
+const IDLE: Duration = Duration::from_micros(100);
+
+/// The outcome, once there is one.
+#[derive(Debug, Default)]
+pub(super) struct Outcome {
+    state: Mutex<State>,
+    known: Condvar,
+    /// Nobody works on it any longer.
+    cancel: Arc<AtomicBool>,
+    /// The lists of a GPU, whose buffers the ticket shows: others get them when this is dropped.
+    #[cfg(feature = "gpu")]
+    pub(super) lists: Mutex<Option<super::gpu::Lists>>,
+}
+
+#[derive(Debug)]
+enum State {
+    /// Not known, with the task that awaits it.
+    Pending(Option<Waker>),
+    Known(Result<Found, Error>),
+    /// Handed out.
+    Read,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self::Pending(None)
+    }
+}
+
+impl Outcome {
+    /// Makes the outcome known, if it is not, and wakes whoever waits. Whoever still works on it may stop.
+    pub(super) fn set(&self, outcome: Result<Found, Error>) {
+        let mut state = self.state();
+        let State::Pending(waker) = &mut *state else { return };
+        let waker = waker.take();
+        *state = State::Known(outcome);
+        drop(state);
+        self.cancel.store(true, Relaxed);
+        self.known.notify_all();
+        if let Some(waker) = waker {
+            waker.wake();
+        }
+    }
+
+    /// Runs a part of the work, in which an error or a panic is the outcome.
+    #[cfg(any(feature = "threads", feature = "gpu"))]
+    pub(super) fn guard<R>(&self, work: impl FnOnce() -> Result<R, Error>) -> Option<R> {
+        // After a panic nobody looks at what the work has left.
+        match catch_unwind(AssertUnwindSafe(work)) {
+            Ok(Ok(done)) => return Some(done),
+            Ok(Err(error)) => self.set(Err(error)),
+            Err(_) => self.set(Err(Error::Panicked)),
+        }
+        None
+    }
+
+    /// Makes [`Error::Cancelled`] the outcome, unless it has been handed out.
+    pub(super) fn cancel(&self) {
+        self.cancel.store(true, Relaxed);
+        let mut state = self.state();
+        if !matches!(*state, State::Read) {
+            *state = State::Known(Err(Error::Cancelled));
+        }
+    }
+
+    /// Whether nobody needs to work on it.
+    #[cfg(any(feature = "threads", feature = "gpu"))]
+    pub(super) fn is_over(&self) -> bool {
+        self.cancel.load(Relaxed)
+    }
+
+    /// The flag that says so.
+    #[cfg(feature = "threads")]
+    pub(super) fn flag(&self) -> Arc<AtomicBool> {
+        self.cancel.clone()
+    }
+
+    pub(super) fn is_known(&self) -> bool {
+        !matches!(*self.state(), State::Pending(_))
+    }
+
+    /// Hands out the outcome, if it is known.
+    pub(super) fn take(&self) -> Option<Result<Found, Error>> {
+        match &mut *self.state() {
+            State::Pending(_) => None,
+            state => Some(Self::hand_out(state)),
+        }
+    }
+
+    /// The same for a task, which is woken when the outcome is known.
+    pub(super) fn poll(&self, task: &Waker) -> Poll<Result<Found, Error>> {
+        match &mut *self.state() {
+            State::Pending(waker) => {
+                waker.get_or_insert_with(|| task.clone()).clone_from(task);
+                Poll::Pending
+            }
+            state => Poll::Ready(Self::hand_out(state)),
+        }
+    }
+
+    /// An error is told as often as it is asked for.
+    fn hand_out(state: &mut State) -> Result<Found, Error> {
+        if let State::Known(Err(error)) = state {
+            return Err(error.clone());
+        }
+        match std::mem::replace(state, State::Read) {
+            State::Known(outcome) => outcome,
+            State::Pending(_) | State::Read => Err(Error::AlreadyRead),
+        }
+    }
+
+    /// Waits until the outcome is known, or for an instant. A thread of a rayon pool works on what waits in the pool, which
+    /// may be what it waits for.
+    pub(super) fn wait(&self, until: Option<Instant>) {
+        let left = || until.map(|until| until.saturating_duration_since(Instant::now()));
+        loop {
+            let mut most = left();
+            if self.is_known() || most == Some(Duration::ZERO) {
+                return;
+            }
+            #[cfg(feature = "threads")]
+            match crate::threads::rayon::yield_now() {
+                Some(crate::threads::rayon::Yield::Executed) => continue,
+                Some(crate::threads::rayon::Yield::Idle) => {
+                    most = Some(most.map_or(IDLE, |most| most.min(IDLE)));
+                }
+                None => {}
+            }
+            let is_pending = |state: &mut State| matches!(state, State::Pending(_));
+            let (state, most) = (self.state(), most.take().unwrap_or(Duration::MAX));
+            // What a waiting thread has seen of a panic says nothing of the state.
+            let _ = self.known.wait_timeout_while(state, most, is_pending);
+        }
+    }
+
+    /// Nothing panics under this lock.
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(all(test, feature = "threads"))]
+mod tests {
+    use super::*;
+    use std::panic::resume_unwind;
+
+    #[test]
+    fn a_panic_is_the_outcome_and_ends_all_work() {
+        let outcome = Outcome::default();
+        assert_eq!(outcome.guard(|| Ok(1)), Some(1));
+        assert!(!outcome.is_known() && !outcome.is_over());
+        assert_eq!(outcome.guard(|| -> Result<(), _> { resume_unwind(Box::new(0)) }), None);
+        assert!(outcome.is_known() && outcome.is_over());
+        // Others come too late.
+        outcome.set(Ok(Found::default()));
+        for _ in 0..2 {
+            assert_eq!(outcome.take().map(Result::err), Some(Some(Error::Panicked)));
+        }
+        outcome.cancel();
+        assert_eq!(outcome.take().map(Result::err), Some(Some(Error::Cancelled)));
+    }
+
+    #[test]
+    fn a_panic_of_a_thread_is_an_error_of_the_ticket() {
+        let outcome = Arc::<Outcome>::default();
+        let own = outcome.clone();
+        crate::threads::Traversal::new(2).spawn(move || {
+            own.guard(|| -> Result<(), _> { resume_unwind(Box::new(0)) });
+        });
+        outcome.wait(None);
+        assert_eq!(outcome.take().map(Result::err), Some(Some(Error::Panicked)));
+    }
+}

@@ -1,0 +1,247 @@
+//! Tickets: reading the answers to a batch, now or later.
+
+use super::cpu::Steps;
+use super::found::Found;
+use super::outcome::Outcome;
+use crate::Error;
+use std::fmt;
+use std::future::Future;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+#[cfg(not(target_arch = "wasm32"))]
+use std::time::{Duration, Instant};
+
+/// The answers to a batch, which are on their way. See [the module](crate::batch) for who works on them, and when.
+///
+/// Answers are handed out once, by any of its methods or to a future. Dropping a ticket cancels it. It needs neither its batch nor its
+/// executor any longer.
+///
+/// # Examples
+/// ```
+/// use pfront::{Batch, Executor, Model, Pose};
+/// use std::sync::Arc;
+/// # async fn frame() -> Result<(), pfront::Error> {
+/// # let triangle = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+/// let model = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
+/// let mut batch = Batch::new();
+/// batch.pair(&model, &model, &Pose::IDENTITY)?;
+/// let ticket = batch.count(&Executor::threads(4))?;
+/// assert_eq!(ticket.await?, [1]);
+/// # Ok(()) }
+/// # pollster::block_on(frame()).unwrap();
+/// ```
+#[must_use = "dropping a ticket cancels it"]
+pub struct Ticket<T> {
+    outcome: Arc<Outcome>,
+    /// The work, if nobody else does it.
+    steps: Option<Box<Steps>>,
+    answer: fn(Found) -> T,
+    /// The buffers of hits and counters.
+    #[cfg(feature = "gpu")]
+    buffers: Option<[crate::gpu::wgpu::Buffer; 2]>,
+}
+
+impl<T> Ticket<T> {
+    pub(super) fn new(outcome: Arc<Outcome>, steps: Option<Steps>, answer: fn(Found) -> T) -> Self {
+        Self {
+            outcome,
+            steps: steps.map(Box::new),
+            answer,
+            #[cfg(feature = "gpu")]
+            buffers: None,
+        }
+    }
+
+    /// Whether reading would not wait: the answers are there, or an error is, which reading tells. Never waits.
+    ///
+    /// # Complexity
+    /// O(1); on a sequential executor, one slice of about 4096 tests.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Executor};
+    /// let mut ticket = Batch::new().any(&Executor::sequential())?;
+    /// assert!(ticket.is_ready());
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn is_ready(&mut self) -> bool {
+        self.step();
+        self.outcome.is_known()
+    }
+
+    /// The answers, if they are there. Never waits.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; [`Error::AlreadyRead`]; [`Error::Panicked`]; `Error::Gpu` if a GPU fails that is to answer
+    /// everything.
+    ///
+    /// # Complexity
+    /// As [`Ticket::is_ready`], and O(n) for n questions when they are answered.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Error, Executor};
+    /// let mut ticket = Batch::new().count(&Executor::sequential())?;
+    /// assert_eq!(ticket.try_read()?, Some(vec![]));
+    /// assert_eq!(ticket.try_read(), Err(Error::AlreadyRead));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn try_read(&mut self) -> Result<Option<T>, Error> {
+        self.step();
+        self.outcome.take().transpose().map(|found| found.map(self.answer))
+    }
+
+    /// The answers, if they are there in time. Waits for this ticket and for nothing else; a thread of a rayon pool works on
+    /// what waits in its pool meanwhile, and may come back late. Not on wasm32, which has no clock.
+    ///
+    /// # Errors
+    /// As [`Ticket::try_read`].
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Executor};
+    /// # use std::time::Duration;
+    /// let mut ticket = Batch::new().count(&Executor::threads(2))?;
+    /// while ticket.wait(Duration::from_millis(2))?.is_none() {
+    ///     println!("not yet");
+    /// }
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn wait(&mut self, timeout: Duration) -> Result<Option<T>, Error> {
+        // A time too long to be told is waited for without an end.
+        let until = Instant::now().checked_add(timeout);
+        self.step();
+        while self.steps.is_some() && until.is_none_or(|until| Instant::now() < until) {
+            self.step();
+        }
+        if self.steps.is_none() {
+            self.outcome.wait(until);
+        }
+        self.outcome.take().transpose().map(|found| found.map(self.answer))
+    }
+
+    /// The answers, for which it waits.
+    ///
+    /// # Errors
+    /// As [`Ticket::try_read`].
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Executor};
+    /// assert_eq!(Batch::new().count(&Executor::threads(2))?.read()?, []);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn read(mut self) -> Result<T, Error> {
+        while self.steps.is_some() {
+            self.step();
+        }
+        self.outcome.wait(None);
+        self.outcome.take().unwrap_or(Err(Error::Cancelled)).map(self.answer)
+    }
+
+    /// Gives up the answers: reading the ticket returns [`Error::Cancelled`] from now on. Each thread stops within 4096 tests,
+    /// about 0.1 ms, and a GPU after what has been submitted, at most two questions. Does not wait for them.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Error, Executor};
+    /// let mut ticket = Batch::new().count(&Executor::threads(2))?;
+    /// ticket.cancel();
+    /// assert_eq!(ticket.read(), Err(Error::Cancelled));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn cancel(&mut self) {
+        self.steps = None;
+        self.outcome.cancel();
+    }
+
+    /// Does a slice, if nobody else works.
+    fn step(&mut self) {
+        let Some(steps) = &mut self.steps else { return };
+        match steps.step() {
+            Ok(false) => return,
+            Ok(true) => self.outcome.set(Ok(std::mem::take(&mut steps.found))),
+            Err(error) => self.outcome.set(Err(error)),
+        }
+        self.steps = None;
+    }
+}
+
+/// What a GPU finds, for a consumer on the same device.
+#[cfg(feature = "gpu")]
+impl<T> Ticket<T> {
+    pub(super) fn with_buffers(mut self, buffers: Option<[crate::gpu::wgpu::Buffer; 2]>) -> Self {
+        self.buffers = buffers;
+        self
+    }
+
+    /// The hits of a single question, on the device of an `Executor::gpu`; `None` if another executor answers or the batch
+    /// does not have just one question.
+    ///
+    /// `array<vec2<u32>>`: the triangles `(a, b)` of each hit, sorted for [`Batch::all`](super::Batch::all). What is submitted
+    /// to the queue after the ticket finds them there, without waiting, until the ticket is dropped or read by
+    /// [`Ticket::read`]; then the lists go to the next ticket. Only [`Ticket::count_buffer`] says how many there are, and
+    /// whether these are all. Bind it to read (`STORAGE`, `COPY_SRC`).
+    ///
+    /// # Examples
+    /// ```no_run
+    /// use pfront::gpu::{Gpu, GpuSubmission};
+    /// use pfront::{Batch, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # fn demo(model: Arc<Model>, indirect: pfront::gpu::wgpu::Buffer) -> Result<(), pfront::Error> {
+    /// let gpu = Gpu::new()?;
+    /// let mut batch = Batch::new();
+    /// batch.pair(&model, &model, &Pose::IDENTITY)?;
+    /// let ticket = batch.all(&Executor::gpu(&gpu, gpu.settings()))?;
+    /// if let (Some(hits), Some(count)) = (ticket.hits_buffer(), ticket.count_buffer()) {
+    ///     let mut encoder = gpu.device().create_command_encoder(&Default::default());
+    ///     // As many instances as hits, drawn from `hits`.
+    ///     encoder.copy_buffer_to_buffer(count, GpuSubmission::COUNT_OFFSET, &indirect, 4, 4);
+    ///     gpu.queue().submit([encoder.finish()]);
+    /// }
+    /// # Ok(()) }
+    /// ```
+    #[must_use]
+    pub fn hits_buffer(&self) -> Option<&crate::gpu::wgpu::Buffer> {
+        self.buffers.as_ref().map(|[hits, _]| hits)
+    }
+
+    /// The counters of a single question, as [`Ticket::hits_buffer`].
+    ///
+    /// `array<u32>`: at [`GpuSubmission::COUNT_OFFSET`](crate::gpu::GpuSubmission::COUNT_OFFSET) the number of hits. The few
+    /// triangle pairs that the device leaves to the CPU are not among them: how many these are is at
+    /// [`REST_OFFSET`](crate::gpu::GpuSubmission::REST_OFFSET). A number other than 0 at
+    /// [`OVERFLOW_OFFSET`](crate::gpu::GpuSubmission::OVERFLOW_OFFSET) says that the lists are too small: then only the host
+    /// gets the answer, in parts, and what the buffers hold is not defined.
+    #[must_use]
+    pub fn count_buffer(&self) -> Option<&crate::gpu::wgpu::Buffer> {
+        self.buffers.as_ref().map(|[_, count]| count)
+    }
+}
+
+impl<T> Future for Ticket<T> {
+    type Output = Result<T, Error>;
+
+    fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
+        self.step();
+        if self.steps.is_some() {
+            // Nobody else would.
+            context.waker().wake_by_ref();
+        }
+        self.outcome.poll(context.waker()).map(|found| found.map(self.answer))
+    }
+}
+
+impl<T> Drop for Ticket<T> {
+    fn drop(&mut self) {
+        self.outcome.cancel();
+    }
+}
+
+impl<T> fmt::Debug for Ticket<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Ticket").field("is_known", &self.outcome.is_known()).finish_non_exhaustive()
+    }
+}

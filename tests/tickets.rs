@@ -1,0 +1,442 @@
+//! Tickets bring the answers of queries, from every executor, however they are read, and never more than once.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use pfront::{
+    Adjacency, Batch, Error, Executor, Model, PairQuery, Pose, SelfQuery, Ticket, TrianglePair,
+};
+use pfront_scenes::{Scene, icosphere};
+use std::sync::{Arc, LazyLock};
+use std::time::Duration;
+
+static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
+    let mut all = vec![("sequential", Executor::sequential())];
+    #[cfg(feature = "threads")]
+    {
+        use pfront::threads::{Schedule, Settings, Traversal};
+        all.extend([("1 thread", Executor::threads(1)), ("2 threads", Executor::threads(2))]);
+        for (name, schedule) in [
+            ("static", Schedule::Static),
+            ("stealing", Schedule::Stealing),
+            ("hybrid", Schedule::Hybrid),
+        ] {
+            let settings = Settings { schedule, ..Settings::default() };
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+            let traversal = Traversal::with_pool(Arc::new(pool)).with_settings(settings);
+            all.push((name, traversal.into()));
+        }
+    }
+    #[cfg(feature = "gpu")]
+    {
+        use pfront::gpu::{Budget, Gpu, GpuSettings};
+        let gpu = Gpu::new().unwrap();
+        let settings = GpuSettings { budget: Budget { bytes: 1 << 20 }, ..gpu.settings() };
+        all.push(("gpu", Executor::gpu(&gpu, settings)));
+        // Questions that do not fit in its lists.
+        let settings = GpuSettings { budget: Budget::LEAST, ..settings };
+        all.push(("gpu of little memory", Executor::gpu(&gpu, settings)));
+        let both = Executor::threads(2).and_gpu(&gpu, gpu.settings()).unwrap();
+        all.push(("2 threads and gpu", both));
+    }
+    all
+});
+
+fn ball(triangles: usize) -> Arc<Model> {
+    let ball = icosphere(triangles);
+    Arc::new(Model::new(ball.positions, ball.triangles).unwrap())
+}
+
+/// A sheet in folds.
+fn sheet(triangles: usize) -> Arc<Model> {
+    let scene = Scene::by_name("sheet", Some(triangles)).unwrap();
+    let mesh = &scene.meshes[0];
+    let mut model = Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap();
+    let mut positions = Vec::new();
+    scene.positions(110, &mut positions);
+    model.set_positions(&positions).unwrap();
+    Arc::new(model)
+}
+
+fn aside(x: f32) -> Pose {
+    Pose::from_translation([x, 0.01, 0.02])
+}
+
+/// A batch of so many questions of all kinds, and their answers.
+fn mixed(count: usize) -> (Batch, Vec<Vec<TrianglePair>>) {
+    let (ball, sheet) = (ball(500), sheet(2_000));
+    let bare = Arc::new(Model::new(vec![[0.0; 3]], vec![]).unwrap());
+    let (mut batch, mut truth) = (Batch::new(), Vec::new());
+    for i in 0..count {
+        let pose = aside(0.1 + 0.3 * i as f32 % 2.5);
+        if i % 5 == 3 {
+            let adjacency = [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours][i / 5 % 2];
+            batch.within(&sheet, adjacency);
+            let mut query = SelfQuery::new().with_adjacency(adjacency);
+            truth.push(query.all(&sheet).unwrap().to_vec());
+            continue;
+        }
+        let [a, b] =
+            [[&ball, &ball], [&ball, &sheet], [&sheet, &ball], [&sheet, &ball], [&ball, &bare]]
+                [i % 5];
+        batch.pair(a, b, &pose).unwrap();
+        truth.push(PairQuery::new().all(a, b, &pose).unwrap().to_vec());
+    }
+    (batch, truth)
+}
+
+/// Asserts that the answers to all verbs are right.
+macro_rules! check {
+    ($batch:expr, $truth:expr, $name:expr, $executor:expr, $read:expr) => {{
+        let lists = $read($batch.all($executor).unwrap());
+        assert_eq!(lists.len(), $truth.len(), "{}", $name);
+        assert!(lists.iter().eq($truth.iter().map(Vec::as_slice)), "{}", $name);
+        assert!(lists.pairs().iter().eq($truth.iter().flatten()), "{}", $name);
+        let counts = $read($batch.count($executor).unwrap());
+        assert!(counts.into_iter().eq($truth.iter().map(|all| all.len() as u64)), "{}", $name);
+        let found = $read($batch.any($executor).unwrap());
+        assert_eq!(found.len(), $truth.len(), "{}", $name);
+        for (found, all) in found.iter().zip(&$truth) {
+            assert!(found.map_or(all.is_empty(), |pair| all.contains(&pair)), "{}", $name);
+        }
+    }};
+}
+
+/// Polls a ticket until it is answered.
+fn polled<T>(mut ticket: Ticket<T>) -> T {
+    loop {
+        if let Some(found) = ticket.try_read().unwrap() {
+            return found;
+        }
+        std::thread::yield_now();
+    }
+}
+
+#[test]
+fn answers_are_those_of_queries() {
+    for count in [0, 1, 2, 23] {
+        let (mut batch, truth) = mixed(count);
+        assert_eq!((batch.len(), batch.is_empty()), (count, count == 0));
+        assert!(count < 23 || truth.iter().filter(|all| all.len() > 50).count() > 8);
+        for (name, executor) in EXECUTORS.iter() {
+            check!(batch, truth, name, executor, |ticket: Ticket<_>| ticket.read().unwrap());
+        }
+    }
+}
+
+#[test]
+fn each_way_of_reading_brings_the_same() {
+    fn in_slices<T>(mut ticket: Ticket<T>) -> T {
+        loop {
+            if let Some(found) = ticket.wait(Duration::from_micros(200)).unwrap() {
+                return found;
+            }
+        }
+    }
+    fn when_ready<T>(mut ticket: Ticket<T>) -> T {
+        while !ticket.is_ready() {
+            std::thread::yield_now();
+        }
+        // What is ready is not waited for.
+        ticket.wait(Duration::ZERO).unwrap().unwrap()
+    }
+    for count in [1, 6] {
+        let (mut batch, truth) = mixed(count);
+        for (name, executor) in EXECUTORS.iter() {
+            check!(batch, truth, name, executor, polled);
+            check!(batch, truth, name, executor, in_slices);
+            check!(batch, truth, name, executor, when_ready);
+            check!(batch, truth, name, executor, |ticket: Ticket<_>| pollster::block_on(ticket)
+                .unwrap());
+            check!(batch, truth, name, executor, |mut ticket: Ticket<_>| {
+                ticket.wait(Duration::MAX).unwrap().unwrap()
+            });
+        }
+    }
+}
+
+#[test]
+fn thousands_of_questions_are_answered_in_their_order() {
+    let ball = ball(80);
+    let poses: Vec<_> = (0..5_000).map(|i| aside(0.0007 * i as f32)).collect();
+    let (mut batch, mut query) = (Batch::new(), PairQuery::new());
+    for pose in &poses {
+        batch.pair(&ball, &ball, pose).unwrap();
+    }
+    let truth: Vec<_> =
+        poses.iter().map(|pose| query.all(&ball, &ball, pose).unwrap().to_vec()).collect();
+    assert!(truth.iter().any(Vec::is_empty) && truth.iter().any(|all| all.len() > 10));
+    for (name, executor) in EXECUTORS.iter().filter(|(name, _)| !name.starts_with("gpu")) {
+        check!(batch, truth, name, executor, |ticket: Ticket<_>| ticket.read().unwrap());
+    }
+}
+
+#[test]
+fn a_ticket_is_read_once() {
+    let (mut batch, truth) = mixed(1);
+    for (name, executor) in EXECUTORS.iter() {
+        let mut ticket = batch.count(executor).unwrap();
+        while ticket.try_read().unwrap().is_none() {}
+        assert!(ticket.is_ready(), "{name}");
+        assert_eq!(ticket.try_read(), Err(Error::AlreadyRead), "{name}");
+        assert_eq!(ticket.wait(Duration::ZERO), Err(Error::AlreadyRead), "{name}");
+        ticket.cancel();
+        assert_eq!(pollster::block_on(&mut ticket), Err(Error::AlreadyRead), "{name}");
+        assert_eq!(ticket.read(), Err(Error::AlreadyRead), "{name}");
+        assert_eq!(batch.count(executor).unwrap().read().unwrap(), [truth[0].len() as u64]);
+    }
+}
+
+/// Reads by tasks wake up as well when the answer comes after the first poll.
+#[test]
+fn tickets_in_flight_together_are_answered_in_any_order_of_reading() {
+    let batches: Vec<_> = [3, 1, 9, 2].map(mixed).into();
+    for (name, executor) in EXECUTORS.iter() {
+        let submit = |(batch, _): &(Batch, _)| batch.clone().all(executor).unwrap();
+        let tickets: Vec<_> = batches.iter().map(submit).collect();
+        for (ticket, (_, truth)) in tickets.into_iter().zip(&batches).rev() {
+            let lists = pollster::block_on(ticket).unwrap();
+            assert!(lists.iter().eq(truth.iter().map(Vec::as_slice)), "{name}");
+        }
+    }
+}
+
+/// Asks one question that takes some time, or so many that they take minutes.
+fn endless(ball: &Arc<Model>, questions: usize) -> Batch {
+    let mut batch = Batch::new();
+    for i in 0..questions {
+        batch.pair(ball, ball, &aside(1e-3 + 1e-6 * i as f32)).unwrap();
+    }
+    batch
+}
+
+#[test]
+fn a_cancelled_ticket_reads_as_such_and_nobody_works_on_it() {
+    for (triangles, questions) in [(100_000, 1), (20_000, 5_000)] {
+        let ball = ball(triangles);
+        let mut batch = endless(&ball, questions);
+        for (name, executor) in EXECUTORS.iter().filter(|(name, _)| *name != "gpu of little memory")
+        {
+            let mut ticket = batch.count(executor).unwrap();
+            assert_eq!(ticket.wait(Duration::from_millis(2)), Ok(None), "{name}");
+            assert_eq!(ticket.try_read(), Ok(None), "{name}");
+            ticket.cancel();
+            assert!(ticket.is_ready(), "{name}");
+            assert_eq!(ticket.try_read(), Err(Error::Cancelled), "{name}");
+            // At once, and when it is dropped.
+            let mut ticket = batch.count(executor).unwrap();
+            ticket.cancel();
+            drop(batch.count(executor).unwrap());
+            assert_eq!(ticket.read(), Err(Error::Cancelled), "{name}");
+        }
+        // Those who work have the questions.
+        let clock = std::time::Instant::now();
+        drop(batch);
+        while Arc::strong_count(&ball) > 1 {
+            assert!(clock.elapsed() < Duration::from_secs(60), "{}", Arc::strong_count(&ball));
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+#[test]
+fn executors_and_batches_may_go_before_their_tickets() {
+    let (batch, truth) = mixed(7);
+    for (name, executor) in [
+        ("sequential", Executor::sequential()),
+        #[cfg(feature = "threads")]
+        ("pool", {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+            pfront::threads::Traversal::with_pool(Arc::new(pool)).into()
+        }),
+        #[cfg(feature = "gpu")]
+        ("gpu", {
+            let gpu = pfront::gpu::Gpu::new().unwrap();
+            Executor::gpu(&gpu, gpu.settings())
+        }),
+    ] {
+        let mut batch = batch.clone();
+        let ticket = batch.all(&executor).unwrap();
+        // Its questions are its own.
+        batch.clear();
+        drop((batch, executor));
+        let lists = ticket.read().unwrap();
+        assert!(lists.iter().eq(truth.iter().map(Vec::as_slice)), "{name}");
+    }
+}
+
+/// Questions are about what the model was when they were asked.
+#[test]
+fn models_that_change_while_a_ticket_is_in_flight_are_others() {
+    for (name, executor) in EXECUTORS.iter() {
+        let (mut model, mut batch) = (ball(320), Batch::new());
+        for frame in 0..3 {
+            batch.clear();
+            batch.pair(&model, &model, &aside(0.5)).unwrap();
+            let truth = PairQuery::new().count(&model, &model, &aside(0.5)).unwrap();
+            let ticket = batch.count(executor).unwrap();
+            let grown: Vec<_> =
+                model.mesh().positions().iter().map(|p| p.map(|x| 1.1 * x)).collect();
+            Arc::make_mut(&mut model).set_positions(&grown).unwrap();
+            assert_eq!(ticket.read().unwrap(), [truth], "{name} {frame}");
+        }
+    }
+}
+
+#[test]
+fn poses_are_refused_as_queries_refuse_them() {
+    let (ball, mut batch) = (ball(80), Batch::new());
+    for pose in [[f32::NAN, 0.0, 0.0], [0.0, 1e38, 0.0]].map(Pose::from_translation) {
+        let refused = PairQuery::new().all(&ball, &ball, &pose).err();
+        assert_eq!(batch.pair(&ball, &ball, &pose).err(), refused);
+    }
+    assert!(batch.is_empty());
+}
+
+/// The only thread of a pool answers the ticket that it waits for.
+#[cfg(feature = "threads")]
+#[test]
+fn a_thread_of_the_pool_may_wait() {
+    let (mut batch, truth) = mixed(6);
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let executor = Executor::threads(4);
+            check!(batch, truth, threads, &executor, |ticket: Ticket<_>| ticket.read().unwrap());
+            check!(batch, truth, threads, &executor, |mut ticket: Ticket<_>| {
+                ticket.wait(Duration::from_secs(60)).unwrap().unwrap()
+            });
+        });
+    }
+}
+
+#[test]
+fn tickets_go_from_thread_to_thread() {
+    fn sent<T: Send + Unpin>() {}
+    sent::<Ticket<Vec<u64>>>();
+    sent::<Batch>();
+}
+
+#[cfg(feature = "gpu")]
+mod on_a_gpu {
+    use super::*;
+    use pfront::gpu::wgpu::{
+        Buffer, BufferDescriptor, BufferUsages, MapMode, PollType, SubmissionIndex,
+    };
+    use pfront::gpu::{Gpu, GpuSubmission};
+    use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+
+    fn buffer(gpu: &Gpu, size: u64, usage: BufferUsages) -> Buffer {
+        let descriptor = BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+        gpu.device().create_buffer(&descriptor)
+    }
+
+    /// What another user of the device submits: some seconds of work. The flag tells when it is done.
+    fn load(gpu: &Gpu) -> (SubmissionIndex, Arc<AtomicBool>) {
+        let size = 64 << 20;
+        let both = BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let [from, to] = [buffer(gpu, size, both), buffer(gpu, size, both)];
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        for _ in 0..60 {
+            encoder.copy_buffer_to_buffer(&from, 0, &to, 0, size);
+            encoder.copy_buffer_to_buffer(&to, 0, &from, 0, size);
+        }
+        let done = Arc::new(AtomicBool::new(false));
+        let own = done.clone();
+        let index = gpu.queue().submit([encoder.finish()]);
+        gpu.queue().on_submitted_work_done(move || own.store(true, SeqCst));
+        (index, done)
+    }
+
+    /// Whether the load is done, by the device itself.
+    fn is_done(gpu: &Gpu, index: &SubmissionIndex) -> bool {
+        let now =
+            PollType::Wait { submission_index: Some(index.clone()), timeout: Some(Duration::ZERO) };
+        gpu.device().poll(now).is_ok()
+    }
+
+    /// Submits early and reads late: neither waits for what others submit.
+    #[test]
+    fn a_ticket_waits_for_nothing_that_is_submitted_after_it() {
+        let gpu = Gpu::new().unwrap();
+        let executor = Executor::gpu(&gpu, gpu.settings());
+        let (mut batch, truth) = mixed(1);
+        // Uploads and lists.
+        batch.count(&executor).unwrap().read().unwrap();
+        for way in 0..3 {
+            let mut ticket = batch.count(&executor).unwrap();
+            let (index, done) = load(&gpu);
+            let found = match way {
+                0 => ticket.read().unwrap(),
+                1 => ticket.wait(Duration::from_secs(60)).unwrap().unwrap(),
+                _ => polled(ticket),
+            };
+            assert!(!is_done(&gpu, &index) && !done.load(SeqCst), "{way}");
+            assert_eq!(found, [truth[0].len() as u64]);
+            gpu.device().poll(PollType::wait_indefinitely()).unwrap();
+        }
+        // Behind the load, it is not there before, and asking does not wait.
+        let (index, _) = load(&gpu);
+        let mut ticket = batch.count(&executor).unwrap();
+        assert!(!ticket.is_ready());
+        assert_eq!(ticket.try_read(), Ok(None));
+        assert_eq!(ticket.wait(Duration::ZERO), Ok(None));
+        assert!(!is_done(&gpu, &index));
+        assert_eq!(ticket.read().unwrap(), [truth[0].len() as u64]);
+        assert!(is_done(&gpu, &index));
+    }
+
+    /// A consumer on the device sees what the host reads, also after the host has read it.
+    #[test]
+    fn buffers_hold_the_hits_until_the_ticket_goes() {
+        let gpu = Gpu::new().unwrap();
+        let executor = Executor::gpu(&gpu, gpu.settings());
+        let (ball, mut batch) = (ball(2_000), Batch::new());
+        batch.pair(&ball, &ball, &aside(0.1)).unwrap();
+        let truth = PairQuery::new().all(&ball, &ball, &aside(0.1)).unwrap().to_vec();
+        for is_read_before in [false, true] {
+            let mut ticket = batch.all(&executor).unwrap();
+            if is_read_before {
+                assert_eq!(&ticket.wait(Duration::MAX).unwrap().unwrap()[0], truth);
+            }
+            // Another ticket gets other lists.
+            let mut other = Batch::new();
+            other.pair(&ball, &ball, &aside(0.3)).unwrap();
+            let other = other.all(&executor).unwrap();
+            let (hits, count) = (ticket.hits_buffer().unwrap(), ticket.count_buffer().unwrap());
+            let size = 8 * truth.len() as u64;
+            let copy = buffer(&gpu, size + 64, BufferUsages::COPY_DST | BufferUsages::MAP_READ);
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(hits, 0, &copy, 0, size);
+            encoder.copy_buffer_to_buffer(count, 0, &copy, size, 28);
+            gpu.queue().submit([encoder.finish()]);
+            copy.map_async(MapMode::Read, .., |result| result.unwrap());
+            gpu.device().poll(PollType::wait_indefinitely()).unwrap();
+            let view = copy.get_mapped_range(..).unwrap();
+            let words: Vec<u32> = bytemuck::pod_collect_to_vec(&view);
+            let at = |offset: u64| words[((size + offset) / 4) as usize];
+            assert_eq!(at(GpuSubmission::OVERFLOW_OFFSET), 0);
+            assert_eq!(at(GpuSubmission::REST_OFFSET), 0);
+            assert_eq!(at(GpuSubmission::COUNT_OFFSET) as usize, truth.len());
+            let pairs = words.chunks(2).map(|pair| TrianglePair { a: pair[0], b: pair[1] });
+            assert!(pairs.take(truth.len()).eq(truth.iter().copied()));
+            drop(other);
+        }
+        batch.pair(&ball, &ball, &aside(0.1)).unwrap();
+        assert!(batch.all(&executor).unwrap().hits_buffer().is_none());
+        assert!(batch.all(&Executor::sequential()).unwrap().hits_buffer().is_none());
+    }
+
+    /// Models that a batch keeps are uploaded once; those of another device, anew.
+    #[test]
+    fn a_batch_goes_from_device_to_device() {
+        let (mut batch, truth) = mixed(5);
+        for _ in 0..2 {
+            let gpu = Gpu::new().unwrap();
+            let executor = Executor::gpu(&gpu, gpu.settings());
+            for _ in 0..2 {
+                let lists = batch.all(&executor).unwrap().read().unwrap();
+                assert!(lists.iter().eq(truth.iter().map(Vec::as_slice)));
+            }
+        }
+    }
+}
