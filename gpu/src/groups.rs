@@ -1,9 +1,9 @@
 //! Bind groups, made once: those of a query's lists, and those of what it is about.
 
+use crate::GpuError;
 use crate::clock::Clock;
 use crate::gpu::{Descent, Gpu};
 use crate::lists::{Lists, REFINE};
-use crate::GpuError;
 use crate::pass::{Named, Pass};
 use pfront_shaders::constants::FRONTS;
 use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePassDescriptor};

@@ -12,8 +12,8 @@ use super::arena::{Arena, ArenaMesh, MOST_PAIRS, entries};
 use super::placing::{Inverse, Placed, place};
 use crate::engine::Entry;
 use crate::layout::InstancePair;
-use pfront_core::Pose;
 use pfront_core::bvtt::TrianglePair;
+use pfront_core::{Aabb, Pose};
 
 /// A body: the number of its mesh, and where it is.
 pub(super) type Body = (u32, Pose);
@@ -66,24 +66,28 @@ pub(super) fn chunks(
         }
         let Some(chunk) = chunks.last_mut() else { break };
         let two = meshes(pair);
-        let [a, b] = [0, 1].map(|side| {
-            let bounds = two[side].bounds.unwrap_or(pfront_core::Aabb::EMPTY);
+        let placed = |side: usize| {
+            let bounds = two[side].bounds.unwrap_or(Aabb::EMPTY);
             Placed::new(&bodies[pair[side] as usize].1, &bounds)
-        });
-        let (_, a, inverse) = match &first {
+        };
+        let (_, a, inverse) = match &mut first {
             Some(known) if known.0 == pair[0] => known,
-            _ => first.insert((pair[0], a, a.inverse())),
+            none => {
+                let own = placed(0);
+                none.insert((pair[0], own, own.inverse()))
+            }
         };
         let row = InstancePair {
             number: (number - chunk.first) as u32,
             first_id: (chunk.rows.len() as u32) << shift,
             first_node: two[0].first_node,
             first_slot: two[0].first_slot,
-            ..place(a, inverse.as_ref(), &b)
+            ..place(a, inverse.as_ref(), &placed(1))
         };
         chunk.rows.extend(std::iter::repeat_n(row, blocks));
     }
-    let ends: Vec<_> = chunks.iter().skip(1).map(|chunk| chunk.first).chain([pairs.len()]).collect();
+    let ends: Vec<_> =
+        chunks.iter().skip(1).map(|chunk| chunk.first).chain([pairs.len()]).collect();
     for (chunk, end) in chunks.iter_mut().zip(ends) {
         chunk.add_front(&pairs[chunk.first..end], meshes, is_each);
     }
@@ -99,7 +103,8 @@ impl Chunk {
         is_each: bool,
     ) {
         let node_pairs = |level: usize| -> usize {
-            let of_pair = |pair| meshes(pair).map(|mesh| mesh.level(level).0.len()).iter().product::<usize>();
+            let of_pair =
+                |pair| meshes(pair).map(|mesh| mesh.level(level).0.len()).iter().product::<usize>();
             pairs.iter().map(of_pair).sum::<usize>()
         };
         // No balanced tree has more levels to offer.

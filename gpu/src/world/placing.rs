@@ -38,9 +38,8 @@ impl Placed {
     pub(super) fn new(pose: &Pose, bounds: &Aabb) -> Self {
         let matrix = pose.rows.map(|[x, y, z, _]| [x, y, z].map(f64::from));
         let far = [0, 1, 2].map(|k| f64::from(bounds.min[k].abs().max(bounds.max[k].abs())));
-        let reach = [0, 1, 2].map(|k| {
-            dot(matrix[k].map(f64::abs), far) + f64::from(pose.rows[k][3]).abs()
-        });
+        let reach =
+            [0, 1, 2].map(|k| dot(matrix[k].map(f64::abs), far) + f64::from(pose.rows[k][3]).abs());
         Self { pose: *pose, matrix, far, reach }
     }
 
