@@ -9,7 +9,7 @@
 //! [`Budget::LEAST`]: crate::Budget::LEAST
 
 use crate::engine::{Engine, Entry, Found, Run, Start, Task};
-use crate::layout::{Counters, Query, Rest};
+use crate::layout::{Counters, InstancePair, Query, Rest};
 use crate::read::read_now;
 use crate::{GpuError, GpuReport};
 use pfront_core::bvtt::TrianglePair;
@@ -23,13 +23,17 @@ const LONG: usize = 64;
 
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verb {
+pub enum GpuVerb {
     /// Every pair.
     All,
     /// One pair, if there is any.
     Any,
     /// How many pairs.
     Count,
+    /// One pair for each pair of bodies, if there is any.
+    AnyEach,
+    /// How many pairs for each pair of bodies.
+    CountEach,
 }
 
 /// An engine, and the answer that it brings.
@@ -42,6 +46,10 @@ pub(crate) struct Answer {
     late: Vec<TrianglePair>,
     pub(crate) count: u64,
     pub(crate) report: GpuReport,
+    /// The pairs of instances that are asked about, by blocks of ids.
+    pub(crate) instances: Vec<InstancePair>,
+    /// Hits of each of them that the device has decided, if they are wanted of each.
+    pub(crate) tallies: Vec<u64>,
     /// How many hits, and how many of the rest, the last answer had: about what the next will have.
     expected: [u32; 2],
 }
@@ -54,6 +62,8 @@ impl Answer {
             late: Vec::new(),
             count: 0,
             report: GpuReport::default(),
+            instances: Vec::new(),
+            tallies: Vec::new(),
             expected: [1024, 16],
         }
     }
@@ -68,6 +78,7 @@ impl Answer {
         self.pairs.clear();
         self.late.clear();
         self.count = 0;
+        self.tallies.clear();
         self.report = GpuReport::default();
     }
 
@@ -77,19 +88,25 @@ impl Answer {
         encoder: &mut CommandEncoder,
         task: &Task,
         start: Start<'_>,
-        verb: Verb,
+        verb: GpuVerb,
     ) -> Result<Run, GpuError> {
         let [hits, rest] = self.expected;
-        let hits = match verb {
-            Verb::All => hits.saturating_add(hits / 4),
-            Verb::Any => 1,
-            Verb::Count => 0,
+        let hits = match (verb, start) {
+            (GpuVerb::AnyEach, Start::Front(front)) => front.len() as u32,
+            (GpuVerb::All | GpuVerb::AnyEach, _) => hits.saturating_add(hits / 4),
+            (GpuVerb::Any, _) => 1,
+            (GpuVerb::Count | GpuVerb::CountEach, _) => 0,
         };
         self.engine.record(encoder, task, start, [hits, rest], verb)
     }
 
     /// Takes the results of the first run over a task, and sees to it that they are complete.
-    pub(crate) fn finish(&mut self, task: &Task, first: Run, verb: Verb) -> Result<(), GpuError> {
+    pub(crate) fn finish(
+        &mut self,
+        task: &Task,
+        first: Run,
+        verb: GpuVerb,
+    ) -> Result<(), GpuError> {
         self.finish_parts(task, vec![vec![task.root]], first, verb)
     }
 
@@ -99,7 +116,7 @@ impl Answer {
         task: &Task,
         parts: Vec<Vec<Entry>>,
         first: Run,
-        verb: Verb,
+        verb: GpuVerb,
     ) -> Result<(), GpuError> {
         self.reset();
         let mut waiting = parts;
@@ -111,23 +128,23 @@ impl Answer {
             self.report.add(&found.counters);
             let Counters { overflow, hits, rest, fronts, .. } = found.counters;
             let refused = match verb {
-                Verb::All => overflow,
-                Verb::Any if hits > 0 => 0,
-                Verb::Any | Verb::Count => overflow & !HIT_OVERFLOW,
+                GpuVerb::All | GpuVerb::AnyEach => overflow,
+                GpuVerb::Any if hits > 0 => 0,
+                GpuVerb::Any | GpuVerb::Count | GpuVerb::CountEach => overflow & !HIT_OVERFLOW,
             };
             if refused != 0 {
                 self.pairs.truncate(before);
                 waiting.extend(self.divide(task, &part, &found.counters)?.into_iter().rev());
-            } else if fronts[run.last_front as usize] != 0 && !(verb == Verb::Any && hits > 0) {
+            } else if fronts[run.last_front as usize] != 0 && !(verb == GpuVerb::Any && hits > 0) {
                 self.pairs.truncate(before);
                 run = self.run(task, Start::Left(run.last_front, &found.counters), verb)?;
                 continue;
             } else {
-                if verb != Verb::Any {
+                if matches!(verb, GpuVerb::All | GpuVerb::Count) {
                     self.expected = [hits, rest];
                 }
                 self.take(task, before, found, verb)?;
-                if verb == Verb::Any && self.count > 0 {
+                if verb == GpuVerb::Any && self.count > 0 {
                     break;
                 }
             }
@@ -146,7 +163,7 @@ impl Answer {
         &mut self,
         task: &Task,
         start: Start<'_>,
-        verb: Verb,
+        verb: GpuVerb,
     ) -> Result<Run, GpuError> {
         let gpu = self.engine.gpu.clone();
         gpu.checked(|| {
@@ -198,22 +215,30 @@ impl Answer {
         task: &Task,
         before: usize,
         found: Found,
-        verb: Verb,
+        verb: GpuVerb,
     ) -> Result<(), GpuError> {
         let Found { counters, mut rest } = found;
         let (device, queue) = (self.engine.gpu.device(), self.engine.gpu.queue());
         let again = || device.create_command_encoder(&Default::default());
         let lists = &self.engine.lists;
-        if verb == Verb::All && self.pairs.len() - before < counters.hits as usize {
+        let is_listed = matches!(verb, GpuVerb::All | GpuVerb::AnyEach);
+        if is_listed && self.pairs.len() - before < counters.hits as usize {
             self.pairs.truncate(before);
             let hits = read_now(device, queue, again(), &lists.hits, counters.hits as usize)?;
             self.pairs.extend_from_slice(&hits);
         }
-        if rest.len() < counters.rest as usize && (verb != Verb::Any || counters.hits == 0) {
+        if rest.len() < counters.rest as usize && (verb != GpuVerb::Any || counters.hits == 0) {
             rest = read_now(device, queue, again(), &lists.rest, counters.rest as usize)?;
         }
+        if let (GpuVerb::CountEach, Some(tallies)) = (verb, &self.engine.tallies) {
+            let pairs = self.instances.last().map_or(0, |last| last.number as usize + 1);
+            let tallies: Vec<u32> = read_now(device, queue, again(), tallies, pairs)?;
+            self.tallies.resize(pairs, 0);
+            (self.tallies.iter_mut().zip(tallies)).for_each(|(sum, own)| *sum += u64::from(own));
+        }
         let late = self.late.len();
-        self.late.extend(rest.iter().filter_map(|rest| meet(&task.query, rest)));
+        let instances = &self.instances;
+        self.late.extend(rest.iter().filter_map(|rest| meet(&task.query, instances, rest)));
         self.count += u64::from(counters.hits) + (self.late.len() - late) as u64;
         Ok(())
     }
@@ -235,12 +260,15 @@ impl Answer {
 }
 
 /// Decides a triangle pair on the CPU.
-fn meet(query: &Query, rest: &Rest) -> Option<TrianglePair> {
+fn meet(query: &Query, instances: &[InstancePair], rest: &Rest) -> Option<TrianglePair> {
     let [a, b] = rest.pair;
+    let poses = match instances.get((a >> query.pair_shift) as usize) {
+        Some(pair) => pair.poses.map(Some),
+        None => [0, 1].map(|side| (query.posed[side] != 0).then_some(query.sides[side].rows)),
+    };
     let mut positions = rest.corners.map(|corner| corner.position);
-    for (side, triangle) in positions.chunks_exact_mut(3).enumerate() {
-        if query.posed[side] != 0 {
-            let pose = Pose::new(query.sides[side].rows);
+    for (rows, triangle) in poses.into_iter().zip(positions.chunks_exact_mut(3)) {
+        if let Some(pose) = rows.map(Pose::new) {
             triangle.iter_mut().for_each(|p| *p = pose.apply(*p));
         }
     }

@@ -68,7 +68,7 @@ impl Deforming {
     pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, GpuError> {
         let (model, source) = (GpuModel::new(gpu, bvh)?, Source::new(gpu, bvh.mesh())?);
         let schedule = Schedule::new(bvh.nodes());
-        let refit = schedule.sequence(gpu, &model, &source.positions)?;
+        let refit = schedule.sequence(gpu, [&model.nodes, &model.corners], 0, &source.positions)?;
         // A rebuild keeps to leaves of this size.
         let leaf_size = bvh.nodes().iter().map(|node| node.count).max().unwrap_or(0);
         let (gpu, options) = (gpu.clone(), BuildOptions { leaf_size, ..BuildOptions::default() });

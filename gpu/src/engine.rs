@@ -4,20 +4,23 @@
 //! get to the bottom. What a pass works on is counted on the device, so a run is one submission with
 //! nothing read back in between.
 
-use crate::answer::Verb;
+use crate::answer::GpuVerb;
 use crate::clock::{Clock, Timing};
-use crate::gpu::Gpu;
+use crate::gpu::{Descent, Gpu};
 use crate::groups::{Dispatches, Groups, Meshes};
 use crate::layout::{Counters, Query, Rest};
 use crate::lists::Lists;
 use crate::memory::Usage;
+use crate::pass::Named;
 use crate::read::{map, read_now};
+use crate::sequence::groups_for;
 use crate::{GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
 use pfront_core::bvtt::TrianglePair;
-use pfront_shaders::constants::{BEAM, BUCKETS, FRONTS, GROUP, RANKERS};
+use pfront_shaders::constants::{ANY_EACH, BEAM, BUCKETS, COUNT_EACH, FRONTS, GROUP, RANKERS};
 use std::mem::offset_of;
 use std::ops::Range;
+use std::sync::Arc;
 use wgpu::{Buffer, CommandEncoder, SubmissionIndex};
 
 /// A node pair as fronts hold it.
@@ -72,8 +75,11 @@ pub(crate) struct Engine {
     pub(crate) lists: Lists,
     depth: u32,
     workgroups: u32,
+    descent: Arc<Descent>,
     groups: Groups,
     meshes: Option<Meshes>,
+    /// Hits of each pair of instances.
+    pub(crate) tallies: Option<Buffer>,
     ticket: u32,
     read_back: Buffer,
     /// If times are wanted.
@@ -81,14 +87,25 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
+    /// An engine for queries about two meshes or one.
     pub(crate) fn new(gpu: &Gpu, settings: &GpuSettings) -> Result<Self, GpuError> {
+        Self::with_passes(gpu, settings, gpu.passes().meshes.clone())
+    }
+
+    pub(crate) fn with_passes(
+        gpu: &Gpu,
+        settings: &GpuSettings,
+        descent: Arc<Descent>,
+    ) -> Result<Self, GpuError> {
         let lists = Lists::new(gpu, settings)?;
         Ok(Self {
             gpu: gpu.clone(),
             depth: settings.depth.max(1),
             workgroups: settings.groups.clamp(1, 65_535),
-            groups: Groups::new(gpu, &lists)?,
+            groups: Groups::new(gpu, &descent, &lists)?,
+            descent,
             meshes: None,
+            tallies: None,
             ticket: 0,
             read_back: gpu.buffer("the read-back", 4096, Usage::ReadBack)?,
             clock: None,
@@ -119,8 +136,27 @@ impl Engine {
         if [a.device, b.device] != [self.gpu.id(); 2] {
             return Err(GpuError::OtherDevice);
         }
-        if self.meshes.as_ref().is_none_or(|bound| bound.ids != [a.id, b.id]) {
-            self.meshes = Some(Meshes::new(&self.gpu, a, b)?);
+        let buffers = [
+            ("nodes_a", &a.nodes),
+            ("nodes_b", &b.nodes),
+            ("corners_a", &a.corners),
+            ("corners_b", &b.corners),
+            ("order_a", &a.order),
+            ("order_b", &b.order),
+            ("seeds_a", &a.seeds),
+            ("seeds_b", &b.seeds),
+        ];
+        self.bind_buffers([a.id, b.id], &buffers)
+    }
+
+    /// The same for buffers by their names in the shaders, of which these ids are the only ones.
+    pub(crate) fn bind_buffers(
+        &mut self,
+        ids: [u64; 2],
+        buffers: Named<'_>,
+    ) -> Result<(), GpuError> {
+        if self.meshes.as_ref().is_none_or(|bound| bound.ids != ids) {
+            self.meshes = Some(Meshes::new(&self.gpu, &self.descent, ids, buffers)?);
         }
         Ok(())
     }
@@ -128,14 +164,14 @@ impl Engine {
     /// Records a run, and copies of so many hits, sorted if all are wanted, and so many of the rest.
     ///
     /// Where any hit will do, a run along a narrow beam of node pairs goes first. If it finds a hit, the
-    /// passes of the whole run have nothing to do.
+    /// passes of the whole run have nothing to do. Where any hit of each pair of instances will do, `dive` goes first.
     pub(crate) fn record(
         &mut self,
         encoder: &mut CommandEncoder,
         task: &Task,
         start: Start<'_>,
         copies: [u32; 2],
-        verb: Verb,
+        verb: GpuVerb,
     ) -> Result<Run, GpuError> {
         // A pass reads the front of its own index and writes the next.
         let (first, levels) = match start {
@@ -144,13 +180,23 @@ impl Engine {
             // Front p is in buffer p mod 2.
             Start::Left(front, _) => (front % 2, task.levels),
         };
-        let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - first);
-        let (levels, last_front) = (levels.div_ceil(passes), first + passes);
+        let is_new = !matches!(start, Start::Left(..));
+        let dives = u32::from(verb == GpuVerb::AnyEach && is_new);
+        let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - dives - first);
+        let (levels, last_front) = (levels.div_ceil(passes), first + dives + passes);
         self.ticket = self.ticket.wrapping_add(1);
-        let one_hit = u32::from(verb == Verb::Any);
-        let whole =
-            Query { levels, last_pass: last_front - 1, one_hit, beam: u32::MAX, ..task.query };
-        let looks_ahead = verb == Verb::Any && !matches!(start, Start::Left(..));
+        let one_hit = u32::from(verb == GpuVerb::Any);
+        let each = match verb {
+            GpuVerb::AnyEach => ANY_EACH,
+            GpuVerb::CountEach => COUNT_EACH,
+            GpuVerb::All | GpuVerb::Any | GpuVerb::Count => 0,
+        };
+        let last_pass = last_front - 1;
+        let whole = Query { levels, last_pass, one_hit, each, beam: u32::MAX, ..task.query };
+        if let Some(tallies) = self.tallies.as_ref().filter(|_| each != 0 && is_new) {
+            encoder.clear_buffer(tallies, 0, None);
+        }
+        let looks_ahead = verb == GpuVerb::Any && is_new;
         if looks_ahead {
             // No pass of it goes to the bottom at once, which all together do.
             let beam = Query { beam: BEAM, last_pass: u32::MAX, ..whole };
@@ -174,26 +220,35 @@ impl Engine {
         task: &Task,
         start: Start<'_>,
         passes: Range<u32>,
-        verb: Option<Verb>,
+        verb: Option<GpuVerb>,
     ) {
-        let Self { gpu, groups, workgroups, clock, .. } = self;
+        let Self { gpu, descent, groups, workgroups, clock, .. } = self;
         let shaders = gpu.passes();
         let mut dispatches = Dispatches::begin(encoder, clock.as_mut().filter(|_| verb.is_some()));
         let Some(Meshes { groups: meshes, .. }) = &self.meshes else { return };
         let lists = &groups.lists;
+        let first = [&meshes.first, &lists.first, &groups.first_step];
+        let decide = [&meshes.decide, &lists.decide];
         for index in passes {
-            if index == 0 && matches!(start, Start::Seeds) {
-                let [x, y] = task.query.seeds;
-                let groups = [&meshes.seed, &lists.seed, &groups.seed_step];
-                dispatches.add(&shaders.seed, &groups, (*workgroups).min(x * y));
-            } else {
-                let groups = [&meshes.expand, &lists.expand, &groups.steps[index as usize]];
-                dispatches.add(&shaders.expand, &groups, *workgroups);
+            match start {
+                Start::Seeds if index == 0 => {
+                    let [x, y] = task.query.seeds;
+                    dispatches.add(&descent.first, &first, (*workgroups).min(x * y));
+                }
+                Start::Front(front) if index == 0 && verb == Some(GpuVerb::AnyEach) => {
+                    dispatches.add(&descent.first, &first, groups_for(front.len() as u32));
+                    // What f32 left open may settle pairs before more is done about them.
+                    dispatches.add(&descent.decide, &decide, *workgroups);
+                }
+                _ => {
+                    let groups = [&meshes.expand, &lists.expand, &groups.steps[index as usize]];
+                    dispatches.add(&descent.expand, &groups, *workgroups);
+                }
             }
         }
-        dispatches.add(&shaders.narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
-        dispatches.add(&shaders.decide, &[&meshes.decide, &lists.decide], *workgroups);
-        if verb == Some(Verb::All) {
+        dispatches.add(&descent.narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
+        dispatches.add(&descent.decide, &decide, *workgroups);
+        if verb == Some(GpuVerb::All) {
             let [sample, deal, settle] = &groups.sort;
             dispatches.add(&shaders.sample, &[sample], BUCKETS * RANKERS / GROUP);
             dispatches.add(&shaders.deal, &[deal], *workgroups);
@@ -295,11 +350,10 @@ impl Engine {
         self.ticket = self.ticket.wrapping_add(1);
         let query = Query { levels: 1, last_pass: u32::MAX, beam: u32::MAX, ..task.query };
         self.prepare(&mut encoder, query, Start::Front(front), 0)?;
-        let Self { gpu, groups, lists, .. } = self;
+        let Self { gpu, descent, groups, lists, .. } = self;
         if let Some(Meshes { groups: meshes, .. }) = &self.meshes {
             let all = [&meshes.expand, &groups.lists.expand, &groups.refine];
-            let expand = &gpu.passes().expand;
-            Dispatches::begin(&mut encoder, None).add(expand, &all, self.workgroups);
+            Dispatches::begin(&mut encoder, None).add(&descent.expand, &all, self.workgroups);
         }
         let (device, queue) = (gpu.device(), gpu.queue());
         let [counters]: [Counters; 1] = read_now(device, queue, encoder, &lists.counters, 1)?

@@ -101,6 +101,14 @@ pub enum GpuError {
         /// How many there are.
         bodies: u32,
     },
+    /// There is no such mesh.
+    #[error("there is no mesh {mesh}; the world has {meshes}")]
+    NoMesh {
+        /// The number of the mesh asked for.
+        mesh: u32,
+        /// How many there are.
+        meshes: u32,
+    },
     /// A buffer of the core was too small.
     #[error(transparent)]
     Capacity(#[from] CapacityError),

@@ -2,7 +2,10 @@
 
 use crate::pass::{Pass, Target};
 use crate::{Budget, GpuError, GpuSettings, clock, moving, probe};
-use pfront_shaders::{DEAL, DECIDE, EXPAND, NARROW, SAMPLE, SEED, SETTLE};
+use pfront_shaders::{
+    DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, NARROW, NARROW_INSTANCES,
+    SAMPLE, SEED, SETTLE,
+};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wgpu::{Device, Queue};
@@ -27,6 +30,7 @@ struct Shared {
     device: Device,
     queue: Queue,
     passes: Passes,
+    instances: OnceLock<Result<Arc<Descent>, GpuError>>,
     moving: OnceLock<Result<Arc<moving::Passes>, GpuError>>,
     target: Target,
     failure: Failure,
@@ -38,13 +42,32 @@ type Failure = Arc<Mutex<Option<GpuError>>>;
 /// The passes of queries.
 #[derive(Debug)]
 pub(crate) struct Passes {
-    pub(crate) seed: Pass,
-    pub(crate) expand: Pass,
-    pub(crate) narrow: Pass,
-    pub(crate) decide: Pass,
+    /// About two meshes or one.
+    pub(crate) meshes: Arc<Descent>,
     pub(crate) sample: Pass,
     pub(crate) deal: Pass,
     pub(crate) settle: Pass,
+}
+
+/// The passes that read meshes.
+#[derive(Debug)]
+pub(crate) struct Descent {
+    /// `seed`; `dive` about instances.
+    pub(crate) first: Pass,
+    pub(crate) expand: Pass,
+    pub(crate) narrow: Pass,
+    pub(crate) decide: Pass,
+}
+
+impl Descent {
+    fn new(
+        device: &Device,
+        target: Target,
+        passes: [&pfront_shaders::Pass; 4],
+    ) -> Result<Arc<Self>, GpuError> {
+        let [first, expand, narrow, decide] = passes.map(|pass| Pass::new(device, pass, target));
+        Ok(Arc::new(Self { first: first?, expand: expand?, narrow: narrow?, decide: decide? }))
+    }
 }
 
 /// Who computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
@@ -118,16 +141,14 @@ impl Gpu {
     ) -> Result<Self, GpuError> {
         let pass = |pass| Pass::new(&device, pass, target);
         let passes = Passes {
-            seed: pass(&SEED)?,
-            expand: pass(&EXPAND)?,
-            narrow: pass(&NARROW)?,
-            decide: pass(&DECIDE)?,
+            meshes: Descent::new(&device, target, [&SEED, &EXPAND, &NARROW, &DECIDE])?,
             sample: pass(&SAMPLE)?,
             deal: pass(&DEAL)?,
             settle: pass(&SETTLE)?,
         };
-        let moving = OnceLock::new();
-        let shared = Arc::new(Shared { id, device, queue, passes, moving, target, failure });
+        let (instances, moving) = (OnceLock::new(), OnceLock::new());
+        let shared =
+            Arc::new(Shared { id, device, queue, passes, instances, moving, target, failure });
         let gpu = Self { shared };
         gpu.check()?;
         Ok(gpu)
@@ -179,18 +200,30 @@ impl Gpu {
         &self.shared.passes
     }
 
-    /// Compiles the passes for meshes that move, which the first of them does otherwise: some half a second.
+    /// The passes about instances, compiled when the first of them is made.
+    pub(crate) fn instances(&self) -> Result<Arc<Descent>, GpuError> {
+        let compile = || {
+            let passes = [&DIVE, &EXPAND_INSTANCES, &NARROW_INSTANCES, &DECIDE_INSTANCES];
+            let passes = Descent::new(self.device(), self.shared.target, passes)?;
+            self.check().map(|()| passes)
+        };
+        self.shared.instances.get_or_init(compile).clone()
+    }
+
+    /// Compiles the passes for scenes and for meshes that move, which the first of them does otherwise: some half a
+    /// second.
     ///
     /// # Errors
     /// [`GpuError::Device`], [`GpuError::DeviceLost`], [`GpuError::OutOfMemory`].
     pub fn warm_up(&self) -> Result<(), GpuError> {
+        self.instances()?;
         self.moving().map(drop)
     }
 
     /// Whether these passes are compiled.
     #[must_use]
     pub fn is_warm(&self) -> bool {
-        self.shared.moving.get().is_some()
+        self.shared.moving.get().is_some() && self.shared.instances.get().is_some()
     }
 
     /// The passes for meshes that move, compiled when the first of them is made.

@@ -1,10 +1,10 @@
-//! Bind groups, made once: those of a query's lists, and those of two models.
+//! Bind groups, made once: those of a query's lists, and those of what it is about.
 
+use crate::GpuError;
 use crate::clock::Clock;
-use crate::gpu::{Gpu, Passes};
+use crate::gpu::{Descent, Gpu};
 use crate::lists::{Lists, REFINE};
-use crate::pass::Pass;
-use crate::{GpuError, GpuModel};
+use crate::pass::{Named, Pass};
 use pfront_shaders::constants::FRONTS;
 use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePassDescriptor};
 
@@ -17,7 +17,7 @@ thread_local! {
 /// One bind group for each pass.
 #[derive(Debug)]
 pub(crate) struct EachPass {
-    pub(crate) seed: BindGroup,
+    pub(crate) first: BindGroup,
     pub(crate) expand: BindGroup,
     pub(crate) narrow: BindGroup,
     pub(crate) decide: BindGroup,
@@ -25,11 +25,11 @@ pub(crate) struct EachPass {
 
 impl EachPass {
     fn new(
-        passes: &Passes,
+        passes: &Descent,
         bind: impl Fn(&Pass) -> Result<BindGroup, GpuError>,
     ) -> Result<Self, GpuError> {
         Ok(Self {
-            seed: bind(&passes.seed)?,
+            first: bind(&passes.first)?,
             expand: bind(&passes.expand)?,
             narrow: bind(&passes.narrow)?,
             decide: bind(&passes.decide)?,
@@ -41,7 +41,7 @@ impl EachPass {
 #[derive(Debug)]
 pub(crate) struct Groups {
     pub(crate) lists: EachPass,
-    pub(crate) seed_step: BindGroup,
+    pub(crate) first_step: BindGroup,
     /// By the index of the front that is read.
     pub(crate) steps: Vec<BindGroup>,
     pub(crate) refine: BindGroup,
@@ -50,12 +50,12 @@ pub(crate) struct Groups {
 }
 
 impl Groups {
-    pub(crate) fn new(gpu: &Gpu, lists: &Lists) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, descent: &Descent, lists: &Lists) -> Result<Self, GpuError> {
         let passes = gpu.passes();
-        let step = |index| lists.bind_step(gpu, &passes.expand, index);
+        let step = |index| lists.bind_step(gpu, &descent.expand, index);
         Ok(Self {
-            lists: EachPass::new(passes, |pass| lists.bind(gpu, pass, 1))?,
-            seed_step: lists.bind_step(gpu, &passes.seed, 0)?,
+            lists: EachPass::new(descent, |pass| lists.bind(gpu, pass, 1))?,
+            first_step: lists.bind_step(gpu, &descent.first, 0)?,
             steps: (0..FRONTS - 1).map(step).collect::<Result<_, _>>()?,
             refine: step(REFINE)?,
             sort: [
@@ -67,7 +67,7 @@ impl Groups {
     }
 }
 
-/// Bind groups of two models. They keep the models' buffers alive.
+/// Bind groups of two models, or of bodies. They keep these buffers alive.
 #[derive(Debug)]
 pub(crate) struct Meshes {
     pub(crate) ids: [u64; 2],
@@ -75,19 +75,14 @@ pub(crate) struct Meshes {
 }
 
 impl Meshes {
-    pub(crate) fn new(gpu: &Gpu, a: &GpuModel, b: &GpuModel) -> Result<Self, GpuError> {
-        let buffers = [
-            ("nodes_a", &a.nodes),
-            ("nodes_b", &b.nodes),
-            ("corners_a", &a.corners),
-            ("corners_b", &b.corners),
-            ("order_a", &a.order),
-            ("order_b", &b.order),
-            ("seeds_a", &a.seeds),
-            ("seeds_b", &b.seeds),
-        ];
-        let bind = |pass: &Pass| pass.bind_buffers(gpu.device(), 0, &buffers);
-        Ok(Self { ids: [a.id, b.id], groups: EachPass::new(gpu.passes(), bind)? })
+    pub(crate) fn new(
+        gpu: &Gpu,
+        descent: &Descent,
+        ids: [u64; 2],
+        buffers: Named<'_>,
+    ) -> Result<Self, GpuError> {
+        let bind = |pass: &Pass| pass.bind_buffers(gpu.device(), 0, buffers);
+        Ok(Self { ids, groups: EachPass::new(descent, bind)? })
     }
 }
 

@@ -62,17 +62,29 @@ shared! {
         last_pass: u32,
         one_hit: u32,
         beam: u32,
+        pair_shift: u32,
+        each: u32,
+        padding: [u32; 2],
+    }
+
+    /// A pair of instances: how the second stands in the frame in which boxes are compared, and both in the world.
+    InstancePair {
+        boxes: [[f32; 4]; 3],
+        pad_a: [f32; 3],
+        posed_boxes: u32,
+        pad_b: [f32; 3],
+        number: u32,
+        first_id: u32,
+        first_node: u32,
+        first_slot: u32,
+        padding: u32,
+        poses: [[[f32; 4]; 3]; 2],
     }
 
     /// One pass of a run.
     Step {
         pass_index: u32,
         keep_leaves: u32,
-    }
-
-    /// How many vertices there are to pose.
-    Posing {
-        vertices: u32,
     }
 
     /// The jobs of one stage of a refit.

@@ -13,7 +13,7 @@
 //!
 //! A [`GpuModel`] is a mesh with its BVH on the device, a [`Deforming`] one whose vertices move; a
 //! [`GpuPairQuery`] or [`GpuSelfQuery`] owns the lists that a question needs, within a [`Budget`]; when they
-//! are full, the query goes on in parts. A [`World`] owns many posed bodies as well.
+//! are full, the query goes on in parts. A [`World`] owns many posed bodies that share meshes as well.
 
 mod answer;
 mod build;
@@ -44,7 +44,7 @@ mod tests;
 mod within;
 mod world;
 
-pub use answer::Verb;
+pub use answer::GpuVerb;
 pub use clock::Timing;
 pub use deforming::Deforming;
 pub use error::GpuError;
@@ -57,4 +57,4 @@ pub use settings::{Budget, GpuSettings};
 pub use submission::GpuSubmission;
 pub use wgpu;
 pub use within::GpuSelfQuery;
-pub use world::{Bodies, World};
+pub use world::{Bodies, World, WorldAnswer};

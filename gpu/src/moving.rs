@@ -2,13 +2,12 @@
 
 use crate::GpuError;
 use crate::pass::{Pass, Target};
-use pfront_shaders::{ARRANGE, COUNT, FIT, KEYS, POSE, REFIT, SCAN, SCATTER, SURVEY};
+use pfront_shaders::{ARRANGE, COUNT, FIT, KEYS, REFIT, SCAN, SCATTER, SURVEY};
 use wgpu::Device;
 
 /// Each of them, compiled.
 #[derive(Debug)]
 pub(crate) struct Passes {
-    pub(crate) pose: Pass,
     pub(crate) refit: Pass,
     pub(crate) survey: Pass,
     pub(crate) keys: Pass,
@@ -23,7 +22,6 @@ impl Passes {
     pub(crate) fn new(device: &Device, target: Target) -> Result<Self, GpuError> {
         let pass = |pass| Pass::new(device, pass, target);
         Ok(Self {
-            pose: pass(&POSE)?,
             refit: pass(&REFIT)?,
             survey: pass(&SURVEY)?,
             keys: pass(&KEYS)?,

@@ -1,6 +1,6 @@
 //! Two models.
 
-use crate::answer::{Answer, Verb};
+use crate::answer::{Answer, GpuVerb};
 use crate::engine::{Engine, Task};
 use crate::layout::{Placement, Query, check_pose};
 use crate::report::reports;
@@ -61,7 +61,7 @@ impl GpuPairQuery {
         b: &GpuModel,
         a_from_b: &Pose,
     ) -> Result<&[TrianglePair], GpuError> {
-        self.ask(a, b, a_from_b, Verb::All)?;
+        self.ask(a, b, a_from_b, GpuVerb::All)?;
         Ok(&self.answer.pairs)
     }
 
@@ -76,7 +76,7 @@ impl GpuPairQuery {
         a_from_b: &Pose,
         out: &mut Vec<TrianglePair>,
     ) -> Result<(), GpuError> {
-        self.ask(a, b, a_from_b, Verb::All)?;
+        self.ask(a, b, a_from_b, GpuVerb::All)?;
         std::mem::swap(&mut self.answer.pairs, out);
         Ok(())
     }
@@ -91,7 +91,7 @@ impl GpuPairQuery {
         b: &GpuModel,
         a_from_b: &Pose,
     ) -> Result<Option<TrianglePair>, GpuError> {
-        self.ask(a, b, a_from_b, Verb::Any)?;
+        self.ask(a, b, a_from_b, GpuVerb::Any)?;
         Ok(self.answer.pairs.first().copied())
     }
 
@@ -100,7 +100,7 @@ impl GpuPairQuery {
     /// # Errors
     /// As [`GpuPairQuery::all`].
     pub fn count(&mut self, a: &GpuModel, b: &GpuModel, a_from_b: &Pose) -> Result<u64, GpuError> {
-        self.ask(a, b, a_from_b, Verb::Count)?;
+        self.ask(a, b, a_from_b, GpuVerb::Count)?;
         Ok(self.answer.count)
     }
 
@@ -139,7 +139,7 @@ impl GpuPairQuery {
         a: &GpuModel,
         b: &GpuModel,
         a_from_b: &Pose,
-        verb: Verb,
+        verb: GpuVerb,
     ) -> Result<(), GpuError> {
         let task = prepare(&mut self.answer.engine, a, b, a_from_b)?;
         self.answer.ask(task, verb)

@@ -1,7 +1,7 @@
 //! Asking now, and asking now to read later.
 
 use crate::GpuError;
-use crate::answer::{Answer, Verb};
+use crate::answer::{Answer, GpuVerb};
 use crate::engine::{Entry, Run, Start, Task};
 use crate::read::is_done;
 use pfront_core::bvtt::TrianglePair;
@@ -23,7 +23,7 @@ impl<'q> Pending<'q> {
     /// [`GpuError::NotSubmitted`], and those of the query.
     pub fn read(self) -> Result<&'q [TrianglePair], GpuError> {
         match self.run {
-            Some((task, run)) => self.answer.finish(&task, run, Verb::All)?,
+            Some((task, run)) => self.answer.finish(&task, run, GpuVerb::All)?,
             None => self.answer.clear(),
         }
         Ok(&self.answer.pairs)
@@ -59,14 +59,14 @@ impl<'q> Pending<'q> {
     ) -> Result<Self, GpuError> {
         let Some(task) = task else { return Ok(Self { answer, run: None }) };
         let gpu = answer.engine.gpu.clone();
-        let run = gpu.checked(|| answer.record(encoder, &task, Start::Seeds, Verb::All))?;
+        let run = gpu.checked(|| answer.record(encoder, &task, Start::Seeds, GpuVerb::All))?;
         Ok(Self { answer, run: Some((task, run)) })
     }
 }
 
 impl Answer {
     /// Asks, waits and answers; `None` asks nothing.
-    pub(crate) fn ask(&mut self, task: Option<Task>, verb: Verb) -> Result<(), GpuError> {
+    pub(crate) fn ask(&mut self, task: Option<Task>, verb: GpuVerb) -> Result<(), GpuError> {
         match task {
             Some(task) => {
                 let run = self.run(&task, Start::Seeds, verb)?;
@@ -86,7 +86,7 @@ impl Answer {
         encoder: &mut CommandEncoder,
         task: &Task,
         front: &[Entry],
-        verb: Verb,
+        verb: GpuVerb,
     ) -> Result<(Vec<Vec<Entry>>, Run), GpuError> {
         let most = self.engine.lists.capacities.front as usize;
         let parts: Vec<_> = front.chunks(most).rev().map(<[Entry]>::to_vec).collect();

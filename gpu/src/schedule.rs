@@ -10,7 +10,7 @@ use crate::layout::Stage;
 use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
-use crate::{Gpu, GpuError, GpuModel};
+use crate::{Gpu, GpuError};
 use pfront_core::Node;
 use pfront_shaders::constants::{EARLIER, GROUP, JOB};
 use std::ops::Range;
@@ -34,17 +34,12 @@ impl Schedule {
     /// # Complexity
     /// O(nodes) for each stage.
     pub(crate) fn new(tree: &[Node]) -> Self {
-        Self::of_forest(tree, if tree.is_empty() { &[] } else { &[0] })
-    }
-
-    /// The same for trees next to each other, with these roots.
-    pub(crate) fn of_forest(tree: &[Node], roots: &[u32]) -> Self {
         let mut schedule = Self::default();
         let mut done = vec![false; tree.len()];
         let mut slots = vec![EARLIER; tree.len()];
-        while roots.iter().any(|&root| !done[root as usize]) {
+        while done.first() == Some(&false) {
             let first = schedule.jobs.len() as u32;
-            schedule.add_stage(tree, roots, &mut done, &mut slots);
+            schedule.add_stage(tree, &mut done, &mut slots);
             schedule.stages.push(first..schedule.jobs.len() as u32);
         }
         schedule.jobs.push(schedule.rounds.len() as u32);
@@ -52,31 +47,22 @@ impl Schedule {
         schedule
     }
 
-    /// The dispatches that refit a model by it.
+    /// The dispatches that refit a mesh by it, whose nodes begin with this one of the buffer.
     pub(crate) fn sequence(
         &self,
         gpu: &Gpu,
-        model: &GpuModel,
+        [nodes, corners]: [&Buffer; 2],
+        first_node: u32,
         positions: &Buffer,
     ) -> Result<Sequence, GpuError> {
         let mut sequence = Sequence::new(gpu)?;
-        self.add_to(&mut sequence, gpu, model, positions)?;
-        Ok(sequence)
-    }
-
-    /// Adds them to others.
-    pub(crate) fn add_to(
-        &self,
-        sequence: &mut Sequence,
-        gpu: &Gpu,
-        model: &GpuModel,
-        positions: &Buffer,
-    ) -> Result<(), GpuError> {
+        let entries = self.nodes.iter().map(|&[node, slots]| [node + first_node, slots]);
+        let entries: Vec<_> = entries.collect();
         let buffers = [
-            ("nodes", &model.nodes),
-            ("corners", &model.corners),
+            ("nodes", nodes),
+            ("corners", corners),
             ("positions", positions),
-            ("schedule", &gpu.upload("the schedule", &self.nodes, Usage::Input)?),
+            ("schedule", &gpu.upload("the schedule", &entries, Usage::Input)?),
             ("rounds", &gpu.upload("the rounds", &self.rounds, Usage::Input)?),
             ("jobs", &gpu.upload("the jobs", &self.jobs, Usage::Input)?),
         ];
@@ -87,7 +73,7 @@ impl Schedule {
             let groups = groups_for(jobs.len() as u32);
             sequence.add(gpu, |p| &p.refit, &buffers, parameters.binding(index), groups)?;
         }
-        Ok(())
+        Ok(sequence)
     }
 
     /// Bytes of device memory that it takes.
@@ -97,7 +83,7 @@ impl Schedule {
     }
 
     /// Adds every largest subtree of at most [`JOB`] nodes that are not yet done.
-    fn add_stage(&mut self, tree: &[Node], roots: &[u32], done: &mut [bool], slots: &mut [u32]) {
+    fn add_stage(&mut self, tree: &[Node], done: &mut [bool], slots: &mut [u32]) {
         // How many nodes a subtree has, and how many rounds from its leaves it takes to fit it.
         let mut subtrees = vec![(0, 0); tree.len()];
         // Children come after their parents.
@@ -110,7 +96,7 @@ impl Schedule {
             }
         }
         let (mut job, mut size) = (Vec::new(), 0);
-        let mut waiting = roots.to_vec();
+        let mut waiting = vec![0];
         while let Some(index) = waiting.pop() {
             let node = &tree[index as usize];
             match subtrees[index as usize] {
@@ -195,24 +181,12 @@ mod tests {
     #[test]
     fn every_node_is_scheduled_once_and_after_its_children() {
         for (n, skew) in [(1, 0), (2, 0), (300, 4), (5_000, 0), (5_000, 3), (40_000, 5)] {
-            check(&tree(n, skew), &[0], 2 * n - 1);
+            check(&tree(n, skew), 2 * n - 1);
         }
-        let (mut forest, mut roots, mut count) = (vec![], vec![], 0);
-        for (n, skew) in (1..300).map(|i| (i % 17 * (i % 5) + 1, i % 4)).chain([(9_000, 0)]) {
-            let root = forest.len() as u32;
-            let shift = |node: Node| match node {
-                leaf if leaf.is_leaf() => leaf,
-                inner => Node { first: inner.first + root, ..inner },
-            };
-            forest.extend(tree(n, skew).into_iter().map(shift));
-            roots.push(root);
-            count += 2 * n - 1;
-        }
-        check(&forest, &roots, count);
     }
 
-    fn check(tree: &[Node], roots: &[u32], count: u32) {
-        let Schedule { nodes, rounds, jobs, stages } = Schedule::of_forest(tree, roots);
+    fn check(tree: &[Node], count: u32) {
+        let Schedule { nodes, rounds, jobs, stages } = Schedule::new(tree);
         assert_eq!(nodes.len() as u32, count);
         // When a node is done, and its slot: stages follow one another, as do rounds of a job.
         let mut when = vec![None; tree.len()];

@@ -1,6 +1,6 @@
 //! Submitting a question without waiting, in lists that belong to the question until it is read.
 
-use crate::answer::{Answer, Verb};
+use crate::answer::{Answer, GpuVerb};
 use crate::engine::{Engine, Run, Start, Task};
 use crate::layout::Counters;
 use crate::{Gpu, GpuError, GpuModel, GpuSettings, pair, within};
@@ -17,10 +17,10 @@ use wgpu::Buffer;
 /// # Examples
 /// ```no_run
 /// use pfront_core::Pose;
-/// use pfront_gpu::{Gpu, GpuModel, GpuSubmission, Verb};
+/// use pfront_gpu::{Gpu, GpuModel, GpuSubmission, GpuVerb};
 /// # fn demo(gpu: Gpu, a: GpuModel, b: GpuModel) -> Result<(), pfront_gpu::GpuError> {
 /// let mut question = GpuSubmission::new(&gpu, gpu.settings())?;
-/// question.pair(&a, &b, &Pose::IDENTITY, Verb::All)?;
+/// question.pair(&a, &b, &Pose::IDENTITY, GpuVerb::All)?;
 /// // ... submit what else the frame needs ...
 /// let mut pairs = Vec::new();
 /// let count = question.read(&mut pairs)?;
@@ -32,7 +32,7 @@ pub struct GpuSubmission {
     answer: Answer,
     /// What has been submitted and not read; `None` where a model is empty.
     run: Option<(Task, Run)>,
-    verb: Verb,
+    verb: GpuVerb,
 }
 
 impl GpuSubmission {
@@ -49,7 +49,7 @@ impl GpuSubmission {
     /// [`GpuError::Budget`], [`GpuError::TooLarge`], [`GpuError::OutOfMemory`].
     pub fn new(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
         let answer = Answer::new(Engine::new(gpu, &settings)?);
-        Ok(Self { answer, run: None, verb: Verb::All })
+        Ok(Self { answer, run: None, verb: GpuVerb::All })
     }
 
     /// Submits a question about two models, the second in the pose `a_from_b`, and does not wait.
@@ -61,7 +61,7 @@ impl GpuSubmission {
         a: &GpuModel,
         b: &GpuModel,
         a_from_b: &Pose,
-        verb: Verb,
+        verb: GpuVerb,
     ) -> Result<(), GpuError> {
         self.run = None;
         let task = pair::prepare(&mut self.answer.engine, a, b, a_from_b)?;
@@ -76,15 +76,15 @@ impl GpuSubmission {
         &mut self,
         model: &GpuModel,
         adjacency: Adjacency,
-        verb: Verb,
+        verb: GpuVerb,
     ) -> Result<(), GpuError> {
         self.run = None;
         let task = within::prepare(&mut self.answer.engine, model, adjacency)?;
         self.submit(task, verb)
     }
 
-    /// Waits for the submission, and for no other, and returns how many pairs meet; under [`Verb::Any`], at least one if any
-    /// does. `pairs` is replaced: by all pairs, sorted, under [`Verb::All`], by some pair that meets under [`Verb::Any`]. A
+    /// Waits for the submission, and for no other, and returns how many pairs meet; under [`GpuVerb::Any`], at least one if any
+    /// does. `pairs` is replaced: by all pairs, sorted, under [`GpuVerb::All`], by some pair that meets under [`GpuVerb::Any`]. A
     /// question is read once; the answer to none is empty.
     ///
     /// # Errors
@@ -98,7 +98,7 @@ impl GpuSubmission {
         Ok(self.answer.count)
     }
 
-    /// The hits: `array<vec2<u32>>`, the triangles `(a, b)` of each, under [`Verb::All`] sorted.
+    /// The hits: `array<vec2<u32>>`, the triangles `(a, b)` of each, under [`GpuVerb::All`] sorted.
     #[must_use]
     pub fn hits_buffer(&self) -> &Buffer {
         &self.answer.engine.lists.hits
@@ -110,7 +110,7 @@ impl GpuSubmission {
         &self.answer.engine.lists.counters
     }
 
-    fn submit(&mut self, task: Option<Task>, verb: Verb) -> Result<(), GpuError> {
+    fn submit(&mut self, task: Option<Task>, verb: GpuVerb) -> Result<(), GpuError> {
         self.verb = verb;
         if let Some(task) = task {
             self.run = Some((task, self.answer.run(&task, Start::Seeds, verb)?));

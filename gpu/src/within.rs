@@ -1,6 +1,6 @@
 //! One model with itself.
 
-use crate::answer::{Answer, Verb};
+use crate::answer::{Answer, GpuVerb};
 use crate::engine::{Engine, Task};
 use crate::layout::{Placement, Query};
 use crate::report::reports;
@@ -60,7 +60,7 @@ impl GpuSelfQuery {
     /// # Errors
     /// [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
     pub fn all(&mut self, model: &GpuModel) -> Result<&[TrianglePair], GpuError> {
-        self.ask(model, Verb::All)?;
+        self.ask(model, GpuVerb::All)?;
         Ok(&self.answer.pairs)
     }
 
@@ -73,7 +73,7 @@ impl GpuSelfQuery {
         model: &GpuModel,
         out: &mut Vec<TrianglePair>,
     ) -> Result<(), GpuError> {
-        self.ask(model, Verb::All)?;
+        self.ask(model, GpuVerb::All)?;
         std::mem::swap(&mut self.answer.pairs, out);
         Ok(())
     }
@@ -83,7 +83,7 @@ impl GpuSelfQuery {
     /// # Errors
     /// As [`GpuSelfQuery::all`].
     pub fn any(&mut self, model: &GpuModel) -> Result<Option<TrianglePair>, GpuError> {
-        self.ask(model, Verb::Any)?;
+        self.ask(model, GpuVerb::Any)?;
         Ok(self.answer.pairs.first().copied())
     }
 
@@ -92,7 +92,7 @@ impl GpuSelfQuery {
     /// # Errors
     /// As [`GpuSelfQuery::all`].
     pub fn count(&mut self, model: &GpuModel) -> Result<u64, GpuError> {
-        self.ask(model, Verb::Count)?;
+        self.ask(model, GpuVerb::Count)?;
         Ok(self.answer.count)
     }
 
@@ -109,7 +109,7 @@ impl GpuSelfQuery {
         Pending::record(&mut self.answer, encoder, task)
     }
 
-    fn ask(&mut self, model: &GpuModel, verb: Verb) -> Result<(), GpuError> {
+    fn ask(&mut self, model: &GpuModel, verb: GpuVerb) -> Result<(), GpuError> {
         let task = prepare(&mut self.answer.engine, model, self.adjacency)?;
         self.answer.ask(task, verb)
     }

@@ -69,6 +69,12 @@ constants! {
     JOB = 512;
     /// A child whose box an earlier dispatch has fitted, in place of its slot among those of a job.
     EARLIER = 0xffff;
+    /// Rounds that a workgroup looks for a hit of one pair of instances, depth-first, before it hands on.
+    DIVE = 256;
+    /// One hit is wanted of each pair of instances.
+    ANY_EACH = 1;
+    /// The number of hits is wanted of each pair of instances.
+    COUNT_EACH = 2;
     /// A front was too small.
     FRONT_OVERFLOW = 1;
     /// The list of leaf pairs was too small.

@@ -55,10 +55,13 @@ texts! {
     FITTED = "parts/fitted";
     GROUP = "parts/group";
     HALVES = "parts/halves";
+    INSTANCES = "parts/instances";
     LATTICE = "parts/lattice";
     LAYOUT = "parts/layout";
+    MESHES = "parts/meshes";
     NOTHING = "parts/nothing";
     ORDERED = "parts/ordered";
+    OUTCOME = "parts/outcome";
     PLACE = "parts/place";
     PREFIX = "parts/prefix";
     RANK = "parts/rank";
@@ -69,7 +72,9 @@ texts! {
     SOFT = "parts/soft";
     SORTING = "parts/sorting";
     SOURCE = "parts/source";
+    TALLIES = "parts/tallies";
     TRIANGLES = "parts/triangles";
+    UNTALLIED = "parts/untallied";
     WIDE = "parts/wide";
 }
 
@@ -83,21 +88,45 @@ macro_rules! pass {
 }
 
 /// The first pass of a query: node pairs of one level of both BVHs, and down from there.
-pub const SEED: Pass = pass!("seed", LAYOUT, BINDINGS, NOTHING, GROUP, BOXES, DESCEND);
+pub const SEED: Pass =
+    pass!("seed", LAYOUT, BINDINGS, MESHES, UNTALLIED, NOTHING, GROUP, BOXES, DESCEND);
 
 /// One depth-bounded pass from a front.
-pub const EXPAND: Pass = pass!("expand", LAYOUT, BINDINGS, NOTHING, GROUP, BOXES, DESCEND);
+pub const EXPAND: Pass =
+    pass!("expand", LAYOUT, BINDINGS, MESHES, UNTALLIED, NOTHING, GROUP, BOXES, DESCEND);
 
 /// The triangle pairs of leaf pairs that boxes and planes do not separate.
 pub const NARROW: Pass = pass!(
-    "narrow", LAYOUT, BINDINGS, NOTHING, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES, SHARING,
-    SIGNS, FILTER
+    "narrow", LAYOUT, BINDINGS, MESHES, NOTHING, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES,
+    SHARING, SIGNS, FILTER
 );
 
 /// Triangle pairs decided: in f32, and in integers where that leaves them open.
 pub const DECIDE: Pass = pass!(
-    "decide", LAYOUT, BINDINGS, NOTHING, GROUP, PLACE, SOFT, WIDE, TRIANGLES, SHARING, SIGNS,
-    FILTER, LATTICE, EXACT, RESULTS
+    "decide", LAYOUT, BINDINGS, MESHES, UNTALLIED, NOTHING, GROUP, PLACE, SOFT, WIDE, TRIANGLES,
+    SHARING, SIGNS, FILTER, OUTCOME, LATTICE, EXACT, RESULTS
+);
+
+/// One hit of each pair of instances, if it is easily found.
+pub const DIVE: Pass = pass!(
+    "dive", LAYOUT, BINDINGS, INSTANCES, UNTALLIED, NOTHING, GROUP, BOXES, DESCEND, PLACE, SOFT,
+    WIDE, TRIANGLES, SHARING, SIGNS, FILTER, OUTCOME
+);
+
+/// [`EXPAND`] over pairs of instances.
+pub const EXPAND_INSTANCES: Pass =
+    pass!("expand", LAYOUT, BINDINGS, INSTANCES, TALLIES, NOTHING, GROUP, BOXES, DESCEND);
+
+/// [`NARROW`] over pairs of instances.
+pub const NARROW_INSTANCES: Pass = pass!(
+    "narrow", LAYOUT, BINDINGS, INSTANCES, NOTHING, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES,
+    SHARING, SIGNS, FILTER
+);
+
+/// [`DECIDE`] over pairs of instances.
+pub const DECIDE_INSTANCES: Pass = pass!(
+    "decide", LAYOUT, BINDINGS, INSTANCES, TALLIES, NOTHING, GROUP, PLACE, SOFT, WIDE, TRIANGLES,
+    SHARING, SIGNS, FILTER, OUTCOME, LATTICE, EXACT, RESULTS
 );
 
 /// Where the buckets of a sort of the hits begin.
@@ -108,9 +137,6 @@ pub const DEAL: Pass = pass!("deal", LAYOUT, GROUP, RANKING);
 
 /// Hits in order.
 pub const SETTLE: Pass = pass!("settle", LAYOUT, GROUP, RANKING, RANK);
-
-/// Where the vertices of posed bodies are in the world.
-pub const POSE: Pass = pass!("pose", NOTHING, PLACE, SOFT, WIDE);
 
 /// Boxes and corners of a mesh that has moved.
 pub const REFIT: Pass = pass!("refit", LAYOUT, ORDERED, SOURCE, FITTED);
@@ -140,7 +166,25 @@ pub const FIT: Pass = pass!("fit", LAYOUT, BALANCED, ORDERED, SOURCE, FITTED);
 pub const PROBE: Pass = pass!("probe", NOTHING, PLACE, SOFT, WIDE);
 
 /// Every pass.
-pub const PASSES: [Pass; 17] = [
-    SEED, EXPAND, NARROW, DECIDE, SAMPLE, DEAL, SETTLE, POSE, REFIT, SURVEY, KEYS, COUNT, SCAN,
-    SCATTER, ARRANGE, FIT, PROBE,
+pub const PASSES: [Pass; 20] = [
+    SEED,
+    EXPAND,
+    NARROW,
+    DECIDE,
+    DIVE,
+    EXPAND_INSTANCES,
+    NARROW_INSTANCES,
+    DECIDE_INSTANCES,
+    SAMPLE,
+    DEAL,
+    SETTLE,
+    REFIT,
+    SURVEY,
+    KEYS,
+    COUNT,
+    SCAN,
+    SCATTER,
+    ARRANGE,
+    FIT,
+    PROBE,
 ];

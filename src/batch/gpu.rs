@@ -133,9 +133,9 @@ impl Ring {
         let mut lists = oldest.map_or_else(|| self.lists.device.lend(), Ok)?;
         let there = |model: &Model| self.uploads.get(&model.stamp()).ok_or(GpuError::OtherDevice);
         let verb = match self.job.verb {
-            Verb::All => gpu::Verb::All,
-            Verb::Count => gpu::Verb::Count,
-            Verb::Any => gpu::Verb::Any,
+            Verb::All => gpu::GpuVerb::All,
+            Verb::Count => gpu::GpuVerb::Count,
+            Verb::Any => gpu::GpuVerb::Any,
         };
         match &self.job.questions[number] {
             Question::Pair { models: [a, b], a_from_b } => {

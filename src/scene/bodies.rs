@@ -148,12 +148,6 @@ impl Bodies {
         self.live
     }
 
-    /// Triangles of all bodies together.
-    #[cfg(feature = "gpu")]
-    pub(super) fn triangles(&self) -> usize {
-        self.iter().map(|body| body.model().mesh().triangles().len()).sum()
-    }
-
     /// Time of the last change; 0 before any.
     pub(super) fn time(&self) -> u64 {
         self.time

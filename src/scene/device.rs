@@ -1,13 +1,14 @@
-//! The bodies of a scene on a GPU, brought there when it is first asked and kept up to date from then on.
+//! The bodies of a scene on a GPU: each mesh is brought there when a body first has it, and kept up to date from then on.
 
-use super::SceneHit;
 use super::bodies::Bodies;
 use super::broad::Places;
 use super::frame::{Answer, Frame};
+use super::{BodyId, SceneHit};
 use crate::executor::{Device, Verb};
 use crate::gpu::{GpuError, World};
-use crate::model::Stamp;
+use crate::{Model, Pose, Stamp};
 use pfront_core::bvtt::TrianglePair;
+use std::collections::{HashMap, HashSet};
 
 #[derive(Debug, Default)]
 pub(super) struct Mirror(Option<Scene>);
@@ -22,18 +23,28 @@ impl Clone for Mirror {
 #[derive(Debug)]
 struct Scene {
     world: World,
-    /// The models of the bodies there, as they were brought.
-    stamps: Vec<Stamp>,
+    /// The numbers of the meshes there, by the models that they were brought from.
+    meshes: HashMap<Stamp, u32>,
+    /// Triangles of the meshes there.
+    triangles: usize,
+    /// The bodies there and the models of their meshes.
+    bodies: Vec<(BodyId, Stamp)>,
     /// The time of the last frame that was asked there; 0 before the first.
     at: u64,
     pairs: Vec<Places>,
 }
 
 impl Mirror {
-    /// Triangles to upload: one body that comes or goes makes it bring all.
+    /// Triangles to upload: those of meshes that no body there has.
     pub(super) fn lacks(&self, bodies: &Bodies) -> usize {
-        let is_there = self.0.as_ref().is_some_and(|scene| bodies.gathered() <= scene.at);
-        if is_there { 0 } else { bodies.triangles() }
+        let scene = self.0.as_ref().filter(|scene| scene.at > 0);
+        if scene.is_some_and(|scene| bodies.gathered() <= scene.at) {
+            return 0;
+        }
+        let mut known: HashSet<Stamp> =
+            scene.iter().flat_map(|scene| scene.meshes.keys().copied()).collect();
+        let new = bodies.iter().filter(|body| known.insert(body.model().stamp()));
+        new.map(|body| triangles(body.model())).sum()
     }
 
     /// Asks about the pairs of bodies of a frame.
@@ -48,7 +59,9 @@ impl Mirror {
             Some(scene) => scene,
             none => none.insert(Scene {
                 world: World::new(&device.gpu, device.settings)?,
-                stamps: Vec::new(),
+                meshes: HashMap::new(),
+                triangles: 0,
+                bodies: Vec::new(),
                 at: 0,
                 pairs: Vec::new(),
             }),
@@ -78,24 +91,67 @@ impl Scene {
         // After an error nothing is known of what is there.
         let at = std::mem::take(&mut self.at);
         let is_there = at > 0 && bodies.gathered() <= at;
-        if !is_there {
-            let bvhs: Vec<_> = bodies.iter().map(|body| body.model().bvh()).collect();
-            self.world.set_bodies(&bvhs)?;
-            self.stamps.clear();
-            self.stamps.extend(bodies.iter().map(|body| body.model().stamp()));
-        }
-        for ((body, stamp), number) in bodies.iter().zip(&mut self.stamps).zip(0..) {
-            if is_there && bodies.changed([body.id(); 2]) <= at {
-                continue;
+        let is_same =
+            |((_, stamp), body): (&(BodyId, Stamp), &super::Body)| *stamp == body.model().stamp();
+        if is_there && self.bodies.iter().zip(bodies.iter()).all(is_same) {
+            for (body, number) in bodies.iter().zip(0..) {
+                if bodies.changed([body.id(); 2]) > at {
+                    self.world.set_pose(number, body.pose())?;
+                }
             }
-            let model = body.model();
-            if model.stamp().positions() != stamp.positions() {
-                self.world.set_positions(number, model.mesh().positions())?;
-                *stamp = model.stamp();
-            }
-            self.world.set_pose(number, model.bvh(), body.pose())?;
+        } else {
+            self.gather(bodies, at == 0)?;
         }
         self.at = bodies.time();
         Ok(())
     }
+
+    /// Brings the meshes that are not there, and all bodies anew.
+    fn gather(&mut self, bodies: &Bodies, is_lost: bool) -> Result<(), GpuError> {
+        let used: HashMap<Stamp, &Model> =
+            bodies.iter().map(|body| (body.model().stamp(), &**body.model())).collect();
+        // Meshes that nothing has any more are kept until they are most of all.
+        let in_use: usize = used.values().map(|model| triangles(model)).sum();
+        if is_lost || self.triangles > 2 * in_use {
+            self.clear();
+        }
+        for body in bodies.iter() {
+            let stamp = body.model().stamp();
+            if self.meshes.contains_key(&stamp) {
+                continue;
+            }
+            // The mesh that the body had, if no other has it, takes the new shape.
+            let before = self.bodies.binary_search_by_key(&body.id(), |(id, _)| *id).ok();
+            let before = before
+                .map(|at| self.bodies[at].1)
+                .filter(|old| old.mesh() == stamp.mesh() && !used.contains_key(old));
+            let number = match before.and_then(|old| self.meshes.remove(&old)) {
+                Some(number) => {
+                    self.world.set_positions(number, body.model().mesh().positions())?;
+                    number
+                }
+                None => {
+                    self.triangles += triangles(body.model());
+                    self.world.add_mesh(body.model().bvh())?
+                }
+            };
+            self.meshes.insert(stamp, number);
+        }
+        self.bodies.clear();
+        self.bodies.extend(bodies.iter().map(|body| (body.id(), body.model().stamp())));
+        let number = |body: &super::Body| (self.meshes[&body.model().stamp()], body.pose());
+        let posed: Vec<(u32, Pose)> = bodies.iter().map(number).collect();
+        self.world.set_bodies(&posed)
+    }
+
+    fn clear(&mut self) {
+        self.world.clear();
+        self.meshes.clear();
+        self.bodies.clear();
+        self.triangles = 0;
+    }
+}
+
+fn triangles(model: &Model) -> usize {
+    model.mesh().triangles().len()
 }

@@ -1,216 +1,242 @@
-//! All bodies on the device: one mesh and one forest of trees, each body with its own run of both.
+//! The meshes of a world in shared buffers, each once, however many bodies have it.
 
-use crate::clock::Clock;
 use crate::engine::Entry;
-use crate::layout::{Corner, Posing};
+use crate::layout::Corner;
 use crate::memory::Usage;
 use crate::model::{below, reference};
-use crate::parameters::Parameters;
 use crate::schedule::Schedule;
-use crate::sequence::{Sequence, groups_for};
+use crate::sequence::Sequence;
 use crate::{Gpu, GpuError, GpuModel};
-use pfront_core::bvtt::TrianglePair;
-use pfront_core::{Bvh, Node, Pose};
-use pfront_shaders::constants::GROUP;
+use bytemuck::Pod;
+use pfront_core::{Aabb, Bvh, MeshError, Node};
 use wgpu::{Buffer, CommandEncoder};
 
 /// A first front pairs at most so many nodes: one level on, that is the larger starting front of the paper's GPU algorithm.
-const MOST_PAIRS: usize = 4096;
+pub(super) const MOST_PAIRS: usize = 4096;
 
-/// The bodies in the world.
+/// All meshes.
 #[derive(Debug)]
 pub(super) struct Arena {
-    /// Without seeds: a query starts from [`Arena::front`].
-    pub(super) model: GpuModel,
-    tenants: Vec<Tenant>,
-    /// Where each vertex is in the frame of its body.
-    shapes: Buffer,
-    poses: Buffer,
-    /// From poses to corners and boxes.
-    motion: Sequence,
-    /// Other buffers that it holds.
-    bytes: u64,
+    /// Changes with the buffers.
+    pub(super) id: u64,
+    pub(super) nodes: Array,
+    pub(super) corners: Array,
+    pub(super) order: Array,
+    pub(super) meshes: Vec<ArenaMesh>,
+    /// The most triangles of a leaf.
+    pub(super) leaf_size: u32,
+    /// Meshes whose positions have been written and whose boxes do not know it.
+    pub(super) moved: Vec<usize>,
 }
 
-/// A body, and where its runs begin.
+/// An array on the device that grows.
 #[derive(Debug)]
-struct Tenant {
-    first_triangle: u32,
-    first_vertex: u32,
-    /// How many vertices it has.
+pub(super) struct Array {
+    what: &'static str,
+    buffer: Option<Buffer>,
+    used: u64,
+}
+
+/// A mesh, and where its runs begin.
+#[derive(Debug)]
+pub(super) struct ArenaMesh {
+    pub(super) first_node: u32,
+    pub(super) first_slot: u32,
+    /// Ids that it takes: as many as it has nodes or triangles.
+    pub(super) ids: u32,
+    /// `None` if it is empty.
+    pub(super) bounds: Option<Aabb>,
     vertices: usize,
     /// The depth of its BVH.
     depth: u32,
     /// The nodes of each of the first levels, leaves above it included, as a front holds them.
     levels: Vec<Vec<u32>>,
+    schedule: Schedule,
+    /// If its vertices have moved.
+    motion: Option<Motion>,
 }
 
-/// The arrays to upload.
-#[derive(Default)]
-struct Contents {
-    nodes: Vec<Node>,
-    corners: Vec<Corner>,
-    order: Vec<u32>,
-    roots: Vec<u32>,
-    shapes: Vec<[f32; 3]>,
-    /// The number of the tenant of each vertex.
-    owners: Vec<u32>,
-    tenants: Vec<Tenant>,
+/// What moves a mesh.
+#[derive(Debug)]
+struct Motion {
+    positions: Buffer,
+    refit: Sequence,
 }
 
 impl Arena {
-    /// Nobody is posed yet.
+    pub(super) fn new() -> Self {
+        let array = |what| Array { what, buffer: None, used: 0 };
+        Self {
+            id: GpuModel::next_id(),
+            nodes: array("the nodes"),
+            corners: array("the triangles"),
+            order: array("the order of the triangles"),
+            meshes: Vec::new(),
+            leaf_size: 1,
+            moved: Vec::new(),
+        }
+    }
+
+    /// Adds a mesh. After an error the arena is of no use.
     ///
     /// # Complexity
-    /// O(triangles).
-    pub(super) fn new(gpu: &Gpu, bodies: &[Bvh<'_>]) -> Result<Self, GpuError> {
-        GpuModel::check_size(bodies.iter().map(|bvh| bvh.order().len()).sum())?;
-        let mut contents = Contents::default();
-        bodies.iter().for_each(|bvh| contents.add(bvh));
-        let Contents { nodes, corners, order, roots, shapes, owners, tenants } = contents;
-        let model = GpuModel {
-            id: GpuModel::next_id(),
-            device: gpu.id(),
-            nodes: gpu.upload("the nodes", &nodes, Usage::Input)?,
-            corners: gpu.upload("the triangles", &corners, Usage::Input)?,
-            order: gpu.upload("the order of the triangles", &order, Usage::Input)?,
-            seeds: gpu.buffer("the seeds", 0, Usage::Input)?,
-            seed_count: 0,
-            root: 0,
-            depth: 0,
-            depth_below_seeds: 0,
-            leaf_size: nodes.iter().map(|node| node.count).fold(1, u32::max),
-            bounds: None,
-        };
-        let shapes =
-            gpu.upload("the vertices", bytemuck::cast_slice::<_, u32>(&shapes), Usage::Input)?;
-        let owner_count = owners.len() as u32;
-        let owners = gpu.upload("the owners of vertices", &owners, Usage::Input)?;
-        let positions = gpu.buffer("the positions", shapes.size(), Usage::Input)?;
-        let rows = tenants.len() * size_of::<Pose>();
-        let poses = gpu.buffer("the poses", rows as u64, Usage::Input)?;
-        let mut motion = Sequence::new(gpu)?;
-        let buffers = [
-            ("shapes", &shapes),
-            ("owners", &owners),
-            ("poses", &poses),
-            ("positions", &positions),
+    /// O(triangles), and where buffers grow, a copy of all on the device.
+    pub(super) fn add(&mut self, gpu: &Gpu, bvh: &Bvh<'_>) -> Result<(), GpuError> {
+        // Where buffers grow, what refits the meshes that are there is lost.
+        if !self.moved.is_empty() {
+            gpu.checked(|| {
+                let mut encoder = gpu.device().create_command_encoder(&Default::default());
+                self.record_refits(&mut encoder);
+                gpu.queue().submit([encoder.finish()]);
+                Ok(())
+            })?;
+            self.moved.clear();
+        }
+        let first_node = self.nodes.used / size_of::<Node>() as u64;
+        let first_slot = self.order.used / size_of::<u32>() as u64;
+        GpuModel::check_size(first_slot as usize + bvh.order().len())?;
+        let (first_node, first_slot) = (first_node as u32, first_slot as u32);
+        let shifted = bvh.nodes().iter().map(|node| {
+            let shift = if node.is_leaf() { first_slot } else { first_node };
+            Node { first: node.first + shift, ..*node }
+        });
+        let nodes: Vec<_> = shifted.collect();
+        let mesh = bvh.mesh();
+        let corner = |vertex: u32| Corner { position: mesh.positions()[vertex as usize], vertex };
+        let triangles = bvh.order().iter().map(|&t| mesh.triangles()[t as usize]);
+        let corners: Vec<_> = triangles.flat_map(|t| t.map(corner)).collect();
+        // Every one of them, whichever grows.
+        let grown = [
+            self.nodes.append(gpu, &nodes)?,
+            self.corners.append(gpu, &corners)?,
+            self.order.append(gpu, bvh.order())?,
         ];
-        let parameters = Parameters::new(gpu, "the vertices", &[Posing { vertices: owner_count }])?;
-        let groups = groups_for(owner_count.div_ceil(GROUP));
-        motion.add(gpu, |p| &p.pose, &buffers, parameters.binding(0), groups)?;
-        let schedule = Schedule::of_forest(&nodes, &roots);
-        schedule.add_to(&mut motion, gpu, &model, &positions)?;
-        let bytes = buffers.iter().map(|(_, buffer)| buffer.size()).sum::<u64>() + schedule.bytes();
-        Ok(Self { model, tenants, shapes, poses, motion, bytes })
+        if grown.contains(&true) {
+            self.id = GpuModel::next_id();
+            self.meshes.iter_mut().for_each(|mesh| mesh.motion = None);
+        }
+        self.leaf_size = nodes.iter().map(|node| node.count).fold(self.leaf_size, u32::max);
+        self.meshes.push(ArenaMesh {
+            first_node,
+            first_slot,
+            ids: nodes.len().max(bvh.order().len()) as u32,
+            bounds: bvh.aabb(),
+            vertices: mesh.positions().len(),
+            depth: bvh.depth() as u32,
+            levels: levels(bvh.nodes(), first_node),
+            schedule: Schedule::new(bvh.nodes()),
+            motion: None,
+        });
+        Ok(())
     }
 
     /// Bytes of device memory.
     pub(super) fn bytes(&self) -> u64 {
-        self.model.bytes() + self.bytes
+        let motions = self.meshes.iter().filter(|mesh| mesh.motion.is_some());
+        let moving = |mesh: &ArenaMesh| mesh.schedule.bytes() + 12 * mesh.vertices as u64;
+        let arrays = [&self.nodes, &self.corners, &self.order];
+        arrays.iter().filter_map(|array| array.buffer.as_ref()).map(Buffer::size).sum::<u64>()
+            + motions.map(moving).sum::<u64>()
     }
 
-    /// How many vertices a body has.
-    pub(super) fn vertices(&self, body: usize) -> usize {
-        self.tenants[body].vertices
-    }
-
-    /// Moves the vertices of a body with the next submission.
-    pub(super) fn write_positions(&self, gpu: &Gpu, body: usize, positions: &[[f32; 3]]) {
-        let first = u64::from(self.tenants[body].first_vertex);
-        let at = first * size_of::<[f32; 3]>() as u64;
-        gpu.queue().write_buffer(&self.shapes, at, bytemuck::cast_slice(positions));
-    }
-
-    /// Moves all bodies to their poses.
-    pub(super) fn record_motion(
-        &self,
+    /// Moves the vertices of a mesh with the next submission.
+    pub(super) fn set_positions(
+        &mut self,
         gpu: &Gpu,
-        encoder: &mut CommandEncoder,
-        poses: &[Pose],
-        clock: Option<&mut Clock>,
-    ) {
-        gpu.queue().write_buffer(&self.poses, 0, bytemuck::cast_slice(poses));
-        self.motion.run(encoder, clock);
-    }
-
-    /// Node pairs to start from, of pairs of bodies, and the levels of the BVTT below them.
-    ///
-    /// Few pairs of bodies start some levels below their roots, so that the first pass has work for many
-    /// workgroups.
-    pub(super) fn front(&self, pairs: &[[u32; 2]]) -> (Vec<Entry>, u32) {
-        let tenants = |pair: &[u32; 2]| pair.map(|body| &self.tenants[body as usize]);
-        let node_pairs = |level: usize| -> usize {
-            let of_pair = |pair| -> usize {
-                tenants(pair).into_iter().map(|tenant| tenant.level(level).0.len()).product()
-            };
-            pairs.iter().map(of_pair).sum()
-        };
-        // No balanced tree has more levels to offer.
-        let deepest = MOST_PAIRS.ilog2() as usize;
-        let level = (1..=deepest).rev().find(|&level| node_pairs(level) <= MOST_PAIRS).unwrap_or(0);
-        let (mut front, mut levels) = (Vec::with_capacity(node_pairs(level)), 1);
-        for pair in pairs {
-            let [(own, own_levels), (other, other_levels)] =
-                tenants(pair).map(|tenant| tenant.level(level));
-            levels = levels.max(own_levels).max(other_levels);
-            for &x in own {
-                front.extend(other.iter().map(|&y| [x, y]));
-            }
+        number: usize,
+        positions: &[[f32; 3]],
+    ) -> Result<(), GpuError> {
+        let mesh = &mut self.meshes[number];
+        let (expected, found) = (mesh.vertices, positions.len());
+        if expected != found {
+            return Err(MeshError::VertexCount { expected, found }.into());
         }
-        (front, levels)
+        let (Some(nodes), Some(corners)) = (&self.nodes.buffer, &self.corners.buffer) else {
+            return Ok(());
+        };
+        let motion = match &mut mesh.motion {
+            Some(motion) => motion,
+            none => {
+                let bytes = size_of_val(positions) as u64;
+                let buffer = gpu.buffer("the positions", bytes, Usage::Input)?;
+                let schedule = &mesh.schedule;
+                let refit = schedule.sequence(gpu, [nodes, corners], mesh.first_node, &buffer)?;
+                none.insert(Motion { positions: buffer, refit })
+            }
+        };
+        gpu.queue().write_buffer(&motion.positions, 0, bytemuck::cast_slice(positions));
+        // The box of all vertices only bounds what a pose may do.
+        mesh.bounds = mesh.bounds.map(|_| Aabb::of(positions));
+        if !self.moved.contains(&number) {
+            self.moved.push(number);
+        }
+        Ok(())
     }
 
-    /// The bodies and triangles of a pair of triangles of the arena.
-    pub(super) fn hit(&self, pair: TrianglePair) -> ([u32; 2], TrianglePair) {
-        let [(a, own), (b, other)] = [pair.a, pair.b].map(|triangle| {
-            let next = self.tenants.partition_point(|tenant| tenant.first_triangle <= triangle);
-            (next as u32 - 1, triangle - self.tenants[next - 1].first_triangle)
-        });
-        ([a, b], TrianglePair { a: own, b: other })
+    /// Records the refits of the meshes that have moved: once it is submitted, none has.
+    pub(super) fn record_refits(&self, encoder: &mut CommandEncoder) {
+        let motions = self.moved.iter().filter_map(|&number| self.meshes[number].motion.as_ref());
+        motions.for_each(|motion| motion.refit.run(encoder, None));
     }
 }
 
-impl Tenant {
+impl Array {
+    /// The buffer, if it has any contents.
+    pub(super) fn buffer(&self) -> Option<&Buffer> {
+        self.buffer.as_ref()
+    }
+
+    /// Adds elements with the next submission; returns whether they are in another buffer now.
+    fn append<T: Pod>(&mut self, gpu: &Gpu, contents: &[T]) -> Result<bool, GpuError> {
+        let contents: &[u8] = bytemuck::cast_slice(contents);
+        let end = self.used + contents.len() as u64;
+        if contents.is_empty() {
+            return Ok(false);
+        }
+        let old = self.buffer.take_if(|buffer| buffer.size() < end);
+        let grows = self.buffer.is_none();
+        if grows {
+            // With room to spare if there is more to come, and the device can bind that much.
+            let spare = old.as_ref().map_or(0, |old| old.size() / 2);
+            let roomy = gpu.buffer(self.what, end + spare, Usage::List);
+            let new = roomy.or_else(|_| gpu.buffer(self.what, end, Usage::List))?;
+            if let Some(old) = &old {
+                gpu.checked(|| {
+                    let mut encoder = gpu.device().create_command_encoder(&Default::default());
+                    encoder.copy_buffer_to_buffer(old, 0, &new, 0, self.used);
+                    gpu.queue().submit([encoder.finish()]);
+                    Ok(())
+                })?;
+            }
+            self.buffer = Some(new);
+        }
+        if let Some(buffer) = &self.buffer {
+            gpu.queue().write_buffer(buffer, self.used, contents);
+        }
+        self.used = end;
+        Ok(grows)
+    }
+}
+
+impl ArenaMesh {
     /// The nodes of a level, or of the last one there is, as a front holds them; and how many levels
     /// lie below, of which a leaf on its own counts as one.
-    fn level(&self, level: usize) -> (&[u32], u32) {
+    pub(super) fn level(&self, level: usize) -> (&[u32], u32) {
         let level = level.min(self.levels.len().saturating_sub(1));
         let nodes = self.levels.get(level).map_or(&[][..], Vec::as_slice);
         (nodes, (self.depth - level as u32).max(1))
     }
 }
 
-impl Contents {
-    /// Adds a body.
-    fn add(&mut self, bvh: &Bvh<'_>) {
-        let [first_node, first_triangle, first_vertex] =
-            [self.nodes.len(), self.order.len(), self.shapes.len()].map(|first| first as u32);
-        let mesh = bvh.mesh();
-        self.nodes.extend(bvh.nodes().iter().map(|node| {
-            let shift = if node.is_leaf() { first_triangle } else { first_node };
-            Node { first: node.first + shift, ..*node }
-        }));
-        for &triangle in bvh.order() {
-            self.corners.extend(mesh.triangles()[triangle as usize].map(|vertex| {
-                let position = mesh.positions()[vertex as usize];
-                Corner { position, vertex: vertex + first_vertex }
-            }));
-            self.order.push(triangle + first_triangle);
-        }
-        if !bvh.nodes().is_empty() {
-            self.roots.push(first_node);
-        }
-        self.shapes.extend(mesh.positions());
-        self.owners.resize(self.shapes.len(), self.tenants.len() as u32);
-        self.tenants.push(Tenant {
-            first_triangle,
-            first_vertex,
-            vertices: mesh.positions().len(),
-            depth: bvh.depth() as u32,
-            levels: levels(bvh.nodes(), first_node),
-        });
-    }
+/// The node pairs of a level of two meshes, the ids of the first beginning with this one.
+pub(super) fn entries(
+    [a, b]: [&ArenaMesh; 2],
+    level: usize,
+    first_id: u32,
+) -> impl Iterator<Item = Entry> {
+    let shift = first_id.wrapping_sub(a.first_node);
+    let (own, others) = (a.level(level).0, b.level(level).0);
+    own.iter().flat_map(move |x| others.iter().map(move |&y| [x.wrapping_add(shift), y]))
 }
 
 /// From the root on, as long as a level paired with its own does not exceed [`MOST_PAIRS`].

@@ -1,17 +1,22 @@
 //! Many posed bodies.
 
 mod arena;
+mod pairs;
+mod placing;
 
-use crate::answer::{Answer, Verb};
-use crate::clock::Clock;
+use crate::answer::{Answer, GpuVerb};
 use crate::engine::{Engine, Entry, Run, Task};
-use crate::layout::{Placement, Query};
-use crate::{Gpu, GpuError, GpuReport, GpuSettings, Timing};
+use crate::layout::{InstancePair, Query, check_pose};
+use crate::memory::Usage;
+use crate::read::is_done;
+use crate::report::reports;
+use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 use arena::Arena;
 use bytemuck::Zeroable;
-use pfront_core::bvtt::{PosedBvh, TrianglePair};
-use pfront_core::{Bvh, Mesh, MeshError, Pose};
-use wgpu::CommandEncoder;
+use pairs::{Body, Chunk};
+use pfront_core::bvtt::TrianglePair;
+use pfront_core::{Bvh, Mesh, Pose};
+use wgpu::Buffer;
 
 /// Two different bodies by their numbers.
 pub type Bodies = [u32; 2];
@@ -19,17 +24,18 @@ pub type Bodies = [u32; 2];
 /// Many bodies, of which pairs are asked whether they meet in the world. The answer is the same, to the bit, as that of the
 /// CPU: every vertex is posed into the world by [`Pose::apply`], whatever the other body is.
 ///
-/// The caller finds the pairs of bodies that may meet, by a broad phase over their boxes. A frame uploads 48 bytes
-/// a body; the device poses all vertices, refits all trees and asks all pairs at once. Where nothing has moved, it only
-/// asks.
+/// A body is an instance of a mesh: it takes a pose on the host and nothing on the device, where each mesh lies once
+/// and the passes pose what they test. A scene has its bodies here, and a batch of poses of two meshes is a body for
+/// each pose. The caller finds the pairs of bodies that may meet, by a broad phase over their boxes.
 ///
 /// # Memory
-/// On the device, 52 bytes a triangle, 28 a vertex and 41 a node (about 27 a triangle with the default leaf
-/// size) for each body, and the [`crate::Budget`].
+/// On the device, 52 bytes a triangle and 32 a node (about 21 a triangle with the default leaf size) for each mesh; 12
+/// a vertex and about 9 a node more if it deforms; 196 for each pair of the largest question; and the
+/// [`crate::Budget`].
 ///
 /// # Complexity
-/// A frame takes O(n + pairs) on the host for n bodies, and O(vertices + triangles) on the device, before the
-/// query itself.
+/// A question about m pairs of bodies takes O(m) on the host and uploads 192 bytes a pair, twice as much where meshes
+/// differ most in size.
 ///
 /// # Examples
 /// ```no_run
@@ -38,9 +44,10 @@ pub type Bodies = [u32; 2];
 /// # fn demo(tile: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::GpuError> {
 /// let gpu = Gpu::new()?;
 /// let mut world = World::new(&gpu, gpu.settings())?;
-/// world.set_bodies(&[tile; 2])?;
+/// let mesh = world.add_mesh(tile)?;
+/// world.set_bodies(&[(mesh, Pose::IDENTITY); 2])?;
 /// for frame in 0..4 {
-///     world.set_pose(1, tile, Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]))?;
+///     world.set_pose(1, Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]))?;
 ///     println!("{} pairs", world.all(&[[0, 1]])?.len());
 /// }
 /// # Ok(()) }
@@ -48,92 +55,140 @@ pub type Bodies = [u32; 2];
 #[derive(Debug)]
 pub struct World {
     answer: Answer,
-    arena: Option<Arena>,
-    poses: Vec<Pose>,
-    /// Whether the device knows of the last change.
-    is_posed: bool,
-    hits: Vec<(Bodies, TrianglePair)>,
-    /// Measures the passes that move bodies, if times are wanted.
-    clock: Option<Clock>,
+    arena: Arena,
+    bodies: Vec<Body>,
+    table: Option<Table>,
+    asked: Option<Asked>,
+    found: WorldAnswer,
+}
+
+/// What a question found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WorldAnswer {
+    /// Pairs of triangles that meet, sorted, the first triangle being one of the first body: all of them, or at most one
+    /// for [`GpuVerb::Any`](crate::GpuVerb::Any). Empty for the other verbs.
+    pub hits: Vec<(Bodies, TrianglePair)>,
+    /// For [`GpuVerb::AnyEach`](crate::GpuVerb::AnyEach), some hit of each pair of bodies that meet, in the order of the
+    /// question. Else empty.
+    pub each: Vec<Option<TrianglePair>>,
+    /// For [`GpuVerb::CountEach`](crate::GpuVerb::CountEach), how many hits each pair of bodies has. Else empty.
+    pub counts: Vec<u64>,
+    /// How many hits were found.
+    pub count: u64,
+}
+
+/// Buffers for the rows of pairs.
+#[derive(Debug)]
+struct Table {
+    id: u64,
+    pairs: Buffer,
+    tallies: Buffer,
+}
+
+/// A question that has been submitted.
+#[derive(Debug)]
+struct Asked {
+    verb: GpuVerb,
+    pairs: Vec<Bodies>,
+    /// Chunks to be asked later, the next of them last.
+    later: Vec<Chunk>,
+    now: Option<Submitted>,
+}
+
+/// A chunk that has been submitted.
+#[derive(Debug)]
+struct Submitted {
+    /// The number of its first pair.
+    first: usize,
+    task: Task,
+    /// The last of them is what the run is about.
+    parts: Vec<Vec<Entry>>,
+    run: Run,
 }
 
 impl World {
     /// A world of no bodies.
     ///
     /// # Errors
-    /// [`GpuError::Budget`], [`GpuError::TooLarge`], [`GpuError::OutOfMemory`].
+    /// [`GpuError::Budget`], [`GpuError::TooLarge`], [`GpuError::OutOfMemory`]; [`GpuError::Device`] if a shader does not
+    /// compile.
     pub fn new(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
+        let engine = Engine::with_passes(gpu, &settings, gpu.instances()?)?;
         Ok(Self {
-            answer: Answer::new(Engine::new(gpu, &settings)?),
-            arena: None,
-            poses: Vec::new(),
-            is_posed: false,
-            hits: Vec::new(),
-            clock: None,
+            answer: Answer::new(engine),
+            arena: Arena::new(),
+            bodies: Vec::new(),
+            table: None,
+            asked: None,
+            found: WorldAnswer::default(),
         })
     }
 
-    /// Replaces all bodies, by their BVHs; each is at [`Pose::IDENTITY`]. After an error there is none.
+    /// Removes all bodies and all meshes.
+    pub fn clear(&mut self) {
+        self.asked = None;
+        self.bodies.clear();
+        self.arena = Arena::new();
+    }
+
+    /// Uploads a mesh with its BVH, and returns its number: they count from 0. An answer that has not been read is lost.
+    /// After an error there are no bodies and no meshes.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] if all bodies together do not fit in a binding; [`GpuError::OutOfMemory`].
+    /// [`GpuError::TooLarge`] if all meshes together do not fit in a binding; [`GpuError::OutOfMemory`].
     ///
     /// # Complexity
-    /// O(triangles).
-    pub fn set_bodies(&mut self, bodies: &[Bvh<'_>]) -> Result<(), GpuError> {
-        // The memory of the last ones is free before that of the next is taken.
-        self.arena = None;
-        self.is_posed = false;
-        self.poses.clear();
-        if bodies.iter().any(|bvh| !bvh.order().is_empty()) {
-            self.arena = Some(Arena::new(&self.answer.engine.gpu, bodies)?);
-        }
-        self.poses.resize(bodies.len(), Pose::IDENTITY);
+    /// O(triangles), but for the growth of buffers.
+    pub fn add_mesh(&mut self, bvh: Bvh<'_>) -> Result<u32, GpuError> {
+        self.asked = None;
+        let gpu = self.answer.engine.gpu.clone();
+        self.arena.add(&gpu, &bvh).inspect_err(|_| self.clear())?;
+        Ok(self.arena.meshes.len() as u32 - 1)
+    }
+
+    /// Replaces all bodies, each by the number of its mesh and its pose `world_from_body`. On error nothing changes.
+    ///
+    /// # Errors
+    /// [`GpuError::NoMesh`]; [`GpuError::Pose`] if a pose is not finite or takes its body out of range.
+    pub fn set_bodies(&mut self, bodies: &[(u32, Pose)]) -> Result<(), GpuError> {
+        bodies.iter().try_for_each(|(mesh, pose)| self.check(*mesh, pose))?;
+        self.bodies.clear();
+        self.bodies.extend(bodies);
         Ok(())
     }
 
-    /// Moves a body, whose present shape is that of `bvh`, to the pose `world_from_body`.
+    /// Moves a body to the pose `world_from_body`.
     ///
     /// # Errors
     /// [`GpuError::NoBody`]; [`GpuError::Pose`] if the pose is not finite or takes the body out of range.
-    pub fn set_pose(
-        &mut self,
-        body: u32,
-        bvh: Bvh<'_>,
-        world_from_body: Pose,
-    ) -> Result<(), GpuError> {
-        let bodies = self.poses.len() as u32;
-        let pose = self.poses.get_mut(body as usize).ok_or(GpuError::NoBody { body, bodies })?;
-        if *pose != world_from_body {
-            PosedBvh::new(bvh, &world_from_body)?;
-            *pose = world_from_body;
-            self.is_posed = false;
-        }
+    ///
+    /// # Complexity
+    /// O(1), and nothing on the device.
+    pub fn set_pose(&mut self, body: u32, world_from_body: Pose) -> Result<(), GpuError> {
+        let bodies = self.bodies.len() as u32;
+        let own = self.bodies.get(body as usize).ok_or(GpuError::NoBody { body, bodies })?;
+        self.check(own.0, &world_from_body)?;
+        self.bodies[body as usize].1 = world_from_body;
         Ok(())
     }
 
-    /// Moves the vertices of a body, given in its own frame. Its pose has to be one that does not take them out of range.
+    /// Moves the vertices of a mesh, given in its own frame, and of all bodies that have it. Their poses have to be such
+    /// that do not take them out of range. An answer that has not been read is lost.
     ///
     /// # Errors
-    /// [`GpuError::NoBody`]; [`GpuError::Mesh`] if a coordinate is not finite or the number of vertices differs.
+    /// [`GpuError::NoMesh`]; [`GpuError::Mesh`] if a coordinate is not finite or the number of vertices differs;
+    /// [`GpuError::OutOfMemory`] the first time.
     ///
     /// # Complexity
-    /// O(vertices) on the host; the device refits all trees anyway.
-    pub fn set_positions(&mut self, body: u32, positions: &[[f32; 3]]) -> Result<(), GpuError> {
-        let bodies = self.poses.len() as u32;
-        if body >= bodies {
-            return Err(GpuError::NoBody { body, bodies });
+    /// O(vertices) on the host; the next question refits the tree of this mesh.
+    pub fn set_positions(&mut self, mesh: u32, positions: &[[f32; 3]]) -> Result<(), GpuError> {
+        let meshes = self.arena.meshes.len() as u32;
+        if mesh >= meshes {
+            return Err(GpuError::NoMesh { mesh, meshes });
         }
         Mesh::new(positions, &[])?;
-        if let Some(arena) = &self.arena {
-            let (expected, found) = (arena.vertices(body as usize), positions.len());
-            if expected != found {
-                return Err(MeshError::VertexCount { expected, found }.into());
-            }
-            arena.write_positions(&self.answer.engine.gpu, body as usize, positions);
-        }
-        self.is_posed = false;
-        Ok(())
+        self.asked = None;
+        self.arena.set_positions(&self.answer.engine.gpu, mesh as usize, positions)
     }
 
     /// All pairs of triangles of these pairs of bodies that meet, sorted; the first triangle is one of the first body.
@@ -141,8 +196,7 @@ impl World {
     /// # Errors
     /// [`GpuError::NoBody`]; [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
     pub fn all(&mut self, pairs: &[Bodies]) -> Result<&[(Bodies, TrianglePair)], GpuError> {
-        self.ask(pairs, Verb::All)?;
-        Ok(&self.hits)
+        Ok(&self.ask(pairs, GpuVerb::All)?.hits)
     }
 
     /// Some pair that meets, if any does.
@@ -150,8 +204,7 @@ impl World {
     /// # Errors
     /// As [`World::all`].
     pub fn any(&mut self, pairs: &[Bodies]) -> Result<Option<(Bodies, TrianglePair)>, GpuError> {
-        self.ask(pairs, Verb::Any)?;
-        Ok(self.hits.first().copied())
+        Ok(self.ask(pairs, GpuVerb::Any)?.hits.first().copied())
     }
 
     /// How many pairs meet. Needs no memory for them.
@@ -159,120 +212,186 @@ impl World {
     /// # Errors
     /// As [`World::all`].
     pub fn count(&mut self, pairs: &[Bodies]) -> Result<u64, GpuError> {
-        self.ask(pairs, Verb::Count)?;
-        Ok(self.answer.count)
+        Ok(self.ask(pairs, GpuVerb::Count)?.count)
     }
 
-    /// The same, keeping the device time of moving all bodies and of a run, each as a whole.
+    /// Some pair of triangles that meets of each pair of bodies, if any does.
     ///
     /// # Errors
-    /// [`GpuError::OutOfMemory`].
-    pub fn with_time(self) -> Result<Self, GpuError> {
-        self.keep_time(false)
+    /// As [`World::all`].
+    pub fn any_each(&mut self, pairs: &[Bodies]) -> Result<&[Option<TrianglePair>], GpuError> {
+        Ok(&self.ask(pairs, GpuVerb::AnyEach)?.each)
     }
 
-    /// The same, keeping the device time of each pass, which takes some microseconds for each.
+    /// How many pairs of triangles of each pair of bodies meet.
     ///
     /// # Errors
-    /// [`GpuError::OutOfMemory`].
-    pub fn with_timings(self) -> Result<Self, GpuError> {
-        self.keep_time(true)
+    /// As [`World::all`].
+    pub fn count_each(&mut self, pairs: &[Bodies]) -> Result<&[u64], GpuError> {
+        Ok(&self.ask(pairs, GpuVerb::CountEach)?.counts)
     }
 
-    /// Times of the last question on the device, with those of moving bodies, if any had moved, before the last run;
-    /// empty without [`Self::with_time`] or [`Self::with_timings`], or if the device cannot tell.
+    /// Submits a question, for [`World::read`] to answer, and waits for nothing. Bodies may change in the meantime: the
+    /// question is about those of now. An earlier answer that has not been read is lost.
     ///
     /// # Errors
-    /// [`GpuError::DeviceLost`], [`GpuError::Device`].
-    pub fn timings(&self) -> Result<Vec<Timing>, GpuError> {
-        let mut timings = Clock::read(self.clock.as_ref(), &self.answer.engine.gpu)?;
-        timings.extend(self.answer.engine.timings()?);
-        Ok(timings)
-    }
-
-    /// Counts and times of the last answer.
-    #[must_use]
-    pub fn report(&self) -> GpuReport {
-        self.answer.report
-    }
-
-    /// Bytes of device memory that the bodies hold.
-    #[must_use]
-    pub fn bytes(&self) -> u64 {
-        self.arena.as_ref().map_or(0, Arena::bytes)
-    }
-
-    fn keep_time(mut self, each: bool) -> Result<Self, GpuError> {
-        self.answer.engine.keep_time(each)?;
-        self.clock = Clock::new(&self.answer.engine.gpu, each)?;
-        Ok(self)
-    }
-
-    fn ask(&mut self, pairs: &[Bodies], verb: Verb) -> Result<(), GpuError> {
-        let bodies = self.poses.len() as u32;
+    /// As [`World::all`].
+    pub fn submit(&mut self, pairs: &[Bodies], verb: GpuVerb) -> Result<(), GpuError> {
+        self.asked = None;
+        let bodies = self.bodies.len() as u32;
         if let Some(&body) = pairs.iter().flatten().find(|&&body| body >= bodies) {
             return Err(GpuError::NoBody { body, bodies });
         }
-        let gpu = self.answer.engine.gpu.clone();
-        let question = gpu.checked(|| {
-            let mut encoder = gpu.device().create_command_encoder(&Default::default());
-            let mut question = self.start(&mut encoder, pairs, verb)?;
-            if let Some(question) = &mut question {
-                question.run.submission = Some(gpu.queue().submit([encoder.finish()]));
-            }
-            Ok(question)
-        })?;
-        match question {
-            Some(Question { task, parts, run }) => {
-                self.answer.finish_parts(&task, parts, run, verb)?;
-                self.is_posed = true;
-            }
-            None => self.answer.clear(),
-        }
-        self.hits.clear();
-        if let Some(arena) = &self.arena {
-            self.hits.extend(self.answer.pairs.iter().map(|&pair| arena.hit(pair)));
-        }
-        // The pairs are in order, and so are those of two bodies: this merges runs.
-        self.hits.sort();
+        let limits = self.answer.engine.gpu.device().limits();
+        let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let most_rows = (bytes / size_of::<InstancePair>() as u64) as usize;
+        let is_each = verb == GpuVerb::AnyEach;
+        let mut later = pairs::chunks(&self.arena, &self.bodies, pairs, most_rows, is_each);
+        let first = later.pop();
+        let now = first.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
+        self.asked = Some(Asked { verb, pairs: pairs.to_vec(), later, now });
         Ok(())
     }
 
-    /// Records what brings the device up to date and the first run; `None` if there is nothing to ask.
-    fn start(
-        &mut self,
-        encoder: &mut CommandEncoder,
-        pairs: &[Bodies],
-        verb: Verb,
-    ) -> Result<Option<Question>, GpuError> {
-        if let Some(clock) = &mut self.clock {
-            clock.forget();
+    /// Whether what has been submitted is done, so that [`World::read`] does not wait for it; it does for what the budget
+    /// makes necessary in addition.
+    ///
+    /// # Errors
+    /// [`GpuError::NotSubmitted`]; [`GpuError::Device`], [`GpuError::DeviceLost`].
+    pub fn is_ready(&self) -> Result<bool, GpuError> {
+        let asked = self.asked.as_ref().ok_or(GpuError::NotSubmitted)?;
+        match asked.now.as_ref().and_then(|now| now.run.submission.as_ref()) {
+            Some(submission) => is_done(self.answer.engine.gpu.device(), submission),
+            None => Ok(true),
         }
-        let Some(arena) = &self.arena else { return Ok(None) };
-        let (front, levels) = arena.front(pairs);
-        let Some(&root) = front.first() else { return Ok(None) };
-        if !self.is_posed {
-            let gpu = &self.answer.engine.gpu;
-            arena.record_motion(gpu, encoder, &self.poses, self.clock.as_mut());
+    }
+
+    /// Waits for the question that was submitted, and answers it.
+    ///
+    /// # Errors
+    /// [`GpuError::NotSubmitted`] if there is none; as [`World::all`].
+    pub fn read(&mut self) -> Result<&WorldAnswer, GpuError> {
+        let Asked { verb, pairs, mut later, mut now } =
+            self.asked.take().ok_or(GpuError::NotSubmitted)?;
+        self.found = WorldAnswer::default();
+        match verb {
+            GpuVerb::AnyEach => self.found.each.resize(pairs.len(), None),
+            GpuVerb::CountEach => self.found.counts.resize(pairs.len(), 0),
+            GpuVerb::All | GpuVerb::Any | GpuVerb::Count => {}
         }
-        self.answer.engine.bind(&arena.model, &arena.model)?;
-        // No body is paired with itself, so that these are two meshes.
-        let query = Query {
-            sides: [Placement::new(&Pose::IDENTITY); 2],
-            leaf_size: arena.model.leaf_size,
-            ..Query::zeroed()
+        if now.is_none() {
+            self.answer.clear();
+        }
+        while let Some(Submitted { first, task, parts, run }) = now {
+            self.answer.finish_parts(&task, parts, run, verb)?;
+            self.take(&pairs[first..], first, task.query.pair_shift, verb);
+            let is_over = verb == GpuVerb::Any && self.found.count != 0;
+            let next = later.pop().filter(|_| !is_over);
+            now = next.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
+        }
+        if verb == GpuVerb::AnyEach {
+            self.found.count = self.found.each.iter().flatten().count() as u64;
+        }
+        // Those of a pair of bodies are in order, and so are pairs as a rule: this merges runs.
+        self.found.hits.sort();
+        Ok(&self.found)
+    }
+
+    /// Bytes of device memory that meshes and pairs take.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let table = self.table.as_ref().map_or(0, |own| own.pairs.size() + own.tallies.size());
+        self.arena.bytes() + table
+    }
+
+    fn ask(&mut self, pairs: &[Bodies], verb: GpuVerb) -> Result<&WorldAnswer, GpuError> {
+        self.submit(pairs, verb)?;
+        self.read()
+    }
+
+    fn check(&self, mesh: u32, pose: &Pose) -> Result<(), GpuError> {
+        let meshes = self.arena.meshes.len() as u32;
+        let own = self.arena.meshes.get(mesh as usize).ok_or(GpuError::NoMesh { mesh, meshes })?;
+        match &own.bounds {
+            Some(bounds) if *pose != Pose::IDENTITY => Ok(check_pose(pose, bounds)?),
+            _ => Ok(()),
+        }
+    }
+
+    /// Records and submits what brings the device up to date, and the first run over a chunk.
+    fn submit_chunk(&mut self, chunk: Chunk, verb: GpuVerb) -> Result<Submitted, GpuError> {
+        let gpu = self.answer.engine.gpu.clone();
+        let Chunk { rows, shift, first, front, levels } = chunk;
+        gpu.checked(|| {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            self.arena.record_refits(&mut encoder);
+            self.write(&gpu, &rows)?;
+            self.answer.instances = rows;
+            let leaf_size = self.arena.leaf_size;
+            let query = Query { pair_shift: shift, leaf_size, ..Query::zeroed() };
+            let root = front.first().copied().unwrap_or_default();
+            let task = Task { query, root, levels, levels_below_seeds: levels };
+            let (parts, mut run) = self.answer.record_from(&mut encoder, &task, &front, verb)?;
+            run.submission = Some(gpu.queue().submit([encoder.finish()]));
+            self.arena.moved.clear();
+            Ok(Submitted { first, task, parts, run })
+        })
+    }
+
+    /// Writes the rows with the next submission, and binds all buffers.
+    fn write(&mut self, gpu: &Gpu, rows: &[InstancePair]) -> Result<(), GpuError> {
+        let bytes = size_of_val(rows) as u64;
+        let tallies = rows.last().map_or(0, |last| u64::from(last.number) + 1) * 4;
+        let is_enough =
+            |table: &Table| table.pairs.size() >= bytes && table.tallies.size() >= tallies;
+        let table = match self.table.take().filter(is_enough) {
+            Some(table) => table,
+            None => Table {
+                id: GpuModel::next_id(),
+                pairs: gpu.buffer("the pairs", bytes, Usage::Input)?,
+                tallies: gpu.buffer("the tallies", tallies, Usage::List)?,
+            },
         };
-        let task = Task { query, root, levels, levels_below_seeds: levels };
-        let (parts, run) = self.answer.record_from(encoder, &task, &front, verb)?;
-        Ok(Some(Question { task, parts, run }))
+        gpu.queue().write_buffer(&table.pairs, 0, bytemuck::cast_slice(rows));
+        let Table { id, pairs, tallies } = self.table.insert(table);
+        let Arena { nodes, corners, order, .. } = &self.arena;
+        let engine = &mut self.answer.engine;
+        if let (Some(nodes), Some(corners), Some(order)) =
+            (nodes.buffer(), corners.buffer(), order.buffer())
+        {
+            let buffers = [
+                ("nodes_a", nodes),
+                ("corners_a", corners),
+                ("order_a", order),
+                ("pairs", &*pairs),
+                ("tallies", &*tallies),
+            ];
+            engine.bind_buffers([self.arena.id, *id], &buffers)?;
+        }
+        engine.tallies = Some(tallies.clone());
+        Ok(())
+    }
+
+    /// Adds what was found of a chunk of pairs, of which this is the first.
+    fn take(&mut self, pairs: &[Bodies], first: usize, shift: u32, verb: GpuVerb) {
+        let Self { answer, found, .. } = self;
+        found.count += answer.count;
+        let hits = answer.pairs.iter().map(|&hit| pairs::hit(&answer.instances, shift, hit));
+        match verb {
+            GpuVerb::All | GpuVerb::Any => {
+                found.hits.extend(hits.map(|(number, hit)| (pairs[number], hit)));
+            }
+            GpuVerb::Count => {}
+            GpuVerb::AnyEach => hits.for_each(|(number, hit)| {
+                found.each[first + number].get_or_insert(hit);
+            }),
+            GpuVerb::CountEach => {
+                hits.for_each(|(number, _)| found.counts[first + number] += 1);
+                let counts = found.counts[first..].iter_mut().zip(&answer.tallies);
+                counts.for_each(|(count, own)| *count += own);
+            }
+        }
     }
 }
 
-/// A question that has been recorded.
-#[derive(Debug)]
-struct Question {
-    task: Task,
-    /// The last of them is what the run is about.
-    parts: Vec<Vec<Entry>>,
-    run: Run,
-}
+reports!(World);

@@ -23,20 +23,25 @@ impl<'m> Scene<'m> {
         scene
     }
 
-    /// Brings all bodies there anew.
+    /// Brings all bodies there anew, each mesh once.
     pub(crate) fn gather(&mut self) {
-        let bvhs: Vec<_> = self.bodies.iter().map(|(part, _)| part.bvh()).collect();
-        self.world.set_bodies(&bvhs).unwrap();
-        for (number, (part, pose)) in (0..).zip(&self.bodies) {
-            self.world.set_pose(number, part.bvh(), *pose).unwrap();
+        self.world.clear();
+        let mut meshes: Vec<&Both> = Vec::new();
+        for &(part, _) in &self.bodies {
+            if !meshes.iter().any(|own| std::ptr::eq(*own, part)) {
+                assert_eq!(self.world.add_mesh(part.bvh()).unwrap(), meshes.len() as u32);
+                meshes.push(part);
+            }
         }
+        let mesh = |part| meshes.iter().position(|own| std::ptr::eq(*own, part)).unwrap() as u32;
+        let bodies: Vec<_> = self.bodies.iter().map(|&(part, pose)| (mesh(part), pose)).collect();
+        self.world.set_bodies(&bodies).unwrap();
     }
 
     /// Moves a body, unless the pose takes it out of range.
     pub(crate) fn set_pose(&mut self, number: usize, pose: Pose) -> Result<(), GpuError> {
-        let (part, own) = &mut self.bodies[number];
-        self.world.set_pose(number as u32, part.bvh(), pose)?;
-        *own = pose;
+        self.world.set_pose(number as u32, pose)?;
+        self.bodies[number].1 = pose;
         Ok(())
     }
 
@@ -62,9 +67,16 @@ impl<'m> Scene<'m> {
     pub(crate) fn check(&mut self) -> usize {
         let (truth, pairs) = (self.truth(), self.pairs());
         assert!(self.world.all(&pairs).unwrap() == truth, "{} pairs", truth.len());
-        assert_eq!(self.world.count(&pairs).unwrap(), truth.len() as u64);
         let any = self.world.any(&pairs).unwrap();
         assert!(any.map_or(truth.is_empty(), |hit| truth.binary_search(&hit).is_ok()));
+        let of = |two: &Bodies| truth.iter().filter(|(bodies, _)| bodies == two).count() as u64;
+        let counts: Vec<_> = pairs.iter().map(of).collect();
+        assert_eq!(self.world.count_each(&pairs).unwrap(), counts);
+        let each = self.world.any_each(&pairs).unwrap().to_vec();
+        for ((two, hit), count) in pairs.iter().zip(each).zip(counts) {
+            let is_right = |hit| truth.binary_search(&(*two, hit)).is_ok();
+            assert!(hit.map_or(count == 0, is_right), "{two:?}: {hit:?} of {count}");
+        }
         truth.len()
     }
 }

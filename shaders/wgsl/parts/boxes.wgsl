@@ -10,7 +10,7 @@ struct Box {
 const FLUSHED = 4.70197740328915e-38;
 
 fn placed_box(side: u32, own: Box) -> Box {
-    if (query.posed[side] ^ nothing) == 0u {
+    if !is_box_posed(side) {
         return own;
     }
     let centre = own.min * 0.5 + own.max * 0.5;
@@ -23,7 +23,7 @@ fn placed_box(side: u32, own: Box) -> Box {
 
 // The box of a triangle: tighter than a placed box, and as safe.
 fn box_of_placed(side: u32, t: array<vec3f, 3>) -> Box {
-    if (query.posed[side] ^ nothing) == 0u {
+    if !is_box_posed(side) {
         let own = box_of(t);
         return Box(own.min - vec3f(FLUSHED), own.max + vec3f(FLUSHED));
     }
@@ -39,7 +39,7 @@ fn box_of(t: array<vec3f, 3>) -> Box {
 
 // A posed position, however it rounds.
 fn about(side: u32, p: vec3f) -> vec3f {
-    let rows = query.sides[side].rows;
+    let rows = box_rows(side);
     return vec3f(
         dot(rows[0].xyz, p) + rows[0].w,
         dot(rows[1].xyz, p) + rows[1].w,
@@ -49,7 +49,7 @@ fn about(side: u32, p: vec3f) -> vec3f {
 
 // How far a pose spreads an extent, with what its own roundings cost.
 fn spread(side: u32, extent: vec3f) -> vec3f {
-    let reach = query.sides[side].reach;
+    let reach = box_reach(side);
     return vec3f(
         dot(reach[0].xyz, extent) + reach[0].w,
         dot(reach[1].xyz, extent) + reach[1].w,

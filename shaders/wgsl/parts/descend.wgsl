@@ -24,22 +24,6 @@ fn clear_queues(lane: u32) {
     workgroupBarrier();
 }
 
-// A test compares which words become which fields with the layout of Node.
-fn node_of(words: NodeWords) -> Node {
-    return Node(
-        bitcast<vec3f>(words[0].xyz),
-        words[0].w,
-        bitcast<vec3f>(words[1].xyz),
-        words[1].w,
-    );
-}
-
-// A leaf as the narrow phase wants it: its triangles. The host sees to it that slots stay below
-// 2^LEAF_SHIFT.
-fn leaf_run(node: Node) -> u32 {
-    return node.first | ((node.count - 1u) << LEAF_SHIFT);
-}
-
 // A node with its box in the frame of the query.
 struct Placed {
     box: Box,
@@ -52,19 +36,21 @@ struct Placed {
 }
 
 fn placed_a(index: u32) -> Placed {
-    return placed_node(0u, index, node_of(nodes_a[index]));
+    let node = node_a(index);
+    return placed_node(0u, index, node, run_a(index, node));
 }
 
 fn placed_b(index: u32) -> Placed {
-    return placed_node(1u, index, node_of(nodes_b[index]));
+    let node = node_b(index);
+    return placed_node(1u, index, node, leaf_run(node));
 }
 
-fn placed_node(side: u32, index: u32, node: Node) -> Placed {
+fn placed_node(side: u32, index: u32, node: Node, run: u32) -> Placed {
     let box = placed_box(side, Box(node.min, node.max));
     let is_leaf = node.count != 0u;
     let is_sound = is_leaf || node.first > index;
     let reference = select(node.first, index | LEAF, is_leaf);
-    return Placed(box, reference, leaf_run(node), is_leaf, is_sound);
+    return Placed(box, reference, run, is_leaf, is_sound);
 }
 
 // Puts a pair of nodes in its place, if their boxes overlap: in a stretch of the queue that has
@@ -104,6 +90,10 @@ fn visit_children(pair: vec2u, which: u32, half: u32, room: u32) {
         return;
     }
     let child = (pair & vec2u(~LEAF)) + right;
+    turn_to_pair_of(child.x);
+    if is_settled() {
+        return;
+    }
     visit(placed_a(child.x), placed_b(child.y), half, room);
 }
 
@@ -146,7 +136,7 @@ fn descend_some_levels(lane: u32) {
         workgroupBarrier();
         level++;
     }
-    hand_on(lane, level & 1u);
+    hand_on(lane, level & 1u, QUEUE);
 }
 
 // The last pass goes to the bottom, from pairs on top of a stack: so few of them at once that their
@@ -163,22 +153,7 @@ fn finish(lane: u32, before: u32) -> u32 {
             break;
         }
         rounds++;
-        let taken = clamp((2u * QUEUE - size) / 3u, 1u, min(size, GROUP));
-        var pairs: array<vec2u, 4>;
-        for (var i = 0u; i < 4u; i++) {
-            pairs[i] = queue[size - taken + min((lane + i * GROUP) / 4u, taken - 1u)];
-        }
-        workgroupBarrier();
-        if lane == 0u {
-            atomicStore(&queued[0], size - taken);
-        }
-        workgroupBarrier();
-        for (var i = 0u; i < 4u; i++) {
-            if lane + i * GROUP < 4u * taken {
-                visit_children(pairs[i], lane % 4u, 0u, 2u * QUEUE);
-            }
-        }
-        workgroupBarrier();
+        visit_top(lane, size, GROUP);
         if tell(lane, atomicLoad(&found_count)) > FOUND / 2u {
             write_leaf_pairs(lane);
             if lane == 0u {
@@ -193,9 +168,29 @@ fn finish(lane: u32, before: u32) -> u32 {
     return rounds;
 }
 
-// Empties a half of the queue into global memory.
-fn hand_on(lane: u32, half: u32) {
-    let pairs = tell(lane, min(atomicLoad(&queued[half]), QUEUE));
+// Tests the children of at most so many pairs on top of a stack of this size.
+fn visit_top(lane: u32, size: u32, most: u32) {
+    let taken = clamp((2u * QUEUE - size) / 3u, 1u, min(size, most));
+    var pairs: array<vec2u, 4>;
+    for (var i = 0u; i < 4u; i++) {
+        pairs[i] = queue[size - taken + min((lane + i * GROUP) / 4u, taken - 1u)];
+    }
+    workgroupBarrier();
+    if lane == 0u {
+        atomicStore(&queued[0], size - taken);
+    }
+    workgroupBarrier();
+    for (var i = 0u; i < 4u; i++) {
+        if lane + i * GROUP < 4u * taken {
+            visit_children(pairs[i], lane % 4u, 0u, 2u * QUEUE);
+        }
+    }
+    workgroupBarrier();
+}
+
+// Empties a part of the queue, from the half on that begins it, into global memory.
+fn hand_on(lane: u32, half: u32, size: u32) {
+    let pairs = tell(lane, min(atomicLoad(&queued[half]), size));
     if pairs != 0u {
         var base = 0u;
         if lane == 0u {

@@ -46,6 +46,10 @@ struct Query {
     // Node pairs that a workgroup follows on each level, the others being dropped; and how many node pairs and
     // leaf pairs suffice for a pass. BEAM in a run that only looks for a hit, else all.
     beam: u32,
+    // Bits of an id within a block of ids, each of which is of one pair of instances.
+    pair_shift: u32,
+    // 0, or ANY_EACH or COUNT_EACH for a question about each pair of instances.
+    each: u32,
 }
 
 struct Step {

@@ -15,6 +15,10 @@ fn clear_results(lane: u32) {
 }
 
 fn add_hit(slots: vec2u) {
+    turn_to_pair_of(slots.x);
+    if !is_reported() {
+        return;
+    }
     results[atomicAdd(&sure, 1u)] = slots;
 }
 
@@ -48,6 +52,7 @@ fn write_results(lane: u32) {
 
 // The triangles in two slots; of one mesh, the lower index first.
 fn named(slots: vec2u) -> vec2u {
-    let pair = vec2u(order_a[slots.x], order_b[slots.y]);
+    turn_to_pair_of(slots.x);
+    let pair = triangles_in(slots);
     return select(pair, pair.yx, (query.within == 1u) & (pair.x > pair.y));
 }

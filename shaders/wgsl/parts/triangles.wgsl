@@ -8,7 +8,7 @@ struct Corners {
 }
 
 fn rows_of(side: u32) -> Rows {
-    let rows = query.sides[side].rows;
+    let rows = pose_rows(side);
     return Rows(
         array<vec3f, 3>(
             vec3f(rows[0].x, rows[1].x, rows[2].x),
@@ -21,7 +21,7 @@ fn rows_of(side: u32) -> Rows {
 
 // To the bit.
 fn placed(side: u32, t: Triangle) -> Triangle {
-    if (query.posed[side] ^ nothing) == 0u {
+    if !is_posed(side) {
         return t;
     }
     let rows = rows_of(side);
@@ -47,15 +47,13 @@ fn corners_of(words: array<CornerWords, 3>) -> Corners {
 
 // In the frames of their meshes.
 fn triangle_a(slot: u32) -> Corners {
-    let at = 3u * slot;
     return corners_of(
-        array<CornerWords, 3>(corners_a[at], corners_a[at + 1u], corners_a[at + 2u])
+        array<CornerWords, 3>(corner_a(slot, 0u), corner_a(slot, 1u), corner_a(slot, 2u))
     );
 }
 
 fn triangle_b(slot: u32) -> Corners {
-    let at = 3u * slot;
     return corners_of(
-        array<CornerWords, 3>(corners_b[at], corners_b[at + 1u], corners_b[at + 2u])
+        array<CornerWords, 3>(corner_b(slot, 0u), corner_b(slot, 1u), corner_b(slot, 2u))
     );
 }

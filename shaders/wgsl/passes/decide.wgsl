@@ -74,23 +74,8 @@ fn make_room(lane: u32) {
 }
 
 fn decide_in_f32(slots: vec2u) {
-    doubt = false;
-    let own = triangle_a(slots.x);
-    let other = triangle_b(slots.y);
-    let a = placed(0u, own.positions);
-    let b = placed(1u, other.positions);
-    let sharing = sharing_of(own.vertices, other.vertices);
-    var outcome = UNSURE;
-    if sharing.count == 0u {
-        outcome = filtered_meet(a, b);
-    } else if !sharing.repeats {
-        outcome = filtered_neighbours(
-            sharing.count,
-            turned_to(a, sharing.first.x),
-            turned_to(b, sharing.first.y),
-        );
-    }
-    if outcome == UNSURE || doubt {
+    let outcome = outcome_in_f32(slots);
+    if outcome == UNSURE {
         undecided[atomicAdd(&undecided_count, 1u)] = slots;
     } else if outcome == HIT {
         add_hit(slots);
@@ -150,16 +135,17 @@ fn decide_in_integers(lane: u32, first: u32, count: u32) {
 }
 
 fn corner_at(slots: vec2u, member: u32) -> Corner {
+    turn_to_pair_of(slots.x);
     if member < 3u {
-        return corner_of(corners_a[3u * slots.x + member]);
+        return corner_of(corner_a(slots.x, member));
     }
-    return corner_of(corners_b[3u * slots.y + member - 3u]);
+    return corner_of(corner_b(slots.y, member - 3u));
 }
 
 fn placed_corner(slots: vec2u, member: u32) -> Corner {
     let corner = corner_at(slots, member);
     let side = member / 3u;
-    if (query.posed[side] ^ nothing) == 0u {
+    if !is_posed(side) {
         return corner;
     }
     return Corner(posed_position(rows_of(side), corner.position), corner.vertex);
@@ -230,5 +216,5 @@ fn rest_of(slots: vec2u) -> Rest {
     for (var i = 0u; i < POINTS; i++) {
         all[i] = corner_at(slots, i);
     }
-    return Rest(all, vec2u(order_a[slots.x], order_b[slots.y]));
+    return Rest(all, triangles_in(slots));
 }

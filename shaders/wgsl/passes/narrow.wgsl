@@ -79,17 +79,18 @@ fn write_staying(lane: u32, most: u32) {
 
 // Finds the triangles of the second leaf whose boxes overlap that of one triangle of the first.
 fn test_boxes(runs: vec2u, which: u32) {
-    let slots = runs & vec2u((1u << LEAF_SHIFT) - 1u);
-    let counts = (runs >> vec2u(LEAF_SHIFT)) + vec2u(1u);
-    if which >= counts.x {
+    turn_to_pair_of(runs.x);
+    let run = slots_a(runs.x);
+    let others = slots_of(runs.y);
+    if which >= run.y {
         return;
     }
-    let own = slots.x + which;
+    let own = run.x + which;
     let box = box_of_placed(0u, triangle_a(own).positions);
     // Within one leaf, each unordered pair once.
-    let first = select(0u, which + 1u, (query.within == 1u) & (slots.x == slots.y));
-    for (var i = first; i < counts.y; i++) {
-        let other = slots.y + i;
+    let first = select(0u, which + 1u, (query.within == 1u) & (run.x == others.x));
+    for (var i = first; i < others.y; i++) {
+        let other = others.x + i;
         if overlap(box, box_of_placed(1u, triangle_b(other).positions)) {
             waiting[atomicAdd(&waiting_count, 1u)] = vec2u(own, other);
         }
@@ -100,6 +101,7 @@ fn test_boxes(runs: vec2u, which: u32) {
 // cheap, the same for neighbours as for others, and the end of nearly all.
 fn test_planes(slots: vec2u) {
     doubt = false;
+    turn_to_pair_of(slots.x);
     let own = triangle_a(slots.x);
     let other = triangle_b(slots.y);
     let a = placed(0u, own.positions);

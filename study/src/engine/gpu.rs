@@ -7,7 +7,7 @@ use pfront::gpu::{
     Bodies, Deforming, Gpu, GpuModel, GpuPairQuery, GpuReport, GpuSelfQuery, GpuSettings,
 };
 use pfront::gpu::{Timing, World};
-use pfront::{Aabb, Adjacency, Bvh, Pose, TrianglePair};
+use pfront::{Aabb, Adjacency, Bvh, Pose, Stamp, TrianglePair};
 use pfront_scenes::Kind;
 use std::sync::Arc;
 
@@ -151,7 +151,21 @@ struct Many {
 impl Many {
     fn new(models: &[Arc<pfront::Model>], mut world: World) -> Result<Self, EngineError> {
         let bvhs: Vec<_> = models.iter().map(|model| model.bvh()).collect();
-        world.set_bodies(&bvhs)?;
+        let mut meshes: Vec<(Stamp, u32)> = Vec::new();
+        let mut bodies = Vec::new();
+        for model in models {
+            let known = meshes.iter().find(|(stamp, _)| *stamp == model.stamp());
+            let mesh = match known {
+                Some(&(_, mesh)) => mesh,
+                None => {
+                    let mesh = world.add_mesh(model.bvh())?;
+                    meshes.push((model.stamp(), mesh));
+                    mesh
+                }
+            };
+            bodies.push((mesh, Pose::IDENTITY));
+        }
+        world.set_bodies(&bodies)?;
         let mut numbers = Numbers::new();
         for (model, number) in models.iter().zip(0..) {
             numbers.add(number, model.mesh().triangles().len())?;
@@ -181,7 +195,7 @@ impl Many {
 impl Engine for Many {
     fn place(&mut self, object: usize, world_from_object: Pose) -> Result<(), EngineError> {
         let (number, bvh) = (self.numbers.body(object)?, self.models[object].bvh());
-        self.world.set_pose(number, bvh, world_from_object)?;
+        self.world.set_pose(number, world_from_object)?;
         let posed = PosedBvh::new(bvh, &world_from_object).map_err(pfront::Error::from)?;
         self.boxes[object] = posed.aabb();
         self.near.clear();
