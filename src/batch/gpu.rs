@@ -5,7 +5,7 @@ use super::outcome::Outcome;
 use super::{Job, Question};
 use crate::executor::{Answer, Device, Verb};
 use crate::gpu::{self, GpuError, GpuModel, GpuSubmission, wgpu};
-use crate::{Error, Model, Stamp, TrianglePair};
+use crate::{Error, Model, Pose, Stamp, TrianglePair};
 use std::collections::VecDeque;
 use std::collections::hash_map::{Entry, HashMap};
 use std::io;
@@ -29,6 +29,10 @@ pub(super) fn submit(
     job: Job,
     uploads: &mut Uploads,
 ) -> Result<(Arc<Outcome>, Option<[wgpu::Buffer; 2]>), Error> {
+    let pairs: Option<Vec<_>> = job.questions.iter().map(Question::pair).collect();
+    if let Some(pairs) = pairs.filter(|pairs| pairs.len() > 1) {
+        return Ok((gathered(device, &job, &pairs)?, None));
+    }
     *uploads = Arc::new(upload(device, &job, uploads)?);
     let lists = Lists { device: device.clone(), own: VecDeque::new() };
     let mut ring = Ring { lists, uploads: uploads.clone(), found: Found::default(), job };
@@ -52,6 +56,29 @@ pub(super) fn submit(
     };
     spawn(work).map_err(|error| GpuError::Device { reason: error.to_string() })?;
     Ok((outcome, buffers))
+}
+
+/// Submits pairs of models as one.
+fn gathered(
+    device: &Arc<Device>,
+    job: &Job,
+    pairs: &[([&Model; 2], Pose)],
+) -> Result<Arc<Outcome>, Error> {
+    let (mut world, device) = (device.lend_gathered()?, device.clone());
+    let (outcome, verb, count) = (Arc::<Outcome>::default(), job.verb, pairs.len());
+    world.submit(pairs.iter().copied(), verb)?;
+    let own = outcome.clone();
+    let work = move || {
+        own.guard(|| {
+            let mut found = Found::default();
+            world.read(count, verb, &mut found.answers, &mut found.pairs)?;
+            device.take_back_gathered(world);
+            own.set(Ok(found));
+            Ok(())
+        });
+    };
+    spawn(work).map_err(|error| GpuError::Device { reason: error.to_string() })?;
+    Ok(outcome)
 }
 
 /// Starts the thread that reads.
@@ -102,7 +129,7 @@ impl Drop for Lists {
     }
 }
 
-/// Questions that are submitted one after the other into the same few lists. Many in one submission would replace this.
+/// Questions that are submitted one after the other into the same few lists: one alone, or models with themselves.
 struct Ring {
     job: Job,
     uploads: Uploads,

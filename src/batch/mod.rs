@@ -30,12 +30,12 @@
 //! - **Threads**: the pool of the executor. If there are at least as many questions as threads, each thread takes the next
 //!   few, and a question is answered by one thread, however large; otherwise all threads divide one question after the
 //!   other. Tickets are answered in about the order of submission.
-//! - **A GPU**: the call uploads models that are not there and submits the first question, so that its place in the queue is
-//!   before everything submitted later. A helper thread, which lives until the ticket is answered, reads it and
-//!   submits the next, two at a time. It waits for no submission but its own. Natively, wgpu calls back only if somebody
-//!   polls, and this thread does, so a ticket needs no poll of the caller's and a future no runtime. Each ticket in flight
-//!   has lists of its own ([`Budget`](crate::gpu::Budget)), one more set with more than one question; the executor keeps
-//!   them for the next.
+//! - **A GPU**: the call uploads models that are not there and submits, so that its place in the queue is before everything
+//!   submitted later. Pairs of models are one submission, however many; models with themselves, or these among pairs, are
+//!   submitted two at a time. A helper thread, which lives until the ticket is answered, reads, and waits for no submission
+//!   but its own. Natively, wgpu calls back only if somebody polls, and this thread does, so a ticket needs no poll of
+//!   the caller's and a future no runtime. Each ticket in flight has lists of its own ([`Budget`](crate::gpu::Budget)), a
+//!   second set if it submits two at a time; the executor keeps them, and the models of batches of pairs, for the next.
 //! - **A CPU and a GPU** ([`Executor::and_gpu`], [`Executor::auto`]): the CPU. A question of a batch has no earlier
 //!   frame from which its cost could be predicted.
 //!
@@ -96,6 +96,19 @@ struct Job {
 enum Question {
     Pair { models: [Arc<Model>; 2], a_from_b: Pose },
     Within { model: Arc<Model>, adjacency: Adjacency },
+}
+
+impl Question {
+    /// The models and the pose of a question about two.
+    #[cfg(feature = "gpu")]
+    fn pair(&self) -> Option<([&Model; 2], Pose)> {
+        match self {
+            Self::Pair { models, a_from_b } => {
+                Some((models.each_ref().map(|model| &**model), *a_from_b))
+            }
+            Self::Within { .. } => None,
+        }
+    }
 }
 
 impl Batch {

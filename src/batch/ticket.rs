@@ -142,7 +142,8 @@ impl<T> Ticket<T> {
     }
 
     /// Gives up the answers: reading the ticket returns [`Error::Cancelled`] from now on. Each thread stops within 4096 tests,
-    /// about 0.1 ms, and a GPU after what has been submitted, at most two questions. Does not wait for them.
+    /// about 0.1 ms, and a GPU after what has been submitted: all pairs of models of the batch, or two questions. Does not wait for
+    /// them.
     ///
     /// # Examples
     /// ```

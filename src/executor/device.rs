@@ -1,5 +1,6 @@
 //! A GPU as an executor has it: its lists, shared by all queries or lent to a ticket, and the models that are there.
 
+use super::gathered::Gathered;
 use super::measure::Line;
 use super::{Answer, Verb};
 use crate::gpu::{Gpu, GpuError, GpuModel, GpuPairQuery, GpuSelfQuery, GpuSettings, GpuSubmission};
@@ -16,6 +17,8 @@ pub(crate) struct Device {
     within: Mutex<Option<GpuSelfQuery>>,
     /// Lists of tickets, while no ticket has them.
     idle: Mutex<Vec<GpuSubmission>>,
+    /// The same for batches of pairs.
+    gathered: Mutex<Vec<Gathered>>,
     /// Models that do not move, for as long as some query has them.
     models: Mutex<Vec<(Stamp, Weak<GpuModel>)>>,
 }
@@ -29,6 +32,7 @@ impl Device {
             pair: Mutex::default(),
             within: Mutex::default(),
             idle: Mutex::default(),
+            gathered: Mutex::default(),
             models: Mutex::default(),
         }
     }
@@ -56,6 +60,17 @@ impl Device {
     /// Takes lists back.
     pub(crate) fn take_back(&self, lists: impl IntoIterator<Item = GpuSubmission>) {
         lock(&self.idle).extend(lists);
+    }
+
+    /// A world for one more batch of pairs.
+    pub(crate) fn lend_gathered(&self) -> Result<Gathered, GpuError> {
+        let idle = lock(&self.gathered).pop();
+        idle.map_or_else(|| Gathered::new(self), Ok)
+    }
+
+    /// Takes it back.
+    pub(crate) fn take_back_gathered(&self, gathered: Gathered) {
+        lock(&self.gathered).push(gathered);
     }
 
     /// Asks about two models there.

@@ -50,6 +50,8 @@ mod choice;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
+mod gathered;
+#[cfg(feature = "gpu")]
 mod measure;
 #[cfg(feature = "gpu")]
 mod mirror;
