@@ -118,3 +118,49 @@ fn dot([x, y, z]: Vector, [u, v, w]: Vector) -> f64 {
 fn cross([x, y, z]: Vector, [u, v, w]: Vector) -> Vector {
     [y * w - z * v, z * u - x * w, x * v - y * u]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points that two random bodies have in common, as far as f32 tells.
+    #[test]
+    fn padding_covers_points_in_common() {
+        let mut state = 1_u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let bounds = Aabb { min: [-1.0; 3], max: [1.0; 3] };
+        let mut tried = 0;
+        for scale in [1.0, 1e-38, 1e-20, 1e-3, 1e6, 1e20] {
+            for _ in 0..2_000 {
+                let mut pose = || Pose::new([(); 3].map(|()| [(); 4].map(|()| scale * random())));
+                let (a, b) = (Placed::new(&pose(), &bounds), Placed::new(&pose(), &bounds));
+                let x = [(); 3].map(|()| random());
+                let (Some(inverse), Some(back)) = (a.inverse(), b.inverse()) else { continue };
+                let Some((rows, pad)) = seen_from(&a, &inverse, &b) else { continue };
+                let common = a.pose.apply(x);
+                let offset = [0, 1, 2].map(|k| f64::from(common[k]) - f64::from(b.pose.rows[k][3]));
+                let y = back.matrix.map(|row| dot(row, offset) as f32);
+                if y.iter().any(|y| y.abs() > 1.0) {
+                    continue;
+                }
+                tried += 1;
+                for k in 0..3 {
+                    let row = rows[k].map(f64::from);
+                    let seen = dot([row[0], row[1], row[2]], y.map(f64::from)) + row[3];
+                    let turned = dot([row[0], row[1], row[2]].map(f64::abs), [1.0; 3]);
+                    let most = f64::from(pad[k]) + turned * f64::from(PADDING);
+                    assert!(
+                        (seen - f64::from(x[k])).abs() <= most,
+                        "{scale:e}: {seen} {x:?} {most}"
+                    );
+                }
+            }
+        }
+        assert!(tried > 1_000, "{tried}");
+        let flat = Pose::new([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0; 4]]);
+        assert!(Placed::new(&flat, &bounds).inverse().is_none());
+    }
+}

@@ -3,7 +3,7 @@
 use crate::common::{Both, gpu};
 use crate::world::{Scene, part};
 use pfront_core::{MeshError, Pose};
-use pfront_gpu::{Arithmetic, Budget, Gpu, GpuError, GpuSettings, World};
+use pfront_gpu::{Arithmetic, Budget, Gpu, GpuError, GpuSettings, GpuVerb, World, wgpu};
 use pfront_scenes::{self as scenes, Kind};
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::{ChaCha8Rng, Rng, seeded};
@@ -185,6 +185,37 @@ fn every_budget_and_depth_gives_the_same_list() {
     let bodies = (0..100).map(|i| (&one, at(i))).collect();
     let mut scene = Scene::new(World::new(gpu(), settings).unwrap(), bodies);
     assert_eq!(scene.check(), 4 * 2 * (50 * 49 / 2));
+}
+
+/// A device that binds so little that pairs of bodies are asked in chunks.
+#[test]
+fn more_pairs_than_a_binding_holds() {
+    let instance =
+        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).unwrap();
+    let limits =
+        wgpu::Limits { max_storage_buffer_binding_size: 1 << 16, ..wgpu::Limits::default() };
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    let gpu = Gpu::from_device(device, queue).unwrap();
+    let settings = GpuSettings { budget: Budget::LEAST, ..gpu.settings() };
+    let mut rng = seeded(35);
+    let parts = [part(&sphere(3)), part(&sheet(2, |x, y| 0.3 * x * y)), part(&Soup::default())];
+    let bodies = (0..40).map(|i| (&parts[i % 3], somewhere(3.0, &mut rng))).collect();
+    let mut scene = Scene::new(World::new(&gpu, settings).unwrap(), bodies);
+    assert!(scene.check() > 100);
+
+    // Each pair twice and both ways; what moves after the submission moves too late.
+    let pairs: Vec<_> = scene.pairs().iter().flat_map(|&[a, b]| [[a, b], [b, a], [a, b]]).collect();
+    let counts = scene.world.count_each(&pairs).unwrap().to_vec();
+    scene.world.submit(&pairs, GpuVerb::CountEach).unwrap();
+    for number in 0..40 {
+        scene.set_pose(number, somewhere(3.0, &mut rng)).unwrap();
+    }
+    while !scene.world.is_ready().unwrap() {}
+    let read = scene.world.read().unwrap();
+    assert_eq!((&read.counts, read.count), (&counts, counts.iter().sum()));
+    assert!(counts.chunks(3).all(|three| three[0] == three[1] && three[0] == three[2]));
 }
 
 #[test]
