@@ -374,13 +374,19 @@ fn the_plan_tells_who_answered() {
             assert_eq!(plan.predicted.is_some(), is_choice && frame > 0, "{name}: {plan}");
             assert!(plan.to_string().starts_with(&plan.backend.to_string()));
             backends.push(plan.backend);
+            #[cfg(feature = "threads")]
+            if backends.last() != Some(&Backend::Gpu) && name.contains("threads") {
+                let called = query.report().is_some_and(|report| !report.shares.is_empty());
+                assert_eq!(query.plan().unwrap().backend == Backend::Threads, called, "{name}");
+            }
         }
         match *name {
             "sequential" | "1 thread" => assert_eq!(backends, [Backend::Sequential; 4], "{name}"),
             "gpu" => assert_eq!(backends, [Backend::Gpu; 4], "{name}"),
             "sequential and gpu" => assert!(!backends.contains(&Backend::Threads), "{name}"),
             "2 threads and gpu" => {}
-            _ => assert!(backends.contains(&Backend::Threads), "{name}: {backends:?}"),
+            // Whether others are called depends on how long that takes on this machine, now.
+            _ => assert!(!backends.contains(&Backend::Gpu), "{name}: {backends:?}"),
         }
     }
 }
