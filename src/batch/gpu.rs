@@ -66,7 +66,7 @@ fn gathered(
 ) -> Result<Arc<Outcome>, Error> {
     let (mut world, device) = (device.lend_gathered()?, device.clone());
     let (outcome, verb, count) = (Arc::<Outcome>::default(), job.verb, pairs.len());
-    world.submit(pairs.iter().copied(), verb)?;
+    world.submit(pairs, verb)?;
     let own = outcome.clone();
     let work = move || {
         own.guard(|| {

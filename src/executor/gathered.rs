@@ -1,9 +1,9 @@
-//! Many pairs of models in one submission to a GPU, which has each model once and two bodies for each pair.
+//! Many pairs of models in one submission to a GPU, which has each model once and a body for each pair.
 
 use super::{Answer, Device, Verb};
 use crate::gpu::{GpuError, GpuVerb, World};
 use crate::{Model, Pose, Stamp, TrianglePair};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// A world that questions are gathered in, and the meshes there by the models that they were brought from.
 #[derive(Debug)]
@@ -12,43 +12,56 @@ pub(crate) struct Gathered {
     meshes: HashMap<Stamp, u32>,
     /// Triangles of the meshes there.
     triangles: usize,
+    /// The number of the first body that stands for a question.
+    firsts: u32,
 }
 
 impl Gathered {
     pub(super) fn new(device: &Device) -> Result<Self, GpuError> {
         let world = World::new(&device.gpu, device.settings)?;
-        Ok(Self { world, meshes: HashMap::new(), triangles: 0 })
+        Ok(Self { world, meshes: HashMap::new(), triangles: 0, firsts: 0 })
     }
 
     /// Submits a question about each of these pairs of models and poses `a_from_b`, and does not wait.
-    pub(crate) fn submit<'m>(
+    pub(crate) fn submit(
         &mut self,
-        pairs: impl Iterator<Item = ([&'m Model; 2], Pose)> + Clone,
+        pairs: &[([&Model; 2], Pose)],
         verb: Verb,
     ) -> Result<(), GpuError> {
-        let mut seen = HashSet::new();
-        let models = pairs.clone().flat_map(|(models, _)| models);
-        let used: Vec<_> = models.filter(|model| seen.insert(model.stamp())).collect();
+        // Neighbours are mostly about the same models, which need no look-up.
+        let is_new = |(i, side): &(usize, usize)| {
+            *i == 0 || pairs[*i].0[*side].stamp() != pairs[*i - 1].0[*side].stamp()
+        };
+        let places = (0..pairs.len()).flat_map(|i| [(i, 0), (i, 1)]).filter(is_new);
+        let used: HashMap<Stamp, &Model> =
+            places.map(|(i, side)| pairs[i].0[side]).map(|model| (model.stamp(), model)).collect();
         let count = |model: &&Model| model.mesh().triangles().len();
         // Meshes that nothing asks about any more are kept until they are most of all.
-        if self.triangles > 2 * used.iter().map(count).sum::<usize>() {
+        if self.triangles > 2 * used.values().map(count).sum::<usize>() {
             self.world.clear();
             self.meshes.clear();
             self.triangles = 0;
         }
-        for model in used {
-            if !self.meshes.contains_key(&model.stamp()) {
-                self.meshes.insert(model.stamp(), self.world.add_mesh(model.bvh())?);
-                self.triangles += count(&model);
+        for (stamp, model) in &used {
+            if !self.meshes.contains_key(stamp) {
+                self.meshes.insert(*stamp, self.world.add_mesh(model.bvh())?);
+                self.triangles += count(model);
             }
         }
-        let mut bodies = Vec::new();
-        for ([a, b], a_from_b) in pairs {
-            bodies.push((self.meshes[&a.stamp()], Pose::IDENTITY));
-            bodies.push((self.meshes[&b.stamp()], a_from_b));
+        // A body for each model as the first of two, by the number of its mesh, and one for each question.
+        self.firsts = self.meshes.len() as u32;
+        let mut bodies: Vec<_> = (0..self.firsts).map(|mesh| (mesh, Pose::IDENTITY)).collect();
+        let (mut of_two, mut last) = (Vec::with_capacity(pairs.len()), [0; 2]);
+        for (i, ([a, b], a_from_b)) in pairs.iter().enumerate() {
+            for (side, model) in [a, b].into_iter().enumerate() {
+                if is_new(&(i, side)) {
+                    last[side] = self.meshes[&model.stamp()];
+                }
+            }
+            of_two.push([last[0], bodies.len() as u32]);
+            bodies.push((last[1], *a_from_b));
         }
         self.world.set_bodies(&bodies)?;
-        let of_two: Vec<_> = (0..bodies.len() as u32 / 2).map(|i| [2 * i, 2 * i + 1]).collect();
         let verb = match verb {
             Verb::All => GpuVerb::All,
             Verb::Count => GpuVerb::CountEach,
@@ -70,14 +83,18 @@ impl Gathered {
             Verb::Any => answers.extend(found.each.iter().map(|&first| Answer::found(first))),
             Verb::Count => answers.extend(found.counts.iter().map(|&own| Answer::counted(own))),
             Verb::All => {
-                let mut rest = &found.hits[..];
-                for number in 0..count as u32 {
-                    let end = rest.partition_point(|([body, _], _)| *body <= 2 * number);
-                    let (own, others) = rest.split_at(end);
+                // In order of the first bodies, and so not of questions; those of one question are together and in order.
+                let mut lists = vec![0..0; count];
+                let mut from = 0;
+                for own in found.hits.chunk_by(|x, y| x.0 == y.0) {
+                    let [_, body] = own[0].0;
+                    lists[(body - self.firsts) as usize] = from..from + own.len();
+                    from += own.len();
+                }
+                for list in lists {
                     let first = pairs.len();
-                    pairs.extend(own.iter().map(|(_, pair)| pair));
+                    pairs.extend(found.hits[list].iter().map(|(_, pair)| pair));
                     answers.push(Answer::listed(&pairs[first..]));
-                    rest = others;
                 }
             }
         }
