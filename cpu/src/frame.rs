@@ -8,6 +8,7 @@ use crate::stealing::Stealing;
 use crate::workers::Frame;
 use crate::{Report, Schedule, Settings, Share, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
+use pfront_core::front::estimate;
 use std::time::Instant;
 
 /// Tests of both kinds that the calling thread does before it calls others, if nobody has measured what a call takes
@@ -38,7 +39,7 @@ impl Traversal {
         shares.clear();
         self.report = Report { shares, ..Report::default() };
         let control = Control::new(self.deadline, self.cancel.clone());
-        let from_roots = self.p() > 1 && !only_one_hit && self.expects_much();
+        let from_roots = self.p() > 1 && !only_one_hit && self.expects_much(queries);
         // Nearly as long as predicted is no reason to call others shortly before the end.
         let predicted = if only_one_hit { 0.0 } else { self.predicted() };
         let alone = self.call.map(|call| self.worth(call).max(2.0 * predicted));
@@ -69,14 +70,18 @@ impl Traversal {
         complete
     }
 
-    /// Whether a frame is worth several threads from the start: by the cost of the last one. Nothing is expected of a
-    /// first frame.
-    fn expects_much(&self) -> bool {
-        let Some(cost) = self.last_cost else { return false };
-        match self.call {
-            Some(call) => self.predicted() >= self.worth(call.max(self.overhead)),
-            None => cost >= ALONE as f64,
+    /// Whether a frame is worth several threads from the start: by the last one. If nobody has measured what a call takes, a
+    /// first frame goes by an estimate; else nothing is expected of it, since estimates are often too high.
+    fn expects_much<Q: Query>(&self, queries: &[Q]) -> bool {
+        if let Some(call) = self.call {
+            return self.last_cost.is_some()
+                && self.predicted() >= self.worth(call.max(self.overhead));
         }
+        let estimated = || {
+            let roots = queries.iter().filter_map(|query| Some((query, query.root()?)));
+            roots.map(|(query, root)| estimate(query, root)).sum()
+        };
+        self.last_cost.unwrap_or_else(estimated) >= ALONE as f64
     }
 
     /// The seconds that a frame like the last one takes the calling thread.

@@ -106,8 +106,8 @@ impl Traversal {
     /// A frame then begins on the calling thread for a time of W p / (p - 1), with W the time of a call and p workers, or for
     /// twice what the last frame took, if that is longer: so it takes at most 1 + (p - 1) / p times what one thread takes,
     /// whatever it finds, as long as a call takes W. Others are called from the start if the last frame was worth it with what
-    /// calling them really took, front included. Without a measurement, 2,048 tests stand for both times, and the counts of
-    /// a [`Report`] are the same on every machine.
+    /// calling them really took, front included. Without a measurement, 2,048 tests stand for both times, an estimate for the
+    /// last frame before there is one, and the counts of a [`Report`] are the same on every machine.
     ///
     /// # Examples
     /// ```
