@@ -111,8 +111,7 @@ pub fn play(memory: &mut Memory, mut show: impl FnMut(Pairs, &Line)) -> Result<(
         let line = found(pairs).with(remembered as u32, " nodes of a front, ");
         show(pairs, &line.with(work[0], " + ").with(work[1], " tests\n"));
     }
-    let (pairs, steps, longest) =
-        in_steps(&PairBvtt::new(a, b, pose(FRAMES)).map_err(|_| "pose")?);
+    let (pairs, steps, longest) = in_steps(&PairBvtt::new(a, b, pose(FRAMES)).map_err(|_| "pose")?);
     show(pairs, &found(pairs).with(steps, " steps of up to ").with(longest, " tests\n"));
     Ok(())
 }
