@@ -133,9 +133,10 @@ fn side_by_side_as_one_by_one() {
             }
         }
     }
+    // The few rounds under miri need not have all three.
     let least = if cfg!(miri) { 0 } else { 500 };
     let counts = [by_planes, by_certificates, kept];
-    assert!(counts.iter().all(|count| *count > least), "{counts:?}");
+    assert!(counts.iter().all(|count| *count >= least), "{counts:?}");
 }
 
 /// Whether the plane of `a` has all corners of `b` that are not shared on one side, too far away for rounding to matter.
