@@ -167,7 +167,10 @@ fn the_deepest_tree_fills_the_stack() {
     let mut cursor = query.start();
     let _ = query.step(&mut cursor, 16 * (MAX_DEPTH / 2) as u64, |_| Continue(()));
     assert_eq!(cursor.pending().len(), 15 * MAX_DEPTH / 2 + 1);
-    assert_eq!(query.count(), (triangles.len() * triangles.len()) as u64);
+    // Miri would take minutes.
+    if !cfg!(miri) {
+        assert_eq!(query.count(), (triangles.len() * triangles.len()) as u64);
+    }
 }
 
 #[test]
