@@ -61,7 +61,7 @@ enum pfront_status_t
   PFRONT_NOT_MADE = 6,
   // `what` is `given`, at `index` if it is an array, and must be below `needed`; or it is 1, which is no node.
   PFRONT_OUT_OF_RANGE = 7,
-  // Vertex `index` has a coordinate that is infinite or no number.
+  // Vertex `index` has a coordinate that is NaN or infinite.
   PFRONT_NOT_FINITE = 8,
   // Triangle `index` names vertex `given`; there are `needed` vertices.
   PFRONT_NO_SUCH_VERTEX = 9,
@@ -69,7 +69,7 @@ enum pfront_status_t
   PFRONT_TOO_MANY_TRIANGLES = 10,
   // `given` positions, for a mesh of `needed` vertices.
   PFRONT_VERTEX_COUNT = 11,
-  // Entry `index` (four to a row) of the pose `what` is infinite or no number.
+  // Entry `index` (four to a row) of the pose `what` is NaN or infinite.
   PFRONT_POSE_NOT_FINITE = 12,
   // Row `index` of the pose `what` takes the mesh too far from the origin, beyond 2^125.
   PFRONT_POSE_RANGE = 13,
@@ -102,12 +102,33 @@ enum pfront_status_t
   // The calling thread flushes subnormal numbers or does not round to nearest. On x86-64 and AArch64 each function
   // sets what it needs and restores it on return, so this is for other processors only.
   PFRONT_FLOAT_ENVIRONMENT = 26,
+  // The pose `what` is flat or not finite, so that it has no inverse.
+  PFRONT_NO_INVERSE = 27,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
 typedef enum pfront_status_t pfront_status_t;
 #else
 typedef uint32_t pfront_status_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How an index buffer holds its indices.
+enum pfront_index_type_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // 32 bits each.
+  PFRONT_INDEX_U32 = 0,
+  // 16 bits each.
+  PFRONT_INDEX_U16 = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pfront_index_type_t pfront_index_type_t;
+#else
+typedef uint32_t pfront_index_type_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -176,19 +197,16 @@ typedef uint32_t pfront_contact_kind_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// A mesh that was checked: arrays of the caller's, which must stay where they are.
-typedef struct pfront_mesh_t {
-  // For pfront to know that it has checked it.
-  uint32_t seal;
-  // x, y, z of each vertex in turn.
-  const float *positions;
-  // How many vertices: a third of the floats.
-  size_t vertex_count;
-  // The three vertices of each triangle in turn.
-  const uint32_t *triangles;
-  // How many triangles: a third of the indices.
-  size_t triangle_count;
-} pfront_mesh_t;
+// A pose: three rows of a matrix, and in the last column the translation. Meant to be rigid; any finite affine map
+// works. `a_from_b` takes the coordinates of b to those of a. A posed coordinate is `((r0*x + r1*y) + r2*z) + t` in
+// f32, never fused.
+//
+// With the poses of two bodies in the world, that of a query is `a_from_b = world_from_a^-1 * world_from_b`:
+// `pfront_pose_inverse`, then `pfront_pose_multiply`. Entries may be anything until a query checks them.
+typedef struct pfront_pose_t {
+  // Row-major.
+  float rows[3][4];
+} pfront_pose_t;
 
 // Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
 // write it whatever becomes of the call; it may be null.
@@ -204,6 +222,37 @@ typedef struct pfront_error_t {
   // What was given.
   size_t given;
 } pfront_error_t;
+
+// A mesh that was checked: arrays of the caller's, which must stay where they are.
+typedef struct pfront_mesh_t {
+  // For pfront to know that it has checked it.
+  uint32_t seal;
+  // x, y, z of each vertex in turn.
+  const float *positions;
+  // How many vertices: a third of the floats.
+  size_t vertex_count;
+  // The three vertices of each triangle in turn.
+  const uint32_t *triangles;
+  // How many triangles: a third of the indices.
+  size_t triangle_count;
+} pfront_mesh_t;
+
+// A mesh as an engine keeps it: a vertex buffer and an index buffer. Positions that are not packed, and indices of 16
+// bits, may lie at any address.
+typedef struct pfront_buffers_t {
+  // x, y and z of the first vertex, three floats in turn; those of vertex i lie i * `stride` bytes further on.
+  const void *positions;
+  // How many vertices.
+  size_t vertex_count;
+  // Bytes from one vertex to the next, at least 12; 0 stands for 12, which is packed.
+  size_t stride;
+  // The three vertices of each triangle in turn.
+  const void *triangles;
+  // How many triangles: a third of the indices.
+  size_t triangle_count;
+  // A `pfront_index_type_t`.
+  uint32_t index_type;
+} pfront_buffers_t;
 
 // A node of a BVH.
 typedef struct pfront_node_t {
@@ -246,14 +295,6 @@ typedef struct pfront_bvh_t {
   // The triangles, leaf by leaf; one entry a triangle.
   const uint32_t *order;
 } pfront_bvh_t;
-
-// A pose: three rows of a matrix, and in the last column the translation. Meant to be rigid; any finite affine map
-// works. `a_from_b` takes the coordinates of b to those of a. A posed coordinate is `((r0*x + r1*y) + r2*z) + t` in
-// f32, never fused.
-typedef struct pfront_pose_t {
-  // Row-major.
-  float rows[3][4];
-} pfront_pose_t;
 
 // A box along the axes.
 typedef struct pfront_aabb_t {
@@ -392,6 +433,30 @@ const char *pfront_error_text(uint32_t status);
 // The version of the library, as in "0.1.0". The string lives for ever.
 const char *pfront_version(void);
 
+// Makes a pose from a matrix of 16 floats by columns, as OpenGL, Vulkan, glam and three.js keep it. Its last row, 0 0 0
+// 1 of every affine map, is ignored.
+pfront_status_t pfront_pose_from_cols_array(const float *matrix,
+                                            struct pfront_pose_t *pose,
+                                            struct pfront_error_t *error);
+
+// Makes a pose from a rotation, a unit quaternion of 4 floats (x, y, z, w), and a translation of 3 that comes after it.
+pfront_status_t pfront_pose_from_rotation_translation(const float *rotation,
+                                                      const float *translation,
+                                                      struct pfront_pose_t *pose,
+                                                      struct pfront_error_t *error);
+
+// Makes the pose that takes every point back, computed in f64 and rounded once. `inverse` may be `pose` itself.
+pfront_status_t pfront_pose_inverse(const struct pfront_pose_t *pose,
+                                    struct pfront_pose_t *inverse,
+                                    struct pfront_error_t *error);
+
+// Makes the product `a_from_c = a_from_b * b_from_c`: the pose on the right comes first. Computed in f64 and rounded
+// once. `a_from_c` may be one of the others.
+pfront_status_t pfront_pose_multiply(const struct pfront_pose_t *a_from_b,
+                                     const struct pfront_pose_t *b_from_c,
+                                     struct pfront_pose_t *a_from_c,
+                                     struct pfront_error_t *error);
+
 // Checks that every coordinate is finite and every index below `vertex_count`, and makes a mesh of it. Duplicate
 // triangles, triangles without area, vertices in no triangle and no triangles at all are fine.
 //
@@ -402,6 +467,22 @@ pfront_status_t pfront_mesh_check(const float *positions,
                                   size_t triangle_count,
                                   struct pfront_mesh_t *mesh,
                                   struct pfront_error_t *error);
+
+// How many bytes of memory `pfront_mesh_from_buffers` needs; 0 if it can borrow both buffers. In O(1).
+pfront_status_t pfront_mesh_bytes(const struct pfront_buffers_t *buffers,
+                                  size_t *mesh_bytes,
+                                  struct pfront_error_t *error);
+
+// Makes a mesh of a vertex buffer and an index buffer and checks it as `pfront_mesh_check` does. Packed positions and
+// indices of 32 bits are borrowed, and must stay where they are; anything else is copied into `memory`, of any
+// alignment, which takes their place. `pfront_mesh_bytes` tells how large that must be; it may be null if that is 0.
+//
+// When a mesh deforms, make it again and hand its positions to `pfront_bvh_refit`. In O(vertices + triangles).
+pfront_status_t pfront_mesh_from_buffers(const struct pfront_buffers_t *buffers,
+                                         void *memory,
+                                         size_t memory_bytes,
+                                         struct pfront_mesh_t *mesh,
+                                         struct pfront_error_t *error);
 
 // How many nodes are enough for a BVH of so many triangles; SIZE_MAX if no mesh has so many. With leaves of 8
 // triangles most take a fifth of it.

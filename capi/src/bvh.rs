@@ -11,7 +11,8 @@
 
 use crate::build::pfront_bvh_memory_t;
 use crate::memory::{Call, Caller};
-use crate::mesh::{pfront_aabb_t, pfront_mesh_t, pfront_pose_t};
+use crate::mesh::{pfront_aabb_t, pfront_mesh_t};
+use crate::pose::pfront_pose_t;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::ffi::CStr;

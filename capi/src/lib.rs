@@ -10,6 +10,7 @@
 
 mod alone;
 mod blob;
+mod buffers;
 mod build;
 mod bvh;
 mod cursor;
@@ -18,6 +19,7 @@ mod front;
 mod memory;
 mod mesh;
 mod one_ring;
+mod pose;
 mod query;
 mod status;
 #[cfg(test)]
@@ -25,12 +27,14 @@ mod tests;
 mod verbs;
 
 pub use blob::*;
+pub use buffers::*;
 pub use build::*;
 pub use bvh::*;
 pub use cursor::*;
 pub use front::*;
 pub use mesh::*;
 pub use one_ring::*;
+pub use pose::*;
 pub use query::*;
 pub use status::*;
 pub use verbs::*;

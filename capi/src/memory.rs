@@ -33,8 +33,22 @@ macro_rules! plain {
         unsafe impl Plain for $type {}
     )* };
 }
-plain!(u8, u32, [f32; 3], [u32; 3], FrontNode, Node, Part, TrianglePair);
 plain!(
+    u8,
+    u32,
+    [u8; 2],
+    [u8; 4],
+    [f32; 3],
+    [f32; 4],
+    [f32; 16],
+    [u32; 3],
+    FrontNode,
+    Node,
+    Part,
+    TrianglePair
+);
+plain!(
+    crate::pfront_buffers_t,
     crate::pfront_bvh_memory_t,
     crate::pfront_bvh_t,
     crate::pfront_contact_t,

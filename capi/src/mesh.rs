@@ -1,4 +1,4 @@
-//! Meshes, poses and boxes.
+//! Meshes and boxes.
 
 #![expect(
     unsafe_code,
@@ -13,7 +13,7 @@ use crate::memory::{Call, Caller};
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::ffi::CStr;
-use pfront_core::{Mesh, Pose};
+use pfront_core::Mesh;
 
 /// A mesh that was checked: arrays of the caller's, which must stay where they are.
 #[repr(C)]
@@ -91,24 +91,6 @@ pub unsafe extern "C" fn pfront_mesh_check(
         out.set(checked);
         Ok(())
     })
-}
-
-/// A pose: three rows of a matrix, and in the last column the translation. Meant to be rigid; any finite affine map
-/// works. `a_from_b` takes the coordinates of b to those of a. A posed coordinate is `((r0*x + r1*y) + r2*z) + t` in
-/// f32, never fused.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pfront_pose_t {
-    /// Row-major.
-    pub rows: [[f32; 4]; 3],
-}
-
-impl pfront_pose_t {
-    pub(crate) const IDENTITY: Self = Self { rows: Pose::IDENTITY.rows };
-
-    pub(crate) fn pose(&self) -> Pose {
-        Pose::new(self.rows)
-    }
 }
 
 /// A box along the axes.

@@ -13,8 +13,8 @@ mod asked;
 
 use crate::bvh::pfront_bvh_t;
 use crate::memory::{Call, Caller};
-use crate::mesh::pfront_pose_t;
 use crate::one_ring::pfront_history_bound;
+use crate::pose::pfront_pose_t;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 pub(crate) use asked::Asked;

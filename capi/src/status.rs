@@ -26,7 +26,7 @@ pub enum pfront_status_t {
     PFRONT_NOT_MADE = 6,
     /// `what` is `given`, at `index` if it is an array, and must be below `needed`; or it is 1, which is no node.
     PFRONT_OUT_OF_RANGE = 7,
-    /// Vertex `index` has a coordinate that is infinite or no number.
+    /// Vertex `index` has a coordinate that is NaN or infinite.
     PFRONT_NOT_FINITE = 8,
     /// Triangle `index` names vertex `given`; there are `needed` vertices.
     PFRONT_NO_SUCH_VERTEX = 9,
@@ -34,7 +34,7 @@ pub enum pfront_status_t {
     PFRONT_TOO_MANY_TRIANGLES = 10,
     /// `given` positions, for a mesh of `needed` vertices.
     PFRONT_VERTEX_COUNT = 11,
-    /// Entry `index` (four to a row) of the pose `what` is infinite or no number.
+    /// Entry `index` (four to a row) of the pose `what` is NaN or infinite.
     PFRONT_POSE_NOT_FINITE = 12,
     /// Row `index` of the pose `what` takes the mesh too far from the origin, beyond 2^125.
     PFRONT_POSE_RANGE = 13,
@@ -67,6 +67,8 @@ pub enum pfront_status_t {
     /// The calling thread flushes subnormal numbers or does not round to nearest. On x86-64 and AArch64 each function
     /// sets what it needs and restores it on return, so this is for other processors only.
     PFRONT_FLOAT_ENVIRONMENT = 26,
+    /// The pose `what` is flat or not finite, so that it has no inverse.
+    PFRONT_NO_INVERSE = 27,
 }
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
@@ -90,7 +92,7 @@ pub struct pfront_error_t {
 #[unsafe(no_mangle)]
 #[expect(unsafe_code, reason = "C finds functions by name")]
 pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 27] = [
+    const TEXTS: [&CStr; 28] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
@@ -99,11 +101,11 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"a buffer is too small",
         c"a structure was not filled in by the function that makes it",
         c"an option, a count or an index is out of range",
-        c"a coordinate is infinite or no number",
+        c"a coordinate is NaN or infinite",
         c"a triangle names a vertex that does not exist",
         c"a mesh has too many triangles",
         c"a mesh has another number of vertices",
-        c"an entry of a pose is infinite or no number",
+        c"an entry of a pose is NaN or infinite",
         c"a pose takes a mesh too far from the origin",
         c"the order of a BVH does not name each triangle once",
         c"a node of a BVH has children or triangles that it cannot have",
@@ -118,6 +120,7 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"a byte of a blob has changed since it was written",
         c"a big-endian machine cannot borrow a blob",
         c"this thread flushes subnormal numbers or does not round to nearest",
+        c"a pose is flat or not finite and has no inverse",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

@@ -203,3 +203,29 @@ fn a_caller_who_wants_no_details_gets_the_code() {
     };
     assert_eq!(status, PFRONT_NULL);
 }
+
+#[test]
+fn buffers_are_copied_where_they_are_not_packed() {
+    let vertices = POINTS.map(|[x, y, z]| [f32::NAN, x, y, z]);
+    let indices = CORNERS.map(|corners| corners.map(|index| index as u16));
+    let buffers = pfront_buffers_t {
+        positions: vertices.as_ptr().cast::<f32>().wrapping_add(1).cast(),
+        vertex_count: vertices.len(),
+        stride: 16,
+        triangles: indices.as_ptr().cast(),
+        triangle_count: TRIANGLES,
+        index_type: pfront_index_type_t::PFRONT_INDEX_U16 as u32,
+    };
+    let bytes: usize = made!(pfront_mesh_bytes(&buffers));
+    let mut memory = [MaybeUninit::<u8>::uninit(); 256];
+    let at = memory.as_mut_ptr().cast();
+    let mesh: pfront_mesh_t = made!(pfront_mesh_from_buffers(&buffers, at, bytes));
+    // SAFETY: so many are there, and nobody writes them.
+    let (positions, triangles) = unsafe {
+        (
+            slice::from_raw_parts(mesh.positions.cast::<[f32; 3]>(), mesh.vertex_count),
+            slice::from_raw_parts(mesh.triangles.cast::<[u32; 3]>(), mesh.triangle_count),
+        )
+    };
+    assert_eq!((positions, triangles), (&POINTS[..], &CORNERS[..]));
+}

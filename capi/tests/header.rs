@@ -3,8 +3,10 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 10] =
-    ["status", "mesh", "build", "bvh", "blob", "one_ring", "query", "cursor", "verbs", "front"];
+const MODULES: [&str; 12] = [
+    "status", "pose", "mesh", "buffers", "build", "bvh", "blob", "one_ring", "query", "cursor",
+    "verbs", "front",
+];
 
 #[test]
 fn the_header_is_up_to_date() {

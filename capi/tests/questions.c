@@ -137,6 +137,7 @@ int main(void)
     fronts();
     damage();
     THAT(strcmp(pfront_error_text(0), "done") == 0);
+    THAT(strcmp(pfront_error_text(PFRONT_NO_INVERSE), "a pose is flat or not finite and has no inverse") == 0);
     THAT(strcmp(pfront_error_text(PFRONT_BIG_ENDIAN), "a big-endian machine cannot borrow a blob") == 0);
     THAT(strcmp(pfront_error_text(UINT32_MAX), "no error code of pfront") == 0);
     THAT(strcmp(pfront_version(), "0.1.0") == 0);

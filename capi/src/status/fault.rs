@@ -53,6 +53,29 @@ impl Fault {
             _ => Self::new(PFRONT_DAMAGED),
         }
     }
+
+    /// An error in the mesh whose arrays C calls so.
+    pub(crate) fn mesh(
+        positions: &'static CStr,
+        triangles: &'static CStr,
+    ) -> impl Fn(MeshError) -> Self {
+        move |error| match error {
+            MeshError::NonFinite { vertex } => Self::of(PFRONT_NOT_FINITE, positions).at(vertex),
+            MeshError::IndexOutOfRange { triangle, index, vertices } => {
+                let fault = Self::of(PFRONT_NO_SUCH_VERTEX, triangles).at(triangle);
+                fault.numbers(vertices, index as usize)
+            }
+            MeshError::TooManyTriangles { triangles: given } => {
+                let fault = Self::of(PFRONT_TOO_MANY_TRIANGLES, triangles);
+                fault.numbers(pfront_core::mesh::MAX_TRIANGLES, given)
+            }
+            MeshError::VertexCount { expected, found } => {
+                Self::of(PFRONT_VERTEX_COUNT, positions).numbers(expected, found)
+            }
+            MeshError::FloatEnvironment => Self::new(PFRONT_FLOAT_ENVIRONMENT),
+            _ => Self::new(PFRONT_DAMAGED),
+        }
+    }
 }
 
 impl From<CapacityError> for Fault {
@@ -69,22 +92,7 @@ impl From<CapacityError> for Fault {
 
 impl From<MeshError> for Fault {
     fn from(error: MeshError) -> Self {
-        match error {
-            MeshError::NonFinite { vertex } => Self::of(PFRONT_NOT_FINITE, c"positions").at(vertex),
-            MeshError::IndexOutOfRange { triangle, index, vertices } => {
-                let fault = Self::of(PFRONT_NO_SUCH_VERTEX, c"triangles").at(triangle);
-                fault.numbers(vertices, index as usize)
-            }
-            MeshError::TooManyTriangles { triangles } => {
-                let fault = Self::of(PFRONT_TOO_MANY_TRIANGLES, c"triangles");
-                fault.numbers(pfront_core::mesh::MAX_TRIANGLES, triangles)
-            }
-            MeshError::VertexCount { expected, found } => {
-                Self::of(PFRONT_VERTEX_COUNT, c"positions").numbers(expected, found)
-            }
-            MeshError::FloatEnvironment => Self::new(PFRONT_FLOAT_ENVIRONMENT),
-            _ => Self::new(PFRONT_DAMAGED),
-        }
+        Self::mesh(c"positions", c"triangles")(error)
     }
 }
 

@@ -1,0 +1,243 @@
+//! Meshes in vertex and index buffers: strided positions, and indices of 16 or 32 bits.
+//!
+//! [`Mesh`] borrows packed positions and 32-bit indices. A buffer that is laid out so is borrowed; any other one is
+//! copied, once, into memory of the caller's.
+
+#![expect(
+    unsafe_code,
+    reason = "C finds functions by name, and keeps to the contract of the header"
+)]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+use crate::memory::{Call, Caller};
+use crate::mesh::pfront_mesh_t;
+use crate::status::pfront_status_t::{self, *};
+use crate::status::{Fault, pfront_error_t};
+use core::ffi::{CStr, c_void};
+use pfront_core::Mesh;
+
+/// How an index buffer holds its indices.
+#[repr(u32)]
+#[derive(Clone, Copy)]
+pub enum pfront_index_type_t {
+    /// 32 bits each.
+    PFRONT_INDEX_U32 = 0,
+    /// 16 bits each.
+    PFRONT_INDEX_U16 = 1,
+}
+
+/// A mesh as an engine keeps it: a vertex buffer and an index buffer. Positions that are not packed, and indices of 16
+/// bits, may lie at any address.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_buffers_t {
+    /// x, y and z of the first vertex, three floats in turn; those of vertex i lie i * `stride` bytes further on.
+    pub positions: *const c_void,
+    /// How many vertices.
+    pub vertex_count: usize,
+    /// Bytes from one vertex to the next, at least 12; 0 stands for 12, which is packed.
+    pub stride: usize,
+    /// The three vertices of each triangle in turn.
+    pub triangles: *const c_void,
+    /// How many triangles: a third of the indices.
+    pub triangle_count: usize,
+    /// A `pfront_index_type_t`.
+    pub index_type: u32,
+}
+
+/// What C calls the members of some buffers.
+pub(crate) struct Names {
+    pub(crate) positions: &'static CStr,
+    pub(crate) stride: &'static CStr,
+    pub(crate) triangles: &'static CStr,
+    pub(crate) index_type: &'static CStr,
+}
+
+/// The names where there is one mesh.
+pub(crate) const NAMES: Names = Names {
+    positions: c"positions",
+    stride: c"stride",
+    triangles: c"triangles",
+    index_type: c"index_type",
+};
+
+/// Bytes of a packed position.
+const PACKED: usize = size_of::<[f32; 3]>();
+
+/// Buffers whose stride and index type are checked.
+#[derive(Clone, Copy)]
+pub(crate) struct Buffers {
+    buffers: pfront_buffers_t,
+    names: &'static Names,
+    stride: usize,
+    is_u16: bool,
+}
+
+impl pfront_buffers_t {
+    pub(crate) fn checked(self, names: &'static Names) -> Result<Buffers, Fault> {
+        let stride = if self.stride == 0 { PACKED } else { self.stride };
+        Fault::room(names.stride, stride, PACKED)?;
+        Fault::below(names.index_type, self.index_type as usize, 2)?;
+        let is_u16 = self.index_type == pfront_index_type_t::PFRONT_INDEX_U16 as u32;
+        Ok(Buffers { buffers: self, names, stride, is_u16 })
+    }
+}
+
+impl Buffers {
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.buffers.vertex_count
+    }
+
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.buffers.triangle_count
+    }
+
+    /// How many words of 4 bytes a mesh needs beside the buffers, for positions and for indices.
+    pub(crate) fn words(&self) -> Result<[usize; 2], Fault> {
+        let words = |what, count: usize, copied: bool| {
+            let words = if copied { count.checked_mul(3) } else { Some(0) };
+            let fits = words.filter(|&words| words <= isize::MAX as usize / 16);
+            fits.ok_or(Fault::of(PFRONT_TOO_LONG, what).numbers(0, count))
+        };
+        let positions = words(self.names.positions, self.vertex_count(), self.stride != PACKED)?;
+        Ok([positions, words(self.names.triangles, self.triangle_count(), self.is_u16)?])
+    }
+
+    /// Copies the positions, of which there is one for each of `out`.
+    pub(crate) fn copy_positions(
+        &self,
+        call: &Call<'_>,
+        out: &mut [[f32; 3]],
+    ) -> Result<(), Fault> {
+        let (what, count, stride) = (self.names.positions, self.vertex_count(), self.stride);
+        // What lies behind the last position may not be there.
+        let bytes = count.saturating_sub(1).checked_mul(stride);
+        let bytes = bytes.and_then(|bytes| bytes.checked_add(PACKED.min(count * PACKED)));
+        let bytes = bytes.ok_or(Fault::of(PFRONT_TOO_LONG, what).numbers(0, count))?;
+        let bytes = call.read(what, self.buffers.positions.cast::<u8>(), bytes)?;
+        let vertices = bytes.chunks(stride).filter_map(|vertex| vertex.first_chunk::<PACKED>());
+        for (out, vertex) in out.iter_mut().zip(vertices) {
+            *out = bytemuck::must_cast(*vertex);
+        }
+        Ok(())
+    }
+
+    /// Copies the triangles, of which there is one for each of `out`.
+    pub(crate) fn copy_triangles(
+        &self,
+        call: &Call<'_>,
+        out: &mut [[u32; 3]],
+    ) -> Result<(), Fault> {
+        let (what, count) = (self.names.triangles, self.triangle_count());
+        let indices = count.checked_mul(3);
+        let indices = indices.ok_or(Fault::of(PFRONT_TOO_LONG, what).numbers(0, count))?;
+        let first = self.buffers.triangles;
+        let out = out.as_flattened_mut().iter_mut();
+        if self.is_u16 {
+            for (out, index) in out.zip(call.read(what, first.cast::<[u8; 2]>(), indices)?) {
+                *out = u16::from_ne_bytes(*index).into();
+            }
+        } else {
+            for (out, index) in out.zip(call.read(what, first.cast::<[u8; 4]>(), indices)?) {
+                *out = u32::from_ne_bytes(*index);
+            }
+        }
+        Ok(())
+    }
+
+    /// The mesh, checked, of which `memory` holds what the core cannot borrow: as many words as [`Buffers::words`].
+    pub(crate) fn mesh<'c>(
+        &self,
+        call: &Call<'c>,
+        memory: &'c mut [u32],
+    ) -> Result<Mesh<'c>, Fault> {
+        let [positions, triangles] = self.words()?;
+        let short = Fault::new(PFRONT_DAMAGED);
+        let (positions, rest) = memory.split_at_mut_checked(positions).ok_or(short)?;
+        let (triangles, _) = rest.split_at_mut_checked(triangles).ok_or(short)?;
+        let (positions, _) = bytemuck::must_cast_slice_mut::<u32, f32>(positions).as_chunks_mut();
+        let (triangles, _) = triangles.as_chunks_mut();
+        let Self { names, buffers, stride, is_u16 } = self;
+        let positions = if *stride == PACKED {
+            call.read(names.positions, buffers.positions.cast(), buffers.vertex_count)?
+        } else {
+            self.copy_positions(call, positions)?;
+            positions
+        };
+        let triangles = if *is_u16 {
+            self.copy_triangles(call, triangles)?;
+            triangles
+        } else {
+            call.read(names.triangles, buffers.triangles.cast(), buffers.triangle_count)?
+        };
+        Mesh::new(positions, triangles).map_err(Fault::mesh(names.positions, names.triangles))
+    }
+}
+
+/// How many bytes of memory `pfront_mesh_from_buffers` needs; 0 if it can borrow both buffers. In O(1).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_mesh_bytes(
+    buffers: *const pfront_buffers_t,
+    mesh_bytes: *mut usize,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"mesh_bytes", mesh_bytes)?;
+        out.set(bytes(&call.get(c"buffers", buffers)?.checked(&NAMES)?)?);
+        Ok(())
+    })
+}
+
+/// Bytes of the words at any address.
+fn bytes(buffers: &Buffers) -> Result<usize, Fault> {
+    let [positions, triangles] = buffers.words()?;
+    let words = positions + triangles;
+    Ok(if words == 0 { 0 } else { words * size_of::<u32>() + align_of::<u32>() - 1 })
+}
+
+/// Makes a mesh of a vertex buffer and an index buffer and checks it as `pfront_mesh_check` does. Packed positions and
+/// indices of 32 bits are borrowed, and must stay where they are; anything else is copied into `memory`, of any
+/// alignment, which takes their place. `pfront_mesh_bytes` tells how large that must be; it may be null if that is 0.
+///
+/// When a mesh deforms, make it again and hand its positions to `pfront_bvh_refit`. In O(vertices + triangles).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_mesh_from_buffers(
+    buffers: *const pfront_buffers_t,
+    memory: *mut c_void,
+    memory_bytes: usize,
+    mesh: *mut pfront_mesh_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"mesh", mesh)?;
+        let buffers = call.get(c"buffers", buffers)?.checked(&NAMES)?;
+        let needed = bytes(&buffers)?;
+        Fault::room(c"memory", memory_bytes, needed)?;
+        let words = call.write(c"memory", memory.cast::<u8>(), needed)?;
+        let (_, words, _) = bytemuck::pod_align_to_mut(words);
+        let checked = buffers.mesh(call, words)?;
+        // The caller's own pointers: into memory if there is a copy.
+        let of = |borrowed: *const c_void, address: usize| {
+            if borrowed.addr() == address {
+                borrowed
+            } else {
+                memory.cast_const().with_addr(address)
+            }
+        };
+        let (positions, triangles) = (checked.positions(), checked.triangles());
+        let pfront_buffers_t { positions: own_positions, triangles: own_triangles, .. } =
+            buffers.buffers;
+        out.set(pfront_mesh_t::made(
+            of(own_positions, positions.as_ptr().addr()).cast(),
+            positions.len(),
+            of(own_triangles, triangles.as_ptr().addr()).cast(),
+            triangles.len(),
+        ));
+        Ok(())
+    })
+}

@@ -1,0 +1,111 @@
+//! Poses: from what engines keep, inverses and products.
+
+#![expect(
+    unsafe_code,
+    reason = "C finds functions by name, and keeps to the contract of the header"
+)]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+use crate::memory::Caller;
+use crate::status::pfront_status_t::{self, PFRONT_NO_INVERSE};
+use crate::status::{Fault, pfront_error_t};
+use pfront_core::Pose;
+
+/// A pose: three rows of a matrix, and in the last column the translation. Meant to be rigid; any finite affine map
+/// works. `a_from_b` takes the coordinates of b to those of a. A posed coordinate is `((r0*x + r1*y) + r2*z) + t` in
+/// f32, never fused.
+///
+/// With the poses of two bodies in the world, that of a query is `a_from_b = world_from_a^-1 * world_from_b`:
+/// `pfront_pose_inverse`, then `pfront_pose_multiply`. Entries may be anything until a query checks them.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_pose_t {
+    /// Row-major.
+    pub rows: [[f32; 4]; 3],
+}
+
+impl pfront_pose_t {
+    pub(crate) const IDENTITY: Self = Self { rows: Pose::IDENTITY.rows };
+
+    pub(crate) fn pose(&self) -> Pose {
+        Pose::new(self.rows)
+    }
+}
+
+impl From<Pose> for pfront_pose_t {
+    fn from(Pose { rows }: Pose) -> Self {
+        Self { rows }
+    }
+}
+
+/// Makes a pose from a matrix of 16 floats by columns, as OpenGL, Vulkan, glam and three.js keep it. Its last row, 0 0 0
+/// 1 of every affine map, is ignored.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_pose_from_cols_array(
+    matrix: *const f32,
+    pose: *mut pfront_pose_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"pose", pose)?;
+        let matrix: [f32; 16] = call.get(c"matrix", matrix.cast())?;
+        out.set(Pose::from_cols_array(&matrix).into());
+        Ok(())
+    })
+}
+
+/// Makes a pose from a rotation, a unit quaternion of 4 floats (x, y, z, w), and a translation of 3 that comes after it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_pose_from_rotation_translation(
+    rotation: *const f32,
+    translation: *const f32,
+    pose: *mut pfront_pose_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"pose", pose)?;
+        let rotation: [f32; 4] = call.get(c"rotation", rotation.cast())?;
+        let translation: [f32; 3] = call.get(c"translation", translation.cast())?;
+        out.set(Pose::from_rotation_translation(rotation, translation).into());
+        Ok(())
+    })
+}
+
+/// Makes the pose that takes every point back, computed in f64 and rounded once. `inverse` may be `pose` itself.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_pose_inverse(
+    pose: *const pfront_pose_t,
+    inverse: *mut pfront_pose_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, pose) = (call.out(c"inverse", inverse)?, call.get(c"pose", pose)?);
+        let inverse = pose.pose().inverse().ok_or(Fault::of(PFRONT_NO_INVERSE, c"pose"))?;
+        out.set(inverse.into());
+        Ok(())
+    })
+}
+
+/// Makes the product `a_from_c = a_from_b * b_from_c`: the pose on the right comes first. Computed in f64 and rounded
+/// once. `a_from_c` may be one of the others.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_pose_multiply(
+    a_from_b: *const pfront_pose_t,
+    b_from_c: *const pfront_pose_t,
+    a_from_c: *mut pfront_pose_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"a_from_c", a_from_c)?;
+        let (left, right) = (call.get(c"a_from_b", a_from_b)?, call.get(c"b_from_c", b_from_c)?);
+        out.set((left.pose() * right.pose()).into());
+        Ok(())
+    })
+}
