@@ -10,7 +10,7 @@ use pfront::core::Triangle;
 use pfront::core::bvtt::{self, Query, TrianglePair};
 use pfront::core::triangle::intersects;
 use pfront::{Aabb, Accuracy, Model, PairQuery, Pose};
-use pfront_scenes::Scene;
+use pfront_testkit::scenes::Scene;
 use std::hint::black_box;
 use std::sync::LazyLock;
 

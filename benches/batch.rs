@@ -15,7 +15,7 @@ use parry3d::query::intersection_test;
 use parry3d::shape::TriMesh as ParryMesh;
 use pfront::threads::Traversal;
 use pfront::{Batch, Executor, Model, PairQuery, Pose};
-use pfront_scenes::{Scene, TriMesh, torus_knot};
+use pfront_testkit::scenes::{Scene, TriMesh, torus_knot};
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::sync::Arc;

@@ -10,7 +10,7 @@ use pfront::core::bvh::{self, BvhStorage};
 use pfront::core::bvh::{CompactNode, Layout, compact, node_bound};
 use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront::{BuildOptions, Bvh, Mesh, Node, Pose};
-use pfront_scenes::{Scene, TriMesh};
+use pfront_testkit::scenes::{Scene, TriMesh};
 use std::time::{Duration, Instant};
 
 /// Two meshes in some poses, or one by itself.

@@ -7,8 +7,8 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use pfront::{BodyId, Executor, Model, Pose, SceneQuery};
-use pfront_scenes::icosphere;
 use pfront_testkit::rng::{RngExt, seeded};
+use pfront_testkit::scenes::icosphere;
 use std::sync::Arc;
 
 const BODIES: usize = 10_000;

@@ -6,7 +6,7 @@
 use pfront::core::blob::{self, Counts};
 use pfront::core::bvh::BvhError;
 use pfront::{Blob, BlobError, Bvh, Error, Model, Node, SelfQuery};
-use pfront_scenes::{Scene, TriMesh, icosphere, torus_knot};
+use pfront_testkit::scenes::{Scene, TriMesh, icosphere, torus_knot};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 

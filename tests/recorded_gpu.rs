@@ -15,7 +15,7 @@ mod data;
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh, vectors};
 use pfront::gpu::{Budget, Deforming, Gpu, GpuModel, GpuPairQuery, GpuSelfQuery, GpuSettings};
 use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
-use pfront_scenes::Scene;
+use pfront_testkit::scenes::Scene;
 use pfront_testkit::shapes::Soup;
 use std::path::Path;
 use std::sync::OnceLock;

@@ -2,7 +2,7 @@
 
 use pfront::core::bvtt::{self, Query};
 use pfront::{Model, Pose};
-use pfront_scenes::icosphere;
+use pfront_testkit::scenes::icosphere;
 use std::thread;
 
 /// 28 KiB for the walk, the rest for the thread.

@@ -3,8 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::{Body, Model, Pose, SceneHit, SceneQuery};
-use pfront_scenes::icosphere;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
+use pfront_testkit::scenes::icosphere;
 use std::sync::Arc;
 
 const BODIES: usize = 80;

@@ -9,7 +9,7 @@ use pfront::core::bvtt;
 use pfront::core::bvtt::PosedBvh;
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{BuildOptions, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
-use pfront_scenes::Scene;
+use pfront_testkit::scenes::Scene;
 use std::sync::Arc;
 
 fn traversals() -> impl Iterator<Item = Traversal> {

@@ -5,7 +5,7 @@
 use pfront::{
     Adjacency, Batch, Error, Executor, Model, PairQuery, Pose, SelfQuery, Ticket, TrianglePair,
 };
-use pfront_scenes::{Scene, icosphere};
+use pfront_testkit::scenes::{Scene, icosphere};
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 

@@ -2,7 +2,7 @@
 
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{Executor, Model, PairQuery, Pose, SelfQuery, TrianglePair};
-use pfront_scenes::{Kind, Scene};
+use pfront_testkit::scenes::{Kind, Scene};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
 use std::sync::{Arc, LazyLock};

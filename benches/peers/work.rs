@@ -2,7 +2,7 @@
 
 use pfront::core::triangle::intersects;
 use pfront::{Accuracy, Model, PairQuery, Pose, TrianglePair};
-use pfront_scenes::{Kind, Scene, TriMesh, icosphere, torus_knot};
+use pfront_testkit::scenes::{Kind, Scene, TriMesh, icosphere, torus_knot};
 
 /// Two bodies, the first of them first, and a triangle of each. Of one body both are the same, and the
 /// triangles ascend.

@@ -1,34 +1,29 @@
 //! What can be typed.
 
-mod bake;
-mod study;
-
-pub(crate) use bake::{Bake, Build};
-pub(crate) use study::{Bench, BenchGpu, Chart, Judge, Regret, Stability};
-
-use crate::how::How;
-use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
+use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pfront::Pose;
-use pfront_scenes::Scene;
+use pfront::core::bvh::MAX_LEAF_SIZE;
+use pfront_cli::executor::{Backend, ExecutorArgs, parse_threads};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
-  pfront                                          the built-in demonstration
+  pfront                                          a 120-frame demo, with timings
   pfront pairs a.obj b.stl --translate 0.1,0,0    every intersecting triangle pair
   pfront pairs a.obj b.stl --out hits.ply         the same, to look at
   pfront any a.obj b.stl && echo they touch
   pfront self cloth.ply --format csv > folds.csv
   pfront bake gear.obj && pfront self gear.pfb    with the BVH that was built once
-  pfront record epicyclic gears.tcw && pfront replay gears.tcw --pairs gears.tcp
+  pfront bench a.obj b.stl                        how fast this machine is
 
 Exit codes:
   0  done; for any: something meets
-  1  for any: nothing meets; for stability: a row fails
+  1  for any: nothing meets
   2  the command line or a file was refused; standard error says why";
 
-/// Every intersecting triangle pair of two meshes, or within one, exactly
+/// Finds every pair of intersecting triangles between two meshes, or within one, exactly
 #[derive(Debug, Parser)]
 #[command(name = "pfront", version, after_help = EXAMPLES)]
 pub(crate) struct Cli {
@@ -38,68 +33,35 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// List the triangle pairs of two meshes that meet
+    /// List all intersecting triangle pairs of two meshes
     Pairs {
         #[command(flatten)]
         meshes: TwoMeshes,
         #[command(flatten)]
         listing: Listing,
         #[command(flatten)]
-        how: How,
+        executor: ExecutorArgs,
     },
-    /// Say whether two meshes meet, and name one pair of triangles; exit code 1 if they do not
+    /// Test whether two meshes intersect (exit code 0 or 1), and print one pair
     Any {
         #[command(flatten)]
         meshes: TwoMeshes,
         #[command(flatten)]
-        how: How,
+        executor: ExecutorArgs,
     },
-    /// List the triangle pairs within one mesh that meet
+    /// List the self-intersections of a mesh
     #[command(name = "self")]
-    Within(Within),
-    /// Run a recorded workload; prints tab-separated lines
-    ///
-    /// BUILD ms; FRAME number update_ms query_ms pairs (with --mode any: 1 or 0); at the end RSS bytes, the
-    /// most memory the process had. `update` is moving the objects and refitting, `query` is the rest.
-    Replay(Replay),
-    /// Write a built-in scene as a workload
-    Record(Record),
+    SelfCollision(SelfCollision),
     /// Write a mesh with its BVH as one blob, for programs and firmware to borrow
     ///
     /// Wherever a mesh is read, a baked one is too. Prints the bytes of each section.
     Bake(Bake),
-    /// Show how evenly p-partition fronts divide the work, for any number of workers
+    /// Time one thread, all threads and a GPU on two meshes, or on a built-in worm drive
     ///
-    /// Work is counted in box and triangle tests, not timed (but for the share of time that the front takes),
-    /// so that the figures mean the same on every machine and p may be larger than its number of cores.
-    Balance(Balance),
-    /// Count wrong answers to triangle pairs whose truth is known
-    ///
-    /// Without a file, pairs are generated: random, nearly touching, coplanar, degenerate, of every scale, and
-    /// harvested from meshes in contact. Exit code 1 if an answer is wrong that promises not to be.
-    Judge(Judge),
-    /// Chart speed against accuracy, of all that pfront offers and of tests from the literature
-    ///
-    /// Writes pairs.svg, contacts.svg, frames.svg and pareto.csv, for slow slides through contact flips.svg and
-    /// flips.csv, and prints what Exact costs. With the meshes of the folder that PFRONT_DATA names, if it does.
-    Chart(Chart),
-    /// Show that fronts divide work evenly where they could fail, beside the paper's equations as printed
-    ///
-    /// Each row of the matrix plays its scenes with every number of workers; answers are compared with those of
-    /// one core, small ones with an exact oracle too. Prints the figure nearest to its limit, or farthest
-    /// beyond, in counted work; exit code 1 if one of pfront's own is beyond.
-    Stability(Stability),
-    /// Measure what --backend auto costs, against the best of all plans that never change
-    ///
-    /// Cases are generated from a seed, from one triangle to three million and from two bodies to ten thousand;
-    /// everyone plays each of them in turn, and answers are compared. A/A is how far a plan is from itself.
-    Regret(Regret),
-    /// Measure a backend
-    Bench {
-        #[command(subcommand)]
-        what: Bench,
-    },
-    /// List what a GPU query could run on, and which it would
+    /// B makes one turn about the z axis through the middle of its box. A frame is from the pose to all pairs in
+    /// the memory of the host. The answers are compared.
+    Bench(Bench),
+    /// List the adapters that a GPU query could run on, and the default
     Devices {
         /// Print one JSON array
         #[arg(long)]
@@ -154,10 +116,10 @@ fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct Within {
+pub(crate) struct SelfCollision {
     /// The mesh
     pub(crate) mesh: PathBuf,
-    /// First join vertices at exactly the same place; STL needs it, or neighbours count as contacts
+    /// Merge identical vertices first (needed for STL)
     #[arg(long)]
     pub(crate) weld: bool,
     /// Leave out every pair that shares a vertex
@@ -166,76 +128,7 @@ pub(crate) struct Within {
     #[command(flatten)]
     pub(crate) listing: Listing,
     #[command(flatten)]
-    pub(crate) how: How,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Replay {
-    /// The workload (.tcw), or the name of a built-in scene
-    pub(crate) file: String,
-    /// About so many triangles in a built-in scene, instead of its own number
-    #[arg(long, value_name = "TRIANGLES")]
-    pub(crate) size: Option<usize>,
-    /// Find all pairs of a frame, or stop at the first
-    #[arg(long, value_enum, default_value_t = Mode::All)]
-    pub(crate) mode: Mode,
-    /// Write the pairs of every frame here
-    #[arg(long, value_name = "FILE")]
-    pub(crate) pairs: Option<PathBuf>,
-    /// Run only so many frames; a built-in scene may go on beyond its own
-    #[arg(long, value_name = "N")]
-    pub(crate) frames: Option<u32>,
-    #[command(flatten)]
-    pub(crate) how: How,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Record {
-    /// The scene
-    #[arg(value_parser = PossibleValuesParser::new(Scene::NAMES))]
-    pub(crate) scene: String,
-    /// Where to
-    pub(crate) file: PathBuf,
-    /// About so many triangles, instead of the scene's own number
-    #[arg(long, value_name = "TRIANGLES")]
-    pub(crate) size: Option<usize>,
-    /// So many frames, instead of the scene's own number
-    #[arg(long, value_name = "N")]
-    pub(crate) frames: Option<u32>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Balance {
-    /// The name of a built-in scene, or a workload (.tcw)
-    pub(crate) scene: String,
-    /// Numbers of workers
-    #[arg(short, long, value_delimiter = ',', default_values_t = [1, 2, 4, 8, 16, 32, 64])]
-    #[arg(value_parser = RangedU64ValueParser::<usize>::new().range(1..=65_536))]
-    pub(crate) p: Vec<usize>,
-    /// Triangles of a built-in scene, several to compare
-    #[arg(long, value_name = "TRIANGLES", value_delimiter = ',')]
-    pub(crate) size: Vec<usize>,
-    /// Run only so many frames; a built-in scene may go on beyond its own
-    #[arg(long, value_name = "N")]
-    pub(crate) frames: Option<u32>,
-    /// Divide each frame as if it were the first
-    #[arg(long)]
-    pub(crate) no_coherence: bool,
-    /// Beside it Algorithm 1, which knows the true costs: slow
-    #[arg(long)]
-    pub(crate) reference: bool,
-    /// A table of all frames together, or one line for each frame
-    #[arg(long, value_enum, default_value_t = BalanceFormat::Table)]
-    pub(crate) format: BalanceFormat,
-    /// Draw the charts of the paper
-    #[arg(long, value_name = "FILE")]
-    pub(crate) svg: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum BalanceFormat {
-    Table,
-    Csv,
+    pub(crate) executor: ExecutorArgs,
 }
 
 #[derive(Debug, Args)]
@@ -269,8 +162,48 @@ pub(crate) enum Format {
     Csv,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct Bake {
+    /// The mesh
+    pub(crate) mesh: PathBuf,
+    /// Where to [default: beside the mesh, as .pfb]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// How the BVH is built
+    #[arg(long, value_enum, default_value_t = Build::Sah)]
+    pub(crate) build: Build,
+    /// The most triangles a leaf may hold
+    #[arg(long, value_name = "N", default_value_t = MAX_LEAF_SIZE)]
+    #[arg(value_parser = RangedU64ValueParser::<u32>::new().range(1..=MAX_LEAF_SIZE as u64))]
+    pub(crate) leaf_size: u32,
+    /// Merge identical vertices first (needed for STL)
+    #[arg(long)]
+    pub(crate) weld: bool,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Mode {
-    All,
-    Any,
+pub(crate) enum Build {
+    /// With the surface area heuristic: traversed fastest
+    Sah,
+    /// Along a Morton curve, as a device without much memory would
+    Morton,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Bench {
+    /// Two meshes [default: a worm drive]
+    #[arg(num_args = 2, value_names = ["A", "B"])]
+    pub(crate) meshes: Vec<PathBuf>,
+    /// How many frames
+    #[arg(long, value_name = "N", default_value = "120")]
+    pub(crate) frames: NonZero<u32>,
+    /// CPU threads to compare with one [default: all]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    pub(crate) threads: Option<NonZero<usize>>,
+    /// Whether a GPU takes part
+    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    pub(crate) backend: Backend,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
 }

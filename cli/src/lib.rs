@@ -1,10 +1,8 @@
-//! The parts of the `pfront` command: mesh files, recorded workloads, pair files,
-//! recorded contacts.
-//!
-//! They are a library so that tests, benches and fuzz targets can call them.
+//! The parts of the `pfront` command that other programs of this workspace share: mesh files, options that choose an
+//! executor, and where results go.
 
-mod binary;
+#[cfg(feature = "gpu")]
+pub mod executor;
+pub mod memory;
 pub mod mesh;
-pub mod pairs;
-pub mod recorded;
-pub mod workload;
+pub mod output;

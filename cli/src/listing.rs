@@ -1,10 +1,10 @@
 //! Printing triangle pairs, as text or as a picture.
 
 use crate::args::{Format, Listing};
-use crate::output::{Draft, out};
 use anyhow::{Context, Result};
 use pfront::{Contact, Mesh, TrianglePair};
 use pfront_cli::mesh::{PaintedMesh, write_painted};
+use pfront_cli::output::{Draft, out};
 use serde::{Serialize, Serializer};
 use std::io::{BufWriter, Write};
 use std::path::Path;

@@ -1,9 +1,10 @@
-//! How much memory the process has had.
+//! The memory that the process has had.
 
 use memory_stats::memory_stats;
 
 /// The most bytes that were resident, where the system tells (Linux), else those that are.
-pub(crate) fn peak() -> usize {
+#[must_use]
+pub fn peak() -> usize {
     high_water_mark().or_else(|| Some(memory_stats()?.physical_mem)).unwrap_or(0)
 }
 

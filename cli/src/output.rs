@@ -6,9 +6,8 @@ use std::io::{self, BufWriter, ErrorKind, StdoutLock, Write, stdout};
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
-/// Standard output; when whoever reads it has read enough, the rest is dropped and the command still ends
-/// as it should.
-pub(crate) fn out() -> impl Write {
+/// Standard output; when its reader has read enough, the rest is dropped and the command still ends as it should.
+pub fn out() -> impl Write {
     Out { to: Some(stdout().lock()) }
 }
 
@@ -45,11 +44,13 @@ impl Write for Out {
 
 /// A file being written. Until [`Draft::finish`] it has another name, so that whatever goes wrong, no half
 /// of it stands where a whole one is expected, or stood, or is still being read.
-pub(crate) struct Draft {
+#[derive(Debug)]
+pub struct Draft {
     path: PathBuf,
     to: BufWriter<Target>,
 }
 
+#[derive(Debug)]
 enum Target {
     Temporary(NamedTempFile),
     /// A pipe or a device.
@@ -57,7 +58,11 @@ enum Target {
 }
 
 impl Draft {
-    pub(crate) fn new(path: &Path) -> Result<Self> {
+    /// Begins the file that `path` will name.
+    ///
+    /// # Errors
+    /// If nothing can be written there; so for [`Draft::finish`].
+    pub fn new(path: &Path) -> Result<Self> {
         let special = path.metadata().is_ok_and(|found| !found.is_file());
         let target = if special {
             File::options().write(true).open(path).map(Target::Special)
@@ -73,7 +78,10 @@ impl Draft {
     }
 
     /// Gives the file its name.
-    pub(crate) fn finish(self) -> Result<()> {
+    ///
+    /// # Errors
+    /// If the rest cannot be written, or the file cannot be renamed.
+    pub fn finish(self) -> Result<()> {
         let path = self.path;
         let target = self.to.into_inner().map_err(io::IntoInnerError::into_error);
         let named = target.and_then(|target| match target {

@@ -2,20 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-#[path = "command/auto.rs"]
-mod auto;
 #[path = "command/bake.rs"]
 mod bake;
 #[path = "command/gpu.rs"]
 mod gpu;
-#[path = "command/stability.rs"]
-mod stability;
-#[path = "command/study.rs"]
-mod study;
 
-use pfront_cli::{mesh, pairs};
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use pfront_cli::mesh;
+use std::fs;
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
@@ -63,7 +57,7 @@ fn refused(folder: &Path, arguments: &str) -> String {
 fn the_demonstration() {
     let folder = folder();
     let text = out(folder.path(), "");
-    for part in ["64512 in 2 meshes", "808 to 956 meet", "MiB", "ms (median"] {
+    for part in ["64512 triangles, 120 frames", "808 to 956 pairs", "MiB", "one thread"] {
         assert!(text.contains(part), "no '{part}' in:\n{text}");
     }
 }
@@ -170,60 +164,23 @@ fn within_one_mesh() {
 }
 
 #[test]
-fn recordings_replay() {
-    let folder = folder();
-    let at = folder.path();
-    for (scene, size, kind) in
-        [("worm-gear", 8000, 0), ("sheet", 2000, 1), ("epicyclic", 62_000, 2)]
-    {
-        let recorded = out(at, &format!("record {scene} {scene}.tcw --size {size} --frames 3"));
-        assert!(recorded.contains("3 frames"), "{recorded}");
-        let kind_byte = fs::read(at.join(format!("{scene}.tcw"))).unwrap()[8];
-        assert_eq!(kind_byte, kind, "{scene}");
-        let mut answers = Vec::new();
-        for threads in [1, 3] {
-            let options = format!("--threads {threads} --pairs {scene}.tcp");
-            let text = out(at, &format!("replay {scene}.tcw {options}"));
-            let lines: Vec<Vec<&str>> = text.lines().map(|l| l.split('\t').collect()).collect();
-            assert_eq!(lines.len(), 5, "{text}");
-            assert_eq!((lines[0][0], lines[4][0]), ("BUILD", "RSS"));
-            assert!(lines[4][1].parse::<u64>().unwrap() > 1 << 20);
-            let frames = pairs::read(File::open(at.join(format!("{scene}.tcp"))).unwrap()).unwrap();
-            for (i, (line, frame)) in lines[1..4].iter().zip(&frames).enumerate() {
-                let wanted = [i, frame.len()].map(|n| n.to_string());
-                assert_eq!([line[0], line[1], line[4]], ["FRAME", &wanted[0], &wanted[1]]);
-            }
-            answers.push(frames);
-        }
-        assert_eq!(answers[0], answers[1], "{scene}");
-        let any = out(at, &format!("replay {scene}.tcw --mode any --frames 1"));
-        let meets = u8::from(!answers[0][0].is_empty()).to_string();
-        assert_eq!(any.lines().nth(1).unwrap().split('\t').next_back(), Some(&meets[..]), "{any}");
-        assert_eq!(any.lines().count(), 3);
-    }
-}
-
-#[test]
 fn refusals_say_what_and_where() {
     let folder = folder();
     let at = folder.path();
     fs::write(at.join("nan.obj"), "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n").unwrap();
-    fs::write(at.join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
     fs::write(at.join("short.tcw"), b"TRICOLW1\0\0").unwrap();
+    fs::write(at.join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
     for (arguments, parts) in [
         ("pairs a.obj missing.obj", vec!["missing.obj"]),
         ("pairs a.obj nan.obj", vec!["nan.obj", "vertex 2"]),
         ("pairs a.obj bad.obj", vec!["bad.obj", "line 4"]),
         ("pairs a.obj short.tcw", vec!["short.tcw", "obj"]),
-        ("replay short.tcw", vec!["short.tcw", "at byte 8"]),
-        ("replay a.obj", vec!["a.obj", "not a workload"]),
         ("pairs a.obj b.obj --backend gpu --accuracy fast", vec!["exact", "--backend"]),
         ("pairs a.obj b.obj --threads 0", vec!["threads"]),
         ("pairs a.obj b.obj --threads 100000", vec!["--threads", "at most", "at once"]),
-        ("chart --threads 100000 --out x", vec!["--threads", "at most"]),
-        ("regret --threads 100000", vec!["--threads", "at most"]),
+        ("bench --threads 100000", vec!["--threads", "at most"]),
+        ("bench a.obj", vec!["2 values"]),
         ("pairs a.obj b.obj --out no/such/folder.csv", vec!["no/such/folder.csv"]),
-        ("record nothing x.tcw", vec!["worm-gear"]),
         ("nonsense", vec!["nonsense"]),
     ] {
         let error = refused(at, arguments);
@@ -231,9 +188,11 @@ fn refusals_say_what_and_where() {
             assert!(error.contains(part), "no '{part}' in what 'pfront {arguments}' said: {error}");
         }
     }
-    out(at, "record sheet s.tcw --size 800 --frames 1");
-    assert!(refused(at, "replay s.tcw --mode any --pairs x.tcp").contains("--mode all"));
-    assert!(!PathBuf::from(at).join("x.tcp").exists());
+    fs::write(at.join("old.csv"), "as it was").unwrap();
+    refused(at, "pairs a.obj bad.obj --out old.csv");
+    assert_eq!(fs::read(at.join("old.csv")).unwrap(), b"as it was");
+    let left = fs::read_dir(at).unwrap().count();
+    assert_eq!(left, 6, "a.obj, b.obj, nan.obj, bad.obj, short.tcw and old.csv");
 }
 
 /// Runs with nobody reading standard output.
@@ -250,19 +209,16 @@ fn unheard(folder: &Path, arguments: &str) -> Output {
 }
 
 #[test]
-fn a_closed_pipe_changes_neither_exit_code_nor_files() {
+fn a_closed_pipe_does_not_change_the_exit_code() {
     let folder = folder();
     let at = folder.path();
     // Enough lines that the pipe cannot hold them all.
     let mut soup = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
     soup.extend((0..200).map(|_| "f 1 2 3\n"));
     fs::write(at.join("many.obj"), soup).unwrap();
-    out(at, "record sheet s.tcw --size 800 --frames 3");
-    for (arguments, code) in [
-        ("pairs many.obj many.obj", 0),
-        ("any a.obj b.obj --translate 9,9,9", 1),
-        ("replay s.tcw --pairs s.tcp", 0),
-    ] {
+    for (arguments, code) in
+        [("pairs many.obj many.obj", 0), ("any a.obj b.obj --translate 9,9,9", 1)]
+    {
         let Output { status, stderr, .. } = unheard(at, arguments);
         let stderr = String::from_utf8(stderr).unwrap();
         assert!(
@@ -270,34 +226,4 @@ fn a_closed_pipe_changes_neither_exit_code_nor_files() {
             "{arguments}: {status}, {stderr}"
         );
     }
-    assert_eq!(pairs::read(File::open(at.join("s.tcp")).unwrap()).unwrap().len(), 3);
-}
-
-#[test]
-fn files_are_replaced_only_by_whole_ones() {
-    let folder = folder();
-    let at = folder.path();
-    out(at, "record sheet s.tcw --size 800 --frames 3");
-    let whole = fs::read(at.join("s.tcw")).unwrap();
-    // The pairs go where the workload is read from.
-    out(at, "replay s.tcw --pairs s.tcw");
-    assert_eq!(pairs::read(File::open(at.join("s.tcw")).unwrap()).unwrap().len(), 3);
-    fs::write(at.join("s.tcw"), &whole).unwrap();
-    // A frame that cannot be run leaves what stood there.
-    let mut broken = whole.clone();
-    let last = broken.len() - 4;
-    broken[last..].copy_from_slice(&f32::NAN.to_le_bytes());
-    fs::write(at.join("nan.tcw"), broken).unwrap();
-    fs::write(at.join("old.tcp"), "as it was").unwrap();
-    assert!(refused_late(at, "replay nan.tcw --pairs old.tcp").contains("frame 2"));
-    assert_eq!(fs::read(at.join("old.tcp")).unwrap(), b"as it was");
-    let left = fs::read_dir(at).unwrap().count();
-    assert_eq!(left, 5, "a.obj, b.obj, s.tcw, nan.tcw and old.tcp");
-}
-
-/// Standard error of a run that is refused after it has printed something.
-fn refused_late(folder: &Path, arguments: &str) -> String {
-    let Output { status, stderr, .. } = pfront(folder, arguments);
-    assert_eq!(status.code(), Some(2), "pfront {arguments}");
-    String::from_utf8(stderr).unwrap()
 }

@@ -10,13 +10,10 @@
 mod capped;
 
 use capped::{FEW, run};
-use pfront::Pose;
-use pfront_cli::mesh::{MeshData, read};
-use pfront_cli::workload::{Frame, Header, WorkloadWriter};
-use pfront_scenes::Kind;
+use pfront_cli::mesh::read;
 use pfront_testkit::oracle::{self_pairs, share_a_vertex};
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::PathBuf;
 use tempfile::TempDir;
 
 /// The files that are no meshes.
@@ -118,62 +115,4 @@ fn with_each_other() {
         let any = run(folder.path(), &format!("any {both} {FEW}")).unwrap();
         assert!(any.ends_with("meet\n"), "{a} and {b}: {any}");
     }
-}
-
-/// As workloads, through the commands that read those.
-#[test]
-fn as_workloads() {
-    let folder = TempDir::new().unwrap();
-    for name in files().into_iter().filter(|name| !REFUSED.contains(&&**name)) {
-        let path = nasty().join(&name);
-        let mesh = read(&path).unwrap();
-        if mesh.triangles.len() > LARGE {
-            continue;
-        }
-        let csv = run(folder.path(), &format!("self {} --format csv {FEW}", path.display()));
-        let within = pairs(&csv.unwrap()).len();
-        record(folder.path(), Kind::SelfMesh, &mesh);
-        assert_eq!(replay(folder.path()), [within; 2], "{name}");
-        record(folder.path(), Kind::Pair, &mesh);
-        let [same, apart] = replay(folder.path())[..] else { panic!("{name}") };
-        assert!(same >= mesh.triangles.len() && apart == 0, "{name}: {same}, {apart}");
-        let table = run(folder.path(), "balance w.tcw -p 1,7 --format csv").unwrap();
-        assert_eq!(table.lines().count(), 1 + 2 * 2, "{name}: {table}");
-    }
-    // Small ones, for what stands in for a GPU is slow.
-    for name in ["stairs.obj", "degtri_sliding.off"] {
-        let mesh = read(&nasty().join(name)).unwrap();
-        for kind in [Kind::SelfMesh, Kind::Pair] {
-            record(folder.path(), kind, &mesh);
-            let found = replay(folder.path());
-            let bench = format!("bench gpu w.tcw --frames 1 --json {FEW}");
-            let json = run(folder.path(), &bench).unwrap();
-            let said: serde_json::Value = serde_json::from_str(&json).unwrap();
-            assert_eq!(said["workloads"][0]["pairs"]["median"], found[0] as f64, "{json}");
-        }
-    }
-}
-
-/// Two frames: as it is, with itself or its like; and the like far away.
-fn record(folder: &Path, kind: Kind, mesh: &MeshData) {
-    let meshes = vec![mesh.clone()];
-    let objects = if kind == Kind::Pair { vec![0, 0] } else { vec![0] };
-    let header = Header { kind, meshes, objects, frames: 2 };
-    let file = File::create(folder.join("w.tcw")).unwrap();
-    let mut writer = WorkloadWriter::new(file, &header).unwrap();
-    for x in [0.0, 1e9] {
-        let poses = [Pose::IDENTITY, Pose::from_translation([x, 0.0, 0.0])];
-        let frame = match kind {
-            Kind::SelfMesh => Frame::Positions(&mesh.positions),
-            _ => Frame::Poses(&poses),
-        };
-        writer.frame(frame).unwrap();
-    }
-}
-
-/// How many pairs each frame has.
-fn replay(folder: &Path) -> Vec<usize> {
-    let text = run(folder, &format!("replay w.tcw {FEW}")).unwrap();
-    let frames = text.lines().filter(|line| line.starts_with("FRAME"));
-    frames.map(|line| line.rsplit_once('\t').unwrap().1.parse().unwrap()).collect()
 }

@@ -3,7 +3,7 @@
 use pfront_core::bvh::{BuildOptions, BvhStorage, Join, Refit, morton, node_bound, refit, sah};
 use pfront_core::{Mesh, Node};
 use pfront_cpu::join;
-use pfront_scenes::icosphere;
+use pfront_testkit::scenes::icosphere;
 
 #[test]
 fn parts_give_the_tree_of_the_whole() {

@@ -4,8 +4,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pfront_cli::pairs::{self, PairWriter};
-use pfront_cli::workload::{Workload, WorkloadWriter};
+use pfront_lab::pairs::{self, PairWriter};
+use pfront_lab::workload::{Workload, WorkloadWriter};
 use std::io::Cursor;
 
 fuzz_target!(|bytes: &[u8]| {

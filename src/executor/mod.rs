@@ -228,7 +228,7 @@ mod tests {
 
     #[cfg(feature = "gpu")]
     fn ball() -> Model {
-        let ball = pfront_scenes::icosphere(500);
+        let ball = pfront_testkit::scenes::icosphere(500);
         Model::new(ball.positions, ball.triangles).unwrap()
     }
 

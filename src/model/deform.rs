@@ -151,7 +151,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pfront_scenes::icosphere;
+    use pfront_testkit::scenes::icosphere;
 
     #[test]
     fn with_room_made_for_it_no_refit_grows_a_model() {

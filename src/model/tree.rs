@@ -121,7 +121,7 @@ impl Tree {
 mod tests {
     use super::*;
     use crate::model::passes::ONE_THREAD;
-    use pfront_scenes::icosphere;
+    use pfront_testkit::scenes::icosphere;
 
     #[test]
     fn the_quality_is_known_after_few_moves_and_many() {

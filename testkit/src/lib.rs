@@ -1,4 +1,5 @@
-//! What the tests of every crate of pfront share: random numbers, shapes, hard triangle pairs, and the truth about them.
+//! What tests and benches of every crate of pfront share: random numbers, shapes, moving scenes, hard triangle pairs, and
+//! the truth about them.
 //!
 //! Nothing here depends on the library, and meshes are plain arrays: unit tests of `pfront-core` can use them too, and a
 //! fault of the library cannot hide behind its twin.
@@ -6,6 +7,7 @@
 pub mod families;
 pub mod oracle;
 pub mod rng;
+pub mod scenes;
 pub mod shapes;
 
 /// A point in f32, finite.

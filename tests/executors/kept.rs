@@ -7,7 +7,7 @@ use crate::verbs::{Between, Within, check};
 use pfront::executor::{Backend, Reason};
 use pfront::{Accuracy, Adjacency, Body, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 #[cfg(feature = "gpu")]
-use pfront_scenes::icosphere;
+use pfront_testkit::scenes::icosphere;
 use std::mem::take;
 
 /// Asserts who answered a query last: what is kept, or somebody.

@@ -7,7 +7,7 @@ mod kept;
 mod verbs;
 
 use pfront::{Accuracy, BodyId, Error, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
-use pfront_scenes::{Scene, TriMesh, icosphere};
+use pfront_testkit::scenes::{Scene, TriMesh, icosphere};
 use std::sync::{Arc, Barrier, LazyLock};
 use std::thread;
 use verbs::{Between, Verbs, Within, check};

@@ -2,22 +2,20 @@
 
 use super::{explain, model};
 use crate::args::TwoMeshes;
-use crate::how::How;
-use crate::output::out;
 use anyhow::Result;
-use pfront_study::engine::Objects;
+use pfront::PairQuery;
+use pfront_cli::executor::ExecutorArgs;
+use pfront_cli::output::out;
 use std::io::Write;
 
-pub(crate) fn run(meshes: &TwoMeshes, how: &How) -> Result<bool> {
-    let asked = how.asked()?;
+pub(crate) fn run(meshes: &TwoMeshes, executor: &ExecutorArgs) -> Result<bool> {
+    let mut query = PairQuery::new().with_accuracy(executor.accuracy()).on(&executor.open()?);
     let (a, b) = (model(&meshes.a, false)?, model(&meshes.b, false)?);
-    let mut engine = Objects::pair(a, b).engine(asked)?;
-    engine.place(1, meshes.a_from_b())?;
-    let found = engine.any()?;
+    let found = query.any(&a, &b, &meshes.a_from_b())?;
     match found {
         Some(pair) => writeln!(out(), "triangles {} and {} meet", pair.a, pair.b)?,
         None => writeln!(out(), "nothing meets")?,
     }
-    explain(how, &*engine);
+    explain(executor, query.plan());
     Ok(found.is_some())
 }

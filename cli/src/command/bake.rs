@@ -1,13 +1,13 @@
 //! `pfront bake MESH`
 
 use crate::args::{Bake, Build};
-use crate::output::{Draft, out};
 use anyhow::{Context, Result};
 use pfront::core::blob::{self, Counts};
 use pfront::core::bvh::node_bound;
 use pfront::core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
 use pfront_cli::mesh::{self, MeshData};
+use pfront_cli::output::{Draft, out};
 use std::io::Write;
 
 pub(crate) fn run(bake: &Bake) -> Result<bool> {
@@ -38,7 +38,7 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
         ("all", bytes.len()),
     ] {
         let each = bytes as f64 / triangles as f64;
-        writeln!(out, "  {section:<9} {bytes:>11} bytes {each:>7.1} a triangle")?;
+        writeln!(out, "  {section:<9} {bytes:>11} bytes {each:>7.1} per triangle")?;
     }
     Ok(true)
 }

@@ -1,10 +1,10 @@
 //! `pfront devices`: each adapter is opened and tested as a query would.
 
-use crate::adapters;
-use crate::output::out;
 use anyhow::Result;
 use pfront::gpu::wgpu::{Adapter, DeviceDescriptor, DeviceType, Features};
 use pfront::gpu::{Arithmetic, Gpu};
+use pfront_cli::executor::adapters;
+use pfront_cli::output::out;
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -38,7 +38,7 @@ enum Works {
 pub(crate) fn run(json: bool) -> Result<bool> {
     let chosen = Gpu::new()?.device().adapter_info();
     let device = |adapter: &Adapter| Device::of(adapter, adapter.get_info() == chosen);
-    let devices: Vec<Device> = adapters::all().iter().map(device).collect();
+    let devices: Vec<Device> = adapters().iter().map(device).collect();
     let mut out = out();
     if json {
         serde_json::to_writer(&mut out, &devices)?;

@@ -2,23 +2,20 @@
 
 use super::{contacts, explain, model};
 use crate::args::{Listing, TwoMeshes};
-use crate::how::How;
 use crate::listing::Found;
 use anyhow::Result;
-use pfront::core::bvtt;
-use pfront_study::engine::Objects;
+use pfront::PairQuery;
+use pfront::core::bvtt::PairBvtt;
+use pfront_cli::executor::ExecutorArgs;
 
-pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bool> {
-    let asked = how.asked()?;
+pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs) -> Result<bool> {
+    let mut query = PairQuery::new().with_accuracy(executor.accuracy()).on(&executor.open()?);
     let (a, b) = (model(&meshes.a, false)?, model(&meshes.b, false)?);
     let a_from_b = meshes.a_from_b();
-    let mut engine = Objects::pair(a.clone(), b.clone()).engine(asked)?;
-    engine.place(1, a_from_b)?;
-    let pairs = engine.all()?;
+    let pairs = query.all(&a, &b, &a_from_b)?;
     let with_contacts;
     let found = if listing.contacts {
-        let query = bvtt::PairBvtt::new(a.bvh(), b.bvh(), a_from_b)?;
-        with_contacts = contacts(&query, pairs);
+        with_contacts = contacts(&PairBvtt::new(a.bvh(), b.bvh(), a_from_b)?, pairs);
         Found::Contacts(&with_contacts)
     } else {
         Found::Pairs(pairs)
@@ -30,6 +27,6 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, how: &How) -> Result<bo
         }
         None => found.print(listing)?,
     }
-    explain(how, &*engine);
+    explain(executor, query.plan());
     Ok(true)
 }

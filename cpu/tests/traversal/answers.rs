@@ -3,7 +3,7 @@
 use crate::common::{Body, Frames, SCHEDULES, predicted_imbalance, sequential};
 use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt, TrianglePair};
 use pfront_cpu::{Hit, MAX_WORKERS, Schedule, Settings, Traversal};
-use pfront_scenes::{Scene, TriMesh, icosphere};
+use pfront_testkit::scenes::{Scene, TriMesh, icosphere};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 

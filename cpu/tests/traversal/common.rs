@@ -5,7 +5,7 @@ use pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront_core::bvtt::{PairBvtt, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use pfront_cpu::{Report, Schedule};
-use pfront_scenes::{Scene, TriMesh};
+use pfront_testkit::scenes::{Scene, TriMesh};
 use std::ops::ControlFlow;
 
 pub(crate) const SCHEDULES: [Schedule; 3] =

@@ -4,7 +4,7 @@ use crate::common::{Body, SCHEDULES};
 use pfront_core::Pose;
 use pfront_core::bvtt::PairBvtt;
 use pfront_cpu::{Settings, Traversal};
-use pfront_scenes::icosphere;
+use pfront_testkit::scenes::icosphere;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};

@@ -4,7 +4,7 @@ use crate::common::{Body, predicted_imbalance, sequential};
 use pfront_core::Pose;
 use pfront_core::bvtt::{PairBvtt, TrianglePair};
 use pfront_cpu::{Schedule, Settings, Traversal};
-use pfront_scenes::icosphere;
+use pfront_testkit::scenes::icosphere;
 
 #[test]
 fn a_dense_body_beside_outliers_is_divided_evenly() {

@@ -12,8 +12,8 @@ use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{BuildOptions, BvhStorage, sah};
 use pfront_core::bvtt::{PairBvtt, Query};
 use pfront_core::{Aabb, Bvh, Mesh, Node, Pose};
-use pfront_scenes::torus_knot;
 use pfront_testkit::rng::{Rng, seeded};
+use pfront_testkit::scenes::torus_knot;
 use std::sync::OnceLock;
 
 fn gpu() -> &'static Gpu {

@@ -4,7 +4,7 @@ use crate::common::{Both, gpu, sorted, truth};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Mesh, MeshError, Pose, bvtt};
 use pfront_gpu::{Deforming, GpuError, GpuPairQuery, GpuSelfQuery, wgpu};
-use pfront_scenes::{Scene, torus_knot};
+use pfront_testkit::scenes::{Scene, torus_knot};
 use pfront_testkit::shapes::{bumpy, sheet, sphere};
 
 fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: u32) -> Deforming {

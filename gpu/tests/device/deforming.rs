@@ -3,7 +3,7 @@
 use crate::common::{Both, gpu, sorted, truth};
 use pfront_core::{MeshError, Pose, bvtt};
 use pfront_gpu::{Deforming, GpuError, GpuPairQuery, GpuSelfQuery};
-use pfront_scenes::Scene;
+use pfront_testkit::scenes::Scene;
 use pfront_testkit::shapes::{sheet, sphere};
 
 #[test]

@@ -3,9 +3,9 @@
 use crate::common::{Both, gpu, truth};
 use pfront_core::Pose;
 use pfront_gpu::{Arithmetic, Budget, Gpu, GpuError, GpuModel, GpuPairQuery, GpuSettings, wgpu};
-use pfront_scenes::{Kind, Scene};
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
+use pfront_testkit::scenes::{Kind, Scene};
 use pfront_testkit::shapes::{Soup, bumpy, family, pose_rows, posed, sheet, sphere, tangle};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -4,9 +4,9 @@ use crate::common::{Both, gpu};
 use crate::world::{Scene, part};
 use pfront_core::{MeshError, Pose};
 use pfront_gpu::{Arithmetic, Bodies, Budget, Gpu, GpuError, GpuSettings, GpuVerb, World, wgpu};
-use pfront_scenes::{self as scenes, Kind};
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::{ChaCha8Rng, Rng, seeded};
+use pfront_testkit::scenes::{self, Kind};
 use pfront_testkit::shapes::{Soup, family, pose_rows, sheet, sphere};
 
 fn world() -> World {

@@ -4,9 +4,9 @@ use crate::common::{Both, gpu, sorted};
 use pfront_core::bvtt;
 use pfront_core::triangle::Adjacency;
 use pfront_gpu::{Budget, GpuSelfQuery, GpuSettings};
-use pfront_scenes::Scene;
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
+use pfront_testkit::scenes::Scene;
 use pfront_testkit::shapes::{Soup, family, sheet, sphere, tangle, union};
 
 /// Checks every verb under both rules and returns how many pairs meet.

@@ -1,0 +1,188 @@
+//! `pfront bench`, and `pfront` alone: frames of two meshes on every executor that this machine has.
+
+use super::model;
+use crate::args::Bench;
+use anyhow::{Result, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+use pfront::{Executor, Model, PairQuery, Pose, TrianglePair};
+use pfront_cli::executor::{Backend, adapter_name, number, threads};
+use pfront_cli::memory;
+use pfront_cli::output::out;
+use pfront_testkit::scenes::Scene;
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::io::Write;
+use std::num::NonZero;
+use std::time::{Duration, Instant};
+
+/// What was measured.
+#[derive(Serialize)]
+struct Record {
+    name: String,
+    triangles: usize,
+    frames: usize,
+    /// The fewest and the most pairs of a frame.
+    pairs: [usize; 2],
+    build_ms: f64,
+    model_bytes: usize,
+    peak_bytes: usize,
+    executors: Vec<Times>,
+}
+
+/// Milliseconds of a frame on one executor.
+#[derive(Serialize)]
+struct Times {
+    executor: String,
+    first_ms: f64,
+    median_ms: f64,
+    slowest_ms: f64,
+}
+
+/// Two models, and the pose of the second in each frame.
+struct Course {
+    name: String,
+    models: [Model; 2],
+    poses: Vec<Pose>,
+}
+
+pub(crate) fn demo() -> Result<bool> {
+    let frames = NonZero::<u32>::MIN.saturating_add(119);
+    run(&Bench { meshes: Vec::new(), frames, threads: None, backend: Backend::Cpu, json: false })?;
+    writeln!(out(), "Your own meshes: pfront pairs A.obj B.stl --out hits.ply; more with --help")?;
+    Ok(true)
+}
+
+pub(crate) fn run(bench: &Bench) -> Result<bool> {
+    let frames = bench.frames.get() as usize;
+    let clock = Instant::now();
+    let course = match &bench.meshes[..] {
+        [a, b] => Course::turning(a.display(), [model(a, false)?, model(b, false)?], frames),
+        _ => Course::worm_drive(frames)?,
+    };
+    let build = clock.elapsed();
+    let mut executors = vec![("one thread".to_owned(), Executor::sequential())];
+    let all = number(bench.threads);
+    if all > 1 {
+        executors.push((format!("{all} threads"), threads(all)?));
+    }
+    if let Some(gpu) = bench.backend.open()? {
+        let name = adapter_name(&gpu.device().adapter_info());
+        executors.push((name, Executor::gpu(&gpu, gpu.settings())));
+    }
+    let bar = ProgressBar::new((frames * executors.len()) as u64);
+    bar.set_style(ProgressStyle::with_template("{bar:40} frame {pos} of {len}, {eta} left")?);
+    let (mut answers, mut times) = (Vec::new(), Vec::new());
+    for (name, executor) in executors {
+        times.push(course.play(name, &executor, &mut answers, &bar)?);
+    }
+    bar.finish_and_clear();
+    let counts = || answers.iter().map(Vec::len);
+    let record = Record {
+        triangles: course.models.iter().map(|model| model.mesh().triangles().len()).sum(),
+        frames,
+        pairs: [counts().min(), counts().max()].map(Option::unwrap_or_default),
+        build_ms: milliseconds(build),
+        model_bytes: course.models.iter().map(Model::bytes).sum(),
+        peak_bytes: memory::peak(),
+        executors: times,
+        name: course.name,
+    };
+    if bench.json {
+        writeln!(out(), "{}", serde_json::to_string(&record)?)?;
+    } else {
+        record.print()?;
+    }
+    Ok(true)
+}
+
+impl Course {
+    /// The worm drive of the built-in scenes.
+    fn worm_drive(frames: usize) -> Result<Self> {
+        let scene = Scene::by_name("worm-gear", None)?;
+        let mut rows = Vec::new();
+        let pose = |frame| {
+            scene.poses(frame, &mut rows);
+            Pose::new(rows[1])
+        };
+        let poses = (0..frames).map(pose).collect();
+        let [worm, wheel] = [0, 1].map(|object| {
+            let mesh = &scene.meshes[scene.objects[object]];
+            Model::new(mesh.positions.clone(), mesh.triangles.clone())
+        });
+        Ok(Self { name: "worm drive".to_owned(), models: [worm?, wheel?], poses })
+    }
+
+    /// One turn of the second mesh about the z axis through the middle of its box.
+    fn turning(a: impl std::fmt::Display, models: [Model; 2], frames: usize) -> Self {
+        let middle = models[1].bvh().aabb().map_or([0.0; 3], |aabb| {
+            [0, 1, 2].map(|axis| f64::midpoint(aabb.min[axis].into(), aabb.max[axis].into()))
+        });
+        let pose = |frame| {
+            let (sin, cos) = (TAU * frame as f64 / frames as f64).sin_cos();
+            let [x, y, _] = middle;
+            let rows = [
+                [cos, -sin, 0.0, x - cos * x + sin * y],
+                [sin, cos, 0.0, y - sin * x - cos * y],
+                [0.0, 0.0, 1.0, 0.0],
+            ];
+            Pose::new(rows.map(|row| row.map(|number| number as f32)))
+        };
+        Self { name: a.to_string(), models, poses: (0..frames).map(pose).collect() }
+    }
+
+    /// Times every frame. Answers must be those of the executor before, if there was one.
+    fn play(
+        &self,
+        name: String,
+        executor: &Executor,
+        answers: &mut Vec<Vec<TrianglePair>>,
+        bar: &ProgressBar,
+    ) -> Result<Times> {
+        let mut query = PairQuery::new().on(executor);
+        let ([a, b], mut times) = (&self.models, Vec::new());
+        for (frame, pose) in self.poses.iter().enumerate() {
+            let clock = Instant::now();
+            let pairs = query.all(a, b, pose)?;
+            times.push(clock.elapsed());
+            match answers.get(frame) {
+                Some(answer) => ensure!(
+                    answer == pairs,
+                    "{name} answers frame {frame} differently: please report this"
+                ),
+                None => answers.push(pairs.to_vec()),
+            }
+            bar.inc(1);
+        }
+        let first = times[0];
+        times.sort_unstable();
+        let [median, slowest] = [times[times.len() / 2], times[times.len() - 1]];
+        let [first_ms, median_ms, slowest_ms] = [first, median, slowest].map(milliseconds);
+        Ok(Times { executor: name, first_ms, median_ms, slowest_ms })
+    }
+}
+
+impl Record {
+    fn print(&self) -> Result<()> {
+        let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
+        let Self { name, triangles, frames, pairs: [fewest, most], build_ms, .. } = self;
+        let mut out = out();
+        writeln!(
+            out,
+            "{name}: {triangles} triangles, {frames} frames of {fewest} to {most} pairs"
+        )?;
+        writeln!(out, "  {:<32} {:>9} {:>9} {:>9}", "ms per frame", "median", "slowest", "first")?;
+        for Times { executor, first_ms, median_ms, slowest_ms } in &self.executors {
+            writeln!(out, "  {executor:<32} {median_ms:>9.3} {slowest_ms:>9.3} {first_ms:>9.3}")?;
+        }
+        let [models, peak] = [self.model_bytes, self.peak_bytes].map(mib);
+        writeln!(
+            out,
+            "  built in {build_ms:.1} ms; models {models:.1} MiB, at most {peak:.1} MiB"
+        )?;
+        Ok(())
+    }
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    1e3 * time.as_secs_f64()
+}

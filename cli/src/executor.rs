@@ -1,0 +1,156 @@
+//! The executor that answers, and how exactly: the options that all queries share.
+
+use anyhow::{Context, Result, ensure};
+use clap::{Args, ValueEnum};
+use pfront::gpu::Gpu;
+use pfront::gpu::wgpu::{Adapter, AdapterInfo, Backends, DeviceType, Instance, InstanceDescriptor};
+use pfront::threads::Traversal;
+use pfront::{Accuracy, Executor};
+use rayon::ThreadPoolBuilder;
+use std::num::NonZero;
+use std::sync::Arc;
+use std::thread::available_parallelism;
+
+/// Options that choose an executor and an accuracy.
+#[derive(Debug, Args)]
+pub struct ExecutorArgs {
+    /// Accuracy guarantee
+    #[arg(long, value_enum, default_value_t = Guarantee::Exact)]
+    accuracy: Guarantee,
+    /// CPU threads [default: all]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    threads: Option<NonZero<usize>>,
+    /// What to run on
+    #[arg(long, value_enum, default_value_t = Backend::Cpu)]
+    backend: Backend,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Guarantee {
+    /// The true set
+    Exact,
+    /// No pair is missed; some may not meet
+    Conservative,
+    /// Plain f32: none
+    Fast,
+}
+
+/// What may answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// The threads of this machine
+    Cpu,
+    /// The best adapter, even if it computes on the CPU; see pfront devices
+    Gpu,
+    /// The threads, and a GPU if there is one
+    Auto,
+}
+
+impl ExecutorArgs {
+    /// Returns the executor.
+    ///
+    /// # Errors
+    /// If there is no adapter, none that could do it, or no pool of as many threads.
+    pub fn open(&self) -> Result<Executor> {
+        if self.backend == Backend::Gpu {
+            ensure!(
+                self.accuracy == Guarantee::Exact,
+                "every answer of a GPU is exact: leave out --accuracy, or --backend"
+            );
+            let gpu = Gpu::new()?;
+            return Ok(Executor::gpu(&gpu, gpu.settings()));
+        }
+        let cpu = threads(number(self.threads))?;
+        match self.backend.open()? {
+            Some(gpu) => Ok(cpu.and_gpu(&gpu, gpu.settings())?),
+            None => Ok(cpu),
+        }
+    }
+
+    /// Returns the accuracy.
+    #[must_use]
+    pub fn accuracy(&self) -> Accuracy {
+        match self.accuracy {
+            Guarantee::Exact => Accuracy::Exact,
+            Guarantee::Conservative => Accuracy::Conservative,
+            Guarantee::Fast => Accuracy::Fast,
+        }
+    }
+
+    /// Whether there is a choice of backend, which is then worth telling.
+    #[must_use]
+    pub fn is_auto(&self) -> bool {
+        self.backend == Backend::Auto
+    }
+}
+
+impl Backend {
+    /// Opens the GPU, if there is to be one. Standard error names a GPU of `Auto` that cannot be used.
+    ///
+    /// # Errors
+    /// If a GPU was asked for, and there is none, or none that could do it.
+    pub fn open(self) -> Result<Option<Gpu>> {
+        let is_a_gpu = |adapter: &Adapter| adapter.get_info().device_type != DeviceType::Cpu;
+        match self {
+            Self::Gpu => Ok(Some(Gpu::new()?)),
+            Self::Auto if adapters().iter().any(is_a_gpu) => {
+                Ok(Gpu::new().inspect_err(|error| eprintln!("without a GPU: {error}")).ok())
+            }
+            Self::Cpu | Self::Auto => Ok(None),
+        }
+    }
+}
+
+/// The adapters that WGPU_BACKEND admits, or else all.
+#[must_use]
+pub fn adapters() -> Vec<Adapter> {
+    let instance = Instance::new(InstanceDescriptor::new_without_display_handle_from_env());
+    pollster::block_on(instance.enumerate_adapters(Backends::all()))
+}
+
+/// The name of an adapter, which tells two drivers of the same device apart.
+#[must_use]
+pub fn adapter_name(info: &AdapterInfo) -> String {
+    format!("{} ({:?})", info.name, info.backend)
+}
+
+/// The most threads for each of the machine's own. A pool of more spends its time on waking threads that wait for
+/// each other, and one of very many never gets to work.
+const MOST_PER_THREAD: usize = 8;
+/// The bound on machines with few threads of their own, so that many threads can be tried there.
+const FEWEST: usize = 64;
+
+/// Reads a number of threads, which must be within what the machine can use.
+///
+/// # Errors
+/// If it is no number, 0, or beyond the bound.
+pub fn parse_threads(text: &str) -> Result<NonZero<usize>> {
+    let threads: NonZero<usize> = text.parse()?;
+    let own = available_parallelism().map_or(1, NonZero::get);
+    let most = FEWEST.max(MOST_PER_THREAD * own);
+    ensure!(
+        threads.get() <= most,
+        "at most {most} on this machine, which runs {own} threads at once: more would only wait for each other"
+    );
+    Ok(threads)
+}
+
+/// The number of threads asked for, or else all of this machine.
+#[must_use]
+pub fn number(asked: Option<NonZero<usize>>) -> usize {
+    let all = || available_parallelism().unwrap_or(NonZero::<usize>::MIN);
+    asked.unwrap_or_else(all).get()
+}
+
+/// Returns an executor of so many threads, with a pool of its own.
+///
+/// # Errors
+/// If there is no pool of them.
+pub fn threads(threads: usize) -> Result<Executor> {
+    if threads == 1 {
+        return Ok(Executor::sequential());
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.with_context(|| format!("no pool of {threads} threads"))?;
+    Ok(Executor::from(Traversal::with_pool(Arc::new(pool))))
+}

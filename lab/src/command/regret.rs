@@ -1,0 +1,66 @@
+//! `pfront regret`: what the choices of an executor cost, against the best of all fixed plans.
+
+use crate::args::Regret;
+use anyhow::Result;
+use indicatif::{ProgressBar, ProgressStyle};
+use pfront_cli::executor as how;
+use pfront_cli::executor::adapter_name;
+use pfront_cli::output::{Draft, out};
+use pfront_lab::regret::{Effort, Field, Heading, Scale, Summary, race, recipes, write_csv};
+use std::io::Write;
+use std::num::NonZero;
+use std::time::Duration;
+
+/// Cases, rounds of each at least, and how long to go on with more.
+const FULL: (usize, Effort) = (48, Effort { rounds: 5, time: Duration::from_millis(300) });
+const QUICK: (usize, Effort) = (8, Effort { rounds: 1, time: Duration::ZERO });
+
+pub(crate) fn run(asked: &Regret) -> Result<bool> {
+    let (scale, (cases, effort)) =
+        if asked.quick { (Scale::QUICK, QUICK) } else { (Scale::FULL, FULL) };
+    let cases = asked.cases.map_or(cases, NonZero::get);
+    let effort = Effort { rounds: asked.rounds.map_or(effort.rounds, NonZero::get), ..effort };
+    // Before the work, not after it.
+    let mut csv = asked.csv.as_deref().map(Draft::new).transpose()?;
+    let gpu = asked.backend.open()?;
+    let mut out = out();
+    let threads = how::number(asked.threads);
+    writeln!(out, "seed {}, {threads} threads", asked.seed)?;
+    let mut field = Field::new(threads)?;
+    if let Some(gpu) = &gpu {
+        writeln!(out, "GPU: {}", adapter_name(&gpu.device().adapter_info()))?;
+        field = field.with_gpu(gpu)?;
+    }
+    field.warm_up()?;
+    let bar = progress(cases as u64);
+    let mut rows = Vec::new();
+    for recipe in recipes(asked.seed, cases) {
+        bar.set_message(recipe.name());
+        let row = race(&recipe.build(&scale)?, &field, &effort)?;
+        bar.suspend(|| {
+            if rows.is_empty() {
+                writeln!(out, "{}", Heading(&row))?;
+            }
+            writeln!(out, "{row}")?;
+            out.flush()
+        })?;
+        rows.push(row);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    writeln!(out, "\n{}", Summary::of(&rows))?;
+    if let Some(mut file) = csv.take() {
+        write_csv(&mut file, &rows)?;
+        file.finish()?;
+    }
+    Ok(true)
+}
+
+/// Progress over cases, on a terminal's standard error.
+fn progress(cases: u64) -> ProgressBar {
+    let bar = ProgressBar::new(cases);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len}, {msg}, {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}

@@ -1,0 +1,26 @@
+//! What pfront is worth, measured: speed against accuracy, stability where methods fail, and the regret of plans.
+//!
+//! - [`workload`], [`pairs`]: recorded motion, and the answers to it, as files.
+//! - [`recorded`]: recorded meshes in contact.
+//! - [`suite`]: triangle pairs with their truth, generated from a seed or harvested from real contacts, as a
+//!   file that any implementation can be judged by.
+//! - [`chart`]: speed against accuracy of all that pfront offers and of the textbook.
+//! - [`judge`]: how many answers of whom are wrong.
+//! - [`textbook`]: the triangle tests of the literature, as printed, to compare with.
+//! - [`motion`]: slow slides through contact, where an answer must not flicker; scenes of known answer.
+//! - [`engine`]: who answers, whatever is asked about.
+//! - [`regret`]: what a plan costs that was chosen, against the best of all fixed ones.
+//! - [`stability`]: scenes in which a p-partition front could fail, and the paper's equations as printed.
+
+mod binary;
+pub mod chart;
+pub mod engine;
+pub mod judge;
+pub mod motion;
+pub mod pairs;
+pub mod recorded;
+pub mod regret;
+pub mod stability;
+pub mod suite;
+pub mod textbook;
+pub mod workload;

@@ -1,0 +1,213 @@
+//! Recorded meshes in contact, for the suite of [`crate`]. They may not be redistributed, so they
+//! are read from a folder: the one that `PFRONT_DATA` names (see `test.sh`).
+
+use crate::suite::{Body, Contacts, NoContact, Site, Suite};
+use pfront::{Model, Pose};
+use pfront_cli::mesh::{self, ReadError};
+use serde::Deserialize;
+use std::collections::HashMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// The sets, and with what the names of the recorded cases in each begin.
+const CASES: [(&str, &[&str]); 4] = [
+    ("bunnies", &["bunny_"]),
+    ("buddhas", &["buddha_"]),
+    ("dragons", &["dragon"]),
+    ("recorded gears", &["gear", "worm_drive"]),
+];
+
+/// Frames of a garment in motion, of which one position takes 12 bytes.
+const KICK: (&str, &str, [usize; 4]) = (
+    "cloth/kick/kick_frame000.ply",
+    "cloth/kick/kick_positions_121x12811x3.f32le",
+    [30, 60, 90, 120],
+);
+
+/// Pairs of broken, coplanar and coincident meshes. Not the generic twins: 48 million of their boxes overlap.
+const NASTY_PAIRS: [(&str, &str); 8] = [
+    ("ballA.off", "ballB.off"),
+    ("self_intersectA.obj", "self_intersectB.obj"),
+    ("Offset3.obj", "Offset4.obj"),
+    ("Havocglass8_left.obj", "Havocglass8_right.obj"),
+    ("center_cylinder.obj", "offset_cylinder.obj"),
+    ("elephant.off", "elephant-with-holes.off"),
+    ("patch-20.off", "patch-21.off"),
+    ("stairs.obj", "wallhole.obj"),
+];
+
+/// Meshes that meet themselves.
+const NASTY_SELVES: [&str; 9] = [
+    "cylinder_locally_refined.off",
+    "degtri_sliding.off",
+    "elephant-with-holes.off",
+    "issue289_1.obj",
+    "patch-20.off",
+    "same_mesh_far_from_origin.obj",
+    "soup.stl",
+    "stairs.obj",
+    "wallhole.obj",
+];
+
+/// Why recorded data cannot be used.
+#[derive(Debug, Error)]
+pub enum RecordedError {
+    /// A mesh cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// Another file cannot be read.
+    #[error("cannot read {}: PFRONT_DATA must name the folder of recorded data", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The list of cases is not what it should be.
+    #[error("{}", path.display())]
+    Cases {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: serde_json::Error,
+    },
+    /// A mesh is none.
+    #[error("{}", path.display())]
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: pfront::Error,
+    },
+    /// The positions of a frame are missing.
+    #[error("{} ends before frame {frame}", path.display())]
+    Frame {
+        /// The file.
+        path: PathBuf,
+        /// The frame, from 0.
+        frame: usize,
+    },
+    /// A set has nothing in contact.
+    #[error(transparent)]
+    NoContact(#[from] NoContact),
+}
+
+/// A recorded case: two meshes, and the pose of the second.
+#[derive(Deserialize)]
+struct Case {
+    name: String,
+    a: String,
+    b: String,
+    rotation_row_major: [f64; 9],
+    translation: [f64; 3],
+}
+
+/// The suite of generated pairs, of scenes of about `size` triangles or as many as is usual, and what the folder
+/// that `PFRONT_DATA` names has recorded. Without it, standard error says what is missing.
+///
+/// # Errors
+/// As [`contacts`].
+pub fn suite(seed: u64, size: Option<usize>) -> Result<Suite, RecordedError> {
+    let suite = Suite::generated(seed, size)?;
+    let Some(folder) = std::env::var_os("PFRONT_DATA") else {
+        eprintln!(
+            "PFRONT_DATA is not set: no pairs of bunnies, Buddhas, dragons, recorded gears, cloth, nasty"
+        );
+        return Ok(suite);
+    };
+    Ok(contacts(Path::new(&folder))?.into_iter().fold(suite, Suite::with))
+}
+
+/// Bunnies, Buddhas, dragons, gears, cloth and the nasty set, from a folder of recorded data.
+///
+/// # Errors
+/// [`RecordedError`] names the file at fault.
+pub fn contacts(folder: &Path) -> Result<Vec<Contacts>, RecordedError> {
+    let mut library = Library { folder, bodies: HashMap::new() };
+    let path = folder.join("oracle/cases.json");
+    let text = read(&path)?;
+    let cases: Vec<Case> =
+        serde_json::from_slice(&text).map_err(|source| RecordedError::Cases { path, source })?;
+    let mut sets = Vec::new();
+    for (set, beginnings) in CASES {
+        let belongs = |case: &&Case| beginnings.iter().any(|b| case.name.starts_with(b));
+        let sites = cases.iter().filter(belongs).map(|case| library.case(case));
+        sets.push(Contacts::new(set, sites.collect::<Result<_, _>>()?)?);
+    }
+    sets.push(Contacts::new("cloth", library.cloth()?)?);
+    sets.push(Contacts::new("nasty", library.nasty()?)?);
+    Ok(sets)
+}
+
+/// Bodies by their files.
+struct Library<'p> {
+    folder: &'p Path,
+    bodies: HashMap<String, Body>,
+}
+
+impl Library<'_> {
+    fn body(&mut self, file: &str) -> Result<Body, RecordedError> {
+        if let Some(body) = self.bodies.get(file) {
+            return Ok(body.clone());
+        }
+        let path = self.folder.join(file);
+        let mesh = mesh::read(&path)?;
+        // The triangles of an STL file share no vertex by index.
+        let mesh = if file.ends_with(".stl") { mesh.welded() } else { mesh };
+        let body = Model::new(mesh.positions, mesh.triangles).map(Arc::new);
+        let body = body.map_err(|source| RecordedError::Mesh { path, source })?;
+        self.bodies.insert(file.to_owned(), body.clone());
+        Ok(body)
+    }
+
+    fn pair(&mut self, a: &str, b: &str, a_from_b: Pose) -> Result<Site, RecordedError> {
+        Ok(Site::Pair { a: self.body(a)?, b: self.body(b)?, a_from_b })
+    }
+
+    fn case(&mut self, case: &Case) -> Result<Site, RecordedError> {
+        let row = |i: usize| {
+            let [x, y, z] = [0, 1, 2].map(|k| case.rotation_row_major[3 * i + k] as f32);
+            [x, y, z, case.translation[i] as f32]
+        };
+        self.pair(&case.a, &case.b, Pose::new([0, 1, 2].map(row)))
+    }
+
+    fn cloth(&mut self) -> Result<Vec<Site>, RecordedError> {
+        let mut sites = Vec::new();
+        for file in ["cloth/cloth_ball/cloth_ball92.ply", "cloth/cloth_ball/cloth_ball93.ply"] {
+            sites.push(Site::Within(self.body(file)?));
+        }
+        let (first, positions, frames) = KICK;
+        let garment = self.body(first)?;
+        let path = self.folder.join(positions);
+        let bytes = read(&path)?;
+        let size = 12 * garment.mesh().positions().len();
+        for frame in frames {
+            let short = || RecordedError::Frame { path: path.clone(), frame };
+            let bytes = bytes.get(frame * size..(frame + 1) * size).ok_or_else(short)?;
+            let positions: Vec<[f32; 3]> = bytemuck::pod_collect_to_vec(bytes);
+            let mut moved = Model::clone(&garment);
+            let done = moved.set_positions(&positions);
+            done.map_err(|source| RecordedError::Mesh { path: path.clone(), source })?;
+            sites.push(Site::Within(Arc::new(moved)));
+        }
+        Ok(sites)
+    }
+
+    fn nasty(&mut self) -> Result<Vec<Site>, RecordedError> {
+        let mut sites = Vec::new();
+        for (a, b) in NASTY_PAIRS {
+            sites.push(self.pair(&format!("nasty/{a}"), &format!("nasty/{b}"), Pose::IDENTITY)?);
+        }
+        for file in NASTY_SELVES {
+            sites.push(Site::Within(self.body(&format!("nasty/{file}"))?));
+        }
+        Ok(sites)
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, RecordedError> {
+    std::fs::read(path).map_err(|source| RecordedError::Io { path: path.to_owned(), source })
+}

@@ -1,0 +1,233 @@
+//! An oracle in the place of Algorithm 1: the front that true costs would give.
+//!
+//! It cannot be had before the traversal is over, so it answers nothing; it tells how far the front of a frame
+//! is from the best, and how much of an imbalance no front can help. Algorithm 1 splits nodes in depth-first order and
+//! checks after each; here the dearest is split first, and the partition is checked whenever the front has grown by a
+//! sixteenth.
+
+use pfront::core::bvtt::{Cursor, NodePair, Query};
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+use std::ops::ControlFlow;
+
+/// A p-partition front by true costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reference {
+    /// How many nodes it has.
+    pub nodes: usize,
+    /// Busiest worker over mean, of the greedy partition of it.
+    pub imbalance: f64,
+    /// The least imbalance of any partition of a front of that cost: the dearest leaf pair of the BVTT over
+    /// the mean, or 1.
+    pub lower_bound: f64,
+}
+
+impl Reference {
+    /// The smallest front met on the way down, always splitting the dearest node, whose greedy partition
+    /// over `workers` has an imbalance of at most 1 + `tolerance`; or the best, if leaf pairs prevent it.
+    ///
+    /// # Complexity
+    /// Walks the BVTT once for each level of the front, and partitions the front each time that it has
+    /// grown by a sixteenth.
+    #[must_use]
+    pub fn of<Q: Query>(query: &Q, workers: usize, tolerance: f64) -> Self {
+        let Some(mut cut) = Cut::root(query) else {
+            return Self { nodes: 0, imbalance: 1.0, lower_bound: 1.0 };
+        };
+        let (best, cost) = cut.refine(workers, tolerance);
+        let mean = cost / workers.max(1) as f64;
+        Self { lower_bound: f64::max(1.0, cut.dearest_leaf(mean) / mean), ..best }
+    }
+}
+
+/// A front, and how to make it finer.
+struct Cut<'q, Q> {
+    query: &'q Q,
+    /// Nodes that may have children.
+    inner: BinaryHeap<Costed>,
+    /// Leaf pairs, dearest first: no node costs more than one above it, so that they are met in this
+    /// order.
+    leaves: Vec<Costed>,
+}
+
+impl<'q, Q: Query> Cut<'q, Q> {
+    /// Nothing but the root.
+    fn root(query: &'q Q) -> Option<Self> {
+        let mut cut = Self { query, inner: BinaryHeap::new(), leaves: Vec::new() };
+        let root = query.root()?;
+        cut.inner.push(cut.costed(root));
+        Some(cut)
+    }
+
+    /// Algorithm 1. Returns the best of the fronts that it has partitioned, which is the last where that
+    /// meets the tolerance, and its cost. Where a walk takes two levels in a step, what is tested below a
+    /// node depends a little on where above it the walk began; so fronts differ in cost.
+    fn refine(&mut self, workers: usize, tolerance: f64) -> (Reference, f64) {
+        let (mut best, mut cost) = (self.partition(workers), self.cost());
+        while best.imbalance > 1.0 + tolerance && !self.inner.is_empty() {
+            let next = self.len() + 1 + self.len() / 16;
+            while self.len() < next && self.split_dearest() {}
+            let found = self.partition(workers);
+            if found.imbalance < best.imbalance {
+                (best, cost) = (found, self.cost());
+            }
+        }
+        (best, cost)
+    }
+
+    /// What the dearest leaf pair costs, or 0 if that is less than `least`.
+    fn dearest_leaf(&mut self, least: f64) -> f64 {
+        let dearer = |node: Option<&Costed>| node.is_some_and(|node| node.cost >= least);
+        while self.leaves.is_empty() && dearer(self.inner.peek()) {
+            self.split_dearest();
+        }
+        self.leaves.first().map_or(0.0, |leaf| leaf.cost)
+    }
+
+    /// Replaces the dearest node by its children, or finds that it has none. Returns whether there was
+    /// one.
+    fn split_dearest(&mut self) -> bool {
+        let Some(dearest) = self.inner.pop() else { return false };
+        let mut children = Vec::with_capacity(4);
+        if self.query.children(dearest.pair, &mut |child, _| children.push(child)) == 0 {
+            self.leaves.push(dearest);
+        }
+        for child in children {
+            self.inner.push(self.costed(child));
+        }
+        true
+    }
+
+    /// The greedy partition: each node in descending order of cost to the worker with the least so far.
+    fn partition(&self, workers: usize) -> Reference {
+        let mut costs: Vec<f64> = self.nodes().map(|node| node.cost).collect();
+        costs.sort_unstable_by(|x, y| y.total_cmp(x));
+        // The bits of positive numbers sort as they do.
+        let mut loads: BinaryHeap<_> = vec![Reverse(0_u64); workers.max(1)].into();
+        for cost in &costs {
+            if let Some(mut least) = loads.peek_mut() {
+                least.0 = (f64::from_bits(least.0) + cost).to_bits();
+            }
+        }
+        let most = loads.iter().map(|load| load.0).max();
+        let makespan = most.map_or(0.0, f64::from_bits);
+        let total: f64 = costs.iter().sum();
+        let imbalance = if total > 0.0 { makespan * loads.len() as f64 / total } else { 1.0 };
+        Reference { nodes: costs.len(), imbalance, lower_bound: 1.0 }
+    }
+
+    /// A node and its true cost.
+    fn costed(&self, pair: NodePair) -> Costed {
+        let mut cursor = Cursor::at(pair);
+        // Never broken off.
+        let _ = self.query.visit(&mut cursor, |_| ControlFlow::Continue(()));
+        Costed { cost: 1.0 + cursor.work.cost(), pair }
+    }
+
+    fn nodes(&self) -> impl Iterator<Item = &Costed> {
+        self.leaves.iter().chain(&self.inner)
+    }
+
+    fn len(&self) -> usize {
+        self.leaves.len() + self.inner.len()
+    }
+
+    fn cost(&self) -> f64 {
+        self.nodes().map(|node| node.cost).sum()
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Costed {
+    cost: f64,
+    pair: NodePair,
+}
+
+impl PartialEq for Costed {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Costed {}
+
+impl PartialOrd for Costed {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Costed {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let key = |c: &Self| (c.pair.a, c.pair.b);
+        self.cost.total_cmp(&other.cost).then_with(|| key(self).cmp(&key(other)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
+    use pfront::{Model, Pose, TrianglePair};
+    use pfront_testkit::scenes::icosphere;
+
+    #[test]
+    fn what_is_found_is_a_cut() {
+        let ball = icosphere(1_300);
+        let ball = Model::new(ball.positions, ball.triangles).unwrap();
+        let bvh = ball.bvh();
+        let here = Pose::from_translation([0.3, 0.2, 0.1]);
+        let query = PairBvtt::new(bvh, bvh, here).unwrap();
+        let whole = pairs(&query, query.root());
+        assert!(!whole.is_empty());
+        for workers in [1, 2, 7, 64, 1024] {
+            for tolerance in [0.0, 0.02, 0.5] {
+                let mut cut = Cut::root(&query).unwrap();
+                let all = cut.cost();
+                let (best, cost) = cut.refine(workers, tolerance);
+                assert_eq!(pairs(&query, cut.nodes().map(|node| node.pair)), whole);
+                // Splitting takes box tests out of the walk, but may set it going from odd levels.
+                assert!(cost <= 1.3 * all && cost >= 0.5 * all, "{cost} of {all}");
+                if best.imbalance <= 1.0 + tolerance {
+                    assert_eq!(best.nodes, cut.len());
+                }
+                let dearest = cut.dearest_leaf(0.0);
+                assert!(dearest * workers as f64 / cost <= best.imbalance * 1.000_001, "{best:?}");
+                while cut.split_dearest() {}
+                assert!(cut.leaves.iter().all(|leaf| leaf.cost <= dearest));
+            }
+        }
+    }
+
+    /// It is never worse than its tolerance unless a leaf pair makes it so, and never better than the lower bound.
+    #[test]
+    fn the_reference_is_between_its_bounds() {
+        let ball = icosphere(20_000);
+        let ball = Model::new(ball.positions, ball.triangles).unwrap();
+        let here = Pose::from_translation([0.3, 0.2, 0.1]);
+        let query = PairBvtt::new(ball.bvh(), ball.bvh(), here).unwrap();
+        for workers in [1, 2, 7, 64, 1024] {
+            let reference = Reference::of(&query, workers, 0.02);
+            assert!(reference.imbalance >= reference.lower_bound * 0.999, "{reference:?}");
+            assert!(reference.imbalance <= 1.02 || workers > 7, "{reference:?}");
+            // Nothing is split once a leaf pair, which cannot be, is the dearest.
+            let at_bound = reference.imbalance <= reference.lower_bound * 1.001;
+            assert!(reference.nodes >= workers || at_bound, "{reference:?}");
+        }
+        let empty = Model::new(Vec::new(), Vec::new()).unwrap();
+        let nothing = Reference::of(&SelfBvtt::new(empty.bvh()), 8, 0.02);
+        assert_eq!(nothing, Reference { nodes: 0, imbalance: 1.0, lower_bound: 1.0 });
+    }
+
+    fn pairs(query: &impl Query, below: impl IntoIterator<Item = NodePair>) -> Vec<TrianglePair> {
+        let mut found = Vec::new();
+        for node in below {
+            let _ = query.visit(&mut Cursor::at(node), |pair| {
+                found.push(pair);
+                ControlFlow::Continue(())
+            });
+        }
+        found.sort_unstable();
+        found
+    }
+}

@@ -1,0 +1,126 @@
+//! A scene of the matrix: what moves, how, and what is asked of each frame.
+
+use super::StabilityError;
+use super::limit::Bound;
+use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
+use pfront::{Model, Pose, TrianglePair};
+use pfront_testkit::scenes::TriMesh;
+
+/// One frame to come.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// What happens in it.
+    pub what: &'static str,
+    /// How far it may be out of balance.
+    pub bound: Bound,
+    /// Where the second mesh stands; of no account where there is one.
+    pub a_from_b: Pose,
+}
+
+/// One or two meshes over some frames.
+#[derive(Debug)]
+pub struct Scene {
+    /// The name, without spaces.
+    pub name: &'static str,
+    actors: Actors,
+    steps: Vec<Step>,
+}
+
+#[derive(Debug)]
+enum Actors {
+    Two(Box<[Model; 2]>),
+    /// A sheet against itself, from some frame of its own on.
+    Sheet(Box<Model>, pfront_testkit::scenes::Scene, usize),
+}
+
+/// What is known of a frame beside its query.
+pub struct Shown<'f> {
+    /// Its number.
+    pub index: usize,
+    /// What happens in it.
+    pub step: &'f Step,
+    /// Finds the true pairs by brute force, sorted, in exact arithmetic.
+    pub oracle: &'f dyn Fn() -> Vec<TrianglePair>,
+}
+
+/// Whoever looks at the frames of a scene.
+pub trait Watch {
+    /// A frame, and the query to ask.
+    fn frame<Q: Query + Sync>(&mut self, shown: &Shown<'_>, query: &Q);
+}
+
+impl Scene {
+    /// Two meshes.
+    pub(super) fn two(
+        name: &'static str,
+        a: &TriMesh,
+        b: &TriMesh,
+        steps: impl IntoIterator<Item = Step>,
+    ) -> Result<Self, StabilityError> {
+        let [a, b] = [a, b].map(|mesh| Model::new(mesh.positions.clone(), mesh.triangles.clone()));
+        let actors = Actors::Two(Box::new([a?, b?]));
+        Ok(Self { name, actors, steps: steps.into_iter().collect() })
+    }
+
+    /// The folded sheet of [`pfront_testkit::scenes`] in about so many triangles, from frame `first` on.
+    pub(super) fn sheet(
+        name: &'static str,
+        triangles: usize,
+        first: usize,
+        steps: impl IntoIterator<Item = Step>,
+    ) -> Result<Self, StabilityError> {
+        let sheet = pfront_testkit::scenes::Scene::by_name("sheet", Some(triangles))?;
+        let TriMesh { positions, triangles } = sheet.meshes[0].clone();
+        let model = Model::new(positions, triangles)?;
+        let actors = Actors::Sheet(Box::new(model), sheet, first);
+        Ok(Self { name, actors, steps: steps.into_iter().collect() })
+    }
+
+    /// Its frames.
+    #[must_use]
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// Shows every frame.
+    ///
+    /// # Errors
+    /// If a pose or a shape is refused, which those of the matrix are not.
+    pub fn play(&mut self, watch: &mut impl Watch) -> Result<(), StabilityError> {
+        for (index, step) in self.steps.iter().enumerate() {
+            match &mut self.actors {
+                Actors::Two(models) => {
+                    let [a, b] = &**models;
+                    let query = PairBvtt::new(a.bvh(), b.bvh(), step.a_from_b)
+                        .map_err(pfront::Error::from)?;
+                    let oracle = || pairs(a, b, &step.a_from_b);
+                    watch.frame(&Shown { index, step, oracle: &oracle }, &query);
+                }
+                Actors::Sheet(model, sheet, first) => {
+                    let mut positions = Vec::new();
+                    sheet.positions(*first + index, &mut positions);
+                    model.set_positions(&positions)?;
+                    let query = SelfBvtt::new(model.bvh());
+                    let oracle = || self_pairs(model);
+                    watch.frame(&Shown { index, step, oracle: &oracle }, &query);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn pairs(a: &Model, b: &Model, a_from_b: &Pose) -> Vec<TrianglePair> {
+    let (a, b) = (a.mesh(), b.mesh());
+    let posed: Vec<_> = b.positions().iter().map(|&p| a_from_b.apply(p)).collect();
+    sorted(pfront_testkit::oracle::pairs(a.positions(), a.triangles(), &posed, b.triangles()))
+}
+
+fn self_pairs(model: &Model) -> Vec<TrianglePair> {
+    let mesh = model.mesh();
+    sorted(pfront_testkit::oracle::self_pairs(mesh.positions(), mesh.triangles()))
+}
+
+fn sorted(pairs: Vec<(u32, u32)>) -> Vec<TrianglePair> {
+    pairs.into_iter().map(|(a, b)| TrianglePair { a, b }).collect()
+}

@@ -1,0 +1,172 @@
+//! One named suite of triangle pairs with their truth.
+//!
+//! A set is made of one [`Family`] of hard pairs, or harvested from real [`Contacts`]: pairs of posed
+//! meshes whose boxes overlap, which is what a query tests. Truth is by `pfront_testkit::oracle`, in big integers,
+//! which shares no code with the predicates.
+//!
+//! A set is an endless stream of blocks of [`BLOCK`] pairs. A block follows from the seed, the name of the
+//! set, its number and its length alone, so blocks come in parallel, on demand, and the same on every
+//! machine; a suite of 10^8 pairs takes no memory.
+
+mod answers;
+mod contacts;
+pub mod file;
+mod scenes;
+
+pub use answers::Answers;
+pub use contacts::{Body, Candidate, Contacts, NoContact, Site};
+pub use file::{FileError, Reader, Writer};
+
+use pfront::core::Triangle;
+use pfront_testkit::oracle::intersect;
+use pfront_testkit::rng::seeded;
+use pfront_testkit::{checksum, families::Family};
+use rayon::prelude::*;
+
+/// Pairs of a block; the last one of a set may have fewer.
+pub const BLOCK: usize = 4096;
+
+/// A triangle pair and its truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    /// One triangle.
+    pub a: Triangle,
+    /// The other.
+    pub b: Triangle,
+    /// Whether they share a point, as closed sets.
+    pub meets: bool,
+}
+
+/// Some pairs of one set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Which set.
+    pub set: usize,
+    /// The pairs.
+    pub cases: Vec<Case>,
+}
+
+/// One set of a suite.
+#[derive(Clone, Debug)]
+pub struct Set {
+    name: String,
+    source: Source,
+}
+
+#[derive(Clone, Debug)]
+enum Source {
+    Family(Family),
+    Contacts(Contacts),
+}
+
+impl Set {
+    /// The name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Where the pairs were harvested, if they are from real contact.
+    #[must_use]
+    pub fn contacts(&self) -> Option<&Contacts> {
+        match &self.source {
+            Source::Family(_) => None,
+            Source::Contacts(contacts) => Some(contacts),
+        }
+    }
+}
+
+/// The sets, and the seed of all that is random in them.
+///
+/// # Examples
+/// ```
+/// use pfront_lab::suite::Suite;
+/// let suite = Suite::of_families(7);
+/// let wave = suite.waves(290).next().unwrap();
+/// assert_eq!((suite.sets().len(), wave[0].cases.len()), (29, 10));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Suite {
+    seed: u64,
+    sets: Vec<Set>,
+}
+
+impl Suite {
+    /// A set for each [`Family`].
+    #[must_use]
+    pub fn of_families(seed: u64) -> Self {
+        let set = |family: Family| Set { name: family.name(), source: Source::Family(family) };
+        Self { seed, sets: Family::ALL.map(set).into() }
+    }
+
+    /// [`Suite::of_families`], and the contacts of the generated scenes: worm drive, epicyclic gears, torus
+    /// knots and folded sheet, in about `size` triangles each or as many as is usual.
+    ///
+    /// # Errors
+    /// [`NoContact`] if a scene is too coarse for its bodies to come near each other.
+    pub fn generated(seed: u64, size: Option<usize>) -> Result<Self, NoContact> {
+        Ok(scenes::all(size)?.into_iter().fold(Self::of_families(seed), Self::with))
+    }
+
+    /// The same with one more set, from real contact.
+    #[must_use]
+    pub fn with(mut self, contacts: Contacts) -> Self {
+        let name = contacts.name().to_owned();
+        self.sets.push(Set { name, source: Source::Contacts(contacts) });
+        self
+    }
+
+    /// The seed.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The sets, in their order.
+    #[must_use]
+    pub fn sets(&self) -> &[Set] {
+        &self.sets
+    }
+
+    /// How many of `pairs` each set gets: equally many, the first ones one more if they must.
+    #[must_use]
+    pub fn shares(&self, pairs: u64) -> Vec<u64> {
+        let sets = self.sets.len() as u64;
+        (0..sets).map(|set| pairs / sets + u64::from(set < pairs % sets)).collect()
+    }
+
+    /// All blocks of a suite of so many pairs, in order, a wave at a time: as many as keep the rayon pool of
+    /// the caller busy, which makes them.
+    pub fn waves(&self, pairs: u64) -> impl Iterator<Item = Vec<Block>> {
+        let mut plan = self.shares(pairs).into_iter().enumerate().flat_map(|(set, share)| {
+            let blocks = share.div_ceil(BLOCK as u64);
+            let length =
+                move |block: u64| (share - block * BLOCK as u64).min(BLOCK as u64) as usize;
+            (0..blocks).map(move |block| (set, block, length(block)))
+        });
+        let most = 8 * rayon::current_num_threads();
+        std::iter::from_fn(move || {
+            let wave: Vec<_> = plan.by_ref().take(most).collect();
+            let block = |(set, block, length)| Block { set, cases: self.block(set, block, length) };
+            (!wave.is_empty()).then(|| wave.into_par_iter().map(block).collect())
+        })
+    }
+
+    /// A block of `length` pairs, [`BLOCK`] at most.
+    ///
+    /// # Panics
+    /// If there is no such set.
+    #[must_use]
+    pub fn block(&self, set: usize, block: u64, length: usize) -> Vec<Case> {
+        let Set { name, source } = &self.sets[set];
+        let mut rng = seeded(self.seed ^ checksum(name.bytes()));
+        rng.set_stream(block);
+        let pairs: Vec<_> = match source {
+            Source::Family(family) => {
+                (0..length.min(BLOCK)).map(|_| family.pair(&mut rng)).collect()
+            }
+            Source::Contacts(contacts) => contacts.harvest(block, length.min(BLOCK), &mut rng),
+        };
+        pairs.into_iter().map(|(a, b)| Case { a, b, meets: intersect(&a, &b) }).collect()
+    }
+}

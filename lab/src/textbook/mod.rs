@@ -1,0 +1,29 @@
+//! Triangle tests of the literature, to compare with: written from the papers, as one would, in the
+//! arithmetic their readers use. None is ours, none shares code with ours.
+//!
+//! - Möller, *A Fast Triangle-Triangle Intersection Test* (JGT 2(2), 1997), with the ε of its section on
+//!   robustness and without: `moller`;
+//! - Guigue & Devillers, *Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates*
+//!   (JGT 8(1), 2003), in f32 and in f64: `orientation`;
+//! - the theorem of separating axes (Gottschalk, Lin & Manocha, *OBBTree*, 1996, for triangles): `axes`;
+//! - what parry3d itself does for two triangles, GJK (feature `parry`).
+
+mod axes;
+mod moller;
+mod orientation;
+pub(crate) mod parry;
+
+use crate::judge::Test;
+
+/// All of them.
+#[must_use]
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test { name: "Möller 1997, ε = 1e-6", meets: |a, b| moller::meet(a, b, 1e-6) },
+        Test { name: "Möller 1997, ε = 0", meets: |a, b| moller::meet(a, b, 0.0) },
+        Test { name: "Guigue-Devillers, f32", meets: orientation::meet::<f32> },
+        Test { name: "Guigue-Devillers, f64", meets: orientation::meet::<f64> },
+        Test { name: "17 separating axes, f32", meets: axes::meet },
+        Test { name: "parry3d's own (GJK), f32", meets: parry::meet },
+    ]
+}

@@ -1,0 +1,64 @@
+//! The command as a script sees it: standard output, standard error, exit codes.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod judge;
+mod regret;
+mod replay;
+mod stability;
+
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pfront-lab"));
+    command.current_dir(folder).args(arguments.split_whitespace());
+    // Else drivers complain on standard error, on a machine where nobody is logged in.
+    command.env("XDG_RUNTIME_DIR", folder);
+    command
+}
+
+/// Standard output of a run that must end well and say nothing else.
+fn out(folder: &Path, arguments: &str) -> String {
+    let Output { status, stdout, stderr } = command(folder, arguments).output().unwrap();
+    let stderr = String::from_utf8(stderr).unwrap();
+    assert!(status.success() && stderr.is_empty(), "pfront-lab {arguments}: {status}, {stderr}");
+    String::from_utf8(stdout).unwrap()
+}
+
+/// Standard error of a run that must be refused.
+fn refused(folder: &Path, arguments: &str) -> String {
+    let Output { status, stderr, .. } = command(folder, arguments).output().unwrap();
+    assert_eq!(status.code(), Some(2), "pfront-lab {arguments}");
+    String::from_utf8(stderr).unwrap()
+}
+
+#[test]
+fn refusals_say_what_and_where() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::write(at.join("short.tcw"), b"TRICOLW1\0\0").unwrap();
+    std::fs::write(at.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    for (arguments, part) in [
+        ("replay short.tcw", "short.tcw: at byte 8"),
+        ("balance short.tcw", "short.tcw: at byte 8"),
+        ("passes short.tcw", "short.tcw: at byte 8"),
+        ("replay a.obj", "not a workload"),
+        ("replay nothing", "built-in scenes: worm-gear"),
+        ("replay a.obj --size 9", "--size is for built-in scenes"),
+        ("record nothing x.tcw", "worm-gear"),
+        ("chart --out a.obj", "cannot make the folder a.obj"),
+        ("chart --threads 100000 --out x", "at most"),
+        ("regret --threads 100000", "at most"),
+        ("regret --cases 0", "invalid value"),
+        ("stability --row nothing", "few-nodes"),
+    ] {
+        let error = refused(at, arguments);
+        assert!(error.contains(part), "no '{part}' in what 'pfront-lab {arguments}' said: {error}");
+    }
+}

@@ -1,0 +1,153 @@
+//! `pfront-lab record`, `replay`, `balance` and `passes`.
+
+use super::{command, folder, out, refused};
+use pfront_lab::pairs;
+use std::fs::{self, File};
+use std::process::Stdio;
+
+/// The lines of a run, each split at tabs.
+fn lines(text: &str) -> Vec<Vec<&str>> {
+    text.lines().map(|line| line.split('\t').collect()).collect()
+}
+
+#[test]
+fn recordings_replay_alike_on_threads_and_on_a_gpu() {
+    let folder = folder();
+    let at = folder.path();
+    for (scene, size, kind) in
+        [("worm-gear", 8000, 0), ("sheet", 2000, 1), ("epicyclic", 62_000, 2)]
+    {
+        let recorded = out(at, &format!("record {scene} w.tcw --size {size} --frames 3"));
+        assert!(recorded.contains("3 frames"), "{recorded}");
+        assert_eq!(fs::read(at.join("w.tcw")).unwrap()[8], kind, "{scene}");
+        let mut answers = Vec::new();
+        for on in ["--threads 1", "--threads 3", "--backend gpu", "--warm 2"] {
+            let text = out(at, &format!("replay w.tcw {on} --pairs w.tcp"));
+            let lines = lines(&text);
+            assert_eq!(lines.len(), 5, "{text}");
+            assert_eq!((lines[0][0], lines[4][0]), ("BUILD", "RSS"));
+            assert!(lines[4][1].parse::<u64>().unwrap() > 1 << 20);
+            assert_eq!(lines[4][2], "bytes");
+            let frames = pairs::read(File::open(at.join("w.tcp")).unwrap()).unwrap();
+            for (i, (line, frame)) in lines[1..4].iter().zip(&frames).enumerate() {
+                let wanted = [i, frame.len()].map(|n| n.to_string());
+                assert_eq!([line[0], line[1], line[4]], ["FRAME", &wanted[0], &wanted[1]]);
+                // Milliseconds down to the nanosecond, by the clock on the wall and by that of the process.
+                for time in [line[2], line[3], line[5], line[6]] {
+                    assert_eq!(time.split_once('.').unwrap().1.len(), 6, "{text}");
+                }
+            }
+            answers.push(frames);
+        }
+        assert!(answers.iter().all(|answer| *answer == answers[0]), "{scene}");
+        let any = out(at, "replay w.tcw --mode any --frames 1");
+        let meets = u8::from(!answers[0][0].is_empty()).to_string();
+        assert_eq!((lines(&any)[1][4], any.lines().count()), (&meets[..], 3), "{any}");
+    }
+}
+
+#[test]
+fn neighbours_are_skipped() {
+    let folder = folder();
+    let at = folder.path();
+    // Two triangles that share a vertex and meet elsewhere too.
+    let words = [1_u32, 1, 1, 1, 5, 2].map(u32::to_le_bytes).concat();
+    let positions =
+        [[0.0_f32; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [2.0, 1.0, 1.0], [1.0, 2.0, -1.0]];
+    let positions = positions.as_flattened().iter().flat_map(|x| x.to_le_bytes());
+    let positions: Vec<u8> = positions.collect();
+    let rest = [0_u32, 1, 2, 0, 3, 4, 0].map(u32::to_le_bytes).concat();
+    let file = [&b"TRICOLW1"[..], &words, &positions, &rest, &positions].concat();
+    fs::write(at.join("w.tcw"), file).unwrap();
+    let count =
+        |options: &str| lines(&out(at, &format!("replay w.tcw {options}")))[1][4].to_owned();
+    assert_eq!([count(""), count("--skip-neighbours")], ["1", "0"]);
+}
+
+#[test]
+fn auto_says_who_answered() {
+    let folder = folder();
+    let at = folder.path();
+    let ended = command(at, "replay epicyclic --frames 3 --backend auto").output().unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert!(ended.status.success() && said.starts_with("3 frames: "), "{said}");
+}
+
+#[test]
+fn files_are_replaced_only_by_whole_ones() {
+    let folder = folder();
+    let at = folder.path();
+    out(at, "record sheet s.tcw --size 800 --frames 3");
+    let whole = fs::read(at.join("s.tcw")).unwrap();
+    // The pairs go where the workload is read from.
+    out(at, "replay s.tcw --pairs s.tcw");
+    assert_eq!(pairs::read(File::open(at.join("s.tcw")).unwrap()).unwrap().len(), 3);
+    fs::write(at.join("s.tcw"), &whole).unwrap();
+    // A frame that cannot be run leaves what stood there.
+    let mut broken = whole.clone();
+    let last = broken.len() - 4;
+    broken[last..].copy_from_slice(&f32::NAN.to_le_bytes());
+    fs::write(at.join("nan.tcw"), broken).unwrap();
+    fs::write(at.join("old.tcp"), "as it was").unwrap();
+    assert!(refused(at, "replay nan.tcw --pairs old.tcp").contains("frame 2"));
+    assert_eq!(fs::read(at.join("old.tcp")).unwrap(), b"as it was");
+    assert!(refused(at, "replay s.tcw --mode any --pairs x.tcp").contains("--mode all"));
+    let left = fs::read_dir(at).unwrap().count();
+    assert_eq!(left, 3, "s.tcw, nan.tcw and old.tcp");
+}
+
+#[test]
+fn a_closed_pipe_changes_neither_exit_code_nor_files() {
+    let folder = folder();
+    let at = folder.path();
+    out(at, "record sheet s.tcw --size 800 --frames 3");
+    let mut run = command(at, "replay s.tcw --pairs s.tcp");
+    let mut child = run.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let ended = child.wait_with_output().unwrap();
+    assert!(ended.status.success() && ended.stderr.is_empty(), "{ended:?}");
+    assert_eq!(pairs::read(File::open(at.join("s.tcp")).unwrap()).unwrap().len(), 3);
+}
+
+#[test]
+fn broken_workloads_are_refused() {
+    let folder = folder();
+    let at = folder.path();
+    out(at, "record sheet whole.tcw --size 800 --frames 2");
+    let whole = fs::read(at.join("whole.tcw")).unwrap();
+    let cuts = [0, 7, 8, 20, 24, 31, 40, whole.len() / 2, whole.len() - 1];
+    let mut broken: Vec<_> = cuts.map(|cut| whole[..cut].to_vec()).into();
+    // A coordinate of the mesh, and one of the last frame.
+    for place in [32, whole.len() - 4] {
+        let mut bytes = whole.clone();
+        bytes[place..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
+        broken.push(bytes);
+    }
+    for bytes in &broken {
+        fs::write(at.join("broken.tcw"), bytes).unwrap();
+        for arguments in ["replay broken.tcw", "balance broken.tcw -p 2"] {
+            assert!(!refused(at, arguments).is_empty());
+        }
+    }
+}
+
+#[test]
+fn fronts_are_balanced_and_passes_are_timed() {
+    let folder = folder();
+    let at = folder.path();
+    let table = out(at, "balance sheet --size 2000 --frames 3 -p 1,7 --reference --svg b.svg");
+    assert_eq!(table.lines().count(), 2 + 2, "{table}");
+    assert_eq!(
+        out(at, "balance sheet --size 2000 --frames 3 -p 1,7 --format csv").lines().count(),
+        7
+    );
+    let svg = fs::read_to_string(at.join("b.svg")).unwrap();
+    assert!(svg.contains("p = 7") && svg.contains("better: lower left"), "{svg}");
+
+    let table = out(at, "passes sheet worm-gear --size 2000 --frames 2 --chart c.svg");
+    for part in ["sheet: ", "worm-gear: ", "levels a pass", "all passes"] {
+        assert!(table.contains(part), "no '{part}' in:\n{table}");
+    }
+    assert!(fs::read_to_string(at.join("c.svg")).unwrap().contains("worm-gear"));
+    assert!(refused(at, "passes sheet --budget 100").contains("minimum"));
+}

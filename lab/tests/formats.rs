@@ -1,0 +1,184 @@
+//! Workload and pair files: what is written is read again, and no file that lies is believed.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use pfront::{Pose, TrianglePair};
+use pfront_cli::mesh::MeshData;
+use pfront_lab::pairs::{self, PairWriter};
+use pfront_lab::workload::{FormatError, Frame, Header, Workload, WorkloadWriter};
+use pfront_testkit::rng::{Rng, RngExt, seeded};
+use pfront_testkit::scenes::Kind;
+use std::io::Cursor;
+
+fn mesh(vertices: u32) -> MeshData {
+    MeshData {
+        positions: (0..vertices).map(|v| [v as f32, -0.0, 1e-40]).collect(),
+        triangles: (2..vertices).map(|v| [0, v - 1, v]).collect(),
+    }
+}
+
+fn poses(frame: u32, objects: usize) -> Vec<Pose> {
+    let moved = |i: usize| Pose::from_translation([i as f32, frame as f32, 0.5]);
+    (0..objects).map(|i| if i == 0 { Pose::IDENTITY } else { moved(i) }).collect()
+}
+
+fn header(kind: Kind) -> Header {
+    let (meshes, objects) = match kind {
+        Kind::Pair => (vec![mesh(4), mesh(3)], vec![0, 1]),
+        Kind::SelfMesh => (vec![mesh(5)], vec![0]),
+        Kind::Many => (vec![mesh(3)], vec![0, 0, 0]),
+    };
+    Header { kind, meshes, objects, frames: 3 }
+}
+
+fn positions(frame: u32) -> Vec<[f32; 3]> {
+    vec![[frame as f32, 1.0, -2.0]; 5]
+}
+
+fn written(kind: Kind) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let header = header(kind);
+    let mut to = WorkloadWriter::new(&mut bytes, &header).unwrap();
+    for frame in 0..header.frames {
+        match kind {
+            Kind::SelfMesh => to.frame(Frame::Positions(&positions(frame))).unwrap(),
+            _ => to.frame(Frame::Poses(&poses(frame, header.objects.len()))).unwrap(),
+        }
+    }
+    bytes
+}
+
+/// Reads everything; how many frames there were.
+fn read(bytes: &[u8]) -> Result<u32, FormatError> {
+    let mut workload = Workload::open(Cursor::new(bytes))?;
+    let mut frames = 0;
+    while workload.next_frame()?.is_some() {
+        frames += 1;
+    }
+    assert_eq!(frames, workload.header().frames);
+    Ok(frames)
+}
+
+#[test]
+fn workloads_come_back() {
+    for kind in [Kind::Pair, Kind::SelfMesh, Kind::Many] {
+        let wanted = header(kind);
+        let mut workload = Workload::open(Cursor::new(written(kind))).unwrap();
+        let found = workload.take_header();
+        assert_eq!((found.kind, found.frames), (kind, 3));
+        assert_eq!(found.objects, wanted.objects);
+        for (found, wanted) in found.meshes.iter().zip(&wanted.meshes) {
+            let bits = |mesh: &MeshData| -> Vec<_> {
+                mesh.positions.iter().flatten().map(|x| x.to_bits()).collect()
+            };
+            assert_eq!(bits(found), bits(wanted));
+            assert_eq!(found.triangles, wanted.triangles);
+        }
+        for frame in 0..3 {
+            let found = workload.next_frame().unwrap().unwrap();
+            match kind {
+                Kind::SelfMesh => assert_eq!(found, Frame::Positions(&positions(frame))),
+                _ => assert_eq!(found, Frame::Poses(&poses(frame, wanted.objects.len()))),
+            }
+        }
+        assert_eq!(workload.next_frame().unwrap(), None);
+    }
+}
+
+/// The layout by hand, once: it is a format of others too.
+#[test]
+fn bytes_are_as_specified() {
+    let words = [0_u32, 1, 2, 1, 3, 1];
+    let mut bytes = b"TRICOLW1".to_vec();
+    bytes.extend(words.iter().flat_map(|w| w.to_le_bytes()));
+    bytes.extend(
+        [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()),
+    );
+    bytes.extend([0_u32, 1, 2, 0, 0].iter().flat_map(|w| w.to_le_bytes()));
+    for translation in [0.0_f32, 7.0] {
+        let rows = [1.0, 0.0, 0.0, translation, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        bytes.extend(rows.iter().flat_map(|x| x.to_le_bytes()));
+    }
+    let mut workload = Workload::open(Cursor::new(bytes)).unwrap();
+    assert_eq!(workload.header().meshes[0].triangles, [[0, 1, 2]]);
+    let poses = [Pose::IDENTITY, Pose::from_translation([7.0, 0.0, 0.0])];
+    assert_eq!(workload.next_frame().unwrap(), Some(Frame::Poses(&poses)));
+}
+
+#[test]
+fn every_truncation_is_noticed_with_its_offset() {
+    for kind in [Kind::Pair, Kind::SelfMesh, Kind::Many] {
+        let bytes = written(kind);
+        for length in 0..bytes.len() {
+            let error = read(&bytes[..length]).unwrap_err();
+            let FormatError::Truncated { offset, length: seen, .. } = error else {
+                unreachable!("{kind:?} cut to {length}: {error}");
+            };
+            assert!(offset <= seen && seen == length as u64, "{error}");
+        }
+        let longer = [&bytes[..], &[0]].concat();
+        assert!(matches!(read(&longer), Err(FormatError::Invalid { .. })));
+    }
+}
+
+#[test]
+fn lies_are_refused_where_they_are() {
+    let with = |kind, at: usize, word: u32| {
+        let mut bytes = written(kind);
+        bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
+        read(&bytes).unwrap_err().to_string()
+    };
+    assert!(with(Kind::Pair, 0, 0).starts_with("at byte 0: this is not a workload"));
+    assert!(with(Kind::Pair, 8, 3).starts_with("at byte 8: kind 3"));
+    assert!(with(Kind::SelfMesh, 12, 2).starts_with("at byte 12: a self workload of 2 meshes"));
+    assert!(with(Kind::Pair, 16, 3).starts_with("at byte 16: a Pair workload of 3 objects"));
+    // Billions of meshes, frames, vertices: no such memory is asked for.
+    assert!(with(Kind::Many, 12, u32::MAX).contains("too few for the meshes"));
+    assert!(with(Kind::Many, 20, u32::MAX).contains("too few for the frames"));
+    assert!(with(Kind::Many, 24, u32::MAX).contains("too few for the positions of a mesh"));
+    // The object table of `Many` follows one mesh of 3 vertices and 1 triangle.
+    let table = 24 + 8 + 36 + 12;
+    assert!(with(Kind::Many, table + 4, 1).contains(&format!("at byte {}: object 1", table + 4)));
+    let nothing = [&b"TRICOLW1"[..], bytemuck::bytes_of(&[2_u32, 0, 0, u32::MAX])].concat();
+    assert!(read(&nothing).unwrap_err().to_string().ends_with("4294967295 frames of nothing"));
+    // The first object of a pair stays.
+    let poses = written(Kind::Pair).len() - 3 * 2 * 48;
+    let error = with(Kind::Pair, poses + 2 * 48 + 12, 1.0_f32.to_bits());
+    assert!(error.starts_with(&format!("at byte {}: object 0", poses + 2 * 48)), "{error}");
+}
+
+#[test]
+fn changed_bytes_never_panic() {
+    let mut random = seeded(7);
+    for kind in [Kind::Pair, Kind::SelfMesh, Kind::Many] {
+        let bytes = written(kind);
+        for _ in 0..20_000 {
+            let mut changed = bytes.clone();
+            for _ in 0..random.random_range(1..4) {
+                let at = random.random_range(0..changed.len().min(160));
+                changed[at] = random.next_u32() as u8;
+            }
+            let _ = read(&changed);
+            let _ = pairs::read(Cursor::new(changed));
+        }
+    }
+}
+
+#[test]
+fn pair_files_come_back() {
+    let pair = |a, b| TrianglePair { a, b };
+    let frames = [vec![pair(0, 1), pair(0, 2), pair(3, 1)], vec![], vec![pair(7, 9)]];
+    let mut bytes = Vec::new();
+    let mut to = PairWriter::new(&mut bytes, 3).unwrap();
+    frames.iter().for_each(|pairs| to.frame(pairs).unwrap());
+    assert_eq!(bytes.len(), 16 + 3 * 8 + 4 * 8);
+    assert_eq!(pairs::read(Cursor::new(&bytes)).unwrap(), frames);
+    for length in 0..bytes.len() {
+        let error = pairs::read(Cursor::new(&bytes[..length])).unwrap_err();
+        assert!(matches!(error, FormatError::Truncated { .. }), "cut to {length}: {error}");
+    }
+    // Exchanges the first triangles of the second and the third pair.
+    bytes.swap(32, 40);
+    let error = pairs::read(Cursor::new(&bytes)).unwrap_err().to_string();
+    assert_eq!(error, "at byte 40: the pairs are not sorted");
+}

@@ -1,0 +1,61 @@
+//! The matrix of where fronts could fail: each row must pass, and the method as printed must fail where it is
+//! known to, or the comparison says nothing.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use pfront_lab::stability::Method::{Finer, Ours, Overlap, Printed};
+use pfront_lab::stability::{Finding, Length, Method, ROWS, Row};
+
+const WORKERS: [usize; 5] = [1, 2, 7, 64, 1024];
+
+fn holds(name: &str, failing: &[Method]) {
+    let row = Row::by_name(name).unwrap();
+    let mut scenes = row.scenes(Length::Quick).unwrap();
+    let frames: usize = scenes.iter().map(|scene| scene.steps().len()).sum();
+    let mut seen = 0;
+    let outcome = row.run(&mut scenes, &WORKERS, &mut || seen += 1).unwrap();
+    assert_eq!(seen, frames);
+    let ours = || outcome.findings.iter().filter(|found| found.method == Ours);
+    assert!(WORKERS.iter().all(|&p| ours().any(|found| found.workers == p)));
+    let beyond: Vec<&Finding> = ours().filter(|found| !found.holds()).collect();
+    assert!(beyond.is_empty(), "{beyond:#?}");
+    // However badly it is balanced, an answer is an answer.
+    for series in &outcome.series {
+        let wrong = series.frames.iter().position(|frame| !frame.right);
+        assert_eq!(wrong, None, "{}, {:?}, p = {}", series.scene, series.method, series.workers);
+    }
+    for &method in failing {
+        assert!(!outcome.holds(method), "{} passes {name}", method.name());
+    }
+}
+
+macro_rules! rows {
+    ($($test:ident: $name:literal, [$($failing:expr),*];)*) => {
+        $(#[test]
+        fn $test() {
+            holds($name, &[$($failing),*]);
+        })*
+
+        #[test]
+        fn no_row_is_left_out() {
+            assert_eq!(ROWS.map(|row| row.name), [$($name),*]);
+        }
+    };
+}
+
+rows! {
+    coherent: "coherent", [Printed, Finer, Overlap];
+    flat: "flat", [Printed, Finer, Overlap];
+    teleport: "teleport", [Printed, Finer, Overlap];
+    onset_and_loss: "onset-and-loss", [Printed, Finer, Overlap];
+    skewed: "skewed", [];
+    one_against_many: "one-against-many", [Printed];
+    few_nodes: "few-nodes", [Overlap];
+    identical: "identical", [Printed, Finer, Overlap];
+    contained: "contained", [Printed, Finer];
+    still: "still", [Printed, Finer, Overlap];
+    swaying: "swaying", [Printed, Finer, Overlap];
+    grain_and_alpha: "grain-and-alpha", [];
+    capacity: "capacity", [];
+    twin: "twin", [];
+}

@@ -1,0 +1,152 @@
+//! What a scene is, and the list of those that have a name.
+
+use std::fmt;
+
+use glam::DAffine3;
+use thiserror::Error;
+
+use super::mesh::TriMesh;
+use super::pose::{Pose, round};
+use super::{epicyclic, knot, passing, sheet, worm};
+
+/// Frames of a scene that names no other number.
+pub(crate) const FRAMES: usize = 120;
+/// Far more than any benchmark needs, and far below what 32-bit indices can number.
+const MOST_TRIANGLES: usize = 100_000_000;
+
+/// Meshes, the objects made of them, and how these move.
+pub struct Scene {
+    /// The name, one of [`Scene::NAMES`].
+    pub name: &'static str,
+    /// The meshes, each in its own frame.
+    pub meshes: Vec<TriMesh>,
+    /// The mesh of each object, as an index into `meshes`.
+    pub objects: Vec<usize>,
+    pub(crate) frames: usize,
+    pub(crate) motion: Motion,
+}
+
+/// What is asked of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Two rigid objects; the first stays at the identity, the second's pose is `a_from_b`.
+    Pair,
+    /// One deforming mesh against itself.
+    SelfMesh,
+    /// Many rigid objects, each against each.
+    Many,
+}
+
+/// Why there is no such scene.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum SceneError {
+    /// No scene has this name.
+    #[error("no scene is called '{name}'; there are {}", Scene::NAMES.join(", "))]
+    UnknownName {
+        /// The name asked for.
+        name: String,
+    },
+    /// The scene would have too many triangles.
+    #[error("{size} triangles are too many for a scene; ask for at most {MOST_TRIANGLES}")]
+    TooLarge {
+        /// The number of triangles asked for.
+        size: usize,
+    },
+}
+
+type PairMotion = dyn Fn(usize) -> DAffine3 + Send + Sync;
+type ManyMotion = dyn Fn(usize, &mut Vec<Pose>) + Send + Sync;
+type Deformation = dyn Fn(usize, &mut Vec<[f32; 3]>) + Send + Sync;
+
+/// What each frame is computed by.
+pub(crate) enum Motion {
+    Pair(Box<PairMotion>),
+    Many(Box<ManyMotion>),
+    Deforming(Box<Deformation>),
+}
+
+impl Scene {
+    /// The names that [`Scene::by_name`] knows.
+    pub const NAMES: [&'static str; 6] =
+        ["worm-gear", "epicyclic", "sheet", "torus-knots", "spheres", "course"];
+
+    /// The scene called `name` in about `size` triangles, all objects together.
+    ///
+    /// Without a size: as many as in the paper (worm-gear 64K, epicyclic 149K, sheet 92K, course
+    /// 2 × 58K), 2 × 50K for the others. A size below what the shape needs gives the coarsest one,
+    /// which has 61,248 triangles for epicyclic, 7,552 for worm-gear, 768 or fewer for the others.
+    ///
+    /// # Errors
+    /// [`SceneError`] for a name not in [`Scene::NAMES`] or a size above 100 million.
+    pub fn by_name(name: &str, size: Option<usize>) -> Result<Self, SceneError> {
+        if let Some(size) = size.filter(|&size| size > MOST_TRIANGLES) {
+            return Err(SceneError::TooLarge { size });
+        }
+        Ok(match name {
+            "worm-gear" => worm::scene(size.unwrap_or(worm::TRIANGLES)),
+            "epicyclic" => epicyclic::scene(size.unwrap_or(epicyclic::TRIANGLES)),
+            "sheet" => sheet::scene(size.unwrap_or(sheet::TRIANGLES)),
+            "torus-knots" => passing::torus_knots(size.unwrap_or(100_000)),
+            "spheres" => passing::spheres(size.unwrap_or(100_000)),
+            "course" => {
+                let body = knot::torus_knot(size.unwrap_or(116_000) / 2);
+                Self::course(body.clone(), body, FRAMES, 0)
+            }
+            _ => return Err(SceneError::UnknownName { name: name.to_owned() }),
+        })
+    }
+
+    /// What is asked of the scene.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self.motion {
+            Motion::Pair(_) => Kind::Pair,
+            Motion::Many(_) => Kind::Many,
+            Motion::Deforming(_) => Kind::SelfMesh,
+        }
+    }
+
+    /// How many frames the scene has; the motion is defined beyond them too.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// Writes world-from-object of each object in `frame`. The world of a pair is the first
+    /// object's frame; a deforming mesh stays at the identity.
+    pub fn poses(&self, frame: usize, out: &mut Vec<Pose>) {
+        let identity = round(DAffine3::IDENTITY);
+        match &self.motion {
+            Motion::Pair(a_from_b) => {
+                out.clear();
+                out.extend([identity, round(a_from_b(frame))]);
+            }
+            Motion::Many(poses) => poses(frame, out),
+            Motion::Deforming(_) => {
+                out.clear();
+                out.push(identity);
+            }
+        }
+    }
+
+    /// Writes the vertex positions of the first mesh in `frame`, in its own frame: for a deforming
+    /// mesh new ones each time, otherwise those it has.
+    pub fn positions(&self, frame: usize, out: &mut Vec<[f32; 3]>) {
+        match &self.motion {
+            Motion::Deforming(positions) => positions(frame, out),
+            Motion::Pair(_) | Motion::Many(_) => self.meshes[0].positions.clone_into(out),
+        }
+    }
+
+    /// Triangles of all objects together.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.objects.iter().map(|&mesh| self.meshes[mesh].triangles.len()).sum()
+    }
+}
+
+impl fmt::Debug for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Scene({}, {} triangles, {} frames)", self.name, self.triangles(), self.frames)
+    }
+}

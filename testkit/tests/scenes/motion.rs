@@ -1,0 +1,142 @@
+//! Motion: gears stay in mesh and stay shallow, the sheet folds onto itself, courses are random.
+
+use pfront_testkit::scenes::{Kind, Pose, Scene, icosphere};
+
+use crate::oracle::{corners, depth, in_world, self_touching, touching};
+use pfront_testkit::shapes::Soup;
+
+const IDENTITY: Pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+/// In modules; a tooth is 2.25 high.
+const DEEPEST: f64 = 0.08;
+
+fn scene(name: &str, size: usize) -> Scene {
+    Scene::by_name(name, Some(size)).expect("a named scene")
+}
+
+/// The objects in `frame`.
+fn world(scene: &Scene, frame: usize) -> Vec<Soup> {
+    let mut poses = Vec::new();
+    scene.poses(frame, &mut poses);
+    let objects = scene.objects.iter().zip(&poses);
+    objects.map(|(&mesh, pose)| in_world(&scene.meshes[mesh], pose)).collect()
+}
+
+#[test]
+fn worm_and_wheel_touch_in_every_frame_and_overlap_little() {
+    let scene = scene("worm-gear", 16_000);
+    assert_eq!(scene.kind(), Kind::Pair);
+    // Twenty frames turn the wheel by one tooth; odd ones in between, then the far end.
+    for frame in [0, 3, 7, 11, 13, 18, 63, 119] {
+        let bodies = world(&scene, frame);
+        let touching = touching(&bodies[0], &bodies[1]);
+        assert!((100..3_000).contains(&touching), "frame {frame}: {touching} pairs");
+        let deepest = depth(&bodies[0], &bodies[1]).max(depth(&bodies[1], &bodies[0]));
+        assert!(deepest < DEEPEST, "frame {frame}: {deepest} deep");
+    }
+}
+
+#[test]
+fn worm_and_wheel_touch_in_hundreds_of_pairs_at_full_size() {
+    let scene = Scene::by_name("worm-gear", None).expect("a named scene");
+    for frame in (0..20).step_by(3) {
+        let bodies = world(&scene, frame);
+        let touching = touching(&bodies[0], &bodies[1]);
+        assert!((300..3_000).contains(&touching), "frame {frame}: {touching} pairs");
+    }
+}
+
+#[test]
+fn exactly_the_meshing_gears_of_the_train_touch_and_overlap_little() {
+    let scene = scene("epicyclic", 0);
+    assert_eq!(scene.kind(), Kind::Many);
+    // The first object and the number of planets of each stage; sun, planets, ring follow.
+    let stages = [(0, 3), (5, 4), (11, 4)];
+    let meshing: Vec<(usize, usize)> = stages
+        .iter()
+        .flat_map(|&(sun, n)| (1..=n).flat_map(move |k| [(sun, sun + k), (sun + k, sun + n + 1)]))
+        .collect();
+    for frame in [0, 5, 37, 74, 119] {
+        let gears = world(&scene, frame);
+        for a in 0..gears.len() {
+            for b in a + 1..gears.len() {
+                let touching = touching(&gears[a], &gears[b]);
+                assert_eq!(touching > 0, meshing.contains(&(a, b)), "frame {frame}: {a} and {b}");
+                assert!(touching < 1_000, "frame {frame}: {touching} pairs of {a} and {b}");
+            }
+        }
+        for &(a, b) in meshing.iter().step_by(3) {
+            let deepest = depth(&gears[a], &gears[b]).max(depth(&gears[b], &gears[a]));
+            assert!(deepest < DEEPEST, "frame {frame}: {a} and {b} {deepest} deep");
+        }
+    }
+}
+
+#[test]
+fn the_sheet_folds_until_it_crosses_itself_in_places() {
+    let scene = scene("sheet", 20_000);
+    assert_eq!(scene.kind(), Kind::SelfMesh);
+    let mut positions = Vec::new();
+    let mut touching = |frame| {
+        scene.positions(frame, &mut positions);
+        self_touching(&positions, &scene.meshes[0].triangles)
+    };
+    assert_eq!(touching(0), 0);
+    for frame in [40, 60, 90, 119] {
+        let found = touching(frame);
+        assert!((500..10_000).contains(&found), "frame {frame}: {found} pairs");
+    }
+}
+
+#[test]
+fn the_sheet_keeps_its_size() {
+    let scene = scene("sheet", 20_000);
+    let area = |frame| {
+        let mut soup = in_world(&scene.meshes[0], &IDENTITY);
+        scene.positions(frame, &mut soup.positions);
+        let triangles = corners(&soup);
+        triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() / 2.0).sum::<f64>()
+    };
+    for frame in [0, 30, 60, 119] {
+        assert!((1.1..1.6).contains(&area(frame)), "frame {frame}: {}", area(frame));
+    }
+}
+
+#[test]
+fn passing_bodies_meet_and_part() {
+    for name in ["torus-knots", "spheres"] {
+        let scene = scene(name, 4_000);
+        let met = |frame| {
+            let bodies = world(&scene, frame);
+            touching(&bodies[0], &bodies[1])
+        };
+        assert!(met(60) > 100, "{name}");
+        assert!(met(60) > 3 * met(0).max(met(119)), "{name}");
+    }
+}
+
+#[test]
+fn courses_are_rigid_random_and_repeatable() {
+    let course = |seed| Scene::course(icosphere(300), icosphere(800), 200, seed);
+    let (scene, other) = (course(7), course(8));
+    assert_eq!(scene.frames(), 200);
+    let (mut poses, mut again) = (Vec::new(), Vec::new());
+    let (mut hits, mut mean) = (0, [0.0; 3]);
+    for frame in 0..scene.frames() {
+        scene.poses(frame, &mut poses);
+        course(7).poses(frame, &mut again);
+        assert_eq!(poses, again);
+        other.poses(frame, &mut again);
+        assert_ne!(poses, again);
+        assert_eq!(poses[0], IDENTITY);
+        let rows = poses[1].map(|r| glam::Vec3::new(r[0], r[1], r[2]));
+        let [x, y, z] = rows;
+        assert!((x.cross(y) - z).length() < 1e-6 && (x.length() - 1.0).abs() < 1e-6);
+        for (sum, row) in mean.iter_mut().zip(rows) {
+            *sum += row.element_sum() / 600.0;
+        }
+        let bodies = world(&scene, frame);
+        hits += usize::from(touching(&bodies[0], &bodies[1]) > 0);
+    }
+    assert!(mean.iter().all(|m: &f32| m.abs() < 0.1), "rotations lean: {mean:?}");
+    assert!((100..=200).contains(&hits), "{hits} of 200 poses touch");
+}
