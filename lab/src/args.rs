@@ -1,8 +1,10 @@
 //! What can be typed.
 
+use crate::command::passes::Passes;
+use crate::command::replay::Replay;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use pfront_cli::executor::{Backend, ExecutorArgs, parse_threads};
+use pfront_cli::executor::{Backend, parse_threads};
 use pfront_lab::stability::ROWS;
 use pfront_testkit::scenes::Scene;
 use std::num::NonZero;
@@ -20,8 +22,9 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Run a recorded workload; prints tab-separated lines
     ///
-    /// BUILD ms; FRAME number update_ms query_ms pairs (with --mode any: 1 or 0); at the end RSS bytes, the
-    /// most memory the process had. `update` is moving the objects and refitting, `query` is the rest.
+    /// BUILD ms cpu_ms; FRAME number update_ms query_ms pairs update_cpu_ms query_cpu_ms (with --mode any, pairs is 1 or
+    /// 0); at the end RSS and the most bytes of memory that the process had. `update` is moving the objects and
+    /// refitting, `query` is the rest; `cpu` is the time of all threads.
     Replay(Replay),
     /// Write a built-in scene as a workload
     Record(Record),
@@ -51,32 +54,8 @@ pub(crate) enum Command {
     /// Cases are generated from a seed, from one triangle to three million and from two bodies to ten thousand;
     /// everyone plays each of them in turn, and answers are compared. A/A is how far a plan is from itself.
     Regret(Regret),
-    /// Show where a GPU spends its time, and how long the CPU takes for the same frames
-    ///
-    /// Passes are timed on the device, frames from outside: from the question to the pairs in the memory of
-    /// the host. A frame moves the objects (update: upload and refit where a mesh deforms) and asks (query).
-    /// The answers are compared.
+    /// Show where a GPU spends its time: the median of each pass, by the device's own clock
     Passes(Passes),
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Replay {
-    /// The workload (.tcw), or the name of a built-in scene
-    pub(crate) file: String,
-    /// About so many triangles in a built-in scene, instead of its own number
-    #[arg(long, value_name = "TRIANGLES")]
-    pub(crate) size: Option<usize>,
-    /// Find all pairs of a frame, or stop at the first
-    #[arg(long, value_enum, default_value_t = Mode::All)]
-    pub(crate) mode: Mode,
-    /// Write the pairs of every frame here
-    #[arg(long, value_name = "FILE")]
-    pub(crate) pairs: Option<PathBuf>,
-    /// Run only so many frames; a built-in scene may go on beyond its own
-    #[arg(long, value_name = "N")]
-    pub(crate) frames: Option<u32>,
-    #[command(flatten)]
-    pub(crate) executor: ExecutorArgs,
 }
 
 #[derive(Debug, Args)]
@@ -215,38 +194,4 @@ pub(crate) struct Regret {
     /// Few and small cases, to see that it works
     #[arg(long)]
     pub(crate) quick: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Passes {
-    /// Built-in scenes, or workloads (.tcw)
-    #[arg(default_values_t = ["worm-gear", "torus-knots", "sheet"].map(str::to_owned))]
-    pub(crate) workloads: Vec<String>,
-    /// About so many triangles in a built-in scene, instead of its own number
-    #[arg(long, value_name = "TRIANGLES")]
-    pub(crate) size: Option<usize>,
-    /// Run only so many frames; a built-in scene may go on beyond its own
-    #[arg(long, value_name = "N")]
-    pub(crate) frames: Option<u32>,
-    /// CPU threads to compare with, beside one [default: all]
-    #[arg(long, value_name = "N", value_parser = parse_threads)]
-    pub(crate) threads: Option<NonZero<usize>>,
-    /// How many levels a pass descends [default: what suits the device]
-    #[arg(long, value_name = "LEVELS")]
-    pub(crate) depth: Option<u32>,
-    /// Device memory for fronts and lists
-    #[arg(long, value_name = "BYTES")]
-    pub(crate) budget: Option<u64>,
-    /// Print one JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Draw the passes on top of each other
-    #[arg(long, value_name = "FILE")]
-    pub(crate) chart: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Mode {
-    All,
-    Any,
 }

@@ -8,19 +8,28 @@
 //! - [`judge`]: how many answers of whom are wrong.
 //! - [`textbook`]: the triangle tests of the literature, as printed, to compare with.
 //! - [`motion`]: slow slides through contact, where an answer must not flicker; scenes of known answer.
-//! - [`engine`]: who answers, whatever is asked about.
+//! - [`player`]: a query about a workload, whatever moves in it.
 //! - [`regret`]: what a plan costs that was chosen, against the best of all fixed ones.
 //! - [`stability`]: scenes in which a p-partition front could fail, and the paper's equations as printed.
 
 mod binary;
 pub mod chart;
-pub mod engine;
 pub mod judge;
 pub mod motion;
 pub mod pairs;
+pub mod player;
 pub mod recorded;
+pub mod recording;
 pub mod regret;
 pub mod stability;
 pub mod suite;
+pub mod tally;
 pub mod textbook;
 pub mod workload;
+
+/// The middle one of some values, or of two the upper; sorts them.
+#[must_use]
+pub fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}

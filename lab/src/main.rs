@@ -3,9 +3,6 @@
 mod args;
 mod charts;
 mod command;
-mod play;
-mod recording;
-mod stacks;
 
 use args::{Cli, Command};
 use clap::Parser;

@@ -4,8 +4,9 @@
 //! second time counts, so a front has the costs of a frame like it, as in coherent motion. Truth is by the
 //! oracle, over all pairs whose boxes overlap; of these, wrong answers are counted.
 
-use super::{ChartError, Look, Point, median};
+use super::{ChartError, Look, Point};
 use crate::judge::Tally;
+use crate::median;
 use crate::suite::{Body, Candidate, Contacts, Site};
 #[cfg(feature = "gpu")]
 use pfront::gpu::{Gpu, GpuModel, GpuPairQuery, GpuSelfQuery};

@@ -114,9 +114,3 @@ pub fn together(name: &str, sets: &[&[Point]]) -> Vec<Point> {
     };
     (0..first.len()).map(joined).collect()
 }
-
-/// The middle one, or of two the upper; sorts them.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
-}

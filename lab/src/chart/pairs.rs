@@ -1,7 +1,8 @@
 //! Tests of single triangle pairs, on every set of a suite.
 
-use super::{Look, Point, median};
+use super::{Look, Point};
 use crate::judge::{OURS, Tally, Test};
+use crate::median;
 use crate::suite::{BLOCK, Case, Suite};
 use crate::textbook;
 use rayon::prelude::*;

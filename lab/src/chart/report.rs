@@ -151,7 +151,7 @@ impl Charts {
                     Some(exact.time / set.iter().find(is_twin)?.time)
                 })
                 .collect();
-            let median = super::median(&mut ratios);
+            let median = crate::median(&mut ratios);
             let most = ratios.last().copied().unwrap_or(0.0);
             let is_exact = |p: &Point| p.configuration.starts_with("Exact");
             let best = set.iter().filter(|p| is_exact(p)).map(|p| p.time).fold(f64::MAX, f64::min);

@@ -3,12 +3,12 @@
 use super::{milliseconds, progress};
 use crate::args::{Balance, BalanceFormat};
 use crate::charts;
-use crate::play::{objects, update};
-use crate::recording::Recording;
 use anyhow::{Context, Result};
 use pfront::Executor;
 use pfront::threads::{Report, Schedule, Settings, Share, Traversal};
 use pfront_cli::output::{Draft, out};
+use pfront_lab::player::{Objects, Player};
+use pfront_lab::recording::Recording;
 use pfront_lab::stability::Reference;
 use std::io::{self, Write};
 
@@ -46,8 +46,7 @@ pub(crate) fn run(balance: &Balance) -> Result<bool> {
 }
 
 fn series(balance: &Balance, size: Option<usize>, workers: usize) -> Result<Series> {
-    let mut recording = Recording::open(&balance.scene, size, balance.frames)?;
-    let header = recording.take_header()?;
+    let (header, mut recording) = Recording::open(&balance.scene, size, balance.frames)?;
     let settings = Settings {
         schedule: Schedule::Static,
         coherence: !balance.no_coherence,
@@ -55,17 +54,17 @@ fn series(balance: &Balance, size: Option<usize>, workers: usize) -> Result<Seri
     };
     let (count, bar) = (header.frames, progress(header.frames.into()));
     let executor = Executor::from(Traversal::new(workers).with_settings(settings));
-    let objects = objects(header).with_context(|| balance.scene.clone())?;
+    let objects = Objects::new(header).with_context(|| balance.scene.clone())?;
     let triangles = objects.triangles();
-    let mut engine = objects.engine(executor.into())?;
+    let mut player = Player::new(objects, &(&executor).into())?;
     let (mut frames, mut reference) = (Vec::new(), None);
     while let Some(frame) = recording.next_frame()? {
-        update(&mut *engine, frame)?;
-        engine.all()?;
+        player.update(frame)?;
+        player.all()?;
         if balance.reference && frames.len() == count as usize / 2 {
-            reference = engine.reference(workers)?;
+            reference = player.reference(workers)?;
         }
-        frames.extend(engine.report().cloned());
+        frames.extend(player.report().cloned());
         bar.inc(1);
     }
     bar.finish_and_clear();

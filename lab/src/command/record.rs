@@ -2,15 +2,14 @@
 
 use super::progress;
 use crate::args::Record;
-use crate::recording::Recording;
 use anyhow::{Context, Result};
 use pfront_cli::output::{Draft, out};
+use pfront_lab::recording::Recording;
 use pfront_lab::workload::WorkloadWriter;
 use std::io::Write;
 
 pub(crate) fn run(record: &Record) -> Result<bool> {
-    let mut recording = Recording::open(&record.scene, record.size, record.frames)?;
-    let header = recording.take_header()?;
+    let (header, mut recording) = Recording::open(&record.scene, record.size, record.frames)?;
     let writing = || format!("cannot write {}", record.file.display());
     let mut to = WorkloadWriter::new(Draft::new(&record.file)?, &header).with_context(writing)?;
     let bar = progress(header.frames.into());

@@ -1,57 +1,138 @@
-//! `pfront replay FILE`
+//! `pfront-lab replay FILE`
 
-use super::{milliseconds, progress};
-use crate::args::{Mode, Replay};
-use crate::play::{objects, update};
-use crate::recording::Recording;
+use super::progress;
 use anyhow::{Context, Result, ensure};
-use pfront::TrianglePair;
+use clap::{Args, ValueEnum};
+use pfront::Adjacency;
+use pfront_cli::executor::ExecutorArgs;
 use pfront_cli::memory;
 use pfront_cli::output::{Draft, out};
-use pfront_lab::engine::{Asked, Tally};
 use pfront_lab::pairs::PairWriter;
+use pfront_lab::player::{Asked, Objects, Player};
+use pfront_lab::recording::Recording;
+use pfront_lab::tally::Tally;
 use std::io::Write;
-use std::time::Instant;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+#[derive(Debug, Args)]
+pub(crate) struct Replay {
+    /// The workload (.tcw), or the name of a built-in scene
+    file: String,
+    /// About so many triangles in a built-in scene, instead of its own number
+    #[arg(long, value_name = "TRIANGLES")]
+    size: Option<usize>,
+    /// Find all pairs of a frame, or stop at the first
+    #[arg(long, value_enum, default_value_t = Mode::All)]
+    mode: Mode,
+    /// Leave out every pair within one mesh that shares a vertex
+    #[arg(long)]
+    skip_neighbours: bool,
+    /// Write the pairs of every frame here
+    #[arg(long, value_name = "FILE")]
+    pairs: Option<PathBuf>,
+    /// Run only so many frames; a built-in scene may go on beyond its own
+    #[arg(long, value_name = "N")]
+    frames: Option<u32>,
+    /// Count the pairs of the first N frames before the clock starts
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    warm: u32,
+    #[command(flatten)]
+    executor: ExecutorArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Mode {
+    All,
+    Any,
+}
+
+/// The clock on the wall, and the processor time of all threads of the process.
+#[derive(Clone, Copy)]
+struct Clock {
+    wall: Instant,
+    cpu: Duration,
+}
+
+impl Clock {
+    fn now() -> Self {
+        Self { wall: Instant::now(), cpu: cpu_time() }
+    }
+
+    /// Milliseconds on the wall and of processors from an earlier time to this.
+    fn since(self, earlier: Self) -> [f64; 2] {
+        [self.wall - earlier.wall, self.cpu.saturating_sub(earlier.cpu)]
+            .map(|time| 1e3 * time.as_secs_f64())
+    }
+}
+
+/// The processor time of the process; nothing where the system does not tell.
+fn cpu_time() -> Duration {
+    #[cfg(unix)]
+    {
+        let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+    }
+    #[cfg(not(unix))]
+    Duration::ZERO
+}
 
 pub(crate) fn run(replay: &Replay) -> Result<bool> {
     ensure!(
         replay.mode == Mode::All || replay.pairs.is_none(),
         "--pairs needs --mode all, since any stops at the first pair"
     );
-    let mut recording = Recording::open(&replay.file, replay.size, replay.frames)?;
-    let header = recording.take_header()?;
+    let file = || replay.file.clone();
+    let open = || Recording::open(&replay.file, replay.size, replay.frames);
+    let (header, mut recording) = open()?;
     let frames = header.frames;
-    let asked = Asked { accuracy: replay.executor.accuracy(), ..replay.executor.open()?.into() };
-    let clock = Instant::now();
-    let objects = objects(header).with_context(|| replay.file.clone())?;
-    let mut engine = objects.engine(asked).with_context(|| replay.file.clone())?;
-    let build = milliseconds(clock.elapsed());
+    let adjacency = match replay.skip_neighbours {
+        true => Adjacency::SkipNeighbours,
+        false => Adjacency::SharedIndexRule,
+    };
+    let (accuracy, executor) = (replay.executor.accuracy(), replay.executor.open()?);
+    let start = Clock::now();
+    let objects = Objects::new(header).with_context(file)?;
+    let mut player = Player::new(objects, &Asked { accuracy, adjacency, executor })?;
+    let [build, build_cpu] = Clock::now().since(start);
 
     let mut pairs = match &replay.pairs {
         Some(path) => Some(PairWriter::new(Draft::new(path)?, frames)?),
         None => None,
     };
+    if replay.warm > 0 {
+        for _ in 0..replay.warm {
+            let Some(frame) = recording.next_frame().with_context(file)? else { break };
+            player.update(frame).context("while warming up")?;
+            // Another question than those that are timed, since answers are kept.
+            player.count()?;
+        }
+        (_, recording) = open()?;
+    }
     let mut out = out();
-    writeln!(out, "BUILD\t{build:.3}")?;
+    writeln!(out, "BUILD\t{build:.6}\t{build_cpu:.6}")?;
     let bar = progress(frames.into());
     let mut tally = Tally::default();
     for number in 0.. {
-        let frame = recording.next_frame().with_context(|| replay.file.clone())?;
-        let Some(frame) = frame else { break };
-        let clock = Instant::now();
-        update(&mut *engine, frame).with_context(|| format!("frame {number}"))?;
-        let updated = clock.elapsed();
-        let found = match replay.mode {
-            Mode::All => engine.all()?,
-            Mode::Any => &[TrianglePair::default()][..usize::from(engine.any()?.is_some())],
+        let Some(frame) = recording.next_frame().with_context(file)? else { break };
+        let begun = Clock::now();
+        player.update(frame).with_context(|| format!("frame {number}"))?;
+        let updated = Clock::now();
+        let (count, found) = match replay.mode {
+            Mode::All => {
+                let found = player.all()?;
+                (found.len(), found)
+            }
+            Mode::Any => (usize::from(player.any()?), &[][..]),
         };
-        let took = clock.elapsed();
-        let [update, query] = [updated, took - updated].map(milliseconds);
-        writeln!(out, "FRAME\t{number}\t{update:.3}\t{query:.3}\t{}", found.len())?;
+        let [query, query_cpu] = Clock::now().since(updated);
+        let [update, update_cpu] = updated.since(begun);
+        write!(out, "FRAME\t{number}\t{update:.6}\t{query:.6}\t{count}")?;
+        writeln!(out, "\t{update_cpu:.6}\t{query_cpu:.6}")?;
         if let Some(pairs) = &mut pairs {
             pairs.frame(found).context("cannot write the pairs")?;
         }
-        if let Some(plan) = engine.plan() {
+        if let Some(plan) = player.plan() {
             tally.add(plan);
         }
         bar.inc(1);
@@ -63,6 +144,6 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     if replay.executor.is_auto() {
         eprintln!("{tally}");
     }
-    writeln!(out, "RSS\t{}", memory::peak())?;
+    writeln!(out, "RSS\t{}\tbytes", memory::peak())?;
     Ok(true)
 }

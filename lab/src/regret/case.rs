@@ -1,6 +1,7 @@
 //! A case: what moves, how, and what is asked of each frame.
 
-use crate::engine::{Engine, EngineError, Objects};
+use crate::player::{Objects, Player};
+use anyhow::Result;
 use pfront::{Model, Pose};
 use pfront_testkit::scenes::Kind;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -46,10 +47,11 @@ impl Case {
     /// copies it first.
     #[must_use]
     pub fn fresh(&self) -> Objects {
-        match (self.objects.kind(), self.objects.models()) {
-            (Kind::SelfMesh, [model]) => Objects::within(Arc::new(Model::clone(model))),
-            _ => self.objects.clone(),
+        let mut objects = self.objects.clone();
+        if let (Kind::SelfMesh, [model]) = (objects.kind, &mut objects.models[..]) {
+            *model = Arc::new(Model::clone(model));
         }
+        objects
     }
 }
 
@@ -57,13 +59,13 @@ impl Frame {
     /// Moves what moves.
     ///
     /// # Errors
-    /// Those of the engine.
-    pub fn apply(&self, engine: &mut dyn Engine) -> Result<(), EngineError> {
+    /// Those of the player.
+    pub fn apply(&self, player: &mut Player) -> Result<()> {
         match self {
             Self::Poses(moves) => {
-                moves.iter().try_for_each(|&(object, pose)| engine.place(object, pose))
+                moves.iter().try_for_each(|&(object, pose)| player.place(object, pose))
             }
-            Self::Positions(positions) => engine.deform(positions),
+            Self::Positions(positions) => player.deform(positions),
         }
     }
 }
@@ -82,26 +84,26 @@ impl Verb {
     /// Asks, and drops the answer but for its size.
     ///
     /// # Errors
-    /// Those of the engine.
-    pub fn ask(self, engine: &mut dyn Engine) -> Result<u64, EngineError> {
+    /// Those of the player.
+    pub fn ask(self, player: &mut Player) -> Result<u64> {
         match self {
-            Self::All => Ok(engine.find()? as u64),
-            Self::Any => Ok(u64::from(engine.any()?.is_some())),
-            Self::Count => engine.count(),
+            Self::All => Ok(player.find()? as u64),
+            Self::Any => Ok(u64::from(player.any()?)),
+            Self::Count => player.count(),
         }
     }
 
-    /// Asks for what every engine must answer alike: all pairs, as a hash, or a number. Which pair `any`
+    /// Asks for what every executor must answer alike: all pairs, as a hash, or a number. Which pair `any`
     /// finds is anyone's choice.
     ///
     /// # Errors
-    /// Those of the engine.
-    pub fn digest(self, engine: &mut dyn Engine) -> Result<u64, EngineError> {
+    /// Those of the player.
+    pub fn digest(self, player: &mut Player) -> Result<u64> {
         if self != Self::All {
-            return self.ask(engine);
+            return self.ask(player);
         }
         let mut hasher = DefaultHasher::new();
-        engine.all()?.hash(&mut hasher);
+        player.all()?.hash(&mut hasher);
         Ok(hasher.finish())
     }
 }

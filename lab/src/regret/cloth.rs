@@ -1,14 +1,14 @@
 //! Cases of a mesh that deforms and is asked about itself: the folded sheet of [`pfront_testkit::scenes`].
 
-use super::RegretError;
 use super::case::Frame;
 use super::latin::by_factors;
 use super::recipe::{Built, Scale};
 use super::shapes::model;
-use crate::engine::Objects;
+use crate::player::Objects;
+use anyhow::Result;
 use glam::Vec3;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt};
-use pfront_testkit::scenes::Scene;
+use pfront_testkit::scenes::{Kind, Scene};
 
 /// How it moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +79,7 @@ impl Cloth {
         scale: &Scale,
         frames: usize,
         random: &mut ChaCha8Rng,
-    ) -> Result<Built, RegretError> {
+    ) -> Result<Built> {
         let mut scene = Scene::by_name("sheet", Some(self.triangles(scale)))?;
         let first = random.random_range(FOLDED);
         let period = random.random_range(3..12);
@@ -108,7 +108,10 @@ impl Cloth {
         let frames = (0..frames).map(|frame| Frame::Positions(positions(frame, random))).collect();
         Ok(Built {
             class: format!("sheet, {}", self.motion.name()),
-            objects: Objects::within(model(scene.meshes.swap_remove(0))?),
+            objects: Objects {
+                kind: Kind::SelfMesh,
+                models: vec![model(scene.meshes.swap_remove(0))?],
+            },
             frames,
         })
     }

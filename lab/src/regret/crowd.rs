@@ -1,11 +1,11 @@
 //! Cases of many rigid bodies in a box.
 
-use super::RegretError;
 use super::case::Frame;
 use super::latin::by_factors;
 use super::recipe::{Built, Scale};
 use super::shapes::{Shape, direction, model, pose, turn};
-use crate::engine::Objects;
+use crate::player::Objects;
+use anyhow::Result;
 use glam::{DQuat, DVec3};
 use pfront::Pose;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt};
@@ -115,7 +115,7 @@ impl Crowd {
         scale: &Scale,
         frames: usize,
         random: &mut ChaCha8Rng,
-    ) -> Result<Built, RegretError> {
+    ) -> Result<Built> {
         if self.motion == Motion::Meshing {
             return train(scale, frames, random);
         }
@@ -147,7 +147,7 @@ impl Crowd {
         Ok(Built {
             frames: frames.collect(),
             class: format!("{}, {}", names.join(" and "), self.motion.name()),
-            objects: Objects::new(Kind::Many, models),
+            objects: Objects { kind: Kind::Many, models },
         })
     }
 
@@ -197,7 +197,7 @@ impl Crowd {
 /// Triangles of the train of gears, which it does not go below by much.
 const GEARS: usize = 149_000;
 
-fn train(scale: &Scale, frames: usize, random: &mut ChaCha8Rng) -> Result<Built, RegretError> {
+fn train(scale: &Scale, frames: usize, random: &mut ChaCha8Rng) -> Result<Built> {
     let scene = Scene::by_name("epicyclic", Some(scale.triangles.min(GEARS)))?;
     let start = random.random_range(0..scene.frames());
     let mut poses = Vec::new();
@@ -210,7 +210,7 @@ fn train(scale: &Scale, frames: usize, random: &mut ChaCha8Rng) -> Result<Built,
         scene.meshes.iter().map(|mesh| model(mesh.clone())).collect::<Result<_, _>>()?;
     let models = scene.objects.iter().map(|&mesh| models[mesh].clone()).collect();
     let class = format!("a train of {}", Motion::Meshing.name());
-    Ok(Built { class, objects: Objects::new(Kind::Many, models), frames })
+    Ok(Built { class, objects: Objects { kind: Kind::Many, models }, frames })
 }
 
 /// Where bodies are, and how they sway about it.

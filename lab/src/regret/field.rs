@@ -1,8 +1,9 @@
 //! The players: every fixed plan that the machine has, and the executor that chooses.
 
-use super::RegretError;
+use super::lacks_memory;
 use super::race::play;
 use super::recipe::{Scale, samples};
+use anyhow::Result;
 use pfront::Executor;
 #[cfg(feature = "gpu")]
 use pfront::gpu::Gpu;
@@ -31,7 +32,7 @@ impl Field {
     ///
     /// # Errors
     /// If there is no pool of as many threads.
-    pub fn new(threads: usize) -> Result<Self, RegretError> {
+    pub fn new(threads: usize) -> Result<Self> {
         let mut chooser = Executor::sequential();
         let mut fixed = vec![Lane { name: "sequential".to_owned(), executor: chooser.clone() }];
         let powers = (1..).map(|i| 1 << i).take_while(|&p| p < threads);
@@ -48,10 +49,10 @@ impl Field {
     /// # Errors
     /// If the GPU fails while it is measured.
     #[cfg(feature = "gpu")]
-    pub fn with_gpu(mut self, gpu: &Gpu) -> Result<Self, RegretError> {
+    pub fn with_gpu(mut self, gpu: &Gpu) -> Result<Self> {
         let executor = Executor::gpu(gpu, gpu.settings());
         self.fixed.push(Lane { name: "GPU".to_owned(), executor });
-        self.chooser = self.chooser.and_gpu(gpu, gpu.settings()).map_err(pfront::Error::from)?;
+        self.chooser = self.chooser.and_gpu(gpu, gpu.settings())?;
         Ok(self)
     }
 
@@ -60,12 +61,12 @@ impl Field {
     ///
     /// # Errors
     /// As [`super::race`].
-    pub fn warm_up(&self) -> Result<(), RegretError> {
+    pub fn warm_up(&self) -> Result<()> {
         for recipe in samples() {
             let case = recipe.build(&Scale::QUICK)?;
             for executor in self.fixed.iter().map(|lane| &lane.executor).chain([&self.chooser]) {
                 match play(&case, executor) {
-                    Err(error) if error.is_want_of_means() => continue,
+                    Err(error) if lacks_memory(&error) => continue,
                     played => played?,
                 };
             }

@@ -27,36 +27,13 @@ pub use recipe::{Recipe, Scale, recipes};
 pub use row::{Outcome, Row, Summary};
 pub use table::{Heading, write_csv};
 
-use crate::engine::EngineError;
-
-/// Why a case could not be built or played.
-#[derive(Debug, thiserror::Error)]
-pub enum RegretError {
-    /// A mesh is refused.
-    #[error(transparent)]
-    Refused(#[from] pfront::Error),
-    /// A scene cannot be made.
-    #[error(transparent)]
-    Scene(#[from] pfront_testkit::scenes::SceneError),
-    /// A question is refused, or the GPU fails.
-    #[error(transparent)]
-    Engine(#[from] EngineError),
-    /// There are no threads to be had.
-    #[error(transparent)]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-    /// Two plans answer differently.
-    #[error(
-        "frame {frame} of {case}: {plan} answers otherwise than one thread: please report this"
-    )]
-    Differs {
-        /// The case.
-        case: String,
-        /// Who differs.
-        plan: String,
-        /// Where.
-        frame: usize,
-    },
-    /// Nobody to compare with.
-    #[error("there is no fixed plan to compare with: give at least that of one thread")]
-    NoPlan,
+/// Whether a GPU lacks the memory for a question, which is no fault of it.
+fn lacks_memory(error: &anyhow::Error) -> bool {
+    #[cfg(feature = "gpu")]
+    if let Some(pfront::Error::Gpu(error)) = error.downcast_ref() {
+        use pfront::gpu::GpuError::{OutOfMemory, TooLarge};
+        return matches!(error, TooLarge { .. } | OutOfMemory { .. });
+    }
+    let _ = error;
+    false
 }

@@ -9,12 +9,14 @@
 //! their twins, and medians of totals tell of that, more than of plans. The best of the first round plays twice in each:
 //! how far it is from itself is how far figures can be trusted.
 
-use super::RegretError;
 use super::case::Case;
 use super::field::Field;
+use super::lacks_memory;
 use super::row::{Outcome, Row};
-use crate::chart::median;
-use crate::engine::{EngineError, Tally};
+use crate::median;
+use crate::player::Player;
+use crate::tally::Tally;
+use anyhow::{Result, ensure};
 use pfront::Executor;
 use pfront_testkit::rng::{seeded, seq::SliceRandom};
 use std::time::{Duration, Instant};
@@ -37,11 +39,9 @@ pub const HOPELESS: f64 = 20.0;
 /// Plays a case.
 ///
 /// # Errors
-/// [`RegretError::Differs`] if two do not agree; those of the engines, except that a fixed plan may lack the means.
-pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretError> {
-    if field.fixed.is_empty() {
-        return Err(RegretError::NoPlan);
-    }
+/// If two do not agree, or a query fails, except that a fixed plan may lack memory.
+pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
+    ensure!(!field.fixed.is_empty(), "there is no fixed plan to compare with: give one thread");
     let mut rehearsal = Rehearsal { case, digests: Vec::new() };
     let (mut outcomes, mut best) = (Vec::<Outcome>::new(), f64::INFINITY);
     for lane in &field.fixed {
@@ -87,7 +87,7 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row, RegretEr
         name: case.name.clone(),
         class: case.class.clone(),
         triangles: case.objects.triangles(),
-        bodies: case.objects.models().len(),
+        bodies: case.objects.models.len(),
         frames: case.frames.len(),
         verb: case.verb,
         rounds,
@@ -109,25 +109,25 @@ fn over(own: &[f64], other: &[f64]) -> f64 {
 
 /// Seconds that a whole case takes: making the query, which uploads what a GPU needs, and all frames. Models are
 /// there.
-pub(super) fn play(case: &Case, executor: &Executor) -> Result<f64, EngineError> {
-    let (objects, asked) = (case.fresh(), executor.clone().into());
+pub(super) fn play(case: &Case, executor: &Executor) -> Result<f64> {
+    let objects = case.fresh();
     let clock = Instant::now();
-    let mut engine = objects.engine(asked)?;
+    let mut player = Player::new(objects, &executor.into())?;
     for frame in &case.frames {
-        frame.apply(&mut *engine)?;
-        case.verb.ask(&mut *engine)?;
+        frame.apply(&mut player)?;
+        case.verb.ask(&mut player)?;
     }
     Ok(clock.elapsed().as_secs_f64())
 }
 
 /// What the executor that chooses does, after everything else.
-fn watch(case: &Case, chooser: &Executor) -> Result<Tally, EngineError> {
-    let mut engine = case.fresh().engine(chooser.clone().into())?;
+fn watch(case: &Case, chooser: &Executor) -> Result<Tally> {
+    let mut player = Player::new(case.fresh(), &chooser.into())?;
     let mut tally = Tally::default();
     for frame in &case.frames {
-        frame.apply(&mut *engine)?;
-        case.verb.ask(&mut *engine)?;
-        if let Some(plan) = engine.plan() {
+        frame.apply(&mut player)?;
+        case.verb.ask(&mut player)?;
+        if let Some(plan) = player.plan() {
             tally.add(plan);
         }
     }
@@ -143,22 +143,17 @@ struct Rehearsal<'c> {
 
 impl Rehearsal<'_> {
     /// Plays until more than `most` seconds are over.
-    fn play(&mut self, name: &str, executor: &Executor, most: f64) -> Result<Outcome, RegretError> {
+    fn play(&mut self, name: &str, executor: &Executor, most: f64) -> Result<Outcome> {
         let case = self.case;
-        let (objects, asked) = (case.fresh(), executor.clone().into());
+        let objects = case.fresh();
         let clock = Instant::now();
-        let mut engine = match objects.engine(asked) {
-            Err(error) if error.is_want_of_means() => {
-                return Ok(Outcome::Refused { why: error.to_string() });
-            }
-            made => made?,
-        };
+        let mut player = Player::new(objects, &executor.into())?;
         let mut seconds = clock.elapsed().as_secs_f64();
         for (number, frame) in case.frames.iter().enumerate() {
             let clock = Instant::now();
-            frame.apply(&mut *engine)?;
-            let digest = match case.verb.digest(&mut *engine) {
-                Err(error) if error.is_want_of_means() => {
+            frame.apply(&mut player)?;
+            let digest = match case.verb.digest(&mut player) {
+                Err(error) if lacks_memory(&error) => {
                     return Ok(Outcome::Refused { why: error.to_string() });
                 }
                 digest => digest?,
@@ -166,10 +161,12 @@ impl Rehearsal<'_> {
             seconds += clock.elapsed().as_secs_f64();
             if number == self.digests.len() {
                 self.digests.push(digest);
-            } else if self.digests[number] != digest {
-                let (case, plan) = (case.name.clone(), name.to_owned());
-                return Err(RegretError::Differs { case, plan, frame: number });
             }
+            ensure!(
+                self.digests[number] == digest,
+                "frame {number} of {}: {name} answers otherwise than one thread: please report this",
+                case.name
+            );
             if seconds > most {
                 return Ok(Outcome::Hopeless { seconds, frames: number + 1 });
             }
@@ -235,6 +232,6 @@ mod tests {
     fn without_a_fixed_plan_there_is_no_regret() {
         let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
         let field = Field { fixed: Vec::<Lane>::new(), chooser: Executor::sequential() };
-        assert!(matches!(race(&case, &field, &ONCE), Err(RegretError::NoPlan)));
+        assert!(race(&case, &field, &ONCE).unwrap_err().to_string().contains("one thread"));
     }
 }

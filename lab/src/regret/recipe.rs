@@ -1,12 +1,12 @@
 //! Which cases there are: drawn from a seed, spread evenly over kinds, motions, sizes and lengths.
 
-use super::RegretError;
 use super::case::{Case, Frame, Verb};
 use super::cloth::{self, Cloth};
 use super::crowd::{self, Crowd};
 use super::latin::{deal, spread};
 use super::two::{self, Two};
-use crate::engine::Objects;
+use crate::player::Objects;
+use anyhow::Result;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded};
 
 /// How large cases may be.
@@ -141,8 +141,8 @@ impl Recipe {
     /// Builds the models and all frames.
     ///
     /// # Errors
-    /// [`RegretError`] if a scene cannot be made.
-    pub fn build(&self, scale: &Scale) -> Result<Case, RegretError> {
+    /// If a scene cannot be made.
+    pub fn build(&self, scale: &Scale) -> Result<Case> {
         let random = &mut seeded(self.seed);
         let seconds = match self.actors {
             Actors::Two(two) => two.seconds(scale),
@@ -183,11 +183,7 @@ mod tests {
             let [one, other] = [(); 2].map(|()| recipe.build(&Scale::QUICK).unwrap());
             assert!(one.frames == other.frames && one.class == other.class, "{}", one.name);
             let meshes = |case: &Case| -> Vec<_> {
-                case.objects
-                    .models()
-                    .iter()
-                    .map(|model| model.mesh().positions().to_vec())
-                    .collect()
+                case.objects.models.iter().map(|model| model.mesh().positions().to_vec()).collect()
             };
             assert!(meshes(&one) == meshes(&other), "{}", one.name);
         }

@@ -1,7 +1,7 @@
 //! What a case came to, and what all cases did.
 
 use super::case::Verb;
-use crate::engine::Tally;
+use crate::tally::Tally;
 
 /// How a fixed plan did.
 #[derive(Clone, Debug, PartialEq)]

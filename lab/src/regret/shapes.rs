@@ -1,6 +1,6 @@
 //! Meshes of any size, from a single triangle on.
 
-use super::RegretError;
+use anyhow::Result;
 use glam::{DAffine3, DQuat, DVec3};
 use pfront::{BuildOptions, Model, Pose};
 use pfront_testkit::rng::{ChaCha8Rng, RngExt};
@@ -63,7 +63,7 @@ impl Shape {
         triangles: usize,
         radius: f64,
         random: &mut ChaCha8Rng,
-    ) -> Result<TriMesh, RegretError> {
+    ) -> Result<TriMesh> {
         // The worm takes six tenths of its drive.
         let drive = |share: f64| {
             Scene::by_name("worm-gear", Some((triangles as f64 / share).round() as usize))
@@ -86,7 +86,7 @@ impl Shape {
 }
 
 /// Builds a mesh's BVH on all threads.
-pub(super) fn model(mesh: TriMesh) -> Result<Arc<Model>, RegretError> {
+pub(super) fn model(mesh: TriMesh) -> Result<Arc<Model>> {
     let model = Model::new_with_threads(mesh.positions, mesh.triangles, BuildOptions::default())?;
     // Found at the first question otherwise, by whichever plan comes first.
     let _ = model.sphere();

@@ -1,7 +1,7 @@
 //! Rows as text and as comma-separated values.
 
 use super::{HOPELESS, Outcome, Row, Summary};
-use crate::engine::Tally;
+use crate::tally::Tally;
 use std::fmt;
 use std::io::Write;
 

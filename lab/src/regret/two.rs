@@ -1,11 +1,11 @@
 //! Cases of two rigid bodies.
 
-use super::RegretError;
 use super::case::Frame;
 use super::latin::by_factors;
 use super::recipe::{Built, Scale};
 use super::shapes::{Shape, direction, model, pose, turn};
-use crate::engine::Objects;
+use crate::player::Objects;
+use anyhow::Result;
 use glam::{DQuat, DVec3};
 use pfront::Pose;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt};
@@ -95,7 +95,7 @@ impl Two {
         scale: &Scale,
         frames: usize,
         random: &mut ChaCha8Rng,
-    ) -> Result<Built, RegretError> {
+    ) -> Result<Built> {
         let triangles = self.triangles(scale);
         if self.motion == Motion::Meshing {
             return drive(triangles, frames, random);
@@ -124,13 +124,13 @@ impl Two {
         let placed = |frame| Frame::Poses(vec![(1, path.pose(frame, frames, random))]);
         Ok(Built {
             class: format!("{} and {}, {}", shape.name(), other.name(), self.motion.name()),
-            objects: Objects::pair(a, b),
+            objects: Objects { kind: Kind::Pair, models: vec![a, b] },
             frames: (0..frames).map(placed).collect(),
         })
     }
 }
 
-fn drive(triangles: usize, frames: usize, random: &mut ChaCha8Rng) -> Result<Built, RegretError> {
+fn drive(triangles: usize, frames: usize, random: &mut ChaCha8Rng) -> Result<Built> {
     let scene = Scene::by_name("worm-gear", Some(triangles))?;
     let start = random.random_range(0..scene.frames());
     let mut poses = Vec::new();
@@ -141,7 +141,7 @@ fn drive(triangles: usize, frames: usize, random: &mut ChaCha8Rng) -> Result<Bui
     let frames = placed.collect();
     let models = scene.meshes.into_iter().map(model).collect::<Result<_, _>>()?;
     let class = format!("worm and wheel, {}", Motion::Meshing.name());
-    Ok(Built { class, objects: Objects::new(Kind::Pair, models), frames })
+    Ok(Built { class, objects: Objects { kind: Kind::Pair, models }, frames })
 }
 
 /// Where the second body is, in radii of the first.

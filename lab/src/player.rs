@@ -1,0 +1,261 @@
+//! A query about moving objects, frame by frame: whatever moves, it is placed and asked in the same words.
+
+use crate::stability::Reference;
+use crate::workload::{Frame, Header};
+use anyhow::{Context, Result, bail};
+use pfront::core::bvtt::{PairBvtt, SelfBvtt};
+use pfront::executor::Plan;
+use pfront::threads::Report;
+use pfront::{
+    Accuracy, Adjacency, BodyId, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery,
+    TrianglePair,
+};
+use pfront_testkit::scenes::Kind;
+use std::sync::Arc;
+
+/// What is asked about: models of any number, which objects may share.
+#[derive(Clone, Debug)]
+pub struct Objects {
+    /// What is asked.
+    pub kind: Kind,
+    /// The model of each object.
+    pub models: Vec<Arc<Model>>,
+}
+
+impl Objects {
+    /// Builds the BVH of each mesh of a workload, once.
+    ///
+    /// # Errors
+    /// If a mesh is refused.
+    pub fn new(header: Header) -> Result<Self> {
+        let models = header.meshes.into_iter().enumerate().map(|(number, mesh)| {
+            let model = Model::new(mesh.positions, mesh.triangles);
+            model.map(Arc::new).with_context(|| format!("mesh {number}"))
+        });
+        let models: Vec<Arc<Model>> = models.collect::<Result<_>>()?;
+        let models = header.objects.iter().map(|&mesh| models[mesh as usize].clone()).collect();
+        Ok(Self { kind: header.kind, models })
+    }
+
+    /// Triangles of all objects together.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.models.iter().map(|model| model.mesh().triangles().len()).sum()
+    }
+}
+
+/// How a question is asked.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// The accuracy guarantee.
+    pub accuracy: Accuracy,
+    /// What counts within one mesh.
+    pub adjacency: Adjacency,
+    /// Who answers.
+    pub executor: Executor,
+}
+
+impl From<&Executor> for Asked {
+    /// Everything, exactly.
+    fn from(executor: &Executor) -> Self {
+        Self { executor: executor.clone(), ..Self::default() }
+    }
+}
+
+/// Objects, and the query about them.
+pub enum Player {
+    /// Two models.
+    Pair {
+        /// The models.
+        models: [Arc<Model>; 2],
+        /// Pose of the second.
+        a_from_b: Pose,
+        /// The query.
+        query: PairQuery,
+    },
+    /// A deforming mesh with itself.
+    SelfMesh {
+        /// The mesh.
+        model: Arc<Model>,
+        /// The query.
+        query: SelfQuery,
+    },
+    /// Many bodies.
+    Many {
+        /// The query.
+        query: SceneQuery,
+        /// The body of each object, ascending, and the number of its first triangle.
+        bodies: Vec<(BodyId, u32)>,
+        /// The last answer, with triangles numbered through in the order of the objects.
+        pairs: Vec<TrianglePair>,
+    },
+}
+
+impl Player {
+    /// Makes the query.
+    ///
+    /// # Errors
+    /// If there are more triangles than u32 can number, or a scene refuses a body.
+    pub fn new(objects: Objects, asked: &Asked) -> Result<Self> {
+        let Asked { accuracy, adjacency, executor } = asked;
+        let Objects { kind, mut models } = objects;
+        Ok(match (kind, &models[..]) {
+            (Kind::Pair, [a, b]) => Self::Pair {
+                models: [a.clone(), b.clone()],
+                a_from_b: Pose::IDENTITY,
+                query: PairQuery::new().with_accuracy(*accuracy).on(executor),
+            },
+            (Kind::SelfMesh, [_]) => {
+                let query = SelfQuery::new().with_accuracy(*accuracy).with_adjacency(*adjacency);
+                Self::SelfMesh { model: models.remove(0), query: query.on(executor) }
+            }
+            _ => {
+                let mut query = SceneQuery::new().with_accuracy(*accuracy).on(executor);
+                let (mut bodies, mut first) = (Vec::new(), 0_u32);
+                for model in models {
+                    let triangles = u32::try_from(model.mesh().triangles().len())?;
+                    bodies.push((query.add(model, Pose::IDENTITY)?, first));
+                    let next = first.checked_add(triangles);
+                    first =
+                        next.context("more triangles than u32 can number: leave out objects")?;
+                }
+                Self::Many { query, bodies, pairs: Vec::new() }
+            }
+        })
+    }
+
+    /// Moves everything to where it is in a frame.
+    ///
+    /// # Errors
+    /// If a pose or a shape is refused.
+    pub fn update(&mut self, frame: Frame<'_>) -> Result<()> {
+        match frame {
+            Frame::Positions(positions) => self.deform(positions),
+            Frame::Poses(poses) => {
+                let mut poses = poses.iter().enumerate();
+                poses.try_for_each(|(object, &pose)| self.place(object, pose))
+            }
+        }
+    }
+
+    /// Moves an object to where it is in the world. The world of a pair is its first object, which stays.
+    ///
+    /// # Errors
+    /// If the pose takes it out of range, or nothing can be moved so.
+    pub fn place(&mut self, object: usize, world_from_object: Pose) -> Result<()> {
+        match self {
+            Self::Pair { a_from_b, .. } if object == 1 => *a_from_b = world_from_object,
+            Self::Pair { .. } if object == 0 => {}
+            Self::Many { query, bodies, .. } if object < bodies.len() => {
+                query.set_pose(bodies[object].0, world_from_object)?;
+            }
+            _ => bail!("there is no rigid object {object}"),
+        }
+        Ok(())
+    }
+
+    /// Moves the vertices of the one mesh.
+    ///
+    /// # Errors
+    /// If a coordinate is not finite, their number is another, or the objects are rigid.
+    pub fn deform(&mut self, positions: &[[f32; 3]]) -> Result<()> {
+        let Self::SelfMesh { model, query } = self else {
+            bail!("the vertices of rigid objects do not move");
+        };
+        Ok(query.set_positions(Arc::make_mut(model), positions)?)
+    }
+
+    /// All pairs, sorted, numbered as in a pair file.
+    ///
+    /// # Errors
+    /// Those of the query; so for all that asks.
+    pub fn all(&mut self) -> Result<&[TrianglePair]> {
+        match self {
+            Self::Pair { models: [a, b], a_from_b, query } => Ok(query.all(a, b, a_from_b)?),
+            Self::SelfMesh { model, query } => Ok(query.all(model)?),
+            Self::Many { query, bodies, pairs } => {
+                let first = |body| bodies[bodies.partition_point(|&(id, _)| id < body)].1;
+                pairs.clear();
+                pairs.extend(query.all()?.iter().map(|hit| {
+                    let [a, b] = hit.bodies.map(first);
+                    TrianglePair { a: a + hit.pair.a, b: b + hit.pair.b }
+                }));
+                // They came by bodies first.
+                pairs.sort_unstable();
+                Ok(pairs)
+            }
+        }
+    }
+
+    /// Finds all pairs as the query gives them, and returns how many there are.
+    ///
+    /// # Errors
+    /// As [`Player::all`].
+    pub fn find(&mut self) -> Result<usize> {
+        match self {
+            Self::Many { query, .. } => Ok(query.all()?.len()),
+            _ => Ok(self.all()?.len()),
+        }
+    }
+
+    /// Whether any pair meets.
+    ///
+    /// # Errors
+    /// As [`Player::all`].
+    pub fn any(&mut self) -> Result<bool> {
+        Ok(match self {
+            Self::Pair { models: [a, b], a_from_b, query } => query.any(a, b, a_from_b)?.is_some(),
+            Self::SelfMesh { model, query } => query.any(model)?.is_some(),
+            Self::Many { query, .. } => query.any()?.is_some(),
+        })
+    }
+
+    /// How many pairs meet.
+    ///
+    /// # Errors
+    /// As [`Player::all`].
+    pub fn count(&mut self) -> Result<u64> {
+        Ok(match self {
+            Self::Pair { models: [a, b], a_from_b, query } => query.count(a, b, a_from_b)?,
+            Self::SelfMesh { model, query } => query.count(model)?,
+            Self::Many { query, .. } => query.count()?,
+        })
+    }
+
+    /// Who answered the last frame, and why.
+    #[must_use]
+    pub fn plan(&self) -> Option<&Plan> {
+        match self {
+            Self::Pair { query, .. } => query.plan(),
+            Self::SelfMesh { query, .. } => query.plan(),
+            Self::Many { query, .. } => query.plan(),
+        }
+    }
+
+    /// What the last frame on threads did.
+    #[must_use]
+    pub fn report(&self) -> Option<&Report> {
+        match self {
+            Self::Pair { query, .. } => query.report(),
+            Self::SelfMesh { query, .. } => query.report(),
+            Self::Many { query, .. } => query.report(),
+        }
+    }
+
+    /// The front that true costs would give, to within 2 %, which is nearer than estimates come; not of scenes.
+    ///
+    /// # Errors
+    /// If the pose is refused.
+    pub fn reference(&self, workers: usize) -> Result<Option<Reference>> {
+        Ok(match self {
+            Self::Pair { models: [a, b], a_from_b, .. } => {
+                let query = PairBvtt::new(a.bvh(), b.bvh(), *a_from_b)?;
+                Some(Reference::of(&query, workers, 0.02))
+            }
+            Self::SelfMesh { model, .. } => {
+                Some(Reference::of(&SelfBvtt::new(model.bvh()), workers, 0.02))
+            }
+            Self::Many { .. } => None,
+        })
+    }
+}
