@@ -12,12 +12,13 @@
 //! - [`regret`]: what a plan costs that was chosen, against the best of all fixed ones.
 //! - [`stability`]: scenes in which a p-partition front could fail, and the paper's equations as printed.
 
-mod binary;
 pub mod chart;
+mod format;
 pub mod judge;
 pub mod motion;
 pub mod pairs;
 pub mod player;
+pub mod plot;
 pub mod recorded;
 pub mod recording;
 pub mod regret;

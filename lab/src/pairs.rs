@@ -4,11 +4,11 @@
 //! (a, b), sorted. Within one mesh a < b; of many objects, triangles are numbered through in the order
 //! of the objects, and a belongs to the lower one.
 
-use crate::binary::{Reader, write_words};
+use crate::format::{Reader, write_words};
 use pfront::TrianglePair;
 use std::io::{self, Read, Seek, Write};
 
-pub use crate::binary::FormatError;
+pub use crate::format::FormatError;
 
 const MAGIC: &[u8; 8] = b"TRICOLP1";
 

@@ -1,15 +1,14 @@
 //! Recorded meshes in contact, for the suite of [`crate`]. They may not be redistributed, so they
 //! are read from a folder: the one that `PFRONT_DATA` names (see `test.sh`).
 
-use crate::suite::{Body, Contacts, NoContact, Site, Suite};
+use crate::suite::{Body, Contacts, Site, Suite};
+use anyhow::{Context, Result};
 use pfront::{Model, Pose};
-use pfront_cli::mesh::{self, ReadError};
+use pfront_cli::mesh;
 use serde::Deserialize;
 use std::collections::HashMap;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-use thiserror::Error;
 
 /// The sets, and with what the names of the recorded cases in each begin.
 const CASES: [(&str, &[&str]); 4] = [
@@ -51,49 +50,6 @@ const NASTY_SELVES: [&str; 9] = [
     "wallhole.obj",
 ];
 
-/// Why recorded data cannot be used.
-#[derive(Debug, Error)]
-pub enum RecordedError {
-    /// A mesh cannot be read.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// Another file cannot be read.
-    #[error("cannot read {}: PFRONT_DATA must name the folder of recorded data", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// The list of cases is not what it should be.
-    #[error("{}", path.display())]
-    Cases {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: serde_json::Error,
-    },
-    /// A mesh is none.
-    #[error("{}", path.display())]
-    Mesh {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: pfront::Error,
-    },
-    /// The positions of a frame are missing.
-    #[error("{} ends before frame {frame}", path.display())]
-    Frame {
-        /// The file.
-        path: PathBuf,
-        /// The frame, from 0.
-        frame: usize,
-    },
-    /// A set has nothing in contact.
-    #[error(transparent)]
-    NoContact(#[from] NoContact),
-}
-
 /// A recorded case: two meshes, and the pose of the second.
 #[derive(Deserialize)]
 struct Case {
@@ -109,7 +65,7 @@ struct Case {
 ///
 /// # Errors
 /// As [`contacts`].
-pub fn suite(seed: u64, size: Option<usize>) -> Result<Suite, RecordedError> {
+pub fn suite(seed: u64, size: Option<usize>) -> Result<Suite> {
     let suite = Suite::generated(seed, size)?;
     let Some(folder) = std::env::var_os("PFRONT_DATA") else {
         eprintln!(
@@ -123,13 +79,12 @@ pub fn suite(seed: u64, size: Option<usize>) -> Result<Suite, RecordedError> {
 /// Bunnies, Buddhas, dragons, gears, cloth and the nasty set, from a folder of recorded data.
 ///
 /// # Errors
-/// [`RecordedError`] names the file at fault.
-pub fn contacts(folder: &Path) -> Result<Vec<Contacts>, RecordedError> {
+/// If a file cannot be read, or is not what it should be.
+pub fn contacts(folder: &Path) -> Result<Vec<Contacts>> {
     let mut library = Library { folder, bodies: HashMap::new() };
     let path = folder.join("oracle/cases.json");
-    let text = read(&path)?;
-    let cases: Vec<Case> =
-        serde_json::from_slice(&text).map_err(|source| RecordedError::Cases { path, source })?;
+    let named = || path.display().to_string();
+    let cases: Vec<Case> = serde_json::from_slice(&read(&path)?).with_context(named)?;
     let mut sets = Vec::new();
     for (set, beginnings) in CASES {
         let belongs = |case: &&Case| beginnings.iter().any(|b| case.name.starts_with(b));
@@ -148,7 +103,7 @@ struct Library<'p> {
 }
 
 impl Library<'_> {
-    fn body(&mut self, file: &str) -> Result<Body, RecordedError> {
+    fn body(&mut self, file: &str) -> Result<Body> {
         if let Some(body) = self.bodies.get(file) {
             return Ok(body.clone());
         }
@@ -157,16 +112,16 @@ impl Library<'_> {
         // The triangles of an STL file share no vertex by index.
         let mesh = if file.ends_with(".stl") { mesh.welded() } else { mesh };
         let body = Model::new(mesh.positions, mesh.triangles).map(Arc::new);
-        let body = body.map_err(|source| RecordedError::Mesh { path, source })?;
+        let body = body.with_context(|| path.display().to_string())?;
         self.bodies.insert(file.to_owned(), body.clone());
         Ok(body)
     }
 
-    fn pair(&mut self, a: &str, b: &str, a_from_b: Pose) -> Result<Site, RecordedError> {
+    fn pair(&mut self, a: &str, b: &str, a_from_b: Pose) -> Result<Site> {
         Ok(Site::Pair { a: self.body(a)?, b: self.body(b)?, a_from_b })
     }
 
-    fn case(&mut self, case: &Case) -> Result<Site, RecordedError> {
+    fn case(&mut self, case: &Case) -> Result<Site> {
         let row = |i: usize| {
             let [x, y, z] = [0, 1, 2].map(|k| case.rotation_row_major[3 * i + k] as f32);
             [x, y, z, case.translation[i] as f32]
@@ -174,7 +129,7 @@ impl Library<'_> {
         self.pair(&case.a, &case.b, Pose::new([0, 1, 2].map(row)))
     }
 
-    fn cloth(&mut self) -> Result<Vec<Site>, RecordedError> {
+    fn cloth(&mut self) -> Result<Vec<Site>> {
         let mut sites = Vec::new();
         for file in ["cloth/cloth_ball/cloth_ball92.ply", "cloth/cloth_ball/cloth_ball93.ply"] {
             sites.push(Site::Within(self.body(file)?));
@@ -185,18 +140,17 @@ impl Library<'_> {
         let bytes = read(&path)?;
         let size = 12 * garment.mesh().positions().len();
         for frame in frames {
-            let short = || RecordedError::Frame { path: path.clone(), frame };
-            let bytes = bytes.get(frame * size..(frame + 1) * size).ok_or_else(short)?;
+            let short = || format!("{} ends before frame {frame}", path.display());
+            let bytes = bytes.get(frame * size..(frame + 1) * size).with_context(short)?;
             let positions: Vec<[f32; 3]> = bytemuck::pod_collect_to_vec(bytes);
             let mut moved = Model::clone(&garment);
-            let done = moved.set_positions(&positions);
-            done.map_err(|source| RecordedError::Mesh { path: path.clone(), source })?;
+            moved.set_positions(&positions).with_context(|| path.display().to_string())?;
             sites.push(Site::Within(Arc::new(moved)));
         }
         Ok(sites)
     }
 
-    fn nasty(&mut self) -> Result<Vec<Site>, RecordedError> {
+    fn nasty(&mut self) -> Result<Vec<Site>> {
         let mut sites = Vec::new();
         for (a, b) in NASTY_PAIRS {
             sites.push(self.pair(&format!("nasty/{a}"), &format!("nasty/{b}"), Pose::IDENTITY)?);
@@ -208,6 +162,8 @@ impl Library<'_> {
     }
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, RecordedError> {
-    std::fs::read(path).map_err(|source| RecordedError::Io { path: path.to_owned(), source })
+fn read(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).with_context(|| {
+        format!("cannot read {}: PFRONT_DATA must name the folder of recorded data", path.display())
+    })
 }

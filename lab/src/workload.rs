@@ -8,14 +8,14 @@
 //! Meshes are read at once, frames as they are asked for, so that a long recording needs no more memory
 //! than a short one.
 
-use crate::binary::{Reader, write_words};
+use crate::format::{Reader, write_words};
 use pfront::Pose;
 use pfront_cli::mesh::MeshData;
 use pfront_testkit::scenes::Kind;
 use std::io::{self, Read, Seek, Write};
 use std::mem::take;
 
-pub use crate::binary::FormatError;
+pub use crate::format::FormatError;
 
 const MAGIC: &[u8; 8] = b"TRICOLW1";
 const KINDS: [Kind; 3] = [Kind::Pair, Kind::SelfMesh, Kind::Many];

@@ -2,15 +2,15 @@
 //! and mesh by mesh.
 
 use pfront::{Adjacency, Model, SelfQuery, TrianglePair};
-use pfront_lab::motion::{Method, NAMES, Row, STEPS, Slide, SlideError, draw, run};
+use pfront_lab::motion::{METHODS, NAMES, Row, STEPS, Slide, figure, run};
 use pfront_testkit::oracle::intersect;
 
 #[test]
 fn exact_changes_where_the_truth_does() {
     let rows = run(32).unwrap();
-    assert_eq!(rows.len(), NAMES.len() * STEPS.len() * Method::ALL.len());
+    assert_eq!(rows.len(), NAMES.len() * STEPS.len() * METHODS.len());
     for Row { slide, step, method, truth, flips, missed, wrong, answers } in &rows {
-        if *method == Method::Exact {
+        if *method == "Exact" {
             assert_eq!([*flips, *missed, *wrong], [0; 3], "{slide}, {step}");
         }
         assert!(truth + flips < *answers);
@@ -19,16 +19,15 @@ fn exact_changes_where_the_truth_does() {
         let of_slide = || rows.iter().filter(|row| row.slide == name);
         let changes: u64 = of_slide().map(|row| row.truth).sum();
         assert!(changes > 0, "nothing happens in {name}");
-        let fast = of_slide().filter(|row| row.method == Method::Fast);
+        let fast = of_slide().filter(|row| row.method == "Fast");
         let flips: u64 = fast.map(|row| row.flips).sum();
         println!("{name}: truth changes {changes} times, Fast flips {flips} times");
     }
     // Where a face slides over a face, plain f32 flickers.
-    let flickers =
-        |row: &&Row| row.slide == NAMES[0] && row.method == Method::Fast && row.flips > 0;
+    let flickers = |row: &&Row| row.slide == NAMES[0] && row.method == "Fast" && row.flips > 0;
     assert!(rows.iter().any(|row| flickers(&row)));
-    let svg = draw(&rows).unwrap();
-    for part in NAMES.into_iter().chain(["Exact", "Fast", "1 ulp", "none"]) {
+    let svg = figure(&rows).svg();
+    for part in NAMES.into_iter().chain(["Exact", "Fast", ">1e-5<", ">0<"]) {
         assert!(svg.contains(part), "no '{part}' in the chart");
     }
 }
@@ -55,6 +54,5 @@ fn queries_change_where_the_truth_does() {
 #[test]
 fn no_other_slide() {
     let error = Slide::by_name("down the hill").err().unwrap();
-    assert_eq!(error, SlideError::UnknownName { name: "down the hill".to_owned() });
     assert!(error.to_string().contains("gears meshing"), "{error}");
 }

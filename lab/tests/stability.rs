@@ -55,7 +55,5 @@ rows! {
     contained: "contained", [Printed, Finer];
     still: "still", [Printed, Finer, Overlap];
     swaying: "swaying", [Printed, Finer, Overlap];
-    grain_and_alpha: "grain-and-alpha", [];
-    capacity: "capacity", [];
     twin: "twin", [];
 }

@@ -1,36 +1,50 @@
-//! `pfront chart`: speed against accuracy.
+//! `pfront-lab chart`: speed against accuracy.
 
-use crate::args;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
+use clap::Args;
 use indicatif::ProgressBar;
-use pfront_cli::executor as how;
 use pfront_cli::output::out;
-use pfront_lab::chart::frames::Machine;
-use pfront_lab::chart::{Charts, Plan};
-use pfront_lab::motion;
-use pfront_lab::recorded;
+use pfront_lab::{chart, motion, recorded};
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
 
-pub(crate) fn run(chart: &args::Chart) -> Result<bool> {
+#[derive(Debug, Args)]
+pub(crate) struct Chart {
+    /// The folder to write into
+    #[arg(long, value_name = "FOLDER")]
+    out: PathBuf,
+    /// How many triangle pairs of all sets together [default: 4 million, or 80,000]
+    #[arg(long, value_name = "N")]
+    pairs: Option<u64>,
+    /// About so many triangles in a built-in scene, instead of its own number
+    #[arg(long, value_name = "TRIANGLES")]
+    size: Option<usize>,
+    /// What is random is generated from this
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Measure little, to see that it works
+    #[arg(long)]
+    quick: bool,
+}
+
+pub(crate) fn run(asked: &Chart) -> Result<bool> {
+    let folder = &asked.out;
     // Before the work, not after it.
-    fs::create_dir_all(&chart.out)
-        .with_context(|| format!("cannot make the folder {}", chart.out.display()))?;
-    let suite = recorded::suite(chart.seed, chart.size)?;
-    let plan = if chart.quick { Plan::QUICK } else { Plan::FULL };
-    let plan = Plan { pairs: chart.pairs.unwrap_or(plan.pairs), ..plan };
-    let machine = Machine { threads: how::number(chart.threads), ..Machine::this() };
-    let spinner = ProgressBar::new_spinner();
-    let charts = Charts::measure(&suite, &plan, &machine, |what| {
-        spinner.set_message(what.to_owned());
-        spinner.tick();
-    })?;
-    spinner.set_message("slow motion");
-    let flips = motion::run(if chart.quick { 16 } else { 256 })?;
-    spinner.finish_and_clear();
-    charts.write(&chart.out)?;
-    fs::write(chart.out.join("flips.svg"), motion::draw(&flips).map_err(|e| anyhow!("{e}"))?)?;
-    motion::write_csv(File::create(chart.out.join("flips.csv"))?, &flips)?;
-    write!(out(), "{}", charts.summary())?;
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let (pairs, rounds, frames) = if asked.quick { (80_000, 3, 16) } else { (4_000_000, 9, 256) };
+    let suite = recorded::suite(asked.seed, asked.size)?;
+    let bar = ProgressBar::new(suite.sets().len() as u64);
+    let sets = chart::measure(&suite, asked.pairs.unwrap_or(pairs), rounds, |set| {
+        bar.set_position(set as u64);
+    });
+    let flips = motion::run(frames)?;
+    bar.finish_and_clear();
+    fs::write(folder.join("pareto.svg"), chart::figure(&sets).svg())?;
+    chart::write_csv(BufWriter::new(File::create(folder.join("pareto.csv"))?), &sets)?;
+    fs::write(folder.join("flips.svg"), motion::figure(&flips).svg())?;
+    motion::write_csv(File::create(folder.join("flips.csv"))?, &flips)?;
+    write!(out(), "{}", chart::summary(&sets))?;
     Ok(true)
 }

@@ -1,53 +1,64 @@
-//! `pfront judge`: whose answers to triangle pairs are right.
+//! `pfront-lab judge`: whose answers to triangle pairs are right.
 
-use crate::args;
 use anyhow::{Context, Result};
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use pfront_cli::output::{Draft, out};
-use pfront_lab::judge::{Judge, OURS, OnGpu, Tally};
+use pfront_lab::judge::{Judge as Counter, OURS, OnGpu, Tally};
 use pfront_lab::recorded;
-use pfront_lab::suite::{Answers, Block, Reader, Writer};
+use pfront_lab::suite::{Block, Reader, Writer, answers};
 use std::fs::File;
 use std::io::{self, BufReader, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Args)]
+pub(crate) struct Judge {
+    /// Triangle pairs with their truth, as --out writes them
+    file: Option<PathBuf>,
+    /// Somebody's answers to the file, a byte for each pair: 1 if they meet, else 0 [default: ours]
+    #[arg(long, value_name = "FILE", requires = "file")]
+    answers: Option<PathBuf>,
+    /// How many pairs to generate, equally many of each set
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, conflicts_with = "file")]
+    pairs: u64,
+    /// What they are generated from
+    #[arg(long, value_name = "SEED", default_value_t = 1, conflicts_with = "file")]
+    seed: u64,
+    /// Write them here, with their truth
+    #[arg(long, value_name = "FILE", conflicts_with = "file")]
+    out: Option<PathBuf>,
+    /// Ask a GPU too
+    #[arg(long, conflicts_with = "answers")]
+    gpu: bool,
+}
 
 /// Blocks of a file that are judged at a time.
 const WAVE: usize = 128;
 
-pub(crate) fn run(args: &args::Judge) -> Result<bool> {
-    let table = match (&args.file, &args.answers) {
+pub(crate) fn run(asked: &Judge) -> Result<bool> {
+    let (sets, columns) = match (&asked.file, &asked.answers) {
         (Some(file), Some(answers)) => of_answers(file, answers),
-        (Some(file), None) => of_file(file, args.gpu),
-        (None, _) => of_suite(args),
+        (Some(file), None) => of_file(file, asked.gpu),
+        (None, _) => of_suite(asked),
     }?;
-    table.print(&mut out())?;
-    Ok(table.columns.iter().all(Column::keeps_its_promise))
+    print(&mut out(), &sets, &columns)?;
+    Ok(columns.iter().all(Column::keeps_its_promise))
 }
 
-/// Answers to some sets.
-struct Table {
-    /// Name and bytes of each set.
-    sets: Vec<String>,
-    columns: Vec<Column>,
-}
+/// The names of sets, and the answers to them.
+type Table = (Vec<String>, Vec<Column>);
 
 /// Somebody's answers: a tally for each set.
 struct Column {
     name: String,
-    promise: Promise,
+    /// Whether no hit may be missed, and none invented.
+    promises: [bool; 2],
     tallies: Vec<Tally>,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Promise {
-    Exact,
-    NoneMissed,
-    Nothing,
 }
 
 /// Ours, while they are counted.
 struct Ours {
-    cpu: Judge,
+    cpu: Counter,
     gpu: Option<(OnGpu, Vec<Tally>)>,
     bar: ProgressBar,
 }
@@ -58,7 +69,7 @@ impl Ours {
         let bar = ProgressBar::new(pairs);
         let style = "{bar:40} {human_pos} of {human_len} pairs, {eta} left";
         bar.set_style(ProgressStyle::with_template(style)?);
-        Ok(Self { cpu: Judge::new(&OURS, sets), gpu, bar })
+        Ok(Self { cpu: Counter::new(&OURS, sets), gpu, bar })
     }
 
     fn add(&mut self, blocks: &[Block]) -> Result<()> {
@@ -72,33 +83,33 @@ impl Ours {
         Ok(())
     }
 
-    fn table(self, sets: Vec<String>) -> Table {
+    fn columns(self) -> Vec<Column> {
         self.bar.finish_and_clear();
         let of_test = |i: usize| self.cpu.scores().iter().map(|score| score[i]).collect();
-        let promises = [Promise::Exact, Promise::Exact, Promise::NoneMissed, Promise::Nothing];
-        let columns = OURS.iter().zip(promises).enumerate().map(|(i, (test, promise))| Column {
+        let promises = [[true; 2], [true; 2], [true, false], [false; 2]];
+        let columns = OURS.iter().zip(promises).enumerate().map(|(i, (test, promises))| Column {
             name: test.name.to_owned(),
-            promise,
+            promises,
             tallies: of_test(i),
         });
         let gpu = self.gpu.map(|(gpu, tallies)| {
             let name = format!("{}, {} left to the CPU", gpu.name(), gpu.left_to_cpu());
-            Column { name, promise: Promise::Exact, tallies }
+            Column { name, promises: [true; 2], tallies }
         });
-        Table { sets, columns: columns.chain(gpu).collect() }
+        columns.chain(gpu).collect()
     }
 }
 
-fn of_suite(args: &args::Judge) -> Result<Table> {
-    let suite = recorded::suite(args.seed, None)?;
+fn of_suite(asked: &Judge) -> Result<Table> {
+    let suite = recorded::suite(asked.seed, None)?;
     let names: Vec<_> = suite.sets().iter().map(|set| set.name().to_owned()).collect();
-    let sets: Vec<_> = names.iter().cloned().zip(suite.shares(args.pairs)).collect();
-    let mut file = match &args.out {
+    let sets: Vec<_> = names.iter().cloned().zip(suite.shares(asked.pairs)).collect();
+    let mut file = match &asked.out {
         None => None,
-        Some(path) => Some(Writer::new(Draft::new(path)?, args.seed, &sets)?),
+        Some(path) => Some(Writer::new(Draft::new(path)?, asked.seed, &sets)?),
     };
-    let mut ours = Ours::new(names.len(), args.pairs, args.gpu)?;
-    for blocks in suite.waves(args.pairs) {
+    let mut ours = Ours::new(names.len(), asked.pairs, asked.gpu)?;
+    for blocks in suite.waves(asked.pairs) {
         if let Some(file) = &mut file {
             blocks.iter().try_for_each(|block| file.add(&block.cases))?;
         }
@@ -107,7 +118,7 @@ fn of_suite(args: &args::Judge) -> Result<Table> {
     if let Some(file) = file {
         file.finish().finish()?;
     }
-    Ok(ours.table(names))
+    Ok((names, ours.columns()))
 }
 
 fn of_file(path: &Path, on_gpu: bool) -> Result<Table> {
@@ -122,7 +133,7 @@ fn of_file(path: &Path, on_gpu: bool) -> Result<Table> {
             wave.push(block);
         }
         if wave.is_empty() {
-            return Ok(ours.table(names));
+            return Ok((names, ours.columns()));
         }
         ours.add(&wave)?;
     }
@@ -130,26 +141,24 @@ fn of_file(path: &Path, on_gpu: bool) -> Result<Table> {
 
 fn of_answers(pairs: &Path, path: &Path) -> Result<Table> {
     let (mut reader, sets) = open(pairs)?;
-    let mut answers = Answers::new(BufReader::new(file(path)?));
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let count = reader.sets().iter().map(|(_, pairs)| pairs).sum();
+    let given = answers(&bytes, count).with_context(|| path.display().to_string())?;
+    let mut given = given.into_iter();
     let mut tallies = vec![Tally::default(); sets.len()];
     while let Some(block) = reader.next_block().with_context(|| pairs.display().to_string())? {
-        let given = answers.next(block.cases.len()).with_context(|| path.display().to_string())?;
-        tallies[block.set].add(&Tally::of(&block.cases, given));
+        tallies[block.set].add(&Tally::of(&block.cases, given.by_ref()));
     }
-    answers.finish().with_context(|| path.display().to_string())?;
     let name = path.display().to_string();
-    Ok(Table { sets, columns: vec![Column { name, promise: Promise::Nothing, tallies }] })
+    Ok((sets, vec![Column { name, promises: [false; 2], tallies }]))
 }
 
 fn open(path: &Path) -> Result<(Reader<BufReader<File>>, Vec<String>)> {
-    let reader = Reader::new(BufReader::new(file(path)?));
-    let reader = reader.with_context(|| path.display().to_string())?;
+    let named = || path.display().to_string();
+    let file = File::open(path).with_context(|| format!("cannot read {}", named()))?;
+    let reader = Reader::new(BufReader::new(file)).with_context(named)?;
     let names = reader.sets().iter().map(|(name, _)| name.clone()).collect();
     Ok((reader, names))
-}
-
-fn file(path: &Path) -> Result<File> {
-    File::open(path).with_context(|| format!("cannot read {}", path.display()))
 }
 
 impl Column {
@@ -160,44 +169,37 @@ impl Column {
     }
 
     fn keeps_its_promise(&self) -> bool {
-        let total = self.total();
-        match self.promise {
-            Promise::Exact => total.wrong() == 0,
-            Promise::NoneMissed => total.missed == 0,
-            Promise::Nothing => true,
-        }
+        let Tally { missed, false_hits, .. } = self.total();
+        self.promises.into_iter().zip([missed, false_hits]).all(|(it, wrong)| !it || wrong == 0)
     }
 }
 
-impl Table {
-    /// A line for each set, then one for each who answered.
-    fn print(&self, out: &mut impl Write) -> io::Result<()> {
-        let letters: Vec<char> = ('A'..='Z').take(self.columns.len()).collect();
-        write!(out, "{:<20} {:>11} {:>11} {:>8}", "set", "pairs", "hits", "3/N")?;
-        letters
-            .iter()
-            .try_for_each(|letter| write!(out, " {:>18}", format!("{letter}: miss/false")))?;
+/// Prints a line for each set, then one for each who answered.
+fn print(out: &mut impl Write, sets: &[String], columns: &[Column]) -> io::Result<()> {
+    let letters = || ('A'..='Z').zip(columns);
+    write!(out, "{:<20} {:>11} {:>11} {:>8}", "set", "pairs", "hits", "3/N")?;
+    letters()
+        .try_for_each(|(letter, _)| write!(out, " {:>18}", format!("{letter}: miss/false")))?;
+    writeln!(out)?;
+    for (i, set) in sets.iter().enumerate() {
+        let tally = columns[0].tallies[i];
+        let (Tally { pairs, hits, .. }, bound) = (tally, 1e-6 * tally.bound());
+        write!(out, "{set:<20} {pairs:>11} {hits:>11} {bound:>8.1e}")?;
+        for column in columns {
+            let Tally { missed, false_hits, .. } = column.tallies[i];
+            write!(out, " {:>18}", format!("{missed}/{false_hits}"))?;
+        }
         writeln!(out)?;
-        for (i, set) in self.sets.iter().enumerate() {
-            let Tally { pairs, hits, .. } = self.columns[0].tallies[i];
-            let bound = 1e-6 * self.columns[0].tallies[i].bound();
-            write!(out, "{set:<20} {pairs:>11} {hits:>11} {bound:>8.1e}")?;
-            for column in &self.columns {
-                let Tally { missed, false_hits, .. } = column.tallies[i];
-                write!(out, " {:>18}", format!("{missed}/{false_hits}"))?;
-            }
-            writeln!(out)?;
-        }
-        for (letter, column) in letters.iter().zip(&self.columns) {
-            let total = column.total();
-            let said = |what: &str, count: u64| match count {
-                0 => format!("0 of {} {what} (< {:.1e})", total.pairs, 1e-6 * total.bound()),
-                _ => format!("{count} of {} {what}", total.pairs),
-            };
-            let (missed, false_hits) =
-                (said("missed", total.missed), said("false hits", total.false_hits));
-            writeln!(out, "{letter}: {}: {missed}, {false_hits}", column.name)?;
-        }
-        writeln!(out, "(< 3/N): where none was seen, the rate is below that with 95 % confidence")
     }
+    for (letter, column) in letters() {
+        let total = column.total();
+        let said = |what: &str, count: u64| match count {
+            0 => format!("0 of {} {what} (< {:.1e})", total.pairs, 1e-6 * total.bound()),
+            _ => format!("{count} of {} {what}", total.pairs),
+        };
+        let [missed, false_hits] =
+            [said("missed", total.missed), said("false hits", total.false_hits)];
+        writeln!(out, "{letter}: {}: {missed}, {false_hits}", column.name)?;
+    }
+    writeln!(out, "(< 3/N): where none was seen, the rate is below that with 95 % confidence")
 }

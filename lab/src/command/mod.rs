@@ -10,7 +10,6 @@ pub(crate) mod replay;
 pub(crate) mod stability;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use std::time::Duration;
 
 /// Progress over frames, on a terminal's standard error; elsewhere nothing.
 fn progress(frames: u64) -> ProgressBar {
@@ -19,8 +18,4 @@ fn progress(frames: u64) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-fn milliseconds(time: Duration) -> f64 {
-    1e3 * time.as_secs_f64()
 }

@@ -1,12 +1,30 @@
-//! `pfront record SCENE FILE`
+//! `pfront-lab record SCENE FILE`
 
 use super::progress;
-use crate::args::Record;
 use anyhow::{Context, Result};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
 use pfront_cli::output::{Draft, out};
 use pfront_lab::recording::Recording;
 use pfront_lab::workload::WorkloadWriter;
+use pfront_testkit::scenes::Scene;
 use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(crate) struct Record {
+    /// The scene
+    #[arg(value_parser = PossibleValuesParser::new(Scene::NAMES))]
+    scene: String,
+    /// Where to
+    file: PathBuf,
+    /// About so many triangles, instead of the scene's own number
+    #[arg(long, value_name = "TRIANGLES")]
+    size: Option<usize>,
+    /// So many frames, instead of the scene's own number
+    #[arg(long, value_name = "N")]
+    frames: Option<u32>,
+}
 
 pub(crate) fn run(record: &Record) -> Result<bool> {
     let (header, mut recording) = Recording::open(&record.scene, record.size, record.frames)?;

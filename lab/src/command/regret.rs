@@ -1,15 +1,40 @@
 //! `pfront regret`: what the choices of an executor cost, against the best of all fixed plans.
 
-use crate::args::Regret;
 use anyhow::Result;
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use pfront_cli::executor as how;
-use pfront_cli::executor::adapter_name;
+use pfront_cli::executor::{Backend, adapter_name, number, parse_threads};
 use pfront_cli::output::{Draft, out};
 use pfront_lab::regret::{Effort, Field, Heading, Scale, Summary, race, recipes, write_csv};
 use std::io::Write;
 use std::num::NonZero;
+use std::path::PathBuf;
 use std::time::Duration;
+
+#[derive(Debug, Args)]
+pub(crate) struct Regret {
+    /// What the cases are generated from
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// How many of them [default: 48, or 8]
+    #[arg(long, value_name = "N")]
+    cases: Option<NonZero<usize>>,
+    /// How often everyone plays a case; short ones are played more often [default: 5, or 1]
+    #[arg(long, value_name = "N")]
+    rounds: Option<NonZero<usize>>,
+    /// CPU threads [default: all]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    threads: Option<NonZero<usize>>,
+    /// What else there is to choose from
+    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    backend: Backend,
+    /// Write one line for each case
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Few and small cases, to see that it works
+    #[arg(long)]
+    quick: bool,
+}
 
 /// Cases, rounds of each at least, and how long to go on with more.
 const FULL: (usize, Effort) = (48, Effort { rounds: 5, time: Duration::from_millis(300) });
@@ -24,7 +49,7 @@ pub(crate) fn run(asked: &Regret) -> Result<bool> {
     let mut csv = asked.csv.as_deref().map(Draft::new).transpose()?;
     let gpu = asked.backend.open()?;
     let mut out = out();
-    let threads = how::number(asked.threads);
+    let threads = number(asked.threads);
     writeln!(out, "seed {}, {threads} threads", asked.seed)?;
     let mut field = Field::new(threads)?;
     if let Some(gpu) = &gpu {

@@ -1,58 +1,27 @@
-//! Who changes an answer when, and whether the truth did.
+//! Which test changes an answer when, and whether the truth did.
 
-use super::slide::{NAMES, Slide, SlideError};
-use crate::textbook::parry;
-use pfront::Accuracy;
-use pfront::core::Triangle;
-use pfront::core::triangle::intersects;
+use super::slide::{NAMES, Slide};
+use crate::judge::{OURS, Test};
+use crate::plot::{Axis, Figure, Panel, Scale, Series};
+use crate::textbook::PARRY;
+use anyhow::Result;
 use pfront_testkit::oracle::intersect;
 use rayon::prelude::*;
+use serde::Serialize;
+use std::io::Write;
 
-/// A test of two triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// [`Accuracy::Exact`].
-    Exact,
-    /// [`Accuracy::Fast`].
-    Fast,
-    /// parry3d's own, which is GJK, as for all its convex shapes.
-    Parry,
-}
-
-impl Method {
-    /// Every method of this build.
-    pub const ALL: &[Self] = &[Self::Exact, Self::Fast, Self::Parry];
-
-    /// The name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Exact => "Exact",
-            Self::Fast => "Fast",
-            Self::Parry => "parry3d",
-        }
-    }
-
-    /// Whether two triangles meet, it says.
-    #[must_use]
-    pub fn meet(self, a: &Triangle, b: &Triangle) -> bool {
-        match self {
-            Self::Exact => intersects(a, b, Accuracy::Exact),
-            Self::Fast => intersects(a, b, Accuracy::Fast),
-            Self::Parry => parry::meet(a, b),
-        }
-    }
-}
+/// The tests of two triangles that are watched: exact, plain f32, and parry3d's own.
+pub const METHODS: [Test; 3] = [OURS[0], OURS[3], PARRY];
 
 /// What one method did on one slide in steps of one size.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// One of [`NAMES`].
     pub slide: &'static str,
     /// By how much the scene moves from frame to frame; its lengths are about 1.
     pub step: f64,
-    /// Who answered.
-    pub method: Method,
+    /// The name of one of [`METHODS`].
+    pub method: &'static str,
     /// How many answers: pairs times frames.
     pub answers: u64,
     /// How often the truth changed.
@@ -72,43 +41,46 @@ pub const STEPS: [f64; 5] = [1.0 / (1 << 24) as f64, 1e-6, 1e-5, 1e-4, 1e-3];
 /// step, then by method.
 ///
 /// # Errors
-/// [`SlideError`] if a scene has changed so that nothing happens in it any more.
+/// If a scene has changed so that nothing happens in it any more.
 ///
 /// # Complexity
 /// Some 30 µs a pair and frame, which the truth takes; up to 130 pairs a slide. On all threads of the rayon pool.
-pub fn run(frames: u32) -> Result<Vec<Row>, SlideError> {
-    let slides: Vec<_> = NAMES.iter().map(|name| Slide::by_name(name)).collect::<Result<_, _>>()?;
+pub fn run(frames: u32) -> Result<Vec<Row>> {
+    let slides: Vec<_> = NAMES.iter().map(|name| Slide::by_name(name)).collect::<Result<_>>()?;
     let courses: Vec<_> = slides.iter().flat_map(|slide| STEPS.map(|step| (slide, step))).collect();
     Ok(courses.into_par_iter().flat_map_iter(|(slide, step)| course(slide, step, frames)).collect())
 }
 
-/// What each method says of one pair, and what is true.
+/// What is true of one pair, and what each method says.
 #[derive(Clone, Default, PartialEq)]
 struct Said {
     truth: bool,
-    answers: Vec<bool>,
+    answers: [bool; METHODS.len()],
 }
 
 /// One slide in steps of one size, half of them before the event.
-fn course(slide: &Slide, step: f64, frames: u32) -> Vec<Row> {
-    let blank = |&method: &Method| Row {
+fn course(slide: &Slide, step: f64, frames: u32) -> [Row; METHODS.len()] {
+    let mut rows = METHODS.map(|method| Row {
         slide: slide.name,
         step,
-        method,
+        method: method.name,
         answers: 0,
         truth: 0,
         flips: 0,
         missed: 0,
         wrong: 0,
-    };
-    let mut rows: Vec<Row> = Method::ALL.iter().map(blank).collect();
+    });
     let mut last: Vec<Said> = Vec::new();
     for frame in 0..frames {
         let length = step * (f64::from(frame) - f64::from(frames) / 2.0);
-        let now: Vec<_> = slide.pairs(length).iter().map(|[a, b]| said(a, b)).collect();
+        let said = |[a, b]: &[_; 2]| Said {
+            truth: intersect(a, b),
+            answers: METHODS.map(|method| (method.meets)(a, b)),
+        };
+        let now: Vec<_> = slide.pairs(length).iter().map(said).collect();
         for (k, row) in rows.iter_mut().enumerate() {
             row.answers += now.len() as u64;
-            row.wrong += count(now.iter().map(|said| said.answers[k] != said.truth));
+            row.wrong += now.iter().filter(|said| said.answers[k] != said.truth).count() as u64;
             // None, in the first frame.
             for (was, is) in last.iter().zip(&now) {
                 let (turned, changed) = (was.truth != is.truth, was.answers[k] != is.answers[k]);
@@ -122,11 +94,47 @@ fn course(slide: &Slide, step: f64, frames: u32) -> Vec<Row> {
     rows
 }
 
-fn said(a: &Triangle, b: &Triangle) -> Said {
-    let answers = Method::ALL.iter().map(|method| method.meet(a, b)).collect();
-    Said { truth: intersect(a, b), answers }
+/// Changes of the truth, and of each method beyond those, over the size of steps. Wrong answers stand below, since a
+/// method that always says the same never flips.
+#[must_use]
+pub fn figure(rows: &[Row]) -> Figure {
+    let counted: [(&str, fn(&Row) -> u64); 2] =
+        [("changes that the truth has not", |row| row.flips), ("wrong answers", |row| row.wrong)];
+    let mut panels = Vec::new();
+    for (what, count) in counted {
+        for slide in NAMES {
+            let of = |method: &str, count: fn(&Row) -> u64| -> Vec<(f64, f64)> {
+                let rows = rows.iter().filter(|row| row.slide == slide && row.method == method);
+                rows.map(|row| (row.step, count(row) as f64)).collect()
+            };
+            let series =
+                |name: &str, points| Series { name: name.to_owned(), points, is_line: true };
+            let mut all: Vec<_> =
+                METHODS.iter().map(|test| series(test.name, of(test.name, count))).collect();
+            all.push(series("changes of the truth", of(METHODS[0].name, |row| row.truth)));
+            let answers = rows.iter().find(|row| row.slide == slide).map_or(0, |row| row.answers);
+            panels.push(Panel {
+                title: format!("{slide}, {answers} answers"),
+                better: "down",
+                x: Axis {
+                    label: "motion per frame (sizes are about 1)".to_owned(),
+                    scale: Scale::Log,
+                },
+                y: Axis { label: what.to_owned(), scale: Scale::Log },
+                series: all,
+            });
+        }
+    }
+    let title = "Answers over slow motion through contact".to_owned();
+    Figure { title, columns: NAMES.len(), panels }
 }
 
-fn count(mut which: impl Iterator<Item = bool>) -> u64 {
-    which.by_ref().filter(|&it| it).count() as u64
+/// Writes a line for each row, below the names of the columns.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
+    let mut table = csv::Writer::from_writer(to);
+    rows.iter().try_for_each(|row| table.serialize(row))?;
+    Ok(table.flush()?)
 }

@@ -1,6 +1,7 @@
 //! Four scenes that move slowly, each made in f64 and rounded once to f32, and the triangle pairs in them that
 //! are worth watching.
 
+use anyhow::{Context, Result, bail};
 use glam::{DAffine3, DQuat, DVec3};
 use pfront::{Adjacency, Model, SelfQuery, TrianglePair};
 use pfront_testkit::oracle::intersect;
@@ -22,31 +23,6 @@ pub struct Slide {
     event: f64,
 }
 
-/// Why there is no such slide.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SlideError {
-    /// No slide has this name.
-    #[error("no slide is called '{name}'; there are {}", NAMES.join(", "))]
-    UnknownName {
-        /// The name asked for.
-        name: String,
-    },
-    /// The scene behind a slide has changed.
-    #[error(
-        "nothing begins or ceases to meet in the slide '{name}': choose another moment of its scene"
-    )]
-    NoEvent {
-        /// The slide.
-        name: &'static str,
-    },
-    /// The scene behind a slide cannot be asked.
-    #[error(transparent)]
-    Query(#[from] pfront::Error),
-    /// The scene behind a slide cannot be made.
-    #[error(transparent)]
-    Scene(#[from] pfront_testkit::scenes::SceneError),
-}
-
 /// Bounds the work; in a scene of thousands, those that change first.
 const MOST_WATCHED: usize = 64;
 /// The length over which a scene is searched for pairs that change.
@@ -56,14 +32,14 @@ impl Slide {
     /// A slide; the lengths of its scene are about 1.
     ///
     /// # Errors
-    /// [`SlideError`] for a name not in [`NAMES`].
-    pub fn by_name(name: &str) -> Result<Self, SlideError> {
+    /// For a name not in [`NAMES`].
+    pub fn by_name(name: &str) -> Result<Self> {
         match name {
             "face on face" => Ok(face_on_face()),
             "corner into face" => Ok(corner_into_face()),
             "gears meshing" => gears_meshing(),
             "cloth closing" => cloth_closing(),
-            _ => Err(SlideError::UnknownName { name: name.to_owned() }),
+            _ => bail!("no slide is called '{name}'; there are {}", NAMES.join(", ")),
         }
     }
 
@@ -102,7 +78,7 @@ impl Slide {
 
     /// Those pairs that meet at some moments of a short way and not at others, and the moment at which the
     /// first of them changes, by bisection.
-    fn those_that_change(mut self) -> Result<Self, SlideError> {
+    fn those_that_change(mut self) -> Result<Self> {
         let moments = [-REACH, 0.0, REACH];
         let found = moments.map(|length| self.meeting(length));
         let [before, between, after] = found;
@@ -114,9 +90,12 @@ impl Slide {
         self.watched = changing.take(MOST_WATCHED).map(|pair| [pair.a, pair.b]).collect();
         let meets = |length: f64| self.pairs(length).first().map(|[a, b]| intersect(a, b));
         let ends = moments.windows(2).find(|ends| meets(ends[0]) != meets(ends[1]));
-        let [mut from, mut to] = ends
-            .and_then(|ends| ends.try_into().ok())
-            .ok_or(SlideError::NoEvent { name: self.name })?;
+        let [mut from, mut to] = ends.and_then(|ends| ends.try_into().ok()).with_context(|| {
+            let name = self.name;
+            format!(
+                "nothing begins or ceases to meet in '{name}': choose another moment of its scene"
+            )
+        })?;
         let start = meets(from);
         while to - from > f64::EPSILON {
             let middle = f64::midpoint(from, to);
@@ -126,7 +105,7 @@ impl Slide {
         Ok(self)
     }
 
-    fn meeting(&self, length: f64) -> Result<BTreeSet<TrianglePair>, SlideError> {
+    fn meeting(&self, length: f64) -> Result<BTreeSet<TrianglePair>> {
         let model = Model::new(self.positions(length), self.triangles.clone())?;
         let mut query = SelfQuery::new().with_adjacency(Adjacency::SkipNeighbours);
         Ok(query.all(&model)?.iter().copied().collect())
@@ -210,7 +189,7 @@ fn corner_into_face() -> Slide {
 }
 
 /// The first sun of the epicyclic train and a planet, which turns on its own from where it meshes.
-fn gears_meshing() -> Result<Slide, SlideError> {
+fn gears_meshing() -> Result<Slide> {
     let scene = Scene::by_name("epicyclic", Some(0))?;
     let mut poses = Vec::new();
     scene.poses(0, &mut poses);
@@ -233,7 +212,7 @@ fn gears_meshing() -> Result<Slide, SlideError> {
 }
 
 /// Two frames of the sheet as its pleats close, and the way from one to the other.
-fn cloth_closing() -> Result<Slide, SlideError> {
+fn cloth_closing() -> Result<Slide> {
     let scene = Scene::by_name("sheet", Some(4_000))?;
     let frame = |number: usize| {
         let mut positions = Vec::new();

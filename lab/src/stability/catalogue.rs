@@ -1,9 +1,9 @@
 //! The scenes by name.
 
-use super::StabilityError;
 use super::limit::Bound;
 use super::scene::{Scene, Step};
 use super::shapes::{chain, grid, needles, wedge};
+use anyhow::Result;
 use pfront::Pose;
 use pfront_testkit::scenes::icosphere;
 
@@ -25,7 +25,7 @@ impl Length {
     }
 }
 
-type Scenes = Result<Vec<Scene>, StabilityError>;
+type Scenes = Result<Vec<Scene>>;
 
 /// Frames of the still and of the swaying scene before they are judged: the depth of the starting front takes
 /// some frames to suit the scene, and a swing some to be damped.
@@ -140,23 +140,6 @@ pub(super) fn twin(length: Length) -> Scenes {
         Step { what: "twin", bound: after_first(i, Bound::Coherent), a_from_b }
     });
     Ok(vec![Scene::two("twin", &needles(count, 0.0), &needles(count, 1.0), steps)?])
-}
-
-/// One frame of answers of several sizes.
-pub(super) fn full(_: Length) -> Scenes {
-    let (sphere, ball, half) = (icosphere(8_000), icosphere(2_000), half());
-    let once = |what, here| alike(what, Bound::None, here, 1);
-    Ok(vec![
-        Scene::two("spheres", &sphere, &sphere, once("still", here()))?,
-        Scene::two("identical", &sphere, &sphere, once("identical", Pose::IDENTITY))?,
-        Scene::two("contained", &sphere, &ball, once("contained", half))?,
-    ])
-}
-
-/// Four frames of two spheres at rest.
-pub(super) fn at_rest() -> Result<Scene, StabilityError> {
-    let sphere = icosphere(20_000);
-    Scene::two("spheres", &sphere, &sphere, alike("still", Bound::Coherent, here(), 4))
 }
 
 fn here() -> Pose {

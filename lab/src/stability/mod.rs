@@ -9,10 +9,8 @@
 //! - [`scene`]: what a scene is; the scenes themselves are private to the rows.
 //! - [`plain`]: the method as printed.
 //! - [`play`]: a scene with all methods. [`rows`]: the matrix and its findings.
-//! - [`times`]: the schedules by the clock.
 
 mod catalogue;
-mod extremes;
 pub mod limit;
 pub mod plain;
 pub mod play;
@@ -20,20 +18,8 @@ mod reference;
 pub mod rows;
 pub mod scene;
 mod shapes;
-pub mod times;
 
 pub use catalogue::Length;
 pub use play::{Frame, Method, Series};
 pub use reference::Reference;
 pub use rows::{Finding, Outcome, ROWS, Row};
-
-/// Why a row could not be measured: a scene that cannot be had, which those of the matrix can.
-#[derive(Debug, thiserror::Error)]
-pub enum StabilityError {
-    /// Its meshes or poses are refused.
-    #[error(transparent)]
-    Refused(#[from] pfront::Error),
-    /// No scene has that name.
-    #[error(transparent)]
-    Scene(#[from] pfront_testkit::scenes::SceneError),
-}

@@ -1,9 +1,9 @@
 //! Playing a scene with many numbers of workers and all methods, each frame checked against one core.
 
-use super::StabilityError;
 use super::limit::{Bound, Census, Hardness, THIN};
 use super::plain::{Evidence, Plain};
 use super::scene::{Scene, Shown, Watch};
+use anyhow::Result;
 use pfront::TrianglePair;
 use pfront::core::bvtt::Query;
 use pfront::threads::{Report, Schedule, Settings, Traversal};
@@ -44,10 +44,10 @@ impl Method {
         }
     }
 
-    pub(super) fn divider(self, workers: usize) -> Divider {
+    fn divider(self, workers: usize) -> Divider {
         let plain = |grain, evidence| Divider::plain(workers, grain, evidence);
         match self {
-            Self::Ours => Divider::ours(workers, |_| ()),
+            Self::Ours => Divider::ours(workers),
             Self::Printed => plain(2.0, Evidence::LastFrame),
             Self::Finer => plain(GRAIN, Evidence::LastFrame),
             Self::Overlap => plain(GRAIN, Evidence::Overlap),
@@ -56,31 +56,29 @@ impl Method {
 }
 
 /// A method at work.
-pub(super) enum Divider {
+enum Divider {
     Ours(Box<Traversal>),
     Plain(Box<Plain>),
 }
 
 impl Divider {
-    /// Ours, with some settings changed.
-    pub(super) fn ours(workers: usize, change: impl FnOnce(&mut Settings)) -> Self {
-        let mut settings = Settings { schedule: Schedule::Static, g: GRAIN, ..Settings::default() };
-        change(&mut settings);
+    fn ours(workers: usize) -> Self {
+        let settings = Settings { schedule: Schedule::Static, g: GRAIN, ..Settings::default() };
         Self::Ours(Box::new(Traversal::new(workers).with_settings(settings)))
     }
 
-    pub(super) fn plain(workers: usize, grain: f64, evidence: Evidence) -> Self {
+    fn plain(workers: usize, grain: f64, evidence: Evidence) -> Self {
         Self::Plain(Box::new(Plain::new(workers, grain, evidence)))
     }
 
-    pub(super) fn all<Q: Query + Sync>(&mut self, query: &Q, out: &mut Vec<TrianglePair>) {
+    fn all<Q: Query + Sync>(&mut self, query: &Q, out: &mut Vec<TrianglePair>) {
         match self {
             Self::Ours(traversal) => traversal.all(std::slice::from_ref(query), out),
             Self::Plain(plain) => plain.all(query, out),
         }
     }
 
-    pub(super) fn report(&self) -> &Report {
+    fn report(&self) -> &Report {
         match self {
             Self::Ours(traversal) => &traversal.report,
             Self::Plain(plain) => plain.report(),
@@ -183,7 +181,7 @@ pub fn play(
     methods: &[Method],
     workers: &[usize],
     tick: &mut dyn FnMut(),
-) -> Result<Played, StabilityError> {
+) -> Result<Played> {
     let all = workers.iter().flat_map(|&p| methods.iter().map(move |&method| (p, method)));
     let (mut series, mut dividers) = (Vec::new(), Vec::new());
     for (workers, method) in all {
@@ -207,7 +205,7 @@ struct Player<'t> {
 }
 
 impl Watch for Player<'_> {
-    fn frame<Q: Query + Sync>(&mut self, &Shown { step, oracle, .. }: &Shown<'_>, query: &Q) {
+    fn frame<Q: Query + Sync>(&mut self, &Shown { step, oracle }: &Shown<'_>, query: &Q) {
         let (expected, triangle_tests) = one_core(query);
         let is_new = std::mem::replace(&mut self.last, step.what) != step.what;
         let mut agreed = true;
@@ -228,7 +226,7 @@ impl Watch for Player<'_> {
 }
 
 /// What one core finds, sorted, and its triangle tests.
-pub(super) fn one_core(query: &impl Query) -> (Vec<TrianglePair>, u64) {
+fn one_core(query: &impl Query) -> (Vec<TrianglePair>, u64) {
     let (mut pairs, mut cursor) = (Vec::new(), query.start());
     // Never broken off.
     let _ = query.visit(&mut cursor, |pair| {

@@ -3,7 +3,7 @@
 use super::catalogue::{self, Length, PERIOD, SETTLING};
 use super::play::{Frame, Method, Played, Series, play};
 use super::scene::Scene;
-use super::{StabilityError, extremes};
+use anyhow::Result;
 
 /// A case of the matrix.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +12,7 @@ pub struct Row {
     pub name: &'static str,
     /// What it is about.
     pub about: &'static str,
-    scenes: fn(Length) -> Result<Vec<Scene>, StabilityError>,
+    scenes: fn(Length) -> Result<Vec<Scene>>,
     methods: &'static [Method],
     judge: Judge,
 }
@@ -24,22 +24,18 @@ enum Judge {
     Balance,
     /// That, and the size of the front in a scene that comes back to where it was after so many frames.
     Settling { period: usize },
-    /// All work, as g and α change.
-    Work,
-    /// The answer, as capacities are one below need.
-    Capacity,
 }
 
 const fn balance(
     name: &'static str,
     about: &'static str,
-    scenes: fn(Length) -> Result<Vec<Scene>, StabilityError>,
+    scenes: fn(Length) -> Result<Vec<Scene>>,
 ) -> Row {
     Row { name, about, scenes, methods: &Method::ALL, judge: Judge::Balance }
 }
 
 /// The matrix.
-pub const ROWS: [Row; 14] = [
+pub const ROWS: [Row; 12] = [
     balance("coherent", "coherent motion", catalogue::coherent),
     balance("flat", "flat, touching and zero-volume boxes", catalogue::flat),
     balance("teleport", "a jump within contact", catalogue::teleport),
@@ -62,20 +58,6 @@ pub const ROWS: [Row; 14] = [
         scenes: catalogue::swaying,
         methods: &Method::ALL,
         judge: Judge::Settling { period: PERIOD },
-    },
-    Row {
-        name: "grain-and-alpha",
-        about: "g and α changed",
-        scenes: |_| Ok(vec![catalogue::at_rest()?]),
-        methods: &[Method::Ours, Method::Printed],
-        judge: Judge::Work,
-    },
-    Row {
-        name: "capacity",
-        about: "room for one fewer than needed",
-        scenes: catalogue::full,
-        methods: &[Method::Ours],
-        judge: Judge::Capacity,
     },
     Row {
         // A frame takes seconds, for each of them.
@@ -172,7 +154,7 @@ impl Row {
     ///
     /// # Errors
     /// If a mesh is refused, which those of the matrix are not.
-    pub fn scenes(&self, length: Length) -> Result<Vec<Scene>, StabilityError> {
+    pub fn scenes(&self, length: Length) -> Result<Vec<Scene>> {
         (self.scenes)(length)
     }
 
@@ -185,21 +167,13 @@ impl Row {
         scenes: &mut [Scene],
         workers: &[usize],
         tick: &mut dyn FnMut(),
-    ) -> Result<Outcome, StabilityError> {
+    ) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         for scene in scenes {
-            let findings = match self.judge {
-                Judge::Work => extremes::work(scene, workers, tick)?,
-                Judge::Capacity => extremes::capacity(scene, workers, tick)?,
-                Judge::Balance | Judge::Settling { .. } => {
-                    let Played { series, by_oracle } = play(scene, self.methods, workers, tick)?;
-                    outcome.by_oracle += by_oracle;
-                    let findings = series.iter().flat_map(|s| self.judge_series(s)).collect();
-                    outcome.series.extend(series);
-                    findings
-                }
-            };
-            outcome.add(findings);
+            let Played { series, by_oracle } = play(scene, self.methods, workers, tick)?;
+            outcome.by_oracle += by_oracle;
+            outcome.add(series.iter().flat_map(|s| self.judge_series(s)).collect());
+            outcome.series.extend(series);
         }
         Ok(outcome)
     }

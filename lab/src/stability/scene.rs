@@ -1,7 +1,7 @@
 //! A scene of the matrix: what moves, how, and what is asked of each frame.
 
-use super::StabilityError;
 use super::limit::Bound;
+use anyhow::Result;
 use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront::{Model, Pose, TrianglePair};
 use pfront_testkit::scenes::TriMesh;
@@ -35,8 +35,6 @@ enum Actors {
 
 /// What is known of a frame beside its query.
 pub struct Shown<'f> {
-    /// Its number.
-    pub index: usize,
     /// What happens in it.
     pub step: &'f Step,
     /// Finds the true pairs by brute force, sorted, in exact arithmetic.
@@ -56,7 +54,7 @@ impl Scene {
         a: &TriMesh,
         b: &TriMesh,
         steps: impl IntoIterator<Item = Step>,
-    ) -> Result<Self, StabilityError> {
+    ) -> Result<Self> {
         let [a, b] = [a, b].map(|mesh| Model::new(mesh.positions.clone(), mesh.triangles.clone()));
         let actors = Actors::Two(Box::new([a?, b?]));
         Ok(Self { name, actors, steps: steps.into_iter().collect() })
@@ -68,7 +66,7 @@ impl Scene {
         triangles: usize,
         first: usize,
         steps: impl IntoIterator<Item = Step>,
-    ) -> Result<Self, StabilityError> {
+    ) -> Result<Self> {
         let sheet = pfront_testkit::scenes::Scene::by_name("sheet", Some(triangles))?;
         let TriMesh { positions, triangles } = sheet.meshes[0].clone();
         let model = Model::new(positions, triangles)?;
@@ -86,15 +84,14 @@ impl Scene {
     ///
     /// # Errors
     /// If a pose or a shape is refused, which those of the matrix are not.
-    pub fn play(&mut self, watch: &mut impl Watch) -> Result<(), StabilityError> {
+    pub fn play(&mut self, watch: &mut impl Watch) -> Result<()> {
         for (index, step) in self.steps.iter().enumerate() {
             match &mut self.actors {
                 Actors::Two(models) => {
                     let [a, b] = &**models;
-                    let query = PairBvtt::new(a.bvh(), b.bvh(), step.a_from_b)
-                        .map_err(pfront::Error::from)?;
+                    let query = PairBvtt::new(a.bvh(), b.bvh(), step.a_from_b)?;
                     let oracle = || pairs(a, b, &step.a_from_b);
-                    watch.frame(&Shown { index, step, oracle: &oracle }, &query);
+                    watch.frame(&Shown { step, oracle: &oracle }, &query);
                 }
                 Actors::Sheet(model, sheet, first) => {
                     let mut positions = Vec::new();
@@ -102,7 +99,7 @@ impl Scene {
                     model.set_positions(&positions)?;
                     let query = SelfBvtt::new(model.bvh());
                     let oracle = || self_pairs(model);
-                    watch.frame(&Shown { index, step, oracle: &oracle }, &query);
+                    watch.frame(&Shown { step, oracle: &oracle }, &query);
                 }
             }
         }

@@ -4,6 +4,7 @@
 //! moved by up to a thousandth of its size: coordinates are other ones each time, and faces that lie
 //! flush along an axis often stay so, since a move may leave out axes.
 
+use anyhow::{Result, ensure};
 use pfront::core::bvtt::{self, Query};
 use pfront::core::{Aabb, Bvh, Triangle};
 use pfront::{Model, Pose};
@@ -11,7 +12,6 @@ use pfront_testkit::oracle::share_a_vertex;
 use pfront_testkit::rng::{Rng, RngExt};
 use rayon::prelude::*;
 use std::sync::Arc;
-use thiserror::Error;
 
 /// A body of a site.
 pub type Body = Arc<Model>;
@@ -32,14 +32,8 @@ pub enum Site {
     Within(Body),
 }
 
-/// Two triangles whose boxes overlap.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Candidate {
-    /// Their indices, for one mesh in ascending order.
-    pub indices: [u32; 2],
-    /// Their corners, posed.
-    pub triangles: [Triangle; 2],
-}
+/// Two triangles whose boxes overlap: their indices, for one mesh in ascending order, and their corners, posed.
+type Candidate = ([u32; 2], [Triangle; 2]);
 
 /// A set of sites, of which each has candidates.
 #[derive(Clone, Debug)]
@@ -48,24 +42,19 @@ pub struct Contacts {
     sites: Vec<Site>,
 }
 
-/// Nothing can be harvested.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("'{name}' has no two triangles whose boxes overlap: nothing can be harvested there")]
-pub struct NoContact {
-    /// The set.
-    pub name: String,
-}
-
 impl Contacts {
     /// A set called `name`. Sites without candidates are left out.
     ///
     /// # Errors
-    /// [`NoContact`] if no site is left.
-    pub fn new(name: &str, sites: Vec<Site>) -> Result<Self, NoContact> {
+    /// If no site is left.
+    pub fn new(name: &str, sites: Vec<Site>) -> Result<Self> {
         let sites: Vec<_> =
             sites.into_par_iter().filter(|site| !site.strangers().is_empty()).collect();
-        let name = name.to_owned();
-        if sites.is_empty() { Err(NoContact { name }) } else { Ok(Self { name, sites }) }
+        ensure!(
+            !sites.is_empty(),
+            "'{name}' has no two triangles whose boxes overlap: leave it out"
+        );
+        Ok(Self { name: name.to_owned(), sites })
     }
 
     /// The name.
@@ -106,33 +95,27 @@ impl Contacts {
             let room = room.min(length - found.len());
             let step = candidates.len().div_ceil(room).max(1);
             let picked = candidates.iter().skip(rng.random_range(0..step)).step_by(step);
-            found.extend(picked.map(|c| (c.triangles[0], c.triangles[1])));
+            found.extend(picked.map(|(_, [a, b])| (*a, *b)));
         }
         found
     }
 }
 
 impl Site {
-    /// All triangle pairs whose boxes overlap, ordered by their indices.
-    #[must_use]
-    pub fn candidates(&self) -> Vec<Candidate> {
-        self.overlapping(|_| true)
-    }
-
-    /// The candidates that share no vertex of one mesh.
+    /// All triangle pairs whose boxes overlap and that share no vertex of one mesh, ordered by their indices.
     fn strangers(&self) -> Vec<Candidate> {
-        let Self::Within(body) = self else { return self.candidates() };
-        let triangles = body.mesh().triangles();
-        self.overlapping(|[i, j]| !share_a_vertex(triangles[i as usize], triangles[j as usize]))
-    }
-
-    fn overlapping(&self, is_meant: impl Fn([u32; 2]) -> bool) -> Vec<Candidate> {
+        let is_meant = |i: u32, j: u32| match self {
+            Self::Pair { .. } => true,
+            Self::Within(body) => {
+                let [s, t] = [i, j].map(|t| body.mesh().triangles()[t as usize]);
+                i < j && !share_a_vertex(s, t)
+            }
+        };
         let (a, b, pose) = match self {
             Self::Pair { a, b, a_from_b } => (a.bvh(), b.bvh(), *a_from_b),
             Self::Within(body) => (body.bvh(), body.bvh(), Pose::IDENTITY),
         };
         let Ok(query) = bvtt::PairBvtt::new(a, b, pose) else { return Vec::new() };
-        let is_one = matches!(self, Self::Within(_));
         let placed = |bvh: &Bvh<'_>, node: u32, pose: &Pose| -> Vec<(u32, Triangle, Aabb)> {
             let leaf = bvh.nodes()[node as usize];
             let run = &bvh.order()[leaf.first as usize..][..leaf.count as usize];
@@ -148,13 +131,13 @@ impl Site {
             let others = placed(&b, pair.b, &pose);
             for (i, ta, box_a) in placed(&a, pair.a, &Pose::IDENTITY) {
                 for &(j, tb, box_b) in &others {
-                    if box_a.overlaps(&box_b) && (!is_one || i < j) && is_meant([i, j]) {
-                        found.push(Candidate { indices: [i, j], triangles: [ta, tb] });
+                    if box_a.overlaps(&box_b) && is_meant(i, j) {
+                        found.push(([i, j], [ta, tb]));
                     }
                 }
             }
         }
-        found.sort_unstable_by_key(|candidate| candidate.indices);
+        found.sort_unstable_by_key(|candidate| candidate.0);
         found
     }
 

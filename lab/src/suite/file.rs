@@ -1,5 +1,4 @@
-//! Triangle pairs with their truth as a file, for anyone to test an implementation with; and what it
-//! answered, as another.
+//! Triangle pairs with their truth as a file, for anyone to test an implementation with; and its answers, as another.
 //!
 //! # Pairs
 //! All numbers are little-endian.
@@ -8,7 +7,7 @@
 //! |---|---|
 //! | 8 | `TRIPAIRS` |
 //! | 4 | version, u32: 1 |
-//! | 4 | number of sets, u32, at most 65,536 |
+//! | 4 | number of sets, u32 |
 //! | 8 | seed that the pairs come from, u64 |
 //! | for each set: 4, n, 8 | n, u32, at most 255; its name, UTF-8; its number of pairs, u64 |
 //! | for each pair, set by set: 72, 1 | a0 a1 a2 b0 b1 b2, each x y z, f32, finite; 1 if they meet, else 0 |
@@ -19,92 +18,15 @@
 //! A byte for each pair, in the order of the pairs: 1 if they meet, else 0. Nothing else.
 
 use super::{BLOCK, Block, Case};
-use std::io::{self, ErrorKind, Read, Write};
-use thiserror::Error;
+use crate::format::{self, FormatError};
+use anyhow::{Result, ensure};
+use std::io::{self, Read, Seek, Write};
 
 const MAGIC: &[u8; 8] = b"TRIPAIRS";
 const VERSION: u32 = 1;
-const MOST_SETS: u32 = 65_536;
 const LONGEST_NAME: u32 = 255;
 /// Bytes of a pair.
 const PAIR: usize = 73;
-
-/// Why a file of pairs or answers is refused.
-#[derive(Debug, Error)]
-pub enum FileError {
-    /// It cannot be read or written.
-    #[error(transparent)]
-    Io(#[from] io::Error),
-    /// It does not begin like one.
-    #[error("not a file of triangle pairs: it does not begin with TRIPAIRS")]
-    Magic,
-    /// Of another version.
-    #[error("version {found} of the format is unknown; this is version {VERSION}")]
-    Version {
-        /// Its version.
-        found: u32,
-    },
-    /// It ends within its list of sets.
-    #[error("the file ends before its list of sets does")]
-    Header,
-    /// There are too many sets.
-    #[error("{found} sets are more than {MOST_SETS}: the file is damaged")]
-    Sets {
-        /// How many it says there are.
-        found: u32,
-    },
-    /// The name of a set is too long or not UTF-8.
-    #[error("the name of set {set} is longer than {LONGEST_NAME} bytes or not UTF-8")]
-    Name {
-        /// Which, from 0.
-        set: usize,
-    },
-    /// It ends before all pairs were read.
-    #[error("the file ends at pair {pair} of set '{set}', which has {pairs}")]
-    Short {
-        /// The set.
-        set: String,
-        /// The first pair that is not whole, from 0.
-        pair: u64,
-        /// How many it should have.
-        pairs: u64,
-    },
-    /// A coordinate is infinite or no number.
-    #[error("pair {pair} of set '{set}' has a coordinate that is not finite")]
-    Coordinate {
-        /// The set.
-        set: String,
-        /// The pair, from 0.
-        pair: u64,
-    },
-    /// A truth is neither 0 nor 1.
-    #[error("the truth of pair {pair} of set '{set}' is {found}; it must be 0 or 1")]
-    Truth {
-        /// The set.
-        set: String,
-        /// The pair, from 0.
-        pair: u64,
-        /// The byte.
-        found: u8,
-    },
-    /// It goes on after its last pair, or answer.
-    #[error("the file goes on after the last pair")]
-    Long,
-    /// There are fewer answers than pairs.
-    #[error("there are only {found} answers: there must be one byte for each pair")]
-    Answers {
-        /// How many there are.
-        found: u64,
-    },
-    /// An answer is neither 0 nor 1.
-    #[error("answer {at} is {found}; it must be 0 or 1")]
-    Answer {
-        /// Which, from 0.
-        at: u64,
-        /// The byte.
-        found: u8,
-    },
-}
 
 /// Writes pairs.
 #[derive(Debug)]
@@ -116,22 +38,14 @@ impl<W: Write> Writer<W> {
     /// Begins a file of sets, each with its name and number of pairs, which have to follow in this order.
     ///
     /// # Errors
-    /// [`FileError::Name`], [`FileError::Sets`], [`FileError::Io`].
-    pub fn new(mut to: W, seed: u64, sets: &[(String, u64)]) -> Result<Self, FileError> {
-        let count = sets.len() as u32;
-        if count > MOST_SETS {
-            return Err(FileError::Sets { found: count });
-        }
+    /// Those of `to`; so for [`Writer::add`].
+    pub fn new(mut to: W, seed: u64, sets: &[(String, u64)]) -> io::Result<Self> {
         to.write_all(MAGIC)?;
         to.write_all(&VERSION.to_le_bytes())?;
-        to.write_all(&count.to_le_bytes())?;
+        to.write_all(&(sets.len() as u32).to_le_bytes())?;
         to.write_all(&seed.to_le_bytes())?;
-        for (set, (name, pairs)) in sets.iter().enumerate() {
-            let length = name.len() as u32;
-            if length > LONGEST_NAME {
-                return Err(FileError::Name { set });
-            }
-            to.write_all(&length.to_le_bytes())?;
+        for (name, pairs) in sets {
+            to.write_all(&(name.len() as u32).to_le_bytes())?;
             to.write_all(name.as_bytes())?;
             to.write_all(&pairs.to_le_bytes())?;
         }
@@ -139,17 +53,12 @@ impl<W: Write> Writer<W> {
     }
 
     /// Writes the next pairs.
-    ///
-    /// # Errors
-    /// If they cannot be written.
-    pub fn add(&mut self, cases: &[Case]) -> Result<(), FileError> {
-        let mut bytes = Vec::with_capacity(cases.len() * PAIR);
+    pub fn add(&mut self, cases: &[Case]) -> io::Result<()> {
         for Case { a, b, meets } in cases {
-            let coordinates = a.iter().chain(b).flatten();
-            bytes.extend(coordinates.flat_map(|x| x.to_le_bytes()));
-            bytes.push(u8::from(*meets));
+            format::write_words(&mut self.to, &[*a, *b])?;
+            self.to.write_all(&[u8::from(*meets)])?;
         }
-        Ok(self.to.write_all(&bytes)?)
+        Ok(())
     }
 
     /// Hands back what was written to.
@@ -161,45 +70,55 @@ impl<W: Write> Writer<W> {
 /// Reads pairs, a block at a time.
 #[derive(Debug)]
 pub struct Reader<R> {
-    from: R,
+    from: format::Reader<R>,
     seed: u64,
     sets: Vec<(String, u64)>,
     /// The set that is read, and how many of its pairs have been.
     at: (usize, u64),
 }
 
-impl<R: Read> Reader<R> {
-    /// Reads the list of sets. Give it a buffered reader.
+impl<R: Read + Seek> Reader<R> {
+    /// Reads the list of sets, and checks that their pairs are there. Give it a buffered reader.
     ///
     /// # Errors
-    /// [`FileError`] says what is wrong with it.
-    pub fn new(mut from: R) -> Result<Self, FileError> {
+    /// [`FormatError`] says what is wrong, and where.
+    pub fn new(from: R) -> Result<Self, FormatError> {
+        let mut from = format::Reader::new(from)?;
         let mut magic = [0; 8];
-        read(&mut from, &mut magic, || FileError::Magic)?;
+        from.bytes("the magic", &mut magic)?;
         if &magic != MAGIC {
-            return Err(FileError::Magic);
+            return Err(from.invalid(
+                8,
+                "this is not a file of triangle pairs: it does not begin with TRIPAIRS",
+            ));
         }
-        let version = number(&mut from)?;
+        let version = from.u32("the version")?;
         if version != VERSION {
-            return Err(FileError::Version { found: version });
+            return Err(from.invalid(4, format!("version {version} is unknown; this is {VERSION}")));
         }
-        let count = number(&mut from)?;
-        if count > MOST_SETS {
-            return Err(FileError::Sets { found: count });
-        }
-        let seed = long_number(&mut from)?;
-        let mut sets = Vec::new();
-        for set in 0..count as usize {
-            let length = number(&mut from)?;
+        let count = from.u32("the number of sets")?;
+        let seed = from.u64("the seed")?;
+        from.fits("the sets", count.into(), 12)?;
+        let (mut sets, mut total) = (Vec::new(), 0_u64);
+        for set in 0..count {
+            let length = from.u32("the length of a name")?;
+            let wrong =
+                format!("the name of set {set} is longer than {LONGEST_NAME} bytes or not UTF-8");
             if length > LONGEST_NAME {
-                return Err(FileError::Name { set });
+                return Err(from.invalid(4, wrong));
             }
             let mut name = vec![0; length as usize];
-            read(&mut from, &mut name, || FileError::Header)?;
-            let name = String::from_utf8(name).map_err(|_| FileError::Name { set })?;
-            sets.push((name, long_number(&mut from)?));
+            from.bytes("the name of a set", &mut name)?;
+            let name = String::from_utf8(name).map_err(|_| from.invalid(length.into(), wrong))?;
+            let pairs = from.u64("the number of pairs")?;
+            total = total.saturating_add(pairs);
+            sets.push((name, pairs));
         }
-        Ok(Self { from, seed, sets, at: (0, 0) })
+        from.fits("the pairs", total, PAIR)?;
+        match from.left() - total * PAIR as u64 {
+            0 => Ok(Self { from, seed, sets, at: (0, 0) }),
+            left => Err(from.invalid(0, format!("{left} bytes more than the pairs take"))),
+        }
     }
 
     /// The seed that the pairs come from.
@@ -214,66 +133,53 @@ impl<R: Read> Reader<R> {
         &self.sets
     }
 
-    /// The next block; `None` after the last, when the file ends as it should.
+    /// The next block; `None` after the last.
     ///
     /// # Errors
-    /// [`FileError`] names the pair at fault.
-    pub fn next_block(&mut self) -> Result<Option<Block>, FileError> {
+    /// [`FormatError`] names the pair at fault.
+    pub fn next_block(&mut self) -> Result<Option<Block>, FormatError> {
         while self.sets.get(self.at.0).is_some_and(|(_, pairs)| self.at.1 >= *pairs) {
             self.at = (self.at.0 + 1, 0);
         }
         let (set, first) = self.at;
-        let Some((name, pairs)) = self.sets.get(set) else {
-            return if self.from.read(&mut [0])? == 0 { Ok(None) } else { Err(FileError::Long) };
-        };
+        let Some((name, pairs)) = self.sets.get(set) else { return Ok(None) };
         let length = (pairs - first).min(BLOCK as u64);
         let mut cases = Vec::with_capacity(length as usize);
         for pair in first..first + length {
-            let mut bytes = [0; PAIR];
-            let short = || FileError::Short { set: name.clone(), pair, pairs: *pairs };
-            read(&mut self.from, &mut bytes, short)?;
-            let point =
-                |i: usize| [0, 1, 2].map(|k| f32::from_le_bytes(four(&bytes, 12 * i + 4 * k)));
-            let [a, b] = [0, 3].map(|first| [0, 1, 2].map(|i| point(first + i)));
-            if a.iter().chain(&b).flatten().any(|x| !x.is_finite()) {
-                return Err(FileError::Coordinate { set: name.clone(), pair });
-            }
-            let meets = match bytes[PAIR - 1] {
-                truth @ 0..=1 => truth == 1,
-                found => return Err(FileError::Truth { set: name.clone(), pair, found }),
+            let (mut corners, mut truth) = ([[[0_f32; 3]; 3]; 2], [0]);
+            self.from.words("a pair", &mut corners)?;
+            self.from.bytes("the truth of a pair", &mut truth)?;
+            let wrong = match truth[0] {
+                _ if !corners.iter().flatten().flatten().all(|x| x.is_finite()) => {
+                    "a coordinate that is not finite".to_owned()
+                }
+                0 | 1 => {
+                    let [a, b] = corners;
+                    cases.push(Case { a, b, meets: truth[0] == 1 });
+                    continue;
+                }
+                found => format!("the truth {found}, which must be 0 or 1"),
             };
-            cases.push(Case { a, b, meets });
+            return Err(self
+                .from
+                .invalid(PAIR as u64, format!("pair {pair} of set '{name}' has {wrong}")));
         }
         self.at.1 += length;
         Ok(Some(Block { set, cases }))
     }
 }
 
-/// Four bytes of a pair.
-fn four(bytes: &[u8; PAIR], at: usize) -> [u8; 4] {
-    [0, 1, 2, 3].map(|i| bytes[at + i])
-}
-
-fn number(from: &mut impl Read) -> Result<u32, FileError> {
-    let mut bytes = [0; 4];
-    read(from, &mut bytes, || FileError::Header)?;
-    Ok(u32::from_le_bytes(bytes))
-}
-
-fn long_number(from: &mut impl Read) -> Result<u64, FileError> {
-    let mut bytes = [0; 8];
-    read(from, &mut bytes, || FileError::Header)?;
-    Ok(u64::from_le_bytes(bytes))
-}
-
-/// Fills `bytes`, or says what a file that ends before has failed to give.
-pub(super) fn read(
-    from: &mut impl Read,
-    bytes: &mut [u8],
-    short: impl FnOnce() -> FileError,
-) -> Result<(), FileError> {
-    from.read_exact(bytes).map_err(|error| match error.kind() {
-        ErrorKind::UnexpectedEof => short(),
-        _ => error.into(),
-    })
+/// Checks somebody's answers to so many pairs.
+///
+/// # Errors
+/// If there are fewer or more, or one is neither 0 nor 1.
+pub fn answers(bytes: &[u8], pairs: u64) -> Result<Vec<bool>> {
+    let found = bytes.len();
+    ensure!(
+        found as u64 == pairs,
+        "there are {found} answers to {pairs} pairs: write one byte for each"
+    );
+    let wrong = bytes.iter().position(|byte| *byte > 1);
+    ensure!(wrong.is_none(), "answer {} is neither 0 nor 1", wrong.unwrap_or_default());
+    Ok(bytes.iter().map(|byte| *byte == 1).collect())
 }

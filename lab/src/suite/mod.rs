@@ -8,15 +8,14 @@
 //! set, its number and its length alone, so blocks come in parallel, on demand, and the same on every
 //! machine; a suite of 10^8 pairs takes no memory.
 
-mod answers;
 mod contacts;
 pub mod file;
 mod scenes;
 
-pub use answers::Answers;
-pub use contacts::{Body, Candidate, Contacts, NoContact, Site};
-pub use file::{FileError, Reader, Writer};
+pub use contacts::{Body, Contacts, Site};
+pub use file::{Reader, Writer, answers};
 
+use anyhow::Result;
 use pfront::core::Triangle;
 use pfront_testkit::oracle::intersect;
 use pfront_testkit::rng::seeded;
@@ -103,8 +102,8 @@ impl Suite {
     /// knots and folded sheet, in about `size` triangles each or as many as is usual.
     ///
     /// # Errors
-    /// [`NoContact`] if a scene is too coarse for its bodies to come near each other.
-    pub fn generated(seed: u64, size: Option<usize>) -> Result<Self, NoContact> {
+    /// If a scene is too coarse for its bodies to come near each other.
+    pub fn generated(seed: u64, size: Option<usize>) -> Result<Self> {
         Ok(scenes::all(size)?.into_iter().fold(Self::of_families(seed), Self::with))
     }
 

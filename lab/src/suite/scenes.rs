@@ -1,6 +1,7 @@
 //! Contacts of the generated scenes: always there, and the same on every machine.
 
-use super::{Body, Contacts, NoContact, Site};
+use super::{Body, Contacts, Site};
+use anyhow::Result;
 use glam::{DAffine3, DMat3, DVec3};
 use pfront::{Model, Pose};
 use pfront_testkit::scenes::{Kind, Scene};
@@ -15,15 +16,14 @@ const SCENES: [(&str, &[usize]); 4] = [
 ];
 
 /// All sets, each in about `size` triangles.
-pub(super) fn all(size: Option<usize>) -> Result<Vec<Contacts>, NoContact> {
+pub(super) fn all(size: Option<usize>) -> Result<Vec<Contacts>> {
     SCENES.map(|(name, frames)| contacts(name, frames, size)).into_iter().collect()
 }
 
-fn contacts(name: &str, frames: &[usize], size: Option<usize>) -> Result<Contacts, NoContact> {
-    let none = || NoContact { name: name.to_owned() };
-    let scene = Scene::by_name(name, size).map_err(|_| none())?;
+fn contacts(name: &str, frames: &[usize], size: Option<usize>) -> Result<Contacts> {
+    let scene = Scene::by_name(name, size)?;
     let model = |positions: &[[f32; 3]], triangles: &[[u32; 3]]| {
-        Model::new(positions.to_vec(), triangles.to_vec()).map(Arc::new).map_err(|_| none())
+        Model::new(positions.to_vec(), triangles.to_vec()).map(Arc::new)
     };
     let bodies = scene.meshes.iter().map(|mesh| model(&mesh.positions, &mesh.triangles));
     let bodies = bodies.collect::<Result<Vec<Body>, _>>()?;

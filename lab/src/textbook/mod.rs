@@ -6,14 +6,17 @@
 //! - Guigue & Devillers, *Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates*
 //!   (JGT 8(1), 2003), in f32 and in f64: `orientation`;
 //! - the theorem of separating axes (Gottschalk, Lin & Manocha, *OBBTree*, 1996, for triangles): `axes`;
-//! - what parry3d itself does for two triangles, GJK (feature `parry`).
+//! - what parry3d itself does for two triangles, GJK.
 
 mod axes;
 mod moller;
 mod orientation;
-pub(crate) mod parry;
+mod parry;
 
 use crate::judge::Test;
+
+/// parry3d's own test.
+pub(crate) const PARRY: Test = Test { name: "parry3d's own (GJK), f32", meets: parry::meet };
 
 /// All of them.
 #[must_use]

@@ -15,7 +15,7 @@ thread_local! {
     static IS_ASKED: Cell<bool> = const { Cell::new(false) };
 }
 
-pub(crate) fn meet(a: &Triangle, b: &Triangle) -> bool {
+pub(super) fn meet(a: &Triangle, b: &Triangle) -> bool {
     static QUIET: Once = Once::new();
     QUIET.call_once(|| {
         let usual = panic::take_hook();

@@ -1,4 +1,4 @@
-//! Studies, of very little.
+//! `pfront-lab judge` and `chart`, of very little.
 
 use super::{command, folder, out, refused};
 use std::fs;
@@ -39,13 +39,12 @@ fn judging_ours_and_somebodys_answers() {
     fs::write(at.join("few.bin"), &truths[..659]).unwrap();
     fs::write(at.join("short.bin"), &bytes[..bytes.len() - 1]).unwrap();
     for (arguments, message) in [
-        ("judge pairs.bin --answers few.bin", "few.bin: there are only 659 answers"),
-        ("judge right.bin", "right.bin: not a file of triangle pairs"),
-        ("judge short.bin", "short.bin: the file ends at pair 19 of set 'sheet', which has 20"),
+        ("judge pairs.bin --answers few.bin", "few.bin: there are 659 answers to 660 pairs"),
+        ("judge right.bin", "right.bin: at byte 0"),
+        ("judge short.bin", "too few for the pairs"),
         ("judge nothing.bin", "cannot read nothing.bin"),
         ("judge pairs.bin --pairs 9", "cannot be used with"),
         ("judge --answers right.bin", "required"),
-        ("chart --out right.bin", "cannot make the folder right.bin"),
     ] {
         let refused = refused(at, arguments);
         assert!(refused.contains(message), "{arguments}: {refused}");
@@ -56,12 +55,14 @@ fn judging_ours_and_somebodys_answers() {
 fn charts_are_written() {
     let folder = folder();
     let at = folder.path();
-    let summary = generated(at, "chart --out charts --quick --pairs 660 --size 8000 --threads 2");
-    assert!(summary.contains("triangle pairs") && summary.contains("whole queries"), "{summary}");
-    for file in ["pairs.svg", "contacts.svg", "frames.svg"] {
+    let summary = generated(at, "chart --out charts --quick --pairs 660 --size 8000");
+    assert!(summary.starts_with("triangle pairs") && summary.contains("torus-knots"), "{summary}");
+    for (file, part) in [("pareto.svg", "Guigue-Devillers, f64"), ("flips.svg", "gears meshing")] {
         let svg = fs::read_to_string(at.join("charts").join(file)).unwrap();
-        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{file}");
+        assert!(svg.contains(part) && svg.contains("better: ") && svg.ends_with("</svg>\n"));
     }
-    let table = fs::read_to_string(at.join("charts/pareto.csv")).unwrap();
-    assert!(table.contains("frame,sheet,1,\"Exact, 2 threads, hybrid, leaves of 8\""), "{table}");
+    for (file, part) in [("pareto.csv", "sheet,1,pfront Exact,"), ("flips.csv", "cloth closing,")] {
+        let table = fs::read_to_string(at.join("charts").join(file)).unwrap();
+        assert!(table.contains(part), "{table}");
+    }
 }

@@ -6,7 +6,7 @@ use std::fs;
 #[test]
 fn the_matrix_as_table_csv_and_charts() {
     let folder = folder();
-    let asked = "stability --quick --row few-nodes,contained --p 2,64 --csv m.csv --svg m.svg";
+    let asked = "stability --quick --row few-nodes,contained --p 2,64 --csv m.csv";
     let table = out(folder.path(), asked);
     for part in ["few-nodes", "pfront, g = 16    passes 2 of 2 rows", "fails contained"] {
         assert!(table.contains(part), "no '{part}' in:\n{table}");
@@ -18,8 +18,4 @@ fn the_matrix_as_table_csv_and_charts() {
     assert!(
         lines.lines().skip(1).all(|line| columns(line) == columns(lines.lines().nth(1).unwrap()))
     );
-    let svg = fs::read_to_string(folder.path().join("m.svg")).unwrap();
-    for part in ["few: imbalance, p = 64", "contained: time by schedule", "work stealing"] {
-        assert!(svg.contains(part), "no '{part}'");
-    }
 }
