@@ -7,7 +7,6 @@
 //! - [`chart`]: speed against accuracy of all that pfront offers and of the textbook.
 //! - [`judge`]: how many answers of whom are wrong.
 //! - [`textbook`]: the triangle tests of the literature, as printed, to compare with.
-//! - [`motion`]: slow slides through contact, where an answer must not flicker; scenes of known answer.
 //! - [`player`]: a query about a workload, whatever moves in it.
 //! - [`regret`]: what a plan costs that was chosen, against the best of all fixed ones.
 //! - [`stability`]: scenes in which a p-partition front could fail, and the paper's equations as printed.
@@ -15,7 +14,6 @@
 pub mod chart;
 mod format;
 pub mod judge;
-pub mod motion;
 pub mod pairs;
 pub mod player;
 pub mod plot;

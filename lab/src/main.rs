@@ -49,8 +49,8 @@ enum Command {
     Judge(Judge),
     /// Chart speed against accuracy of tests of two triangles, pfront's and those of the literature
     ///
-    /// Writes pareto.svg and pareto.csv, for slow slides through contact flips.svg and flips.csv, and prints what
-    /// Exact costs. With the meshes of the folder that PFRONT_DATA names, if it does.
+    /// Writes pareto.svg and pareto.csv, and prints what Exact costs. With the meshes of the folder that PFRONT_DATA
+    /// names, if it does.
     Chart(Chart),
     /// Show that fronts divide work evenly where they could fail, beside the paper's equations as printed
     ///

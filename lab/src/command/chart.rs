@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use indicatif::ProgressBar;
 use pfront_cli::output::out;
-use pfront_lab::{chart, motion, recorded};
+use pfront_lab::{chart, recorded};
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -33,18 +33,15 @@ pub(crate) fn run(asked: &Chart) -> Result<bool> {
     // Before the work, not after it.
     fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let (pairs, rounds, frames) = if asked.quick { (80_000, 3, 16) } else { (4_000_000, 9, 256) };
+    let (pairs, rounds) = if asked.quick { (80_000, 3) } else { (4_000_000, 9) };
     let suite = recorded::suite(asked.seed, asked.size)?;
     let bar = ProgressBar::new(suite.sets().len() as u64);
     let sets = chart::measure(&suite, asked.pairs.unwrap_or(pairs), rounds, |set| {
         bar.set_position(set as u64);
     });
-    let flips = motion::run(frames)?;
     bar.finish_and_clear();
     fs::write(folder.join("pareto.svg"), chart::figure(&sets).svg())?;
     chart::write_csv(BufWriter::new(File::create(folder.join("pareto.csv"))?), &sets)?;
-    fs::write(folder.join("flips.svg"), motion::figure(&flips).svg())?;
-    motion::write_csv(File::create(folder.join("flips.csv"))?, &flips)?;
     write!(out(), "{}", chart::summary(&sets))?;
     Ok(true)
 }

@@ -1,120 +1,63 @@
-//! Cases of a mesh that deforms and is asked about itself: the folded sheet of [`pfront_testkit::scenes`].
+//! Cases of a mesh that deforms and is asked about itself: the folded sheet of the built-in scenes.
 
+use super::bodies::model;
 use super::case::Frame;
-use super::latin::by_factors;
-use super::recipe::{Built, Scale};
-use super::shapes::model;
+use super::recipe::{Built, Motion, Recipe, Scale, by_factors};
 use crate::player::Objects;
 use anyhow::Result;
 use glam::Vec3;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt};
 use pfront_testkit::scenes::{Kind, Scene};
 
-/// How it moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Motion {
-    /// Open, without contact.
-    Open,
-    /// As the scene does: pleats meet and wander.
-    Folding,
-    /// A fiftieth as fast.
-    Slow,
-    /// Set to where it is already.
-    Still,
-    /// Only its first fiftieth, as far as vertices are numbered, follows the scene.
-    Corner,
-    /// Some frames open, some folded, and so on.
-    Meeting,
-    /// At any moment of the scene, each frame another.
-    Teleporting,
-}
-
-impl Motion {
-    pub(super) const ALL: [Self; 7] = [
-        Self::Open,
-        Self::Folding,
-        Self::Slow,
-        Self::Still,
-        Self::Corner,
-        Self::Meeting,
-        Self::Teleporting,
-    ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Open => "open",
-            Self::Folding => "folding",
-            Self::Slow => "slow",
-            Self::Still => "still",
-            Self::Corner => "a corner moves",
-            Self::Meeting => "folding and opening",
-            Self::Teleporting => "teleporting",
-        }
-    }
-}
-
-/// What is drawn at random for a case.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cloth {
-    pub(super) motion: Motion,
-    /// How large: 0 to 1, by factors.
-    pub(super) size: f64,
-}
-
 /// Frames of the scene that lie folded.
 const FOLDED: std::ops::Range<usize> = 45..110;
 
-impl Cloth {
-    fn triangles(&self, scale: &Scale) -> usize {
-        by_factors(8, scale.triangles, self.size)
-    }
+fn triangles(recipe: &Recipe, scale: &Scale) -> usize {
+    by_factors(8, scale.triangles, recipe.size)
+}
 
-    /// Seconds that a frame takes one thread, at a guess that is seldom too low.
-    pub(super) fn seconds(&self, scale: &Scale) -> f64 {
-        200e-9 * self.triangles(scale) as f64
-    }
+/// Seconds that a frame takes one thread, at a guess that is seldom too low.
+pub(super) fn seconds(recipe: &Recipe, scale: &Scale) -> f64 {
+    200e-9 * triangles(recipe, scale) as f64
+}
 
-    pub(super) fn build(
-        &self,
-        scale: &Scale,
-        frames: usize,
-        random: &mut ChaCha8Rng,
-    ) -> Result<Built> {
-        let mut scene = Scene::by_name("sheet", Some(self.triangles(scale)))?;
-        let first = random.random_range(FOLDED);
-        let period = random.random_range(3..12);
-        let at = |moment: usize| {
-            let mut positions = Vec::new();
-            scene.positions(moment, &mut positions);
+pub(super) fn build(
+    recipe: &Recipe,
+    scale: &Scale,
+    frames: usize,
+    random: &mut ChaCha8Rng,
+) -> Result<Built> {
+    let mut scene = Scene::by_name("sheet", Some(triangles(recipe, scale)))?;
+    let first = random.random_range(FOLDED);
+    let period = random.random_range(3..12);
+    let at = |moment: usize| {
+        let mut positions = Vec::new();
+        scene.positions(moment, &mut positions);
+        positions
+    };
+    // Slow motion goes a fiftieth of the way from one of these to the other.
+    let ends = [at(first), at(first + 1)];
+    let positions = |frame: usize, random: &mut ChaCha8Rng| match recipe.motion {
+        Motion::Apart => at(frame % 4),
+        Motion::Still => ends[0].clone(),
+        Motion::Slow => between(&ends, frame as f32 / 50.0),
+        Motion::Few => {
+            let mut positions = ends[0].clone();
+            let moving = positions.len().div_ceil(50);
+            positions[..moving].copy_from_slice(&at(first + frame)[..moving]);
             positions
-        };
-        // What does not go through the scene goes from one of these to the other, or part of the way.
-        let ends = [at(first), at(first + 1)];
-        let positions = |frame: usize, random: &mut ChaCha8Rng| match self.motion {
-            Motion::Open => at(frame % 4),
-            Motion::Folding => at(first + frame),
-            Motion::Slow => between(&ends, frame as f32 / 50.0),
-            Motion::Still => ends[0].clone(),
-            Motion::Corner => {
-                let mut positions = ends[0].clone();
-                let moving = positions.len().div_ceil(50);
-                positions[..moving].copy_from_slice(&at(first + frame)[..moving]);
-                positions
-            }
-            Motion::Meeting if (frame / period).is_multiple_of(2) => at(frame % 4),
-            Motion::Meeting => at(first + frame),
-            Motion::Teleporting => at(random.random_range(0..scene.frames())),
-        };
-        let frames = (0..frames).map(|frame| Frame::Positions(positions(frame, random))).collect();
-        Ok(Built {
-            class: format!("sheet, {}", self.motion.name()),
-            objects: Objects {
-                kind: Kind::SelfMesh,
-                models: vec![model(scene.meshes.swap_remove(0))?],
-            },
-            frames,
-        })
-    }
+        }
+        Motion::Meeting if (frame / period).is_multiple_of(2) => at(frame % 4),
+        Motion::Teleporting => at(random.random_range(0..scene.frames())),
+        Motion::Passing | Motion::Meeting | Motion::Gears => at(first + frame),
+    };
+    let frames = (0..frames).map(|frame| Frame::Positions(positions(frame, random))).collect();
+    let models = vec![model(scene.meshes.swap_remove(0))?];
+    Ok(Built {
+        class: format!("sheet, {}", recipe.motion.name()),
+        objects: Objects { kind: Kind::SelfMesh, models },
+        frames,
+    })
 }
 
 /// Part of the way, or beyond.

@@ -8,32 +8,14 @@
 //! - [`Field`]: who plays. [`race`]: a case, played by all of them in turn.
 //! - [`Row`], [`Summary`]: what that came to, as text or with [`write_csv`].
 
+mod bodies;
 mod case;
 mod cloth;
-mod crowd;
-mod field;
-mod latin;
 mod race;
 mod recipe;
 mod row;
-mod shapes;
-mod table;
-mod two;
 
 pub use case::{Case, Frame, Verb};
-pub use field::{Field, Lane};
-pub use race::{Effort, HOPELESS, race};
+pub use race::{Effort, Field, race};
 pub use recipe::{Recipe, Scale, recipes};
-pub use row::{Outcome, Row, Summary};
-pub use table::{Heading, write_csv};
-
-/// Whether a GPU lacks the memory for a question, which is no fault of it.
-fn lacks_memory(error: &anyhow::Error) -> bool {
-    #[cfg(feature = "gpu")]
-    if let Some(pfront::Error::Gpu(error)) = error.downcast_ref() {
-        use pfront::gpu::GpuError::{OutOfMemory, TooLarge};
-        return matches!(error, TooLarge { .. } | OutOfMemory { .. });
-    }
-    let _ = error;
-    false
-}
+pub use row::{Heading, Outcome, Row, Summary, write_csv};

@@ -10,16 +10,86 @@
 //! how far it is from itself is how far figures can be trusted.
 
 use super::case::Case;
-use super::field::Field;
-use super::lacks_memory;
+use super::recipe::{Scale, samples};
 use super::row::{Outcome, Row};
 use crate::median;
 use crate::player::Player;
 use crate::tally::Tally;
 use anyhow::{Result, ensure};
 use pfront::Executor;
+#[cfg(feature = "gpu")]
+use pfront::gpu::Gpu;
+use pfront::threads::Traversal;
 use pfront_testkit::rng::{seeded, seq::SliceRandom};
+use rayon::ThreadPoolBuilder;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// All who play a case.
+pub struct Field {
+    /// Plans that never change, each with its name; the first is one thread.
+    pub fixed: Vec<(String, Executor)>,
+    /// The one that chooses.
+    pub chooser: Executor,
+}
+
+impl Field {
+    /// One thread; 2, 4, 8 … of them, and all `threads`, of which the last also chooses.
+    ///
+    /// # Errors
+    /// If there is no pool of as many threads.
+    pub fn new(threads: usize) -> Result<Self> {
+        let mut chooser = Executor::sequential();
+        let mut fixed = vec![("sequential".to_owned(), chooser.clone())];
+        let powers = (1..).map(|i| 1 << i).take_while(|&p| p < threads);
+        for p in powers.chain((threads > 1).then_some(threads)) {
+            let pool = Arc::new(ThreadPoolBuilder::new().num_threads(p).build()?);
+            chooser = Executor::from(Traversal::with_pool(pool));
+            fixed.push((format!("{p} threads"), chooser.clone()));
+        }
+        Ok(Self { fixed, chooser })
+    }
+
+    /// Adds a GPU to the fixed plans, and to the choice.
+    ///
+    /// # Errors
+    /// If the GPU fails while it is measured.
+    #[cfg(feature = "gpu")]
+    pub fn with_gpu(mut self, gpu: &Gpu) -> Result<Self> {
+        self.fixed.push(("GPU".to_owned(), Executor::gpu(gpu, gpu.settings())));
+        self.chooser = self.chooser.and_gpu(gpu, gpu.settings())?;
+        Ok(self)
+    }
+
+    /// Lets everyone play something of each kind, so that threads are up and shaders compiled before anything is
+    /// timed.
+    ///
+    /// # Errors
+    /// As [`race`].
+    pub fn warm_up(&self) -> Result<()> {
+        for recipe in samples() {
+            let case = recipe.build(&Scale::QUICK)?;
+            for executor in self.fixed.iter().map(|lane| &lane.1).chain([&self.chooser]) {
+                match play(&case, executor) {
+                    Err(error) if lacks_memory(&error) => continue,
+                    played => played?,
+                };
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a GPU lacks the memory for a question, which is no fault of it.
+fn lacks_memory(error: &anyhow::Error) -> bool {
+    #[cfg(feature = "gpu")]
+    if let Some(pfront::Error::Gpu(error)) = error.downcast_ref() {
+        use pfront::gpu::GpuError::{OutOfMemory, TooLarge};
+        return matches!(error, TooLarge { .. } | OutOfMemory { .. });
+    }
+    let _ = error;
+    false
+}
 
 /// How long to play.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +104,7 @@ pub struct Effort {
 const MOST: usize = 40;
 
 /// A fixed plan that takes so many times as long as the best is not played again.
-pub const HOPELESS: f64 = 20.0;
+pub(super) const HOPELESS: f64 = 20.0;
 
 /// Plays a case.
 ///
@@ -44,9 +114,9 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
     ensure!(!field.fixed.is_empty(), "there is no fixed plan to compare with: give one thread");
     let mut rehearsal = Rehearsal { case, digests: Vec::new() };
     let (mut outcomes, mut best) = (Vec::<Outcome>::new(), f64::INFINITY);
-    for lane in &field.fixed {
+    for (name, executor) in &field.fixed {
         // The first is never given up: all others are compared with it.
-        let outcome = rehearsal.play(&lane.name, &lane.executor, HOPELESS * best)?;
+        let outcome = rehearsal.play(name, executor, HOPELESS * best)?;
         best = best.min(outcome.seconds());
         outcomes.push(outcome);
     }
@@ -67,8 +137,8 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
         for &turn in &turns {
             let executor = match turn {
                 turn if turn == chooser => &field.chooser,
-                turn if turn == again => &field.fixed[twin].executor,
-                lane => &field.fixed[lane].executor,
+                turn if turn == again => &field.fixed[twin].1,
+                lane => &field.fixed[lane].1,
             };
             times[turn].push(play(case, executor)?);
         }
@@ -77,7 +147,7 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
     let noise = over(&times[again], &times[twin]) - 1.0;
     let to_chooser: Vec<_> = (0..chooser).map(|lane| over(&times[chooser], &times[lane])).collect();
     let mut medians = times.iter_mut().map(|times| median(times));
-    let names = field.fixed.iter().map(|lane| lane.name.clone());
+    let names = field.fixed.iter().map(|lane| lane.0.clone());
     let lanes = names.zip(outcomes).zip(medians.by_ref().zip(to_chooser));
     let fixed = lanes.map(|((name, outcome), (seconds, chooser))| {
         (name, if outcome.is_timed() { Outcome::Took { seconds, chooser } } else { outcome })
@@ -109,7 +179,7 @@ fn over(own: &[f64], other: &[f64]) -> f64 {
 
 /// Seconds that a whole case takes: making the query, which uploads what a GPU needs, and all frames. Models are
 /// there.
-pub(super) fn play(case: &Case, executor: &Executor) -> Result<f64> {
+fn play(case: &Case, executor: &Executor) -> Result<f64> {
     let objects = case.fresh();
     let clock = Instant::now();
     let mut player = Player::new(objects, &executor.into())?;
@@ -178,8 +248,7 @@ impl Rehearsal<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::regret::{Field, Heading, Lane, Scale, Summary, recipes, write_csv};
-    use pfront::threads::Traversal;
+    use crate::regret::{Heading, Summary, recipes, write_csv};
 
     const ONCE: Effort = Effort { rounds: 1, time: Duration::ZERO };
 
@@ -231,7 +300,7 @@ mod tests {
     #[test]
     fn without_a_fixed_plan_there_is_no_regret() {
         let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
-        let field = Field { fixed: Vec::<Lane>::new(), chooser: Executor::sequential() };
+        let field = Field { fixed: Vec::new(), chooser: Executor::sequential() };
         assert!(race(&case, &field, &ONCE).unwrap_err().to_string().contains("one thread"));
     }
 }

@@ -4,19 +4,17 @@
 //! | here | paper |
 //! |---|---|
 //! | `Plain::starting_front` | F_s at depth d_s, sections 3.2.1 and 5.2: 4^d_s nodes, fixed |
-//! | `bound` | the right side of eq. 1 (last frame) or eq. 4 (overlap only) |
+//! | `bound` | the right side of eq. 1 |
 //! | `Plain::front` | Algorithm 2 |
-//! | `share` | eq. 3, that is eq. 2 with a constant α |
-//! | `volume` | V of eqs. 2 to 4, raw |
+//! | `cost` of a child | eq. 3, that is eq. 2 with a constant α |
+//! | `volume` | V of eqs. 2 and 3, raw |
 //! | `deal` | section 3.3: descending order, each to the least loaded |
 //! | `Plain::walk` | section 3.4: costs are saved back to F_s by the backward index |
 //!
-//! Three things the paper leaves open had to be settled:
+//! Two things the paper leaves open had to be settled:
 //! - A leaf pair above the bound has no children. Algorithm 2 would drop it, and with it an answer; it stays
 //!   in the front.
 //! - A node of F_s that does not overlap costs its one test, so it is not stored but found missing.
-//! - Where only overlap is known, |n| is a volume, and the test that eq. 3 takes off it has no volume. A
-//!   child is then worth its own V, as a node of F_s is in eq. 4.
 
 use pfront::TrianglePair;
 use pfront::core::Aabb;
@@ -25,21 +23,11 @@ use pfront::threads::{Report, Share};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
-/// What costs are estimated from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Evidence {
-    /// Section 3.2.1: costs of the last frame, split by overlap.
-    LastFrame,
-    /// Section 3.2.2: the volume of the overlap and nothing else.
-    Overlap,
-}
-
 /// Frames of a query by the paper's equations, in counted work and on one thread: what p workers would do.
 #[derive(Clone, Debug)]
 pub struct Plain {
     workers: usize,
     grain: f64,
-    evidence: Evidence,
     /// |n_s^{t−1}| of the nodes of F_s that overlapped.
     last: HashMap<NodePair, f64>,
     report: Report,
@@ -55,9 +43,9 @@ struct Node {
 impl Plain {
     /// For p = `workers`, at least 1, with g = `grain`; the paper uses 2.
     #[must_use]
-    pub fn new(workers: usize, grain: f64, evidence: Evidence) -> Self {
+    pub fn new(workers: usize, grain: f64) -> Self {
         let (last, report) = (HashMap::new(), Report::default());
-        Self { workers: workers.max(1), grain, evidence, last, report }
+        Self { workers: workers.max(1), grain, last, report }
     }
 
     /// What the last frame did: shares, nodes and tests, as [`pfront::threads::Traversal`] counts them.
@@ -100,19 +88,11 @@ impl Plain {
 
     /// Algorithm 2.
     fn front(&mut self, query: &impl Query, starting: &[NodePair]) -> Vec<Node> {
-        let weight = |n: &NodePair| match self.evidence {
-            // The first frame: |n_s| = 1 (section 3.4).
-            Evidence::LastFrame => self.last.get(n).copied().unwrap_or(1.0),
-            Evidence::Overlap => volume(query.boxes(*n)),
-        };
-        let total: f64 = match self.evidence {
-            Evidence::LastFrame => {
-                let apart = (1_usize << (2 * self.depth())).saturating_sub(self.last.len());
-                self.last.values().sum::<f64>() + apart as f64
-            }
-            Evidence::Overlap => starting.iter().map(weight).sum(),
-        };
-        // Eq. 1; eq. 4.
+        // The first frame: |n_s| = 1 (section 3.4).
+        let weight = |n: &NodePair| self.last.get(n).copied().unwrap_or(1.0);
+        let apart = (1_usize << (2 * self.depth())).saturating_sub(self.last.len());
+        let total = self.last.values().sum::<f64>() + apart as f64;
+        // Eq. 1.
         let bound = total / (self.grain * self.workers as f64);
         let costed = |&pair| Node { pair, cost: weight(&pair), sprouted_from: pair };
         // Lines 1 to 5.
@@ -131,9 +111,8 @@ impl Plain {
             }
             let sum: f64 = children.iter().map(|child| child.1).sum();
             for (pair, volume) in children {
-                // Eq. 3; section 3.2.2.
-                let share = volume / sum * (node.cost - 1.0);
-                let cost = if self.evidence == Evidence::LastFrame { share } else { volume };
+                // Eq. 3.
+                let cost = volume / sum * (node.cost - 1.0);
                 let child = Node { pair, cost, sprouted_from: node.sprouted_from };
                 if cost < bound { front.push(child) } else { queue.push(child) }
             }
@@ -227,7 +206,7 @@ mod tests {
 
     #[test]
     fn starting_fronts_are_as_deep_as_the_papers() {
-        let depth = |workers| Plain::new(workers, 2.0, Evidence::LastFrame).depth();
+        let depth = |workers| Plain::new(workers, 2.0).depth();
         assert_eq!([1, 8, 9, 64, 1024, 1 << 20].map(depth), [3, 3, 4, 5, 7, 7]);
     }
 }

@@ -1,7 +1,7 @@
 //! Playing a scene with many numbers of workers and all methods, each frame checked against one core.
 
 use super::limit::{Bound, Census, Hardness, THIN};
-use super::plain::{Evidence, Plain};
+use super::plain::Plain;
 use super::scene::{Scene, Shown, Watch};
 use anyhow::Result;
 use pfront::TrianglePair;
@@ -21,17 +21,13 @@ pub enum Method {
     /// [`Traversal`] with a static schedule and g = 16: nothing but the front and its dealing makes up the
     /// balance.
     Ours,
-    /// [`Plain`] with the paper's g = 2, by the costs of the last frame.
+    /// [`Plain`] with the paper's g = 2.
     Printed,
-    /// The same with our g.
-    Finer,
-    /// [`Plain`] with our g, by overlap only.
-    Overlap,
 }
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Ours, Self::Printed, Self::Finer, Self::Overlap];
+    pub const ALL: [Self; 2] = [Self::Ours, Self::Printed];
 
     /// What tables call it.
     #[must_use]
@@ -39,18 +35,6 @@ impl Method {
         match self {
             Self::Ours => "pfront, g = 16",
             Self::Printed => "eqs. 1-3, g = 2",
-            Self::Finer => "eqs. 1-3, g = 16",
-            Self::Overlap => "eqs. 3-4, g = 16",
-        }
-    }
-
-    fn divider(self, workers: usize) -> Divider {
-        let plain = |grain, evidence| Divider::plain(workers, grain, evidence);
-        match self {
-            Self::Ours => Divider::ours(workers),
-            Self::Printed => plain(2.0, Evidence::LastFrame),
-            Self::Finer => plain(GRAIN, Evidence::LastFrame),
-            Self::Overlap => plain(GRAIN, Evidence::Overlap),
         }
     }
 }
@@ -62,13 +46,12 @@ enum Divider {
 }
 
 impl Divider {
-    fn ours(workers: usize) -> Self {
+    fn new(method: Method, workers: usize) -> Self {
         let settings = Settings { schedule: Schedule::Static, g: GRAIN, ..Settings::default() };
-        Self::Ours(Box::new(Traversal::new(workers).with_settings(settings)))
-    }
-
-    fn plain(workers: usize, grain: f64, evidence: Evidence) -> Self {
-        Self::Plain(Box::new(Plain::new(workers, grain, evidence)))
+        match method {
+            Method::Ours => Self::Ours(Box::new(Traversal::new(workers).with_settings(settings))),
+            Method::Printed => Self::Plain(Box::new(Plain::new(workers, 2.0))),
+        }
     }
 
     fn all<Q: Query + Sync>(&mut self, query: &Q, out: &mut Vec<TrianglePair>) {
@@ -172,21 +155,16 @@ pub struct Played {
     pub by_oracle: usize,
 }
 
-/// Plays a scene with each of `workers` and of `methods`; calls `tick` after each frame.
+/// Plays a scene with each of `workers` and every method; calls `tick` after each frame.
 ///
 /// # Errors
 /// As [`Scene::play`].
-pub fn play(
-    scene: &mut Scene,
-    methods: &[Method],
-    workers: &[usize],
-    tick: &mut dyn FnMut(),
-) -> Result<Played> {
-    let all = workers.iter().flat_map(|&p| methods.iter().map(move |&method| (p, method)));
+pub fn play(scene: &mut Scene, workers: &[usize], tick: &mut dyn FnMut()) -> Result<Played> {
+    let all = workers.iter().flat_map(|&p| Method::ALL.map(move |method| (p, method)));
     let (mut series, mut dividers) = (Vec::new(), Vec::new());
     for (workers, method) in all {
         series.push(Series { scene: scene.name, method, workers, frames: Vec::new() });
-        dividers.push(method.divider(workers));
+        dividers.push(Divider::new(method, workers));
     }
     let mut player =
         Player { series, dividers, by_oracle: 0, census: Census::default(), last: "", tick };

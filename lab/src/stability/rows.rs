@@ -13,7 +13,6 @@ pub struct Row {
     /// What it is about.
     pub about: &'static str,
     scenes: fn(Length) -> Result<Vec<Scene>>,
-    methods: &'static [Method],
     judge: Judge,
 }
 
@@ -31,7 +30,7 @@ const fn balance(
     about: &'static str,
     scenes: fn(Length) -> Result<Vec<Scene>>,
 ) -> Row {
-    Row { name, about, scenes, methods: &Method::ALL, judge: Judge::Balance }
+    Row { name, about, scenes, judge: Judge::Balance }
 }
 
 /// The matrix.
@@ -49,21 +48,15 @@ pub const ROWS: [Row; 12] = [
         name: "still",
         about: "200 frames at rest",
         scenes: catalogue::still,
-        methods: &Method::ALL,
         judge: Judge::Settling { period: 1 },
     },
     Row {
         name: "swaying",
         about: "to and fro in 16 frames",
         scenes: catalogue::swaying,
-        methods: &Method::ALL,
         judge: Judge::Settling { period: PERIOD },
     },
-    Row {
-        // A frame takes seconds, for each of them.
-        methods: &[Method::Ours, Method::Printed],
-        ..balance("twin", "all boxes overlap all boxes", catalogue::twin)
-    },
+    balance("twin", "all boxes overlap all boxes", catalogue::twin),
 ];
 
 /// A figure and its limit, for one method and number of workers.
@@ -170,7 +163,7 @@ impl Row {
     ) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         for scene in scenes {
-            let Played { series, by_oracle } = play(scene, self.methods, workers, tick)?;
+            let Played { series, by_oracle } = play(scene, workers, tick)?;
             outcome.by_oracle += by_oracle;
             outcome.add(series.iter().flat_map(|s| self.judge_series(s)).collect());
             outcome.series.extend(series);

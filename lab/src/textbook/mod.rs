@@ -15,9 +15,6 @@ mod parry;
 
 use crate::judge::Test;
 
-/// parry3d's own test.
-pub(crate) const PARRY: Test = Test { name: "parry3d's own (GJK), f32", meets: parry::meet };
-
 /// All of them.
 #[must_use]
 pub fn tests() -> Vec<Test> {

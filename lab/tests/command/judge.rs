@@ -57,12 +57,10 @@ fn charts_are_written() {
     let at = folder.path();
     let summary = generated(at, "chart --out charts --quick --pairs 660 --size 8000");
     assert!(summary.starts_with("triangle pairs") && summary.contains("torus-knots"), "{summary}");
-    for (file, part) in [("pareto.svg", "Guigue-Devillers, f64"), ("flips.svg", "gears meshing")] {
-        let svg = fs::read_to_string(at.join("charts").join(file)).unwrap();
-        assert!(svg.contains(part) && svg.contains("better: ") && svg.ends_with("</svg>\n"));
+    let read = |file: &str| fs::read_to_string(at.join("charts").join(file)).unwrap();
+    let svg = read("pareto.svg");
+    for part in ["Guigue-Devillers, f64", "better: lower left", "ns per triangle pair"] {
+        assert!(svg.contains(part), "no '{part}'");
     }
-    for (file, part) in [("pareto.csv", "sheet,1,pfront Exact,"), ("flips.csv", "cloth closing,")] {
-        let table = fs::read_to_string(at.join("charts").join(file)).unwrap();
-        assert!(table.contains(part), "{table}");
-    }
+    assert!(read("pareto.csv").contains("sheet,1,pfront Exact,"));
 }

@@ -12,8 +12,8 @@ fn the_matrix_as_table_csv_and_charts() {
         assert!(table.contains(part), "no '{part}' in:\n{table}");
     }
     let lines = fs::read_to_string(folder.path().join("m.csv")).unwrap();
-    // Two scenes of four frames, two numbers of workers, four methods.
-    assert_eq!(lines.lines().count(), 1 + 2 * 4 * 2 * 4);
+    // Two scenes of four frames, two numbers of workers, two methods.
+    assert_eq!(lines.lines().count(), 1 + 2 * 4 * 2 * 2);
     let columns = |line: &str| line.split(',').count();
     assert!(
         lines.lines().skip(1).all(|line| columns(line) == columns(lines.lines().nth(1).unwrap()))

