@@ -3,7 +3,7 @@
 //! `cargo bench --bench cpu_vs_gpu --features gpu`, on the best adapter, if only one that computes on the
 //! CPU. A mesh that deforms is moved and refitted in each frame, where it is asked about. With recorded
 //! data (`PFRONT_DATA`, see test.sh) two dragons of 871,414 triangles are added. All answers are compared
-//! before anything is timed. Where the device spends its time: `pfront bench gpu`.
+//! before anything is timed. Where the device spends its time: `pfront-lab passes`.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a bench fails by panicking")]
 

@@ -77,19 +77,19 @@ pub(crate) struct TwoMeshes {
     pub(crate) b: PathBuf,
     /// Pose of B in the frame of A: 12 numbers, a 3×4 matrix row by row
     #[arg(long, value_name = "M", allow_hyphen_values = true, conflicts_with_all = ["translate", "rotate"])]
-    #[arg(value_parser = numbers::<12>)]
+    #[arg(value_parser = matrix)]
     pose: Option<[f32; 12]>,
     /// Move B
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = numbers::<3>)]
     translate: Option<[f32; 3]>,
     /// First turn B about an axis through its origin, in degrees
     #[arg(long, value_name = "X,Y,Z,DEGREES", allow_hyphen_values = true)]
-    #[arg(value_parser = numbers::<4>)]
+    #[arg(value_parser = rotation)]
     rotate: Option<[f32; 4]>,
 }
 
 impl TwoMeshes {
-    /// `a_from_b`; an axis of length 0 does not turn.
+    /// The pose `a_from_b`.
     pub(crate) fn a_from_b(&self) -> Pose {
         if let Some(m) = self.pose {
             return Pose::new([0, 4, 8].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]));
@@ -115,6 +115,19 @@ fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
     parsed.try_into().map_err(|_| format!("needs {N} numbers, separated by commas, not {found}"))
 }
 
+/// A pose, which must leave something of a mesh.
+fn matrix(text: &str) -> Result<[f32; 12], String> {
+    let rows = numbers::<12>(text)?;
+    let is_point = rows.chunks_exact(4).all(|row| row[..3] == [0.0; 3]);
+    if is_point { Err("it would shrink B to a point".to_owned()) } else { Ok(rows) }
+}
+
+/// An axis, which must have a length, and degrees.
+fn rotation(text: &str) -> Result<[f32; 4], String> {
+    let numbers = numbers::<4>(text)?;
+    if numbers[..3] == [0.0; 3] { Err("the axis has no length".to_owned()) } else { Ok(numbers) }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct SelfCollision {
     /// The mesh
@@ -133,9 +146,9 @@ pub(crate) struct SelfCollision {
 
 #[derive(Debug, Args)]
 pub(crate) struct Listing {
-    /// How to print
-    #[arg(long, value_enum, default_value_t = Format::Table)]
-    pub(crate) format: Format,
+    /// How to print [default: by the extension of --out, else a table]
+    #[arg(long, value_enum)]
+    format: Option<Format>,
     /// Also where they meet: a segment and the normals of both triangles, in the frame of A
     #[arg(long)]
     pub(crate) contacts: bool,
@@ -147,8 +160,20 @@ pub(crate) struct Listing {
 impl Listing {
     /// Where a picture is asked for.
     pub(crate) fn picture(&self) -> Option<&Path> {
-        let is_ply = |path: &&Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
-        self.out.as_deref().filter(is_ply)
+        self.out.as_deref().filter(|_| self.has_extension("ply"))
+    }
+
+    pub(crate) fn format(&self) -> Format {
+        self.format.unwrap_or(match () {
+            () if self.has_extension("json") => Format::Json,
+            () if self.has_extension("csv") => Format::Csv,
+            () => Format::Table,
+        })
+    }
+
+    fn has_extension(&self, wanted: &str) -> bool {
+        let extension = self.out.as_deref().and_then(Path::extension);
+        extension.is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
     }
 }
 
@@ -166,7 +191,7 @@ pub(crate) enum Format {
 pub(crate) struct Bake {
     /// The mesh
     pub(crate) mesh: PathBuf,
-    /// Where to [default: beside the mesh, as .pfb]
+    /// Where to [default: the current folder, under the name of the mesh, as .pfb]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     /// How the BVH is built

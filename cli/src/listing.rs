@@ -57,10 +57,10 @@ impl Found<'_> {
     /// Prints to where the options say.
     pub(crate) fn print(&self, listing: &Listing) -> Result<()> {
         let Some(path) = &listing.out else {
-            return Ok(self.write(listing.format, &mut BufWriter::new(out()))?);
+            return Ok(self.write(listing.format(), &mut BufWriter::new(out()))?);
         };
         let mut file = Draft::new(path)?;
-        let written = self.write(listing.format, &mut file);
+        let written = self.write(listing.format(), &mut file);
         written.with_context(|| format!("cannot write {}", path.display()))?;
         file.finish()
     }

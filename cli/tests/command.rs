@@ -79,8 +79,15 @@ fn pairs_in_every_format() {
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["contacts"][1]["a"], 3);
     assert_eq!(json["contacts"][0]["normals"][0], serde_json::json!([0.0, 0.0, -1.0]));
-    assert_eq!(out(at, "pairs a.obj b.obj --format csv --out found.csv"), "");
-    assert_eq!(fs::read_to_string(at.join("found.csv")).unwrap(), "a,b\n0,0\n3,0\n");
+    // The extension tells the format, unless an option does.
+    for (options, file, text) in [
+        ("", "found.CSV", "a,b\n0,0\n3,0\n"),
+        ("", "found.json", "{\"pairs\":[[0,0],[3,0]]}\n"),
+        ("--format csv", "found.txt", "a,b\n0,0\n3,0\n"),
+    ] {
+        assert_eq!(out(at, &format!("pairs a.obj b.obj {options} --out {file}")), "");
+        assert_eq!(fs::read_to_string(at.join(file)).unwrap(), text);
+    }
     for threads in 1..4 {
         let found = out(at, &format!("pairs a.obj b.obj --format csv --threads {threads}"));
         assert_eq!(found, "a,b\n0,0\n3,0\n");
@@ -116,6 +123,12 @@ fn poses() {
         "--translate 1,2,nan",
     ] {
         assert!(refused(at, &format!("pairs a.obj b.obj {bad}")).contains("number"), "{bad}");
+    }
+    for (bad, why) in [
+        ("--rotate 0,0,0,30", "the axis has no length"),
+        ("--pose 0,0,0,5,0,0,0,0,0,0,0,0", "shrink B to a point"),
+    ] {
+        assert!(refused(at, &format!("pairs a.obj b.obj {bad}")).contains(why), "{bad}");
     }
     refused(at, "pairs a.obj b.obj --pose 1,0,0,5,0,1,0,0,0,0,1,0 --translate 1,0,0");
 }

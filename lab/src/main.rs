@@ -60,8 +60,9 @@ enum Command {
     Stability(Stability),
     /// Measure what --backend auto costs, against the best of all plans that never change
     ///
-    /// Cases are generated from a seed, from one triangle to three million and from two bodies to ten thousand;
-    /// everyone plays each of them in turn, and answers are compared. A/A is how far a plan is from itself.
+    /// Cases are drawn from a seed: a built-in scene of up to three million triangles, its frames as they are, still,
+    /// alternating or in any order. Everyone plays each case in turn, and answers are compared. A/A is how far a plan is
+    /// from itself.
     Regret(Regret),
     /// Show where a GPU spends its time: the median of each pass, by the device's own clock
     Passes(Passes),

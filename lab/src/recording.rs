@@ -4,7 +4,7 @@ use crate::workload::{Frame, Header, Workload};
 use anyhow::{Context, Result, ensure};
 use pfront::Pose;
 use pfront_cli::mesh::MeshData;
-use pfront_testkit::scenes::{Kind, Scene};
+use pfront_testkit::scenes::{Kind, Scene, TriMesh};
 use std::fs::File;
 use std::io::BufReader;
 
@@ -27,12 +27,7 @@ impl Recording {
         if Scene::NAMES.contains(&name) {
             let scene = Box::new(Scene::by_name(name, size)?);
             let frames = frames.map_or_else(|| u32::try_from(scene.frames()), Ok)?;
-            let meshes = scene.meshes.iter().map(|mesh| MeshData {
-                positions: mesh.positions.clone(),
-                triangles: mesh.triangles.clone(),
-            });
-            let objects = scene.objects.iter().map(|&mesh| mesh as u32).collect();
-            let header = Header { kind: scene.kind(), meshes: meshes.collect(), objects, frames };
+            let header = header(&scene, frames);
             let (poses, positions) = Default::default();
             return Ok((header, Self(Source::Scene { scene, frames, next: 0, poses, positions })));
         }
@@ -69,5 +64,19 @@ impl Recording {
         poses.clear();
         poses.extend(rows.into_iter().map(Pose::new));
         Ok(Some(Frame::Poses(poses)))
+    }
+}
+
+/// What all frames of a built-in scene have in common.
+pub(crate) fn header(scene: &Scene, frames: u32) -> Header {
+    let mesh = |mesh: &TriMesh| MeshData {
+        positions: mesh.positions.clone(),
+        triangles: mesh.triangles.clone(),
+    };
+    Header {
+        kind: scene.kind(),
+        meshes: scene.meshes.iter().map(mesh).collect(),
+        objects: scene.objects.iter().map(|&mesh| mesh as u32).collect(),
+        frames,
     }
 }

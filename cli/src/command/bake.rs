@@ -9,13 +9,15 @@ use pfront::{Mesh, Node, threads};
 use pfront_cli::mesh::{self, MeshData};
 use pfront_cli::output::{Draft, out};
 use std::io::Write;
+use std::path::Path;
 
 pub(crate) fn run(bake: &Bake) -> Result<bool> {
     let named = || bake.mesh.display().to_string();
     let mesh = mesh::read(&bake.mesh)?;
     let mesh = if bake.weld { mesh.welded() } else { mesh };
     let (bytes, counts) = baked(&mesh, bake).with_context(named)?;
-    let path = bake.out.clone().unwrap_or_else(|| bake.mesh.with_extension("pfb"));
+    let here = || Path::new(bake.mesh.file_name().unwrap_or_default()).with_extension("pfb");
+    let path = bake.out.clone().unwrap_or_else(here);
     let mut to = Draft::new(&path)?;
     to.write_all(&bytes).with_context(|| format!("cannot write {}", path.display()))?;
     to.finish()?;

@@ -1,63 +1,28 @@
 //! Why a file is no mesh.
 
 use super::FORMATS;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{error, fmt, io};
 
 /// Why a mesh file could not be read.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReadError {
-    /// No reader for this extension.
-    #[error("{}: unknown format; known are {}", path.display(), FORMATS.join(", "))]
-    UnknownFormat {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The file could not be read.
-    #[error("cannot read {}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A line of a text file is wrong.
-    #[error("{}, line {line}: {what}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong.
-        what: String,
-    },
-    /// A record of a binary file is wrong.
-    #[error("{}, byte {byte}: {what}", path.display())]
-    Byte {
-        /// The file.
-        path: PathBuf,
-        /// Where the record begins, from 0.
-        byte: usize,
-        /// What is wrong.
-        what: String,
-    },
-    /// The file is not what its extension says.
-    #[error("{}: {what}", path.display())]
-    Broken {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        what: String,
-    },
+#[derive(Debug)]
+pub struct ReadError {
+    path: PathBuf,
+    fault: Fault,
 }
 
-/// A [`ReadError`] that does not know its file yet.
+/// What is wrong, and where in the file.
 #[derive(Debug)]
 pub(super) enum Fault {
+    /// The file cannot be read.
     Io(io::Error),
+    /// There is no reader for this extension.
+    UnknownFormat,
+    /// A line of a text file, from 1, is wrong.
     Line(usize, String),
+    /// A record of a binary file, which begins at this byte, is wrong.
     Byte(usize, String),
+    /// The file is not what its extension says.
     Broken(String),
 }
 
@@ -71,18 +36,36 @@ impl Fault {
     }
 
     pub(super) fn at(self, path: &Path) -> ReadError {
-        let path = path.to_owned();
-        match self {
-            Self::Io(source) => ReadError::Io { path, source },
-            Self::Line(line, what) => ReadError::Line { path, line, what },
-            Self::Byte(byte, what) => ReadError::Byte { path, byte, what },
-            Self::Broken(what) => ReadError::Broken { path, what },
-        }
+        ReadError { path: path.to_owned(), fault: self }
     }
 }
 
 impl From<io::Error> for Fault {
     fn from(error: io::Error) -> Self {
         Self::Io(error)
+    }
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.path.display();
+        match &self.fault {
+            Fault::Io(_) => write!(f, "cannot read {path}"),
+            Fault::UnknownFormat => {
+                write!(f, "{path}: unknown format; known are {}", FORMATS.join(", "))
+            }
+            Fault::Line(line, what) => write!(f, "{path}, line {line}: {what}"),
+            Fault::Byte(byte, what) => write!(f, "{path}, byte {byte}: {what}"),
+            Fault::Broken(what) => write!(f, "{path}: {what}"),
+        }
+    }
+}
+
+impl error::Error for ReadError {
+    fn source(&self) -> Option<&(dyn error::Error + 'static)> {
+        match &self.fault {
+            Fault::Io(source) => Some(source),
+            _ => None,
+        }
     }
 }

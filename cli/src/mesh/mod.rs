@@ -119,7 +119,7 @@ pub fn load(path: &Path) -> Result<Loaded, ReadError> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let named = FORMATS.into_iter().find(|&format| extension == format);
     let format = if bytes.starts_with(&MAGIC) { Some(BAKED) } else { named };
-    let format = format.ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
+    let format = format.ok_or_else(|| Fault::UnknownFormat.at(path))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let loaded = match format {
         BAKED => baked::model(&bytes).map(|model| Loaded::Baked(Box::new(model))),

@@ -35,6 +35,10 @@ fn a_mesh_is_baked_as_one_likes() {
         assert_eq!(Blob::new(&bytes).unwrap().counts().nodes, 8);
         assert_eq!(Model::from_blob(&bytes).unwrap().bvh().order().len(), 4);
     }
+    fs::create_dir(at.join("folder")).unwrap();
+    fs::copy(at.join("a.obj"), at.join("folder/inner.obj")).unwrap();
+    assert!(out(at, "bake folder/inner.obj").contains("see inner.pfb"));
+    assert!(at.join("inner.pfb").exists());
     fs::write(at.join("nan.obj"), "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n").unwrap();
     for (arguments, part) in [
         ("bake a.obj --leaf-size 9", "--leaf-size"),

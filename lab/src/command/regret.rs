@@ -59,9 +59,9 @@ pub(crate) fn run(asked: &Regret) -> Result<bool> {
     field.warm_up()?;
     let bar = progress(cases as u64);
     let mut rows = Vec::new();
-    for recipe in recipes(asked.seed, cases) {
+    for recipe in recipes(asked.seed, cases, scale) {
         bar.set_message(recipe.name());
-        let row = race(&recipe.build(&scale)?, &field, &effort)?;
+        let row = race(&recipe.build()?, &field, &effort)?;
         bar.suspend(|| {
             if rows.is_empty() {
                 writeln!(out, "{}", Heading(&row))?;

@@ -5,7 +5,7 @@ use anyhow::Result;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
 use pfront_cli::output::{Draft, out};
-use pfront_lab::stability::{Finding, Length, Method, Outcome, ROWS, Row, Series};
+use pfront_lab::stability::{Finding, Method, Outcome, ROWS, Row, Series};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -20,9 +20,6 @@ pub(crate) struct Stability {
     #[arg(short, long, value_delimiter = ',', default_values_t = [1, 2, 7, 64, 1024])]
     #[arg(value_parser = RangedU64ValueParser::<usize>::new().range(1..=65_536))]
     p: Vec<usize>,
-    /// Shorter scenes, and a smaller twin
-    #[arg(long)]
-    quick: bool,
     /// Write one line for each frame
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -32,11 +29,10 @@ pub(crate) struct Stability {
 type Played = (Row, Outcome);
 
 pub(crate) fn run(asked: &Stability) -> Result<bool> {
-    let length = if asked.quick { Length::Quick } else { Length::Full };
     let wanted = |row: &Row| asked.row.is_empty() || asked.row.iter().any(|name| name == row.name);
     let mut cast = Vec::new();
     for row in ROWS.into_iter().filter(wanted) {
-        cast.push((row, row.scenes(length)?));
+        cast.push((row, row.scenes()?));
     }
     let frames: usize = cast.iter().flat_map(|row| &row.1).map(|scene| scene.steps().len()).sum();
     let bar = progress(frames as u64);

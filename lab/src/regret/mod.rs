@@ -8,14 +8,10 @@
 //! - [`Field`]: who plays. [`race`]: a case, played by all of them in turn.
 //! - [`Row`], [`Summary`]: what that came to, as text or with [`write_csv`].
 
-mod bodies;
 mod case;
-mod cloth;
 mod race;
-mod recipe;
 mod row;
 
-pub use case::{Case, Frame, Verb};
+pub use case::{Case, Recipe, Scale, Verb, recipes};
 pub use race::{Effort, Field, race};
-pub use recipe::{Recipe, Scale, recipes};
 pub use row::{Heading, Outcome, Row, Summary, write_csv};

@@ -61,8 +61,6 @@ impl Outcome {
 pub struct Row {
     /// The case.
     pub name: String,
-    /// What moves, and how.
-    pub class: String,
     /// Of all bodies together.
     pub triangles: usize,
     /// Number of bodies.
@@ -156,15 +154,12 @@ fn quantile(ascending: &[f64], q: f64) -> f64 {
     ascending.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
 }
 
-/// Letters of what moves.
-const CLASS: usize = 42;
-
 /// The line above rows that have the same fixed plans as this one.
 pub struct Heading<'r>(pub &'r Row);
 
 impl fmt::Display for Heading<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:<9} {:<CLASS$} {:>9} ", "case", "what moves", "triangles")?;
+        write!(f, "{:<26} {:>9} ", "case", "triangles")?;
         write!(f, "{:>6} {:>6} {:<5}", "bodies", "frames", "verb")?;
         self.0.fixed.iter().try_for_each(|(name, _)| write!(f, " {name:>11}"))?;
         write!(f, " {:>11} {:>8} {:>7} {:>7}  mostly", "chooser", "regret", "to seq.", "A/A")
@@ -174,8 +169,7 @@ impl fmt::Display for Heading<'_> {
 /// One line of a table.
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let class: String = self.class.chars().take(CLASS).collect();
-        write!(f, "{:<9} {class:<CLASS$} {:>9} ", self.name, self.triangles)?;
+        write!(f, "{:<26} {:>9} ", self.name, self.triangles)?;
         write!(f, "{:>6} {:>6} {:<5}", self.bodies, self.frames, self.verb.name())?;
         let best = self.best().0;
         for (name, outcome) in &self.fixed {
@@ -234,7 +228,7 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
     let mut table = csv::Writer::from_writer(to);
     let Some(first) = rows.first() else { return Ok(table.flush()?) };
     let column = |name: &str| name.replace(' ', "_");
-    let facts = ["case", "what_moves", "triangles", "bodies", "frames", "verb", "rounds"];
+    let facts = ["case", "triangles", "bodies", "frames", "verb", "rounds"];
     let judged = ["chooser_ms", "best", "regret", "to_sequential", "a_a", "changes"];
     let mut head = facts.map(str::to_owned).to_vec();
     head.extend(first.fixed.iter().map(|(name, _)| format!("{}_ms", column(name))));
@@ -245,7 +239,6 @@ pub fn write_csv(to: impl Write, rows: &[Row]) -> Result<(), csv::Error> {
     for row in rows {
         let mut line = vec![
             row.name.clone(),
-            row.class.clone(),
             row.triangles.to_string(),
             row.bodies.to_string(),
             row.frames.to_string(),
@@ -282,7 +275,6 @@ mod tests {
         let fixed = [("sequential", sequential), ("2 threads", threads)];
         Row {
             name: String::new(),
-            class: String::new(),
             triangles: 1,
             bodies: 2,
             frames: 1,

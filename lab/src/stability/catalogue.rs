@@ -7,24 +7,6 @@ use anyhow::Result;
 use pfront::Pose;
 use pfront_testkit::scenes::icosphere;
 
-/// How long scenes are, and how large the twin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Length {
-    /// As many frames as the limits need.
-    Quick,
-    /// So many that a chart shows something.
-    Full,
-}
-
-impl Length {
-    fn of<T>(self, quick: T, full: T) -> T {
-        match self {
-            Self::Quick => quick,
-            Self::Full => full,
-        }
-    }
-}
-
 type Scenes = Result<Vec<Scene>>;
 
 /// Frames of the still and of the swaying scene before they are judged: the depth of the starting front takes
@@ -34,8 +16,8 @@ pub(super) const SETTLING: usize = 20;
 pub(super) const PERIOD: usize = 16;
 
 /// Two spheres that move by 0.05 % of their radius a frame; the folded sheet.
-pub(super) fn coherent(length: Length) -> Scenes {
-    let (sphere, frames) = (icosphere(20_000), length.of(8, 60));
+pub(super) fn coherent() -> Scenes {
+    let (sphere, frames) = (icosphere(20_000), 8);
     let along = (0..frames).map(|i| {
         let x = i as f32;
         let here = pose(0.001 * x, [0.3 + 0.0005 * x, 0.1, 0.0]);
@@ -48,12 +30,12 @@ pub(super) fn coherent(length: Length) -> Scenes {
 }
 
 /// Boxes without volume.
-pub(super) fn flat(length: Length) -> Scenes {
+pub(super) fn flat() -> Scenes {
     let (flat, other) = (grid(60, |_, _| 0.0), grid(47, |_, _| 0.0));
     let steps = grid(40, |x, _| (8.0 * x).floor() / 8.0);
     let at = |what, x| {
         let here = Pose::from_translation([x, 0.0, 0.0]);
-        anew(what, Bound::Even, (0..length.of(4, 8)).map(move |_| here))
+        anew(what, Bound::Even, (0..4).map(move |_| here))
     };
     Ok(vec![
         Scene::two("coplanar", &flat, &other, at("coplanar", 0.3))?,
@@ -63,67 +45,67 @@ pub(super) fn flat(length: Length) -> Scenes {
 }
 
 /// Jumps between places where the same spheres overlap otherwise.
-pub(super) fn teleport(length: Length) -> Scenes {
+pub(super) fn teleport() -> Scenes {
     let places = [("start", [0.8, 0.0]), ("teleport", [-0.5, 0.9]), ("and back", [0.8, 0.0])];
-    let course = places.into_iter().take(length.of(2, 3));
-    let steps = course.flat_map(|(what, at)| anew(what, Bound::Even, moving(at, length)));
+    let course = places.into_iter().take(2);
+    let steps = course.flat_map(|(what, at)| anew(what, Bound::Even, moving(at)));
     let sphere = icosphere(20_000);
     Ok(vec![Scene::two("teleport", &sphere, &sphere, steps)?])
 }
 
 /// Contact that ends from one frame to the next, and begins.
-pub(super) fn onset_and_loss(length: Length) -> Scenes {
-    let start = anew("start", Bound::Even, moving([-0.5, 0.9], length));
+pub(super) fn onset_and_loss() -> Scenes {
+    let start = anew("start", Bound::Even, moving([-0.5, 0.9]));
     // With nothing to do there is nothing to be estimated.
-    let loss = moving([-3.0, 0.0], length);
+    let loss = moving([-3.0, 0.0]);
     let loss = loss.map(|here| Step { what: "loss", bound: Bound::Even, a_from_b: here });
-    let onset = anew("onset", Bound::Even, moving([0.0, 1.1], length));
+    let onset = anew("onset", Bound::Even, moving([0.0, 1.1]));
     let sphere = icosphere(20_000);
     Ok(vec![Scene::two("onset-and-loss", &sphere, &sphere, start.chain(loss).chain(onset))?])
 }
 
 /// A tree that is a chain, with itself.
-pub(super) fn skewed(length: Length) -> Scenes {
-    Ok(vec![Scene::two("chain", &chain(), &chain(), scarce("chain", length))?])
+pub(super) fn skewed() -> Scenes {
+    Ok(vec![Scene::two("chain", &chain(), &chain(), scarce("chain"))?])
 }
 
 /// One triangle against 20,000, and the other way round.
-pub(super) fn one_against_many(length: Length) -> Scenes {
+pub(super) fn one_against_many() -> Scenes {
     let (sphere, wedge) = (icosphere(20_000), wedge());
-    let one = Scene::two("one-of-b", &sphere, &wedge, scarce("one of B", length))?;
-    Ok(vec![one, Scene::two("one-of-a", &wedge, &sphere, scarce("one of A", length))?])
+    let one = Scene::two("one-of-b", &sphere, &wedge, scarce("one of B"))?;
+    Ok(vec![one, Scene::two("one-of-a", &wedge, &sphere, scarce("one of A"))?])
 }
 
 /// Fewer BVTT nodes than workers.
-pub(super) fn few_nodes(length: Length) -> Scenes {
+pub(super) fn few_nodes() -> Scenes {
     let small = icosphere(80);
-    Ok(vec![Scene::two("few", &small, &small, scarce("few", length))?])
+    Ok(vec![Scene::two("few", &small, &small, scarce("few"))?])
 }
 
 /// A mesh and its double.
-pub(super) fn identical(length: Length) -> Scenes {
+pub(super) fn identical() -> Scenes {
     let sphere = icosphere(8_000);
-    let steps = alike("identical", Bound::Coherent, Pose::IDENTITY, length.of(4, 6));
+    let steps = alike("identical", Bound::Coherent, Pose::IDENTITY, 4);
     Ok(vec![Scene::two("identical", &sphere, &sphere, steps)?])
 }
 
 /// A small ball within a large one.
-pub(super) fn contained(length: Length) -> Scenes {
-    let steps = alike("contained", Bound::Coherent, half(), length.of(4, 12));
+pub(super) fn contained() -> Scenes {
+    let steps = alike("contained", Bound::Coherent, half(), 4);
     Ok(vec![Scene::two("contained", &icosphere(8_000), &icosphere(2_000), steps)?])
 }
 
 /// 200 frames in which nothing moves.
-pub(super) fn still(length: Length) -> Scenes {
-    let sphere = icosphere(length.of(8_000, 20_000));
+pub(super) fn still() -> Scenes {
+    let sphere = icosphere(8_000);
     let steps = alike("still", Bound::Coherent, here(), SETTLING + 200);
     Ok(vec![Scene::two("still", &sphere, &sphere, steps)?])
 }
 
 /// A body that sways about a place, 1 % of its radius to either side.
-pub(super) fn swaying(length: Length) -> Scenes {
-    let sphere = icosphere(length.of(8_000, 20_000));
-    let steps = (0..SETTLING + length.of(3, 10) * PERIOD).map(|i| {
+pub(super) fn swaying() -> Scenes {
+    let sphere = icosphere(8_000);
+    let steps = (0..SETTLING + 3 * PERIOD).map(|i| {
         let phase = std::f32::consts::TAU * (i % PERIOD) as f32 / PERIOD as f32;
         let a_from_b = pose(0.3, [0.6 + 0.01 * phase.sin(), 0.1, 0.0]);
         Step { what: "swaying", bound: after_first(i, Bound::Coherent), a_from_b }
@@ -131,15 +113,13 @@ pub(super) fn swaying(length: Length) -> Scenes {
     Ok(vec![Scene::two("swaying", &sphere, &sphere, steps)?])
 }
 
-/// Two bundles of needles: 48,219,136 overlapping pairs of triangle boxes, of 6,944 triangles each. Named for
-/// the mesh pair Generic_Twin_7081, whose boxes overlap as often.
-pub(super) fn twin(length: Length) -> Scenes {
-    let count = length.of(700, 6_944);
+/// Two bundles of 700 needles: all 490,000 pairs of triangle boxes overlap, as in the mesh pair Generic_Twin_7081.
+pub(super) fn twin() -> Scenes {
     let steps = (0..2).map(|i| {
         let a_from_b = Pose::from_translation([0.0005 * i as f32, 0.0, 0.0]);
         Step { what: "twin", bound: after_first(i, Bound::Coherent), a_from_b }
     });
-    Ok(vec![Scene::two("twin", &needles(count, 0.0), &needles(count, 1.0), steps)?])
+    Ok(vec![Scene::two("twin", &needles(700, 0.0), &needles(700, 1.0), steps)?])
 }
 
 fn here() -> Pose {
@@ -158,8 +138,8 @@ fn pose(turn: f32, [x, y, z]: [f32; 3]) -> Pose {
 }
 
 /// From a place on, along x.
-fn moving([x, y]: [f32; 2], length: Length) -> impl Iterator<Item = Pose> {
-    (0..length.of(2, 8)).map(move |i| pose(0.3, [x + 0.0005 * i as f32, y, 0.1]))
+fn moving([x, y]: [f32; 2]) -> impl Iterator<Item = Pose> {
+    (0..2).map(move |i| pose(0.3, [x + 0.0005 * i as f32, y, 0.1]))
 }
 
 /// Nothing is asked of a first frame.
@@ -191,6 +171,6 @@ fn anew(
 }
 
 /// Where there is little to divide.
-fn scarce(what: &'static str, length: Length) -> impl Iterator<Item = Step> {
-    alike(what, Bound::Scarce, pose(0.2, [0.05, 0.0, 0.0]), length.of(4, 12))
+fn scarce(what: &'static str) -> impl Iterator<Item = Step> {
+    alike(what, Bound::Scarce, pose(0.2, [0.05, 0.0, 0.0]), 4)
 }

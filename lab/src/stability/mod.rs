@@ -19,7 +19,6 @@ pub mod rows;
 pub mod scene;
 mod shapes;
 
-pub use catalogue::Length;
 pub use play::{Frame, Method, Series};
 pub use reference::Reference;
 pub use rows::{Finding, Outcome, ROWS, Row};

@@ -1,6 +1,6 @@
 //! The matrix: each row with its scenes, what is measured of them, and what is found.
 
-use super::catalogue::{self, Length, PERIOD, SETTLING};
+use super::catalogue::{self, PERIOD, SETTLING};
 use super::play::{Frame, Method, Played, Series, play};
 use super::scene::Scene;
 use anyhow::Result;
@@ -12,7 +12,7 @@ pub struct Row {
     pub name: &'static str,
     /// What it is about.
     pub about: &'static str,
-    scenes: fn(Length) -> Result<Vec<Scene>>,
+    scenes: fn() -> Result<Vec<Scene>>,
     judge: Judge,
 }
 
@@ -28,7 +28,7 @@ enum Judge {
 const fn balance(
     name: &'static str,
     about: &'static str,
-    scenes: fn(Length) -> Result<Vec<Scene>>,
+    scenes: fn() -> Result<Vec<Scene>>,
 ) -> Row {
     Row { name, about, scenes, judge: Judge::Balance }
 }
@@ -147,8 +147,8 @@ impl Row {
     ///
     /// # Errors
     /// If a mesh is refused, which those of the matrix are not.
-    pub fn scenes(&self, length: Length) -> Result<Vec<Scene>> {
-        (self.scenes)(length)
+    pub fn scenes(&self) -> Result<Vec<Scene>> {
+        (self.scenes)()
     }
 
     /// Plays its scenes with each of `workers` and judges them; calls `tick` after each frame.

@@ -6,7 +6,7 @@ use std::fs;
 #[test]
 fn the_matrix_as_table_csv_and_charts() {
     let folder = folder();
-    let asked = "stability --quick --row few-nodes,contained --p 2,64 --csv m.csv";
+    let asked = "stability --row few-nodes,contained --p 2,64 --csv m.csv";
     let table = out(folder.path(), asked);
     for part in ["few-nodes", "pfront, g = 16    passes 2 of 2 rows", "fails contained"] {
         assert!(table.contains(part), "no '{part}' in:\n{table}");

@@ -1,12 +1,9 @@
-//! Motion: gears stay in mesh and stay shallow, the sheet folds onto itself, courses are random.
+//! Motion: gears stay in mesh, the sheet folds onto itself, courses are random.
 
 use pfront_testkit::scenes::{Kind, Scene, icosphere};
 
-use crate::oracle::{depth, in_world, self_touching, touching};
+use crate::oracle::{in_world, self_touching, touching};
 use pfront_testkit::shapes::Soup;
-
-/// In modules; a tooth is 2.25 high.
-const DEEPEST: f64 = 0.08;
 
 fn scene(name: &str, size: usize) -> Scene {
     Scene::by_name(name, Some(size)).expect("a named scene")
@@ -21,7 +18,7 @@ fn world(scene: &Scene, frame: usize) -> Vec<Soup> {
 }
 
 #[test]
-fn worm_and_wheel_touch_in_every_frame_and_overlap_little() {
+fn worm_and_wheel_touch_in_every_frame() {
     let scene = scene("worm-gear", 16_000);
     assert_eq!(scene.kind(), Kind::Pair);
     // Twenty frames turn the wheel by one tooth; odd ones in between, then the far end.
@@ -29,13 +26,11 @@ fn worm_and_wheel_touch_in_every_frame_and_overlap_little() {
         let bodies = world(&scene, frame);
         let touching = touching(&bodies[0], &bodies[1]);
         assert!((100..3_000).contains(&touching), "frame {frame}: {touching} pairs");
-        let deepest = depth(&bodies[0], &bodies[1]).max(depth(&bodies[1], &bodies[0]));
-        assert!(deepest < DEEPEST, "frame {frame}: {deepest} deep");
     }
 }
 
 #[test]
-fn exactly_the_meshing_gears_of_the_train_touch_and_overlap_little() {
+fn exactly_the_meshing_gears_of_the_train_touch() {
     let scene = scene("epicyclic", 0);
     assert_eq!(scene.kind(), Kind::Many);
     // The first object and the number of planets of each stage; sun, planets, ring follow.
@@ -52,10 +47,6 @@ fn exactly_the_meshing_gears_of_the_train_touch_and_overlap_little() {
                 assert_eq!(touching > 0, meshing.contains(&(a, b)), "frame {frame}: {a} and {b}");
                 assert!(touching < 1_000, "frame {frame}: {touching} pairs of {a} and {b}");
             }
-        }
-        for &(a, b) in meshing.iter().step_by(3) {
-            let deepest = depth(&gears[a], &gears[b]).max(depth(&gears[b], &gears[a]));
-            assert!(deepest < DEEPEST, "frame {frame}: {a} and {b} {deepest} deep");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Oracles for the scenes: whether a mesh is closed, where it touches another, and how deep.
+//! Oracles for the scenes: whether a mesh is closed, and where it touches another.
 
 use std::collections::{HashMap, HashSet};
 
@@ -6,8 +6,6 @@ use glam::DVec3;
 use pfront_testkit::oracle;
 use pfront_testkit::scenes::{Pose, TriMesh};
 use pfront_testkit::shapes::{Soup, posed};
-
-type Triangle = [DVec3; 3];
 
 /// The directed edges. Each may occur once, no triangle may be degenerate, no position twice, and
 /// no vertex unused.
@@ -59,12 +57,6 @@ pub(crate) fn in_world(mesh: &TriMesh, pose: &Pose) -> Soup {
     Soup { positions: posed(&mesh.positions, pose), triangles: mesh.triangles.clone() }
 }
 
-/// The corners of all triangles.
-fn corners(soup: &Soup) -> Vec<Triangle> {
-    let corner = |v: u32| DVec3::from(soup.positions[v as usize].map(f64::from));
-    soup.triangles.iter().map(|t| t.map(corner)).collect()
-}
-
 /// How many pairs of triangles of two meshes share a point.
 pub(crate) fn touching(a: &Soup, b: &Soup) -> usize {
     oracle::pairs(&a.positions, &a.triangles, &b.positions, &b.triangles).len()
@@ -76,50 +68,4 @@ pub(crate) fn self_touching(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> u
     let share =
         |&(i, j): &(u32, u32)| oracle::share_a_vertex(triangles[i as usize], triangles[j as usize]);
     pairs.iter().filter(|pair| !share(pair)).count()
-}
-
-fn bounds(t: &Triangle) -> (DVec3, DVec3) {
-    (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]))
-}
-
-fn pierces((p, q): (DVec3, DVec3), [a, b, c]: &Triangle) -> bool {
-    let side = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| (b - a).cross(c - a).dot(d - a);
-    let turns = [side(p, q, *a, *b), side(p, q, *b, *c), side(p, q, *c, *a)].map(|s| s > 0.0);
-    (side(*a, *b, *c, p) > 0.0) != (side(*a, *b, *c, q) > 0.0)
-        && turns[0] == turns[1]
-        && turns[1] == turns[2]
-}
-
-/// How deep the deepest vertex of `a` lies in the closed mesh `b`; 0 when none does.
-pub(crate) fn depth(a: &Soup, b: &Soup) -> f64 {
-    let [a, b] = [a, b].map(corners);
-    let bounds_of = |ts: &[Triangle]| {
-        ts.iter().map(bounds).reduce(|x, y| (x.0.min(y.0), x.1.max(y.1))).expect("triangles")
-    };
-    let (lo, hi) = bounds_of(&b);
-    // In an oblique direction the ray meets no edge.
-    let far = DVec3::new(0.571, 0.613, 0.743) * 1e3;
-    let inside = |p: DVec3| b.iter().filter(|t| pierces((p, p + far), t)).count() % 2 == 1;
-    let vertices: HashSet<[u64; 3]> =
-        a.iter().flatten().map(|p| p.to_array().map(f64::to_bits)).collect();
-    vertices
-        .iter()
-        .map(|p| DVec3::from(p.map(f64::from_bits)))
-        .filter(|p| p.cmpge(lo).all() && p.cmple(hi).all() && inside(*p))
-        .map(|p| b.iter().map(|t| distance(p, t)).fold(f64::INFINITY, f64::min))
-        .fold(0.0, f64::max)
-}
-
-fn distance(p: DVec3, [a, b, c]: &Triangle) -> f64 {
-    let normal = (*b - *a).cross(*c - *a).normalize();
-    let foot = p - normal * (p - *a).dot(normal);
-    let edges = [(*a, *b), (*b, *c), (*c, *a)];
-    if edges.iter().all(|&(x, y)| (y - x).cross(foot - x).dot(normal) >= 0.0) {
-        return p.distance(foot);
-    }
-    let to_edge = |(x, y): (DVec3, DVec3)| {
-        let along = ((p - x).dot(y - x) / (y - x).length_squared()).clamp(0.0, 1.0);
-        p.distance(x.lerp(y, along))
-    };
-    edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
 }
