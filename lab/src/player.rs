@@ -63,26 +63,19 @@ impl From<&Executor> for Asked {
 }
 
 /// Objects, and the query about them.
-pub enum Player {
-    /// Two models.
+pub struct Player(Subject);
+
+enum Subject {
     Pair {
-        /// The models.
         models: [Arc<Model>; 2],
-        /// Pose of the second.
         a_from_b: Pose,
-        /// The query.
         query: PairQuery,
     },
-    /// A deforming mesh with itself.
     SelfMesh {
-        /// The mesh.
         model: Arc<Model>,
-        /// The query.
         query: SelfQuery,
     },
-    /// Many bodies.
     Many {
-        /// The query.
         query: SceneQuery,
         /// The body of each object, ascending, and the number of its first triangle.
         bodies: Vec<(BodyId, u32)>,
@@ -99,15 +92,15 @@ impl Player {
     pub fn new(objects: Objects, asked: &Asked) -> Result<Self> {
         let Asked { accuracy, adjacency, executor } = asked;
         let Objects { kind, mut models } = objects;
-        Ok(match (kind, &models[..]) {
-            (Kind::Pair, [a, b]) => Self::Pair {
+        Ok(Self(match (kind, &models[..]) {
+            (Kind::Pair, [a, b]) => Subject::Pair {
                 models: [a.clone(), b.clone()],
                 a_from_b: Pose::IDENTITY,
                 query: PairQuery::new().with_accuracy(*accuracy).on(executor),
             },
             (Kind::SelfMesh, [_]) => {
                 let query = SelfQuery::new().with_accuracy(*accuracy).with_adjacency(*adjacency);
-                Self::SelfMesh { model: models.remove(0), query: query.on(executor) }
+                Subject::SelfMesh { model: models.remove(0), query: query.on(executor) }
             }
             _ => {
                 let mut query = SceneQuery::new().with_accuracy(*accuracy).on(executor);
@@ -119,50 +112,29 @@ impl Player {
                     first =
                         next.context("more triangles than u32 can number: leave out objects")?;
                 }
-                Self::Many { query, bodies, pairs: Vec::new() }
+                Subject::Many { query, bodies, pairs: Vec::new() }
             }
-        })
+        }))
     }
 
-    /// Moves everything to where it is in a frame.
+    /// Moves everything to where it is in a frame. The world of a pair is its first object, which stays.
     ///
     /// # Errors
-    /// If a pose or a shape is refused.
+    /// If a pose or a shape is refused, or the frame is of another kind.
     pub fn update(&mut self, frame: Frame<'_>) -> Result<()> {
-        match frame {
-            Frame::Positions(positions) => self.deform(positions),
-            Frame::Poses(poses) => {
-                let mut poses = poses.iter().enumerate();
-                poses.try_for_each(|(object, &pose)| self.place(object, pose))
+        match (&mut self.0, frame) {
+            (Subject::Pair { a_from_b, .. }, Frame::Poses(&[_, pose])) => *a_from_b = pose,
+            (Subject::SelfMesh { model, query }, Frame::Positions(positions)) => {
+                query.set_positions(Arc::make_mut(model), positions)?;
             }
-        }
-    }
-
-    /// Moves an object to where it is in the world. The world of a pair is its first object, which stays.
-    ///
-    /// # Errors
-    /// If the pose takes it out of range, or nothing can be moved so.
-    pub fn place(&mut self, object: usize, world_from_object: Pose) -> Result<()> {
-        match self {
-            Self::Pair { a_from_b, .. } if object == 1 => *a_from_b = world_from_object,
-            Self::Pair { .. } if object == 0 => {}
-            Self::Many { query, bodies, .. } if object < bodies.len() => {
-                query.set_pose(bodies[object].0, world_from_object)?;
+            (Subject::Many { query, bodies, .. }, Frame::Poses(poses)) => {
+                for (&(body, _), &pose) in bodies.iter().zip(poses) {
+                    query.set_pose(body, pose)?;
+                }
             }
-            _ => bail!("there is no rigid object {object}"),
+            _ => bail!("the frame is of another kind than the objects"),
         }
         Ok(())
-    }
-
-    /// Moves the vertices of the one mesh.
-    ///
-    /// # Errors
-    /// If a coordinate is not finite, their number is another, or the objects are rigid.
-    pub fn deform(&mut self, positions: &[[f32; 3]]) -> Result<()> {
-        let Self::SelfMesh { model, query } = self else {
-            bail!("the vertices of rigid objects do not move");
-        };
-        Ok(query.set_positions(Arc::make_mut(model), positions)?)
     }
 
     /// All pairs, sorted, numbered as in a pair file.
@@ -170,10 +142,10 @@ impl Player {
     /// # Errors
     /// Those of the query; so for all that asks.
     pub fn all(&mut self) -> Result<&[TrianglePair]> {
-        match self {
-            Self::Pair { models: [a, b], a_from_b, query } => Ok(query.all(a, b, a_from_b)?),
-            Self::SelfMesh { model, query } => Ok(query.all(model)?),
-            Self::Many { query, bodies, pairs } => {
+        match &mut self.0 {
+            Subject::Pair { models: [a, b], a_from_b, query } => Ok(query.all(a, b, a_from_b)?),
+            Subject::SelfMesh { model, query } => Ok(query.all(model)?),
+            Subject::Many { query, bodies, pairs } => {
                 let first = |body| bodies[bodies.partition_point(|&(id, _)| id < body)].1;
                 pairs.clear();
                 pairs.extend(query.all()?.iter().map(|hit| {
@@ -192,8 +164,8 @@ impl Player {
     /// # Errors
     /// As [`Player::all`].
     pub fn find(&mut self) -> Result<usize> {
-        match self {
-            Self::Many { query, .. } => Ok(query.all()?.len()),
+        match &mut self.0 {
+            Subject::Many { query, .. } => Ok(query.all()?.len()),
             _ => Ok(self.all()?.len()),
         }
     }
@@ -203,10 +175,12 @@ impl Player {
     /// # Errors
     /// As [`Player::all`].
     pub fn any(&mut self) -> Result<bool> {
-        Ok(match self {
-            Self::Pair { models: [a, b], a_from_b, query } => query.any(a, b, a_from_b)?.is_some(),
-            Self::SelfMesh { model, query } => query.any(model)?.is_some(),
-            Self::Many { query, .. } => query.any()?.is_some(),
+        Ok(match &mut self.0 {
+            Subject::Pair { models: [a, b], a_from_b, query } => {
+                query.any(a, b, a_from_b)?.is_some()
+            }
+            Subject::SelfMesh { model, query } => query.any(model)?.is_some(),
+            Subject::Many { query, .. } => query.any()?.is_some(),
         })
     }
 
@@ -215,30 +189,30 @@ impl Player {
     /// # Errors
     /// As [`Player::all`].
     pub fn count(&mut self) -> Result<u64> {
-        Ok(match self {
-            Self::Pair { models: [a, b], a_from_b, query } => query.count(a, b, a_from_b)?,
-            Self::SelfMesh { model, query } => query.count(model)?,
-            Self::Many { query, .. } => query.count()?,
+        Ok(match &mut self.0 {
+            Subject::Pair { models: [a, b], a_from_b, query } => query.count(a, b, a_from_b)?,
+            Subject::SelfMesh { model, query } => query.count(model)?,
+            Subject::Many { query, .. } => query.count()?,
         })
     }
 
     /// Who answered the last frame, and why.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
-        match self {
-            Self::Pair { query, .. } => query.plan(),
-            Self::SelfMesh { query, .. } => query.plan(),
-            Self::Many { query, .. } => query.plan(),
+        match &self.0 {
+            Subject::Pair { query, .. } => query.plan(),
+            Subject::SelfMesh { query, .. } => query.plan(),
+            Subject::Many { query, .. } => query.plan(),
         }
     }
 
     /// What the last frame on threads did.
     #[must_use]
     pub fn report(&self) -> Option<&Report> {
-        match self {
-            Self::Pair { query, .. } => query.report(),
-            Self::SelfMesh { query, .. } => query.report(),
-            Self::Many { query, .. } => query.report(),
+        match &self.0 {
+            Subject::Pair { query, .. } => query.report(),
+            Subject::SelfMesh { query, .. } => query.report(),
+            Subject::Many { query, .. } => query.report(),
         }
     }
 
@@ -247,15 +221,15 @@ impl Player {
     /// # Errors
     /// If the pose is refused.
     pub fn reference(&self, workers: usize) -> Result<Option<Reference>> {
-        Ok(match self {
-            Self::Pair { models: [a, b], a_from_b, .. } => {
+        Ok(match &self.0 {
+            Subject::Pair { models: [a, b], a_from_b, .. } => {
                 let query = PairBvtt::new(a.bvh(), b.bvh(), *a_from_b)?;
                 Some(Reference::of(&query, workers, 0.02))
             }
-            Self::SelfMesh { model, .. } => {
+            Subject::SelfMesh { model, .. } => {
                 Some(Reference::of(&SelfBvtt::new(model.bvh()), workers, 0.02))
             }
-            Self::Many { .. } => None,
+            Subject::Many { .. } => None,
         })
     }
 }

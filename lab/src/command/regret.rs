@@ -5,7 +5,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use pfront_cli::executor::{Backend, adapter_name, number, parse_threads};
 use pfront_cli::output::{Draft, out};
-use pfront_lab::regret::{Effort, Field, Heading, Scale, Summary, race, recipes, write_csv};
+use pfront_lab::regret::{Effort, Field, Scale, race, recipes, summary, write_csv};
 use std::io::Write;
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -64,7 +64,7 @@ pub(crate) fn run(asked: &Regret) -> Result<bool> {
         let row = race(&recipe.build()?, &field, &effort)?;
         bar.suspend(|| {
             if rows.is_empty() {
-                writeln!(out, "{}", Heading(&row))?;
+                writeln!(out, "{}", row.heading())?;
             }
             writeln!(out, "{row}")?;
             out.flush()
@@ -73,7 +73,7 @@ pub(crate) fn run(asked: &Regret) -> Result<bool> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    writeln!(out, "\n{}", Summary::of(&rows))?;
+    writeln!(out, "\n{}", summary(&rows))?;
     if let Some(mut file) = csv.take() {
         write_csv(&mut file, &rows)?;
         file.finish()?;

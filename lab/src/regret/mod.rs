@@ -6,7 +6,7 @@
 //!
 //! - [`recipes`]: the cases, drawn from a seed; [`Case`]: one of them, built.
 //! - [`Field`]: who plays. [`race`]: a case, played by all of them in turn.
-//! - [`Row`], [`Summary`]: what that came to, as text or with [`write_csv`].
+//! - [`Row`], [`summary`]: what that came to, as text or with [`write_csv`].
 
 mod case;
 mod race;
@@ -14,4 +14,4 @@ mod row;
 
 pub use case::{Case, Recipe, Scale, Verb, recipes};
 pub use race::{Effort, Field, race};
-pub use row::{Heading, Outcome, Row, Summary, write_csv};
+pub use row::{Lane, Row, summary, write_csv};

@@ -10,7 +10,7 @@
 //! how far it is from itself is how far figures can be trusted.
 
 use super::case::{Case, Scale, recipes};
-use super::row::{Outcome, Row};
+use super::row::{Lane, Row};
 use crate::median;
 use crate::player::Player;
 use crate::tally::Tally;
@@ -113,23 +113,22 @@ pub(super) const HOPELESS: f64 = 20.0;
 pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
     ensure!(!field.fixed.is_empty(), "there is no fixed plan to compare with: give one thread");
     let mut rehearsal = Rehearsal { case, digests: Vec::new() };
-    let (mut outcomes, mut best) = (Vec::<Outcome>::new(), f64::INFINITY);
+    // Seconds of the first round of each plan that was played to the end.
+    let (mut first, mut best) = (Vec::new(), f64::INFINITY);
     for (name, executor) in &field.fixed {
         // The first is never given up: all others are compared with it.
-        let outcome = rehearsal.play(name, executor, HOPELESS * best)?;
-        best = best.min(outcome.seconds());
-        outcomes.push(outcome);
+        let seconds = rehearsal.play(name, executor, HOPELESS * best)?;
+        best = best.min(seconds.unwrap_or(f64::INFINITY));
+        first.push(seconds);
     }
     rehearsal.play("chooser", &field.chooser, f64::INFINITY)?;
-    let seconds = |lane: &usize| outcomes[*lane].seconds();
-    let mut turns: Vec<usize> =
-        (0..outcomes.len()).filter(|&lane| outcomes[lane].is_timed()).collect();
-    let twin = turns.iter().copied().min_by(|x, y| seconds(x).total_cmp(&seconds(y))).unwrap_or(0);
-    let (chooser, again) = (outcomes.len(), outcomes.len() + 1);
+    let mut turns: Vec<usize> = (0..first.len()).filter(|&lane| first[lane].is_some()).collect();
+    let twin = turns.iter().copied().find(|&lane| first[lane] == Some(best)).unwrap_or(0);
+    let (chooser, again) = (first.len(), first.len() + 1);
     turns.extend([chooser, again]);
 
     let mut random = seeded(0);
-    let mut times = vec![Vec::new(); outcomes.len() + 2];
+    let mut times = vec![Vec::new(); first.len() + 2];
     let clock = Instant::now();
     let mut rounds = 0;
     while rounds < effort.rounds || rounds < MOST * effort.rounds && clock.elapsed() < effort.time {
@@ -145,14 +144,11 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
         rounds += 1;
     }
     let noise = over(&times[again], &times[twin]) - 1.0;
-    let to_chooser: Vec<_> = (0..chooser).map(|lane| over(&times[chooser], &times[lane])).collect();
-    let mut medians = times.iter_mut().map(|times| median(times));
-    let names = field.fixed.iter().map(|lane| lane.0.clone());
-    let lanes = names.zip(outcomes).zip(medians.by_ref().zip(to_chooser));
-    let fixed = lanes.map(|((name, outcome), (seconds, chooser))| {
-        (name, if outcome.is_timed() { Outcome::Took { seconds, chooser } } else { outcome })
+    let lanes = field.fixed.iter().enumerate().map(|(lane, (name, _))| Lane {
+        name: name.clone(),
+        seconds: first[lane].map(|_| median(&mut times[lane].clone())),
+        chooser: over(&times[chooser], &times[lane]),
     });
-    let fixed: Vec<_> = fixed.collect();
     Ok(Row {
         name: case.name.clone(),
         triangles: case.objects.triangles(),
@@ -160,8 +156,8 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
         frames: case.frames().len(),
         verb: case.verb,
         rounds,
-        chooser: medians.next().unwrap_or(0.0),
-        fixed,
+        fixed: lanes.collect(),
+        chooser: median(&mut times[chooser].clone()),
         noise,
         tally: watch(case, &field.chooser)?,
     })
@@ -211,8 +207,8 @@ struct Rehearsal<'c> {
 }
 
 impl Rehearsal<'_> {
-    /// Plays until more than `most` seconds are over.
-    fn play(&mut self, name: &str, executor: &Executor, most: f64) -> Result<Outcome> {
+    /// Plays until more than `most` seconds are over; returns the time if that was to the end.
+    fn play(&mut self, name: &str, executor: &Executor, most: f64) -> Result<Option<f64>> {
         let case = self.case;
         let objects = case.fresh();
         let clock = Instant::now();
@@ -222,9 +218,7 @@ impl Rehearsal<'_> {
             let clock = Instant::now();
             player.update(frame)?;
             let digest = match case.verb.digest(&mut player) {
-                Err(error) if lacks_memory(&error) => {
-                    return Ok(Outcome::Refused { why: error.to_string() });
-                }
+                Err(error) if lacks_memory(&error) => return Ok(None),
                 digest => digest?,
             };
             seconds += clock.elapsed().as_secs_f64();
@@ -237,17 +231,17 @@ impl Rehearsal<'_> {
                 case.name
             );
             if seconds > most {
-                return Ok(Outcome::Hopeless { seconds, frames: number + 1 });
+                return Ok(None);
             }
         }
-        Ok(Outcome::Took { seconds, chooser: 1.0 })
+        Ok(Some(seconds))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::regret::{Heading, Summary, write_csv};
+    use crate::regret::{summary, write_csv};
 
     const ONCE: Effort = Effort { rounds: 1, time: Duration::ZERO };
 
@@ -258,13 +252,13 @@ mod tests {
         let cases = recipes(3, 12, Scale::QUICK).into_iter().map(|recipe| recipe.build().unwrap());
         let rows: Vec<_> = cases.map(|case| race(&case, &field, &ONCE).unwrap()).collect();
         for row in &rows {
-            assert!(row.chooser > 0.0 && row.fixed[0].1.is_timed(), "{row:?}");
+            assert!(row.chooser > 0.0 && row.fixed[0].seconds.is_some(), "{row:?}");
             assert_eq!(row.tally.frames.iter().sum::<usize>(), row.frames, "{row:?}");
-            assert!(row.best().1.is_timed() && row.regret() > -1.0, "{row:?}");
+            assert!(row.regret() > -1.0, "{row:?}");
         }
-        assert!(Heading(&rows[0]).to_string().contains("2 threads"));
+        assert!(rows[0].heading().contains("2 threads"));
         assert!(rows[0].to_string().starts_with("1 "), "{}", rows[0]);
-        let summary = Summary::of(&rows).to_string();
+        let summary = summary(&rows);
         assert!(summary.contains("12 cases") && summary.contains("regret"), "{summary}");
         let mut lines = Vec::new();
         write_csv(&mut lines, &rows).unwrap();
@@ -278,8 +272,7 @@ mod tests {
         let mut rehearsal = Rehearsal { case: &case, digests: Vec::new() };
         rehearsal.play("first", &Executor::sequential(), f64::INFINITY).unwrap();
         let threads = Executor::from(Traversal::new(2));
-        let outcome = rehearsal.play("second", &threads, 0.0).unwrap();
-        assert!(matches!(outcome, Outcome::Hopeless { frames: 1, .. }), "{outcome:?}");
+        assert_eq!(rehearsal.play("second", &threads, 0.0).unwrap(), None);
         rehearsal.digests[0] ^= 1;
         let error = rehearsal.play("second", &threads, f64::INFINITY).unwrap_err();
         assert!(error.to_string().contains("second answers otherwise"), "{error}");

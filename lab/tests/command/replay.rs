@@ -142,7 +142,7 @@ fn fronts_are_balanced_and_passes_are_timed() {
         7
     );
     let svg = fs::read_to_string(at.join("b.svg")).unwrap();
-    assert!(svg.contains("p = 7") && svg.contains("better: lower left"), "{svg}");
+    assert!(svg.contains("p = 7") && svg.contains("better: down"));
 
     let table = out(at, "passes sheet worm-gear --size 2000 --frames 2");
     for part in ["sheet: ", "worm-gear: ", "levels a pass"] {
