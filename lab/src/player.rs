@@ -65,6 +65,7 @@ impl From<&Executor> for Asked {
 /// Objects, and the query about them.
 pub struct Player(Subject);
 
+#[expect(clippy::large_enum_variant, reason = "there is one for a whole run")]
 enum Subject {
     Pair {
         models: [Arc<Model>; 2],

@@ -172,15 +172,11 @@ impl<W: Write> WorkloadWriter<W> {
     /// Writes all but the frames.
     ///
     /// # Errors
-    /// Those of `to`; so for the other methods. [`io::ErrorKind::InvalidInput`] for numbers beyond u32.
+    /// Those of `to`; so for the other methods. If there is more of something than u32 can count.
     pub fn new(mut to: W, header: &Header) -> io::Result<Self> {
         let number = |n: usize| {
-            u32::try_from(n).map_err(|_| {
-                io::Error::new(
-                    io::ErrorKind::InvalidInput,
-                    format!("{n} is more than u32 can count"),
-                )
-            })
+            u32::try_from(n)
+                .map_err(|_| io::Error::other(format!("{n} is more than u32 can count")))
         };
         let kind = match header.kind {
             Kind::Pair => 0,

@@ -2,7 +2,7 @@
 
 use super::limit::{Bound, Census, Hardness, THIN};
 use super::plain::Plain;
-use super::scene::{Scene, Shown, Watch};
+use super::scene::{Scene, Step};
 use anyhow::Result;
 use pfront::TrianglePair;
 use pfront::core::bvtt::Query;
@@ -146,20 +146,16 @@ pub struct Series {
     pub frames: Vec<Frame>,
 }
 
-/// What a scene came to.
-#[derive(Clone, Debug, Default)]
-pub struct Played {
-    /// One for each number of workers and method.
-    pub series: Vec<Series>,
-    /// How many frames the oracle has confirmed or not: the first of each kind, where it is small.
-    pub by_oracle: usize,
-}
-
-/// Plays a scene with each of `workers` and every method; calls `tick` after each frame.
+/// Plays a scene with each of `workers` and every method; calls `tick` after each frame. Returns a series for each of both,
+/// and how many frames the oracle looked at: the first of each kind, where it is small.
 ///
 /// # Errors
 /// As [`Scene::play`].
-pub fn play(scene: &mut Scene, workers: &[usize], tick: &mut dyn FnMut()) -> Result<Played> {
+pub fn play(
+    scene: &mut Scene,
+    workers: &[usize],
+    tick: &mut dyn FnMut(),
+) -> Result<(Vec<Series>, usize)> {
     let all = workers.iter().flat_map(|&p| Method::ALL.map(move |method| (p, method)));
     let (mut series, mut dividers) = (Vec::new(), Vec::new());
     for (workers, method) in all {
@@ -169,10 +165,10 @@ pub fn play(scene: &mut Scene, workers: &[usize], tick: &mut dyn FnMut()) -> Res
     let mut player =
         Player { series, dividers, by_oracle: 0, census: Census::default(), last: "", tick };
     scene.play(&mut player)?;
-    Ok(Played { series: player.series, by_oracle: player.by_oracle })
+    Ok((player.series, player.by_oracle))
 }
 
-struct Player<'t> {
+pub(super) struct Player<'t> {
     series: Vec<Series>,
     dividers: Vec<Divider>,
     by_oracle: usize,
@@ -182,8 +178,14 @@ struct Player<'t> {
     tick: &'t mut dyn FnMut(),
 }
 
-impl Watch for Player<'_> {
-    fn frame<Q: Query + Sync>(&mut self, &Shown { step, oracle }: &Shown<'_>, query: &Q) {
+impl Player<'_> {
+    /// Judges a frame; `oracle` finds the true pairs by brute force, sorted.
+    pub(super) fn frame<Q: Query + Sync>(
+        &mut self,
+        step: &Step,
+        query: &Q,
+        oracle: impl Fn() -> Vec<TrianglePair>,
+    ) {
         let (expected, triangle_tests) = one_core(query);
         let is_new = std::mem::replace(&mut self.last, step.what) != step.what;
         let mut agreed = true;

@@ -6,7 +6,7 @@
 //! sixteenth.
 
 use pfront::core::bvtt::{Cursor, NodePair, Query};
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
@@ -71,7 +71,8 @@ impl<'q, Q: Query> Cut<'q, Q> {
     fn split_dearest(&mut self) -> bool {
         let Some(dearest) = self.inner.pop() else { return false };
         let mut children = Vec::with_capacity(4);
-        if self.query.children(dearest.pair, &mut |child, _| children.push(child)) == 0 {
+        let pair = NodePair { a: dearest.1, b: dearest.2 };
+        if self.query.children(pair, &mut |child, _| children.push(child)) == 0 {
             self.leaves.push(dearest);
         }
         for child in children {
@@ -82,9 +83,8 @@ impl<'q, Q: Query> Cut<'q, Q> {
 
     /// The greedy partition: each node in descending order of cost to the worker with the least so far.
     fn partition(&self, workers: usize) -> Reference {
-        let mut costs: Vec<f64> = self.nodes().map(|node| node.cost).collect();
+        let mut costs: Vec<f64> = self.nodes().map(|node| f64::from_bits(node.0)).collect();
         costs.sort_unstable_by(|x, y| y.total_cmp(x));
-        // The bits of positive numbers sort as they do.
         let mut loads: BinaryHeap<_> = vec![Reverse(0_u64); workers.max(1)].into();
         for cost in &costs {
             if let Some(mut least) = loads.peek_mut() {
@@ -103,7 +103,7 @@ impl<'q, Q: Query> Cut<'q, Q> {
         let mut cursor = Cursor::at(pair);
         // Never broken off.
         let _ = self.query.visit(&mut cursor, |_| ControlFlow::Continue(()));
-        Costed { cost: 1.0 + cursor.work.cost(), pair }
+        ((1.0 + cursor.work.cost()).to_bits(), pair.a, pair.b)
     }
 
     fn nodes(&self) -> impl Iterator<Item = &Costed> {
@@ -115,32 +115,8 @@ impl<'q, Q: Query> Cut<'q, Q> {
     }
 }
 
-#[derive(Clone, Copy)]
-struct Costed {
-    cost: f64,
-    pair: NodePair,
-}
-
-impl PartialEq for Costed {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Costed {}
-
-impl PartialOrd for Costed {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Costed {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let key = |c: &Self| (c.pair.a, c.pair.b);
-        self.cost.total_cmp(&other.cost).then_with(|| key(self).cmp(&key(other)))
-    }
-}
+/// A node pair by its cost, whose bits sort as positive numbers do.
+type Costed = (u64, u32, u32);
 
 #[cfg(test)]
 mod tests {
@@ -162,7 +138,7 @@ mod tests {
             assert!(found.imbalance <= 1.02 || workers > 7, "{found:?}");
             let pairs = cut.nodes().map(|node| {
                 let mut pairs = 0;
-                let _ = query.visit(&mut Cursor::at(node.pair), |_| {
+                let _ = query.visit(&mut Cursor::at(NodePair { a: node.1, b: node.2 }), |_| {
                     pairs += 1;
                     ControlFlow::Continue(())
                 });

@@ -1,7 +1,7 @@
 //! The matrix: each row with its scenes, what is measured of them, and what is found.
 
 use super::catalogue::{self, PERIOD, SETTLING};
-use super::play::{Frame, Method, Played, Series, play};
+use super::play::{Frame, Method, Series, play};
 use super::scene::Scene;
 use anyhow::Result;
 
@@ -139,7 +139,7 @@ impl Row {
     ) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         for scene in scenes {
-            let Played { series, by_oracle } = play(scene, workers, tick)?;
+            let (series, by_oracle) = play(scene, workers, tick)?;
             outcome.by_oracle += by_oracle;
             outcome.add(series.iter().flat_map(|s| self.judge_series(s)).collect());
             outcome.series.extend(series);

@@ -1,8 +1,9 @@
 //! A scene of the matrix: what moves, how, and what is asked of each frame.
 
 use super::limit::Bound;
+use super::play::Player;
 use anyhow::Result;
-use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
+use pfront::core::bvtt::{PairBvtt, SelfBvtt};
 use pfront::{Model, Pose, TrianglePair};
 use pfront_testkit::scenes::TriMesh;
 
@@ -31,20 +32,6 @@ enum Actors {
     Two(Box<[Model; 2]>),
     /// A sheet against itself, from some frame of its own on.
     Sheet(Box<Model>, pfront_testkit::scenes::Scene, usize),
-}
-
-/// What is known of a frame beside its query.
-pub struct Shown<'f> {
-    /// What happens in it.
-    pub step: &'f Step,
-    /// Finds the true pairs by brute force, sorted, in exact arithmetic.
-    pub oracle: &'f dyn Fn() -> Vec<TrianglePair>,
-}
-
-/// Whoever looks at the frames of a scene.
-pub trait Watch {
-    /// A frame, and the query to ask.
-    fn frame<Q: Query + Sync>(&mut self, shown: &Shown<'_>, query: &Q);
 }
 
 impl Scene {
@@ -80,26 +67,23 @@ impl Scene {
         &self.steps
     }
 
-    /// Shows every frame.
+    /// Shows every frame to a player.
     ///
     /// # Errors
     /// If a pose or a shape is refused, which those of the matrix are not.
-    pub fn play(&mut self, watch: &mut impl Watch) -> Result<()> {
+    pub(super) fn play(&mut self, player: &mut Player<'_>) -> Result<()> {
         for (index, step) in self.steps.iter().enumerate() {
             match &mut self.actors {
                 Actors::Two(models) => {
                     let [a, b] = &**models;
                     let query = PairBvtt::new(a.bvh(), b.bvh(), step.a_from_b)?;
-                    let oracle = || pairs(a, b, &step.a_from_b);
-                    watch.frame(&Shown { step, oracle: &oracle }, &query);
+                    player.frame(step, &query, || pairs(a, b, &step.a_from_b));
                 }
                 Actors::Sheet(model, sheet, first) => {
                     let mut positions = Vec::new();
                     sheet.positions(*first + index, &mut positions);
                     model.set_positions(&positions)?;
-                    let query = SelfBvtt::new(model.bvh());
-                    let oracle = || self_pairs(model);
-                    watch.frame(&Shown { step, oracle: &oracle }, &query);
+                    player.frame(step, &SelfBvtt::new(model.bvh()), || self_pairs(model));
                 }
             }
         }

@@ -3,7 +3,6 @@
 use super::{command, folder, out, refused};
 use pfront_lab::pairs;
 use std::fs::{self, File};
-use std::process::Stdio;
 
 /// The lines of a run, each split at tabs.
 fn lines(text: &str) -> Vec<Vec<&str>> {
@@ -94,19 +93,6 @@ fn files_are_replaced_only_by_whole_ones() {
     assert!(refused(at, "replay s.tcw --mode any --pairs x.tcp").contains("--mode all"));
     let left = fs::read_dir(at).unwrap().count();
     assert_eq!(left, 3, "s.tcw, nan.tcw and old.tcp");
-}
-
-#[test]
-fn a_closed_pipe_changes_neither_exit_code_nor_files() {
-    let folder = folder();
-    let at = folder.path();
-    out(at, "record sheet s.tcw --size 800 --frames 3");
-    let mut run = command(at, "replay s.tcw --pairs s.tcp");
-    let mut child = run.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    drop(child.stdout.take());
-    let ended = child.wait_with_output().unwrap();
-    assert!(ended.status.success() && ended.stderr.is_empty(), "{ended:?}");
-    assert_eq!(pairs::read(File::open(at.join("s.tcp")).unwrap()).unwrap().len(), 3);
 }
 
 #[test]
