@@ -57,7 +57,7 @@ pub struct Series {
 
 // Pixels.
 const PANEL: [f64; 2] = [440.0, 330.0];
-const LEGEND: f64 = 200.0;
+const LEGEND: f64 = 230.0;
 const HEAD: f64 = 40.0;
 /// Between a panel's edges and its chart: left, right, top, bottom.
 const MARGINS: [f64; 4] = [78.0, 16.0, 46.0, 52.0];

@@ -19,10 +19,13 @@ pub fn figure(sets: &[Vec<Point>]) -> Figure {
         let bound = points.first().map_or(0.0, |point| point.tally.bound());
         for (what, wrong) in COUNTED {
             panels.push(Panel {
-                title: format!("{title}: {what} (0: below {bound:.0e} per million)"),
+                title: format!("{title}: {what}"),
                 better: "lower left",
                 x: Axis { label: "ns per triangle pair, one thread".to_owned(), scale: Scale::Log },
-                y: Axis { label: format!("{what} per million pairs"), scale: Scale::Log },
+                y: Axis {
+                    label: format!("{what} per million (0: below {bound:.0})"),
+                    scale: Scale::Log,
+                },
                 series: points
                     .iter()
                     .map(|point| Series {

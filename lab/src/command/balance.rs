@@ -13,7 +13,7 @@ use pfront_lab::recording::Recording;
 use pfront_lab::stability::Reference;
 use serde::Serialize;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(crate) struct Balance {
@@ -107,7 +107,7 @@ impl Frame {
             front_box_tests: report.front.box_tests,
             front_work: share(front, front + total),
             front_time: share(report.front_time.as_secs_f64(), time.as_secs_f64()),
-            prediction_error: predicted.map(|(p, found)| (p - found).abs()).sum(),
+            prediction_error: predicted.map(|(p, found)| (p - found).abs()).fold(0.0, |x, y| x + y),
             coherent: report.front.coherent,
         }
     }
@@ -144,7 +144,14 @@ pub(crate) fn run(balance: &Balance) -> Result<bool> {
     }
     if let Some(path) = &balance.svg {
         let mut file = Draft::new(path)?;
-        file.write_all(figure(&balance.scene, &all).svg().as_bytes())?;
+        file.write_all(
+            figure(
+                &Path::new(&balance.scene).file_stem().unwrap_or_default().to_string_lossy(),
+                &all,
+            )
+            .svg()
+            .as_bytes(),
+        )?;
         file.finish()?;
     }
     Ok(true)

@@ -4,11 +4,9 @@ use super::progress;
 use anyhow::Result;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser};
-use pfront_cli::output::{Draft, out};
-use pfront_lab::stability::{Finding, Method, Outcome, ROWS, Row, Series};
-use serde::Serialize;
+use pfront_cli::output::out;
+use pfront_lab::stability::{Finding, Method, Outcome, ROWS, Row};
 use std::io::{self, Write};
-use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(crate) struct Stability {
@@ -20,9 +18,6 @@ pub(crate) struct Stability {
     #[arg(short, long, value_delimiter = ',', default_values_t = [1, 2, 7, 64, 1024])]
     #[arg(value_parser = RangedU64ValueParser::<usize>::new().range(1..=65_536))]
     p: Vec<usize>,
-    /// Write one line for each frame
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
 }
 
 /// A row, and what it came to.
@@ -43,11 +38,6 @@ pub(crate) fn run(asked: &Stability) -> Result<bool> {
     }
     bar.finish_and_clear();
     table(&mut out(), &asked.p, &all)?;
-    if let Some(path) = &asked.csv {
-        let mut file = Draft::new(path)?;
-        lines(&mut file, &all)?;
-        file.finish()?;
-    }
     Ok(all.iter().all(|(_, outcome)| outcome.holds(Method::Ours)))
 }
 
@@ -119,51 +109,4 @@ fn cell(found: &Finding) -> String {
         _ => ' ',
     };
     format!("{}/{}{mark}", number(figure), number(limit))
-}
-
-/// One line for each frame, method and p.
-fn lines(out: &mut impl Write, all: &[Played]) -> Result<()> {
-    #[derive(Serialize)]
-    struct Line<'s> {
-        row: &'s str,
-        scene: &'s str,
-        method: &'s str,
-        p: usize,
-        frame: usize,
-        what: &'s str,
-        right: bool,
-        imbalance: f64,
-        limit: f64,
-        widened: bool,
-        front_nodes: usize,
-        front_box_tests: u64,
-        predicted: f64,
-        makespan: f64,
-        total: f64,
-    }
-    let mut csv = csv::Writer::from_writer(out);
-    for (row, outcome) in all {
-        for Series { scene, method, workers, frames } in &outcome.series {
-            for (number, frame) in frames.iter().enumerate() {
-                csv.serialize(Line {
-                    row: row.name,
-                    scene,
-                    method: method.name(),
-                    p: *workers,
-                    frame: number,
-                    what: frame.what,
-                    right: frame.right && frame.finite,
-                    imbalance: frame.imbalance,
-                    limit: frame.limit,
-                    widened: frame.widened,
-                    front_nodes: frame.nodes,
-                    front_box_tests: frame.front_box_tests,
-                    predicted: frame.predicted,
-                    makespan: frame.makespan,
-                    total: frame.total,
-                })?;
-            }
-        }
-    }
-    Ok(csv.flush()?)
 }

@@ -69,7 +69,7 @@ impl Divider {
     }
 }
 
-/// What a frame came to. Costs are in box tests.
+/// What a frame came to.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     /// What happened in it.
@@ -86,14 +86,6 @@ pub struct Frame {
     pub widened: bool,
     /// Nodes of the front; 1 where one worker traversed from the root.
     pub nodes: usize,
-    /// Box tests spent on the front.
-    pub front_box_tests: u64,
-    /// The dearest worker's predicted cost.
-    pub predicted: f64,
-    /// The busiest worker's cost.
-    pub makespan: f64,
-    /// The cost of all workers.
-    pub total: f64,
 }
 
 impl Frame {
@@ -110,9 +102,9 @@ impl Frame {
         census: &Census,
         right: bool,
     ) -> Self {
-        let costs = || report.shares.iter().map(|share| share.work.cost());
-        let predicted = || report.shares.iter().map(|share| share.predicted);
-        let (total, p) = (costs().sum::<f64>(), report.shares.len() as f64);
+        let costs = report.shares.iter().map(|share| share.work.cost());
+        let mut predicted = report.shares.iter().map(|share| share.predicted);
+        let (total, p) = (costs.sum::<f64>(), report.shares.len() as f64);
         let relative = |w: f64| if total > 0.0 { w * p / total } else { 0.0 };
         let (dominance, rise) = (relative(census.w_max), relative(census.w_rise));
         let hardness = Hardness { dominance, rise, thin: total / p < THIN };
@@ -120,15 +112,11 @@ impl Frame {
         Self {
             what,
             right,
-            finite: imbalance.is_finite() && predicted().all(f64::is_finite),
+            finite: imbalance.is_finite() && predicted.all(f64::is_finite),
             imbalance,
             limit,
             widened: limit > bound.usual(hardness),
             nodes: report.nodes.max(1),
-            front_box_tests: report.front.box_tests,
-            predicted: predicted().fold(0.0, f64::max),
-            makespan: costs().fold(0.0, f64::max),
-            total,
         }
     }
 }
@@ -196,9 +184,16 @@ impl Player<'_> {
         self.census.take(query);
         let mut pairs = Vec::new();
         for (series, divider) in self.series.iter_mut().zip(&mut self.dividers) {
+            // A frame of which nothing is expected begins on the calling thread. The next one is the first that is
+            // divided, by estimates.
+            let was_divided = !divider.report().shares.is_empty();
+            let bound = match step.bound {
+                Bound::Coherent | Bound::Even if !was_divided => Bound::Estimated,
+                bound => bound,
+            };
             divider.all(query, &mut pairs);
             let right = agreed && pairs == expected;
-            let frame = Frame::new(step.what, step.bound, divider.report(), &self.census, right);
+            let frame = Frame::new(step.what, bound, divider.report(), &self.census, right);
             series.frames.push(frame);
         }
         (self.tick)();

@@ -113,12 +113,6 @@ impl Outcome {
 }
 
 impl Row {
-    /// The row of that name.
-    #[must_use]
-    pub fn by_name(name: &str) -> Option<&'static Self> {
-        ROWS.iter().find(|row| row.name == name)
-    }
-
     /// Its scenes.
     ///
     /// # Errors
