@@ -3,8 +3,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use pfront::core::bvtt::PairBvtt;
+use pfront::threads::{Schedule, Settings, Traversal};
+use pfront::{Model, Pose, TrianglePair};
 use pfront_lab::stability::Method::{Ours, Printed};
 use pfront_lab::stability::{Finding, ROWS};
+use pfront_testkit::scenes::icosphere;
 
 const WORKERS: [usize; 5] = [1, 2, 7, 64, 1024];
 
@@ -54,4 +58,26 @@ rows! {
     still: "still", true;
     swaying: "swaying", true;
     twin: "twin", false;
+}
+
+/// The work of all, the front included, changes little when g is halved or doubled.
+#[test]
+fn the_grain_hardly_changes_the_work() {
+    let sphere = icosphere(20_000);
+    let sphere = Model::new(sphere.positions, sphere.triangles).unwrap();
+    let there = Pose::from_translation([0.6, 0.1, 0.0]);
+    let query = PairBvtt::new(sphere.bvh(), sphere.bvh(), there).unwrap();
+    for workers in WORKERS {
+        let [usual, halved, doubled] = [1.0, 0.5, 2.0].map(|factor| {
+            let usual = Settings { schedule: Schedule::Static, ..Settings::default() };
+            let settings = Settings { g: factor * usual.g, ..usual };
+            let mut traversal = Traversal::new(workers).with_settings(settings);
+            let mut pairs = Vec::<TrianglePair>::new();
+            (0..4).for_each(|_| traversal.all(std::slice::from_ref(&query), &mut pairs));
+            traversal.report.work().cost()
+        });
+        for other in [halved, doubled] {
+            assert!((other / usual - 1.0).abs() <= 0.15, "p = {workers}: {usual} and {other}");
+        }
+    }
 }

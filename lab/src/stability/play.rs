@@ -184,17 +184,9 @@ impl Player<'_> {
         self.census.take(query);
         let mut pairs = Vec::new();
         for (series, divider) in self.series.iter_mut().zip(&mut self.dividers) {
-            // A frame of which nothing is expected begins on the calling thread, and a front divides only the rest of it.
-            // The next one is the first whose front begins at the roots, by estimates.
-            let was_alone = divider.report().alone.box_tests > 0;
             divider.all(query, &mut pairs);
-            let bound = match step.bound {
-                _ if divider.report().alone.box_tests > 0 => Bound::None,
-                Bound::Coherent | Bound::Even if was_alone => Bound::Estimated,
-                bound => bound,
-            };
             let right = agreed && pairs == expected;
-            let frame = Frame::new(step.what, bound, divider.report(), &self.census, right);
+            let frame = Frame::new(step.what, step.bound, divider.report(), &self.census, right);
             series.frames.push(frame);
         }
         (self.tick)();
