@@ -60,9 +60,9 @@ enum Command {
     Stability(Stability),
     /// Measure what --backend auto costs, against the best of all plans that never change
     ///
-    /// Cases are drawn from a seed: a built-in scene of up to three million triangles, its frames as they are, still,
-    /// alternating or in any order. Everyone plays each case in turn, and answers are compared. A/A is how far a plan is
-    /// from itself.
+    /// Cases are drawn from a seed: two bodies, a sheet, or up to ten thousand bodies, that rest, move, meet or jump; or
+    /// workloads are played. Everyone plays each case in turn, and answers are compared. "naive" is a rule of five constants
+    /// that knows how long one thread takes; A/A is how far a plan is from itself.
     Regret(Regret),
     /// Show where a GPU spends its time: the median of each pass, by the device's own clock
     Passes(Passes),

@@ -118,22 +118,37 @@ impl Player {
         }))
     }
 
-    /// Moves everything to where it is in a frame. The world of a pair is its first object, which stays.
+    /// Moves everything to where it is in a frame.
     ///
     /// # Errors
-    /// If a pose or a shape is refused, or the frame is of another kind.
+    /// As [`Player::place`]; if a shape is refused, or the frame is of another kind.
     pub fn update(&mut self, frame: Frame<'_>) -> Result<()> {
         match (&mut self.0, frame) {
-            (Subject::Pair { a_from_b, .. }, Frame::Poses(&[_, pose])) => *a_from_b = pose,
             (Subject::SelfMesh { model, query }, Frame::Positions(positions)) => {
                 query.set_positions(Arc::make_mut(model), positions)?;
+                Ok(())
             }
-            (Subject::Many { query, bodies, .. }, Frame::Poses(poses)) => {
-                for (&(body, _), &pose) in bodies.iter().zip(poses) {
-                    query.set_pose(body, pose)?;
-                }
+            (Subject::SelfMesh { .. }, _) | (_, Frame::Positions(_)) => {
+                bail!("the frame is of another kind than the objects")
             }
-            _ => bail!("the frame is of another kind than the objects"),
+            (_, Frame::Poses(poses)) => {
+                poses.iter().enumerate().try_for_each(|(object, &pose)| self.place(object, pose))
+            }
+        }
+    }
+
+    /// Moves an object. The world of a pair is its first object, which stays.
+    ///
+    /// # Errors
+    /// If there is no such object to move, or the pose is refused.
+    pub fn place(&mut self, object: usize, pose: Pose) -> Result<()> {
+        match (&mut self.0, object) {
+            (Subject::Pair { .. }, 0) if pose == Pose::IDENTITY => {}
+            (Subject::Pair { a_from_b, .. }, 1) => *a_from_b = pose,
+            (Subject::Many { query, bodies, .. }, object) if object < bodies.len() => {
+                query.set_pose(bodies[object].0, pose)?;
+            }
+            _ => bail!("object {object} cannot be moved"),
         }
         Ok(())
     }

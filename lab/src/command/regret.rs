@@ -1,11 +1,11 @@
-//! `pfront regret`: what the choices of an executor cost, against the best of all fixed plans.
+//! `pfront-lab regret`: what the choices of an executor cost, against the best of all fixed plans.
 
 use anyhow::Result;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use pfront_cli::executor::{Backend, adapter_name, number, parse_threads};
 use pfront_cli::output::{Draft, out};
-use pfront_lab::regret::{Effort, Field, Scale, race, recipes, summary, write_csv};
+use pfront_lab::regret::{Case, Effort, Field, Scale, race, recipes, summary, write_csv};
 use std::io::Write;
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -31,6 +31,12 @@ pub(crate) struct Regret {
     /// Write one line for each case
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Play this instead of drawn cases: a workload (.tcw), or the name of a built-in scene; may be given again
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["seed", "cases", "quick"])]
+    workload: Vec<String>,
+    /// Frames of each workload; a shorter file is played to and fro
+    #[arg(long, value_name = "N", default_value_t = 300, requires = "workload")]
+    frames: u32,
     /// Few and small cases, to see that it works
     #[arg(long)]
     quick: bool,
@@ -57,11 +63,15 @@ pub(crate) fn run(asked: &Regret) -> Result<bool> {
         field = field.with_gpu(gpu)?;
     }
     field.warm_up()?;
-    let bar = progress(cases as u64);
+    let drawn = recipes(asked.seed, if asked.workload.is_empty() { cases } else { 0 });
+    let drawn = drawn.into_iter().map(|recipe| recipe.build(&scale));
+    let played = asked.workload.iter().map(|name| Case::of_workload(name, asked.frames));
+    let bar = progress((drawn.len() + played.len()) as u64);
     let mut rows = Vec::new();
-    for recipe in recipes(asked.seed, cases, scale) {
-        bar.set_message(recipe.name());
-        let row = race(&recipe.build()?, &field, &effort)?;
+    for case in drawn.chain(played) {
+        let case = case?;
+        bar.set_message(case.name.clone());
+        let row = race(&case, &field, &effort)?;
         bar.suspend(|| {
             if rows.is_empty() {
                 writeln!(out, "{}", row.heading())?;

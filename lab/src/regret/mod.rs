@@ -9,9 +9,15 @@
 //! - [`Row`], [`summary`]: what that came to, as text or with [`write_csv`].
 
 mod case;
+mod cloth;
+mod crowd;
+mod pair;
 mod race;
+mod recipe;
 mod row;
+mod shapes;
 
-pub use case::{Case, Recipe, Scale, Verb, recipes};
+pub use case::{Case, Verb};
 pub use race::{Effort, Field, race};
+pub use recipe::{Recipe, Scale, recipes};
 pub use row::{Lane, Row, summary, write_csv};

@@ -9,8 +9,9 @@
 //! their twins, and medians of totals tell of that, more than of plans. The best of the first round plays twice in each:
 //! how far it is from itself is how far figures can be trusted.
 
-use super::case::{Case, Scale, recipes};
-use super::row::{Lane, Row};
+use super::case::Case;
+use super::recipe::{Scale, samples};
+use super::row::{GPU, Lane, Row};
 use crate::median;
 use crate::player::Player;
 use crate::tally::Tally;
@@ -20,7 +21,6 @@ use pfront::Executor;
 use pfront::gpu::Gpu;
 use pfront::threads::Traversal;
 use pfront_testkit::rng::{seeded, seq::SliceRandom};
-use pfront_testkit::scenes::Scene;
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -31,6 +31,8 @@ pub struct Field {
     pub fixed: Vec<(String, Executor)>,
     /// The one that chooses.
     pub chooser: Executor,
+    /// The most threads of any.
+    pub threads: usize,
 }
 
 impl Field {
@@ -47,7 +49,7 @@ impl Field {
             chooser = Executor::from(Traversal::with_pool(pool));
             fixed.push((format!("{p} threads"), chooser.clone()));
         }
-        Ok(Self { fixed, chooser })
+        Ok(Self { fixed, chooser, threads })
     }
 
     /// Adds a GPU to the fixed plans, and to the choice.
@@ -56,7 +58,7 @@ impl Field {
     /// If the GPU fails while it is measured.
     #[cfg(feature = "gpu")]
     pub fn with_gpu(mut self, gpu: &Gpu) -> Result<Self> {
-        self.fixed.push(("GPU".to_owned(), Executor::gpu(gpu, gpu.settings())));
+        self.fixed.push((GPU.to_owned(), Executor::gpu(gpu, gpu.settings())));
         self.chooser = self.chooser.and_gpu(gpu, gpu.settings())?;
         Ok(self)
     }
@@ -67,8 +69,8 @@ impl Field {
     /// # Errors
     /// As [`race`].
     pub fn warm_up(&self) -> Result<()> {
-        for recipe in recipes(0, Scene::NAMES.len(), Scale::QUICK) {
-            let case = recipe.build()?;
+        for recipe in samples() {
+            let case = recipe.build(&Scale::QUICK)?;
             for executor in self.fixed.iter().map(|lane| &lane.1).chain([&self.chooser]) {
                 match play(&case, executor) {
                     Err(error) if lacks_memory(&error) => continue,
@@ -151,11 +153,13 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
     });
     Ok(Row {
         name: case.name.clone(),
+        class: case.class.clone(),
         triangles: case.objects.triangles(),
         bodies: case.objects.models.len(),
-        frames: case.frames().len(),
+        frames: case.frames.len(),
         verb: case.verb,
         rounds,
+        threads: field.threads,
         fixed: lanes.collect(),
         chooser: median(&mut times[chooser].clone()),
         noise,
@@ -178,8 +182,8 @@ fn play(case: &Case, executor: &Executor) -> Result<f64> {
     let objects = case.fresh();
     let clock = Instant::now();
     let mut player = Player::new(objects, &executor.into())?;
-    for frame in case.frames() {
-        player.update(frame)?;
+    for frame in &case.frames {
+        frame.apply(&mut player)?;
         case.verb.ask(&mut player)?;
     }
     Ok(clock.elapsed().as_secs_f64())
@@ -189,8 +193,8 @@ fn play(case: &Case, executor: &Executor) -> Result<f64> {
 fn watch(case: &Case, chooser: &Executor) -> Result<Tally> {
     let mut player = Player::new(case.fresh(), &chooser.into())?;
     let mut tally = Tally::default();
-    for frame in case.frames() {
-        player.update(frame)?;
+    for frame in &case.frames {
+        frame.apply(&mut player)?;
         case.verb.ask(&mut player)?;
         if let Some(plan) = player.plan() {
             tally.add(plan);
@@ -214,9 +218,9 @@ impl Rehearsal<'_> {
         let clock = Instant::now();
         let mut player = Player::new(objects, &executor.into())?;
         let mut seconds = clock.elapsed().as_secs_f64();
-        for (number, frame) in case.frames().enumerate() {
+        for (number, frame) in case.frames.iter().enumerate() {
             let clock = Instant::now();
-            player.update(frame)?;
+            frame.apply(&mut player)?;
             let digest = match case.verb.digest(&mut player) {
                 Err(error) if lacks_memory(&error) => return Ok(None),
                 digest => digest?,
@@ -241,7 +245,7 @@ impl Rehearsal<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::regret::{summary, write_csv};
+    use crate::regret::{recipes, summary, write_csv};
 
     const ONCE: Effort = Effort { rounds: 1, time: Duration::ZERO };
 
@@ -249,7 +253,9 @@ mod tests {
     fn everyone_answers_alike_and_is_timed() {
         let field = Field::new(2).unwrap();
         field.warm_up().unwrap();
-        let cases = recipes(3, 12, Scale::QUICK).into_iter().map(|recipe| recipe.build().unwrap());
+        let drawn = recipes(3, 24).into_iter().map(|recipe| recipe.build(&Scale::QUICK).unwrap());
+        // The train of gears turns to and fro.
+        let cases = drawn.chain([Case::of_workload("epicyclic", 3).unwrap()]);
         let rows: Vec<_> = cases.map(|case| race(&case, &field, &ONCE).unwrap()).collect();
         for row in &rows {
             assert!(row.chooser > 0.0 && row.fixed[0].seconds.is_some(), "{row:?}");
@@ -257,25 +263,28 @@ mod tests {
             assert!(row.regret() > -1.0, "{row:?}");
         }
         assert!(rows[0].heading().contains("2 threads"));
-        assert!(rows[0].to_string().starts_with("1 "), "{}", rows[0]);
+        assert!(rows[0].to_string().starts_with("pair 1 "), "{}", rows[0]);
         let summary = summary(&rows);
-        assert!(summary.contains("12 cases") && summary.contains("regret"), "{summary}");
+        assert!(summary.contains("25 cases") && summary.contains("regret"), "{summary}");
         let mut lines = Vec::new();
         write_csv(&mut lines, &rows).unwrap();
         let lines = String::from_utf8(lines).unwrap();
-        assert!(lines.starts_with("case,triangles,") && lines.lines().count() == 13, "{lines}");
+        assert!(lines.starts_with("case,what_moves,") && lines.lines().count() == 26, "{lines}");
     }
 
     #[test]
     fn whoever_is_hopeless_is_not_played_again_and_whoever_differs_is_told() {
-        let case = recipes(3, 1, Scale::QUICK)[0].build().unwrap();
+        let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
         let mut rehearsal = Rehearsal { case: &case, digests: Vec::new() };
         rehearsal.play("first", &Executor::sequential(), f64::INFINITY).unwrap();
         let threads = Executor::from(Traversal::new(2));
         assert_eq!(rehearsal.play("second", &threads, 0.0).unwrap(), None);
         rehearsal.digests[0] ^= 1;
         let error = rehearsal.play("second", &threads, f64::INFINITY).unwrap_err();
-        assert!(error.to_string().contains("second answers otherwise"), "{error}");
+        assert!(
+            error.to_string().contains("frame 0 of pair 1: second answers otherwise"),
+            "{error}"
+        );
     }
 
     #[test]
@@ -288,8 +297,8 @@ mod tests {
 
     #[test]
     fn without_a_fixed_plan_there_is_no_regret() {
-        let case = recipes(3, 1, Scale::QUICK)[0].build().unwrap();
-        let field = Field { fixed: Vec::new(), chooser: Executor::sequential() };
+        let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
+        let field = Field { fixed: Vec::new(), chooser: Executor::sequential(), threads: 1 };
         assert!(race(&case, &field, &ONCE).unwrap_err().to_string().contains("one thread"));
     }
 }
