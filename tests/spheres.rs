@@ -7,6 +7,8 @@
 //! x = p·u = (r² − s² + d²) / 2d is within (1 − (1 − h)²) / 2d ≤ h/d of d/2; and p is at the distance
 //! √(r² − x²) from the axis, whose square is within 2h + h/d·(d + h/d) of ρ².
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use pfront::{Model, PairQuery, Pose};
 use pfront_testkit::scenes::{TriMesh, icosphere};
