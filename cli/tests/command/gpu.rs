@@ -10,6 +10,9 @@ fn a_gpu_gives_the_same_answers() {
     let both = |arguments: &str| {
         let [cpu, gpu] = ["cpu", "gpu"].map(|on| out(at, &format!("{arguments} --backend {on}")));
         assert_eq!(cpu, gpu, "{arguments}");
+        // Standard error says who answered.
+        let auto = command(at, &format!("{arguments} --backend auto")).output().unwrap();
+        assert_eq!(cpu.as_bytes(), auto.stdout, "{arguments}");
         cpu
     };
     assert_eq!(both("pairs a.obj b.obj --format csv"), "a,b\n0,0\n3,0\n");
