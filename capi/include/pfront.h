@@ -104,6 +104,8 @@ enum pfront_status_t
   PFRONT_FLOAT_ENVIRONMENT = 26,
   // The pose `what` is flat or not finite, so that it has no inverse.
   PFRONT_NO_INVERSE = 27,
+  // The allocator `what` does not have `needed` bytes.
+  PFRONT_OUT_OF_MEMORY = 28,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -423,6 +425,30 @@ typedef struct pfront_part_t {
   uint32_t number;
 } pfront_part_t;
 
+// A pair of functions that a call gets memory by. They are called on the calling thread.
+typedef struct pfront_allocator_t {
+  // Returns so many bytes, at least 8, at a multiple of 8 bytes; or null if there are not as many.
+  void *(*allocate)(void *context, size_t bytes);
+  // Takes back what `allocate` has returned for so many bytes.
+  void (*release)(void *context, void *memory, size_t bytes);
+  // Handed to both; may be null.
+  void *context;
+} pfront_allocator_t;
+
+// A list of pairs in memory of an allocator, to be freed by `pfront_pair_list_free`.
+typedef struct pfront_pair_list_t {
+  // For pfront to know that it has made it.
+  uint32_t seal;
+  // The pairs, sorted by a, then b.
+  struct pfront_pair_t *pairs;
+  // How many pairs there are.
+  size_t count;
+  // Private.
+  size_t capacity;
+  // Private.
+  struct pfront_allocator_t allocator;
+} pfront_pair_list_t;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -712,6 +738,34 @@ pfront_status_t pfront_front_remember(struct pfront_front_t *front,
 pfront_status_t pfront_front_renumber(struct pfront_front_t *front,
                                       const uint32_t *numbers,
                                       size_t count,
+                                      struct pfront_error_t *error);
+
+// Finds all pairs of triangles of `a` and `b` that meet, `b` in the pose `a_from_b`: exactly, and sorted. BVHs are
+// built on the way and dropped; to ask again about the same meshes, keep them: see `pfront_query_pair`.
+//
+// `list` need not be initialised; it takes memory of `allocator`, which a null pointer leaves to malloc, unless the
+// library is without the standard library. `pfront_pair_list_free` gives it back. Other memory, about 100 bytes a
+// triangle, is given back at once.
+pfront_status_t pfront_all(const struct pfront_buffers_t *a,
+                           const struct pfront_buffers_t *b,
+                           const struct pfront_pose_t *a_from_b,
+                           const struct pfront_allocator_t *allocator,
+                           struct pfront_pair_list_t *list,
+                           struct pfront_error_t *error);
+
+// Finds some pair of triangles of `a` and `b` that meet, and stops at the first: `found` is 1 if there is one, else 0
+// and `pair` is not written. All else is as for `pfront_all`; there is nothing to free.
+pfront_status_t pfront_any(const struct pfront_buffers_t *a,
+                           const struct pfront_buffers_t *b,
+                           const struct pfront_pose_t *a_from_b,
+                           const struct pfront_allocator_t *allocator,
+                           struct pfront_pair_t *pair,
+                           uint32_t *found,
+                           struct pfront_error_t *error);
+
+// Gives the memory of a list back to its allocator. The list is not one any more afterwards, and PFRONT_NOT_MADE if it
+// is freed again.
+pfront_status_t pfront_pair_list_free(struct pfront_pair_list_t *list,
                                       struct pfront_error_t *error);
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
 //! What takes the place of the standard library.
 
-/// Spins: an index was out of range in arrays that have changed since they were checked, or there is a fault in the
-/// SAH build, which selects medians as `core` does. Nothing else panics without the feature `std`.
+/// Spins: an index was out of range in arrays that have changed since they were checked, or there is a fault in `core`,
+/// by which the SAH build selects medians and `pfront_all` sorts. Nothing else panics without the feature `std`.
 #[cfg(not(any(feature = "std", test)))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

@@ -87,6 +87,10 @@ impl pfront_buffers_t {
 }
 
 impl Buffers {
+    pub(crate) fn names(&self) -> &'static Names {
+        self.names
+    }
+
     pub(crate) fn vertex_count(&self) -> usize {
         self.buffers.vertex_count
     }

@@ -8,6 +8,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![expect(non_camel_case_types, reason = "the names of types are those of C")]
 
+mod allocator;
 mod alone;
 mod blob;
 mod buffers;
@@ -18,6 +19,7 @@ mod environment;
 mod front;
 mod memory;
 mod mesh;
+mod meshes;
 mod one_ring;
 mod pose;
 mod query;
@@ -26,6 +28,7 @@ mod status;
 mod tests;
 mod verbs;
 
+pub use allocator::*;
 pub use blob::*;
 pub use buffers::*;
 pub use build::*;
@@ -33,6 +36,7 @@ pub use bvh::*;
 pub use cursor::*;
 pub use front::*;
 pub use mesh::*;
+pub use meshes::*;
 pub use one_ring::*;
 pub use pose::*;
 pub use query::*;

@@ -48,6 +48,7 @@ plain!(
     TrianglePair
 );
 plain!(
+    crate::pfront_allocator_t,
     crate::pfront_buffers_t,
     crate::pfront_bvh_memory_t,
     crate::pfront_bvh_t,
@@ -55,6 +56,7 @@ plain!(
     crate::pfront_cursor_t,
     crate::pfront_front_t,
     crate::pfront_mesh_t,
+    crate::pfront_pair_list_t,
     crate::pfront_pose_t,
     crate::pfront_query_t
 );

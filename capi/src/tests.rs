@@ -9,6 +9,7 @@ use crate::*;
 use core::mem::MaybeUninit;
 use core::ptr::{null, null_mut};
 use core::slice;
+use pfront_core::bvh::{BuildOptions, BvhStorage, sah};
 use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 
@@ -228,4 +229,30 @@ fn buffers_are_copied_where_they_are_not_packed() {
         )
     };
     assert_eq!((positions, triangles), (&POINTS[..], &CORNERS[..]));
+}
+
+#[test]
+fn two_meshes_in_one_call() {
+    let indices = CORNERS.map(|corners| corners.map(|index| index as u16));
+    let buffers = pfront_buffers_t {
+        positions: POINTS.as_ptr().cast(),
+        vertex_count: POINTS.len(),
+        stride: 0,
+        triangles: indices.as_ptr().cast(),
+        triangle_count: TRIANGLES,
+        index_type: pfront_index_type_t::PFRONT_INDEX_U16 as u32,
+    };
+    let pose = pfront_pose_t { rows: Pose::from_translation([0.25, 0.0, 0.125]).rows };
+    let mut list: pfront_pair_list_t = made!(pfront_all(&buffers, &buffers, &pose, null()));
+    // SAFETY: so many are there, and nobody writes them.
+    let pairs = unsafe { slice::from_raw_parts(list.pairs, list.count) };
+    let pairs: Vec<_> = pairs.iter().map(|pair| (pair.a, pair.b)).collect();
+    // SAFETY: it was made just now.
+    assert_eq!(unsafe { pfront_pair_list_free(&mut list, null_mut()) }, PFRONT_OK);
+
+    let (mut nodes, mut order) = ([Node::EMPTY; 2 * TRIANGLES], [0; TRIANGLES]);
+    let mesh = Mesh::new(&POINTS, &CORNERS).unwrap();
+    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    let bvh = sah(mesh, &BuildOptions::default(), storage, &mut [Node::EMPTY; TRIANGLES]).unwrap();
+    assert_eq!(pairs, truth(&PairBvtt::new(bvh, bvh, Pose::new(pose.rows)).unwrap()));
 }

@@ -3,9 +3,21 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 12] = [
-    "status", "pose", "mesh", "buffers", "build", "bvh", "blob", "one_ring", "query", "cursor",
-    "verbs", "front",
+const MODULES: [&str; 14] = [
+    "status",
+    "pose",
+    "mesh",
+    "buffers",
+    "build",
+    "bvh",
+    "blob",
+    "one_ring",
+    "query",
+    "cursor",
+    "verbs",
+    "front",
+    "allocator",
+    "meshes",
 ];
 
 #[test]
