@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(crate) struct Balance {
-    /// The name of a built-in scene, or a workload (.tcw)
+    /// The name of a built-in scene, a workload (.tcw), or meshes as record takes them
     scene: String,
     /// Numbers of workers
     #[arg(short, long, value_delimiter = ',', default_values_t = [1, 2, 4, 8, 16, 32, 64])]
@@ -211,6 +211,7 @@ fn table(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
 
 /// Medians against p, and the imbalance of each frame of the largest model.
 fn figure(name: &str, all: &[Series]) -> Figure {
+    let excess = |frame: &Frame| 100.0 * (frame.imbalance - 1.0);
     let curve = |name: String, points| plot::Series { name, points, is_line: true };
     let panel = |title: &str, better, x: &str, y: &str, scale, series| Panel {
         title: title.to_owned(),
@@ -229,7 +230,7 @@ fn figure(name: &str, all: &[Series]) -> Figure {
     };
     let largest = all.iter().map(|series| series.triangles).max();
     let frames = all.iter().filter(|series| Some(series.triangles) == largest).map(|series| {
-        let points = series.frames.iter().map(|frame| (frame.frame as f64, frame.imbalance));
+        let points = series.frames.iter().map(|frame| (frame.frame as f64, excess(frame)));
         curve(format!("p = {}", series.workers), points.collect())
     });
     let mut speed_up =
@@ -237,7 +238,7 @@ fn figure(name: &str, all: &[Series]) -> Figure {
     let ideal = all.iter().filter(|s| Some(s.triangles) == largest);
     let ideal = ideal.map(|s| (s.workers as f64, s.workers as f64)).collect();
     speed_up.series.push(curve("p times".to_owned(), ideal));
-    let ratio = "busiest worker ÷ mean";
+    let above = "busiest worker, % above the mean";
     Figure {
         title: format!("{name}: how evenly a front divides the work (medians over frames)"),
         columns: 2,
@@ -247,11 +248,11 @@ fn figure(name: &str, all: &[Series]) -> Figure {
                 "Imbalance of each frame",
                 "down",
                 "frame",
-                ratio,
+                above,
                 Scale::Linear,
                 frames.collect(),
             ),
-            against_p("Imbalance", "down", ratio, |frame| frame.imbalance),
+            against_p("Imbalance", "down", above, excess),
             against_p("Error of predicted costs", "down", "% of the mean", |frame| {
                 100.0 * frame.prediction_error
             }),

@@ -31,7 +31,8 @@ pub(crate) struct Regret {
     /// Write one line for each case
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Play this instead of drawn cases: a workload (.tcw), or the name of a built-in scene; may be given again
+    /// Play this instead of drawn cases: a workload (.tcw), a built-in scene, or meshes as record takes them; may be given
+    /// again
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seed", "cases", "quick"])]
     workload: Vec<String>,
     /// Frames of each workload; a shorter file is played to and fro

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
-    /// The workload (.tcw), or the name of a built-in scene
+    /// The workload (.tcw), the name of a built-in scene, or meshes as record takes them
     file: String,
     /// About so many triangles in a built-in scene, instead of its own number
     #[arg(long, value_name = "TRIANGLES")]

@@ -11,7 +11,9 @@
 
 use super::case::Case;
 use super::recipe::{Scale, samples};
-use super::row::{GPU, Lane, Row};
+#[cfg(feature = "gpu")]
+use super::row::GPU;
+use super::row::{Lane, Row};
 use crate::median;
 use crate::player::Player;
 use crate::tally::Tally;

@@ -44,11 +44,14 @@ fn refusals_say_what_and_where() {
     let at = folder.path();
     std::fs::write(at.join("short.tcw"), b"TRICOLW1\0\0").unwrap();
     std::fs::write(at.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::write(at.join("b.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 1\n").unwrap();
+    std::fs::write(at.join("text"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     for (arguments, part) in [
         ("replay short.tcw", "short.tcw: at byte 8"),
         ("balance short.tcw", "short.tcw: at byte 8"),
         ("passes short.tcw", "short.tcw: at byte 8"),
-        ("replay a.obj", "not a workload"),
+        ("replay text", "not a workload"),
+        ("replay a.obj,b.obj", "a.obj,b.obj: not one mesh"),
         ("replay nothing", "built-in scenes: worm-gear"),
         ("replay a.obj --size 9", "--size is for built-in scenes"),
         ("record nothing x.tcw", "worm-gear"),

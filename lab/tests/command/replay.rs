@@ -46,6 +46,28 @@ fn recordings_replay_alike_on_threads_and_on_a_gpu() {
 }
 
 #[test]
+fn meshes_sway_or_take_turns() {
+    let folder = folder();
+    let at = folder.path();
+    // Two triangles of which the second pierces the first, or not.
+    for (file, x) in [("a.obj", 0.2), ("b.obj", 9.0)] {
+        let second = format!("v {x} 0.2 -1\nv {x} 0.2 1\nv {x} 0.4 1\n");
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{second}f 1 2 3\nf 4 5 6\n");
+        fs::write(at.join(file), text).unwrap();
+    }
+    let counts = |of: &str| {
+        let text = out(at, &format!("replay {of} --frames 3"));
+        let lines = lines(&text);
+        lines[1..4].iter().map(|line| line[4].to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(counts("a.obj,b.obj"), ["1", "0", "1"]);
+    // The first pierces what the second copy has of it.
+    assert_eq!(counts("a.obj")[0], "3");
+    assert!(out(at, "record a.obj w.tcw").contains("64 frames, 2 objects"));
+    assert_eq!(counts("w.tcw"), counts("a.obj"));
+}
+
+#[test]
 fn neighbours_are_skipped() {
     let folder = folder();
     let at = folder.path();
