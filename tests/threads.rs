@@ -7,8 +7,8 @@ mod layouts;
 use layouts::Compact;
 use pfront::core::bvtt;
 use pfront::core::bvtt::PosedBvh;
-use pfront::threads::{Schedule, Settings, Traversal};
-use pfront::{BuildOptions, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
+use pfront::threads::{Report, Schedule, Settings, Traversal};
+use pfront::{BuildOptions, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use pfront_testkit::scenes::Scene;
 use std::sync::Arc;
 
@@ -46,6 +46,35 @@ fn two_models() {
             assert_eq!(many.contacts(a, b, &pose).unwrap(), one.contacts(a, b, &pose).unwrap());
         }
         assert!(many.report().is_some() && one.report().is_none());
+    }
+}
+
+/// No clock decides what a query does under the static schedule: its counts are those of the traversal by itself.
+#[test]
+fn counts_under_the_static_schedule_depend_on_no_machine() {
+    let scene = Scene::by_name("worm-gear", Some(8_000)).unwrap();
+    let model = |i: usize| {
+        let mesh = &scene.meshes[scene.objects[i]];
+        Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap()
+    };
+    let [a, b] = [0, 1].map(model);
+    for workers in [2, 64, 1024] {
+        let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
+        let mut alone = Traversal::new(workers).with_settings(settings);
+        let mut query = PairQuery::new().on(&alone.clone().into());
+        let (mut poses, mut pairs) = (Vec::new(), Vec::<TrianglePair>::new());
+        for frame in 0..4 {
+            scene.poses(frame, &mut poses);
+            let pose = Pose::new(poses[1]);
+            query.all(&a, &b, &pose).unwrap();
+            alone.all(&[bvtt::PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap()], &mut pairs);
+            let counts = |report: &Report| {
+                let shares: Vec<_> = report.shares.iter().map(|share| share.work).collect();
+                (report.nodes, report.alone, shares)
+            };
+            assert!(alone.report.nodes > 0);
+            assert_eq!(counts(query.report().unwrap()), counts(&alone.report));
+        }
     }
 }
 

@@ -68,7 +68,7 @@ pub(crate) use run::{Answer, Question, Run, Verb};
 #[cfg(feature = "gpu")]
 use crate::gpu::{Gpu, GpuError, GpuSettings};
 #[cfg(feature = "threads")]
-use crate::threads::Traversal;
+use crate::threads::{Schedule, Traversal};
 #[cfg(feature = "gpu")]
 use std::sync::Arc;
 
@@ -185,12 +185,16 @@ impl Executor {
 #[cfg(feature = "threads")]
 impl From<Traversal> for Executor {
     /// Several threads, with the pool and the settings of `traversal`. What it remembers is forgotten, and so are its deadline and its cancel flag:
-    /// an answer that ended there would be kept as if it were complete.
+    /// an answer that ended there would be kept as if it were complete. What it takes to call others is measured, except
+    /// under [`Schedule::Static`], whose counts are to be the same on every machine.
     fn from(mut traversal: Traversal) -> Self {
         traversal.forget();
         (traversal.deadline, traversal.cancel) = (None, None);
+        if traversal.settings.schedule != Schedule::Static {
+            traversal = traversal.measured();
+        }
         Self {
-            traversal: Some(Box::new(traversal.measured())),
+            traversal: Some(Box::new(traversal)),
             #[cfg(feature = "gpu")]
             device: None,
         }

@@ -7,6 +7,7 @@ use anyhow::Result;
 use pfront::{Model, Pose};
 use pfront_testkit::scenes::Kind;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::Path;
 use std::sync::Arc;
 
 /// What is asked of each frame.
@@ -44,8 +45,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// The first `frames` frames of a workload, each asked for all pairs: a built-in scene, or a file, which is played
-    /// to and fro where it is shorter.
+    /// The first `frames` frames of a workload, each asked for all pairs; a file is played to and fro where it is shorter.
     ///
     /// # Errors
     /// As [`Recording::open`]; if a mesh is refused.
@@ -63,7 +63,8 @@ impl Case {
         let rest = back.cloned().cycle().take(frames as usize - there.len());
         let frames = there.iter().cloned().chain(rest).collect();
         let class = "workload".to_owned();
-        Ok(Self { name: name.to_owned(), class, objects, verb: Verb::All, frames })
+        let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+        Ok(Self { name: stem.into_owned(), class, objects, verb: Verb::All, frames })
     }
 
     /// Its objects for one play, with a model of its own where that deforms: whoever refits a shared one

@@ -109,7 +109,7 @@ impl Row {
     pub fn heading(&self) -> String {
         let plans: String = self.fixed.iter().map(|lane| format!(" {:>11}", lane.name)).collect();
         format!(
-            "{:<11} {:<CLASS$} {:>9} {:>6} {:>6} {:<5}{plans} {:>11} {:>8} {:>8} {:>7} {:>7}  mostly",
+            "{:<14} {:<CLASS$} {:>9} {:>6} {:>6} {:<5}{plans} {:>11} {:>8} {:>8} {:>7} {:>7}  mostly",
             "case",
             "what moves",
             "triangles",
@@ -131,7 +131,7 @@ const CLASS: usize = 24;
 /// One line of a table.
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:<11} {:<CLASS$.CLASS$} {:>9} ", self.name, self.class, self.triangles)?;
+        write!(f, "{:<14} {:<CLASS$.CLASS$} {:>9} ", self.name, self.class, self.triangles)?;
         write!(f, "{:>6} {:>6} {:<5}", self.bodies, self.frames, self.verb.name())?;
         let best = self.best();
         for Lane { name, seconds, .. } in &self.fixed {
