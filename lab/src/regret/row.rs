@@ -83,7 +83,7 @@ impl Row {
 
     /// The regret of the naive rule: five constants, and the mean time on one thread, which nobody knows beforehand. It
     /// takes one plan for all frames, whose time is the median over rounds; where the plan was not played to the end,
-    /// [`HOPELESS`] times the best.
+    /// 20 times the best.
     #[must_use]
     pub fn naive(&self) -> f64 {
         let (cpu, gpu) = match &self.fixed[..] {

@@ -138,7 +138,7 @@ pub struct Series {
 /// and how many frames the oracle looked at: the first of each kind, where it is small.
 ///
 /// # Errors
-/// As [`Scene::play`].
+/// If a pose or a shape is refused, which those of the matrix are not.
 pub fn play(
     scene: &mut Scene,
     workers: &[usize],
