@@ -2,19 +2,24 @@
 //
 // Written by cbindgen from capi/src: do not edit, see capi/tests/header.rs.
 //
-// What is asked goes from top to bottom: `pfront_mesh_check`, `pfront_bvh_build_sah`, `pfront_query_pair` or
-// `pfront_query_self`, `pfront_cursor_start`, `pfront_query_page` until the cursor is done. capi/README.md and
-// capi/examples/engine.c show how.
+// Two meshes, once: `pfront_all`. Many bodies, frame by frame: `pfront_scene_create`. Two meshes or one with itself, in
+// memory and time that the caller bounds: `pfront_mesh_from_buffers` or `pfront_mesh_check`, `pfront_bvh_build_sah`,
+// `pfront_query_pair` or `pfront_query_self`, `pfront_cursor_start`, `pfront_query_page` until the cursor is done.
+// capi/README.md and capi/examples/engine.c show how.
 //
-// All memory is the caller's. Nothing is allocated, kept or locked, there is nothing to free, and there are no globals.
-// Structures that a function makes are plain data with pointers into the caller's arrays: they can be copied, and are
-// good as long as these arrays are where they were and nobody else writes them.
+// All memory is the caller's, but for what `pfront_all`, `pfront_any`, models and scenes take from an allocator: a function
+// frees each. Everywhere else nothing is allocated, kept or locked, and there is nothing to free. There are no globals.
+// Structures whose members are told here are plain data with pointers into the caller's arrays: they can be copied, and
+// are good as long as these arrays are where they were and nobody else writes them.
 //
 // Functions that can fail return PFRONT_OK or an error code, and tell more through `error` unless it is null. A null
 // pointer, one that is not aligned, arrays that overlap, one that is too small, a structure that was not made, a number
 // out of range: each has its code. The contract is what no function can find out: that a pointer which is neither null
-// nor misaligned leads to as many elements as is said, or to one structure, that `error` overlaps nothing else, and that
-// during a call no other thread writes what the call uses, nor reads what it writes.
+// nor misaligned leads to as many elements as is said, or to one structure, that a model, a scene or a list is not used
+// after it was freed, that `error` overlaps nothing else, and that during a call no other thread writes what the call
+// uses, nor reads what it writes.
+//
+// Models and scenes need the library with Rust's standard library, which it has unless it is built without.
 //
 // Whatever a function takes by a pointer to const, any number of threads may use at once; but the arrays that a
 // pfront_bvh_memory_t names are for one call at a time.
@@ -106,6 +111,8 @@ enum pfront_status_t
   PFRONT_NO_INVERSE = 27,
   // The allocator `what` does not have `needed` bytes.
   PFRONT_OUT_OF_MEMORY = 28,
+  // Body `index` is not in the scene: it was removed, or never added.
+  PFRONT_STALE_BODY = 29,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -198,6 +205,12 @@ typedef enum pfront_contact_kind_t pfront_contact_kind_t;
 typedef uint32_t pfront_contact_kind_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
+
+// A mesh and its BVH, for the bodies of scenes. Any number of threads and scenes may use one at once.
+typedef struct pfront_model_t pfront_model_t;
+
+// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
+typedef struct pfront_scene_t pfront_scene_t;
 
 // A pose: three rows of a matrix, and in the last column the translation. Meant to be rigid; any finite affine map
 // works. `a_from_b` takes the coordinates of b to those of a. A posed coordinate is `((r0*x + r1*y) + r2*z) + t` in
@@ -448,6 +461,22 @@ typedef struct pfront_pair_list_t {
   // Private.
   struct pfront_allocator_t allocator;
 } pfront_pair_list_t;
+
+// Two triangles of different bodies that meet.
+typedef struct pfront_scene_hit_t {
+  // The bodies, the one that was added first before the other.
+  uint64_t bodies[2];
+  // A triangle of the first body and one of the second.
+  struct pfront_pair_t pair;
+} pfront_scene_hit_t;
+
+// Two triangles of different bodies that meet, and where they do, in the world.
+typedef struct pfront_scene_contact_t {
+  // The triangles.
+  struct pfront_scene_hit_t hit;
+  // Where they meet.
+  struct pfront_contact_t contact;
+} pfront_scene_contact_t;
 
 #ifdef __cplusplus
 extern "C" {
@@ -767,6 +796,119 @@ pfront_status_t pfront_any(const struct pfront_buffers_t *a,
 // is freed again.
 pfront_status_t pfront_pair_list_free(struct pfront_pair_list_t *list,
                                       struct pfront_error_t *error);
+
+// Makes a model of a vertex buffer and an index buffer, which are copied, and builds its BVH by the surface area
+// heuristic.
+pfront_status_t pfront_model_create(const struct pfront_buffers_t *buffers,
+                                    struct pfront_model_t **model,
+                                    struct pfront_error_t *error);
+
+// Makes a model of a blob, whose mesh and BVH are checked and copied, so that nothing is built. The bytes may lie
+// anywhere, and are of no use afterwards.
+pfront_status_t pfront_model_from_blob(const void *blob,
+                                       size_t blob_bytes,
+                                       struct pfront_model_t **model,
+                                       struct pfront_error_t *error);
+
+// Frees a model; null is fine. Bodies that were made of it stay as they are.
+pfront_status_t pfront_model_free(struct pfront_model_t *model, struct pfront_error_t *error);
+
+// Makes a scene without bodies. `accuracy` is a `pfront_accuracy_t`. With `workers` above 1, which needs a library
+// that was built with threads, a frame that is worth it is divided into as many parts, for as many threads as the
+// machine has cores; else each call works on its own thread.
+//
+// A scene takes memory by malloc, and ends the program if there is none left. After PFRONT_DAMAGED it can only be
+// freed.
+pfront_status_t pfront_scene_create(uint32_t accuracy,
+                                    uint32_t workers,
+                                    struct pfront_scene_t **scene,
+                                    struct pfront_error_t *error);
+
+// Frees a scene and all that it has handed out; null is fine. Models stay.
+pfront_status_t pfront_scene_free(struct pfront_scene_t *scene, struct pfront_error_t *error);
+
+// Adds a body: a model, which many bodies may share, in the pose `world_from_body`. `body` names it for good: no
+// number is ever used again, and they ascend in the order of adding.
+pfront_status_t pfront_scene_add(struct pfront_scene_t *scene,
+                                 const struct pfront_model_t *model,
+                                 const struct pfront_pose_t *world_from_body,
+                                 uint64_t *body,
+                                 struct pfront_error_t *error);
+
+// Takes a body out.
+pfront_status_t pfront_scene_remove(struct pfront_scene_t *scene,
+                                    uint64_t body,
+                                    struct pfront_error_t *error);
+
+// Moves a body to the pose `world_from_body`. If that is the pose it has, the body counts as one that stands still,
+// which costs nothing in the next frame.
+pfront_status_t pfront_scene_set_pose(struct pfront_scene_t *scene,
+                                      uint64_t body,
+                                      const struct pfront_pose_t *world_from_body,
+                                      struct pfront_error_t *error);
+
+// Moves the vertices of a body, given in its own frame: as many as its model has, `stride` bytes apart, where 0 stands
+// for 12. From then on the body has a model of its own. In O(vertices + triangles).
+pfront_status_t pfront_scene_set_positions(struct pfront_scene_t *scene,
+                                           uint64_t body,
+                                           const void *positions,
+                                           size_t vertex_count,
+                                           size_t stride,
+                                           struct pfront_error_t *error);
+
+// Says which groups a body is in and which it may meet: two bodies are asked about if each is a member of a group
+// that the other's filter lets through. All bits are set at first.
+pfront_status_t pfront_scene_set_groups(struct pfront_scene_t *scene,
+                                        uint64_t body,
+                                        uint32_t memberships,
+                                        uint32_t filter,
+                                        struct pfront_error_t *error);
+
+// Ignores two bodies, as the links of a joint that overlap by design; or no longer, if `ignored` is 0.
+pfront_status_t pfront_scene_ignore(struct pfront_scene_t *scene,
+                                    uint64_t a,
+                                    uint64_t b,
+                                    uint32_t ignored,
+                                    struct pfront_error_t *error);
+
+// Keeps a number of the caller's with a body, such as the index of an entity; it is 0 at first.
+pfront_status_t pfront_scene_set_user_data(struct pfront_scene_t *scene,
+                                           uint64_t body,
+                                           uint64_t user_data,
+                                           struct pfront_error_t *error);
+
+// Tells the number that is kept with a body.
+pfront_status_t pfront_scene_user_data(const struct pfront_scene_t *scene,
+                                       uint64_t body,
+                                       uint64_t *user_data,
+                                       struct pfront_error_t *error);
+
+// Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
+// triangles. They belong to the scene and are good until this or `pfront_scene_contacts` is called again. What is known
+// of bodies that stand still is kept, so that a frame costs what the others do.
+pfront_status_t pfront_scene_update(struct pfront_scene_t *scene,
+                                    const struct pfront_scene_hit_t **hits,
+                                    size_t *count,
+                                    struct pfront_error_t *error);
+
+// `pfront_scene_update` that also tells where they meet. A pair that only PFRONT_CONSERVATIVE or PFRONT_FAST reports
+// meets nowhere and is left out. `contacts` belongs to the scene and is good until this is called again.
+pfront_status_t pfront_scene_contacts(struct pfront_scene_t *scene,
+                                      const struct pfront_scene_contact_t **contacts,
+                                      size_t *count,
+                                      struct pfront_error_t *error);
+
+// Finds some pair of triangles of different bodies that meet, and stops at the first: `found` is 1 if there is one,
+// else 0 and `hit` is not written.
+pfront_status_t pfront_scene_any(struct pfront_scene_t *scene,
+                                 struct pfront_scene_hit_t *hit,
+                                 uint32_t *found,
+                                 struct pfront_error_t *error);
+
+// Tells how many pairs of triangles of different bodies meet.
+pfront_status_t pfront_scene_count(struct pfront_scene_t *scene,
+                                   uint64_t *count,
+                                   struct pfront_error_t *error);
 
 #ifdef __cplusplus
 }  // extern "C"

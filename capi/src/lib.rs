@@ -20,9 +20,13 @@ mod front;
 mod memory;
 mod mesh;
 mod meshes;
+#[cfg(feature = "std")]
+mod model;
 mod one_ring;
 mod pose;
 mod query;
+#[cfg(feature = "std")]
+mod scene;
 mod status;
 #[cfg(test)]
 mod tests;
@@ -37,8 +41,12 @@ pub use cursor::*;
 pub use front::*;
 pub use mesh::*;
 pub use meshes::*;
+#[cfg(feature = "std")]
+pub use model::*;
 pub use one_ring::*;
 pub use pose::*;
 pub use query::*;
+#[cfg(feature = "std")]
+pub use scene::*;
 pub use status::*;
 pub use verbs::*;

@@ -9,6 +9,9 @@
 
 #![expect(unsafe_code, reason = "C knows only pointers, and somebody has to follow them")]
 
+#[cfg(feature = "std")]
+mod handle;
+
 use crate::environment;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
@@ -16,6 +19,8 @@ use core::ffi::{CStr, c_void};
 use core::marker::PhantomData;
 use core::ops::Range;
 use core::slice;
+#[cfg(feature = "std")]
+pub(crate) use handle::Handle;
 use pfront_core::Node;
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::front::{FrontNode, Part};

@@ -79,12 +79,7 @@ const SELF: u32 = u32::from_be_bytes(*b"self");
 impl pfront_query_t {
     /// What C asks.
     pub(crate) fn asked<'c>(&self, call: &Call<'c>) -> Result<Asked<'c>, Fault> {
-        let accuracy = match self.accuracy {
-            0 => Accuracy::Exact,
-            1 => Accuracy::Conservative,
-            2 => Accuracy::Fast,
-            other => return Err(out_of_range(c"accuracy", other)),
-        };
+        let accuracy = accuracy_of(self.accuracy)?;
         match self.seal {
             PAIR => {
                 let (a, b) = (self.a.view(call, c"a")?, self.b.view(call, c"b")?);
@@ -120,6 +115,16 @@ impl pfront_query_t {
         }
         let history = call.read(c"history", self.history, self.a.mesh.vertex_count)?;
         Ok(query.with_certificates(Certified::new_unchecked(bvh.mesh(), history)))
+    }
+}
+
+/// What a `pfront_accuracy_t` stands for.
+pub(crate) fn accuracy_of(accuracy: u32) -> Result<Accuracy, Fault> {
+    match accuracy {
+        0 => Ok(Accuracy::Exact),
+        1 => Ok(Accuracy::Conservative),
+        2 => Ok(Accuracy::Fast),
+        other => Err(out_of_range(c"accuracy", other)),
     }
 }
 

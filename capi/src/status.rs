@@ -71,6 +71,8 @@ pub enum pfront_status_t {
     PFRONT_NO_INVERSE = 27,
     /// The allocator `what` does not have `needed` bytes.
     PFRONT_OUT_OF_MEMORY = 28,
+    /// Body `index` is not in the scene: it was removed, or never added.
+    PFRONT_STALE_BODY = 29,
 }
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
@@ -94,7 +96,7 @@ pub struct pfront_error_t {
 #[unsafe(no_mangle)]
 #[expect(unsafe_code, reason = "C finds functions by name")]
 pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 29] = [
+    const TEXTS: [&CStr; 30] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
@@ -124,6 +126,7 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"this thread flushes subnormal numbers or does not round to nearest",
         c"a pose is flat or not finite and has no inverse",
         c"an allocator is out of memory",
+        c"a body is not in the scene",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

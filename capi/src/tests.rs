@@ -256,3 +256,44 @@ fn two_meshes_in_one_call() {
     let bvh = sah(mesh, &BuildOptions::default(), storage, &mut [Node::EMPTY; TRIANGLES]).unwrap();
     assert_eq!(pairs, truth(&PairBvtt::new(bvh, bvh, Pose::new(pose.rows)).unwrap()));
 }
+
+#[test]
+fn bodies_of_a_scene() {
+    let buffers = pfront_buffers_t {
+        positions: POINTS.as_ptr().cast(),
+        vertex_count: POINTS.len(),
+        stride: 0,
+        triangles: CORNERS.as_ptr().cast(),
+        triangle_count: TRIANGLES,
+        index_type: pfront_index_type_t::PFRONT_INDEX_U32 as u32,
+    };
+    let scene: *mut pfront_scene_t = made!(pfront_scene_create(PFRONT_EXACT as u32, 1));
+    let model: *mut pfront_model_t = made!(pfront_model_create(&buffers));
+    let still = pfront_pose_t::IDENTITY;
+    let bodies: [u64; 2] = [0; 2].map(|_| made!(pfront_scene_add(scene, model, &still)));
+    let (mut hits, mut contacts) = (null(), null());
+    let mut counts = [0; 2];
+    // SAFETY: the scene is there, and so are all results.
+    let statuses = unsafe {
+        [
+            pfront_scene_update(scene, &mut hits, &mut counts[0], null_mut()),
+            pfront_scene_set_user_data(scene, bodies[1], 7, null_mut()),
+            pfront_scene_contacts(scene, &mut contacts, &mut counts[1], null_mut()),
+        ]
+    };
+    assert_eq!(statuses, [PFRONT_OK; 3]);
+    assert!(counts[0] > 0 && counts[1] == counts[0]);
+    assert_eq!(made!(pfront_scene_user_data(scene, bodies[1])), 7_u64);
+    // SAFETY: the scene has found as many and keeps them.
+    let (hits, contacts) = unsafe {
+        (slice::from_raw_parts(hits, counts[0]), slice::from_raw_parts(contacts, counts[1]))
+    };
+    for (hit, contact) in hits.iter().zip(contacts) {
+        assert_eq!((hit.bodies, contact.hit.bodies), (bodies, bodies));
+        assert!(contact.contact.kind != 0);
+    }
+    // SAFETY: both were made above, and are not used any more.
+    let freed =
+        unsafe { [pfront_scene_free(scene, null_mut()), pfront_model_free(model, null_mut())] };
+    assert_eq!(freed, [PFRONT_OK; 2]);
+}

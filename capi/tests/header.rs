@@ -3,7 +3,7 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 14] = [
+const MODULES: [&str; 16] = [
     "status",
     "pose",
     "mesh",
@@ -18,6 +18,8 @@ const MODULES: [&str; 14] = [
     "front",
     "allocator",
     "meshes",
+    "model",
+    "scene",
 ];
 
 #[test]

@@ -32,6 +32,7 @@ use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
 /// Two triangles of different bodies that meet. The order is that of `bodies`, then `pair`.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SceneHit {
     /// The bodies, the one that was added first before the other.

@@ -142,3 +142,20 @@ impl From<BlobError> for Fault {
         }
     }
 }
+
+#[cfg(feature = "std")]
+impl From<pfront::Error> for Fault {
+    fn from(error: pfront::Error) -> Self {
+        use pfront::Error;
+        match error {
+            Error::Mesh(error) => error.into(),
+            Error::Blob(error) => error.into(),
+            Error::Capacity(error) => error.into(),
+            Error::Pose(error) => Self::pose(c"world_from_body")(error),
+            Error::StaleBody { id } => {
+                Self::of(PFRONT_STALE_BODY, c"body").at(id.to_bits() as usize)
+            }
+            _ => Self::new(PFRONT_DAMAGED),
+        }
+    }
+}

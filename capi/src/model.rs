@@ -1,0 +1,107 @@
+//! Models: a mesh and its BVH in memory of the library's own, for the bodies of scenes.
+
+#![expect(
+    unsafe_code,
+    reason = "C finds functions by name, and keeps to the contract of the header"
+)]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+use crate::buffers::{Buffers, NAMES, pfront_buffers_t};
+use crate::memory::{Call, Caller, Handle};
+use crate::status::pfront_status_t::{self, PFRONT_OUT_OF_MEMORY};
+use crate::status::{Fault, pfront_error_t};
+use core::ffi::c_void;
+use core::mem::offset_of;
+use pfront::Model;
+use std::sync::Arc;
+
+/// A mesh and its BVH, for the bodies of scenes. Any number of threads and scenes may use one at once.
+pub struct pfront_model_t {
+    seal: u32,
+    pub(crate) model: Arc<Model>,
+}
+
+// SAFETY: a model is made below, with its seal.
+unsafe impl Handle for pfront_model_t {
+    const SEAL: u32 = u32::from_be_bytes(*b"modl");
+    const SEAL_AT: usize = offset_of!(Self, seal);
+}
+
+impl pfront_model_t {
+    /// What C is handed.
+    fn boxed(model: Model) -> *mut Self {
+        Box::into_raw(Box::new(Self { seal: Self::SEAL, model: Arc::new(model) }))
+    }
+}
+
+/// Makes room for so many.
+fn resize<T: Clone>(out: &mut Vec<T>, count: usize, zero: T) -> Result<(), Fault> {
+    out.clear();
+    let bytes = count.saturating_mul(size_of::<T>());
+    let fault = Fault::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(bytes, 0);
+    out.try_reserve_exact(count).map_err(|_| fault)?;
+    out.resize(count, zero);
+    Ok(())
+}
+
+/// Copies the positions of some buffers.
+pub(crate) fn floats(
+    buffers: &Buffers,
+    call: &Call<'_>,
+    out: &mut Vec<[f32; 3]>,
+) -> Result<(), Fault> {
+    resize(out, buffers.vertex_count(), [0.0; 3])?;
+    buffers.copy_positions(call, out)
+}
+
+/// Makes a model of a vertex buffer and an index buffer, which are copied, and builds its BVH by the surface area
+/// heuristic.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_create(
+    buffers: *const pfront_buffers_t,
+    model: *mut *mut pfront_model_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"model", model)?;
+        let buffers = call.get(c"buffers", buffers)?.checked(&NAMES)?;
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        floats(&buffers, call, &mut positions)?;
+        resize(&mut triangles, buffers.triangle_count(), [0; 3])?;
+        buffers.copy_triangles(call, &mut triangles)?;
+        out.set(pfront_model_t::boxed(Model::new(positions, triangles)?));
+        Ok(())
+    })
+}
+
+/// Makes a model of a blob, whose mesh and BVH are checked and copied, so that nothing is built. The bytes may lie
+/// anywhere, and are of no use afterwards.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_from_blob(
+    blob: *const c_void,
+    blob_bytes: usize,
+    model: *mut *mut pfront_model_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"model", model)?;
+        let bytes = call.read(c"blob", blob.cast::<u8>(), blob_bytes)?;
+        out.set(pfront_model_t::boxed(Model::from_blob(bytes)?));
+        Ok(())
+    })
+}
+
+/// Frees a model; null is fine. Bodies that were made of it stay as they are.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_free(
+    model: *mut pfront_model_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| call.free(c"model", model))
+}

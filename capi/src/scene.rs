@@ -1,0 +1,344 @@
+//! Scenes: many posed bodies, and which of their triangles meet.
+//!
+//! Over the package `pfront`, where all else is over `pfront_core`: a scene needs a broad phase, memory that grows with
+//! it, and what it keeps of bodies that stand still. There is one such scene, in Rust, and this is a thin layer over it,
+//! which is why it needs the standard library.
+
+#![expect(
+    unsafe_code,
+    reason = "C finds functions by name, and keeps to the contract of the header"
+)]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+use crate::buffers::{NAMES, pfront_buffers_t};
+use crate::memory::{Caller, Handle};
+use crate::model::{floats, pfront_model_t};
+use crate::pose::pfront_pose_t;
+use crate::query::accuracy_of;
+use crate::status::{Fault, pfront_error_t, pfront_status_t};
+use crate::verbs::{pfront_contact_t, pfront_pair_t};
+use core::ffi::c_void;
+use core::mem::offset_of;
+use core::ptr::null;
+use pfront::{BodyId, Executor, Groups, SceneHit, SceneQuery, TrianglePair};
+
+/// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
+pub struct pfront_scene_t {
+    seal: u32,
+    query: SceneQuery,
+    contacts: Vec<pfront_scene_contact_t>,
+    positions: Vec<[f32; 3]>,
+}
+
+// SAFETY: a scene is made below, with its seal.
+unsafe impl Handle for pfront_scene_t {
+    const SEAL: u32 = u32::from_be_bytes(*b"scen");
+    const SEAL_AT: usize = offset_of!(Self, seal);
+}
+
+/// Two triangles of different bodies that meet.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_scene_hit_t {
+    /// The bodies, the one that was added first before the other.
+    pub bodies: [u64; 2],
+    /// A triangle of the first body and one of the second.
+    pub pair: pfront_pair_t,
+}
+
+const _: () = {
+    assert!(size_of::<pfront_scene_hit_t>() == size_of::<SceneHit>());
+    assert!(align_of::<pfront_scene_hit_t>() == align_of::<SceneHit>());
+    assert!(offset_of!(pfront_scene_hit_t, pair) == offset_of!(SceneHit, pair));
+};
+
+impl From<SceneHit> for pfront_scene_hit_t {
+    fn from(SceneHit { bodies, pair: TrianglePair { a, b } }: SceneHit) -> Self {
+        Self { bodies: bodies.map(BodyId::to_bits), pair: pfront_pair_t { a, b } }
+    }
+}
+
+/// Two triangles of different bodies that meet, and where they do, in the world.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_scene_contact_t {
+    /// The triangles.
+    pub hit: pfront_scene_hit_t,
+    /// Where they meet.
+    pub contact: pfront_contact_t,
+}
+
+/// The most workers.
+const WORKERS: usize = if cfg!(feature = "threads") { u32::MAX as usize } else { 1 };
+
+fn executor(workers: u32) -> Executor {
+    #[cfg(feature = "threads")]
+    if workers > 1 {
+        return Executor::threads(workers as usize);
+    }
+    let _ = workers;
+    Executor::sequential()
+}
+
+/// Makes a scene without bodies. `accuracy` is a `pfront_accuracy_t`. With `workers` above 1, which needs a library
+/// that was built with threads, a frame that is worth it is divided into as many parts, for as many threads as the
+/// machine has cores; else each call works on its own thread.
+///
+/// A scene takes memory by malloc, and ends the program if there is none left. After PFRONT_DAMAGED it can only be
+/// freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_create(
+    accuracy: u32,
+    workers: u32,
+    scene: *mut *mut pfront_scene_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"scene", scene)?;
+        let accuracy = accuracy_of(accuracy)?;
+        Fault::below(c"workers", workers as usize, WORKERS.saturating_add(1))?;
+        let query = SceneQuery::new().with_accuracy(accuracy).on(&executor(workers));
+        let (contacts, positions) = (Vec::new(), Vec::new());
+        let seal = pfront_scene_t::SEAL;
+        out.set(Box::into_raw(Box::new(pfront_scene_t { seal, query, contacts, positions })));
+        Ok(())
+    })
+}
+
+/// Frees a scene and all that it has handed out; null is fine. Models stay.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_free(
+    scene: *mut pfront_scene_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| call.free(c"scene", scene))
+}
+
+/// Adds a body: a model, which many bodies may share, in the pose `world_from_body`. `body` names it for good: no
+/// number is ever used again, and they ascend in the order of adding.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_add(
+    scene: *mut pfront_scene_t,
+    model: *const pfront_model_t,
+    world_from_body: *const pfront_pose_t,
+    body: *mut u64,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, scene) = (call.out(c"body", body)?, call.owned(c"scene", scene)?);
+        let model = call.shared(c"model", model)?.model.clone();
+        let pose = call.get(c"world_from_body", world_from_body)?.pose();
+        out.set(scene.query.add(model, pose)?.to_bits());
+        Ok(())
+    })
+}
+
+/// Takes a body out.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_remove(
+    scene: *mut pfront_scene_t,
+    body: u64,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        call.owned(c"scene", scene)?.query.remove(BodyId::from_bits(body))?;
+        Ok(())
+    })
+}
+
+/// Moves a body to the pose `world_from_body`. If that is the pose it has, the body counts as one that stands still,
+/// which costs nothing in the next frame.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_set_pose(
+    scene: *mut pfront_scene_t,
+    body: u64,
+    world_from_body: *const pfront_pose_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let scene = call.owned(c"scene", scene)?;
+        let pose = call.get(c"world_from_body", world_from_body)?.pose();
+        Ok(scene.query.set_pose(BodyId::from_bits(body), pose)?)
+    })
+}
+
+/// Moves the vertices of a body, given in its own frame: as many as its model has, `stride` bytes apart, where 0 stands
+/// for 12. From then on the body has a model of its own. In O(vertices + triangles).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_set_positions(
+    scene: *mut pfront_scene_t,
+    body: u64,
+    positions: *const c_void,
+    vertex_count: usize,
+    stride: usize,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let scene = call.owned(c"scene", scene)?;
+        let buffers = pfront_buffers_t {
+            positions,
+            vertex_count,
+            stride,
+            triangles: null(),
+            triangle_count: 0,
+            index_type: 0,
+        };
+        let buffers = buffers.checked(&NAMES)?;
+        floats(&buffers, call, &mut scene.positions)?;
+        Ok(scene.query.set_positions(BodyId::from_bits(body), &scene.positions)?)
+    })
+}
+
+/// Says which groups a body is in and which it may meet: two bodies are asked about if each is a member of a group
+/// that the other's filter lets through. All bits are set at first.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_set_groups(
+    scene: *mut pfront_scene_t,
+    body: u64,
+    memberships: u32,
+    filter: u32,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let query = &mut call.owned(c"scene", scene)?.query;
+        Ok(query.set_groups(BodyId::from_bits(body), Groups { memberships, filter })?)
+    })
+}
+
+/// Ignores two bodies, as the links of a joint that overlap by design; or no longer, if `ignored` is 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_ignore(
+    scene: *mut pfront_scene_t,
+    a: u64,
+    b: u64,
+    ignored: u32,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let query = &mut call.owned(c"scene", scene)?.query;
+        Ok(query.ignore(BodyId::from_bits(a), BodyId::from_bits(b), ignored != 0)?)
+    })
+}
+
+/// Keeps a number of the caller's with a body, such as the index of an entity; it is 0 at first.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_set_user_data(
+    scene: *mut pfront_scene_t,
+    body: u64,
+    user_data: u64,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let query = &mut call.owned(c"scene", scene)?.query;
+        Ok(query.set_user_data(BodyId::from_bits(body), user_data)?)
+    })
+}
+
+/// Tells the number that is kept with a body.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_user_data(
+    scene: *const pfront_scene_t,
+    body: u64,
+    user_data: *mut u64,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"user_data", user_data)?;
+        let query = &call.shared(c"scene", scene)?.query;
+        out.set(query.body(BodyId::from_bits(body))?.user_data());
+        Ok(())
+    })
+}
+
+/// Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
+/// triangles. They belong to the scene and are good until this or `pfront_scene_contacts` is called again. What is known
+/// of bodies that stand still is kept, so that a frame costs what the others do.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_update(
+    scene: *mut pfront_scene_t,
+    hits: *mut *const pfront_scene_hit_t,
+    count: *mut usize,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, out_count) = (call.out(c"hits", hits)?, call.out(c"count", count)?);
+        let found = call.owned(c"scene", scene)?.query.all()?;
+        out.set(found.as_ptr().cast());
+        out_count.set(found.len());
+        Ok(())
+    })
+}
+
+/// `pfront_scene_update` that also tells where they meet. A pair that only PFRONT_CONSERVATIVE or PFRONT_FAST reports
+/// meets nowhere and is left out. `contacts` belongs to the scene and is good until this is called again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_contacts(
+    scene: *mut pfront_scene_t,
+    contacts: *mut *const pfront_scene_contact_t,
+    count: *mut usize,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, out_count) = (call.out(c"contacts", contacts)?, call.out(c"count", count)?);
+        let pfront_scene_t { query, contacts, .. } = call.owned(c"scene", scene)?;
+        contacts.clear();
+        contacts.extend(query.contacts()?.iter().map(|&(hit, contact)| pfront_scene_contact_t {
+            hit: hit.into(),
+            contact: Some(contact).into(),
+        }));
+        out.set(contacts.as_ptr());
+        out_count.set(contacts.len());
+        Ok(())
+    })
+}
+
+/// Finds some pair of triangles of different bodies that meet, and stops at the first: `found` is 1 if there is one,
+/// else 0 and `hit` is not written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_any(
+    scene: *mut pfront_scene_t,
+    hit: *mut pfront_scene_hit_t,
+    found: *mut u32,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, is_found) = (call.out(c"hit", hit)?, call.out(c"found", found)?);
+        let some = call.owned(c"scene", scene)?.query.any()?;
+        is_found.set(some.is_some().into());
+        if let Some(hit) = some {
+            out.set(hit.into());
+        }
+        Ok(())
+    })
+}
+
+/// Tells how many pairs of triangles of different bodies meet.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_count(
+    scene: *mut pfront_scene_t,
+    count: *mut u64,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"count", count)?;
+        out.set(call.owned(c"scene", scene)?.query.count()?);
+        Ok(())
+    })
+}
