@@ -1,5 +1,5 @@
-// A game engine's loop, in C99: two rings that sink into each other, and a sheet that rolls up. What it prints is what
-// pfront finds from Rust (examples/reference.rs).
+// A game engine's loop, in C99: two rings that sink into each other, and a sheet that rolls up; first mesh by mesh in
+// memory of its own, then as bodies of a scene. What it prints is what pfront finds from Rust (examples/reference.rs).
 
 #include "scene.h"
 
@@ -8,6 +8,9 @@
 #define BUDGET 500
 #define WORKERS 2
 #define FRONT 400
+#ifndef WORKERS_OF_SCENE
+#define WORKERS_OF_SCENE 1
+#endif
 
 // All pairs of a query in steps of bounded work, as an engine spreads it over frames.
 static void in_steps(const pfront_query_t *query, list_t *list)
@@ -70,6 +73,100 @@ static pfront_bvh_t borrowed(const void *blob, size_t blob_bytes)
     return bvh;
 }
 
+// A vertex as renderers have it, and a mesh of these with indices of 16 bits.
+typedef struct {
+    float position[3], normal[3];
+} vertex_t;
+
+static pfront_buffers_t interleaved(const grid_t *grid)
+{
+    vertex_t *vertices = memory(grid->vertices * sizeof *vertices);
+    uint16_t *indices = memory(3 * grid->triangles * sizeof *indices);
+    for (size_t i = 0; i < grid->vertices; i++) {
+        const vertex_t vertex = {{0, 0, 0}, {0, 0, 1}};
+        vertices[i] = vertex;
+        memcpy(vertices[i].position, grid->positions + 3 * i, sizeof vertices[i].position);
+    }
+    for (size_t i = 0; i < 3 * grid->triangles; i++) {
+        indices[i] = (uint16_t)grid->indices[i];
+    }
+    const pfront_buffers_t buffers = {vertices, grid->vertices, sizeof *vertices, indices,
+                                      grid->triangles, PFRONT_INDEX_U16};
+    return buffers;
+}
+
+static pfront_buffers_t packed(const grid_t *grid)
+{
+    const pfront_buffers_t buffers = {grid->positions, grid->vertices, 0, grid->indices,
+                                      grid->triangles, PFRONT_INDEX_U32};
+    return buffers;
+}
+
+// The bodies of a scene: a ring that stands still, one that sinks into it, the same elsewhere, and a sheet.
+enum { STILL, SINKING, TWIN, SHEET, BODIES };
+
+static pfront_scene_t *new_scene(const pfront_buffers_t *a, const void *blob, size_t blob_bytes,
+                                 const pfront_buffers_t *sheet, const pfront_pose_t *world_from_a,
+                                 uint64_t bodies[BODIES])
+{
+    const pfront_pose_t still = PFRONT_POSE_IDENTITY;
+    pfront_scene_t *scene;
+    pfront_model_t *models[3];
+    pfront_error_t error;
+    check(pfront_scene_create(PFRONT_EXACT, WORKERS_OF_SCENE, &scene, &error), &error);
+    check(pfront_model_create(a, &models[0], &error), &error);
+    check(pfront_model_from_blob(blob, blob_bytes, &models[1], &error), &error);
+    check(pfront_model_create(sheet, &models[2], &error), &error);
+    check(pfront_scene_add(scene, models[0], world_from_a, &bodies[STILL], &error), &error);
+    check(pfront_scene_add(scene, models[1], &still, &bodies[SINKING], &error), &error);
+    check(pfront_scene_add(scene, models[1], &still, &bodies[TWIN], &error), &error);
+    check(pfront_scene_add(scene, models[2], &still, &bodies[SHEET], &error), &error);
+    for (uint64_t entity = 0; entity < BODIES; entity++) {
+        check(pfront_scene_set_user_data(scene, bodies[entity], entity, &error), &error);
+    }
+    check(pfront_scene_ignore(scene, bodies[SINKING], bodies[TWIN], 1, &error), &error);
+    for (int i = 0; i < 3; i++) {
+        check(pfront_model_free(models[i], &error), &error); // the bodies keep them
+    }
+    return scene;
+}
+
+// One frame of the scene; tells how many pairs of triangles meet, and what tells their list from others.
+static size_t in_scene(pfront_scene_t *scene, const uint64_t bodies[BODIES], unsigned frame,
+                       const pfront_pose_t *world_from_a, const grid_t *sheet, uint32_t *hash)
+{
+    pfront_error_t error;
+    const pfront_scene_hit_t *hits;
+    size_t count;
+    const pfront_pose_t a_from_b = pose(frame);
+    pfront_pose_t world_from_b, twin;
+    check(pfront_pose_multiply(world_from_a, &a_from_b, &world_from_b, &error), &error);
+    check(pfront_scene_set_pose(scene, bodies[SINKING], &world_from_b, &error), &error);
+    float columns[16] = {0};
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 4; k++) {
+            columns[4 * k + i] = a_from_b.rows[i][k];
+        }
+    }
+    check(pfront_pose_from_cols_array(columns, &twin, &error), &error);
+    check(pfront_scene_set_pose(scene, bodies[TWIN], &twin, &error), &error);
+    check(pfront_scene_set_positions(scene, bodies[SHEET], sheet->positions, sheet->vertices, 0,
+                                     &error),
+          &error);
+    check(pfront_scene_update(scene, &hits, &count, &error), &error);
+    *hash = 2166136261u;
+    for (size_t i = 0; i < count; i++) {
+        for (int k = 0; k < 2; k++) {
+            uint64_t entity;
+            check(pfront_scene_user_data(scene, hits[i].bodies[k], &entity, &error), &error);
+            *hash = (*hash ^ (uint32_t)entity) * 16777619u;
+        }
+        *hash = (*hash ^ hits[i].pair.a) * 16777619u;
+        *hash = (*hash ^ hits[i].pair.b) * 16777619u;
+    }
+    return count;
+}
+
 static void same(uint32_t one, uint32_t other, const char *how)
 {
     if (one != other) {
@@ -104,6 +201,14 @@ int main(void)
     pfront_front_node_t *last_nodes = memory(FRONT * sizeof *last_nodes);
     check(pfront_front_init(&front, nodes, FRONT, last_nodes, FRONT, &error), &error);
 
+    const float rotation[4] = {0, 0, 0.6f, 0.8f}, translation[3] = {1, 2, 3};
+    pfront_pose_t world_from_a;
+    check(pfront_pose_from_rotation_translation(rotation, translation, &world_from_a, &error), &error);
+    pfront_buffers_t buffers_a = packed(&a), buffers_b = interleaved(&b), buffers_c = packed(&cloth);
+    uint64_t bodies[BODIES];
+    pfront_scene_t *scene =
+        new_scene(&buffers_a, blob, baked_bytes, &buffers_c, &world_from_a, bodies);
+
     list_t list = {NULL, 0, 0};
     unsigned rebuilt = 0, coherent = 0;
     for (unsigned frame = 0; frame < FRAMES; frame++) {
@@ -122,6 +227,14 @@ int main(void)
               &error);
         in_pages(&query, &list);
         same(hash, fingerprint(&list), "a blob");
+
+        // The same in one call, of the buffers that a renderer has.
+        pfront_pair_list_t pairs;
+        check(pfront_all(&buffers_a, &buffers_b, &a_from_b, NULL, &pairs, &error), &error);
+        list.count = 0;
+        append(&list, pairs.pairs, pairs.count);
+        check(pfront_pair_list_free(&pairs, &error), &error);
+        same(hash, fingerprint(&list), "one call");
 
         // The same dealt out to workers.
         pfront_part_t parts[WORKERS];
@@ -150,11 +263,19 @@ int main(void)
         printf("frame %u: %zu pairs, list %08x, segments %08x; ", frame, meeting, (unsigned)hash,
                (unsigned)where);
         printf("sheet: %zu pairs, ", list.count);
-        printf("list %08x\n", (unsigned)fingerprint(&list));
+        printf("list %08x; ", (unsigned)fingerprint(&list));
+
+        // All of them, and one more, as bodies in the world.
+        uint32_t hits_hash;
+        size_t hits = in_scene(scene, bodies, frame, &world_from_a, &cloth, &hits_hash);
+        printf("scene: %zu hits, list %08x\n", hits, (unsigned)hits_hash);
     }
     fprintf(stderr, "pfront %s: fronts of the last frame used %u times, sheet rebuilt %u times\n",
             pfront_version(), coherent, rebuilt);
 
+    check(pfront_scene_free(scene, &error), &error);
+    free((void *)buffers_b.positions);
+    free((void *)buffers_b.triangles);
     free(list.pairs);
     free(blob);
     free(nodes);

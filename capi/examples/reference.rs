@@ -1,6 +1,7 @@
 //! What `engine.c` is to print, found by pfront's Rust API from the same meshes.
 
-use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
+use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
+use std::sync::Arc;
 
 const FRAMES: u32 = 8;
 
@@ -70,9 +71,21 @@ fn fingerprint(pairs: &[TrianglePair]) -> u32 {
 }
 
 fn main() -> Result<(), pfront::Error> {
-    let (a, b) = (ring(0.0)?, ring(0.3)?);
+    let (a, b) = (Arc::new(ring(0.0)?), Arc::new(ring(0.3)?));
     let mut sheet = Model::new(roll(0), grid(SHEET[0], SHEET[1], false))?;
     let (mut pair, mut within) = (PairQuery::new(), SelfQuery::new());
+    let world_from_a = Pose::from_rotation_translation([0.0, 0.0, 0.6, 0.8], [1.0, 2.0, 3.0]);
+    let mut scene = SceneQuery::new();
+    scene.add(a.clone(), world_from_a)?;
+    let [sinking, twin] =
+        [scene.add(b.clone(), world_from_a)?, scene.add(b.clone(), Pose::IDENTITY)?];
+    let rolling =
+        scene.add(Model::new(roll(0), grid(SHEET[0], SHEET[1], false))?, Pose::IDENTITY)?;
+    let bodies: Vec<_> = scene.bodies().map(|body| body.id()).collect();
+    for (entity, &body) in (0..).zip(&bodies) {
+        scene.set_user_data(body, entity)?;
+    }
+    scene.ignore(sinking, twin, true)?;
     for frame in 0..FRAMES {
         let contacts = pair.contacts(&a, &b, &pose(frame))?;
         let segments = contacts.iter().flat_map(|(_, contact)| contact.segment).flatten();
@@ -82,7 +95,18 @@ fn main() -> Result<(), pfront::Error> {
         print!("segments {segments:08x}; ");
         sheet.set_positions(&roll(frame))?;
         let folds = within.all(&sheet)?;
-        println!("sheet: {} pairs, list {:08x}", folds.len(), fingerprint(folds));
+        print!("sheet: {} pairs, list {:08x}; ", folds.len(), fingerprint(folds));
+        scene.set_pose(sinking, world_from_a * pose(frame))?;
+        scene.set_pose(twin, pose(frame))?;
+        scene.set_positions(rolling, &roll(frame))?;
+        scene.update()?;
+        let entity = |body| scene.body(body).map(|body| body.user_data() as u32);
+        let mut words = Vec::new();
+        for hit in scene.hits() {
+            let [first, second] = hit.bodies;
+            words.extend([entity(first)?, entity(second)?, hit.pair.a, hit.pair.b]);
+        }
+        println!("scene: {} hits, list {:08x}", scene.hits().len(), hash(words.into_iter()));
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Where pointers of C become slices: the only place that follows one.
+//! Where pointers of C become slices: the only place that follows one, but for what an allocator returns.
 //!
 //! What can be checked about a pointer is: that it is not null, that it is aligned, that no array goes around the end
 //! of the address space, and that what is written overlaps nothing else that the call uses. What cannot be checked, that
