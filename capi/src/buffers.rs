@@ -129,6 +129,23 @@ impl Buffers {
         Ok(())
     }
 
+    /// The positions: borrowed if they are packed, else copied to `memory`, which has the length of [`Buffers::words`].
+    pub(crate) fn positions<'c>(
+        &self,
+        call: &Call<'c>,
+        memory: &'c mut [[f32; 3]],
+    ) -> Result<&'c [[f32; 3]], Fault> {
+        if self.stride == PACKED {
+            return call.read(
+                self.names.positions,
+                self.buffers.positions.cast(),
+                self.vertex_count(),
+            );
+        }
+        self.copy_positions(call, memory)?;
+        Ok(memory)
+    }
+
     /// Copies the triangles, of which there is one for each of `out`.
     pub(crate) fn copy_triangles(
         &self,
@@ -164,13 +181,8 @@ impl Buffers {
         let (triangles, _) = rest.split_at_mut_checked(triangles).ok_or(short)?;
         let (positions, _) = bytemuck::must_cast_slice_mut::<u32, f32>(positions).as_chunks_mut();
         let (triangles, _) = triangles.as_chunks_mut();
-        let Self { names, buffers, stride, is_u16 } = self;
-        let positions = if *stride == PACKED {
-            call.read(names.positions, buffers.positions.cast(), buffers.vertex_count)?
-        } else {
-            self.copy_positions(call, positions)?;
-            positions
-        };
+        let Self { names, buffers, is_u16, .. } = self;
+        let positions = self.positions(call, positions)?;
         let triangles = if *is_u16 {
             self.copy_triangles(call, triangles)?;
             triangles

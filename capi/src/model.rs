@@ -9,8 +9,8 @@
     reason = "the header has the contract, once for all functions"
 )]
 
-use crate::buffers::{Buffers, NAMES, pfront_buffers_t};
-use crate::memory::{Call, Caller, Handle};
+use crate::buffers::{NAMES, pfront_buffers_t};
+use crate::memory::{Caller, Handle};
 use crate::status::pfront_status_t::{self, PFRONT_OUT_OF_MEMORY};
 use crate::status::{Fault, pfront_error_t};
 use core::ffi::c_void;
@@ -37,24 +37,14 @@ impl pfront_model_t {
     }
 }
 
-/// Makes room for so many.
-fn resize<T: Clone>(out: &mut Vec<T>, count: usize, zero: T) -> Result<(), Fault> {
+/// Makes it so many zeros.
+pub(crate) fn resize<T: Clone>(out: &mut Vec<T>, count: usize, zero: T) -> Result<(), Fault> {
     out.clear();
     let bytes = count.saturating_mul(size_of::<T>());
     let fault = Fault::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(bytes, 0);
     out.try_reserve_exact(count).map_err(|_| fault)?;
     out.resize(count, zero);
     Ok(())
-}
-
-/// Copies the positions of some buffers.
-pub(crate) fn floats(
-    buffers: &Buffers,
-    call: &Call<'_>,
-    out: &mut Vec<[f32; 3]>,
-) -> Result<(), Fault> {
-    resize(out, buffers.vertex_count(), [0.0; 3])?;
-    buffers.copy_positions(call, out)
 }
 
 /// Makes a model of a vertex buffer and an index buffer, which are copied, and builds its BVH by the surface area
@@ -70,7 +60,8 @@ pub unsafe extern "C" fn pfront_model_create(
         let out = call.out(c"model", model)?;
         let buffers = call.get(c"buffers", buffers)?.checked(&NAMES)?;
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-        floats(&buffers, call, &mut positions)?;
+        resize(&mut positions, buffers.vertex_count(), [0.0; 3])?;
+        buffers.copy_positions(call, &mut positions)?;
         resize(&mut triangles, buffers.triangle_count(), [0; 3])?;
         buffers.copy_triangles(call, &mut triangles)?;
         out.set(pfront_model_t::boxed(Model::new(positions, triangles)?));

@@ -15,7 +15,7 @@
 
 use crate::buffers::{NAMES, pfront_buffers_t};
 use crate::memory::{Caller, Handle};
-use crate::model::{floats, pfront_model_t};
+use crate::model::{pfront_model_t, resize};
 use crate::pose::pfront_pose_t;
 use crate::query::accuracy_of;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
@@ -29,7 +29,9 @@ use pfront::{BodyId, Executor, Groups, SceneHit, SceneQuery, TrianglePair};
 pub struct pfront_scene_t {
     seal: u32,
     query: SceneQuery,
+    /// What was handed out last.
     contacts: Vec<pfront_scene_contact_t>,
+    /// A copy of positions that are not packed.
     positions: Vec<[f32; 3]>,
 }
 
@@ -193,8 +195,9 @@ pub unsafe extern "C" fn pfront_scene_set_positions(
             index_type: 0,
         };
         let buffers = buffers.checked(&NAMES)?;
-        floats(&buffers, call, &mut scene.positions)?;
-        Ok(scene.query.set_positions(BodyId::from_bits(body), &scene.positions)?)
+        resize(&mut scene.positions, buffers.words()?[0] / 3, [0.0; 3])?;
+        let positions = buffers.positions(call, &mut scene.positions)?;
+        Ok(scene.query.set_positions(BodyId::from_bits(body), positions)?)
     })
 }
 
