@@ -8,7 +8,9 @@
 // capi/README.md and capi/examples/engine.c show how.
 //
 // All memory is the caller's, but for what `pfront_all`, `pfront_any`, models and scenes take from an allocator: a function
-// frees each. Everywhere else nothing is allocated, kept or locked, and there is nothing to free. There are no globals.
+// frees each. Everywhere else nothing is allocated, kept or locked, and there is nothing to free. There are no globals,
+// but for the pool of threads of a library that was built with some.
+//
 // Structures whose members are told here are plain data with pointers into the caller's arrays: they can be copied, and
 // are good as long as these arrays are where they were and nobody else writes them.
 //
