@@ -1,4 +1,4 @@
-//! What exactness costs: the three accuracies on whole queries and on single triangle pairs.
+//! The cost of exactness: the three accuracies on whole queries and on single triangle pairs.
 //!
 //! `cargo bench --bench accuracy`. With recorded data (`PFRONT_DATA`, see test.sh) the two bunnies of
 //! the oracles are added to the generated scenes. Answers are checked before anything is timed.

@@ -57,7 +57,7 @@ fn executors() -> Vec<(String, Executor)> {
     executors
 }
 
-/// What parry takes: a rotation and a translation.
+/// A pose as parry takes it: a rotation and a translation.
 fn isometry(pose: &Pose) -> Isometry {
     let [x, y, z] = pose.rows;
     let rows = [x, y, z].map(|[x, y, z, _]| Vec3::new(x, y, z));

@@ -1,4 +1,4 @@
-//! What a frame takes: building and refitting, the first frame and those after it, on one core and on
+//! The parts of a frame: building and refitting, the first frame and those after it, on one core and on
 //! threads, under each schedule.
 //!
 //! `cargo bench --bench frames`. Threads go up to those of the machine. With recorded data

@@ -1,30 +1,29 @@
 //! The queries on a GPU: the same pairs, to the bit, through wgpu on Vulkan, Metal or Direct3D 12.
 //!
 //! A [`Gpu`] is a device of this machine or of the caller's; a [`GpuModel`] is the BVH of a
-//! [`crate::Model`] in its memory, a [`Deforming`] one whose vertices move there. Queries ask what
-//! those of the CPU ask, in the same words.
+//! [`crate::Model`] in its memory, a [`Deforming`] one whose vertices move there. A [`GpuQuery`] asks about them for those
+//! who mind buffers and submissions themselves; with [`crate::Executor::gpu`] the queries of this crate do.
 //!
 //! # Examples
 //! ```no_run
 //! use pfront::Pose;
-//! use pfront::gpu::{Deforming, Gpu, GpuError, GpuModel, GpuPairQuery, GpuSelfQuery};
+//! use pfront::gpu::{Deforming, Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion};
 //! # fn demo(body: pfront::Model, cloth: pfront::Model) -> Result<(), GpuError> {
 //! let gpu = Gpu::new()?;
 //! let body = GpuModel::new(&gpu, body.bvh())?;
-//! let mut query = GpuPairQuery::new(&gpu)?;
+//! let mut query = GpuQuery::new(&gpu)?;
 //! for frame in 0..4 {
 //!     let a_from_b = Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]);
-//!     let pairs = query.all(&body, &body, &a_from_b)?; // &[TrianglePair], sorted
+//!     let pairs = query.all(&GpuQuestion::pair(&body, &body, &a_from_b))?; // sorted
 //!     println!("frame {frame}: {} pairs", pairs.len());
 //! }
 //!
 //! // A mesh that deforms goes there once; then only its vertices do.
 //! let mut moving = Deforming::new(&gpu, cloth.bvh())?;
-//! let mut folds = GpuSelfQuery::new(&gpu)?;
 //! # let frames: [Vec<[f32; 3]>; 0] = [];
 //! for positions in &frames {
 //!     moving.set_positions(positions)?;
-//!     println!("{} folds", folds.all(&moving)?.len());
+//!     println!("{} folds", query.all(&GpuQuestion::within(&moving))?.len());
 //! }
 //! # Ok(()) }
 //! ```

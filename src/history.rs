@@ -4,6 +4,8 @@
 use crate::executor::{Answer, Executor, Plan, Question, Run, Verb};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
+#[cfg(feature = "gpu")]
+use crate::gpu::GpuQuestion;
 use crate::model::Stamp;
 #[cfg(feature = "threads")]
 use crate::threads::{Report, Traversal};
@@ -25,7 +27,7 @@ pub(crate) struct Subject {
 
 /// A question about one model or two.
 pub(crate) trait About {
-    /// What the CPU traverses. Fits the BVHs to the positions, if that has not been done.
+    /// The BVTT that the CPU traverses. Fits the BVHs to the positions, if that has not been done.
     fn query(&self) -> impl Query + Sync;
 
     fn subject(&self) -> Subject;
@@ -90,8 +92,8 @@ impl About for OfTwo<'_> {
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Answer<TrianglePair>, Error> {
-        let models = mirrors.bring(device, &self.models, false)?;
-        Ok(device.ask_pair(models, &self.a_from_b, verb, pairs)?)
+        let [a, b] = mirrors.bring(device, &self.models, false)?;
+        Ok(device.ask(&GpuQuestion::pair(a, b, &self.a_from_b), verb, pairs)?)
     }
 }
 
@@ -140,7 +142,8 @@ impl About for OfOne<'_> {
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Answer<TrianglePair>, Error> {
         let [model, _] = mirrors.bring(device, &self.models, true)?;
-        Ok(device.ask_within(model, self.adjacency, verb, pairs)?)
+        let question = GpuQuestion::Within { model, adjacency: self.adjacency };
+        Ok(device.ask(&question, verb, pairs)?)
     }
 }
 
@@ -152,9 +155,9 @@ pub(crate) struct History {
     mirrors: Mirrors,
     pairs: Vec<TrianglePair>,
     contacts: Vec<(TrianglePair, Contact)>,
-    /// What was asked last, and the answer; that to [`Verb::All`] is `pairs`.
+    /// The last question, and its answer; that to [`Verb::All`] is `pairs`.
     last: Option<(Subject, Verb, Answer<TrianglePair>)>,
-    /// What `contacts` are about.
+    /// The subject of `contacts`.
     touched: Option<Subject>,
 }
 

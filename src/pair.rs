@@ -60,7 +60,7 @@ impl PairQuery {
         Self { history: History::on(executor), ..self }
     }
 
-    /// What the last frame on threads did; see [`threads::Report`].
+    /// Counts and times of the last frame on threads; see [`threads::Report`].
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
@@ -72,7 +72,7 @@ impl PairQuery {
         self.history.forget();
     }
 
-    /// Who answered the last frame, and why; `None` before the first.
+    /// The backend that answered the last frame, and the reason; `None` before the first.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
         self.history.plan()

@@ -94,7 +94,7 @@ fn a_tree_that_no_build_has_laid_out_is_built_anew() {
     blob::write(&foreign, &mut bytes).unwrap();
     let mut read = Model::from_blob(&bytes).unwrap();
     assert!(read.bvh().is_depth_first());
-    // What a foreign tree would not survive.
+    // A foreign tree would not survive these.
     read.set_positions_with_threads(&vec![[1.0; 3]; ball.positions.len()]).unwrap();
     read.bvh().assert_well_formed();
 }

@@ -39,7 +39,7 @@ fn ends_are_where_the_documentation_says() {
     }
 }
 
-/// What rounding may cost along one axis.
+/// A bound on rounding along one axis.
 fn slack(a: &Triangle, b: &Triangle, axis: usize) -> f64 {
     let extent = [a, b].map(|t| {
         let x = t.map(|p| f64::from(p[axis]));

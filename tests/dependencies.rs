@@ -1,15 +1,15 @@
-//! What the core depends on is part of what it promises.
+//! The dependencies of the core are part of its contract.
 
 use std::collections::BTreeSet;
 use std::error::Error;
 use std::process::Command;
 
-/// What `pfront-core` may link: libm is glam's float functions where there is no std, crc the checksum of blobs,
+/// Crates that `pfront-core` may link: libm is glam's float functions where there is no std, crc the checksum of blobs,
 /// thiserror a few lines of the error types.
 const LINKED: [&str; 7] =
     ["bytemuck", "crc", "crc-catalog", "glam", "libm", "pfront-core", "thiserror"];
 
-/// What the derive macros of bytemuck and thiserror take, which run in the compiler and are gone afterwards.
+/// Dependencies of the derive macros of bytemuck and thiserror, which run in the compiler and are gone afterwards.
 const MACRO: [&str; 6] =
     ["bytemuck_derive", "proc-macro2", "quote", "syn", "thiserror-impl", "unicode-ident"];
 

@@ -13,7 +13,7 @@
 mod data;
 
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh, vectors};
-use pfront::gpu::{Budget, Deforming, Gpu, GpuModel, GpuPairQuery, GpuSelfQuery, GpuSettings};
+use pfront::gpu::{Budget, Deforming, Gpu, GpuModel, GpuQuery, GpuQuestion, GpuSettings};
 use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use pfront_testkit::scenes::Scene;
 use pfront_testkit::shapes::Soup;
@@ -53,33 +53,34 @@ impl Both {
     }
 }
 
-/// Both kinds of query on both backends.
+/// Queries of both backends.
 struct Asker {
-    pairs: (PairQuery, GpuPairQuery),
-    within: (SelfQuery, GpuSelfQuery),
+    pairs: PairQuery,
+    within: SelfQuery,
+    gpu: GpuQuery,
 }
 
 impl Asker {
     fn new(settings: GpuSettings) -> Self {
         Self {
-            pairs: (PairQuery::new(), GpuPairQuery::with_settings(gpu(), settings).unwrap()),
-            within: (SelfQuery::new(), GpuSelfQuery::with_settings(gpu(), settings).unwrap()),
+            pairs: PairQuery::new(),
+            within: SelfQuery::new(),
+            gpu: GpuQuery::with_settings(gpu(), settings).unwrap(),
         }
     }
 
-    /// What both find.
+    /// The pairs that both find.
     fn found(&mut self, what: &str, a: &Both, b: &Both, a_from_b: &Pose) -> &[TrianglePair] {
-        let (cpu, gpu) = &mut self.pairs;
-        let truth = cpu.all(&a.cpu, &b.cpu, a_from_b).unwrap();
-        let found = gpu.all(&a.gpu, &b.gpu, a_from_b).unwrap();
+        let truth = self.pairs.all(&a.cpu, &b.cpu, a_from_b).unwrap();
+        let found = self.gpu.all(&GpuQuestion::pair(&a.gpu, &b.gpu, a_from_b)).unwrap();
         assert!(found == truth, "{what}: {} pairs, not {}", found.len(), truth.len());
         truth
     }
 
     /// How many both find within a model, which on the GPU may be one that moves.
     fn within(&mut self, what: &str, cpu: &Model, gpu: &GpuModel) -> usize {
-        let truth = self.within.0.all(cpu).unwrap();
-        let found = self.within.1.all(gpu).unwrap();
+        let truth = self.within.all(cpu).unwrap();
+        let found = self.gpu.all(&GpuQuestion::within(gpu)).unwrap();
         assert!(found == truth, "{what}: {} pairs, not {}", found.len(), truth.len());
         truth.len()
     }

@@ -224,7 +224,7 @@ fn none_one_and_empty_bodies() {
     assert!(trial.check() == 0 && trial.scenes[0].is_empty());
 }
 
-/// What the contract is about: both cubes are rounded to the world, not one to the frame of the other.
+/// The contract rounds both cubes to the world, not one to the frame of the other.
 #[test]
 fn a_cube_rests_on_a_cube() {
     let cube = cube(6);

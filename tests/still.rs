@@ -43,7 +43,7 @@ fn run(mut scene: SceneQuery, seed: u64) {
         let some = [any(), any(), any(), any()];
         // Few, some twice, or none at all.
         for &id in &some[..frame % 5] {
-            // What has been removed before is refused.
+            // A body that was removed before is refused.
             let _ = match rng.random_range(0..12) {
                 0 => scene.remove(id).map(|_| ()),
                 1 => scene.add(model.clone(), somewhere(&mut rng)).map(|_| ()),

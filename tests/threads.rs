@@ -78,7 +78,7 @@ fn counts_under_the_static_schedule_depend_on_no_machine() {
     }
 }
 
-/// What a traversal remembers of other queries is of no use to a scene, and no harm.
+/// The history of a traversal with other queries neither helps a scene nor harms it.
 #[test]
 fn a_scene_takes_a_traversal_that_was_used() {
     let mesh = Scene::by_name("sheet", Some(4_000)).unwrap().meshes[0].clone();

@@ -136,7 +136,7 @@ fn each_way_of_reading_brings_the_same() {
         while !ticket.is_ready() {
             std::thread::yield_now();
         }
-        // What is ready is not waited for.
+        // A ticket that is ready is not waited for.
         ticket.wait(Duration::ZERO).unwrap().unwrap()
     }
     for count in [1, 6] {
@@ -228,7 +228,7 @@ fn a_cancelled_ticket_reads_as_such_and_nobody_works_on_it() {
             drop(batch.count(executor).unwrap());
             assert_eq!(ticket.read(), Err(Error::Cancelled), "{name}");
         }
-        // Those who work have the questions.
+        // Threads at work hold the questions.
         let clock = std::time::Instant::now();
         drop(batch);
         while Arc::strong_count(&ball) > 1 {
@@ -322,7 +322,7 @@ mod on_a_gpu {
     use pfront::gpu::wgpu::{
         Buffer, BufferDescriptor, BufferUsages, MapMode, PollType, SubmissionIndex,
     };
-    use pfront::gpu::{Gpu, GpuSubmission};
+    use pfront::gpu::{Gpu, GpuQuery};
     use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 
     fn buffer(gpu: &Gpu, size: u64, usage: BufferUsages) -> Buffer {
@@ -330,7 +330,7 @@ mod on_a_gpu {
         gpu.device().create_buffer(&descriptor)
     }
 
-    /// What another user of the device submits: some seconds of work. The flag tells when it is done.
+    /// Some seconds of work that another user of the device submits. The flag tells when it is done.
     fn load(gpu: &Gpu) -> (SubmissionIndex, Arc<AtomicBool>) {
         let size = 64 << 20;
         let both = BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
@@ -414,9 +414,9 @@ mod on_a_gpu {
             let view = copy.get_mapped_range(..).unwrap();
             let words: Vec<u32> = bytemuck::pod_collect_to_vec(&view);
             let at = |offset: u64| words[((size + offset) / 4) as usize];
-            assert_eq!(at(GpuSubmission::OVERFLOW_OFFSET), 0);
-            assert_eq!(at(GpuSubmission::REST_OFFSET), 0);
-            assert_eq!(at(GpuSubmission::COUNT_OFFSET) as usize, truth.len());
+            assert_eq!(at(GpuQuery::OVERFLOW_OFFSET), 0);
+            assert_eq!(at(GpuQuery::REST_OFFSET), 0);
+            assert_eq!(at(GpuQuery::COUNT_OFFSET) as usize, truth.len());
             let pairs = words.chunks(2).map(|pair| TrianglePair { a: pair[0], b: pair[1] });
             assert!(pairs.take(truth.len()).eq(truth.iter().copied()));
             drop(other);

@@ -1,7 +1,7 @@
-//! Who finds the pairs of a frame: threads of the CPU, or the GPU.
+//! Backends that find the pairs of a frame: threads of the CPU, or the GPU.
 
 use crate::cases::{Asker, Case, all_threads, traversal};
-use pfront::gpu::{Deforming, Gpu, GpuModel, GpuPairQuery, GpuSelfQuery};
+use pfront::gpu::{Deforming, Gpu, GpuModel, GpuQuery, GpuQuestion};
 use pfront::threads::Schedule;
 use pfront::{Model, Pose, TrianglePair};
 
@@ -14,7 +14,7 @@ pub(crate) trait Backend {
 pub(crate) struct Cpu<'c> {
     case: &'c Case,
     asker: Asker,
-    /// What deforms.
+    /// The model that deforms.
     moving: Option<Model>,
     threads: bool,
 }
@@ -52,26 +52,26 @@ impl Backend for Cpu<'_> {
 struct Pair<'c> {
     models: [GpuModel; 2],
     poses: &'c [Pose],
-    query: GpuPairQuery,
+    query: GpuQuery,
 }
 
 impl Backend for Pair<'_> {
     fn frame(&mut self, frame: usize) -> &[TrianglePair] {
         let [a, b] = &self.models;
-        self.query.all(a, b, &self.poses[frame]).unwrap()
+        self.query.all(&GpuQuestion::pair(a, b, &self.poses[frame])).unwrap()
     }
 }
 
 struct Within<'c> {
     moving: Deforming,
     frames: &'c [Model],
-    query: GpuSelfQuery,
+    query: GpuQuery,
 }
 
 impl Backend for Within<'_> {
     fn frame(&mut self, frame: usize) -> &[TrianglePair] {
         self.moving.set_positions(self.frames[frame].mesh().positions()).unwrap();
-        self.query.all(&self.moving).unwrap()
+        self.query.all(&GpuQuestion::within(&self.moving)).unwrap()
     }
 }
 
@@ -81,12 +81,12 @@ pub(crate) fn on_gpu<'c>(gpu: &Gpu, case: &'c Case) -> Box<dyn Backend + 'c> {
         Case::Pair { a, b, poses, .. } => Box::new(Pair {
             models: [a, b].map(|model| GpuModel::new(gpu, model.bvh()).unwrap()),
             poses,
-            query: GpuPairQuery::new(gpu).unwrap(),
+            query: GpuQuery::new(gpu).unwrap(),
         }),
         Case::Within { model, frames, .. } => Box::new(Within {
             moving: Deforming::new(gpu, model.bvh()).unwrap(),
             frames,
-            query: GpuSelfQuery::new(gpu).unwrap(),
+            query: GpuQuery::new(gpu).unwrap(),
         }),
     }
 }

@@ -51,7 +51,7 @@ struct Body {
     triangles: Vec<[u32; 3]>,
 }
 
-/// Whose candidates are tested, and where hits go.
+/// The meshes whose candidates are tested, and the list of hits.
 struct Narrow<'e> {
     numbers: [u32; 2],
     bodies: [&'e Body; 2],

@@ -13,7 +13,7 @@
 //!
 //! Answers are checked in every frame before anything is timed: what an exact test leaves of all
 //! candidates of parry's BVHs has to be what pfront finds. What the others miss and invent is printed.
-//! That takes 20 seconds, and is what `-- --test` does; all of it takes a minute and a half.
+//! This takes 20 seconds, and is what `-- --test` does; all of it takes a minute and a half.
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
@@ -75,7 +75,7 @@ fn first_hit(c: &mut Criterion) {
     }
 }
 
-/// What pfront finds in each frame, once it is what an exact test leaves of parry's candidates.
+/// The pairs that pfront finds in each frame, checked against parry's candidates that pass an exact test.
 fn truth(work: &Work) -> Vec<Vec<Hit>> {
     let mut ours = ours::all(work);
     let mut candidates = parry::all(work, |_, _| true);

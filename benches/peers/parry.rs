@@ -70,7 +70,7 @@ fn neighbours(mesh: &TriMesh, i: u32, j: u32) -> bool {
     a.iter().any(|vertex| b.contains(vertex))
 }
 
-/// Of two bodies, all hits by a test of two triangles, where no mesh is updated: boxes and triangles of the
+/// All hits of two bodies by a test of two triangles, where no mesh is updated: boxes and triangles of the
 /// second are posed as they are met. The pose is parry's, a quaternion, and rounds as such.
 pub(crate) fn posed<'w>(
     work: &'w Work,
@@ -89,7 +89,7 @@ pub(crate) fn first_posed<'w>(
     Box::new(move |frame, found| found.extend(posed_hits(&meshes, &poses[frame], &meets).next()))
 }
 
-/// Of two bodies, the hit at which parry's own query stops.
+/// The hit of two bodies at which parry's own query stops.
 pub(crate) fn first(work: &Work) -> Finder<'_> {
     let ([a, b], poses) = two(work);
     Box::new(move |frame, found| {

@@ -1,4 +1,4 @@
-//! What is asked of everybody: bodies that move, and which of their triangles meet.
+//! The same task for every library: bodies that move, and which of their triangles meet.
 
 use pfront::core::triangle::intersects;
 use pfront::{Accuracy, Model, PairQuery, Pose, TrianglePair};
@@ -134,7 +134,7 @@ impl Work {
         a != b || !ta.iter().any(|vertex| tb.contains(vertex))
     }
 
-    /// What an exact test leaves of candidates.
+    /// The candidates that pass an exact test.
     pub(crate) fn exact(&self, frame: usize, mut candidates: Vec<Hit>) -> Vec<Hit> {
         let bodies = 0..self.meshes.len();
         let positions: Vec<Vec<_>> =

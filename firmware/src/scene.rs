@@ -1,4 +1,4 @@
-//! What the firmware computes: two meshes of 1,000 triangles, one moving through the other, in 34 KiB.
+//! The scene of the firmware: two meshes of 1,000 triangles, one moving through the other, in 34 KiB.
 //!
 //! One BVH is built in Morton order, the other borrowed from flash. Each frame then goes as [`pfront_core::front`] describes, for two
 //! workers one after the other, and pairs come in pages. Last, one more frame is asked in steps.

@@ -1,4 +1,4 @@
-//! What one backend says to one question, through all verbs, and whether that is right.
+//! The answers of one backend to one question, through all verbs, checked.
 
 use crate::input::Ask;
 use pfront::core::bvtt::Query;
@@ -6,7 +6,7 @@ use pfront::{Accuracy, Contact, TrianglePair};
 use std::fmt::Debug;
 use std::ops::ControlFlow;
 
-/// What all verbs of a query said.
+/// The answers to all verbs of a query.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Answers<H> {
     /// All hits.
@@ -68,7 +68,7 @@ pub(crate) fn first_few<H>(few: &mut Vec<H>, ask: Ask) -> impl FnMut(H) -> Contr
     }
 }
 
-/// What a query of the core says, in pages, and that a visit goes on where it broke off.
+/// The answers of a query of the core, in pages; a visit goes on where it broke off.
 pub(crate) fn of_core(query: &impl Query, ask: Ask) -> Answers<TrianglePair> {
     let all = pages(query, ask.page());
     let (mut cursor, mut visited) = (query.start(), Vec::new());
@@ -97,7 +97,7 @@ pub fn pages(query: &impl Query, capacity: usize) -> Vec<TrianglePair> {
     all
 }
 
-/// What the oracle says, in our type.
+/// The answer of the oracle, in our type.
 #[must_use]
 pub fn as_pairs(truth: &[(u32, u32)]) -> Vec<TrianglePair> {
     truth.iter().map(|&(a, b)| TrianglePair { a, b }).collect()

@@ -8,7 +8,7 @@ use pfront::core::mesh::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
 use pfront_testkit::shapes::Soup;
 
-/// Who builds a tree.
+/// The builder of a tree.
 #[derive(Arbitrary, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Builder {
     /// By surface area.

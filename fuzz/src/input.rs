@@ -172,7 +172,7 @@ pub struct Step {
     pub(crate) ask: Ask,
 }
 
-/// What may happen between questions.
+/// A change between questions.
 #[derive(Arbitrary, Debug)]
 pub enum Change {
     /// Nothing.
@@ -195,7 +195,7 @@ pub enum Change {
     Divide(Crew),
 }
 
-/// What may be asked.
+/// A question.
 #[derive(Arbitrary, Debug)]
 pub enum Question {
     /// No more than of all bodies, which is asked every time.
@@ -245,7 +245,7 @@ pub(crate) fn adjacency(skip: bool) -> Adjacency {
     if skip { Adjacency::SkipNeighbours } else { Adjacency::SharedIndexRule }
 }
 
-/// Who walks.
+/// The backend that traverses.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 pub struct Crew {
     workers: u8,

@@ -1,4 +1,4 @@
-//! What is true, by the exact oracle in a loop over all pairs.
+//! The truth, by the exact oracle in a loop over all pairs.
 
 use pfront::TrianglePair;
 use pfront_testkit::Point;

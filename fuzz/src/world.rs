@@ -21,7 +21,7 @@ pub(crate) struct World {
     pub(crate) truth: Truth,
 }
 
-/// What a body is known to be.
+/// A body as the test knows it.
 #[derive(Debug)]
 pub(crate) struct Known {
     pub(crate) id: BodyId,
@@ -88,7 +88,7 @@ impl World {
                 self.ask_within(self.place(*place), *skip, step.ask);
             }
         }
-        // What it remembers of one frame must not spoil the next, whatever has changed.
+        // The history of one frame must not spoil the next, whatever has changed.
         self.ask_scene(step.ask);
     }
 

@@ -52,6 +52,25 @@ pub(crate) struct Answer {
     pub(crate) tallies: Vec<u64>,
     /// How many hits, and how many of the rest, the last answer had: about what the next will have.
     expected: [u32; 2],
+    /// The parts of the last question that was too much for one run.
+    division: Option<Division>,
+}
+
+/// A question that has been recorded.
+#[derive(Debug)]
+pub(crate) struct Asked {
+    pub(crate) task: Task,
+    /// Its parts, of which the last is what the run is about.
+    pub(crate) parts: Vec<Vec<Entry>>,
+    pub(crate) run: Run,
+}
+
+/// Parts that are a front of a BVTT.
+#[derive(Debug)]
+struct Division {
+    /// The models, and whether it is one with itself.
+    about: ([u64; 2], u32),
+    parts: Vec<Vec<Entry>>,
 }
 
 impl Answer {
@@ -65,6 +84,7 @@ impl Answer {
             instances: Vec::new(),
             tallies: Vec::new(),
             expected: [1024, 16],
+            division: None,
         }
     }
 
@@ -100,28 +120,61 @@ impl Answer {
         self.engine.record(encoder, task, start, [hits, rest], verb)
     }
 
-    /// Takes the results of the first run over a task, and sees to it that they are complete.
-    pub(crate) fn finish(
+    /// Records a question, in the parts that the last one about the same models was divided into.
+    pub(crate) fn begin(
         &mut self,
-        task: &Task,
-        first: Run,
+        encoder: &mut CommandEncoder,
+        task: Task,
         verb: GpuVerb,
-    ) -> Result<(), GpuError> {
-        self.finish_parts(task, vec![vec![task.root]], first, verb)
+    ) -> Result<Asked, GpuError> {
+        let about = self.about(&task);
+        let is_divided = |own: &&Division| own.about == about && verb != GpuVerb::Any;
+        match self.division.as_ref().filter(is_divided).map(|own| own.parts.clone()) {
+            Some(parts) => self.begin_parts(encoder, task, parts, verb),
+            None => {
+                let run = self.record(encoder, &task, Start::Seeds, verb)?;
+                Ok(Asked { task, parts: vec![vec![task.root]], run })
+            }
+        }
     }
 
-    /// The same for a task in parts, of which the last is the first to be run.
-    pub(crate) fn finish_parts(
+    /// The same from node pairs.
+    pub(crate) fn begin_from(
         &mut self,
-        task: &Task,
-        parts: Vec<Vec<Entry>>,
-        first: Run,
+        encoder: &mut CommandEncoder,
+        task: Task,
+        front: &[Entry],
         verb: GpuVerb,
-    ) -> Result<(), GpuError> {
+    ) -> Result<Asked, GpuError> {
+        let most = self.engine.lists.capacities.front as usize;
+        let parts = front.chunks(most).rev().map(<[Entry]>::to_vec).collect();
+        self.begin_parts(encoder, task, parts, verb)
+    }
+
+    fn begin_parts(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        task: Task,
+        parts: Vec<Vec<Entry>>,
+        verb: GpuVerb,
+    ) -> Result<Asked, GpuError> {
+        let first = Start::Front(parts.last().map_or(&[], Vec::as_slice));
+        let run = self.record(encoder, &task, first, verb)?;
+        Ok(Asked { task, parts, run })
+    }
+
+    fn about(&self, task: &Task) -> ([u64; 2], u32) {
+        (self.engine.bound(), task.query.within)
+    }
+
+    /// Takes the results of what has been recorded, and sees to it that they are complete.
+    pub(crate) fn finish(&mut self, asked: Asked, verb: GpuVerb) -> Result<(), GpuError> {
         self.reset();
-        let mut waiting = parts;
+        let Asked { task, parts: mut waiting, mut run } = asked;
+        let task = &task;
         let mut part = waiting.pop().unwrap_or_default();
-        let mut run = first;
+        // Parts that are answered, with the share of the lists that each took.
+        let mut answered: Vec<(Vec<Entry>, f64)> = Vec::new();
         loop {
             let before = self.pairs.len();
             let found = self.engine.read(&run, &mut self.pairs)?;
@@ -143,6 +196,16 @@ impl Answer {
                 if matches!(verb, GpuVerb::All | GpuVerb::Count) {
                     self.expected = [hits, rest];
                 }
+                let share = self.share(&found.counters);
+                let most = self.engine.lists.capacities.front as usize;
+                match answered.last_mut() {
+                    // Half of the lists remain for what moves until the next question.
+                    Some((last, sum)) if *sum + share <= 0.5 && last.len() + part.len() <= most => {
+                        last.append(&mut part);
+                        *sum += share;
+                    }
+                    _ => answered.push((std::mem::take(&mut part), share)),
+                }
                 self.take(task, before, found, verb)?;
                 if verb == GpuVerb::Any && self.count > 0 {
                     break;
@@ -153,6 +216,11 @@ impl Answer {
                 None => break,
             }
             run = self.run(task, Start::Front(&part), verb)?;
+        }
+        if verb != GpuVerb::Any {
+            let parts: Vec<_> = answered.into_iter().rev().map(|(part, _)| part).collect();
+            let about = self.about(task);
+            self.division = (parts.len() > 1).then_some(Division { about, parts });
         }
         self.put_in_order();
         Ok(())
@@ -168,8 +236,8 @@ impl Answer {
         let gpu = self.engine.gpu.clone();
         gpu.checked(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
-            let mut run = self.record(&mut encoder, task, start, verb)?;
-            run.submission = Some(gpu.queue().submit([encoder.finish()]));
+            let run = self.record(&mut encoder, task, start, verb)?;
+            gpu.queue().submit([encoder.finish()]);
             Ok(run)
         })
     }
@@ -194,19 +262,25 @@ impl Answer {
         Ok(front.chunks(length).map(<[Entry]>::to_vec).collect())
     }
 
-    /// Into how many parts a run has to be divided, by what it counted.
+    /// Into how many parts a run has to be divided, by what it counted. Parts are not equal.
     fn parts(&self, counters: &Counters) -> usize {
+        self.share(counters).ceil().max(1.0) as usize * 2
+    }
+
+    /// The share that a run took, or would have taken, of the list that it filled most.
+    fn share(&self, counters: &Counters) -> f64 {
         let c = &self.engine.lists.capacities;
+        // A run starts from a front that fits.
+        let longest = counters.fronts.iter().skip(1).fold(0, |longest, &front| longest.max(front));
         let demands = [
-            (counters.longest_front(), c.front),
+            (longest, c.front),
             (counters.leaves, c.leaves),
             (counters.hits, c.hits),
             (counters.kept, c.kept),
             (counters.rest, c.rest),
         ];
-        let times = demands.map(|(demand, capacity)| demand.div_ceil(capacity.max(1)));
-        // Parts are not equal.
-        times.into_iter().fold(1, u32::max) as usize * 2
+        let shares = demands.map(|(demand, capacity)| f64::from(demand) / f64::from(capacity));
+        shares.into_iter().fold(0.0, f64::max)
     }
 
     /// Adds what a complete run found beyond the hits that have been read already.

@@ -3,7 +3,7 @@
 use crate::GpuError;
 use crate::gpu::Gpu;
 use crate::memory::Usage;
-use crate::read::map;
+use crate::read::Mapping;
 use std::time::Duration;
 use wgpu::{
     Buffer, BufferUsages, CommandEncoder, ComputePass, ComputePassTimestampWrites, Features,
@@ -113,8 +113,9 @@ impl Clock {
             return Ok(Vec::new());
         }
         let bytes = (marks.len() as u64 + 1) * u64::from(wgpu::QUERY_SIZE);
+        let mapping = Mapping::begin(gpu.device(), read_back, bytes);
         let ticks: Vec<u64> =
-            map(gpu.device(), read_back, bytes, None, bytemuck::pod_collect_to_vec)?;
+            mapping.read(gpu.device(), read_back, bytes, bytemuck::pod_collect_to_vec)?;
         let time = |pair: &[u64]| {
             let nanoseconds = pair[1].saturating_sub(pair[0]) as f64 * f64::from(*period);
             Duration::from_nanos(nanoseconds as u64)

@@ -22,9 +22,9 @@ use wgpu::CommandEncoder;
 /// # Examples
 /// ```no_run
 /// # fn demo(gpu: pfront_gpu::Gpu, mesh: pfront_core::Mesh<'_>) -> Result<(), pfront_gpu::GpuError> {
-/// use pfront_gpu::{Deforming, GpuSelfQuery};
+/// use pfront_gpu::{Deforming, GpuQuery, GpuQuestion};
 /// let mut cloth = Deforming::build(&gpu, mesh, &Default::default())?;
-/// let mut query = GpuSelfQuery::new(&gpu)?;
+/// let mut query = GpuQuery::new(&gpu)?;
 /// # let frames: [Vec<[f32; 3]>; 0] = [];
 /// for (frame, positions) in frames.iter().enumerate() {
 ///     if frame % 10 == 0 {
@@ -32,7 +32,7 @@ use wgpu::CommandEncoder;
 ///     } else {
 ///         cloth.set_positions(positions)?;
 ///     }
-///     println!("{} pairs", query.all(&cloth)?.len());
+///     println!("{} pairs", query.all(&GpuQuestion::within(&cloth))?.len());
 /// }
 /// # Ok(()) }
 /// ```

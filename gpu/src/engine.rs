@@ -12,7 +12,7 @@ use crate::layout::{Counters, Query, Rest};
 use crate::lists::Lists;
 use crate::memory::Usage;
 use crate::pass::Named;
-use crate::read::{map, read_now};
+use crate::read::{Mapping, read_now};
 use crate::sequence::groups_for;
 use crate::{GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
@@ -21,7 +21,7 @@ use pfront_shaders::constants::{ANY_EACH, BEAM, BUCKETS, COUNT_EACH, FRONTS, GRO
 use std::mem::offset_of;
 use std::ops::Range;
 use std::sync::Arc;
-use wgpu::{Buffer, CommandEncoder, SubmissionIndex};
+use wgpu::{Buffer, CommandEncoder};
 
 /// A node pair as fronts hold it.
 pub(crate) type Entry = [u32; 2];
@@ -53,8 +53,6 @@ pub(crate) enum Start<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
     ticket: u32,
-    /// The submission that it is part of, if that is known.
-    pub(crate) submission: Option<SubmissionIndex>,
     /// The front after the last pass, which is empty if the run got to the bottom.
     pub(crate) last_front: u32,
     /// How many hits, and how many of the rest, are copied for the host.
@@ -82,6 +80,8 @@ pub(crate) struct Engine {
     pub(crate) tallies: Option<Buffer>,
     ticket: u32,
     read_back: Buffer,
+    /// If the host has begun to read.
+    mapping: Option<Mapping>,
     /// If times are wanted.
     clock: Option<Clock>,
 }
@@ -108,6 +108,7 @@ impl Engine {
             tallies: None,
             ticket: 0,
             read_back: gpu.buffer("the read-back", 4096, Usage::ReadBack)?,
+            mapping: None,
             clock: None,
             lists,
         })
@@ -147,6 +148,11 @@ impl Engine {
             ("seeds_b", &b.seeds),
         ];
         self.bind_buffers([a.id, b.id], &buffers)
+    }
+
+    /// The ids of what is bound.
+    pub(crate) fn bound(&self) -> [u64; 2] {
+        self.meshes.as_ref().map_or([u64::MAX; 2], |meshes| meshes.ids)
     }
 
     /// The same for buffers by their names in the shaders, of which these ids are the only ones.
@@ -210,7 +216,7 @@ impl Engine {
             clock.finish(encoder);
         }
         let copied = self.copy(encoder, copies)?;
-        Ok(Run { ticket: self.ticket, submission: None, last_front, copied })
+        Ok(Run { ticket: self.ticket, last_front, copied })
     }
 
     /// Records the passes of a run. Without a verb, it is one whose time does not count.
@@ -237,7 +243,7 @@ impl Engine {
                 }
                 Start::Front(front) if index == 0 && verb == Some(GpuVerb::AnyEach) => {
                     dispatches.add(&descent.first, &first, groups_for(front.len() as u32));
-                    // What f32 left open may settle pairs before more is done about them.
+                    // Triangle pairs that f32 left open may settle pairs of bodies before more is done about these.
                     dispatches.add(&descent.decide, &decide, *workgroups);
                 }
                 _ => {
@@ -303,6 +309,10 @@ impl Engine {
         let capacities = &self.lists.capacities;
         let copied = [most[0].min(capacities.hits), most[1].min(capacities.rest)];
         let [hits_at, rest_at, end] = offsets(copied);
+        // A run before this one that nobody has read to the end.
+        if self.mapping.take().is_some() {
+            self.read_back.unmap();
+        }
         if self.read_back.size() < end {
             // Half as much again, so that answers that grow do not replace it each time.
             self.read_back = self.gpu.buffer("the read-back", end + end / 2, Usage::ReadBack)?;
@@ -318,24 +328,34 @@ impl Engine {
         Ok(copied)
     }
 
-    /// Waits for a run, and reads what it copied; adds the hits to `pairs`.
+    /// Whether a run is done, which must have been submitted.
+    pub(crate) fn is_done(&mut self, run: &Run) -> Result<bool, GpuError> {
+        let Self { gpu, read_back, mapping, .. } = self;
+        let [.., end] = offsets(run.copied);
+        let begin = || Mapping::begin(gpu.device(), read_back, end);
+        mapping.get_or_insert_with(begin).is_done(gpu.device())
+    }
+
+    /// Waits for a run, and for nothing that was submitted later; adds the hits to `pairs`.
     pub(crate) fn read(
         &mut self,
         run: &Run,
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Found, GpuError> {
         let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
-        let found =
-            map(self.gpu.device(), &self.read_back, end as u64, run.submission.clone(), |bytes| {
-                let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..hits_at]);
-                let hits = (counters.hits as usize).min(run.copied[0] as usize);
-                let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
-                let before = pairs.len();
-                pairs.resize(before + hits, TrianglePair { a: 0, b: 0 });
-                let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
-                bytemuck::cast_slice_mut(&mut pairs[before..]).copy_from_slice(copied);
-                Found { counters, rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]) }
-            });
+        let (device, bytes) = (self.gpu.device(), end as u64);
+        let begin = || Mapping::begin(device, &self.read_back, bytes);
+        let mapping = self.mapping.take().unwrap_or_else(begin);
+        let found = mapping.read(device, &self.read_back, bytes, |bytes| {
+            let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..hits_at]);
+            let hits = (counters.hits as usize).min(run.copied[0] as usize);
+            let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
+            let before = pairs.len();
+            pairs.resize(before + hits, TrianglePair { a: 0, b: 0 });
+            let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
+            bytemuck::cast_slice_mut(&mut pairs[before..]).copy_from_slice(copied);
+            Found { counters, rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]) }
+        });
         self.gpu.check()?;
         let found = found?;
         if found.counters.ticket != run.ticket {

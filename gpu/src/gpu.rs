@@ -70,7 +70,7 @@ impl Descent {
     }
 }
 
-/// Who computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
+/// The arithmetic that computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
 /// same to the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arithmetic {

@@ -12,8 +12,8 @@
 //!   that do not fit come back to the CPU. Nothing else needs it.
 //!
 //! A [`GpuModel`] is a mesh with its BVH on the device, a [`Deforming`] one whose vertices move; a
-//! [`GpuPairQuery`] or [`GpuSelfQuery`] owns the lists that a question needs, within a [`Budget`]; when they
-//! are full, the query goes on in parts. A [`World`] owns many posed bodies that share meshes as well.
+//! [`GpuQuery`] owns the lists that a [`GpuQuestion`] needs, within a [`Budget`]; when they are full, the query goes on
+//! in parts. A [`World`] owns many posed bodies that share meshes as well.
 
 mod answer;
 mod build;
@@ -28,20 +28,17 @@ mod lists;
 mod memory;
 mod model;
 mod moving;
-mod pair;
 mod parameters;
 mod pass;
-mod pending;
 mod probe;
+mod query;
 mod read;
 mod report;
 mod schedule;
 mod sequence;
 mod settings;
-mod submission;
 #[cfg(test)]
 mod tests;
-mod within;
 mod world;
 
 pub use answer::GpuVerb;
@@ -50,11 +47,8 @@ pub use deforming::Deforming;
 pub use error::GpuError;
 pub use gpu::{Arithmetic, Gpu};
 pub use model::GpuModel;
-pub use pair::GpuPairQuery;
-pub use pending::Pending;
+pub use query::{GpuQuery, GpuQuestion};
 pub use report::GpuReport;
 pub use settings::{Budget, GpuSettings};
-pub use submission::GpuSubmission;
 pub use wgpu;
-pub use within::GpuSelfQuery;
 pub use world::{Bodies, World, WorldAnswer};

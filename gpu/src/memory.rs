@@ -57,7 +57,7 @@ impl Gpu {
         let mut view = buffer.get_mapped_range_mut(..).map_err(|error| {
             // A lost device gives buffers without memory, and says that it is lost when it is polled.
             let reason = error.to_string();
-            let lost = poll(self.device(), None, None).and_then(|_| self.check());
+            let lost = poll(self.device()).and_then(|()| self.check());
             lost.err().unwrap_or(GpuError::Device { reason })
         })?;
         view.copy_from_slice(contents);

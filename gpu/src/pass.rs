@@ -27,7 +27,7 @@ struct Group {
     names: Vec<(u32, String)>,
 }
 
-/// What passes are compiled for: the values of their overrides.
+/// The target that passes are compiled for: the values of their overrides.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Target {
     /// The arithmetic of poses.

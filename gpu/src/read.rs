@@ -4,81 +4,89 @@ use crate::GpuError;
 use crate::gpu::checked;
 use bytemuck::Pod;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc::channel;
-use std::time::Duration;
-use wgpu::{Buffer, BufferUsages, CommandEncoder, Device, Queue, SubmissionIndex};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
+use wgpu::{Buffer, BufferAsyncError, BufferUsages, CommandEncoder, Device, Queue};
 
-/// While a thread waits, wgpu lets no other thread present a surface, so waiting is cut into slices.
-const SLICE: Duration = Duration::from_micros(100);
+/// A thread that waits asks again after this part of the time that it has waited: it comes that much late at most, and keeps a
+/// core busy only for as long as no pause is long enough to sleep.
+const PAUSE: u32 = 16;
 
-/// The time within which a thread that polls calls back.
-const CALL_BACK: Duration = Duration::from_millis(10);
+/// The shortest pause in which a thread sleeps, about what waking takes.
+const SLEEP: Duration = Duration::from_micros(50);
 
-/// Waits for a submission, or for all of them so far, and hands over what a mapped buffer then holds.
-pub(crate) fn map<T>(
-    device: &Device,
-    buffer: &Buffer,
-    bytes: u64,
-    submission: Option<SubmissionIndex>,
-    take: impl FnOnce(&[u8]) -> T,
-) -> Result<T, GpuError> {
-    let failed = |reason: String| GpuError::Device { reason };
-    let (tell, told) = channel();
-    // What it reports is what the callback is told.
-    let _ = checked(device, || {
-        buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| {
-            // The receiver is gone only if polling failed.
-            let _ = tell.send(result);
-        });
-        Ok(())
-    });
-    if poll(device, submission, None).is_err() {
-        // A lost device has no such submission. Waiting for all of them calls back with what has happened.
-        poll(device, None, None)?;
-    }
-    let told = match told.try_recv() {
-        Ok(told) => Ok(told),
-        // Another thread polled at the same time: it calls back. If it does not, the submission was an earlier one.
-        Err(_) => match told.recv_timeout(CALL_BACK) {
-            Ok(told) => Ok(told),
-            Err(_) => poll(device, None, None).map(|_| told.recv())?,
-        },
-    };
-    match told {
-        Ok(Ok(())) => {}
-        Ok(Err(error)) => return Err(GpuError::DeviceLost { reason: error.to_string() }),
-        Err(error) => return Err(failed(error.to_string())),
-    }
-    let view = buffer.get_mapped_range(..bytes).map_err(|error| failed(error.to_string()))?;
-    let taken = take(&view);
-    drop(view);
-    buffer.unmap();
-    Ok(taken)
+/// A buffer that is being mapped, which happens once all submissions that write it are done.
+#[derive(Debug)]
+pub(crate) struct Mapping {
+    told: Receiver<Result<(), BufferAsyncError>>,
+    is_done: bool,
 }
 
-/// Waits for a submission, or for all of them so far; returns whether it was done in time.
-pub(crate) fn poll(
-    device: &Device,
-    submission_index: Option<SubmissionIndex>,
-    timeout: Option<Duration>,
-) -> Result<bool, GpuError> {
-    if submission_index.is_some() && timeout.is_none() {
-        while !poll(device, submission_index.clone(), Some(SLICE))? {}
-        return Ok(true);
+impl Mapping {
+    /// Begins to map the first bytes of a buffer. All submissions that write it must have been made.
+    pub(crate) fn begin(device: &Device, buffer: &Buffer, bytes: u64) -> Self {
+        let (tell, told) = channel();
+        // The callback is told any error.
+        let _ = checked(device, || {
+            buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| {
+                // The receiver is gone only if nobody wants to know.
+                let _ = tell.send(result);
+            });
+            Ok(())
+        });
+        Self { told, is_done: false }
     }
-    let wait = wgpu::PollType::Wait { submission_index, timeout };
-    // wgpu panics when the device is lost while somebody waits for it.
-    match catch_unwind(AssertUnwindSafe(|| device.poll(wait))) {
-        Ok(Ok(_)) => Ok(true),
-        Ok(Err(wgpu::PollError::Timeout)) => Ok(false),
+
+    /// Whether it is mapped. Does not wait.
+    pub(crate) fn is_done(&mut self, device: &Device) -> Result<bool, GpuError> {
+        if self.is_done {
+            return Ok(true);
+        }
+        poll(device)?;
+        match self.told.try_recv() {
+            Ok(Ok(())) => self.is_done = true,
+            Ok(Err(error)) => return Err(GpuError::DeviceLost { reason: error.to_string() }),
+            // Or another thread polls, and is about to call back.
+            Err(TryRecvError::Empty) => {}
+            Err(error) => return Err(GpuError::Device { reason: error.to_string() }),
+        }
+        Ok(self.is_done)
+    }
+
+    /// Waits until it is mapped, and hands over what the buffer holds.
+    ///
+    /// It polls, since wgpu lets no other thread present a surface while one waits, and waiting with a time limit
+    /// panics where several threads do (wgpu 30).
+    pub(crate) fn read<T>(
+        mut self,
+        device: &Device,
+        buffer: &Buffer,
+        bytes: u64,
+        take: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, GpuError> {
+        let begin = Instant::now();
+        while !self.is_done(device)? {
+            let pause = begin.elapsed() / PAUSE;
+            if pause < SLEEP { std::thread::yield_now() } else { std::thread::sleep(pause) }
+        }
+        let view = buffer
+            .get_mapped_range(..bytes)
+            .map_err(|error| GpuError::Device { reason: error.to_string() })?;
+        let taken = take(&view);
+        drop(view);
+        buffer.unmap();
+        Ok(taken)
+    }
+}
+
+/// Has wgpu look at what is done, and call back. Does not wait.
+pub(crate) fn poll(device: &Device) -> Result<(), GpuError> {
+    // wgpu panics where it finds that the device is lost.
+    match catch_unwind(AssertUnwindSafe(|| device.poll(wgpu::PollType::Poll))) {
+        Ok(Ok(_)) => Ok(()),
         Ok(Err(error)) => Err(GpuError::Device { reason: error.to_string() }),
         Err(_) => Err(GpuError::DeviceLost { reason: "it was lost while busy".to_owned() }),
     }
-}
-
-/// Whether a submission is done.
-pub(crate) fn is_done(device: &Device, submission: &SubmissionIndex) -> Result<bool, GpuError> {
-    poll(device, Some(submission.clone()), Some(Duration::ZERO))
 }
 
 /// Submits an encoder and reads the first `count` elements of a buffer after it, through a buffer made
@@ -107,9 +115,11 @@ pub(crate) fn read_now<T: Pod>(
     if pollster::block_on(scope.pop()).is_some() {
         return Err(GpuError::OutOfMemory { bytes });
     }
-    let submission = checked(device, || {
+    checked(device, || {
         encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
-        Ok(queue.submit([encoder.finish()]))
+        queue.submit([encoder.finish()]);
+        Ok(())
     })?;
-    map(device, &staging, bytes, Some(submission), |view| bytemuck::pod_collect_to_vec(view))
+    let mapping = Mapping::begin(device, &staging, bytes);
+    mapping.read(device, &staging, bytes, bytemuck::pod_collect_to_vec)
 }

@@ -1,4 +1,4 @@
-//! GpuSettings of a query. None of them changes an answer.
+//! Settings of a query. None of them changes an answer.
 
 use crate::GpuError;
 use crate::layout::{Query, Rest};
@@ -7,10 +7,10 @@ use crate::layout::{Query, Rest};
 ///
 /// # Examples
 /// ```no_run
-/// use pfront_gpu::{Budget, Gpu, GpuPairQuery, GpuSettings};
+/// use pfront_gpu::{Budget, Gpu, GpuQuery, GpuSettings};
 /// let gpu = Gpu::new()?;
 /// let settings = GpuSettings { depth: 2, budget: Budget { bytes: 16 << 20 }, ..gpu.settings() };
-/// let query = GpuPairQuery::with_settings(&gpu, settings)?;
+/// let query = GpuQuery::with_settings(&gpu, settings)?;
 /// # Ok::<(), pfront_gpu::GpuError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use pfront_shaders::PASSES;
 
 fn main() {
-    // What Rust prints of a string is a string of JavaScript.
+    // Rust's debug form of a string is a string of JavaScript.
     let passes: Vec<_> =
         PASSES.iter().map(|pass| format!("[{:?}, {:?}]", pass.entry, pass.source())).collect();
     println!(

@@ -13,7 +13,7 @@ macro_rules! constants {
 
 constants! {
     ALL_FLOATS: f32;
-    /// What the roundings of a posed box cost, relative to its size: 2^-19.
+    /// A bound on the roundings of a posed box, relative to its size: 2^-19.
     PADDING = 16.0 * f32::EPSILON;
 }
 

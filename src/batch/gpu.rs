@@ -3,8 +3,8 @@
 use super::found::Found;
 use super::outcome::Outcome;
 use super::{Job, Question};
-use crate::executor::{Answer, Device, Verb};
-use crate::gpu::{self, GpuError, GpuModel, GpuSubmission, wgpu};
+use crate::executor::{Device, Verb, read};
+use crate::gpu::{GpuError, GpuModel, GpuQuery, GpuQuestion, wgpu};
 use crate::{Error, Model, Pose, Stamp, TrianglePair};
 use std::collections::VecDeque;
 use std::collections::hash_map::{Entry, HashMap};
@@ -120,7 +120,7 @@ fn upload(
 #[derive(Debug)]
 pub(super) struct Lists {
     device: Arc<Device>,
-    own: VecDeque<GpuSubmission>,
+    own: VecDeque<GpuQuery>,
 }
 
 impl Drop for Lists {
@@ -159,33 +159,24 @@ impl Ring {
         let oldest = if self.lists.own.len() < RING { None } else { self.read()? };
         let mut lists = oldest.map_or_else(|| self.lists.device.lend(), Ok)?;
         let there = |model: &Model| self.uploads.get(&model.stamp()).ok_or(GpuError::OtherDevice);
-        let verb = match self.job.verb {
-            Verb::All => gpu::GpuVerb::All,
-            Verb::Count => gpu::GpuVerb::Count,
-            Verb::Any => gpu::GpuVerb::Any,
-        };
-        match &self.job.questions[number] {
+        let question = match &self.job.questions[number] {
             Question::Pair { models: [a, b], a_from_b } => {
-                lists.pair(there(a)?, there(b)?, a_from_b, verb)?;
+                GpuQuestion::pair(there(a)?, there(b)?, a_from_b)
             }
             Question::Within { model, adjacency } => {
-                lists.within(there(model)?, *adjacency, verb)?;
+                GpuQuestion::Within { model: there(model)?, adjacency: *adjacency }
             }
-        }
+        };
+        lists.submit(&question, self.job.verb.into())?;
         self.lists.own.push_back(lists);
         Ok(())
     }
 
     /// Reads the oldest submission, and returns its lists. After an error nobody uses them again.
-    fn read(&mut self) -> Result<Option<GpuSubmission>, Error> {
+    fn read(&mut self) -> Result<Option<GpuQuery>, Error> {
         let Some(mut lists) = self.lists.own.pop_front() else { return Ok(None) };
         let mut pairs: Vec<TrianglePair> = Vec::new();
-        let count = lists.read(&mut pairs)?;
-        self.found.answers.push(match self.job.verb {
-            Verb::All => Answer::listed(&pairs),
-            Verb::Count => Answer::counted(count),
-            Verb::Any => Answer::found(pairs.first().copied()),
-        });
+        self.found.answers.push(read(&mut lists, self.job.verb, &mut pairs)?);
         if self.job.verb == Verb::All {
             self.found.pairs.append(&mut pairs);
         }

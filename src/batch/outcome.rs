@@ -141,7 +141,7 @@ impl Outcome {
             }
             let is_pending = |state: &mut State| matches!(state, State::Pending(_));
             let (state, most) = (self.state(), most.take().unwrap_or(Duration::MAX));
-            // What a waiting thread has seen of a panic says nothing of the state.
+            // A lock that a panic has poisoned guards a state that is whole.
             let _ = self.known.wait_timeout_while(state, most, is_pending);
         }
     }

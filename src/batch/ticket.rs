@@ -170,7 +170,7 @@ impl<T> Ticket<T> {
     }
 }
 
-/// What a GPU finds, for a consumer on the same device.
+/// Results of a GPU, for a consumer on the same device.
 #[cfg(feature = "gpu")]
 impl<T> Ticket<T> {
     pub(super) fn with_buffers(mut self, buffers: Option<[crate::gpu::wgpu::Buffer; 2]>) -> Self {
@@ -188,7 +188,7 @@ impl<T> Ticket<T> {
     ///
     /// # Examples
     /// ```no_run
-    /// use pfront::gpu::{Gpu, GpuSubmission};
+    /// use pfront::gpu::{Gpu, GpuQuery};
     /// use pfront::{Batch, Executor, Model, Pose};
     /// # use std::sync::Arc;
     /// # fn demo(model: Arc<Model>, indirect: pfront::gpu::wgpu::Buffer) -> Result<(), pfront::Error> {
@@ -199,7 +199,7 @@ impl<T> Ticket<T> {
     /// if let (Some(hits), Some(count)) = (ticket.hits_buffer(), ticket.count_buffer()) {
     ///     let mut encoder = gpu.device().create_command_encoder(&Default::default());
     ///     // As many instances as hits, drawn from `hits`.
-    ///     encoder.copy_buffer_to_buffer(count, GpuSubmission::COUNT_OFFSET, &indirect, 4, 4);
+    ///     encoder.copy_buffer_to_buffer(count, GpuQuery::COUNT_OFFSET, &indirect, 4, 4);
     ///     gpu.queue().submit([encoder.finish()]);
     /// }
     /// # Ok(()) }
@@ -211,10 +211,10 @@ impl<T> Ticket<T> {
 
     /// The counters of a single question, as [`Ticket::hits_buffer`].
     ///
-    /// `array<u32>`: at [`GpuSubmission::COUNT_OFFSET`](crate::gpu::GpuSubmission::COUNT_OFFSET) the number of hits. The few
+    /// `array<u32>`: at [`GpuQuery::COUNT_OFFSET`](crate::gpu::GpuQuery::COUNT_OFFSET) the number of hits. The few
     /// triangle pairs that the device leaves to the CPU are not among them: how many these are is at
-    /// [`REST_OFFSET`](crate::gpu::GpuSubmission::REST_OFFSET). A number other than 0 at
-    /// [`OVERFLOW_OFFSET`](crate::gpu::GpuSubmission::OVERFLOW_OFFSET) says that the lists are too small: then only the host
+    /// [`REST_OFFSET`](crate::gpu::GpuQuery::REST_OFFSET). A number other than 0 at
+    /// [`OVERFLOW_OFFSET`](crate::gpu::GpuQuery::OVERFLOW_OFFSET) says that the lists are too small: then only the host
     /// gets the answer, in parts, and what the buffers hold is not defined.
     #[must_use]
     pub fn count_buffer(&self) -> Option<&crate::gpu::wgpu::Buffer> {

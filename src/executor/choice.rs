@@ -12,6 +12,8 @@ const FIRST_CHECK: f64 = 8.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice {
     is_on_gpu: bool,
+    /// Whether the last frame took the CPU less than any GPU.
+    pub(super) is_at_once: bool,
     cpu: Option<f64>,
     /// Uploads are not part of it.
     gpu: Option<f64>,
@@ -30,6 +32,7 @@ impl Default for Choice {
     fn default() -> Self {
         Self {
             is_on_gpu: false,
+            is_at_once: false,
             cpu: None,
             gpu: None,
             offset: 0.0,

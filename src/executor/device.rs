@@ -1,23 +1,21 @@
-//! A GPU as an executor has it: its lists, shared by all queries or lent to a ticket, and the models that are there.
+//! A GPU as an executor has it: its lists, lent to a question until it is read, and the models that are there.
 
 use super::gathered::Gathered;
 use super::measure::Line;
 use super::{Answer, Verb};
-use crate::gpu::{Gpu, GpuError, GpuModel, GpuPairQuery, GpuSelfQuery, GpuSettings, GpuSubmission};
-use crate::{Adjacency, Model, Pose, Stamp, TrianglePair};
+use crate::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb};
+use crate::{Model, Stamp, TrianglePair};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 #[derive(Debug)]
 pub(crate) struct Device {
     pub(crate) gpu: Gpu,
     pub(crate) settings: GpuSettings,
-    /// What it is predicted to take beside a CPU; `None` if it is to answer whatever is asked.
+    /// The times that it is predicted to take beside a CPU; `None` if it is to answer all questions.
     pub(super) line: Option<Line>,
-    pair: Mutex<Option<GpuPairQuery>>,
-    within: Mutex<Option<GpuSelfQuery>>,
-    /// Lists of tickets, while no ticket has them.
-    idle: Mutex<Vec<GpuSubmission>>,
-    /// The same for batches of pairs.
+    /// Lists, while no question has them.
+    idle: Mutex<Vec<GpuQuery>>,
+    /// Worlds of batches of pairs, while no batch has them.
     gathered: Mutex<Vec<Gathered>>,
     /// Models that do not move, for as long as some query has them.
     models: Mutex<Vec<(Stamp, Weak<GpuModel>)>>,
@@ -29,8 +27,6 @@ impl Device {
             gpu: gpu.clone(),
             settings,
             line,
-            pair: Mutex::default(),
-            within: Mutex::default(),
             idle: Mutex::default(),
             gathered: Mutex::default(),
             models: Mutex::default(),
@@ -52,13 +48,13 @@ impl Device {
     }
 
     /// Lists for one more question at a time.
-    pub(crate) fn lend(&self) -> Result<GpuSubmission, GpuError> {
+    pub(crate) fn lend(&self) -> Result<GpuQuery, GpuError> {
         let idle = lock(&self.idle).pop();
-        idle.map_or_else(|| GpuSubmission::new(&self.gpu, self.settings), Ok)
+        idle.map_or_else(|| GpuQuery::with_settings(&self.gpu, self.settings), Ok)
     }
 
     /// Takes lists back.
-    pub(crate) fn take_back(&self, lists: impl IntoIterator<Item = GpuSubmission>) {
+    pub(crate) fn take_back(&self, lists: impl IntoIterator<Item = GpuQuery>) {
         lock(&self.idle).extend(lists);
     }
 
@@ -73,51 +69,42 @@ impl Device {
         lock(&self.gathered).push(gathered);
     }
 
-    /// Asks about two models there.
-    pub(crate) fn ask_pair(
+    /// Asks and waits; `pairs` is replaced, by the list under [`Verb::All`].
+    pub(crate) fn ask(
         &self,
-        [a, b]: [&GpuModel; 2],
-        a_from_b: &Pose,
+        question: &GpuQuestion<'_>,
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Answer<TrianglePair>, GpuError> {
-        let mut query = lock(&self.pair);
-        let query = match &mut *query {
-            Some(query) => query,
-            none => none.insert(GpuPairQuery::with_settings(&self.gpu, self.settings)?),
-        };
-        Ok(match verb {
-            Verb::All => {
-                query.all_into(a, b, a_from_b, pairs)?;
-                Answer::listed(pairs)
-            }
-            Verb::Count => Answer::counted(query.count(a, b, a_from_b)?),
-            Verb::Any => Answer::found(query.any(a, b, a_from_b)?),
-        })
+        let mut query = self.lend()?;
+        query.submit(question, verb.into())?;
+        let answer = read(&mut query, verb, pairs)?;
+        self.take_back([query]);
+        Ok(answer)
     }
+}
 
-    /// Asks about a model there and itself.
-    pub(crate) fn ask_within(
-        &self,
-        model: &GpuModel,
-        adjacency: Adjacency,
-        verb: Verb,
-        pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Answer<TrianglePair>, GpuError> {
-        let mut within = lock(&self.within);
-        let query = match within.take() {
-            Some(query) => query,
-            None => GpuSelfQuery::with_settings(&self.gpu, self.settings)?,
-        };
-        let query = within.insert(query.with_adjacency(adjacency));
-        Ok(match verb {
-            Verb::All => {
-                query.all_into(model, pairs)?;
-                Answer::listed(pairs)
-            }
-            Verb::Count => Answer::counted(query.count(model)?),
-            Verb::Any => Answer::found(query.any(model)?),
-        })
+/// Waits for what has been submitted, and reads it; `pairs` is replaced, by the list under [`Verb::All`].
+pub(crate) fn read(
+    query: &mut GpuQuery,
+    verb: Verb,
+    pairs: &mut Vec<TrianglePair>,
+) -> Result<Answer<TrianglePair>, GpuError> {
+    let count = query.read(pairs)?;
+    Ok(match verb {
+        Verb::All => Answer::listed(pairs),
+        Verb::Count => Answer::counted(count),
+        Verb::Any => Answer::found(pairs.first().copied()),
+    })
+}
+
+impl From<Verb> for GpuVerb {
+    fn from(verb: Verb) -> Self {
+        match verb {
+            Verb::All => Self::All,
+            Verb::Count => Self::Count,
+            Verb::Any => Self::Any,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A line from the time of a question on the CPU to that on a GPU: a short and a long one are asked of both.
 
 use super::Executor;
-use crate::gpu::{Gpu, GpuError, GpuModel, GpuPairQuery};
+use crate::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion};
 use crate::{Model, PairQuery, Pose};
 use std::time::Instant;
 
@@ -16,7 +16,7 @@ const RUNS: usize = 9;
 pub(crate) struct Line {
     /// To ask anything at all and read the answer.
     pub(super) latency: f64,
-    /// What a longer question takes beyond that, as a multiple of what it takes the CPU.
+    /// The time of a longer question beyond that, as a multiple of its time on the CPU.
     pub(super) slope: f64,
     /// To bring a model there, however small.
     pub(super) setup: f64,
@@ -38,7 +38,7 @@ pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> 
     let mut cpu = executor.clone();
     cpu.device = None;
     let mut on_cpu = PairQuery::new().on(&cpu);
-    let mut on_gpu = GpuPairQuery::new(gpu)?;
+    let mut on_gpu = GpuQuery::new(gpu)?;
     let (mut cpu, mut there, mut uploads) = ([0.0; 2], [0.0; 2], [0.0; 2]);
     let sheets = [sheet(SIDES[0])?, sheet(SIDES[1])?];
     // The first round wakes threads and grows buffers.
@@ -46,9 +46,10 @@ pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> 
         for (i, sheet) in sheets.iter().enumerate() {
             let clock = Instant::now();
             let model = GpuModel::new(gpu, sheet.bvh())?;
-            on_gpu.count(&model, &model, &pose(RUNS))?;
+            on_gpu.count(&GpuQuestion::pair(&model, &model, &pose(RUNS)))?;
             let first = clock.elapsed().as_secs_f64();
-            there[i] = median(|pose| on_gpu.all(&model, &model, &pose).map(drop))?;
+            let mut ask = |pose| on_gpu.all(&GpuQuestion::pair(&model, &model, &pose)).map(drop);
+            there[i] = median(&mut ask)?;
             uploads[i] = (first - there[i]).max(0.0);
             cpu[i] = median(|pose| on_cpu.all(sheet, sheet, &pose).map(drop).map_err(refused))?;
         }
@@ -91,7 +92,7 @@ fn refused(error: crate::Error) -> GpuError {
     GpuError::Device { reason: error.to_string() }
 }
 
-/// What a run takes.
+/// The median time of a run.
 fn median(mut run: impl FnMut(Pose) -> Result<(), GpuError>) -> Result<f64, GpuError> {
     let mut times = [0.0; RUNS];
     for (number, time) in times.iter_mut().enumerate() {

@@ -59,7 +59,7 @@ mod plan;
 mod run;
 
 #[cfg(feature = "gpu")]
-pub(crate) use device::Device;
+pub(crate) use device::{Device, read};
 #[cfg(feature = "gpu")]
 pub(crate) use mirror::Mirrors;
 pub use plan::{Backend, Plan, Reason};
@@ -74,7 +74,7 @@ use std::sync::Arc;
 
 /// The threads or the GPU that answer queries. See [the module](crate::executor).
 ///
-/// Copies share the pool and the GPU. On one GPU, pair queries wait for each other, and so do self queries.
+/// Copies share the pool and the GPU.
 #[derive(Clone, Debug, Default)]
 pub struct Executor {
     /// The threads, of which each query gets a copy for what it remembers; the calling thread alone if there are none.
@@ -136,8 +136,8 @@ impl Executor {
     /// that asks about other models each time uploads them each time: make one for each pair of models. A mesh that
     /// deforms keeps its tree there until [`Model`](crate::Model) rebuilds it.
     ///
-    /// Its lists take [`GpuSettings::budget`] of device memory once for pairs of models, once for models with themselves,
-    /// once for each scene, and once or twice for as many tickets as were in flight at a time, from the first such question on.
+    /// Its lists take [`GpuSettings::budget`] of device memory for as many questions as were in flight at a time, of which a
+    /// ticket may have two, for as many batches of pairs, and for each scene.
     ///
     /// # Examples
     /// ```no_run
@@ -162,7 +162,7 @@ impl Executor {
     /// After an error of the GPU, the CPU answers all later questions of that query; [`Plan::failure`] tells why.
     ///
     /// # Errors
-    /// What the GPU reports while it is measured.
+    /// As [`crate::PairQuery::all`] on a GPU, while it is measured.
     #[cfg(feature = "gpu")]
     pub fn and_gpu(self, gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
         let line = measure::measure(&self, gpu)?;

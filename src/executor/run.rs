@@ -25,7 +25,7 @@ pub(crate) enum Verb {
     Any,
 }
 
-/// What an answer says, beside the list.
+/// The answer to a question, beside the list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Answer<T> {
     pub(crate) count: u64,
@@ -73,7 +73,7 @@ pub(crate) trait Question {
     fn on_gpu(&mut self, device: &Device, verb: Verb) -> Result<Self::Answer, Error>;
 }
 
-/// What a query remembers of its executor.
+/// The history of a query on its executor.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Run {
     #[cfg(any(feature = "threads", feature = "gpu"))]
@@ -107,7 +107,7 @@ impl Run {
         Self::default()
     }
 
-    /// What the last frame on threads did.
+    /// Counts and times of the last frame on threads.
     #[cfg(feature = "threads")]
     pub(crate) fn report(&self) -> Option<&Report> {
         Some(&self.executor.traversal.as_ref()?.report)
@@ -221,6 +221,15 @@ impl Run {
         self.failure.is_none() && device.is_some_and(|device| is_only(device) || is_chosen())
     }
 
+    /// Whether the last frame on the CPU ended within its first few hundred tests, which the traversal does not time either.
+    fn was_at_once(&self) -> bool {
+        #[cfg(feature = "threads")]
+        if let Some(report) = self.report() {
+            return report.shares.is_empty() && report.traversal_time.is_zero();
+        }
+        false
+    }
+
     fn ask_either<Q: Question>(
         &mut self,
         device: &Device,
@@ -239,12 +248,18 @@ impl Run {
         if question.accuracy() != Accuracy::Exact {
             return self.on_cpu(question, verb, Reason::Inexact);
         }
-        // What was learned of other models tells nothing of these.
+        // Choices for other models tell nothing of these.
         let meshes = question.meshes();
         if self.meshes.replace(meshes) != Some(meshes) {
             self.choices = Default::default();
         }
         self.last_verb = verb;
+        // A look at the clock costs as much as such a frame, and no GPU answers sooner.
+        if self.choices[verb as usize].is_at_once && moving.is_zero() {
+            let answer = self.on_cpu(question, verb, Reason::Faster);
+            self.choices[verb as usize].is_at_once = self.was_at_once();
+            return answer;
+        }
         let (to_upload, clock) = (question.to_upload(), Instant::now());
         let choice = &mut self.choices[verb as usize];
         let (by_gpu, reason) = choice.choose(line, line.upload(to_upload));
@@ -263,6 +278,7 @@ impl Run {
             Ok(answer) => {
                 let time = clock.elapsed() + moving;
                 self.choices[verb as usize].took(line, by_gpu, to_upload > 0, time);
+                self.choices[verb as usize].is_at_once = !by_gpu && self.was_at_once();
                 if by_gpu {
                     self.note(Backend::Gpu, reason);
                 }

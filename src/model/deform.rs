@@ -1,4 +1,4 @@
-//! What moves the vertices of a model, and brings along what depends on them.
+//! Moving the vertices of a model, and updating its tree and certificates.
 
 use super::Model;
 use super::moves::same_bits;

@@ -181,7 +181,7 @@ impl Model {
         self.tree.fresh().unwrap_or_else(|| self.fitted())
     }
 
-    /// What `f` says of the BVH with the boxes of earlier positions; `None` if it fits, or will be built anew.
+    /// The result of `f` for the BVH with the boxes of earlier positions; `None` if it fits, or will be built anew.
     #[cfg(feature = "gpu")]
     pub(crate) fn map_unfitted<R>(&self, f: impl Fn(Bvh<'_>) -> R) -> Option<R> {
         if self.tree.fresh().is_some() {

@@ -2,7 +2,7 @@
 
 use pfront_core::bvh::{Moved, mark_moved};
 
-/// What has moved since the tree fitted. More than has is never wrong, only slower.
+/// Vertices that have moved since the tree fitted. Too many are never wrong, only slower.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Moves {
     marks: Vec<Moved>,

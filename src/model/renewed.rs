@@ -45,7 +45,7 @@ impl<T> Renewed<T> {
         })
     }
 
-    /// What `f` says of the value, up to date or not; `None` if it is not made or somebody is at it.
+    /// The result of `f` for the value, up to date or not; `None` if it is not made or somebody is at it.
     pub(super) fn map<R>(&self, f: impl Fn(&T) -> R) -> Option<R> {
         let of_stale = self.stale().as_deref().map(&f);
         of_stale.or_else(|| self.fresh.get().map(|value| f(value)))

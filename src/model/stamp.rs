@@ -1,4 +1,4 @@
-//! What a model holds, in three numbers.
+//! Three numbers that identify the contents of a model.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

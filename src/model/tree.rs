@@ -12,7 +12,7 @@ use std::mem::take;
 pub(super) struct Tree {
     nodes: Vec<Node>,
     order: Vec<u32>,
-    /// What a partial refit goes by; empty until there is one, and when the last refit was not.
+    /// The state of partial refits; empty until there is one, and when the last refit was not partial.
     table: Vec<RefitRow>,
     /// The quality figure right after the last build, and as it is.
     built: f32,

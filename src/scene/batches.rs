@@ -13,7 +13,7 @@ const BATCH: usize = 1 << 16;
 /// The same for the first batch of a search for one hit; each further one is four times as large.
 const FIRST_BATCH: usize = 64;
 
-/// What a scene remembers of its frames on threads.
+/// The history of a scene on threads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Batches {
     /// The bodies of each query of the last batch: what it cost is remembered by its number.
@@ -99,7 +99,7 @@ impl Batches {
             if before.is_none() && is_last {
                 self.renumber(traversal);
             } else {
-                // What other pairs of bodies cost tells nothing of these.
+                // The costs of other pairs of bodies tell nothing of these.
                 traversal.forget();
                 std::mem::swap(&mut self.asked, &mut self.asking);
             }

@@ -264,7 +264,7 @@ impl Bodies {
         }
         let is_new = if ignored { self.ignored.insert(two) } else { self.ignored.remove(&two) };
         if is_new {
-            // What is known of the two is no longer true, or no longer all.
+            // Hits that are kept of the two are no longer true, or no longer all.
             self.change(two[0], |_| Ok(()))?;
         }
         Ok(())

@@ -123,7 +123,7 @@ impl Broad {
             let [min, max] = [self.corners[2 * own], self.corners[2 * own + 1]];
             overlapping(boxes, &Aabb { min, max }, |i| {
                 let other = self.places[i];
-                // Of two that have moved, the first finds the second.
+                // If two have moved, the first finds the second.
                 let once = other > place || other < place && bodies.changed_at([other; 2]) <= at;
                 if once && self.spheres[own].overlaps(&self.spheres[i]) {
                     self.found.push([place.min(other), place.max(other)]);

@@ -1,4 +1,4 @@
-//! What happens to a scene between frames.
+//! Changes to a scene between frames.
 
 use super::SceneQuery;
 use super::bodies::{Body, BodyId, Groups};
@@ -6,7 +6,7 @@ use super::split::{Cutter, parts};
 use crate::{Aabb, Error, Model, Pose};
 use std::sync::Arc;
 
-/// What [`SceneQuery::split`] makes of one part of a body.
+/// A body that [`SceneQuery::split`] makes of one part of another.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Piece {
     /// The new body.
@@ -155,7 +155,7 @@ impl SceneQuery {
         let models: Vec<Model> = models.collect::<Result<_, _>>()?;
         self.bodies.remove(id)?;
         let pieces = parts.into_iter().zip(models).map(|((part, triangles), model)| {
-            // What the pose does to the whole it can do to a part.
+            // A pose that suits the whole suits a part.
             let body = self.bodies.add(model.into(), pose)?;
             let piece = self.bodies.get_mut(body)?;
             (piece.groups, piece.user_data) = (groups, user_data);

@@ -1,4 +1,4 @@
-//! What has to be asked in a frame.
+//! The pairs of bodies that have to be asked about in a frame.
 
 use super::bodies::{Bodies, Body, BodyId};
 use super::broad::{Broad, Places};
@@ -15,7 +15,7 @@ pub(super) struct Frame<'s> {
     since: Option<u64>,
 }
 
-/// What an answer says, beside the list.
+/// The answer to a question, beside the list.
 pub(super) type Answer = crate::executor::Answer<SceneHit>;
 
 impl<'s> Frame<'s> {

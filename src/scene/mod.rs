@@ -58,7 +58,7 @@ pub struct SceneHit {
 /// many, which bounds the memory; then nothing is remembered. Contacts are found on the calling thread.
 ///
 /// # Still bodies
-/// What [`SceneQuery::all`] and [`SceneQuery::contacts`] find is kept: as long as neither of two bodies
+/// Hits that [`SceneQuery::all`] and [`SceneQuery::contacts`] find are kept: as long as neither of two bodies
 /// moves, deforms or is replaced, these do not ask them again, nor do [`SceneQuery::any`] and
 /// [`SceneQuery::count`], which keep nothing themselves. A body that is set to the pose it has does not move.
 ///
@@ -140,14 +140,14 @@ impl SceneQuery {
         self
     }
 
-    /// What the last frame on threads did in which something had changed; see [`threads::Report`].
+    /// Counts and times of the last frame on threads in which something had changed; see [`threads::Report`].
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn report(&self) -> Option<&threads::Report> {
         self.run.report()
     }
 
-    /// Who answered the last frame, and why; `None` before the first.
+    /// The backend that answered the last frame, and the reason; `None` before the first.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
         self.run.plan()

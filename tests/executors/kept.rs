@@ -1,4 +1,4 @@
-//! What is answered by what is kept, and what is not.
+//! Questions that the cache answers, and questions that it does not.
 
 #[cfg(feature = "gpu")]
 use super::model;

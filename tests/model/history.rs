@@ -4,7 +4,7 @@ use super::{SIDE, assert_fits, bumpy, model};
 use pfront::{Model, SelfQuery};
 use proptest::prelude::*;
 
-/// What happens to a model.
+/// A change to a model.
 #[derive(Clone, Debug)]
 enum Event {
     /// Vertices `first`, `first + step` and so on, `count` of them, go up and aside by so much.

@@ -17,7 +17,7 @@ fn model(soup: &Soup) -> Model {
     Model::with_options(soup.positions.clone(), soup.triangles.clone(), options).unwrap()
 }
 
-/// That all the model knows of itself is what one finds who looks at everything.
+/// Everything that the model keeps is equal to the same computed anew.
 fn assert_fits(model: &Model) {
     let bvh = model.bvh();
     let mut nodes = bvh.nodes().to_vec();

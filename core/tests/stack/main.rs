@@ -1,4 +1,4 @@
-//! What stack each long call takes, on inputs that make it take most, against what `docs/embedding.md` says.
+//! The stack that each long call takes, on inputs that make it take most, against the bounds of `docs/embedding.md`.
 //!
 //! `cargo test -p pfront-core --test stack -- --nocapture` shows the figures; `--features std` those with std.
 

@@ -105,7 +105,7 @@ impl Frames {
     }
 }
 
-/// What one core finds, sorted.
+/// The pairs that one core finds, sorted.
 pub(crate) fn sequential(query: &impl Query) -> Vec<TrianglePair> {
     let mut pairs = Vec::new();
     let _ = query.visit(&mut query.start(), |pair| {

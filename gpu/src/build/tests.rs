@@ -1,12 +1,12 @@
 //! The sort and the tree it gives, read back from the device.
 
 use super::{Built, Source, sort::Sort};
-use crate::Gpu;
 use crate::groups::EXTRA;
 use crate::layout::{Build, Corner};
 use crate::pass::Target;
 use crate::read::read_now;
 use crate::sequence::Sequence;
+use crate::{Gpu, GpuQuery, GpuQuestion};
 use bytemuck::{Pod, Zeroable};
 use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{BuildOptions, BvhStorage, sah};
@@ -168,9 +168,10 @@ fn workgroups_without_work_store_nothing() {
         let built = Built::new(gpu(), &source, &Aabb::of(&knot.positions), options).unwrap();
         run(&built.build);
         run(&built.refit);
-        let mut query = crate::GpuPairQuery::new(gpu()).unwrap();
+        let mut query = GpuQuery::new(gpu()).unwrap();
         let pose = Pose::from_translation([0.3, 0.1, 0.2]);
-        let pairs = query.all(&built.model, &built.model, &pose).unwrap().to_vec();
+        let pairs =
+            query.all(&GpuQuestion::pair(&built.model, &built.model, &pose)).unwrap().to_vec();
         let nodes: Vec<Node> = read(&built.model.nodes, built.model.nodes.size() as usize / 32);
         EXTRA.set(0);
         (read::<u32>(&built.model.order, n), nodes[2..].to_vec(), pairs)
@@ -193,8 +194,9 @@ fn few_rounds_take_more_runs_and_give_the_same_answer() {
         let target = Target { arithmetic: gpu().arithmetic(), rounds };
         let settings = crate::GpuSettings { groups: 1, ..gpu().settings() };
         let gpu = gpu().with_target(target).unwrap();
-        let mut query = crate::GpuPairQuery::with_settings(&gpu, settings).unwrap();
-        let pairs = query.all(&built.model, &built.model, &pose).unwrap().to_vec();
+        let mut query = GpuQuery::with_settings(&gpu, settings).unwrap();
+        let pairs =
+            query.all(&GpuQuestion::pair(&built.model, &built.model, &pose)).unwrap().to_vec();
         (pairs, query.report().runs)
     });
     assert!(many.len() > 100 && many == few);

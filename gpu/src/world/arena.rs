@@ -56,7 +56,7 @@ pub(super) struct ArenaMesh {
     motion: Option<Motion>,
 }
 
-/// What moves a mesh.
+/// The buffers and passes that move a mesh.
 #[derive(Debug)]
 struct Motion {
     positions: Buffer,

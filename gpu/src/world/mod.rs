@@ -4,11 +4,10 @@ mod arena;
 mod pairs;
 mod placing;
 
-use crate::answer::{Answer, GpuVerb};
-use crate::engine::{Engine, Entry, Run, Task};
+use crate::answer::{Answer, Asked, GpuVerb};
+use crate::engine::{Engine, Task};
 use crate::layout::{InstancePair, Query, check_pose};
 use crate::memory::Usage;
-use crate::read::is_done;
 use crate::report::reports;
 use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 use arena::Arena;
@@ -58,11 +57,11 @@ pub struct World {
     arena: Arena,
     bodies: Vec<Body>,
     table: Option<Table>,
-    asked: Option<Asked>,
+    question: Option<WorldQuestion>,
     found: WorldAnswer,
 }
 
-/// What a question found.
+/// The answer to a question.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WorldAnswer {
     /// Pairs of triangles that meet, sorted, the first triangle being one of the first body: all of them, or at most one
@@ -87,23 +86,13 @@ struct Table {
 
 /// A question that has been submitted.
 #[derive(Debug)]
-struct Asked {
+struct WorldQuestion {
     verb: GpuVerb,
     pairs: Vec<Bodies>,
     /// Chunks to be asked later, the next of them last.
     later: Vec<Chunk>,
-    now: Option<Submitted>,
-}
-
-/// A chunk that has been submitted.
-#[derive(Debug)]
-struct Submitted {
-    /// The number of its first pair.
-    first: usize,
-    task: Task,
-    /// The last of them is what the run is about.
-    parts: Vec<Vec<Entry>>,
-    run: Run,
+    /// The chunk that has been submitted, and the number of its first pair.
+    now: Option<(Asked, usize)>,
 }
 
 impl World {
@@ -119,14 +108,14 @@ impl World {
             arena: Arena::new(),
             bodies: Vec::new(),
             table: None,
-            asked: None,
+            question: None,
             found: WorldAnswer::default(),
         })
     }
 
     /// Removes all bodies and all meshes.
     pub fn clear(&mut self) {
-        self.asked = None;
+        self.question = None;
         self.bodies.clear();
         self.arena = Arena::new();
     }
@@ -140,7 +129,7 @@ impl World {
     /// # Complexity
     /// O(triangles), but for the growth of buffers.
     pub fn add_mesh(&mut self, bvh: Bvh<'_>) -> Result<u32, GpuError> {
-        self.asked = None;
+        self.question = None;
         let gpu = self.answer.engine.gpu.clone();
         self.arena.add(&gpu, &bvh).inspect_err(|_| self.clear())?;
         Ok(self.arena.meshes.len() as u32 - 1)
@@ -187,7 +176,7 @@ impl World {
             return Err(GpuError::NoMesh { mesh, meshes });
         }
         Mesh::new(positions, &[])?;
-        self.asked = None;
+        self.question = None;
         self.arena.set_positions(&self.answer.engine.gpu, mesh as usize, positions)
     }
 
@@ -237,7 +226,7 @@ impl World {
     /// # Errors
     /// As [`World::all`].
     pub fn submit(&mut self, pairs: &[Bodies], verb: GpuVerb) -> Result<(), GpuError> {
-        self.asked = None;
+        self.question = None;
         let bodies = self.bodies.len() as u32;
         if let Some(&body) = pairs.iter().flatten().find(|&&body| body >= bodies) {
             return Err(GpuError::NoBody { body, bodies });
@@ -249,7 +238,7 @@ impl World {
         let mut later = pairs::chunks(&self.arena, &self.bodies, pairs, most_rows, is_each);
         let first = later.pop();
         let now = first.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
-        self.asked = Some(Asked { verb, pairs: pairs.to_vec(), later, now });
+        self.question = Some(WorldQuestion { verb, pairs: pairs.to_vec(), later, now });
         Ok(())
     }
 
@@ -258,10 +247,10 @@ impl World {
     ///
     /// # Errors
     /// [`GpuError::NotSubmitted`]; [`GpuError::Device`], [`GpuError::DeviceLost`].
-    pub fn is_ready(&self) -> Result<bool, GpuError> {
-        let asked = self.asked.as_ref().ok_or(GpuError::NotSubmitted)?;
-        match asked.now.as_ref().and_then(|now| now.run.submission.as_ref()) {
-            Some(submission) => is_done(self.answer.engine.gpu.device(), submission),
+    pub fn is_ready(&mut self) -> Result<bool, GpuError> {
+        let question = self.question.as_ref().ok_or(GpuError::NotSubmitted)?;
+        match &question.now {
+            Some((asked, _)) => self.answer.engine.is_done(&asked.run),
             None => Ok(true),
         }
     }
@@ -271,8 +260,8 @@ impl World {
     /// # Errors
     /// [`GpuError::NotSubmitted`] if there is none; as [`World::all`].
     pub fn read(&mut self) -> Result<&WorldAnswer, GpuError> {
-        let Asked { verb, pairs, mut later, mut now } =
-            self.asked.take().ok_or(GpuError::NotSubmitted)?;
+        let WorldQuestion { verb, pairs, mut later, mut now } =
+            self.question.take().ok_or(GpuError::NotSubmitted)?;
         self.found = WorldAnswer::default();
         match verb {
             GpuVerb::AnyEach => self.found.each.resize(pairs.len(), None),
@@ -282,9 +271,10 @@ impl World {
         if now.is_none() {
             self.answer.clear();
         }
-        while let Some(Submitted { first, task, parts, run }) = now {
-            self.answer.finish_parts(&task, parts, run, verb)?;
-            self.take(&pairs[first..], first, task.query.pair_shift, verb);
+        while let Some((asked, first)) = now {
+            let shift = asked.task.query.pair_shift;
+            self.answer.finish(asked, verb)?;
+            self.take(&pairs[first..], first, shift, verb);
             let is_over = verb == GpuVerb::Any && self.found.count != 0;
             let next = later.pop().filter(|_| !is_over);
             now = next.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
@@ -292,7 +282,7 @@ impl World {
         if verb == GpuVerb::AnyEach {
             self.found.count = self.found.each.iter().flatten().count() as u64;
         }
-        // Those of a pair of bodies are in order, and so are pairs as a rule: this merges runs.
+        // Hits of a pair of bodies are in order, and so are pairs as a rule: this merges runs.
         self.found.hits.sort();
         Ok(&self.found)
     }
@@ -319,7 +309,7 @@ impl World {
     }
 
     /// Records and submits what brings the device up to date, and the first run over a chunk.
-    fn submit_chunk(&mut self, chunk: Chunk, verb: GpuVerb) -> Result<Submitted, GpuError> {
+    fn submit_chunk(&mut self, chunk: Chunk, verb: GpuVerb) -> Result<(Asked, usize), GpuError> {
         let gpu = self.answer.engine.gpu.clone();
         let Chunk { rows, shift, first, front, levels } = chunk;
         gpu.checked(|| {
@@ -331,10 +321,10 @@ impl World {
             let query = Query { pair_shift: shift, leaf_size, ..Query::zeroed() };
             let root = front.first().copied().unwrap_or_default();
             let task = Task { query, root, levels, levels_below_seeds: levels };
-            let (parts, mut run) = self.answer.record_from(&mut encoder, &task, &front, verb)?;
-            run.submission = Some(gpu.queue().submit([encoder.finish()]));
+            let asked = self.answer.begin_from(&mut encoder, task, &front, verb)?;
+            gpu.queue().submit([encoder.finish()]);
             self.arena.moved.clear();
-            Ok(Submitted { first, task, parts, run })
+            Ok((asked, first))
         })
     }
 

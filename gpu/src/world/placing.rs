@@ -12,7 +12,7 @@ use pfront_shaders::constants::PADDING;
 type Vector = [f64; 3];
 type Matrix = [Vector; 3];
 
-/// What rounding a posed coordinate costs relative to its reach, and f64 roundings after it: 16 units.
+/// The error of rounding a posed coordinate relative to its reach, and of f64 roundings after it: 16 units.
 const ROUNDING: f64 = 16.0 / (1 << 24) as f64;
 
 /// A body with what its pairs ask of its pose.
@@ -30,7 +30,7 @@ pub(super) struct Placed {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inverse {
     matrix: Matrix,
-    /// What each entry may be off by.
+    /// A bound on the error of each entry.
     error: f64,
 }
 
@@ -58,7 +58,7 @@ impl Placed {
         (stretch <= LIMIT && error.is_finite()).then_some(Inverse { matrix, error })
     }
 
-    /// What a pose with this translation has to pad boxes of this body by, beside the shaders' [`PADDING`] of the
+    /// The padding of boxes of this body under a pose with this translation, beside the shaders' [`PADDING`] of the
     /// magnitudes that it turns: the same of the translation, what an adapter may flush of it, of entries of the
     /// matrix and of the results, and `more`.
     fn padding(&self, translation: Vector, more: Vector) -> [f32; 3] {

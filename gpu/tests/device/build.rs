@@ -3,7 +3,7 @@
 use crate::common::{Both, gpu, sorted, truth};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Mesh, MeshError, Pose, bvtt};
-use pfront_gpu::{Deforming, GpuError, GpuPairQuery, GpuSelfQuery, wgpu};
+use pfront_gpu::{Deforming, GpuError, GpuQuery, GpuQuestion, GpuVerb, wgpu};
 use pfront_testkit::scenes::{Scene, torus_knot};
 use pfront_testkit::shapes::{bumpy, sheet, sphere};
 
@@ -23,8 +23,7 @@ fn a_sheet_that_folds_refitted_and_rebuilt() {
     let ball = Both::new(&soup.positions, &soup.triangles, 4);
     let mut built = build(&positions, triangles, 4);
     let mut given = Deforming::new(gpu(), sheet.bvh()).unwrap();
-    let (mut own, mut pair) =
-        (GpuSelfQuery::new(gpu()).unwrap(), GpuPairQuery::new(gpu()).unwrap());
+    let (mut own, mut pair) = (GpuQuery::new(gpu()).unwrap(), GpuQuery::new(gpu()).unwrap());
     let mut found = 0;
     for (step, frame) in (0..scene.frames()).step_by(scene.frames() / 6).skip(1).enumerate() {
         scene.positions(frame, &mut positions);
@@ -42,12 +41,18 @@ fn a_sheet_that_folds_refitted_and_rebuilt() {
         }
         sheet.set_positions(&positions);
         let within = sorted(&bvtt::SelfBvtt::new(sheet.bvh()));
-        assert!(own.all(&built).unwrap() == within, "frame {frame}");
-        assert!(own.all(&given).unwrap() == within, "frame {frame}");
+        assert!(own.all(&GpuQuestion::within(&built)).unwrap() == within, "frame {frame}");
+        assert!(own.all(&GpuQuestion::within(&given)).unwrap() == within, "frame {frame}");
         let pose = Pose::from_translation(positions[frame]);
         let met = truth(&sheet, &ball, &pose);
-        assert!(pair.all(&built, &ball.model, &pose).unwrap() == met, "frame {frame}");
-        assert!(pair.all(&given, &ball.model, &pose).unwrap() == met, "frame {frame}");
+        assert!(
+            pair.all(&GpuQuestion::pair(&built, &ball.model, &pose)).unwrap() == met,
+            "frame {frame}"
+        );
+        assert!(
+            pair.all(&GpuQuestion::pair(&given, &ball.model, &pose)).unwrap() == met,
+            "frame {frame}"
+        );
         found += within.len() + met.len();
     }
     assert!(found > 0);
@@ -59,13 +64,16 @@ fn a_frame_in_one_submission() {
     let mesh = Both::new(&knot.positions, &knot.triangles, 4);
     let flat: Vec<_> = knot.positions.iter().map(|&[x, y, _]| [x, y, 0.0]).collect();
     let mut built = build(&flat, &knot.triangles, 4);
-    let mut own = GpuPairQuery::new(gpu()).unwrap();
+    let mut own = GpuQuery::new(gpu()).unwrap();
     let pose = Pose::from_translation([0.5, 0.0, 0.0]);
     let mut encoder = gpu().device().create_command_encoder(&Default::default());
     built.record_rebuild_at(&mut encoder, &knot.positions).unwrap();
-    let pending = own.record(&mut encoder, &built, &mesh.model, &pose).unwrap();
+    let question = GpuQuestion::pair(&built, &mesh.model, &pose);
+    own.record(&mut encoder, &question, GpuVerb::All).unwrap();
     gpu().queue().submit([encoder.finish()]);
-    assert!(pending.read().unwrap() == truth(&mesh, &mesh, &pose));
+    let mut pairs = Vec::new();
+    own.read(&mut pairs).unwrap();
+    assert!(pairs == truth(&mesh, &mesh, &pose));
 }
 
 #[test]
@@ -79,12 +87,12 @@ fn two_built_trees() {
             build(&knot.positions, &knot.triangles, leaf_size),
             build(&ball.positions, &ball.triangles, leaf_size),
         ];
-        let mut pair = GpuPairQuery::new(gpu()).unwrap();
+        let mut pair = GpuQuery::new(gpu()).unwrap();
         for x in [0.0, 0.7, 1.5] {
             let pose = Pose::from_translation([x, 0.1, 0.0]);
             let met = truth(&a, &b, &pose);
-            assert!(pair.all(&own_a, &own_b, &pose).unwrap() == met);
-            assert!(pair.all(&own_a, &b.model, &pose).unwrap() == met);
+            assert!(pair.all(&GpuQuestion::pair(&own_a, &own_b, &pose)).unwrap() == met);
+            assert!(pair.all(&GpuQuestion::pair(&own_a, &b.model, &pose)).unwrap() == met);
         }
     }
 }
@@ -98,8 +106,12 @@ fn any_number_of_triangles() {
         let mesh = Both::new(&tangled, triangles, 4);
         let mut built = build(&whole.positions, triangles, 4);
         built.rebuild_at(&tangled).unwrap();
-        let mut own = GpuSelfQuery::new(gpu()).unwrap();
-        assert_eq!(own.all(&built).unwrap(), sorted(&bvtt::SelfBvtt::new(mesh.bvh())), "{n}");
+        let mut own = GpuQuery::new(gpu()).unwrap();
+        assert_eq!(
+            own.all(&GpuQuestion::within(&built)).unwrap(),
+            sorted(&bvtt::SelfBvtt::new(mesh.bvh())),
+            "{n}"
+        );
     }
 }
 
@@ -108,7 +120,7 @@ fn positions_at_the_ends_of_the_range() {
     let soup = sheet(12, |x, y| x * y);
     let mut mesh = Both::new(&soup.positions, &soup.triangles, 4);
     let mut built = build(&soup.positions, &soup.triangles, 4);
-    let mut own = GpuSelfQuery::new(gpu()).unwrap();
+    let mut own = GpuQuery::new(gpu()).unwrap();
     for scale in [f32::from_bits(7), f32::MIN_POSITIVE, -1e-20, 1.6e38, -0.0, 0.0] {
         let crumple = |[x, y, z]: [f32; 3]| [(x * 9.0).sin(), (y * 7.0).cos() * z, x - y];
         let positions: Vec<_> =
@@ -116,7 +128,7 @@ fn positions_at_the_ends_of_the_range() {
         mesh.set_positions(&positions);
         let within = sorted(&bvtt::SelfBvtt::new(mesh.bvh()));
         built.rebuild_at(&positions).unwrap();
-        assert!(own.all(&built).unwrap() == within, "{scale:e}");
+        assert!(own.all(&GpuQuestion::within(&built)).unwrap() == within, "{scale:e}");
     }
 }
 
@@ -126,11 +138,17 @@ fn all_triangles_in_one_place() {
     for positions in [corners, [[0.5; 3]; 3]] {
         let mesh = Both::new(&positions, &triangles, 4);
         let built = build(&positions, &triangles, 4);
-        let mut own = GpuSelfQuery::new(gpu()).unwrap();
-        assert_eq!(own.all(&built).unwrap(), sorted(&bvtt::SelfBvtt::new(mesh.bvh())));
-        let mut pair = GpuPairQuery::new(gpu()).unwrap();
+        let mut own = GpuQuery::new(gpu()).unwrap();
+        assert_eq!(
+            own.all(&GpuQuestion::within(&built)).unwrap(),
+            sorted(&bvtt::SelfBvtt::new(mesh.bvh()))
+        );
+        let mut pair = GpuQuery::new(gpu()).unwrap();
         let pose = Pose::from_translation([0.25, 0.25, 0.0]);
-        assert!(pair.all(&built, &mesh.model, &pose).unwrap() == truth(&mesh, &mesh, &pose));
+        assert!(
+            pair.all(&GpuQuestion::pair(&built, &mesh.model, &pose)).unwrap()
+                == truth(&mesh, &mesh, &pose)
+        );
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the tests share: one device, and meshes on it beside the core's.
+//! Shared by the tests: one device, and meshes on it beside the core's.
 
 use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{self, BuildOptions, BvhStorage};
@@ -58,7 +58,7 @@ impl Both {
     }
 }
 
-/// What the core finds, sorted.
+/// The pairs that the core finds, sorted.
 pub(crate) fn truth(a: &Both, b: &Both, a_from_b: &Pose) -> Vec<TrianglePair> {
     sorted(&bvtt::PairBvtt::new(a.bvh(), b.bvh(), *a_from_b).unwrap())
 }

@@ -2,7 +2,7 @@
 
 use crate::common::{Both, gpu, sorted, truth};
 use pfront_core::{MeshError, Pose, bvtt};
-use pfront_gpu::{Deforming, GpuError, GpuPairQuery, GpuSelfQuery};
+use pfront_gpu::{Deforming, GpuError, GpuQuery, GpuQuestion};
 use pfront_testkit::scenes::Scene;
 use pfront_testkit::shapes::{sheet, sphere};
 
@@ -15,17 +15,19 @@ fn a_sheet_that_folds() {
     let soup = sphere(16).map(|p| p.map(|x| x * 0.3));
     let ball = Both::new(&soup.positions, &soup.triangles, 4);
     let mut moving = Deforming::new(gpu(), sheet.bvh()).unwrap();
-    let (mut own, mut pair) =
-        (GpuSelfQuery::new(gpu()).unwrap(), GpuPairQuery::new(gpu()).unwrap());
+    let (mut own, mut pair) = (GpuQuery::new(gpu()).unwrap(), GpuQuery::new(gpu()).unwrap());
     let mut found = 0;
     for frame in (0..scene.frames()).step_by(scene.frames() / 5).skip(1) {
         scene.positions(frame, &mut positions);
         moving.set_positions(&positions).unwrap();
         sheet.set_positions(&positions);
         let within = sorted(&bvtt::SelfBvtt::new(sheet.bvh()));
-        assert!(own.all(&moving).unwrap() == within, "frame {frame}");
+        assert!(own.all(&GpuQuestion::within(&moving)).unwrap() == within, "frame {frame}");
         let pose = Pose::from_translation(positions[frame]);
-        assert!(pair.all(&moving, &ball.model, &pose).unwrap() == truth(&sheet, &ball, &pose));
+        assert!(
+            pair.all(&GpuQuestion::pair(&moving, &ball.model, &pose)).unwrap()
+                == truth(&sheet, &ball, &pose)
+        );
         found += within.len();
     }
     assert!(found > 0);
@@ -36,14 +38,17 @@ fn positions_at_the_ends_of_the_range() {
     let soup = sheet(12, |x, y| x * y);
     let mut mesh = Both::new(&soup.positions, &soup.triangles, 2);
     let mut moving = Deforming::new(gpu(), mesh.bvh()).unwrap();
-    let mut own = GpuSelfQuery::new(gpu()).unwrap();
+    let mut own = GpuQuery::new(gpu()).unwrap();
     for scale in [f32::from_bits(7), f32::MIN_POSITIVE, -1e-20, 1e38, -0.0] {
         let crumple = |[x, y, z]: [f32; 3]| [(x * 9.0).sin(), (y * 7.0).cos() * z, x - y];
         let positions: Vec<_> =
             soup.positions.iter().map(|&p| crumple(p).map(|x| x * scale)).collect();
         moving.set_positions(&positions).unwrap();
         mesh.set_positions(&positions);
-        assert!(own.all(&moving).unwrap() == sorted(&bvtt::SelfBvtt::new(mesh.bvh())));
+        assert!(
+            own.all(&GpuQuestion::within(&moving)).unwrap()
+                == sorted(&bvtt::SelfBvtt::new(mesh.bvh()))
+        );
     }
 }
 
@@ -61,5 +66,5 @@ fn positions_that_do_not_fit_change_nothing() {
     let empty = Both::new(&[], &[], 4);
     let mut moving = Deforming::new(gpu(), empty.bvh()).unwrap();
     moving.set_positions(&[]).unwrap();
-    assert_eq!(GpuSelfQuery::new(gpu()).unwrap().all(&moving).unwrap(), []);
+    assert_eq!(GpuQuery::new(gpu()).unwrap().all(&GpuQuestion::within(&moving)).unwrap(), []);
 }

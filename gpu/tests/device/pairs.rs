@@ -1,8 +1,10 @@
 //! Two meshes: scenes, soups of every hard family, every setting, and the verbs.
 
-use crate::common::{Both, gpu, truth};
-use pfront_core::Pose;
-use pfront_gpu::{Arithmetic, Budget, Gpu, GpuError, GpuModel, GpuPairQuery, GpuSettings, wgpu};
+use crate::common::{Both, gpu, sorted, truth};
+use pfront_core::{Pose, bvtt};
+use pfront_gpu::{
+    Arithmetic, Budget, Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb, wgpu,
+};
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
 use pfront_testkit::scenes::{Kind, Scene};
@@ -11,11 +13,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Checks every verb and returns how many pairs meet.
-fn check(query: &mut GpuPairQuery, a: &Both, b: &Both, a_from_b: &Pose) -> usize {
+fn check(query: &mut GpuQuery, a: &Both, b: &Both, a_from_b: &Pose) -> usize {
     let truth = truth(a, b, a_from_b);
-    assert_eq!(query.all(&a.model, &b.model, a_from_b).unwrap(), truth);
-    assert_eq!(query.count(&a.model, &b.model, a_from_b).unwrap(), truth.len() as u64);
-    let any = query.any(&a.model, &b.model, a_from_b).unwrap();
+    assert_eq!(query.all(&GpuQuestion::pair(&a.model, &b.model, a_from_b)).unwrap(), truth);
+    assert_eq!(
+        query.count(&GpuQuestion::pair(&a.model, &b.model, a_from_b)).unwrap(),
+        truth.len() as u64
+    );
+    let any = query.any(&GpuQuestion::pair(&a.model, &b.model, a_from_b)).unwrap();
     assert!(any.map_or(truth.is_empty(), |pair| truth.binary_search(&pair).is_ok()));
     truth.len()
 }
@@ -26,7 +31,7 @@ fn both(soup: &Soup) -> Both {
 
 #[test]
 fn scenes_of_two_bodies() {
-    let mut query = GpuPairQuery::new(gpu()).unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap();
     for name in ["worm-gear", "torus-knots", "spheres", "course"] {
         let scene = Scene::by_name(name, Some(8_000)).unwrap();
         assert_eq!(scene.kind(), Kind::Pair);
@@ -49,7 +54,7 @@ fn scenes_of_two_bodies() {
 #[test]
 fn soups_of_every_family() {
     let mut rng = seeded(11);
-    let mut query = GpuPairQuery::new(gpu()).unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap();
     for f in Family::ALL {
         for leaf_size in [1, 4, 8] {
             let [a, b] = [0; 2].map(|_| {
@@ -66,15 +71,18 @@ fn soups_of_every_family() {
 
 #[test]
 fn a_mesh_that_a_pose_brings_into_range_is_taken() {
-    let mut query = GpuPairQuery::new(gpu()).unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap();
     let diagonal = |k: f32| Pose::new([[k, 0.0, 0.0, 0.0], [0.0, k, 0.0, 0.0], [0.0, 0.0, k, 0.0]]);
     let scaled = |by: f32| both(&sphere(12).map(|p| p.map(|x| x * by)));
     assert!(check(&mut query, &scaled(1e35), &scaled(1e38), &diagonal(1e-3)) > 0);
     for size in [2e38, f32::MAX] {
-        let refused = query.all(&scaled(1.0).model, &scaled(size).model, &diagonal(1e-3));
+        let refused =
+            query.all(&GpuQuestion::pair(&scaled(1.0).model, &scaled(size).model, &diagonal(1e-3)));
         assert!(matches!(refused, Err(GpuError::Pose(_))), "{size:e}");
     }
-    let error = query.all(&scaled(1.0).model, &scaled(1.6e38).model, &diagonal(0.5)).unwrap_err();
+    let error = query
+        .all(&GpuQuestion::pair(&scaled(1.0).model, &scaled(1.6e38).model, &diagonal(0.5)))
+        .unwrap_err();
     let (text, source) = (error.to_string(), std::error::Error::source(&error));
     assert!(
         text.contains("beyond") && !source.is_some_and(|s| text.contains(&s.to_string())),
@@ -85,7 +93,7 @@ fn a_mesh_that_a_pose_brings_into_range_is_taken() {
 #[test]
 fn coplanar_touching_and_stretched() {
     let mut rng = seeded(12);
-    let mut query = GpuPairQuery::new(gpu()).unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap();
     let flat = sheet(24, |_, _| 0.0);
     let wavy = bumpy(20);
     let (flat, wavy, ball) = (both(&flat), both(&wavy), both(&sphere(24)));
@@ -112,14 +120,17 @@ fn coplanar_touching_and_stretched() {
 
 #[test]
 fn nothing_and_nearly_nothing() {
-    let mut query = GpuPairQuery::new(gpu()).unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap();
     let (none, one) = (both(&Soup::default()), both(&sheet(1, |_, _| 0.0)));
     assert_eq!(check(&mut query, &none, &none, &Pose::IDENTITY), 0);
     assert_eq!(check(&mut query, &one, &none, &Pose::IDENTITY), 0);
     assert_eq!(check(&mut query, &one, &one, &Pose::IDENTITY), 4);
     let mut nan = Pose::IDENTITY;
     nan.rows[0][0] = f32::NAN;
-    assert!(matches!(query.all(&one.model, &one.model, &nan), Err(GpuError::Pose(_))));
+    assert!(matches!(
+        query.all(&GpuQuestion::pair(&one.model, &one.model, &nan)),
+        Err(GpuError::Pose(_))
+    ));
 }
 
 #[test]
@@ -137,9 +148,9 @@ fn every_depth_bound_and_budget_gives_the_same_list() {
     for depth in 1..=4 {
         for bytes in [Budget::LEAST.bytes, 100_000, 1 << 20, 16 << 20] {
             let settings = GpuSettings { depth, budget: Budget { bytes }, ..gpu().settings() };
-            let mut query = GpuPairQuery::with_settings(gpu(), settings).unwrap();
+            let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
             for ((a, b, pose), truth) in scenes.iter().zip(&truths) {
-                let found = query.all(&a.model, &b.model, pose).unwrap();
+                let found = query.all(&GpuQuestion::pair(&a.model, &b.model, pose)).unwrap();
                 assert!(found == truth, "depth {depth}, {bytes} bytes: {} pairs", found.len());
                 let report = query.report();
                 assert_eq!(report.on_cpu, 0, "these coordinates fit in the integers of the device");
@@ -150,98 +161,145 @@ fn every_depth_bound_and_budget_gives_the_same_list() {
     }
     let too_small = Budget { bytes: Budget::LEAST.bytes - 1 };
     let settings = GpuSettings { budget: too_small, ..gpu().settings() };
-    let refused = GpuPairQuery::with_settings(gpu(), settings).unwrap_err();
+    let refused = GpuQuery::with_settings(gpu(), settings).unwrap_err();
     assert_eq!(refused, GpuError::Budget { bytes: 65_535, least: 65_536 });
 }
 
 #[test]
 fn every_verb_within_the_least_budget() {
     let settings = GpuSettings { budget: Budget::LEAST, ..gpu().settings() };
-    let mut query = GpuPairQuery::with_settings(gpu(), settings).unwrap();
+    let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
     let flat = both(&sheet(20, |_, _| 0.0));
     assert!(check(&mut query, &flat, &flat, &Pose::IDENTITY) > 8_000);
     assert_eq!(check(&mut query, &flat, &flat, &Pose::from_translation([0.0, 0.0, 1.0])), 0);
 }
 
+/// An encoder of the caller's.
+fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
+    gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+}
+
 #[test]
-fn a_query_is_recorded_now_and_read_later() {
-    let mut query = GpuPairQuery::new(gpu()).unwrap();
-    let ball = both(&sphere(16));
+fn a_question_is_recorded_now_and_read_later() {
+    let mut query = GpuQuery::new(gpu()).unwrap();
+    let (ball, mut pairs) = (both(&sphere(16)), Vec::new());
     let pose = Pose::from_translation([0.7, 0.1, 0.2]);
+    let question = GpuQuestion::pair(&ball.model, &ball.model, &pose);
     let truth = truth(&ball, &ball, &pose);
     for _ in 0..3 {
-        let mut encoder = gpu().device().create_command_encoder(&Default::default());
-        let pending = query.record(&mut encoder, &ball.model, &ball.model, &pose).unwrap();
+        let mut encoder = encoder(gpu());
+        query.record(&mut encoder, &question, GpuVerb::All).unwrap();
         gpu().queue().submit([encoder.finish()]);
-        assert_eq!(pending.read().unwrap(), truth);
+        assert_eq!(query.read(&mut pairs).unwrap(), truth.len() as u64);
+        assert_eq!(pairs, truth);
+        // It is read once.
+        assert_eq!((query.read(&mut pairs).unwrap(), pairs.len()), (0, 0));
     }
-    let mut encoder = gpu().device().create_command_encoder(&Default::default());
-    let pending = query.record(&mut encoder, &ball.model, &ball.model, &pose).unwrap();
-    assert_eq!(pending.read().unwrap_err(), GpuError::NotSubmitted);
-    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap(), truth);
+    query.record(&mut encoder(gpu()), &question, GpuVerb::All).unwrap();
+    assert_eq!(query.read(&mut pairs).unwrap_err(), GpuError::NotSubmitted);
+    assert_eq!(query.all(&question).unwrap(), truth);
+    query.submit(&question, GpuVerb::CountEach).unwrap();
+    assert_eq!(query.read(&mut pairs).unwrap(), truth.len() as u64);
+    query.submit(&question, GpuVerb::AnyEach).unwrap();
+    assert!(query.read(&mut pairs).unwrap() > 0 && truth.contains(&pairs[0]));
 }
 
 #[test]
 fn answers_are_read_after_their_own_submissions() {
     let own = Gpu::new().unwrap();
-    let ball = both(&sphere(6));
+    let (ball, mut pairs) = (both(&sphere(6)), Vec::new());
     let model = GpuModel::new(&own, ball.bvh()).unwrap();
     let flat = GpuModel::new(&own, both(&sheet(40, |_, _| 0.0)).bvh()).unwrap();
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
     let met = truth(&ball, &ball, &pose);
-    let [mut first, mut later] = [0; 2].map(|_| GpuPairQuery::new(&own).unwrap());
-    let encoder =
-        || own.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let (mut one, mut other) = (encoder(), encoder());
-    let pending = first.record(&mut one, &model, &model, &pose).unwrap();
-    let waiting = later.record(&mut other, &flat, &flat, &Pose::IDENTITY).unwrap();
-    let submission = own.queue().submit([one.finish()]);
-    let last = own.queue().submit([other.finish()]);
-    assert_eq!(pending.read_after(submission).unwrap(), met);
-    assert!(waiting.read_after(last.clone()).unwrap().len() > 20_000);
-    let pending = first.record(&mut encoder(), &model, &model, &pose).unwrap();
-    assert!(pending.is_ready(&last).unwrap());
-    // An index of an earlier submission is no reason to miss the answer.
-    let mut one = encoder();
-    let pending = first.record(&mut one, &model, &model, &pose).unwrap();
+    let questions = [
+        GpuQuestion::pair(&model, &model, &pose),
+        GpuQuestion::pair(&flat, &flat, &Pose::IDENTITY),
+    ];
+    let [mut first, mut later] = [0; 2].map(|_| GpuQuery::new(&own).unwrap());
+    let (mut one, mut other) = (encoder(&own), encoder(&own));
+    first.record(&mut one, &questions[0], GpuVerb::All).unwrap();
+    later.record(&mut other, &questions[1], GpuVerb::All).unwrap();
     own.queue().submit([one.finish()]);
-    assert_eq!(pending.read_after(last).unwrap(), met);
+    own.queue().submit([other.finish()]);
+    while !later.is_ready().unwrap() {}
+    // A queue works in order, and both stay as they are until they are read.
+    assert!(first.is_ready().unwrap() && later.is_ready().unwrap());
+    first.read(&mut pairs).unwrap();
+    assert_eq!(pairs, met);
+    assert!(later.read(&mut pairs).unwrap() > 20_000);
+    // A question that is ready may still be replaced by another.
+    first.submit(&questions[0], GpuVerb::All).unwrap();
+    while !first.is_ready().unwrap() {}
+    first.submit(&questions[1], GpuVerb::Count).unwrap();
+    assert!(first.read(&mut pairs).unwrap() > 20_000);
+    first.submit(&questions[0], GpuVerb::All).unwrap();
+    first.is_ready().unwrap();
+    assert_eq!(first.all(&questions[0]).unwrap(), met);
+}
+
+#[test]
+fn the_parts_of_a_question_are_those_of_the_next() {
+    let settings = GpuSettings { budget: Budget::LEAST, ..gpu().settings() };
+    let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
+    let flat = both(&sheet(20, |_, _| 0.0));
+    let mut runs = |pose: Pose| {
+        let found = query.all(&GpuQuestion::pair(&flat.model, &flat.model, &pose)).unwrap();
+        assert_eq!(found, truth(&flat, &flat, &pose));
+        query.report().runs
+    };
+    let [first, second] = [0.0, 0.01].map(|x| runs(Pose::from_translation([x, 0.0, 0.0])));
+    assert!(second > 1 && second < first, "{first} and {second} runs");
+    // Where little is left, parts are joined, until there is one.
+    let apart = [0; 5].map(|_| runs(Pose::from_translation([0.0, 0.0, 1.0])));
+    assert!(apart[0] > 1 && apart.is_sorted_by(|x, y| x >= y) && apart[4] == 1, "{apart:?}");
+    // Within one model there are other node pairs.
+    runs(Pose::IDENTITY);
+    let within = GpuQuestion::within(&flat.model);
+    let truth = sorted(&bvtt::SelfBvtt::new(flat.bvh()));
+    for _ in 0..2 {
+        assert_eq!(query.all(&within).unwrap(), truth);
+        assert_eq!(query.count(&within).unwrap(), truth.len() as u64);
+    }
 }
 
 #[test]
 fn any_stops_at_a_hit() {
     let settings = GpuSettings { groups: 4, ..gpu().settings() };
-    let mut query = GpuPairQuery::with_settings(gpu(), settings).unwrap();
+    let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
     let flat = both(&sheet(48, |_, _| 0.0));
     let (here, apart) = (Pose::IDENTITY, Pose::from_translation([0.0, 0.0, 1.0]));
-    let count = query.count(&flat.model, &flat.model, &here).unwrap();
+    let count = query.count(&GpuQuestion::pair(&flat.model, &flat.model, &here)).unwrap();
     let all = query.report();
-    let any = query.any(&flat.model, &flat.model, &here).unwrap().unwrap();
+    let any = query.any(&GpuQuestion::pair(&flat.model, &flat.model, &here)).unwrap().unwrap();
     let one = query.report();
     assert!(truth(&flat, &flat, &here).binary_search(&any).is_ok() && count > 40_000);
     assert!(one.leaf_pairs * 8 < all.leaf_pairs, "{one:?} of {all:?}");
     assert!(one.triangle_pairs * 8 < all.triangle_pairs, "{one:?} of {all:?}");
-    assert_eq!(query.any(&flat.model, &flat.model, &apart).unwrap(), None);
+    assert_eq!(query.any(&GpuQuestion::pair(&flat.model, &flat.model, &apart)).unwrap(), None);
 }
 
 #[test]
-fn an_answer_that_was_dropped_leaves_no_trace_in_the_next() {
-    let mut query = GpuPairQuery::new(gpu()).unwrap();
-    let ball = both(&sphere(16));
+fn a_question_that_was_not_read_leaves_no_trace_in_the_next() {
+    let mut query = GpuQuery::new(gpu()).unwrap();
+    let (ball, mut pairs) = (both(&sphere(16)), Vec::new());
     let poses = [[0.3, 0.1, 0.2], [0.7, 0.1, 0.2]].map(Pose::from_translation);
-    let mut encoders = poses
-        .map(|_| gpu().device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default()));
-    drop(query.record(&mut encoders[0], &ball.model, &ball.model, &poses[0]).unwrap());
-    let pending = query.record(&mut encoders[1], &ball.model, &ball.model, &poses[1]).unwrap();
-    gpu().queue().submit(encoders.map(wgpu::CommandEncoder::finish));
-    assert_eq!(pending.read().unwrap(), truth(&ball, &ball, &poses[1]));
+    let encoders = poses.map(|pose| {
+        let mut encoder = encoder(gpu());
+        let question = GpuQuestion::pair(&ball.model, &ball.model, &pose);
+        query.record(&mut encoder, &question, GpuVerb::All).unwrap();
+        encoder.finish()
+    });
+    gpu().queue().submit(encoders);
+    query.read(&mut pairs).unwrap();
+    assert_eq!(pairs, truth(&ball, &ball, &poses[1]));
 }
 
 #[test]
 fn integers_pose_to_the_same_bits() {
     let mut rng = seeded(13);
     let gpu = gpu().with_arithmetic(Arithmetic::Integer).unwrap();
-    let mut query = GpuPairQuery::new(&gpu).unwrap();
+    let mut query = GpuQuery::new(&gpu).unwrap();
     for f in [Family::Random, Family::CoplanarRotated, Family::Scaled, Family::Subnormal] {
         let soups = [0; 2].map(|_| both(&family(f, 100, &mut rng)));
         check(&mut query, &soups[0], &soups[1], &Pose::new(pose_rows(0.1, &mut rng)));
@@ -252,10 +310,13 @@ fn integers_pose_to_the_same_bits() {
 
 #[test]
 fn passes_are_timed_if_the_device_can_tell() {
-    let mut query = GpuPairQuery::new(gpu()).unwrap().with_timings().unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap().with_timings().unwrap();
     let ball = both(&sphere(16));
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
-    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap(), truth(&ball, &ball, &pose));
+    assert_eq!(
+        query.all(&GpuQuestion::pair(&ball.model, &ball.model, &pose)).unwrap(),
+        truth(&ball, &ball, &pose)
+    );
     let timings = query.timings().unwrap();
     if gpu().device().features().contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES) {
         let passes: Vec<_> = timings.iter().map(|timing| timing.pass).collect();
@@ -271,10 +332,16 @@ fn a_device_of_the_callers_will_do() {
     let own = Gpu::from_device(gpu().device().clone(), gpu().queue().clone()).unwrap();
     let ball = both(&sphere(12));
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
-    let mut query = GpuPairQuery::new(&own).unwrap();
-    assert_eq!(query.all(&ball.model, &ball.model, &pose).unwrap_err(), GpuError::OtherDevice);
+    let mut query = GpuQuery::new(&own).unwrap();
+    assert_eq!(
+        query.all(&GpuQuestion::pair(&ball.model, &ball.model, &pose)).unwrap_err(),
+        GpuError::OtherDevice
+    );
     let model = GpuModel::new(&own, ball.bvh()).unwrap();
-    assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
+    assert_eq!(
+        query.all(&GpuQuestion::pair(&model, &model, &pose)).unwrap(),
+        truth(&ball, &ball, &pose)
+    );
 }
 
 #[test]
@@ -285,7 +352,7 @@ fn errors_of_the_caller_stay_with_the_caller() {
     own.device().on_uncaptured_error(Arc::new(move |_| _ = count.fetch_add(1, Ordering::Relaxed)));
     let ball = both(&sphere(12));
     let model = GpuModel::new(&own, ball.bvh()).unwrap();
-    let mut query = GpuPairQuery::new(&own).unwrap();
+    let mut query = GpuQuery::new(&own).unwrap();
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
     let _invalid = own.device().create_buffer(&wgpu::BufferDescriptor {
         label: None,
@@ -293,7 +360,10 @@ fn errors_of_the_caller_stay_with_the_caller() {
         usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::MAP_WRITE,
         mapped_at_creation: false,
     });
-    assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
+    assert_eq!(
+        query.all(&GpuQuestion::pair(&model, &model, &pose)).unwrap(),
+        truth(&ball, &ball, &pose)
+    );
     assert_eq!(seen.load(Ordering::Relaxed), 1);
 }
 
@@ -302,15 +372,22 @@ fn a_lost_device_is_an_error_and_another_goes_on() {
     let lost = Gpu::new().unwrap();
     let ball = both(&sphere(12));
     let model = GpuModel::new(&lost, ball.bvh()).unwrap();
-    let mut query = GpuPairQuery::new(&lost).unwrap();
+    let mut query = GpuQuery::new(&lost).unwrap();
     let pose = Pose::from_translation([0.3, 0.0, 0.0]);
-    assert_eq!(query.all(&model, &model, &pose).unwrap(), truth(&ball, &ball, &pose));
+    assert_eq!(
+        query.all(&GpuQuestion::pair(&model, &model, &pose)).unwrap(),
+        truth(&ball, &ball, &pose)
+    );
     lost.device().destroy();
-    let error = query.all(&model, &model, &pose).unwrap_err();
+    let error = query.all(&GpuQuestion::pair(&model, &model, &pose)).unwrap_err();
     assert!(matches!(error, GpuError::DeviceLost { .. }), "{error:?}");
     assert!(matches!(GpuModel::new(&lost, ball.bvh()), Err(GpuError::DeviceLost { .. })));
     let next = Gpu::new().unwrap();
     let model = GpuModel::new(&next, ball.bvh()).unwrap();
-    let found = GpuPairQuery::new(&next).unwrap().all(&model, &model, &pose).unwrap().to_vec();
+    let found = GpuQuery::new(&next)
+        .unwrap()
+        .all(&GpuQuestion::pair(&model, &model, &pose))
+        .unwrap()
+        .to_vec();
     assert_eq!(found, truth(&ball, &ball, &pose));
 }

@@ -3,25 +3,25 @@
 use crate::common::{Both, gpu, sorted};
 use pfront_core::bvtt;
 use pfront_core::triangle::Adjacency;
-use pfront_gpu::{Budget, GpuSelfQuery, GpuSettings};
+use pfront_gpu::{Budget, GpuQuery, GpuQuestion, GpuSettings};
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
 use pfront_testkit::scenes::Scene;
 use pfront_testkit::shapes::{Soup, family, sheet, sphere, tangle, union};
 
 /// Checks every verb under both rules and returns how many pairs meet.
-fn check(query: GpuSelfQuery, mesh: &Both) -> (GpuSelfQuery, usize) {
-    let (mut query, mut most) = (query, 0);
+fn check(query: &mut GpuQuery, mesh: &Both) -> usize {
+    let mut most = 0;
     for adjacency in [Adjacency::SkipNeighbours, Adjacency::SharedIndexRule] {
         let truth = sorted(&bvtt::SelfBvtt::new(mesh.bvh()).with_adjacency(adjacency));
-        query = query.with_adjacency(adjacency);
-        assert_eq!(query.all(&mesh.model).unwrap(), truth);
-        assert_eq!(query.count(&mesh.model).unwrap(), truth.len() as u64);
-        let any = query.any(&mesh.model).unwrap();
+        let question = GpuQuestion::Within { model: &mesh.model, adjacency };
+        assert_eq!(query.all(&question).unwrap(), truth);
+        assert_eq!(query.count(&question).unwrap(), truth.len() as u64);
+        let any = query.any(&question).unwrap();
         assert!(any.map_or(truth.is_empty(), |pair| truth.binary_search(&pair).is_ok()));
         most = truth.len();
     }
-    (query, most)
+    most
 }
 
 fn both(soup: &Soup, leaf_size: u32) -> Both {
@@ -30,13 +30,12 @@ fn both(soup: &Soup, leaf_size: u32) -> Both {
 
 #[test]
 fn a_deforming_sheet() {
-    let mut query = GpuSelfQuery::new(gpu()).unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap();
     let scene = Scene::by_name("sheet", Some(6_000)).unwrap();
     let (mut positions, mut found) = (Vec::new(), 0);
     for frame in (0..scene.frames()).step_by(scene.frames() / 6) {
         scene.positions(frame, &mut positions);
-        let (next, n) = check(query, &Both::new(&positions, &scene.meshes[0].triangles, 4));
-        (query, found) = (next, found + n);
+        found += check(&mut query, &Both::new(&positions, &scene.meshes[0].triangles, 4));
     }
     assert!(found > 0);
     assert_eq!(query.report().on_cpu, 0);
@@ -44,7 +43,7 @@ fn a_deforming_sheet() {
 
 #[test]
 fn flat_folded_and_coinciding_surfaces() {
-    let mut query = GpuSelfQuery::new(gpu()).unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap();
     let flat = sheet(16, |_, _| 0.0);
     let tilted = sheet(16, |x, _| x);
     let rolled = sheet(24, |_, _| 0.0).map(|[x, y, _]| [(4.0 * x).cos(), (4.0 * x).sin() * 0.9, y]);
@@ -53,21 +52,21 @@ fn flat_folded_and_coinciding_surfaces() {
     for soup in [flat.clone(), rolled, folded, union(&balls), union(&[flat.clone(), flat, tilted])]
     {
         for leaf_size in [1, 4] {
-            (query, _) = check(query, &both(&soup, leaf_size));
+            check(&mut query, &both(&soup, leaf_size));
         }
     }
     let settings = GpuSettings { budget: Budget::LEAST, depth: 1, ..gpu().settings() };
-    let query = GpuSelfQuery::with_settings(gpu(), settings).unwrap();
-    assert!(check(query, &both(&union(&balls), 8)).1 > 0);
+    let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
+    assert!(check(&mut query, &both(&union(&balls), 8)) > 0);
 }
 
 #[test]
 fn tangles_of_shared_indices() {
     let mut rng = seeded(21);
-    let mut query = GpuSelfQuery::new(gpu()).unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap();
     for size in [0, 1, 3, 20] {
         for vertices in [1, 3, 5, 8, 40] {
-            (query, _) = check(query, &both(&tangle(vertices, 100, size, &mut rng), 4));
+            check(&mut query, &both(&tangle(vertices, 100, size, &mut rng), 4));
         }
     }
 }
@@ -75,7 +74,7 @@ fn tangles_of_shared_indices() {
 #[test]
 fn pairs_of_every_family_that_share_indices() {
     let mut rng = seeded(22);
-    let mut query = GpuSelfQuery::new(gpu()).unwrap();
+    let mut query = GpuQuery::new(gpu()).unwrap();
     for f in Family::ALL {
         let mut soup = Soup::default();
         for _ in 0..300 {
@@ -84,7 +83,7 @@ fn pairs_of_every_family_that_share_indices() {
             soup.positions.extend(positions);
             soup.triangles.extend([a, b].map(|t| t.map(|v| v + first)));
         }
-        (query, _) = check(query, &both(&soup, 2));
-        (query, _) = check(query, &both(&family(f, 60, &mut rng), 8));
+        check(&mut query, &both(&soup, 2));
+        check(&mut query, &both(&family(f, 60, &mut rng), 8));
     }
 }

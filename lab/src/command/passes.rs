@@ -6,9 +6,7 @@
 use super::progress;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use pfront::gpu::{
-    Budget, Deforming, Gpu, GpuModel, GpuPairQuery, GpuSelfQuery, GpuSettings, Timing,
-};
+use pfront::gpu::{Budget, Deforming, Gpu, GpuModel, GpuQuery, GpuQuestion, GpuSettings, Timing};
 use pfront_cli::executor::adapter_name;
 use pfront_cli::output::out;
 use pfront_lab::median;
@@ -61,8 +59,8 @@ pub(crate) fn run(asked: &Passes) -> Result<bool> {
 
 /// Objects on the device, and the query about them.
 enum OnDevice {
-    Pair { models: [GpuModel; 2], query: GpuPairQuery },
-    SelfMesh { model: Deforming, query: GpuSelfQuery },
+    Pair { models: [GpuModel; 2], query: GpuQuery },
+    SelfMesh { model: Deforming, query: GpuQuery },
 }
 
 impl OnDevice {
@@ -70,11 +68,11 @@ impl OnDevice {
         match (objects.kind, &objects.models[..]) {
             (Kind::Pair, [a, b]) => Ok(Self::Pair {
                 models: [GpuModel::new(gpu, a.bvh())?, GpuModel::new(gpu, b.bvh())?],
-                query: GpuPairQuery::with_settings(gpu, settings)?.with_timings()?,
+                query: GpuQuery::with_settings(gpu, settings)?.with_timings()?,
             }),
             (Kind::SelfMesh, [model]) => Ok(Self::SelfMesh {
                 model: Deforming::new(gpu, model.bvh())?.with_timings()?,
-                query: GpuSelfQuery::with_settings(gpu, settings)?.with_timings()?,
+                query: GpuQuery::with_settings(gpu, settings)?.with_timings()?,
             }),
             _ => bail!("passes are timed for two objects or one mesh: time scenes with replay"),
         }
@@ -84,12 +82,12 @@ impl OnDevice {
     fn play(&mut self, frame: Frame<'_>) -> Result<(usize, Vec<Timing>)> {
         match (self, frame) {
             (Self::Pair { models: [a, b], query }, Frame::Poses(poses)) => {
-                let pairs = query.all(a, b, &poses[1])?.len();
+                let pairs = query.all(&GpuQuestion::pair(a, b, &poses[1]))?.len();
                 Ok((pairs, query.timings()?))
             }
             (Self::SelfMesh { model, query }, Frame::Positions(positions)) => {
                 model.set_positions(positions)?;
-                let pairs = query.all(model)?.len();
+                let pairs = query.all(&GpuQuestion::within(model))?.len();
                 let mut timings = model.timings()?;
                 timings.extend(query.timings()?);
                 Ok((pairs, timings))

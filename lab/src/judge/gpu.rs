@@ -7,14 +7,14 @@
 
 use crate::suite::Case;
 use pfront::core::Triangle;
-use pfront::gpu::{Gpu, GpuError, GpuModel, GpuPairQuery, GpuReport};
+use pfront::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuReport};
 use pfront::{Bvh, Mesh, Node, Pose};
 
 /// A GPU, and what it needs to answer.
 #[derive(Debug)]
 pub struct OnGpu {
     gpu: Gpu,
-    query: GpuPairQuery,
+    query: GpuQuery,
     left_to_cpu: u64,
 }
 
@@ -25,7 +25,7 @@ impl OnGpu {
     /// If there is none, or none that could do it.
     pub fn new() -> Result<Self, GpuError> {
         let gpu = Gpu::new()?;
-        let query = GpuPairQuery::new(&gpu)?;
+        let query = GpuQuery::new(&gpu)?;
         Ok(Self { gpu, query, left_to_cpu: 0 })
     }
 
@@ -59,7 +59,7 @@ impl OnGpu {
         };
         let (a, b) = (model(|case| case.a)?, model(|case| case.b)?);
         let mut answers = vec![false; cases.len()];
-        for pair in self.query.all(&a, &b, &Pose::IDENTITY)? {
+        for pair in self.query.all(&GpuQuestion::pair(&a, &b, &Pose::IDENTITY))? {
             answers[pair.a as usize] |= pair.a == pair.b;
         }
         let GpuReport { on_cpu, .. } = self.query.report();

@@ -9,7 +9,7 @@
 struct InstancePair {
     // The second body, seen from the frame in which boxes are compared.
     boxes: array<vec4f, 3>,
-    // What boxes of each side are padded by beside PADDING; bit i of `posed_boxes`: those of side i are posed.
+    // The padding of boxes of each side beside PADDING; bit i of `posed_boxes`: boxes of side i are posed.
     pad_a: vec3f,
     posed_boxes: u32,
     pad_b: vec3f,

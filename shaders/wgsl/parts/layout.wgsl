@@ -63,7 +63,7 @@ struct Step {
 struct Counters {
     // Number of the host's question, to recognise the answer.
     ticket: u32,
-    // What a run that looks for one hit leaves to the next: these two.
+    // A run that looks for one hit leaves these two to the next.
     leaves: atomic<u32>,
     hits: atomic<u32>,
     overflow: atomic<u32>,

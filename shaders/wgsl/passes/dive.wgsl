@@ -67,7 +67,7 @@ fn look_for_hit(lane: u32, before: u32) -> u32 {
                 atomicStore(&found_count, 0u);
             }
             if is_met || tell(lane, atomicLoad(&unsure)) >= GROUP {
-                // What waits is lost only where nothing more is wanted.
+                // Waiting node pairs are dropped only where nothing more is wanted.
                 if !is_met && lane < ready - taken {
                     keep(waiting[lane]);
                 }

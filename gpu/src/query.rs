@@ -1,0 +1,293 @@
+//! One question at a time about two models, or one: asked and waited for, or submitted now and read later.
+
+use crate::answer::{Answer, Asked, GpuVerb};
+use crate::engine::{Engine, Task};
+use crate::layout::{Counters, Placement, Query, check_pose};
+use crate::report::reports;
+use crate::{Gpu, GpuError, GpuModel, GpuSettings};
+use bytemuck::Zeroable;
+use pfront_core::Pose;
+use pfront_core::bvtt::TrianglePair;
+use pfront_core::triangle::Adjacency;
+use std::mem::offset_of;
+use wgpu::{Buffer, CommandEncoder};
+
+/// The subject of a question.
+///
+/// # Examples
+/// ```no_run
+/// use pfront_core::Pose;
+/// use pfront_gpu::{GpuModel, GpuQuestion};
+/// # fn demo(a: GpuModel, b: GpuModel) {
+/// let gap = GpuQuestion::pair(&a, &b, &Pose::from_translation([0.0, 0.0, 0.3]));
+/// let folds = GpuQuestion::within(&a);
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub enum GpuQuestion<'m> {
+    /// Two models, the second posed into the frame of the first. Of a pair, `a` is a triangle of `models[0]`.
+    Pair {
+        /// The models.
+        models: [&'m GpuModel; 2],
+        /// The pose of the second.
+        a_from_b: Pose,
+    },
+    /// A model and itself. Each unordered pair is reported once, with `a < b`; what two triangles share by index is no
+    /// contact ([`pfront_core::triangle::intersects_in_mesh`]).
+    Within {
+        /// The model.
+        model: &'m GpuModel,
+        /// The rule for triangles that share a vertex.
+        adjacency: Adjacency,
+    },
+}
+
+impl<'m> GpuQuestion<'m> {
+    /// Two models, the second in the pose `a_from_b`.
+    #[must_use]
+    pub fn pair(a: &'m GpuModel, b: &'m GpuModel, a_from_b: &Pose) -> Self {
+        Self::Pair { models: [a, b], a_from_b: *a_from_b }
+    }
+
+    /// A model and itself, under the shared-index rule.
+    #[must_use]
+    pub fn within(model: &'m GpuModel) -> Self {
+        Self::Within { model, adjacency: Adjacency::default() }
+    }
+
+    /// Binds the models; `None` if one is empty.
+    fn task(&self, engine: &mut Engine) -> Result<Option<Task>, GpuError> {
+        let ([a, b], query) = match *self {
+            Self::Pair { models: [a, b], a_from_b } => {
+                let (Some(_), Some(bounds)) = (a.bounds, b.bounds) else { return Ok(None) };
+                let posed = a_from_b != Pose::IDENTITY;
+                if posed {
+                    check_pose(&a_from_b, &bounds)?;
+                }
+                let sides = [Pose::IDENTITY, a_from_b].each_ref().map(Placement::new);
+                ([a, b], Query { sides, posed: [0, u32::from(posed)], ..Query::zeroed() })
+            }
+            Self::Within { model, adjacency } => {
+                if model.bounds.is_none() {
+                    return Ok(None);
+                }
+                let sides = [Placement::new(&Pose::IDENTITY); 2];
+                let apart = u32::from(adjacency == Adjacency::SkipNeighbours);
+                ([model; 2], Query { sides, within: 1, apart, ..Query::zeroed() })
+            }
+        };
+        engine.bind(a, b)?;
+        let seeds = [a.seed_count, b.seed_count];
+        Ok(Some(Task {
+            query: Query { seeds, leaf_size: a.leaf_size, ..query },
+            root: [a.root, b.root],
+            levels: a.depth.max(b.depth),
+            levels_below_seeds: a.depth_below_seeds.max(b.depth_below_seeds),
+        }))
+    }
+}
+
+/// Asks which triangles of two models meet, or of one with itself. The answer is the same, to the bit, as that of the core.
+///
+/// Owns the lists that a question needs: make one and use it every frame, for any models. [`GpuQuery::all`],
+/// [`GpuQuery::any`] and [`GpuQuery::count`] wait for their answers; [`GpuQuery::submit`] and [`GpuQuery::record`] do not, and
+/// [`GpuQuery::read`] brings the answer later. A question that is asked before the last one was read takes its place.
+///
+/// Models must not move between a question and its answer: where a list is full, the query goes on from them.
+///
+/// # Examples
+/// ```no_run
+/// use pfront_core::Pose;
+/// use pfront_gpu::{Gpu, GpuModel, GpuQuery, GpuQuestion, GpuVerb};
+/// # fn demo(bvh: pfront_core::Bvh<'_>) -> Result<(), pfront_gpu::GpuError> {
+/// let gpu = Gpu::new()?;
+/// let model = GpuModel::new(&gpu, bvh)?;
+/// let mut query = GpuQuery::new(&gpu)?;
+/// println!("{} pairs within", query.count(&GpuQuestion::within(&model))?);
+/// let mut pairs = Vec::new();
+/// for frame in 0..4 {
+///     let a_from_b = Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]);
+///     query.submit(&GpuQuestion::pair(&model, &model, &a_from_b), GpuVerb::All)?;
+///     // ... submit what else the frame needs ...
+///     query.read(&mut pairs)?;
+///     println!("{} pairs", pairs.len());
+/// }
+/// # Ok(()) }
+/// ```
+#[derive(Debug)]
+pub struct GpuQuery {
+    answer: Answer,
+    /// The question that has not been read; `None` if there is none, or a model is empty.
+    asked: Option<Asked>,
+    verb: GpuVerb,
+}
+
+impl GpuQuery {
+    /// The byte of [`GpuQuery::count_buffer`] at which the number of hits is, a u32.
+    pub const COUNT_OFFSET: u64 = offset_of!(Counters, hits) as u64;
+    /// The byte at which a u32 is that is not 0 if a list was full: the answer is then in parts, and the host reads them.
+    pub const OVERFLOW_OFFSET: u64 = offset_of!(Counters, overflow) as u64;
+    /// The byte at which the number of triangle pairs is that are left to the CPU, a u32. They are not among the hits.
+    pub const REST_OFFSET: u64 = offset_of!(Counters, rest) as u64;
+
+    /// A query with the settings that suit the device.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfMemory`].
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        Self::with_settings(gpu, gpu.settings())
+    }
+
+    /// A query with other settings.
+    ///
+    /// # Errors
+    /// [`GpuError::Budget`], [`GpuError::TooLarge`], [`GpuError::OutOfMemory`].
+    pub fn with_settings(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
+        let answer = Answer::new(Engine::new(gpu, &settings)?);
+        Ok(Self { answer, asked: None, verb: GpuVerb::All })
+    }
+
+    /// All pairs that meet, sorted.
+    ///
+    /// # Errors
+    /// [`GpuError::Pose`] if the pose is not finite or takes its model out of range; [`GpuError::OtherDevice`];
+    /// [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
+    pub fn all(&mut self, question: &GpuQuestion<'_>) -> Result<&[TrianglePair], GpuError> {
+        self.ask(question, GpuVerb::All)?;
+        Ok(&self.answer.pairs)
+    }
+
+    /// Some pair that meets, if any does.
+    ///
+    /// # Errors
+    /// As [`GpuQuery::all`].
+    pub fn any(&mut self, question: &GpuQuestion<'_>) -> Result<Option<TrianglePair>, GpuError> {
+        self.ask(question, GpuVerb::Any)?;
+        Ok(self.answer.pairs.first().copied())
+    }
+
+    /// How many pairs meet. Needs no memory for them.
+    ///
+    /// # Errors
+    /// As [`GpuQuery::all`].
+    pub fn count(&mut self, question: &GpuQuestion<'_>) -> Result<u64, GpuError> {
+        self.ask(question, GpuVerb::Count)?;
+        Ok(self.answer.count)
+    }
+
+    /// Submits a question and does not wait. Verbs for each pair of bodies are those for one.
+    ///
+    /// # Errors
+    /// As [`GpuQuery::all`].
+    pub fn submit(&mut self, question: &GpuQuestion<'_>, verb: GpuVerb) -> Result<(), GpuError> {
+        let gpu = self.answer.engine.gpu.clone();
+        gpu.checked(|| {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            self.begin(&mut encoder, question, verb)?;
+            if self.asked.is_some() {
+                gpu.queue().submit([encoder.finish()]);
+            }
+            Ok(())
+        })
+    }
+
+    /// Records a question into an encoder of the caller's, to be submitted with other work. An encoder whose answer was not
+    /// read may still be submitted, before the one that is read.
+    ///
+    /// # Errors
+    /// As [`GpuQuery::all`].
+    ///
+    /// # Examples
+    /// ```no_run
+    /// # use pfront_gpu::*;
+    /// # fn demo(gpu: Gpu, question: GpuQuestion, mut query: GpuQuery) -> Result<(), GpuError> {
+    /// let mut encoder = gpu.device().create_command_encoder(&Default::default());
+    /// query.record(&mut encoder, &question, GpuVerb::All)?;
+    /// // ... record what else the frame needs ...
+    /// gpu.queue().submit([encoder.finish()]);
+    /// let mut pairs = Vec::new();
+    /// query.read(&mut pairs)?;
+    /// # Ok(()) }
+    /// ```
+    pub fn record(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        question: &GpuQuestion<'_>,
+        verb: GpuVerb,
+    ) -> Result<(), GpuError> {
+        let gpu = self.answer.engine.gpu.clone();
+        gpu.checked(|| self.begin(encoder, question, verb))
+    }
+
+    /// Whether [`GpuQuery::read`] would not wait, but for what the budget makes necessary in addition. Does not wait. A recorded
+    /// question must have been submitted.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`], [`GpuError::DeviceLost`].
+    pub fn is_ready(&mut self) -> Result<bool, GpuError> {
+        match &self.asked {
+            Some(asked) => self.answer.engine.is_done(&asked.run),
+            None => Ok(true),
+        }
+    }
+
+    /// Waits for the submission, and for no other, and returns how many pairs meet; under [`GpuVerb::Any`], at least one if
+    /// any does. `pairs` is replaced: by all pairs, sorted, under [`GpuVerb::All`], by some pair that meets under
+    /// [`GpuVerb::Any`]. A question is read once; the answer to none is empty.
+    ///
+    /// # Errors
+    /// [`GpuError::NotSubmitted`] if a recorded question was not submitted; as [`GpuQuery::all`].
+    pub fn read(&mut self, pairs: &mut Vec<TrianglePair>) -> Result<u64, GpuError> {
+        self.finish()?;
+        std::mem::swap(&mut self.answer.pairs, pairs);
+        Ok(self.answer.count)
+    }
+
+    /// The hits: `array<vec2<u32>>`, the triangles `(a, b)` of each, under [`GpuVerb::All`] sorted.
+    #[must_use]
+    pub fn hits_buffer(&self) -> &Buffer {
+        &self.answer.engine.lists.hits
+    }
+
+    /// The counters: `array<u32>`, of which the constants of this type name three.
+    #[must_use]
+    pub fn count_buffer(&self) -> &Buffer {
+        &self.answer.engine.lists.counters
+    }
+
+    /// Forgets the last question, and records the next.
+    fn begin(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        question: &GpuQuestion<'_>,
+        verb: GpuVerb,
+    ) -> Result<(), GpuError> {
+        self.asked = None;
+        self.verb = match verb {
+            GpuVerb::AnyEach => GpuVerb::Any,
+            GpuVerb::CountEach => GpuVerb::Count,
+            GpuVerb::All | GpuVerb::Any | GpuVerb::Count => verb,
+        };
+        if let Some(task) = question.task(&mut self.answer.engine)? {
+            self.asked = Some(self.answer.begin(encoder, task, self.verb)?);
+        }
+        Ok(())
+    }
+
+    fn ask(&mut self, question: &GpuQuestion<'_>, verb: GpuVerb) -> Result<(), GpuError> {
+        self.submit(question, verb)?;
+        self.finish()
+    }
+
+    fn finish(&mut self) -> Result<(), GpuError> {
+        match self.asked.take() {
+            Some(asked) => self.answer.finish(asked, self.verb),
+            None => {
+                self.answer.clear();
+                Ok(())
+            }
+        }
+    }
+}
+
+reports!(GpuQuery);
