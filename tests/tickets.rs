@@ -374,15 +374,34 @@ mod on_a_gpu {
             assert_eq!(found, [truth[0].len() as u64]);
             gpu.device().poll(PollType::wait_indefinitely()).unwrap();
         }
-        // Behind the load, it is not there before, and asking does not wait.
-        let (index, _) = load(&gpu);
-        let mut ticket = batch.count(&executor).unwrap();
-        assert!(!ticket.is_ready());
-        assert_eq!(ticket.try_read(), Ok(None));
-        assert_eq!(ticket.wait(Duration::ZERO), Ok(None));
-        assert!(!is_done(&gpu, &index));
-        assert_eq!(ticket.read().unwrap(), [truth[0].len() as u64]);
-        assert!(is_done(&gpu, &index));
+    }
+
+    /// Whoever asks too early is told so, at once: many times while the device works.
+    #[test]
+    fn to_ask_a_ticket_is_not_to_wait_for_it() {
+        let gpu = Gpu::new().unwrap();
+        let executor = Executor::gpu(&gpu, gpu.settings());
+        let (ball, mut batch) = (ball(20_000), Batch::new());
+        batch.pair(&ball, &ball, &aside(0.1)).unwrap();
+        let truth = PairQuery::new().count(&ball, &ball, &aside(0.1)).unwrap();
+        for way in 0..3 {
+            let (mut ticket, mut early) = (batch.count(&executor).unwrap(), 0);
+            let found = loop {
+                let found = match way {
+                    0 => ticket.try_read().unwrap(),
+                    1 => ticket.wait(Duration::ZERO).unwrap(),
+                    _ if !ticket.is_ready() => None,
+                    // It is known that this does not wait.
+                    _ => ticket.try_read().unwrap(),
+                };
+                match found {
+                    Some(found) => break found,
+                    None => early += 1,
+                }
+            };
+            assert_eq!(found, [truth]);
+            assert!(early > 100, "{way}: {early}");
+        }
     }
 
     /// A consumer on the device sees what the host reads, also after the host has read it.
