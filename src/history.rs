@@ -309,7 +309,7 @@ impl<A: About> Question for Asking<'_, A> {
     }
 
     #[cfg(feature = "gpu")]
-    fn to_upload(&self) -> usize {
+    fn to_upload(&mut self) -> usize {
         self.mirrors.lack(self.about.models())
     }
 

@@ -12,9 +12,9 @@ use pfront_core::bvtt::Query;
 #[cfg(feature = "gpu")]
 use std::time::{Duration, Instant};
 
-/// A refit of fewer triangles takes less, at some 10 ns each, than to call another thread.
-#[cfg(feature = "threads")]
-const WORTH_THREADS: usize = 1 << 11;
+/// A refit of fewer triangles takes less, at some 10 ns each, than to call another thread or a GPU.
+#[cfg(any(feature = "threads", feature = "gpu"))]
+const SMALL: usize = 1 << 11;
 
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub(crate) trait Question {
 
     /// Triangles that the GPU does not have.
     #[cfg(feature = "gpu")]
-    fn to_upload(&self) -> usize;
+    fn to_upload(&mut self) -> usize;
 
     /// Brings the GPU what it lacks, and asks it.
     #[cfg(feature = "gpu")]
@@ -147,7 +147,10 @@ impl Run {
         positions: &[[f32; 3]],
     ) -> Result<(), Error> {
         #[cfg(feature = "gpu")]
-        if self.executor.device.is_some() {
+        let is_at_once = model.mesh().triangles().len() < SMALL
+            && self.choices[self.last_verb as usize].is_at_once;
+        #[cfg(feature = "gpu")]
+        if self.executor.device.is_some() && !is_at_once {
             let clock = Instant::now();
             let moved = match self.is_on_gpu() {
                 // The GPU refits by itself.
@@ -164,7 +167,7 @@ impl Run {
     pub(crate) fn refit(&self, model: &mut Model, positions: &[[f32; 3]]) -> Result<(), Error> {
         #[cfg(feature = "threads")]
         if let Some(traversal) = &self.executor.traversal
-            && model.mesh().triangles().len() >= WORTH_THREADS
+            && model.mesh().triangles().len() >= SMALL
         {
             return traversal.install(|| model.set_positions_with_threads(positions));
         }

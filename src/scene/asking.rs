@@ -77,7 +77,7 @@ impl Question for Asking<'_> {
     }
 
     #[cfg(feature = "gpu")]
-    fn to_upload(&self) -> usize {
+    fn to_upload(&mut self) -> usize {
         self.mirror.lacks(self.bodies)
     }
 

@@ -11,7 +11,17 @@ use pfront_core::bvtt::TrianglePair;
 use std::collections::{HashMap, HashSet};
 
 #[derive(Debug, Default)]
-pub(super) struct Mirror(Option<Scene>);
+pub(super) struct Mirror {
+    scene: Option<Scene>,
+    lack: Lack,
+}
+
+/// Triangles that were found to lack, by the times when bodies were last added or removed, and when they were there.
+#[derive(Debug, Default)]
+struct Lack {
+    times: Option<[u64; 2]>,
+    triangles: usize,
+}
 
 /// A clone has to bring its bodies there by itself.
 impl Clone for Mirror {
@@ -36,15 +46,23 @@ struct Scene {
 
 impl Mirror {
     /// Triangles to upload: those of meshes that no body there has.
-    pub(super) fn lacks(&self, bodies: &Bodies) -> usize {
-        let scene = self.0.as_ref().filter(|scene| scene.at > 0);
-        if scene.is_some_and(|scene| bodies.gathered() <= scene.at) {
+    ///
+    /// # Complexity
+    /// O(bodies) where bodies have been added or removed, else O(1).
+    pub(super) fn lacks(&mut self, bodies: &Bodies) -> usize {
+        let Self { scene, lack } = self;
+        let at = scene.as_ref().map_or(0, |scene| scene.at);
+        let times = [bodies.gathered(), at];
+        if at > 0 && bodies.gathered() <= at {
             return 0;
         }
-        let mut known: HashSet<Stamp> =
-            scene.iter().flat_map(|scene| scene.meshes.keys().copied()).collect();
-        let new = bodies.iter().filter(|body| known.insert(body.model().stamp()));
-        new.map(|body| triangles(body.model())).sum()
+        if lack.times.replace(times) != Some(times) {
+            let mut known: HashSet<Stamp> =
+                scene.iter().flat_map(|scene| scene.meshes.keys().copied()).collect();
+            let new = bodies.iter().filter(|body| known.insert(body.model().stamp()));
+            lack.triangles = new.map(|body| triangles(body.model())).sum();
+        }
+        lack.triangles
     }
 
     /// Asks about the pairs of bodies of a frame.
@@ -55,7 +73,7 @@ impl Mirror {
         verb: Verb,
         hits: &mut Vec<SceneHit>,
     ) -> Result<Answer, GpuError> {
-        let scene = match &mut self.0 {
+        let scene = match &mut self.scene {
             Some(scene) => scene,
             none => none.insert(Scene {
                 world: World::new(&device.gpu, device.settings)?,
