@@ -1,10 +1,13 @@
 //! What can be typed.
 
+use anyhow::{Result, ensure};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use pfront::Pose;
 use pfront::core::bvh::MAX_LEAF_SIZE;
 use pfront_cli::executor::{Backend, ExecutorArgs, parse_threads};
+use pfront_cli::mesh::ReadOptions;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
@@ -14,14 +17,17 @@ Examples:
   pfront pairs a.obj b.stl --translate 0.1,0,0    every intersecting triangle pair
   pfront pairs a.obj b.stl --out hits.ply         the same, to look at
   pfront any a.obj b.stl && echo they touch
-  pfront self cloth.ply --format csv > folds.csv
+  pfront self cloth.ply --csv > folds.csv
+  pfront scene room.glb --ignore Lid Box          the bodies of a scene that meet, by name
   pfront bake gear.obj && pfront self gear.pfb    with the BVH that was built once
+  pfront pairs a.obj b.obj --out curve.obj        the curves in which they intersect
   pfront bench a.obj b.stl                        how fast this machine is
 
 Exit codes:
   0  done; for any: something meets
   1  for any: nothing meets
-  2  the command line or a file was refused; standard error says why";
+  2  the command line or a file was refused; standard error says why
+  130  interrupted";
 
 /// Finds every pair of intersecting triangles between two meshes, or within one, exactly
 #[derive(Debug, Parser)]
@@ -48,10 +54,18 @@ pub(crate) enum Command {
         meshes: TwoMeshes,
         #[command(flatten)]
         executor: ExecutorArgs,
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
     },
     /// List the self-intersections of a mesh
     #[command(name = "self")]
     SelfCollision(SelfCollision),
+    /// List all intersecting triangle pairs of different bodies
+    ///
+    /// Bodies are the nodes of glTF files that have triangles, and any other file as a whole. All are where their
+    /// files have them.
+    Scene(Scene),
     /// Write a mesh with its BVH as one blob, for programs and firmware to borrow
     ///
     /// Wherever a mesh is read, a baked one is too. Prints the bytes of each section.
@@ -67,11 +81,18 @@ pub(crate) enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Print what completes this command's words in a shell
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct TwoMeshes {
-    /// The first mesh: obj, ply, stl, off, gltf, glb, or pfb from bake
+    #[command(flatten)]
+    pub(crate) reading: ReadOptions,
+    /// The first mesh: obj, ply, stl, off, gltf, glb, or pfb from bake; - is standard input
     pub(crate) a: PathBuf,
     /// The second mesh
     pub(crate) b: PathBuf,
@@ -139,6 +160,24 @@ pub(crate) struct SelfCollision {
     #[arg(long)]
     pub(crate) skip_neighbours: bool,
     #[command(flatten)]
+    pub(crate) reading: ReadOptions,
+    #[command(flatten)]
+    pub(crate) listing: Listing,
+    #[command(flatten)]
+    pub(crate) executor: ExecutorArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Scene {
+    /// The meshes
+    #[arg(required = true)]
+    pub(crate) meshes: Vec<PathBuf>,
+    /// Leave out hits of two bodies; may be given again
+    #[arg(long, num_args = 2, value_names = ["BODY", "BODY"])]
+    pub(crate) ignore: Vec<String>,
+    #[command(flatten)]
+    pub(crate) reading: ReadOptions,
+    #[command(flatten)]
     pub(crate) listing: Listing,
     #[command(flatten)]
     pub(crate) executor: ExecutorArgs,
@@ -146,49 +185,77 @@ pub(crate) struct SelfCollision {
 
 #[derive(Debug, Args)]
 pub(crate) struct Listing {
-    /// How to print [default: by the extension of --out, else a table]
-    #[arg(long, value_enum)]
-    format: Option<Format>,
+    /// Print one JSON object
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// Print comma-separated values, with a line of names
+    #[arg(long)]
+    csv: bool,
     /// Also where they meet: a segment and the normals of both triangles, in the frame of A
     #[arg(long)]
     pub(crate) contacts: bool,
-    /// Print into a file; one that ends in .ply gets the meshes, with the triangles that meet in red
+    /// Also the faces of the files, from 0, and the glTF nodes that the triangles come from
+    #[arg(long)]
+    pub(crate) source: bool,
+    /// Write into a file: .json and .csv as by these options, .ply the meshes with the triangles that meet in red,
+    /// .obj the curves in which they intersect
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
 }
 
-impl Listing {
-    /// Where a picture is asked for.
-    pub(crate) fn picture(&self) -> Option<&Path> {
-        self.out.as_deref().filter(|_| self.has_extension("ply"))
-    }
-
-    pub(crate) fn format(&self) -> Format {
-        self.format.unwrap_or(match () {
-            () if self.has_extension("json") => Format::Json,
-            () if self.has_extension("csv") => Format::Csv,
-            () => Format::Table,
-        })
-    }
-
-    fn has_extension(&self, wanted: &str) -> bool {
-        let extension = self.out.as_deref().and_then(Path::extension);
-        extension.is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
-    }
+/// The form in which hits are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Format {
+    /// Aligned columns, then the number of pairs.
+    Table,
+    /// One object: pairs, or contacts.
+    Json,
+    /// Comma-separated, with a line of names.
+    Csv,
+    /// A picture: meshes with marked triangles.
+    Picture,
+    /// Polylines.
+    Curves,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Format {
-    /// Aligned columns, then the number of pairs
-    Table,
-    /// One object: pairs, or contacts
-    Json,
-    /// Comma-separated, with a line of names
-    Csv,
+impl Listing {
+    /// Whether contacts are asked for, or what is made of them.
+    pub(crate) fn needs_contacts(&self) -> Result<bool> {
+        Ok(self.contacts || self.format()? == Format::Curves)
+    }
+
+    /// The format that is asked for.
+    ///
+    /// # Errors
+    /// If options ask for more than a picture or curves can show.
+    pub(crate) fn format(&self) -> Result<Format> {
+        let extension = self.out.as_deref().and_then(Path::extension).unwrap_or_default();
+        let drawn = match extension.to_ascii_lowercase().to_str() {
+            Some("ply") => Format::Picture,
+            Some("obj") => Format::Curves,
+            _ if self.json => return Ok(Format::Json),
+            _ if self.csv => return Ok(Format::Csv),
+            Some("json") => return Ok(Format::Json),
+            Some("csv") => return Ok(Format::Csv),
+            _ => return Ok(Format::Table),
+        };
+        let text = self.json || self.csv || self.contacts || self.source;
+        ensure!(
+            !text,
+            "--out {} is drawn: leave out --json, --csv, --contacts and --source",
+            self.out.as_deref().unwrap_or(Path::new("")).display()
+        );
+        Ok(drawn)
+    }
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Bake {
+    #[command(flatten)]
+    pub(crate) reading: ReadOptions,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
     /// The mesh
     pub(crate) mesh: PathBuf,
     /// Where to [default: the current folder, under the name of the mesh, as .pfb]
@@ -219,6 +286,8 @@ pub(crate) struct Bench {
     /// Two meshes [default: a worm drive]
     #[arg(num_args = 2, value_names = ["A", "B"])]
     pub(crate) meshes: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reading: ReadOptions,
     /// How many frames
     #[arg(long, value_name = "N", default_value = "120")]
     pub(crate) frames: NonZero<u32>,

@@ -1,4 +1,4 @@
-//! The memory that the process has had.
+//! The memory that the process has had, and what it may have.
 
 use memory_stats::memory_stats;
 
@@ -8,8 +8,18 @@ pub fn peak() -> usize {
     high_water_mark().or_else(|| Some(memory_stats()?.physical_mem)).unwrap_or(0)
 }
 
+/// The bytes that are free, where the system tells (Linux).
+#[must_use]
+pub fn available() -> Option<usize> {
+    kilobytes("/proc/meminfo", "MemAvailable:")
+}
+
 fn high_water_mark() -> Option<usize> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    kilobytes("/proc/self/status", "VmHWM:")
+}
+
+fn kilobytes(file: &str, row: &str) -> Option<usize> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(row))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<usize>().ok()? * 1024)
 }

@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, StdoutLock, Write, stdout};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile};
 
 /// Standard output; when its reader has read enough, the rest is dropped and the command still ends as it should.
@@ -22,7 +23,10 @@ impl Out {
         dropped: T,
     ) -> io::Result<T> {
         match self.to.as_mut().map(on) {
-            Some(Err(error)) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+            Some(Err(error)) if error.kind() != ErrorKind::BrokenPipe => {
+                let told = format!("cannot write standard output: {error}");
+                Err(io::Error::new(error.kind(), told))
+            }
             Some(Ok(done)) => Ok(done),
             _ => {
                 self.to = None;
@@ -40,6 +44,28 @@ impl Write for Out {
     fn flush(&mut self) -> io::Result<()> {
         self.attempt(Write::flush, ())
     }
+}
+
+/// Files that are being written, or were.
+static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// The exit code of a command that was interrupted, as shells have it.
+const INTERRUPTED: i32 = 130;
+
+/// Has an interrupt, as by Ctrl-C, remove what is half written before it ends the process.
+///
+/// # Errors
+/// If the system takes no handler.
+pub fn remove_half_written_on_interrupt() -> Result<()> {
+    ctrlc::set_handler(|| {
+        let files = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+        for file in files.iter() {
+            // One that is complete has another name by now.
+            let _ = std::fs::remove_file(file);
+        }
+        std::process::exit(INTERRUPTED);
+    })?;
+    Ok(())
 }
 
 /// A file being written. Until [`Draft::finish`] it has another name, so that whatever goes wrong, no half
@@ -63,6 +89,8 @@ impl Draft {
     /// # Errors
     /// If nothing can be written there; so for [`Draft::finish`].
     pub fn new(path: &Path) -> Result<Self> {
+        // A link stays one.
+        let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let special = path.metadata().is_ok_and(|found| !found.is_file());
         let target = if special {
             File::options().write(true).open(path).map(Target::Special)
@@ -71,7 +99,7 @@ impl Draft {
             let mut builder = Builder::new();
             #[cfg(unix)]
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-            builder.tempfile_in(folder.unwrap_or(Path::new("."))).map(Target::Temporary)
+            temporary(&builder, folder.unwrap_or(Path::new(".")))
         };
         let target = target.with_context(|| format!("cannot write {}", path.display()))?;
         Ok(Self { path: path.to_owned(), to: BufWriter::new(target) })
@@ -92,6 +120,15 @@ impl Draft {
     }
 }
 
+/// The lock is held until the name is known, so that no interrupt comes between.
+fn temporary(builder: &Builder<'_, '_>, folder: &Path) -> io::Result<Target> {
+    let mut files = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+    // The error of the file system, without the name that nobody asked for.
+    let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
+    files.push(file.path().to_owned());
+    Ok(Target::Temporary(file))
+}
+
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.to.write(bytes)
@@ -105,14 +142,14 @@ impl Write for Draft {
 impl Write for Target {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Self::Temporary(file) => file.write(bytes),
+            Self::Temporary(file) => file.as_file_mut().write(bytes),
             Self::Special(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Self::Temporary(file) => file.flush(),
+            Self::Temporary(file) => file.as_file_mut().flush(),
             Self::Special(file) => file.flush(),
         }
     }

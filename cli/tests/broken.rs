@@ -141,12 +141,22 @@ fn extremes_are_answered() {
         ("self point.obj --skip-neighbours", "a,b\n"),
         ("pairs tiny.obj tiny.obj --translate 0,0,1", "a,b\n"),
     ] {
-        assert_eq!(
-            run(at, &format!("{arguments} --format csv {FEW}")).unwrap(),
-            pairs,
-            "{arguments}"
-        );
+        assert_eq!(run(at, &format!("{arguments} --csv {FEW}")).unwrap(), pairs, "{arguments}");
     }
     let error = run(at, &format!("any good.obj huge.obj --translate 0,1,0 {FEW}")).unwrap_err();
     assert!(error.contains("row 0 of the pose"), "{error}");
+}
+
+/// A buffer that a glTF names two thousand times, which would be 8 GB.
+#[test]
+fn a_file_that_is_named_often_is_read_once() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("data.bin"), vec![0; 4_000_000]).unwrap();
+    let buffers = vec![r#"{"byteLength":4000000,"uri":"data.bin"}"#; 2000].join(",");
+    let gltf = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,
+        "count":3,"type":"VEC3","min":[0,0,0],"max":[0,0,0]}],"bufferViews":[{"buffer":1999,"byteLength":36}],"buffers":["#;
+    fs::write(at.join("often.gltf"), format!("{gltf}{buffers}]}}")).unwrap();
+    assert_eq!(run(at, &format!("self often.gltf --csv {FEW}")).unwrap(), "a,b\n");
 }

@@ -6,6 +6,12 @@
 mod bake;
 #[path = "command/gpu.rs"]
 mod gpu;
+#[path = "command/input.rs"]
+mod input;
+#[path = "command/output.rs"]
+mod output;
+#[path = "command/scene.rs"]
+mod scene;
 
 use pfront_cli::mesh;
 use std::fs;
@@ -70,12 +76,12 @@ fn pairs_in_every_format() {
         out(at, "pairs a.obj b.obj"),
         "         a          b\n         0          0\n         3          0\n2 pairs\n"
     );
-    assert_eq!(out(at, "pairs a.obj b.obj --format csv"), "a,b\n0,0\n3,0\n");
-    assert_eq!(out(at, "pairs a.obj b.obj --format json"), "{\"pairs\":[[0,0],[3,0]]}\n");
-    let csv = out(at, "pairs a.obj b.obj --format csv --contacts");
+    assert_eq!(out(at, "pairs a.obj b.obj --csv"), "a,b\n0,0\n3,0\n");
+    assert_eq!(out(at, "pairs a.obj b.obj --json"), "{\"pairs\":[[0,0],[3,0]]}\n");
+    let csv = out(at, "pairs a.obj b.obj --csv --contacts");
     assert!(csv.starts_with("a,b,kind,x0,y0,z0,x1"), "{csv}");
     assert!(csv.lines().nth(1).unwrap().starts_with("0,0,crossing,0.2,"), "{csv}");
-    let json = out(at, "pairs a.obj b.obj --format json --contacts");
+    let json = out(at, "pairs a.obj b.obj --json --contacts");
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["contacts"][1]["a"], 3);
     assert_eq!(json["contacts"][0]["normals"][0], serde_json::json!([0.0, 0.0, -1.0]));
@@ -83,17 +89,17 @@ fn pairs_in_every_format() {
     for (options, file, text) in [
         ("", "found.CSV", "a,b\n0,0\n3,0\n"),
         ("", "found.json", "{\"pairs\":[[0,0],[3,0]]}\n"),
-        ("--format csv", "found.txt", "a,b\n0,0\n3,0\n"),
+        ("--csv", "found.txt", "a,b\n0,0\n3,0\n"),
     ] {
         assert_eq!(out(at, &format!("pairs a.obj b.obj {options} --out {file}")), "");
         assert_eq!(fs::read_to_string(at.join(file)).unwrap(), text);
     }
     for threads in 1..4 {
-        let found = out(at, &format!("pairs a.obj b.obj --format csv --threads {threads}"));
+        let found = out(at, &format!("pairs a.obj b.obj --csv --threads {threads}"));
         assert_eq!(found, "a,b\n0,0\n3,0\n");
     }
     for accuracy in ["exact", "conservative", "fast"] {
-        let found = out(at, &format!("pairs a.obj b.obj --format csv --accuracy {accuracy}"));
+        let found = out(at, &format!("pairs a.obj b.obj --csv --accuracy {accuracy}"));
         assert_eq!(found, "a,b\n0,0\n3,0\n");
     }
 }
@@ -110,10 +116,10 @@ fn poses() {
         "--rotate 0,0,1,180",
         "--rotate 0,0,1,360 --translate 5,0,0",
     ] {
-        assert_eq!(out(at, &format!("pairs a.obj b.obj --format csv {moved}")), none, "{moved}");
+        assert_eq!(out(at, &format!("pairs a.obj b.obj --csv {moved}")), none, "{moved}");
     }
     // A quarter turn about z takes (0.2, 0.2) to (-0.2, 0.2); the move takes it back.
-    let back = "pairs a.obj b.obj --format csv --rotate 0,0,2,90 --translate 0.5,0,0";
+    let back = "pairs a.obj b.obj --csv --rotate 0,0,2,90 --translate 0.5,0,0";
     assert_eq!(out(at, back), "a,b\n0,0\n3,0\n");
     for bad in [
         "--translate 1,2",
@@ -158,7 +164,7 @@ fn within_one_mesh() {
     let at = folder.path();
     fs::write(at.join("both.obj"), TETRAHEDRON.to_owned() + &BLADE.replace("f 1 2 3", "f 5 6 7"))
         .unwrap();
-    assert_eq!(out(at, "self both.obj --format csv"), "a,b\n0,4\n3,4\n");
+    assert_eq!(out(at, "self both.obj --csv"), "a,b\n0,4\n3,4\n");
     // As a soup, neighbours touch; welded, they are neighbours again.
     let soup = "solid s\n".to_owned()
         + &[[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0], [0, 1, 0]]]
@@ -172,8 +178,11 @@ fn within_one_mesh() {
             .concat()
         + "endsolid s\n";
     fs::write(at.join("soup.stl"), soup).unwrap();
-    assert_eq!(out(at, "self soup.stl --format csv"), "a,b\n0,1\n");
-    assert_eq!(out(at, "self soup.stl --format csv --weld"), "a,b\n");
+    let run = pfront(at, "self soup.stl --csv");
+    assert_eq!(run.stdout, b"a,b\n0,1\n");
+    let hint = String::from_utf8(run.stderr).unwrap();
+    assert!(hint.contains("2 of 6 vertices") && hint.contains("--weld"), "{hint}");
+    assert_eq!(out(at, "self soup.stl --csv --weld"), "a,b\n");
 }
 
 #[test]
@@ -185,7 +194,7 @@ fn refusals_say_what_and_where() {
     fs::write(at.join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
     for (arguments, parts) in [
         ("pairs a.obj missing.obj", vec!["missing.obj"]),
-        ("pairs a.obj nan.obj", vec!["nan.obj", "vertex 2"]),
+        ("pairs a.obj nan.obj", vec!["nan.obj, line 3", "vertex 2"]),
         ("pairs a.obj bad.obj", vec!["bad.obj", "line 4"]),
         ("pairs a.obj short.tcw", vec!["short.tcw", "obj"]),
         ("pairs a.obj b.obj --backend gpu --accuracy fast", vec!["exact", "--backend"]),

@@ -7,7 +7,7 @@ mod files;
 
 use files::*;
 use pfront::Model;
-use pfront_cli::mesh::{Loaded, MeshData, PaintedMesh, load, read, write_painted};
+use pfront_cli::mesh::{Loaded, MeshData, PaintedMesh, ReadOptions, load, read, write_painted};
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use std::fs;
 use std::io::{Seek, Write};
@@ -293,7 +293,9 @@ fn baked_meshes_come_back_with_their_bvh() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("square.pfb");
     fs::write(&path, &bytes).unwrap();
-    let Loaded::Baked(loaded) = load(&path).unwrap() else { panic!("a mesh without its BVH") };
+    let Loaded::Baked(loaded) = load(&path, &ReadOptions::default()).unwrap() else {
+        panic!("a mesh without its BVH")
+    };
     assert_eq!(loaded.bvh().nodes(), model.bvh().nodes());
     assert_eq!(loaded.bvh().order(), model.bvh().order());
 }

@@ -1,20 +1,24 @@
 //! `pfront any A B`
 
-use super::{explain, model};
+use super::{explain, two};
 use crate::args::TwoMeshes;
 use anyhow::Result;
 use pfront::PairQuery;
 use pfront_cli::executor::ExecutorArgs;
 use pfront_cli::output::out;
+use serde_json::json;
 use std::io::Write;
 
-pub(crate) fn run(meshes: &TwoMeshes, executor: &ExecutorArgs) -> Result<bool> {
+pub(crate) fn run(meshes: &TwoMeshes, executor: &ExecutorArgs, as_json: bool) -> Result<bool> {
     let mut query = PairQuery::new().with_accuracy(executor.accuracy()).on(&executor.open()?);
-    let (a, b) = (model(&meshes.a, false)?, model(&meshes.b, false)?);
+    let [(a, _), (b, _)] = two(meshes)?;
     let found = query.any(&a, &b, &meshes.a_from_b())?;
-    match found {
-        Some(pair) => writeln!(out(), "triangles {} and {} meet", pair.a, pair.b)?,
-        None => writeln!(out(), "nothing meets")?,
+    if as_json {
+        writeln!(out(), "{}", json!({ "pair": found.map(|p| [p.a, p.b]) }))?;
+    } else if let Some(pair) = found {
+        writeln!(out(), "triangles {} and {} meet", pair.a, pair.b)?;
+    } else {
+        writeln!(out(), "nothing meets")?;
     }
     explain(executor, query.plan());
     Ok(found.is_some())

@@ -1,21 +1,25 @@
 //! `pfront bake MESH`
 
+use super::in_file;
 use crate::args::{Bake, Build};
 use anyhow::{Context, Result};
 use pfront::core::blob::{self, Counts};
 use pfront::core::bvh::node_bound;
 use pfront::core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
-use pfront_cli::mesh::{self, MeshData};
+use pfront_cli::mesh::MeshData;
 use pfront_cli::output::{Draft, out};
+use serde_json::json;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
 pub(crate) fn run(bake: &Bake) -> Result<bool> {
-    let named = || bake.mesh.display().to_string();
-    let mesh = mesh::read(&bake.mesh)?;
+    let mesh = super::read(&bake.mesh, &bake.reading)?;
+    let (mesh, source) = mesh.into_mesh();
     let mesh = if bake.weld { mesh.welded() } else { mesh };
-    let (bytes, counts) = baked(&mesh, bake).with_context(named)?;
+    let (bytes, counts) =
+        baked(&mesh, bake).map_err(|error| in_file(error, &bake.mesh, &source))?;
     let here = || Path::new(bake.mesh.file_name().unwrap_or_default()).with_extension("pfb");
     let path = bake.out.clone().unwrap_or_else(here);
     let mut to = Draft::new(&path)?;
@@ -23,22 +27,29 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     to.finish()?;
 
     let Counts { nodes, vertices, triangles } = counts;
-    let mut out = out();
-    writeln!(
-        out,
-        "{}: {triangles} triangles, {vertices} vertices, {nodes} nodes; see {}",
-        bake.mesh.display(),
-        path.display()
-    )?;
     let header = Counts { nodes: 0, vertices: 0, triangles: 0 }.bytes();
-    for (section, bytes) in [
+    let sections = [
         ("header", header),
         ("nodes", nodes * size_of::<Node>()),
         ("positions", vertices * size_of::<[f32; 3]>()),
         ("triangles", triangles * size_of::<[u32; 3]>()),
         ("order", triangles * size_of::<u32>()),
         ("all", bytes.len()),
-    ] {
+    ];
+    let mut out = out();
+    if bake.json {
+        let bytes: BTreeMap<_, _> = sections.into();
+        let counts = json!({ "triangles": triangles, "vertices": vertices, "nodes": nodes });
+        writeln!(out, "{}", json!({ "file": path, "counts": counts, "bytes": bytes }))?;
+        return Ok(true);
+    }
+    writeln!(
+        out,
+        "{}: {triangles} triangles, {vertices} vertices, {nodes} nodes; see {}",
+        bake.mesh.display(),
+        path.display()
+    )?;
+    for (section, bytes) in sections {
         let each = bytes as f64 / triangles as f64;
         writeln!(out, "  {section:<9} {bytes:>11} bytes {each:>7.1} per triangle")?;
     }

@@ -7,12 +7,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 use pfront::{Executor, Model, PairQuery, Pose, TrianglePair};
 use pfront_cli::executor::{Backend, adapter_name, number, threads};
 use pfront_cli::memory;
+use pfront_cli::mesh::ReadOptions;
 use pfront_cli::output::out;
 use pfront_testkit::scenes::Scene;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::io::Write;
 use std::num::NonZero;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// What was measured.
@@ -47,7 +49,15 @@ struct Course {
 
 pub(crate) fn demo() -> Result<bool> {
     let frames = NonZero::<u32>::MIN.saturating_add(119);
-    run(&Bench { meshes: Vec::new(), frames, threads: None, backend: Backend::Cpu, json: false })?;
+    let reading = ReadOptions::default();
+    run(&Bench {
+        reading,
+        meshes: Vec::new(),
+        frames,
+        threads: None,
+        backend: Backend::Cpu,
+        json: false,
+    })?;
     writeln!(out(), "Your own meshes: pfront pairs A.obj B.stl --out hits.ply; more with --help")?;
     Ok(true)
 }
@@ -55,8 +65,9 @@ pub(crate) fn demo() -> Result<bool> {
 pub(crate) fn run(bench: &Bench) -> Result<bool> {
     let frames = bench.frames.get() as usize;
     let clock = Instant::now();
+    let read = |path: &PathBuf| anyhow::Ok(model(path, false, &bench.reading, |_| ())?.0);
     let course = match &bench.meshes[..] {
-        [a, b] => Course::turning(a.display(), [model(a, false)?, model(b, false)?], frames),
+        [a, b] => Course::turning(a.display(), [read(a)?, read(b)?], frames),
         _ => Course::worm_drive(frames)?,
     };
     let build = clock.elapsed();

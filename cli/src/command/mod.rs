@@ -5,29 +5,100 @@ pub(crate) mod bake;
 pub(crate) mod bench;
 pub(crate) mod devices;
 pub(crate) mod pairs;
+pub(crate) mod scene;
 pub(crate) mod self_collision;
 
-use anyhow::{Context, Result};
+use crate::args::TwoMeshes;
+use crate::listing::Hit;
+use crate::progress::shown;
+use anyhow::{Error, Result, ensure};
 use pfront::core::bvtt::Query;
 use pfront::executor::Plan;
-use pfront::{Contact, Model, TrianglePair};
+use pfront::{Model, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
-use pfront_cli::mesh::{self, Loaded, MeshData};
+use pfront_cli::memory;
+use pfront_cli::mesh::{self, Loaded, MeshData, ReadOptions, Source};
 use std::path::Path;
 
-/// Reads a mesh, welds it if asked to, and builds its BVH, unless it was baked with one.
-fn model(path: &Path, weld: bool) -> Result<Model> {
-    let mesh = match mesh::load(path)? {
-        Loaded::Baked(model) if !weld => return Ok(*model),
-        loaded => MeshData::from(loaded),
-    };
-    let MeshData { positions, triangles } = if weld { mesh.welded() } else { mesh };
-    Model::new(positions, triangles).with_context(|| path.display().to_string())
+/// Reads a mesh, welds it if asked to, and builds its BVH, unless it was baked with one. `inspect` sees the mesh as it
+/// was read.
+fn model(
+    path: &Path,
+    weld: bool,
+    options: &ReadOptions,
+    inspect: impl FnOnce(&MeshData),
+) -> Result<(Model, Source)> {
+    shown(format!("reading {}", path.display()), || match read(path, options)? {
+        Loaded::Baked(model) if !weld => Ok((*model, Source::default())),
+        loaded => {
+            let (mesh, source) = loaded.into_mesh();
+            inspect(&mesh);
+            let mesh = if weld { mesh.welded() } else { mesh };
+            Ok((built(mesh, path, &source)?, source))
+        }
+    })
 }
 
-/// The contacts of pairs that meet. One that is only near, as other accuracies than exact report, has none.
-fn contacts(query: &impl Query, pairs: &[TrianglePair]) -> Vec<(TrianglePair, Contact)> {
-    pairs.iter().filter_map(|&pair| Some((pair, query.contact(pair)?))).collect()
+/// Reads the two meshes of a question.
+fn two(meshes: &TwoMeshes) -> Result<[(Model, Source); 2]> {
+    let read = |path: &Path| model(path, false, &meshes.reading, |_| ());
+    Ok([read(&meshes.a)?, read(&meshes.b)?])
+}
+
+/// Reads a mesh. Standard error tells how many coordinates it loses digits of.
+fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
+    let loaded = mesh::load(path, options)?;
+    if let Loaded::Mesh(mesh, Source { rounded: rounded @ 1.., .. }) = &loaded {
+        let (path, all) = (path.display(), 3 * mesh.positions.len());
+        eprintln!(
+            "{path}: {rounded} of {all} coordinates were rounded to f32; the answer is exact for what they became"
+        );
+    }
+    Ok(loaded)
+}
+
+/// Builds a model. The error names the file, and the line of a coordinate that is not finite.
+fn built(mesh: MeshData, path: &Path, source: &Source) -> Result<Model> {
+    Model::new(mesh.positions, mesh.triangles).map_err(|error| in_file(error.into(), path, source))
+}
+
+fn in_file(error: Error, path: &Path, source: &Source) -> Error {
+    let path = path.display();
+    match source.not_finite {
+        Some(line) => error.context(format!("{path}, line {line} (vertices count from 0)")),
+        None => error.context(path.to_string()),
+    }
+}
+
+/// Checks that a list of so many hits fits into memory, before it is asked for.
+fn fits(hits: u64, bytes: usize, options: &ReadOptions) -> Result<()> {
+    // A list grows to twice its length, while the old half is still there.
+    let demand = usize::try_from(hits).unwrap_or(usize::MAX).saturating_mul(3 * bytes);
+    let most = options.memory.or_else(memory::available).unwrap_or(usize::MAX);
+    let megabytes = |bytes: usize| bytes.div_ceil(1_000_000);
+    let has_room = || Vec::<u8>::new().try_reserve_exact(demand).is_ok();
+    ensure!(
+        demand <= most && has_room(),
+        "{hits} pairs meet, whose list takes {} MB, and {} are allowed: see --memory",
+        megabytes(demand),
+        megabytes(most)
+    );
+    Ok(())
+}
+
+/// The triangles of a pair as a hit, with their contact if the listing needs it. A pair that is only near, as other
+/// accuracies than exact report, has no contact, and is then none to list.
+fn hits<'f>(
+    pairs: &'f [TrianglePair],
+    origins: [usize; 2],
+    contacts: bool,
+    query: &'f impl Query,
+) -> Box<dyn Iterator<Item = Hit> + 'f> {
+    let hit = move |&pair| {
+        let contact = if contacts { Some(query.contact(pair)?) } else { None };
+        Some(Hit { origins, pair, contact })
+    };
+    Box::new(pairs.iter().filter_map(hit))
 }
 
 /// Says on standard error who has answered, and why, if there was a choice.

@@ -1,32 +1,29 @@
 //! `pfront pairs A B`
 
-use super::{contacts, explain, model};
+use super::{explain, fits, hits, two};
 use crate::args::{Listing, TwoMeshes};
-use crate::listing::Found;
+use crate::listing::{Found, Origin};
+use crate::progress::shown;
 use anyhow::Result;
-use pfront::PairQuery;
 use pfront::core::bvtt::PairBvtt;
+use pfront::{PairQuery, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs) -> Result<bool> {
+    let contacts = listing.needs_contacts()?;
     let mut query = PairQuery::new().with_accuracy(executor.accuracy()).on(&executor.open()?);
-    let (a, b) = (model(&meshes.a, false)?, model(&meshes.b, false)?);
+    let [(a, source_a), (b, source_b)] = two(meshes)?;
     let a_from_b = meshes.a_from_b();
-    let pairs = query.all(&a, &b, &a_from_b)?;
-    let with_contacts;
-    let found = if listing.contacts {
-        with_contacts = contacts(&PairBvtt::new(a.bvh(), b.bvh(), a_from_b)?, pairs);
-        Found::Contacts(&with_contacts)
-    } else {
-        Found::Pairs(pairs)
-    };
-    match listing.picture() {
-        Some(path) => {
-            let posed: Vec<_> = b.mesh().positions().iter().map(|&p| a_from_b.apply(p)).collect();
-            found.paint(path, &[a.mesh(), b.mesh().with_positions(&posed)?])?;
-        }
-        None => found.print(listing)?,
-    }
+    let pairs = shown("asking which triangles meet".to_owned(), || {
+        fits(query.count(&a, &b, &a_from_b)?, size_of::<TrianglePair>(), &meshes.reading)?;
+        anyhow::Ok(query.all(&a, &b, &a_from_b)?)
+    })?;
+    let bvtt = PairBvtt::new(a.bvh(), b.bvh(), a_from_b)?;
+    let origins = [&source_a, &source_b].map(Origin::of_file);
+    let found =
+        Found { origins: &origins, is_scene: false, hits: hits(pairs, [0, 1], contacts, &bvtt) };
+    let posed: Vec<_> = b.mesh().positions().iter().map(|&p| a_from_b.apply(p)).collect();
+    found.write(listing, &[a.mesh(), b.mesh().with_positions(&posed)?])?;
     explain(executor, query.plan());
     Ok(true)
 }

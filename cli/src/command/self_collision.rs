@@ -1,33 +1,44 @@
 //! `pfront self MESH`
 
-use super::{contacts, explain, model};
+use super::{explain, fits, hits, model};
 use crate::args::SelfCollision;
-use crate::listing::Found;
+use crate::listing::{Found, Origin};
+use crate::progress::shown;
 use anyhow::Result;
 use pfront::core::bvtt::SelfBvtt;
-use pfront::{Adjacency, SelfQuery};
+use pfront::{Adjacency, SelfQuery, TrianglePair};
 
 pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
-    let SelfCollision { mesh, weld, skip_neighbours, listing, executor } = asked;
+    let SelfCollision { mesh: path, weld, skip_neighbours, reading, listing, executor } = asked;
+    let contacts = listing.needs_contacts()?;
     let adjacency = match skip_neighbours {
         true => Adjacency::SkipNeighbours,
         false => Adjacency::SharedIndexRule,
     };
     let query = SelfQuery::new().with_accuracy(executor.accuracy()).with_adjacency(adjacency);
     let mut query = query.on(&executor.open()?);
-    let model = model(mesh, *weld)?;
-    let pairs = query.all(&model)?;
-    let with_contacts;
-    let found = if listing.contacts {
-        with_contacts = contacts(&SelfBvtt::new(model.bvh()), pairs);
-        Found::Contacts(&with_contacts)
-    } else {
-        Found::Pairs(pairs)
-    };
-    match listing.picture() {
-        Some(path) => found.paint(path, &[model.mesh()])?,
-        None => found.print(listing)?,
+    let (mut joined, mut vertices) = (0, 0);
+    let (model, source) = model(path, *weld, reading, |mesh| {
+        (joined, vertices) = (mesh.unwelded(), mesh.positions.len());
+    })?;
+    if joined > 0 && !weld {
+        let path = path.display();
+        eprintln!(
+            "{path}: no two triangles share a vertex, but {joined} of {vertices} vertices lie where another does, so \
+             that neighbours meet: did you mean --weld?"
+        );
     }
+    let pairs = shown("asking which triangles meet".to_owned(), || {
+        fits(query.count(&model)?, size_of::<TrianglePair>(), reading)?;
+        anyhow::Ok(query.all(&model)?)
+    })?;
+    let bvtt = SelfBvtt::new(model.bvh());
+    let found = Found {
+        origins: &[Origin::of_file(&source)],
+        is_scene: false,
+        hits: hits(pairs, [0, 0], contacts, &bvtt),
+    };
+    found.write(listing, &[model.mesh()])?;
     explain(executor, query.plan());
     Ok(true)
 }

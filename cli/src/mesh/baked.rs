@@ -10,10 +10,6 @@ pub(super) fn model(bytes: &[u8]) -> Result<Model, Fault> {
     if model.mesh().triangles().is_empty() { Err(Fault::no_triangle()) } else { Ok(model) }
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
-    model(bytes).map(MeshData::from)
-}
-
 impl From<Model> for MeshData {
     fn from(model: Model) -> Self {
         let mesh = model.mesh();

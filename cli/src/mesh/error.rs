@@ -32,7 +32,15 @@ impl Fault {
     }
 
     pub(super) fn no_triangle() -> Self {
-        Self::broken("there is no triangle in it")
+        Self::broken("there is no triangle in it; see --input-format if its format is another")
+    }
+
+    /// More than so many bytes are needed.
+    pub(super) fn memory(most: usize) -> Self {
+        let most = most.div_ceil(1_000_000);
+        Self::broken(format!(
+            "needs more than {most} MB: it is far larger than its file; --memory lets it"
+        ))
     }
 
     pub(super) fn at(self, path: &Path) -> ReadError {
@@ -52,7 +60,11 @@ impl fmt::Display for ReadError {
         match &self.fault {
             Fault::Io(_) => write!(f, "cannot read {path}"),
             Fault::UnknownFormat => {
-                write!(f, "{path}: unknown format; known are {}", FORMATS.join(", "))
+                write!(
+                    f,
+                    "{path}: unknown format; known are {}: see --input-format",
+                    FORMATS.join(", ")
+                )
             }
             Fault::Line(line, what) => write!(f, "{path}, line {line}: {what}"),
             Fault::Byte(byte, what) => write!(f, "{path}, byte {byte}: {what}"),

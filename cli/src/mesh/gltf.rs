@@ -4,40 +4,78 @@
 
 mod checked;
 
-use super::MeshData;
+use super::Import;
 use super::error::Fault;
+use checked::Buffers;
 use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
-use gltf::buffer::Data;
 use gltf::mesh::{Mode, Semantic};
 use gltf::scene::Transform;
-use gltf::{Node, Primitive};
+use gltf::{Document, Node, Primitive, Scene};
 use std::path::Path;
 
-/// A small file may place a mesh any number of times.
-const MOST_VERTICES: usize = 1 << 26;
-
-pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<MeshData, Fault> {
-    let (document, mut blob) = checked::document(bytes)?;
-    let load = |buffer| checked::load(&buffer, folder, &mut blob);
-    let buffers = document.buffers().map(load).collect::<Result<Vec<_>, _>>()?;
+pub(super) fn parse(bytes: &[u8], folder: &Path, import: &mut Import) -> Result<(), Fault> {
+    let document = checked::document(bytes, import.memory)?;
+    let buffers = Buffers::load(&document, folder, import)?;
+    let document = &document.document;
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let scene = scene.ok_or_else(|| Fault::broken("there is no scene"))?;
 
-    let mut mesh = MeshData::default();
+    // A small file may place a mesh any number of times: what is asked for is counted before it is read.
+    let mut bytes = 0;
+    let most = import.memory;
+    walk(document, &scene, |node, _| {
+        for primitive in primitives(node) {
+            bytes = demand(&primitive).saturating_add(bytes);
+            if bytes > most {
+                return Err(Fault::memory(most));
+            }
+        }
+        Ok(())
+    })?;
+    walk(document, &scene, |node, world| {
+        let name = node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned);
+        import.source.begin_node(name, import.mesh.triangles.len());
+        primitives(node).try_for_each(|primitive| push(import, &primitive, &buffers, world))
+    })?;
+    import.source.end_nodes(import.mesh.triangles.len());
+    Ok(())
+}
+
+/// Calls `visit` for all nodes of a scene, children after their parent, with `world_from_node`.
+fn walk(
+    document: &Document,
+    scene: &Scene<'_>,
+    mut visit: impl FnMut(&Node<'_>, &DMat4) -> Result<(), Fault>,
+) -> Result<(), Fault> {
     let mut pending: Vec<_> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
     pending.reverse();
     let mut left = document.nodes().count();
     while let Some((node, above)) = pending.pop() {
         left = left.checked_sub(1).ok_or_else(|| Fault::broken("a node is below two others"))?;
         let world = above * transform(&node);
-        for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
-            push(&mut mesh, &primitive, &buffers, &world)?;
-        }
+        visit(&node, &world)?;
         let first = pending.len();
         pending.extend(node.children().map(|child| (child, world)));
         pending[first..].reverse();
     }
-    Ok(mesh)
+    Ok(())
+}
+
+/// The primitives of a node that have triangles.
+fn primitives<'n>(node: &Node<'n>) -> impl Iterator<Item = Primitive<'n>> + use<'n> {
+    let is_of_triangles = |primitive: &Primitive<'_>| {
+        matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+    };
+    node.mesh().into_iter().flat_map(|mesh| mesh.primitives()).filter(is_of_triangles)
+}
+
+/// The bytes that a primitive takes, where lists grow to twice what they hold and move meanwhile.
+fn demand(primitive: &Primitive<'_>) -> usize {
+    const GROWTH: usize = 3;
+    let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
+    let corners = primitive.indices().map_or(vertices, |indices| indices.count());
+    let triangles = if primitive.mode() == Mode::Triangles { corners / 3 } else { corners };
+    GROWTH.saturating_mul(12).saturating_mul(vertices.saturating_add(triangles))
 }
 
 fn transform(node: &Node<'_>) -> DMat4 {
@@ -52,26 +90,19 @@ fn transform(node: &Node<'_>) -> DMat4 {
 }
 
 fn push(
-    mesh: &mut MeshData,
+    import: &mut Import,
     primitive: &Primitive<'_>,
-    buffers: &[Data],
+    buffers: &Buffers,
     world: &DMat4,
 ) -> Result<(), Fault> {
-    let mode = primitive.mode();
-    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-        return Ok(());
-    }
+    let mesh = &mut import.mesh;
     if let Some(positions) = primitive.get(&Semantic::Positions) {
         checked::positions(&positions, buffers)?;
     }
     if let Some(indices) = primitive.indices() {
         checked::indices(&indices, buffers)?;
     }
-    let added = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
-    if mesh.positions.len() + added > MOST_VERTICES {
-        return Err(Fault::broken(format!("over {MOST_VERTICES} vertices, instances included")));
-    }
-    let reader = primitive.reader(|buffer| buffers.get(buffer.index()).map(|data| &data[..]));
+    let reader = primitive.reader(|buffer| buffers.get(buffer.index()));
     let first = mesh.positions.len() as u32;
     // What stays where it is stays so to the bit.
     let moves = *world != DMat4::IDENTITY;
@@ -90,7 +121,7 @@ fn push(
         let (stray, all) = (stray - first, end - first);
         return Err(Fault::broken(format!("there is no vertex {stray} among {all}")));
     }
-    match mode {
+    match primitive.mode() {
         Mode::TriangleFan => mesh.push_fan(&corners),
         // Every other triangle of a strip is turned round.
         Mode::TriangleStrip => mesh.triangles.extend(

@@ -13,16 +13,21 @@ mod obj;
 mod off;
 mod painted;
 mod ply;
+mod source;
 mod stl;
 mod text;
 
 pub use error::ReadError;
 pub use painted::{PaintedMesh, write_painted};
+pub use source::Source;
 
 use error::Fault;
 use pfront::Model;
 use pfront::core::blob::MAGIC;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::fs::File;
+use std::io::{Read, stdin};
+use std::ops::Range;
 use std::path::Path;
 
 /// The extensions that [`read`] knows.
@@ -71,6 +76,56 @@ impl MeshData {
         Self { triangles: triangles.collect(), positions }
     }
 
+    /// Some of the triangles, with the vertices from the first to the last that they use.
+    #[must_use]
+    pub fn part(&self, triangles: Range<usize>) -> Self {
+        let part = &self.triangles[triangles];
+        let used = || part.iter().flatten().copied();
+        let first = used().min().unwrap_or(0);
+        // An index out of range is for [`pfront::Model::new`] to name.
+        let end = used().max().map_or(0, |last| last as usize + 1).min(self.positions.len());
+        let positions = self.positions.get(first as usize..end).unwrap_or_default().to_vec();
+        Self { positions, triangles: part.iter().map(|t| t.map(|v| v - first)).collect() }
+    }
+
+    /// How many vertices lie exactly where another does, if no two triangles share a vertex: neighbours within such a
+    /// soup are not known to be neighbours.
+    #[must_use]
+    pub fn unwelded(&self) -> usize {
+        let mut used = vec![false; self.positions.len()];
+        let mut is_new =
+            |&v: &u32| used.get_mut(v as usize).is_some_and(|used| !std::mem::replace(used, true));
+        if self.triangles.len() < 2 || !self.triangles.iter().flatten().all(&mut is_new) {
+            return 0;
+        }
+        let places: HashSet<_> =
+            self.positions.iter().map(|p| p.map(|x| (x + 0.0).to_bits())).collect();
+        self.positions.len() - places.len()
+    }
+}
+
+/// A mesh that is being read.
+#[derive(Debug, Default)]
+struct Import {
+    mesh: MeshData,
+    source: Source,
+    /// Bytes that reading may take.
+    memory: usize,
+}
+
+impl Import {
+    /// Adds a face, as a fan.
+    fn push_face(&mut self, corners: &[u32]) {
+        self.source.faces.push(self.mesh.triangles.len() as u32);
+        self.mesh.push_fan(corners);
+    }
+
+    fn push_position(&mut self, position: [f32; 3]) {
+        self.mesh.positions.push(position);
+    }
+}
+
+impl MeshData {
     /// Adds a polygon as a fan.
     fn push_fan(&mut self, corners: &[u32]) {
         let [first, rest @ ..] = corners else { return };
@@ -78,25 +133,53 @@ impl MeshData {
     }
 }
 
+/// How meshes are read.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct ReadOptions {
+    /// Format of a mesh whose name does not tell, as that of standard input [default: by how it begins]
+    #[arg(long, value_name = "FORMAT", value_parser = FORMATS)]
+    pub input_format: Option<String>,
+    /// MB that reading a mesh may take, and an answer [default: 16 times the file and 64 MB; what is free]
+    #[arg(long, value_name = "MB", value_parser = megabytes)]
+    pub memory: Option<usize>,
+}
+
+fn megabytes(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok().and_then(|number| number.checked_mul(1_000_000));
+    number.ok_or_else(|| "not a number of MB".to_owned())
+}
+
+/// The most bytes of something that is not a regular file, unless more are asked for.
+const MOST_STREAMED: usize = 1 << 30;
+
 /// What was in a mesh file.
 #[derive(Debug)]
 pub enum Loaded {
-    /// A mesh, of which nothing is checked.
-    Mesh(MeshData),
+    /// A mesh, of which nothing is checked, and where it comes from.
+    Mesh(MeshData, Source),
     /// A baked mesh, with its BVH.
     Baked(Box<Model>),
 }
 
-impl From<Loaded> for MeshData {
-    fn from(loaded: Loaded) -> Self {
-        match loaded {
-            Loaded::Mesh(mesh) => mesh,
-            Loaded::Baked(model) => (*model).into(),
+impl Loaded {
+    /// The mesh, without its BVH, and where it comes from.
+    #[must_use]
+    pub fn into_mesh(self) -> (MeshData, Source) {
+        match self {
+            Self::Mesh(mesh, source) => (mesh, source),
+            Self::Baked(model) => ((*model).into(), Source::default()),
         }
     }
 }
 
-/// Reads a mesh; the extension tells the format, in whatever case. A baked one is known by how it begins.
+impl From<Loaded> for MeshData {
+    fn from(loaded: Loaded) -> Self {
+        loaded.into_mesh().0
+    }
+}
+
+/// Reads a mesh; the extension tells the format, in whatever case, or else how the file begins, as it always does a
+/// baked mesh. The path `-` is standard input.
 ///
 /// An STL file has three vertices of its own for each triangle, see [`MeshData::welded`]. Of glTF these
 /// are the triangles of all meshes of the default scene, placed by their nodes, in the order of the nodes,
@@ -107,44 +190,95 @@ impl From<Loaded> for MeshData {
 /// [`ReadError`] names the file, and the line or what else is wrong; a file without a triangle is taken for
 /// one that was not understood.
 pub fn read(path: &Path) -> Result<MeshData, ReadError> {
-    load(path).map(MeshData::from)
+    load(path, &ReadOptions::default()).map(MeshData::from)
 }
 
 /// [`read`] that keeps the BVH of a baked mesh.
 ///
 /// # Errors
 /// As [`read`].
-pub fn load(path: &Path) -> Result<Loaded, ReadError> {
-    let bytes = std::fs::read(path).map_err(|error| Fault::from(error).at(path))?;
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let named = FORMATS.into_iter().find(|&format| extension == format);
-    let format = if bytes.starts_with(&MAGIC) { Some(BAKED) } else { named };
-    let format = format.ok_or_else(|| Fault::UnknownFormat.at(path))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let loaded = match format {
-        BAKED => baked::model(&bytes).map(|model| Loaded::Baked(Box::new(model))),
-        _ => parse(format, &bytes, folder).map(Loaded::Mesh),
+pub fn load(path: &Path, options: &ReadOptions) -> Result<Loaded, ReadError> {
+    let loaded = if path == Path::new("-") {
+        load_from(stdin().lock(), true, path, options)
+    } else {
+        File::open(path).map_err(Fault::from).and_then(|file| {
+            let streams = !file.metadata()?.is_file();
+            load_from(file, streams, path, options)
+        })
     };
     loaded.map_err(|fault| fault.at(path))
+}
+
+fn load_from(
+    mut from: impl Read,
+    streams: bool,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<Loaded, Fault> {
+    let mut bytes = Vec::new();
+    // A file that is no mesh is not read to its end, which may never come.
+    from.by_ref().take(16).read_to_end(&mut bytes)?;
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let named = FORMATS.into_iter().find(|&format| extension == format);
+    let format = if bytes.starts_with(&MAGIC) {
+        BAKED
+    } else {
+        let told = options.input_format.as_deref().or(named).or_else(|| beginning(&bytes));
+        told.ok_or(Fault::UnknownFormat)?
+    };
+    let most = if streams { options.memory.unwrap_or(MOST_STREAMED) } else { usize::MAX };
+    from.take((most as u64).saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() > most {
+        return Err(Fault::broken(format!(
+            "goes on after {most} bytes; --memory lets more be read"
+        )));
+    }
+    if format == BAKED {
+        return baked::model(&bytes).map(|model| Loaded::Baked(Box::new(model)));
+    }
+    let memory = options.memory.unwrap_or_else(|| budget(bytes.len()));
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let Import { mesh, source, .. } = parse(format, &bytes, folder, memory)?;
+    Ok(Loaded::Mesh(mesh, source))
+}
+
+/// The bytes that reading a file of so many may take.
+fn budget(file: usize) -> usize {
+    (64 << 20) + 16 * file
+}
+
+/// The format that a file without a name of its own begins like.
+fn beginning(bytes: &[u8]) -> Option<&'static str> {
+    let begins = |word: &str| bytes.starts_with(word.as_bytes());
+    match bytes.trim_ascii_start() {
+        _ if begins("ply") => Some("ply"),
+        _ if begins("solid") => Some("stl"),
+        _ if begins("glTF") => Some("glb"),
+        [b'{', ..] => Some("gltf"),
+        _ if bytes.windows(3).take(4).any(|word| word == b"OFF") => Some("off"),
+        _ if begins("v ") || begins("#") || begins("o ") || begins("mtllib ") => Some("obj"),
+        _ => None,
+    }
 }
 
 /// For fuzzing: [`read`] of bytes in one of [`FORMATS`], without files beside.
 #[doc(hidden)]
 pub fn read_bytes(format: &str, bytes: &[u8]) -> Option<MeshData> {
-    parse(format, bytes, Path::new("/nowhere")).ok()
+    parse(format, bytes, Path::new("/nowhere"), budget(bytes.len())).ok().map(|import| import.mesh)
 }
 
-fn parse(format: &str, bytes: &[u8], folder: &Path) -> Result<MeshData, Fault> {
-    let mesh = match format {
-        "obj" => obj::parse(bytes),
-        "ply" => ply::parse(bytes),
-        "stl" => stl::parse(bytes),
-        "off" => off::parse(bytes),
-        BAKED => baked::parse(bytes),
-        _ => gltf::parse(bytes, folder),
+fn parse(format: &str, bytes: &[u8], folder: &Path, memory: usize) -> Result<Import, Fault> {
+    let mut import = Import { memory, ..Import::default() };
+    match format {
+        "obj" => obj::parse(bytes, &mut import),
+        "ply" => ply::parse(bytes, &mut import),
+        "stl" => stl::parse(bytes, &mut import),
+        "off" => off::parse(bytes, &mut import),
+        BAKED => baked::model(bytes).map(|model| import.mesh = model.into()),
+        _ => gltf::parse(bytes, folder, &mut import),
     }?;
-    if mesh.triangles.is_empty() {
+    if import.mesh.triangles.is_empty() {
         return Err(Fault::no_triangle());
     }
-    Ok(mesh)
+    Ok(import)
 }

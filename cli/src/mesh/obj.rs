@@ -3,41 +3,44 @@
 //! By hand: `tobj` renumbers vertices group by group, so that faces of two groups share none, and `obj-rs`
 //! panics on statements it does not know.
 
-use super::MeshData;
+use super::Import;
 use super::error::Fault;
 use super::text::{Line, lines};
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let joined = join_continued(bytes);
-    let mut mesh = MeshData::default();
     let mut corners = Vec::new();
     // Faces may come before their vertices.
     let mut farthest = (0, 0);
     for line in lines(joined.as_deref().unwrap_or(bytes)) {
         let mut words = line.words();
         match words.next() {
-            Some(b"v") => mesh.positions.push(line.position(&mut words)?),
+            Some(b"v") => {
+                let position = line.position(&mut words, &mut import.source)?;
+                import.push_position(position);
+            }
             Some(b"f" | b"fo") => {
                 corners.clear();
                 for word in words {
-                    let corner = corner(&line, word, mesh.positions.len())?;
+                    let corner = corner(&line, word, import.mesh.positions.len())?;
                     farthest = farthest.max((corner, line.number));
                     corners.push(corner);
                 }
                 if corners.len() < 3 {
                     return Err(line.fault(format!("a face of {} corners", corners.len())));
                 }
-                mesh.push_fan(&corners);
+                import.push_face(&corners);
             }
             _ => {}
         }
     }
+    let mesh = &import.mesh;
     match farthest {
         (vertex, line) if vertex as usize >= mesh.positions.len() && !mesh.triangles.is_empty() => {
             let all = mesh.positions.len();
             Err(Fault::Line(line, format!("vertex {} of {all}", u64::from(vertex) + 1)))
         }
-        _ => Ok(mesh),
+        _ => Ok(()),
     }
 }
 

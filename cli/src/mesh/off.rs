@@ -1,10 +1,10 @@
 //! OFF in text: `OFF`, `COFF`, `NOFF` and the like, one vertex or face a line. No kept crate reads it.
 
-use super::MeshData;
+use super::Import;
 use super::error::Fault;
 use super::text::{Line, lines};
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let mut lines = lines(bytes);
     let mut next = |what: &str| {
         lines.next().ok_or_else(|| Fault::broken(format!("the file ends before {what}")))
@@ -28,20 +28,20 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
     let (vertices, faces) = (count(0)?, count(1)?);
 
     // Nothing is reserved on the word of a header.
-    let mut mesh = MeshData::default();
     for _ in 0..vertices {
         let line = next("its last vertex")?;
-        mesh.positions.push(line.position(&mut line.words())?);
+        let position = line.position(&mut line.words(), &mut import.source)?;
+        import.push_position(position);
     }
     let mut corners = Vec::new();
     for _ in 0..faces {
         let line = next("its last face")?;
         face(&line, vertices, &mut corners)?;
-        mesh.push_fan(&corners);
+        import.push_face(&corners);
     }
     match lines.next() {
         Some(line) => Err(line.fault(format!("the file goes on after its {faces} faces"))),
-        None => Ok(mesh),
+        None => Ok(()),
     }
 }
 

@@ -6,7 +6,7 @@
 
 mod record;
 
-use super::MeshData;
+use super::Import;
 use super::error::Fault;
 use super::text::{Line, lines};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -14,7 +14,7 @@ use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType};
 use record::{AXES, INDICES, Record};
 use std::io::ErrorKind;
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let parser = Parser::<Record>::new();
     let mut reader = Reader::new(bytes);
     let header = parser.read_header(&mut reader)?;
@@ -23,14 +23,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
     check_header(&header, &bytes[..bytes.len() - rest.len()])?;
 
     let mut lines = lines(bytes).skip_while(|line| line.number < first);
-    let mut mesh = MeshData::default();
     for element in header.elements.values() {
         for number in 0..element.count {
             let at = bytes.len() - rest.len();
             let fault = |e| binary_fault(&e, at, element, number);
             let record = match header.encoding {
                 Encoding::Ascii => match lines.next() {
-                    Some(line) => Record::from_text(&line, element),
+                    Some(line) => Record::from_text(&line, element, &mut import.source),
                     None => Err(Fault::broken(ends_in(element, number))),
                 },
                 Encoding::BinaryLittleEndian => {
@@ -41,16 +40,19 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
                 }
             }?;
             match (&element.name[..], record.corners.len()) {
-                ("vertex", _) => mesh.positions.push(record.position),
+                ("vertex", _) => {
+                    import.push_position(record.position);
+                    import.source.rounded += record.rounded;
+                }
                 ("face", n @ 0..3) => {
                     return Err(Fault::broken(format!("face {number} has {n} corners")));
                 }
-                ("face", _) => mesh.push_fan(&record.corners),
+                ("face", _) => import.push_face(&record.corners),
                 _ => {}
             }
         }
     }
-    Ok(mesh)
+    Ok(())
 }
 
 fn check_header(header: &Header, bytes: &[u8]) -> Result<(), Fault> {

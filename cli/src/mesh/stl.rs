@@ -5,23 +5,26 @@
 //! and binary that begins with `solid` for text, and it refuses the NaN normals that triangles without
 //! area have.
 
-use super::MeshData;
 use super::error::Fault;
 use super::text::{Line, lines, quote};
+use super::{Import, MeshData};
 
 /// Header and count of a binary file, and each of its triangles.
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let count = bytes.first_chunk::<HEADER>().map(|header| {
         let [.., a, b, c, d] = *header;
         u32::from_le_bytes([a, b, c, d]) as usize
     });
     match count {
         // Text is never as long as its bytes 80 to 83 say: as a count they are 150 million at least.
-        Some(n) if HEADER + n * TRIANGLE == bytes.len() => Ok(binary(bytes)),
-        _ if is_text(bytes) => text(bytes),
+        Some(n) if HEADER + n * TRIANGLE == bytes.len() => {
+            binary(bytes, &mut import.mesh);
+            Ok(())
+        }
+        _ if is_text(bytes) => text(bytes, import),
         Some(n) => {
             let (due, found) = (HEADER + n * TRIANGLE, bytes.len());
             Err(Fault::broken(format!(
@@ -40,18 +43,15 @@ fn is_text(bytes: &[u8]) -> bool {
     word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes.contains(&0)
 }
 
-fn binary(bytes: &[u8]) -> MeshData {
-    let mut mesh = MeshData::default();
+fn binary(bytes: &[u8], mesh: &mut MeshData) {
     for triangle in bytes[HEADER..].chunks_exact(TRIANGLE) {
         let number = |i: usize| f32::from_le_bytes([0, 1, 2, 3].map(|k| triangle[4 * i + k]));
         // After the normal.
-        push(&mut mesh, [3, 6, 9].map(|i| [i, i + 1, i + 2].map(number)));
+        push(mesh, [3, 6, 9].map(|i| [i, i + 1, i + 2].map(number)));
     }
-    mesh
 }
 
-fn text(bytes: &[u8]) -> Result<MeshData, Fault> {
-    let mut mesh = MeshData::default();
+fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let mut corners = Vec::new();
     let mut ended = false;
     for line in lines(bytes) {
@@ -59,14 +59,14 @@ fn text(bytes: &[u8]) -> Result<MeshData, Fault> {
         let keyword = line.word(words.next())?.to_ascii_lowercase();
         ended = keyword == b"endsolid";
         match &keyword[..] {
-            b"vertex" => corners.push(line.position(&mut words)?),
-            b"endloop" => push(&mut mesh, three(&line, &mut corners)?),
+            b"vertex" => corners.push(line.position(&mut words, &mut import.source)?),
+            b"endloop" => push(&mut import.mesh, three(&line, &mut corners)?),
             b"solid" | b"facet" | b"outer" | b"endfacet" | b"endsolid" => {}
             _ => return Err(line.fault(format!("{} is no word of STL", quote(&keyword)))),
         }
     }
     if ended && corners.is_empty() {
-        return Ok(mesh);
+        return Ok(());
     }
     Err(Fault::broken("the file ends before its last endsolid"))
 }

@@ -1,5 +1,6 @@
 //! Lines of words, as OBJ, OFF and the texts of PLY and STL have them.
 
+use super::Source;
 use super::error::Fault;
 use std::str::FromStr;
 
@@ -54,8 +55,41 @@ impl<'t> Line<'t> {
     pub(super) fn position<'w>(
         &self,
         words: &mut impl Iterator<Item = &'w [u8]>,
+        source: &mut Source,
     ) -> Result<[f32; 3], Fault> {
-        let [x, y, z] = [words.next(), words.next(), words.next()];
-        Ok([self.number(x)?, self.number(y)?, self.number(z)?])
+        let mut next = || self.coordinate(words.next(), source);
+        Ok([next()?, next()?, next()?])
     }
+
+    /// The f32 nearest to what `word` says; `source` notes what it loses.
+    pub(super) fn coordinate(
+        &self,
+        word: Option<&[u8]>,
+        source: &mut Source,
+    ) -> Result<f32, Fault> {
+        let nearest: f32 = self.number(word)?;
+        source.rounded += usize::from(loses_digits(word.unwrap_or_default(), nearest));
+        if !nearest.is_finite() {
+            source.not_finite.get_or_insert(self.number);
+        }
+        Ok(nearest)
+    }
+}
+
+/// Whether a decimal has digits that the nearest f32, rounded to as many, does not.
+fn loses_digits(word: &[u8], nearest: f32) -> bool {
+    let is_exponent = |b: &u8| b.eq_ignore_ascii_case(&b'e');
+    // Every decimal of six digits comes back from the nearest f32, unless it is beyond the range.
+    if word.len() <= 6 && !word.iter().any(is_exponent) {
+        return false;
+    }
+    let Ok(text) = std::str::from_utf8(word) else { return false };
+    let Ok(written) = text.parse::<f64>() else { return false };
+    let error = (written - f64::from(nearest)).abs();
+    let mut parts = text.split(['e', 'E']);
+    let decimals = parts.next().and_then(|mantissa| Some(mantissa.split_once('.')?.1.len()));
+    let exponent: i32 = parts.next().and_then(|exponent| exponent.parse().ok()).unwrap_or(0);
+    // An infinity is refused by [`pfront::Model::new`].
+    nearest.is_finite()
+        && error > 0.5 * 10_f64.powi(exponent.saturating_sub(decimals.unwrap_or(0) as i32))
 }

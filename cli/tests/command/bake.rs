@@ -18,8 +18,8 @@ fn a_baked_mesh_answers_as_the_mesh_does() {
         said.lines().last().unwrap().split_whitespace().nth(1),
         Some(&*bytes.len().to_string())
     );
-    let expected = out(at, "pairs a.obj b.obj --format csv");
-    assert_eq!(out(at, "pairs a.pfb b.obj --format csv"), expected);
+    let expected = out(at, "pairs a.obj b.obj --csv");
+    assert_eq!(out(at, "pairs a.pfb b.obj --csv"), expected);
     assert_eq!(out(at, "self a.pfb --weld"), out(at, "self a.obj --weld"));
     out(at, "bake a.pfb --out again.pfb");
     assert_eq!(fs::read(at.join("again.pfb")).unwrap(), bytes);

@@ -15,11 +15,11 @@ fn a_gpu_gives_the_same_answers() {
         assert_eq!(cpu.as_bytes(), auto.stdout, "{arguments}");
         cpu
     };
-    assert_eq!(both("pairs a.obj b.obj --format csv"), "a,b\n0,0\n3,0\n");
-    assert!(both("pairs a.obj b.obj --format csv --contacts").contains("0,0,crossing,0.2,"));
-    assert_eq!(both("pairs a.obj b.obj --format csv --translate 5,0,0"), "a,b\n");
-    assert_eq!(both("pairs a.obj a.obj --format csv").lines().count(), 17);
-    assert_eq!(both("self a.obj --format csv --skip-neighbours"), "a,b\n");
+    assert_eq!(both("pairs a.obj b.obj --csv"), "a,b\n0,0\n3,0\n");
+    assert!(both("pairs a.obj b.obj --csv --contacts").contains("0,0,crossing,0.2,"));
+    assert_eq!(both("pairs a.obj b.obj --csv --translate 5,0,0"), "a,b\n");
+    assert_eq!(both("pairs a.obj a.obj --csv").lines().count(), 17);
+    assert_eq!(both("self a.obj --csv --skip-neighbours"), "a,b\n");
     both("self a.obj --contacts");
     assert!(out(at, "any a.obj b.obj --backend gpu").ends_with(" meet\n"));
     let no = command(at, "any a.obj b.obj --translate 9,9,9 --backend gpu").output().unwrap();

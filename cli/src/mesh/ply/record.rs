@@ -1,5 +1,6 @@
 //! One vertex or face of a PLY file: what we want of it.
 
+use crate::mesh::Source;
 use crate::mesh::error::Fault;
 use crate::mesh::text::Line;
 use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType};
@@ -11,11 +12,17 @@ pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 pub(super) struct Record {
     pub(super) position: [f32; 3],
     pub(super) corners: Vec<u32>,
+    /// Coordinates of binary types that no f32 is equal to.
+    pub(super) rounded: usize,
 }
 
 impl Record {
     /// Straight to f32 whatever the type is, so that all is rounded once.
-    pub(super) fn from_text(line: &Line<'_>, element: &ElementDef) -> Result<Self, Fault> {
+    pub(super) fn from_text(
+        line: &Line<'_>,
+        element: &ElementDef,
+        source: &mut Source,
+    ) -> Result<Self, Fault> {
         let mut record = Self::default();
         let mut words = line.words();
         for (name, property) in &element.properties {
@@ -30,7 +37,7 @@ impl Record {
                     list.try_for_each(|word| word.map(drop))?;
                 }
             } else if let Some(k) = axis(name) {
-                record.position[k] = line.number(Some(word))?;
+                record.position[k] = line.coordinate(Some(word), source)?;
             }
         }
         Ok(record)
@@ -46,6 +53,14 @@ impl PropertyAccess for Record {
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
         if let (Some(k), Some(x)) = (axis(name), property.to_f32_lossy()) {
             self.position[k] = x;
+            let written = match property {
+                Property::Double(x) => x,
+                Property::Int(x) => f64::from(x),
+                Property::UInt(x) => f64::from(x),
+                _ => f64::from(x),
+            };
+            // NaN is neither.
+            self.rounded += usize::from(written < f64::from(x) || written > f64::from(x));
         } else if INDICES.contains(&name) {
             let Some(corners) = property.to_u32_list() else {
                 return PropertyAccessResult::UnsupportedType;

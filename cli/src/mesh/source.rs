@@ -1,0 +1,58 @@
+//! Where in its file a triangle comes from, and what was lost on the way.
+
+/// The faces and nodes of a file, and its coordinates that f32 does not hold.
+#[derive(Clone, Debug, Default)]
+pub struct Source {
+    /// The first triangle of each face, if faces may have more than one.
+    pub(super) faces: Vec<u32>,
+    nodes: Vec<Node>,
+    /// Coordinates with more digits than the nearest f32 has.
+    pub rounded: usize,
+    /// The first line with a coordinate that is not finite, if the file is text.
+    pub not_finite: Option<usize>,
+}
+
+/// A glTF node and the first triangle that it placed.
+#[derive(Clone, Debug)]
+struct Node {
+    name: String,
+    triangle: u32,
+}
+
+impl Source {
+    pub(super) fn begin_node(&mut self, name: String, triangles: usize) {
+        let triangle = triangles as u32;
+        // A node without triangles is none.
+        self.nodes.pop_if(|last| last.triangle == triangle);
+        self.nodes.push(Node { name, triangle });
+    }
+
+    pub(super) fn end_nodes(&mut self, triangles: usize) {
+        self.nodes.pop_if(|last| last.triangle as usize == triangles);
+    }
+
+    /// The face of a triangle, from 0 in the file; in glTF the triangle's own number, from 0 in its node.
+    #[must_use]
+    pub fn face(&self, triangle: u32) -> u32 {
+        match self.faces.partition_point(|&first| first <= triangle) {
+            0 => triangle - self.node_of(triangle).map_or(0, |node| node.triangle),
+            after => after as u32 - 1,
+        }
+    }
+
+    /// The name of the glTF node that placed a triangle.
+    #[must_use]
+    pub fn node(&self, triangle: u32) -> Option<&str> {
+        self.node_of(triangle).map(|node| &node.name[..])
+    }
+
+    fn node_of(&self, triangle: u32) -> Option<&Node> {
+        let after = self.nodes.partition_point(|node| node.triangle <= triangle);
+        self.nodes.get(after.checked_sub(1)?)
+    }
+
+    /// The glTF nodes that placed triangles, and the first triangle of each, ascending.
+    pub fn nodes(&self) -> impl Iterator<Item = (&str, u32)> {
+        self.nodes.iter().map(|node| (&node.name[..], node.triangle))
+    }
+}

@@ -1,0 +1,143 @@
+//! What is read: standard input, formats, digits that f32 does not hold, faces and nodes, bounds of memory.
+
+use super::scene::ROOM;
+use super::{TETRAHEDRON, command, folder, out, pfront, refused};
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+
+/// Standard output and standard error, with a file as standard input.
+fn fed(folder: &Path, arguments: &str, file: &str) -> [String; 2] {
+    let file = fs::File::open(folder.join(file)).unwrap();
+    let ended = command(folder, arguments).stdin(Stdio::from(file)).output().unwrap();
+    [ended.stdout, ended.stderr].map(|bytes| String::from_utf8(bytes).unwrap())
+}
+
+#[test]
+fn standard_input_is_a_mesh() {
+    let folder = folder();
+    let at = folder.path();
+    let expected = ["a,b\n0,0\n3,0\n".to_owned(), String::new()];
+    for arguments in ["pairs - b.obj --csv", "pairs - b.obj --csv --input-format obj"] {
+        assert_eq!(fed(at, arguments, "a.obj"), expected);
+    }
+    out(at, "bake a.obj");
+    assert_eq!(fed(at, "pairs - b.obj --csv", "a.pfb"), expected);
+    fs::write(at.join("room.gltf"), ROOM).unwrap();
+    assert_eq!(fed(at, "self - --csv", "room.gltf")[0], "a,b\n0,1\n");
+    fs::rename(at.join("a.obj"), at.join("a.txt")).unwrap();
+    assert_eq!(out(at, "pairs a.txt b.obj --csv --input-format obj"), expected[0]);
+    fs::write(at.join("words"), "hello, this is no mesh").unwrap();
+    assert!(fed(at, "self -", "words")[1].contains("--input-format"));
+    assert!(refused(at, "self a.obj --input-format docx").contains("input-format"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_device_without_end_is_refused() {
+    let folder = folder();
+    assert!(refused(folder.path(), "self /dev/zero").contains("unknown format"));
+    let error = refused(folder.path(), "self /dev/zero --input-format stl --memory 1");
+    assert!(error.contains("goes on after 1000000 bytes"), "{error}");
+}
+
+#[test]
+fn digits_that_are_lost_are_counted() {
+    let folder = folder();
+    let at = folder.path();
+    // Nine digits of an f32, more zeros than it needs, and what any f32 is nearest to: nothing is lost.
+    for kept in
+        ["0.100000001", "1.0000000000", "0.2", "123456", "16777216", "1e-7", "3.40282347e38"]
+    {
+        fs::write(at.join("a.obj"), TETRAHEDRON.replace("v 0 0 1\n", &format!("v 0 0 {kept}\n")))
+            .unwrap();
+        out(at, "self a.obj");
+    }
+    for lost in ["0.10000000000000001", "0.123456789", "16777217", "1e-60", "1.00000001"] {
+        fs::write(
+            at.join("a.obj"),
+            TETRAHEDRON.replace("v 0 0 1\n", &format!("v {lost} 0 {lost}\n")),
+        )
+        .unwrap();
+        let told = String::from_utf8(pfront(at, "self a.obj").stderr).unwrap();
+        assert!(told.contains("a.obj: 2 of 12 coordinates were rounded to f32"), "{lost}: {told}");
+    }
+    let double = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\n\
+                  property double z\nelement face 1\nproperty list uchar uchar vertex_indices\nend_header\n";
+    let numbers = [0.1, 0.5, 0.25, 1.0, 0.0, 0.0, 0.0, 1.0, 1e-300].map(f64::to_le_bytes).concat();
+    fs::write(at.join("double.ply"), [double.as_bytes(), &numbers, &[3, 0, 1, 2]].concat())
+        .unwrap();
+    let told = String::from_utf8(pfront(at, "self double.ply").stderr).unwrap();
+    assert!(told.contains("2 of 9"), "{told}");
+}
+
+#[test]
+fn faces_and_nodes_are_named() {
+    let folder = folder();
+    let at = folder.path();
+    // A square, a triangle, a square; the second triangle of the last is the fifth.
+    let faces = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 2 3\nf 1 2 3 4\n";
+    fs::write(at.join("faces.obj"), faces).unwrap();
+    let blade = "v 0.1 0.5 -1\nv 0.2 0.5 -1\nv 0.1 0.5 1\nf 1 2 3\n";
+    fs::write(at.join("blade.obj"), blade).unwrap();
+    assert_eq!(
+        out(at, "pairs faces.obj blade.obj --csv --source"),
+        "a,b,face_a,face_b\n1,0,0,0\n4,0,2,0\n"
+    );
+    fs::write(at.join("room.gltf"), ROOM).unwrap();
+    assert_eq!(
+        out(at, "self room.gltf --csv --source"),
+        "a,b,face_a,face_b,node_a,node_b\n0,1,0,0,Door,\"Wall, old\"\n"
+    );
+    assert_eq!(
+        out(at, "self room.gltf --json --source"),
+        "{\"pairs\":[{\"a\":0,\"b\":1,\"faces\":[0,0],\"nodes\":[\"Door\",\"Wall, old\"]}]}\n"
+    );
+}
+
+/// A small file that says that it is large, as often as it likes.
+#[test]
+fn readers_have_one_budget() {
+    let folder = folder();
+    let at = folder.path();
+    // Two thousand nodes of a thousand triangles, of three indices each: 72 MB and what it takes to get there.
+    let indices = "AAABAAIA".repeat(1000);
+    let bomb = ROOM
+        .replace("{\"nodes\":[0,1,2,3]}", &format!("{{\"nodes\":{:?}}}", (0..2000).collect::<Vec<_>>()))
+        .replace("\"POSITION\":0}", "\"POSITION\":0},\"indices\":1")
+        .replace("\"max\":[1,1,0]}", "\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5123,\"count\":3000,\"type\":\"SCALAR\"}")
+        .replace("\"byteLength\":36}],", "\"byteLength\":36},{\"buffer\":1,\"byteLength\":6000}],")
+        .replace("AAAAAAAAgD8AAAAA\"}", &format!("AAAAAAAAgD8AAAAA\"}},{{\"byteLength\":6000,\"uri\":\"data:application/octet-stream;base64,{indices}\"}}"));
+    let (head, rest) = bomb.split_once("\"nodes\":[{").unwrap();
+    let tail = rest.split_once("],\n    \"meshes\"").unwrap().1;
+    let nodes = vec!["{\"mesh\":0}"; 2000].join(",");
+    fs::write(at.join("bomb.gltf"), format!("{head}\"nodes\":[{nodes}],\n    \"meshes\"{tail}"))
+        .unwrap();
+    let error = refused(at, "bake bomb.gltf");
+    assert!(
+        error.contains("bomb.gltf: needs more than 6") && error.contains("--memory"),
+        "{error}"
+    );
+    assert!(out(at, "bake bomb.gltf --memory 200 --build morton").contains("2000000 triangles"));
+}
+
+#[test]
+fn an_answer_that_does_not_fit_is_an_error() {
+    let folder = folder();
+    let at = folder.path();
+    // A face of 2,000 corners in one place: its 1,998 triangles meet each other.
+    let face: String = (1..=2000).map(|i| format!(" {i}")).collect();
+    fs::write(at.join("face.obj"), "v 0 0 0\n".repeat(2000) + "f" + &face + "\n").unwrap();
+    for (command, pairs) in [
+        ("self face.obj", "1993006"),
+        ("pairs face.obj face.obj", "3992004"),
+        ("scene face.obj face.obj", "3992004"),
+    ] {
+        let error = refused(at, &format!("{command} --memory 40"));
+        assert!(
+            error.contains(&format!("{pairs} pairs")) && error.contains("40 are allowed"),
+            "{error}"
+        );
+    }
+    assert_eq!(out(at, "self face.obj --memory 48 --csv").lines().count(), 1_993_007);
+}

@@ -1,0 +1,76 @@
+//! `pfront scene`: bodies of several files, and of the nodes of one.
+
+use super::{folder, out, refused};
+use pfront_cli::mesh;
+use std::fs;
+
+/// Three nodes that place one triangle: upright through the second is the first, the third is apart.
+pub(super) const ROOM: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2,3]}],
+    "nodes":[{"mesh":0,"name":"Door"},{"mesh":0,"rotation":[0.70710678,0,0,0.70710678],"translation":[0.1,0.1,-0.5],
+    "name":"Wall, old"},{"name":"Empty"},{"mesh":0,"translation":[0,0,9],"name":"Door"}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],
+    "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
+
+#[test]
+fn bodies_of_files_are_told_by_name() {
+    let folder = folder();
+    let at = folder.path();
+    assert_eq!(
+        out(at, "scene a.obj b.obj --csv"),
+        "body_a,body_b,a,b\na.obj,b.obj,0,0\na.obj,b.obj,3,0\n"
+    );
+    let table = out(at, "scene a.obj b.obj");
+    assert!(table.starts_with("body_a body_b          a          b\na.obj  b.obj  "), "{table}");
+    assert!(table.ends_with("  3          0\n2 pairs\n"), "{table}");
+    let names = out(at, "scene b.obj b.obj b.obj --csv");
+    assert!(
+        names.starts_with("body_a,body_b,a,b\nb.obj,b.obj (2),0,0\n") && names.lines().count() == 4,
+        "{names}"
+    );
+}
+
+#[test]
+fn nodes_are_bodies() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("room.gltf"), ROOM).unwrap();
+    let csv = "body_a,body_b,a,b\nDoor,\"Wall, old\",0,0\n";
+    assert_eq!(out(at, "scene room.gltf --csv"), csv);
+    let json: serde_json::Value = serde_json::from_str(&out(at, "scene room.gltf --json")).unwrap();
+    assert_eq!(
+        json["pairs"],
+        serde_json::json!([{"bodies": ["Door", "Wall, old"], "a": 0, "b": 0}])
+    );
+    let json = out(at, "scene room.gltf --json --contacts --source");
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let hit = &json["contacts"][0];
+    assert_eq!((&hit["kind"], &hit["nodes"][1]), (&"crossing".into(), &"Wall, old".into()));
+    let y = hit["segment"][0][1].as_f64().unwrap();
+    assert!((y - 0.1).abs() < 1e-6, "{json}");
+    assert!(out(at, "scene room.gltf --out room.ply").starts_with("1 pair;"));
+    let marks = fs::read(at.join("room.ply")).unwrap();
+    let red = marks.windows(3).filter(|colour| *colour == [214, 40, 40]).count();
+    assert_eq!((red, mesh::read(&at.join("room.ply")).unwrap().triangles.len()), (6, 3));
+    for backend in ["gpu", "cpu --threads 2"] {
+        assert_eq!(out(at, &format!("scene room.gltf --csv --backend {backend}")), csv);
+    }
+    let error = refused(at, "scene room.gltf --ignore Door Floor");
+    assert!(error.contains("no body Floor") && error.contains("Door (2)"), "{error}");
+    refused(at, "scene");
+}
+
+#[test]
+fn two_bodies_are_ignored() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("room.gltf"), ROOM.replace("Wall, old", "Wall")).unwrap();
+    assert_eq!(out(at, "scene room.gltf --csv").lines().count(), 2);
+    assert_eq!(out(at, "scene room.gltf --csv --ignore Wall Door"), "body_a,body_b,a,b\n");
+    let both = out(at, "scene room.gltf a.obj b.obj --csv --ignore Wall Door --ignore a.obj b.obj");
+    assert!(
+        both.lines().skip(1).all(|line| line.contains("obj") && !line.contains("a.obj,b.obj")),
+        "{both}"
+    );
+}
