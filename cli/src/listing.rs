@@ -9,6 +9,7 @@ use pfront_cli::output::{Draft, out};
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;
 use std::io::{self, BufWriter, Write};
+use std::iter::once;
 
 /// The colours of meshes in turn, and of triangles that meet.
 const PLAIN: [[u8; 3]; 2] = [[172, 182, 196], [206, 196, 170]];
@@ -153,10 +154,10 @@ impl<'f> Found<'f> {
         let width = origins.iter().map(|origin| origin.name.chars().count()).max();
         let width = width.unwrap_or(0).max("body_a".len());
         let columns = Columns { csv: format == Format::Csv, width };
-        columns.names(to, is_scene, listing, has_nodes)?;
+        columns.write(to, titles(is_scene, listing, has_nodes))?;
         let mut rows = 0;
         for row in hits.map(row) {
-            columns.row(to, &row)?;
+            columns.write(to, row.cells())?;
             rows += 1;
         }
         if !columns.csv {
@@ -173,79 +174,81 @@ struct Columns {
     width: usize,
 }
 
+/// A piece of a row.
+enum Cell<'c> {
+    /// The title of a column so wide.
+    Title(&'c str, usize),
+    Name(&'c str),
+    Kind(&'static str),
+    Index(u32),
+    Coordinate(f32),
+}
+
+fn titles(
+    is_scene: bool,
+    listing: &Listing,
+    has_nodes: bool,
+) -> impl Iterator<Item = Cell<'static>> {
+    let columns = |two: [&'static str; 2], cell: fn(&'static str) -> Cell<'static>, shown: bool| {
+        two.into_iter().map(cell).filter(move |_| shown)
+    };
+    let index = |title| Cell::Title(title, 10);
+    let contacts = COORDINATES.iter().map(|title| Cell::Title(title, 13));
+    let contacts =
+        once(Cell::Kind("kind")).chain(contacts).take(if listing.contacts { 13 } else { 0 });
+    columns(["body_a", "body_b"], Cell::Name, is_scene)
+        .chain(columns(["a", "b"], index, true))
+        .chain(columns(["face_a", "face_b"], index, listing.source))
+        .chain(columns(["node_a", "node_b"], Cell::Name, has_nodes))
+        .chain(contacts)
+}
+
+impl Row<'_> {
+    fn cells(&self) -> impl Iterator<Item = Cell<'_>> {
+        let contact = self.contact.iter().flat_map(|ContactRow { kind, segment, normals }| {
+            let numbers = segment.iter().chain(normals).flatten();
+            once(Cell::Kind(kind)).chain(numbers.map(|&x| Cell::Coordinate(x)))
+        });
+        let nodes = self.nodes.into_iter().flatten();
+        self.bodies
+            .into_iter()
+            .flatten()
+            .map(Cell::Name)
+            .chain(
+                [self.a, self.b]
+                    .into_iter()
+                    .chain(self.faces.into_iter().flatten())
+                    .map(Cell::Index),
+            )
+            .chain(nodes.map(|name| Cell::Name(name.unwrap_or_default())))
+            .chain(contact)
+    }
+}
+
 impl Columns {
-    fn names(
+    fn write<'c>(
         &self,
         to: &mut impl Write,
-        is_scene: bool,
-        listing: &Listing,
-        has_nodes: bool,
+        row: impl Iterator<Item = Cell<'c>>,
     ) -> io::Result<()> {
-        if is_scene {
-            self.words(to, ["body_a", "body_b"])?;
-            self.gap(to)?;
-        }
-        self.numbers(to, ["a", "b"])?;
-        if listing.source {
-            self.gap(to)?;
-            self.numbers(to, ["face_a", "face_b"])?;
-        }
-        if has_nodes {
-            self.gap(to)?;
-            self.words(to, ["node_a", "node_b"])?;
-        }
-        if listing.contacts {
-            write!(to, "{}", if self.csv { ",kind" } else { " kind    " })?;
-            COORDINATES.iter().try_for_each(|name| match self.csv {
-                true => write!(to, ",{name}"),
-                false => write!(to, " {name:>13}"),
-            })?;
-        }
-        writeln!(to)
-    }
-
-    fn row(&self, to: &mut impl Write, row: &Row<'_>) -> io::Result<()> {
-        if let Some(names) = row.bodies {
-            self.words(to, names)?;
-            self.gap(to)?;
-        }
-        self.numbers(to, [row.a, row.b])?;
-        if let Some(faces) = row.faces {
-            self.gap(to)?;
-            self.numbers(to, faces)?;
-        }
-        if let Some(nodes) = row.nodes {
-            self.gap(to)?;
-            self.words(to, nodes.map(Option::unwrap_or_default))?;
-        }
-        if let Some(ContactRow { kind, segment, normals }) = &row.contact {
-            let mut numbers = segment.iter().chain(normals).flatten();
-            if self.csv {
-                write!(to, ",{kind}")?;
-                numbers.try_for_each(|x| write!(to, ",{x}"))?;
-            } else {
-                write!(to, " {kind:<8}")?;
-                numbers.try_for_each(|x| write!(to, " {x:>13.6e}"))?;
+        let Self { csv, width } = *self;
+        for (place, cell) in row.enumerate() {
+            if place > 0 {
+                to.write_all(if csv { b"," } else { b" " })?;
             }
+            match cell {
+                Cell::Title(text, _) | Cell::Kind(text) if csv => write!(to, "{text}"),
+                Cell::Name(name) if csv => write!(to, "{}", quoted(name)),
+                Cell::Index(index) if csv => write!(to, "{index}"),
+                Cell::Coordinate(x) if csv => write!(to, "{x}"),
+                Cell::Title(text, width) => write!(to, "{text:>width$}"),
+                Cell::Kind(kind) => write!(to, "{kind:<8}"),
+                Cell::Name(name) => write!(to, "{name:<width$}"),
+                Cell::Index(index) => write!(to, "{index:>10}"),
+                Cell::Coordinate(x) => write!(to, "{x:>13.6e}"),
+            }?;
         }
         writeln!(to)
-    }
-
-    fn numbers<T: std::fmt::Display>(&self, to: &mut impl Write, [a, b]: [T; 2]) -> io::Result<()> {
-        if self.csv { write!(to, "{a},{b}") } else { write!(to, "{a:>10} {b:>10}") }
-    }
-
-    fn words(&self, to: &mut impl Write, two: [&str; 2]) -> io::Result<()> {
-        let ([a, b], width) = (two.map(quoted), self.width);
-        if self.csv {
-            return write!(to, "{a},{b}");
-        }
-        let [a, b] = two;
-        write!(to, "{a:<width$} {b:<width$}")
-    }
-
-    fn gap(&self, to: &mut impl Write) -> io::Result<()> {
-        write!(to, "{}", if self.csv { ',' } else { ' ' })
     }
 }
 

@@ -21,12 +21,16 @@ fn folder() -> TempDir {
 }
 
 /// Text files that say more of themselves than there is, and two that are plainly wrong; `mesh.rs` has the others.
-const TEXTS: [(&str, &str); 7] = [
+const TEXTS: [(&str, &str); 8] = [
     ("empty.obj", ""),
     ("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"),
     ("index-2^32.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4294967299\n"),
     ("index-10^30.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 1000000000000000000000000000000\n"),
     ("many-vertices.off", "OFF\n4000000000 1 0\n0 0 0\n"),
+    (
+        "text.ply",
+        "ply\nformat ascii 1.0\nelement vertex 18446744073709551615\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
+    ),
     ("many-faces.off", "OFF\n3 4000000000 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
     ("10^7-sides.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n10000000 0 1 2\n"),
 ];
@@ -62,6 +66,7 @@ fn binaries() -> Vec<(String, Vec<u8>)> {
     let named = [
         ("deep.gltf", vec![b'['; 100_000]),
         ("vertices.ply", ply("4000000000", "uchar", &corners)),
+        ("2^64-vertices.ply", ply("18446744073709551615", "uchar", &corners)),
         ("too-many-vertices.ply", ply("99999999999999999999", "uchar", &corners)),
         ("10^7-sides.ply", ply("3", "uint", &face(10_000_000))),
         ("2^32-sides.ply", ply("3", "uint", &face(u32::MAX))),
