@@ -10,9 +10,6 @@ use pfront_core::bvtt::PairBvtt;
 /// so that all of them take 50 MiB at most, however many pairs a frame has.
 const BATCH: usize = 1 << 16;
 
-/// The same for the first batch of a search for one hit; each further one is four times as large.
-const FIRST_BATCH: usize = 64;
-
 /// The history of a scene on threads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Batches {
@@ -58,7 +55,8 @@ impl Batches {
             Verb::Any => {
                 let mut first = None;
                 let mut queries: Vec<PairBvtt<'_>> = std::mem::take(&mut self.queries);
-                let (mut rest, mut size) = (frame.queries(), FIRST_BATCH);
+                // Batches grow, so that not much more is prepared than is asked.
+                let (mut rest, mut size) = (frame.queries(), 1);
                 while first.is_none() {
                     self.asking.clear();
                     for (bodies, query) in rest.by_ref().take(size) {
