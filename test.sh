@@ -1,15 +1,36 @@
 #!/usr/bin/env bash
-# All tests. The recorded oracles need data that may not be redistributed: ../shared/data beside this
-# checkout, or the folder that PFRONT_DATA names. Those of the GPU run on the best adapter; where there is
-# none, Mesa's lavapipe is installed, which runs on the CPU.
+# All tests, with a summary of what ran and what did not.
+#
+# ./test.sh [--fast] [arguments of cargo test]
+#
+# GPU tests run on the best adapter; where there is none, Mesa's lavapipe is installed (about 100 MB), which runs on
+# the CPU. The recorded oracles need data that may not be redistributed: ../shared/data beside this checkout, or the
+# folder that PFRONT_DATA names. --fast leaves out everything about GPUs, the commands and the lab.
 set -euo pipefail
 cd "$(dirname "$0")"
 export PFRONT_DATA="${PFRONT_DATA:-$(cd .. && pwd)/shared/data}"
-.ci/vulkan
-features=gpu
-if [ -f "$PFRONT_DATA/oracle/cases.json" ]; then
-  features=recorded,gpu
+left_out=()
+what=(--workspace) features=gpu
+if [ "${1:-}" = --fast ]; then
+  shift
+  what=(-p pfront -p pfront-core -p pfront-cpu -p pfront-shaders) features=threads
+  left_out+=("GPUs, the commands and the lab (--fast)")
 else
-  echo "NOT RUN: tests/recorded.rs and tests/recorded_gpu.rs, for want of $PFRONT_DATA/oracle/cases.json (set PFRONT_DATA)" >&2
+  .ci/vulkan
 fi
-cargo test --workspace --features "$features" "$@"
+if [ -f "$PFRONT_DATA/oracle/cases.json" ]; then
+  features=recorded,$features
+else
+  left_out+=("tests/recorded.rs and tests/recorded_gpu.rs, for want of $PFRONT_DATA/oracle/cases.json (set PFRONT_DATA)")
+fi
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+outcome=0
+cargo test "${what[@]}" --features "$features" "$@" 2>&1 | tee "$log" || outcome=$?
+
+printf '\n== summary, after %d minutes\n' $((SECONDS / 60))
+awk '/^test result:/ { suites++; passed += $4; failed += $6; ignored += $8 }
+  END { printf "%d suites: %d tests passed, %d failed, %d ignored\n", suites, passed, failed, ignored }' "$log"
+sed -n 's/^test \(.*\) \.\.\. FAILED$/FAILED: \1/p' "$log"
+for name in "${left_out[@]}"; do echo "NOT RUN: $name"; done
+exit "$outcome"

@@ -1,13 +1,12 @@
 //! The executor that answers, and how exactly: the options that all queries share.
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use pfront::gpu::Gpu;
 use pfront::gpu::wgpu::{Adapter, AdapterInfo, Backends, DeviceType, Instance, InstanceDescriptor};
 use pfront::threads::Traversal;
 use pfront::{Accuracy, Executor};
 use rayon::ThreadPoolBuilder;
-use std::env::var;
 use std::num::NonZero;
 use std::sync::Arc;
 use std::thread::available_parallelism;
@@ -58,7 +57,7 @@ impl ExecutorArgs {
                 self.accuracy == Guarantee::Exact,
                 "every answer of a GPU is exact: leave out --accuracy, or --backend"
             );
-            let gpu = open_gpu()?;
+            let gpu = Gpu::new()?;
             return Ok(Executor::gpu(&gpu, gpu.settings()));
         }
         let cpu = threads(number(self.threads))?;
@@ -93,35 +92,13 @@ impl Backend {
     pub fn open(self) -> Result<Option<Gpu>> {
         let is_a_gpu = |adapter: &Adapter| adapter.get_info().device_type != DeviceType::Cpu;
         match self {
-            Self::Gpu => Ok(Some(open_gpu()?)),
+            Self::Gpu => Ok(Some(Gpu::new()?)),
             Self::Auto if adapters().iter().any(is_a_gpu) => {
-                Ok(open_gpu().inspect_err(|error| eprintln!("without a GPU: {error}")).ok())
+                Ok(Gpu::new().inspect_err(|error| eprintln!("without a GPU: {error}")).ok())
             }
             Self::Cpu | Self::Auto => Ok(None),
         }
     }
-}
-
-/// Opens the adapter that a query takes. WGPU_BACKEND and WGPU_ADAPTER_NAME narrow the choice.
-///
-/// # Errors
-/// If there is none, none that could do it, or either variable admits none.
-pub fn open_gpu() -> Result<Gpu> {
-    if let Ok(backends) = var("WGPU_BACKEND")
-        && Backends::from_comma_list(&backends).is_empty()
-    {
-        bail!("WGPU_BACKEND={backends} names no backend; there are vulkan, metal, dx12 and gl");
-    }
-    if let Ok(name) = var("WGPU_ADAPTER_NAME") {
-        let there: Vec<_> = adapters().iter().map(|adapter| adapter.get_info().name).collect();
-        let matches = |adapter: &String| adapter.to_lowercase().contains(&name.to_lowercase());
-        ensure!(
-            there.is_empty() || there.iter().any(matches),
-            "no adapter matches WGPU_ADAPTER_NAME={name}; there are {}",
-            there.join(", ")
-        );
-    }
-    Ok(Gpu::new()?)
 }
 
 /// The adapters that WGPU_BACKEND admits, or else all.

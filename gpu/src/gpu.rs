@@ -272,17 +272,34 @@ pub(crate) fn checked<T>(
     }
 }
 
+/// The adapter that WGPU_ADAPTER_NAME names a part of, or the best.
 async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, GpuError> {
-    let found = if std::env::var_os("WGPU_ADAPTER_NAME").is_some() {
-        wgpu::util::initialize_adapter_from_env(instance, None).await
-    } else {
+    let refused = |reason: String| GpuError::NoAdapter { reason };
+    if let Ok(backends) = std::env::var("WGPU_BACKEND")
+        && wgpu::Backends::from_comma_list(&backends).is_empty()
+    {
+        let there = "there are vulkan, metal, dx12 and gl";
+        return Err(refused(format!("WGPU_BACKEND={backends} names no backend; {there}")));
+    }
+    let Ok(name) = std::env::var("WGPU_ADAPTER_NAME") else {
         let options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()
         };
-        instance.request_adapter(&options).await
+        let found = instance.request_adapter(&options).await;
+        return found.map_err(|error| refused(error.to_string()));
     };
-    found.map_err(|error| GpuError::NoAdapter { reason: error.to_string() })
+    let mut there = instance.enumerate_adapters(wgpu::Backends::all()).await;
+    let names: Vec<_> = there.iter().map(|adapter| adapter.get_info().name).collect();
+    let part = name.to_lowercase();
+    match names.iter().position(|name| name.to_lowercase().contains(&part)) {
+        Some(at) => Ok(there.swap_remove(at)),
+        None => {
+            let names = names.join(", ");
+            let reason = format!("no adapter matches WGPU_ADAPTER_NAME={name}; there are {names}");
+            Err(refused(reason))
+        }
+    }
 }
 
 /// The defaults of WebGPU, as far as the passes use them.

@@ -3,12 +3,12 @@
 use anyhow::Result;
 use pfront::gpu::wgpu::{Adapter, DeviceDescriptor, DeviceType, Features};
 use pfront::gpu::{Arithmetic, Gpu};
-use pfront_cli::executor::{adapters, open_gpu};
+use pfront_cli::executor::adapters;
 use pfront_cli::output::out;
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// What is worth knowing of an adapter.
+/// The description of an adapter.
 #[derive(Serialize)]
 struct Device {
     name: String,
@@ -36,7 +36,7 @@ enum Works {
 }
 
 pub(crate) fn run(json: bool) -> Result<bool> {
-    let chosen = open_gpu()?.device().adapter_info();
+    let chosen = Gpu::new()?.device().adapter_info();
     let device = |adapter: &Adapter| Device::of(adapter, adapter.get_info() == chosen);
     let devices: Vec<Device> = adapters().iter().map(device).collect();
     let mut out = out();
