@@ -309,11 +309,10 @@ impl Engine {
         let capacities = &self.lists.capacities;
         let copied = [most[0].min(capacities.hits), most[1].min(capacities.rest)];
         let [hits_at, rest_at, end] = offsets(copied);
-        // A run before this one that nobody has read to the end.
-        if self.mapping.take().is_some() {
-            self.read_back.unmap();
-        }
-        if self.read_back.size() < end {
+        // A run that nobody has read to the end leaves a buffer that wgpu 30 may map once that run is done, even if it was
+        // unmapped and is to be mapped after this one.
+        let is_lent = self.mapping.take().is_some();
+        if is_lent || self.read_back.size() < end {
             // Half as much again, so that answers that grow do not replace it each time.
             self.read_back = self.gpu.buffer("the read-back", end + end / 2, Usage::ReadBack)?;
         }
