@@ -118,7 +118,7 @@ impl Room {
         })
     }
 
-    /// Of what lasts as long as the BVH.
+    /// The words that last as long as the BVH.
     fn words(&self) -> usize {
         self.mesh + self.nodes + self.order
     }

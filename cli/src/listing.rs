@@ -170,7 +170,7 @@ impl<'f> Found<'f> {
 /// How rows of text look.
 struct Columns {
     csv: bool,
-    /// That of names.
+    /// The width of the column of names.
     width: usize,
 }
 

@@ -60,7 +60,7 @@ pub fn remove_half_written_on_interrupt() -> Result<()> {
     ctrlc::set_handler(|| {
         let files = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
         for file in files.iter() {
-            // One that is complete has another name by now.
+            // A complete file has another name by now.
             let _ = std::fs::remove_file(file);
         }
         std::process::exit(INTERRUPTED);

@@ -11,7 +11,7 @@ pub struct ReadError {
     fault: Fault,
 }
 
-/// What is wrong, and where in the file.
+/// The fault of a file, and where it is.
 #[derive(Debug)]
 pub(super) enum Fault {
     /// The file cannot be read.

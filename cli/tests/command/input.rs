@@ -1,4 +1,4 @@
-//! What is read: standard input, formats, digits that f32 does not hold, faces and nodes, bounds of memory.
+//! Input: standard input, formats, digits that f32 does not hold, faces and nodes, bounds of memory.
 
 use super::scene::ROOM;
 use super::{TETRAHEDRON, command, folder, out, pfront, refused};

@@ -34,7 +34,7 @@ pub struct Point {
     pub tally: Tally,
 }
 
-/// Which points no other beats: none is at least as fast and as seldom wrong, and better in one of both.
+/// The points that no other beats: none is at least as fast and as seldom wrong, and better in one of both.
 #[must_use]
 pub fn front(points: &[Point]) -> Vec<bool> {
     let figures = |p: &Point| (p.time, p.tally.per_million(p.tally.wrong()));

@@ -54,7 +54,7 @@ struct Series {
     triangles: usize,
     workers: usize,
     frames: Vec<Frame>,
-    /// Of the frame in the middle.
+    /// The reference for the frame in the middle.
     reference: Option<Reference>,
 }
 
