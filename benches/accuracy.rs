@@ -6,10 +6,10 @@
 #![expect(clippy::panic, reason = "a bench fails by panicking")]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use pfront::core::Triangle;
-use pfront::core::bvtt::{self, Query, TrianglePair};
-use pfront::core::triangle::intersects;
 use pfront::{Aabb, Accuracy, Model, PairQuery, Pose};
+use pfront_core::Triangle;
+use pfront_core::bvtt::{self, Query, TrianglePair};
+use pfront_core::triangle::intersects;
 use pfront_testkit::scenes::Scene;
 use std::hint::black_box;
 use std::sync::LazyLock;

@@ -6,10 +6,10 @@
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a bench fails by panicking")]
 
-use pfront::core::bvh::{self, BvhStorage};
-use pfront::core::bvh::{CompactNode, Layout, compact, node_bound};
-use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront::{BuildOptions, Bvh, Mesh, Node, Pose};
+use pfront_core::bvh::{self, BvhStorage};
+use pfront_core::bvh::{CompactNode, Layout, compact, node_bound};
+use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront_testkit::scenes::{Scene, TriMesh};
 use std::time::{Duration, Instant};
 

@@ -11,10 +11,10 @@ mod cases;
 
 use cases::{Asker, CASES, Case, FRAMES, all_threads, traversal, turn};
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
-use pfront::core::bvh::node_bound;
-use pfront::core::bvh::{self, BvhStorage};
 use pfront::threads::Schedule;
 use pfront::{BuildOptions, Model, Node};
+use pfront_core::bvh::node_bound;
+use pfront_core::bvh::{self, BvhStorage};
 use std::hint::black_box;
 
 const SCHEDULES: [Schedule; 3] = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];

@@ -9,7 +9,7 @@ use crate::gpu::GpuQuestion;
 use crate::model::Stamp;
 #[cfg(feature = "threads")]
 use crate::threads::{Report, Traversal};
-use crate::{Accuracy, Adjacency, Contact, Error, Model, Pose, TrianglePair, core};
+use crate::{Accuracy, Adjacency, Contact, Error, Model, Pose, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 #[cfg(feature = "threads")]
@@ -49,7 +49,7 @@ pub(crate) trait About {
 pub(crate) struct OfTwo<'m> {
     models: [&'m Model; 2],
     a_from_b: Pose,
-    query: core::bvtt::PairBvtt<'m>,
+    query: pfront_core::bvtt::PairBvtt<'m>,
     accuracy: Accuracy,
 }
 
@@ -60,7 +60,7 @@ impl<'m> OfTwo<'m> {
         accuracy: Accuracy,
     ) -> Result<Self, Error> {
         let [a, b] = models.map(Model::bvh);
-        let query = core::bvtt::PairBvtt::new(a, b, *a_from_b)?.with_accuracy(accuracy);
+        let query = pfront_core::bvtt::PairBvtt::new(a, b, *a_from_b)?.with_accuracy(accuracy);
         Ok(Self { models, a_from_b: *a_from_b, query, accuracy })
     }
 }
@@ -113,7 +113,7 @@ impl<'m> OfOne<'m> {
 impl About for OfOne<'_> {
     fn query(&self) -> impl Query + Sync {
         let [model] = self.models;
-        core::bvtt::SelfBvtt::new(model.bvh())
+        pfront_core::bvtt::SelfBvtt::new(model.bvh())
             .with_accuracy(self.accuracy)
             .with_adjacency(self.adjacency)
             .with_certificates(model.certificates())

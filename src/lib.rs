@@ -30,13 +30,13 @@
 //!   position of a vertex is fixed to the bit by [`Pose::apply`]; a pair query poses the second
 //!   mesh into the frame of the first, a scene poses every body into the world.
 //! - Within one mesh, what two triangles share by index is no contact: see
-//!   [`core::triangle::intersects_in_mesh`].
+//!   [`pfront_core::triangle::intersects_in_mesh`].
 //!
 //! # Features
 //! - `threads` (default): the queries on several CPU threads.
 //! - `gpu`: the module `gpu`, the queries on any GPU, with the same answers.
 //!
-//! The heart of it, [`core`], needs neither an allocator nor std. How to put any of it into an engine or into
+//! The heart of it, [`pfront_core`], needs neither an allocator nor std. How to put any of it into an engine or into
 //! firmware, how large every buffer has to be, and the worst case of every call: [`embedding`].
 
 pub mod batch;
@@ -62,7 +62,7 @@ pub use scene::{Body, BodyId, Groups, Piece, SceneHit, SceneQuery};
 pub use sphere::Sphere;
 pub use within::SelfQuery;
 
-pub use pfront_core as core;
+pub use pfront_core;
 pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::TrianglePair;
 pub use pfront_core::pose::PoseError;

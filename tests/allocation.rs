@@ -2,14 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::bvh::{self, BvhStorage, Refit};
-use pfront::core::bvh::{CompactNode, compact, node_bound};
-use pfront::core::bvtt::{self, Query};
-use pfront::core::triangle::{contact, intersects};
 use pfront::{
     Accuracy, Adjacency, BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SceneQuery,
     SelfQuery, TrianglePair,
 };
+use pfront_core::bvh::{self, BvhStorage, Refit};
+use pfront_core::bvh::{CompactNode, compact, node_bound};
+use pfront_core::bvtt::{self, Query};
+use pfront_core::triangle::{contact, intersects};
 use pfront_testkit::rng::seeded;
 use pfront_testkit::shapes::{Soup, pose_rows, sheet, sphere, tangle};
 use std::alloc::{GlobalAlloc, Layout, System};

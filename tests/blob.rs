@@ -3,9 +3,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::blob::{self, Counts};
-use pfront::core::bvh::BvhError;
 use pfront::{Blob, BlobError, Bvh, Error, Model, Node, SelfQuery};
+use pfront_core::blob::{self, Counts};
+use pfront_core::bvh::BvhError;
 use pfront_testkit::scenes::{Scene, TriMesh, icosphere, torus_knot};
 use proptest::prelude::*;
 use std::collections::VecDeque;

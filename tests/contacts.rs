@@ -1,6 +1,6 @@
 //! Contact segments against the exact points in which two triangles cross.
 
-use pfront::core::triangle::contact;
+use pfront_core::triangle::contact;
 use pfront_testkit::oracle::{crossing_points, intersect};
 use pfront_testkit::rng::seeded;
 use pfront_testkit::{Triangle, families::Family};

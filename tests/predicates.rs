@@ -5,8 +5,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::triangle::{contact, intersects, intersects_in_mesh};
 use pfront::{Accuracy, Adjacency, Mesh};
+use pfront_core::triangle::{contact, intersects, intersects_in_mesh};
 use pfront_testkit::Point;
 use pfront_testkit::oracle::{intersect, self_hit, share_a_vertex};
 use pfront_testkit::rng::{RngExt, seeded};

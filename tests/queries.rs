@@ -6,13 +6,13 @@
 mod layouts;
 
 use layouts::Compact;
-use pfront::core::bvh::{self, BvhStorage};
-use pfront::core::bvh::{MAX_LEAF_SIZE, node_bound};
-use pfront::core::bvtt::{self, Query};
 use pfront::{
     Accuracy, Adjacency, BuildOptions, Model, Node, PairQuery, Pose, SceneQuery, SelfQuery,
     TrianglePair,
 };
+use pfront_core::bvh::{self, BvhStorage};
+use pfront_core::bvh::{MAX_LEAF_SIZE, node_bound};
+use pfront_core::bvtt::{self, Query};
 use pfront_testkit::families::Family;
 use pfront_testkit::oracle::{pairs, self_pairs, share_a_vertex};
 use pfront_testkit::rng::{ChaCha8Rng, seeded};

@@ -11,8 +11,8 @@ mod layouts;
 
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh};
 use layouts::Compact;
-use pfront::core::bvtt::{self, Query};
 use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
+use pfront_core::bvtt::{self, Query};
 use pfront_testkit::oracle::{intersect, pairs, self_pairs};
 use pfront_testkit::shapes::{Soup, posed};
 use std::ops::ControlFlow;

@@ -3,11 +3,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::mesh::MeshError;
 use pfront::{
     Body, BodyId, Error, Groups, Model, PairQuery, Pose, PoseError, SceneHit, SceneQuery,
 };
 use pfront::{Piece, TrianglePair};
+use pfront_core::mesh::MeshError;
 use pfront_testkit::oracle::pairs;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::shapes::{Rows, Soup, pose_rows, posed, sheet, sphere, tangle, union};

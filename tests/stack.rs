@@ -1,7 +1,7 @@
 //! The documented bound on the stack of a walk, with what a thread itself takes.
 
-use pfront::core::bvtt::{self, Query};
 use pfront::{Model, Pose};
+use pfront_core::bvtt::{self, Query};
 use pfront_testkit::scenes::icosphere;
 use std::thread;
 

@@ -5,10 +5,10 @@
 mod layouts;
 
 use layouts::Compact;
-use pfront::core::bvtt;
-use pfront::core::bvtt::PosedBvh;
 use pfront::threads::{Report, Schedule, Settings, Traversal};
 use pfront::{BuildOptions, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
+use pfront_core::bvtt;
+use pfront_core::bvtt::PosedBvh;
 use pfront_testkit::scenes::Scene;
 use std::sync::Arc;
 

@@ -7,9 +7,9 @@
 #![expect(unsafe_code, reason = "Embree is a C library")]
 
 use super::work::{Finder, Hit, Work};
-use pfront::core::Triangle;
-use pfront::core::triangle::intersects;
 use pfront::{Aabb, Accuracy, TrianglePair};
+use pfront_core::Triangle;
+use pfront_core::triangle::intersects;
 use std::cell::Cell;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::sync::Mutex;

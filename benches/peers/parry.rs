@@ -13,8 +13,8 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
 use parry3d::query::details::intersection_test_support_map_support_map as gjk;
 use parry3d::query::intersection_test;
 use parry3d::shape::{TriMesh, Triangle};
-use pfront::core::triangle::intersects;
 use pfront::{Accuracy, TrianglePair};
+use pfront_core::triangle::intersects;
 
 /// parry's own test of two triangles, which is GJK, as for all its convex shapes.
 pub(crate) fn own(a: &Triangle, b: &Triangle) -> bool {

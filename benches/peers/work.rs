@@ -1,7 +1,7 @@
 //! The same task for every library: bodies that move, and which of their triangles meet.
 
-use pfront::core::triangle::intersects;
 use pfront::{Accuracy, Model, PairQuery, Pose, TrianglePair};
+use pfront_core::triangle::intersects;
 use pfront_testkit::scenes::{Kind, Scene, TriMesh, icosphere, torus_knot};
 
 /// Two bodies, the first of them first, and a triangle of each. Of one body both are the same, and the

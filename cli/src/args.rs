@@ -5,7 +5,7 @@ use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use pfront::Pose;
-use pfront::core::bvh::MAX_LEAF_SIZE;
+use pfront::pfront_core::bvh::MAX_LEAF_SIZE;
 use pfront_cli::executor::{Backend, ExecutorArgs, parse_threads};
 use pfront_cli::mesh::ReadOptions;
 use std::num::NonZero;

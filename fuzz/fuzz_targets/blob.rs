@@ -5,8 +5,8 @@
 
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
-use pfront::core::blob::{self, Counts, MAGIC};
-use pfront::core::bvtt;
+use pfront::pfront_core::blob::{self, Counts, MAGIC};
+use pfront::pfront_core::bvtt;
 use pfront::{Blob, BlobError, Mesh, Model, SelfQuery, TrianglePair};
 use pfront_fuzz::input::Palette;
 use pfront_fuzz::{Builder, Tree, as_pairs, pages};

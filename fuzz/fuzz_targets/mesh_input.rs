@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
-use pfront::core::bvtt::{self, Query};
+use pfront::pfront_core::bvtt::{self, Query};
 use pfront::{BuildOptions, Bvh, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_fuzz::input::Palette;
 use pfront_fuzz::{Builder, Tree, as_pairs};

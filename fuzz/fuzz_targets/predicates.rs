@@ -7,7 +7,7 @@
 
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
-use pfront::core::triangle::{contact, intersects, intersects_in_mesh};
+use pfront::pfront_core::triangle::{contact, intersects, intersects_in_mesh};
 use pfront::{Accuracy, Adjacency, Mesh};
 use pfront_testkit::oracle::{intersect, self_hit, share_a_vertex};
 

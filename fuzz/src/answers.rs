@@ -1,7 +1,7 @@
 //! The answers of one backend to one question, through all verbs, checked.
 
 use crate::input::Ask;
-use pfront::core::bvtt::Query;
+use pfront::pfront_core::bvtt::Query;
 use pfront::{Accuracy, Contact, TrianglePair};
 use std::fmt::Debug;
 use std::ops::ControlFlow;

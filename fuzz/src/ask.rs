@@ -4,7 +4,7 @@ use crate::answers::{Answers, first_few, of_core};
 use crate::input::{Ask, Placing, adjacency};
 use crate::truth::overlapping;
 use crate::world::{World, placed};
-use pfront::core::bvtt::{self, PosedBvh};
+use pfront::pfront_core::bvtt::{self, PosedBvh};
 use pfront::{Error, Model, PairQuery, Pose, SceneHit, SceneQuery, SelfQuery, TrianglePair};
 use std::mem::take;
 

@@ -2,9 +2,9 @@
 
 use crate::input::Build;
 use arbitrary::Arbitrary;
-use pfront::core::bvh::node_bound;
-use pfront::core::bvh::{self, BvhStorage, Join, Refit};
-use pfront::core::mesh::MeshError;
+use pfront::pfront_core::bvh::node_bound;
+use pfront::pfront_core::bvh::{self, BvhStorage, Join, Refit};
+use pfront::pfront_core::mesh::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
 use pfront_testkit::shapes::Soup;
 

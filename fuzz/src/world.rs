@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::input::{Build, Change, Crew, Few, Palette, Placing, Question, Shape, Step};
 use crate::truth::Truth;
-use pfront::core::bvtt::PosedBvh;
+use pfront::pfront_core::bvtt::PosedBvh;
 use pfront::{BodyId, Bvh, Error, Executor, PairQuery, Piece, Pose, SceneQuery, SelfQuery};
 use pfront_testkit::shapes::{Soup, posed};
 use std::fmt::Debug;

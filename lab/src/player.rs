@@ -3,8 +3,8 @@
 use crate::stability::Reference;
 use crate::workload::{Frame, Header};
 use anyhow::{Context, Result, bail};
-use pfront::core::bvtt::{PairBvtt, SelfBvtt};
 use pfront::executor::Plan;
+use pfront::pfront_core::bvtt::{PairBvtt, SelfBvtt};
 use pfront::threads::Report;
 use pfront::{
     Accuracy, Adjacency, BodyId, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery,

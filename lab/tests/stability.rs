@@ -3,7 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::bvtt::PairBvtt;
+use pfront::pfront_core::bvtt::PairBvtt;
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{Model, Pose, TrianglePair};
 use pfront_lab::stability::Method::{Ours, Printed};

@@ -11,7 +11,7 @@ use pfront_core::Mesh;
 
 impl Model {
     /// Moves the vertices of a deforming mesh and refits the BVH; rebuilds it when its quality
-    /// figure has grown by [`REBUILD_RATIO`](crate::core::bvh::REBUILD_RATIO) since the last build.
+    /// figure has grown by [`REBUILD_RATIO`](pfront_core::bvh::REBUILD_RATIO) since the last build.
     ///
     /// On error nothing has changed, nor if the positions are the present ones to the bit: the
     /// [`Model::stamp`] stays. Where few vertices have moved, only the BVH near these is looked at.

@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::core::bvh::{CompactNode, compact, node_bound};
 use pfront::{Bvh, Mesh};
+use pfront_core::bvh::{CompactNode, compact, node_bound};
 
 /// The arrays of a compact BVH.
 pub(crate) struct Compact {

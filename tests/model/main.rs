@@ -6,8 +6,8 @@
 mod history;
 mod together;
 
-use pfront::core::bvh::{self, Refit};
 use pfront::{BuildOptions, Model};
+use pfront_core::bvh::{self, Refit};
 use pfront_testkit::shapes::{Soup, bumpy};
 
 const SIDE: u32 = 24;

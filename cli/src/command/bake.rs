@@ -3,9 +3,9 @@
 use super::in_file;
 use crate::args::{Bake, Build};
 use anyhow::{Context, Result};
-use pfront::core::blob::{self, Counts};
-use pfront::core::bvh::node_bound;
-use pfront::core::bvh::{self, BuildOptions, BvhStorage};
+use pfront::pfront_core::blob::{self, Counts};
+use pfront::pfront_core::bvh::node_bound;
+use pfront::pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
 use pfront_cli::mesh::MeshData;
 use pfront_cli::output::{Draft, out};

@@ -5,7 +5,7 @@ use crate::args::{Listing, TwoMeshes};
 use crate::listing::{Found, Origin};
 use crate::progress::shown;
 use anyhow::Result;
-use pfront::core::bvtt::PairBvtt;
+use pfront::pfront_core::bvtt::PairBvtt;
 use pfront::{PairQuery, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
 

@@ -5,7 +5,7 @@ use crate::args::SelfCollision;
 use crate::listing::{Found, Origin};
 use crate::progress::shown;
 use anyhow::Result;
-use pfront::core::bvtt::SelfBvtt;
+use pfront::pfront_core::bvtt::SelfBvtt;
 use pfront::{Adjacency, SelfQuery, TrianglePair};
 
 pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {

@@ -1,4 +1,4 @@
-//! Baked meshes: blobs of a mesh and its BVH, see [`pfront::core::blob`].
+//! Baked meshes: blobs of a mesh and its BVH, see [`pfront::pfront_core::blob`].
 
 use super::MeshData;
 use super::error::Fault;

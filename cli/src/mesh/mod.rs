@@ -23,7 +23,7 @@ pub use source::Source;
 
 use error::Fault;
 use pfront::Model;
-use pfront::core::blob::MAGIC;
+use pfront::pfront_core::blob::MAGIC;
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
 use std::io::{Read, stdin};

@@ -6,8 +6,8 @@
 //! the pairs (i, i) to the passes that decide; these look at corners only.
 
 use crate::suite::Case;
-use pfront::core::Triangle;
 use pfront::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuReport};
+use pfront::pfront_core::Triangle;
 use pfront::{Bvh, Mesh, Node, Pose};
 
 /// A GPU, and what it needs to answer.

@@ -9,7 +9,7 @@ pub use gpu::OnGpu;
 pub use ours::OURS;
 
 use crate::suite::{Block, Case};
-use pfront::core::Triangle;
+use pfront::pfront_core::Triangle;
 use rayon::prelude::*;
 
 /// A way to tell whether two triangles meet.

@@ -1,9 +1,9 @@
 //! The tests of pfront.
 
 use super::Test;
-use pfront::core::bvtt::{PairBvtt, Query};
-use pfront::core::triangle::intersects;
-use pfront::core::{Aabb, Triangle};
+use pfront::pfront_core::bvtt::{PairBvtt, Query};
+use pfront::pfront_core::triangle::intersects;
+use pfront::pfront_core::{Aabb, Triangle};
 use pfront::{Accuracy, Bvh, Mesh, Node, Pose};
 
 /// Ours: the triangle test at each accuracy, and what a query makes of the pair, which decides what it can

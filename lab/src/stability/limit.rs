@@ -13,14 +13,14 @@
 //!   estimate is off: no forecast meets the limits (measured with 1024 workers of 26 tests each: 12 in a first
 //!   frame, where p·w_max/W is 2.4).
 
-use pfront::core::bvtt::{Cursor, NodePair, Query};
+use pfront::pfront_core::bvtt::{Cursor, NodePair, Query};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
 /// Box tests per worker below which limits are wider.
 pub const THIN: f64 = 100.0;
 
-/// As in [`pfront::core::front`]: nodes that cost less are not split.
+/// As in [`pfront::pfront_core::front`]: nodes that cost less are not split.
 const WORTH_SPLITTING: f64 = 64.0;
 
 /// What is asked of the imbalance of a frame: busiest worker over mean.

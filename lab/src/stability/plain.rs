@@ -17,8 +17,8 @@
 //! - A node of F_s that does not overlap costs its one test, so it is not stored but found missing.
 
 use pfront::TrianglePair;
-use pfront::core::Aabb;
-use pfront::core::bvtt::{Cursor, NodePair, Query};
+use pfront::pfront_core::Aabb;
+use pfront::pfront_core::bvtt::{Cursor, NodePair, Query};
 use pfront::threads::{Report, Share};
 use std::collections::HashMap;
 use std::ops::ControlFlow;

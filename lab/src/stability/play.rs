@@ -5,7 +5,7 @@ use super::plain::Plain;
 use super::scene::{Scene, Step};
 use anyhow::Result;
 use pfront::TrianglePair;
-use pfront::core::bvtt::Query;
+use pfront::pfront_core::bvtt::Query;
 use pfront::threads::{Report, Schedule, Settings, Traversal};
 use std::ops::ControlFlow;
 

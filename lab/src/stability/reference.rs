@@ -5,7 +5,7 @@
 //! checks after each; here the dearest is split first, and the partition is checked whenever the front has grown by a
 //! sixteenth.
 
-use pfront::core::bvtt::{Cursor, NodePair, Query};
+use pfront::pfront_core::bvtt::{Cursor, NodePair, Query};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
@@ -121,7 +121,7 @@ type Costed = (u64, u32, u32);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pfront::core::bvtt::{PairBvtt, Query, SelfBvtt};
+    use pfront::pfront_core::bvtt::{PairBvtt, Query, SelfBvtt};
     use pfront::{Model, Pose};
     use pfront_testkit::scenes::icosphere;
 

@@ -3,7 +3,7 @@
 use super::limit::Bound;
 use super::play::Player;
 use anyhow::Result;
-use pfront::core::bvtt::{PairBvtt, SelfBvtt};
+use pfront::pfront_core::bvtt::{PairBvtt, SelfBvtt};
 use pfront::{Model, Pose, TrianglePair};
 use pfront_testkit::scenes::TriMesh;
 

@@ -5,8 +5,8 @@
 //! flush along an axis often stay so, since a move may leave out axes.
 
 use anyhow::{Result, ensure};
-use pfront::core::bvtt::{self, Query};
-use pfront::core::{Aabb, Bvh, Triangle};
+use pfront::pfront_core::bvtt::{self, Query};
+use pfront::pfront_core::{Aabb, Bvh, Triangle};
 use pfront::{Model, Pose};
 use pfront_testkit::oracle::share_a_vertex;
 use pfront_testkit::rng::{Rng, RngExt};

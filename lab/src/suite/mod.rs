@@ -16,7 +16,7 @@ pub use contacts::{Body, Contacts, Site};
 pub use file::{Reader, Writer, answers};
 
 use anyhow::Result;
-use pfront::core::Triangle;
+use pfront::pfront_core::Triangle;
 use pfront_testkit::oracle::intersect;
 use pfront_testkit::rng::seeded;
 use pfront_testkit::{checksum, families::Family};

@@ -4,7 +4,7 @@
 //! directions in their planes orthogonal to edges. Nothing is normalised, nothing has a tolerance.
 
 use glam::Vec3;
-use pfront::core::Triangle;
+use pfront::pfront_core::Triangle;
 
 pub(super) fn meet(a: &Triangle, b: &Triangle) -> bool {
     let [a, b] = [a, b].map(|t| t.map(Vec3::from_array));

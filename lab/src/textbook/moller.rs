@@ -5,7 +5,7 @@
 //! in which they are largest, and their edges and corners are tried there.
 
 use glam::{Vec2, Vec3};
-use pfront::core::Triangle;
+use pfront::pfront_core::Triangle;
 
 pub(super) fn meet(v: &Triangle, u: &Triangle, epsilon: f32) -> bool {
     let [v, u] = [v, u].map(|t| t.map(Vec3::from_array));

@@ -5,7 +5,7 @@
 //! are decided by signs in projection, by separating edges and not by the paper's decision tree, which
 //! asks for fewer of them.
 
-use pfront::core::Triangle;
+use pfront::pfront_core::Triangle;
 use std::ops::{Mul, Sub};
 
 /// The arithmetic.

@@ -6,7 +6,7 @@
 use parry3d::math::{Pose, Vec3};
 use parry3d::query::details::intersection_test_support_map_support_map;
 use parry3d::shape::Triangle as Shape;
-use pfront::core::Triangle;
+use pfront::pfront_core::Triangle;
 use std::cell::Cell;
 use std::panic;
 use std::sync::Once;
