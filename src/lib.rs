@@ -72,7 +72,7 @@ pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose};
 #[cfg(feature = "threads")]
 pub use pfront_cpu as threads;
 
-/// The examples of the README are compiled.
-#[cfg(doctest)]
+/// The examples of the README are compiled and run where there are all features.
+#[cfg(all(doctest, feature = "gpu"))]
 #[doc = include_str!("../README.md")]
 mod readme {}

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-6;
 struct Met {
     segments: Vec<[DVec3; 2]>,
     sagitta: f64,
-    /// Of all edges, for each unit of area.
+    /// The length of all edges for each unit of area.
     edges: f64,
 }
 

@@ -47,7 +47,7 @@ fn run(mut scene: SceneQuery, seed: u64) {
             let _ = match rng.random_range(0..12) {
                 0 => scene.remove(id).map(|_| ()),
                 1 => scene.add(model.clone(), somewhere(&mut rng)).map(|_| ()),
-                // Where it is.
+                // The pose that it has.
                 2 => scene.body(id).map(Body::pose).and_then(|pose| scene.set_pose(id, pose)),
                 3 => {
                     let scale = rng.random_range(0.7..1.5f32);

@@ -376,7 +376,7 @@ mod on_a_gpu {
         }
     }
 
-    /// Whoever asks too early is told so, at once: many times while the device works.
+    /// A ticket that is asked too early says so at once: many times while the device works.
     #[test]
     fn to_ask_a_ticket_is_not_to_wait_for_it() {
         let gpu = Gpu::new().unwrap();

@@ -197,7 +197,7 @@ static inline void in_pages(const pfront_query_t *query, list_t *list)
     }
 }
 
-// Of a front, the part of one worker.
+// Answers the part of a front that one worker has.
 static inline void work(const pfront_query_t *queries, const pfront_front_t *front, uint32_t part,
                         list_t *list)
 {

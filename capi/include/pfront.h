@@ -164,7 +164,7 @@ typedef uint32_t pfront_accuracy_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Which pairs of triangles of one mesh count.
+// The rule by which pairs of triangles of one mesh count.
 enum pfront_rule_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -234,7 +234,7 @@ typedef struct pfront_error_t {
   const char *what;
   // The vertex, triangle, node, entry or row at fault.
   size_t index;
-  // What is needed, or the limit.
+  // The number that is needed, or the limit.
   size_t needed;
   // What was given.
   size_t given;
@@ -275,7 +275,7 @@ typedef struct pfront_buffers_t {
 typedef struct pfront_node_t {
   // The smallest corner of its box.
   float min[3];
-  // Of a leaf, where its triangles begin in the order; else its left child, next to which is the right one.
+  // In a leaf, where its triangles begin in the order; else its left child, next to which is the right one.
   uint32_t first;
   // The largest corner of its box.
   float max[3];

@@ -76,7 +76,7 @@ pub extern "C" fn pfront_adopt_scratch_bytes(triangle_count: usize) -> usize {
     bounded(triangle_count, |count| bytes::<u32>(count.div_ceil(32).max(1)))
 }
 
-/// What is to be built.
+/// The arguments of a build.
 struct Build {
     mesh: *const pfront_mesh_t,
     leaf_size: u32,

@@ -31,7 +31,7 @@ const _: () = assert!(PFRONT_REBUILD_RATIO == pfront_core::bvh::REBUILD_RATIO);
 pub struct pfront_node_t {
     /// The smallest corner of its box.
     pub min: [f32; 3],
-    /// Of a leaf, where its triangles begin in the order; else its left child, next to which is the right one.
+    /// In a leaf, where its triangles begin in the order; else its left child, next to which is the right one.
     pub first: u32,
     /// The largest corner of its box.
     pub max: [f32; 3],
@@ -64,11 +64,11 @@ pub struct pfront_bvh_t {
 }
 
 const SEAL: u32 = u32::from_be_bytes(*b"bvh ");
-/// That of a BVH that is not to be written.
+/// The seal of a BVH that must not be written.
 const BORROWED: u32 = u32::from_be_bytes(*b"blob");
 
 impl pfront_bvh_t {
-    /// Of arrays that are good.
+    /// A BVH of arrays that are valid.
     pub(crate) fn made(
         mesh: pfront_mesh_t,
         nodes: *mut pfront_node_t,
@@ -78,7 +78,7 @@ impl pfront_bvh_t {
         Self { seal: SEAL, mesh, nodes, node_count, order }
     }
 
-    /// Of arrays in a blob.
+    /// A BVH of arrays in a blob.
     pub(crate) fn borrowed(
         mesh: pfront_mesh_t,
         nodes: *const pfront_node_t,

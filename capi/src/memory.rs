@@ -4,8 +4,8 @@
 //! of the address space, and that what is written overlaps nothing else that the call uses. What cannot be checked, that
 //! memory is there, as much as is said, and is no other thread's to write, is the caller's part of the contract.
 //!
-//! What is to be written need not be initialised in C, and is lent all the same: nobody in `pfront_core` reads of a
-//! buffer what it has not written, which miri and valgrind check.
+//! Buffers that a call writes need not be initialised in C, and become references all the same: `pfront_core` reads nothing
+//! of a buffer that it has not written, which miri and valgrind check.
 
 #![expect(unsafe_code, reason = "C knows only pointers, and somebody has to follow them")]
 
@@ -128,7 +128,7 @@ impl Claim {
 
 /// The memory that one call uses. What it lends lives as long as the call, `'c`.
 ///
-/// What is to be written is asked for first, so that it is enough to remember that.
+/// Calls claim the buffers that they write first, so only these claims need to be kept.
 pub(crate) struct Call<'c> {
     claims: [Claim; 6],
     count: usize,

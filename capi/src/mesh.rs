@@ -34,7 +34,7 @@ pub struct pfront_mesh_t {
 const SEAL: u32 = u32::from_be_bytes(*b"mesh");
 
 impl pfront_mesh_t {
-    /// Of arrays that are good, or about to be checked.
+    /// A mesh of arrays that are valid, or about to be checked.
     pub(crate) fn made(
         positions: *const f32,
         vertex_count: usize,

@@ -1,4 +1,4 @@
-//! What is asked.
+//! Queries: two meshes or one, and which pairs count.
 
 #![expect(
     unsafe_code,
@@ -37,7 +37,7 @@ pub enum pfront_accuracy_t {
     PFRONT_FAST = 2,
 }
 
-/// Which pairs of triangles of one mesh count.
+/// The rule by which pairs of triangles of one mesh count.
 #[repr(u32)]
 #[derive(Clone, Copy)]
 pub enum pfront_rule_t {

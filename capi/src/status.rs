@@ -86,7 +86,7 @@ pub struct pfront_error_t {
     pub what: *const c_char,
     /// The vertex, triangle, node, entry or row at fault.
     pub index: usize,
-    /// What is needed, or the limit.
+    /// The number that is needed, or the limit.
     pub needed: usize,
     /// What was given.
     pub given: usize,

@@ -74,10 +74,10 @@ static void builds(void)
     THAT(pfront_link_scratch_bytes(SIZE_MAX, 1) == SIZE_MAX);
     THAT(pfront_history_bound(SIZE_MAX, 1) == SIZE_MAX);
     memory = good;
-    // What is made would lie where something else does.
+    // The BVH would lie where its nodes do.
     EXPECT(PFRONT_OVERLAP, "nodes",
            pfront_bvh_build_sah(&mesh, 0, &memory, (pfront_bvh_t *)(void *)nodes, &error));
-    // Of any alignment.
+    // Scratch may have any alignment.
     memory.scratch = scratch + 1;
     memory.scratch_bytes = pfront_sah_scratch_bytes(TRIANGLES);
     OK(pfront_bvh_build_sah(&mesh, 1, &memory, &bvh, &error));

@@ -106,7 +106,7 @@ static void frames(void)
     pose = at(1.5f);
     OK(pfront_scene_set_pose(scene, bodies[1], &pose, &error));
     THAT(meeting(scene, bodies[0], bodies[1]) == first);
-    // One that is gone.
+    // A body that has been removed.
     OK(pfront_scene_remove(scene, bodies[0], &error));
     THAT(meeting(scene, bodies[0], bodies[1]) == 0 && meeting(scene, bodies[1], bodies[2]) == second);
     EXPECT(PFRONT_STALE_BODY, "body", pfront_scene_set_pose(scene, bodies[0], &pose, &error));

@@ -157,7 +157,7 @@ fn answers_about_a_scene() {
             assert_kept!(scene, name);
             assert_eq!(scene.contacts().unwrap().len(), first.len());
             assert_kept!(scene, name);
-            // Where it is.
+            // The pose that it has.
             scene.set_pose(ids[3], scene.body(ids[3]).unwrap().pose()).unwrap();
         }
         // Other executors take over what is known.
