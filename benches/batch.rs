@@ -15,7 +15,8 @@ use parry3d::query::intersection_test;
 use parry3d::shape::TriMesh as ParryMesh;
 use pfront::threads::Traversal;
 use pfront::{Batch, Executor, Model, PairQuery, Pose};
-use pfront_testkit::scenes::{Scene, TriMesh, torus_knot};
+use pfront_testkit::MeshData;
+use pfront_testkit::scenes::{Scene, torus_knot};
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -26,13 +27,13 @@ const POSES: usize = 10_000;
 const FEW: usize = 200;
 const SEED: u64 = 11;
 
-fn mesh() -> (&'static str, TriMesh) {
+fn mesh() -> (&'static str, MeshData) {
     let Some(folder) = std::env::var_os("PFRONT_DATA") else {
         return ("torus knots", torus_knot(70_000));
     };
     let path = std::path::Path::new(&folder).join("classic/bunny_69451.obj");
     let mesh = pfront_cli::mesh::read(&path).unwrap();
-    ("bunnies", TriMesh { positions: mesh.positions, triangles: mesh.triangles })
+    ("bunnies", MeshData { positions: mesh.positions, triangles: mesh.triangles })
 }
 
 fn pool(threads: usize) -> Executor {

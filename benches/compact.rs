@@ -10,13 +10,14 @@ use pfront::{BuildOptions, Bvh, Mesh, Node, Pose};
 use pfront_core::bvh::{self, BvhStorage};
 use pfront_core::bvh::{CompactNode, Layout, compact, node_bound};
 use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt};
-use pfront_testkit::scenes::{Scene, TriMesh};
+use pfront_testkit::MeshData;
+use pfront_testkit::scenes::Scene;
 use std::time::{Duration, Instant};
 
 /// Two meshes in some poses, or one by itself.
 struct Case {
     name: &'static str,
-    meshes: Vec<TriMesh>,
+    meshes: Vec<MeshData>,
     poses: Vec<Pose>,
 }
 
@@ -52,7 +53,7 @@ fn bunnies() -> Option<Case> {
     let folder = std::env::var_os("PFRONT_DATA")?;
     let path = std::path::Path::new(&folder).join("classic/bunny_69451.obj");
     let read = pfront_cli::mesh::read(&path).unwrap_or_else(|e| panic!("{e}"));
-    let mesh = TriMesh { positions: read.positions, triangles: read.triangles };
+    let mesh = MeshData { positions: read.positions, triangles: read.triangles };
     let (sin, cos) = 0.3_f32.sin_cos();
     // A bunny is 0.16 wide.
     let pose = |i: u8| {
@@ -84,7 +85,7 @@ struct Tree<'m> {
 }
 
 impl<'m> Tree<'m> {
-    fn new(mesh: &'m TriMesh, build: Build, leaf_size: u32) -> Self {
+    fn new(mesh: &'m MeshData, build: Build, leaf_size: u32) -> Self {
         let mesh = Mesh::new(&mesh.positions, &mesh.triangles).unwrap();
         let n = mesh.triangles().len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);

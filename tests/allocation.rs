@@ -10,8 +10,9 @@ use pfront_core::bvh::{self, BvhStorage, Refit};
 use pfront_core::bvh::{CompactNode, compact, node_bound};
 use pfront_core::bvtt::{self, Query};
 use pfront_core::triangle::{contact, intersects};
+use pfront_testkit::MeshData;
 use pfront_testkit::rng::seeded;
-use pfront_testkit::shapes::{Soup, pose_rows, sheet, sphere, tangle};
+use pfront_testkit::shapes::{pose_rows, sheet, sphere, tangle};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -69,7 +70,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-fn model(soup: &Soup) -> Model {
+fn model(soup: &MeshData) -> Model {
     Model::new(soup.positions.clone(), soup.triangles.clone()).unwrap()
 }
 

@@ -6,11 +6,12 @@
 use pfront::{Blob, BlobError, Bvh, Error, Model, Node, SelfQuery};
 use pfront_core::blob::{self, Counts};
 use pfront_core::bvh::BvhError;
-use pfront_testkit::scenes::{Scene, TriMesh, icosphere, torus_knot};
+use pfront_testkit::MeshData;
+use pfront_testkit::scenes::{Scene, icosphere, torus_knot};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 
-fn model(mesh: &TriMesh) -> Model {
+fn model(mesh: &MeshData) -> Model {
     Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap()
 }
 
@@ -29,7 +30,7 @@ fn pairs(model: &Model) -> Vec<pfront::TrianglePair> {
 #[test]
 fn models_come_back() {
     let worm_gear = Scene::by_name("worm-gear", Some(4_000)).unwrap();
-    let empty = TriMesh { positions: Vec::new(), triangles: Vec::new() };
+    let empty = MeshData { positions: Vec::new(), triangles: Vec::new() };
     let meshes = [empty, icosphere(1_280), torus_knot(6_000)];
     for mesh in meshes.iter().chain(&worm_gear.meshes) {
         let original = model(mesh);

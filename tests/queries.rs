@@ -13,10 +13,11 @@ use pfront::{
 use pfront_core::bvh::{self, BvhStorage};
 use pfront_core::bvh::{MAX_LEAF_SIZE, node_bound};
 use pfront_core::bvtt::{self, Query};
+use pfront_testkit::MeshData;
 use pfront_testkit::families::Family;
 use pfront_testkit::oracle::{pairs, self_pairs, share_a_vertex};
 use pfront_testkit::rng::{ChaCha8Rng, seeded};
-use pfront_testkit::shapes::{Soup, bumpy, family, pose_rows, posed, sheet, sphere, tangle, union};
+use pfront_testkit::shapes::{bumpy, family, pose_rows, posed, sheet, sphere, tangle, union};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -35,7 +36,7 @@ fn spheres_in_any_pose() {
 fn a_mesh_that_a_pose_brings_into_range_is_taken() {
     let shrink = Pose::new([[1e-3, 0.0, 0.0, 0.0], [0.0, 1e-3, 0.0, 0.0], [0.0, 0.0, 1e-3, 0.0]]);
     for size in [2e38, f32::MAX] {
-        let scaled = |soup: Soup, by: f32| soup.map(|p| p.map(|x| x * by));
+        let scaled = |soup: MeshData, by: f32| soup.map(|p| p.map(|x| x * by));
         let (near, large) = (scaled(sphere(12), 0.6e-3 * size), scaled(tilted(), size));
         let found = pair(&near, &large, &shrink);
         assert!(found > 0, "{size:e}");
@@ -49,8 +50,8 @@ fn a_mesh_that_a_pose_brings_into_range_is_taken() {
 }
 
 /// A tetrahedron over the whole of −1..1.
-fn tilted() -> Soup {
-    Soup {
+fn tilted() -> MeshData {
+    MeshData {
         positions: vec![[-1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]],
         triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
     }
@@ -94,7 +95,7 @@ fn soups_of_every_moderate_family_in_any_pose() {
         let (a, b) = (family(f, 30, &mut rng), family(f, 30, &mut rng));
         let here = pose(0.5, &mut rng);
         // Turned about the origin, B stays near A whatever the scale.
-        let there = Soup { positions: posed(&b.positions, &pose(0.0, &mut rng).rows), ..b };
+        let there = MeshData { positions: posed(&b.positions, &pose(0.0, &mut rng).rows), ..b };
         pair(&a, &there, &here);
         pair(&a, &there, &pose(0.0, &mut rng));
     }
@@ -110,10 +111,11 @@ fn poses_that_stretch() {
             let lattice = tangle(30, 60, 3, &mut rng);
             let tiny = lattice.clone().map(|p| p.map(steps));
             let stretch = Pose::new(pose(0.0, &mut rng).rows.map(|r| r.map(|x| x * scale)));
-            let near = Soup { positions: posed(&tiny.positions, &stretch.rows), ..tiny.clone() };
+            let near =
+                MeshData { positions: posed(&tiny.positions, &stretch.rows), ..tiny.clone() };
             pair(&near, &tiny, &stretch);
             let far =
-                Soup { positions: posed(&lattice.positions, &stretch.rows), ..lattice.clone() };
+                MeshData { positions: posed(&lattice.positions, &stretch.rows), ..lattice.clone() };
             pair(&far, &lattice, &stretch);
         }
     }
@@ -130,7 +132,7 @@ fn poses_that_cancel() {
             let turn = pose_rows(0.0, &mut rng);
             let [home] = posed(&[[offset; 3]], &turn)[..] else { unreachable!() };
             let back = Pose::new([0, 1, 2].map(|i| [turn[i][0], turn[i][1], turn[i][2], -home[i]]));
-            let near = Soup { positions: posed(&far.positions, &back.rows), ..far.clone() };
+            let near = MeshData { positions: posed(&far.positions, &back.rows), ..far.clone() };
             assert!(pair(&near, &far, &back) > 60);
         }
     }
@@ -160,8 +162,8 @@ fn one_mesh_with_itself() {
 
 #[test]
 fn nothing_and_nearly_nothing() {
-    let (none, one) = (Soup::default(), sheet(1, |_, _| 0.0));
-    let bare = Soup { positions: one.positions.clone(), triangles: vec![] };
+    let (none, one) = (MeshData::default(), sheet(1, |_, _| 0.0));
+    let bare = MeshData { positions: one.positions.clone(), triangles: vec![] };
     for empty in [&none, &bare] {
         assert_eq!(pair(empty, empty, &Pose::IDENTITY), 0);
         assert_eq!(pair(empty, &one, &Pose::IDENTITY), 0);
@@ -169,7 +171,7 @@ fn nothing_and_nearly_nothing() {
         assert_eq!(within(empty), 0);
     }
     assert_eq!(pair(&one, &one, &Pose::IDENTITY), 4);
-    let point = Soup { positions: vec![[0.0; 3]], triangles: vec![[0; 3]; 3] };
+    let point = MeshData { positions: vec![[0.0; 3]], triangles: vec![[0; 3]; 3] };
     assert_eq!(pair(&one, &point, &Pose::IDENTITY), 6);
     assert_eq!(within(&point), 3);
 }
@@ -197,7 +199,7 @@ fn deforming_meshes_are_refitted() {
 }
 
 /// Checks all answers about two meshes and returns how many pairs meet.
-fn pair(a: &Soup, b: &Soup, a_from_b: &Pose) -> usize {
+fn pair(a: &MeshData, b: &MeshData, a_from_b: &Pose) -> usize {
     let world = posed(&b.positions, &a_from_b.rows);
     let truth = as_pairs(&pairs(&a.positions, &a.triangles, &world, &b.triangles));
     let mut exact = PairQuery::new();
@@ -232,7 +234,7 @@ fn pair(a: &Soup, b: &Soup, a_from_b: &Pose) -> usize {
 }
 
 /// Checks all answers about one mesh and returns how many pairs meet.
-fn within(soup: &Soup) -> usize {
+fn within(soup: &MeshData) -> usize {
     let truth = as_pairs(&self_pairs(&soup.positions, &soup.triangles));
     let neighbours = |pair: &TrianglePair| {
         let [a, b] = [pair.a, pair.b].map(|t| soup.triangles[t as usize]);
@@ -273,12 +275,12 @@ fn as_pairs(truth: &[(u32, u32)]) -> Vec<TrianglePair> {
     truth.iter().map(|&(a, b)| TrianglePair { a, b }).collect()
 }
 
-fn model(soup: &Soup) -> Model {
+fn model(soup: &MeshData) -> Model {
     Model::new(soup.positions.clone(), soup.triangles.clone()).unwrap()
 }
 
 /// The mesh with every leaf size.
-fn models(soup: &Soup) -> Vec<Model> {
+fn models(soup: &MeshData) -> Vec<Model> {
     let build = |leaf_size| {
         let options = BuildOptions { leaf_size, ..BuildOptions::default() };
         let (positions, triangles) = (soup.positions.clone(), soup.triangles.clone());
@@ -290,7 +292,7 @@ fn models(soup: &Soup) -> Vec<Model> {
 }
 
 /// The other build, in the core's own way.
-fn morton(soup: &Soup, ask: impl FnOnce(pfront::Bvh<'_>)) {
+fn morton(soup: &MeshData, ask: impl FnOnce(pfront::Bvh<'_>)) {
     let n = soup.triangles.len();
     let mesh = pfront::Mesh::new(&soup.positions, &soup.triangles).unwrap();
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);

@@ -13,14 +13,15 @@ use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh};
 use layouts::Compact;
 use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_core::bvtt::{self, Query};
+use pfront_testkit::MeshData;
 use pfront_testkit::oracle::{intersect, pairs, self_pairs};
-use pfront_testkit::shapes::{Soup, posed};
+use pfront_testkit::shapes::posed;
 use std::ops::ControlFlow;
 
 #[test]
 fn every_recorded_case() {
     for Case { name, a, b, a_from_b, b_world, pairs: truth } in cases() {
-        let posed = Soup { positions: posed(&b.positions, &a_from_b.rows), ..b.clone() };
+        let posed = MeshData { positions: posed(&b.positions, &a_from_b.rows), ..b.clone() };
         let world = b_world.unwrap_or_else(|| posed.clone());
         assert_eq!(found(&a, &world, &Pose::IDENTITY), truth, "{name}");
         if world.positions == posed.positions {
@@ -90,7 +91,7 @@ fn broken_files() {
     assert_eq!(read("nancolor.obj").unwrap().triangles.len(), 12);
 }
 
-fn found(a: &Soup, b: &Soup, a_from_b: &Pose) -> Vec<TrianglePair> {
+fn found(a: &MeshData, b: &MeshData, a_from_b: &Pose) -> Vec<TrianglePair> {
     let [a, b] =
         [a, b].map(|soup| Model::new(soup.positions.clone(), soup.triangles.clone()).unwrap());
     let pairs = PairQuery::new().all(&a, &b, a_from_b).unwrap().to_vec();

@@ -15,8 +15,8 @@ mod data;
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh, vectors};
 use pfront::gpu::{Budget, Deforming, Gpu, GpuModel, GpuQuery, GpuQuestion, GpuSettings};
 use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
+use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Scene;
-use pfront_testkit::shapes::Soup;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -43,7 +43,7 @@ struct Both {
 }
 
 impl Both {
-    fn new(soup: Soup) -> Self {
+    fn new(soup: MeshData) -> Self {
         let cpu = Model::new(soup.positions, soup.triangles).unwrap();
         Self { gpu: GpuModel::new(gpu(), cpu.bvh()).unwrap(), cpu }
     }
@@ -171,7 +171,7 @@ fn worm_gear() {
 #[test]
 fn epicyclic_train() {
     let scene = Scene::by_name("epicyclic", (!full()).then_some(62_000)).unwrap();
-    let soups: Vec<Soup> =
+    let soups: Vec<MeshData> =
         (0..scene.objects.len()).map(|object| object_of(&scene, object)).collect();
     let (mut asker, mut poses, mut touching) = (Asker::default(), Vec::new(), 0);
     for frame in frames(scene.frames(), 3) {
@@ -252,7 +252,7 @@ fn kick() {
     }
 }
 
-fn object_of(scene: &Scene, object: usize) -> Soup {
+fn object_of(scene: &Scene, object: usize) -> MeshData {
     let mesh = &scene.meshes[scene.objects[object]];
-    Soup { positions: mesh.positions.clone(), triangles: mesh.triangles.clone() }
+    MeshData { positions: mesh.positions.clone(), triangles: mesh.triangles.clone() }
 }

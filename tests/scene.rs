@@ -10,7 +10,8 @@ use pfront::{Piece, TrianglePair};
 use pfront_core::mesh::MeshError;
 use pfront_testkit::oracle::pairs;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
-use pfront_testkit::shapes::{Rows, Soup, pose_rows, posed, sheet, sphere, tangle, union};
+use pfront_testkit::shapes::{pose_rows, posed, sheet, sphere, tangle, union};
+use pfront_testkit::{MeshData, Rows};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -39,7 +40,7 @@ fn scenes() -> Vec<SceneQuery> {
 /// Scenes that are all told the same, and what they are known to hold.
 struct Trial {
     scenes: Vec<SceneQuery>,
-    known: Vec<(BodyId, Soup, Rows)>,
+    known: Vec<(BodyId, MeshData, Rows)>,
     ignored: BTreeSet<[BodyId; 2]>,
 }
 
@@ -55,7 +56,7 @@ impl Trial {
         answers.into_iter().next().unwrap()
     }
 
-    fn add(&mut self, soup: Soup, rows: Rows) {
+    fn add(&mut self, soup: MeshData, rows: Rows) {
         let model = Arc::new(model(&soup));
         let id = self.tell(|scene| scene.add(model.clone(), Pose::new(rows)).unwrap());
         self.known.push((id, soup, rows));
@@ -113,14 +114,14 @@ impl Trial {
                 triangles.iter().flat_map(|&t| soup.triangles[t as usize]).collect();
             assert_eq!(mesh.positions().len(), used.len());
             let (positions, triangles) = (mesh.positions().to_vec(), mesh.triangles().to_vec());
-            self.known.push((body, Soup { positions, triangles }, rows));
+            self.known.push((body, MeshData { positions, triangles }, rows));
         }
     }
 
     /// Asks everything; returns how many pairs meet.
     fn check(&mut self) -> usize {
         let mut expected = Vec::new();
-        let world = |(_, soup, rows): &(BodyId, Soup, Rows)| posed(&soup.positions, rows);
+        let world = |(_, soup, rows): &(BodyId, MeshData, Rows)| posed(&soup.positions, rows);
         for (place, a) in self.known.iter().enumerate() {
             for b in &self.known[place + 1..] {
                 let [s, t] = [a.0, b.0].map(|id| self.scenes[0].body(id).unwrap());
@@ -162,16 +163,16 @@ impl Trial {
     }
 }
 
-fn model(soup: &Soup) -> Model {
+fn model(soup: &MeshData) -> Model {
     Model::new(soup.positions.clone(), soup.triangles.clone()).unwrap()
 }
 
-fn soup(rng: &mut impl Rng) -> Soup {
+fn soup(rng: &mut impl Rng) -> MeshData {
     match rng.random_range(0..4) {
         0 => sphere(5),
         1 => sheet(4, |x, y| 0.2 * x * y),
         2 => tangle(12, 15, 2, rng),
-        _ => Soup::default(),
+        _ => MeshData::default(),
     }
 }
 
@@ -210,8 +211,8 @@ fn none_one_and_empty_bodies() {
     assert_eq!(trial.check(), 0);
     trial.add(sphere(4), IDENTITY);
     assert_eq!(trial.check(), 0);
-    trial.add(Soup::default(), IDENTITY);
-    trial.add(Soup::default(), Pose::from_translation([1.0; 3]).rows);
+    trial.add(MeshData::default(), IDENTITY);
+    trial.add(MeshData::default(), Pose::from_translation([1.0; 3]).rows);
     trial.deform(2, &mut seeded(0));
     assert_eq!(trial.check(), 0);
     trial.split(1, 3);
@@ -248,7 +249,7 @@ fn a_cube_rests_on_a_cube() {
 }
 
 /// The unit cube of n × n squares a side.
-fn cube(n: u32) -> Soup {
+fn cube(n: u32) -> MeshData {
     let face = |(axis, side): (usize, f32)| {
         sheet(n, |_, _| 0.0).map(|[x, y, _]| {
             let mut p = [side; 3];
@@ -299,7 +300,7 @@ fn refuses_what_it_cannot_do_and_changes_nothing() {
     let told = Error::StaleBody { id: gone }.to_string();
     assert_eq!(told, "body 0 is not in the scene; it has been removed or split");
     // The new one is another, though it may be in the same place.
-    trial.add(Soup::default(), IDENTITY);
+    trial.add(MeshData::default(), IDENTITY);
     assert!(trial.known[1].0 > id && trial.check() == 0);
 }
 

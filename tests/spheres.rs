@@ -11,7 +11,8 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use pfront::{Model, PairQuery, Pose};
-use pfront_testkit::scenes::{TriMesh, icosphere};
+use pfront_testkit::MeshData;
+use pfront_testkit::scenes::icosphere;
 use std::f64::consts::{PI, TAU};
 
 const DISTANCE: f64 = 1.1;
@@ -54,7 +55,7 @@ fn meet(refinement: u32) -> Met {
 }
 
 /// The sagitta of the flattest triangle, and the length of edges for each unit of the sphere's area.
-fn measure(mesh: &TriMesh) -> (f64, f64) {
+fn measure(mesh: &MeshData) -> (f64, f64) {
     let corners = mesh.triangles.iter().map(|t| t.map(|v| point(mesh.positions[v as usize])));
     let (mut lowest, mut edges) = (1.0_f64, 0.0);
     for [a, b, c] in corners {

@@ -124,7 +124,7 @@ fn two(work: &Work) -> ([TriMesh; 2], Vec<Pose>) {
     (meshes, (0..work.frames()).map(pose).collect())
 }
 
-fn mesh(mesh: &pfront_testkit::scenes::TriMesh) -> TriMesh {
+fn mesh(mesh: &pfront_testkit::MeshData) -> TriMesh {
     let vertices = mesh.positions.iter().copied().map(Vec3::from_array).collect();
     TriMesh::new(vertices, mesh.triangles.clone()).unwrap()
 }

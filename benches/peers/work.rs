@@ -2,7 +2,8 @@
 
 use pfront::{Accuracy, Model, PairQuery, Pose, TrianglePair};
 use pfront_core::triangle::intersects;
-use pfront_testkit::scenes::{Kind, Scene, TriMesh, icosphere, torus_knot};
+use pfront_testkit::MeshData;
+use pfront_testkit::scenes::{Kind, Scene, icosphere, torus_knot};
 
 /// Two bodies, the first of them first, and a triangle of each. Of one body both are the same, and the
 /// triangles ascend.
@@ -15,7 +16,7 @@ pub(crate) type Finder<'w> = Box<dyn FnMut(usize, &mut Vec<Hit>) + 'w>;
 pub(crate) struct Work {
     pub(crate) name: String,
     /// A mesh for each body.
-    pub(crate) meshes: Vec<TriMesh>,
+    pub(crate) meshes: Vec<MeshData>,
     motion: Motion,
 }
 
@@ -150,7 +151,7 @@ impl Work {
     }
 }
 
-pub(crate) fn model(mesh: &TriMesh) -> Model {
+pub(crate) fn model(mesh: &MeshData) -> Model {
     Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap()
 }
 

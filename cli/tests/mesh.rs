@@ -7,7 +7,8 @@ mod files;
 
 use files::*;
 use pfront::Model;
-use pfront_cli::mesh::{Loaded, MeshData, PaintedMesh, ReadOptions, load, read, write_painted};
+use pfront_cli::mesh::{Loaded, PaintedMesh, ReadOptions, load, read, write_painted};
+use pfront_testkit::MeshData;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use std::fs;
 use std::io::{Seek, Write};

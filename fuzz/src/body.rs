@@ -6,7 +6,7 @@ use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BvhStorage, Join, Refit};
 use pfront::pfront_core::mesh::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
-use pfront_testkit::shapes::Soup;
+use pfront_testkit::MeshData;
 
 /// The builder of a tree.
 #[derive(Arbitrary, Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,16 +75,16 @@ impl Tree {
 /// A model, and a tree that need not be the model's own.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
-    pub(crate) soup: Soup,
+    pub(crate) soup: MeshData,
     pub(crate) model: Model,
     tree: Tree,
 }
 
 impl Body {
     /// Refused in the same words by every way to make a model.
-    pub(crate) fn new(soup: Soup, build: Build) -> Result<Self, Error> {
+    pub(crate) fn new(soup: MeshData, build: Build) -> Result<Self, Error> {
         let options = BuildOptions { leaf_size: build.leaf_size.into(), ..BuildOptions::default() };
-        let Soup { positions, triangles } = soup.clone();
+        let MeshData { positions, triangles } = soup.clone();
         let model = Model::with_options(positions.clone(), triangles.clone(), options);
         let threaded = Model::new_with_threads(positions.clone(), triangles.clone(), options);
         let error = mesh_error(&soup).map(Error::Mesh);
@@ -119,7 +119,7 @@ impl Body {
     }
 }
 
-fn mesh_error(soup: &Soup) -> Option<MeshError> {
+fn mesh_error(soup: &MeshData) -> Option<MeshError> {
     let vertices = soup.positions.len();
     let stray = || {
         let all = soup.triangles.iter().enumerate();

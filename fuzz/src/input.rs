@@ -5,7 +5,8 @@ use crate::body::Builder;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use pfront::threads::{Schedule, Settings, Traversal};
 use pfront::{Accuracy, Adjacency, Pose};
-use pfront_testkit::shapes::{Soup, sheet};
+use pfront_testkit::MeshData;
+use pfront_testkit::shapes::sheet;
 
 /// Two bodies, at most 16 steps, and how everything is asked at the end.
 #[derive(Arbitrary, Debug)]
@@ -71,7 +72,7 @@ impl Palette {
 #[derive(Arbitrary, Clone, Debug)]
 pub enum Shape {
     /// Any triangles: without area, twice the same, sharing what they like.
-    Soup { positions: Few<[u8; 3], 16>, triangles: Few<[u8; 3], MOST>, stray: Option<Option<u32>> },
+    MeshData { positions: Few<[u8; 3], 16>, triangles: Few<[u8; 3], MOST>, stray: Option<Option<u32>> },
     /// A sheet over −1 ..= 1, stretched, at any heights, which are used over and over.
     Sheet { cells: u8, heights: Few<u8, 16>, size: u8 },
     /// Triangles about the first of some points.
@@ -84,9 +85,9 @@ const MOST: usize = 32;
 impl Shape {
     /// Its vertices and triangles, whether or not they are a mesh.
     #[must_use]
-    pub fn soup(&self, palette: &Palette) -> Soup {
+    pub fn soup(&self, palette: &Palette) -> MeshData {
         match self {
-            Shape::Soup { positions, triangles, stray } => {
+            Shape::MeshData { positions, triangles, stray } => {
                 let positions = palette.points(&positions.0);
                 let range = positions.len().max(1) as u32;
                 let corners = |t: &[u8; 3]| t.map(|v| u32::from(v) % range);
@@ -94,7 +95,7 @@ impl Shape {
                 if let (Some(Some(stray)), Some(last)) = (*stray, triangles.last_mut()) {
                     last[1] = stray;
                 }
-                Soup { positions, triangles }
+                MeshData { positions, triangles }
             }
             Shape::Sheet { cells, heights, size } => {
                 let mut heights = heights.0.iter().cycle();
@@ -110,7 +111,7 @@ impl Shape {
                 let rim = positions.len().saturating_sub(1) as u32;
                 let sectors = if *closed { rim } else { rim.saturating_sub(1) };
                 let triangles = (0..sectors).map(|i| [0, i + 1, (i + 1) % rim + 1]).collect();
-                Soup { positions, triangles }
+                MeshData { positions, triangles }
             }
         }
     }

@@ -3,7 +3,7 @@
 use pfront::TrianglePair;
 use pfront_testkit::Point;
 use pfront_testkit::oracle::{intersect, self_hit, share_a_vertex};
-use pfront_testkit::shapes::Soup;
+use pfront_testkit::MeshData;
 use std::collections::HashMap;
 
 /// The oracle, and what it has said: from step to step most triangles stay, and it takes its time.
@@ -14,7 +14,7 @@ pub(crate) struct Truth {
 
 impl Truth {
     /// Triangles of two meshes in one frame that meet, sorted.
-    pub(crate) fn between(&mut self, a: &Soup, b: &Soup) -> Vec<TrianglePair> {
+    pub(crate) fn between(&mut self, a: &MeshData, b: &MeshData) -> Vec<TrianglePair> {
         let mut found = Vec::new();
         for i in 0..a.triangles.len() {
             for j in 0..b.triangles.len() {
@@ -27,7 +27,7 @@ impl Truth {
     }
 
     /// Triangles of one mesh that meet by the rule of shared indices, or share none and meet; sorted.
-    pub(crate) fn within(&mut self, soup: &Soup, skip_neighbours: bool) -> Vec<TrianglePair> {
+    pub(crate) fn within(&mut self, soup: &MeshData, skip_neighbours: bool) -> Vec<TrianglePair> {
         let mut found = Vec::new();
         for (i, &s) in soup.triangles.iter().enumerate() {
             for (j, &t) in soup.triangles.iter().enumerate().skip(i + 1) {
@@ -51,7 +51,7 @@ impl Truth {
 }
 
 /// Pairs of triangles of one mesh whose boxes overlap, sorted.
-pub(crate) fn overlapping(soup: &Soup) -> Vec<TrianglePair> {
+pub(crate) fn overlapping(soup: &MeshData) -> Vec<TrianglePair> {
     let count = soup.triangles.len();
     let all = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
     let meet = all.filter(|&(i, j)| boxes_meet(&corners(soup, i), &corners(soup, j)));
@@ -67,7 +67,7 @@ fn boxes_meet(a: &[Point; 3], b: &[Point; 3]) -> bool {
     })
 }
 
-fn corners(soup: &Soup, triangle: usize) -> [Point; 3] {
+fn corners(soup: &MeshData, triangle: usize) -> [Point; 3] {
     soup.triangles[triangle].map(|v| soup.positions[v as usize])
 }
 

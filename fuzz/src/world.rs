@@ -5,7 +5,8 @@ use crate::input::{Build, Change, Crew, Few, Palette, Placing, Question, Shape, 
 use crate::truth::Truth;
 use pfront::pfront_core::bvtt::PosedBvh;
 use pfront::{BodyId, Bvh, Error, Executor, PairQuery, Piece, Pose, SceneQuery, SelfQuery};
-use pfront_testkit::shapes::{Soup, posed};
+use pfront_testkit::MeshData;
+use pfront_testkit::shapes::posed;
 use std::fmt::Debug;
 use std::mem::take;
 use std::sync::Arc;
@@ -31,7 +32,7 @@ pub(crate) struct Known {
 
 impl Known {
     /// The mesh in the world.
-    pub(crate) fn world(&self) -> Soup {
+    pub(crate) fn world(&self) -> MeshData {
         placed(&self.body.soup, &self.pose)
     }
 }
@@ -40,12 +41,12 @@ impl Known {
 ///
 /// # Panics
 /// If a corner is not finite there, which a pose that was accepted rules out.
-pub(crate) fn placed(soup: &Soup, pose: &Pose) -> Soup {
-    let Soup { positions, triangles } = soup.clone();
+pub(crate) fn placed(soup: &MeshData, pose: &Pose) -> MeshData {
+    let MeshData { positions, triangles } = soup.clone();
     let positions = posed(&positions, &pose.rows);
     let corners = triangles.iter().flatten().map(|&v| positions[v as usize]);
     assert!(corners.flatten().all(|x| x.is_finite()), "{pose:?}");
-    Soup { positions, triangles }
+    MeshData { positions, triangles }
 }
 
 #[derive(Debug, Default)]
@@ -202,7 +203,7 @@ impl World {
             assert!((0..).zip(&triangles).all(|(new, old)| mesh.triangle(new) == was(old)));
             let (positions, triangles) = (mesh.positions().to_vec(), mesh.triangles().to_vec());
             let build = Build { leaf_size: 1, builder: crate::Builder::Morton };
-            let body = Body::new(Soup { positions, triangles }, build).unwrap();
+            let body = Body::new(MeshData { positions, triangles }, build).unwrap();
             self.bodies.push(Known { id, body, pose });
         }
     }

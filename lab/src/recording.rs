@@ -3,8 +3,9 @@
 use crate::workload::{Frame, Header, Workload};
 use anyhow::{Context, Result, ensure};
 use pfront::Pose;
-use pfront_cli::mesh::{self, FORMATS, MeshData};
-use pfront_testkit::scenes::{Kind, Scene, TriMesh};
+use pfront_cli::mesh::{self, FORMATS};
+use pfront_testkit::MeshData;
+use pfront_testkit::scenes::{Kind, Scene};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::BufReader;
@@ -122,13 +123,9 @@ impl Recording {
 
 /// What all frames of a built-in scene have in common.
 pub(crate) fn header(scene: &Scene, frames: u32) -> Header {
-    let mesh = |mesh: &TriMesh| MeshData {
-        positions: mesh.positions.clone(),
-        triangles: mesh.triangles.clone(),
-    };
     Header {
         kind: scene.kind(),
-        meshes: scene.meshes.iter().map(mesh).collect(),
+        meshes: scene.meshes.clone(),
         objects: scene.objects.iter().map(|&mesh| mesh as u32).collect(),
         frames,
     }

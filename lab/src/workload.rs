@@ -10,7 +10,7 @@
 
 use crate::format::{Reader, write_words};
 use pfront::Pose;
-use pfront_cli::mesh::MeshData;
+use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Kind;
 use std::io::{self, Read, Seek, Write};
 use std::mem::take;

@@ -4,9 +4,9 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::{Pose, TrianglePair};
-use pfront_cli::mesh::MeshData;
 use pfront_lab::pairs::{self, PairWriter};
 use pfront_lab::workload::{FormatError, Frame, Header, Workload, WorkloadWriter};
+use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Kind;
 use std::io::Cursor;
 

@@ -5,16 +5,24 @@
 //! fault of the library cannot hide behind its twin.
 
 pub mod families;
+mod mesh;
 pub mod oracle;
 pub mod rng;
 pub mod scenes;
 pub mod shapes;
+
+pub use mesh::MeshData;
+pub(crate) use scenes::grid_triangles;
 
 /// A point in f32, finite.
 pub type Point = [f32; 3];
 
 /// A triangle by its corners.
 pub type Triangle = [Point; 3];
+
+/// A pose as its rows: `[r0, r1, r2, t]` for each coordinate, p' = ((r0·x + r1·y) + r2·z) + t. In scenes, world from
+/// object.
+pub type Rows = [[f32; 4]; 3];
 
 /// FNV-1a in 64 bits: short, public, and the same everywhere.
 #[must_use]

@@ -1,55 +1,29 @@
 //! Small meshes for the tests: smooth, flat, tangled, degenerate, from every scale of f32.
 
 use crate::families::Family;
-use crate::{Point, Triangle};
+use crate::{MeshData, Point, Rows, Triangle, grid_triangles};
 use rand::{Rng, RngExt};
 
-/// Positions and triangles.
-#[derive(Clone, Debug, Default)]
-pub struct Soup {
-    /// Vertex positions.
-    pub positions: Vec<Point>,
-    /// Vertex indices.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-impl Soup {
-    /// Triangles that share no vertex.
-    #[must_use]
-    pub fn of(triangles: impl IntoIterator<Item = Triangle>) -> Self {
-        let positions: Vec<_> = triangles.into_iter().flatten().collect();
-        let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
-        Self { triangles: triangles.collect(), positions }
-    }
-
-    /// The same triangles with every vertex changed.
-    #[must_use]
-    pub fn map(mut self, change: impl FnMut(Point) -> Point) -> Self {
-        self.positions = self.positions.into_iter().map(change).collect();
-        self
-    }
-}
-
 /// Triangles of a family, `pairs` times two, that share no index.
-pub fn family(family: Family, pairs: usize, rng: &mut impl Rng) -> Soup {
-    Soup::of((0..pairs).flat_map(|_| <[Triangle; 2]>::from(family.pair(rng))))
+pub fn family(family: Family, pairs: usize, rng: &mut impl Rng) -> MeshData {
+    MeshData::of((0..pairs).flat_map(|_| <[Triangle; 2]>::from(family.pair(rng))))
 }
 
 /// Random indices into few lattice points: every degenerate triangle and every way to share.
-pub fn tangle(vertices: u32, triangles: usize, size: i32, rng: &mut impl Rng) -> Soup {
+pub fn tangle(vertices: u32, triangles: usize, size: i32, rng: &mut impl Rng) -> MeshData {
     let mut lattice = || [0; 3].map(|_| rng.random_range(-size..=size) as f32);
     let positions = (0..vertices).map(|_| lattice()).collect();
     let mut corners = || [0; 3].map(|_| rng.random_range(0..vertices));
     let triangles = (0..triangles).map(|_| corners()).collect();
-    Soup { positions, triangles }
+    MeshData { positions, triangles }
 }
 
 /// A row of triangles, each of which shares an edge with the next.
 #[must_use]
-pub fn strip(triangles: u32) -> Soup {
+pub fn strip(triangles: u32) -> MeshData {
     let vertices = if triangles == 0 { 0 } else { triangles + 2 };
     let position = |v: u32| [v as f32, (v % 2) as f32, 0.1 * v as f32];
-    Soup {
+    MeshData {
         positions: (0..vertices).map(position).collect(),
         triangles: (0..triangles).map(|t| [t, t + 1, t + 2]).collect(),
     }
@@ -57,28 +31,24 @@ pub fn strip(triangles: u32) -> Soup {
 
 /// A square of n × n cells over −1 ..= 1 at the heights of a function.
 #[must_use]
-pub fn sheet(n: u32, height: impl Fn(f32, f32) -> f32) -> Soup {
+pub fn sheet(n: u32, height: impl Fn(f32, f32) -> f32) -> MeshData {
     let at = |i: u32| i as f32 / n as f32 * 2.0 - 1.0;
-    let mut soup = Soup::default();
-    for j in 0..=n {
-        soup.positions.extend((0..=n).map(|i| [at(i), at(j), height(at(i), at(j))]));
+    let points = (0..=n).flat_map(|j| (0..=n).map(move |i| (at(i), at(j))));
+    MeshData {
+        positions: points.map(|(x, y)| [x, y, height(x, y)]).collect(),
+        triangles: grid_triangles([n as usize + 1; 2], [n as usize; 2]),
     }
-    for corner in (0..n * (n + 1)).filter(|v| v % (n + 1) != n) {
-        let [o, x, y, xy] = [corner, corner + 1, corner + n + 1, corner + n + 2];
-        soup.triangles.extend([[o, x, xy], [o, xy, y]]);
-    }
-    soup
 }
 
 /// A sheet with hills.
 #[must_use]
-pub fn bumpy(n: u32) -> Soup {
+pub fn bumpy(n: u32) -> MeshData {
     sheet(n, |x, y| 0.2 * (3.5 * x).sin() * (4.5 * y).cos())
 }
 
 /// A closed sphere of radius 1: a sheet bent round, with triangles without area at the poles.
 #[must_use]
-pub fn sphere(n: u32) -> Soup {
+pub fn sphere(n: u32) -> MeshData {
     use std::f64::consts::PI;
     let bend = |[u, v, _]: [f32; 3]| {
         // The seam has the same positions, but not the same vertices, on both sides.
@@ -89,14 +59,14 @@ pub fn sphere(n: u32) -> Soup {
     sheet(n, |_, _| 0.0).map(bend)
 }
 
-/// Several soups as one mesh.
+/// Several meshes as one.
 #[must_use]
-pub fn union(soups: &[Soup]) -> Soup {
-    let mut all = Soup::default();
-    for soup in soups {
+pub fn union(meshes: &[MeshData]) -> MeshData {
+    let mut all = MeshData::default();
+    for mesh in meshes {
         let first = all.positions.len() as u32;
-        all.positions.extend(&soup.positions);
-        all.triangles.extend(soup.triangles.iter().map(|t| t.map(|v| v + first)));
+        all.positions.extend(&mesh.positions);
+        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
     }
     all
 }
@@ -105,9 +75,6 @@ pub fn union(soups: &[Soup]) -> Soup {
 pub fn point(edge: f32, rng: &mut impl Rng) -> Point {
     [0; 3].map(|_| rng.random_range(-0.5..0.5f32) * edge)
 }
-
-/// A pose as its rows: `[r0, r1, r2, t]` for each coordinate.
-pub type Rows = [[f32; 4]; 3];
 
 /// A turn about a random axis, rounded to f32, and a move by at most `reach`.
 pub fn pose_rows(reach: f32, rng: &mut impl Rng) -> Rows {

@@ -4,18 +4,18 @@
 //! checkout; without it the tests fail.
 
 use pfront::{Pose, TrianglePair};
-use pfront_testkit::shapes::Soup;
+use pfront_testkit::MeshData;
 use serde_json::Value;
 use std::path::PathBuf;
 
 /// Two meshes and all their pairs, on which two independent programs agreed.
 pub(crate) struct Case {
     pub(crate) name: String,
-    pub(crate) a: Soup,
-    pub(crate) b: Soup,
+    pub(crate) a: MeshData,
+    pub(crate) b: MeshData,
     pub(crate) a_from_b: Pose,
     /// `b` in the frame of `a`, as it was posed when the pairs were recorded, if that is known.
-    pub(crate) b_world: Option<Soup>,
+    pub(crate) b_world: Option<MeshData>,
     pub(crate) pairs: Vec<TrianglePair>,
 }
 
@@ -38,7 +38,7 @@ pub(crate) fn cases() -> impl Iterator<Item = Case> {
             name: name.to_owned(),
             a: mesh(string("a")),
             a_from_b: pose(&case),
-            b_world: world.map(|positions| Soup { positions, triangles: b.triangles.clone() }),
+            b_world: world.map(|positions| MeshData { positions, triangles: b.triangles.clone() }),
             b,
             pairs,
         }
@@ -77,9 +77,9 @@ pub(crate) const NASTY_SELVES: [&str; 12] = [
     "wallhole.obj",
 ];
 
-pub(crate) fn mesh(file: &str) -> Soup {
+pub(crate) fn mesh(file: &str) -> MeshData {
     let read = pfront_cli::mesh::read(&data().join(file)).unwrap();
-    Soup { positions: read.positions, triangles: read.triangles }
+    MeshData { positions: read.positions, triangles: read.triangles }
 }
 
 /// Little-endian f32 triples.

@@ -7,7 +7,8 @@ mod kept;
 mod verbs;
 
 use pfront::{Accuracy, BodyId, Error, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
-use pfront_testkit::scenes::{Scene, TriMesh, icosphere};
+use pfront_testkit::MeshData;
+use pfront_testkit::scenes::{Scene, icosphere};
 use std::sync::{Arc, Barrier, LazyLock};
 use std::thread;
 use verbs::{Between, Verbs, Within, check};
@@ -47,7 +48,7 @@ static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
     all
 });
 
-fn model(mesh: &TriMesh) -> Model {
+fn model(mesh: &MeshData) -> Model {
     Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap()
 }
 
@@ -138,7 +139,7 @@ fn a_deforming_mesh_is_the_same() {
 
 /// A heap of balls, to which something happens each frame.
 struct Heap {
-    ball: TriMesh,
+    ball: MeshData,
     shared: Arc<Model>,
 }
 

@@ -8,11 +8,12 @@ mod together;
 
 use pfront::{BuildOptions, Model};
 use pfront_core::bvh::{self, Refit};
-use pfront_testkit::shapes::{Soup, bumpy};
+use pfront_testkit::MeshData;
+use pfront_testkit::shapes::bumpy;
 
 const SIDE: u32 = 24;
 
-fn model(soup: &Soup) -> Model {
+fn model(soup: &MeshData) -> Model {
     let options = BuildOptions { leaf_size: 3, ..BuildOptions::default() };
     Model::with_options(soup.positions.clone(), soup.triangles.clone(), options).unwrap()
 }
@@ -39,7 +40,7 @@ fn certified(model: &Model) -> Vec<bool> {
 }
 
 /// The sheet after some of its vertices have gone up and aside.
-fn shifted(soup: &Soup, by: f32, which: impl Fn(usize) -> bool) -> Vec<[f32; 3]> {
+fn shifted(soup: &MeshData, by: f32, which: impl Fn(usize) -> bool) -> Vec<[f32; 3]> {
     let by = |i: usize| if which(i) { by } else { 0.0 };
     let shifted = soup.positions.iter().enumerate();
     shifted.map(|(i, p)| [p[0] + by(i), p[1], p[2] + by(i)]).collect()

@@ -17,7 +17,8 @@ use pfront::pfront_core::bvtt::Query;
 use pfront::{Model, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
 use pfront_cli::memory;
-use pfront_cli::mesh::{self, Loaded, MeshData, ReadOptions, Source};
+use pfront_cli::mesh::{self, Loaded, ReadOptions, Source};
+use pfront_testkit::MeshData;
 use std::path::Path;
 
 /// Reads a mesh, welds it if asked to, and builds its BVH, unless it was baked with one. `inspect` sees the mesh as it

@@ -1,8 +1,8 @@
 //! Baked meshes: blobs of a mesh and its BVH, see [`pfront::pfront_core::blob`].
 
-use super::MeshData;
 use super::error::Fault;
 use pfront::Model;
+use pfront_testkit::MeshData;
 
 /// The mesh with its BVH.
 pub(super) fn model(bytes: &[u8]) -> Result<Model, Fault> {
@@ -10,9 +10,8 @@ pub(super) fn model(bytes: &[u8]) -> Result<Model, Fault> {
     if model.mesh().triangles().is_empty() { Err(Fault::no_triangle()) } else { Ok(model) }
 }
 
-impl From<Model> for MeshData {
-    fn from(model: Model) -> Self {
-        let mesh = model.mesh();
-        Self { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec() }
-    }
+/// The mesh without its BVH.
+pub(super) fn mesh_data(model: &Model) -> MeshData {
+    let mesh = model.mesh();
+    MeshData { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec() }
 }

@@ -21,13 +21,13 @@ pub use error::ReadError;
 pub use painted::{PaintedMesh, write_painted};
 pub use source::Source;
 
+use baked::mesh_data;
 use error::Fault;
 use pfront::Model;
 use pfront::pfront_core::blob::MAGIC;
-use std::collections::{HashMap, HashSet};
+use pfront_testkit::MeshData;
 use std::fs::File;
 use std::io::{Read, stdin};
-use std::ops::Range;
 use std::path::Path;
 
 /// The extensions that [`read`] knows.
@@ -35,74 +35,6 @@ pub const FORMATS: [&str; 7] = ["obj", "ply", "stl", "off", "gltf", "glb", BAKED
 
 /// The extension of what `pfront bake` writes.
 const BAKED: &str = "pfb";
-
-/// A mesh as its file has it: neither coordinates nor indices are checked.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshData {
-    /// Vertex positions.
-    pub positions: Vec<[f32; 3]>,
-    /// Three vertex indices per triangle.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-impl MeshData {
-    /// The same with vertices at exactly the same place joined, where −0 is 0; each stays where it first
-    /// appears. Triangles keep their numbers.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront_cli::mesh::MeshData;
-    /// let positions = vec![[0.0; 3], [1.0; 3], [2.0; 3], [-0.0; 3], [1.0; 3], [3.0; 3]];
-    /// let mesh = MeshData { positions, triangles: vec![[0, 1, 2], [3, 4, 5]] }.welded();
-    /// assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]]);
-    /// ```
-    #[must_use]
-    pub fn welded(self) -> Self {
-        // An index out of range is for [`pfront::Model::new`] to name.
-        if self.triangles.iter().flatten().any(|&v| v as usize >= self.positions.len()) {
-            return self;
-        }
-        let mut seen = HashMap::with_capacity(self.positions.len());
-        let mut positions = Vec::new();
-        let mut join = |p: [f32; 3]| {
-            // −0 + 0 is 0.
-            *seen.entry(p.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
-                positions.push(p);
-                positions.len() as u32 - 1
-            })
-        };
-        let joined: Vec<u32> = self.positions.into_iter().map(&mut join).collect();
-        let triangles = self.triangles.into_iter().map(|t| t.map(|v| joined[v as usize]));
-        Self { triangles: triangles.collect(), positions }
-    }
-
-    /// Some of the triangles, with the vertices from the first to the last that they use.
-    #[must_use]
-    pub fn part(&self, triangles: Range<usize>) -> Self {
-        let part = &self.triangles[triangles];
-        let used = || part.iter().flatten().copied();
-        let first = used().min().unwrap_or(0);
-        // An index out of range is for [`pfront::Model::new`] to name.
-        let end = used().max().map_or(0, |last| last as usize + 1).min(self.positions.len());
-        let positions = self.positions.get(first as usize..end).unwrap_or_default().to_vec();
-        Self { positions, triangles: part.iter().map(|t| t.map(|v| v - first)).collect() }
-    }
-
-    /// How many vertices lie exactly where another does, if no two triangles share a vertex: neighbours within such a
-    /// soup are not known to be neighbours.
-    #[must_use]
-    pub fn unwelded(&self) -> usize {
-        let mut used = vec![false; self.positions.len()];
-        let mut is_new =
-            |&v: &u32| used.get_mut(v as usize).is_some_and(|used| !std::mem::replace(used, true));
-        if self.triangles.len() < 2 || !self.triangles.iter().flatten().all(&mut is_new) {
-            return 0;
-        }
-        let places: HashSet<_> =
-            self.positions.iter().map(|p| p.map(|x| (x + 0.0).to_bits())).collect();
-        self.positions.len() - places.len()
-    }
-}
 
 /// A mesh that is being read.
 #[derive(Debug, Default)]
@@ -122,14 +54,6 @@ impl Import {
 
     fn push_position(&mut self, position: [f32; 3]) {
         self.mesh.positions.push(position);
-    }
-}
-
-impl MeshData {
-    /// Adds a polygon as a fan.
-    fn push_fan(&mut self, corners: &[u32]) {
-        let [first, rest @ ..] = corners else { return };
-        self.triangles.extend(rest.windows(2).map(|edge| [*first, edge[0], edge[1]]));
     }
 }
 
@@ -167,14 +91,8 @@ impl Loaded {
     pub fn into_mesh(self) -> (MeshData, Source) {
         match self {
             Self::Mesh(mesh, source) => (mesh, source),
-            Self::Baked(model) => ((*model).into(), Source::default()),
+            Self::Baked(model) => (mesh_data(&model), Source::default()),
         }
-    }
-}
-
-impl From<Loaded> for MeshData {
-    fn from(loaded: Loaded) -> Self {
-        loaded.into_mesh().0
     }
 }
 
@@ -190,7 +108,7 @@ impl From<Loaded> for MeshData {
 /// [`ReadError`] names the file, and the line or what else is wrong; a file without a triangle is taken for
 /// one that was not understood.
 pub fn read(path: &Path) -> Result<MeshData, ReadError> {
-    load(path, &ReadOptions::default()).map(MeshData::from)
+    load(path, &ReadOptions::default()).map(|loaded| loaded.into_mesh().0)
 }
 
 /// [`read`] that keeps the BVH of a baked mesh.
@@ -274,7 +192,7 @@ fn parse(format: &str, bytes: &[u8], folder: &Path, memory: usize) -> Result<Imp
         "ply" => ply::parse(bytes, &mut import),
         "stl" => stl::parse(bytes, &mut import),
         "off" => off::parse(bytes, &mut import),
-        BAKED => baked::model(bytes).map(|model| import.mesh = model.into()),
+        BAKED => baked::model(bytes).map(|model| import.mesh = mesh_data(&model)),
         _ => gltf::parse(bytes, folder, &mut import),
     }?;
     if import.mesh.triangles.is_empty() {

@@ -5,9 +5,10 @@
 //! and binary that begins with `solid` for text, and it refuses the NaN normals that triangles without
 //! area have.
 
+use super::Import;
 use super::error::Fault;
 use super::text::{Line, lines, quote};
-use super::{Import, MeshData};
+use pfront_testkit::MeshData;
 
 /// Header and count of a binary file, and each of its triangles.
 const HEADER: usize = 84;

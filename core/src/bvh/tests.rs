@@ -6,7 +6,8 @@ use super::*;
 use crate::Pose;
 use crate::bvh::{BuildOptions, BvhStorage, morton, node_bound, sah};
 use crate::bvtt::{PairBvtt, Query, SelfBvtt};
-use pfront_testkit::shapes::{Soup, strip};
+use pfront_testkit::MeshData;
+use pfront_testkit::shapes::strip;
 use std::sync::LazyLock;
 use std::vec;
 use std::vec::Vec;
@@ -21,8 +22,8 @@ pub(crate) struct Owned {
 }
 
 impl Owned {
-    pub(crate) fn new(soup: Soup, leaf_size: u32, by_morton: bool) -> Self {
-        let Soup { positions, triangles } = soup;
+    pub(crate) fn new(soup: MeshData, leaf_size: u32, by_morton: bool) -> Self {
+        let MeshData { positions, triangles } = soup;
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let n = triangles.len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
@@ -147,7 +148,7 @@ fn wrong_node_counts_are_refused() {
     assert!(matches!(found, Err(BvhError::Child { .. })), "{found:?}");
     assert_eq!(check_after(|n, _| n.clear()), Err(BvhError::Order { entry: 0 }));
     // A lone root has no slot 1.
-    let Soup { positions, triangles } = strip(2);
+    let MeshData { positions, triangles } = strip(2);
     let mesh = Mesh::new(&positions, &triangles).unwrap();
     let nodes = [Node { min: [-99.0; 3], first: 0, max: [99.0; 3], count: 2 }, Node::EMPTY];
     assert!(Bvh::new(mesh, &nodes[..1], &[0, 1], &mut [0]).is_ok());

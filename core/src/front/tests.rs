@@ -8,8 +8,9 @@ use crate::Pose;
 use crate::bvh::tests::Owned;
 use crate::bvtt::{Cursor, PairBvtt, Query, SelfBvtt, TrianglePair};
 use core::ops::ControlFlow;
+use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
-use pfront_testkit::shapes::{Soup, bumpy, sheet};
+use pfront_testkit::shapes::{bumpy, sheet};
 use std::vec;
 use std::vec::Vec;
 
@@ -169,8 +170,8 @@ fn the_unit_of_length_is_of_no_account() {
 #[test]
 fn boxes_without_volume_get_sound_costs() {
     let flat = body(sheet(12, |_, _| 0.0));
-    let point = body(Soup::of([[[0.5, 0.5, 0.0]; 3]; 10]));
-    let huge = body(Soup::of([[[-3e37, 0.0, 0.0], [3e37, 0.0, 0.0], [0.0, 3e37, 3e37]]; 40]));
+    let point = body(MeshData::of([[[0.5, 0.5, 0.0]; 3]; 10]));
+    let huge = body(MeshData::of([[[-3e37, 0.0, 0.0], [3e37, 0.0, 0.0], [0.0, 3e37, 3e37]]; 40]));
     let cases = [
         (&flat, &flat, Pose::IDENTITY),
         (&flat, &flat, Pose::from_translation([1.0, 0.0, 0.0])),
@@ -226,7 +227,7 @@ fn a_still_scene_settles() {
 #[test]
 fn any_history_is_harmless() {
     let bumpy = body(bumpy(20));
-    let huge = body(Soup::of([[[-f32::MAX; 3], [f32::MAX; 3], [0.0, f32::MAX, -f32::MAX]]; 3]));
+    let huge = body(MeshData::of([[[-f32::MAX; 3], [f32::MAX; 3], [0.0, f32::MAX, -f32::MAX]]; 3]));
     let (nan, infinity, max) = (f32::NAN, f32::INFINITY, f32::MAX);
     let odd = [nan, -nan, infinity, -infinity, -1.0, 0.0, -0.0, max, -max, 1e-45, 1.0, 50.0];
     let mut rng = seeded(1);
@@ -383,6 +384,6 @@ fn tilt(z: f32) -> Pose {
     Pose::new([[1.0, 0.0, 0.0, 0.0], [0.0, 0.8, -0.6, 0.3], [0.0, 0.6, 0.8, z - 0.3]])
 }
 
-fn body(soup: Soup) -> Owned {
+fn body(soup: MeshData) -> Owned {
     Owned::new(soup, 4, true)
 }

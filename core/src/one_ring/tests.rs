@@ -8,8 +8,9 @@ use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, mark_moved, morton, node
 use crate::bvtt::{Query, SelfBvtt};
 use crate::{Bvh, Node};
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
-use pfront_testkit::shapes::{Soup, sheet};
+use pfront_testkit::shapes::sheet;
 use std::vec;
 use std::vec::Vec;
 
@@ -125,7 +126,7 @@ fn buffers_one_short_are_errors_that_name_the_need() {
 }
 
 /// A sheet over so many vertices that are moved at random: some of them are certified.
-fn crumpled(vertices: usize) -> Soup {
+fn crumpled(vertices: usize) -> MeshData {
     let (mut rng, n) = (seeded(1), vertices.isqrt() as u32);
     let mut soup = sheet(n, |_, _| 0.0).map(|p| {
         let [aside, height] = [0; 2].map(|_| rng.random_range(0.0..0.84));
@@ -140,7 +141,7 @@ fn crumpled(vertices: usize) -> Soup {
 fn parts_certify_what_the_whole_does() {
     for vertices in [0, 3, 8192, 8193, 16_384, 16_385, 40_000] {
         for shuffled in [false, true] {
-            let Soup { positions, mut triangles } = crumpled(vertices);
+            let MeshData { positions, mut triangles } = crumpled(vertices);
             let n = triangles.len();
             if shuffled {
                 (0..n).for_each(|i| triangles.swap(i, i * 7919 % n));
@@ -169,7 +170,7 @@ fn parts_certify_what_the_whole_does() {
 
 #[test]
 fn what_has_moved_is_all_that_certification_needs() {
-    let Soup { positions: rest, triangles } = crumpled(800);
+    let MeshData { positions: rest, triangles } = crumpled(800);
     let chosen: [&dyn Fn(usize) -> bool; 5] =
         [&|_| false, &|i| i == 333, &|i| (300..340).contains(&i), &|i| i % 97 == 0, &|_| true];
     let mesh = Mesh::new(&rest, &triangles).unwrap();

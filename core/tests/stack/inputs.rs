@@ -3,28 +3,29 @@
 use pfront_core::bvh::{BuildOptions, BvhStorage, sah};
 use pfront_core::bvh::{MAX_DEPTH, node_bound};
 use pfront_core::{Bvh, Mesh, Node};
+use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
-use pfront_testkit::shapes::{Soup, sheet, union};
+use pfront_testkit::shapes::{sheet, union};
 
-pub(crate) fn mesh(soup: &Soup) -> Mesh<'_> {
+pub(crate) fn mesh(soup: &MeshData) -> Mesh<'_> {
     Mesh::new(&soup.positions, &soup.triangles).unwrap()
 }
 
 /// `count` triangles in one place, which no build can tell apart.
-pub(crate) fn coincident(count: usize) -> Soup {
-    Soup::of((0..count).map(|_| [[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [0.0, 1.0, 0.3]]))
+pub(crate) fn coincident(count: usize) -> MeshData {
+    MeshData::of((0..count).map(|_| [[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [0.0, 1.0, 0.3]]))
 }
 
 /// `count` plates in a row, of which SAH takes the first as often as depth allows: it is farther from the others than
 /// they are long, by more than the number of bins.
-pub(crate) fn peeling(count: usize) -> Soup {
+pub(crate) fn peeling(count: usize) -> MeshData {
     let plate = |x: f32| [[x, -1e38, -1e38], [x, 1e38, -1e38], [x, 1e38, 1e38]];
     let far = (0..58).map(|k| -1e35 * 18_f32.powi(-k));
-    Soup::of(far.chain((58..count).map(|k| k as f32 * 1e-42)).take(count).map(plate))
+    MeshData::of(far.chain((58..count).map(|k| k as f32 * 1e-42)).take(count).map(plate))
 }
 
 /// Points in Morton cells each of which has one bit, and `count` in the first cell.
-pub(crate) fn curled(count: usize) -> Soup {
+pub(crate) fn curled(count: usize) -> MeshData {
     let cells = (0..33).map(|bit| {
         let mut cell = [0.0; 3];
         cell[bit % 3] = (1 << (bit / 3)) as f32;
@@ -32,18 +33,18 @@ pub(crate) fn curled(count: usize) -> Soup {
     });
     let last = [[2047.0; 3]];
     let points = cells.chain(last).chain((0..count).map(|_| [0.0; 3]));
-    Soup::of(points.map(|p| [p; 3]))
+    MeshData::of(points.map(|p| [p; 3]))
 }
 
 /// Triangles that meet, or nearly, whose coordinates are so unlike that only long integers decide.
-pub(crate) fn disparate(count: usize) -> Soup {
+pub(crate) fn disparate(count: usize) -> MeshData {
     let mut rng = seeded(7);
     let mut number = || {
         let exponent = rng.random_range(30..200);
         f32::from_bits(rng.random::<u32>() & !(0xff << 23) | exponent << 23)
     };
     // In planes through one line.
-    Soup::of((0..count).map(|_| {
+    MeshData::of((0..count).map(|_| {
         [(); 3].map(|()| {
             let x = number();
             [x, x, number()]
@@ -52,7 +53,7 @@ pub(crate) fn disparate(count: usize) -> Soup {
 }
 
 /// Two crumpled sheets in one place, `edge` squares along each edge, with corners in common.
-pub(crate) fn sheets(edge: u32) -> Soup {
+pub(crate) fn sheets(edge: u32) -> MeshData {
     let wave = |u: f32| (4.5 * u).sin();
     let one = sheet(edge, |_, _| 0.0)
         .map(|[u, v, _]| [u + 0.2 * wave(v), v + 0.2 * wave(u), 0.4 * wave(u + v)]);

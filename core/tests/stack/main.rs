@@ -16,7 +16,7 @@ use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, link_scratch_bound};
 use pfront_core::triangle::{Accuracy, intersects};
 use pfront_core::{Blob, Bvh, Mesh, Node, Pose, blob};
-use pfront_testkit::shapes::Soup;
+use pfront_testkit::MeshData;
 use std::hint::black_box;
 use std::ops::ControlFlow::Continue;
 
@@ -49,7 +49,7 @@ fn turned() -> Pose {
 }
 
 /// BVHs with leaves of one triangle. Returns how deep they are.
-fn build(soup: &Soup) -> [usize; 2] {
+fn build(soup: &MeshData) -> [usize; 2] {
     let (mesh, count) = (mesh(soup), soup.triangles.len());
     let options = BuildOptions { leaf_size: 1, join: None };
     let mut tree = Tree { nodes: vec![Node::EMPTY; node_bound(count)], order: vec![0; count] };

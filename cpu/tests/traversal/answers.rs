@@ -3,7 +3,8 @@
 use crate::common::{Body, Frames, SCHEDULES, predicted_imbalance, sequential};
 use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt, TrianglePair};
 use pfront_cpu::{Hit, MAX_WORKERS, Schedule, Settings, Traversal};
-use pfront_testkit::scenes::{Scene, TriMesh, icosphere};
+use pfront_testkit::MeshData;
+use pfront_testkit::scenes::{Scene, icosphere};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
@@ -74,8 +75,8 @@ fn a_deforming_mesh_with_itself() {
 
 #[test]
 fn nothing_and_nearly_nothing() {
-    let empty = Body::new(TriMesh::default());
-    let one = Body::new(TriMesh {
+    let empty = Body::new(MeshData::default());
+    let one = Body::new(MeshData {
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         triangles: vec![[0, 1, 2]],
     });

@@ -5,7 +5,8 @@ use pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront_core::bvtt::{PairBvtt, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
 use pfront_cpu::{Report, Schedule};
-use pfront_testkit::scenes::{Scene, TriMesh};
+use pfront_testkit::MeshData;
+use pfront_testkit::scenes::Scene;
 use std::ops::ControlFlow;
 
 pub(crate) const SCHEDULES: [Schedule; 3] =
@@ -13,13 +14,13 @@ pub(crate) const SCHEDULES: [Schedule; 3] =
 
 /// A mesh that owns its BVH.
 pub(crate) struct Body {
-    mesh: TriMesh,
+    mesh: MeshData,
     nodes: Vec<Node>,
     order: Vec<u32>,
 }
 
 impl Body {
-    pub(crate) fn new(mesh: TriMesh) -> Self {
+    pub(crate) fn new(mesh: MeshData) -> Self {
         let n = mesh.triangles.len();
         let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
         let mut scratch = vec![Node::EMPTY; n];

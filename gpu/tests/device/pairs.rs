@@ -5,10 +5,11 @@ use pfront_core::{Pose, bvtt};
 use pfront_gpu::{
     Arithmetic, Budget, Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb, wgpu,
 };
+use pfront_testkit::MeshData;
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
 use pfront_testkit::scenes::{Kind, Scene};
-use pfront_testkit::shapes::{Soup, bumpy, family, pose_rows, posed, sheet, sphere, tangle};
+use pfront_testkit::shapes::{bumpy, family, pose_rows, posed, sheet, sphere, tangle};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -25,7 +26,7 @@ fn check(query: &mut GpuQuery, a: &Both, b: &Both, a_from_b: &Pose) -> usize {
     truth.len()
 }
 
-fn both(soup: &Soup) -> Both {
+fn both(soup: &MeshData) -> Both {
     Both::new(&soup.positions, &soup.triangles, 4)
 }
 
@@ -112,7 +113,8 @@ fn coplanar_touching_and_stretched() {
         let tiny = lattice.clone().map(|p| p.map(|x| x * f32::from_bits(1)));
         let stretch = Pose::new(pose_rows(0.0, &mut rng).map(|r| r.map(|x| x * scale)));
         for soup in [lattice, tiny] {
-            let placed = Soup { positions: posed(&soup.positions, &stretch.rows), ..soup.clone() };
+            let placed =
+                MeshData { positions: posed(&soup.positions, &stretch.rows), ..soup.clone() };
             check(&mut query, &both(&placed), &both(&soup), &stretch);
         }
     }
@@ -121,7 +123,7 @@ fn coplanar_touching_and_stretched() {
 #[test]
 fn nothing_and_nearly_nothing() {
     let mut query = GpuQuery::new(gpu()).unwrap();
-    let (none, one) = (both(&Soup::default()), both(&sheet(1, |_, _| 0.0)));
+    let (none, one) = (both(&MeshData::default()), both(&sheet(1, |_, _| 0.0)));
     assert_eq!(check(&mut query, &none, &none, &Pose::IDENTITY), 0);
     assert_eq!(check(&mut query, &one, &none, &Pose::IDENTITY), 0);
     assert_eq!(check(&mut query, &one, &one, &Pose::IDENTITY), 4);

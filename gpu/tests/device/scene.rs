@@ -4,10 +4,11 @@ use crate::common::{Both, gpu};
 use crate::world::{Scene, part};
 use pfront_core::{MeshError, Pose};
 use pfront_gpu::{Arithmetic, Bodies, Budget, Gpu, GpuError, GpuSettings, GpuVerb, World, wgpu};
+use pfront_testkit::MeshData;
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::{ChaCha8Rng, Rng, seeded};
 use pfront_testkit::scenes::{self, Kind};
-use pfront_testkit::shapes::{Soup, family, pose_rows, sheet, sphere};
+use pfront_testkit::shapes::{family, pose_rows, sheet, sphere};
 
 fn world() -> World {
     World::new(gpu(), gpu().settings()).unwrap()
@@ -53,7 +54,7 @@ fn bodies_that_move_jump_rest_come_and_go() {
         Both::new(&small.positions, &small.triangles, 1),
         part(&sheet(5, |x, y| 0.3 * x * y)),
         part(&sheet(1, |_, _| 0.0)),
-        part(&Soup::default()),
+        part(&MeshData::default()),
     ];
     let bodies = (0..36).map(|i| (&parts[i % parts.len()], somewhere(8.0, &mut rng))).collect();
     let mut scene = Scene::new(world(), bodies);
@@ -88,7 +89,7 @@ fn bodies_that_move_jump_rest_come_and_go() {
 
 #[test]
 fn no_body_one_body_and_bodies_without_triangles() {
-    let [none, one] = [Soup::default(), sheet(1, |_, _| 0.0)].map(|soup| part(&soup));
+    let [none, one] = [MeshData::default(), sheet(1, |_, _| 0.0)].map(|soup| part(&soup));
     let mut scene = Scene::new(world(), Vec::new());
     assert_eq!((scene.check(), scene.world.bytes()), (0, 0));
     scene.bodies.extend([(&none, Pose::IDENTITY); 2]);
@@ -200,7 +201,7 @@ fn more_pairs_than_a_binding_holds() {
     let gpu = Gpu::from_device(device, queue).unwrap();
     let settings = GpuSettings { budget: Budget { bytes: 4 << 20 }, ..gpu.settings() };
     let mut rng = seeded(35);
-    let parts = [part(&sphere(3)), part(&sheet(2, |x, y| 0.3 * x * y)), part(&Soup::default())];
+    let parts = [part(&sphere(3)), part(&sheet(2, |x, y| 0.3 * x * y)), part(&MeshData::default())];
     let bodies = (0..40).map(|i| (&parts[i % 3], somewhere(3.0, &mut rng))).collect();
     let mut scene = Scene::new(World::new(&gpu, settings).unwrap(), bodies);
     assert!(scene.check() > 100);

@@ -4,10 +4,11 @@ use crate::common::{Both, gpu, sorted};
 use pfront_core::bvtt;
 use pfront_core::triangle::Adjacency;
 use pfront_gpu::{Budget, GpuQuery, GpuQuestion, GpuSettings};
+use pfront_testkit::MeshData;
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
 use pfront_testkit::scenes::Scene;
-use pfront_testkit::shapes::{Soup, family, sheet, sphere, tangle, union};
+use pfront_testkit::shapes::{family, sheet, sphere, tangle, union};
 
 /// Checks every verb under both rules and returns how many pairs meet.
 fn check(query: &mut GpuQuery, mesh: &Both) -> usize {
@@ -24,7 +25,7 @@ fn check(query: &mut GpuQuery, mesh: &Both) -> usize {
     most
 }
 
-fn both(soup: &Soup, leaf_size: u32) -> Both {
+fn both(soup: &MeshData, leaf_size: u32) -> Both {
     Both::new(&soup.positions, &soup.triangles, leaf_size)
 }
 
@@ -76,7 +77,7 @@ fn pairs_of_every_family_that_share_indices() {
     let mut rng = seeded(22);
     let mut query = GpuQuery::new(gpu()).unwrap();
     for f in Family::ALL {
-        let mut soup = Soup::default();
+        let mut soup = MeshData::default();
         for _ in 0..300 {
             let (positions, a, b) = f.indexed(&mut rng);
             let first = soup.positions.len() as u32;

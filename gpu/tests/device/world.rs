@@ -4,7 +4,7 @@ use crate::common::{Both, sorted};
 use pfront_core::Pose;
 use pfront_core::bvtt::{PairBvtt, PosedBvh, TrianglePair};
 use pfront_gpu::{Bodies, GpuError, World};
-use pfront_testkit::shapes::Soup;
+use pfront_testkit::MeshData;
 
 /// Bodies on the device, and what they are made of beside it. Each is paired with each.
 pub(crate) struct Scene<'m> {
@@ -12,7 +12,7 @@ pub(crate) struct Scene<'m> {
     pub(crate) bodies: Vec<(&'m Both, Pose)>,
 }
 
-pub(crate) fn part(soup: &Soup) -> Both {
+pub(crate) fn part(soup: &MeshData) -> Both {
     Both::new(&soup.positions, &soup.triangles, 4)
 }
 

@@ -6,8 +6,9 @@ use crate::player::Objects;
 use anyhow::Result;
 use glam::{DAffine3, DQuat, DVec3};
 use pfront::{BuildOptions, Model, Pose};
+use pfront_testkit::MeshData;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt};
-use pfront_testkit::scenes::{Scene, TriMesh, icosphere, torus_knot};
+use pfront_testkit::scenes::{Scene, icosphere, round, torus_knot};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -54,7 +55,7 @@ impl Shape {
         triangles: usize,
         radius: f64,
         random: &mut ChaCha8Rng,
-    ) -> Result<TriMesh> {
+    ) -> Result<MeshData> {
         // The worm takes six tenths of its drive.
         let drive = |share: f64| {
             Scene::by_name("worm-gear", Some((triangles as f64 / share).round() as usize))
@@ -69,7 +70,7 @@ impl Shape {
                 let scene = Scene::by_name("sheet", Some(triangles))?;
                 let mut positions = Vec::new();
                 scene.positions(60, &mut positions);
-                TriMesh { positions, triangles: scene.meshes[0].triangles.clone() }
+                MeshData { positions, triangles: scene.meshes[0].triangles.clone() }
             }
         };
         Ok(fitted(mesh, radius))
@@ -77,7 +78,7 @@ impl Shape {
 }
 
 /// Builds a mesh's BVH on all threads.
-pub(super) fn model(mesh: TriMesh) -> Result<Arc<Model>> {
+pub(super) fn model(mesh: MeshData) -> Result<Arc<Model>> {
     let model = Model::new_with_threads(mesh.positions, mesh.triangles, BuildOptions::default())?;
     // Found at the first question otherwise, by whichever plan comes first.
     let _ = model.sphere();
@@ -105,33 +106,19 @@ pub(super) fn gears(
 }
 
 /// Small triangles in the unit ball.
-fn shards(count: usize, random: &mut ChaCha8Rng) -> TriMesh {
+fn shards(count: usize, random: &mut ChaCha8Rng) -> MeshData {
     let size = (count as f64).powf(-1.0 / 3.0);
-    let mut positions = Vec::new();
-    for _ in 0..count {
+    MeshData::of((0..count).map(|_| {
         let middle = direction(random) * random.random::<f64>().cbrt();
-        positions
-            .extend([(); 3].map(|()| (middle + size * direction(random)).as_vec3().to_array()));
-    }
-    TriMesh {
-        positions,
-        triangles: (0..count as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
-    }
+        [(); 3].map(|()| (middle + size * direction(random)).as_vec3().to_array())
+    }))
 }
 
 /// Moved about the origin and scaled to a bounding radius.
-fn fitted(mut mesh: TriMesh, radius: f64) -> TriMesh {
-    let points = || mesh.positions.iter().map(|p| glam::Vec3::from(*p).as_dvec3());
-    let first = points().next().unwrap_or_default();
-    let (min, max) = points().fold((first, first), |(min, max), p| (min.min(p), max.max(p)));
-    let middle = (min + max) / 2.0;
-    let reach = points().map(|p| p.distance(middle)).fold(0.0, f64::max);
+fn fitted(mesh: MeshData, radius: f64) -> MeshData {
+    let (middle, reach) = mesh.bounding_sphere();
     let scale = if reach > 0.0 { radius / reach } else { 1.0 };
-    for position in &mut mesh.positions {
-        let p = glam::Vec3::from(*position).as_dvec3();
-        *position = ((p - middle) * scale).as_vec3().to_array();
-    }
-    mesh
+    mesh.map(|p| ((DVec3::from(p.map(f64::from)) - middle) * scale).as_vec3().to_array())
 }
 
 /// A direction, uniform on the sphere.
@@ -149,10 +136,7 @@ pub(super) fn turn(random: &mut ChaCha8Rng) -> DQuat {
 
 /// Rounded once.
 pub(super) fn pose(turn: DQuat, translation: DVec3) -> Pose {
-    let affine = DAffine3::from_rotation_translation(turn, translation);
-    let (rows, t) = (affine.matrix3.transpose(), translation);
-    let row = |r: DVec3, t: f64| [r.x as f32, r.y as f32, r.z as f32, t as f32];
-    Pose::new([row(rows.x_axis, t.x), row(rows.y_axis, t.y), row(rows.z_axis, t.z)])
+    Pose::new(round(DAffine3::from_rotation_translation(turn, translation)))
 }
 
 #[cfg(test)]

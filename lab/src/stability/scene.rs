@@ -5,7 +5,7 @@ use super::play::Player;
 use anyhow::Result;
 use pfront::pfront_core::bvtt::{PairBvtt, SelfBvtt};
 use pfront::{Model, Pose, TrianglePair};
-use pfront_testkit::scenes::TriMesh;
+use pfront_testkit::MeshData;
 
 /// One frame to come.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +38,8 @@ impl Scene {
     /// Two meshes.
     pub(super) fn two(
         name: &'static str,
-        a: &TriMesh,
-        b: &TriMesh,
+        a: &MeshData,
+        b: &MeshData,
         steps: impl IntoIterator<Item = Step>,
     ) -> Result<Self> {
         let [a, b] = [a, b].map(|mesh| Model::new(mesh.positions.clone(), mesh.triangles.clone()));
@@ -55,7 +55,7 @@ impl Scene {
         steps: impl IntoIterator<Item = Step>,
     ) -> Result<Self> {
         let sheet = pfront_testkit::scenes::Scene::by_name("sheet", Some(triangles))?;
-        let TriMesh { positions, triangles } = sheet.meshes[0].clone();
+        let MeshData { positions, triangles } = sheet.meshes[0].clone();
         let model = Model::new(positions, triangles)?;
         let actors = Actors::Sheet(Box::new(model), sheet, first);
         Ok(Self { name, actors, steps: steps.into_iter().collect() })

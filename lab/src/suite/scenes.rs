@@ -4,7 +4,8 @@ use super::{Body, Contacts, Site};
 use anyhow::Result;
 use glam::{DAffine3, DMat3, DVec3};
 use pfront::{Model, Pose};
-use pfront_testkit::scenes::{Kind, Scene};
+use pfront_testkit::Rows;
+use pfront_testkit::scenes::{Kind, Scene, round};
 use std::sync::Arc;
 
 /// The scenes, and the frames of each that are harvested: some in which its bodies touch.
@@ -38,7 +39,7 @@ fn contacts(name: &str, frames: &[usize], size: Option<usize>) -> Result<Contact
         for (i, pose_a) in poses.iter().enumerate() {
             for (j, pose_b) in poses.iter().enumerate().skip(i + 1) {
                 let [a, b] = [i, j].map(|object| bodies[scene.objects[object]].clone());
-                let a_from_b = rounded(affine(pose_a).inverse() * affine(pose_b));
+                let a_from_b = Pose::new(round(affine(pose_a).inverse() * affine(pose_b)));
                 sites.push(Site::Pair { a, b, a_from_b });
             }
         }
@@ -46,15 +47,9 @@ fn contacts(name: &str, frames: &[usize], size: Option<usize>) -> Result<Contact
     Contacts::new(name, sites)
 }
 
-fn affine(rows: &pfront_testkit::scenes::Pose) -> DAffine3 {
+fn affine(rows: &Rows) -> DAffine3 {
     let [x, y, z] = rows.map(|row| row.map(f64::from));
     let linear = [x, y, z].map(|[u, v, w, _]| DVec3::new(u, v, w));
     let linear = DMat3::from_cols(linear[0], linear[1], linear[2]).transpose();
     DAffine3::from_mat3_translation(linear, DVec3::new(x[3], y[3], z[3]))
-}
-
-fn rounded(affine: DAffine3) -> Pose {
-    let (linear, t) = (affine.matrix3, affine.translation);
-    let row = |i: usize| [linear.x_axis[i], linear.y_axis[i], linear.z_axis[i], t[i]];
-    Pose::new([0, 1, 2].map(|i| row(i).map(|x| x as f32)))
 }

@@ -7,16 +7,16 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::mesh::TriMesh;
 use super::pose::shift;
 use super::scene::{Motion, Scene};
+use crate::MeshData;
 
 impl Scene {
     /// A course of `frames` random poses of `b` about `a`: every rotation equally likely, and a
     /// distance at which they overlap in part or just miss. The same `seed` gives the same course
     /// on every machine.
     #[must_use]
-    pub fn course(a: TriMesh, b: TriMesh, frames: usize, seed: u64) -> Self {
+    pub fn course(a: MeshData, b: MeshData, frames: usize, seed: u64) -> Self {
         let (center_a, radius_a) = a.bounding_sphere();
         let (center_b, radius_b) = b.bounding_sphere();
         let a_from_b = move |frame: usize| {

@@ -9,7 +9,9 @@ use glam::{DAffine3, DVec3};
 
 use super::gear::{SpurSteps, Teeth, spur, width_steps};
 use super::mesh::scaled;
-use super::pose::{Pose, about_z, round, shift};
+use crate::Rows;
+
+use super::pose::{about_z, round, shift};
 use super::scene::{FRAMES, Motion, Scene};
 use super::tooth::Steps;
 
@@ -30,7 +32,7 @@ pub(crate) fn scene(triangles: usize) -> Scene {
         objects.extend((0..stage.planets).map(|_| sun + 1));
         objects.push(0);
     }
-    let poses = |frame: usize, out: &mut Vec<Pose>| {
+    let poses = |frame: usize, out: &mut Vec<Rows>| {
         out.clear();
         let mut sun_angle = TAU * frame as f64 / FRAMES as f64;
         for (k, stage) in STAGES.iter().enumerate() {

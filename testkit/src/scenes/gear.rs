@@ -3,7 +3,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::mesh::{TriMesh, closed_grid};
+use crate::MeshData;
+
+use super::mesh::closed_grid;
 use super::tooth::{
     ADDENDUM, Cyl, DEDENDUM, INTERFERENCE, RackFlank, Section, Steps, TAN_PRESSURE,
 };
@@ -30,7 +32,7 @@ pub(crate) fn width_steps(triangles: usize, pitch: Steps) -> usize {
 
 /// A spur gear of module 1 about z, from −`half_width` to `half_width`; the middle of a gap is at
 /// angle 0, that of a tooth for inner teeth.
-pub(crate) fn spur(teeth: usize, kind: Teeth, half_width: f64, steps: SpurSteps) -> TriMesh {
+pub(crate) fn spur(teeth: usize, kind: Teeth, half_width: f64, steps: SpurSteps) -> MeshData {
     let radius = teeth as f64 / 2.0;
     // The space between inner teeth has the shape of outer teeth that reach down to the inner top.
     let (floor, top, thinning) = match kind {
@@ -57,7 +59,7 @@ const BODY_ROWS: usize = 6;
 
 /// A gear of which `rows` are one pitch of its toothed face, from one end of its width to the
 /// other; a rim, a thinner web and a bore close it. Between the ends the columns twist evenly.
-pub(crate) fn body(teeth: usize, mut rows: Vec<Vec<Cyl>>, rim: f64, bore: f64) -> TriMesh {
+pub(crate) fn body(teeth: usize, mut rows: Vec<Vec<Cyl>>, rim: f64, bore: f64) -> MeshData {
     let toothed = rows.len();
     let end = rows[toothed - 1][0].z;
     let web = 0.6 * end;
@@ -76,7 +78,7 @@ pub(crate) fn body(teeth: usize, mut rows: Vec<Vec<Cyl>>, rim: f64, bore: f64) -
 }
 
 /// The closed body whose `rows` hold one pitch each.
-fn repeat(teeth: usize, rows: &[Vec<Cyl>]) -> TriMesh {
+fn repeat(teeth: usize, rows: &[Vec<Cyl>]) -> MeshData {
     let pitch = rows[0].len();
     closed_grid(rows.len(), teeth * pitch, |i, j| {
         let Cyl { r, angle, z } = rows[i][j % pitch];

@@ -1,41 +1,10 @@
-//! Indexed triangle meshes, and the grids that all but the sphere are made of.
+//! The grids that all meshes but the sphere are made of.
 //!
 //! A grid that wraps in both directions is a torus, so it is closed and manifold whatever shape its
 //! vertices take: a knot, a bored gear and a bored worm need no caps and no stitching.
 
+use crate::MeshData;
 use glam::{DVec2, DVec3};
-
-/// An indexed triangle mesh: no vertex is stored twice, and every triangle is counter-clockwise
-/// seen from outside.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TriMesh {
-    /// Vertex positions.
-    pub positions: Vec<[f32; 3]>,
-    /// Three vertex indices per triangle.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-impl TriMesh {
-    /// The signed volume enclosed, positive when the triangles face outward; it means nothing for
-    /// an open mesh.
-    ///
-    /// # Panics
-    /// When a triangle names a vertex that does not exist.
-    #[must_use]
-    pub fn volume(&self) -> f64 {
-        let corner = |v: u32| DVec3::from(self.positions[v as usize].map(f64::from));
-        self.triangles.iter().map(|t| t.map(corner)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
-    }
-
-    /// Centre of the bounding box, and the radius about it that reaches every vertex.
-    pub(crate) fn bounding_sphere(&self) -> (DVec3, f64) {
-        let points = || self.positions.iter().map(|p| DVec3::from(p.map(f64::from)));
-        let Some(first) = points().next() else { return (DVec3::ZERO, 0.0) };
-        let (min, max) = points().fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)));
-        let center = (min + max) / 2.0;
-        (center, points().map(|p| p.distance(center)).fold(0.0, f64::max))
-    }
-}
 
 /// Rounds a computed point to the precision that meshes are stored in.
 pub(crate) fn round(p: DVec3) -> [f32; 3] {
@@ -48,21 +17,19 @@ pub(crate) fn closed_grid(
     rows: usize,
     columns: usize,
     point: impl Fn(usize, usize) -> DVec3,
-) -> TriMesh {
+) -> MeshData {
     let vertices = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
-    TriMesh {
+    MeshData {
         positions: vertices.map(|(i, j)| round(point(i, j))).collect(),
-        triangles: grid_triangles(rows, columns, rows, columns),
+        triangles: grid_triangles([rows, columns], [rows, columns]),
     }
 }
 
 /// The triangles of `row_steps` × `column_steps` cells over `rows` × `columns` vertices, indices
 /// taken modulo the grid: as many steps as vertices close it, one fewer leaves it open.
 pub(crate) fn grid_triangles(
-    rows: usize,
-    columns: usize,
-    row_steps: usize,
-    column_steps: usize,
+    [rows, columns]: [usize; 2],
+    [row_steps, column_steps]: [usize; 2],
 ) -> Vec<[u32; 3]> {
     let vertex = |i: usize, j: usize| ((i % rows) * columns + j % columns) as u32;
     let cells = (0..row_steps).flat_map(|i| (0..column_steps).map(move |j| (i, j)));

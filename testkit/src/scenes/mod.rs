@@ -37,7 +37,7 @@ mod tooth;
 mod worm;
 
 pub use knot::torus_knot;
-pub use mesh::TriMesh;
-pub use pose::Pose;
+pub(crate) use mesh::grid_triangles;
+pub use pose::round;
 pub use scene::{Kind, Scene, SceneError};
 pub use sphere::icosphere;

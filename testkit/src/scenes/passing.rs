@@ -6,10 +6,10 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::knot::torus_knot;
-use super::mesh::TriMesh;
 use super::pose::{about_y, about_z, shift};
 use super::scene::{FRAMES, Motion, Scene};
 use super::sphere::icosphere;
+use crate::MeshData;
 
 /// Two bumpy torus knots, about `triangles` triangles together.
 pub(crate) fn torus_knots(triangles: usize) -> Scene {
@@ -22,7 +22,7 @@ pub(crate) fn spheres(triangles: usize) -> Scene {
 }
 
 /// The second copy of `mesh` travels along x, past the first a little off centre.
-fn passing(name: &'static str, mesh: TriMesh) -> Scene {
+fn passing(name: &'static str, mesh: MeshData) -> Scene {
     let (_, radius) = mesh.bounding_sphere();
     let a_from_b = move |frame: usize| {
         let time = (frame as f64 + 0.5) / FRAMES as f64;

@@ -1,12 +1,11 @@
 //! Poses: built and multiplied in f64, rounded once.
 
+use crate::Rows;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// Row-major 3×4 object-to-world transform: p' = ((r0·x + r1·y) + r2·z) + t in each row.
-pub type Pose = [[f32; 4]; 3];
-
-/// Rounds a transform to the f32 pose that queries take.
-pub(crate) fn round(world_from_object: DAffine3) -> Pose {
+/// Rounds a transform to f32.
+#[must_use]
+pub fn round(world_from_object: DAffine3) -> Rows {
     let rows = world_from_object.matrix3.transpose();
     let t = world_from_object.translation;
     let row = |r: DVec3, t: f64| [r.x as f32, r.y as f32, r.z as f32, t as f32];

@@ -5,9 +5,10 @@ use std::fmt;
 use glam::DAffine3;
 use thiserror::Error;
 
-use super::mesh::TriMesh;
-use super::pose::{Pose, round};
+use super::pose::round;
 use super::{epicyclic, knot, passing, sheet, worm};
+use crate::MeshData;
+use crate::Rows;
 
 /// Frames of a scene that names no other number.
 pub(crate) const FRAMES: usize = 120;
@@ -19,7 +20,7 @@ pub struct Scene {
     /// The name, one of [`Scene::NAMES`].
     pub name: &'static str,
     /// The meshes, each in its own frame.
-    pub meshes: Vec<TriMesh>,
+    pub meshes: Vec<MeshData>,
     /// The mesh of each object, as an index into `meshes`.
     pub objects: Vec<usize>,
     pub(crate) frames: usize,
@@ -55,7 +56,7 @@ pub enum SceneError {
 }
 
 type PairMotion = dyn Fn(usize) -> DAffine3 + Send + Sync;
-type ManyMotion = dyn Fn(usize, &mut Vec<Pose>) + Send + Sync;
+type ManyMotion = dyn Fn(usize, &mut Vec<Rows>) + Send + Sync;
 type Deformation = dyn Fn(usize, &mut Vec<[f32; 3]>) + Send + Sync;
 
 /// What each frame is computed by.
@@ -114,7 +115,7 @@ impl Scene {
 
     /// Writes world-from-object of each object in `frame`. The world of a pair is the first
     /// object's frame; a deforming mesh stays at the identity.
-    pub fn poses(&self, frame: usize, out: &mut Vec<Pose>) {
+    pub fn poses(&self, frame: usize, out: &mut Vec<Rows>) {
         let identity = round(DAffine3::IDENTITY);
         match &self.motion {
             Motion::Pair(a_from_b) => {

@@ -10,7 +10,9 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::mesh::{TriMesh, grid_triangles, round, scaled};
+use crate::MeshData;
+
+use super::mesh::{grid_triangles, round, scaled};
 use super::scene::{FRAMES, Motion, Scene};
 
 /// Triangles at the default size.
@@ -22,9 +24,9 @@ pub(crate) fn scene(triangles: usize) -> Scene {
     let density = (triangles as f64 / TRIANGLES as f64).sqrt();
     let sheet = Sheet { rows: scaled(200, density, 2), columns: scaled(230, density, 2) };
     let Sheet { rows, columns } = sheet;
-    let mut mesh = TriMesh {
+    let mut mesh = MeshData {
         positions: Vec::new(),
-        triangles: grid_triangles(rows + 1, columns + 1, rows, columns),
+        triangles: grid_triangles([rows + 1, columns + 1], [rows, columns]),
     };
     sheet.positions(0, &mut mesh.positions);
     let positions = move |frame: usize, out: &mut Vec<[f32; 3]>| sheet.positions(frame, out);

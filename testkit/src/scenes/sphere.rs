@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::mesh::{TriMesh, round};
+use crate::MeshData;
+
+use super::mesh::round;
 
 /// The unit sphere in about `triangles` triangles: 20 f² of them, f ≥ 1 being whole.
 #[must_use]
-pub fn icosphere(triangles: usize) -> TriMesh {
+pub fn icosphere(triangles: usize) -> MeshData {
     let f = ((triangles as f64 / 20.0).sqrt().round() as u32).max(1);
-    let mut sphere = Builder { f, vertex: BTreeMap::new(), mesh: TriMesh::default() };
+    let mut sphere = Builder { f, vertex: BTreeMap::new(), mesh: MeshData::default() };
     for face in FACES {
         // Lattice point (i, j) of a face has the weights f − i − j, i, j at its corners.
         for i in 0..f {
@@ -34,7 +36,7 @@ type LatticePoint = [Option<(usize, u32)>; 3];
 struct Builder {
     f: u32,
     vertex: BTreeMap<LatticePoint, u32>,
-    mesh: TriMesh,
+    mesh: MeshData,
 }
 
 impl Builder {

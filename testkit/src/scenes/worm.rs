@@ -9,7 +9,9 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 
 use super::gear::{body, width_steps};
-use super::mesh::{TriMesh, closed_grid, scaled, subdivide};
+use crate::MeshData;
+
+use super::mesh::{closed_grid, scaled, subdivide};
 use super::pose::{about_y, about_z, shift};
 use super::scene::{FRAMES, Motion, Scene};
 use super::tooth::{INTERFERENCE, RackFlank, Section, Steps, TAN_PRESSURE};
@@ -67,7 +69,7 @@ fn half_thickness(rho: f64) -> f64 {
 /// Row i lies along the axis and column j around it. With STARTS · n columns and n rows a pitch,
 /// the thread climbs one row for each column, so the phase i − j fixes the place on the thread's
 /// profile, and crests and feet run along the cells' diagonals instead of across them.
-fn worm(density: f64) -> TriMesh {
+fn worm(density: f64) -> MeshData {
     let (crest, flank) = (scaled(3, density, 1), scaled(9, density, 2));
     let foot = scaled(8, density, 2);
     let feet = [half_thickness(FOOT), PITCH - half_thickness(FOOT)];
@@ -114,7 +116,7 @@ fn smooth_step(x: f64) -> f64 {
 }
 
 /// The wheel, about z, with a gap at angle 0, in about `triangles` triangles.
-fn wheel(triangles: usize, density: f64) -> TriMesh {
+fn wheel(triangles: usize, density: f64) -> MeshData {
     let steps = Steps {
         floor: scaled(4, density, 1),
         flank: scaled(6, density, 2),

@@ -1,6 +1,7 @@
 //! Meshes: closed, turned outward, free of self-crossings, of the right size, reproducible.
 
-use pfront_testkit::scenes::{Kind, Pose, Scene, SceneError, TriMesh, icosphere, torus_knot};
+use pfront_testkit::scenes::{Kind, Scene, SceneError, icosphere, torus_knot};
+use pfront_testkit::{MeshData, Rows};
 
 use crate::oracle::{assert_closed, directed_edges, self_touching};
 
@@ -97,7 +98,7 @@ fn scenes_have_the_recorded_bits() {
 
 fn bits(scene: &Scene) -> u64 {
     let mut words: Vec<u32> = scene.meshes.iter().flat_map(mesh_words).collect();
-    let (mut poses, mut positions) = (Vec::<Pose>::new(), Vec::new());
+    let (mut poses, mut positions) = (Vec::<Rows>::new(), Vec::new());
     for frame in [0, 1, 59, 119] {
         scene.poses(frame, &mut poses);
         words.extend(poses.as_flattened().as_flattened().iter().map(|x| x.to_bits()));
@@ -109,7 +110,7 @@ fn bits(scene: &Scene) -> u64 {
     pfront_testkit::checksum(words.into_iter().flat_map(u32::to_le_bytes))
 }
 
-fn mesh_words(mesh: &TriMesh) -> Vec<u32> {
+fn mesh_words(mesh: &MeshData) -> Vec<u32> {
     let positions = mesh.positions.as_flattened().iter().map(|x| x.to_bits());
     positions.chain(mesh.triangles.as_flattened().iter().copied()).collect()
 }

@@ -3,14 +3,14 @@
 use pfront_testkit::scenes::{Kind, Scene, icosphere};
 
 use crate::oracle::{in_world, self_touching, touching};
-use pfront_testkit::shapes::Soup;
+use pfront_testkit::MeshData;
 
 fn scene(name: &str, size: usize) -> Scene {
     Scene::by_name(name, Some(size)).expect("a named scene")
 }
 
 /// The objects in `frame`.
-fn world(scene: &Scene, frame: usize) -> Vec<Soup> {
+fn world(scene: &Scene, frame: usize) -> Vec<MeshData> {
     let mut poses = Vec::new();
     scene.poses(frame, &mut poses);
     let objects = scene.objects.iter().zip(&poses);

@@ -4,12 +4,12 @@ use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 use pfront_testkit::oracle;
-use pfront_testkit::scenes::{Pose, TriMesh};
-use pfront_testkit::shapes::{Soup, posed};
+use pfront_testkit::shapes::posed;
+use pfront_testkit::{MeshData, Rows};
 
 /// The directed edges. Each may occur once, no triangle may be degenerate, no position twice, and
 /// no vertex unused.
-pub(crate) fn directed_edges(mesh: &TriMesh) -> HashSet<(u32, u32)> {
+pub(crate) fn directed_edges(mesh: &MeshData) -> HashSet<(u32, u32)> {
     let places: HashSet<[u32; 3]> =
         mesh.positions.iter().map(|p| p.map(|x| (x + 0.0).to_bits())).collect();
     assert_eq!(places.len(), mesh.positions.len(), "a position occurs twice");
@@ -28,7 +28,7 @@ pub(crate) fn directed_edges(mesh: &TriMesh) -> HashSet<(u32, u32)> {
 }
 
 /// Closed, manifold at edges and vertices, consistently turned, and turned outward.
-pub(crate) fn assert_closed(mesh: &TriMesh, genus: i64) {
+pub(crate) fn assert_closed(mesh: &MeshData, genus: i64) {
     let edges = directed_edges(mesh);
     assert!(edges.iter().all(|&(a, b)| edges.contains(&(b, a))), "an edge has one triangle");
     // With one fan round each vertex in a connected mesh, Euler's formula fixes the genus.
@@ -53,12 +53,12 @@ pub(crate) fn assert_closed(mesh: &TriMesh, genus: i64) {
 }
 
 /// A mesh in the world.
-pub(crate) fn in_world(mesh: &TriMesh, pose: &Pose) -> Soup {
-    Soup { positions: posed(&mesh.positions, pose), triangles: mesh.triangles.clone() }
+pub(crate) fn in_world(mesh: &MeshData, pose: &Rows) -> MeshData {
+    MeshData { positions: posed(&mesh.positions, pose), ..mesh.clone() }
 }
 
 /// How many pairs of triangles of two meshes share a point.
-pub(crate) fn touching(a: &Soup, b: &Soup) -> usize {
+pub(crate) fn touching(a: &MeshData, b: &MeshData) -> usize {
     oracle::pairs(&a.positions, &a.triangles, &b.positions, &b.triangles).len()
 }
 

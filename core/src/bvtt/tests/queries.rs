@@ -8,9 +8,10 @@ use super::{at_one_go, push, with_certificates};
 use crate::bvh::tests::Owned;
 use crate::triangle::{Accuracy, Adjacency, Contact, contact, intersects, intersects_in_mesh};
 use crate::{Aabb, Node, Pose};
+use pfront_testkit::MeshData;
 use pfront_testkit::oracle::{pairs, self_pairs, share_a_vertex};
 use pfront_testkit::rng::seeded;
-use pfront_testkit::shapes::{Soup, bumpy, pose_rows, posed, sheet, sphere, tangle, union};
+use pfront_testkit::shapes::{bumpy, pose_rows, posed, sheet, sphere, tangle, union};
 use std::vec;
 use std::vec::Vec;
 
@@ -121,7 +122,7 @@ fn as_pairs(truth: Vec<(u32, u32)>) -> Vec<TrianglePair> {
 }
 
 /// BVHs of a mesh with leaves of each kind.
-fn trees(soup: &Soup) -> impl Iterator<Item = Owned> {
+fn trees(soup: &MeshData) -> impl Iterator<Item = Owned> {
     [(1, false), (3, true), (8, false)]
         .into_iter()
         .map(|(leaf_size, by_morton)| Owned::new(soup.clone(), leaf_size, by_morton))
@@ -217,7 +218,7 @@ fn children_of_root(query: &impl Query) -> (Vec<[u32; 2]>, u32) {
 /// Four triangles in one place, each a leaf, and one leaf of all four.
 #[test]
 fn tests_are_counted_once_for_each_unordered_pair() {
-    let soup = Soup::of([[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]; 4]);
+    let soup = MeshData::of([[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]; 4]);
     let (four, one) = (Owned::new(soup.clone(), 1, true), Owned::new(soup, 4, true));
     let itself = SelfBvtt::new(four.bvh());
     let [left, right] = [2, 3];
@@ -255,8 +256,10 @@ fn a_reference_to_a_query_is_that_query() {
 
 #[test]
 fn an_empty_mesh_meets_nothing() {
-    let (empty, some) =
-        (Owned::new(Soup::default(), 4, false), Owned::new(Soup::of([[[0.0; 3]; 3]]), 4, false));
+    let (empty, some) = (
+        Owned::new(MeshData::default(), 4, false),
+        Owned::new(MeshData::of([[[0.0; 3]; 3]]), 4, false),
+    );
     for [a, b] in [[&empty, &some], [&some, &empty], [&empty, &empty]] {
         let query = PairBvtt::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
         assert_eq!((query.root(), query.count(), query.any()), (None, 0, None));

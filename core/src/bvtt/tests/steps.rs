@@ -8,8 +8,9 @@ use crate::bvh::tests::Owned;
 use crate::bvh::{CompactNode, MAX_DEPTH, compact, node_bound};
 use crate::{Bvh, Mesh, Node, Pose};
 use core::ops::ControlFlow::{Break, Continue};
+use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
-use pfront_testkit::shapes::{Soup, bumpy, pose_rows, sheet, sphere, tangle, union};
+use pfront_testkit::shapes::{bumpy, pose_rows, sheet, sphere, tangle, union};
 use std::vec;
 use std::vec::Vec;
 
@@ -133,7 +134,8 @@ fn with_steps(query: &impl Query, steps: &[(u64, usize)]) {
 
 #[test]
 fn a_budget_ends_inside_a_leaf_pair() {
-    let eight = Owned::new(Soup::of([[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]; 8]), 8, false);
+    let eight =
+        Owned::new(MeshData::of([[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]; 8]), 8, false);
     let query = PairBvtt::new(eight.bvh(), eight.bvh(), Pose::IDENTITY).unwrap();
     let mut cursor = query.start();
     for done in [10, 20, 30, 40, 50, 60, 64] {

@@ -5,7 +5,7 @@ use crate::bvh::*;
 
 #[test]
 fn parts_give_the_tree_of_the_whole() {
-    for (name, Soup { positions, triangles }) in meshes() {
+    for (name, MeshData { positions, triangles }) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let count = triangles.len();
         for leaf_size in [1, 3, 8] {
@@ -50,7 +50,7 @@ fn keys_are_sorted_by_their_upper_bits() {
 
 #[test]
 fn builds_need_no_more_nodes_than_there_are_and_say_how_many() {
-    for (name, Soup { positions, triangles }) in meshes() {
+    for (name, MeshData { positions, triangles }) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let count = triangles.len();
         for leaf_size in [8, 3, 1] {

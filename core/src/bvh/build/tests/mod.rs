@@ -10,44 +10,45 @@ use super::*;
 use crate::Mesh;
 use crate::bvh::MAX_DEPTH;
 use crate::bvh::*;
+use pfront_testkit::MeshData;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded};
-use pfront_testkit::shapes::{Soup, point, sheet};
+use pfront_testkit::shapes::{point, sheet};
 use std::prelude::v1::*;
 use std::{format, vec};
 
-fn points(centres: impl IntoIterator<Item = [f32; 3]>) -> Soup {
-    Soup::of(centres.into_iter().map(|c| [c; 3]))
+fn points(centres: impl IntoIterator<Item = [f32; 3]>) -> MeshData {
+    MeshData::of(centres.into_iter().map(|c| [c; 3]))
 }
 
-fn random(triangles: usize, size: f32) -> Soup {
+fn random(triangles: usize, size: f32) -> MeshData {
     let mut rng = seeded(7);
-    Soup::of((0..triangles).map(|_| [0; 3].map(|_| point(size, &mut rng))))
+    MeshData::of((0..triangles).map(|_| [0; 3].map(|_| point(size, &mut rng))))
 }
 
-fn meshes() -> Vec<(&'static str, Soup)> {
+fn meshes() -> Vec<(&'static str, MeshData)> {
     let unit = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let max = f32::MAX;
     let corners = [0, 1, 2, 3, 4, 5, 6, 7]
         .map(|i| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -max } else { max }));
     let triples = (0..33).map(|t| [0, 1, 2].map(|k| corners[(3 * t + k) % 8]));
     let scaled = |i: i32| unit.map(|p| p.map(|x| x * 2_f32.powi(i)));
-    let duplicates = Soup { positions: unit.into(), triangles: vec![[0, 1, 2]; 1000] };
+    let duplicates = MeshData { positions: unit.into(), triangles: vec![[0, 1, 2]; 1000] };
     vec![
-        ("empty", Soup::default()),
-        ("one", Soup::of([unit])),
-        ("two", Soup::of([unit; 2])),
+        ("empty", MeshData::default()),
+        ("one", MeshData::of([unit])),
+        ("two", MeshData::of([unit; 2])),
         ("duplicates", duplicates),
         ("coincident points", points([[3.0, -2.0, 1e-3]; 500])),
         ("collinear", points((0..700).map(|i| [i as f32, 2.0 * i as f32, 0.0]))),
         ("along an axis", points((0..700).map(|i| [0.0, i as f32, 0.0]))),
         ("powers of two", points((-149..128).map(|i| [2_f32.powi(i), 0.0, 0.0]))),
         ("powers on a diagonal", points((-149..128).map(|i| [2_f32.powi(i); 3]))),
-        ("nested", Soup::of((-60..60).map(scaled))),
+        ("nested", MeshData::of((-60..60).map(scaled))),
         ("grid", sheet(20, |_, _| 0.0)),
         ("random", random(1500, 2.0)),
         ("huge", random(300, max)),
         ("extreme corners", points(corners.into_iter().cycle().take(100))),
-        ("extreme triangles", Soup::of(triples)),
+        ("extreme triangles", MeshData::of(triples)),
         ("tiny", random(300, 1e-20)),
         ("subnormal", random(300, 1e-42)),
         ("smallest", points((0..9).map(|i| [f32::from_bits(i % 3), 0.0, 0.0]))),
@@ -93,7 +94,7 @@ fn with_builds(mesh: Mesh<'_>, leaf_size: u32, mut visit: impl FnMut(&str, Bvh<'
 
 #[test]
 fn every_build_of_every_mesh_is_well_formed() {
-    for (name, Soup { positions, triangles }) in meshes() {
+    for (name, MeshData { positions, triangles }) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         for leaf_size in 0..=9 {
             with_builds(mesh, leaf_size, |build, bvh| {
@@ -114,7 +115,8 @@ fn every_build_of_every_mesh_is_well_formed() {
 #[test]
 fn sah_stops_at_the_depth_bound() {
     let corners = |x: f32| [[x, 0.0, 0.0], [x, 1e10, 0.0], [x, 0.0, 1e10]];
-    let Soup { positions, triangles } = Soup::of((-149..128).map(|i| corners(2_f32.powi(i))));
+    let MeshData { positions, triangles } =
+        MeshData::of((-149..128).map(|i| corners(2_f32.powi(i))));
     let mesh = Mesh::new(&positions, &triangles).unwrap();
     with_builds(mesh, 1, |build, bvh| {
         bvh.assert_well_formed();
@@ -124,7 +126,7 @@ fn sah_stops_at_the_depth_bound() {
 
 #[test]
 fn a_refit_restores_a_well_formed_tree() {
-    for (name, Soup { positions, triangles }) in meshes() {
+    for (name, MeshData { positions, triangles }) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let mut rng = seeded(3);
         let moved: Vec<_> = positions.iter().map(|_| point(9.0, &mut rng)).collect();
@@ -156,7 +158,7 @@ fn the_quality_of_a_small_tree_is_what_the_definition_says() {
 #[test]
 fn sah_is_better_than_morton() {
     let mut rng = seeded(5);
-    let Soup { positions, triangles } = Soup::of((0..3000).map(|_| {
+    let MeshData { positions, triangles } = MeshData::of((0..3000).map(|_| {
         let centre = point(1.0, &mut rng).map(|x| 8.0 * x * x * x);
         [centre; 3].map(|c| c.map(|x| x + 0.02 * rng.random::<f32>()))
     }));
@@ -168,7 +170,7 @@ fn sah_is_better_than_morton() {
 
 #[test]
 fn a_buffer_one_short_is_an_error_that_names_the_need() {
-    let Soup { positions, triangles } = sheet(5, |_, _| 0.0);
+    let MeshData { positions, triangles } = sheet(5, |_, _| 0.0);
     let mesh = Mesh::new(&positions, &triangles).unwrap();
     let options = BuildOptions::default();
     let run = |nodes: usize, order: usize, scratch: usize| {

@@ -35,7 +35,7 @@ fn moves(positions: &[[f32; 3]], rng: &mut ChaCha8Rng) -> Vec<Vec<[f32; 3]>> {
 #[test]
 fn what_has_moved_is_all_that_a_refit_needs() {
     let joins = joins();
-    for (name, Soup { positions, triangles }) in meshes() {
+    for (name, MeshData { positions, triangles }) in meshes() {
         let mesh = Mesh::new(&positions, &triangles).unwrap();
         let mut rng = seeded(13);
         with_builds(mesh, 2, |build, bvh| {
@@ -90,7 +90,7 @@ fn a_set_knows_what_it_holds() {
 
 #[test]
 fn a_table_or_a_set_one_short_is_an_error_that_names_the_need() {
-    let Soup { positions, triangles } = sheet(8, |_, _| 0.0);
+    let MeshData { positions, triangles } = sheet(8, |_, _| 0.0);
     let mesh = Mesh::new(&positions, &triangles).unwrap();
     let short = |error: CapacityError| (error.buffer, error.needed, error.capacity);
     with_builds(mesh, 1, |_, bvh| {

@@ -9,7 +9,7 @@ use pfront_testkit::rng::seq::SliceRandom;
 use pfront_testkit::shapes::{sphere, union};
 
 /// A sphere with bumps.
-fn ball() -> Soup {
+fn ball() -> MeshData {
     sphere(60).map(|[x, y, z]| {
         let r = 1.0 + 0.08 * ((9.0 * x).sin() * (8.0 * y).cos() + (11.0 * z).sin());
         [x * r, y * r, z * r]
@@ -17,7 +17,7 @@ fn ball() -> Soup {
 }
 
 /// Box tests of a ball against itself moved aside, by SAH and in Morton order.
-fn box_tests(Soup { positions, triangles }: &Soup) -> [f64; 2] {
+fn box_tests(MeshData { positions, triangles }: &MeshData) -> [f64; 2] {
     let mesh = Mesh::new(positions, triangles).unwrap();
     let mut tests = vec![];
     with_builds(mesh, 8, |_, bvh| {
@@ -49,7 +49,7 @@ fn morton_order_usually_survives_strays() {
                     let [x, y, z] = point(4.0 * extents, &mut rng);
                     [[x, y, z], [x + 1.0, y, z], [x, y + 1.0, z]]
                 };
-                let mut all = union(&[body.clone(), Soup::of((0..strays).map(stray))]);
+                let mut all = union(&[body.clone(), MeshData::of((0..strays).map(stray))]);
                 if !in_order {
                     all.triangles.shuffle(&mut rng);
                 }
