@@ -10,10 +10,10 @@ set -euo pipefail
 cd "$(dirname "$0")"
 export PFRONT_DATA="${PFRONT_DATA:-$(cd .. && pwd)/shared/data}"
 left_out=()
-what=(--workspace) features=gpu
+what=(--workspace) features=gpu,glam033,glam034,serde
 if [ "${1:-}" = --fast ]; then
   shift
-  what=(-p pfront -p pfront-core -p pfront-cpu -p pfront-shaders) features=threads
+  what=(-p pfront -p pfront-core -p pfront-cpu -p pfront-shaders) features=glam033,glam034,serde
   left_out+=("GPUs, the commands and the lab (--fast)")
 else
   .ci/vulkan

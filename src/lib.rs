@@ -35,9 +35,14 @@
 //! # Features
 //! - `threads` (default): the queries on several CPU threads.
 //! - `gpu`: the module `gpu`, the queries on any GPU, with the same answers.
+//! - `glam033`, `glam034`: poses from and into the types of bevy and rapier; see [`pfront_core::pose`].
+//! - `serde`: `Serialize` and `Deserialize` for what is stored: [`Pose`], [`Aabb`], [`TrianglePair`], [`Contact`],
+//!   [`SceneHit`], [`BodyId`], [`Groups`], [`Accuracy`], [`Adjacency`] and [`BuildOptions`].
 //!
 //! The heart of it, [`pfront_core`], needs neither an allocator nor std. How to put any of it into an engine or into
 //! firmware, how large every buffer has to be, and the worst case of every call: [`embedding`].
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod batch;
 #[doc = include_str!("../docs/embedding.md")]

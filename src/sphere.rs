@@ -111,7 +111,7 @@ mod tests {
                 next() * 3.0,
             );
             let offset = glam::Vec3::new(next(), next(), next()) * far;
-            let mut pose: Pose = glam::Affine3A::from_rotation_translation(turn, offset).into();
+            let mut pose = Pose::from_rotation_translation(turn.to_array(), offset.to_array());
             if round % 7 == 0 {
                 // Shear.
                 pose.rows[0][1] += next() * 3.0;

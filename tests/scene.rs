@@ -105,7 +105,7 @@ impl Trial {
     fn split(&mut self, place: usize, parts: u32) {
         let (id, soup, rows) = self.known.remove(place);
         let pieces = self.tell(|scene| scene.split(id, |triangle| triangle * 7 % parts).unwrap());
-        for Piece { body, part, triangles } in pieces {
+        for Piece { body, part, triangles, .. } in pieces {
             assert!(triangles.is_sorted() && triangles.iter().all(|t| t * 7 % parts == part));
             let mesh = self.scenes[0].body(body).unwrap().model().mesh();
             let old = |&t: &u32| soup.triangles[t as usize].map(|v| soup.positions[v as usize]);

@@ -4,6 +4,7 @@ use glam::Vec3A;
 
 /// A closed axis-aligned box. `min > max` on every axis is the empty box.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// Smallest corner.
     pub min: [f32; 3],

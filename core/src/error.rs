@@ -3,6 +3,7 @@
 /// A buffer that the caller passed is too small. Nothing was written that later calls rely on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{buffer}` holds {capacity} elements, but {needed} are needed")]
+#[non_exhaustive]
 pub struct CapacityError {
     /// The name of the parameter.
     pub buffer: &'static str,

@@ -1,4 +1,5 @@
 #![no_std]
+#![cfg_attr(docsrs, feature(doc_cfg))]
 //! Finds every pair of intersecting triangles of two meshes, or of one mesh with itself, exactly and without
 //! allocation.
 //!
@@ -26,8 +27,10 @@
 //! - **No allocation.** Buffers are slices of the caller's. A `const fn` such as [`bvh::node_bound`] gives the length, and
 //!   [`CapacityError`] says how many elements a buffer lacks. Stack use is bounded: no query recurses.
 //! - **No `std`.** The crate is `no_std` and needs no allocator.
-//! - **Additive features.** `std`, the one feature, switches on run-time detection of AVX2 and the float functions of the
-//!   standard library. It changes no answer and no type.
+//! - **Additive features.** `std` switches on run-time detection of AVX2 and the float functions of the standard library;
+//!   it changes no answer and no type. `glam033` and `glam034` convert [poses](pose) from and into what engines keep;
+//!   `serde` implements `Serialize` and `Deserialize` for [`Pose`], [`Aabb`], [`bvtt::TrianglePair`],
+//!   [`triangle::Contact`], [`triangle::Accuracy`], [`triangle::Adjacency`] and [`bvh::BuildOptions`].
 //!
 //! # Floating-point environment
 //! Exact answers need IEEE 754's default environment on every thread that calls: rounding to nearest, and

@@ -36,8 +36,8 @@ pub struct Mesh<'a> {
 impl<'a> Mesh<'a> {
     /// Checks every coordinate and every index.
     ///
-    /// `positions` are `[x, y, z]`; `glam::Vec3` slices can be passed through `bytemuck::cast_slice`.
-    /// `triangles` are indices into `positions`.
+    /// `positions` are `[x, y, z]`, `triangles` indices into `positions`. A mesh borrows this one layout: strided vertices
+    /// and 16-bit indices have to be copied into it.
     ///
     /// # Errors
     /// [`MeshError`] names the first vertex or triangle at fault, or the calling thread's
@@ -51,6 +51,17 @@ impl<'a> Mesh<'a> {
     /// use pfront_core::{Mesh, MeshError};
     /// let broken = Mesh::new(&[[0.0, f32::NAN, 0.0]], &[]);
     /// assert_eq!(broken.err(), Some(MeshError::NonFinite { vertex: 0 }));
+    /// ```
+    /// Flat arrays, and slices of vectors that bytemuck knows, are borrowed without a copy:
+    /// ```
+    /// use glam::Vec3;
+    /// use pfront_core::Mesh;
+    /// let (flat, indices) = ([0.0_f32; 9], [0_u32, 1, 2]);
+    /// let mesh = Mesh::new(flat.as_chunks().0, indices.as_chunks().0)?;
+    /// let vectors = [Vec3::X, Vec3::Y, Vec3::Z];
+    /// let mesh = Mesh::new(bytemuck::cast_slice(&vectors), mesh.triangles())?;
+    /// assert_eq!(mesh.triangle(0)[0], [1.0, 0.0, 0.0]);
+    /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
     pub fn new(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Result<Self, MeshError> {
         if triangles.len() > MAX_TRIANGLES {

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 /// The part of one worker.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Share {
     /// The cost it was predicted to have, in box tests.
     pub predicted: f64,
@@ -16,6 +17,7 @@ pub struct Share {
 /// Counts and durations of a frame of a [`Traversal`](crate::Traversal). Under [`Static`](crate::Schedule::Static) the counts are the
 /// same on every machine and for any number of threads. Durations are measured.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Report {
     /// The work of the calling thread before others were called; all work, if the frame ended there.
     pub alone: Work,

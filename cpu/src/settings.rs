@@ -2,6 +2,7 @@
 
 /// The way in which the nodes of a frame are assigned to workers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Schedule {
     /// The schedule of the paper: a front with one part per worker, and no synchronisation until the end.
     Static,

@@ -196,7 +196,7 @@ impl World {
         let pieces = self.tell(|scene| scene.split(id, part_of)).unwrap();
         let total: usize = pieces.iter().map(|piece| piece.triangles.len()).sum();
         assert_eq!(total, body.soup.triangles.len());
-        for Piece { body: id, part, triangles } in pieces {
+        for Piece { body: id, part, triangles, .. } in pieces {
             assert!(triangles.is_sorted() && triangles.iter().all(|&t| part_of(t) == part));
             let mesh = self.one.scene.body(id).unwrap().model().mesh();
             let was = |&old: &u32| body.model.mesh().triangle(old);

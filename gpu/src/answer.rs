@@ -23,6 +23,7 @@ const LONG: usize = 64;
 
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum GpuVerb {
     /// Every pair.
     All,

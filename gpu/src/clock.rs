@@ -22,6 +22,7 @@ const ALL: &str = "all";
 
 /// How long one pass took on the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Timing {
     /// Its entry point; "all" for all passes together.
     pub pass: &'static str,

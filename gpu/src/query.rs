@@ -24,6 +24,7 @@ use wgpu::{Buffer, CommandEncoder};
 /// # }
 /// ```
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum GpuQuestion<'m> {
     /// Two models, the second posed into the frame of the first. Of a pair, `a` is a triangle of `models[0]`.
     Pair {

@@ -5,6 +5,7 @@ use crate::gpu::checked;
 use bytemuck::Pod;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use wgpu::{Buffer, BufferAsyncError, BufferUsages, CommandEncoder, Device, Queue};
 
@@ -18,7 +19,8 @@ const SLEEP: Duration = Duration::from_micros(50);
 /// A buffer that is being mapped, which happens once all submissions that write it are done.
 #[derive(Debug)]
 pub(crate) struct Mapping {
-    told: Receiver<Result<(), BufferAsyncError>>,
+    /// Never locked: a mutex is `Sync`, as queries have to be, and a receiver is not.
+    told: Mutex<Receiver<Result<(), BufferAsyncError>>>,
     is_done: bool,
 }
 
@@ -34,7 +36,7 @@ impl Mapping {
             });
             Ok(())
         });
-        Self { told, is_done: false }
+        Self { told: Mutex::new(told), is_done: false }
     }
 
     /// Whether it is mapped. Does not wait.
@@ -43,7 +45,7 @@ impl Mapping {
             return Ok(true);
         }
         poll(device)?;
-        match self.told.try_recv() {
+        match self.told.get_mut().unwrap_or_else(PoisonError::into_inner).try_recv() {
             Ok(Ok(())) => self.is_done = true,
             Ok(Err(error)) => return Err(GpuError::DeviceLost { reason: error.to_string() }),
             // Or another thread polls, and is about to call back.

@@ -4,6 +4,7 @@ use crate::layout::Counters;
 
 /// Counts and times of the last answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct GpuReport {
     /// Runs of all passes: 1 where the budget holds everything.
     pub runs: u32,

@@ -61,6 +61,29 @@ impl Model {
     ///
     /// # Complexity
     /// O(n log n) for n triangles.
+    ///
+    /// # Examples
+    /// The buffers of an engine take a line each. Vertices that interleave with more, and 16-bit indices:
+    /// ```
+    /// # use pfront::Model;
+    /// # struct Vertex { position: [f32; 3], normal: [f32; 3] }
+    /// # let normal = [0.0, 0.0, 1.0];
+    /// # let vertices = [[0.0; 3], normal, [1.0; 3]].map(|position| Vertex { position, normal });
+    /// let indices: &[u16] = &[0, 1, 2];
+    /// let positions = vertices.iter().map(|vertex| vertex.position).collect();
+    /// let (triangles, rest) = indices.as_chunks::<3>();
+    /// assert!(rest.is_empty());
+    /// let model = Model::new(positions, triangles.iter().map(|t| t.map(u32::from)).collect())?;
+    /// # assert_eq!(model.mesh().triangle(0)[1], normal);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    /// Flat arrays:
+    /// ```
+    /// # use pfront::Model;
+    /// let (flat, indices) = ([0.0_f32; 9], [0_u32, 1, 2]);
+    /// let model = Model::new(flat.as_chunks().0.to_vec(), indices.as_chunks().0.to_vec())?;
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
         Self::with_options(positions, triangles, BuildOptions::default())
     }

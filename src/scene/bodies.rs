@@ -10,6 +10,7 @@ use std::sync::Arc;
 /// Names a body of one scene for good: no id is ever used again. Ids ascend in the order of adding.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyId(u64);
 
 impl BodyId {
@@ -54,6 +55,7 @@ impl fmt::Display for BodyId {
 /// assert!(ground.meet(&Groups::default()));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Groups {
     /// A bit for each group that the body is a member of.
     pub memberships: u32,

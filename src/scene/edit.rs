@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 /// A body that [`SceneQuery::split`] makes of one part of another.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Piece {
     /// The new body.
     pub body: BodyId,

@@ -79,7 +79,7 @@ impl Fault {
 }
 
 impl From<CapacityError> for Fault {
-    fn from(CapacityError { buffer, needed, capacity }: CapacityError) -> Self {
+    fn from(CapacityError { buffer, needed, capacity, .. }: CapacityError) -> Self {
         let what = match buffer {
             "nodes" | "front" => c"nodes",
             "history" => c"history",

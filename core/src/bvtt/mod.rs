@@ -68,6 +68,7 @@ impl NodePair {
     bytemuck::Pod,
     bytemuck::Zeroable,
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TrianglePair {
     /// Triangle of the first mesh.
     pub a: u32,

@@ -2,6 +2,17 @@
 //!
 //! The posed position of a vertex is defined to the bit, since every backend has to find the same triangles: per
 //! coordinate `((r0·x + r1·y) + r2·z) + t`, in f32, rounded to nearest after each operation, never fused.
+//!
+//! # Poses of an engine
+//! | type | as a pose |
+//! |---|---|
+//! | `Affine3A`, as `GlobalTransform::affine` of bevy returns it | `Pose::from(map)`, with the feature of its version of glam |
+//! | `Mat4` of any version | `Pose::from_cols_array(&matrix.to_cols_array())` |
+//! | rotation and translation, as rapier's `Pose3` has them | `Pose::from_rotation_translation(p.rotation.into(), p.translation.into())` |
+//!
+//! `Pose` converts back by `Affine3A::from(pose)`; its rows are public. The features `glam033` (bevy_math 0.20, rapier3d
+//! 0.36) and `glam034` may be on together, and no type of glam is in the interface without them. There is none for mint:
+//! it is off by default in these engines, glam has no conversion of `Affine3A` to it, and arrays do for the rest.
 
 mod affine;
 #[cfg(test)]
@@ -22,6 +33,7 @@ use crate::Aabb;
 /// ```
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pose {
     /// The three rows of the matrix.
     pub rows: [[f32; 4]; 3],
@@ -189,12 +201,27 @@ impl core::ops::Mul for Pose {
 /// The largest coordinate that a pose may take a mesh to: 2^125.
 const POSED_LIMIT: f32 = 4.253_529_6e37;
 
-impl From<glam::Affine3A> for Pose {
-    fn from(m: glam::Affine3A) -> Self {
-        let [x, y, z, t] = m.to_cols_array_2d();
-        Self { rows: [0, 1, 2].map(|i| [x[i], y[i], z[i], t[i]]) }
-    }
+/// Conversions, both ways, between poses and the affine maps of one version of glam.
+macro_rules! affine_maps_of {
+    ($glam:ident, $feature:literal) => {
+        #[cfg(feature = $feature)]
+        impl From<$glam::Affine3A> for Pose {
+            fn from(map: $glam::Affine3A) -> Self {
+                let [x, y, z, t] = map.to_cols_array_2d();
+                Self { rows: [0, 1, 2].map(|i| [x[i], y[i], z[i], t[i]]) }
+            }
+        }
+
+        #[cfg(feature = $feature)]
+        impl From<Pose> for $glam::Affine3A {
+            fn from(pose: Pose) -> Self {
+                Self::from_cols_array_2d(&[0, 1, 2, 3].map(|column| pose.rows.map(|r| r[column])))
+            }
+        }
+    };
 }
+affine_maps_of!(glam033, "glam033");
+affine_maps_of!(glam, "glam034");
 
 /// A pose that a mesh cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -80,7 +80,8 @@ fn posed_boxes_contain_posed_corners() {
 fn rigid(points: &[[f32; 3]; 2], far: f32) -> Pose {
     let [axis, offset] = points.map(glam::Vec3::from_array);
     let turn = glam::Quat::from_scaled_axis(axis.normalize_or_zero() * axis.length().min(3.0));
-    glam::Affine3A::from_rotation_translation(turn, offset.normalize_or_zero() * far).into()
+    let offset = offset.normalize_or_zero() * far;
+    Pose::from_rotation_translation(turn.to_array(), offset.to_array())
 }
 
 #[test]
@@ -128,10 +129,11 @@ fn no_view_from_a_pose_that_flattens_or_stretches() {
 fn what_shrinks_to_subnormal_numbers_is_still_seen() {
     // A corner far out in b, which its pose takes down to some 1e-6: entries keep a digit or none.
     for scale in [1e-38_f32, 1e-42, 1e-44, f32::from_bits(1)] {
-        let turn = glam::Affine3A::from_rotation_z(core::f32::consts::FRAC_PI_4);
+        let turn = glam::Quat::from_rotation_z(core::f32::consts::FRAC_PI_4);
         let mut shrunk = Pose::IDENTITY;
         (0..3).for_each(|k| shrunk.rows[k][k] = scale);
-        let (a, y) = (Pose::from(turn), [0.9e38, 0.9e38, 0.0]);
+        let (a, y) =
+            (Pose::from_rotation_translation(turn.to_array(), [0.0; 3]), [0.9e38, 0.9e38, 0.0]);
         let world = glam::Vec3::from_array(shrunk.apply(y)).as_dvec3();
         let back = DMat3::from_cols_array_2d(&core::array::from_fn(|k| {
             core::array::from_fn(|i| f64::from(a.rows[i][k]))
@@ -184,11 +186,20 @@ fn poses_are_made_from_what_engines_keep() {
     let poses = [
         Pose::from_cols_array(&matrix.to_cols_array()),
         Pose::from_rotation_translation(rotation.to_array(), translation.to_array()),
+        #[cfg(feature = "glam034")]
         Pose::from(glam::Affine3A::from_mat4(matrix)),
+        #[cfg(feature = "glam033")]
+        Pose::from(glam033::Affine3A::from_cols_array(
+            &glam::Affine3A::from_mat4(matrix).to_cols_array(),
+        )),
     ];
     for pose in poses {
         let found = glam::Vec3::from(pose.apply(point.to_array()));
         assert!((found - expected).length() < 1e-5, "{found} {expected}");
+        #[cfg(feature = "glam034")]
+        assert_eq!(Pose::from(glam::Affine3A::from(pose)), pose);
+        #[cfg(feature = "glam033")]
+        assert_eq!(Pose::from(glam033::Affine3A::from(pose)), pose);
     }
 }
 

@@ -16,6 +16,7 @@ const TWO_30: f64 = 1_073_741_824.0;
 
 /// The segment in which two triangles meet, and how they face.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contact {
     /// Whether they lie in one plane or one has no area: then the segment is the longest chord between corners of the
     /// region they share. Otherwise they cross in a segment, or in a point if its ends are equal.

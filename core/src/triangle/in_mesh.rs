@@ -21,6 +21,7 @@ use glam::DVec3;
 
 /// The rule for triangles of one mesh that share vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Adjacency {
     /// All pairs, with the shared-index rule above.
     #[default]

@@ -42,6 +42,7 @@ use glam::Vec3A;
 /// The guarantee of an answer about triangles with f32 positions. Posed ones are taken as
 /// [`Pose::apply`](crate::Pose::apply) rounds them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Accuracy {
     /// The true answer.
     #[default]

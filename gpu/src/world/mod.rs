@@ -63,6 +63,7 @@ pub struct World {
 
 /// The answer to a question.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct WorldAnswer {
     /// Pairs of triangles that meet, sorted, the first triangle being one of the first body: all of them, or at most one
     /// for [`GpuVerb::Any`](crate::GpuVerb::Any). Empty for the other verbs.

@@ -27,11 +27,13 @@ use core::fmt;
 
 /// How a BVH is built.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct BuildOptions<'j> {
     /// The most triangles one leaf may hold. A value outside 1 ..= [`MAX_LEAF_SIZE`] counts as the
     /// nearest one inside.
     pub leaf_size: u32,
-    /// Runs parts of the build side by side. The tree is the same to the bit without.
+    /// Runs parts of the build side by side. The tree is the same to the bit without. Not stored by serde.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub join: Option<&'j Join<'j>>,
 }
 
