@@ -22,8 +22,7 @@ const CAMERA: u32 = 0b100;
 fn main() -> Result<(), Error> {
     // Many bodies may share one mesh and its BVH, so the model is made once.
     let cube = std::sync::Arc::new(cube()?);
-    let mut scene = SceneQuery::new();
-    let mut entities = Vec::new();
+    let (mut scene, mut entities) = (SceneQuery::new(), Vec::new());
     let mut spawn = |name, size: Vec3, at: Vec3, velocity, groups| {
         let transform = Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, at);
         let body = scene.add(cube.clone(), transform.into())?;
