@@ -8,6 +8,7 @@ use pfront::threads::Traversal;
 use pfront::{Accuracy, Executor};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
+use std::path::Path;
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
@@ -68,7 +69,6 @@ impl ExecutorArgs {
     }
 
     /// Returns the accuracy.
-    #[must_use]
     pub fn accuracy(&self) -> Accuracy {
         match self.accuracy {
             Guarantee::Exact => Accuracy::Exact,
@@ -78,7 +78,6 @@ impl ExecutorArgs {
     }
 
     /// Whether there is a choice of backend, which is then worth telling.
-    #[must_use]
     pub fn is_auto(&self) -> bool {
         self.backend == Backend::Auto
     }
@@ -102,14 +101,29 @@ impl Backend {
 }
 
 /// The adapters that WGPU_BACKEND admits, or else all.
-#[must_use]
 pub fn adapters() -> Vec<Adapter> {
     let instance = Instance::new(InstanceDescriptor::new_without_display_handle_from_env());
     pollster::block_on(instance.enumerate_adapters(Backends::all()))
 }
 
+/// Keeps libwayland from complaining on standard error, once for each time that Mesa's device-select layer looks for
+/// adapters, of an XDG_RUNTIME_DIR that is unset because nobody is logged in: names a folder that there is not. To be called
+/// first thing, since it does nothing once there is another thread.
+pub fn quieten_drivers() {
+    let is_valid =
+        std::env::var_os("XDG_RUNTIME_DIR").is_some_and(|path| Path::new(&path).is_absolute());
+    let is_alone =
+        || std::fs::read_dir("/proc/self/task").is_ok_and(|threads| threads.count() == 1);
+    if cfg!(target_os = "linux") && !is_valid && is_alone() {
+        #[expect(unsafe_code, reason = "the variable is read by drivers that take no other advice")]
+        // SAFETY: the process has no other thread that could read the environment meanwhile.
+        unsafe {
+            std::env::set_var("XDG_RUNTIME_DIR", "/nonexistent");
+        }
+    }
+}
+
 /// The name of an adapter, which tells two drivers of the same device apart.
-#[must_use]
 pub fn adapter_name(info: &AdapterInfo) -> String {
     format!("{} ({:?})", info.name, info.backend)
 }
@@ -136,7 +150,6 @@ pub fn parse_threads(text: &str) -> Result<NonZero<usize>> {
 }
 
 /// The number of threads asked for, or else all of this machine.
-#[must_use]
 pub fn number(asked: Option<NonZero<usize>>) -> usize {
     let all = || available_parallelism().unwrap_or(NonZero::<usize>::MIN);
     asked.unwrap_or_else(all).get()

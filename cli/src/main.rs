@@ -8,6 +8,7 @@ mod progress;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
+use pfront_cli::executor::quieten_drivers;
 use pfront_cli::output::{out, remove_half_written_on_interrupt};
 use std::process::ExitCode;
 
@@ -16,6 +17,7 @@ const NOTHING_MEETS: u8 = 1;
 const REFUSED: u8 = 2;
 
 fn main() -> ExitCode {
+    quieten_drivers();
     let command = Cli::parse().command;
     let done = remove_half_written_on_interrupt().and_then(|()| match command {
         None => command::bench::demo(),

@@ -3,13 +3,11 @@
 use memory_stats::memory_stats;
 
 /// The most bytes that were resident, where the system tells (Linux), else those that are.
-#[must_use]
 pub fn peak() -> usize {
     high_water_mark().or_else(|| Some(memory_stats()?.physical_mem)).unwrap_or(0)
 }
 
 /// The bytes that are free, where the system tells (Linux).
-#[must_use]
 pub fn available() -> Option<usize> {
     kilobytes("/proc/meminfo", "MemAvailable:")
 }

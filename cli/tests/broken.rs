@@ -6,7 +6,7 @@
 
 mod capped;
 
-use capped::{FEW, run};
+use capped::{FEW, run, run_within};
 use pfront_testkit::rng::{Rng, seeded};
 use std::fs;
 use std::path::Path;
@@ -164,4 +164,31 @@ fn a_file_that_is_named_often_is_read_once() {
         "count":3,"type":"VEC3","min":[0,0,0],"max":[0,0,0]}],"bufferViews":[{"buffer":1999,"byteLength":36}],"buffers":["#;
     fs::write(at.join("often.gltf"), format!("{gltf}{buffers}]}}")).unwrap();
     assert_eq!(run(at, &format!("self often.gltf --csv {FEW}")).unwrap(), "a,b\n");
+}
+
+/// Files of some hundred KB that ask for far more than 16 times as much and 64 MB: 3,000 nodes that place 3,000 vertices
+/// each, and a header of 100,000 elements.
+#[test]
+fn small_files_are_refused_in_little_memory() {
+    let folder = folder();
+    let at = folder.path();
+    let places = (0..3000).map(|node| node.to_string()).collect::<Vec<_>>().join(",");
+    let nodes = vec![r#"{"mesh":0}"#; 3000].join(",");
+    let zeros = "A".repeat(48_000);
+    let gltf = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[{places}]}}],"nodes":[{nodes}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"accessors":[{{"bufferView":0,
+        "componentType":5126,"count":3000,"type":"VEC3","min":[0,0,0],"max":[0,0,0]}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36000}}],
+        "buffers":[{{"byteLength":36000,"uri":"data:application/octet-stream;base64,{zeros}"}}]}}"#
+    );
+    fs::write(at.join("vertices.gltf"), gltf).unwrap();
+    let element = |number| format!("element e{number} 0\nproperty uchar x\n");
+    let elements: String = (0..100_000).map(element).collect();
+    let ply = format!("ply\nformat ascii 1.0\n{elements}end_header\n");
+    fs::write(at.join("elements.ply"), ply).unwrap();
+    for (name, part) in [("vertices.gltf", "--memory"), ("elements.ply", "no triangle")] {
+        let error = run_within(at, &format!("self {name} --threads 1"), 256).unwrap_err();
+        assert!(error.contains(name) && error.contains(part), "{error}");
+    }
 }

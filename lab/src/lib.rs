@@ -27,7 +27,6 @@ pub mod textbook;
 pub mod workload;
 
 /// The middle one of some values, or of two the upper; sorts them.
-#[must_use]
 pub fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)

@@ -11,6 +11,7 @@ use command::record::Record;
 use command::regret::Regret;
 use command::replay::Replay;
 use command::stability::Stability;
+use pfront_cli::executor::quieten_drivers;
 use std::process::ExitCode;
 
 const EXIT_CODES: &str = "\
@@ -73,6 +74,7 @@ const FAILED: u8 = 1;
 const REFUSED: u8 = 2;
 
 fn main() -> ExitCode {
+    quieten_drivers();
     let done = match Cli::parse().command {
         Command::Replay(replay) => command::replay::run(&replay),
         Command::Record(record) => command::record::run(&record),

@@ -38,7 +38,6 @@ impl Objects {
     }
 
     /// Triangles of all objects together.
-    #[must_use]
     pub fn triangles(&self) -> usize {
         self.models.iter().map(|model| model.mesh().triangles().len()).sum()
     }
@@ -213,7 +212,6 @@ impl Player {
     }
 
     /// Who answered the last frame, and why.
-    #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
         match &self.0 {
             Subject::Pair { query, .. } => query.plan(),
@@ -223,7 +221,6 @@ impl Player {
     }
 
     /// What the last frame on threads did.
-    #[must_use]
     pub fn report(&self) -> Option<&Report> {
         match &self.0 {
             Subject::Pair { query, .. } => query.report(),

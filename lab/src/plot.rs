@@ -84,7 +84,6 @@ const MARKS: [&str; 9] = [
 
 impl Figure {
     /// The figure as SVG.
-    #[must_use]
     pub fn svg(&self) -> String {
         let names = |panel: &Panel| panel.series.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
         let is_shared = self.panels.windows(2).all(|two| names(&two[0]) == names(&two[1]));
@@ -261,7 +260,6 @@ fn mark(svg: &mut String, number: usize, [x, y]: [f64; 2]) {
 }
 
 /// A number as short as it can be said with three digits.
-#[must_use]
 pub fn short(x: f64) -> String {
     match x.abs() {
         0.0 => "0".to_owned(),

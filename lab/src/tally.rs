@@ -30,7 +30,6 @@ impl Tally {
     }
 
     /// The backend that answered most often.
-    #[must_use]
     pub fn mostly(&self) -> &'static str {
         let most = (0..self.frames.len()).rev().max_by_key(|&kind| self.frames[kind]);
         most.map_or("", |kind| Self::NAMES[kind])

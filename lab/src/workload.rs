@@ -114,7 +114,6 @@ impl<R: Read + Seek> Workload<R> {
     }
 
     /// What the frames have in common.
-    #[must_use]
     pub fn header(&self) -> &Header {
         &self.header
     }

@@ -25,7 +25,6 @@ pub type Triangle = [Point; 3];
 pub type Rows = [[f32; 4]; 3];
 
 /// FNV-1a in 64 bits: short, public, and the same everywhere.
-#[must_use]
 pub fn checksum(bytes: impl IntoIterator<Item = u8>) -> u64 {
     let step = |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, step)

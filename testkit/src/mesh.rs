@@ -16,7 +16,6 @@ pub struct MeshData {
 
 impl MeshData {
     /// Triangles that share no vertex.
-    #[must_use]
     pub fn of(triangles: impl IntoIterator<Item = Triangle>) -> Self {
         let positions: Vec<_> = triangles.into_iter().flatten().collect();
         let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
@@ -24,7 +23,6 @@ impl MeshData {
     }
 
     /// The same triangles with every vertex changed.
-    #[must_use]
     pub fn map(mut self, change: impl FnMut(Point) -> Point) -> Self {
         self.positions = self.positions.into_iter().map(change).collect();
         self
@@ -40,14 +38,12 @@ impl MeshData {
     ///
     /// # Panics
     /// When a triangle names a vertex that does not exist.
-    #[must_use]
     pub fn volume(&self) -> f64 {
         let corner = |v: u32| DVec3::from(self.positions[v as usize].map(f64::from));
         self.triangles.iter().map(|t| t.map(corner)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
     }
 
     /// The centre of the bounding box, and the radius about it that reaches every vertex.
-    #[must_use]
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
         let points = || self.positions.iter().map(|p| DVec3::from(p.map(f64::from)));
         let Some(first) = points().next() else { return (DVec3::ZERO, 0.0) };
@@ -66,7 +62,6 @@ impl MeshData {
     /// let mesh = MeshData { positions, triangles: vec![[0, 1, 2], [3, 4, 5]] }.welded();
     /// assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]]);
     /// ```
-    #[must_use]
     pub fn welded(self) -> Self {
         if self.triangles.iter().flatten().any(|&v| v as usize >= self.positions.len()) {
             return self;
@@ -86,7 +81,6 @@ impl MeshData {
 
     /// Some of the triangles, with the vertices from the first to the last that they use; an index out of range stays
     /// so.
-    #[must_use]
     pub fn part(&self, triangles: Range<usize>) -> Self {
         let part = &self.triangles[triangles];
         let used = || part.iter().flatten().copied();
@@ -98,7 +92,6 @@ impl MeshData {
 
     /// How many vertices lie exactly where another does, if no two triangles share a vertex: neighbours within such a
     /// soup are not known to be neighbours.
-    #[must_use]
     pub fn unwelded(&self) -> usize {
         let mut used = vec![false; self.positions.len()];
         let mut is_new =

@@ -4,7 +4,6 @@ pub use rand::{Rng, RngExt, seq};
 pub use rand_chacha::ChaCha8Rng;
 
 /// The generator with a seed.
-#[must_use]
 pub fn seeded(seed: u64) -> ChaCha8Rng {
     rand::SeedableRng::seed_from_u64(seed)
 }

@@ -19,7 +19,6 @@ pub fn tangle(vertices: u32, triangles: usize, size: i32, rng: &mut impl Rng) ->
 }
 
 /// A row of triangles, each of which shares an edge with the next.
-#[must_use]
 pub fn strip(triangles: u32) -> MeshData {
     let vertices = if triangles == 0 { 0 } else { triangles + 2 };
     let position = |v: u32| [v as f32, (v % 2) as f32, 0.1 * v as f32];
@@ -30,7 +29,6 @@ pub fn strip(triangles: u32) -> MeshData {
 }
 
 /// A square of n × n cells over −1 ..= 1 at the heights of a function.
-#[must_use]
 pub fn sheet(n: u32, height: impl Fn(f32, f32) -> f32) -> MeshData {
     let at = |i: u32| i as f32 / n as f32 * 2.0 - 1.0;
     let points = (0..=n).flat_map(|j| (0..=n).map(move |i| (at(i), at(j))));
@@ -41,13 +39,11 @@ pub fn sheet(n: u32, height: impl Fn(f32, f32) -> f32) -> MeshData {
 }
 
 /// A sheet with hills.
-#[must_use]
 pub fn bumpy(n: u32) -> MeshData {
     sheet(n, |x, y| 0.2 * (3.5 * x).sin() * (4.5 * y).cos())
 }
 
 /// A closed sphere of radius 1: a sheet bent round, with triangles without area at the poles.
-#[must_use]
 pub fn sphere(n: u32) -> MeshData {
     use std::f64::consts::PI;
     let bend = |[u, v, _]: [f32; 3]| {
@@ -60,7 +56,6 @@ pub fn sphere(n: u32) -> MeshData {
 }
 
 /// Several meshes as one.
-#[must_use]
 pub fn union(meshes: &[MeshData]) -> MeshData {
     let mut all = MeshData::default();
     for mesh in meshes {
@@ -93,7 +88,6 @@ pub fn pose_rows(reach: f32, rng: &mut impl Rng) -> Rows {
 }
 
 /// Positions posed as `accuracy.md` (contract 2) fixes it, written out here once more.
-#[must_use]
 pub fn posed(positions: &[Point], rows: &Rows) -> Vec<Point> {
     let coordinate = |r: [f32; 4], p: &Point| {
         let (x, y, z) = (r[0] * p[0], r[1] * p[1], r[2] * p[2]);

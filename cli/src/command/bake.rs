@@ -1,6 +1,6 @@
 //! `pfront bake MESH`
 
-use super::in_file;
+use super::{fits, in_file};
 use crate::args::{Bake, Build};
 use anyhow::{Context, Result};
 use pfront::pfront_core::blob::{self, Counts};
@@ -59,6 +59,11 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
 fn baked(mesh: &MeshData, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
     let mesh = Mesh::new(&mesh.positions, &mesh.triangles)?;
     let n = mesh.triangles().len();
+    let scratch =
+        n * if bake.build == Build::Sah { size_of::<Node>() } else { 2 * size_of::<u32>() };
+    let arrays = node_bound(n) * size_of::<Node>() + n * size_of::<u32>();
+    let has_room = |more| fits(format!("baking {n} triangles"), arrays + more, &bake.reading);
+    has_room(scratch)?;
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
     let options = BuildOptions { leaf_size: bake.leaf_size, join: Some(&threads::join) };
@@ -73,6 +78,7 @@ fn baked(mesh: &MeshData, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
         }
     }?;
     let counts = Counts::of(&bvh);
+    has_room(counts.bytes())?;
     let mut bytes = vec![0; counts.bytes()];
     blob::write(&bvh, &mut bytes)?;
     Ok((bytes, counts))

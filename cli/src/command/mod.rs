@@ -72,15 +72,20 @@ fn in_file(error: Error, path: &Path, source: &Source) -> Error {
 }
 
 /// Checks that a list of so many hits fits into memory, before it is asked for.
-fn fits(hits: u64, bytes: usize, options: &ReadOptions) -> Result<()> {
+fn list_fits(hits: u64, bytes: usize, options: &ReadOptions) -> Result<()> {
     // A list grows to twice its length, while the old half is still there.
     let demand = usize::try_from(hits).unwrap_or(usize::MAX).saturating_mul(3 * bytes);
+    fits(format!("{hits} pairs meet, whose list"), demand, options)
+}
+
+/// Checks that what takes so many bytes fits into memory, before it is begun.
+fn fits(what: String, demand: usize, options: &ReadOptions) -> Result<()> {
     let most = options.memory.or_else(memory::available).unwrap_or(usize::MAX);
     let megabytes = |bytes: usize| bytes.div_ceil(1_000_000);
     let has_room = || Vec::<u8>::new().try_reserve_exact(demand).is_ok();
     ensure!(
         demand <= most && has_room(),
-        "{hits} pairs meet, whose list takes {} MB, and {} are allowed: see --memory",
+        "{what} takes {} MB, and {} are allowed: see --memory",
         megabytes(demand),
         megabytes(most)
     );

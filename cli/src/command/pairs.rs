@@ -1,6 +1,6 @@
 //! `pfront pairs A B`
 
-use super::{explain, fits, hits, two};
+use super::{explain, hits, list_fits, two};
 use crate::args::{Listing, TwoMeshes};
 use crate::listing::{Found, Origin};
 use crate::progress::shown;
@@ -15,7 +15,7 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs
     let [(a, source_a), (b, source_b)] = two(meshes)?;
     let a_from_b = meshes.a_from_b();
     let pairs = shown("asking which triangles meet".to_owned(), || {
-        fits(query.count(&a, &b, &a_from_b)?, size_of::<TrianglePair>(), &meshes.reading)?;
+        list_fits(query.count(&a, &b, &a_from_b)?, size_of::<TrianglePair>(), &meshes.reading)?;
         anyhow::Ok(query.all(&a, &b, &a_from_b)?)
     })?;
     let bvtt = PairBvtt::new(a.bvh(), b.bvh(), a_from_b)?;

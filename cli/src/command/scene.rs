@@ -1,6 +1,6 @@
 //! `pfront scene MESH…`
 
-use super::{explain, fits, in_file, read};
+use super::{explain, in_file, list_fits, read};
 use crate::args::Scene;
 use crate::listing::{Found, Hit, Origin};
 use crate::progress::shown;
@@ -50,7 +50,7 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
     let of_hit =
         size_of::<SceneHit>() + if contacts { size_of::<(SceneHit, Contact)>() } else { 0 };
     shown("asking which bodies meet".to_owned(), || {
-        fits(scene.count()?, of_hit, reading)?;
+        list_fits(scene.count()?, of_hit, reading)?;
         if contacts { scene.contacts().map(drop) } else { scene.update() }
             .map_err(anyhow::Error::from)
     })?;

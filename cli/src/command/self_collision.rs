@@ -1,6 +1,6 @@
 //! `pfront self MESH`
 
-use super::{explain, fits, hits, model};
+use super::{explain, hits, list_fits, model};
 use crate::args::SelfCollision;
 use crate::listing::{Found, Origin};
 use crate::progress::shown;
@@ -29,7 +29,7 @@ pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
         );
     }
     let pairs = shown("asking which triangles meet".to_owned(), || {
-        fits(query.count(&model)?, size_of::<TrianglePair>(), reading)?;
+        list_fits(query.count(&model)?, size_of::<TrianglePair>(), reading)?;
         anyhow::Ok(query.all(&model)?)
     })?;
     let bvtt = SelfBvtt::new(model.bvh());

@@ -63,7 +63,8 @@ pub struct ReadOptions {
     /// Format of a mesh whose name does not tell, as that of standard input [default: by how it begins]
     #[arg(long, value_name = "FORMAT", value_parser = FORMATS)]
     pub input_format: Option<String>,
-    /// MB that reading a mesh may take, and an answer [default: 16 times the file and 64 MB; what is free]
+    /// MB that reading a mesh may take, and baking it, and an answer [default: 16 times the file and 64 MB for reading, what
+    /// is free for the others]
     #[arg(long, value_name = "MB", value_parser = megabytes)]
     pub memory: Option<usize>,
 }
@@ -87,7 +88,6 @@ pub enum Loaded {
 
 impl Loaded {
     /// The mesh, without its BVH, and where it comes from.
-    #[must_use]
     pub fn into_mesh(self) -> (MeshData, Source) {
         match self {
             Self::Mesh(mesh, source) => (mesh, source),

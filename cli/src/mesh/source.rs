@@ -32,7 +32,6 @@ impl Source {
     }
 
     /// The face of a triangle, from 0 in the file; in glTF the triangle's own number, from 0 in its node.
-    #[must_use]
     pub fn face(&self, triangle: u32) -> u32 {
         match self.faces.partition_point(|&first| first <= triangle) {
             0 => triangle - self.node_of(triangle).map_or(0, |node| node.triangle),
@@ -41,7 +40,6 @@ impl Source {
     }
 
     /// The name of the glTF node that placed a triangle.
-    #[must_use]
     pub fn node(&self, triangle: u32) -> Option<&str> {
         self.node_of(triangle).map(|node| &node.name[..])
     }

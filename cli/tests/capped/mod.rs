@@ -9,7 +9,7 @@ use wait_timeout::ChildExt;
 
 /// Longer, and it hangs.
 const SECONDS: u64 = 30;
-/// Of address space: a few times what the largest mesh here needs with two threads, far below what a
+/// GiB of address space: a few times what the largest mesh here needs with two threads, far below what a
 /// file can claim.
 const GIB: u64 = 2;
 /// A driver that computes on the CPU maps a lot more than it uses.
@@ -24,18 +24,21 @@ pub(crate) const FEW: &str = "--threads 2";
 /// # Panics
 /// If it does neither, whatever that is: a panic, a signal, a hang.
 pub(crate) fn run(folder: &Path, arguments: &str) -> Result<String, String> {
+    let with_driver = ["gpu", "devices"].iter().any(|word| arguments.contains(word));
+    run_within(folder, arguments, if with_driver { GIB_WITH_DRIVER } else { GIB } << 10)
+}
+
+/// [`run`] within so many MiB of address space.
+pub(crate) fn run_within(folder: &Path, arguments: &str, mib: u64) -> Result<String, String> {
     // Not where the command may leave files.
     let words = TempDir::new().unwrap();
     let [out, err] = ["out", "err"].map(|name| words.path().join(name));
-    let with_driver = ["gpu", "devices"].iter().any(|word| arguments.contains(word));
-    let gib = if with_driver { GIB_WITH_DRIVER } else { GIB };
-    let caps = format!("ulimit -v {} && ulimit -t {SECONDS} && exec \"$0\" \"$@\"", gib << 20);
+    let caps = format!("ulimit -v {} && ulimit -t {SECONDS} && exec \"$0\" \"$@\"", mib << 10);
     let mut child = Command::new("sh")
         .args(["-c", &caps, env!("CARGO_BIN_EXE_pfront")])
         .args(arguments.split_whitespace())
         .current_dir(folder)
-        // Else drivers complain on standard error, on a machine where nobody is logged in.
-        .env("XDG_RUNTIME_DIR", folder)
+        .env_remove("XDG_RUNTIME_DIR")
         .stdin(Stdio::null())
         .stdout(File::create(&out).unwrap())
         .stderr(File::create(&err).unwrap())

@@ -118,7 +118,13 @@ fn readers_have_one_budget() {
         error.contains("bomb.gltf: needs more than 6") && error.contains("--memory"),
         "{error}"
     );
-    assert!(out(at, "bake bomb.gltf --memory 200 --build morton").contains("2000000 triangles"));
+    // What is read has to be baked, too.
+    let error = refused(at, "bake bomb.gltf --memory 150 --build morton");
+    assert!(
+        error.contains("baking 2000000 triangles takes 152 MB, and 150 are allowed"),
+        "{error}"
+    );
+    assert!(out(at, "bake bomb.gltf --memory 300 --build morton").contains("2000000 triangles"));
 }
 
 #[test]

@@ -2,7 +2,10 @@
 
 use super::{command, folder, out, refused};
 use std::fs;
+use std::io::{Read, Write};
 use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
 
 fn json(folder: &Path, arguments: &str) -> serde_json::Value {
     serde_json::from_str(&out(folder, &format!("{arguments} --json"))).unwrap()
@@ -85,6 +88,44 @@ fn a_full_disk_is_named() {
     );
 }
 
+/// What a run says on standard error if that is a terminal, when standard input brings a mesh after so long.
+#[cfg(unix)]
+fn on_a_terminal(folder: &Path, wait: Duration) -> String {
+    use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+    grantpt(&master).unwrap();
+    unlockpt(&master).unwrap();
+    let terminal = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
+    let terminal = fs::File::options().read(true).write(true).open(terminal).unwrap();
+    let mut asked = command(folder, "self -");
+    let mut run = asked
+        .env("TERM", "xterm")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(terminal)
+        .spawn()
+        .unwrap();
+    let mut input = run.stdin.take().unwrap();
+    std::thread::sleep(wait);
+    input.write_all(super::TETRAHEDRON.as_bytes()).unwrap();
+    drop(input);
+    drop(asked);
+    assert!(run.wait().unwrap().success());
+    let mut said = Vec::new();
+    // Fails once nobody holds the other end.
+    let _ = fs::File::from(master).read_to_end(&mut said);
+    String::from_utf8(said).unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn a_terminal_shows_what_takes_more_than_a_second_and_nothing_else() {
+    let folder = folder();
+    let long = on_a_terminal(folder.path(), Duration::from_millis(2500));
+    assert!(long.contains("reading -"), "{long:?}");
+    assert_eq!(on_a_terminal(folder.path(), Duration::ZERO), "");
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_nothing_half_written() {
@@ -99,7 +140,7 @@ fn an_interrupt_leaves_nothing_half_written() {
     let before = 3;
     while files().len() == before {
         assert!(run.try_wait().unwrap().is_none(), "it ended before it wrote anything");
-        std::thread::sleep(std::time::Duration::from_millis(1));
+        std::thread::sleep(Duration::from_millis(1));
     }
     let kill = std::process::Command::new("kill").args(["-INT", &run.id().to_string()]).status();
     assert!(kill.unwrap().success());

@@ -35,7 +35,6 @@ pub struct Point {
 }
 
 /// The points that no other beats: none is at least as fast and as seldom wrong, and better in one of both.
-#[must_use]
 pub fn front(points: &[Point]) -> Vec<bool> {
     let figures = |p: &Point| (p.time, p.tally.per_million(p.tally.wrong()));
     let beaten = |p: &Point| {
@@ -49,7 +48,6 @@ pub fn front(points: &[Point]) -> Vec<bool> {
 
 /// Several sets as one: mean times, weighted by their pairs, and all answers together. Each set must have the same
 /// tests in the same order.
-#[must_use]
 pub fn together(name: &str, sets: &[&[Point]]) -> Vec<Point> {
     let Some(first) = sets.first() else { return Vec::new() };
     let joined = |i: usize| {

@@ -8,7 +8,6 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 /// Four panels: sets that are made to be hard and those from real contact, what is missed and what is a false hit.
-#[must_use]
 pub fn figure(sets: &[Vec<Point>]) -> Figure {
     let mut panels = Vec::new();
     for (is_real, kind) in [(false, "made to be hard"), (true, "from real contact")] {
@@ -86,7 +85,6 @@ pub fn write_csv(to: impl Write, sets: &[Vec<Point>]) -> Result<(), csv::Error> 
 }
 
 /// A line for each set from real contact: what Exact costs, and what beats it.
-#[must_use]
 pub fn summary(sets: &[Vec<Point>]) -> String {
     let mut text =
         "triangle pairs       Exact ns  Fast ns  ratio  wrong per million: Exact, Fast\n"

@@ -30,13 +30,11 @@ impl OnGpu {
     }
 
     /// The name of the adapter.
-    #[must_use]
     pub fn name(&self) -> String {
         self.gpu.device().adapter_info().name
     }
 
     /// How many pairs the device left to the CPU so far.
-    #[must_use]
     pub fn left_to_cpu(&self) -> u64 {
         self.left_to_cpu
     }

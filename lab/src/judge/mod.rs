@@ -36,7 +36,6 @@ pub struct Tally {
 
 impl Tally {
     /// Of answers to some pairs, one for each.
-    #[must_use]
     pub fn of(cases: &[Case], answers: impl IntoIterator<Item = bool>) -> Self {
         let mut tally = Self::default();
         for (case, answer) in cases.iter().zip(answers) {
@@ -57,19 +56,16 @@ impl Tally {
     }
 
     /// Both kinds of wrong answers.
-    #[must_use]
     pub fn wrong(&self) -> u64 {
         self.missed + self.false_hits
     }
 
     /// `count` of all pairs, per million.
-    #[must_use]
     pub fn per_million(&self, count: u64) -> f64 {
         1e6 * count as f64 / self.pairs.max(1) as f64
     }
 
     /// What the rate of errors, per million, does not exceed with 95 % confidence where none was seen: 3/N.
-    #[must_use]
     pub fn bound(&self) -> f64 {
         3e6 / self.pairs.max(1) as f64
     }
@@ -85,7 +81,6 @@ pub struct Judge {
 
 impl Judge {
     /// For so many sets.
-    #[must_use]
     pub fn new(tests: &[Test], sets: usize) -> Self {
         Self { tests: tests.to_vec(), scores: vec![vec![Tally::default(); tests.len()]; sets] }
     }
@@ -109,7 +104,6 @@ impl Judge {
     }
 
     /// For each set, a tally for each test.
-    #[must_use]
     pub fn scores(&self) -> &[Vec<Tally>] {
         &self.scores
     }

@@ -69,7 +69,6 @@ impl Case {
 
     /// Its objects for one play, with a model of its own where that deforms: whoever refits a shared one
     /// copies it first.
-    #[must_use]
     pub fn fresh(&self) -> Objects {
         let mut objects = self.objects.clone();
         if let (Kind::SelfMesh, [model]) = (objects.kind, &mut objects.models[..]) {
@@ -96,7 +95,6 @@ impl Moved {
 
 impl Verb {
     /// What tables call it.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::All => "all",

@@ -53,7 +53,6 @@ const VERBS: [Verb; 4] = [Verb::All, Verb::Any, Verb::All, Verb::Count];
 const LENGTHS: [[usize; 2]; 6] = [[48, 64], [1, 4], [48, 64], [150, 250], [48, 64], [8, 24]];
 
 /// Draws cases: of eight, three are of two bodies, two of cloth, three of many bodies.
-#[must_use]
 pub fn recipes(seed: u64, cases: usize) -> Vec<Recipe> {
     let random = &mut seeded(seed);
     let cloths = cases / 4;
@@ -135,7 +134,6 @@ pub(super) struct Built {
 
 impl Recipe {
     /// What tables call the case.
-    #[must_use]
     pub fn name(&self) -> String {
         let kind = match self.actors {
             Actors::Pair(_) => "pair",

@@ -63,20 +63,17 @@ pub struct Row {
 
 impl Row {
     /// The name of the fixed plan over which the chooser took longest.
-    #[must_use]
     pub fn best(&self) -> &str {
         let best = self.fixed.iter().max_by(|x, y| x.chooser.total_cmp(&y.chooser));
         best.map_or("none", |lane| &lane.name)
     }
 
     /// By how much the chooser took longer than the best fixed plan, as a share of that.
-    #[must_use]
     pub fn regret(&self) -> f64 {
         self.fixed.iter().map(|lane| lane.chooser).fold(0.0, f64::max) - 1.0
     }
 
     /// The chooser's time over that of one thread.
-    #[must_use]
     pub fn to_sequential(&self) -> f64 {
         self.fixed.first().map_or(0.0, |lane| lane.chooser)
     }
@@ -84,7 +81,6 @@ impl Row {
     /// The regret of the naive rule: five constants, and the mean time on one thread, which nobody knows beforehand. It
     /// takes one plan for all frames, whose time is the median over rounds; where the plan was not played to the end,
     /// 20 times the best.
-    #[must_use]
     pub fn naive(&self) -> f64 {
         let (cpu, gpu) = match &self.fixed[..] {
             [cpu @ .., gpu] if gpu.name == GPU => (cpu, gpu.seconds),
@@ -105,7 +101,6 @@ impl Row {
     }
 
     /// The line above rows that have the same fixed plans as this one.
-    #[must_use]
     pub fn heading(&self) -> String {
         let plans: String = self.fixed.iter().map(|lane| format!(" {:>11}", lane.name)).collect();
         format!(
@@ -147,7 +142,6 @@ impl fmt::Display for Row {
 }
 
 /// Figures of all cases. A chooser that beats all fixed plans, as one that keeps answers does, has a regret below 0.
-#[must_use]
 pub fn summary(rows: &[Row]) -> String {
     let (kept, others): (Vec<_>, Vec<_>) = rows.iter().partition(|row| row.tally.frames[0] > 0);
     let all: Vec<_> = rows.iter().collect();

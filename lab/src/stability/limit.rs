@@ -52,7 +52,6 @@ pub struct Hardness {
 
 impl Bound {
     /// The limit.
-    #[must_use]
     pub fn limit(self, of: Hardness) -> f64 {
         let usual = self.usual(of);
         match self {
@@ -64,7 +63,6 @@ impl Bound {
     }
 
     /// What the limit is where workers have much to do.
-    #[must_use]
     pub fn usual(self, Hardness { dominance, .. }: Hardness) -> f64 {
         match self {
             Self::None => f64::INFINITY,

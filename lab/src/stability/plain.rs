@@ -42,14 +42,12 @@ struct Node {
 
 impl Plain {
     /// For p = `workers`, at least 1, with g = `grain`; the paper uses 2.
-    #[must_use]
     pub fn new(workers: usize, grain: f64) -> Self {
         let (last, report) = (HashMap::new(), Report::default());
         Self { workers: workers.max(1), grain, last, report }
     }
 
     /// What the last frame did: shares, nodes and tests, as [`pfront::threads::Traversal`] counts them.
-    #[must_use]
     pub fn report(&self) -> &Report {
         &self.report
     }

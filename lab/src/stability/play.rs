@@ -30,7 +30,6 @@ impl Method {
     pub const ALL: [Self; 2] = [Self::Ours, Self::Printed];
 
     /// What tables call it.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Ours => "pfront, g = 16",
@@ -90,7 +89,6 @@ pub struct Frame {
 
 impl Frame {
     /// Whether the answer is right, all figures are numbers, and the balance is within its limit.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.right && self.finite && self.imbalance <= self.limit
     }

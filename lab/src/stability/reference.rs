@@ -26,7 +26,6 @@ impl Reference {
     /// # Complexity
     /// Walks the BVTT once for each level of the front, and partitions the front each time that it has
     /// grown by a sixteenth.
-    #[must_use]
     pub fn of<Q: Query>(query: &Q, workers: usize, tolerance: f64) -> Self {
         let Some(mut cut) = Cut::root(query) else { return Self { nodes: 0, imbalance: 1.0 } };
         cut.refine(workers, tolerance)

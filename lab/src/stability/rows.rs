@@ -69,7 +69,6 @@ impl Finding {
     }
 
     /// Whether it passes.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.sound && self.figure <= self.limit
     }
@@ -106,7 +105,6 @@ pub struct Outcome {
 
 impl Outcome {
     /// Whether a method passes in all of it.
-    #[must_use]
     pub fn holds(&self, method: Method) -> bool {
         self.findings.iter().filter(|found| found.method == method).all(Finding::holds)
     }

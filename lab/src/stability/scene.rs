@@ -62,7 +62,6 @@ impl Scene {
     }
 
     /// Its frames.
-    #[must_use]
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }

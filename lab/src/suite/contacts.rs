@@ -58,13 +58,11 @@ impl Contacts {
     }
 
     /// The name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// The sites.
-    #[must_use]
     pub fn sites(&self) -> &[Site] {
         &self.sites
     }

@@ -122,13 +122,11 @@ impl<R: Read + Seek> Reader<R> {
     }
 
     /// The seed that the pairs come from.
-    #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
     /// The sets: name, and number of pairs.
-    #[must_use]
     pub fn sets(&self) -> &[(String, u64)] {
         &self.sets
     }

@@ -60,13 +60,11 @@ enum Source {
 
 impl Set {
     /// The name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// Where the pairs were harvested, if they are from real contact.
-    #[must_use]
     pub fn contacts(&self) -> Option<&Contacts> {
         match &self.source {
             Source::Family(_) => None,
@@ -92,7 +90,6 @@ pub struct Suite {
 
 impl Suite {
     /// A set for each [`Family`].
-    #[must_use]
     pub fn of_families(seed: u64) -> Self {
         let set = |family: Family| Set { name: family.name(), source: Source::Family(family) };
         Self { seed, sets: Family::ALL.map(set).into() }
@@ -108,7 +105,6 @@ impl Suite {
     }
 
     /// The same with one more set, from real contact.
-    #[must_use]
     pub fn with(mut self, contacts: Contacts) -> Self {
         let name = contacts.name().to_owned();
         self.sets.push(Set { name, source: Source::Contacts(contacts) });
@@ -116,19 +112,16 @@ impl Suite {
     }
 
     /// The seed.
-    #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
     /// The sets, in their order.
-    #[must_use]
     pub fn sets(&self) -> &[Set] {
         &self.sets
     }
 
     /// How many of `pairs` each set gets: equally many, the first ones one more if they must.
-    #[must_use]
     pub fn shares(&self, pairs: u64) -> Vec<u64> {
         let sets = self.sets.len() as u64;
         (0..sets).map(|set| pairs / sets + u64::from(set < pairs % sets)).collect()
@@ -155,7 +148,6 @@ impl Suite {
     ///
     /// # Panics
     /// If there is no such set.
-    #[must_use]
     pub fn block(&self, set: usize, block: u64, length: usize) -> Vec<Case> {
         let Set { name, source } = &self.sets[set];
         let mut rng = seeded(self.seed ^ checksum(name.bytes()));

@@ -16,7 +16,6 @@ mod parry;
 use crate::judge::Test;
 
 /// All of them.
-#[must_use]
 pub fn tests() -> Vec<Test> {
     vec![
         Test { name: "Möller 1997, ε = 1e-6", meets: |a, b| moller::meet(a, b, 1e-6) },

@@ -120,7 +120,6 @@ impl Family {
     ];
 
     /// The name, as in the source.
-    #[must_use]
     pub fn name(self) -> String {
         format!("{self:?}")
     }

@@ -9,7 +9,6 @@ use num_traits::{One, Signed, ToPrimitive, Zero};
 ///
 /// Where the planes of the triangles differ, the segment they share is the hull of these points. An
 /// edge in the plane of the other triangle adds none, since its ends belong to other edges too.
-#[must_use]
 pub fn crossing_points(a: &Triangle, b: &Triangle) -> Vec<[f64; 3]> {
     let ([s, t], unit) = (lattice::wide(a, b), lattice::units(a, b));
     let mut found = Vec::new();

@@ -9,7 +9,6 @@ use num_traits::Zero;
 ///
 /// # Panics
 /// If an index is out of range.
-#[must_use]
 pub fn pairs(
     a_positions: &[Point],
     a_triangles: &[[u32; 3]],
@@ -33,7 +32,6 @@ pub fn pairs(
 ///
 /// # Panics
 /// If an index is out of range.
-#[must_use]
 pub fn self_pairs(positions: &[Point], triangles: &[[u32; 3]]) -> Vec<(u32, u32)> {
     let mut found = Vec::new();
     sweep(&corners(triangles, positions), |i, j| {
@@ -56,7 +54,6 @@ pub fn self_pairs(positions: &[Point], triangles: &[[u32; 3]]) -> Vec<(u32, u32)
 ///
 /// # Panics
 /// If an index is out of range.
-#[must_use]
 pub fn self_hit(ta: [u32; 3], tb: [u32; 3], positions: &[Point]) -> bool {
     let point = |v: &u32| positions[*v as usize];
     let rest = |own: [u32; 3], other: [u32; 3]| -> Vec<Point> {
@@ -88,7 +85,6 @@ pub fn self_hit(ta: [u32; 3], tb: [u32; 3], positions: &[Point]) -> bool {
 }
 
 /// Whether two triangles share a vertex by index.
-#[must_use]
 pub fn share_a_vertex(ta: [u32; 3], tb: [u32; 3]) -> bool {
     ta.iter().any(|v| tb.contains(v))
 }

@@ -18,13 +18,11 @@ use crate::{Point, Triangle};
 use lattice::{Integer, Vector, cross, dot, minus, times};
 
 /// Whether two closed triangles share a point; one without area is its segment or point.
-#[must_use]
 pub fn intersect(a: &Triangle, b: &Triangle) -> bool {
     hulls_meet(a, b)
 }
 
 /// Whether the convex hulls of two sets of points share a point. The hull of no points is empty.
-#[must_use]
 pub fn hulls_meet(a: &[Point], b: &[Point]) -> bool {
     if a.is_empty() || b.is_empty() {
         return false;

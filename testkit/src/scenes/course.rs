@@ -15,7 +15,6 @@ impl Scene {
     /// A course of `frames` random poses of `b` about `a`: every rotation equally likely, and a
     /// distance at which they overlap in part or just miss. The same `seed` gives the same course
     /// on every machine.
-    #[must_use]
     pub fn course(a: MeshData, b: MeshData, frames: usize, seed: u64) -> Self {
         let (center_a, radius_a) = a.bounding_sphere();
         let (center_b, radius_b) = b.bounding_sphere();

@@ -10,7 +10,6 @@ use super::mesh::closed_grid;
 
 /// A (2, 3) torus knot within radius 1.4 whose tube is covered with bumps, in about `triangles`
 /// triangles (at least 384).
-#[must_use]
 pub fn torus_knot(triangles: usize) -> MeshData {
     let around = ((triangles as f64 / (2.0 * LENGTH_TO_GIRTH)).sqrt().round() as usize).max(6);
     let along = (triangles / (2 * around)).max(32);

@@ -4,7 +4,6 @@ use crate::Rows;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Rounds a transform to f32.
-#[must_use]
 pub fn round(world_from_object: DAffine3) -> Rows {
     let rows = world_from_object.matrix3.transpose();
     let t = world_from_object.translation;

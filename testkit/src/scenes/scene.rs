@@ -98,7 +98,6 @@ impl Scene {
     }
 
     /// What is asked of the scene.
-    #[must_use]
     pub fn kind(&self) -> Kind {
         match self.motion {
             Motion::Pair(_) => Kind::Pair,
@@ -108,7 +107,6 @@ impl Scene {
     }
 
     /// How many frames the scene has; the motion is defined beyond them too.
-    #[must_use]
     pub fn frames(&self) -> usize {
         self.frames
     }
@@ -140,7 +138,6 @@ impl Scene {
     }
 
     /// Triangles of all objects together.
-    #[must_use]
     pub fn triangles(&self) -> usize {
         self.objects.iter().map(|&mesh| self.meshes[mesh].triangles.len()).sum()
     }

@@ -9,7 +9,6 @@ use crate::MeshData;
 use super::mesh::round;
 
 /// The unit sphere in about `triangles` triangles: 20 f² of them, f ≥ 1 being whole.
-#[must_use]
 pub fn icosphere(triangles: usize) -> MeshData {
     let f = ((triangles as f64 / 20.0).sqrt().round() as u32).max(1);
     let mut sphere = Builder { f, vertex: BTreeMap::new(), mesh: MeshData::default() };
