@@ -46,24 +46,26 @@ enum Command {
     /// Count wrong answers to triangle pairs whose truth is known
     ///
     /// Without a file, pairs are generated: random, nearly touching, coplanar, degenerate, of every scale, and
-    /// harvested from meshes in contact.
+    /// harvested from meshes in contact. A million pairs take about a minute on two cores.
     Judge(Judge),
     /// Chart speed against accuracy of tests of two triangles, pfront's and those of the literature
     ///
     /// Writes pareto.svg and pareto.csv, and prints what Exact costs. With the meshes of the folder that PFRONT_DATA
-    /// names, if it does.
+    /// names, if it does. Takes about three minutes on two cores; --quick, some seconds.
     Chart(Chart),
     /// Show that fronts divide work evenly where they could fail, beside the paper's equations as printed
     ///
     /// Each row of the matrix plays its scenes with every number of workers; answers are compared with those of
     /// one core, small ones with an exact oracle too. Prints the figure nearest to its limit, or farthest
-    /// beyond, in counted work.
+    /// beyond, in counted work. The whole matrix takes two minutes on 16 cores, more on fewer: name a --row or two to see
+    /// that it works.
     Stability(Stability),
     /// Measure what --backend auto costs, against the best of all plans that never change
     ///
     /// Cases are drawn from a seed: two bodies, a sheet, or up to ten thousand bodies, that rest, move, meet or jump; or
     /// workloads are played. Everyone plays each case in turn, and answers are compared. "naive" is a rule of five constants
-    /// that knows how long one thread takes; A/A is how far a plan is from itself.
+    /// that knows how long one thread takes; A/A is how far a plan is from itself. 48 cases take some minutes; --quick, a
+    /// second.
     Regret(Regret),
     /// Show where a GPU spends its time: the median of each pass, by the device's own clock
     Passes(Passes),

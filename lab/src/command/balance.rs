@@ -164,7 +164,7 @@ fn series(balance: &Balance, size: Option<usize>, workers: usize) -> Result<Seri
         coherence: !balance.no_coherence,
         ..Settings::default()
     };
-    let (count, bar) = (header.frames, progress(header.frames.into()));
+    let (count, bar) = (header.frames, progress(header.frames.into(), "frame"));
     let executor = Executor::from(Traversal::new(workers).with_settings(settings));
     let objects = Objects::new(header).with_context(|| balance.scene.clone())?;
     let triangles = objects.triangles();

@@ -1,8 +1,8 @@
 //! `pfront-lab chart`: speed against accuracy.
 
+use super::progress;
 use anyhow::{Context, Result};
 use clap::Args;
-use indicatif::ProgressBar;
 use pfront_cli::output::out;
 use pfront_lab::{chart, recorded};
 use std::fs::{self, File};
@@ -35,7 +35,7 @@ pub(crate) fn run(asked: &Chart) -> Result<bool> {
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let (pairs, rounds) = if asked.quick { (80_000, 3) } else { (4_000_000, 9) };
     let suite = recorded::suite(asked.seed, asked.size)?;
-    let bar = ProgressBar::new(suite.sets().len() as u64);
+    let bar = progress(suite.sets().len() as u64, "set");
     let sets = chart::measure(&suite, asked.pairs.unwrap_or(pairs), rounds, |set| {
         bar.set_position(set as u64);
     });

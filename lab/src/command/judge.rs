@@ -1,8 +1,9 @@
 //! `pfront-lab judge`: whose answers to triangle pairs are right.
 
+use super::progress;
 use anyhow::{Context, Result};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use pfront_cli::output::{Draft, out};
 use pfront_lab::judge::{Judge as Counter, OURS, OnGpu, Tally};
 use pfront_lab::recorded;
@@ -66,10 +67,7 @@ struct Ours {
 impl Ours {
     fn new(sets: usize, pairs: u64, on_gpu: bool) -> Result<Self> {
         let gpu = if on_gpu { Some((OnGpu::new()?, vec![Tally::default(); sets])) } else { None };
-        let bar = ProgressBar::new(pairs);
-        let style = "{bar:40} {human_pos} of {human_len} pairs, {eta} left";
-        bar.set_style(ProgressStyle::with_template(style)?);
-        Ok(Self { cpu: Counter::new(&OURS, sets), gpu, bar })
+        Ok(Self { cpu: Counter::new(&OURS, sets), gpu, bar: progress(pairs, "pair") })
     }
 
     fn add(&mut self, blocks: &[Block]) -> Result<()> {

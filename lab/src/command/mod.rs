@@ -11,10 +11,11 @@ pub(crate) mod stability;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Progress over frames, on a terminal's standard error; elsewhere nothing.
-fn progress(frames: u64) -> ProgressBar {
-    let bar = ProgressBar::new(frames);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} frame {pos} of {len}, {eta} left") {
+/// Progress over frames or the like, on a terminal's standard error; elsewhere nothing.
+fn progress(of: u64, what: &str) -> ProgressBar {
+    let bar = ProgressBar::new(of);
+    let template = format!("{{bar:40}} {what} {{human_pos}} of {{human_len}}, {{msg}}{{eta}} left");
+    if let Ok(style) = ProgressStyle::with_template(&template) {
         bar.set_style(style);
     }
     bar

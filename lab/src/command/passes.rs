@@ -100,7 +100,7 @@ impl OnDevice {
 fn measure(name: &str, asked: &Passes, gpu: &Gpu, settings: GpuSettings) -> Result<()> {
     let (header, mut recording) = Recording::open(name, asked.size, asked.frames)?;
     ensure!(header.frames > 0, "there is no frame to time");
-    let bar = progress(header.frames.into());
+    let bar = progress(header.frames.into(), "frame");
     let objects = Objects::new(header)?;
     let mut device = OnDevice::new(&objects, gpu, settings)?;
     let (mut frames, mut counts) = (Vec::new(), Vec::new());

@@ -27,7 +27,7 @@ pub(crate) fn run(record: &Record) -> Result<bool> {
     let (header, mut recording) = Recording::open(&record.name, record.size, record.frames)?;
     let writing = || format!("cannot write {}", record.file.display());
     let mut to = WorkloadWriter::new(Draft::new(&record.file)?, &header).with_context(writing)?;
-    let bar = progress(header.frames.into());
+    let bar = progress(header.frames.into(), "frame");
     while let Some(frame) = recording.next_frame()? {
         to.frame(frame).with_context(writing)?;
         bar.inc(1);

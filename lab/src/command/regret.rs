@@ -1,8 +1,8 @@
 //! `pfront-lab regret`: what the choices of an executor cost, against the best of all fixed plans.
 
+use super::progress;
 use anyhow::Result;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use pfront_cli::executor::{Backend, adapter_name, number, parse_threads};
 use pfront_cli::output::{Draft, out};
 use pfront_lab::regret::{Case, Effort, Field, Scale, race, recipes, summary, write_csv};
@@ -67,11 +67,11 @@ pub(crate) fn run(asked: &Regret) -> Result<bool> {
     let drawn = recipes(asked.seed, if asked.workload.is_empty() { cases } else { 0 });
     let drawn = drawn.into_iter().map(|recipe| recipe.build(&scale));
     let played = asked.workload.iter().map(|name| Case::of_workload(name, asked.frames));
-    let bar = progress((drawn.len() + played.len()) as u64);
+    let bar = progress((drawn.len() + played.len()) as u64, "case");
     let mut rows = Vec::new();
     for case in drawn.chain(played) {
         let case = case?;
-        bar.set_message(case.name.clone());
+        bar.set_message(format!("{}, ", case.name));
         let row = race(&case, &field, &effort)?;
         bar.suspend(|| {
             if rows.is_empty() {
@@ -90,13 +90,4 @@ pub(crate) fn run(asked: &Regret) -> Result<bool> {
         file.finish()?;
     }
     Ok(true)
-}
-
-/// Progress over cases, on a terminal's standard error.
-fn progress(cases: u64) -> ProgressBar {
-    let bar = ProgressBar::new(cases);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len}, {msg}, {eta} left") {
-        bar.set_style(style);
-    }
-    bar
 }

@@ -111,7 +111,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     }
     let mut out = out();
     writeln!(out, "BUILD\t{build:.6}\t{build_cpu:.6}")?;
-    let bar = progress(frames.into());
+    let bar = progress(frames.into(), "frame");
     let mut tally = Tally::default();
     for number in 0.. {
         let Some(frame) = recording.next_frame().with_context(file)? else { break };

@@ -30,7 +30,7 @@ pub(crate) fn run(asked: &Stability) -> Result<bool> {
         cast.push((row, row.scenes()?));
     }
     let frames: usize = cast.iter().flat_map(|row| &row.1).map(|scene| scene.steps().len()).sum();
-    let bar = progress(frames as u64);
+    let bar = progress(frames as u64, "frame");
     let mut all = Vec::new();
     for (row, mut scenes) in cast {
         let outcome = row.run(&mut scenes, &asked.p, &mut || bar.inc(1))?;
