@@ -1,6 +1,8 @@
-//! Outputs of the threads, one each so that gathering needs no lock, and the radix sort of what was gathered.
+//! Outputs of the threads, one each so that no thread waits for a lock. Each thread sorts its own list while it is in its
+//! cache, and the sorted lists are merged by all threads.
 
 use pfront_core::bvtt::TrianglePair;
+use rayon::prelude::*;
 use std::ops::ControlFlow;
 
 /// An intersecting triangle pair of one query among many. Hits are ordered by `query`, then by `pair`.
@@ -18,17 +20,35 @@ pub(crate) trait Output: Send {
 
     /// Whether nothing has been put into it.
     fn is_empty(&self) -> bool;
+
+    /// Called by the thread that is done with it.
+    fn finish(&mut self) {}
 }
 
-impl<T: Item> Output for Vec<T> {
+/// The list of one thread, which ends up sorted.
+#[derive(Clone, Debug, Default)]
+pub struct List<T> {
+    pub(crate) items: Vec<T>,
+    scratch: Vec<T>,
+}
+
+impl<T: Item> Output for List<T> {
     #[inline]
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
-        self.push(T::new(query, pair));
+        self.items.push(T::new(query, pair));
         ControlFlow::Continue(())
     }
 
     fn is_empty(&self) -> bool {
-        self.is_empty()
+        self.items.is_empty()
+    }
+
+    fn finish(&mut self) {
+        if self.items.len() < RADIX_FROM {
+            self.items.sort_unstable();
+        } else if !self.items.is_sorted() {
+            radix_sort(&mut self.items, &mut self.scratch);
+        }
     }
 }
 
@@ -71,15 +91,15 @@ impl<V: Fn(Hit) -> ControlFlow<()> + Sync> Output for Visitor<'_, V> {
 /// Lists of an answer's parts, one for each thread, whose memory is kept from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub struct Storage {
-    pairs: Vec<Vec<TrianglePair>>,
-    hits: Vec<Vec<Hit>>,
+    pairs: Vec<List<TrianglePair>>,
+    hits: Vec<List<Hit>>,
 }
 
 /// An item of an answer: a triangle pair, or a hit, which tells the query too.
-pub trait Item: Copy + Default + Ord + Send {
+pub trait Item: Copy + Default + Ord + Send + Sync {
     fn new(query: u32, pair: TrianglePair) -> Self;
 
-    fn storage(storage: &mut Storage) -> &mut Vec<Vec<Self>>;
+    fn storage(storage: &mut Storage) -> &mut Vec<List<Self>>;
 
     /// A number that sorts as the element does.
     fn key(&self) -> u128;
@@ -90,7 +110,7 @@ impl Item for TrianglePair {
         pair
     }
 
-    fn storage(storage: &mut Storage) -> &mut Vec<Vec<Self>> {
+    fn storage(storage: &mut Storage) -> &mut Vec<List<Self>> {
         &mut storage.pairs
     }
 
@@ -105,7 +125,7 @@ impl Item for Hit {
         Self { query, pair }
     }
 
-    fn storage(storage: &mut Storage) -> &mut Vec<Vec<Self>> {
+    fn storage(storage: &mut Storage) -> &mut Vec<List<Self>> {
         &mut storage.hits
     }
 
@@ -115,21 +135,69 @@ impl Item for Hit {
     }
 }
 
-/// Whether an answer of so many elements is sorted faster on so many threads than by a radix sort on one.
-pub(crate) fn is_worth_threads(len: usize, threads: usize) -> bool {
-    len >= 1 << 16 && threads >= 8
-}
-
-/// Shorter answers are sorted by comparison.
+/// Shorter lists are sorted by comparison.
 const RADIX_FROM: usize = 512;
 
-/// Sorts an answer.
-pub(crate) fn sort<T: Item>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
-    if items.len() < RADIX_FROM {
-        items.sort_unstable();
-    } else {
-        radix_sort(items, scratch);
+/// Elements that take about as long to merge as it takes to call another thread that is awake.
+const MERGED_ALONE: usize = 512;
+
+/// The number of ranges of keys in which lists are merged: one for each thread that is worth it.
+pub(crate) fn ranges<T: Item>(lists: &[List<T>], threads: usize) -> usize {
+    let is_several = lists.iter().filter(|list| !list.is_empty()).nth(1).is_some();
+    let len: usize = lists.iter().map(|list| list.items.len()).sum();
+    if is_several { threads.min(len / MERGED_ALONE).max(1) } else { 1 }
+}
+
+/// Replaces the contents of `out` by those of sorted lists, sorted, range by range.
+///
+/// The ranges come from regular samples of the lists, so that none has much more than its
+/// share of the elements (Shi & Schaeffer, *Parallel Sorting by Regular Sampling*, 1992).
+pub(crate) fn merge<T: Item>(lists: &mut [List<T>], ranges: usize, out: &mut Vec<T>) {
+    let len: usize = lists.iter().map(|list| list.items.len()).sum();
+    if let Some(only) = lists.iter_mut().find(|list| list.items.len() == len) {
+        std::mem::swap(out, &mut only.items);
+        return;
     }
+    out.clear();
+    let lists = || lists.iter().map(|list| &list.items[..]).filter(|items| !items.is_empty());
+    if ranges == 1 {
+        lists().for_each(|items| out.extend_from_slice(items));
+        // This sort finds runs and merges them.
+        out.sort();
+        return;
+    }
+    let step = (len / (ranges * ranges)).max(1);
+    let mut samples: Vec<T> =
+        lists().flat_map(|items| items.iter().step_by(step)).copied().collect();
+    samples.sort_unstable();
+    let lists: Vec<&[T]> = lists().collect();
+    let begin = |range: usize| {
+        let first = samples.get(range * samples.len() / ranges);
+        let begin = |items: &&[T]| match first {
+            _ if range == 0 => 0,
+            Some(first) => items.partition_point(|item| item < first),
+            None => items.len(),
+        };
+        lists.iter().map(begin).collect()
+    };
+    let begins: Vec<Vec<usize>> = (0..=ranges).into_par_iter().map(begin).collect();
+    out.resize(len, T::default());
+    let (mut rest, mut chunks) = (&mut out[..], Vec::with_capacity(ranges));
+    for bounds in begins.windows(2) {
+        let [len, before] = [1, 0].map(|i: usize| bounds[i].iter().sum::<usize>());
+        let (chunk, others) = std::mem::take(&mut rest).split_at_mut(len - before);
+        chunks.push((chunk, bounds));
+        rest = others;
+    }
+    chunks.into_par_iter().for_each(|(chunk, bounds)| {
+        let mut rest = &mut chunk[..];
+        for (items, (&from, &to)) in lists.iter().zip(bounds[0].iter().zip(&bounds[1])) {
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(to - from);
+            own.copy_from_slice(&items[from..to]);
+            rest = others;
+        }
+        chunk.sort();
+    });
 }
 
 /// Sorts by one byte of the key after the other, from the least on, leaving out those in which all keys agree.
@@ -174,6 +242,39 @@ mod tests {
             expected.sort();
             radix_sort(&mut hits, &mut scratch);
             assert!(hits == expected, "{count} {most}");
+        }
+    }
+
+    #[test]
+    fn lists_are_merged() {
+        let mut rng = seeded(2);
+        for (lists, most) in [(0, 1), (1, 5_000), (2, 300), (3, 2_000), (40, 900), (5, 1 << 15)] {
+            // Of many equal elements, all have to stay.
+            for key in [3, u32::MAX] {
+                let mut random = |most: u32| rng.random_range(0..most);
+                let mut lists: Vec<List<TrianglePair>> = (0..lists)
+                    .map(|_| {
+                        let mut pair = |_| TrianglePair { a: random(key), b: random(key) };
+                        let items = (0..most).map(&mut pair).collect();
+                        List { items, scratch: Vec::new() }
+                    })
+                    .collect();
+                if let Some(last) = lists.last_mut() {
+                    last.items.truncate(7);
+                }
+                let mut expected: Vec<_> = lists.iter().flat_map(|l| l.items.clone()).collect();
+                expected.sort();
+                lists.iter_mut().for_each(Output::finish);
+                for threads in [1, 2, 16, 64] {
+                    let mut out = vec![TrianglePair::default(); 3];
+                    merge(&mut lists.clone(), ranges(&lists, threads), &mut out);
+                    assert!(
+                        out == expected,
+                        "{} lists, {most} each, {threads} threads",
+                        lists.len()
+                    );
+                }
+            }
         }
     }
 }

@@ -59,6 +59,7 @@ impl<Q: Query + Sync, O: Output, N: Fn() -> O + Sync> Stealing<'_, Q, N> {
         if tests == 0 {
             let (mut output, mut cursor) = ((self.new_output)(), Cursor::at(start.pair));
             self.control.traverse(query, start.query, &mut cursor, &mut output, u64::MAX);
+            output.finish();
             let outputs = Some(output).filter(|output| !output.is_empty());
             return Found { outputs: outputs.into_iter().collect(), work: cursor.work };
         }

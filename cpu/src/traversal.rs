@@ -1,7 +1,7 @@
 //! Traversals of queries on p workers, with memory that is kept from frame to frame.
 
 use crate::front::{FrontMemory, Start};
-use crate::output::{self, Item, Storage, Visitor};
+use crate::output::{self, Item, List, Output, Storage, Visitor};
 use crate::workers::{Workers, in_scope};
 use crate::{Hit, Report, Settings};
 use pfront_core::bvtt::{Query, TrianglePair};
@@ -190,20 +190,19 @@ impl Traversal {
     /// Replaces the contents of `out` by all intersecting pairs, sorted: by query and pair if these are [`Hit`]s; plain
     /// triangle pairs, for a single query, do not tell the query.
     pub fn all<Q: Query + Sync, T: Item>(&mut self, queries: &[Q], out: &mut Vec<T>) {
-        let mut found = std::mem::take(T::storage(&mut self.storage));
-        found.truncate(self.p());
-        found.iter_mut().for_each(Vec::clear);
-        self.run(queries, false, &mut found, Vec::new);
+        let mut lists = std::mem::take(T::storage(&mut self.storage));
+        lists.truncate(self.p());
+        lists.iter_mut().for_each(|list| list.items.clear());
+        self.run(queries, false, &mut lists, List::default);
         let clock = (!self.report.shares.is_empty()).then(Instant::now);
-        out.clear();
-        found.iter().for_each(|found| out.extend_from_slice(found));
-        if output::is_worth_threads(out.len(), self.p()) {
-            self.install(|| out.par_sort_unstable());
-        } else if let Some(scratch) = found.first_mut() {
-            output::sort(out, scratch);
+        // The calling thread may have been alone.
+        lists.iter_mut().take(1).for_each(Output::finish);
+        match output::ranges(&lists, self.threads()) {
+            1 => output::merge(&mut lists, 1, out),
+            several => self.install(|| output::merge(&mut lists, several, out)),
         }
         self.report.gather_time = clock.map_or(Duration::ZERO, |clock| clock.elapsed());
-        *T::storage(&mut self.storage) = found;
+        *T::storage(&mut self.storage) = lists;
     }
 
     /// The number of intersecting pairs.

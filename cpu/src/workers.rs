@@ -103,6 +103,7 @@ impl Workers {
                 self.take_nodes(frame, other, last.unwrap_or(other), output);
             }
         }
+        output.finish();
     }
 
     /// Traverses from the nodes of one part that nobody has begun, as the work of `worker`.
