@@ -45,13 +45,14 @@ impl Report {
     /// [`Stealing`](crate::Schedule::Stealing), which does not count what each worker did.
     #[must_use]
     pub fn imbalance(&self) -> f64 {
-        if self.nodes == 0 && !self.shares.is_empty() {
-            return f64::NAN;
-        }
         let costs = || self.shares.iter().map(|share| share.work.cost());
         let total: f64 = costs().sum();
         let busiest = costs().fold(0.0, f64::max);
-        if total > 0.0 { busiest * self.shares.len() as f64 / total } else { 1.0 }
+        match total {
+            _ if total == 0.0 => 1.0,
+            _ if self.nodes == 0 => f64::NAN,
+            _ => busiest * self.shares.len() as f64 / total,
+        }
     }
 
     /// All box and triangle tests, those for the front included.
