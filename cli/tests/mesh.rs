@@ -212,7 +212,7 @@ fn changed_bytes_never_panic() {
             file.rewind().unwrap();
             file.write_all(&changed).unwrap();
             file.set_len(changed.len() as u64).unwrap();
-            // What is read may be nonsense, but a model says so.
+            // The mesh may be nonsense, but a model says so.
             if let Ok(MeshData { positions, triangles }) = read(&path) {
                 let _ = pfront::Model::new(positions, triangles);
             }
@@ -240,7 +240,7 @@ fn painted_meshes_come_back() {
     assert_eq!(bytes[vertices + 3 * 15 + 12..][..3], [4, 5, 6]);
 }
 
-/// What is not understood is no mesh that meets nothing.
+/// A file that is not understood does not pass for a mesh that meets nothing.
 #[test]
 fn a_file_without_triangles_is_refused() {
     for (name, bytes) in [

@@ -14,7 +14,7 @@ use pfront_testkit::oracle::{intersect, self_hit, share_a_vertex};
 #[derive(Arbitrary, Debug)]
 struct Input {
     values: [u32; 18],
-    /// Which value each coordinate takes.
+    /// The number of the value that each coordinate takes.
     picks: [u8; 18],
     triangles: [[u8; 3]; 2],
 }

@@ -1,5 +1,6 @@
 //! Why a GPU cannot answer, and what to do about it.
 
+use crate::layout::LARGEST_POSED;
 use pfront_core::pose::PoseError;
 use pfront_core::{CapacityError, MeshError};
 
@@ -93,6 +94,15 @@ pub enum GpuError {
     /// A mesh cannot be posed so.
     #[error(transparent)]
     Pose(#[from] PoseError),
+    /// A mesh that is posed has coordinates of more than half the range of f32.
+    #[error(
+        "coordinate {axis} of the mesh goes beyond ±{LARGEST_POSED:e}, where a GPU cannot pose it: \
+         scale the mesh down, or ask on the CPU"
+    )]
+    Coordinate {
+        /// The coordinate, 0 to 2.
+        axis: usize,
+    },
     /// There is no such body.
     #[error("there is no body {body}; the world has {bodies}")]
     NoBody {

@@ -3,8 +3,8 @@
 //! A test compares every size and offset with what naga makes of the WGSL; nothing is kept in step by
 //! hand.
 
+use crate::GpuError;
 use bytemuck::{Pod, Zeroable};
-use pfront_core::pose::PoseError;
 use pfront_core::{Aabb, Pose};
 use pfront_shaders::constants::{FRONTS, PADDING};
 
@@ -146,13 +146,14 @@ impl Counters {
     }
 }
 
-/// Checks that a pose suits a mesh within `bounds`: as [`Pose::check`] does, and that no coordinate is beyond half the
-/// range of f32, since shaders subtract and pad coordinates before they pose them.
-pub(crate) fn check_pose(pose: &Pose, bounds: &Aabb) -> Result<(), PoseError> {
-    const MOST: f32 = f32::MAX / 2.0;
+/// The largest coordinate of a mesh that is posed, since shaders subtract and pad coordinates before they pose them.
+pub(crate) const LARGEST_POSED: f32 = f32::MAX / 2.0;
+
+/// Checks that a pose suits a mesh within `bounds`: as [`Pose::check`] does, and by [`LARGEST_POSED`].
+pub(crate) fn check_pose(pose: &Pose, bounds: &Aabb) -> Result<(), GpuError> {
     pose.check(bounds)?;
-    match (0..3).find(|&k| bounds.min[k].abs().max(bounds.max[k].abs()) > MOST) {
-        Some(row) => Err(PoseError::Range { row }),
+    match (0..3).find(|&k| bounds.min[k].abs().max(bounds.max[k].abs()) > LARGEST_POSED) {
+        Some(axis) => Err(GpuError::Coordinate { axis }),
         None => Ok(()),
     }
 }

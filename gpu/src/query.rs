@@ -151,7 +151,7 @@ impl GpuQuery {
     /// All pairs that meet, sorted.
     ///
     /// # Errors
-    /// [`GpuError::Pose`] if the pose is not finite or takes its model out of range; [`GpuError::OtherDevice`];
+    /// [`GpuError::Pose`] if the pose is not finite or takes its model out of range; [`GpuError::Coordinate`]; [`GpuError::OtherDevice`];
     /// [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
     pub fn all(&mut self, question: &GpuQuestion<'_>) -> Result<&[TrianglePair], GpuError> {
         self.ask(question, GpuVerb::All)?;

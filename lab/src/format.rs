@@ -32,7 +32,7 @@ pub enum FormatError {
     Invalid {
         /// Where.
         offset: u64,
-        /// What is wrong.
+        /// The fault, in words.
         what: String,
     },
 }

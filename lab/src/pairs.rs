@@ -22,7 +22,7 @@ impl<W: Write> PairWriter<W> {
     /// Begins a file of `frames` frames.
     ///
     /// # Errors
-    /// Those of `to`; so for the other methods.
+    /// Fails as `to` does; so do the other methods.
     pub fn new(mut to: W, frames: u32) -> io::Result<Self> {
         to.write_all(MAGIC)?;
         write_words(&mut to, &[frames, 0])?;

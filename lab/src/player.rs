@@ -13,10 +13,10 @@ use pfront::{
 use pfront_testkit::scenes::Kind;
 use std::sync::Arc;
 
-/// What is asked about: models of any number, which objects may share.
+/// The objects of a question: models of any number, which objects may share.
 #[derive(Clone, Debug)]
 pub struct Objects {
-    /// What is asked.
+    /// The kind of question.
     pub kind: Kind,
     /// The model of each object.
     pub models: Vec<Arc<Model>>,
@@ -155,7 +155,7 @@ impl Player {
     /// All pairs, sorted, numbered as in a pair file.
     ///
     /// # Errors
-    /// Those of the query; so for all that asks.
+    /// Fails as the query does; so do the other verbs.
     pub fn all(&mut self) -> Result<&[TrianglePair]> {
         match &mut self.0 {
             Subject::Pair { models: [a, b], a_from_b, query } => Ok(query.all(a, b, a_from_b)?),

@@ -24,13 +24,13 @@ pub struct Panel {
     pub x: Axis,
     /// The y axis.
     pub y: Axis,
-    /// What is drawn.
+    /// The curves and points.
     pub series: Vec<Series>,
 }
 
 /// An axis: quantity and unit, and how it is divided.
 pub struct Axis {
-    /// What is written beside it.
+    /// The text beside it.
     pub label: String,
     /// How it is divided.
     pub scale: Scale,

@@ -23,7 +23,7 @@ const KINDS: [Kind; 3] = [Kind::Pair, Kind::SelfMesh, Kind::Many];
 /// What every frame of a workload has in common.
 #[derive(Clone, Debug)]
 pub struct Header {
-    /// What is asked.
+    /// The kind of question that it asks.
     pub kind: Kind,
     /// The meshes; not checked for NaN or indices out of range, which [`pfront::Model::new`] does.
     pub meshes: Vec<MeshData>,
@@ -171,7 +171,7 @@ impl<W: Write> WorkloadWriter<W> {
     /// Writes all but the frames.
     ///
     /// # Errors
-    /// Those of `to`; so for the other methods. If there is more of something than u32 can count.
+    /// Fails as `to` does, or if there is more of something than u32 can count; so do the other methods.
     pub fn new(mut to: W, header: &Header) -> io::Result<Self> {
         let number = |n: usize| {
             u32::try_from(n)

@@ -9,7 +9,7 @@ pub struct PaintedMesh<'m> {
     pub positions: &'m [[f32; 3]],
     /// Three vertex indices per triangle, in range.
     pub triangles: &'m [[u32; 3]],
-    /// Which triangles are marked, one entry each.
+    /// The triangles that are marked, one entry for each.
     pub hit: &'m [bool],
     /// Red, green and blue of triangles without and with a mark.
     pub colours: [[u8; 3]; 2],
@@ -19,7 +19,7 @@ pub struct PaintedMesh<'m> {
 /// vertices rather than faces.
 ///
 /// # Errors
-/// Those of `to`, which is written piece by piece and wants a buffer.
+/// Fails as `to` does, which is written piece by piece and wants a buffer.
 ///
 /// # Panics
 /// If a triangle has an index out of range.

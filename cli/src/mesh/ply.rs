@@ -56,7 +56,7 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
 }
 
 fn check_header(header: &Header, bytes: &[u8]) -> Result<(), Fault> {
-    // Of two with one name `ply-rs-bw` keeps one, and then takes bytes for what they are not.
+    // Where two have one name, `ply-rs-bw` keeps one, and then takes bytes for what they are not.
     let declares = |line: &Line<'_>| {
         line.words().next().is_some_and(|word| word == b"element" || word == b"property")
     };
@@ -92,7 +92,7 @@ fn ends_in(element: &ElementDef, number: usize) -> String {
 fn binary_fault(e: &ParseError, at: usize, element: &ElementDef, number: usize) -> Fault {
     let what = match e.kind() {
         ErrorKind::UnexpectedEof => ends_in(element, number),
-        // Of a type that `Record` does not take.
+        // `Record` does not take every type.
         ErrorKind::InvalidData => {
             format!("the indices of {} {number} are no natural numbers", element.name)
         }
@@ -101,7 +101,7 @@ fn binary_fault(e: &ParseError, at: usize, element: &ElementDef, number: usize) 
     Fault::Byte(at, what)
 }
 
-/// Of a header.
+/// A fault of a header.
 impl From<ParseError> for Fault {
     fn from(error: ParseError) -> Self {
         let text = error.to_string();

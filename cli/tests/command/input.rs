@@ -118,7 +118,7 @@ fn readers_have_one_budget() {
         error.contains("bomb.gltf: needs more than 6") && error.contains("--memory"),
         "{error}"
     );
-    // What is read has to be baked, too.
+    // Baking counts too, after reading.
     let error = refused(at, "bake bomb.gltf --memory 150 --build morton");
     assert!(
         error.contains("baking 2000000 triangles takes 152 MB, and 150 are allowed"),

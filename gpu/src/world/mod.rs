@@ -139,7 +139,7 @@ impl World {
     /// Replaces all bodies, each by the number of its mesh and its pose `world_from_body`. On error nothing changes.
     ///
     /// # Errors
-    /// [`GpuError::NoMesh`]; [`GpuError::Pose`] if a pose is not finite or takes its body out of range.
+    /// [`GpuError::NoMesh`]; [`GpuError::Pose`] if a pose is not finite or takes its body out of range; [`GpuError::Coordinate`].
     pub fn set_bodies(&mut self, bodies: &[(u32, Pose)]) -> Result<(), GpuError> {
         bodies.iter().try_for_each(|(mesh, pose)| self.check(*mesh, pose))?;
         self.bodies.clear();
@@ -150,7 +150,7 @@ impl World {
     /// Moves a body to the pose `world_from_body`.
     ///
     /// # Errors
-    /// [`GpuError::NoBody`]; [`GpuError::Pose`] if the pose is not finite or takes the body out of range.
+    /// [`GpuError::NoBody`]; [`GpuError::Pose`] if the pose is not finite or takes the body out of range; [`GpuError::Coordinate`].
     ///
     /// # Complexity
     /// O(1), and nothing on the device.
@@ -304,7 +304,7 @@ impl World {
         let meshes = self.arena.meshes.len() as u32;
         let own = self.arena.meshes.get(mesh as usize).ok_or(GpuError::NoMesh { mesh, meshes })?;
         match &own.bounds {
-            Some(bounds) if *pose != Pose::IDENTITY => Ok(check_pose(pose, bounds)?),
+            Some(bounds) if *pose != Pose::IDENTITY => check_pose(pose, bounds),
             _ => Ok(()),
         }
     }

@@ -20,7 +20,7 @@ pub(crate) struct Chart {
     /// About so many triangles in a built-in scene, instead of its own number
     #[arg(long, value_name = "TRIANGLES")]
     size: Option<usize>,
-    /// What is random is generated from this
+    /// The seed of everything random
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Measure little, to see that it works

@@ -26,7 +26,7 @@ pub struct Test {
 pub struct Tally {
     /// Pairs asked about.
     pub pairs: u64,
-    /// Of these, pairs that meet.
+    /// The pairs among them that meet.
     pub hits: u64,
     /// Hits that were denied.
     pub missed: u64,
@@ -35,7 +35,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Of answers to some pairs, one for each.
+    /// The tally of some pairs, with one answer each.
     pub fn of(cases: &[Case], answers: impl IntoIterator<Item = bool>) -> Self {
         let mut tally = Self::default();
         for (case, answer) in cases.iter().zip(answers) {

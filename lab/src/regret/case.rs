@@ -10,7 +10,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What is asked of each frame.
+/// The question of each frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verb {
     /// All pairs, sorted.
@@ -37,9 +37,9 @@ pub struct Case {
     pub name: String,
     /// How its objects move.
     pub class: String,
-    /// What is asked about.
+    /// The objects.
     pub objects: Objects,
-    /// What is asked.
+    /// The question.
     pub verb: Verb,
     pub(super) frames: Vec<Moved>,
 }
@@ -82,7 +82,7 @@ impl Moved {
     /// Moves what moves.
     ///
     /// # Errors
-    /// Those of the player.
+    /// Fails as the player does.
     pub(super) fn apply(&self, player: &mut Player) -> Result<()> {
         match self {
             Self::Poses(moves) => {
@@ -106,7 +106,7 @@ impl Verb {
     /// Asks, and drops the answer but for its size.
     ///
     /// # Errors
-    /// Those of the player.
+    /// Fails as the player does.
     pub fn ask(self, player: &mut Player) -> Result<u64> {
         match self {
             Self::All => Ok(player.find()? as u64),
@@ -119,7 +119,7 @@ impl Verb {
     /// finds is anyone's choice.
     ///
     /// # Errors
-    /// Those of the player.
+    /// Fails as the player does.
     pub fn digest(self, player: &mut Player) -> Result<u64> {
         if self != Self::All {
             return self.ask(player);

@@ -35,7 +35,7 @@ impl Motion {
     };
 }
 
-/// What is drawn at random for a case.
+/// The parameters of a case, drawn at random.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cloth {
     pub(super) motion: Motion,

@@ -39,7 +39,7 @@ impl Motion {
     };
 }
 
-/// What is drawn at random for a case.
+/// The parameters of a case, drawn at random.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Crowd {
     pub(super) motion: Motion,
@@ -178,7 +178,7 @@ const GEARS: usize = 149_000;
 /// Where bodies are, and how they sway about it.
 struct Places {
     all: Vec<Place>,
-    /// Of the box.
+    /// The edge of the box.
     side: f64,
     /// Frames of a meeting.
     period: usize,

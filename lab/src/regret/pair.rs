@@ -42,7 +42,7 @@ impl Motion {
     };
 }
 
-/// What is drawn at random for a case.
+/// The parameters of a case, drawn at random.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pair {
     pub(super) motion: Motion,

@@ -173,7 +173,7 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
 fn over(own: &[f64], other: &[f64]) -> f64 {
     let mut ratios: Vec<_> = own.iter().zip(other).map(|(own, other)| own / other).collect();
     let upper = median(&mut ratios);
-    // Of an even number the upper one of two would be unfair.
+    // The upper one of an even number would be unfair.
     let lower = ratios.get(ratios.len().saturating_sub(1) / 2).copied().unwrap_or(0.0);
     0.5 * (lower + upper)
 }

@@ -1,4 +1,4 @@
-//! Which cases there are: drawn from a seed, spread evenly over kinds, motions, sizes and lengths.
+//! The cases: drawn from a seed, spread evenly over kinds, motions, sizes and lengths.
 //!
 //! They are a Latin hypercube (McKay, Beckman & Conover, *A Comparison of Three Methods for Selecting Values of Input
 //! Variables*, Technometrics 1979): of n cases, one lies in each of n equal parts of every variable's range, so that a

@@ -38,7 +38,7 @@ pub struct Row {
     pub name: String,
     /// What moves, and how.
     pub class: String,
-    /// Of all bodies together.
+    /// The triangles of all bodies together.
     pub triangles: usize,
     /// Number of bodies.
     pub bodies: usize,

@@ -30,7 +30,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// One that can have so many triangles.
+    /// A random shape among those that can have so many triangles.
     pub(super) fn for_size(triangles: usize, random: &mut ChaCha8Rng) -> Self {
         // The fewest each takes, and the most that make sense of it.
         let all = [

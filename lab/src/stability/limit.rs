@@ -23,7 +23,7 @@ pub const THIN: f64 = 100.0;
 /// As in [`pfront::pfront_core::front`]: nodes that cost less are not split.
 const WORTH_SPLITTING: f64 = 64.0;
 
-/// What is asked of the imbalance of a frame: busiest worker over mean.
+/// The limit on the imbalance of a frame: busiest worker over mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// Nothing: a first frame, where there is no limit for those.

@@ -40,7 +40,7 @@ pub const ROWS: [Row; 12] = [
 pub struct Finding {
     /// What was measured.
     pub measure: &'static str,
-    /// Of whom.
+    /// The method that was measured.
     pub method: Method,
     /// p.
     pub workers: usize,
@@ -97,7 +97,7 @@ impl Finding {
 pub struct Outcome {
     /// The frames of its scenes.
     pub series: Vec<Series>,
-    /// What is wrong or right with them.
+    /// The figures, each beside its limit.
     pub findings: Vec<Finding>,
     /// How many frames were compared with the oracle.
     pub by_oracle: usize,

@@ -38,7 +38,7 @@ impl<W: Write> Writer<W> {
     /// Begins a file of sets, each with its name and number of pairs, which have to follow in this order.
     ///
     /// # Errors
-    /// Those of `to`; so for [`Writer::add`].
+    /// Fails as `to` does; so does [`Writer::add`].
     pub fn new(mut to: W, seed: u64, sets: &[(String, u64)]) -> io::Result<Self> {
         to.write_all(MAGIC)?;
         to.write_all(&VERSION.to_le_bytes())?;

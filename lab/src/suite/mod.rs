@@ -39,7 +39,7 @@ pub struct Case {
 /// Some pairs of one set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
-    /// Which set.
+    /// The number of the set.
     pub set: usize,
     /// The pairs.
     pub cases: Vec<Case>,

@@ -237,7 +237,7 @@ fn cross(u: Point64, v: Point64) -> Point64 {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| u[i] * v[j] - u[j] * v[i])
 }
 
-/// Of length 1, unless it is next to nothing.
+/// A vector of length 1 in the same direction, unless it is next to nothing.
 fn unit(v: Point64) -> Point64 {
     let length = v.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
     v.map(|x| x / length)

@@ -27,7 +27,7 @@ pub struct Scene {
     pub(crate) motion: Motion,
 }
 
-/// What is asked of a scene.
+/// The kind of question that a scene asks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Two rigid objects; the first stays at the identity, the second's pose is `a_from_b`.
@@ -97,7 +97,7 @@ impl Scene {
         })
     }
 
-    /// What is asked of the scene.
+    /// The kind of question that the scene asks.
     pub fn kind(&self) -> Kind {
         match self.motion {
             Motion::Pair(_) => Kind::Pair,
