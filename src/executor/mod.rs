@@ -69,19 +69,32 @@ pub(crate) use run::{Answer, Question, Run, Verb};
 use crate::gpu::{Gpu, GpuError, GpuSettings};
 #[cfg(feature = "threads")]
 use crate::threads::{Schedule, Traversal};
+use std::fmt;
 #[cfg(feature = "gpu")]
 use std::sync::Arc;
 
 /// The threads or the GPU that answer queries. See [the module](crate::executor).
 ///
 /// Copies share the pool and the GPU.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Executor {
     /// The threads, of which each query gets a copy for what it remembers; the calling thread alone if there are none.
     #[cfg(feature = "threads")]
     pub(crate) traversal: Option<Box<Traversal>>,
     #[cfg(feature = "gpu")]
     device: Option<Arc<Device>>,
+}
+
+/// Without what threads and a GPU keep.
+impl fmt::Debug for Executor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = f.debug_struct("Executor");
+        #[cfg(feature = "threads")]
+        text.field("workers", &self.traversal.as_ref().map_or(1, |traversal| traversal.workers));
+        #[cfg(feature = "gpu")]
+        text.field("has_gpu", &self.device.is_some());
+        text.finish_non_exhaustive()
+    }
 }
 
 impl Executor {

@@ -22,10 +22,12 @@ use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;
+use std::fmt;
 use std::sync::OnceLock;
 use tree::Tree;
 
-/// A triangle mesh with the BVH that queries walk.
+/// A triangle mesh with the BVH that queries traverse. Scenes and batches share it in an [`Arc`](std::sync::Arc); pair and
+/// self queries borrow it.
 ///
 /// Takes 12 bytes a vertex and, a triangle, 12 for its indices, 4 for the order and up to 64 for
 /// nodes (about 11 with the default leaf size); once it was asked about itself, 4 more a vertex; once few
@@ -38,7 +40,6 @@ use tree::Tree;
 /// assert_eq!(model.mesh().triangles().len(), 1);
 /// # Ok::<(), pfront::Error>(())
 /// ```
-#[derive(Debug)]
 pub struct Model {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -51,6 +52,16 @@ pub struct Model {
     certificates: Renewed<Certificates>,
     /// Made when a scene first asks for it.
     sphere: OnceLock<Option<Sphere>>,
+}
+
+/// Without the mesh, which may be large.
+impl fmt::Debug for Model {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Model")
+            .field("vertices", &self.positions.len())
+            .field("triangles", &self.triangles.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Model {

@@ -8,6 +8,8 @@ use std::fmt;
 use std::sync::Arc;
 
 /// Names a body of one scene for good: no id is ever used again. Ids ascend in the order of adding.
+///
+/// It means nothing in another scene, nor in one that is filled again from a file: store [`Body::user_data`] there.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -44,7 +46,8 @@ impl fmt::Display for BodyId {
     }
 }
 
-/// Groups of bodies: two bodies are asked about if each is a member of a group that the other's filter lets through.
+/// Groups of bodies: two bodies are asked about if each is a member of a group that the other's filter lets through. Rapier's
+/// `InteractionGroups` in the mode `And` are the same bits.
 ///
 /// # Examples
 /// ```
@@ -270,6 +273,10 @@ impl Bodies {
             self.change(two[0], |_| Ok(()))?;
         }
         Ok(())
+    }
+
+    pub(super) fn ignored(&self) -> impl Iterator<Item = [BodyId; 2]> {
+        self.ignored.iter().copied()
     }
 
     /// Whether two bodies are asked about if their bounds overlap, by their places.

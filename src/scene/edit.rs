@@ -118,6 +118,23 @@ impl SceneQuery {
         self.bodies.ignore([a, b], ignored)
     }
 
+    /// The pairs of bodies that are ignored, in ascending order.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let tile = std::sync::Arc::new(tile);
+    /// let mut scene = SceneQuery::new();
+    /// let (a, b) = (scene.add(tile.clone(), Pose::IDENTITY)?, scene.add(tile, Pose::IDENTITY)?);
+    /// scene.ignore(b, a, true)?;
+    /// assert!(scene.ignored().eq([[a, b]]));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn ignored(&self) -> impl Iterator<Item = [BodyId; 2]> {
+        self.bodies.ignored()
+    }
+
     /// Breaks a body into one for each part, that is each value of `part_of` over its triangles. The
     /// pieces stay where they are, in the same groups and with the same user data; their ids follow all others, in ascending
     /// order of the parts. Nobody ignores them.
@@ -173,7 +190,8 @@ impl SceneQuery {
         self.bodies.get(id)
     }
 
-    /// Keeps a number of the caller's with a body, such as the index of an entity.
+    /// Keeps a number of the caller's with a body: the index of an entity, `Entity::to_bits` of bevy, or both halves of
+    /// rapier's `RigidBodyHandle::into_raw_parts`.
     ///
     /// # Errors
     /// [`Error::StaleBody`] if it is not there.

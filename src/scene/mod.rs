@@ -29,6 +29,7 @@ use cache::Cache;
 use device::Mirror;
 use frame::{Answer, Frame, meeting};
 use pfront_core::bvtt::Query;
+use std::fmt;
 use std::ops::ControlFlow;
 
 /// Two triangles of different bodies that meet. The order is that of `bodies`, then `pair`.
@@ -93,7 +94,7 @@ pub struct SceneHit {
 /// assert!(scene.body(below).is_err());
 /// # Ok::<(), pfront::Error>(())
 /// ```
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct SceneQuery {
     accuracy: Accuracy,
     bodies: Bodies,
@@ -108,6 +109,16 @@ pub struct SceneQuery {
     batches: Batches,
     #[cfg(feature = "gpu")]
     mirror: Mirror,
+}
+
+/// Without the bodies, which may be many.
+impl fmt::Debug for SceneQuery {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SceneQuery")
+            .field("bodies", &self.len())
+            .field("hits", &self.hits().len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl SceneQuery {
@@ -188,7 +199,8 @@ impl SceneQuery {
         self.all().map(drop)
     }
 
-    /// The list of the last [`SceneQuery::update`] or [`SceneQuery::all`], whatever has changed since; empty before the first.
+    /// The list of the last [`SceneQuery::update`], [`SceneQuery::all`] or [`SceneQuery::contacts`], whatever has changed
+    /// since; empty before the first.
     #[must_use]
     pub fn hits(&self) -> &[SceneHit] {
         self.hits.list()
@@ -258,10 +270,21 @@ impl SceneQuery {
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals, in the world. A
-    /// pair that only `Conservative` or `Fast` reports meets nowhere and is left out.
+    /// pair that only `Conservative` or `Fast` reports meets nowhere and is left out. Finds the hits too, for
+    /// [`SceneQuery::hits`].
     ///
     /// # Errors
     /// As [`SceneQuery::all`].
+    ///
+    /// # Examples
+    /// ```
+    /// # let mut scene = pfront::SceneQuery::new();
+    /// scene.contacts()?;
+    /// for (hit, contact) in scene.last_contacts() {
+    ///     println!("{} at {:?}", scene.body(hit.bodies[0])?.user_data(), contact.segment[0]);
+    /// }
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
     pub fn contacts(&mut self) -> Result<&[(SceneHit, Contact)], Error> {
         self.all()?;
         if self.contacts.at() == self.bodies.time() {
@@ -279,6 +302,13 @@ impl SceneQuery {
         }
         self.contacts.complete(&self.new_contacts, &self.bodies);
         Ok(self.contacts.list())
+    }
+
+    /// The list of the last [`SceneQuery::contacts`], whatever has changed since; empty before the first. The scene is free
+    /// to be looked into meanwhile.
+    #[must_use]
+    pub fn last_contacts(&self) -> &[(SceneHit, Contact)] {
+        self.contacts.list()
     }
 
     /// Begins a frame. Hits are known of the bodies that have not changed since the time that is returned.

@@ -7,8 +7,12 @@
 //! | type | as a pose |
 //! |---|---|
 //! | `Affine3A`, as `GlobalTransform::affine` of bevy returns it | `Pose::from(map)`, with the feature of its version of glam |
+//! | `Isometry3d` of bevy | `Pose::from(Affine3A::from(isometry))` |
 //! | `Mat4` of any version | `Pose::from_cols_array(&matrix.to_cols_array())` |
 //! | rotation and translation, as rapier's `Pose3` has them | `Pose::from_rotation_translation(p.rotation.into(), p.translation.into())` |
+//!
+//! "`From<Affine3A>` is not implemented", or "expected `Affine3A`, found `Affine3A`", means that the feature is missing, or that
+//! of another version. Rapier's prelude has a `Pose` too: import one of them by its name.
 //!
 //! `Pose` converts back by `Affine3A::from(pose)`; its rows are public. The features `glam033` (bevy_math 0.20, rapier3d
 //! 0.36) and `glam034` may be on together, and no type of glam is in the interface without them. There is none for mint:

@@ -24,8 +24,8 @@ pub struct Contact {
     /// End points, each coordinate within 2^-28 of the extent of the edge it lies on, plus half an
     /// f32 unit in the last place, of the true one.
     pub segment: [[f32; 3]; 2],
-    /// Unit normals of both triangles by the right-hand rule, each coordinate within 2^-23; zero for a
-    /// degenerate triangle.
+    /// Unit normals of both triangles by the right-hand rule, which is outward where corners are counter-clockwise seen from
+    /// outside, each coordinate within 2^-23; zero for a degenerate triangle.
     pub normals: [[f32; 3]; 2],
 }
 
