@@ -817,7 +817,8 @@ pfront_status_t pfront_model_free(struct pfront_model_t *model, struct pfront_er
 
 // Makes a scene without bodies. `accuracy` is a `pfront_accuracy_t`. With `workers` above 1, which needs a library
 // that was built with threads, a frame that is worth it is divided into as many parts, for as many threads as the
-// machine has cores; else each call works on its own thread.
+// machine has cores; else each call works on its own thread, and more than 1 is
+// PFRONT_OUT_OF_RANGE. 0 counts as 1.
 //
 // A scene takes memory by malloc, and ends the program if there is none left. After PFRONT_DAMAGED it can only be
 // freed.

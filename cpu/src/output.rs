@@ -25,14 +25,14 @@ pub(crate) trait Output: Send {
     fn finish(&mut self) {}
 }
 
-/// The list of one thread, which ends up sorted.
+/// The list that one thread makes, which ends up sorted.
 #[derive(Clone, Debug, Default)]
-pub struct List<T> {
+pub struct OutputBuffer<T> {
     pub(crate) items: Vec<T>,
     scratch: Vec<T>,
 }
 
-impl<T: Item> Output for List<T> {
+impl<T: Item> Output for OutputBuffer<T> {
     #[inline]
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         self.items.push(T::new(query, pair));
@@ -91,15 +91,15 @@ impl<V: Fn(Hit) -> ControlFlow<()> + Sync> Output for Visitor<'_, V> {
 /// Lists of an answer's parts, one for each thread, whose memory is kept from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub struct Storage {
-    pairs: Vec<List<TrianglePair>>,
-    hits: Vec<List<Hit>>,
+    pairs: Vec<OutputBuffer<TrianglePair>>,
+    hits: Vec<OutputBuffer<Hit>>,
 }
 
 /// An item of an answer: a triangle pair, or a hit, which tells the query too.
 pub trait Item: Copy + Default + Ord + Send + Sync {
     fn new(query: u32, pair: TrianglePair) -> Self;
 
-    fn storage(storage: &mut Storage) -> &mut Vec<List<Self>>;
+    fn storage(storage: &mut Storage) -> &mut Vec<OutputBuffer<Self>>;
 
     /// A number that sorts as the element does.
     fn key(&self) -> u128;
@@ -110,7 +110,7 @@ impl Item for TrianglePair {
         pair
     }
 
-    fn storage(storage: &mut Storage) -> &mut Vec<List<Self>> {
+    fn storage(storage: &mut Storage) -> &mut Vec<OutputBuffer<Self>> {
         &mut storage.pairs
     }
 
@@ -125,7 +125,7 @@ impl Item for Hit {
         Self { query, pair }
     }
 
-    fn storage(storage: &mut Storage) -> &mut Vec<List<Self>> {
+    fn storage(storage: &mut Storage) -> &mut Vec<OutputBuffer<Self>> {
         &mut storage.hits
     }
 
@@ -142,7 +142,7 @@ const RADIX_FROM: usize = 512;
 const MERGED_ALONE: usize = 512;
 
 /// The number of ranges of keys in which lists are merged: one for each thread that is worth it.
-pub(crate) fn ranges<T: Item>(lists: &[List<T>], threads: usize) -> usize {
+pub(crate) fn ranges<T: Item>(lists: &[OutputBuffer<T>], threads: usize) -> usize {
     let is_several = lists.iter().filter(|list| !list.is_empty()).nth(1).is_some();
     let len: usize = lists.iter().map(|list| list.items.len()).sum();
     if is_several { threads.min(len / MERGED_ALONE).max(1) } else { 1 }
@@ -152,7 +152,7 @@ pub(crate) fn ranges<T: Item>(lists: &[List<T>], threads: usize) -> usize {
 ///
 /// The ranges come from regular samples of the lists, so that none has much more than its
 /// share of the elements (Shi & Schaeffer, *Parallel Sorting by Regular Sampling*, 1992).
-pub(crate) fn merge<T: Item>(lists: &mut [List<T>], ranges: usize, out: &mut Vec<T>) {
+pub(crate) fn merge<T: Item>(lists: &mut [OutputBuffer<T>], ranges: usize, out: &mut Vec<T>) {
     let len: usize = lists.iter().map(|list| list.items.len()).sum();
     if let Some(only) = lists.iter_mut().find(|list| list.items.len() == len) {
         std::mem::swap(out, &mut only.items);
@@ -252,11 +252,11 @@ mod tests {
             // Of many equal elements, all have to stay.
             for key in [3, u32::MAX] {
                 let mut random = |most: u32| rng.random_range(0..most);
-                let mut lists: Vec<List<TrianglePair>> = (0..lists)
+                let mut lists: Vec<OutputBuffer<TrianglePair>> = (0..lists)
                     .map(|_| {
                         let mut pair = |_| TrianglePair { a: random(key), b: random(key) };
                         let items = (0..most).map(&mut pair).collect();
-                        List { items, scratch: Vec::new() }
+                        OutputBuffer { items, scratch: Vec::new() }
                     })
                     .collect();
                 if let Some(last) = lists.last_mut() {

@@ -1,7 +1,7 @@
 //! Traversals of queries on p workers, with memory that is kept from frame to frame.
 
 use crate::front::{FrontMemory, Start};
-use crate::output::{self, Item, List, Output, Storage, Visitor};
+use crate::output::{self, Item, Output, OutputBuffer, Storage, Visitor};
 use crate::workers::{Workers, in_scope};
 use crate::{Hit, Report, Settings};
 use pfront_core::bvtt::{Query, TrianglePair};
@@ -193,7 +193,7 @@ impl Traversal {
         let mut lists = std::mem::take(T::storage(&mut self.storage));
         lists.truncate(self.p());
         lists.iter_mut().for_each(|list| list.items.clear());
-        self.run(queries, false, &mut lists, List::default);
+        self.run(queries, false, &mut lists, OutputBuffer::default);
         let clock = (!self.report.shares.is_empty()).then(Instant::now);
         // The calling thread may have been alone.
         lists.iter_mut().take(1).for_each(Output::finish);
