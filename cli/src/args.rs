@@ -1,6 +1,6 @@
 //! What can be typed.
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -40,6 +40,8 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// List all intersecting triangle pairs of two meshes
+    ///
+    /// Triangles count from 0, in the order of their file.
     Pairs {
         #[command(flatten)]
         meshes: TwoMeshes,
@@ -59,12 +61,15 @@ pub(crate) enum Command {
         json: bool,
     },
     /// List the self-intersections of a mesh
+    ///
+    /// Triangles count from 0, in the order of the file.
     #[command(name = "self")]
     SelfCollision(SelfCollision),
     /// List all intersecting triangle pairs of different bodies
     ///
-    /// Bodies are the nodes of glTF files that have triangles, and any other file as a whole. All are where their
-    /// files have them.
+    /// Bodies are the nodes of glTF files that have triangles, and any other file as a whole. They stay where the
+    /// coordinates of their files put them. One body alone has nothing to meet; for that see pfront self.
+    /// Triangles count from 0 within their body.
     Scene(Scene),
     /// Write a mesh with its BVH as one blob, for programs and firmware to borrow
     ///
@@ -74,6 +79,7 @@ pub(crate) enum Command {
     ///
     /// B makes one turn about the z axis through the middle of its box. A frame is from the pose to all pairs in
     /// the memory of the host. The answers are compared.
+    #[command(override_usage = "pfront bench [OPTIONS] [A B]")]
     Bench(Bench),
     /// List the adapters that a GPU query could run on, and the default
     Devices {
@@ -96,7 +102,7 @@ pub(crate) struct TwoMeshes {
     pub(crate) a: PathBuf,
     /// The second mesh
     pub(crate) b: PathBuf,
-    /// Pose of B in the frame of A: 12 numbers, a 3×4 matrix row by row
+    /// Pose of B in the frame of A: 12 numbers separated by commas, a 3×4 matrix row by row
     #[arg(long, value_name = "M", allow_hyphen_values = true, conflicts_with_all = ["translate", "rotate"])]
     #[arg(value_parser = matrix)]
     pose: Option<[f32; 12]>,
@@ -129,7 +135,7 @@ impl TwoMeshes {
 fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
     let parsed = text.split(',').map(|part| match part.trim().parse::<f32>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("'{part}' is not a finite number")),
+        _ => Err(format!("'{part}' is not a finite number; needs {N}, separated by commas")),
     });
     let parsed: Vec<f32> = parsed.collect::<Result<_, _>>()?;
     let found = parsed.len();
@@ -172,9 +178,12 @@ pub(crate) struct Scene {
     /// The meshes
     #[arg(required = true)]
     pub(crate) meshes: Vec<PathBuf>,
-    /// Leave out hits of two bodies; may be given again
+    /// Leave out hits of two bodies, by their names or by those of their files; may be given again
     #[arg(long, num_args = 2, value_names = ["BODY", "BODY"])]
     pub(crate) ignore: Vec<String>,
+    /// List only which bodies meet: a line for each two, with the number of their triangle pairs
+    #[arg(long, conflicts_with_all = ["contacts", "source"])]
+    pub(crate) bodies: bool,
     #[command(flatten)]
     pub(crate) reading: ReadOptions,
     #[command(flatten)]
@@ -191,15 +200,15 @@ pub(crate) struct Listing {
     /// Print comma-separated values, with a line of names
     #[arg(long)]
     csv: bool,
-    /// Also where they meet: a segment and the normals of both triangles, in the frame of A
+    /// Also where they meet: a segment and the normals of both triangles, in the frame of the first mesh
     #[arg(long)]
     pub(crate) contacts: bool,
     /// Also the faces of the files, from 0, and the glTF nodes that the triangles come from
     #[arg(long)]
     pub(crate) source: bool,
     /// Write into a file: .json and .csv as by these options, .ply the meshes with the triangles that meet in red,
-    /// .obj the curves in which they intersect
-    #[arg(long, value_name = "FILE")]
+    /// .obj the curves in which they intersect; - is standard output
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
 }
 
@@ -218,7 +227,19 @@ pub(crate) enum Format {
     Curves,
 }
 
+impl Format {
+    /// Whether it is no text.
+    pub(crate) fn is_drawn(self) -> bool {
+        matches!(self, Self::Picture | Self::Curves)
+    }
+}
+
 impl Listing {
+    /// The file to write, if it is not standard output.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.out.as_deref().filter(|path| *path != Path::new("-"))
+    }
+
     /// Whether contacts are asked for, or what is made of them.
     pub(crate) fn needs_contacts(&self) -> Result<bool> {
         Ok(self.contacts || self.format()? == Format::Curves)
@@ -227,25 +248,37 @@ impl Listing {
     /// The format that is asked for.
     ///
     /// # Errors
-    /// If options ask for more than a picture or curves can show.
+    /// If the extension tells no format, or options ask for another, or for more than a picture or curves can show.
     pub(crate) fn format(&self) -> Result<Format> {
-        let extension = self.out.as_deref().and_then(Path::extension).unwrap_or_default();
-        let drawn = match extension.to_ascii_lowercase().to_str() {
-            Some("ply") => Format::Picture,
-            Some("obj") => Format::Curves,
-            _ if self.json => return Ok(Format::Json),
-            _ if self.csv => return Ok(Format::Csv),
-            Some("json") => return Ok(Format::Json),
-            Some("csv") => return Ok(Format::Csv),
-            _ => return Ok(Format::Table),
+        let asked = match self {
+            Self { json: true, .. } => Some(Format::Json),
+            Self { csv: true, .. } => Some(Format::Csv),
+            _ => None,
         };
-        let text = self.json || self.csv || self.contacts || self.source;
+        let Some(path) = self.file() else { return Ok(asked.unwrap_or(Format::Table)) };
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        let named = match (extension.to_str(), asked) {
+            (Some("json"), _) => Format::Json,
+            (Some("csv"), _) => Format::Csv,
+            (Some("ply"), _) => Format::Picture,
+            (Some("obj"), _) => Format::Curves,
+            (_, Some(asked)) => asked,
+            _ => bail!(
+                "--out {}: the extension tells the format, and can be .json, .csv, .ply or .obj",
+                path.display()
+            ),
+        };
         ensure!(
-            !text,
+            !named.is_drawn() || asked.is_none() && !self.contacts && !self.source,
             "--out {} is drawn: leave out --json, --csv, --contacts and --source",
-            self.out.as_deref().unwrap_or(Path::new("")).display()
+            path.display()
         );
-        Ok(drawn)
+        ensure!(
+            asked.is_none_or(|asked| asked == named),
+            "--out {} has the extension of another format: leave out --json and --csv",
+            path.display()
+        );
+        Ok(named)
     }
 }
 

@@ -139,14 +139,14 @@ const FEWEST: usize = 64;
 /// # Errors
 /// If it is no number, 0, or beyond the bound.
 pub fn parse_threads(text: &str) -> Result<NonZero<usize>> {
-    let threads: NonZero<usize> = text.parse()?;
     let own = available_parallelism().map_or(1, NonZero::get);
     let most = FEWEST.max(MOST_PER_THREAD * own);
-    ensure!(
-        threads.get() <= most,
-        "at most {most} on this machine, which runs {own} threads at once: more would only wait for each other"
-    );
-    Ok(threads)
+    let threads = text.parse().ok().filter(|threads: &NonZero<usize>| threads.get() <= most);
+    threads.with_context(|| {
+        format!(
+            "must be 1 to {most}: this machine runs {own} threads at once, and more would only wait for each other"
+        )
+    })
 }
 
 /// The number of threads asked for, or else all of this machine.

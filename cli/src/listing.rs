@@ -7,7 +7,9 @@ use pfront::{Contact, Mesh, TrianglePair};
 use pfront_cli::mesh::{PaintedMesh, Source, write_painted};
 use pfront_cli::output::{Draft, out};
 use serde::{Serialize, Serializer};
+use serde_json::json;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
 use std::iter::once;
 
@@ -37,11 +39,21 @@ pub(crate) struct Hit {
     pub(crate) contact: Option<Contact>,
 }
 
+/// What rows tell.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// A pair of triangles.
+    Pairs,
+    /// A pair of triangles, and the names of their origins.
+    Scene,
+    /// Two origins, and the number of their pairs.
+    Bodies,
+}
+
 /// What a query found.
 pub(crate) struct Found<'f> {
     pub(crate) origins: &'f [Origin<'f>],
-    /// Whether hits tell the names of their origins.
-    pub(crate) is_scene: bool,
+    pub(crate) kind: Kind,
     pub(crate) hits: Box<dyn Iterator<Item = Hit> + 'f>,
 }
 
@@ -78,7 +90,7 @@ impl<'f> Found<'f> {
     /// Writes to where the options say. `meshes` are those of the origins, as they are posed.
     pub(crate) fn write(self, listing: &Listing, meshes: &[Mesh<'_>]) -> Result<()> {
         let format = listing.format()?;
-        let Some(path) = &listing.out else {
+        let Some(path) = listing.file() else {
             self.print(listing, format, &mut BufWriter::new(out()))?;
             return Ok(());
         };
@@ -125,7 +137,12 @@ impl<'f> Found<'f> {
     }
 
     fn print(self, listing: &Listing, format: Format, to: &mut impl Write) -> io::Result<()> {
-        let Self { origins, is_scene, hits } = self;
+        if self.kind == Kind::Bodies {
+            return self.print_bodies(format, to);
+        }
+        let columns = self.columns(format);
+        let Self { origins, kind, hits } = self;
+        let is_scene = kind == Kind::Scene;
         let has_nodes =
             listing.source && origins.iter().any(|origin| origin.source.nodes().next().is_some());
         let row = |Hit { origins: two, pair, contact }: Hit| {
@@ -151,9 +168,6 @@ impl<'f> Found<'f> {
             writeln!(to, "}}")?;
             return to.flush();
         }
-        let width = origins.iter().map(|origin| origin.name.chars().count()).max();
-        let width = width.unwrap_or(0).max("body_a".len());
-        let columns = Columns { csv: format == Format::Csv, width };
         columns.write(to, titles(is_scene, listing, has_nodes))?;
         let mut rows = 0;
         for row in hits.map(row) {
@@ -164,6 +178,38 @@ impl<'f> Found<'f> {
             writeln!(to, "{}", count(rows, "pair"))?;
         }
         to.flush()
+    }
+}
+
+impl Found<'_> {
+    fn print_bodies(self, format: Format, to: &mut impl Write) -> io::Result<()> {
+        let columns = self.columns(format);
+        let mut pairs = BTreeMap::<[usize; 2], u64>::new();
+        for Hit { origins, .. } in self.hits {
+            *pairs.entry(origins).or_default() += 1;
+        }
+        let name = |body: usize| &self.origins[body].name[..];
+        let rows = pairs.iter().map(|(two, pairs)| (two.map(name), *pairs));
+        if format == Format::Json {
+            let rows = rows.map(|(bodies, pairs)| json!({ "bodies": bodies, "pairs": pairs }));
+            writeln!(to, "{}", json!({ "bodies": rows.collect::<Vec<_>>() }))?;
+            return to.flush();
+        }
+        let titles = [Cell::Name("body_a"), Cell::Name("body_b"), Cell::Title("pairs", 10)];
+        columns.write(to, titles.into_iter())?;
+        for ([a, b], pairs) in rows {
+            columns.write(to, [Cell::Name(a), Cell::Name(b), Cell::Index(pairs)].into_iter())?;
+        }
+        if !columns.csv {
+            writeln!(to, "{} of bodies", count(pairs.len(), "pair"))?;
+        }
+        to.flush()
+    }
+
+    fn columns(&self, format: Format) -> Columns {
+        let width = self.origins.iter().map(|origin| origin.name.chars().count()).max();
+        let width = width.unwrap_or(0).max("body_a".len());
+        Columns { csv: format == Format::Csv, width }
     }
 }
 
@@ -180,7 +226,7 @@ enum Cell<'c> {
     Title(&'c str, usize),
     Name(&'c str),
     Kind(&'static str),
-    Index(u32),
+    Index(u64),
     Coordinate(f32),
 }
 
@@ -218,7 +264,7 @@ impl Row<'_> {
                 [self.a, self.b]
                     .into_iter()
                     .chain(self.faces.into_iter().flatten())
-                    .map(Cell::Index),
+                    .map(|index| Cell::Index(index.into())),
             )
             .chain(nodes.map(|name| Cell::Name(name.unwrap_or_default())))
             .chain(contact)

@@ -52,7 +52,7 @@ static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// The exit code of a command that was interrupted, as shells have it.
 const INTERRUPTED: i32 = 130;
 
-/// Has an interrupt, as by Ctrl-C, remove what is half written before it ends the process.
+/// Has an interrupt, as by Ctrl-C, remove what is half written before it ends the process, and say so.
 ///
 /// # Errors
 /// If the system takes no handler.
@@ -63,6 +63,7 @@ pub fn remove_half_written_on_interrupt() -> Result<()> {
             // A complete file has another name by now.
             let _ = std::fs::remove_file(file);
         }
+        eprintln!("interrupted; no file written");
         std::process::exit(INTERRUPTED);
     })?;
     Ok(())
@@ -96,10 +97,7 @@ impl Draft {
             File::options().write(true).open(path).map(Target::Special)
         } else {
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            let mut builder = Builder::new();
-            #[cfg(unix)]
-            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-            temporary(&builder, folder.unwrap_or(Path::new(".")))
+            temporary(folder.unwrap_or(Path::new(".")))
         };
         let target = target.with_context(|| format!("cannot write {}", path.display()))?;
         Ok(Self { path: path.to_owned(), to: BufWriter::new(target) })
@@ -121,10 +119,10 @@ impl Draft {
 }
 
 /// The lock is held until the name is known, so that no interrupt comes between.
-fn temporary(builder: &Builder<'_, '_>, folder: &Path) -> io::Result<Target> {
+fn temporary(folder: &Path) -> io::Result<Target> {
     let mut files = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
-    // The error of the file system, without the name that nobody asked for.
-    let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
+    // With the permissions of any new file, and errors without the name that nobody asked for.
+    let file = Builder::new().make_in(folder, |path| File::create_new(path))?;
     files.push(file.path().to_owned());
     Ok(Target::Temporary(file))
 }

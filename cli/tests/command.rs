@@ -94,6 +94,8 @@ fn pairs_in_every_format() {
         assert_eq!(out(at, &format!("pairs a.obj b.obj {options} --out {file}")), "");
         assert_eq!(fs::read_to_string(at.join(file)).unwrap(), text);
     }
+    assert_eq!(out(at, "pairs a.obj b.obj --csv -o -"), "a,b\n0,0\n3,0\n");
+    assert!(!at.join("-").exists());
     for threads in 1..4 {
         let found = out(at, &format!("pairs a.obj b.obj --csv --threads {threads}"));
         assert_eq!(found, "a,b\n0,0\n3,0\n");
@@ -128,7 +130,8 @@ fn poses() {
         "--translate 1,,2,3",
         "--translate 1,2,nan",
     ] {
-        assert!(refused(at, &format!("pairs a.obj b.obj {bad}")).contains("number"), "{bad}");
+        let error = refused(at, &format!("pairs a.obj b.obj {bad}"));
+        assert!(error.contains("number") && error.contains("separated by commas"), "{error}");
     }
     for (bad, why) in [
         ("--rotate 0,0,0,30", "the axis has no length"),
@@ -191,6 +194,7 @@ fn refusals_say_what_and_where() {
     let at = folder.path();
     fs::write(at.join("nan.obj"), "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n").unwrap();
     fs::write(at.join("short.tcw"), b"TRICOLW1\0\0").unwrap();
+    fs::write(at.join("text.obj"), "v 0 0 0\nhello, this is no mesh\n").unwrap();
     fs::write(at.join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
     for (arguments, parts) in [
         ("pairs a.obj missing.obj", vec!["missing.obj"]),
@@ -198,11 +202,26 @@ fn refusals_say_what_and_where() {
         ("pairs a.obj bad.obj", vec!["bad.obj", "line 4"]),
         ("pairs a.obj short.tcw", vec!["short.tcw", "obj"]),
         ("pairs a.obj b.obj --backend gpu --accuracy fast", vec!["exact", "--backend"]),
-        ("pairs a.obj b.obj --threads 0", vec!["threads"]),
-        ("pairs a.obj b.obj --threads 100000", vec!["--threads", "at most", "at once"]),
-        ("bench --threads 100000", vec!["--threads", "at most"]),
+        ("pairs a.obj b.obj --threads 0", vec!["--threads", "must be 1 to", "at once"]),
+        ("pairs a.obj b.obj --threads 100000", vec!["--threads", "must be 1 to", "at once"]),
+        ("pairs a.obj b.obj --threads 99999999999999999999", vec!["must be 1 to"]),
+        ("bench --threads 100000", vec!["--threads", "must be 1 to"]),
         ("bench a.obj", vec!["2 values"]),
-        ("pairs a.obj b.obj --out no/such/folder.csv", vec!["no/such/folder.csv"]),
+        ("pairs a.obj b.obj --out no/such/folder.csv", vec!["no/such/folder.csv", "o such"]),
+        ("pairs a.obj b.obj --out a.obj", vec!["a.obj", "would replace a mesh"]),
+        ("pairs a.obj b.obj --out ./b.obj", vec!["b.obj", "would replace a mesh"]),
+        ("self b.obj --out b.obj", vec!["b.obj", "would replace a mesh"]),
+        ("scene a.obj b.obj -o b.obj", vec!["b.obj", "would replace a mesh"]),
+        ("bake a.obj -o a.obj", vec!["a.obj", "would replace a mesh"]),
+        ("bake a.obj -o -", vec!["--out -"]),
+        ("pairs a.obj b.obj --out z.stl", vec!["z.stl", ".json, .csv, .ply or .obj"]),
+        ("pairs a.obj b.obj --out z", vec![".json, .csv, .ply or .obj"]),
+        ("pairs a.obj b.obj --out z.json --csv", vec!["z.json", "--csv"]),
+        ("self a.obj --out z.csv --json", vec!["z.csv", "--json"]),
+        ("pairs - -", vec!["standard input can be only one"]),
+        ("scene - a.obj -", vec!["standard input can be only one"]),
+        ("bench - -", vec!["standard input can be only one"]),
+        ("self text.obj", vec!["text.obj, line 2: 'hello,'", "--input-format"]),
         ("nonsense", vec!["nonsense"]),
     ] {
         let error = refused(at, arguments);
@@ -214,7 +233,28 @@ fn refusals_say_what_and_where() {
     refused(at, "pairs a.obj bad.obj --out old.csv");
     assert_eq!(fs::read(at.join("old.csv")).unwrap(), b"as it was");
     let left = fs::read_dir(at).unwrap().count();
-    assert_eq!(left, 6, "a.obj, b.obj, nan.obj, bad.obj, short.tcw and old.csv");
+    assert_eq!(left, 7, "a.obj, b.obj, nan.obj, bad.obj, text.obj, short.tcw and old.csv");
+    assert_eq!(fs::read(at.join("a.obj")).unwrap(), TETRAHEDRON.as_bytes());
+    assert_eq!(fs::read(at.join("b.obj")).unwrap(), BLADE.as_bytes());
+}
+
+#[test]
+fn help_says_what_is_meant() {
+    let folder = folder();
+    for (command, part) in [
+        ("pairs", "Triangles count from 0"),
+        ("pairs", "12 numbers separated by commas"),
+        ("pairs", "-o, --out <FILE>"),
+        ("self", "Triangles count from 0"),
+        ("self", "in the frame of the first mesh"),
+        ("scene", "Triangles count from 0"),
+        ("scene", "One body alone has nothing to meet"),
+        ("bench", "bench [OPTIONS] [A B]"),
+    ] {
+        let help = out(folder.path(), &format!("{command} --help"));
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(help.contains(part), "no '{part}' in the help of {command}: {help}");
+    }
 }
 
 /// Runs with nobody reading standard output.

@@ -99,7 +99,8 @@ fn faults_of_obj_and_off() {
     );
     assert!(fault("c.off", off.replace("5 1 0", "6 1 0")).contains("the file ends before"));
     assert!(fault("d.off", "OFF BINARY\n").contains("convert"));
-    assert!(fault("a.txt", "").contains("known are obj, ply, stl, off, gltf, glb"));
+    assert!(fault("a.txt", "words").contains("known are obj, ply, stl, off, gltf, glb"));
+    assert!(fault("b.txt", "").ends_with("b.txt: is empty"));
 }
 
 #[test]
@@ -131,7 +132,11 @@ fn faults_of_stl() {
     assert!(fault("a.stl", &stl[..150]).contains("184 bytes, not 150"));
     stl[..5].copy_from_slice(b"solid");
     assert!(fault("b.stl", &stl[..150]).contains("184 bytes, not 150"));
+    let hint = "; see --input-format if its format is another";
+    assert!(fault("b.stl", &stl[..150]).ends_with(hint));
+    assert!(fault("b.stl", "hello").ends_with(hint));
     let stl = text(stl_text());
+    assert!(fault("f.stl", stl.replacen("outer", "inner", 1)).ends_with(hint));
     assert!(fault("c.stl", stl.trim_end_matches("endsolid\n")).contains("the file ends before"));
     assert!(fault("d.stl", stl.replacen("vertex", "vertex x", 1)).contains("line 4: 'x'"));
     assert!(fault("e.stl", stl.replacen("endloop\n", "", 1)).contains("line 15: a facet of 6"));
@@ -163,7 +168,7 @@ fn faults_of_gltf() {
     let no_scene = gltf.replace(r#""scene":0,"scenes":[{"nodes":[0,1]}],"#, "");
     assert!(fault("b.gltf", no_scene).contains("no scene"));
     assert!(fault("a.glb", &glb()[..400]).contains("by its header"));
-    assert_eq!(fault("empty.glb", "").split(": ").last(), Some("the file is empty"));
+    assert_eq!(fault("empty.glb", "").split(": ").last(), Some("is empty"));
     assert!(fault("b.glb", [b"glTF\x02\0\0\0", &[0; 4][..]].concat()).contains("0 bytes"));
 }
 
@@ -243,14 +248,20 @@ fn painted_meshes_come_back() {
 /// A file that is not understood does not pass for a mesh that meets nothing.
 #[test]
 fn a_file_without_triangles_is_refused() {
-    for (name, bytes) in [
-        ("lfs.obj", &b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n"[..]),
-        ("cloud.obj", b"v 0 0 0\nv 1 0 0\n"),
-        ("empty.off", b"OFF\n0 0 0\n"),
-        ("empty.obj", b""),
+    let hint = "; see --input-format if its format is another";
+    for (name, bytes, what, hint) in [
+        (
+            "lfs.obj",
+            &b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n"[..],
+            ", line 1: 'version' is no statement of OBJ",
+            hint,
+        ),
+        ("cloud.obj", b"v 0 0 0\nvn 1 0 0\n", ": there is no triangle in it", hint),
+        ("empty.off", b"OFF\n0 0 0\n", ": there is no triangle in it", hint),
+        ("empty.obj", b"", ": is empty", ""),
     ] {
         let error = fault(name, bytes);
-        assert!(error.contains("no triangle") && error.contains("--input-format"), "{error}");
+        assert!(error.ends_with(&format!("{name}{what}{hint}")), "{error}");
     }
     assert!(fault("more.off", text(off()) + "3 0 1 2\n").contains("goes on after its 1 faces"));
 }

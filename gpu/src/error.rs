@@ -9,13 +9,9 @@ use pfront_core::{CapacityError, MeshError};
 #[non_exhaustive]
 pub enum GpuError {
     /// There is no adapter.
-    #[error(
-        "no GPU adapter: {reason}. Install a Vulkan driver; the package mesa-vulkan-drivers (with \
-         libvulkan1) brings one that runs on the CPU. WGPU_BACKEND and WGPU_ADAPTER_NAME narrow \
-         the choice if they are set"
-    )]
+    #[error("no GPU adapter: {reason}")]
     NoAdapter {
-        /// The message of wgpu.
+        /// The message of wgpu and what would help, or the environment variable that is wrong.
         reason: String,
     },
     /// The adapter gave no device.

@@ -278,7 +278,7 @@ async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, GpuError> {
     if let Ok(backends) = std::env::var("WGPU_BACKEND")
         && wgpu::Backends::from_comma_list(&backends).is_empty()
     {
-        let there = "there are vulkan, metal, dx12 and gl";
+        let there = "there are vulkan, metal and dx12";
         return Err(refused(format!("WGPU_BACKEND={backends} names no backend; {there}")));
     }
     let Ok(name) = std::env::var("WGPU_ADAPTER_NAME") else {
@@ -287,7 +287,13 @@ async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, GpuError> {
             ..Default::default()
         };
         let found = instance.request_adapter(&options).await;
-        return found.map_err(|error| refused(error.to_string()));
+        let advice = match std::env::var("WGPU_BACKEND") {
+            Ok(backends) => format!("WGPU_BACKEND={backends} admits no other backend"),
+            Err(_) => "Install a Vulkan driver; the package mesa-vulkan-drivers (with libvulkan1) \
+                       brings one that runs on the CPU"
+                .to_owned(),
+        };
+        return found.map_err(|error| refused(format!("{error}. {advice}")));
     };
     let mut there = instance.enumerate_adapters(wgpu::Backends::all()).await;
     let names: Vec<_> = there.iter().map(|adapter| adapter.get_info().name).collect();

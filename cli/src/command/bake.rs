@@ -1,8 +1,8 @@
 //! `pfront bake MESH`
 
-use super::{fits, in_file};
+use super::{check_files, fits, in_file};
 use crate::args::{Bake, Build};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use pfront::pfront_core::blob::{self, Counts};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BuildOptions, BvhStorage};
@@ -15,13 +15,15 @@ use std::io::Write;
 use std::path::Path;
 
 pub(crate) fn run(bake: &Bake) -> Result<bool> {
+    let here = || Path::new(bake.mesh.file_name().unwrap_or_default()).with_extension("pfb");
+    let path = bake.out.clone().unwrap_or_else(here);
+    ensure!(path != Path::new("-"), "--out - is no file: bake writes one");
+    check_files(&[&bake.mesh], Some(&path))?;
     let mesh = super::read(&bake.mesh, &bake.reading)?;
     let (mesh, source) = mesh.into_mesh();
     let mesh = if bake.weld { mesh.welded() } else { mesh };
     let (bytes, counts) =
         baked(&mesh, bake).map_err(|error| in_file(error, &bake.mesh, &source))?;
-    let here = || Path::new(bake.mesh.file_name().unwrap_or_default()).with_extension("pfb");
-    let path = bake.out.clone().unwrap_or_else(here);
     let mut to = Draft::new(&path)?;
     to.write_all(&bytes).with_context(|| format!("cannot write {}", path.display()))?;
     to.finish()?;

@@ -1,6 +1,6 @@
 //! `pfront bench`, and `pfront` alone: frames of two meshes on every executor that this machine has.
 
-use super::model;
+use super::{check_files, model};
 use crate::args::Bench;
 use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -67,7 +67,11 @@ pub(crate) fn run(bench: &Bench) -> Result<bool> {
     let clock = Instant::now();
     let read = |path: &PathBuf| anyhow::Ok(model(path, false, &bench.reading, |_| ())?.0);
     let course = match &bench.meshes[..] {
-        [a, b] => Course::turning(a.display(), [read(a)?, read(b)?], frames),
+        [a, b] => {
+            check_files(&[a, b], None)?;
+            let name = format!("{} and {}", a.display(), b.display());
+            Course::turning(name, [read(a)?, read(b)?], frames)
+        }
         _ => Course::worm_drive(frames)?,
     };
     let build = clock.elapsed();
@@ -124,7 +128,7 @@ impl Course {
     }
 
     /// One turn of the second mesh about the z axis through the middle of its box.
-    fn turning(a: impl std::fmt::Display, models: [Model; 2], frames: usize) -> Self {
+    fn turning(name: String, models: [Model; 2], frames: usize) -> Self {
         let middle = models[1].bvh().aabb().map_or([0.0; 3], |aabb| {
             [0, 1, 2].map(|axis| f64::midpoint(aabb.min[axis].into(), aabb.max[axis].into()))
         });
@@ -138,7 +142,7 @@ impl Course {
             ];
             Pose::new(rows.map(|row| row.map(|number| number as f32)))
         };
-        Self { name: a.to_string(), models, poses: (0..frames).map(pose).collect() }
+        Self { name, models, poses: (0..frames).map(pose).collect() }
     }
 
     /// Times every frame. Answers must be those of the executor before, if there was one.
@@ -181,9 +185,15 @@ impl Record {
             out,
             "{name}: {triangles} triangles, {frames} frames of {fewest} to {most} pairs"
         )?;
-        writeln!(out, "  {:<32} {:>9} {:>9} {:>9}", "ms per frame", "median", "slowest", "first")?;
+        let title = "ms per frame";
+        let names = self.executors.iter().map(|times| times.executor.chars().count());
+        let width = names.max().unwrap_or(0).max(title.len());
+        writeln!(out, "  {title:<width$} {:>9} {:>9} {:>9}", "median", "slowest", "first")?;
         for Times { executor, first_ms, median_ms, slowest_ms } in &self.executors {
-            writeln!(out, "  {executor:<32} {median_ms:>9.3} {slowest_ms:>9.3} {first_ms:>9.3}")?;
+            writeln!(
+                out,
+                "  {executor:<width$} {median_ms:>9.3} {slowest_ms:>9.3} {first_ms:>9.3}"
+            )?;
         }
         let [models, peak] = [self.model_bytes, self.peak_bytes].map(mib);
         writeln!(

@@ -12,7 +12,7 @@ use crate::args::TwoMeshes;
 use crate::listing::Hit;
 use crate::progress::shown;
 use anyhow::{Error, Result, ensure};
-use pfront::executor::Plan;
+use pfront::executor::{Plan, Reason};
 use pfront::pfront_core::bvtt::Query;
 use pfront::{Model, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
@@ -20,6 +20,23 @@ use pfront_cli::memory;
 use pfront_cli::mesh::{self, Loaded, ReadOptions, Source};
 use pfront_testkit::MeshData;
 use std::path::Path;
+
+/// Checks that at most one of the meshes is standard input, and that the output replaces none of them.
+fn check_files(meshes: &[&Path], out: Option<&Path>) -> Result<()> {
+    let is_stdin = |path: &&&Path| **path == Path::new("-");
+    ensure!(
+        meshes.iter().filter(is_stdin).count() <= 1,
+        "- is given twice: standard input can be only one of the meshes"
+    );
+    let Some(target) = out.and_then(|out| out.canonicalize().ok()) else { return Ok(()) };
+    let mut files = meshes.iter().filter(|path| !is_stdin(path));
+    ensure!(
+        !files.any(|path| path.canonicalize().is_ok_and(|path| path == target)),
+        "the output {} would replace a mesh that is read: choose another name",
+        target.display()
+    );
+    Ok(())
+}
 
 /// Reads a mesh, welds it if asked to, and builds its BVH, unless it was baked with one. `inspect` sees the mesh as it
 /// was read.
@@ -40,8 +57,9 @@ fn model(
     })
 }
 
-/// Reads the two meshes of a question.
-fn two(meshes: &TwoMeshes) -> Result<[(Model, Source); 2]> {
+/// Reads the two meshes of a question, which the output must not replace.
+fn two(meshes: &TwoMeshes, out: Option<&Path>) -> Result<[(Model, Source); 2]> {
+    check_files(&[&meshes.a, &meshes.b], out)?;
     let read = |path: &Path| model(path, false, &meshes.reading, |_| ());
     Ok([read(&meshes.a)?, read(&meshes.b)?])
 }
@@ -110,6 +128,9 @@ fn hits<'f>(
 /// Says on standard error who has answered, and why, if there was a choice.
 fn explain(executor: &ExecutorArgs, plan: Option<&Plan>) {
     if let Some(plan) = plan.filter(|_| executor.is_auto()) {
-        eprintln!("{plan}");
+        match plan.reason {
+            Reason::NoChoice => eprintln!("{}: there is no GPU to choose", plan.backend),
+            _ => eprintln!("{plan}"),
+        }
     }
 }

@@ -1,15 +1,14 @@
 //! `pfront scene MESH…`
 
-use super::{explain, in_file, list_fits, read};
+use super::{check_files, explain, in_file, list_fits, read};
 use crate::args::Scene;
-use crate::listing::{Found, Hit, Origin};
+use crate::listing::{Found, Hit, Kind, Origin};
 use crate::progress::shown;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail, ensure};
 use pfront::{Contact, Model, Pose, SceneHit, SceneQuery};
-use pfront_cli::mesh::{Loaded, Source};
+use pfront_cli::mesh::{Loaded, Source, name_apart};
 use pfront_testkit::MeshData;
-use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A body before it is in a scene.
@@ -22,29 +21,51 @@ struct Part {
 }
 
 pub(crate) fn run(asked: &Scene) -> Result<bool> {
-    let Scene { meshes, ignore, reading, listing, executor } = asked;
+    let Scene { meshes, ignore, bodies, reading, listing, executor } = asked;
     let contacts = listing.needs_contacts()?;
+    if *bodies {
+        let format = listing.format()?;
+        ensure!(!format.is_drawn(), "--bodies is text: leave it out, or write .json or .csv");
+    }
+    check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), listing.file())?;
     let mut scene = SceneQuery::new().with_accuracy(executor.accuracy()).on(&executor.open()?);
     let (mut parts, mut sources) = (Vec::new(), Vec::new());
     for path in meshes {
         let loaded = shown(format!("reading {}", path.display()), || read(path, reading))?;
-        sources.push(split(loaded, path, sources.len(), &mut parts)?);
+        let name = body_name(path, meshes);
+        sources.push(split(loaded, path, name, sources.len(), &mut parts)?);
     }
-    name_apart(&mut parts);
-    let (mut ids, mut origins) = (Vec::new(), Vec::new());
+    name_apart(parts.iter_mut().map(|part| &mut part.name));
+    let (mut ids, mut origins, mut files) = (Vec::new(), Vec::new(), Vec::new());
     for Part { name, model, file, first } in parts {
         ids.push(scene.add(Arc::new(model), Pose::IDENTITY).with_context(|| name.clone())?);
         origins.push(Origin { name, source: &sources[file], first });
+        files.push(&meshes[file]);
     }
+    // A body by its name, or else by the path, name or stem of its file.
     let named = |name: &String| {
-        let place = origins.iter().position(|origin| origin.name == *name);
-        let names = || origins.iter().map(|origin| &origin.name[..]).collect::<Vec<_>>().join(", ");
-        place
-            .map(|place| ids[place])
-            .with_context(|| format!("there is no body {name}; there are {}", names()))
+        let names = |found: &[usize]| {
+            found.iter().map(|&body| &origins[body].name[..]).collect::<Vec<_>>().join(", ")
+        };
+        let all: Vec<_> = (0..origins.len()).collect();
+        let of = |path: &Path| {
+            path == Path::new(name)
+                || [path.file_name(), path.file_stem()].contains(&Some(name.as_ref()))
+        };
+        let mut found: Vec<_> = all.iter().copied().filter(|&body| of(files[body])).collect();
+        if let Some(exact) = origins.iter().position(|origin| origin.name == *name) {
+            found = vec![exact];
+        }
+        match found[..] {
+            [body] => Ok(ids[body]),
+            [] => bail!("there is no body {name}; there are {}", names(&all)),
+            _ => bail!("{name} can be any of {}", names(&found)),
+        }
     };
     for two in ignore.chunks_exact(2) {
-        scene.ignore(named(&two[0])?, named(&two[1])?, true)?;
+        let [a, b] = [named(&two[0])?, named(&two[1])?];
+        ensure!(a != b, "--ignore {} {}: that is one body, and two are needed", two[0], two[1]);
+        scene.ignore(a, b, true)?;
     }
 
     let of_hit =
@@ -60,21 +81,34 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
         |hit: &SceneHit, contact| Hit { origins: hit.bodies.map(place), pair: hit.pair, contact };
     let found = Found {
         origins: &origins,
-        is_scene: true,
+        kind: if *bodies { Kind::Bodies } else { Kind::Scene },
         hits: match contacts {
             true => Box::new(with_contacts.iter().map(|(of, contact)| hit(of, Some(*contact)))),
             false => Box::new(scene.hits().iter().map(|of| hit(of, None))),
         },
     };
-    let meshes: Vec<_> = scene.bodies().map(|body| body.model().mesh()).collect();
-    found.write(listing, &meshes)?;
+    let posed: Vec<_> = scene.bodies().map(|body| body.model().mesh()).collect();
+    found.write(listing, &posed)?;
     explain(executor, scene.plan());
     Ok(true)
 }
 
-/// Adds the bodies of a file.
-fn split(loaded: Loaded, path: &Path, file: usize, parts: &mut Vec<Part>) -> Result<Source> {
-    let name = path.display().to_string();
+/// The name of a file, with its folder if another of the files has the same.
+fn body_name(path: &Path, files: &[PathBuf]) -> String {
+    let is_alike = |other: &&PathBuf| other.file_name() == path.file_name();
+    let is_ambiguous = files.iter().filter(is_alike).any(|other| other != path);
+    let name = path.file_name().filter(|_| !is_ambiguous).map(Path::new);
+    name.unwrap_or(path).display().to_string()
+}
+
+/// Adds the bodies of a file, which has the name if it is one body.
+fn split(
+    loaded: Loaded,
+    path: &Path,
+    name: String,
+    file: usize,
+    parts: &mut Vec<Part>,
+) -> Result<Source> {
     let (mesh, source) = match loaded {
         Loaded::Baked(model) => {
             parts.push(Part { name, model: *model, file, first: 0 });
@@ -95,17 +129,4 @@ fn split(loaded: Loaded, path: &Path, file: usize, parts: &mut Vec<Part>) -> Res
         parts.push(Part { name: name.clone(), model, file, first: *first });
     }
     Ok(source)
-}
-
-/// Numbers all but the first of those that have one name.
-fn name_apart(parts: &mut [Part]) {
-    let mut names = HashSet::new();
-    for part in parts {
-        let name = part.name.clone();
-        let mut number = 2;
-        while !names.insert(part.name.clone()) {
-            part.name = format!("{name} ({number})");
-            number += 1;
-        }
-    }
 }

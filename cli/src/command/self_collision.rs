@@ -1,8 +1,8 @@
 //! `pfront self MESH`
 
-use super::{explain, hits, list_fits, model};
+use super::{check_files, explain, hits, list_fits, model};
 use crate::args::SelfCollision;
-use crate::listing::{Found, Origin};
+use crate::listing::{Found, Kind, Origin};
 use crate::progress::shown;
 use anyhow::Result;
 use pfront::pfront_core::bvtt::SelfBvtt;
@@ -11,6 +11,7 @@ use pfront::{Adjacency, SelfQuery, TrianglePair};
 pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
     let SelfCollision { mesh: path, weld, skip_neighbours, reading, listing, executor } = asked;
     let contacts = listing.needs_contacts()?;
+    check_files(&[path], listing.file())?;
     let adjacency = match skip_neighbours {
         true => Adjacency::SkipNeighbours,
         false => Adjacency::SharedIndexRule,
@@ -35,7 +36,7 @@ pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
     let bvtt = SelfBvtt::new(model.bvh());
     let found = Found {
         origins: &[Origin::of_file(&source)],
-        is_scene: false,
+        kind: Kind::Pairs,
         hits: hits(pairs, [0, 0], contacts, &bvtt),
     };
     found.write(listing, &[model.mesh()])?;

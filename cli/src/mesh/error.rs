@@ -32,20 +32,25 @@ impl Fault {
     }
 
     pub(super) fn no_triangle() -> Self {
-        Self::broken("there is no triangle in it; see --input-format if its format is another")
+        Self::broken(other_format("there is no triangle in it"))
     }
 
     /// More than so many bytes are needed.
     pub(super) fn memory(most: usize) -> Self {
         let most = most.div_ceil(1_000_000);
         Self::broken(format!(
-            "needs more than {most} MB: it is far larger than its file; --memory lets it"
+            "needs more than {most} MB while it is read; --memory lets it take more"
         ))
     }
 
     pub(super) fn at(self, path: &Path) -> ReadError {
         ReadError { path: path.to_owned(), fault: self }
     }
+}
+
+/// A fault, with the remedy for a file whose name tells the wrong format.
+pub(super) fn other_format(what: impl fmt::Display) -> String {
+    format!("{what}; see --input-format if its format is another")
 }
 
 impl From<io::Error> for Fault {

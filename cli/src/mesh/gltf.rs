@@ -69,13 +69,12 @@ fn primitives<'n>(node: &Node<'n>) -> impl Iterator<Item = Primitive<'n>> + use<
     node.mesh().into_iter().flat_map(|mesh| mesh.primitives()).filter(is_of_triangles)
 }
 
-/// The bytes that a primitive takes, where lists grow to twice what they hold and move meanwhile.
+/// The bytes that a primitive takes while it is read.
 fn demand(primitive: &Primitive<'_>) -> usize {
-    const GROWTH: usize = 3;
     let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
     let corners = primitive.indices().map_or(vertices, |indices| indices.count());
     let triangles = if primitive.mode() == Mode::Triangles { corners / 3 } else { corners };
-    GROWTH.saturating_mul(12).saturating_mul(vertices.saturating_add(triangles))
+    super::demand(vertices, triangles)
 }
 
 fn transform(node: &Node<'_>) -> DMat4 {

@@ -19,7 +19,7 @@ mod text;
 
 pub use error::ReadError;
 pub use painted::{PaintedMesh, write_painted};
-pub use source::Source;
+pub use source::{Source, name_apart};
 
 use baked::mesh_data;
 use error::Fault;
@@ -36,6 +36,14 @@ pub const FORMATS: [&str; 7] = ["obj", "ply", "stl", "off", "gltf", "glb", BAKED
 /// The extension of what `pfront bake` writes.
 const BAKED: &str = "pfb";
 
+/// A list grows to twice what it holds, and moves meanwhile.
+const GROWTH: usize = 3;
+
+/// The bytes that so many vertices and triangles take while they are read.
+fn demand(vertices: usize, triangles: usize) -> usize {
+    GROWTH.saturating_mul(size_of::<[u32; 3]>()).saturating_mul(vertices.saturating_add(triangles))
+}
+
 /// A mesh that is being read.
 #[derive(Debug, Default)]
 struct Import {
@@ -47,13 +55,25 @@ struct Import {
 
 impl Import {
     /// Adds a face, as a fan.
-    fn push_face(&mut self, corners: &[u32]) {
+    fn push_face(&mut self, corners: &[u32]) -> Result<(), Fault> {
         self.source.faces.push(self.mesh.triangles.len() as u32);
         self.mesh.push_fan(corners);
+        self.check_memory()
     }
 
-    fn push_position(&mut self, position: [f32; 3]) {
+    fn push_position(&mut self, position: [f32; 3]) -> Result<(), Fault> {
         self.mesh.positions.push(position);
+        self.check_memory()
+    }
+
+    fn check_memory(&self) -> Result<(), Fault> {
+        let MeshData { positions, triangles } = &self.mesh;
+        let arrays = demand(positions.len(), triangles.len());
+        let faces = GROWTH * size_of::<u32>() * self.source.faces.len();
+        if arrays.saturating_add(faces) > self.memory {
+            return Err(Fault::memory(self.memory));
+        }
+        Ok(())
     }
 }
 
@@ -63,8 +83,8 @@ pub struct ReadOptions {
     /// Format of a mesh whose name does not tell, as that of standard input [default: by how it begins]
     #[arg(long, value_name = "FORMAT", value_parser = FORMATS)]
     pub input_format: Option<String>,
-    /// MB that reading a mesh may take, and baking it, and an answer [default: 16 times the file and 64 MB for reading, what
-    /// is free for the others]
+    /// MB that a mesh may take while it is read, and as many again for baking it or for an answer [default: reading: 16
+    /// times the file and 64 MB, baking and answer: what is free]
     #[arg(long, value_name = "MB", value_parser = megabytes)]
     pub memory: Option<usize>,
 }
@@ -136,6 +156,9 @@ fn load_from(
     let mut bytes = Vec::new();
     // A file that is no mesh is not read to its end, which may never come.
     from.by_ref().take(16).read_to_end(&mut bytes)?;
+    if bytes.is_empty() {
+        return Err(Fault::broken("is empty"));
+    }
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let named = FORMATS.into_iter().find(|&format| extension == format);
     let format = if bytes.starts_with(&MAGIC) {
@@ -144,7 +167,7 @@ fn load_from(
         let told = options.input_format.as_deref().or(named).or_else(|| beginning(&bytes));
         told.ok_or(Fault::UnknownFormat)?
     };
-    let most = if streams { options.memory.unwrap_or(MOST_STREAMED) } else { usize::MAX };
+    let most = options.memory.unwrap_or(if streams { MOST_STREAMED } else { usize::MAX });
     from.take((most as u64).saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() > most {
         return Err(Fault::broken(format!(
@@ -154,7 +177,7 @@ fn load_from(
     if format == BAKED {
         return baked::model(&bytes).map(|model| Loaded::Baked(Box::new(model)));
     }
-    let memory = options.memory.unwrap_or_else(|| budget(bytes.len()));
+    let memory = options.memory.map_or_else(|| budget(bytes.len()), |most| most - bytes.len());
     let folder = path.parent().unwrap_or(Path::new(""));
     let Import { mesh, source, .. } = parse(format, &bytes, folder, memory)?;
     Ok(Loaded::Mesh(mesh, source))

@@ -4,8 +4,12 @@
 //! panics on statements it does not know.
 
 use super::Import;
-use super::error::Fault;
-use super::text::{Line, lines};
+use super::error::{Fault, other_format};
+use super::text::{Line, lines, quote};
+
+/// The statements of the specification, of which three are read.
+const STATEMENTS: &str = "v vt vn vp f fo l p g s o mg usemtl mtllib usemap maplib deg bmat step cstype curv curv2 surf parm \
+    trim hole scrv sp end con bevel c_interp d_interp lod shadow_obj trace_obj ctech stech call csh";
 
 pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let joined = join_continued(bytes);
@@ -17,7 +21,7 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
         match words.next() {
             Some(b"v") => {
                 let position = line.position(&mut words, &mut import.source)?;
-                import.push_position(position);
+                import.push_position(position)?;
             }
             Some(b"f" | b"fo") => {
                 corners.clear();
@@ -29,12 +33,21 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
                 if corners.len() < 3 {
                     return Err(line.fault(format!("a face of {} corners", corners.len())));
                 }
-                import.push_face(&corners);
+                import.push_face(&corners)?;
             }
             _ => {}
         }
     }
     let mesh = &import.mesh;
+    if mesh.triangles.is_empty() {
+        let is_strange = |word: &[u8]| !STATEMENTS.split_whitespace().any(|s| s.as_bytes() == word);
+        for line in lines(joined.as_deref().unwrap_or(bytes)) {
+            if let Some(word) = line.words().next().filter(|word| is_strange(word)) {
+                let what = format!("{} is no statement of OBJ", quote(word));
+                return Err(line.fault(other_format(what)));
+            }
+        }
+    }
     match farthest {
         (vertex, line) if vertex as usize >= mesh.positions.len() && !mesh.triangles.is_empty() => {
             let all = mesh.positions.len();

@@ -31,13 +31,13 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     for _ in 0..vertices {
         let line = next("its last vertex")?;
         let position = line.position(&mut line.words(), &mut import.source)?;
-        import.push_position(position);
+        import.push_position(position)?;
     }
     let mut corners = Vec::new();
     for _ in 0..faces {
         let line = next("its last face")?;
         face(&line, vertices, &mut corners)?;
-        import.push_face(&corners);
+        import.push_face(&corners)?;
     }
     match lines.next() {
         Some(line) => Err(line.fault(format!("the file goes on after its {faces} faces"))),

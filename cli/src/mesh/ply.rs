@@ -41,13 +41,13 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
             }?;
             match (&element.name[..], record.corners.len()) {
                 ("vertex", _) => {
-                    import.push_position(record.position);
+                    import.push_position(record.position)?;
                     import.source.rounded += record.rounded;
                 }
                 ("face", n @ 0..3) => {
                     return Err(Fault::broken(format!("face {number} has {n} corners")));
                 }
-                ("face", _) => import.push_face(&record.corners),
+                ("face", _) => import.push_face(&record.corners)?,
                 _ => {}
             }
         }

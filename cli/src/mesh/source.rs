@@ -1,5 +1,7 @@
 //! Where in its file a triangle comes from, and what was lost on the way.
 
+use std::collections::{HashMap, HashSet};
+
 /// The faces and nodes of a file, and its coordinates that f32 does not hold.
 #[derive(Clone, Debug, Default)]
 pub struct Source {
@@ -19,6 +21,19 @@ struct Node {
     triangle: u32,
 }
 
+/// Numbers all but the first of those that have one name: `Lid`, `Lid (2)`.
+pub fn name_apart<'n>(names: impl Iterator<Item = &'n mut String>) {
+    let (mut taken, mut counts) = (HashSet::new(), HashMap::new());
+    for name in names {
+        let plain = name.clone();
+        let count = counts.entry(plain.clone()).or_insert(1_usize);
+        while !taken.insert(name.clone()) {
+            *count += 1;
+            *name = format!("{plain} ({count})");
+        }
+    }
+}
+
 impl Source {
     pub(super) fn begin_node(&mut self, name: String, triangles: usize) {
         let triangle = triangles as u32;
@@ -29,6 +44,7 @@ impl Source {
 
     pub(super) fn end_nodes(&mut self, triangles: usize) {
         self.nodes.pop_if(|last| last.triangle as usize == triangles);
+        name_apart(self.nodes.iter_mut().map(|node| &mut node.name));
     }
 
     /// The face of a triangle, from 0 in the file; in glTF the triangle's own number, from 0 in its node.
@@ -39,7 +55,7 @@ impl Source {
         }
     }
 
-    /// The name of the glTF node that placed a triangle.
+    /// The name of the glTF node that placed a triangle; no two nodes of a file have the same.
     pub fn node(&self, triangle: u32) -> Option<&str> {
         self.node_of(triangle).map(|node| &node.name[..])
     }

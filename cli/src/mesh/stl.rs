@@ -5,9 +5,9 @@
 //! and binary that begins with `solid` for text, and it refuses the NaN normals that triangles without
 //! area have.
 
-use super::Import;
-use super::error::Fault;
+use super::error::{Fault, other_format};
 use super::text::{Line, lines, quote};
+use super::{Import, demand};
 use pfront_testkit::MeshData;
 
 /// Header and count of a binary file, and each of its triangles.
@@ -22,19 +22,22 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     match count {
         // Text is never as long as its bytes 80 to 83 say: as a count they are 150 million at least.
         Some(n) if HEADER + n * TRIANGLE == bytes.len() => {
+            if demand(3 * n, n) > import.memory {
+                return Err(Fault::memory(import.memory));
+            }
             binary(bytes, &mut import.mesh);
             Ok(())
         }
         _ if is_text(bytes) => text(bytes, import),
         Some(n) => {
             let (due, found) = (HEADER + n * TRIANGLE, bytes.len());
-            Err(Fault::broken(format!(
+            Err(Fault::broken(other_format(format!(
                 "a binary STL of {n} triangles has {due} bytes, not {found}"
-            )))
+            ))))
         }
-        None => {
-            Err(Fault::broken("neither `solid` nor the 84 bytes that a binary STL has at least"))
-        }
+        None => Err(Fault::broken(other_format(
+            "neither `solid` nor the 84 bytes that a binary STL has at least",
+        ))),
     }
 }
 
@@ -61,15 +64,21 @@ fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
         ended = keyword == b"endsolid";
         match &keyword[..] {
             b"vertex" => corners.push(line.position(&mut words, &mut import.source)?),
-            b"endloop" => push(&mut import.mesh, three(&line, &mut corners)?),
+            b"endloop" => {
+                push(&mut import.mesh, three(&line, &mut corners)?);
+                import.check_memory()?;
+            }
             b"solid" | b"facet" | b"outer" | b"endfacet" | b"endsolid" => {}
-            _ => return Err(line.fault(format!("{} is no word of STL", quote(&keyword)))),
+            _ => {
+                let what = format!("{} is no word of STL", quote(&keyword));
+                return Err(line.fault(other_format(what)));
+            }
         }
     }
     if ended && corners.is_empty() {
         return Ok(());
     }
-    Err(Fault::broken("the file ends before its last endsolid"))
+    Err(Fault::broken(other_format("the file ends before its last endsolid")))
 }
 
 fn three(line: &Line<'_>, corners: &mut Vec<[f32; 3]>) -> Result<[[f32; 3]; 3], Fault> {

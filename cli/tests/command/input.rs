@@ -29,6 +29,8 @@ fn standard_input_is_a_mesh() {
     assert_eq!(out(at, "pairs a.txt b.obj --csv --input-format obj"), expected[0]);
     fs::write(at.join("words"), "hello, this is no mesh").unwrap();
     assert!(fed(at, "self -", "words")[1].contains("--input-format"));
+    fs::write(at.join("nothing"), "").unwrap();
+    assert_eq!(fed(at, "self -", "nothing")[1], "error: -: is empty\n");
     assert!(refused(at, "self a.obj --input-format docx").contains("input-format"));
 }
 
@@ -89,6 +91,12 @@ fn faces_and_nodes_are_named() {
         out(at, "self room.gltf --csv --source"),
         "a,b,face_a,face_b,node_a,node_b\n0,1,0,0,Door,\"Wall, old\"\n"
     );
+    fs::write(at.join("doors.gltf"), ROOM.replace("Wall, old", "Door")).unwrap();
+    assert_eq!(
+        out(at, "self doors.gltf --csv --source"),
+        "a,b,face_a,face_b,node_a,node_b\n0,1,0,0,Door,Door (2)\n"
+    );
+    assert_eq!(out(at, "scene doors.gltf --csv"), "body_a,body_b,a,b\nDoor,Door (2),0,0\n");
     assert_eq!(
         out(at, "self room.gltf --json --source"),
         "{\"pairs\":[{\"a\":0,\"b\":1,\"faces\":[0,0],\"nodes\":[\"Door\",\"Wall, old\"]}]}\n"
@@ -125,6 +133,35 @@ fn readers_have_one_budget() {
         "{error}"
     );
     assert!(out(at, "bake bomb.gltf --memory 300 --build morton").contains("2000000 triangles"));
+}
+
+/// Files below the bound, whose triangles are not.
+#[test]
+fn memory_bounds_every_reader() {
+    let folder = folder();
+    let at = folder.path();
+    let corners = "0 0 0\n1 0 0\n0 1 0\n";
+    let faces = "3 0 1 2\n".repeat(25_000);
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                  element face 25000\nproperty list uchar int vertex_indices\nend_header\n";
+    let facet = "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+    let binary = [&[0; 80][..], &15_000_u32.to_le_bytes(), &vec![0; 15_000 * 50]].concat();
+    for (file, bytes) in [
+        ("m.obj", ("v 0 0 0\n".repeat(3) + &"f 1 2 3\n".repeat(25_000)).into_bytes()),
+        ("m.off", format!("OFF\n3 25000 0\n{corners}{faces}").into_bytes()),
+        ("m.ply", format!("{header}{corners}{faces}").into_bytes()),
+        ("text.stl", format!("solid\n{}endsolid\n", facet.repeat(8000)).into_bytes()),
+        ("binary.stl", binary),
+    ] {
+        assert!(bytes.len() < 1_000_000);
+        fs::write(at.join(file), bytes).unwrap();
+        let error = refused(at, &format!("bake {file} --memory 1"));
+        assert!(error.contains("needs more than 1 MB") && error.contains("--memory"), "{error}");
+        out(at, &format!("bake {file} --memory 20"));
+    }
+    for file in ["a.obj", "m.pfb"] {
+        assert!(refused(at, &format!("self {file} --memory 0")).contains("goes on after 0 bytes"));
+    }
 }
 
 #[test]

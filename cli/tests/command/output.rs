@@ -4,7 +4,7 @@ use super::{command, folder, out, refused};
 use std::fs;
 use std::io::{Read, Write};
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Output, Stdio};
 use std::time::Duration;
 
 fn json(folder: &Path, arguments: &str) -> serde_json::Value {
@@ -133,8 +133,8 @@ fn an_interrupt_leaves_nothing_half_written() {
     let at = folder.path();
     let faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned() + &"f 1 2 3\n".repeat(1500);
     fs::write(at.join("many.obj"), faces).unwrap();
-    let run = command(at, "pairs many.obj many.obj --contacts --out all.csv").spawn();
-    let mut run = run.unwrap();
+    let mut asked = command(at, "pairs many.obj many.obj --contacts --out all.csv");
+    let mut run = asked.stderr(Stdio::piped()).spawn().unwrap();
     let files =
         || fs::read_dir(at).unwrap().map(|file| file.unwrap().file_name()).collect::<Vec<_>>();
     let before = 3;
@@ -144,7 +144,9 @@ fn an_interrupt_leaves_nothing_half_written() {
     }
     let kill = std::process::Command::new("kill").args(["-INT", &run.id().to_string()]).status();
     assert!(kill.unwrap().success());
-    assert_eq!(run.wait().unwrap().code(), Some(130));
+    let Output { status, stderr, .. } = run.wait_with_output().unwrap();
+    assert_eq!(status.code(), Some(130));
+    assert_eq!(String::from_utf8(stderr).unwrap(), "interrupted; no file written\n");
     assert_eq!(files().len(), before, "{:?}", files());
 }
 
@@ -157,12 +159,14 @@ fn variables_that_choose_a_gpu_are_checked() {
             "no such GPU",
             "no adapter matches WGPU_ADAPTER_NAME=no such GPU; there are ",
         ),
-        ("WGPU_BACKEND", "nonsense", "WGPU_BACKEND=nonsense names no backend"),
+        ("WGPU_BACKEND", "nonsense", "nonsense names no backend; there are vulkan, metal and dx12"),
+        ("WGPU_BACKEND", "gl", "WGPU_BACKEND=gl admits no other backend"),
     ] {
         for arguments in ["devices", "pairs a.obj b.obj --backend gpu"] {
             let run = command(folder.path(), arguments).env(name, value).output().unwrap();
             let error = String::from_utf8(run.stderr).unwrap();
             assert!(run.status.code() == Some(2) && error.contains(part), "{arguments}: {error}");
+            assert!(!error.contains("Install"), "the variable is wrong, not the driver: {error}");
         }
     }
 }

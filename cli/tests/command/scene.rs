@@ -74,3 +74,45 @@ fn two_bodies_are_ignored() {
         "{both}"
     );
 }
+
+#[test]
+fn files_are_bodies_by_any_name_that_is_clear() {
+    let folder = folder();
+    let at = folder.path();
+    fs::create_dir(at.join("parts")).unwrap();
+    fs::copy(at.join("a.obj"), at.join("parts/gear.obj")).unwrap();
+    fs::copy(at.join("a.obj"), at.join("parts/a.obj")).unwrap();
+    let rows = "body_a,body_b,a,b\ngear.obj,b.obj,0,0\ngear.obj,b.obj,3,0\n";
+    assert_eq!(out(at, "scene parts/gear.obj b.obj --csv"), rows);
+    for two in ["gear b", "gear.obj b.obj", "parts/gear.obj b"] {
+        let rest = out(at, &format!("scene parts/gear.obj b.obj --csv --ignore {two}"));
+        assert_eq!(rest, "body_a,body_b,a,b\n", "{two}");
+    }
+    // Files of the same name keep their folders.
+    let both = "scene a.obj parts/a.obj b.obj --bodies --csv --ignore a.obj parts/a.obj";
+    assert_eq!(out(at, both), "body_a,body_b,pairs\na.obj,b.obj,2\nparts/a.obj,b.obj,2\n");
+    for (two, part) in [
+        ("a b", "a can be any of a.obj, parts/a.obj"),
+        ("b.obj b", "--ignore b.obj b: that is one body"),
+        ("b c", "no body c; there are a.obj, parts/a.obj, b.obj"),
+    ] {
+        let error = refused(at, &format!("scene a.obj parts/a.obj b.obj --ignore {two}"));
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn bodies_that_meet_are_counted() {
+    let folder = folder();
+    let at = folder.path();
+    assert_eq!(
+        out(at, "scene a.obj b.obj --bodies"),
+        "body_a body_b      pairs\na.obj  b.obj           2\n1 pair of bodies\n"
+    );
+    let json = out(at, "scene a.obj b.obj --bodies --json");
+    assert_eq!(json, "{\"bodies\":[{\"bodies\":[\"a.obj\",\"b.obj\"],\"pairs\":2}]}\n");
+    for options in ["--out hits.ply", "--out curve.obj", "--contacts", "--source"] {
+        let error = refused(at, &format!("scene a.obj b.obj --bodies {options}"));
+        assert!(error.contains("--bodies"), "{error}");
+    }
+}

@@ -26,7 +26,7 @@ pub(super) fn document(bytes: &[u8], memory: usize) -> Result<Gltf, Fault> {
         return Err(Fault::memory(memory));
     }
     if bytes.is_empty() {
-        return Err(Fault::broken("the file is empty"));
+        return Err(Fault::broken("is empty"));
     }
     if let [b'g', b'l', b'T', b'F', _, _, _, _, a, b, c, d, ..] = *bytes {
         let (due, found) = (u32::from_le_bytes([a, b, c, d]), bytes.len());
