@@ -29,7 +29,9 @@ fn check_files(meshes: &[&Path], out: Option<&Path>) -> Result<()> {
         "- is given twice: standard input can be only one of the meshes"
     );
     let Some(target) = out.and_then(|out| out.canonicalize().ok()) else { return Ok(()) };
-    let mut files = meshes.iter().filter(|path| !is_stdin(path));
+    // A link to the file that a shell redirects, where there is such a link.
+    let stdin = Path::new("/dev/stdin");
+    let mut files = meshes.iter().map(|path| if is_stdin(&path) { stdin } else { path });
     ensure!(
         !files.any(|path| path.canonicalize().is_ok_and(|path| path == target)),
         "the output {} would replace a mesh that is read: choose another name",

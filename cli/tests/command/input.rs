@@ -29,6 +29,9 @@ fn standard_input_is_a_mesh() {
     assert_eq!(out(at, "pairs a.txt b.obj --csv --input-format obj"), expected[0]);
     fs::write(at.join("words"), "hello, this is no mesh").unwrap();
     assert!(fed(at, "self -", "words")[1].contains("--input-format"));
+    if cfg!(target_os = "linux") {
+        assert!(fed(at, "self - --out b.obj", "b.obj")[1].contains("would replace a mesh"));
+    }
     fs::write(at.join("nothing"), "").unwrap();
     assert_eq!(fed(at, "self -", "nothing")[1], "error: -: is empty\n");
     assert!(refused(at, "self a.obj --input-format docx").contains("input-format"));
