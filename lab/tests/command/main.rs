@@ -56,8 +56,8 @@ fn refusals_say_what_and_where() {
         ("replay a.obj --size 9", "--size is for built-in scenes"),
         ("record nothing x.tcw", "worm-gear"),
         ("chart --out a.obj", "cannot make the folder a.obj"),
-        ("replay sheet --threads 100000", "at most"),
-        ("regret --threads 100000", "at most"),
+        ("replay sheet --threads 100000", "must be 1 to"),
+        ("regret --threads 100000", "must be 1 to"),
         ("regret --cases 0", "invalid value"),
         ("stability --row nothing", "few-nodes"),
     ] {
