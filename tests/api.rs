@@ -40,7 +40,7 @@ fn everything_owned_is_send_sync_and_unpin() {
     lends::<(Mesh<'_>, Bvh<'_>, PairBvtt<'_>, SelfBvtt<'_>, Cursor)>();
 }
 
-/// What is stored comes back the same, to the bit.
+/// Stored values come back the same, to the bit.
 #[cfg(feature = "serde")]
 #[test]
 fn what_is_stored_comes_back() -> Result<(), Box<dyn std::error::Error>> {

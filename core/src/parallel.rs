@@ -9,6 +9,9 @@ pub type Join<'j> = dyn Fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send))
 /// Items of a pass that one task takes: some tens of microseconds. Meshes of tests are small.
 pub(crate) const GRAIN: usize = if cfg!(test) { 1 << 6 } else { 1 << 13 };
 
+/// Items of a pass whose items are costly: some ten microseconds a task.
+pub(crate) const FINE: usize = 1 << 8;
+
 /// Runs two tasks by `join`, or one after the other; a task that `join` leaves out runs after it.
 #[inline(always)]
 pub(crate) fn both<A: Send, B: Send>(
@@ -40,6 +43,22 @@ pub(crate) fn halves<A: Send, B: Send, R: Send>(
     let left = || halves(join, a, b, pass, merge);
     let (left, right) = both(join, left, || halves(join, right_a, right_b, pass, merge));
     merge(left, right)
+}
+
+/// Calls `pass` on parts of a slice, each at most [`FINE`] long, with the index of the first item, where that of the
+/// slice's first is `first`.
+pub(crate) fn parts<T: Send>(
+    join: Option<&Join<'_>>,
+    first: usize,
+    items: &mut [T],
+    pass: &(impl Fn(usize, &mut [T]) + Sync),
+) {
+    if items.len() <= FINE {
+        return pass(first, items);
+    }
+    let (left, right) = items.split_at_mut(items.len() / 2);
+    let middle = first + left.len();
+    both(join, || parts(join, first, left, pass), || parts(join, middle, right, pass));
 }
 
 /// Calls `task` on each item.

@@ -50,6 +50,10 @@ pub fn mark_moved(
 ) -> Result<usize, CapacityError> {
     CapacityError::check("moved", moved_bound(after.len()), moved.len())?;
     for ((before, after), word) in before.chunks(SHARE).zip(after.chunks(SHARE)).zip(&mut *moved) {
+        let flat = before.as_flattened().iter().zip(after.as_flattened());
+        if flat.fold(0, |bits, (x, y)| bits | (x.to_bits() ^ y.to_bits())) == 0 {
+            continue;
+        }
         for (bit, (p, q)) in before.iter().zip(after).enumerate() {
             let differing = (0..3).fold(0, |bits, k| bits | (p[k].to_bits() ^ q[k].to_bits()));
             word.bits |= u32::from(differing != 0) << bit;

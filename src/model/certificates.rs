@@ -4,7 +4,7 @@ use super::moves::Moves;
 use super::passes::Parallel;
 use pfront_core::Mesh;
 use pfront_core::one_ring::{
-    Certified, CertifyOptions, OneRings, history_bound, link_scratch_bound,
+    Certified, CertifyOptions, OneRings, history_bound, link_scratch_bound, links_bound,
 };
 
 /// The history of the one-rings of one mesh, whose triangles never change.
@@ -14,6 +14,8 @@ use pfront_core::one_ring::{
 #[derive(Clone, Debug)]
 pub(super) struct Certificates {
     history: Vec<u32>,
+    /// See [`OneRings::with_links`]; empty until certification is divided.
+    links: Vec<u32>,
     /// More has moved since the last certification than since the tree fitted.
     behind: bool,
 }
@@ -28,15 +30,25 @@ impl Certificates {
         if let Ok(mut rings) = linked {
             rings.certify(mesh, &CertifyOptions::default());
         }
-        Self { history, behind: false }
+        Self { history, links: Vec::new(), behind: false }
     }
 
     /// Certifies the one-rings for positions that have changed.
     pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves, parallel: Parallel) {
         let moved = moves.few().filter(|_| !self.behind);
         let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
-        let mut rings = OneRings::new_unchecked(vertices, triangles, &mut self.history);
-        rings.certify(mesh, &CertifyOptions { join: parallel, moved });
+        let Self { history, links, .. } = self;
+        if parallel.is_some() && moved.is_none() && links.is_empty() {
+            links.resize(links_bound(vertices, triangles.len()), 0);
+            let linked = OneRings::new(vertices, triangles, history, links);
+            debug_assert!(linked.is_ok(), "the buffers have their sizes");
+        }
+        let rings = OneRings::new_unchecked(vertices, triangles, history);
+        let linked = if links.is_empty() { Ok(rings) } else { rings.with_links(links) };
+        debug_assert!(linked.is_ok(), "the links have their size");
+        if let Ok(mut rings) = linked {
+            rings.certify(mesh, &CertifyOptions { join: parallel, moved });
+        }
         self.behind = false;
     }
 
@@ -51,6 +63,6 @@ impl Certificates {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.history.capacity() * size_of::<u32>()
+        (self.history.capacity() + self.links.capacity()) * size_of::<u32>()
     }
 }

@@ -4,7 +4,7 @@ use super::Model;
 use super::moves::same_bits;
 #[cfg(feature = "threads")]
 use super::passes::THREADS;
-use super::passes::{ONE_THREAD, Parallel, both};
+use super::passes::{ONE_THREAD, Parallel, both, by_parts, if_four_threads};
 use super::tree::Tree;
 use crate::Error;
 use pfront_core::Mesh;
@@ -69,7 +69,7 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions_unfitted(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
-        self.store(positions).map(drop)
+        self.store(positions, ONE_THREAD).map(drop)
     }
 
     /// Fits the BVH, and rebuilds it if that is due, after [`Model::set_positions_unfitted`].
@@ -87,15 +87,22 @@ impl Model {
     }
 
     fn deform(&mut self, positions: &[[f32; 3]], parallel: Parallel) -> Result<(), Error> {
-        if self.store(positions)? {
+        if self.store(positions, parallel)? {
             self.fit_by(parallel);
         }
         Ok(())
     }
 
     /// Takes other positions, after which nothing fits any more; returns whether they are others.
-    fn store(&mut self, positions: &[[f32; 3]]) -> Result<bool, Error> {
-        self.mesh().with_positions(positions)?;
+    fn store(&mut self, positions: &[[f32; 3]], parallel: Parallel) -> Result<bool, Error> {
+        // The floating-point environment of this thread, which may do no part.
+        Mesh::new(&[], &[])?;
+        let own = &mut self.positions;
+        let checked = own.len() == positions.len()
+            && by_parts(parallel, positions, own, &|new, _| Mesh::new(new, &[]).is_ok());
+        if !checked {
+            self.mesh().with_positions(positions)?;
+        }
         if same_bits(positions, &self.positions) {
             return Ok(false);
         }
@@ -109,7 +116,10 @@ impl Model {
             }
         }
         self.moves.add(&self.positions, positions);
-        self.positions.copy_from_slice(positions);
+        by_parts(parallel, positions, &mut self.positions, &|new, own| {
+            own.copy_from_slice(new);
+            true
+        });
         self.stamp.moved();
         self.tree.outdate();
         self.certificates.outdate();
@@ -124,7 +134,7 @@ impl Model {
         match (self.tree.stale_mut(), self.certificates.stale_mut()) {
             (Some(tree), Some(certificates)) => {
                 both(parallel, &mut || fit(tree), &mut || {
-                    certificates.renew(mesh, moves, parallel);
+                    certificates.renew(mesh, moves, if_four_threads(parallel));
                 });
             }
             (Some(tree), None) => fit(tree),
@@ -152,6 +162,37 @@ impl Model {
 mod tests {
     use super::*;
     use pfront_testkit::scenes::icosphere;
+
+    #[cfg(feature = "threads")]
+    #[test]
+    fn a_fault_in_the_last_part_changes_nothing() {
+        let ball = icosphere(40_000);
+        let mut model = Model::new(ball.positions.clone(), ball.triangles).unwrap();
+        let certified = |model: &Model| -> Vec<bool> {
+            let vertices = 0..model.positions.len() as u32;
+            vertices.map(|vertex| model.certificates().is_certified(vertex)).collect()
+        };
+        let (before, known, last) = (model.stamp(), certified(&model), ball.positions.len() - 1);
+        let mut moved: Vec<_> = ball.positions.iter().map(|p| [2.0 * p[0], p[1], p[2]]).collect();
+        let end = std::mem::replace(&mut moved[last], [0.0, 0.0, f32::INFINITY]);
+        let fault = model.set_positions_with_threads(&moved).unwrap_err();
+        let expected = model.mesh().with_positions(&moved).unwrap_err();
+        assert_eq!(fault.to_string(), Error::from(expected).to_string());
+        assert_eq!(expected, pfront_core::MeshError::NonFinite { vertex: last });
+        assert!(model.stamp() == before && certified(&model) == known);
+        assert_eq!(model.positions, ball.positions);
+
+        moved[last] = end;
+        // Some triangles turn edgeways.
+        moved.iter_mut().step_by(7).for_each(|p| p[1] = -p[1]);
+        let mut alone = model.clone();
+        alone.set_positions(&moved).unwrap();
+        model.set_positions_with_threads(&moved).unwrap();
+        assert_eq!(model.positions, moved);
+        assert_eq!(model.bvh().nodes(), alone.bvh().nodes());
+        assert_eq!(certified(&model), certified(&alone));
+        assert_ne!(certified(&model), known);
+    }
 
     #[test]
     fn with_room_made_for_it_no_refit_grows_a_model() {

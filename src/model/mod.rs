@@ -30,8 +30,9 @@ use tree::Tree;
 /// self queries borrow it.
 ///
 /// Takes 12 bytes a vertex and, a triangle, 12 for its indices, 4 for the order and up to 64 for
-/// nodes (about 11 with the default leaf size); once it was asked about itself, 4 more a vertex; once few
-/// of its vertices have moved, up to 24 more a triangle (about 4).
+/// nodes (about 11 with the default leaf size); once it was asked about itself, 4 more a vertex, and once
+/// it deforms on four threads or more, 4 a vertex and 16 a triangle beside; once few of its vertices have
+/// moved, up to 24 more a triangle (about 4).
 ///
 /// # Examples
 /// ```

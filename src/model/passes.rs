@@ -2,12 +2,21 @@
 
 use pfront_core::bvh::Join;
 
+type Positions = [[f32; 3]];
+
 pub(super) type Parallel = Option<&'static Join<'static>>;
 
 pub(super) const ONE_THREAD: Parallel = None;
 
 #[cfg(feature = "threads")]
 pub(super) const THREADS: Parallel = Some(&crate::threads::join);
+
+/// `parallel` if the pool has at least four threads: the divided pass does half as much work again.
+pub(super) fn if_four_threads(parallel: Parallel) -> Parallel {
+    #[cfg(feature = "threads")]
+    let parallel = parallel.filter(|_| crate::threads::rayon::current_num_threads() >= 4);
+    parallel
+}
 
 /// Does two things, side by side if it can.
 pub(super) fn both(
@@ -20,4 +29,24 @@ pub(super) fn both(
     }
     one();
     other();
+}
+
+/// Positions that one task takes: some ten microseconds.
+const PART: usize = 1 << 14;
+
+/// Calls `pass` on matching parts of two lists, side by side if it can; returns whether it returns `true` for all.
+pub(super) fn by_parts(
+    parallel: Parallel,
+    from: &Positions,
+    to: &mut Positions,
+    pass: &(dyn Fn(&Positions, &mut Positions) -> bool + Sync),
+) -> bool {
+    let Some(join) = parallel.filter(|_| from.len() > PART) else { return pass(from, to) };
+    let (from, right_from) = from.split_at(from.len() / 2);
+    let (to, right_to) = to.split_at_mut(from.len());
+    let (mut left, mut right) = (true, true);
+    join(&mut || left = by_parts(parallel, from, to, pass), &mut || {
+        right = by_parts(parallel, right_from, right_to, pass);
+    });
+    left && right
 }

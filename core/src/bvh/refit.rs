@@ -10,7 +10,7 @@ use super::quality::Visits;
 use crate::aabb::Bounds;
 use crate::bvh::Node;
 use crate::index::{at, at_mut, range, split};
-use crate::parallel::{GRAIN, Join, both};
+use crate::parallel::{FINE, Join, both};
 use crate::vertex_set::{Moved, holds_any, moved_bound};
 use crate::{Aabb, CapacityError, Mesh};
 
@@ -46,7 +46,7 @@ pub struct RefitRow {
 /// If `nodes` and `order` are not of such a tree.
 ///
 /// # Complexity
-/// O(triangles), in parts of a few thousand if there is a `join`. O(m log n) for m of n vertices that have moved, if near
+/// O(triangles), in parts of a few hundred nodes if there is a `join`. O(m log n) for m of n vertices that have moved, if near
 /// ones have near indices.
 ///
 /// # Examples
@@ -136,7 +136,7 @@ impl Pass<'_> {
                 return *row;
             }
         }
-        let row = if self.join.is_some() && part.nodes.len() > GRAIN {
+        let row = if self.join.is_some() && part.nodes.len() > FINE {
             self.side_by_side(part)
         } else {
             let mut row = RefitRow::NONE;

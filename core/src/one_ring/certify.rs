@@ -12,18 +12,17 @@
 use super::{CERTIFIED, Certified, OneRing, OneRings, RING};
 use crate::Mesh;
 use crate::bvh::Join;
-use crate::index::{at, at_mut, range};
+use crate::index::{at, at_mut, part, range, split};
+use crate::parallel::parts;
 use crate::vertex_set::{Moved, holds, holds_any, mark, moved_bound, number, vertices};
 use bytemuck::{Pod, Zeroable};
-use core::ops::Range;
 use glam::Vec3A;
 
 /// Options of [`OneRings::certify`].
 #[derive(Clone, Copy, Default)]
 pub struct CertifyOptions<'a> {
-    /// Runs two tasks, side by side if it can, as `rayon::join` does. The certificates are the same. One task is as
-    /// large as 8192 vertices, and where triangles near one another in the mesh have vertices that are not, there
-    /// is only one.
+    /// Runs parts of the pass side by side, as `rayon::join` does, if the one-rings have their
+    /// [links](OneRings::with_links) and all are certified anew. The certificates are the same.
     pub join: Option<&'a Join<'a>>,
     /// Certifies only the one-rings near these vertices anew. They must contain all that have moved since the last
     /// certification, by [`mark_moved`](crate::bvh::mark_moved), else a query may miss pairs.
@@ -45,7 +44,7 @@ impl OneRings<'_> {
         options: &CertifyOptions<'_>,
     ) -> Certified<'m> {
         let (positions, triangles) = (mesh.positions(), mesh.triangles());
-        let Self { rings, spans, near, .. } = self;
+        let Self { rings, spans, near, links, .. } = self;
         let same = core::ptr::eq(triangles, self.triangles) || triangles == self.triangles;
         if !same || rings.len() != positions.len() {
             rings.iter_mut().for_each(OneRing::clear);
@@ -55,49 +54,51 @@ impl OneRings<'_> {
         let is_set = |moved: &&[Moved]| moved.len() >= moved_bound(positions.len());
         match options.moved.filter(is_set) {
             Some(moved) => run.certify_moved(positions, moved, near, rings),
+            None if options.join.is_some() && !links.is_empty() => {
+                certify_in_parts(mesh, rings, links, options.join);
+            }
             None => {
-                let reached = spans.iter().map(|span| span.parts().len()).sum::<usize>();
-                let join = options.join.filter(|_| reached <= MAX_REACH * spans.len());
-                Pass { positions, join }.certify(0, rings, run);
+                rings.iter_mut().for_each(OneRing::clear);
+                triangles.iter().for_each(|t| add(positions, t, rings, |_| true));
+                rings.iter_mut().for_each(OneRing::certify);
             }
         }
         Certified { mesh, rings }
     }
 }
 
-/// Vertices of a task that is worth another thread: a tenth of a millisecond.
-const PART: usize = 8192;
-/// The most parts that a span may reach into, on average, for parts to be worth it.
-const MAX_REACH: usize = 2;
-
-/// Certification of all one-rings.
-struct Pass<'p> {
-    positions: &'p [[f32; 3]],
-    join: Option<&'p Join<'p>>,
-}
-
-impl Pass<'_> {
-    /// Certifies the one-rings of the vertices from `first` on, by those triangles of `run` that reach them.
-    fn certify(&self, first: usize, rings: &mut [OneRing], run: Run<'_>) {
-        let half = rings.len().div_ceil(2).next_multiple_of(PART);
-        if let Some(join) = self.join
-            && half < rings.len()
-        {
-            let run = run.reaching(first..first + rings.len());
-            let (low, high) = rings.split_at_mut(half);
-            let mut low = || self.certify(first, low, run);
-            return join(&mut low, &mut || self.certify(first + half, high, run));
+/// Certifies all one-rings in two passes, over triangles and over vertices, in which each item writes to a place of its own.
+///
+/// `links` are those of [`OneRings::with_links`]: where the corners of each vertex end, the corners, and room for a word
+/// for each triangle.
+fn certify_in_parts(
+    mesh: Mesh<'_>,
+    rings: &mut [OneRing],
+    links: &mut [u32],
+    join: Option<&Join<'_>>,
+) {
+    let (positions, triangles) = (mesh.positions(), mesh.triangles());
+    let (ends, rest) = split(links, rings.len() + 1);
+    let (corners, turns) = split(rest, 3 * triangles.len());
+    parts(join, 0, turns, &|first, turns| {
+        for (turns, t) in turns.iter_mut().zip(part(triangles, first..)) {
+            *turns = turns_of(positions, t);
         }
-        let part = first..first + rings.len();
-        rings.iter_mut().for_each(OneRing::clear);
-        let spans = run.spans.iter().zip(run.triangles.chunks(SPAN));
-        for (_, triangles) in spans.filter(|(span, _)| span.reaches(&part)) {
-            for t in triangles {
-                add(self.positions, t, rings, first, |_| true);
+    });
+    let (ends, corners, turns) = (&*ends, &*corners, &*turns);
+    parts(join, 0, rings, &|first, rings| {
+        let mut start = first.checked_sub(1).map_or(0, |before| *at(ends, before));
+        for (ring, &end) in rings.iter_mut().zip(part(ends, first..)) {
+            ring.clear();
+            if ring.is_connected() {
+                for corner in range(corners, start, end - start) {
+                    ring.add(*at(turns, corner / 3), corner % 3);
+                }
             }
+            ring.certify();
+            start = end;
         }
-        rings.iter_mut().for_each(OneRing::certify);
-    }
+    });
 }
 
 /// Consecutive triangles, with a span for each [`SPAN`] of them.
@@ -108,17 +109,6 @@ struct Run<'r> {
 }
 
 impl Run<'_> {
-    /// The spans from the first to the last that reach some vertices.
-    fn reaching(self, part: Range<usize>) -> Self {
-        let Self { spans, triangles } = self;
-        let reaches = |span: &Span| span.reaches(&part);
-        let first = spans.iter().position(reaches).unwrap_or(spans.len());
-        let end = spans.iter().rposition(reaches).map_or(first, |last| last + 1);
-        let [from, to] = [first, end].map(|span| (span * SPAN).min(triangles.len()));
-        let spans = range(spans, first as u32, (end - first) as u32);
-        Self { spans, triangles: range(triangles, from as u32, (to - from) as u32) }
-    }
-
     /// Certifies the one-rings of vertices that share a triangle with one that has moved, or have moved.
     fn certify_moved(
         self,
@@ -131,7 +121,7 @@ impl Run<'_> {
         self.for_each_with(moved, |t| t.iter().for_each(|&vertex| mark(near, vertex)));
         number(near);
         vertices(near).for_each(|vertex| at_mut(rings, vertex).clear());
-        self.for_each_with(near, |t| add(positions, t, rings, 0, |vertex| holds(near, vertex)));
+        self.for_each_with(near, |t| add(positions, t, rings, |vertex| holds(near, vertex)));
         vertices(near).for_each(|vertex| at_mut(rings, vertex).certify());
     }
 
@@ -166,17 +156,6 @@ impl Span {
             span.0 = all.fold([u32::MAX, 0], |[first, last], &v| [first.min(v), last.max(v)]);
         }
     }
-
-    /// The parts whose vertices lie within the span.
-    fn parts(self) -> Range<usize> {
-        let [first, last] = self.0.map(|vertex| vertex as usize / PART);
-        first..last + 1
-    }
-
-    fn reaches(self, vertices: &Range<usize>) -> bool {
-        let [first, last] = self.0.map(|vertex| vertex as usize);
-        first < vertices.end && vertices.start <= last
-    }
 }
 
 /// While a one-ring is being certified, six bits from here on say which signs are not certified for all of its
@@ -185,6 +164,13 @@ impl Span {
 const SIGNS: u32 = 24;
 
 impl OneRing {
+    /// Adds a triangle, by [`turns_of`] it, at one of its corners.
+    #[inline(always)]
+    fn add(&mut self, turns: u32, corner: u32) {
+        let crossed = SPREAD[(turns >> (6 * corner)) as usize & 63];
+        self.0 = self.0.wrapping_add(crossed) | turns >> SIGNS << SIGNS;
+    }
+
     /// Applies the theorem, once all triangles are added.
     fn certify(&mut self) {
         let turns_once = |coordinate: u32| {
@@ -202,34 +188,47 @@ impl OneRing {
     }
 }
 
-/// Adds a triangle to those one-rings of its corners that are `due`. `rings` begins with the one of vertex `first`.
+/// Adds a triangle to those one-rings of its corners that are `due`.
 #[inline(always)]
-fn add(
-    positions: &[[f32; 3]],
-    t: &[u32; 3],
-    rings: &mut [OneRing],
-    first: usize,
-    due: impl Fn(u32) -> bool,
-) {
+fn add(positions: &[[f32; 3]], t: &[u32; 3], rings: &mut [OneRing], due: impl Fn(u32) -> bool) {
+    let turns = turns_of(positions, t);
+    for (corner, &vertex) in (0..).zip(t) {
+        let ring = at_mut(rings, vertex);
+        if ring.is_connected() && due(vertex) {
+            ring.add(turns, corner);
+        }
+    }
+}
+
+/// The planes through corner k that a triangle crosses, upwards from bit 6k on and downwards from bit 6k + 3 on; its
+/// uncertified signs from [`SIGNS`] on.
+#[inline(always)]
+fn turns_of(positions: &[[f32; 3]], t: &[u32; 3]) -> u32 {
     let [p, q, r] = t.map(|vertex| Vec3A::from_array(*at(positions, vertex)));
     let signs = uncertified_signs(q - p, r - p) << SIGNS;
     // Around a corner, the triangle goes from the next corner to the one after.
     let above = |x: Vec3A, y: Vec3A| x.cmpge(y).bitmask();
     let corners =
         [[above(q, p), above(r, p)], [above(r, q), above(p, q)], [above(p, r), above(q, r)]];
-    for (&vertex, [from, to]) in t.iter().zip(corners) {
-        // Vertices of another part are not ours to certify.
-        let Some(ring) = rings.get_mut((vertex as usize).wrapping_sub(first)) else { continue };
-        if ring.is_connected() && due(vertex) {
-            let up = SPREAD[(!from & to) as usize & 7];
-            let down = SPREAD[(from & !to) as usize & 7] << 4;
-            ring.0 = ring.0.wrapping_add(up + down) | signs;
-        }
-    }
+    let crossed = corners.map(|[from, to]| !from & to & 7 | (from & !to & 7) << 3);
+    signs | crossed[0] | crossed[1] << 6 | crossed[2] << 12
 }
 
+/// Each of three bits in a byte of its own, and in the upper half of a byte each of the three above.
+const SPREAD: [u32; 64] = {
+    let mut spread = [0; 64];
+    let mut bits = 0;
+    while bits < 64 {
+        spread[bits] = bytes(bits as u32 & 7) | bytes(bits as u32 >> 3) << 4;
+        bits += 1;
+    }
+    spread
+};
+
 /// Each of three bits in a byte of its own.
-const SPREAD: [u32; 8] = [0, 1, 0x100, 0x101, 0x1_0000, 0x1_0001, 0x1_0100, 0x1_0101];
+const fn bytes(bits: u32) -> u32 {
+    (bits | bits << 7 | bits << 14) & 0x1_0101
+}
 
 /// Bit k is set if the coordinate k of the normal u × v is not certified to be positive, and bit k + 3 if it is not
 /// certified to be negative.

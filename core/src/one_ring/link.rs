@@ -10,6 +10,12 @@ pub const fn link_scratch_bound(vertices: usize, triangles: usize) -> usize {
     vertices + 1 + 3 * triangles
 }
 
+/// Returns the number of words of [`OneRings::with_links`]: those of the scratch, and one for each triangle.
+#[must_use]
+pub const fn links_bound(vertices: usize, triangles: usize) -> usize {
+    link_scratch_bound(vertices, triangles) + triangles
+}
+
 impl OneRings<'_> {
     /// Sorts the corners by vertex, and links those of each vertex.
     pub(super) fn link(&mut self, scratch: &mut [u32]) {

@@ -36,7 +36,7 @@ use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable, must_cast_slice, must_cast_slice_mut};
 pub use certify::CertifyOptions;
 use certify::Span;
-pub use link::link_scratch_bound;
+pub use link::{link_scratch_bound, links_bound};
 
 /// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.
 ///
@@ -66,6 +66,8 @@ pub struct OneRings<'a> {
     spans: &'a mut [Span],
     /// Scratch of partial certification: the neighbours of what has moved.
     near: &'a mut [Moved],
+    /// See [`OneRings::with_links`]; empty without.
+    links: &'a mut [u32],
 }
 
 /// Returns the number of words in the history of the one-rings of a mesh.
@@ -78,7 +80,8 @@ impl<'a> OneRings<'a> {
     /// Finds the vertices whose triangles form one ring or one row. None of them is certified yet, and none ever is
     /// in a mesh of more than 2^32 / 3 triangles.
     ///
-    /// `triangles` are those of a [`Mesh`] of so many vertices; `scratch` is not used afterwards.
+    /// `triangles` are those of a [`Mesh`] of so many vertices; `scratch` is not used afterwards, but for
+    /// [`OneRings::with_links`].
     ///
     /// # Errors
     /// [`CapacityError`] if `history` has fewer words than [`history_bound`], or `scratch` fewer than
@@ -115,7 +118,35 @@ impl<'a> OneRings<'a> {
         let (spans, near) = split(pairs, certify::span_bound(triangles.len()));
         let (near, _) = split(near, moved_bound(vertices));
         let (rings, spans) = (must_cast_slice_mut(rings), must_cast_slice_mut(spans));
-        Self { triangles, rings, spans, near: must_cast_slice_mut(near) }
+        Self { triangles, rings, spans, near: must_cast_slice_mut(near), links: &mut [] }
+    }
+
+    /// Takes memory with which all one-rings can be certified on several threads.
+    ///
+    /// `links` begin with the scratch of [`OneRings::new`] as that has left it, and have a word more for each triangle.
+    /// They are not checked: with any others a query may miss pairs.
+    ///
+    /// # Errors
+    /// [`CapacityError`] if `links` are fewer words than [`links_bound`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Mesh;
+    /// use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, links_bound};
+    /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
+    /// let (mut history, mut links) = ([0; history_bound(3, 1)], [0; links_bound(3, 1)]);
+    /// OneRings::new(3, mesh.triangles(), &mut history, &mut links)?;
+    /// let rings = OneRings::new_unchecked(3, mesh.triangles(), &mut history);
+    /// let mut rings = rings.with_links(&mut links)?;
+    /// let in_turn = |a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)| (a(), b()).0;
+    /// let options = CertifyOptions { join: Some(&in_turn), moved: None };
+    /// assert!(rings.certify(mesh, &options).is_certified(0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_links(self, links: &'a mut [u32]) -> Result<Self, CapacityError> {
+        let needed = links_bound(self.rings.len(), self.triangles.len());
+        CapacityError::check("links", needed, links.len())?;
+        Ok(Self { links: split(links, needed).0, ..self })
     }
 }
 

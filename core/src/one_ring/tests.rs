@@ -6,6 +6,7 @@ extern crate std;
 use super::*;
 use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, mark_moved, morton, node_bound, refit};
 use crate::bvtt::{Query, SelfBvtt};
+use crate::parallel::FINE;
 use crate::{Bvh, Node};
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use pfront_testkit::MeshData;
@@ -23,8 +24,10 @@ fn with_rings<R>(
     test: impl FnOnce(&mut OneRings<'_>) -> R,
 ) -> R {
     let mut history = vec![!0; history_bound(vertices, triangles.len())];
-    let mut scratch = vec![!0; link_scratch_bound(vertices, triangles.len())];
-    test(&mut OneRings::new(vertices, triangles, &mut history, &mut scratch).unwrap())
+    let mut links = vec![!0; links_bound(vertices, triangles.len())];
+    OneRings::new(vertices, triangles, &mut history, &mut links).unwrap();
+    let rings = OneRings::new_unchecked(vertices, triangles, &mut history);
+    test(&mut rings.with_links(&mut links).unwrap())
 }
 
 /// Whether each vertex is certified.
@@ -118,6 +121,10 @@ fn buffers_one_short_are_errors_that_name_the_need() {
         Some((error.buffer, error.needed, error.capacity))
     };
     assert_eq!(error(words, scratch_words), None);
+    let mut history = vec![0; words];
+    let rings = OneRings::new_unchecked(5, &[[0, 1, 2]], &mut history);
+    let short = rings.with_links(&mut vec![0; scratch_words]).err().unwrap();
+    assert_eq!((short.buffer, short.needed), ("links", links_bound(5, 1)));
     assert_eq!(error(words - 1, scratch_words), Some(("history", words, words - 1)));
     assert_eq!(
         error(words, scratch_words - 1),
@@ -135,6 +142,12 @@ fn crumpled(vertices: usize) -> MeshData {
     soup.positions.truncate(vertices);
     soup.triangles.retain(|t| t.iter().all(|&v| (v as usize) < vertices));
     soup
+}
+
+/// How often so many items are halved until no part is longer than [`FINE`].
+fn halvings(items: usize) -> usize {
+    let half = items / 2;
+    if items <= FINE { 0 } else { 1 + halvings(half) + halvings(items - half) }
 }
 
 #[test]
@@ -161,9 +174,11 @@ fn parts_certify_what_the_whole_does() {
                 let range = vertices / 10..vertices * 9 / 10;
                 assert!(vertices < 8192 || range.contains(&some), "{some} of {vertices}");
             });
-            let parts = vertices.div_ceil(8192).max(1);
-            let expected = if shuffled && vertices > 16_384 { 0 } else { parts - 1 };
-            assert_eq!(joins.into_inner(), expected, "{vertices}, shuffled: {shuffled}");
+            assert_eq!(
+                joins.into_inner(),
+                halvings(n) + halvings(vertices),
+                "{vertices}, shuffled: {shuffled}"
+            );
         }
     }
 }
