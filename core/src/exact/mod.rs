@@ -6,6 +6,7 @@
 //!
 //! - `CertifiedF32`: f32, certified signs only. Nearly all triangle pairs end here;
 //! - `CertifiedF64`: f64, certified signs only;
+//! - `ExactF64`: f64, exact for points whose coordinates are small multiples of a power of two;
 //! - `Exact`: what f64 does not certify is computed in `i128`, or in 896 bits where that is too narrow;
 //! - `Fast`: f32 without a bound.
 //!
@@ -15,16 +16,18 @@
 //! exponents nor more than a few hundred bytes of stack, and cannot overflow.
 
 pub(crate) mod environment;
+mod exact64;
 pub(crate) mod filter32;
 pub(crate) mod filter64;
 mod int896;
 mod integer;
 mod orientation;
 
+pub(crate) use exact64::{ExactF64, are_exact_in_f64};
 pub(crate) use filter32::CertifiedF32;
 pub(crate) use filter64::{CertifiedF64, difference};
 pub(crate) use integer::{normal, orient3d_ratio};
-pub(crate) use orientation::{Exact, Fast, Orientation, orient2d, sides};
+pub(crate) use orientation::{Exact, Fast, HAS_F64, Orientation, orient2d, sides};
 
 /// A point in space.
 pub(crate) type Point = [f32; 3];

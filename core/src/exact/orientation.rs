@@ -25,7 +25,7 @@ pub(crate) enum Fast {}
 
 /// Whether f64 comes before integers. Bare ARM computes f64 by integers too, so that it saves no time there and
 /// takes 2 KiB of machine code.
-const HAS_F64: bool = !cfg!(all(target_arch = "arm", target_os = "none"));
+pub(crate) const HAS_F64: bool = !cfg!(all(target_arch = "arm", target_os = "none"));
 
 /// The exact sides of the plane through three points on which several points lie.
 #[inline]

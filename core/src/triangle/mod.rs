@@ -16,7 +16,8 @@
 //! The test is written once over `Orientation` and run with one kind of signs after the other. [`Accuracy`]
 //! chooses the kinds:
 //!
-//! - exact: signs that f32 certifies; if one is uncertain, the whole test anew with exact signs;
+//! - exact: signs that f32 certifies; if one is uncertain, the whole test anew with exact signs, those of f64 for corners
+//!   on a grid;
 //! - conservative: f32, then f64, both certified; if one is uncertain still, the pair counts as a hit;
 //! - fast: plain f32.
 //!
@@ -36,7 +37,10 @@ pub use contact::{Contact, contact};
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
-use crate::exact::{CertifiedF32, CertifiedF64, Exact, Fast, Orientation, Point};
+use crate::exact::{
+    CertifiedF32, CertifiedF64, Exact, ExactF64, Fast, HAS_F64, Orientation, Point,
+    are_exact_in_f64,
+};
 use glam::Vec3A;
 
 /// The guarantee of an answer about triangles with f32 positions. Posed ones are taken as
@@ -106,17 +110,20 @@ pub(crate) fn intersects_by(test: Option<InexactTest>, a: &Triangle, b: &Triangl
 #[cfg_attr(not(target_os = "none"), inline)]
 #[cfg_attr(target_os = "none", inline(never))] // Firmware has little room for code.
 fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
-    triangles_intersect::<CertifiedF32>(a, b).unwrap_or_else(|| {
-        // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
-        let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
-        let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
-        let hit = if flush.any() {
-            coplanar_triangles_intersect::<Exact>(a, b)
-        } else {
-            triangles_intersect::<Exact>(a, b)
-        };
-        hit == Some(true)
-    })
+    // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
+    let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
+    let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
+    let is_flush = flush.any();
+    if !is_flush && let Some(hit) = triangles_intersect::<CertifiedF32>(a, b) {
+        return hit;
+    }
+    let hit = match (is_flush, HAS_F64 && are_exact_in_f64(a, b)) {
+        (true, true) => coplanar_triangles_intersect::<ExactF64>(a, b),
+        (true, false) => coplanar_triangles_intersect::<Exact>(a, b),
+        (false, true) => triangles_intersect::<ExactF64>(a, b),
+        (false, false) => triangles_intersect::<Exact>(a, b),
+    };
+    hit == Some(true)
 }
 
 /// [`intersects`] by one kind of signs; `None` if a sign that decides is not known.
