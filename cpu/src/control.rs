@@ -2,6 +2,7 @@
 
 use crate::output::Output;
 use pfront_core::bvtt::{Cursor, Query, Work};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Instant;
@@ -48,7 +49,8 @@ impl Control {
         self.late.load(Relaxed)
     }
 
-    /// Traverses from `cursor` in slices, until it is done, has done `most` tests since it was made, or all is over.
+    /// Traverses from `cursor` in slices, until it is done, has done `most` tests since it was made, all is over, or there
+    /// was a hit and the thread `is_wanted` elsewhere.
     pub(crate) fn traverse<Q: Query>(
         &self,
         query: &Q,
@@ -56,6 +58,7 @@ impl Control {
         cursor: &mut Cursor,
         output: &mut impl Output,
         most: u64,
+        is_wanted: &impl Fn() -> bool,
     ) {
         while !cursor.is_done() && !self.is_over() {
             let left = most.saturating_sub(tests(cursor.work));
@@ -64,12 +67,17 @@ impl Control {
             }
             let end = query.step(cursor, left.min(SLICE), |pair| {
                 if self.has_stopped() {
-                    return std::ops::ControlFlow::Break(());
+                    return ControlFlow::Break(());
                 }
-                output.take(number, pair)
+                if output.take(number, pair).is_break() {
+                    self.stop.store(true, Relaxed);
+                    return ControlFlow::Break(());
+                }
+                // A visitor may take any time.
+                if is_wanted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
             if end.is_break() {
-                self.stop.store(true, Relaxed);
+                break;
             }
         }
     }

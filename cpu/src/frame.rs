@@ -1,14 +1,14 @@
-//! One frame: alone for a while if that may do, and then by a front or by stealing.
+//! One frame: alone for a while if that may do, and then divided by a front.
 
-use crate::control::{Control, tests};
+use crate::control::{Control, SLICE, tests};
 use crate::front::Start;
 use crate::output::Output;
 use crate::report::sum;
-use crate::stealing::Stealing;
-use crate::workers::Frame;
+use crate::workers::{Frame, awake};
 use crate::{Report, Schedule, Settings, Share, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
 use pfront_core::front::estimate;
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::Instant;
 
 /// Tests of both kinds that the calling thread does before it calls others, if nobody has measured what a call takes
@@ -23,6 +23,12 @@ const STEP: u64 = 512;
 /// that others are called again sooner or later, in case they have become faster.
 const FADING: f64 = 31.0 / 32.0;
 
+/// The part of its share of the work after which a thread looks whether another has nothing to do.
+const LATENESS: f64 = 1.0 / 32.0;
+
+/// The fewest tests between two such looks: after each, the triangles of some leaves are loaded anew.
+const FEWEST: u64 = 256;
+
 impl Traversal {
     /// A frame, into the first of `outputs` and others that are added as needed. Returns whether it came to the end.
     pub(crate) fn run<Q: Query + Sync, O: Output>(
@@ -30,7 +36,7 @@ impl Traversal {
         queries: &[Q],
         only_one_hit: bool,
         outputs: &mut Vec<O>,
-        new_output: impl Fn() -> O + Send + Sync,
+        new_output: impl Fn() -> O,
     ) -> bool {
         if outputs.is_empty() {
             outputs.push(new_output());
@@ -48,10 +54,7 @@ impl Traversal {
             self.overhead *= FADING;
         } else {
             let clock = Instant::now();
-            match self.settings.schedule {
-                Schedule::Stealing => self.steal(queries, &control, outputs, new_output),
-                _ => self.divide(queries, from_roots, &control, outputs, new_output),
-            }
+            self.divide(queries, from_roots, &control, outputs, new_output);
             let work = self.report.work().cost() - self.report.alone.cost();
             let ideal = work * self.pace.unwrap_or_default() / self.p() as f64;
             self.overhead = (clock.elapsed().as_secs_f64() - ideal).max(0.0);
@@ -117,7 +120,7 @@ impl Traversal {
             let mut cursor = Cursor::at(root);
             while !cursor.is_done() && !is_enough && !control.is_over() {
                 let next = if self.p() == 1 { u64::MAX } else { tests(cursor.work) + STEP };
-                control.traverse(query, number, &mut cursor, output, next);
+                control.traverse(query, number, &mut cursor, output, next, &|| false);
                 let done = sum(work, cursor.work);
                 if self.p() > 1 && tests(done) >= STEP {
                     let (clock, _) = clock.get_or_insert_with(|| (Instant::now(), done.cost()));
@@ -130,15 +133,16 @@ impl Traversal {
             let left = cursor.take_pending().iter().map(|&pair| Start { query: number, pair });
             self.starts.extend(left);
             // The cursor is left with at most one leaf pair, which is visited to its end.
-            control.traverse(query, number, &mut cursor, output, u64::MAX);
+            control.traverse(query, number, &mut cursor, output, u64::MAX, &|| false);
             work = sum(work, cursor.work);
         }
         self.report.alone = work;
         if let Some((clock, before)) = clock {
-            self.report.traversal_time = clock.elapsed();
+            self.report.alone_time = clock.elapsed();
+            self.report.traversal_time = self.report.alone_time;
             if is_enough {
                 let cost = (work.cost() - before).max(1.0);
-                self.pace = Some(self.report.traversal_time.as_secs_f64() / cost);
+                self.pace = Some(self.report.alone_time.as_secs_f64() / cost);
             }
         }
     }
@@ -152,34 +156,31 @@ impl Traversal {
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
     ) {
-        let (p, threads) = (self.p(), self.threads());
+        let (p, threads, expected) = (self.p(), self.threads(), self.last_cost);
         let Self { settings, pool, front, starts, buffers, report, .. } = self;
         report.shares.resize(p, Share::default());
-        let settings = Settings { coherence: settings.coherence && from_roots, ..*settings };
-        front.divide(queries, starts, &settings, report);
-        let clock = Instant::now();
         outputs.resize_with(threads, new_output);
-        let frame = Frame { queries, nodes: front.nodes(), schedule: settings.schedule, control };
-        buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares);
-        report.traversal_time += clock.elapsed();
+        let settings = Settings { coherence: settings.coherence && from_roots, ..*settings };
+        // A thread of the pool may have other things to do than to wait for this front.
+        let in_pool = rayon::current_thread_index().is_some();
+        let waiting = if in_pool || settings.schedule == Schedule::Stealing { 1 } else { threads };
+        awake(pool.as_deref(), waiting, |is_ready| {
+            front.divide(queries, starts, &settings, report);
+            let clock = Instant::now();
+            let predicted = || report.shares.iter().map(|share| share.predicted).sum();
+            let mean = expected.unwrap_or_else(predicted) / threads as f64;
+            let slice = match settings.schedule {
+                Schedule::Static => None,
+                _ => Some(((mean * LATENESS) as u64).clamp(FEWEST, SLICE)),
+            };
+            let frame = Frame { queries, nodes: front.nodes(), slice, control };
+            is_ready.store(true, Relaxed);
+            [report.waking_time, report.busy_time] =
+                buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares);
+            report.traversal_time += clock.elapsed();
+        });
         if from_roots && !control.has_stopped() {
-            front.remember(buffers.costs());
+            front.remember(buffers.costs(), report.front.coherent);
         }
-    }
-
-    /// Traverses the pending node pairs by work stealing.
-    fn steal<Q: Query + Sync, O: Output>(
-        &mut self,
-        queries: &[Q],
-        control: &Control,
-        outputs: &mut Vec<O>,
-        new_output: impl Fn() -> O + Send + Sync,
-    ) {
-        let clock = Instant::now();
-        let stealing = Stealing { queries, new_output, control };
-        let found = self.install(|| stealing.run(&self.starts));
-        outputs.extend(found.outputs);
-        self.report.shares.push(Share { predicted: 0.0, work: found.work });
-        self.report.traversal_time += clock.elapsed();
     }
 }

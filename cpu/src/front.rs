@@ -1,7 +1,7 @@
 //! The front of a frame and the cost history for the next one, in memory that grows on demand.
 //!
 //! Memory is N nodes of 40 bytes and as much for those of the last frame: at most 80·N. At first
-//! N = max(1024, 128·p) and one for each node that the front starts from; while that is too little, N doubles, up to
+//! N = max(1024, 16·p) and one for each node that the front starts from; while that is too little, N doubles, up to
 //! `max_nodes`, and then g is halved.
 
 use crate::{Report, Schedule, Settings, Share};
@@ -10,16 +10,34 @@ use pfront_core::front::{Front, FrontNode, FrontReport, Part, RefineOptions};
 use std::time::Instant;
 
 const FEWEST_NODES: usize = 1024;
-const NODES_PER_WORKER: usize = 128;
+const NODES_PER_WORKER: usize = 16;
 
-/// How much finer estimated nodes are than measured ones where nobody steals.
+/// How much finer estimated nodes are than measured ones where nobody takes from others.
 const ESTIMATED: f64 = 6.0;
+
+/// The g that the paper uses.
+const PAPER: f64 = 2.0;
 
 /// A node pair that a front starts from: the root of a query, or a pending node pair of its cursor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
     pub(crate) query: u32,
     pub(crate) pair: NodePair,
+}
+
+/// How fine a front is. Threads that take from each other need one that is even on the whole only: that of the paper's g, or
+/// the starting front if the last frame was unlike the one before, or none.
+fn options(settings: &Settings, workers: usize, is_coherent: bool) -> RefineOptions {
+    let (g, coarse) = (settings.g, settings.g.min(PAPER));
+    match settings.schedule {
+        Schedule::Static => RefineOptions { workers, g, g_estimated: ESTIMATED * g },
+        Schedule::Hybrid => RefineOptions {
+            workers,
+            g: coarse,
+            g_estimated: if is_coherent { coarse } else { 0.0 },
+        },
+        Schedule::Stealing => RefineOptions { workers: 1, g, g_estimated: g },
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -30,6 +48,8 @@ pub(crate) struct FrontMemory {
     parts: Vec<Part>,
     /// Nodes of the last front with their measured costs.
     history: Vec<FrontNode>,
+    /// Whether the last front made use of the one before.
+    is_coherent: bool,
 }
 
 impl FrontMemory {
@@ -50,9 +70,7 @@ impl FrontMemory {
         let workers = report.shares.len();
         let most = settings.max_nodes.max(starts.len());
         self.grow((FEWEST_NODES.max(NODES_PER_WORKER * workers) + starts.len()).min(most));
-        let steals = settings.schedule == Schedule::Hybrid;
-        let g_estimated = if steals { settings.g } else { ESTIMATED * settings.g };
-        let mut options = RefineOptions { workers, g: settings.g, g_estimated };
+        let mut options = options(settings, workers, self.is_coherent);
         let mut box_tests = 0;
         loop {
             // Memory that an earlier frame grew may be larger.
@@ -73,7 +91,9 @@ impl FrontMemory {
                 options.g = options.g.min(ESTIMATED * u32::MAX as f64) / 2.0;
                 options.g_estimated = options.g_estimated.min(ESTIMATED * u32::MAX as f64) / 2.0;
             } else {
-                report.front = FrontReport { box_tests, ..refined };
+                // Without refinement the certificate is that of one worker.
+                let epsilon = refined.epsilon * workers as f64 / options.workers as f64;
+                report.front = FrontReport { box_tests, epsilon, ..refined };
                 self.parts.resize(workers, Part::default());
                 self.len = front.partition(&mut self.parts).len();
                 break;
@@ -88,8 +108,9 @@ impl FrontMemory {
         report.front_time = clock.elapsed();
     }
 
-    /// Keeps the measured costs of the nodes for the next frame.
-    pub(crate) fn remember(&mut self, costs: impl IntoIterator<Item = f32>) {
+    /// Keeps the measured costs of the nodes for the next frame, and whether those of the last one were used.
+    pub(crate) fn remember(&mut self, costs: impl IntoIterator<Item = f32>, is_coherent: bool) {
+        self.is_coherent = is_coherent;
         self.history.clear();
         // The capacity does not double, which would break the bound on memory.
         self.history.reserve_exact(self.len);
@@ -101,6 +122,7 @@ impl FrontMemory {
 
     pub(crate) fn forget(&mut self) {
         self.history.clear();
+        self.is_coherent = false;
     }
 
     pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {

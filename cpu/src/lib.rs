@@ -5,8 +5,9 @@
 //! p-partition front, and every buffer. Each frame it generates a front, partitions it over p workers, lets
 //! each traverse from its nodes, and gathers what they found (Zhang & Kim 2014, sections 3 and 3.4). Under
 //! [`Schedule::Static`] that is all, as in the paper; by default a worker that is done takes nodes that others
-//! have not begun ([`Schedule::Hybrid`]). A small frame ends on the calling
-//! thread. Costs are counted in box and triangle tests, not timed, so that the [`Report`] of a frame means the same on every machine and for any p.
+//! have not begun, and then halves of what they have begun ([`Schedule::Hybrid`]). A small frame ends on the calling
+//! thread. Costs are counted in box and triangle tests, not timed, so that those in the [`Report`] of a frame mean the
+//! same on every machine and for any p.
 //!
 //! ```
 //! use pfront_core::{bvh::*, bvh::node_bound, bvtt::PairBvtt, *};
@@ -31,6 +32,9 @@
 //! Work runs in the rayon pool of the calling thread, which outside of any pool is the global one:
 //! call from `pool.install(|| …)` to use another, or hand one over for good with
 //! [`Traversal::with_pool`]. The number of workers p is independent of the number of threads.
+//!
+//! Threads are called before the front of a frame is made and wait for it awake, 1 ms at most, since waking up takes as
+//! long as a small frame. Between frames they sleep as the pool lets them.
 
 mod build;
 mod control;
@@ -39,7 +43,6 @@ mod front;
 mod output;
 mod report;
 mod settings;
-mod stealing;
 mod traversal;
 mod workers;
 

@@ -1,8 +1,9 @@
 //! Outputs of the threads, one each so that no thread waits for a lock. Each thread sorts its own list while it is in its
 //! cache, and the sorted lists are merged by all threads.
 
+use crate::workers::for_each;
 use pfront_core::bvtt::TrianglePair;
-use rayon::prelude::*;
+use rayon::ThreadPool;
 use std::ops::ControlFlow;
 
 /// An intersecting triangle pair of one query among many. Hits are ordered by `query`, then by `pair`.
@@ -18,18 +19,34 @@ pub struct Hit {
 pub(crate) trait Output: Send {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()>;
 
-    /// Whether nothing has been put into it.
-    fn is_empty(&self) -> bool;
-
-    /// Called by the thread that is done with it.
+    /// Called by the first thread when it has no more of its own.
     fn finish(&mut self) {}
 }
 
-/// The list that one thread makes, which ends up sorted.
+/// The list that one thread makes, or several one after the other: sorted runs, and what came after the last.
 #[derive(Clone, Debug, Default)]
 pub struct OutputBuffer<T> {
-    pub(crate) items: Vec<T>,
+    items: Vec<T>,
+    /// The ends of the runs.
+    ends: Vec<usize>,
     scratch: Vec<T>,
+}
+
+impl<T> OutputBuffer<T> {
+    pub(crate) fn clear(&mut self) {
+        self.items.clear();
+        self.ends.clear();
+    }
+
+    fn is_finished(&self) -> bool {
+        self.ends.last().copied().unwrap_or(0) == self.items.len()
+    }
+
+    /// The sorted runs, of which none is empty.
+    fn runs(&self) -> impl Iterator<Item = &[T]> {
+        let begins = std::iter::once(&0).chain(&self.ends);
+        begins.zip(&self.ends).map(|(&begin, &end)| &self.items[begin..end])
+    }
 }
 
 impl<T: Item> Output for OutputBuffer<T> {
@@ -39,16 +56,18 @@ impl<T: Item> Output for OutputBuffer<T> {
         ControlFlow::Continue(())
     }
 
-    fn is_empty(&self) -> bool {
-        self.items.is_empty()
-    }
-
     fn finish(&mut self) {
-        if self.items.len() < RADIX_FROM {
-            self.items.sort_unstable();
-        } else if !self.items.is_sorted() {
-            radix_sort(&mut self.items, &mut self.scratch);
+        let begin = self.ends.last().copied().unwrap_or(0);
+        let (end, run) = (self.items.len(), &mut self.items[begin..]);
+        if run.is_empty() {
+            return;
         }
+        if run.len() < RADIX_FROM {
+            run.sort_unstable();
+        } else if !run.is_sorted() {
+            radix_sort(run, &mut self.scratch);
+        }
+        self.ends.push(end);
     }
 }
 
@@ -58,20 +77,12 @@ impl Output for u64 {
         *self += 1;
         ControlFlow::Continue(())
     }
-
-    fn is_empty(&self) -> bool {
-        *self == 0
-    }
 }
 
 impl Output for Option<Hit> {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         *self = Some(Hit { query, pair });
         ControlFlow::Break(())
-    }
-
-    fn is_empty(&self) -> bool {
-        self.is_none()
     }
 }
 
@@ -81,10 +92,6 @@ pub(crate) struct Visitor<'v, V>(pub(crate) &'v V);
 impl<V: Fn(Hit) -> ControlFlow<()> + Sync> Output for Visitor<'_, V> {
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         (self.0)(Hit { query, pair })
-    }
-
-    fn is_empty(&self) -> bool {
-        true
     }
 }
 
@@ -141,59 +148,61 @@ const RADIX_FROM: usize = 512;
 /// Elements that take about as long to merge as it takes to call another thread that is awake.
 const MERGED_ALONE: usize = 512;
 
-/// The number of ranges of keys in which lists are merged: one for each thread that is worth it.
-pub(crate) fn ranges<T: Item>(lists: &[OutputBuffer<T>], threads: usize) -> usize {
-    let is_several = lists.iter().filter(|list| !list.is_empty()).nth(1).is_some();
-    let len: usize = lists.iter().map(|list| list.items.len()).sum();
-    if is_several { threads.min(len / MERGED_ALONE).max(1) } else { 1 }
-}
+/// Samples of all runs together for each range. With more of them ranges are more alike, and sorting the samples, which
+/// one thread does, takes longer.
+const SAMPLES: usize = 16;
 
-/// Replaces the contents of `out` by those of sorted lists, sorted, range by range.
+/// Replaces the contents of `out` by those of some lists, sorted, on so many threads of a pool.
 ///
-/// The ranges come from regular samples of the lists, so that none has much more than its
-/// share of the elements (Shi & Schaeffer, *Parallel Sorting by Regular Sampling*, 1992).
-pub(crate) fn merge<T: Item>(lists: &mut [OutputBuffer<T>], ranges: usize, out: &mut Vec<T>) {
+/// Each thread merges a range. The ranges come from regular samples of the runs, so that they are nearly alike
+/// (Shi & Schaeffer, *Parallel Sorting by Regular Sampling*, 1992).
+pub(crate) fn merge<T: Item>(
+    lists: &mut [OutputBuffer<T>],
+    threads: usize,
+    pool: Option<&ThreadPool>,
+    out: &mut Vec<T>,
+) {
+    for_each(pool, lists.iter_mut().filter(|list| !list.is_finished()), Output::finish);
     let len: usize = lists.iter().map(|list| list.items.len()).sum();
-    if let Some(only) = lists.iter_mut().find(|list| list.items.len() == len) {
+    if let Some(only) = lists.iter_mut().find(|list| list.items.len() == len && list.ends.len() < 2)
+    {
         std::mem::swap(out, &mut only.items);
         return;
     }
+    let ranges = threads.min(len / MERGED_ALONE).max(1);
     out.clear();
-    let lists = || lists.iter().map(|list| &list.items[..]).filter(|items| !items.is_empty());
+    let runs = || lists.iter().flat_map(OutputBuffer::runs);
     if ranges == 1 {
-        lists().for_each(|items| out.extend_from_slice(items));
+        runs().for_each(|items| out.extend_from_slice(items));
         // This sort finds runs and merges them.
         out.sort();
         return;
     }
-    let step = (len / (ranges * ranges)).max(1);
+    let step = (len / (ranges * SAMPLES)).max(1);
     let mut samples: Vec<T> =
-        lists().flat_map(|items| items.iter().step_by(step)).copied().collect();
+        runs().flat_map(|items| items.iter().step_by(step)).copied().collect();
     samples.sort_unstable();
-    let lists: Vec<&[T]> = lists().collect();
-    let begin = |range: usize| {
-        let first = samples.get(range * samples.len() / ranges);
-        let begin = |items: &&[T]| match first {
-            _ if range == 0 => 0,
-            Some(first) => items.partition_point(|item| item < first),
-            None => items.len(),
-        };
-        lists.iter().map(begin).collect()
-    };
-    let begins: Vec<Vec<usize>> = (0..=ranges).into_par_iter().map(begin).collect();
+    let first = |range: usize| samples[range * samples.len() / ranges];
+    // Each run with the ends of its part of each range.
+    let mut runs: Vec<(&[T], Vec<usize>)> = runs().map(|items| (items, Vec::new())).collect();
+    for_each(pool, &mut runs, |(items, ends)| {
+        ends.extend((1..ranges).map(|next| items.partition_point(|item| *item < first(next))));
+        ends.push(items.len());
+    });
     out.resize(len, T::default());
-    let (mut rest, mut chunks) = (&mut out[..], Vec::with_capacity(ranges));
-    for bounds in begins.windows(2) {
-        let [len, before] = [1, 0].map(|i: usize| bounds[i].iter().sum::<usize>());
-        let (chunk, others) = std::mem::take(&mut rest).split_at_mut(len - before);
-        chunks.push((chunk, bounds));
-        rest = others;
+    let (mut rest, mut begin, mut chunks) = (&mut out[..], 0, Vec::with_capacity(ranges));
+    for range in 0..ranges {
+        let end: usize = runs.iter().map(|(_, ends)| ends[range]).sum();
+        let (chunk, others) = std::mem::take(&mut rest).split_at_mut(end - begin);
+        chunks.push((chunk, range));
+        (rest, begin) = (others, end);
     }
-    chunks.into_par_iter().for_each(|(chunk, bounds)| {
+    for_each(pool, chunks, |(chunk, range)| {
         let mut rest = &mut chunk[..];
-        for (items, (&from, &to)) in lists.iter().zip(bounds[0].iter().zip(&bounds[1])) {
-            let (own, others) = std::mem::take(&mut rest).split_at_mut(to - from);
-            own.copy_from_slice(&items[from..to]);
+        for (items, ends) in &runs {
+            let from = range.checked_sub(1).map_or(0, |before| ends[before]);
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(ends[range] - from);
+            own.copy_from_slice(&items[from..ends[range]]);
             rest = others;
         }
         chunk.sort();
@@ -201,22 +210,28 @@ pub(crate) fn merge<T: Item>(lists: &mut [OutputBuffer<T>], ranges: usize, out: 
 }
 
 /// Sorts by one byte of the key after the other, from the least on, leaving out those in which all keys agree.
-fn radix_sort<T: Item>(items: &mut Vec<T>, scratch: &mut Vec<T>) {
+fn radix_sort<T: Item>(items: &mut [T], scratch: &mut Vec<T>) {
     let bits = |(any, all), item: &T| (any | item.key(), all & item.key());
     let (any, all) = items.iter().fold((0, u128::MAX), bits);
     scratch.resize(items.len(), T::default());
+    let (mut from, mut to) = (items, &mut scratch[..]);
+    let mut is_in_scratch = false;
     for shift in (0..128).step_by(8).filter(|shift| (any ^ all) >> shift & 255 != 0) {
         let byte = |item: &T| (item.key() >> shift) as usize & 255;
         let mut ends = [0; 256];
-        items.iter().for_each(|item| ends[byte(item)] += 1);
+        from.iter().for_each(|item| ends[byte(item)] += 1);
         let mut sum = 0;
         ends.iter_mut().for_each(|end| sum += std::mem::replace(end, sum));
-        for item in items.iter() {
+        for item in from.iter() {
             let place = &mut ends[byte(item)];
-            scratch[*place] = *item;
+            to[*place] = *item;
             *place += 1;
         }
-        std::mem::swap(items, scratch);
+        std::mem::swap(&mut from, &mut to);
+        is_in_scratch = !is_in_scratch;
+    }
+    if is_in_scratch {
+        to.copy_from_slice(from);
     }
 }
 
@@ -249,30 +264,28 @@ mod tests {
     fn lists_are_merged() {
         let mut rng = seeded(2);
         for (lists, most) in [(0, 1), (1, 5_000), (2, 300), (3, 2_000), (40, 900), (5, 1 << 15)] {
-            // Of many equal elements, all have to stay.
+            // All of many equal elements have to stay.
             for key in [3, u32::MAX] {
                 let mut random = |most: u32| rng.random_range(0..most);
-                let mut lists: Vec<OutputBuffer<TrianglePair>> = (0..lists)
-                    .map(|_| {
-                        let mut pair = |_| TrianglePair { a: random(key), b: random(key) };
-                        let items = (0..most).map(&mut pair).collect();
-                        OutputBuffer { items, scratch: Vec::new() }
-                    })
-                    .collect();
-                if let Some(last) = lists.last_mut() {
-                    last.items.truncate(7);
+                let mut expected = Vec::new();
+                let mut made = vec![OutputBuffer::<TrianglePair>::default(); lists];
+                for (i, list) in made.iter_mut().enumerate() {
+                    // Several runs, one of them empty; the last list is short.
+                    let last = if i + 1 == lists { 7 } else { most };
+                    for count in [last, 0, 3] {
+                        for _ in 0..count {
+                            let pair = TrianglePair { a: random(key), b: random(key) };
+                            assert!(list.take(0, pair).is_continue());
+                            expected.push(pair);
+                        }
+                        list.finish();
+                    }
                 }
-                let mut expected: Vec<_> = lists.iter().flat_map(|l| l.items.clone()).collect();
                 expected.sort();
-                lists.iter_mut().for_each(Output::finish);
                 for threads in [1, 2, 16, 64] {
                     let mut out = vec![TrianglePair::default(); 3];
-                    merge(&mut lists.clone(), ranges(&lists, threads), &mut out);
-                    assert!(
-                        out == expected,
-                        "{} lists, {most} each, {threads} threads",
-                        lists.len()
-                    );
+                    merge(&mut made.clone(), threads, None, &mut out);
+                    assert!(out == expected, "{lists} lists, {most} each, {threads} threads");
                 }
             }
         }

@@ -21,7 +21,7 @@ pub struct Share {
 pub struct Report {
     /// The work of the calling thread before others were called; all work, if the frame ended there.
     pub alone: Work,
-    /// Each worker, none if others were not called; under [`Stealing`](crate::Schedule::Stealing) one entry for all.
+    /// Each worker, none if others were not called.
     pub shares: Vec<Share>,
     /// Whether the deadline came before the end.
     pub late: bool,
@@ -36,23 +36,26 @@ pub struct Report {
     pub front_time: Duration,
     /// The time of the traversal; zero for a frame that ended within its first 512 tests.
     pub traversal_time: Duration,
-    /// The time to gather and sort the hits, where others than the calling thread were called.
+    /// The part of it before others were called.
+    pub alone_time: Duration,
+    /// The mean time over the threads from their call until they began; part of the traversal, and zero where there was no
+    /// front.
+    pub waking_time: Duration,
+    /// The mean time over the threads in which they were busy with the traversal after others were called; zero where
+    /// there was no front. In the rest they waited for the last one.
+    pub busy_time: Duration,
+    /// The time to merge the sorted lists of the threads, where others than the calling thread were called.
     pub gather_time: Duration,
 }
 
 impl Report {
-    /// The measured imbalance: busiest worker over mean, in counted cost; 1 where there was nothing to divide. NaN under
-    /// [`Stealing`](crate::Schedule::Stealing), which does not count what each worker did.
+    /// The measured imbalance: busiest worker over mean, in counted cost; 1 where there was nothing to divide.
     #[must_use]
     pub fn imbalance(&self) -> f64 {
         let costs = || self.shares.iter().map(|share| share.work.cost());
         let total: f64 = costs().sum();
         let busiest = costs().fold(0.0, f64::max);
-        match total {
-            _ if total == 0.0 => 1.0,
-            _ if self.nodes == 0 => f64::NAN,
-            _ => busiest * self.shares.len() as f64 / total,
-        }
+        if total > 0.0 { busiest * self.shares.len() as f64 / total } else { 1.0 }
     }
 
     /// All box and triangle tests, those for the front included.
@@ -84,6 +87,9 @@ impl Report {
         self.front_bytes = self.front_bytes.max(next.front_bytes);
         self.front_time += next.front_time;
         self.traversal_time += next.traversal_time;
+        self.alone_time += next.alone_time;
+        self.waking_time += next.waking_time;
+        self.busy_time += next.busy_time;
         self.gather_time += next.gather_time;
     }
 }

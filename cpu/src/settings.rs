@@ -6,10 +6,11 @@
 pub enum Schedule {
     /// The schedule of the paper: a front with one part per worker, and no synchronisation until the end.
     Static,
-    /// No front: rayon's recursion, in which idle threads steal. Keeps no cost history.
+    /// No front but the roots of the queries: a thread that has nothing is given half of the pending node pairs of another.
     Stealing,
-    /// [`Schedule::Static`], and a worker that is done takes nodes that others have not begun. Taking them makes up for
-    /// wrong estimates, so estimated nodes are no finer than measured ones.
+    /// Both: a worker that is done takes nodes that others have not begun, and then half of what they have begun. That
+    /// makes up for wrong costs, so the front is coarse: g is at most 2, and after a frame unlike the last there
+    /// is no more than the starting front.
     #[default]
     Hybrid,
 }
@@ -27,7 +28,7 @@ pub struct Settings {
     /// The way in which nodes are assigned to workers.
     pub schedule: Schedule,
     /// The g of eq. 1, 8 by default: no node of a front that can be split costs more than 1/g of the mean load of a worker.
-    /// Under [`Schedule::Static`] nodes whose cost is an estimate are six times as fine.
+    /// Nodes whose cost is an estimate are six times as fine. For [`Schedule::Static`]; the others say how fine theirs are.
     pub g: f64,
     /// Whether the costs of the last frame are used. Without them each frame is independent, as in
     /// section 3.2.2.

@@ -1,7 +1,7 @@
 //! Traversals of queries on p workers, with memory that is kept from frame to frame.
 
 use crate::front::{FrontMemory, Start};
-use crate::output::{self, Item, Output, OutputBuffer, Storage, Visitor};
+use crate::output::{self, Item, OutputBuffer, Storage, Visitor};
 use crate::workers::{Workers, in_scope};
 use crate::{Hit, Report, Settings};
 use pfront_core::bvtt::{Query, TrianglePair};
@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// The largest number of workers p.
-pub const MAX_WORKERS: usize = 4096;
+pub const MAX_WORKERS: usize = 1 << 16;
 
 /// Contacts that take about as long as to call another thread: some 0.3 us each.
 const CONTACTS: usize = 64;
@@ -192,15 +192,10 @@ impl Traversal {
     pub fn all<Q: Query + Sync, T: Item>(&mut self, queries: &[Q], out: &mut Vec<T>) {
         let mut lists = std::mem::take(T::storage(&mut self.storage));
         lists.truncate(self.p());
-        lists.iter_mut().for_each(|list| list.items.clear());
+        lists.iter_mut().for_each(OutputBuffer::clear);
         self.run(queries, false, &mut lists, OutputBuffer::default);
         let clock = (!self.report.shares.is_empty()).then(Instant::now);
-        // The calling thread may have been alone.
-        lists.iter_mut().take(1).for_each(Output::finish);
-        match output::ranges(&lists, self.threads()) {
-            1 => output::merge(&mut lists, 1, out),
-            several => self.install(|| output::merge(&mut lists, several, out)),
-        }
+        output::merge(&mut lists, self.threads(), self.pool.as_deref(), out);
         self.report.gather_time = clock.map_or(Duration::ZERO, |clock| clock.elapsed());
         *T::storage(&mut self.storage) = lists;
     }
@@ -221,7 +216,8 @@ impl Traversal {
     }
 
     /// Calls `visit` from all workers for each intersecting pair, in no particular order, until one of the
-    /// calls breaks; calls that others have begun by then still end.
+    /// calls breaks; calls that others have begun by then still end. A `visit` that waits for tasks of the same pool may be
+    /// called again on its thread before it returns, and so holds no lock meanwhile.
     pub fn visit<Q: Query + Sync>(
         &mut self,
         queries: &[Q],

@@ -1,22 +1,28 @@
-//! Traversing a front that has been partitioned: each worker its own part, and, where that is allowed, nodes that others
-//! have not begun.
+//! Traversing a front that has been partitioned: each worker its own part, and, where that is allowed, what others have
+//! left.
 //!
-//! Threads take the parts, one after the other if there are more parts than threads; the calling thread is one of them.
+//! Threads take the parts, one after the other if there are more parts than threads; the calling thread is one of them. A
+//! thread that finds no part takes nodes that others have not begun. When there is none, it leaves its output to the busy
+//! threads: the first to see it there splits its cursor and calls a thread of the pool for the half and that output.
+//! Nobody waits for work, so that a visitor may use the pool too. This is work stealing begun by who gives (Acar, Charguéraud
+//! & Rainey, *Scheduling Parallel Programs by Work Stealing with Private Deques*, 2013).
 
-use crate::control::Control;
+use crate::Share;
+use crate::control::{Control, tests};
 use crate::output::Output;
-use crate::{Schedule, Share};
 use pfront_core::bvtt::{Cursor, Query, Work};
 use pfront_core::front::FrontNode;
 use rayon::{Scope, ThreadPool};
-use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Buffers for one partition, and its counters.
 #[derive(Debug, Default)]
 pub(crate) struct Workers {
     parts: Vec<PartOfFront>,
-    /// The bits of the true cost of each node, an `f32`.
-    costs: Vec<AtomicU32>,
+    /// The work below each node.
+    costs: Vec<Tally>,
 }
 
 /// Nothing in the buffers outlives a frame.
@@ -33,109 +39,267 @@ struct PartOfFront {
     /// How many of them have been begun.
     begun: AtomicUsize,
     /// The work that its worker has done.
+    done: Tally,
+}
+
+/// Work to which several threads add.
+#[derive(Debug, Default)]
+struct Tally {
     box_tests: AtomicU64,
     triangle_tests: AtomicU64,
+}
+
+impl Tally {
+    fn add(&self, work: Work) {
+        self.box_tests.fetch_add(work.box_tests, Relaxed);
+        self.triangle_tests.fetch_add(work.triangle_tests, Relaxed);
+    }
+
+    fn work(&self) -> Work {
+        let [box_tests, triangle_tests] =
+            [&self.box_tests, &self.triangle_tests].map(|tests| tests.load(Relaxed));
+        Work { box_tests, triangle_tests }
+    }
 }
 
 /// A frame, as all threads see it.
 pub(crate) struct Frame<'f, Q> {
     pub(crate) queries: &'f [Q],
     pub(crate) nodes: &'f [FrontNode],
-    pub(crate) schedule: Schedule,
+    /// Tests between two looks at whether a thread has nothing to do; `None` under a static schedule.
+    pub(crate) slice: Option<u64>,
     pub(crate) control: &'f Control,
 }
 
 impl Workers {
-    /// Traverses the nodes of `frame`, with a thread for each of `outputs`.
+    /// Traverses the nodes of `frame`, with a thread for each of `outputs`. Returns the mean times over the threads until
+    /// they began, and in which they were busy.
     pub(crate) fn traverse<Q: Query + Sync, O: Output>(
         &mut self,
         frame: &Frame<'_, Q>,
         pool: Option<&ThreadPool>,
         outputs: &mut [O],
         shares: &mut [Share],
-    ) {
-        self.parts.resize_with(shares.len(), PartOfFront::default);
+    ) -> [Duration; 2] {
+        let called = Instant::now();
+        self.assign(frame.nodes, shares.len());
+        let threads = outputs.len().max(1) as u64;
+        let run = Run {
+            workers: self,
+            frame,
+            called,
+            begun: AtomicUsize::new(0),
+            idle: AtomicUsize::new(0),
+            free: Mutex::new(Vec::new()),
+            waking: AtomicU64::new(0),
+            busy: AtomicU64::new(0),
+        };
+        in_scope(pool, |scope| {
+            let slot = |(worker, output)| OutputSlot { output, worker };
+            let (run, mut slots) = (&run, outputs.iter_mut().enumerate().map(slot));
+            let own = slots.next();
+            slots.for_each(|slot| scope.spawn(move |scope| run.take_parts(slot, scope)));
+            own.into_iter().for_each(|slot| run.take_parts(slot, scope));
+        });
+        let times = [run.waking, run.busy].map(AtomicU64::into_inner);
+        for (share, part) in shares.iter_mut().zip(&self.parts) {
+            share.work = part.done.work();
+        }
+        times.map(|sum| Duration::from_nanos(sum / threads))
+    }
+
+    /// Assigns the nodes of a front to so many parts, of which nothing is done.
+    fn assign(&mut self, nodes: &[FrontNode], parts: usize) {
+        self.parts.resize_with(parts, PartOfFront::default);
         for part in &mut self.parts {
             let nodes = std::mem::take(&mut part.nodes);
             *part = PartOfFront { nodes, ..PartOfFront::default() };
             part.nodes.clear();
         }
-        for (node, position) in frame.nodes.iter().zip(0..) {
+        for (node, position) in nodes.iter().zip(0..) {
             self.parts[node.part as usize].nodes.push(position);
         }
         self.costs.clear();
-        self.costs.resize_with(frame.nodes.len(), AtomicU32::default);
-        let begun = AtomicUsize::new(0);
-        let (workers, begun) = (&*self, &begun);
-        in_scope(pool, |scope| {
-            let Some((own, others)) = outputs.split_first_mut() else { return };
-            for output in others {
-                scope.spawn(move |_| workers.thread(frame, begun, output));
-            }
-            workers.thread(frame, begun, own);
-        });
-        for (share, part) in shares.iter_mut().zip(&mut self.parts) {
-            let tests = [&mut part.box_tests, &mut part.triangle_tests].map(|n| *n.get_mut());
-            share.work = Work { box_tests: tests[0], triangle_tests: tests[1] };
-        }
+        self.costs.resize_with(nodes.len(), Tally::default);
     }
 
-    /// The true cost of each node.
+    /// The true cost of each node. Looking at it at all costs a test.
     pub(crate) fn costs(&self) -> impl Iterator<Item = f32> {
-        self.costs.iter().map(|cost| f32::from_bits(cost.load(Relaxed)))
+        self.costs.iter().map(|tally| 1.0 + tally.work().cost() as f32)
     }
+}
 
+/// A traversal under way.
+struct Run<'r, Q, O> {
+    workers: &'r Workers,
+    frame: &'r Frame<'r, Q>,
+    called: Instant,
+    /// How many parts have been begun.
+    begun: AtomicUsize,
+    /// The number of free outputs.
+    idle: AtomicUsize,
+    free: Mutex<Vec<OutputSlot<'r, O>>>,
+    /// Sums over the threads, in nanoseconds.
+    waking: AtomicU64,
+    busy: AtomicU64,
+}
+
+/// The output of one thread at a time, and the worker whose work goes into it.
+struct OutputSlot<'r, O> {
+    output: &'r mut O,
+    worker: usize,
+}
+
+impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
     /// Takes parts of which none is begun, and after the last nodes of any part.
-    fn thread<Q: Query>(
-        &self,
-        frame: &Frame<'_, Q>,
-        begun: &AtomicUsize,
-        output: &mut impl Output,
-    ) {
-        let (count, mut last) = (self.parts.len(), None);
-        while let Some(part) = Some(begun.fetch_add(1, Relaxed)).filter(|&part| part < count) {
-            self.take_nodes(frame, part, part, output);
-            last = Some(part);
+    fn take_parts<'s>(&'s self, mut slot: OutputSlot<'r, O>, scope: &Scope<'s>)
+    where
+        'r: 's,
+    {
+        let (clock, parts) = (Instant::now(), &self.workers.parts);
+        self.waking.fetch_add((clock - self.called).as_nanos() as u64, Relaxed);
+        loop {
+            let part = self.begun.fetch_add(1, Relaxed);
+            match parts.get(part) {
+                Some(own) if !own.nodes.is_empty() => slot.worker = part,
+                Some(_) => continue,
+                None => break,
+            }
+            self.take_nodes(part, &mut slot, scope);
         }
-        if frame.schedule == Schedule::Hybrid {
-            let first = last.map_or(0, |part| part + 1);
-            for other in (first..count).chain(0..first) {
-                self.take_nodes(frame, other, last.unwrap_or(other), output);
+        if self.frame.slice.is_some() {
+            for part in (slot.worker..parts.len()).chain(0..slot.worker) {
+                self.take_nodes(part, &mut slot, scope);
             }
         }
-        output.finish();
+        // What this output gets later is sorted when all lists are merged.
+        slot.output.finish();
+        self.leave(slot, clock);
     }
 
-    /// Traverses from the nodes of one part that nobody has begun, as the work of `worker`.
-    fn take_nodes<Q: Query>(
-        &self,
-        frame: &Frame<'_, Q>,
-        part: usize,
-        worker: usize,
-        output: &mut impl Output,
-    ) {
-        let Frame { queries, nodes, control, .. } = *frame;
-        let (part, worker) = (&self.parts[part], &self.parts[worker]);
-        while !control.is_over()
+    /// Traverses from the nodes of a part that nobody has begun.
+    fn take_nodes<'s>(&'s self, part: usize, slot: &mut OutputSlot<'r, O>, scope: &Scope<'s>)
+    where
+        'r: 's,
+    {
+        let part = &self.workers.parts[part];
+        while part.begun.load(Relaxed) < part.nodes.len()
+            && !self.frame.control.is_over()
             && let Some(&position) = part.nodes.get(part.begun.fetch_add(1, Relaxed))
         {
-            let node = &nodes[position as usize];
-            let mut cursor = Cursor::at(node.pair);
-            let query = &queries[node.query as usize];
-            control.traverse(query, node.query, &mut cursor, output, u64::MAX);
-            worker.box_tests.fetch_add(cursor.work.box_tests, Relaxed);
-            worker.triangle_tests.fetch_add(cursor.work.triangle_tests, Relaxed);
-            // Looking at the node at all costs a test.
-            let cost = 1.0 + cursor.work.cost() as f32;
-            self.costs[position as usize].store(cost.to_bits(), Relaxed);
+            let cursor = Cursor::at(self.frame.nodes[position as usize].pair);
+            self.traverse_from(position, cursor, slot, scope);
         }
+    }
+
+    /// Traverses what is left of a cursor below the node at a position, and gives halves of it away.
+    fn traverse_from<'s>(
+        &'s self,
+        position: u32,
+        mut cursor: Cursor,
+        slot: &mut OutputSlot<'r, O>,
+        scope: &Scope<'s>,
+    ) where
+        'r: 's,
+    {
+        let Frame { queries, nodes, slice, control } = *self.frame;
+        let number = nodes[position as usize].query;
+        let is_wanted = || slice.is_some() && self.idle.load(Relaxed) > 0;
+        while !cursor.is_done() && !control.is_over() {
+            let most = slice.map_or(u64::MAX, |slice| tests(cursor.work).saturating_add(slice));
+            let query = &queries[number as usize];
+            control.traverse(query, number, &mut cursor, slot.output, most, &is_wanted);
+            if is_wanted() {
+                self.give(position, &mut cursor, scope);
+            }
+        }
+        self.workers.parts[slot.worker].done.add(cursor.work);
+        self.workers.costs[position as usize].add(cursor.work);
+    }
+
+    /// Gives half of a cursor to another thread, with an output that is free.
+    fn give<'s>(&'s self, position: u32, cursor: &mut Cursor, scope: &Scope<'s>)
+    where
+        'r: 's,
+    {
+        if cursor.pending().len() < 2 {
+            return;
+        }
+        let mut free = self.free();
+        let Some(mut slot) = free.pop() else { return };
+        self.idle.store(free.len(), Relaxed);
+        drop(free);
+        match cursor.take_half() {
+            Some(half) => scope.spawn(move |scope| {
+                let clock = Instant::now();
+                self.traverse_from(position, half, &mut slot, scope);
+                self.leave(slot, clock);
+            }),
+            None => self.put(slot),
+        }
+    }
+
+    /// Ends the work of a thread that began at `clock`.
+    fn leave(&self, slot: OutputSlot<'r, O>, clock: Instant) {
+        self.busy.fetch_add(clock.elapsed().as_nanos() as u64, Relaxed);
+        self.put(slot);
+    }
+
+    fn put(&self, slot: OutputSlot<'r, O>) {
+        let mut free = self.free();
+        free.push(slot);
+        self.idle.store(free.len(), Relaxed);
+    }
+
+    fn free(&self) -> MutexGuard<'_, Vec<OutputSlot<'r, O>>> {
+        // Nothing is ever half done under this lock.
+        self.free.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// Runs a function on the calling thread, with a scope to call others.
-pub(crate) fn in_scope<'s>(pool: Option<&ThreadPool>, run: impl FnOnce(&Scope<'s>)) {
+pub(crate) fn in_scope<'s, R>(pool: Option<&ThreadPool>, run: impl FnOnce(&Scope<'s>) -> R) -> R {
     match pool {
         Some(pool) => pool.in_place_scope(run),
         None => rayon::in_place_scope(run),
     }
+}
+
+/// Runs a function for each item, the first on the calling thread.
+pub(crate) fn for_each<T: Send>(
+    pool: Option<&ThreadPool>,
+    items: impl IntoIterator<Item = T>,
+    run: impl Fn(T) + Sync,
+) {
+    let (mut items, run) = (items.into_iter(), &run);
+    let own = items.next();
+    in_scope(pool, |scope| {
+        items.for_each(|item| scope.spawn(move |_| run(item)));
+        if let Some(item) = own {
+            run(item);
+        }
+    });
+}
+
+/// The longest time for which threads are kept awake.
+const AWAKE: Duration = Duration::from_millis(1);
+
+/// Runs a function that first does what one thread does, and then sets the flag and calls others. These wake up meanwhile.
+pub(crate) fn awake<R>(
+    pool: Option<&ThreadPool>,
+    threads: usize,
+    run: impl FnOnce(&AtomicBool) -> R,
+) -> R {
+    let is_ready = AtomicBool::new(false);
+    in_scope(pool, |scope| {
+        for _ in 1..threads {
+            scope.spawn(|_| {
+                let clock = Instant::now();
+                while !is_ready.load(Relaxed) && clock.elapsed() < AWAKE {
+                    std::thread::yield_now();
+                }
+            });
+        }
+        run(&is_ready)
+    })
 }

@@ -88,6 +88,28 @@ impl Cursor {
         range(&self.stack, self.len as u32, (pending - self.len) as u32)
     }
 
+    /// Takes out half of the pending node pairs, as a cursor for another worker: every second one from the bottom on, so
+    /// that both get large ones and small ones. `None` if there are not two. This cursor keeps the leaf pair in which the
+    /// last step ended, and its counts of work.
+    pub fn take_half(&mut self) -> Option<Self> {
+        let given = self.len - usize::from(self.is_inside_leaf_pair());
+        if self.len < 2 {
+            return None;
+        }
+        let (mut other, mut kept) = (Self::at(None), 0);
+        for index in 0..self.len {
+            let n = *at(&self.stack, index);
+            if index < given && index % 2 == 0 {
+                other.push(n);
+            } else {
+                *at_mut(&mut self.stack, kept) = n;
+                kept += 1;
+            }
+        }
+        self.len = kept;
+        Some(other)
+    }
+
     #[inline]
     pub(super) fn push(&mut self, n: NodePair) {
         // There is room by the proof at STACK.

@@ -4,10 +4,12 @@ use crate::common::{Frames, SCHEDULES, sequential};
 use pfront_core::bvtt::{Query, TrianglePair};
 use pfront_cpu::{Schedule, Settings, Traversal};
 use pfront_testkit::rng::{RngExt, seeded};
+use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::Duration;
 
 /// A pool of its own, so that there are threads to break between on any machine.
 fn traversal(threads: usize, schedule: Schedule) -> Traversal {
@@ -62,6 +64,54 @@ fn a_panic_leaves_it_usable() {
             assert_eq!(pairs, expected);
         }
     }
+}
+
+/// Threads that wait for work to be given hold the pool that a visitor needs.
+#[test]
+fn a_visitor_may_use_the_same_pool() {
+    let frames = Frames::named("spheres", 6_000);
+    let query = frames.query(60);
+    let expected = sequential(&query).len();
+    for schedule in SCHEDULES {
+        for threads in [1, 2, 5] {
+            let mut traversal = traversal(threads, schedule);
+            let pool = traversal.clone();
+            let inner = || (0..64).into_par_iter().sum::<u32>();
+            let seen = AtomicUsize::new(0);
+            let _ = traversal.visit(&[query], |_| {
+                let sum = pool.install(inner);
+                seen.fetch_add((sum == 2016).into(), Relaxed);
+                ControlFlow::Continue(())
+            });
+            assert_eq!(seen.into_inner(), expected, "{schedule:?}, {threads} threads");
+        }
+    }
+}
+
+/// A thread that takes its time over each hit gives what it has left to those that are done.
+#[test]
+fn others_take_what_a_slow_thread_has_left() {
+    let frames = Frames::named("spheres", 6_000);
+    let query = frames.query(60);
+    let hits_of_one = SCHEDULES.map(|schedule| {
+        let mut traversal = traversal(3, schedule);
+        let (own, all) = (std::thread::current().id(), AtomicUsize::new(0));
+        let slow = AtomicUsize::new(0);
+        let _ = traversal.visit(&[query], |_| {
+            all.fetch_add(1, Relaxed);
+            if std::thread::current().id() == own && slow.fetch_add(1, Relaxed) > 0 {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            ControlFlow::Continue(())
+        });
+        assert_eq!(all.into_inner(), sequential(&query).len());
+        // Work counts for the worker whose thread does it.
+        let shares = traversal.report.shares.iter();
+        assert!(shares.filter(|share| share.work.box_tests > 100).count() > 1, "{schedule:?}");
+        slow.into_inner()
+    });
+    let [alone, stealing, hybrid] = hits_of_one;
+    assert!(4 * stealing < alone && 4 * hybrid < alone, "{hits_of_one:?}");
 }
 
 /// A front as coarse or as fine as can be, but none that takes for ever.

@@ -2,7 +2,9 @@
 
 extern crate std;
 
-use super::super::{Bvtt, Cursor, NodePair, PairBvtt, PosedBvh, Query, SelfBvtt, TrianglePair};
+use super::super::{
+    Bvtt, Cursor, NodePair, PairBvtt, PosedBvh, Query, SelfBvtt, TrianglePair, Work,
+};
 use super::steps::in_steps;
 use super::{at_one_go, push, with_certificates};
 use crate::bvh::tests::Owned;
@@ -12,6 +14,7 @@ use pfront_testkit::MeshData;
 use pfront_testkit::oracle::{pairs, self_pairs, share_a_vertex};
 use pfront_testkit::rng::seeded;
 use pfront_testkit::shapes::{bumpy, pose_rows, posed, sheet, sphere, tangle, union};
+use std::ops::ControlFlow;
 use std::vec;
 use std::vec::Vec;
 
@@ -32,6 +35,7 @@ fn visited(query: &impl Query) -> Vec<TrianglePair> {
     }
     for budget in [1, 5, 40, 1000] {
         assert_eq!(sorted(in_parts(query, budget)), sorted(all.clone()), "parts after {budget}");
+        assert_eq!(sorted(in_halves(query, budget)), sorted(all.clone()), "halves at {budget}");
     }
     assert_eq!(sorted(from_children(query)), sorted(all.clone()));
     for pair in all.iter().take(20) {
@@ -62,6 +66,31 @@ fn in_parts(query: &impl Query, budget: u64) -> Vec<TrianglePair> {
     }
     let _ = query.visit(&mut cursor, |pair| push(&mut found, pair));
     assert!(cursor.is_done());
+    found
+}
+
+/// Cursors that are split after every `budget` tests.
+fn in_halves(query: &impl Query, budget: u64) -> Vec<TrianglePair> {
+    let (mut found, mut cursors) = (Vec::new(), vec![query.start()]);
+    let mut work = Work::default();
+    while let Some(mut cursor) = cursors.pop() {
+        let _ = query.step(&mut cursor, budget, |pair| push(&mut found, pair));
+        let pending = cursor.pending().len();
+        if let Some(half) = cursor.take_half() {
+            assert_eq!(half.pending().len() + cursor.pending().len(), pending);
+            assert!(!half.is_done() && half.work == Work::default());
+            cursors.push(half);
+        }
+        if cursor.is_done() {
+            work.box_tests += cursor.work.box_tests;
+            work.triangle_tests += cursor.work.triangle_tests;
+        } else {
+            cursors.push(cursor);
+        }
+    }
+    let mut whole = query.start();
+    let _ = query.visit(&mut whole, |_| ControlFlow::Continue(()));
+    assert_eq!(work, whole.work);
     found
 }
 
