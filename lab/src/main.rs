@@ -7,6 +7,7 @@ use command::balance::Balance;
 use command::chart::Chart;
 use command::judge::Judge;
 use command::passes::Passes;
+use command::phases::Phases;
 use command::record::Record;
 use command::regret::Regret;
 use command::replay::Replay;
@@ -69,6 +70,8 @@ enum Command {
     Regret(Regret),
     /// Show where a GPU spends its time: the median of each pass, by the device's own clock
     Passes(Passes),
+    /// Show where threads spend the time of a frame, beside as many frames at once as there are threads
+    Phases(Phases),
 }
 
 /// Exit codes that a script can tell apart; 2 is also what clap exits with.
@@ -86,6 +89,7 @@ fn main() -> ExitCode {
         Command::Stability(stability) => command::stability::run(&stability),
         Command::Regret(regret) => command::regret::run(&regret),
         Command::Passes(passes) => command::passes::run(&passes),
+        Command::Phases(phases) => command::phases::run(&phases),
     };
     match done {
         Ok(true) => ExitCode::SUCCESS,

@@ -51,8 +51,19 @@ pub struct Series {
     pub name: String,
     /// x and y.
     pub points: Vec<(f64, f64)>,
-    /// Whether a line joins the points.
-    pub is_line: bool,
+    /// How they are drawn.
+    pub style: Style,
+}
+
+/// How points are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// By markers.
+    Points,
+    /// With a line from each to the next.
+    Line,
+    /// With all below the line filled. Later series cover earlier ones, so that a stack comes from the top.
+    Area,
 }
 
 // Pixels.
@@ -202,10 +213,19 @@ impl Panel {
         for (number, series) in self.series.iter().enumerate() {
             let points = series.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite());
             let points: Vec<_> = points.map(|p| [x.pixel(p.0), y.pixel(p.1)]).collect();
-            if series.is_line {
-                polyline(svg, number, &points);
+            match (series.style, &points[..]) {
+                (Style::Points, _) => {}
+                (Style::Area, [first, .., last]) => {
+                    let corners = [[last[0], y1], [first[0], y1]];
+                    area(svg, number, points.iter().chain(&corners));
+                    continue;
+                }
+                _ => polyline(svg, number, &points),
             }
-            let step = if series.is_line { points.len().div_ceil(MARKERS).max(1) } else { 1 };
+            let step = match series.style {
+                Style::Points => 1,
+                _ => points.len().div_ceil(MARKERS).max(1),
+            };
             // Series that lie on each other have their markers in different places.
             points.iter().skip(number % step).step_by(step).for_each(|at| mark(svg, number, *at));
         }
@@ -214,10 +234,19 @@ impl Panel {
     fn legend(&self, svg: &mut String, [x, mut y]: [f64; 2]) {
         for (number, series) in self.series.iter().enumerate() {
             y += 20.0;
-            if series.is_line {
-                polyline(svg, number, &[[x, y], [x + 36.0, y]]);
+            let [left, right] = [x, x + 36.0];
+            match series.style {
+                Style::Area => {
+                    let [low, high] = [y - 7.0, y + 7.0];
+                    let corners = [[left, low], [right, low], [right, high], [left, high]];
+                    area(svg, number, corners.iter());
+                }
+                Style::Line => polyline(svg, number, &[[left, y], [right, y]]),
+                Style::Points => {}
             }
-            mark(svg, number, [x + 18.0, y]);
+            if series.style != Style::Area {
+                mark(svg, number, [x + 18.0, y]);
+            }
             text(svg, [x + 44.0, y + 4.0], 13, "start", &series.name);
         }
     }
@@ -242,13 +271,23 @@ fn line(svg: &mut String, [x0, y0]: [f64; 2], [x1, y1]: [f64; 2], colour: &str) 
 fn polyline(svg: &mut String, number: usize, points: &[[f64; 2]]) {
     let (colour, dash) = (COLOURS[number % COLOURS.len()], DASHES[number % DASHES.len()]);
     svg.push_str("<polyline points=\"");
-    for [x, y] in points {
-        let _ = write!(svg, "{x:.1},{y:.1} ");
-    }
+    coordinates(svg, points.iter());
     let _ = writeln!(
         svg,
         "\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.8\" stroke-dasharray=\"{dash}\"/>"
     );
+}
+
+fn area<'a>(svg: &mut String, number: usize, corners: impl Iterator<Item = &'a [f64; 2]>) {
+    svg.push_str("<polygon points=\"");
+    coordinates(svg, corners);
+    let _ = writeln!(svg, "\" fill=\"{}\" stroke=\"white\"/>", COLOURS[number % COLOURS.len()]);
+}
+
+fn coordinates<'a>(svg: &mut String, points: impl Iterator<Item = &'a [f64; 2]>) {
+    for [x, y] in points {
+        let _ = write!(svg, "{x:.1},{y:.1} ");
+    }
 }
 
 fn mark(svg: &mut String, number: usize, [x, y]: [f64; 2]) {
@@ -306,7 +345,7 @@ mod tests {
         let series = |name: &str| Series {
             name: name.to_owned(),
             points: vec![(1.0, 0.0), (9.0, 2.0)],
-            is_line: true,
+            style: Style::Line,
         };
         let axis = || Axis { label: "n & m".to_owned(), scale: Scale::Log };
         let panel = |names: &[&str]| Panel {

@@ -2,7 +2,7 @@
 
 use super::{Point, front, together};
 use crate::judge::Tally;
-use crate::plot::{Axis, Figure, Panel, Scale, Series};
+use crate::plot::{Axis, Figure, Panel, Scale, Series, Style};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -30,7 +30,7 @@ pub fn figure(sets: &[Vec<Point>]) -> Figure {
                     .map(|point| Series {
                         name: point.test.clone(),
                         points: vec![(point.time, point.tally.per_million(wrong(&point.tally)))],
-                        is_line: false,
+                        style: Style::Points,
                     })
                     .collect(),
             });

@@ -8,7 +8,7 @@ use pfront::Executor;
 use pfront::threads::{Report, Schedule, Settings, Share, Traversal};
 use pfront_cli::output::{Draft, out};
 use pfront_lab::player::{Objects, Player};
-use pfront_lab::plot::{self, Axis, Figure, Panel, Scale};
+use pfront_lab::plot::{self, Axis, Figure, Panel, Scale, Style};
 use pfront_lab::recording::Recording;
 use pfront_lab::stability::Reference;
 use serde::Serialize;
@@ -80,6 +80,8 @@ struct Frame {
     /// The mean over workers of |predicted − true| over the mean true cost, as shares of the whole.
     prediction_error: f64,
     coherent: bool,
+    /// The most workers that this front can keep busy (eq. 6): p over its ε, rounded up.
+    useful: f64,
 }
 
 impl Frame {
@@ -109,6 +111,7 @@ impl Frame {
             front_time: share(report.front_time.as_secs_f64(), time.as_secs_f64()),
             prediction_error: predicted.map(|(p, found)| (p - found).abs()).fold(0.0, |x, y| x + y),
             coherent: report.front.coherent,
+            useful: if report.nodes > 0 { (p as f64 / report.front.epsilon).ceil() } else { 1.0 },
         }
     }
 }
@@ -187,8 +190,8 @@ fn series(balance: &Balance, size: Option<usize>, workers: usize) -> Result<Seri
 fn table(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
     writeln!(
         out,
-        "                ------ imbalance -------- speed-up ------------ front ----------- predicted\n\
-         triangles     p median    p90  most Alg.1  counted  nodes     bytes   tests    time     error"
+        "                ------ imbalance -------- speed-up ------------ front ----------- predicted   eq. 6\n\
+         triangles     p median    p90  most Alg.1  counted  nodes     bytes   tests    time     error workers"
     )?;
     for series in all {
         let median = |value| series.quantile(0.5, value);
@@ -204,7 +207,8 @@ fn table(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
         write!(out, "{:>9} ", median(|frame| frame.front_bytes as f64))?;
         write!(out, "{:>6.2}% ", 100.0 * median(|frame| frame.front_work))?;
         write!(out, "{:>6.2}% ", 100.0 * median(|frame| frame.front_time))?;
-        writeln!(out, "{:>8.1}%", 100.0 * median(|frame| frame.prediction_error))?;
+        write!(out, "{:>8.1}%", 100.0 * median(|frame| frame.prediction_error))?;
+        writeln!(out, "{:>8}", median(|frame| frame.useful))?;
     }
     Ok(())
 }
@@ -212,7 +216,7 @@ fn table(out: &mut impl Write, all: &[Series]) -> io::Result<()> {
 /// Medians against p, and the imbalance of each frame of the largest model.
 fn figure(name: &str, all: &[Series]) -> Figure {
     let excess = |frame: &Frame| 100.0 * (frame.imbalance - 1.0);
-    let curve = |name: String, points| plot::Series { name, points, is_line: true };
+    let curve = |name: String, points| plot::Series { name, points, style: Style::Line };
     let panel = |title: &str, better, x: &str, y: &str, scale, series| Panel {
         title: title.to_owned(),
         better,

@@ -4,6 +4,7 @@ pub(crate) mod balance;
 pub(crate) mod chart;
 pub(crate) mod judge;
 pub(crate) mod passes;
+pub(crate) mod phases;
 pub(crate) mod record;
 pub(crate) mod regret;
 pub(crate) mod replay;
