@@ -4,7 +4,9 @@ use super::PosedBvh;
 use crate::bvh::Layout;
 use crate::index::at;
 use crate::one_ring::OneRing;
-use crate::simd::point8::{Points, abs, chunk_starts, difference, highest, load, lowest, store};
+use crate::simd::point8::{
+    Points, abs, chunk_starts, cross, difference, highest, load, lowest, store,
+};
 use crate::simd::{LANES, Simd, VECTORS};
 use crate::{Aabb, Triangle};
 
@@ -105,9 +107,7 @@ impl TriangleBlock {
         store(lowest(lowest(p, q), r), &mut self.min, lane);
         store(highest(highest(p, q), r), &mut self.max, lane);
         let (u, v) = (difference(q, p), difference(r, p));
-        let normal =
-            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        store(normal, &mut self.normal, lane);
+        store(cross(u, v), &mut self.normal, lane);
         store(highest(abs(u), abs(v)), &mut self.extent, lane);
     }
 

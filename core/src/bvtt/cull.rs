@@ -1,8 +1,8 @@
-//! Rejection of the triangle pairs of two blocks: by boxes first, then by supporting planes.
+//! Tests of the triangle pairs of two blocks: by boxes first, then by what f32 certifies.
 //!
 //! A triangle strictly on one side of another's plane does not intersect it, which rejects nearly all pairs whose
-//! boxes overlap. The signs are certified by the bound of [`crate::exact::filter32`]; all other pairs go to
-//! the exact test of [`crate::triangle`].
+//! boxes overlap. Most others are decided as far as f32 certifies the signs that it takes ([`super::planes`]); what is
+//! left goes to the exact test of [`crate::triangle`].
 //!
 //! # Triangles of one mesh
 //! Triangles that share a certified vertex ([`crate::one_ring`]) do not intersect elsewhere. For other triangles that
@@ -11,9 +11,9 @@
 //! [`crate::triangle::Adjacency`]. A shared corner that goes unnoticed is too close to the plane to reject anything.
 
 use super::block::TriangleBlock;
+use super::planes::Planes;
 use crate::Aabb;
-use crate::exact::filter32::{ERROR, MAX_EXTENT, UNDERFLOW};
-use crate::simd::point8::{abs, chunk_starts, difference, highest, load, splat};
+use crate::simd::point8::{chunk_starts, load, splat};
 use crate::simd::{LANES, Simd};
 
 /// Sets of triangle pairs: bit 8·j + i for triangle i of the first block and j of the second.
@@ -21,7 +21,9 @@ use crate::simd::{LANES, Simd};
 pub(super) struct PairSets {
     /// Pairs whose boxes overlap.
     pub(super) overlapping: u64,
-    /// Overlapping pairs that no plane separates and no certificate rejects.
+    /// Pairs that intersect, as far as f32 certifies it.
+    pub(super) hits: u64,
+    /// Overlapping pairs that neither f32 nor a certificate decides.
     pub(super) undecided: u64,
     /// Undecided pairs that may share a vertex.
     pub(super) may_share_vertex: u64,
@@ -62,13 +64,10 @@ impl TriangleBlock {
             if found == 0 {
                 continue;
             }
-            found = if SELF && neighbours != 0 {
-                self.not_separated::<S, true>(other, j, found)
-            } else {
-                self.not_separated::<S, false>(other, j, found)
-            };
-            pairs.undecided |= u64::from(found) << shift;
-            pairs.may_share_vertex |= u64::from(found & neighbours) << shift;
+            let [hits, undecided] = self.decide::<S, SELF>(other, j, found, neighbours);
+            pairs.hits |= u64::from(hits) << shift;
+            pairs.undecided |= u64::from(undecided) << shift;
+            pairs.may_share_vertex |= u64::from(undecided & neighbours) << shift;
         }
         pairs
     }
@@ -115,95 +114,39 @@ impl TriangleBlock {
         !(self.certified[0] & self.certified[1] & self.certified[2]) & self.occupied_mask()
     }
 
-    /// Lanes of `candidates` that neither supporting plane separates from triangle `j` of `other`.
+    /// Lanes of `candidates` that certainly intersect triangle `j` of `other`, and those that may. Of `neighbours`, which
+    /// may share a vertex with it, only those are left out that a plane separates beside what they share.
     #[inline(always)]
-    fn not_separated<S: Simd, const SELF: bool>(
+    fn decide<S: Simd, const SELF: bool>(
         &self,
         other: &Self,
         j: usize,
         candidates: u32,
-    ) -> u32 {
-        let mut undecided = 0;
+        neighbours: u32,
+    ) -> [u32; 2] {
+        let [mut hits, mut undecided] = [0; 2];
         for at in chunk_starts::<S>() {
-            let some = candidates >> at & (u32::MAX >> (u32::BITS as usize - S::WIDTH));
-            if S::WIDTH < LANES && some == 0 {
+            let mut open = candidates >> at & (u32::MAX >> (u32::BITS as usize - S::WIDTH));
+            if S::WIDTH < LANES && open == 0 {
                 continue;
             }
             let (own, others) = (Planes::<S>::load(self, at), Planes::splat(other, j));
-            let mut found = some & !own.separate::<SELF>(&others);
-            if found != 0 {
-                found &= !others.separate::<SELF>(&own);
+            let of_others = own.heights(&others);
+            open &= !own.separates::<SELF>(&others, &of_others, neighbours);
+            if open == 0 {
+                continue;
             }
-            undecided |= found << at;
-        }
-        undecided
-    }
-}
-
-/// A triangle in each lane, with its supporting plane.
-struct Planes<S> {
-    corners: [[S; 3]; 3],
-    vertices: [S; 3],
-    normal: [S; 3],
-    extent: [S; 3],
-}
-
-impl<S: Simd> Planes<S> {
-    /// The triangles of a block in the lanes from `at` on.
-    #[inline(always)]
-    fn load(block: &TriangleBlock, at: usize) -> Self {
-        let [p, q, r] = &block.corners;
-        Self {
-            corners: [load(p, at), load(q, at), load(r, at)],
-            vertices: load(&block.vertices, at),
-            normal: load(&block.normal, at),
-            extent: load(&block.extent, at),
-        }
-    }
-
-    /// One triangle of a block in every lane.
-    #[inline(always)]
-    fn splat(block: &TriangleBlock, lane: usize) -> Self {
-        let [p, q, r] = &block.corners;
-        Self {
-            corners: [splat(p, lane), splat(q, lane), splat(r, lane)],
-            vertices: splat(&block.vertices, lane),
-            normal: splat(&block.normal, lane),
-            extent: splat(&block.extent, lane),
-        }
-    }
-
-    /// Lanes in which this plane certainly has all corners of the other triangle strictly on one side; with `SELF`, all
-    /// corners that the two triangles do not share, of which there must be one.
-    ///
-    /// The height of a corner over the plane, times the length of the normal, is the determinant of
-    /// [`crate::exact::filter32`]. Its sign is certain when it reaches the error bound stated there.
-    #[inline(always)]
-    fn separate<const SELF: bool>(&self, other: &Self) -> u32 {
-        let (infinity, minus_infinity) = (S::splat(f32::INFINITY), S::splat(f32::NEG_INFINITY));
-        let n = &self.normal;
-        // The least and the greatest height of a corner, and the largest extents that went into them.
-        let (mut low, mut high, mut extent) = (infinity, minus_infinity, self.extent);
-        for k in 0..3 {
-            let w = difference(other.corners[k], self.corners[0]);
-            extent = highest(extent, abs(w));
-            let height = n[0] * w[0] + n[1] * w[1] + n[2] * w[2];
-            let (mut least, mut most) = (height, height);
-            if SELF {
-                let ([p, q, r], vertex) = (self.vertices, other.vertices[k]);
-                let shared = vertex.eq(p) | vertex.eq(q) | vertex.eq(r);
-                least = S::select(&shared, infinity, least);
-                most = S::select(&shared, minus_infinity, most);
+            let of_own = others.heights(&own);
+            open &= !others.separates::<SELF>(&own, &of_own, neighbours);
+            let distinct = open & !(neighbours >> at);
+            // One lane alone gains nothing over the test of two triangles, and firmware has little room for code.
+            if S::WIDTH > 1 && distinct != 0 {
+                let [meet, apart] = own.decide(&others, &of_own, &of_others);
+                hits |= (distinct & meet) << at;
+                open &= !(distinct & (meet | apart));
             }
-            low = low.min(least);
-            high = high.max(most);
+            undecided |= open << at;
         }
-        let bound = extent[0] * extent[1] * extent[2] * S::splat(ERROR) + S::splat(UNDERFLOW);
-        let mut holds = extent[0].max(extent[1]).max(extent[2]).le(S::splat(MAX_EXTENT));
-        if SELF {
-            // Where all corners are shared, no height has been seen.
-            holds = holds & low.le(high);
-        }
-        S::bits((bound.le(low) | high.le(S::splat(0.0) - bound)) & holds)
+        [hits, undecided]
     }
 }

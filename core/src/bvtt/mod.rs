@@ -7,12 +7,12 @@
 //! # How a leaf pair is decided
 //! 1. `traversal` pops node pairs from a [`Cursor`] and tests the boxes of their descendants, up to a leaf pair.
 //! 2. `block` loads the triangles of both leaves into vector lanes, at most eight a side, and poses them.
-//! 3. `cull` compares their boxes, then rejects each pair that the supporting plane of one triangle certainly separates, or
-//!    that shares a vertex whose one-ring is certified.
-//! 4. [`Cursor`] goes through the pairs that are left in the order of their bits, as far as the budget reaches, and notes
-//!    where to resume.
-//! 5. [`crate::triangle`] decides each of them by signs of orientation determinants from `exact`. Triangles of one mesh
-//!    that share vertices follow a rule of their own there.
+//! 3. `cull` compares their boxes, and rejects pairs that share a vertex whose one-ring is certified. Of the others, `planes`
+//!    tests eight at a time whether a supporting plane separates them and, if none does, whether they intersect.
+//! 4. [`Cursor`] goes through the hits, and the pairs that f32 left undecided, in the order of their bits, as far as the
+//!    budget reaches, and notes where to resume.
+//! 5. [`crate::triangle`] decides what is undecided by signs of orientation determinants from `exact`. Triangles of one
+//!    mesh that share vertices follow a rule of their own there.
 //!
 //! `wide_node` has the boxes of a step of the traversal, `trees` how queries are made, and `query` the verbs
 //! of the public interface.
@@ -24,6 +24,7 @@
 mod block;
 mod cull;
 mod cursor;
+mod planes;
 mod posed_bvh;
 mod query;
 #[cfg(test)]

@@ -96,13 +96,14 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
             allowed &= BEFORE;
         }
         let pairs = a.cull::<S, SELF>(b, allowed, self.boxes_only);
-        cursor.for_each_within_budget(pairs.overlapping, pairs.undecided, |bit| {
+        let open = pairs.hits | pairs.undecided;
+        cursor.for_each_within_budget(pairs.overlapping, open, |bit| {
             let (i, j) = (bit as usize % LANES, bit as usize / LANES % LANES);
             let mut pair = TrianglePair { a: a.triangles[i], b: b.triangles[j] };
             if SELF && pair.a > pair.b {
                 pair = TrianglePair { a: pair.b, b: pair.a };
             }
-            let is_hit = if SELF && self.boxes_only {
+            let is_hit = if pairs.hits >> bit & 1 != 0 || SELF && self.boxes_only {
                 true
             } else if SELF && pairs.may_share_vertex >> bit & 1 != 0 {
                 let mesh = self.a.bvh.mesh();

@@ -24,7 +24,7 @@ pub(crate) trait Simd:
     const WIDTH: usize;
 
     /// A truth value per lane.
-    type Mask: BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
+    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
 
     fn splat(x: f32) -> Self;
     /// The lanes from `at` on, a multiple of the width.

@@ -47,3 +47,22 @@ pub(crate) fn highest<S: Simd>(p: [S; 3], q: [S; 3]) -> [S; 3] {
 pub(crate) fn abs<S: Simd>(p: [S; 3]) -> [S; 3] {
     [p[0].abs(), p[1].abs(), p[2].abs()]
 }
+
+#[inline(always)]
+pub(crate) fn dot<S: Simd>(p: [S; 3], q: [S; 3]) -> S {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
+#[inline(always)]
+pub(crate) fn cross<S: Simd>(p: [S; 3], q: [S; 3]) -> [S; 3] {
+    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+}
+
+#[inline(always)]
+pub(crate) fn select<S: Simd>(mask: &S::Mask, yes: [S; 3], no: [S; 3]) -> [S; 3] {
+    let mut out = no;
+    for k in 0..3 {
+        out[k] = S::select(mask, yes[k], no[k]);
+    }
+    out
+}
