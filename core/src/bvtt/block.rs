@@ -19,7 +19,7 @@ pub(super) struct TriangleBlock {
     pub(super) triangles: [u32; LANES],
     pub(super) len: usize,
     pub(super) corners: [Points; 3],
-    /// The vertex of each corner as a float that equals no other vertex's, see [`vertex_key`].
+    /// The vertex of each corner as a float that equals no other vertex's, see [`vertex_key`]; of triangles of one mesh only.
     pub(super) vertices: Points,
     /// For each corner, the lanes whose vertex there is certified, as bits.
     pub(super) certified: [u32; 3],
@@ -58,9 +58,15 @@ impl TriangleBlock {
         }
     }
 
-    /// Loads, poses and prepares the triangles of the leaf with index `node`. `rings` are certificates of its vertices.
+    /// Loads, poses and prepares the triangles of the leaf with index `node`. With `SELF`, `rings` are certificates of its
+    /// vertices.
     #[inline(always)]
-    fn fill<S: Simd, L: Layout>(&mut self, node: u32, side: &PosedBvh<'_, L>, rings: &[OneRing]) {
+    fn fill<S: Simd, L: Layout, const SELF: bool>(
+        &mut self,
+        node: u32,
+        side: &PosedBvh<'_, L>,
+        rings: &[OneRing],
+    ) {
         let (leaf, mesh) = (side.bvh.node(node), side.bvh.mesh());
         let triangles = side.bvh.leaf_triangles(leaf);
         (self.node, self.len) = (node, triangles.len());
@@ -75,6 +81,9 @@ impl TriangleBlock {
             for (k, &vertex) in vertices.iter().enumerate() {
                 let [x, y, z] = *at(mesh.positions(), vertex);
                 (corners[k][0][lane], corners[k][1][lane], corners[k][2][lane]) = (x, y, z);
+                if !SELF {
+                    continue;
+                }
                 let key = vertex_key(vertex);
                 self.vertices[k][lane] = key;
                 if let Some(ring) = rings.get(vertex as usize) {
@@ -94,8 +103,13 @@ impl TriangleBlock {
 
     /// [`TriangleBlock::fill`] without vectors: one copy for both sides, for firmware.
     #[inline(never)]
-    fn fill_singly<L: Layout>(&mut self, node: u32, side: &PosedBvh<'_, L>, rings: &[OneRing]) {
-        self.fill::<f32, L>(node, side, rings);
+    fn fill_singly<L: Layout, const SELF: bool>(
+        &mut self,
+        node: u32,
+        side: &PosedBvh<'_, L>,
+        rings: &[OneRing],
+    ) {
+        self.fill::<f32, L, SELF>(node, side, rings);
     }
 
     /// Stores posed corners and derives boxes and planes, in the lanes from `lane` on.
@@ -140,7 +154,7 @@ impl BlockCache {
 
     /// The block of the leaf with index `node`.
     #[inline(always)]
-    pub(super) fn get<S: Simd, L: Layout>(
+    pub(super) fn get<S: Simd, L: Layout, const SELF: bool>(
         &mut self,
         node: u32,
         side: &PosedBvh<'_, L>,
@@ -149,9 +163,9 @@ impl BlockCache {
         let block = self.0[node as usize % CACHED].get_or_insert_with(TriangleBlock::empty);
         if block.node != node {
             if S::WIDTH == 1 {
-                block.fill_singly(node, side, rings);
+                block.fill_singly::<L, SELF>(node, side, rings);
             } else {
-                block.fill::<S, L>(node, side, rings);
+                block.fill::<S, L, SELF>(node, side, rings);
             }
         }
         block

@@ -89,8 +89,8 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
         cursor: &mut Cursor,
         visit: &mut Visitor<'_>,
     ) -> ControlFlow<()> {
-        let a = blocks_a.get::<S, A>(n.a, &self.a, self.rings);
-        let b = blocks_b.get::<S, B>(n.b, &self.b, self.rings);
+        let a = blocks_a.get::<S, A, SELF>(n.a, &self.a, self.rings);
+        let b = blocks_b.get::<S, B, SELF>(n.b, &self.b, self.rings);
         let mut allowed = cursor.bits_left();
         if SELF && n.a == n.b {
             allowed &= BEFORE;
