@@ -708,7 +708,7 @@ pfront_status_t pfront_query_page(const struct pfront_query_t *query,
                                   size_t *count,
                                   struct pfront_error_t *error);
 
-// `pfront_query_page` that also stops after `budget` + 15 box and triangle tests at most, to spread a query over
+// `pfront_query_page` that also stops after `budget` + 16 box and triangle tests at most, to spread a query over
 // frames. Pages may be empty then; with a budget of 0 nothing is done.
 pfront_status_t pfront_query_step(const struct pfront_query_t *query,
                                   struct pfront_cursor_t *cursor,

@@ -52,7 +52,7 @@ pub unsafe extern "C" fn pfront_query_page(
     unsafe { pfront_query_step(query, cursor, u64::MAX, page, capacity, count, error) }
 }
 
-/// `pfront_query_page` that also stops after `budget` + 15 box and triangle tests at most, to spread a query over
+/// `pfront_query_page` that also stops after `budget` + 16 box and triangle tests at most, to spread a query over
 /// frames. Pages may be empty then; with a budget of 0 nothing is done.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_query_step(

@@ -61,7 +61,7 @@ pub trait Query {
     /// [`Query::any`] do.
     ///
     /// # Complexity
-    /// At most `budget` + 15 tests: box tests come up to 16 at a time, triangle tests one by one. A leaf
+    /// At most `budget` + 16 tests: box tests come up to 16 at a time, triangle tests one by one. A leaf
     /// pair without triangle tests counts as one test against the budget, so at most `budget` of
     /// them are visited. Each loads at most 16 triangles, again if the last step ended inside it.
     ///

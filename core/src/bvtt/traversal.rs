@@ -41,7 +41,9 @@ impl<A: Layout, B: Layout, const SELF: bool> Task for Traversal<'_, '_, '_, A, B
         let Self { query, cursor, visit } = self;
         let mut blocks = [BlockCache::new(), BlockCache::new()];
         while let Some(n) = cursor.pop() {
-            if query.is_leaf_pair(n) {
+            if query.is_apart(n, cursor) {
+                // As the second mesh sees it.
+            } else if query.is_leaf_pair(n) {
                 let flow = query.visit_leaf_pair::<S>(n, &mut blocks, cursor, visit);
                 if cursor.is_inside_leaf_pair() {
                     cursor.push(n);
@@ -63,6 +65,20 @@ impl<A: Layout, B: Layout, const SELF: bool> Task for Traversal<'_, '_, '_, A, B
 const BEFORE: u64 = 0x7f3f_1f0f_0703_0100;
 
 impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
+    /// Whether the boxes of a node pair, which overlap in the frame in which all boxes are compared, are apart in that of
+    /// the second mesh.
+    #[inline(always)]
+    fn is_apart(&self, n: NodePair, cursor: &mut Cursor) -> bool {
+        let Some(first_seen) = &self.first_seen else { return false };
+        // A leaf pair that is taken up again has passed this test.
+        if cursor.is_inside_leaf_pair() {
+            return false;
+        }
+        cursor.spend_box_tests(1);
+        let (a, b) = (&self.a.bvh, &self.b.bvh);
+        !first_seen.bounds(&a.bounds(a.node(n.a))).overlaps(&b.bounds(b.node(n.b)))
+    }
+
     #[inline]
     fn is_leaf_pair(&self, n: NodePair) -> bool {
         self.a.bvh.node(n.a).is_leaf() && self.b.bvh.node(n.b).is_leaf()

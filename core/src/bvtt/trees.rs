@@ -45,6 +45,10 @@ pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
     /// The poses in which the boxes of each side are compared. The box of a rotated box is larger, so the boxes of
     /// the second of two posed meshes are taken to the frame of the first where possible. Hits depend on corners alone.
     pub(super) box_poses: [Option<Affine>; 2],
+    /// The pose of the first mesh as the second sees it, if one is turned against the other: boxes that overlap in the one
+    /// frame are often apart in the other. These are the face axes of both boxes in the test of Gottschalk et al.
+    /// (*OBBTree*, 1996).
+    pub(super) first_seen: Option<Affine>,
     pub(super) accuracy: Accuracy,
     /// The test of triangles that share no vertex, unless it is the exact one.
     pub(super) inexact_test: Option<InexactTest>,
@@ -71,8 +75,12 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     pub fn in_world(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
         let mut query = Self::of_sides(a, b);
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
+        let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
+        if let Some(pose_b) = &b.pose {
+            let pose_a = a.pose.unwrap_or_else(|| Affine::identity(&of_a));
+            query.first_seen = pose_a.seen_from(&of_a, pose_b, &of_b).filter(Affine::is_turned);
+        }
         if let [Some(pose_a), Some(pose_b)] = &query.box_poses {
-            let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
             if let Some(seen) = pose_b.seen_from(&of_b, pose_a, &of_a) {
                 query.box_poses = [None, Some(seen)];
             }
@@ -148,6 +156,7 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
             a,
             b,
             box_poses: [a.pose, b.pose],
+            first_seen: None,
             accuracy: Accuracy::Exact,
             inexact_test: None,
             adjacency: Adjacency::SharedIndexRule,

@@ -40,6 +40,16 @@ impl Affine {
             .then(|| Self::padded(columns, column(3), bounds, DVec3::splat(SMALLEST_NORMAL)))
     }
 
+    /// The pose that moves nothing, for what lies in `bounds`.
+    pub(crate) fn identity(bounds: &Bounds) -> Self {
+        Self::padded([Vec3A::X, Vec3A::Y, Vec3A::Z], Vec3A::ZERO, bounds, DVec3::ZERO)
+    }
+
+    /// Whether an axis is taken to a direction that is not along an axis, so that a posed box is larger.
+    pub(crate) fn is_turned(&self) -> bool {
+        self.columns.iter().any(|column| column.cmpeq(Vec3A::ZERO).bitmask().count_ones() < 2)
+    }
+
     /// `rest` is what boxes have to be padded by besides rounding and the underflow of products.
     fn padded(columns: [Vec3A; 3], translation: Vec3A, bounds: &Bounds, rest: DVec3) -> Self {
         let mut affine = Self { columns, translation, padding: Vec3A::ZERO };

@@ -15,7 +15,7 @@ use std::vec;
 use std::vec::Vec;
 
 /// The tests by which a step may exceed its budget: box tests come up to 16 at a time.
-const OVERSHOOT: u64 = 15;
+const OVERSHOOT: u64 = 16;
 
 fn tests(cursor: &Cursor) -> u64 {
     let Work { box_tests, triangle_tests } = cursor.work;
