@@ -80,10 +80,10 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
             let pose_a = a.pose.unwrap_or_else(|| Affine::identity(&of_a));
             query.first_seen = pose_a.seen_from(&of_a, pose_b, &of_b).filter(Affine::is_turned);
         }
-        if let [Some(pose_a), Some(pose_b)] = &query.box_poses {
-            if let Some(seen) = pose_b.seen_from(&of_b, pose_a, &of_a) {
-                query.box_poses = [None, Some(seen)];
-            }
+        if let [Some(pose_a), Some(pose_b)] = &query.box_poses
+            && let Some(seen) = pose_b.seen_from(&of_b, pose_a, &of_a)
+        {
+            query.box_poses = [None, Some(seen)];
         }
         let [own, other] = query.bounds(NodePair::ROOT);
         query.root = own.overlaps(&other).then_some(NodePair::ROOT);
