@@ -16,7 +16,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// k, the cost of a triangle test in box tests: measured on x86-64, and the same everywhere, so that fronts are too.
+    /// k, the cost of a triangle test in box tests: measured on x86-64, and the same on all processors, so that fronts are alike.
     pub const TRIANGLE_COST: f64 = 6.5;
 
     /// The cost |n| = m1 + k·m2, in box tests.

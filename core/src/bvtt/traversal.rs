@@ -71,7 +71,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
     fn is_apart(&self, n: NodePair, cursor: &mut Cursor) -> bool {
         let Some(first_seen) = &self.first_seen else { return false };
         // A leaf pair that is taken up again has passed this test.
-        if cursor.is_inside_leaf_pair() {
+        if !VECTORS || cursor.is_inside_leaf_pair() {
             return false;
         }
         cursor.spend_box_tests(1);

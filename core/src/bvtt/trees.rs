@@ -12,6 +12,7 @@ use crate::aabb::Bounds;
 use crate::bvh::Layout;
 use crate::one_ring::{Certified, OneRing};
 use crate::pose::{Affine, PoseError};
+use crate::simd::VECTORS;
 use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact};
 use crate::{Aabb, Bvh, Node, Pose};
 use core::ops::{ControlFlow, Range};
@@ -47,7 +48,7 @@ pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
     pub(super) box_poses: [Option<Affine>; 2],
     /// The pose of the first mesh as the second sees it, if one is turned against the other: boxes that overlap in the one
     /// frame are often apart in the other. These are the face axes of both boxes in the test of Gottschalk et al.
-    /// (*OBBTree*, 1996).
+    /// (*OBBTree*, 1996). Without vectors, to pose a box takes as long as it saves.
     pub(super) first_seen: Option<Affine>,
     pub(super) accuracy: Accuracy,
     /// The test of triangles that share no vertex, unless it is the exact one.
@@ -76,7 +77,7 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
         let mut query = Self::of_sides(a, b);
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
         let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
-        if let Some(pose_b) = &b.pose {
+        if VECTORS && let Some(pose_b) = &b.pose {
             let pose_a = a.pose.unwrap_or_else(|| Affine::identity(&of_a));
             query.first_seen = pose_a.seen_from(&of_a, pose_b, &of_b).filter(Affine::is_turned);
         }
