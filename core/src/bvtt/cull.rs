@@ -138,13 +138,21 @@ impl TriangleBlock {
             }
             let of_own = others.heights(&own);
             open &= !others.separates::<SELF>(&own, &of_own, neighbours);
-            let distinct = open & !(neighbours >> at);
+            let mut distinct = open & !(neighbours >> at);
+            let mut meet = [0; 2];
             // One lane alone gains nothing over the test of two triangles, and firmware has little room for code.
             if S::WIDTH > 1 && distinct != 0 {
-                let [meet, apart] = own.decide(&others, &of_own, &of_others);
-                hits |= (distinct & meet) << at;
-                open &= !(distinct & (meet | apart));
+                let [met, apart] = own.decide(&others, &of_own, &of_others);
+                meet[0] = distinct & met;
+                distinct &= !(met | apart);
             }
+            if S::WIDTH > 1 && distinct != 0 {
+                let [met, apart] = own.decide_on_grid(&others, &of_own, &of_others);
+                meet[1] = distinct & met;
+                distinct &= !(met | apart);
+            }
+            hits |= (meet[0] | meet[1]) << at;
+            open = distinct | open & neighbours >> at;
             undecided |= open << at;
         }
         [hits, undecided]

@@ -1,12 +1,12 @@
 //! The triangle test of [`crate::triangle`] for the pairs of eight triangles with another one, side by side.
 //!
 //! The steps are those of `triangles_intersect`, with signs that f32 certifies by the bound of
-//! [`crate::exact::filter32`]. Pairs for which one of the signs is uncertain are left to that test.
+//! [`crate::exact::filter32`] or, for corners on a grid, computes without any error. What is open then is left to that test.
 
 use super::block::TriangleBlock;
 use crate::exact::filter32::{ERROR, MAX_EXTENT, UNDERFLOW};
 use crate::simd::Simd;
-use crate::simd::point8::{abs, cross, difference, dot, highest, load, select, splat};
+use crate::simd::point8::{abs, cross, difference, dot, highest, load, lowest, select, splat};
 
 /// A triangle in each lane, with its supporting plane.
 pub(super) struct Planes<S> {
@@ -78,23 +78,87 @@ impl<S: Simd> Planes<S> {
     /// Lanes in which this triangle certainly intersects `other`, and lanes in which it certainly does not, where neither
     /// plane separates the two. `own` are the heights of this triangle over the plane of `other`, and `others` those of
     /// `other` over this plane.
-    ///
-    /// That two signs decide is proved at `intervals_overlap` of [`crate::triangle`].
     #[inline(always)]
     pub(super) fn decide(&self, other: &Self, own: &Heights<S>, others: &Heights<S>) -> [u32; 2] {
-        let ([a0, a1, a2], delta, own_known) = own.arrange(self.corners);
-        let ([b0, b1, b2], epsilon, others_known) = others.arrange(other.corners);
-        let same_side = delta.eq(epsilon);
-        let (b1, b2) = (select(&same_side, b1, b2), select(&same_side, b2, b1));
-        let (first, second) = (orientation(a0, a1, b0, b1), orientation(a0, a2, b0, b2));
-        let first = Sign::new(first.0 * epsilon, first.1);
-        let second = Sign::new(second.0 * epsilon, second.1);
-        let known = S::bits(own_known & others_known);
-        let meet = S::bits(first.negative & second.positive);
-        let apart = S::bits(first.positive | second.negative);
+        let (own, others) = (own.signs(), others.signs());
+        let known = S::bits(are_nonzero(own) & are_nonzero(others));
+        let [first, second] = self.ends(other, own, others, None);
+        let (one, minus_one) = (S::splat(1.0), S::splat(-1.0));
+        let meet = S::bits(first.eq(minus_one) & second.eq(one));
+        let apart = S::bits(first.eq(one) | second.eq(minus_one));
         [known & meet, known & apart]
     }
+
+    /// The same for corners on a grid, in lanes in which the triangles are not coplanar. Flush faces are the everyday case of
+    /// voxels, of CAD and of welded parts, and there most determinants are zero, which no error bound certifies.
+    ///
+    /// # The proof
+    /// Let r be the extent of all six corners along an axis, and c = 1.5 · 2^18 · r, rounded. To add c to a coordinate of at
+    /// most c/4 and to take it away again rounds it to a multiple of half an ulp of c at least, which is more than r · 2^-7,
+    /// and a power of two, u. Where no corner changes, all are multiples of u, and all differences are less than 2^7 u; they
+    /// are exact, since coordinates are at most 2^23 u. Let units be 1, as scaling an axis changes no sign. A product of
+    /// three differences is then an integer below 2^21 and a determinant, the sum of six of them, is below 2^24, as are all
+    /// intermediate results: f32 makes no error. A determinant that is not zero is at least u_x u_y u_z, which is more than
+    /// the product of the extents times 2^-21. With extents from 2^-30 to 2^40, nothing underflows or overflows.
+    #[inline(always)]
+    pub(super) fn decide_on_grid(
+        &self,
+        other: &Self,
+        own: &Heights<S>,
+        others: &Heights<S>,
+    ) -> [u32; 2] {
+        let ([p, q, r], [u, v, w]) = (self.corners, other.corners);
+        let low = lowest(lowest(lowest(p, q), r), lowest(lowest(u, v), w));
+        let high = highest(highest(highest(p, q), r), highest(highest(u, v), w));
+        let (mut on_grid, mut bound) = (low[0].le(low[0]), S::splat(GRID));
+        for k in 0..3 {
+            let extent = high[k] - low[k];
+            let c = extent * S::splat(ROUNDING);
+            let holds = S::splat(MIN_EXTENT).le(extent) & extent.le(S::splat(MAX_EXTENT));
+            let is_near = low[k].abs().max(high[k].abs()).le(c * S::splat(0.25));
+            on_grid = on_grid & holds & is_near;
+            for corner in [p[k], q[k], r[k], u[k], v[k], w[k]] {
+                on_grid = on_grid & ((corner + c) - c).eq(corner);
+            }
+            bound = bound * extent;
+        }
+        let known = S::bits(on_grid);
+        if known == 0 {
+            return [0; 2];
+        }
+        let (own, others) = (Heights { of: own.of, bound }, Heights { of: others.of, bound });
+        let separated = own.between(own.of, own.of) | others.between(others.of, others.of);
+        let (own, others) = (own.signs(), others.signs());
+        let [first, second] = self.ends(other, own, others, Some(bound));
+        let zero = S::splat(0.0);
+        let cross = !S::bits(are_zero(own) | are_zero(others)) & !separated;
+        let meet = S::bits(first.le(zero) & zero.le(second));
+        [known & cross & meet, known & (separated | cross & !meet)]
+    }
+
+    /// The two signs that decide whether triangles that reach the plane of each other intersect, given on which sides of it
+    /// they have their corners: they do unless the first is 1 or the second −1. A sign is 0 if it is not certain or, with
+    /// the bound of determinants on a grid, if the determinant is zero.
+    ///
+    /// The proof is at `intervals_overlap` of [`crate::triangle`].
+    #[inline(always)]
+    fn ends(&self, other: &Self, own: [S; 3], others: [S; 3], on_grid: Option<S>) -> [S; 2] {
+        let ([a0, a1, a2], delta) = arrange(self.corners, own);
+        let ([b0, b1, b2], epsilon) = arrange(other.corners, others);
+        let same_side = delta.eq(epsilon);
+        let (b1, b2) = (select(&same_side, b1, b2), select(&same_side, b2, b1));
+        let (first, error) = orientation(a0, a1, b0, b1);
+        let first = sign(first, on_grid.unwrap_or(error)) * epsilon;
+        let (second, error) = orientation(a0, a2, b0, b2);
+        [first, sign(second, on_grid.unwrap_or(error)) * epsilon]
+    }
 }
+
+/// Rounds coordinates to a grid, see [`Planes::decide_on_grid`]; the smallest extent for which it does; and the smallest
+/// determinant, but for zero, by the product of the extents.
+const ROUNDING: f32 = 393_216.0;
+const MIN_EXTENT: f32 = 9.313_226e-10;
+const GRID: f32 = 4.768_371_6e-7;
 
 /// How high the corners of a triangle are above a plane, times the length of the plane's normal.
 pub(super) struct Heights<S> {
@@ -122,54 +186,45 @@ impl<S: Simd> Heights<S> {
         S::bits(self.bound.le(low) | high.le(S::splat(0.0) - self.bound))
     }
 
-    /// The `corners` from the apex on, the side of the apex as 1 or −1, and the lanes in which all sides are known. Corners
-    /// must be on both sides.
     #[inline(always)]
-    fn arrange(&self, [p, q, r]: [[S; 3]; 3]) -> ([[S; 3]; 3], S, S::Mask) {
-        let [of_p, of_q, of_r] = self.of;
-        let of_p = Sign::new(of_p, self.bound);
-        let of_q = Sign::new(of_q, self.bound);
-        let of_r = Sign::new(of_r, self.bound);
-        // The apex is alone on its side, so the product of all three signs is its own.
-        let (is_r, is_q) = (of_p.is(&of_q), of_p.is(&of_r));
-        let side = of_p.to_float() * of_q.to_float() * of_r.to_float();
-        let known = of_p.known() & of_q.known() & of_r.known();
-        let first = select(&is_r, r, select(&is_q, q, p));
-        let second = select(&is_r, p, select(&is_q, r, q));
-        let third = select(&is_r, q, select(&is_q, p, r));
-        ([first, second, third], side, known)
+    fn signs(&self) -> [S; 3] {
+        let [p, q, r] = self.of;
+        [sign(p, self.bound), sign(q, self.bound), sign(r, self.bound)]
     }
 }
 
-/// The lanes in which a determinant is certainly positive and certainly negative.
-struct Sign<S: Simd> {
-    positive: S::Mask,
-    negative: S::Mask,
+/// The corners of a triangle from its apex on, and the side of the apex, from the sides of the corners. It does in lanes what
+/// `arrange` and `apex` of [`crate::triangle`] do.
+#[inline(always)]
+fn arrange<S: Simd>([p, q, r]: [[S; 3]; 3], [of_p, of_q, of_r]: [S; 3]) -> ([[S; 3]; 3], S) {
+    let (zero, minus_one) = (S::splat(0.0), S::splat(-1.0));
+    // Two equal sides leave the third. If all differ, one is 0, and not that of the apex.
+    let is_r = of_p.eq(of_q);
+    let is_q = of_p.eq(of_r) | (of_p.eq(zero) & (of_q * of_r).eq(minus_one));
+    let first = select(&is_r, r, select(&is_q, q, p));
+    let second = select(&is_r, p, select(&is_q, r, q));
+    let third = select(&is_r, q, select(&is_q, p, r));
+    let own = S::select(&is_r, of_r, S::select(&is_q, of_q, of_p));
+    let next = S::select(&is_r, of_p, S::select(&is_q, of_r, of_q));
+    ([first, second, third], S::select(&own.eq(zero), zero - next, own))
 }
 
-impl<S: Simd> Sign<S> {
-    #[inline(always)]
-    fn new(determinant: S, bound: S) -> Self {
-        let minus = S::splat(0.0) - bound;
-        Self { positive: bound.le(determinant), negative: determinant.le(minus) }
-    }
+/// 1 or −1 where a determinant reaches its bound, else 0.
+#[inline(always)]
+fn sign<S: Simd>(determinant: S, bound: S) -> S {
+    let (zero, one, minus_one) = (S::splat(0.0), S::splat(1.0), S::splat(-1.0));
+    let negative = S::select(&determinant.le(zero - bound), minus_one, zero);
+    S::select(&bound.le(determinant), one, negative)
+}
 
-    #[inline(always)]
-    fn known(&self) -> S::Mask {
-        self.positive | self.negative
-    }
+#[inline(always)]
+fn are_nonzero<S: Simd>([p, q, r]: [S; 3]) -> S::Mask {
+    (p * q * r).abs().eq(S::splat(1.0))
+}
 
-    /// Lanes in which two signs are known and equal.
-    #[inline(always)]
-    fn is(&self, other: &Self) -> S::Mask {
-        (self.positive & other.positive) | (self.negative & other.negative)
-    }
-
-    /// 1 or −1.
-    #[inline(always)]
-    fn to_float(&self) -> S {
-        S::select(&self.positive, S::splat(1.0), S::splat(-1.0))
-    }
+#[inline(always)]
+fn are_zero<S: Simd>([p, q, r]: [S; 3]) -> S::Mask {
+    (p.abs() + q.abs() + r.abs()).eq(S::splat(0.0))
 }
 
 /// The determinant det(b − a, c − a, d − a) and its error bound.

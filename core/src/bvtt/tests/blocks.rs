@@ -3,7 +3,7 @@
 use super::super::PosedBvh;
 use super::super::block::BlockCache;
 use super::super::cull::PairSets;
-use crate::exact::difference;
+use crate::exact::{difference, sides};
 use crate::one_ring::{CertifyOptions, OneRing, OneRings, history_bound, link_scratch_bound};
 use crate::simd::{LANES, Portable, Simd, Task, widest};
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
@@ -56,12 +56,14 @@ impl Task for Two<'_> {
 
 /// Small whole coordinates, mostly, on which planes and corners coincide.
 fn random_mesh(next: &mut impl FnMut(u32) -> u32) -> ([[f32; 3]; VERTICES], [[u32; 3]; 2 * LANES]) {
-    let scale = [1.0, 1.0, 0.1, 1e-12, 1e-36, 1e11, 1e13, 1e37][next(8) as usize];
+    let scale = [1.0, 1.0, 0.1, 1e-12, 1e-36, 1e11, 1e13, 3e35][next(8) as usize];
     let offset = [0.0, 0.0, 1e3, 3e7][next(4) as usize] * f32::min(scale, 1e20);
+    // On grids on which f32 makes no error, at their limits and beyond.
+    let cells = [4, 4, 128, 1_000][next(4) as usize];
     let mut positions = [[0.0; 3]; VERTICES];
     for x in positions.as_flattened_mut() {
         let nudge = [0.0, 0.0, 1e-7, 1e-3][next(4) as usize] * next(3) as f32;
-        *x = (next(4) as f32 + nudge) * scale + offset;
+        *x = (next(cells) as f32 + nudge) * scale + offset;
     }
     let mut triangles = [[0; 3]; 2 * LANES];
     for t in &mut triangles {
@@ -79,7 +81,8 @@ fn random_mesh(next: &mut impl FnMut(u32) -> u32) -> ([[f32; 3]; VERTICES], [[u3
 fn side_by_side_as_one_by_one() {
     let mut rng = seeded(11);
     let mut next = move |below: u32| rng.random_range(0..below);
-    let (mut by_planes, mut by_certificates, mut kept, mut hits, mut apart) = (0, 0, 0, 0, 0);
+    let (mut by_planes, mut by_certificates, mut kept, mut hits, mut apart, mut on_grid) =
+        (0, 0, 0, 0, 0, 0);
     for round in 0..if cfg!(miri) { 4 } else { 20_000 } {
         let (positions, triangles) = random_mesh(&mut next);
         let mut history = [0; history_bound(VERTICES, 2 * LANES)];
@@ -115,7 +118,11 @@ fn side_by_side_as_one_by_one() {
                 let meet = intersects(&a, &b, Accuracy::Exact);
                 assert!(is(found.apart.undecided) || is(found.apart.hits) == meet);
                 hits += u32::from(is(found.apart.hits));
-                apart += u32::from(is(single.apart.undecided & !found.apart.undecided) && !meet);
+                let is_known = !is(found.apart.undecided);
+                apart += u32::from(is(single.apart.undecided) && is_known && !meet);
+                // No error bound certifies that a determinant is zero.
+                let has_zero = sides(a.each_ref(), b.each_ref()).contains(&0);
+                on_grid += u32::from(is(found.apart.hits) && has_zero);
                 let separated = clearly_separated(&a, &b, &[]) || clearly_separated(&b, &a, &[]);
                 assert!(!is(found.apart.undecided) || !separated);
                 if ta == tb {
@@ -144,7 +151,7 @@ fn side_by_side_as_one_by_one() {
     }
     // The few rounds under miri need not have all of them.
     let least = if cfg!(miri) { 0 } else { 500 };
-    let counts = [by_planes, by_certificates, kept, hits, apart];
+    let counts = [by_planes, by_certificates, kept, hits, apart, on_grid];
     assert!(counts.iter().all(|count| *count >= least), "{counts:?}");
 }
 
