@@ -170,3 +170,48 @@ fn clearly_separated(a: &Triangle, b: &Triangle, shared: &[bool]) -> bool {
     let margin = 1e-5 * extent.element_product() + 1e-29;
     low <= high && (low > margin || high < -margin) && extent.max_element() < 1e12
 }
+
+/// Corners on planes and as little beside them as a grid allows, on grids that f32 computes on without error and finer ones.
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long; the other test runs the same code")]
+fn corners_beside_planes_of_a_grid() {
+    let mut rng = seeded(12);
+    let (mut touching, mut beside, mut open) = (0, 0, 0);
+    for _ in 0..50_000 {
+        let mut next = |most: i32| rng.random_range(-most..=most);
+        let (size, unit) = ([6, 10, 15, 60, 500][(2 + next(2)) as usize], 2f32.powi(20 * next(3)));
+        let [a, b, c] = [[0; 3]; 3].map(|p| p.map(|_| next(size)));
+        let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| i64::from(p[k] - a[k])));
+        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        // A point within the triangle, seen from above, and so high that the determinant is as wanted.
+        let (wanted, mut tip) = (i64::from(next(2)), None);
+        for _ in 0..4 * size {
+            let (i, j) = (next(50).abs(), next(50).abs());
+            let [x, y] = [0, 1].map(|k| (i64::from(i) * u[k] + i64::from(j) * v[k]) / 100);
+            let rest = wanted - n[0] * x - n[1] * y;
+            if n[2] != 0 && rest % n[2] == 0 {
+                tip = Some([x as i32 + a[0], y as i32 + a[1], (rest / n[2]) as i32 + a[2]]);
+            }
+        }
+        let Some(tip) = tip else { continue };
+        let [mut d, e] = [[0; 3]; 2].map(|_| tip.map(|x| x + next(size)));
+        if next(1) == 0 {
+            // In the plane, beside the triangle.
+            d = [0, 1, 2].map(|k| 2 * b[k] - a[k]);
+        }
+        let positions = [a, b, c, tip, d, e].map(|p| p.map(|x| x as f32 * unit));
+        let mesh = Mesh::new(&positions, &[[0, 1, 2], [3, 4, 5]]).unwrap();
+        let [a, b] = [0, 1].map(|t| mesh.triangle(t));
+        let found = widest(Two { mesh, leaves: [&[0], &[1]], rings: &[] }).apart;
+        let meet = intersects(&a, &b, Accuracy::Exact);
+        assert!(found.undecided != 0 || (found.hits != 0) == meet, "{a:?} {b:?}");
+        open += found.undecided;
+        if wanted == 0 {
+            touching += found.hits;
+        } else {
+            beside += found.overlapping & !found.undecided;
+        }
+    }
+    let counts = [touching, beside, open];
+    assert!(counts.iter().all(|count| *count >= 500), "{counts:?}");
+}
