@@ -50,7 +50,7 @@ rows! {
     flat: "flat", true;
     teleport: "teleport", true;
     onset_and_loss: "onset-and-loss", true;
-    skewed: "skewed", false;
+    skewed: "skewed", true;
     one_against_many: "one-against-many", true;
     few_nodes: "few-nodes", false;
     identical: "identical", true;
