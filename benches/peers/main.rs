@@ -10,6 +10,8 @@
 //! - Within the sheet, only pfront judges triangles that share a vertex, and answers for them as well;
 //!   the others leave them out.
 //! - Each body of the 500 has a mesh of its own, as if no two were alike.
+//! - Flush contact is between two voxel solids on one grid: coplanar faces that overlap, touch along
+//!   edges or at corners. "posed" is wrong there because a quaternion does not rotate exactly.
 //!
 //! Answers are checked in every frame before anything is timed: what an exact test leaves of all
 //! candidates of parry's BVHs has to be what pfront finds. What the others miss and invent is printed.
@@ -34,6 +36,7 @@ fn all_pairs(c: &mut Criterion) {
         Work::course("two bodies 500K", 500_000),
         Work::sheet("sheet 92K", 92_000),
         Work::crowd("500 bodies 800K", 500),
+        Work::voxels("flush contact 5K", 5000),
     ];
     for work in &works {
         let truth = truth(work);

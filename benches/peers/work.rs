@@ -3,7 +3,9 @@
 use pfront::{Accuracy, Model, PairQuery, Pose, TrianglePair};
 use pfront_core::triangle::intersects;
 use pfront_testkit::MeshData;
+use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::scenes::{Kind, Scene, icosphere, torus_knot};
+use std::collections::HashSet;
 
 /// Two bodies, the first of them first, and a triangle of each. Of one body both are the same, and the
 /// triangles ascend.
@@ -21,7 +23,7 @@ pub(crate) struct Work {
 }
 
 enum Motion {
-    /// Poses of the bodies in each frame. A body in [`Pose::IDENTITY`] rests there in all of them.
+    /// Poses of the bodies in each frame.
     Rigid(Vec<Vec<Pose>>),
     /// Positions of the only body in each frame.
     Deforming(Vec<Vec<[f32; 3]>>),
@@ -89,6 +91,23 @@ impl Work {
         Self { name: name.to_owned(), meshes, motion }
     }
 
+    /// Two solids of unit cubes, of so many triangles each. The second is posed by the 24 rotations of
+    /// a cube and random whole numbers, so that faces and edges coincide.
+    pub(crate) fn voxels(name: &str, triangles: usize) -> Self {
+        let mut random = seeded(SEED);
+        let meshes = vec![voxels(triangles, &mut random), voxels(triangles, &mut random)];
+        let axis = |i| [0, 1, 2].map(|k| if k == i % 3 { 1.0 - 2.0 * (i / 3) as f32 } else { 0.0 });
+        let pose = |(i, j)| {
+            let ([a, b, c], [d, e, f]) = (axis(i), axis(j));
+            let rows = [[a, b, c], [d, e, f], [b * f - c * e, c * d - a * f, a * e - b * d]];
+            let mut row = |[x, y, z]: [f32; 3]| [x, y, z, random.random_range(-9..=9) as f32];
+            vec![Pose::IDENTITY, Pose::new(rows.map(&mut row))]
+        };
+        let two_axes = (0..36).map(|n| (n / 6, n % 6)).filter(|(i, j)| i % 3 != j % 3);
+        let frames = two_axes.map(pose).collect();
+        Self { name: name.to_owned(), meshes, motion: Motion::Rigid(frames) }
+    }
+
     pub(crate) fn frames(&self) -> usize {
         match &self.motion {
             Motion::Rigid(frames) => frames.len(),
@@ -125,7 +144,8 @@ impl Work {
 
     /// Whether a body never moves.
     pub(crate) fn rests(&self, body: usize) -> bool {
-        matches!(&self.motion, Motion::Rigid(frames) if frames[0][body] == Pose::IDENTITY)
+        let rests = |poses: &Vec<Pose>| poses[body] == Pose::IDENTITY;
+        matches!(&self.motion, Motion::Rigid(frames) if frames.iter().all(rests))
     }
 
     /// Whether no vertex of one body belongs to both triangles.
@@ -153,6 +173,39 @@ impl Work {
 
 pub(crate) fn model(mesh: &MeshData) -> Model {
     Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap()
+}
+
+/// The surface of unit cubes, each beside a random one before it: closed, welded, turned outward.
+fn voxels(triangles: usize, random: &mut impl Rng) -> MeshData {
+    let beside = |cube: [i32; 3], side: usize| {
+        let mut cube = cube;
+        cube[side / 2] += 2 * (side % 2) as i32 - 1;
+        cube
+    };
+    let (mut cubes, mut solid) = (vec![[0; 3]], HashSet::from([[0; 3]]));
+    let mut faces = 6;
+    while 2 * faces < triangles {
+        let cube = beside(cubes[random.random_range(0..cubes.len())], random.random_range(0..6));
+        if solid.insert(cube) {
+            cubes.push(cube);
+            faces += 6;
+            faces -= 2 * (0..6).filter(|&side| solid.contains(&beside(cube, side))).count();
+        }
+    }
+    let faces = cubes.iter().flat_map(|&cube| (0..6).map(move |side| (cube, side)));
+    let outside = faces.filter(|&(cube, side)| !solid.contains(&beside(cube, side)));
+    let halves = outside.flat_map(|(cube, side)| {
+        let corner = |[u, v]: [i32; 2]| {
+            let (mut p, k) = (cube, side / 2);
+            p[k] += (side % 2) as i32;
+            p[(k + 1) % 3] += u;
+            p[(k + 2) % 3] += v;
+            p.map(|x| x as f32)
+        };
+        let [a, b, c, d] = [[0, 0], [1, 0], [1, 1], [0, 1]].map(corner);
+        if side % 2 == 1 { [[a, b, c], [a, c, d]] } else { [[c, b, a], [d, c, a]] }
+    });
+    MeshData::of(halves).welded()
 }
 
 /// All poses in a frame of a scene.
