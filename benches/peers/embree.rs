@@ -15,27 +15,14 @@ use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::sync::Mutex;
 
 /// All hits by a plain test in f32. Triangles that share a vertex of one mesh are left out.
-pub(crate) fn all(work: &Work) -> Finder<'_> {
-    let embree = Embree::new(work);
-    let mut boxes: Vec<_> = (0..work.meshes.len()).map(|body| embree.refit(body)).collect();
-    Box::new(move |frame, found| {
-        for (i, aabb) in boxes.iter_mut().enumerate().filter(|(i, _)| !work.rests(*i)) {
-            embree.bodies[i].place(work.positions(frame, i));
-            *aabb = embree.refit(i);
-        }
-        if boxes.len() == 1 {
-            return embree.collide([0; 2], found);
-        }
-        for (j, b) in boxes.iter().enumerate() {
-            for i in (0..j).filter(|&i| boxes[i].overlaps(b)) {
-                embree.collide([i, j], found);
-            }
-        }
-    })
+pub(crate) fn all(work: &Work) -> Box<dyn Finder + '_> {
+    Box::new(Embree::new(work))
 }
 
-/// A scene for each body.
-struct Embree {
+/// A scene for each body, and its box.
+struct Embree<'w> {
+    work: &'w Work,
+    boxes: Vec<Aabb>,
     scenes: Vec<Scene>,
     device: Handle,
     bodies: Vec<Body>,
@@ -59,8 +46,28 @@ struct Narrow<'e> {
     found: Mutex<&'e mut Vec<Hit>>,
 }
 
-impl Embree {
-    fn new(work: &Work) -> Self {
+impl Finder for Embree<'_> {
+    fn place(&mut self, frame: usize) {
+        for i in (0..self.bodies.len()).filter(|&i| !self.work.rests(i)) {
+            self.bodies[i].place(self.work.positions(frame, i));
+            self.boxes[i] = self.refit(i);
+        }
+    }
+
+    fn find(&mut self, _: usize, found: &mut Vec<Hit>) {
+        if self.boxes.len() == 1 {
+            return self.collide([0; 2], found);
+        }
+        for (j, b) in self.boxes.iter().enumerate() {
+            for i in (0..j).filter(|&i| self.boxes[i].overlaps(b)) {
+                self.collide([i, j], found);
+            }
+        }
+    }
+}
+
+impl<'w> Embree<'w> {
+    fn new(work: &'w Work) -> Self {
         let bodies = work.meshes.iter().map(|mesh| Body {
             positions: mesh.positions.iter().copied().map(Cell::new).collect(),
             triangles: mesh.triangles.clone(),
@@ -70,7 +77,9 @@ impl Embree {
         let device = unsafe { rtcNewDevice(c"threads=1".as_ptr()) };
         assert!(!device.is_null(), "no Embree device");
         let scenes = bodies.iter().map(|body| Scene::new(device, body)).collect();
-        Self { scenes, device, bodies }
+        let mut embree = Self { work, boxes: Vec::new(), scenes, device, bodies };
+        embree.boxes = (0..embree.bodies.len()).map(|body| embree.refit(body)).collect();
+        embree
     }
 
     /// To be called first and when a body has moved; returns its box.
@@ -132,7 +141,7 @@ impl Drop for Scene {
     }
 }
 
-impl Drop for Embree {
+impl Drop for Embree<'_> {
     fn drop(&mut self) {
         // They point to the bodies, which are about to go.
         self.scenes.clear();

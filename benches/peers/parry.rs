@@ -32,21 +32,38 @@ pub(crate) fn fast(a: &Triangle, b: &Triangle) -> bool {
 pub(crate) fn all<'w>(
     work: &'w Work,
     meets: impl Fn(&Triangle, &Triangle) -> bool + 'w,
-) -> Finder<'w> {
-    let mut meshes: Vec<_> = work.meshes.iter().map(mesh).collect();
+) -> Box<dyn Finder + 'w> {
+    let meshes: Vec<_> = work.meshes.iter().map(mesh).collect();
     let boxes: Vec<Aabb> = meshes.iter().map(TriMesh::local_aabb).collect();
-    let mut broad = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-    let mut workspace = BvhWorkspace::default();
-    Box::new(move |frame, found| {
-        for (i, mesh) in meshes.iter_mut().enumerate().filter(|(i, _)| !work.rests(*i)) {
+    let broad = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+    Box::new(Refitted { work, meets, meshes, broad, workspace: BvhWorkspace::default() })
+}
+
+struct Refitted<'w, F> {
+    work: &'w Work,
+    meets: F,
+    meshes: Vec<TriMesh>,
+    broad: Bvh,
+    workspace: BvhWorkspace,
+}
+
+impl<F: Fn(&Triangle, &Triangle) -> bool> Finder for Refitted<'_, F> {
+    fn place(&mut self, frame: usize) {
+        let work = self.work;
+        for (i, mesh) in self.meshes.iter_mut().enumerate().filter(|(i, _)| !work.rests(*i)) {
             mesh.update_vertices(|vertices| {
                 let posed = work.positions(frame, i).map(Vec3::from_array);
                 vertices.iter_mut().zip(posed).for_each(|(vertex, p)| *vertex = p);
             });
-            broad.insert_or_update_partially(mesh.local_aabb(), i as u32, 0.0);
+            self.broad.insert_or_update_partially(mesh.local_aabb(), i as u32, 0.0);
         }
+        self.broad.refit_without_opt();
+    }
+
+    fn find(&mut self, _: usize, found: &mut Vec<Hit>) {
+        let Self { meets, meshes, broad, workspace, .. } = self;
         if let [mesh] = &meshes[..] {
-            mesh.bvh().traverse_bvtt_single_tree::<false>(&mut workspace, &mut |i, j| {
+            mesh.bvh().traverse_bvtt_single_tree::<false>(workspace, &mut |i, j| {
                 let (i, j) = (i.min(j), i.max(j));
                 if !neighbours(mesh, i, j) && meets(&mesh.triangle(i), &mesh.triangle(j)) {
                     found.push(([0; 2], TrianglePair { a: i, b: j }));
@@ -54,15 +71,14 @@ pub(crate) fn all<'w>(
             });
             return;
         }
-        broad.refit_without_opt();
-        broad.traverse_bvtt_single_tree::<false>(&mut workspace, &mut |i, j| {
+        broad.traverse_bvtt_single_tree::<false>(workspace, &mut |i, j| {
             let bodies = [i.min(j), i.max(j)];
             let [a, b] = bodies.map(|i| &meshes[i as usize]);
             let candidates = a.bvh().leaf_pairs(b.bvh(), BvhNode::intersects);
             let hits = candidates.filter(|&(i, j)| meets(&a.triangle(i), &b.triangle(j)));
             found.extend(hits.map(|(a, b)| (bodies, TrianglePair { a, b })));
         });
-    })
+    }
 }
 
 fn neighbours(mesh: &TriMesh, i: u32, j: u32) -> bool {
@@ -75,24 +91,28 @@ fn neighbours(mesh: &TriMesh, i: u32, j: u32) -> bool {
 pub(crate) fn posed<'w>(
     work: &'w Work,
     meets: impl Fn(&Triangle, &Triangle) -> bool + 'w,
-) -> Finder<'w> {
+) -> Box<dyn Finder + 'w> {
     let (meshes, poses) = two(work);
-    Box::new(move |frame, found| found.extend(posed_hits(&meshes, &poses[frame], &meets)))
+    Box::new(move |frame: usize, found: &mut Vec<Hit>| {
+        found.extend(posed_hits(&meshes, &poses[frame], &meets));
+    })
 }
 
 /// The first hit of [`posed`].
 pub(crate) fn first_posed<'w>(
     work: &'w Work,
     meets: impl Fn(&Triangle, &Triangle) -> bool + 'w,
-) -> Finder<'w> {
+) -> Box<dyn Finder + 'w> {
     let (meshes, poses) = two(work);
-    Box::new(move |frame, found| found.extend(posed_hits(&meshes, &poses[frame], &meets).next()))
+    Box::new(move |frame: usize, found: &mut Vec<Hit>| {
+        found.extend(posed_hits(&meshes, &poses[frame], &meets).next());
+    })
 }
 
 /// The hit of two bodies at which parry's own query stops.
-pub(crate) fn first(work: &Work) -> Finder<'_> {
+pub(crate) fn first(work: &Work) -> Box<dyn Finder + '_> {
     let ([a, b], poses) = two(work);
-    Box::new(move |frame, found| {
+    Box::new(move |frame: usize, found: &mut Vec<Hit>| {
         let hit = intersection_test(&Pose::IDENTITY, &a, &poses[frame], &b).unwrap();
         let pair = TrianglePair { a: hit.subshape1, b: hit.subshape2 };
         found.extend(hit.intersecting.then_some(([0, 1], pair)));

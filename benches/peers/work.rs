@@ -6,13 +6,27 @@ use pfront_testkit::MeshData;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::scenes::{Kind, Scene, icosphere, torus_knot};
 use std::collections::HashSet;
+use std::path::PathBuf;
 
 /// Two bodies, the first of them first, and a triangle of each. Of one body both are the same, and the
 /// triangles ascend.
 pub(crate) type Hit = ([u32; 2], TrianglePair);
 
-/// Moves everything to a frame and adds its hits, in any order.
-pub(crate) type Finder<'w> = Box<dyn FnMut(usize, &mut Vec<Hit>) + 'w>;
+/// A library that is asked for the hits of a work.
+pub(crate) trait Finder {
+    /// Moves everything to a frame: poses vertices, refits BVHs.
+    fn place(&mut self, _frame: usize) {}
+
+    /// Adds the hits, in any order, of the frame that everything was moved to.
+    fn find(&mut self, frame: usize, found: &mut Vec<Hit>);
+}
+
+/// A query that takes poses has nothing to place.
+impl<F: FnMut(usize, &mut Vec<Hit>)> Finder for F {
+    fn find(&mut self, frame: usize, found: &mut Vec<Hit>) {
+        self(frame, found);
+    }
+}
 
 /// Bodies and where they are in each frame.
 pub(crate) struct Work {
@@ -31,26 +45,31 @@ enum Motion {
 
 /// Distance of neighbours in a crowd, whose radii are 1.4 and 1.
 const GAP: f32 = 2.03;
-/// Random poses of the second of two bodies.
-const POSES: usize = 10;
-/// Frames of everything else.
+/// Frames of the sheet and of the crowd.
 const FRAMES: usize = 5;
 const SEED: u64 = 5;
 
 impl Work {
     /// Two torus knots of so many triangles each, the second in random poses in which coarse ones meet.
-    pub(crate) fn course(name: &str, triangles: usize) -> Self {
-        let course = |triangles| {
-            let knot = torus_knot(triangles);
-            Scene::course(knot.clone(), knot, usize::MAX, SEED)
-        };
-        let (scene, coarse) = (course(triangles), course(2000));
-        let [a, b] = [0, 1].map(|i| model(&coarse.meshes[i]));
-        let meet = |frame: &usize| {
-            PairQuery::new().any(&a, &b, &poses(&coarse, *frame)[1]).unwrap().is_some()
-        };
-        let poses = (0..).filter(meet).take(POSES).map(|frame| poses(&scene, frame)).collect();
-        Self { name: name.to_owned(), meshes: scene.meshes, motion: Motion::Rigid(poses) }
+    pub(crate) fn course(name: &str, triangles: usize, frames: usize) -> Self {
+        let (scene, coarse) = (knots(triangles), knots(2000));
+        let meet = meet(&coarse);
+        let met = (0..).filter(|&frame| meet(poses(&coarse, frame)[1]));
+        let motion = Motion::Rigid(met.take(frames).map(|frame| poses(&scene, frame)).collect());
+        Self { name: name.to_owned(), meshes: scene.meshes, motion }
+    }
+
+    /// Two torus knots of so many triangles each, the second in random poses in which they do not meet,
+    /// but would if it were 1 % larger.
+    pub(crate) fn near_miss(name: &str, triangles: usize, frames: usize) -> Self {
+        let scene = knots(triangles);
+        let meet = meet(&scene);
+        let larger = |pose: Pose| pose.rows.map(|[x, y, z, t]| [1.01 * x, 1.01 * y, 1.01 * z, t]);
+        let missed = (0..)
+            .map(|frame| poses(&scene, frame))
+            .filter(|poses| !meet(poses[1]) && meet(Pose::new(larger(poses[1]))));
+        let motion = Motion::Rigid(missed.take(frames).collect());
+        Self { name: name.to_owned(), meshes: scene.meshes, motion }
     }
 
     /// The folded sheet, in consecutive frames in which its pleats meet.
@@ -64,6 +83,26 @@ impl Work {
         };
         let frames = (100..100 + FRAMES).map(frame).collect();
         Self { name: name.to_owned(), meshes: scene.meshes, motion: Motion::Deforming(frames) }
+    }
+
+    /// Two recorded frames of the cloth-ball, or a message where the data are missing.
+    pub(crate) fn cloth_ball(name: &str) -> Option<Self> {
+        let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
+        let folder = std::env::var_os("PFRONT_DATA").map_or_else(|| beside.into(), PathBuf::from);
+        let read = |frame: usize| {
+            pfront_cli::mesh::read(&folder.join(format!("cloth/cloth_ball/cloth_ball{frame}.ply")))
+        };
+        let (first, second) = match (read(92), read(93)) {
+            (Ok(first), Ok(second)) => (first, second),
+            (Err(error), _) | (_, Err(error)) => {
+                eprintln!(
+                    "{name} is left out: {error} (set PFRONT_DATA to the folder with cloth/)"
+                );
+                return None;
+            }
+        };
+        let motion = Motion::Deforming(vec![first.positions.clone(), second.positions]);
+        Some(Self { name: name.to_owned(), meshes: vec![first], motion })
     }
 
     /// So many bodies of about 1,600 triangles in layers of 8 × 8, knots and spheres by turns. Each has
@@ -206,6 +245,18 @@ fn voxels(triangles: usize, random: &mut impl Rng) -> MeshData {
         if side % 2 == 1 { [[a, b, c], [a, c, d]] } else { [[c, b, a], [d, c, a]] }
     });
     MeshData::of(halves).welded()
+}
+
+/// Two torus knots of so many triangles each, the second in random poses.
+fn knots(triangles: usize) -> Scene {
+    let knot = torus_knot(triangles);
+    Scene::course(knot.clone(), knot, usize::MAX, SEED)
+}
+
+/// Whether two bodies meet in a pose of the second.
+fn meet(scene: &Scene) -> impl Fn(Pose) -> bool + use<> {
+    let [a, b] = [0, 1].map(|i| model(&scene.meshes[i]));
+    move |pose| PairQuery::new().any(&a, &b, &pose).unwrap().is_some()
 }
 
 /// All poses in a frame of a scene.
