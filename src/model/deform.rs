@@ -114,6 +114,9 @@ impl Model {
             if let Some(certificates) = self.certificates.stale_mut() {
                 certificates.fall_behind();
             }
+            if let Some(patches) = self.patches.stale_mut() {
+                patches.fall_behind();
+            }
         }
         self.moves.add(&self.positions, positions);
         by_parts(parallel, positions, &mut self.positions, &|new, own| {
@@ -123,6 +126,7 @@ impl Model {
         self.stamp.moved();
         self.tree.outdate();
         self.certificates.outdate();
+        self.patches.outdate();
         self.sphere.take();
         Ok(true)
     }
@@ -146,7 +150,12 @@ impl Model {
         if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
             tree.rebuild(mesh, options, parallel);
             self.stamp.rebuilt();
+            self.patches.outdate();
         }
+        if let (Some(tree), Some(patches)) = (self.tree.fresh(), self.patches.stale_mut()) {
+            patches.renew(&tree.bvh(mesh), tree.builds(), moves, parallel);
+        }
+        self.patches.renewed();
     }
 
     /// Makes room for what refits need that are of few vertices, so that not even the first allocates.
@@ -191,6 +200,12 @@ mod tests {
         assert_eq!(model.positions, moved);
         assert_eq!(model.bvh().nodes(), alone.bvh().nodes());
         assert_eq!(certified(&model), certified(&alone));
+        let held = |model: &Model| -> Vec<bool> {
+            let patches = model.patches();
+            (0..patches.count()).map(|patch| patches.is_certified(patch)).collect()
+        };
+        assert_eq!(held(&model), held(&alone));
+        assert!(held(&model).contains(&true) && held(&model).contains(&false));
         assert_ne!(certified(&model), known);
     }
 

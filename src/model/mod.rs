@@ -5,6 +5,7 @@ mod certificates;
 mod deform;
 mod moves;
 mod passes;
+mod patches;
 mod renewed;
 mod stamp;
 mod tree;
@@ -18,8 +19,10 @@ use moves::Moves;
 #[cfg(feature = "threads")]
 use passes::THREADS;
 use passes::{ONE_THREAD, Parallel};
+use patches::OwnPatches;
 use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
+use pfront_core::patch::CertifiedPatches;
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;
 use std::fmt;
@@ -51,6 +54,7 @@ pub struct Model {
     tree: Renewed<Tree>,
     /// Made when the mesh is first asked about itself.
     certificates: Renewed<Certificates>,
+    patches: Renewed<OwnPatches>,
     /// Made when a scene first asks for it.
     sphere: OnceLock<Option<Sphere>>,
 }
@@ -151,6 +155,7 @@ impl Model {
             moves: Moves::default(),
             tree: Renewed::new(tree),
             certificates: Renewed::unmade(),
+            patches: Renewed::unmade(),
             sphere: OnceLock::new(),
         }
     }
@@ -175,6 +180,15 @@ impl Model {
         let mesh = self.mesh();
         let renew = |stale: &mut Certificates| stale.renew(mesh, &self.moves, ONE_THREAD);
         self.certificates.get(renew, || Certificates::new(mesh)).certified(mesh)
+    }
+
+    /// The patch certificates that self-collision uses: made at the first call, which takes as long as a build, and kept up
+    /// to date from then on, as the BVH is.
+    #[must_use]
+    pub fn patches(&self) -> CertifiedPatches<'_> {
+        let (bvh, builds) = (self.bvh(), self.tree().builds());
+        let renew = |stale: &mut OwnPatches| stale.renew(&bvh, builds, &self.moves, ONE_THREAD);
+        self.patches.get(renew, || OwnPatches::new(&bvh, builds)).certified(self.mesh())
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
@@ -208,6 +222,7 @@ impl Model {
             + self.moves.bytes()
             + self.tree.map(Tree::bytes).unwrap_or_else(|| self.tree().bytes())
             + self.certificates.map(Certificates::bytes).unwrap_or_default()
+            + self.patches.map(OwnPatches::bytes).unwrap_or_default()
     }
 
     /// The tree as it fits the positions.
@@ -252,6 +267,7 @@ impl Clone for Model {
             moves: self.moves.clone(),
             tree,
             certificates: self.certificates.clone(),
+            patches: self.patches.clone(),
             sphere: self.sphere.clone(),
         }
     }

@@ -17,6 +17,8 @@ pub(super) struct Tree {
     /// The quality figure right after the last build, and as it is.
     built: f32,
     quality: f32,
+    /// How often it has been built.
+    builds: u32,
 }
 
 impl Tree {
@@ -62,6 +64,11 @@ impl Tree {
         // Changes no box of a new tree.
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
+        self.builds = self.builds.wrapping_add(1);
+    }
+
+    pub(super) fn builds(&self) -> u32 {
+        self.builds
     }
 
     /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then.

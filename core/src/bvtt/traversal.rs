@@ -43,6 +43,9 @@ impl<A: Layout, B: Layout, const SELF: bool> Task for Traversal<'_, '_, '_, A, B
         while let Some(n) = cursor.pop() {
             if query.is_apart(n, cursor) {
                 // As the second mesh sees it.
+            } else if SELF && query.patches.is_some_and(|patches| patches.hold(n)) {
+                // Neighbours in one sheet. To look them up takes as long as a box test.
+                cursor.spend_box_tests(1);
             } else if query.is_leaf_pair(n) {
                 let flow = query.visit_leaf_pair::<S>(n, &mut blocks, cursor, visit);
                 if cursor.is_inside_leaf_pair() {

@@ -11,6 +11,7 @@ use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
 use crate::aabb::Bounds;
 use crate::bvh::Layout;
 use crate::one_ring::{Certified, OneRing};
+use crate::patch::CertifiedPatches;
 use crate::pose::{Affine, PoseError};
 use crate::simd::VECTORS;
 use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact};
@@ -55,6 +56,7 @@ pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
     pub(super) inexact_test: Option<InexactTest>,
     pub(super) adjacency: Adjacency,
     pub(super) rings: &'a [OneRing],
+    pub(super) patches: Option<CertifiedPatches<'a>>,
     pub(super) boxes_only: bool,
     /// Computed once, as fronts ask for it often, like `leaf_edge`.
     root: Option<NodePair>,
@@ -129,6 +131,16 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
         Self { rings: certified.of_mesh(self.a.bvh.mesh()), ..self }
     }
 
+    /// The same pairs, found sooner where leaves are of one certified patch: see [`patch`](crate::patch).
+    ///
+    /// Patches of another mesh are not used: both must borrow the same positions and triangles. They must be those of this
+    /// very BVH, or of one that differs by refits only.
+    #[must_use]
+    pub fn with_patches(self, certified: CertifiedPatches<'a>) -> Self {
+        let is_own = certified.are_of(self.a.bvh.mesh());
+        Self { patches: is_own.then_some(certified), ..self }
+    }
+
     /// Asks for all pairs of triangles whose boxes overlap, neighbours included. With each box of a set given
     /// as a triangle through two opposite corners, that is the broad phase of the set.
     ///
@@ -146,7 +158,7 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     /// ```
     #[must_use]
     pub fn boxes_only(self) -> Self {
-        Self { boxes_only: true, ..self }
+        Self { boxes_only: true, patches: None, ..self }
     }
 }
 
@@ -162,6 +174,7 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
             inexact_test: None,
             adjacency: Adjacency::SharedIndexRule,
             rings: &[],
+            patches: None,
             boxes_only: false,
             root: None,
             leaf_edge: a.bvh.leaf_edge().max(b.bvh.leaf_edge()),

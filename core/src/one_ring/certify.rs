@@ -230,19 +230,23 @@ const fn bytes(bits: u32) -> u32 {
     (bits | bits << 7 | bits << 14) & 0x1_0101
 }
 
+/// Bound of the error of a 2×2 determinant, relative to the extents: see the module.
+pub(crate) const TURN_ERROR: f32 = 4.9e-7;
+
+/// 2^60: products of two differences stay far from overflow.
+pub(crate) const MAX_DIFFERENCE: f32 = 1.152_921_5e18;
+
 /// Bit k is set if the coordinate k of the normal u × v is not certified to be positive, and bit k + 3 if it is not
 /// certified to be negative.
 #[inline]
-fn uncertified_signs(u: Vec3A, v: Vec3A) -> u32 {
-    const BOUND: f32 = 4.9e-7;
-    /// 2^60: products of two stay far from overflow.
-    const MAX_DIFFERENCE: f32 = 1.152_921_5e18;
+pub(crate) fn uncertified_signs(u: Vec3A, v: Vec3A) -> u32 {
     let extent = u.abs().max(v.abs());
     if extent.max_element() > MAX_DIFFERENCE {
         return 0x3f;
     }
     let normal = u.cross(v);
-    let bound = Vec3A::new(extent.y * extent.z, extent.z * extent.x, extent.x * extent.y) * BOUND
+    let bound = Vec3A::new(extent.y * extent.z, extent.z * extent.x, extent.x * extent.y)
+        * TURN_ERROR
         + Vec3A::splat(f32::MIN_POSITIVE);
     let (positive, negative) = (normal.cmpgt(bound).bitmask(), normal.cmplt(-bound).bitmask());
     !(positive | negative << 3) & 0x3f

@@ -22,8 +22,8 @@
 //!
 //! Neighbours around a certified vertex are therefore no hits under any rule of
 //! [`Adjacency`](crate::triangle::Adjacency). Other vertices (sharp folds, several rings, more than 15 triangles) are
-//! not certified, and their pairs are tested as all others are. Unlike the paper, only one-rings are certified and not
-//! larger patches; in return both conditions are decided exactly, by certified signs and by comparisons.
+//! not certified, and their pairs are tested as all others are. Both conditions are decided exactly, by certified signs and
+//! by comparisons. Larger pieces are certified by [`patch`](crate::patch).
 
 mod certify;
 mod link;
@@ -36,6 +36,7 @@ use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable, must_cast_slice, must_cast_slice_mut};
 pub use certify::CertifyOptions;
 use certify::Span;
+pub(crate) use certify::{MAX_DIFFERENCE, TURN_ERROR, uncertified_signs};
 pub use link::{link_scratch_bound, links_bound};
 
 /// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.

@@ -1,0 +1,101 @@
+//! Self-collision of small sheets against brute force with the exact oracle: where patch certificates answer.
+
+use pfront::{Model, SelfQuery, TrianglePair};
+use pfront_testkit::oracle::self_pairs;
+use pfront_testkit::rng::{Rng, RngExt, seeded, seq::SliceRandom};
+
+/// The vertices of a sheet of so many quads, flat, rolled up, wound or folded, then disturbed. The last is where the one in
+/// the middle of the first row is.
+fn bent([width, height]: [u32; 2], rng: &mut impl Rng) -> Vec<[f32; 3]> {
+    let kind = rng.random_range(0..5);
+    let noise = [0.0, 0.1, 0.4][rng.random_range(0..3)];
+    let whole = rng.random_bool(0.4);
+    let (turned, turns) = (rng.random_range(0..3), rng.random_range(0.5..1.3));
+    let mut points = Vec::new();
+    for y in 0..=height {
+        for x in 0..=width {
+            let [u, v] = [x as f32, y as f32];
+            let along = u / width as f32;
+            let angle = turns * std::f32::consts::TAU * along;
+            let mut p = match kind {
+                0 => [u, v, 0.0],
+                // A roll, and a ring in one plane, whose ends meet or overlap.
+                1 => [2.0 * angle.cos(), v, 2.0 * angle.sin()],
+                2 => [(2.0 + v) * angle.cos(), (2.0 + v) * angle.sin(), 0.0],
+                // A winding staircase.
+                3 => [(2.0 + v) * angle.cos(), (2.0 + v) * angle.sin(), along],
+                // A fold.
+                _ => [(u - 0.5 * width as f32).abs(), v, 0.1 * along],
+            };
+            for x in &mut p {
+                *x += noise * rng.random_range(-1.0..1.0);
+                // On a coarse lattice, much is level, in line and in one plane.
+                *x = if whole { (*x * 2.0).round() } else { *x };
+            }
+            p.rotate_left(turned);
+            points.push(p);
+        }
+    }
+    points.push(points[width as usize / 2]);
+    points
+}
+
+/// The triangles of a sheet, in any order, a few of them turned over, missing or there twice; some sheets have a slit.
+fn sheet([width, height]: [u32; 2], rng: &mut impl Rng) -> Vec<[u32; 3]> {
+    let faults = if rng.random_bool(0.7) { 0.0 } else { 0.05 };
+    let has_slit = rng.random_bool(0.3);
+    let mut triangles = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let corner = |i: u32, j: u32| (y + j) * (width + 1) + x + i;
+            let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+            let halves = [[[a, b, c], [a, c, d]], [[a, b, d], [b, c, d]]];
+            for mut t in halves[rng.random_range(0..2)] {
+                if has_slit && x >= width / 2 {
+                    let last = (width + 1) * (height + 1);
+                    t = t.map(|vertex| if vertex == width / 2 { last } else { vertex });
+                }
+                t.rotate_left(rng.random_range(0..3));
+                if rng.random_bool(faults) {
+                    t.swap(0, 1);
+                }
+                let times = if rng.random_bool(faults) { rng.random_range(0..3) } else { 1 };
+                triangles.extend(std::iter::repeat_n(t, times));
+            }
+        }
+    }
+    triangles.shuffle(rng);
+    triangles
+}
+
+#[test]
+fn sheets_of_every_kind() {
+    let mut rng = seeded(10);
+    let (mut certified, mut patches, mut met) = (0, 0, 0);
+    for round in 0..2_000 {
+        let size = [rng.random_range(2..10), rng.random_range(1..5)];
+        let triangles = sheet(size, &mut rng);
+        let mut model = Model::new(bent(size, &mut rng), triangles.clone()).unwrap();
+        let mut query = SelfQuery::new();
+        for time in 0..3 {
+            let truth = self_pairs(model.mesh().positions(), &triangles);
+            let truth: Vec<_> = truth.iter().map(|&(a, b)| TrianglePair { a, b }).collect();
+            assert_eq!(query.all(&model).unwrap(), truth, "round {round}: {model:?}");
+            let of_model = model.patches();
+            certified +=
+                (0..of_model.count()).filter(|&patch| of_model.is_certified(patch)).count();
+            patches += of_model.count();
+            met += truth.len();
+            // All vertices move, and then one.
+            let mut moved = bent(size, &mut rng);
+            if time == 1 {
+                moved.clone_from_slice(model.mesh().positions());
+                let vertex = rng.random_range(0..moved.len());
+                moved[vertex][rng.random_range(0..3)] += rng.random_range(-2.0..2.0);
+            }
+            model.set_positions(&moved).unwrap();
+        }
+    }
+    let counts = [certified, patches as usize - certified, met];
+    assert!(counts.iter().all(|&count| count > 1_000), "{counts:?}");
+}
