@@ -132,6 +132,9 @@ impl OwnPatches {
             self.pairs.extend(held.map(|entry| [near.tiles[entry], patch_of[entry]]));
             self.pair_starts.push(self.pairs.len() as u32);
         }
+        self.pairs.shrink_to_fit();
+        self.patch_starts.shrink_to_fit();
+        self.members.shrink_to_fit();
         self.state.clear();
         self.state.resize(patch_bound(self.tiles.len(), self.patch_starts.len() - 1), 0);
     }
