@@ -59,15 +59,10 @@ impl<T: Item> Output for OutputBuffer<T> {
     fn finish(&mut self) {
         let begin = self.ends.last().copied().unwrap_or(0);
         let (end, run) = (self.items.len(), &mut self.items[begin..]);
-        if run.is_empty() {
-            return;
+        if !run.is_empty() {
+            sort(run, &mut self.scratch);
+            self.ends.push(end);
         }
-        if run.len() < RADIX_FROM {
-            run.sort_unstable();
-        } else if !run.is_sorted() {
-            radix_sort(run, &mut self.scratch);
-        }
-        self.ends.push(end);
     }
 }
 
@@ -145,8 +140,11 @@ impl Item for Hit {
 /// Shorter lists are sorted by comparison.
 const RADIX_FROM: usize = 512;
 
-/// Elements that take about as long to merge as it takes to call another thread that is awake.
-const MERGED_ALONE: usize = 512;
+/// Elements that one thread sorts in the time that it takes to call others three times, some 40 us.
+const SORTED_ALONE: usize = 4096;
+
+/// The fewest elements of a range, which take about as long to merge as it takes to call another thread that is awake.
+const RANGE: usize = 512;
 
 /// Samples of all runs together for each range. With more of them ranges are more alike, and sorting the samples, which
 /// one thread does, takes longer.
@@ -162,22 +160,21 @@ pub(crate) fn merge<T: Item>(
     pool: Option<&ThreadPool>,
     out: &mut Vec<T>,
 ) {
-    for_each(pool, lists.iter_mut().filter(|list| !list.is_finished()), Output::finish);
     let len: usize = lists.iter().map(|list| list.items.len()).sum();
+    if len < SORTED_ALONE {
+        out.clear();
+        lists.iter().for_each(|list| out.extend_from_slice(&list.items));
+        lists.first_mut().into_iter().for_each(|list| sort(out, &mut list.scratch));
+        return;
+    }
+    for_each(pool, lists.iter_mut().filter(|list| !list.is_finished()), Output::finish);
     if let Some(only) = lists.iter_mut().find(|list| list.items.len() == len && list.ends.len() < 2)
     {
         std::mem::swap(out, &mut only.items);
         return;
     }
-    let ranges = threads.min(len / MERGED_ALONE).max(1);
-    out.clear();
+    let ranges = threads.clamp(1, len / RANGE);
     let runs = || lists.iter().flat_map(OutputBuffer::runs);
-    if ranges == 1 {
-        runs().for_each(|items| out.extend_from_slice(items));
-        // This sort finds runs and merges them.
-        out.sort();
-        return;
-    }
     let step = (len / (ranges * SAMPLES)).max(1);
     let mut samples: Vec<T> =
         runs().flat_map(|items| items.iter().step_by(step)).copied().collect();
@@ -207,6 +204,15 @@ pub(crate) fn merge<T: Item>(
         }
         chunk.sort();
     });
+}
+
+/// Sorts a list that may be sorted already.
+fn sort<T: Item>(items: &mut [T], scratch: &mut Vec<T>) {
+    if items.len() < RADIX_FROM {
+        items.sort_unstable();
+    } else if !items.is_sorted() {
+        radix_sort(items, scratch);
+    }
 }
 
 /// Sorts by one byte of the key after the other, from the least on, leaving out those in which all keys agree.
