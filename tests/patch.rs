@@ -1,8 +1,12 @@
 //! Self-collision of small sheets against brute force with the exact oracle: where patch certificates answer.
 
+use pfront::pfront_core::Bvh;
+use pfront::pfront_core::bvtt::{Query, SelfBvtt};
 use pfront::{Model, SelfQuery, TrianglePair};
 use pfront_testkit::oracle::self_pairs;
 use pfront_testkit::rng::{Rng, RngExt, seeded, seq::SliceRandom};
+use pfront_testkit::shapes::bumpy;
+use std::ops::ControlFlow;
 
 /// The vertices of a sheet of so many quads, flat, rolled up, wound or folded, then disturbed. The last is where the one in
 /// the middle of the first row is.
@@ -72,12 +76,21 @@ fn sheet([width, height]: [u32; 2], rng: &mut impl Rng) -> Vec<[u32; 3]> {
 fn sheets_of_every_kind() {
     let mut rng = seeded(10);
     let (mut certified, mut patches, mut met) = (0, 0, 0);
-    for round in 0..2_000 {
+    for round in 0..1_000 {
         let size = [rng.random_range(2..10), rng.random_range(1..5)];
         let triangles = sheet(size, &mut rng);
         let mut model = Model::new(bent(size, &mut rng), triangles.clone()).unwrap();
         let mut query = SelfQuery::new();
-        for time in 0..3 {
+        for time in 0..6 {
+            if time % 3 == 0 {
+                // Patches are found after some refits.
+                let rest = model.mesh().positions().to_vec();
+                let mut moved = rest.clone();
+                for last in (0..10).map(|i| 0.01 * (i % 2) as f32) {
+                    moved[0][0] = rest[0][0] + last;
+                    model.set_positions(&moved).unwrap();
+                }
+            }
             let truth = self_pairs(model.mesh().positions(), &triangles);
             let truth: Vec<_> = truth.iter().map(|&(a, b)| TrianglePair { a, b }).collect();
             assert_eq!(query.all(&model).unwrap(), truth, "round {round}: {model:?}");
@@ -88,7 +101,7 @@ fn sheets_of_every_kind() {
             met += truth.len();
             // All vertices move, and then one.
             let mut moved = bent(size, &mut rng);
-            if time == 1 {
+            if time % 3 == 1 {
                 moved.clone_from_slice(model.mesh().positions());
                 let vertex = rng.random_range(0..moved.len());
                 moved[vertex][rng.random_range(0..3)] += rng.random_range(-2.0..2.0);
@@ -98,4 +111,52 @@ fn sheets_of_every_kind() {
     }
     let counts = [certified, patches as usize - certified, met];
     assert!(counts.iter().all(|&count| count > 1_000), "{counts:?}");
+}
+
+/// So many triangles around one vertex, whose tiles are all neighbours, were once compared with each other.
+#[test]
+fn a_vertex_of_many_triangles() {
+    let n = 100_000;
+    let angle = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
+    let rim = (0..n).map(|i| [angle(i).cos() as f32, angle(i).sin() as f32, 0.0]);
+    let mut points: Vec<[f32; 3]> = std::iter::once([0.0; 3]).chain(rim).collect();
+    let triangles = (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect();
+    let mut model = Model::new(points.clone(), triangles).unwrap();
+    for height in 0..10 {
+        points[0][2] = 0.1 * height as f32;
+        model.set_positions(&points).unwrap();
+        assert!(model.patches().count() <= n);
+    }
+}
+
+#[test]
+fn patches_of_a_tree_are_used_for_no_other_and_for_no_boxes() {
+    let hills = bumpy(20);
+    let mut model = Model::new(hills.positions.clone(), hills.triangles).unwrap();
+    for time in 0..10 {
+        let raised = hills.positions.iter().map(|&[x, y, z]| [x, y, z + time as f32]);
+        model.set_positions(&raised.collect::<Vec<_>>()).unwrap();
+    }
+    let patches = model.patches();
+    assert!((0..patches.count()).any(|patch| patches.is_certified(patch)));
+    let query = SelfBvtt::new(model.bvh());
+    let boxes = query.boxes_only().count();
+    assert!(boxes > 0);
+    assert_eq!(query.with_patches(patches).boxes_only().count(), boxes);
+    assert_eq!(query.boxes_only().with_patches(patches).count(), boxes);
+
+    let work = |query: &SelfBvtt<'_>| {
+        let mut cursor = query.start();
+        assert!(query.visit(&mut cursor, |_| ControlFlow::Continue(())).is_continue());
+        cursor.work
+    };
+    assert!(work(&query.with_patches(patches)).triangle_tests < work(&query).triangle_tests);
+    // The same mesh in other memory, and another order of its triangles.
+    let other = model.clone();
+    let order = model.bvh().order().to_vec();
+    let nodes = model.bvh().nodes();
+    for bvh in [other.bvh(), Bvh::new_unchecked(model.mesh(), nodes, &order)] {
+        let query = SelfBvtt::new(bvh);
+        assert_eq!(work(&query.with_patches(patches)), work(&query));
+    }
 }

@@ -23,6 +23,7 @@
 //! Triangles of a certified patch are no hits under any rule of [`Adjacency`](crate::triangle::Adjacency). All conditions are
 //! decided exactly, by certified signs and by comparisons; what is in no certified patch is tested as all else is.
 
+use crate::bvh::Layout;
 use crate::bvtt::NodePair;
 use crate::index::{at, out_of_range, part, range, split};
 use crate::one_ring::{CertifyOptions, MAX_DIFFERENCE, TURN_ERROR, uncertified_signs};
@@ -35,8 +36,8 @@ use glam::Vec3A;
 
 /// The patches of a mesh, which do not change while its BVH is only refitted: tables that the caller has made.
 ///
-/// Nothing about them is checked: if they are not as described, a query may miss pairs.
-#[derive(Clone, Copy, Debug)]
+/// Nothing about them is checked: if they are not as described, a query may miss pairs. By default there are none.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Patches<'a> {
     /// The tile of each node of the BVH; [`NO_TILE`] for nodes above the tiles.
     pub tile_of: &'a [u32],
@@ -134,7 +135,7 @@ impl<'p> Patches<'p> {
         parts(join, 0, certified, &|first, certified| {
             widest(Certification { patches: self, mesh, signs, first, certified });
         });
-        Ok(CertifiedPatches { mesh, patches: self, certified })
+        Ok(CertifiedPatches { mesh, order: bvh.order(), patches: self, certified })
     }
 }
 
@@ -142,6 +143,7 @@ impl<'p> Patches<'p> {
 #[derive(Clone, Copy, Debug)]
 pub struct CertifiedPatches<'m> {
     mesh: Mesh<'m>,
+    order: &'m [u32],
     patches: Patches<'m>,
     certified: &'m [u32],
 }
@@ -151,9 +153,9 @@ impl<'m> CertifiedPatches<'m> {
     ///
     /// Nothing is checked: with another state, or a mesh in other positions, a query may miss pairs.
     #[must_use]
-    pub fn new_unchecked(mesh: Mesh<'m>, patches: Patches<'m>, state: &'m [u32]) -> Self {
+    pub fn new_unchecked(bvh: &Bvh<'m>, patches: Patches<'m>, state: &'m [u32]) -> Self {
         let certified = state.get(patches.tiles.len()..).unwrap_or_default();
-        Self { mesh, patches, certified }
+        Self { mesh: bvh.mesh(), order: bvh.order(), patches, certified }
     }
 
     /// How many patches there are.
@@ -169,10 +171,11 @@ impl<'m> CertifiedPatches<'m> {
         self.certified.get(patch as usize) == Some(&1)
     }
 
-    /// Whether these are patches of the very mesh. Both borrow their slices, so slices in the same place hold the same.
-    pub(crate) fn are_of(&self, mesh: Mesh<'_>) -> bool {
-        core::ptr::eq(self.mesh.positions(), mesh.positions())
-            && core::ptr::eq(self.mesh.triangles(), mesh.triangles())
+    /// Whether these are patches of the very BVH. Both borrow their slices, so slices in the same place hold the same.
+    pub(crate) fn are_of<L: Layout>(&self, bvh: &Bvh<'_, L>) -> bool {
+        core::ptr::eq(self.mesh.positions(), bvh.mesh().positions())
+            && core::ptr::eq(self.mesh.triangles(), bvh.mesh().triangles())
+            && core::ptr::eq(self.order, bvh.order())
     }
 
     /// Whether a certified patch holds both nodes, so that no triangle below one is a hit with one below the other.

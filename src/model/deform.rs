@@ -106,10 +106,11 @@ impl Model {
         if same_bits(positions, &self.positions) {
             return Ok(false);
         }
-        if let Some(tree) = self.tree.fresh_mut() {
-            if tree.is_worn() {
-                self.stamp.rebuilt();
-            }
+        // It will be built for these positions.
+        if self.tree.map(Tree::is_worn) == Some(true) {
+            self.stamp.rebuilt();
+        }
+        if self.tree.fresh().is_some() {
             self.moves.clear();
             if let Some(certificates) = self.certificates.stale_mut() {
                 certificates.fall_behind();
@@ -153,7 +154,7 @@ impl Model {
             self.patches.outdate();
         }
         if let (Some(tree), Some(patches)) = (self.tree.fresh(), self.patches.stale_mut()) {
-            patches.renew(&tree.bvh(mesh), tree.builds(), moves, parallel);
+            patches.renew(tree, mesh, moves, parallel);
         }
         self.patches.renewed();
     }
@@ -177,6 +178,11 @@ mod tests {
     fn a_fault_in_the_last_part_changes_nothing() {
         let ball = icosphere(40_000);
         let mut model = Model::new(ball.positions.clone(), ball.triangles).unwrap();
+        // Patches are found after some refits.
+        for scale in [1.5, 1.0].repeat(5) {
+            let moved: Vec<_> = ball.positions.iter().map(|p| p.map(|x| scale * x)).collect();
+            model.set_positions(&moved).unwrap();
+        }
         let certified = |model: &Model| -> Vec<bool> {
             let vertices = 0..model.positions.len() as u32;
             vertices.map(|vertex| model.certificates().is_certified(vertex)).collect()

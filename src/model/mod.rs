@@ -182,13 +182,19 @@ impl Model {
         self.certificates.get(renew, || Certificates::new(mesh)).certified(mesh)
     }
 
-    /// The patch certificates that self-collision uses: made at the first call, which takes as long as one build to three,
-    /// and kept up to date from then on, as the BVH is. Those of a regular sheet take 12 bytes a triangle.
+    /// The patch certificates that self-collision uses: found when the BVH has been refitted eight times, which takes as long
+    /// as one build to three, and kept up to date from then on, as the BVH is. Before there are none. Those of a regular
+    /// sheet take 12 bytes a triangle.
     #[must_use]
     pub fn patches(&self) -> CertifiedPatches<'_> {
-        let (bvh, builds) = (self.bvh(), self.tree().builds());
-        let renew = |stale: &mut OwnPatches| stale.renew(&bvh, builds, &self.moves, ONE_THREAD);
-        self.patches.get(renew, || OwnPatches::new(&bvh, builds)).certified(self.mesh())
+        let (tree, mesh) = (self.tree(), self.mesh());
+        let renew = |own: &mut OwnPatches| own.renew(tree, mesh, &self.moves, ONE_THREAD);
+        let make = || {
+            let mut own = OwnPatches::default();
+            own.renew(tree, mesh, &Moves::default(), ONE_THREAD);
+            own
+        };
+        self.patches.get(renew, make).certified(tree, mesh)
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
@@ -270,5 +276,39 @@ impl Clone for Model {
             patches: self.patches.clone(),
             sphere: self.sphere.clone(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pfront_testkit::rng::{RngExt, seeded};
+    use pfront_testkit::shapes::sheet;
+
+    #[test]
+    fn the_stamp_of_a_tree_that_is_to_be_built_changes_with_the_positions() {
+        let (island, count) = (sheet(5, |_, _| 0.0), 60);
+        let n = island.positions.len();
+        let mut rng = seeded(1);
+        // Many sheets, each somewhere else.
+        let mut thrown = |spread: f32| -> Vec<[f32; 3]> {
+            let places = (0..count).map(|_| [0; 3].map(|_| rng.random_range(-spread..=spread)));
+            let place = |by: [f32; 3]| island.positions.iter().map(move |&p| add(p, by));
+            places.flat_map(place).collect()
+        };
+        let name = |k: usize| move |t: &[u32; 3]| t.map(|vertex| vertex + (k * n) as u32);
+        let triangles = (0..count).flat_map(|k| island.triangles.iter().map(name(k))).collect();
+        let mut model = Model::new(thrown(0.0), triangles).unwrap();
+        model.set_positions_unfitted(&thrown(60.0)).unwrap();
+        assert!(model.tree().is_worn(), "to be built at the next positions");
+        model.set_positions_unfitted(&thrown(60.0)).unwrap();
+        let mut copy = model.clone();
+        copy.set_positions(&thrown(60.0)).unwrap();
+        assert_ne!(model.bvh().order(), copy.bvh().order());
+        assert_ne!(model.stamp().tree(), copy.stamp().tree());
+    }
+
+    fn add(p: [f32; 3], by: [f32; 3]) -> [f32; 3] {
+        std::array::from_fn(|k| p[k] + by[k])
     }
 }

@@ -2,6 +2,7 @@
 
 use super::moves::Moves;
 use super::passes::Parallel;
+use super::tree::Tree;
 use pfront_core::bvh::MAX_LEAF_SIZE;
 use pfront_core::one_ring::CertifyOptions;
 use pfront_core::patch::{CertifiedPatches, MAX_BOUNDARY, NO_TILE, Patches, patch_bound};
@@ -10,11 +11,11 @@ use pfront_core::{Bvh, Mesh};
 /// Patches that hold all pairs of neighbouring tiles between them, if their triangles are connected so, and which of them are
 /// certified.
 ///
-/// [`Renewed`](super::renewed::Renewed) holds it; they are found anew when the tree has been built anew.
+/// [`Renewed`](super::renewed::Renewed) holds it; they are found anew for a tree that was built anew.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OwnPatches {
-    /// How often the tree had been built.
-    builds: u32,
+    /// The tree whose patches these are.
+    tree: Option<u64>,
     tile_of: Vec<u32>,
     tiles: Vec<[u32; 2]>,
     pair_starts: Vec<u32>,
@@ -29,22 +30,25 @@ pub(super) struct OwnPatches {
 /// The most triangles in a tile: two full leaves. Larger tiles make fewer patches, of which fewer can be certified.
 const TILE: u32 = 2 * MAX_LEAF_SIZE;
 
-impl OwnPatches {
-    pub(super) fn new(bvh: &Bvh<'_>, builds: u32) -> Self {
-        let mut new = Self::default();
-        new.find(bvh, builds);
-        new.certify(bvh, CertifyOptions::default());
-        new
-    }
+/// The refits of a tree after which its patches are found. To find them takes as long as they save in about as many frames;
+/// so whenever the deformation ends, no more than twice the time was spent that would have been best (Karlin, Manasse,
+/// Rudolph & Sleator, *Competitive Snoopy Caching*, 1988). Meshes that do not deform are not divided.
+const REFITS: u32 = 8;
 
-    /// Certifies the patches for positions that have changed.
-    pub(super) fn renew(&mut self, bvh: &Bvh<'_>, builds: u32, moves: &Moves, parallel: Parallel) {
+impl OwnPatches {
+    /// Certifies the patches for positions that have changed; finds them first, if it is time.
+    pub(super) fn renew(&mut self, tree: &Tree, mesh: Mesh<'_>, moves: &Moves, parallel: Parallel) {
         let mut moved = moves.few().filter(|_| !self.behind);
-        if builds != self.builds {
-            self.find(bvh, builds);
+        let bvh = tree.bvh(mesh);
+        if self.tree != Some(tree.id()) {
+            if tree.refits() < REFITS {
+                return;
+            }
+            self.find(&bvh);
+            self.tree = Some(tree.id());
             moved = None;
         }
-        self.certify(bvh, CertifyOptions { join: parallel, moved });
+        self.certify(&bvh, CertifyOptions { join: parallel, moved });
         self.behind = false;
     }
 
@@ -53,9 +57,12 @@ impl OwnPatches {
         self.behind = true;
     }
 
-    /// The certificates, after [`OwnPatches::renew`] for the positions of `mesh`.
-    pub(super) fn certified<'a>(&'a self, mesh: Mesh<'a>) -> CertifiedPatches<'a> {
-        CertifiedPatches::new_unchecked(mesh, self.patches(), &self.state)
+    /// The certificates, after [`OwnPatches::renew`] for the positions of `mesh`; none if these are patches of another tree.
+    pub(super) fn certified<'a>(&'a self, tree: &'a Tree, mesh: Mesh<'a>) -> CertifiedPatches<'a> {
+        let bvh = tree.bvh(mesh);
+        let is_own = self.tree == Some(tree.id());
+        let patches = if is_own { self.patches() } else { Patches::default() };
+        CertifiedPatches::new_unchecked(&bvh, patches, &self.state)
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -84,8 +91,9 @@ impl OwnPatches {
     }
 
     /// Finds tiles of a tree, and patches of them.
-    fn find(&mut self, bvh: &Bvh<'_>, builds: u32) {
-        self.builds = builds;
+    fn find(&mut self, bvh: &Bvh<'_>) {
+        // In case this does not come to its end.
+        self.tree = None;
         self.divide(bvh);
         let near = Neighbours::new(bvh, &self.tiles);
         let mut patch_of = vec![NO_PATCH; near.tiles.len()];
@@ -177,6 +185,9 @@ impl OwnPatches {
 const NO_PATCH: u32 = u32::MAX;
 
 /// For each tile, those that share a vertex with it, itself included, in ascending order.
+///
+/// Vertices of more than [`MAX_BOUNDARY`] triangles are left out, and tiles with more neighbours than that: such patches
+/// would have too long a boundary, and there would be too many pairs.
 struct Neighbours {
     starts: Vec<usize>,
     tiles: Vec<u32>,
@@ -213,11 +224,15 @@ impl Neighbours {
             let first = near.len();
             for vertex in triangles(bvh, range).iter().flat_map(|&t| mesh.triangles()[t as usize]) {
                 let vertex = vertex as usize;
-                for &other in &around[start_of(vertex)..ends[vertex]] {
+                let around = &around[start_of(vertex)..ends[vertex]];
+                for &other in around.iter().filter(|_| around.len() <= MAX_BOUNDARY) {
                     if std::mem::replace(&mut last[other as usize], tile) != tile {
                         near.push(other);
                     }
                 }
+            }
+            if near.len() - first > MAX_BOUNDARY {
+                near.truncate(first);
             }
             near[first..].sort_unstable();
             starts.push(near.len());

@@ -2,6 +2,7 @@
 
 use super::moves::Moves;
 use super::passes::Parallel;
+use super::stamp::next;
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
@@ -17,8 +18,10 @@ pub(super) struct Tree {
     /// The quality figure right after the last build, and as it is.
     built: f32,
     quality: f32,
-    /// How often it has been built.
-    builds: u32,
+    /// A number of its own for each tree that is built; clones share it.
+    id: u64,
+    /// How often it has been refitted.
+    refits: u32,
 }
 
 impl Tree {
@@ -35,7 +38,7 @@ impl Tree {
         order: Vec<u32>,
         parallel: Parallel,
     ) -> Self {
-        let mut tree = Self { nodes, order, ..Self::default() };
+        let mut tree = Self { nodes, order, id: next(), ..Self::default() };
         tree.refit(mesh, Refit { join: parallel, ..Refit::default() });
         tree.built = tree.quality;
         tree
@@ -64,11 +67,16 @@ impl Tree {
         // Changes no box of a new tree.
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
-        self.builds = self.builds.wrapping_add(1);
+        (self.id, self.refits) = (next(), 0);
     }
 
-    pub(super) fn builds(&self) -> u32 {
-        self.builds
+    pub(super) fn id(&self) -> u64 {
+        self.id
+    }
+
+    /// How often it has been refitted since it was built.
+    pub(super) fn refits(&self) -> u32 {
+        self.refits
     }
 
     /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then.
@@ -99,6 +107,7 @@ impl Tree {
         // With a table of the right size it never fails.
         debug_assert!(fitted.is_ok(), "{fitted:?}");
         self.quality = fitted.unwrap_or(self.quality);
+        self.refits = self.refits.saturating_add(1);
     }
 
     /// Whether it is time to build the tree anew.

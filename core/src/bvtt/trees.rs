@@ -133,12 +133,12 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
 
     /// The same pairs, found sooner where leaves are of one certified patch: see [`patch`](crate::patch).
     ///
-    /// Patches of another mesh are not used: both must borrow the same positions and triangles. They must be those of this
-    /// very BVH, or of one that differs by refits only.
+    /// Patches of another BVH are not used: both must borrow the same positions, triangles and order. Queries for
+    /// [boxes](Self::boxes_only) use none.
     #[must_use]
     pub fn with_patches(self, certified: CertifiedPatches<'a>) -> Self {
-        let is_own = certified.are_of(self.a.bvh.mesh());
-        Self { patches: is_own.then_some(certified), ..self }
+        let is_own = certified.are_of(&self.a.bvh);
+        Self { patches: (is_own && !self.boxes_only).then_some(certified), ..self }
     }
 
     /// Asks for all pairs of triangles whose boxes overlap, neighbours included. With each box of a set given
