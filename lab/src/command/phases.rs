@@ -200,7 +200,9 @@ fn panel(title: &str, threads: &[usize], rows: &[Times], copies: &[f64]) -> Pane
         .enumerate()
         .rev()
         .map(|(part, name)| curve(name, Style::Area, &|row| rows[row][..=part].iter().sum()));
-    let bound = curve("walk and update of copies", Style::Line, &|row| copies[row]);
+    // A copy is one thread's own frame.
+    let copy = |row: usize| copies[row] / threads[row] as f64;
+    let bound = curve("a frame of copies at once", Style::Line, &copy);
     Panel {
         title: title.to_owned(),
         better: "down",
