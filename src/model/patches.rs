@@ -35,13 +35,16 @@ const TILE: u32 = 2 * MAX_LEAF_SIZE;
 /// Rudolph & Sleator, *Competitive Snoopy Caching*, 1988). Meshes that do not deform are not divided.
 const REFITS: u32 = 8;
 
+/// An edge and its direction are packed into 64 bits.
+const MOST_VERTICES: usize = 1 << 31;
+
 impl OwnPatches {
     /// Certifies the patches for positions that have changed; finds them first, if it is time.
     pub(super) fn renew(&mut self, tree: &Tree, mesh: Mesh<'_>, moves: &Moves, parallel: Parallel) {
         let mut moved = moves.few().filter(|_| !self.behind);
         let bvh = tree.bvh(mesh);
         if self.tree != Some(tree.id()) {
-            if tree.refits() < REFITS {
+            if tree.refits() < REFITS || mesh.positions().len() > MOST_VERTICES {
                 return;
             }
             self.find(&bvh);
@@ -269,20 +272,25 @@ fn triangles<'a>(bvh: &Bvh<'a>, [start, count]: [u32; 2]) -> &'a [u32] {
 fn boundary<'t>(
     bvh: &Bvh<'_>,
     triangles: impl Iterator<Item = &'t u32>,
-    edges: &mut Vec<[u32; 2]>,
+    edges: &mut Vec<u64>,
 ) -> Option<Vec<u32>> {
+    // The lesser vertex, the other, and which of them comes first.
+    let packed = |from: u32, to: u32| {
+        u64::from(from.min(to)) << 32 | u64::from(from.max(to)) << 1 | u64::from(from > to)
+    };
     edges.clear();
     for &t in triangles {
         let [a, b, c] = bvh.mesh().triangles()[t as usize];
-        edges.extend([[a, b], [b, c], [c, a]]);
+        edges.extend([packed(a, b), packed(b, c), packed(c, a)]);
     }
-    let undirected =
-        |[from, to]: &[u32; 2]| u64::from(*from.min(to)) << 32 | u64::from(*from.max(to));
-    edges.sort_unstable_by_key(undirected);
+    edges.sort_unstable();
     let mut open = Vec::new();
-    for sides in edges.chunk_by(|one, other| undirected(one) == undirected(other)) {
-        match sides {
-            [edge] => open.push(*edge),
+    for sides in edges.chunk_by(|one, other| one >> 1 == other >> 1) {
+        match *sides {
+            [edge] => {
+                let [less, more] = [(edge >> 32) as u32, edge as u32 >> 1];
+                open.push(if edge & 1 == 0 { [less, more] } else { [more, less] });
+            }
             [one, other] if one != other => {}
             _ => return None,
         }
