@@ -1,12 +1,16 @@
-//! `pfront-lab passes`: where a GPU spends its time.
+//! `pfront-lab passes`: where a GPU spends its time, and what a user waits for.
 //!
-//! Passes are timed on the device, with a timestamp after each, which makes it wait for the one before. A GPU that waits
-//! for a CPU slows its clock down, so the first frame is played for half a second before it counts.
+//! Passes are timed on the device, with a timestamp after each, which makes it wait for the one before; then all of them
+//! together; then, without timestamps, what the host does. A GPU that waits for a CPU slows its clock down, so the first
+//! frame is played for half a second before it counts.
 
 use super::progress;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use pfront::gpu::{Budget, Deforming, Gpu, GpuModel, GpuQuery, GpuQuestion, GpuSettings, Timing};
+use pfront::TrianglePair;
+use pfront::gpu::{
+    Budget, Deforming, Gpu, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb, Timing,
+};
 use pfront_cli::executor::adapter_name;
 use pfront_cli::output::out;
 use pfront_lab::median;
@@ -57,81 +61,187 @@ pub(crate) fn run(asked: &Passes) -> Result<bool> {
     Ok(true)
 }
 
+/// What is timed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Timed {
+    /// Each pass on the device.
+    EachPass,
+    /// All passes on the device.
+    AllPasses,
+    /// The host.
+    Host,
+}
+
 /// Objects on the device, and the query about them.
 enum OnDevice {
     Pair { models: [GpuModel; 2], query: GpuQuery },
     SelfMesh { model: Deforming, query: GpuQuery },
 }
 
+/// A frame that was played.
+#[derive(Default)]
+struct Played {
+    pairs: usize,
+    passes: Vec<Timing>,
+    /// Moving the vertices, submitting the question and reading the answer, on the host.
+    host: [Duration; 3],
+}
+
 impl OnDevice {
-    fn new(objects: &Objects, gpu: &Gpu, settings: GpuSettings) -> Result<Self> {
+    fn new(objects: &Objects, gpu: &Gpu, settings: GpuSettings, timed: Timed) -> Result<Self> {
+        let query = GpuQuery::with_settings(gpu, settings)?;
+        let query = match timed {
+            Timed::EachPass => query.with_timings()?,
+            Timed::AllPasses => query.with_time()?,
+            Timed::Host => query,
+        };
         match (objects.kind, &objects.models[..]) {
-            (Kind::Pair, [a, b]) => Ok(Self::Pair {
-                models: [GpuModel::new(gpu, a.bvh())?, GpuModel::new(gpu, b.bvh())?],
-                query: GpuQuery::with_settings(gpu, settings)?.with_timings()?,
-            }),
-            (Kind::SelfMesh, [model]) => Ok(Self::SelfMesh {
-                model: Deforming::new(gpu, model.bvh())?.with_timings()?,
-                query: GpuQuery::with_settings(gpu, settings)?.with_timings()?,
-            }),
+            (Kind::Pair, [a, b]) => {
+                let models = [GpuModel::new(gpu, a.bvh())?, GpuModel::new(gpu, b.bvh())?];
+                Ok(Self::Pair { models, query })
+            }
+            (Kind::SelfMesh, [model]) => {
+                let model = Deforming::new(gpu, model.bvh())?;
+                let model = match timed {
+                    Timed::EachPass => model.with_timings()?,
+                    Timed::AllPasses => model.with_time()?,
+                    Timed::Host => model,
+                };
+                Ok(Self::SelfMesh { model, query })
+            }
             _ => bail!("passes are timed for two objects or one mesh: time scenes with replay"),
         }
     }
 
-    /// Plays a frame; returns the number of pairs and the time of each pass.
-    fn play(&mut self, frame: Frame<'_>) -> Result<(usize, Vec<Timing>)> {
-        match (self, frame) {
+    fn play(
+        &mut self,
+        frame: Frame<'_>,
+        verb: GpuVerb,
+        found: &mut Vec<TrianglePair>,
+    ) -> Result<Played> {
+        let clock = Instant::now();
+        let (query, moved, passes) = match (self, frame) {
             (Self::Pair { models: [a, b], query }, Frame::Poses(poses)) => {
-                let pairs = query.all(&GpuQuestion::pair(a, b, &poses[1]))?.len();
-                Ok((pairs, query.timings()?))
+                query.submit(&GpuQuestion::pair(a, b, &poses[1]), verb)?;
+                (query, Duration::ZERO, Vec::new())
             }
             (Self::SelfMesh { model, query }, Frame::Positions(positions)) => {
                 model.set_positions(positions)?;
-                let pairs = query.all(&GpuQuestion::within(model))?.len();
-                let mut timings = model.timings()?;
-                timings.extend(query.timings()?);
-                Ok((pairs, timings))
+                let moved = clock.elapsed();
+                query.submit(&GpuQuestion::within(model), verb)?;
+                (query, moved, model.timings()?)
             }
             _ => bail!("the frames are of another kind than the objects"),
-        }
+        };
+        let submitted = clock.elapsed();
+        let pairs = query.read(found)? as usize;
+        let host = [moved, submitted - moved, clock.elapsed() - submitted];
+        let passes = [passes, query.timings()?].concat();
+        Ok(Played { pairs, passes, host })
     }
 }
 
 fn measure(name: &str, asked: &Passes, gpu: &Gpu, settings: GpuSettings) -> Result<()> {
-    let (header, mut recording) = Recording::open(name, asked.size, asked.frames)?;
-    ensure!(header.frames > 0, "there is no frame to time");
-    let bar = progress(header.frames.into(), "frame");
-    let objects = Objects::new(header)?;
-    let mut device = OnDevice::new(&objects, gpu, settings)?;
-    let (mut frames, mut counts) = (Vec::new(), Vec::new());
-    while let Some(frame) = recording.next_frame()? {
-        let clock = Instant::now();
-        while frames.is_empty() && clock.elapsed() < WARM_UP {
-            device.play(frame)?;
-        }
-        let (pairs, timings) = device.play(frame)?;
-        counts.push(pairs as f64);
-        frames.push(timings);
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
+    let play = |timed, verb| play(name, asked, gpu, settings, timed, verb);
+    let (objects, frames) = play(Timed::EachPass, GpuVerb::All)?;
     let mut out = out();
     writeln!(
         out,
         "\n{name}: {} triangles, {} frames, {} pairs in the median one",
         objects.triangles(),
         frames.len(),
-        median(&mut counts)
+        middle(&frames, |frame| frame.pairs as f64)
     )?;
-    for (name, mut times) in by_pass(&frames) {
+    let sum = |frame: &Played| frame.passes.iter().map(microseconds).sum();
+    let each: Vec<_> = frames.into_iter().map(|frame| frame.passes).collect();
+    for (name, mut times) in by_pass(&each) {
         writeln!(out, "  {name:<12} {:>9.3} µs", median(&mut times))?;
     }
-    let mut sums: Vec<f64> = frames.iter().map(|f| f.iter().map(microseconds).sum()).collect();
-    match sums.iter().any(|sum| *sum > 0.0) {
-        true => writeln!(out, "  {:<12} {:>9.3} µs", "all passes", median(&mut sums))?,
-        false => writeln!(out, "  the device cannot tell the time of its passes")?,
+    for (name, verb) in [("count", GpuVerb::Count), ("all", GpuVerb::All)] {
+        let (_, frames) = play(Timed::AllPasses, verb)?;
+        match frames.iter().map(sum).any(|sum: f64| sum > 0.0) {
+            true => writeln!(out, "  device, {name:<5} {:>7.1} µs", middle(&frames, sum))?,
+            false => writeln!(out, "  the device cannot tell the time of its passes")?,
+        }
+    }
+    let (_, frames) = play(Timed::Host, GpuVerb::All)?;
+    let micros = |time: Duration| 1e6 * time.as_secs_f64();
+    for (part, name) in ["move", "submit", "read"].iter().enumerate() {
+        writeln!(out, "  host, {name:<7} {:>7.1} µs", middle(&frames, |f| micros(f.host[part])))?;
+    }
+    let whole = middle(&frames, |frame| micros(frame.host.iter().sum()));
+    writeln!(out, "  a user waits  {whole:>7.1} µs")?;
+    if let Some(time) = two_in_flight(name, asked, gpu, settings)? {
+        writeln!(out, "  two in flight {:>7.1} µs", micros(time))?;
     }
     Ok(())
+}
+
+/// Plays all frames.
+fn play(
+    name: &str,
+    asked: &Passes,
+    gpu: &Gpu,
+    settings: GpuSettings,
+    timed: Timed,
+    verb: GpuVerb,
+) -> Result<(Objects, Vec<Played>)> {
+    let (header, mut recording) = Recording::open(name, asked.size, asked.frames)?;
+    ensure!(header.frames > 0, "there is no frame to time");
+    let bar = progress(header.frames.into(), "frame");
+    let objects = Objects::new(header)?;
+    let mut device = OnDevice::new(&objects, gpu, settings, timed)?;
+    let (mut frames, mut found) = (Vec::new(), Vec::new());
+    while let Some(frame) = recording.next_frame()? {
+        let clock = Instant::now();
+        while frames.is_empty() && clock.elapsed() < WARM_UP {
+            device.play(frame, verb, &mut found)?;
+        }
+        frames.push(device.play(frame, verb, &mut found)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok((objects, frames))
+}
+
+/// The time of a frame of two objects while the one before is still on the device; `None` for one mesh, which must not move
+/// before its answer is read.
+fn two_in_flight(
+    name: &str,
+    asked: &Passes,
+    gpu: &Gpu,
+    settings: GpuSettings,
+) -> Result<Option<Duration>> {
+    let (header, mut recording) = Recording::open(name, asked.size, asked.frames)?;
+    let objects = Objects::new(header)?;
+    let (Kind::Pair, [a, b]) = (objects.kind, &objects.models[..]) else { return Ok(None) };
+    let (a, b) = (GpuModel::new(gpu, a.bvh())?, GpuModel::new(gpu, b.bvh())?);
+    let mut queries =
+        [GpuQuery::with_settings(gpu, settings)?, GpuQuery::with_settings(gpu, settings)?];
+    let mut found = Vec::new();
+    let (mut clock, mut played) = (Instant::now(), 0);
+    let begin = clock;
+    while let Some(Frame::Poses(poses)) = recording.next_frame()? {
+        let question = GpuQuestion::pair(&a, &b, &poses[1]);
+        if played == 0 {
+            while begin.elapsed() < WARM_UP {
+                queries[0].all(&question)?;
+                queries[1].all(&question)?;
+            }
+            clock = Instant::now();
+        }
+        queries[0].submit(&question, GpuVerb::All)?;
+        queries[1].read(&mut found)?;
+        queries.swap(0, 1);
+        played += 1;
+    }
+    queries[1].read(&mut found)?;
+    Ok(Some(clock.elapsed() / u32::max(played, 1)))
+}
+
+/// The median over frames.
+fn middle(frames: &[Played], value: impl Fn(&Played) -> f64) -> f64 {
+    median(&mut frames.iter().map(value).collect::<Vec<_>>())
 }
 
 fn microseconds(timing: &Timing) -> f64 {
