@@ -239,6 +239,7 @@ impl Answer {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
             let run = self.record(&mut encoder, task, start, verb)?;
             gpu.queue().submit([encoder.finish()]);
+            self.engine.submitted();
             Ok(run)
         })
     }

@@ -114,7 +114,7 @@ impl Clock {
             return Ok(Vec::new());
         }
         let bytes = (marks.len() as u64 + 1) * u64::from(wgpu::QUERY_SIZE);
-        let mapping = Mapping::begin(gpu.device(), read_back, bytes);
+        let mapping = Mapping::begin(gpu.device(), read_back, bytes, wgpu::MapMode::Read);
         let ticks: Vec<u64> =
             mapping.read(gpu.device(), read_back, bytes, bytemuck::pod_collect_to_vec)?;
         let time = |pair: &[u64]| {

@@ -5,6 +5,7 @@ use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
+use crate::staging::Staging;
 use crate::{GpuError, GpuModel};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Bvh, Mesh, MeshError};
@@ -42,6 +43,7 @@ pub struct Deforming {
     model: GpuModel,
     source: Source,
     options: BuildOptions<'static>,
+    staging: Staging,
     refit: Sequence,
     /// `None` while the tree is an uploaded one.
     build: Option<Sequence>,
@@ -72,7 +74,8 @@ impl Deforming {
         // A rebuild keeps to leaves of this size.
         let leaf_size = bvh.nodes().iter().map(|node| node.count).max().unwrap_or(0);
         let (gpu, options) = (gpu.clone(), BuildOptions { leaf_size, ..BuildOptions::default() });
-        Ok(Self { gpu, model, source, options, refit, build: None, clock: None })
+        let staging = Staging::default();
+        Ok(Self { gpu, model, source, options, staging, refit, build: None, clock: None })
     }
 
     /// Uploads a mesh and builds its BVH on the device.
@@ -91,7 +94,8 @@ impl Deforming {
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
         let (gpu, build) = (gpu.clone(), Some(build));
         let options = BuildOptions { leaf_size: options.leaf_size, join: None };
-        let mut own = Self { gpu, model, source, options, refit, build, clock: None };
+        let staging = Staging::default();
+        let mut own = Self { gpu, model, source, options, staging, refit, build, clock: None };
         own.rebuild()?;
         Ok(own)
     }
@@ -144,8 +148,7 @@ impl Deforming {
         encoder: &mut CommandEncoder,
         positions: &[[f32; 3]],
     ) -> Result<(), GpuError> {
-        self.check(positions)?;
-        self.write(positions);
+        self.write(encoder, positions)?;
         self.refit.run(encoder, self.clock.as_mut());
         Ok(())
     }
@@ -195,9 +198,8 @@ impl Deforming {
         encoder: &mut CommandEncoder,
         positions: &[[f32; 3]],
     ) -> Result<(), GpuError> {
-        self.check(positions)?;
         self.prepare_build()?;
-        self.write(positions);
+        self.write(encoder, positions)?;
         self.record_rebuild(encoder)
     }
 
@@ -206,10 +208,12 @@ impl Deforming {
         record: impl FnOnce(&mut Self, &mut CommandEncoder) -> Result<(), GpuError>,
     ) -> Result<(), GpuError> {
         let gpu = self.gpu.clone();
+        self.staging.forget();
         gpu.checked(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
             record(self, &mut encoder)?;
             gpu.queue().submit([encoder.finish()]);
+            self.staging.submitted(&gpu);
             gpu.check()
         })
     }
@@ -224,20 +228,88 @@ impl Deforming {
         Ok(())
     }
 
-    fn check(&self, positions: &[[f32; 3]]) -> Result<(), GpuError> {
+    /// Copies positions, which are checked in the same pass. On error none of them has moved.
+    fn write(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        positions: &[[f32; 3]],
+    ) -> Result<(), GpuError> {
         let (expected, found) = (self.source.vertices, positions.len());
         if found != expected {
             return Err(MeshError::VertexCount { expected, found }.into());
         }
-        Mesh::new(positions, &[])?;
+        let bytes = size_of_val(positions) as u64;
+        if bytes == 0 {
+            return Ok(());
+        }
+        self.staging.forget();
+        let mut extent = Extent::default();
+        let source = self.staging.write(&self.gpu, bytes, |mut view| {
+            let parts = positions.chunks(PART);
+            for (at, part) in (0..).step_by(PART * size_of::<[f32; 3]>()).zip(parts) {
+                let part_bytes: &[u8] = bytemuck::cast_slice(part);
+                view.slice(at..at + part_bytes.len()).copy_from_slice(part_bytes);
+                extent.add(part);
+            }
+        })?;
+        if !extent.is_finite() {
+            Mesh::new(positions, &[])?;
+        }
+        encoder.copy_buffer_to_buffer(&source, 0, &self.source.positions, 0, bytes);
+        // The box of all vertices needs no read-back; it only bounds what a pose may do.
+        self.model.bounds = self.model.bounds.map(|_| extent.aabb());
         Ok(())
     }
+}
 
-    /// Uploads positions with the next submission.
-    fn write(&mut self, positions: &[[f32; 3]]) {
-        let bytes = bytemuck::cast_slice(positions);
-        self.gpu.queue().write_buffer(&self.source.positions, 0, bytes);
-        // The box of all vertices needs no read-back; it only bounds what a pose may do.
-        self.model.bounds = self.model.bounds.map(|_| Aabb::of(positions));
+/// Positions that are copied and checked while they are in the cache.
+const PART: usize = 1024;
+
+/// Extremes of coordinates: four vertices at once, so that compilers use vectors.
+struct Extent {
+    least: [f32; 12],
+    most: [f32; 12],
+    /// The largest magnitude, as bits: these compare as the numbers do, and what is not finite as larger.
+    largest: [u32; 12],
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self { least: [f32::INFINITY; 12], most: [f32::NEG_INFINITY; 12], largest: [0; 12] }
+    }
+}
+
+impl Extent {
+    fn add(&mut self, positions: &[[f32; 3]]) {
+        let coordinates: &[f32] = bytemuck::cast_slice(positions);
+        let (fours, rest) = coordinates.as_chunks::<12>();
+        for four in fours {
+            for (k, &x) in four.iter().enumerate() {
+                self.add_coordinate(k, x);
+            }
+        }
+        for (k, &x) in rest.iter().enumerate() {
+            self.add_coordinate(k, x);
+        }
+    }
+
+    #[inline]
+    fn add_coordinate(&mut self, k: usize, x: f32) {
+        self.least[k] = if x < self.least[k] { x } else { self.least[k] };
+        self.most[k] = if x > self.most[k] { x } else { self.most[k] };
+        self.largest[k] = self.largest[k].max(x.to_bits() & (u32::MAX >> 1));
+    }
+
+    fn is_finite(&self) -> bool {
+        self.largest.iter().all(|&bits| bits < f32::INFINITY.to_bits())
+    }
+
+    fn aabb(&self) -> Aabb {
+        let [mut min, mut max] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        for k in 0..12 {
+            min[k % 3] = min[k % 3].min(self.least[k]);
+            max[k % 3] = max[k % 3].max(self.most[k]);
+        }
+        Aabb { min, max }
     }
 }

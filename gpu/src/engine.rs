@@ -9,19 +9,20 @@ use crate::clock::{Clock, Timing};
 use crate::gpu::{Descent, Gpu};
 use crate::groups::{Dispatches, Groups, Meshes};
 use crate::layout::{Counters, Query, Rest};
-use crate::lists::Lists;
+use crate::lists::{Lists, ORDERED_AT};
 use crate::memory::Usage;
 use crate::pass::Named;
 use crate::read::{Mapping, read_now};
 use crate::sequence::groups_for;
+use crate::staging::Staging;
 use crate::{GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
 use pfront_core::bvtt::TrianglePair;
-use pfront_shaders::constants::{ANY_EACH, BEAM, BUCKETS, COUNT_EACH, FRONTS, GROUP, RANKERS};
+use pfront_shaders::constants::{ANY_EACH, BEAM, BUCKETS, COUNT_EACH, FEW, FRONTS, GROUP, RANKERS};
 use std::mem::offset_of;
 use std::ops::Range;
 use std::sync::Arc;
-use wgpu::{Buffer, CommandEncoder};
+use wgpu::{Buffer, CommandEncoder, MapMode, WriteOnly};
 
 /// A node pair as fronts hold it.
 pub(crate) type Entry = [u32; 2];
@@ -49,6 +50,28 @@ pub(crate) enum Start<'a> {
     Left(u32, &'a Counters),
 }
 
+/// The passes that put hits in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    /// No pass: any order will do.
+    None,
+    /// One pass, which leaves more than [`FEW`] as they are.
+    Few,
+    /// As many as there may be.
+    Many,
+}
+
+impl Order {
+    /// What suits so many hits, if they are all wanted.
+    fn new(verb: GpuVerb, hits: u32) -> Self {
+        match verb {
+            GpuVerb::All if hits <= FEW => Self::Few,
+            GpuVerb::All => Self::Many,
+            GpuVerb::Any | GpuVerb::Count | GpuVerb::AnyEach | GpuVerb::CountEach => Self::None,
+        }
+    }
+}
+
 /// A run that has been recorded.
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
@@ -57,6 +80,8 @@ pub(crate) struct Run {
     pub(crate) last_front: u32,
     /// How many hits, and how many of the rest, are copied for the host.
     copied: [u32; 2],
+    /// Hits that are copied, of a run that counts no more.
+    most_hits: u32,
 }
 
 /// The results of a run, as far as they were copied.
@@ -79,6 +104,7 @@ pub(crate) struct Engine {
     /// Hits of each pair of instances.
     pub(crate) tallies: Option<Buffer>,
     ticket: u32,
+    staging: Staging,
     read_back: Buffer,
     /// If the host has begun to read.
     mapping: Option<Mapping>,
@@ -107,6 +133,7 @@ impl Engine {
             meshes: None,
             tallies: None,
             ticket: 0,
+            staging: Staging::default(),
             read_back: gpu.buffer("the read-back", 4096, Usage::ReadBack)?,
             mapping: None,
             clock: None,
@@ -191,6 +218,7 @@ impl Engine {
         let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - dives - first);
         let (levels, last_front) = (levels.div_ceil(passes), first + dives + passes);
         self.ticket = self.ticket.wrapping_add(1);
+        self.staging.forget();
         let one_hit = u32::from(verb == GpuVerb::Any);
         let each = match verb {
             GpuVerb::AnyEach => ANY_EACH,
@@ -211,12 +239,13 @@ impl Engine {
         }
         let kept = if looks_ahead { offset_of!(Counters, overflow) } else { 0 };
         self.prepare(encoder, whole, start, kept)?;
-        self.dispatch(encoder, task, start, first..last_front, Some(verb));
+        let order = Order::new(verb, copies[0]);
+        self.dispatch(encoder, task, start, first..last_front, Some((verb, order)));
         if let Some(clock) = &self.clock {
             clock.finish(encoder);
         }
-        let copied = self.copy(encoder, copies)?;
-        Ok(Run { ticket: self.ticket, last_front, copied })
+        let (copied, most_hits) = self.copy(encoder, copies, order)?;
+        Ok(Run { ticket: self.ticket, last_front, copied, most_hits })
     }
 
     /// Records the passes of a run. Without a verb, it is one whose time does not count.
@@ -226,8 +255,9 @@ impl Engine {
         task: &Task,
         start: Start<'_>,
         passes: Range<u32>,
-        verb: Option<GpuVerb>,
+        verb: Option<(GpuVerb, Order)>,
     ) {
+        let (verb, order) = verb.unzip();
         let Self { gpu, descent, groups, workgroups, clock, .. } = self;
         let shaders = gpu.passes();
         let mut dispatches = Dispatches::begin(encoder, clock.as_mut().filter(|_| verb.is_some()));
@@ -254,11 +284,17 @@ impl Engine {
         }
         dispatches.add(&descent.narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
         dispatches.add(&descent.decide, &decide, *workgroups);
-        if verb == Some(GpuVerb::All) {
-            let [sample, deal, settle] = &groups.sort;
-            dispatches.add(&shaders.sample, &[sample], BUCKETS * RANKERS / GROUP);
-            dispatches.add(&shaders.deal, &[deal], *workgroups);
-            dispatches.add(&shaders.settle, &[settle], BUCKETS);
+        match order {
+            None | Some(Order::None) => {}
+            Some(Order::Few) => {
+                dispatches.add(&shaders.order, &[&groups.order], FEW * RANKERS / GROUP);
+            }
+            Some(Order::Many) => {
+                let [sample, deal, settle] = &groups.sort;
+                dispatches.add(&shaders.sample, &[sample], BUCKETS * RANKERS / GROUP);
+                dispatches.add(&shaders.deal, &[deal], *workgroups);
+                dispatches.add(&shaders.settle, &[settle], BUCKETS);
+            }
         }
     }
 
@@ -292,7 +328,8 @@ impl Engine {
             (&self.lists.fronts[0], 0, bytemuck::cast_slice(front)),
         ];
         let contents = parts.map(|(.., bytes)| bytes).concat();
-        let source = self.gpu.upload("the parameters", &contents, Usage::Source)?;
+        let write = |mut view: WriteOnly<'_, [u8]>| view.copy_from_slice(&contents);
+        let source = self.staging.write(&self.gpu, contents.len() as u64, write)?;
         let mut from = 0;
         for (to, at, bytes) in parts {
             let size = bytes.len() as u64;
@@ -305,7 +342,12 @@ impl Engine {
     }
 
     /// Copies counters and results for the host.
-    fn copy(&mut self, encoder: &mut CommandEncoder, most: [u32; 2]) -> Result<[u32; 2], GpuError> {
+    fn copy(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        most: [u32; 2],
+        order: Order,
+    ) -> Result<([u32; 2], u32), GpuError> {
         let capacities = &self.lists.capacities;
         let copied = [most[0].min(capacities.hits), most[1].min(capacities.rest)];
         let [hits_at, rest_at, end] = offsets(copied);
@@ -321,17 +363,32 @@ impl Engine {
                 encoder.copy_buffer_to_buffer(from, 0, &self.read_back, at, bytes);
             }
         };
-        copy(&self.lists.counters, 0, hits_at);
-        copy(&self.lists.hits, hits_at, rest_at - hits_at);
+        let few = FEW.min(capacities.hits);
+        if order == Order::Few {
+            copy(&self.lists.counters, 0, rest_at);
+        } else {
+            copy(&self.lists.counters, 0, size_of::<Counters>() as u64);
+            copy(&self.lists.hits, hits_at, rest_at - hits_at);
+        }
         copy(&self.lists.rest, rest_at, end - rest_at);
-        Ok(copied)
+        if order == Order::Few {
+            let bytes = u64::from(few) * size_of::<TrianglePair>() as u64;
+            let Lists { counters, hits, .. } = &self.lists;
+            encoder.copy_buffer_to_buffer(counters, ORDERED_AT, hits, 0, bytes);
+        }
+        Ok((copied, if order == Order::Few { few } else { u32::MAX }))
+    }
+
+    /// Has buffers ready for the next run: all that was recorded has been submitted.
+    pub(crate) fn submitted(&mut self) {
+        self.staging.submitted(&self.gpu);
     }
 
     /// Whether a run is done, which must have been submitted.
     pub(crate) fn is_done(&mut self, run: &Run) -> Result<bool, GpuError> {
         let Self { gpu, read_back, mapping, .. } = self;
         let [.., end] = offsets(run.copied);
-        let begin = || Mapping::begin(gpu.device(), read_back, end);
+        let begin = || Mapping::begin(gpu.device(), read_back, end, MapMode::Read);
         mapping.get_or_insert_with(begin).is_done(gpu.device())
     }
 
@@ -343,11 +400,14 @@ impl Engine {
     ) -> Result<Found, GpuError> {
         let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
         let (device, bytes) = (self.gpu.device(), end as u64);
-        let begin = || Mapping::begin(device, &self.read_back, bytes);
+        let begin = || Mapping::begin(device, &self.read_back, bytes, MapMode::Read);
         let mapping = self.mapping.take().unwrap_or_else(begin);
         let found = mapping.read(device, &self.read_back, bytes, |bytes| {
-            let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..hits_at]);
-            let hits = (counters.hits as usize).min(run.copied[0] as usize);
+            let counters = &bytes[..size_of::<Counters>()];
+            let counters: Counters = bytemuck::pod_read_unaligned(counters);
+            // Too many to be put in order are all copied later.
+            let copied = if counters.hits <= run.most_hits { run.copied[0] } else { 0 };
+            let hits = counters.hits.min(copied) as usize;
             let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
             let before = pairs.len();
             pairs.resize(before + hits, TrianglePair { a: 0, b: 0 });
@@ -383,9 +443,10 @@ impl Engine {
     }
 }
 
-/// Where hits and the rest begin in the read-back buffer, and where they end.
+/// Where hits and the rest begin in the read-back buffer, and where they end. Few hits in order are as far from the counters
+/// on the device.
 fn offsets([hits, rest]: [u32; 2]) -> [u64; 3] {
-    let hits_at = size_of::<Counters>() as u64;
+    let hits_at = ORDERED_AT;
     let rest_at = hits_at + u64::from(hits) * size_of::<TrianglePair>() as u64;
     [hits_at, rest_at, rest_at + u64::from(rest) * size_of::<Rest>() as u64]
 }

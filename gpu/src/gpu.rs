@@ -4,7 +4,7 @@ use crate::pass::{Pass, Target};
 use crate::{Budget, GpuError, GpuSettings, clock, moving, probe};
 use pfront_shaders::{
     DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, NARROW, NARROW_INSTANCES,
-    SAMPLE, SEED, SETTLE,
+    ORDER, SAMPLE, SEED, SETTLE,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -44,6 +44,7 @@ type Failure = Arc<Mutex<Option<GpuError>>>;
 pub(crate) struct Passes {
     /// About two meshes or one.
     pub(crate) meshes: Arc<Descent>,
+    pub(crate) order: Pass,
     pub(crate) sample: Pass,
     pub(crate) deal: Pass,
     pub(crate) settle: Pass,
@@ -142,6 +143,7 @@ impl Gpu {
         let pass = |pass| Pass::new(&device, pass, target);
         let passes = Passes {
             meshes: Descent::new(&device, target, [&SEED, &EXPAND, &NARROW, &DECIDE])?,
+            order: pass(&ORDER)?,
             sample: pass(&SAMPLE)?,
             deal: pass(&DEAL)?,
             settle: pass(&SETTLE)?,

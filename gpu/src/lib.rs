@@ -37,6 +37,7 @@ mod report;
 mod schedule;
 mod sequence;
 mod settings;
+mod staging;
 #[cfg(test)]
 mod tests;
 mod world;

@@ -7,11 +7,14 @@ use crate::parameters::Parameters;
 use crate::pass::Pass;
 use crate::settings::Capacities;
 use crate::{GpuError, GpuSettings};
-use pfront_shaders::constants::{BUCKETS, FRONTS};
-use wgpu::{BindGroup, Buffer};
+use pfront_shaders::constants::{BUCKETS, FEW, FRONTS};
+use wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferSize};
 
 /// The step that puts the children of front 0, leaf pairs among them, into front 1.
 pub(crate) const REFINE: u32 = FRONTS;
+
+/// The byte behind the counters at which few hits are, in order: bindings begin at multiples of 256.
+pub(crate) const ORDERED_AT: u64 = (size_of::<Counters>() as u64).next_multiple_of(256);
 
 /// Buffers of fixed size.
 #[derive(Debug)]
@@ -21,6 +24,7 @@ pub(crate) struct Lists {
     pub(crate) fronts: [Buffer; 2],
     pub(crate) hits: Buffer,
     pub(crate) rest: Buffer,
+    /// Counters, and at [`ORDERED_AT`] few hits in order, so that one copy brings both.
     pub(crate) counters: Buffer,
     pub(crate) query: Buffer,
     leaves: Buffer,
@@ -45,7 +49,7 @@ impl Lists {
             kept: list("the triangle pairs", capacities.kept, 8)?,
             buckets: list("the buckets", BUCKETS, 12)?,
             rest: list("the pairs for the CPU", capacities.rest, size_of::<Rest>())?,
-            counters: list("the counters", 1, size_of::<Counters>())?,
+            counters: list("the counters", ORDERED_AT as u32 / 8 + FEW, 8)?,
             query: gpu.buffer("the query", size_of::<Query>() as u64, Usage::Uniform)?,
             steps: Parameters::new(gpu, "the steps", &steps())?,
         })
@@ -53,16 +57,26 @@ impl Lists {
 
     /// The bind group of a pass for everything but meshes and steps.
     pub(crate) fn bind(&self, gpu: &Gpu, pass: &Pass, group: usize) -> Result<BindGroup, GpuError> {
+        let part = |offset, bytes| {
+            let (buffer, size) = (&self.counters, BufferSize::new(bytes));
+            BindingResource::Buffer(BufferBinding { buffer, offset, size })
+        };
         let buffers = [
             ("query", &self.query),
-            ("counters", &self.counters),
             ("leaves", &self.leaves),
             ("hits", &self.hits),
             ("kept", &self.kept),
             ("rest", &self.rest),
             ("buckets", &self.buckets),
         ];
-        pass.bind_buffers(gpu.device(), group, &buffers)
+        pass.bind(gpu.device(), group, |name| match name {
+            "counters" => Some(part(0, ORDERED_AT)),
+            "ordered" => Some(part(ORDERED_AT, 8 * u64::from(FEW))),
+            _ => {
+                let (_, buffer) = buffers.iter().find(|(own, _)| *own == name)?;
+                Some(buffer.as_entire_binding())
+            }
+        })
     }
 
     /// The fronts of pass `index` and its parameters.

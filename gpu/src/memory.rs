@@ -4,7 +4,7 @@ use crate::layout::Query;
 use crate::read::poll;
 use crate::{Gpu, GpuError};
 use bytemuck::Pod;
-use wgpu::BufferUsages;
+use wgpu::{BufferUsages, WriteOnly};
 
 /// The uses of a buffer.
 #[derive(Clone, Copy, Debug)]
@@ -17,8 +17,8 @@ pub(crate) enum Usage {
     Uniform,
     /// Mapped by the host to read.
     ReadBack,
-    /// Copied into other buffers.
-    Source,
+    /// Mapped by the host to write, and copied into other buffers.
+    Staging,
 }
 
 impl Gpu {
@@ -53,17 +53,38 @@ impl Gpu {
         contents: &[u8],
         usage: Usage,
     ) -> Result<wgpu::Buffer, GpuError> {
-        let buffer = self.allocate(what, contents.len() as u64, usage, true)?;
-        let mut view = buffer.get_mapped_range_mut(..).map_err(|error| {
+        let buffer = self.mapped_buffer(what, contents.len() as u64, usage)?;
+        self.fill(&buffer, contents.len() as u64, |mut view| view.copy_from_slice(contents))?;
+        Ok(buffer)
+    }
+
+    /// A buffer for [`Gpu::fill`].
+    pub(crate) fn mapped_buffer(
+        &self,
+        what: &'static str,
+        bytes: u64,
+        usage: Usage,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        self.allocate(what, bytes, usage, true)
+    }
+
+    /// Has the first bytes of a mapped buffer written, and unmaps it.
+    pub(crate) fn fill(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        fill: impl FnOnce(WriteOnly<'_, [u8]>),
+    ) -> Result<(), GpuError> {
+        let mut view = buffer.get_mapped_range_mut(..bytes).map_err(|error| {
             // A lost device gives buffers without memory, and says that it is lost when it is polled.
             let reason = error.to_string();
             let lost = poll(self.device()).and_then(|()| self.check());
             lost.err().unwrap_or(GpuError::Device { reason })
         })?;
-        view.copy_from_slice(contents);
+        fill(view.slice(..));
         drop(view);
         buffer.unmap();
-        Ok(buffer)
+        Ok(())
     }
 
     fn allocate(
@@ -74,16 +95,16 @@ impl Gpu {
         mapped_at_creation: bool,
     ) -> Result<wgpu::Buffer, GpuError> {
         let own = match usage {
-            Usage::Input => BufferUsages::STORAGE,
-            Usage::List => BufferUsages::STORAGE | BufferUsages::COPY_SRC,
-            Usage::Uniform => BufferUsages::UNIFORM,
-            Usage::ReadBack => BufferUsages::MAP_READ,
-            Usage::Source => BufferUsages::COPY_SRC,
+            Usage::Input => BufferUsages::STORAGE | BufferUsages::COPY_DST,
+            Usage::List => BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+            Usage::Uniform => BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            Usage::ReadBack => BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+            Usage::Staging => BufferUsages::MAP_WRITE | BufferUsages::COPY_SRC,
         };
         let limits = self.device().limits();
         let bound = match usage {
             Usage::Input | Usage::List => limits.max_storage_buffer_binding_size,
-            Usage::Uniform | Usage::ReadBack | Usage::Source => u64::MAX,
+            Usage::Uniform | Usage::ReadBack | Usage::Staging => u64::MAX,
         };
         let available = limits.max_buffer_size.min(bound);
         if size > available {
@@ -93,7 +114,7 @@ impl Gpu {
         let buffer = self.device().create_buffer(&wgpu::BufferDescriptor {
             label: Some(what),
             size,
-            usage: own | BufferUsages::COPY_DST,
+            usage: own,
             mapped_at_creation,
         });
         match pollster::block_on(scope.pop()) {

@@ -187,6 +187,7 @@ impl GpuQuery {
             self.begin(&mut encoder, question, verb)?;
             if self.asked.is_some() {
                 gpu.queue().submit([encoder.finish()]);
+                self.answer.engine.submitted();
             }
             Ok(())
         })

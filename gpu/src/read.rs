@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use wgpu::{Buffer, BufferAsyncError, BufferUsages, CommandEncoder, Device, Queue};
+use wgpu::{Buffer, BufferAsyncError, BufferUsages, CommandEncoder, Device, MapMode, Queue};
 
 /// A thread that waits asks again after this part of the time that it has waited: it comes that much late at most, and keeps a
 /// core busy only for as long as no pause is long enough to sleep.
@@ -16,7 +16,7 @@ const PAUSE: u32 = 16;
 /// The shortest pause in which a thread sleeps, about what waking takes.
 const SLEEP: Duration = Duration::from_micros(50);
 
-/// A buffer that is being mapped, which happens once all submissions that write it are done.
+/// A buffer that is being mapped, which happens once all submissions that use it are done.
 #[derive(Debug)]
 pub(crate) struct Mapping {
     /// Never locked: a mutex is `Sync`, as queries have to be, and a receiver is not.
@@ -25,12 +25,12 @@ pub(crate) struct Mapping {
 }
 
 impl Mapping {
-    /// Begins to map the first bytes of a buffer. All submissions that write it must have been made.
-    pub(crate) fn begin(device: &Device, buffer: &Buffer, bytes: u64) -> Self {
+    /// Begins to map the first bytes of a buffer. All submissions that use it must have been made.
+    pub(crate) fn begin(device: &Device, buffer: &Buffer, bytes: u64, mode: MapMode) -> Self {
         let (tell, told) = channel();
         // The callback is told any error.
         let _ = checked(device, || {
-            buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| {
+            buffer.map_async(mode, ..bytes, move |result| {
                 // The receiver is gone only if nobody wants to know.
                 let _ = tell.send(result);
             });
@@ -45,6 +45,14 @@ impl Mapping {
             return Ok(true);
         }
         poll(device)?;
+        self.is_told()
+    }
+
+    /// Whether an earlier poll has found that it is mapped.
+    pub(crate) fn is_told(&mut self) -> Result<bool, GpuError> {
+        if self.is_done {
+            return Ok(true);
+        }
         match self.told.get_mut().unwrap_or_else(PoisonError::into_inner).try_recv() {
             Ok(Ok(())) => self.is_done = true,
             Ok(Err(error)) => return Err(GpuError::DeviceLost { reason: error.to_string() }),
@@ -122,6 +130,6 @@ pub(crate) fn read_now<T: Pod>(
         queue.submit([encoder.finish()]);
         Ok(())
     })?;
-    let mapping = Mapping::begin(device, &staging, bytes);
+    let mapping = Mapping::begin(device, &staging, bytes, MapMode::Read);
     mapping.read(device, &staging, bytes, bytemuck::pod_collect_to_vec)
 }

@@ -129,6 +129,9 @@ pub const DECIDE_INSTANCES: Pass = pass!(
     SHARING, SIGNS, FILTER, OUTCOME, LATTICE, EXACT, RESULTS
 );
 
+/// Few hits in order.
+pub const ORDER: Pass = pass!("order", LAYOUT, GROUP, RANKING, RANK);
+
 /// Where the buckets of a sort of the hits begin.
 pub const SAMPLE: Pass = pass!("sample", LAYOUT, GROUP, RANKING, RANK);
 
@@ -166,7 +169,7 @@ pub const FIT: Pass = pass!("fit", LAYOUT, BALANCED, ORDERED, SOURCE, FITTED);
 pub const PROBE: Pass = pass!("probe", NOTHING, PLACE, SOFT, WIDE);
 
 /// Every pass.
-pub const PASSES: [Pass; 20] = [
+pub const PASSES: [Pass; 21] = [
     SEED,
     EXPAND,
     NARROW,
@@ -175,6 +178,7 @@ pub const PASSES: [Pass; 20] = [
     EXPAND_INSTANCES,
     NARROW_INSTANCES,
     DECIDE_INSTANCES,
+    ORDER,
     SAMPLE,
     DEAL,
     SETTLE,

@@ -324,6 +324,7 @@ impl World {
             let task = Task { query, root, levels, levels_below_seeds: levels };
             let asked = self.answer.begin_from(&mut encoder, task, &front, verb)?;
             gpu.queue().submit([encoder.finish()]);
+            self.answer.engine.submitted();
             self.arena.moved.clear();
             Ok((asked, first))
         })

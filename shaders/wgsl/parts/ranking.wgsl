@@ -1,7 +1,8 @@
 // Sorting the hits: a sample of them, in order, divides them into buckets, and a workgroup sorts each
 // bucket (sample sort, Frazer & McKellar 1970). Three dispatches whatever there is to sort, where a radix
 // sort would take three for each digit. Where a bucket gets more than it can hold, the hits stay
-// as they are, and the host, which looks, sorts them.
+// as they are, and the host, which looks, sorts them. Where few are expected, one dispatch ranks each among
+// all others instead.
 
 struct Buckets {
     // Where each but the first begins.
@@ -16,6 +17,7 @@ struct Buckets {
 // Free when hits are sorted: `room` hits for each bucket.
 @group(0) @binding(3) var<storage, read_write> kept: array<vec2u>;
 @group(0) @binding(4) var<storage, read_write> buckets: Buckets;
+@group(0) @binding(5) var<storage, read_write> ordered: array<vec2u, FEW>;
 
 fn hit_count() -> u32 {
     return min(atomicLoad(&counters.hits), query.hit_capacity);

@@ -1,0 +1,55 @@
+//! Staging buffers: mapped memory that the host writes and a submission copies.
+
+use crate::memory::Usage;
+use crate::read::Mapping;
+use crate::{Gpu, GpuError};
+use wgpu::{Buffer, WriteOnly};
+
+/// Buffers that are mapped again once the submissions that copy them are done: a new one for each submission takes longer
+/// than to write it.
+#[derive(Debug, Default)]
+pub(crate) struct Staging {
+    /// Written since the last submission.
+    written: Vec<Buffer>,
+    /// Submitted, and mapped again some time later.
+    submitted: Vec<(Buffer, Mapping)>,
+}
+
+impl Staging {
+    /// Forgets what has been written and was not submitted by [`Staging::submitted`]: its buffers are not used again.
+    pub(crate) fn forget(&mut self) {
+        self.written.clear();
+    }
+
+    /// A buffer whose first `bytes`, a multiple of 4, `fill` has written.
+    pub(crate) fn write(
+        &mut self,
+        gpu: &Gpu,
+        bytes: u64,
+        fill: impl FnOnce(WriteOnly<'_, [u8]>),
+    ) -> Result<Buffer, GpuError> {
+        let is_free = |(buffer, mapping): &mut (Buffer, Mapping)| {
+            buffer.size() >= bytes && matches!(mapping.is_told(), Ok(true))
+        };
+        let buffer = match self.submitted.iter_mut().position(is_free) {
+            Some(at) => self.submitted.swap_remove(at).0,
+            None => {
+                // Those that are too small would never be used again.
+                self.submitted.retain(|(buffer, _)| buffer.size() >= bytes);
+                gpu.mapped_buffer("the staging buffer", bytes, Usage::Staging)?
+            }
+        };
+        gpu.fill(&buffer, bytes, fill)?;
+        self.written.push(buffer.clone());
+        Ok(buffer)
+    }
+
+    /// Has what was written mapped again, after its submission.
+    pub(crate) fn submitted(&mut self, gpu: &Gpu) {
+        self.submitted.extend(self.written.drain(..).map(|buffer| {
+            let mapping =
+                Mapping::begin(gpu.device(), &buffer, buffer.size(), wgpu::MapMode::Write);
+            (buffer, mapping)
+        }));
+    }
+}
