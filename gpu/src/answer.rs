@@ -323,7 +323,7 @@ impl Answer {
     fn put_in_order(&mut self) {
         /// So few are cheaper to insert.
         const FEW: usize = 16;
-        if self.late.len() <= FEW && self.pairs.is_sorted() {
+        if self.late.len() <= FEW && is_sorted(&self.pairs) {
             for pair in self.late.drain(..) {
                 let at = self.pairs.partition_point(|other| *other < pair);
                 self.pairs.insert(at, pair);
@@ -333,6 +333,12 @@ impl Answer {
             self.pairs.sort();
         }
     }
+}
+
+/// Whether pairs are in order. Nearly all are, and looking at each without a branch takes half the time.
+fn is_sorted(pairs: &[TrianglePair]) -> bool {
+    let key = |pair: TrianglePair| (u64::from(pair.a) << 32) | u64::from(pair.b);
+    pairs.windows(2).fold(true, |sorted, two| sorted & (key(two[0]) <= key(two[1])))
 }
 
 /// Decides a triangle pair on the CPU.

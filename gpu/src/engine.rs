@@ -409,10 +409,12 @@ impl Engine {
             let copied = if counters.hits <= run.most_hits { run.copied[0] } else { 0 };
             let hits = counters.hits.min(copied) as usize;
             let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
-            let before = pairs.len();
-            pairs.resize(before + hits, TrianglePair { a: 0, b: 0 });
             let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
-            bytemuck::cast_slice_mut(&mut pairs[before..]).copy_from_slice(copied);
+            match bytemuck::try_cast_slice(copied) {
+                Ok(copied) => pairs.extend_from_slice(copied),
+                // Nothing says how mapped memory is aligned.
+                Err(_) => pairs.extend(bytemuck::pod_collect_to_vec::<_, TrianglePair>(copied)),
+            }
             Found { counters, rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]) }
         });
         self.gpu.check()?;

@@ -48,8 +48,8 @@ constants! {
     RESULTS = 512;
     /// Buckets of the sort of the hits, and hits of the sample that divides them.
     BUCKETS = 1024;
-    /// Hits that one dispatch puts in order: each is compared with all others.
-    FEW = 4 * BUCKETS;
+    /// Hits that one dispatch puts in order, comparing each with all others: beyond, three dispatches take less time.
+    FEW = 8 * BUCKETS;
     /// Invocations that rank a hit of the sample.
     RANKERS = 8;
     /// Hits that a bucket can hold.

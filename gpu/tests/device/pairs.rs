@@ -5,6 +5,7 @@ use pfront_core::{Pose, bvtt};
 use pfront_gpu::{
     Arithmetic, Budget, Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb, wgpu,
 };
+use pfront_shaders::constants;
 use pfront_testkit::MeshData;
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::seeded;
@@ -322,10 +323,26 @@ fn passes_are_timed_if_the_device_can_tell() {
     let timings = query.timings().unwrap();
     if gpu().device().features().contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES) {
         let passes: Vec<_> = timings.iter().map(|timing| timing.pass).collect();
-        assert_eq!((passes[0], passes[passes.len() - 1]), ("seed", "settle"));
+        assert_eq!((passes[0], passes[passes.len() - 1]), ("seed", "order"));
         assert!(timings.iter().any(|timing| !timing.time.is_zero()));
     } else {
         assert!(timings.is_empty());
+    }
+}
+
+/// What puts hits in order is recorded before their number is known, by that of the last answer.
+#[test]
+fn answers_that_grow_and_shrink_are_in_order() {
+    let mut query = GpuQuery::new(gpu()).unwrap();
+    let ball = both(&sphere(24));
+    let [apart, few, many] = [3.0, 0.5, 0.0].map(|x| Pose::from_translation([x, 0.0, 0.0]));
+    let most = truth(&ball, &ball, &many).len();
+    assert!(most > constants::FEW as usize, "{most}");
+    for pose in [&apart, &many, &many, &few, &few, &apart, &few, &many] {
+        assert_eq!(
+            query.all(&GpuQuestion::pair(&ball.model, &ball.model, pose)).unwrap(),
+            truth(&ball, &ball, pose)
+        );
     }
 }
 
