@@ -51,7 +51,7 @@ pub(crate) struct Answer {
     pub(crate) instances: Vec<InstancePair>,
     /// Hits of each of them that the device has decided, if they are wanted of each.
     pub(crate) tallies: Vec<u64>,
-    /// How many hits, and how many of the rest, the last answer had: about what the next will have.
+    /// How many hits, and how many of the rest, the last answers had: about what the next will have at most.
     expected: [u32; 2],
     /// The parts of the last question that was too much for one run.
     division: Option<Division>,
@@ -195,7 +195,10 @@ impl Answer {
                 continue;
             } else {
                 if matches!(verb, GpuVerb::All | GpuVerb::Count) {
-                    self.expected = [hits, rest];
+                    // Some answers are few by chance: those that follow are not yet expected to be.
+                    let most = |now: u32, before: u32| now.max(before - before.div_ceil(4));
+                    let [before, rest_before] = self.expected;
+                    self.expected = [most(hits, before), most(rest, rest_before)];
                 }
                 let share = self.share(&found.counters);
                 let most = self.engine.lists.capacities.front as usize;

@@ -49,7 +49,7 @@ constants! {
     /// Buckets of the sort of the hits, and hits of the sample that divides them.
     BUCKETS = 1024;
     /// Hits that one dispatch puts in order, comparing each with all others: beyond, three dispatches take less time.
-    FEW = 8 * BUCKETS;
+    FEW = 2 * BUCKETS;
     /// Invocations that rank a hit of the sample.
     RANKERS = 8;
     /// Hits that a bucket can hold.

@@ -6,7 +6,6 @@ var<workgroup> ranks: array<atomic<u32>, GROUP / RANKERS>;
 @compute @workgroup_size(GROUP)
 fn order(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) group: vec3u) {
     const MINE = GROUP / RANKERS;
-    const PART = BUCKETS / RANKERS;
     let count = tell(lane, hit_count());
     let first = group.x * MINE;
     let is_few = count <= FEW;
@@ -21,13 +20,29 @@ fn order(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) grou
     // A workgroup without a hit compares none.
     let compared = tell(lane, select(0u, count, is_few & (first < count)));
     for (var begin = 0u; begin < compared; begin += BUCKETS) {
+        // What is later than any hit fills the last turns of the loop below.
         let size = min(BUCKETS, compared - begin);
-        for (var i = lane; i < size; i += GROUP) {
-            ranked[i] = hits[begin + i];
+        let end = (size + 4u * RANKERS - 1u) / (4u * RANKERS) * (4u * RANKERS);
+        for (var i = lane; i < end; i += GROUP) {
+            if i < size {
+                ranked[i] = hits[begin + i];
+            } else {
+                ranked[i] = vec2u(0xffffffffu);
+            }
         }
-        pad_ranked(lane, size);
         workgroupBarrier();
-        atomicAdd(&ranks[lane / RANKERS], rank_among(own, part * PART, min(size, (part + 1u) * PART)));
+        // Invocations next to each other read hits next to each other, which are in different banks.
+        var rank = vec4u(0u);
+        for (var i = part; i < end; i += 4u * RANKERS) {
+            let four = vec4<bool>(
+                precedes(ranked[i], own),
+                precedes(ranked[i + RANKERS], own),
+                precedes(ranked[i + 2u * RANKERS], own),
+                precedes(ranked[i + 3u * RANKERS], own),
+            );
+            rank += select(vec4u(0u), vec4u(1u), four);
+        }
+        atomicAdd(&ranks[lane / RANKERS], rank.x + rank.y + rank.z + rank.w);
         workgroupBarrier();
     }
     if is_mine & (part == 0u) {
