@@ -15,6 +15,11 @@
 //! the exact stages are integers of fixed width instead of expansions. They need neither branches on
 //! exponents nor more than a few hundred bytes of stack, and cannot overflow.
 
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the predicates of meshes in f64, which no query takes yet")
+)]
+pub(crate) mod double;
 pub(crate) mod environment;
 mod exact64;
 pub(crate) mod filter32;
@@ -22,6 +27,7 @@ pub(crate) mod filter64;
 mod int896;
 mod integer;
 mod orientation;
+mod wide;
 
 pub(crate) use exact64::{ExactF64, are_exact_in_f64};
 pub(crate) use filter32::CertifiedF32;

@@ -1,0 +1,176 @@
+//! Signs in f64 against integers of any length.
+
+extern crate std;
+
+use super::*;
+use num_bigint::BigInt;
+use pfront_testkit::rng::{Rng, RngExt, seeded};
+
+/// 2^exponent, subnormal or 0 where that is so small.
+fn power(exponent: i32) -> f64 {
+    if exponent >= -1022 {
+        f64::from_bits(((1023 + exponent) as u64) << 52)
+    } else {
+        f64::from_bits(1u64.checked_shl((exponent + 1074) as u32).unwrap_or(0))
+    }
+}
+
+/// The value in units of the smallest f64, by nothing of the code under test.
+fn integer(x: f64) -> BigInt {
+    let bits = x.abs().to_bits();
+    let (exponent, fraction) = (bits >> 52, bits & ((1 << 52) - 1));
+    let magnitude = match exponent {
+        0 => BigInt::from(fraction),
+        _ => BigInt::from(fraction + (1 << 52)) << (exponent - 1),
+    };
+    if x < 0.0 { -magnitude } else { magnitude }
+}
+
+fn sign(x: &BigInt) -> i32 {
+    i32::from(*x > BigInt::ZERO) - i32::from(*x < BigInt::ZERO)
+}
+
+fn true_side(p: &[Point64; 4]) -> i32 {
+    let edge = |i: usize| [0, 1, 2].map(|k| integer(p[i][k]) - integer(p[0][k]));
+    let [u, v, w] = [edge(1), edge(2), edge(3)];
+    let minor = |i: usize, j: usize| &u[i] * &v[j] - &u[j] * &v[i];
+    sign(&(&w[0] * minor(1, 2) + &w[1] * minor(2, 0) + &w[2] * minor(0, 1)))
+}
+
+fn true_turn([a, b, c]: [Point2In64; 3]) -> i32 {
+    let edge = |p: Point2In64, k: usize| integer(p[k]) - integer(a[k]);
+    sign(&(edge(b, 0) * edge(c, 1) - edge(b, 1) * edge(c, 0)))
+}
+
+/// A finite value of any bits, at most 2^125.
+fn any_bits(rng: &mut impl Rng) -> f64 {
+    loop {
+        let x = f64::from_bits(rng.random());
+        if x.abs() <= LIMIT {
+            return x;
+        }
+    }
+}
+
+/// How many families [`points`] has.
+const FAMILIES: usize = 10;
+
+/// Four points of a family that is hard in its own way.
+fn points(family: usize, rng: &mut impl Rng) -> [Point64; 4] {
+    let lattice = |rng: &mut _, reach: i64| -> [Point64; 4] {
+        [[0.0; 3]; 4].map(|p| p.map(|_| RngExt::random_range(rng, -reach..=reach) as f64))
+    };
+    let mut p = match family {
+        0 => lattice(rng, 3),
+        1 => lattice(rng, 1 << 25),
+        2 => lattice(rng, 1 << 52),
+        3 => return [[0.0; 3]; 4].map(|p| p.map(|_| any_bits(rng))),
+        4 => {
+            return [[0.0; 3]; 4].map(|p| p.map(|_| power(-1074) * rng.random_range(-9..=9) as f64));
+        }
+        _ => {
+            // Near a plane: a sum of the edges, rounded.
+            let mut p = [[0.0; 3]; 4].map(|p| p.map(|_| rng.random_range(-1.0..1.0)));
+            let (s, t) = (rng.random_range(-2.0..2.0), rng.random_range(-2.0..2.0));
+            for k in 0..3 {
+                p[3][k] = p[0][k] + (s * (p[1][k] - p[0][k]) + t * (p[2][k] - p[0][k]));
+            }
+            p
+        }
+    };
+    // Scales of each axis, so that differences of one are subnormal beside those of another.
+    let scales = [0; 3].map(|_| match family {
+        0..=2 => power(rng.random_range(-1074..=70)),
+        6 => power(rng.random_range(-1074..=120)),
+        _ => 1.0,
+    });
+    let offset = [0; 3].map(|_| if family == 7 { 1e7 * rng.random_range(-1.0..1.0) } else { 0.0 });
+    for point in &mut p {
+        for k in 0..3 {
+            point[k] = point[k] * scales[k] + offset[k];
+            let noise = rng.random_range(-1..=1_i64) as u64;
+            if family >= 8 && point[k] != 0.0 {
+                point[k] = f64::from_bits(point[k].to_bits().wrapping_add(noise));
+            }
+        }
+    }
+    if family == 9 {
+        // One coordinate in common, as flush faces have it, one point far out.
+        let far = rng.random_range(0..4);
+        p[far] = p[far].map(|x| x * power(100));
+        p[(far + 1) % 4][0] = p[(far + 2) % 4][0];
+    }
+    p
+}
+
+/// `PFRONT_ROUNDS` sets how many of each family are drawn.
+fn rounds() -> usize {
+    let asked = std::env::var("PFRONT_ROUNDS").ok().and_then(|text| text.parse().ok());
+    asked.unwrap_or(if cfg!(miri) { 3 } else { 20_000 })
+}
+
+#[test]
+fn signs_are_those_of_long_integers() {
+    let mut rng = seeded(64);
+    let mut seen = [0_usize; 5];
+    for family in 0..FAMILIES {
+        for _ in 0..rounds() {
+            let p = points(family, &mut rng);
+            let [a, b, c, d] = &p;
+            let truth = true_side(&p);
+            let [filtered] = filtered_sides([a, b, c], [d]);
+            assert!(filtered == 0 || filtered == truth, "{family}: {p:?}");
+            assert_eq!(sides64([a, b, c], [d]), [truth], "{family}: {p:?}");
+            // Every later stage decides as well what an earlier one would have.
+            let axes = [0, 1, 2].map(|k| Axis::new(p.map(|p| p[k])));
+            assert_eq!(wide_side::<57>(&axes), truth, "{family}: {p:?}");
+            let narrow = axes.each_ref().map(Axis::narrow);
+            let bits: u32 = axes.iter().map(Axis::difference_bits).sum();
+            seen[0] += usize::from(filtered != 0);
+            if let [Some(x), Some(y), Some(z)] = narrow {
+                assert_eq!(narrow_side([x, y, z]), truth, "{family}: {p:?}");
+                seen[1] += 1;
+            }
+            if bits + 3 <= 512 {
+                assert_eq!(wide_side::<8>(&axes), truth, "{family}: {p:?}");
+                seen[2] += 1;
+            } else {
+                seen[3] += 1;
+            }
+            seen[4] += usize::from(truth == 0);
+            let flat = [p[0], p[1], p[2]].map(|[x, y, _]| [x, y]);
+            assert_eq!(turn64(&flat[0], &flat[1], &flat[2]), true_turn(flat), "{family}: {p:?}");
+        }
+    }
+    assert!(cfg!(miri) || seen.iter().all(|&count| count > rounds() / 50), "{seen:?}");
+}
+
+/// The constant times the first extent would underflow and take the bound with it.
+#[test]
+fn bounds_do_not_underflow_beside_large_extents() {
+    let mut rng = seeded(65);
+    for _ in 0..rounds() {
+        let scales = [power(-1030), power(120), 1.0];
+        let mut p = points(5, &mut rng);
+        p.iter_mut().for_each(|p| (0..3).for_each(|k| p[k] *= scales[k]));
+        let [a, b, c, d] = &p;
+        let [filtered] = filtered_sides([a, b, c], [d]);
+        assert!(filtered == 0 || filtered == true_side(&p), "{p:?}");
+    }
+}
+
+/// The longest determinants: corners at the limit, and others one smallest step off.
+#[test]
+fn the_largest_determinants_keep_their_sign() {
+    let least = power(-1074);
+    let p = [[-LIMIT; 3], [LIMIT, least, -LIMIT], [-LIMIT, LIMIT, least], [least, least, LIMIT]];
+    let [a, b, c, d] = &p;
+    assert_eq!(sides64([a, b, c], [d]), [true_side(&p)]);
+    assert_eq!(sides64([a, c, b], [d]), [-true_side(&p)]);
+    let [o, x, y] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    for (z, side) in [(least, 1), (0.0, 0), (-least, -1)] {
+        assert_eq!(sides64([&o, &x, &y], [&[0.25, 0.25, z]]), [side]);
+    }
+    let flat = [[-LIMIT; 2], [LIMIT, least], [least, LIMIT]];
+    assert_eq!(turn64(&flat[0], &flat[1], &flat[2]), true_turn(flat));
+}
