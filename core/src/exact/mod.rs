@@ -15,11 +15,6 @@
 //! the exact stages are integers of fixed width instead of expansions. They need neither branches on
 //! exponents nor more than a few hundred bytes of stack, and cannot overflow.
 
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "the predicates of meshes in f64, which no query takes yet")
-)]
-pub(crate) mod double;
 pub(crate) mod environment;
 mod exact64;
 pub(crate) mod filter32;
@@ -27,13 +22,14 @@ pub(crate) mod filter64;
 mod int896;
 mod integer;
 mod orientation;
+pub(crate) mod predicate64;
 mod wide;
 
 pub(crate) use exact64::{ExactF64, are_exact_in_f64};
 pub(crate) use filter32::CertifiedF32;
 pub(crate) use filter64::{CertifiedF64, difference};
 pub(crate) use integer::{normal, orient3d_ratio};
-pub(crate) use orientation::{Exact, Fast, HAS_F64, Orientation, orient2d, sides};
+pub(crate) use orientation::{Coordinate, Exact, Fast, HAS_F64, Orientation, orient2d, sides};
 
 /// A point in space.
 pub(crate) type Point = [f32; 3];

@@ -2,17 +2,38 @@
 //!
 //! The triangle tests are written once over [`Orientation`]: what they promise is what its signs promise.
 
-use super::{Point, Point2, filter64, integer};
-use glam::Vec3;
+use super::predicate64::{sides64, turn64};
+use super::{Point, Point2, difference, filter64, integer};
+use glam::{DVec3, Vec3};
+
+/// A coordinate of the points that predicates decide: f32 or f64.
+pub(crate) trait Coordinate: Copy + PartialOrd {
+    /// p − q, rounded at most once.
+    fn difference(p: &[Self; 3], q: &[Self; 3]) -> DVec3;
+}
+
+impl Coordinate for f32 {
+    #[inline(always)]
+    fn difference(p: &Point, q: &Point) -> DVec3 {
+        difference(p, q)
+    }
+}
+
+impl Coordinate for f64 {
+    #[inline(always)]
+    fn difference(p: &[Self; 3], q: &[Self; 3]) -> DVec3 {
+        DVec3::from_array(*p) - DVec3::from_array(*q)
+    }
+}
 
 /// Decides [`orient3d`](super::orient3d) and [`orient2d`](super::orient2d). A sign that is not known is `None`.
-pub(crate) trait Orientation {
+pub(crate) trait Orientation<C = f32> {
     /// The sides of one plane, through three points, on which several points lie; `None` if one of them is not known.
-    fn orient3d<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]>;
+    fn orient3d<const N: usize>(plane: [&[C; 3]; 3], points: [&[C; 3]; N]) -> Option<[i32; N]>;
 
     /// The turn of three points. Only sides that are known to be zero lead from space to a plane, and a filter never
     /// knows that: it is not asked.
-    fn orient2d(_: &Point2, _: &Point2, _: &Point2) -> Option<i32> {
+    fn orient2d(_: &[C; 2], _: &[C; 2], _: &[C; 2]) -> Option<i32> {
         None
     }
 }
@@ -55,6 +76,18 @@ impl Orientation for Exact {
     #[inline(always)]
     fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> Option<i32> {
         Some(orient2d(a, b, c))
+    }
+}
+
+impl Orientation<f64> for Exact {
+    #[inline(always)]
+    fn orient3d<const N: usize>(plane: [&[f64; 3]; 3], points: [&[f64; 3]; N]) -> Option<[i32; N]> {
+        Some(sides64(plane, points))
+    }
+
+    #[inline(always)]
+    fn orient2d(a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]) -> Option<i32> {
+        Some(turn64(a, b, c))
     }
 }
 

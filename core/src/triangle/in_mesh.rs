@@ -153,7 +153,7 @@ fn vertex_rule<K: Orientation>(a: &Neighbour, b: &Neighbour) -> Option<bool> {
     }
     for (t, rest) in [(b, a.rest()), (a, b.rest())] {
         if let Some(rest) = rest
-            && segment_intersects::<K>(rest, &t.corners)?
+            && segment_intersects::<K, f32>(rest, &t.corners)?
         {
             return Some(true);
         }
@@ -167,12 +167,12 @@ fn edge_rule<K: Orientation>(a: &Triangle, b: &Triangle) -> Option<bool> {
     if separated_at_edge(a, &d) || K::orient3d([&e, &f, &c], [&d])? != [0] {
         return Some(false);
     }
-    if let Some(p) = projection::<K>(&[e, f, c])? {
-        return Some(turn::<K>(&[e, f, d], p.axis)? == p.turn);
+    if let Some(p) = projection::<K, f32>(&[e, f, c])? {
+        return Some(turn::<K, f32>(&[e, f, d], p.axis)? == p.turn);
     }
     // The first lies on the line of the edge. If the second does not, they meet in the edge alone, and so do
     // two segments in different directions from an edge without length.
-    if projection::<K>(&[e, f, d])?.is_some() || projection::<K>(&[e, c, d])?.is_some() {
+    if projection::<K, f32>(&[e, f, d])?.is_some() || projection::<K, f32>(&[e, c, d])?.is_some() {
         return Some(false);
     }
     // All on one line: only past the same end of the edge do they have more in common.

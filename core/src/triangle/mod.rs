@@ -38,8 +38,8 @@ pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
 use crate::exact::{
-    CertifiedF32, CertifiedF64, Exact, ExactF64, Fast, HAS_F64, Orientation, Point,
-    are_exact_in_f64,
+    CertifiedF32, CertifiedF64, Coordinate, Exact, ExactF64, Fast, HAS_F64, Orientation, Point,
+    are_exact_in_f64, predicate64,
 };
 use glam::Vec3A;
 
@@ -79,6 +79,38 @@ pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
     intersects_by(accuracy.inexact_test(), a, b)
 }
 
+/// Whether two closed triangles with f64 coordinates share a point, exactly: what [`intersects`] says for f32.
+///
+/// # Errors
+/// [`RangeError`] names the first corner that has a coordinate which is NaN or beyond ±2^125.
+///
+/// # Complexity
+/// O(1), no allocation, bounded stack.
+///
+/// # Examples
+/// ```
+/// use pfront_core::triangle::intersects_f64;
+/// let floor = [[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+/// let tip = |z| [[1.0, 1.0, z], [1.0, 2.0, 3.0], [2.0, 1.0, 3.0]];
+/// assert_eq!(intersects_f64(&floor, &tip(0.0)), Ok(true));
+/// assert_eq!(intersects_f64(&floor, &tip(5e-324)), Ok(false));
+/// ```
+pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, RangeError> {
+    let is_in_range = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= predicate64::LIMIT);
+    if let Some(corner) = a.iter().chain(b).position(|p| !is_in_range(p)) {
+        return Err(RangeError { corner });
+    }
+    Ok(triangles_intersect::<Exact, f64>(a, b) == Some(true))
+}
+
+/// A coordinate that [`intersects_f64`] does not take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("corner {corner} has a coordinate that is NaN or beyond ±2^125")]
+pub struct RangeError {
+    /// The corner: 0 to 2 of the first triangle, 3 to 5 of the second.
+    pub corner: usize,
+}
+
 /// [`intersects`] at another accuracy than `Exact`. A query holds it by pointer, so that firmware whose pair queries are
 /// exact links no other test.
 pub(crate) type InexactTest = fn(&Triangle, &Triangle) -> bool;
@@ -89,10 +121,10 @@ impl Accuracy {
         match self {
             Self::Exact => None,
             Self::Conservative => Some(|a, b| {
-                let certified = triangles_intersect::<CertifiedF32>(a, b);
-                certified.or_else(|| triangles_intersect::<CertifiedF64>(a, b)).unwrap_or(true)
+                let certified = triangles_intersect::<CertifiedF32, f32>(a, b);
+                certified.or_else(|| triangles_intersect::<CertifiedF64, f32>(a, b)).unwrap_or(true)
             }),
-            Self::Fast => Some(|a, b| triangles_intersect::<Fast>(a, b) == Some(true)),
+            Self::Fast => Some(|a, b| triangles_intersect::<Fast, f32>(a, b) == Some(true)),
         }
     }
 }
@@ -114,21 +146,24 @@ fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
     let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
     let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
     let is_flush = flush.any();
-    if !is_flush && let Some(hit) = triangles_intersect::<CertifiedF32>(a, b) {
+    if !is_flush && let Some(hit) = triangles_intersect::<CertifiedF32, f32>(a, b) {
         return hit;
     }
     let hit = match (is_flush, HAS_F64 && are_exact_in_f64(a, b)) {
-        (true, true) => coplanar_triangles_intersect::<ExactF64>(a, b),
-        (true, false) => coplanar_triangles_intersect::<Exact>(a, b),
-        (false, true) => triangles_intersect::<ExactF64>(a, b),
-        (false, false) => triangles_intersect::<Exact>(a, b),
+        (true, true) => coplanar_triangles_intersect::<ExactF64, f32>(a, b),
+        (true, false) => coplanar_triangles_intersect::<Exact, f32>(a, b),
+        (false, true) => triangles_intersect::<ExactF64, f32>(a, b),
+        (false, false) => triangles_intersect::<Exact, f32>(a, b),
     };
     hit == Some(true)
 }
 
 /// [`intersects`] by one kind of signs; `None` if a sign that decides is not known.
 #[inline]
-fn triangles_intersect<K: Orientation>(a: &Triangle, b: &Triangle) -> Option<bool> {
+fn triangles_intersect<K: Orientation<C>, C: Coordinate>(
+    a: &[[C; 3]; 3],
+    b: &[[C; 3]; 3],
+) -> Option<bool> {
     // One plane with the other triangle on one side is enough, whatever is uncertain about the other plane.
     let a_sides = K::orient3d(b.each_ref(), a.each_ref());
     if a_sides.as_ref().is_some_and(one_sided) {
@@ -140,10 +175,10 @@ fn triangles_intersect<K: Orientation>(a: &Triangle, b: &Triangle) -> Option<boo
     }
     let (a_sides, b_sides) = (a_sides?, b_sides?);
     if a_sides == [0; 3] || b_sides == [0; 3] {
-        return coplanar_triangles_intersect::<K>(a, b);
+        return coplanar_triangles_intersect::<K, C>(a, b);
     }
     let (a, b, side) = arrange(a, &a_sides, b, &b_sides);
-    intervals_overlap::<K>(a, b, side)
+    intervals_overlap::<K, C>(a, b, side)
 }
 
 /// Whether all three corners are strictly on one side of a plane.
@@ -160,9 +195,9 @@ fn one_sided(sides: &[i32; 3]) -> bool {
 /// factor with the sign of −`side`; likewise for a0a2 and b0b2. The factor is never zero, since an apex is not on the
 /// side of the other two corners. So touching, where a determinant is zero, needs no case of its own.
 #[inline]
-fn intervals_overlap<K: Orientation>(
-    [a0, a1, a2]: [&Point; 3],
-    [b0, b1, b2]: [&Point; 3],
+fn intervals_overlap<K: Orientation<C>, C: Coordinate>(
+    [a0, a1, a2]: [&[C; 3]; 3],
+    [b0, b1, b2]: [&[C; 3]; 3],
     side: i32,
 ) -> Option<bool> {
     // Both are computed before either is looked at, so that a processor works on them side by side.
@@ -173,12 +208,12 @@ fn intervals_overlap<K: Orientation>(
 /// The corners of both triangles from their apexes on, and the side of the apex of `b`. The other two corners of `b` are in
 /// the order in which the intervals of both triangles run the same way.
 #[inline]
-fn arrange<'t>(
-    a: &'t Triangle,
+fn arrange<'t, C>(
+    a: &'t [[C; 3]; 3],
     a_sides: &[i32; 3],
-    b: &'t Triangle,
+    b: &'t [[C; 3]; 3],
     b_sides: &[i32; 3],
-) -> ([&'t Point; 3], [&'t Point; 3], i32) {
+) -> ([&'t [C; 3]; 3], [&'t [C; 3]; 3], i32) {
     let ((i, delta), (j, epsilon)) = (apex(a_sides), apex(b_sides));
     let [b0, b1, b2] = rotated(b, j);
     let b = if delta == epsilon { [b0, b1, b2] } else { [b0, b2, b1] };
@@ -205,7 +240,7 @@ fn apex(&[p, q, r]: &[i32; 3]) -> (usize, i32) {
 
 /// The corners, beginning with one.
 #[inline]
-fn rotated([p, q, r]: &Triangle, first: usize) -> [&Point; 3] {
+fn rotated<C>([p, q, r]: &[[C; 3]; 3], first: usize) -> [&[C; 3]; 3] {
     match first {
         0 => [p, q, r],
         1 => [q, r, p],
@@ -218,6 +253,35 @@ mod tests {
     use super::*;
 
     const FLOOR: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+
+    /// Widened to f64, and scaled to below the range of f32, a pair intersects as it did.
+    #[test]
+    fn f64_decides_the_families_of_f32_as_the_oracle() {
+        let mut rng = pfront_testkit::rng::seeded(16);
+        for family in pfront_testkit::families::Family::ALL {
+            for _ in 0..if cfg!(miri) { 2 } else { 1_000 } {
+                let (a, b) = family.pair(&mut rng);
+                let truth = pfront_testkit::oracle::intersect(&a, &b);
+                for scale in [1.0, f64::from_bits((1023 - 900) << 52)] {
+                    let [a, b] = [a, b].map(|t| t.map(|p| p.map(|x| f64::from(x) * scale)));
+                    if a.iter().chain(&b).flatten().all(|x| x.abs() <= 4e37) {
+                        assert_eq!(intersects_f64(&a, &b), Ok(truth), "{family:?} {a:?} {b:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn f64_sees_gaps_that_f32_rounds_away() {
+        let tip = |z: f64| [[1.0, 1.0, z], [1.0, 2.0, 3e6], [2.0, 1.0, 3e6]];
+        let floor = [[0.0, 0.0, 1e6], [4.0, 0.0, 1e6], [0.0, 4.0, 1e6]];
+        assert_eq!(intersects_f64(&floor, &tip(1e6 + 1e-9)), Ok(false));
+        assert_eq!(intersects_f64(&floor, &tip(1e6)), Ok(true));
+        let out = [[0.0; 3], [0.0, f64::NAN, 0.0], [0.0; 3]];
+        assert_eq!(intersects_f64(&floor, &out), Err(RangeError { corner: 4 }));
+        assert_eq!(intersects_f64(&[[1e38; 3]; 3], &floor), Err(RangeError { corner: 0 }));
+    }
 
     fn check(b: Triangle, expected: bool) {
         for (first, second) in [(&FLOOR, &b), (&b, &FLOOR)] {

@@ -66,15 +66,14 @@ fn points(family: usize, rng: &mut impl Rng) -> [Point64; 4] {
         2 => lattice(rng, 1 << 52),
         3 => return [[0.0; 3]; 4].map(|p| p.map(|_| any_bits(rng))),
         4 => {
-            return [[0.0; 3]; 4].map(|p| p.map(|_| power(-1074) * rng.random_range(-9..=9) as f64));
+            return [[0.0; 3]; 4]
+                .map(|p| p.map(|_| power(-1074) * rng.random_range(-9..=9) as f64));
         }
         _ => {
             // Near a plane: a sum of the edges, rounded.
             let mut p = [[0.0; 3]; 4].map(|p| p.map(|_| rng.random_range(-1.0..1.0)));
             let (s, t) = (rng.random_range(-2.0..2.0), rng.random_range(-2.0..2.0));
-            for k in 0..3 {
-                p[3][k] = p[0][k] + (s * (p[1][k] - p[0][k]) + t * (p[2][k] - p[0][k]));
-            }
+            p[3] = [0, 1, 2].map(|k| p[0][k] + (s * (p[1][k] - p[0][k]) + t * (p[2][k] - p[0][k])));
             p
         }
     };
