@@ -245,7 +245,8 @@ impl GpuQuery {
         Ok(self.answer.count)
     }
 
-    /// The hits: `array<vec2<u32>>`, the triangles `(a, b)` of each, under [`GpuVerb::All`] sorted.
+    /// The hits: `array<vec2<u32>>`, the triangles `(a, b)` of each. Under [`GpuVerb::All`] they are sorted, unless they are far
+    /// more than in the last answers, or very uneven: [`GpuQuery::read`] sorts then what it brings.
     #[must_use]
     pub fn hits_buffer(&self) -> &Buffer {
         &self.answer.engine.lists.hits

@@ -181,8 +181,8 @@ impl<T> Ticket<T> {
     /// The hits of a single question, on the device of an `Executor::gpu`; `None` if another executor answers or the batch
     /// does not have just one question.
     ///
-    /// `array<vec2<u32>>`: the triangles `(a, b)` of each hit, sorted for [`Batch::all`](super::Batch::all). What is submitted
-    /// to the queue after the ticket finds them there, without waiting, until the ticket is dropped or read by
+    /// `array<vec2<u32>>`: the triangles `(a, b)` of each hit, sorted for [`Batch::all`](super::Batch::all) unless they
+    /// are far more than in the last answers, or very uneven; [`Ticket::read`] sorts them then. What is submitted to the queue after the ticket finds them there, without waiting, until the ticket is dropped or read by
     /// [`Ticket::read`]; then the lists go to the next ticket. Only [`Ticket::count_buffer`] says how many there are, and
     /// whether these are all. Bind it to read (`STORAGE`, `COPY_SRC`).
     ///
