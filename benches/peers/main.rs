@@ -6,10 +6,10 @@
 //! alone", and building is not. Everybody makes a list of the hits; only pfront sorts it.
 //!
 //! What is measured:
-//! - "two bodies": torus knots of so many triangles each, in random poses.
+//! - "two bodies": torus knots of so many triangles each, in random poses; "two dragons" likewise.
 //! - "sheet" and "cloth-ball": a mesh that deforms, with itself. Only pfront judges triangles that share
-//!   a vertex, and answers for them as well; the others leave them out. The sheet is folded; the
-//!   cloth-ball is recorded data, in `../shared/data` or the folder that `PFRONT_DATA` names, and left
+//!   a vertex, and answers for them as well; the others leave them out. The sheet is folded. Dragons
+//!   and cloth-ball are recorded data, in `../shared/data` or the folder that `PFRONT_DATA` names, and left
 //!   out where they are missing, as they may not be redistributed.
 //! - "500 bodies": a crowd that moves, each with a mesh of its own, as if no two were alike.
 //! - "flush contact": two voxel solids on one grid, whose faces are coplanar and overlap or touch.
@@ -49,6 +49,7 @@ fn all_pairs(c: &mut Criterion) {
         Work::crowd("500 bodies 800K", 500),
         Work::voxels("flush contact 5K", 5000),
     ];
+    works.extend(Work::dragons("two dragons 871K", POSES));
     works.extend(Work::cloth_ball("cloth-ball 92K"));
     for work in &works {
         let truth = truth(work);

@@ -85,23 +85,22 @@ impl Work {
         Self { name: name.to_owned(), meshes: scene.meshes, motion: Motion::Deforming(frames) }
     }
 
-    /// Two recorded frames of the cloth-ball, or a message where the data are missing.
+    /// Two recorded dragons, the second in random poses in which they meet, or `None` where the data are missing.
+    pub(crate) fn dragons(name: &str, frames: usize) -> Option<Self> {
+        let dragon = recorded(name, "classic/dragon_871414.ply")?;
+        let scene = Scene::course(dragon.clone(), dragon, usize::MAX, SEED);
+        let meet = meet(&scene);
+        let all = (0..).map(|frame| poses(&scene, frame));
+        let motion = Motion::Rigid(all.filter(|poses| meet(poses[1])).take(frames).collect());
+        Some(Self { name: name.to_owned(), meshes: scene.meshes, motion })
+    }
+
+    /// Two recorded frames of the cloth-ball, or `None` where the data are missing.
     pub(crate) fn cloth_ball(name: &str) -> Option<Self> {
-        let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
-        let folder = std::env::var_os("PFRONT_DATA").map_or_else(|| beside.into(), PathBuf::from);
-        let read = |frame: usize| {
-            pfront_cli::mesh::read(&folder.join(format!("cloth/cloth_ball/cloth_ball{frame}.ply")))
-        };
-        let (first, second) = match (read(92), read(93)) {
-            (Ok(first), Ok(second)) => (first, second),
-            (Err(error), _) | (_, Err(error)) => {
-                eprintln!(
-                    "{name} is left out: {error} (set PFRONT_DATA to the folder with cloth/)"
-                );
-                return None;
-            }
-        };
-        let motion = Motion::Deforming(vec![first.positions.clone(), second.positions]);
+        let [first, second] = [92, 93]
+            .map(|frame| recorded(name, &format!("cloth/cloth_ball/cloth_ball{frame}.ply")));
+        let first = first?;
+        let motion = Motion::Deforming(vec![first.positions.clone(), second?.positions]);
         Some(Self { name: name.to_owned(), meshes: vec![first], motion })
     }
 
@@ -245,6 +244,17 @@ fn voxels(triangles: usize, random: &mut impl Rng) -> MeshData {
         if side % 2 == 1 { [[a, b, c], [a, c, d]] } else { [[c, b, a], [d, c, a]] }
     });
     MeshData::of(halves).welded()
+}
+
+/// A recorded mesh, or a message where the data are missing.
+fn recorded(name: &str, file: &str) -> Option<MeshData> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
+    let folder = std::env::var_os("PFRONT_DATA").map_or_else(|| beside.into(), PathBuf::from);
+    let mesh = pfront_cli::mesh::read(&folder.join(file));
+    mesh.inspect_err(|error| {
+        eprintln!("{name} is left out: {error} (set PFRONT_DATA to the folder with {file})");
+    })
+    .ok()
 }
 
 /// Two torus knots of so many triangles each, the second in random poses.
