@@ -3,6 +3,12 @@
 //! All other modules rely on a [`Mesh`]: indices are in range and coordinates finite, so no traversal checks either
 //! again.
 
+mod exact;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use exact::Positions64;
+
 use crate::aabb::Bounds;
 use crate::exact::environment;
 use crate::index::at;
@@ -17,7 +23,7 @@ pub const MAX_TRIANGLES: usize = (1 << 31) - 1;
 
 /// A triangle mesh borrowed from the caller and checked once, by [`Mesh::new`].
 ///
-/// Copying is free (two slices). Duplicate triangles, zero-area triangles, unreferenced vertices
+/// Copying is free (slices). Duplicate triangles, zero-area triangles, unreferenced vertices
 /// and an empty mesh are all fine.
 ///
 /// # Examples
@@ -31,6 +37,8 @@ pub const MAX_TRIANGLES: usize = (1 << 31) - 1;
 pub struct Mesh<'a> {
     positions: &'a [[f32; 3]],
     triangles: &'a [[u32; 3]],
+    /// Of a mesh in f64.
+    exact: Option<Positions64<'a>>,
 }
 
 impl<'a> Mesh<'a> {
@@ -74,7 +82,7 @@ impl<'a> Mesh<'a> {
                 return Err(MeshError::IndexOutOfRange { triangle, index, vertices });
             }
         }
-        Ok(Self { positions, triangles })
+        Ok(Self::new_unchecked(positions, triangles))
     }
 
     /// Returns the same triangles over other positions, as a deforming mesh has each frame.
@@ -82,8 +90,8 @@ impl<'a> Mesh<'a> {
     /// Only the positions are checked again.
     ///
     /// # Errors
-    /// [`MeshError::NonFinite`], [`MeshError::VertexCount`] if the number of vertices differs, or
-    /// [`MeshError::FloatEnvironment`].
+    /// [`MeshError::NonFinite`], [`MeshError::VertexCount`] if the number of vertices differs,
+    /// [`MeshError::OtherPrecision`] if this mesh has positions in f64, or [`MeshError::FloatEnvironment`].
     ///
     /// # Complexity
     /// O(vertices).
@@ -101,6 +109,9 @@ impl<'a> Mesh<'a> {
             let (expected, found) = (self.positions.len(), positions.len());
             return Err(MeshError::VertexCount { expected, found });
         }
+        if self.positions_f64().is_some() {
+            return Err(MeshError::OtherPrecision);
+        }
         check_positions(positions)?;
         Ok(Self { positions, ..self })
     }
@@ -117,10 +128,10 @@ impl<'a> Mesh<'a> {
     #[inline]
     #[must_use]
     pub fn new_unchecked(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
-        Self { positions, triangles }
+        Self { positions, triangles, exact: None }
     }
 
-    /// The vertex positions.
+    /// The vertex positions; those of the shadow, if there are others in f64.
     #[must_use]
     pub fn positions(self) -> &'a [[f32; 3]] {
         self.positions
@@ -154,10 +165,12 @@ impl<'a> Mesh<'a> {
 /// Vertices that are checked between two branches, so that the check compiles to vector instructions.
 const AT_ONCE: usize = 256;
 
+fn check_environment() -> Result<(), MeshError> {
+    if environment::is_default() { Ok(()) } else { Err(MeshError::FloatEnvironment) }
+}
+
 fn check_positions(positions: &[[f32; 3]]) -> Result<(), MeshError> {
-    if !environment::is_default() {
-        return Err(MeshError::FloatEnvironment);
-    }
+    check_environment()?;
     for (chunk, first) in positions.chunks(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
         if !chunk.as_flattened().iter().fold(true, |well, x| well & x.is_finite()) {
             let at_fault = chunk.iter().position(|p| !p.iter().all(|x| x.is_finite()));
@@ -187,6 +200,15 @@ pub enum MeshError {
         /// The number of vertices.
         vertices: usize,
     },
+    /// A coordinate in f64 is beyond ±2^125, the limit of poses.
+    #[error("vertex {vertex} has a coordinate beyond ±2^125")]
+    Range {
+        /// The vertex with that coordinate.
+        vertex: usize,
+    },
+    /// Positions in f32 were given for a mesh in f64, or in f64 for one in f32.
+    #[error("positions were given in f32 for a mesh in f64, or in f64 for one in f32")]
+    OtherPrecision,
     /// More triangles than [`MAX_TRIANGLES`].
     #[error("{triangles} triangles are more than the {MAX_TRIANGLES} supported")]
     TooManyTriangles {

@@ -13,8 +13,9 @@
 use super::block::TriangleBlock;
 use super::planes::Planes;
 use crate::Aabb;
-use crate::simd::point8::{chunk_starts, load, splat};
+use crate::simd::point8::{chunk_starts, difference, load, splat, sum};
 use crate::simd::{LANES, Simd};
+use glam::Vec3A;
 
 /// Sets of triangle pairs: bit 8·j + i for triangle i of the first block and j of the second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,25 +32,28 @@ pub(super) struct PairSets {
 
 impl TriangleBlock {
     /// Tests the `allowed` pairs with the triangles of `other`; `SELF` if both blocks are of one mesh. Then, with
-    /// `boxes_only`, no pair whose boxes overlap is rejected.
+    /// `boxes_only`, no pair whose boxes overlap is rejected. If corners are shadows of others in f64, differences of
+    /// coordinates may be off by `error`, and no pair is taken for a hit.
     #[inline(always)]
     pub(super) fn cull<S: Simd, const SELF: bool>(
         &self,
         other: &Self,
         allowed: u64,
         boxes_only: bool,
+        error: Option<Vec3A>,
     ) -> PairSets {
         let mut pairs = PairSets::default();
         let (uncertified, other_uncertified) = (self.uncertified(), other.uncertified());
+        let error = error.map(|error| error.to_array().map(S::splat));
         // The triangles of `other` that reach into the box of this block.
-        let Aabb { min: [a, b, c], max: [d, e, f] } = self.bounds;
-        let low = [S::splat(a), S::splat(b), S::splat(c)];
-        let mut rows = other.overlapping(low, [S::splat(d), S::splat(e), S::splat(f)]);
+        let Aabb { min, max } = self.bounds;
+        let mut rows = other.overlapping(min.map(S::splat), max.map(S::splat), error);
         while rows != 0 {
             let j = rows.trailing_zeros() as usize % LANES;
             rows &= rows - 1;
             let shift = LANES * j;
-            let overlapping = self.overlapping(splat::<S>(&other.min, j), splat(&other.max, j));
+            let (low, high) = (splat::<S>(&other.min, j), splat(&other.max, j));
+            let overlapping = self.overlapping(low, high, error);
             let mut found = overlapping & (allowed >> shift) as u32;
             pairs.overlapping |= u64::from(found) << shift;
             if SELF && boxes_only {
@@ -64,7 +68,7 @@ impl TriangleBlock {
             if found == 0 {
                 continue;
             }
-            let [hits, undecided] = self.decide::<S, SELF>(other, j, found, neighbours);
+            let [hits, undecided] = self.decide::<S, SELF>(other, j, found, neighbours, error);
             pairs.hits |= u64::from(hits) << shift;
             pairs.undecided |= u64::from(undecided) << shift;
             pairs.may_share_vertex |= u64::from(undecided & neighbours) << shift;
@@ -72,10 +76,13 @@ impl TriangleBlock {
         pairs
     }
 
-    /// Lanes whose box overlaps the box from `low` to `high`.
+    /// Lanes whose box overlaps the box from `low` to `high`, as far as that is known with an `error`.
     #[inline(always)]
-    fn overlapping<S: Simd>(&self, low: [S; 3], high: [S; 3]) -> u32 {
-        let mut found = 0;
+    fn overlapping<S: Simd>(&self, low: [S; 3], high: [S; 3], error: Option<[S; 3]>) -> u32 {
+        let (mut low, mut high, mut found) = (low, high, 0);
+        if let Some(error) = error {
+            (low, high) = (difference(low, error), sum(high, error));
+        }
         for at in chunk_starts::<S>() {
             let (min, max) = (load::<S>(&self.min, at), load::<S>(&self.max, at));
             let x = low[0].le(max[0]) & min[0].le(high[0]);
@@ -123,6 +130,7 @@ impl TriangleBlock {
         j: usize,
         candidates: u32,
         neighbours: u32,
+        error: Option<[S; 3]>,
     ) -> [u32; 2] {
         let [mut hits, mut undecided] = [0; 2];
         for at in chunk_starts::<S>() {
@@ -131,22 +139,22 @@ impl TriangleBlock {
                 continue;
             }
             let (own, others) = (Planes::<S>::load(self, at), Planes::splat(other, j));
-            let of_others = own.heights(&others);
+            let of_others = own.heights(&others, error);
             open &= !own.separates::<SELF>(&others, &of_others, neighbours);
             if open == 0 {
                 continue;
             }
-            let of_own = others.heights(&own);
+            let of_own = others.heights(&own, error);
             open &= !others.separates::<SELF>(&own, &of_own, neighbours);
             let mut distinct = open & !(neighbours >> at);
             let mut meet = [0; 2];
             // One lane alone gains nothing over the test of two triangles, and firmware has little room for code.
-            if S::WIDTH > 1 && distinct != 0 {
+            if S::WIDTH > 1 && distinct != 0 && error.is_none() {
                 let [met, apart] = own.decide(&others, &of_own, &of_others);
                 meet[0] = distinct & met;
                 distinct &= !(met | apart);
             }
-            if S::WIDTH > 1 && distinct != 0 {
+            if S::WIDTH > 1 && distinct != 0 && error.is_none() {
                 let [met, apart] = own.decide_on_grid(&others, &of_own, &of_others);
                 meet[1] = distinct & met;
                 distinct &= !(met | apart);

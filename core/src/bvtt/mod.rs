@@ -25,6 +25,7 @@
 mod block;
 mod cull;
 mod cursor;
+mod in_f64;
 mod planes;
 mod posed_bvh;
 mod query;
@@ -38,6 +39,8 @@ pub use cursor::{Cursor, Work};
 pub use posed_bvh::PosedBvh;
 pub use query::Query;
 pub use trees::{Bvtt, PairBvtt, SelfBvtt};
+
+pub(crate) use in_f64::F64;
 
 /// A BVTT node: a node of the first BVH and one of the second.
 #[repr(C)]

@@ -49,14 +49,16 @@ impl<S: Simd> Planes<S> {
         [u.eq(p) | u.eq(q) | u.eq(r), v.eq(p) | v.eq(q) | v.eq(r), w.eq(p) | w.eq(q) | w.eq(r)]
     }
 
-    /// The heights of the corners of `other` over this plane.
+    /// The heights of the corners of `other` over this plane. Differences of coordinates may be off by `error`, if corners are
+    /// shadows of others in f64.
     #[inline(always)]
-    pub(super) fn heights(&self, other: &Self) -> Heights<S> {
+    pub(super) fn heights(&self, other: &Self, error: Option<[S; 3]>) -> Heights<S> {
         let (base, [p, q, r]) = (self.corners[0], other.corners);
         let (p, q, r) = (difference(p, base), difference(q, base), difference(r, base));
         let extent = highest(highest(self.extent, abs(p)), highest(abs(q), abs(r)));
         let of = [dot(self.normal, p), dot(self.normal, q), dot(self.normal, r)];
-        Heights { of, bound: error_bound(extent) }
+        let bound = error_bound(extent);
+        Heights { of, bound: error.map_or(bound, |error| bound + shadow_bound(extent, error)) }
     }
 
     /// Lanes in which this plane certainly has all corners of `other`, whose `heights` these are, strictly on one side. If
@@ -233,6 +235,16 @@ fn orientation<S: Simd>(a: [S; 3], b: [S; 3], c: [S; 3], d: [S; 3]) -> (S, S) {
     let (u, v, w) = (difference(b, a), difference(c, a), difference(d, a));
     let extent = highest(highest(abs(u), abs(v)), abs(w));
     (dot(cross(u, v), w), error_bound(extent))
+}
+
+/// How far a determinant may be from that of other points, if none of its differences is more than `error` from theirs.
+///
+/// Of each of its six products that is |p q r − (p + d)(q + e)(r + f)|, at most (x + d)(y + e)(z + f) − x y z with the extents
+/// for the differences. The factor has room for the roundings, and [`UNDERFLOW`] for what underflow takes from three products.
+#[inline(always)]
+fn shadow_bound<S: Simd>([x, y, z]: [S; 3], [d, e, f]: [S; 3]) -> S {
+    let (y_most, z_most) = (y + e, z + f);
+    (d * y_most * z_most + x * e * z_most + x * y * f) * S::splat(6.0001)
 }
 
 /// The bound of [`crate::exact::filter32`]; NaN, to which nothing compares, where it does not hold.

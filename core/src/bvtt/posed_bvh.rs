@@ -1,8 +1,9 @@
 //! A BVH in a pose: one side of a query.
 
+use super::in_f64::{F64, Posed64, Side};
 use crate::aabb::Bounds;
 use crate::bvh::Layout;
-use crate::pose::{Affine, PoseError};
+use crate::pose::{Affine, AnyPose, Pose64, PoseError};
 use crate::{Aabb, Bvh, Node, Pose, Triangle};
 use glam::Vec3A;
 
@@ -23,8 +24,10 @@ use glam::Vec3A;
 #[derive(Clone, Copy, Debug)]
 pub struct PosedBvh<'a, L: Layout = Node> {
     pub(super) bvh: Bvh<'a, L>,
-    /// The pose of the corners; `None` is the identity.
+    /// The pose of the corners; `None` is the identity. If there is another in f64, that of the shadow.
     pub(super) pose: Option<Affine>,
+    /// If the mesh or the pose is in f64, or the other one of a query.
+    pub(super) exact: Option<Posed64>,
 }
 
 impl<'a, L: Layout> PosedBvh<'a, L> {
@@ -32,19 +35,49 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes the mesh out of range.
-    pub fn new(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
-        if *world_from_bvh != Pose::IDENTITY {
-            world_from_bvh.check(&bvh.aabb().unwrap_or(Aabb::EMPTY))?;
+    #[inline]
+    pub fn new(bvh: Bvh<'a, L>, world_from_bvh: impl Into<AnyPose>) -> Result<Self, PoseError> {
+        let pose = world_from_bvh.into();
+        match (bvh.mesh().f64(), pose) {
+            (None, AnyPose::F32(Pose::IDENTITY)) => {}
+            (None, AnyPose::F32(pose)) => pose.check(&bvh.aabb().unwrap_or(Aabb::EMPTY))?,
+            (None, AnyPose::F64(pose)) => (F64::METHODS.check)(&Self::side(&bvh, pose))?,
+            (Some(f64), pose) => (f64.check)(&Self::side(&bvh, pose.to_f64()))?,
         }
-        Ok(Self::new_unchecked(bvh, world_from_bvh))
+        Ok(Self::new_unchecked(bvh, pose))
     }
 
     /// Poses a BVH as [`PosedBvh::new`] or [`Pose::check`] has accepted it. In a pose that they refuse a query may
     /// miss pairs.
     #[must_use]
-    pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
-        let bounds = bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root));
-        Self { bvh, pose: Affine::new(world_from_bvh, &bounds) }
+    #[inline]
+    pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: impl Into<AnyPose>) -> Self {
+        match (bvh.mesh().f64(), world_from_bvh.into()) {
+            (None, AnyPose::F32(pose)) => {
+                Self { bvh, pose: Affine::new(&pose, &root_bounds(&bvh)), exact: None }
+            }
+            (None, AnyPose::F64(pose)) => Self::in_f64(bvh, pose, &F64::METHODS),
+            (Some(f64), pose) => Self::in_f64(bvh, pose.to_f64(), f64),
+        }
+    }
+
+    fn in_f64(bvh: Bvh<'a, L>, pose: Pose64, f64: &'static F64) -> Self {
+        let exact = Some(Posed64 { pose, f64 });
+        Self { bvh, pose: Some((f64.in_world)(&Self::side(&bvh, pose))), exact }
+    }
+
+    fn side(bvh: &Bvh<'a, L>, pose: Pose64) -> Side<'a> {
+        Side { mesh: bvh.mesh(), bounds: root_bounds(bvh), pose }
+    }
+
+    /// This side of a query in f64.
+    pub(super) fn to_side(&self) -> Side<'a> {
+        let pose = match (&self.exact, &self.pose) {
+            (Some(exact), _) => exact.pose,
+            (None, Some(pose)) => pose.to_f64(),
+            (None, None) => Pose64::IDENTITY,
+        };
+        Self::side(&self.bvh, pose)
     }
 
     /// A box that contains every posed vertex of every triangle, rounding included; `None` for an
@@ -66,6 +99,10 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
         let Some(pose) = self.pose else { return corners };
         corners.map(|p| pose.point(Vec3A::from_array(p)).to_array())
     }
+}
+
+fn root_bounds<L: Layout>(bvh: &Bvh<'_, L>) -> Bounds {
+    bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root))
 }
 
 /// A box that contains posed `bounds`.

@@ -5,6 +5,7 @@
 //! of two meshes does. Boxes of triangles that share a vertex overlap, so the traversal reaches all of these pairs; what
 //! they share by index is left to [`Adjacency`], in the leaves.
 
+use super::in_f64::{F64, Posed64};
 use super::posed_bvh::posed;
 use super::traversal::traverse;
 use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
@@ -12,11 +13,12 @@ use crate::aabb::Bounds;
 use crate::bvh::Layout;
 use crate::one_ring::{Certified, OneRing};
 use crate::patch::CertifiedPatches;
-use crate::pose::{Affine, PoseError};
+use crate::pose::{Affine, AnyPose, PoseError};
 use crate::simd::VECTORS;
 use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact};
-use crate::{Aabb, Bvh, Node, Pose};
+use crate::{Aabb, Bvh, Node};
 use core::ops::{ControlFlow, Range};
+use glam::Vec3A;
 
 /// Two meshes in one frame: that of the first ([`PairBvtt::new`]), or a world in which both are posed
 /// ([`PairBvtt::in_world`]). The choice changes how vertices are rounded, and so which pairs intersect.
@@ -58,33 +60,56 @@ pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
     pub(super) rings: &'a [OneRing],
     pub(super) patches: Option<CertifiedPatches<'a>>,
     pub(super) boxes_only: bool,
+    pub(super) in_f64: Option<InF64>,
     /// Computed once, as fronts ask for it often, like `leaf_edge`.
     root: Option<NodePair>,
     leaf_edge: f32,
 }
 
+/// Positions or poses in f64 decide.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InF64 {
+    /// How far the difference of two coordinates in lanes may be from that of the positions posed in f64.
+    pub(super) error: Vec3A,
+    pub(super) f64: &'static F64,
+}
+
 impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
-    /// Asks for `a` against `b` posed by `a_from_b`, exactly.
+    /// Asks for `a` against `b` posed by `a_from_b`, exactly. If one of the three is in f64, positions are posed and pairs
+    /// decided there.
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes `b` out of range.
-    pub fn new(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: Pose) -> Result<Self, PoseError> {
-        let a = PosedBvh { bvh: a, pose: None };
-        Ok(Self::in_world(a, PosedBvh::new(b, &a_from_b)?))
+    #[inline]
+    pub fn new(
+        a: Bvh<'a, A>,
+        b: Bvh<'a, B>,
+        a_from_b: impl Into<AnyPose>,
+    ) -> Result<Self, PoseError> {
+        let a = PosedBvh::new_unchecked(a, AnyPose::IDENTITY);
+        Ok(Self::in_world(a, PosedBvh::new(b, a_from_b)?))
     }
 
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
-    pub fn in_world(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
-        let mut query = Self::of_sides(a, b);
+    pub fn in_world(mut a: PosedBvh<'a, A>, mut b: PosedBvh<'a, B>) -> Self {
+        let in_f64 = a.exact.or(b.exact).map(|exact| {
+            let sides = [a.to_side(), b.to_side()];
+            let poses = (exact.f64.in_frame_of_first)(&sides);
+            (a.pose, b.pose) = (Some(poses[0]), Some(poses[1]));
+            a.exact = Some(Posed64 { pose: sides[0].pose, ..exact });
+            b.exact = Some(Posed64 { pose: sides[1].pose, ..exact });
+            InF64 { error: poses[0].padding().max(poses[1].padding()) * 2.0, f64: exact.f64 }
+        });
+        let mut query = Self { in_f64, ..Self::of_sides(a, b) };
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
         let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
         if VECTORS && let Some(pose_b) = &b.pose {
             let pose_a = a.pose.unwrap_or_else(|| Affine::identity(&of_a));
-            query.first_seen = pose_a.seen_from(&of_a, pose_b, &of_b).filter(Affine::is_turned);
+            query.first_seen = pose_a.seen_from(&of_a, pose_b).filter(Affine::is_turned);
         }
         if let [Some(pose_a), Some(pose_b)] = &query.box_poses
-            && let Some(seen) = pose_b.seen_from(&of_b, pose_a, &of_a)
+            && let Some(seen) = pose_b.seen_from(&of_b, pose_a)
         {
             query.box_poses = [None, Some(seen)];
         }
@@ -98,8 +123,12 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     /// Asks for all pairs under the shared-index rule, exactly.
     #[must_use]
     pub fn new(bvh: Bvh<'a, L>) -> Self {
-        let side = PosedBvh { bvh, pose: None };
-        Self { root: bvh.root().map(|_| NodePair::ROOT), ..Self::of_sides(side, side) }
+        let side = PosedBvh { bvh, pose: None, exact: None };
+        let query = Self { root: bvh.root().map(|_| NodePair::ROOT), ..Self::of_sides(side, side) };
+        let Some(f64) = bvh.mesh().f64() else { return query };
+        let shadow = Affine::identity(&bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root)));
+        let in_f64 = Some(InF64 { error: shadow.padding() * 2.0, f64 });
+        Self { in_f64, box_poses: [Some(shadow); 2], ..query }
     }
 
     /// The same with another rule for neighbours.
@@ -176,6 +205,7 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
             rings: &[],
             patches: None,
             boxes_only: false,
+            in_f64: None,
             root: None,
             leaf_edge: a.bvh.leaf_edge().max(b.bvh.leaf_edge()),
         }

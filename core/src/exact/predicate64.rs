@@ -24,10 +24,10 @@ pub(crate) const LIMIT: f64 = 42_535_295_865_117_307_932_921_825_928_971_026_432
 
 /// 2^-940: differences are below 2^126, so that the underflow of the six products costs a determinant
 /// 6 · 2^-1075 · 2^126 < 2^-946 at most; the bound loses as much by its own, and the last products less.
-const UNDERFLOW_3D: f64 = f64::from_bits((1023 - 940) << 52);
+pub(crate) const UNDERFLOW_3D: f64 = f64::from_bits((1023 - 940) << 52);
 
 /// 2^-1070: two products lose 2^-1075 each, and the bound as much.
-const UNDERFLOW_2D: f64 = f64::from_bits(1 << 4);
+pub(crate) const UNDERFLOW_2D: f64 = f64::from_bits(1 << 4);
 
 /// The exact sides of the plane through three points on which several points lie: the signs of
 /// det(b − a, c − a, d − a). Coordinates must be at most [`LIMIT`].

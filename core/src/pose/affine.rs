@@ -1,6 +1,6 @@
 //! Posed points and boxes, with a bound on how far rounding takes one from the other.
 
-use super::Pose;
+use super::{Pose, Pose64};
 use crate::aabb::Bounds;
 use crate::simd::{Box4, Simd};
 use glam::{DMat3, DVec3, Vec3A};
@@ -27,6 +27,9 @@ const ROUNDING: f64 = Pose::ROUNDING as f64 * 1.001;
 /// 2^-147, four times the smallest subnormal f32. It is an f64, since subnormal numbers are slow.
 const UNDERFLOW: f64 = 5.605_193_857_299_268e-45;
 
+/// 2^-49.
+const TWO_NEG_49: f64 = 1.776_356_839_400_250_5e-15;
+
 /// 2^-126.
 const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
 
@@ -38,6 +41,42 @@ impl Affine {
         let columns = [column(0), column(1), column(2)];
         (*pose != Pose::IDENTITY)
             .then(|| Self::padded(columns, column(3), bounds, DVec3::splat(SMALLEST_NORMAL)))
+    }
+
+    /// The pose of the shadow of a mesh in f64, whose origin and bounds these are, in a frame that has its own origin at `zero`
+    /// of where `pose` takes the mesh. What it takes a point of the shadow to, in f32 too, is within the padding of what `pose`
+    /// takes the position to, minus `zero`.
+    ///
+    /// # Rounding
+    /// With h the farthest of the bounds and m = |R|h + |t| as above, t the translation from `zero`: the entries of R and t are
+    /// off by u each, a shadow by u·h, and the posed point by 6u·m; together with centre and extent this stays below 16u·m.
+    /// In f64, with U = 2^-53, the position is posed with 5U of |R|(|origin| + h) + |t|, t computed with 7U and the shadow with
+    /// 1U: below 2^-49 of |R|(|origin| + h) + |t| + |zero|. Where entries or shadows are subnormal in f32, they lose half of
+    /// the smallest number instead.
+    pub(crate) fn of_shadow(pose: &Pose64, origin: DVec3, bounds: &Bounds, zero: DVec3) -> Self {
+        let [x, y, z] = pose.rows;
+        let column = |k: usize| DVec3::new(x[k], y[k], z[k]);
+        let columns = [column(0), column(1), column(2)];
+        let translation = DVec3::from_array(pose.apply(origin.to_array())) - zero;
+        let reach = DMat3::from_cols(columns[0], columns[1], columns[2]).abs()
+            * (origin.abs() + farthest(bounds))
+            + column(3).abs()
+            + zero.abs();
+        let rest = reach * TWO_NEG_49
+            + DVec3::splat(SMALLEST_NORMAL + UNDERFLOW * farthest(bounds).element_sum());
+        Self::padded(columns.map(DVec3::as_vec3a), translation.as_vec3a(), bounds, rest)
+    }
+
+    /// The pose in f64 with the entries of this one.
+    pub(crate) fn to_f64(self) -> Pose64 {
+        let [x, y, z] = self.columns.map(|column| column.as_dvec3());
+        let t = self.translation.as_dvec3();
+        Pose64::new([0, 1, 2].map(|k| [x[k], y[k], z[k], t[k]]))
+    }
+
+    /// How far what it takes a point to may be from what it stands for, on each axis.
+    pub(crate) fn padding(&self) -> Vec3A {
+        self.padding
     }
 
     /// The pose that moves nothing, for what lies in `bounds`.
@@ -62,12 +101,11 @@ impl Affine {
     /// of that mesh, as they stand in its own frame, wherever both have posed points in common. `None` if `from` is
     /// far from rigid, or this pose enormous beside it.
     ///
-    /// A point common to both as they are posed in f32 is A(x) + d = B(y) + e for points x and y of the
-    /// boxes, with d and e at most 6u of what the poses reach. So x = A⁻¹(B(y)) + A⁻¹(e − d) without
-    /// translation: a box of A⁻¹·B, padded by |A⁻¹| times 16u of both reaches, contains x. The rest
-    /// of these 16u is far more than the f64 roundings of A⁻¹ and the products with it. Entries of A⁻¹·B
+    /// A point common to both as they are posed is A(x) + d = B(y) + e for points x and y of the boxes, with d and e within
+    /// 9/16 of the paddings. So x = A⁻¹(B(y)) + A⁻¹(e − d) without translation: a box of A⁻¹·B, padded by |A⁻¹| times both
+    /// paddings, contains x. The rest of them is far more than the f64 roundings of A⁻¹ and the products with it. Entries of A⁻¹·B
     /// that are subnormal in f32 lose half the smallest number each, and so less than that per coordinate.
-    pub(crate) fn seen_from(&self, own: &Bounds, from: &Self, of: &Bounds) -> Option<Self> {
+    pub(crate) fn seen_from(&self, own: &Bounds, from: &Self) -> Option<Self> {
         const RIGID: f64 = 2.0;
         const LIMIT: f64 = 1e30;
         let [turn, own_turn] = [from.matrix(), self.matrix()];
@@ -75,7 +113,7 @@ impl Affine {
         let below = |m: &DMat3, limit: f64| m.to_cols_array().iter().all(|x| x.abs() <= limit);
         let seen = back * own_turn;
         let offset = back * (self.translation.as_dvec3() - from.translation.as_dvec3());
-        let error = back.abs() * (self.reach(own) + from.reach(of)) * ROUNDING
+        let error = back.abs() * (self.padding + from.padding).as_dvec3()
             + DVec3::splat(UNDERFLOW * farthest(own).element_sum());
         let largest = offset.abs().max_element().max(error.max_element());
         if !(below(&turn, RIGID) && below(&back, RIGID) && below(&seen, LIMIT) && largest <= LIMIT)

@@ -1,7 +1,8 @@
 //! Poses: affine maps of vertices, and how a posed vertex is rounded.
 //!
 //! The posed position of a vertex is defined to the bit, since every backend has to find the same triangles: per
-//! coordinate `((r0·x + r1·y) + r2·z) + t`, in f32, rounded to nearest after each operation, never fused.
+//! coordinate `((r0·x + r1·y) + r2·z) + t`, in f32, rounded to nearest after each operation, never fused. In f64 the formula
+//! is the same: if a mesh or a pose of two is in f64, both are posed so, and what is in f32 widens exactly.
 //!
 //! # Poses of an engine
 //! | type | as a pose |
@@ -26,179 +27,277 @@ pub(crate) use affine::Affine;
 
 use crate::Aabb;
 
-/// A pose: `rows[i] = [r_i0, r_i1, r_i2, t_i]`, row-major 3×4. It is meant to be rigid, but any
-/// finite affine map works.
-///
-/// # Examples
-/// ```
-/// use pfront_core::Pose;
-/// let a_from_b = Pose::from_translation([0.0, 0.0, 2.0]);
-/// assert_eq!(a_from_b.apply([1.0, 0.0, 0.0]), [1.0, 0.0, 2.0]);
-/// ```
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Pose {
-    /// The three rows of the matrix.
-    pub rows: [[f32; 4]; 3],
+/// The type of a pose over one type of coordinates, with its methods.
+macro_rules! pose {
+    ($name:ident, $real:ident, $summary:literal) => {
+        #[doc = $summary]
+        ///
+        /// `rows[i] = [r_i0, r_i1, r_i2, t_i]`, row-major 3×4. It is meant to be rigid, but any finite affine map works.
+        ///
+        /// # Examples
+        /// ```
+        #[doc = concat!("use pfront_core::", stringify!($name), " as Pose;")]
+        /// let a_from_b = Pose::from_translation([0.0, 0.0, 2.0]);
+        /// assert_eq!(a_from_b.apply([1.0, 0.0, 0.0]), [1.0, 0.0, 2.0]);
+        /// ```
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub struct $name {
+            /// The three rows of the matrix.
+            pub rows: [[$real; 4]; 3],
+        }
+
+        impl $name {
+            /// The pose that leaves every point where it is, to the bit but for the sign of zero.
+            pub const IDENTITY: Self =
+                Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+
+            /// Makes a pose from its rows.
+            #[must_use]
+            pub const fn new(rows: [[$real; 4]; 3]) -> Self {
+                Self { rows }
+            }
+
+            /// Makes a pose that only translates.
+            #[must_use]
+            pub const fn from_translation(t: [$real; 3]) -> Self {
+                let mut pose = Self::IDENTITY;
+                pose.rows[0][3] = t[0];
+                pose.rows[1][3] = t[1];
+                pose.rows[2][3] = t[2];
+                pose
+            }
+
+            /// Makes a pose from a matrix by columns, as glam, bevy, rapier, OpenGL and three.js keep it. Its last row, 0 0 0 1
+            /// of every affine map, is not read.
+            ///
+            /// # Examples
+            /// ```
+            #[doc = concat!("use pfront_core::", stringify!($name), " as Pose;")]
+            /// let matrix =
+            ///     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0, 1.0];
+            /// assert_eq!(Pose::from_cols_array(&matrix), Pose::from_translation([5.0, 6.0, 7.0]));
+            /// ```
+            #[must_use]
+            pub const fn from_cols_array(m: &[$real; 16]) -> Self {
+                Self {
+                    rows: [
+                        [m[0], m[4], m[8], m[12]],
+                        [m[1], m[5], m[9], m[13]],
+                        [m[2], m[6], m[10], m[14]],
+                    ],
+                }
+            }
+
+            /// Makes a pose from a rotation, as a unit quaternion (x, y, z, w), and a translation that comes after it.
+            ///
+            /// # Examples
+            /// ```
+            #[doc = concat!("use pfront_core::", stringify!($name), " as Pose;")]
+            /// let half_turn_about_z =
+            ///     Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 5.0]);
+            /// assert_eq!(half_turn_about_z.apply([1.0, 2.0, 3.0]), [-1.0, -2.0, 8.0]);
+            /// ```
+            #[must_use]
+            pub fn from_rotation_translation(
+                rotation: [$real; 4],
+                translation: [$real; 3],
+            ) -> Self {
+                let ([x, y, z, w], [tx, ty, tz]) = (rotation.map(f64::from), translation);
+                let row = |r: [f64; 3], t: $real| [r[0] as $real, r[1] as $real, r[2] as $real, t];
+                let (xx, yy, zz) = (x * x, y * y, z * z);
+                Self {
+                    rows: [
+                        row([1.0 - 2.0 * (yy + zz), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)], tx),
+                        row([2.0 * (x * y + z * w), 1.0 - 2.0 * (xx + zz), 2.0 * (y * z - x * w)], ty),
+                        row([2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (xx + yy)], tz),
+                    ],
+                }
+            }
+
+            /// The pose that takes every point back; `None` if there is none, since the pose is flat or not finite. Computed in
+            /// f64 and rounded once.
+            ///
+            /// # Examples
+            /// With the poses of two bodies in the world, the pose of a query is
+            /// `a_from_b = world_from_a⁻¹ · world_from_b`:
+            /// ```
+            #[doc = concat!("use pfront_core::", stringify!($name), " as Pose;")]
+            /// let world_from_a =
+            ///     Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
+            /// let world_from_b = Pose::from_translation([3.0, 0.0, 0.0]);
+            /// let inverse = world_from_a.inverse().expect("a rigid pose has an inverse");
+            /// assert_eq!((inverse * world_from_b).apply([0.0; 3]), [-2.0, 0.0, 0.0]);
+            /// ```
+            #[must_use]
+            pub fn inverse(&self) -> Option<Self> {
+                let m = self.rows.map(|row| row.map(f64::from));
+                let minor = |i: usize, j: usize| {
+                    let ([r, s], [c, d]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
+                    m[r][c] * m[s][d] - m[r][d] * m[s][c]
+                };
+                let determinant: f64 = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
+                let rows = [0, 1, 2].map(|i| {
+                    let r = [0, 1, 2].map(|j| minor(j, i) / determinant);
+                    let t = -(r[0] * m[0][3] + r[1] * m[1][3] + r[2] * m[2][3]);
+                    [r[0], r[1], r[2], t].map(|x| x as $real)
+                });
+                rows.iter().flatten().all(|x| x.is_finite()).then_some(Self { rows })
+            }
+
+            /// Returns the posed point, rounded as the [module](self) says.
+            #[inline]
+            #[must_use]
+            pub fn apply(&self, p: [$real; 3]) -> [$real; 3] {
+                self.rows.map(|r| ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3])
+            }
+
+            /// Checks that the pose is finite and keeps a mesh within `bounds`, which may be empty, well inside the range of
+            /// f32, so that neither a posed corner nor a padded box can overflow.
+            ///
+            /// # Errors
+            /// [`PoseError`] names the entry or the row.
+            ///
+            /// # Examples
+            /// ```
+            #[doc = concat!("use pfront_core::{Aabb, ", stringify!($name), " as Pose, pose::PoseError};")]
+            /// let far = Pose::from_translation([0.0, 1e38, 0.0]);
+            /// let unit = Aabb { min: [0.0; 3], max: [1.0; 3] };
+            /// assert_eq!(far.check(&unit), Err(PoseError::Range { row: 1 }));
+            /// ```
+            pub fn check(&self, bounds: &Aabb) -> Result<(), PoseError> {
+                self.check_reach([0, 1, 2].map(|k| match (bounds.min[k], bounds.max[k]) {
+                    (min, max) if min <= max => min.abs().max(max.abs()).into(),
+                    _ => 0.0,
+                }))
+            }
+
+            /// [`Self::check`] for a mesh whose coordinates are at most so large.
+            pub(crate) fn check_reach(&self, extent: [$real; 3]) -> Result<(), PoseError> {
+                for (row, entries) in self.rows.iter().enumerate() {
+                    if let Some(column) = entries.iter().position(|x| !x.is_finite()) {
+                        return Err(PoseError::NonFinite { row, column });
+                    }
+                    let add = |sum, k: usize| sum + entries[k].abs() * extent[k];
+                    let reach = (0..3).fold(entries[3].abs(), add);
+                    if reach.is_nan() || reach >= POSED_LIMIT.into() {
+                        return Err(PoseError::Range { row });
+                    }
+                }
+                Ok(())
+            }
+        }
+
+        /// `a_from_b * b_from_c` is `a_from_c`: the pose on the right comes first. Computed in f64 and rounded once, so that a
+        /// point posed by it may differ from one posed twice in the last digits.
+        impl core::ops::Mul for $name {
+            type Output = Self;
+
+            fn mul(self, other: Self) -> Self {
+                let other = other.rows.map(|row| row.map(f64::from));
+                Self {
+                    rows: self.rows.map(|row| {
+                        let r = row.map(f64::from);
+                        let entry =
+                            |k: usize| r[0] * other[0][k] + r[1] * other[1][k] + r[2] * other[2][k];
+                        [entry(0), entry(1), entry(2), entry(3) + r[3]].map(|x| x as $real)
+                    }),
+                }
+            }
+        }
+    };
 }
+pose!(Pose, f32, "A pose of meshes with f32 positions.");
+pose!(
+    Pose64,
+    f64,
+    "A pose in f64, of meshes with positions of either kind: see [`Mesh::from_f64`](crate::Mesh::from_f64)."
+);
 
 impl Pose {
-    /// The pose that leaves every point where it is, to the bit but for the sign of zero.
-    pub const IDENTITY: Self =
-        Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
-
     /// The rounding error of [`Pose::apply`] in a coordinate is less than this times |R|·|p| + |t| of that coordinate,
     /// plus [`f32::MIN_POSITIVE`]: 16 · 2⁻²⁴, of which the posed point takes 6 · 2⁻²⁴ and what bounds it the rest.
     pub const ROUNDING: f32 = 9.536_743_e-7;
+}
 
-    /// Makes a pose from its rows.
-    #[must_use]
-    pub const fn new(rows: [[f32; 4]; 3]) -> Self {
-        Self { rows }
-    }
-
-    /// Makes a pose that only translates.
-    #[must_use]
-    pub const fn from_translation(t: [f32; 3]) -> Self {
-        let mut pose = Self::IDENTITY;
-        pose.rows[0][3] = t[0];
-        pose.rows[1][3] = t[1];
-        pose.rows[2][3] = t[2];
-        pose
-    }
-
-    /// Makes a pose from a matrix by columns, as glam, bevy, rapier, OpenGL and three.js keep it. Its last row, 0 0 0 1 of
-    /// every affine map, is not read.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront_core::Pose;
-    /// let matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0, 1.0];
-    /// assert_eq!(Pose::from_cols_array(&matrix), Pose::from_translation([5.0, 6.0, 7.0]));
-    /// ```
-    #[must_use]
-    pub const fn from_cols_array(m: &[f32; 16]) -> Self {
-        Self {
-            rows: [
-                [m[0], m[4], m[8], m[12]],
-                [m[1], m[5], m[9], m[13]],
-                [m[2], m[6], m[10], m[14]],
-            ],
-        }
-    }
-
-    /// Makes a pose from a rotation, as a unit quaternion (x, y, z, w), and a translation that comes after it.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront_core::Pose;
-    /// let half_turn_about_z = Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 5.0]);
-    /// assert_eq!(half_turn_about_z.apply([1.0, 2.0, 3.0]), [-1.0, -2.0, 8.0]);
-    /// ```
-    #[must_use]
-    pub fn from_rotation_translation(rotation: [f32; 4], translation: [f32; 3]) -> Self {
-        let [x, y, z, w] = rotation.map(f64::from);
-        let row = |r: [f64; 3], t: f32| [r[0] as f32, r[1] as f32, r[2] as f32, t];
-        let [tx, ty, tz] = translation;
-        Self {
-            rows: [
-                row(
-                    [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-                    tx,
-                ),
-                row(
-                    [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-                    ty,
-                ),
-                row(
-                    [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-                    tz,
-                ),
-            ],
-        }
-    }
-
-    /// The pose that takes every point back; `None` if there is none, since the pose is flat or not finite. Computed in f64
-    /// and rounded once.
-    ///
-    /// # Examples
-    /// With the poses of two bodies in the world, the pose of a query is `a_from_b = world_from_a⁻¹ · world_from_b`:
-    /// ```
-    /// use pfront_core::Pose;
-    /// let world_from_a = Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
-    /// let world_from_b = Pose::from_translation([3.0, 0.0, 0.0]);
-    /// let a_from_b = world_from_a.inverse().expect("a rigid pose has an inverse") * world_from_b;
-    /// assert_eq!(a_from_b.apply([0.0; 3]), [-2.0, 0.0, 0.0]);
-    /// ```
-    #[must_use]
-    pub fn inverse(&self) -> Option<Self> {
-        let m = self.rows.map(|row| row.map(f64::from));
-        let minor = |i: usize, j: usize| {
-            let ([r, s], [c, d]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
-            m[r][c] * m[s][d] - m[r][d] * m[s][c]
-        };
-        let determinant: f64 = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
-        let rows = [0, 1, 2].map(|i| {
-            let r = [0, 1, 2].map(|j| minor(j, i) / determinant);
-            let t = -(r[0] * m[0][3] + r[1] * m[1][3] + r[2] * m[2][3]);
-            [r[0], r[1], r[2], t].map(|x| x as f32)
-        });
-        rows.iter().flatten().all(|x| x.is_finite()).then_some(Self { rows })
-    }
-
-    /// Returns the posed point, rounded as the [module](self) says.
-    #[inline]
-    #[must_use]
-    pub fn apply(&self, p: [f32; 3]) -> [f32; 3] {
-        self.rows.map(|r| ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3])
-    }
-
-    /// Checks that the pose is finite and keeps a mesh within `bounds`, which may be empty, well inside the
-    /// range of f32, so that neither a posed corner nor a padded box can overflow.
-    ///
-    /// # Errors
-    /// [`PoseError`] names the entry or the row.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront_core::{Aabb, Pose, pose::PoseError};
-    /// let far = Pose::from_translation([0.0, 1e38, 0.0]);
-    /// let unit = Aabb { min: [0.0; 3], max: [1.0; 3] };
-    /// assert_eq!(far.check(&unit), Err(PoseError::Range { row: 1 }));
-    /// ```
-    pub fn check(&self, bounds: &Aabb) -> Result<(), PoseError> {
-        for (row, entries) in self.rows.iter().enumerate() {
-            if let Some(column) = entries.iter().position(|x| !x.is_finite()) {
-                return Err(PoseError::NonFinite { row, column });
-            }
-            let extent = |k: usize| match (bounds.min[k], bounds.max[k]) {
-                (min, max) if min <= max => min.abs().max(max.abs()),
-                _ => 0.0,
-            };
-            let reach = (0..3).fold(entries[3].abs(), |sum, k| sum + entries[k].abs() * extent(k));
-            if reach.is_nan() || reach >= POSED_LIMIT {
-                return Err(PoseError::Range { row });
-            }
-        }
-        Ok(())
+/// The same entries in f64, in which the posed points differ: they are rounded there.
+impl From<Pose> for Pose64 {
+    fn from(pose: Pose) -> Self {
+        Self { rows: pose.rows.map(|row| row.map(f64::from)) }
     }
 }
 
-/// `a_from_b * b_from_c` is `a_from_c`: the pose on the right comes first. Computed in f64 and rounded once, so that a point
-/// posed by it may differ from one posed twice in the last digits.
-impl core::ops::Mul for Pose {
-    type Output = Self;
+/// A pose in f32 or in f64, as queries take it. In an [`AnyPose::F64`] the positions of both meshes are posed in f64, of
+/// whichever kind they are.
+///
+/// # Examples
+/// ```
+/// use pfront_core::{AnyPose, Pose, Pose64};
+/// assert_eq!(AnyPose::from(&Pose::IDENTITY), AnyPose::F32(Pose::IDENTITY));
+/// assert_eq!(AnyPose::from(Pose64::IDENTITY), AnyPose::F64(Pose64::IDENTITY));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum AnyPose {
+    /// In f32.
+    F32(Pose),
+    /// In f64.
+    F64(Pose64),
+}
 
-    fn mul(self, other: Self) -> Self {
-        let other = other.rows.map(|row| row.map(f64::from));
-        Self {
-            rows: self.rows.map(|row| {
-                let r = row.map(f64::from);
-                let entry = |k: usize| r[0] * other[0][k] + r[1] * other[1][k] + r[2] * other[2][k];
-                [entry(0), entry(1), entry(2), entry(3) + r[3]].map(|x| x as f32)
-            }),
+impl AnyPose {
+    /// The pose that leaves every point where it is.
+    pub const IDENTITY: Self = Self::F32(Pose::IDENTITY);
+
+    /// The same entries in f64.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{AnyPose, Pose, Pose64};
+    /// assert_eq!(AnyPose::from(Pose::IDENTITY).to_f64(), Pose64::IDENTITY);
+    /// ```
+    #[must_use]
+    pub fn to_f64(self) -> Pose64 {
+        match self {
+            Self::F32(pose) => pose.into(),
+            Self::F64(pose) => pose,
         }
+    }
+}
+
+impl From<Pose> for AnyPose {
+    #[inline(always)]
+    fn from(pose: Pose) -> Self {
+        Self::F32(pose)
+    }
+}
+
+impl From<&Pose> for AnyPose {
+    #[inline(always)]
+    fn from(pose: &Pose) -> Self {
+        Self::F32(*pose)
+    }
+}
+
+impl From<Pose64> for AnyPose {
+    #[inline(always)]
+    fn from(pose: Pose64) -> Self {
+        Self::F64(pose)
+    }
+}
+
+impl From<&Pose64> for AnyPose {
+    #[inline(always)]
+    fn from(pose: &Pose64) -> Self {
+        Self::F64(*pose)
+    }
+}
+
+impl From<&Self> for AnyPose {
+    #[inline(always)]
+    fn from(pose: &Self) -> Self {
+        *pose
     }
 }
 
@@ -207,25 +306,27 @@ const POSED_LIMIT: f32 = 4.253_529_6e37;
 
 /// Conversions, both ways, between poses and the affine maps of one version of glam.
 macro_rules! affine_maps_of {
-    ($glam:ident, $feature:literal) => {
+    ($glam:ident, $feature:literal, $map:ident, $pose:ident) => {
         #[cfg(feature = $feature)]
-        impl From<$glam::Affine3A> for Pose {
-            fn from(map: $glam::Affine3A) -> Self {
+        impl From<$glam::$map> for $pose {
+            fn from(map: $glam::$map) -> Self {
                 let [x, y, z, t] = map.to_cols_array_2d();
                 Self { rows: [0, 1, 2].map(|i| [x[i], y[i], z[i], t[i]]) }
             }
         }
 
         #[cfg(feature = $feature)]
-        impl From<Pose> for $glam::Affine3A {
-            fn from(pose: Pose) -> Self {
+        impl From<$pose> for $glam::$map {
+            fn from(pose: $pose) -> Self {
                 Self::from_cols_array_2d(&[0, 1, 2, 3].map(|column| pose.rows.map(|r| r[column])))
             }
         }
     };
 }
-affine_maps_of!(glam033, "glam033");
-affine_maps_of!(glam, "glam034");
+affine_maps_of!(glam033, "glam033", Affine3A, Pose);
+affine_maps_of!(glam, "glam034", Affine3A, Pose);
+affine_maps_of!(glam033, "glam033", DAffine3, Pose64);
+affine_maps_of!(glam, "glam034", DAffine3, Pose64);
 
 /// A pose that a mesh cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -34,6 +34,11 @@ pub(crate) fn difference<S: Simd>(p: [S; 3], q: [S; 3]) -> [S; 3] {
 }
 
 #[inline(always)]
+pub(crate) fn sum<S: Simd>(p: [S; 3], q: [S; 3]) -> [S; 3] {
+    [p[0] + q[0], p[1] + q[1], p[2] + q[2]]
+}
+
+#[inline(always)]
 pub(crate) fn lowest<S: Simd>(p: [S; 3], q: [S; 3]) -> [S; 3] {
     [p[0].min(q[0]), p[1].min(q[1]), p[2].min(q[2])]
 }

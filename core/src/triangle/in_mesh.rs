@@ -13,10 +13,11 @@
 //! with an error bound of its own: see [`separated_at_vertex`] and [`separated_at_edge`].
 
 use super::coplanar::{projection, segment_intersects, turn};
-use super::{Accuracy, intersects};
-use crate::exact::{CertifiedF64, Exact, Fast, Orientation, Point, difference};
+use super::{Accuracy, intersects, intersects_in_f64};
+use crate::Mesh;
+use crate::exact::predicate64::{UNDERFLOW_2D, UNDERFLOW_3D};
+use crate::exact::{CertifiedF64, Coordinate, Exact, Fast, Orientation};
 use crate::index::at;
-use crate::{Mesh, Triangle};
 use glam::DVec3;
 
 /// The rule for triangles of one mesh that share vertices.
@@ -52,6 +53,9 @@ pub fn intersects_in_mesh(
     adjacency: Adjacency,
     accuracy: Accuracy,
 ) -> bool {
+    if mesh.is_f64() {
+        return intersects_in_mesh_f64(mesh, i, j, adjacency);
+    }
     let (a, b) = (at(mesh.triangles(), i), at(mesh.triangles(), j));
     let shared = shared_with(b, a);
     if shared == [false; 3] {
@@ -60,33 +64,51 @@ pub fn intersects_in_mesh(
     if adjacency == Adjacency::SkipNeighbours {
         return false;
     }
-    let [a, b] = [Neighbour::new(mesh, a, shared), Neighbour::new(mesh, b, shared_with(a, b))];
+    let position = |vertex: u32| *at(mesh.positions(), vertex);
+    let [a, b] =
+        [Neighbour::new(position, a, shared), Neighbour::new(position, b, shared_with(a, b))];
     match accuracy {
-        Accuracy::Exact => neighbours_intersect::<Exact>(&a, &b) == Some(true),
-        Accuracy::Conservative => neighbours_intersect::<CertifiedF64>(&a, &b).unwrap_or(true),
-        Accuracy::Fast => neighbours_intersect::<Fast>(&a, &b) == Some(true),
+        Accuracy::Exact => neighbours_intersect::<Exact, f32>(&a, &b) == Some(true),
+        Accuracy::Conservative => neighbours_intersect::<CertifiedF64, f32>(&a, &b).unwrap_or(true),
+        Accuracy::Fast => neighbours_intersect::<Fast, f32>(&a, &b) == Some(true),
     }
 }
 
+/// [`intersects_in_mesh`], exactly, of a mesh whose positions are in f64.
+pub(crate) fn intersects_in_mesh_f64(mesh: Mesh<'_>, i: u32, j: u32, adjacency: Adjacency) -> bool {
+    let (a, b) = (at(mesh.triangles(), i), at(mesh.triangles(), j));
+    let shared = shared_with(b, a);
+    if shared == [false; 3] {
+        return intersects_in_f64(&mesh.triangle_f64(i), &mesh.triangle_f64(j));
+    }
+    if adjacency == Adjacency::SkipNeighbours {
+        return false;
+    }
+    let position = |vertex: u32| mesh.position_f64(vertex);
+    let [a, b] =
+        [Neighbour::new(position, a, shared), Neighbour::new(position, b, shared_with(a, b))];
+    neighbours_intersect::<Exact, f64>(&a, &b) == Some(true)
+}
+
 /// A triangle that shares a vertex with another one.
-struct Neighbour {
+struct Neighbour<C> {
     /// Its vertices, shared ones first, each once and the last again if an index repeats.
-    corners: Triangle,
+    corners: [[C; 3]; 3],
     /// How many different vertices it shares.
     shared: usize,
     /// How many different vertices it has.
     distinct: usize,
 }
 
-impl Neighbour {
+impl<C: Coordinate> Neighbour<C> {
     #[inline]
-    fn new(mesh: Mesh<'_>, triangle: &[u32; 3], is_shared: [bool; 3]) -> Self {
+    fn new(position: impl Fn(u32) -> [C; 3], triangle: &[u32; 3], is_shared: [bool; 3]) -> Self {
         let (vertices, shared, distinct) = shared_first(triangle, is_shared);
-        Self { corners: vertices.map(|v| *at(mesh.positions(), v)), shared, distinct }
+        Self { corners: vertices.map(position), shared, distinct }
     }
 
     /// The segment or point of the vertices beside one that is shared.
-    fn rest(&self) -> Option<[Point; 2]> {
+    fn rest(&self) -> Option<[[C; 3]; 2]> {
         let [_, p, q] = self.corners;
         (self.distinct > 1).then_some([p, q])
     }
@@ -129,16 +151,22 @@ fn repeated_shared_first(triangle: &[u32; 3], is_shared: [bool; 3]) -> ([u32; 3]
     (vertices, distinct.min(usize::from(shared) + usize::from(other_shared)), distinct)
 }
 
-fn neighbours_intersect<K: Orientation>(a: &Neighbour, b: &Neighbour) -> Option<bool> {
+fn neighbours_intersect<K: Orientation<C>, C: Coordinate>(
+    a: &Neighbour<C>,
+    b: &Neighbour<C>,
+) -> Option<bool> {
     match a.shared {
         _ if [a.distinct, b.distinct] == [a.shared; 2] => Some(true),
-        2 => edge_rule::<K>(&a.corners, &b.corners),
-        _ => vertex_rule::<K>(a, b),
+        2 => edge_rule::<K, C>(&a.corners, &b.corners),
+        _ => vertex_rule::<K, C>(a, b),
     }
 }
 
 /// The rule for one shared vertex, the first of both.
-fn vertex_rule<K: Orientation>(a: &Neighbour, b: &Neighbour) -> Option<bool> {
+fn vertex_rule<K: Orientation<C>, C: Coordinate>(
+    a: &Neighbour<C>,
+    b: &Neighbour<C>,
+) -> Option<bool> {
     if separated_at_vertex(&a.corners, &b.corners) {
         return Some(false);
     }
@@ -153,7 +181,7 @@ fn vertex_rule<K: Orientation>(a: &Neighbour, b: &Neighbour) -> Option<bool> {
     }
     for (t, rest) in [(b, a.rest()), (a, b.rest())] {
         if let Some(rest) = rest
-            && segment_intersects::<K, f32>(rest, &t.corners)?
+            && segment_intersects::<K, C>(rest, &t.corners)?
         {
             return Some(true);
         }
@@ -162,17 +190,17 @@ fn vertex_rule<K: Orientation>(a: &Neighbour, b: &Neighbour) -> Option<bool> {
 }
 
 /// The rule for a shared edge, the first two corners of both.
-fn edge_rule<K: Orientation>(a: &Triangle, b: &Triangle) -> Option<bool> {
+fn edge_rule<K: Orientation<C>, C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<bool> {
     let ([e, f, c], d) = (*a, b[2]);
     if separated_at_edge(a, &d) || K::orient3d([&e, &f, &c], [&d])? != [0] {
         return Some(false);
     }
-    if let Some(p) = projection::<K, f32>(&[e, f, c])? {
-        return Some(turn::<K, f32>(&[e, f, d], p.axis)? == p.turn);
+    if let Some(p) = projection::<K, C>(&[e, f, c])? {
+        return Some(turn::<K, C>(&[e, f, d], p.axis)? == p.turn);
     }
     // The first lies on the line of the edge. If the second does not, they meet in the edge alone, and so do
     // two segments in different directions from an edge without length.
-    if projection::<K, f32>(&[e, f, d])?.is_some() || projection::<K, f32>(&[e, c, d])?.is_some() {
+    if projection::<K, C>(&[e, f, d])?.is_some() || projection::<K, C>(&[e, c, d])?.is_some() {
         return Some(false);
     }
     // All on one line: only past the same end of the edge do they have more in common.
@@ -185,26 +213,30 @@ fn edge_rule<K: Orientation>(a: &Triangle, b: &Triangle) -> Option<bool> {
 /// side of their own planes does.
 ///
 /// Any plane will do; this one is normal to the directions of one triangle minus those of the other. Its height
-/// over a corner is off by less than (1+u)^4 − 1 of the sum of the three products, u = 2^-53.
-fn separated_at_vertex(a: &Triangle, b: &Triangle) -> bool {
-    let edges = [&a[1], &a[2], &b[1], &b[2]].map(|p| difference(p, &a[0]));
+/// over a corner is off by less than (1+u)^4 − 1 of the sum of the three products, u = 2^-53, and by 3 · 2^-1075 where they
+/// underflow; the bound loses as little.
+fn separated_at_vertex<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> bool {
+    let edges = [&a[1], &a[2], &b[1], &b[2]].map(|p| C::difference(p, &a[0]));
     // An edge without length has the direction NaN, and nothing is above such a plane.
     let [p, q, r, s] = edges.map(|e| e / e.abs().element_sum());
     let normal = (p + q) - (r + s);
-    let is_above = |e: DVec3| normal.dot(e) - 4.5e-16 * normal.abs().dot(e.abs()) > 0.0;
+    let is_above = |e: DVec3| normal.dot(e) - 4.5e-16 * normal.abs().dot(e.abs()) > UNDERFLOW_2D;
     is_above(edges[0]) && is_above(edges[1]) && is_above(-edges[2]) && is_above(-edges[3])
 }
 
 /// Whether triangle `a` and the corner `d` are certainly on different sides of the plane through the first
 /// edge of `a` at a right angle to it, or as nearly so as comes out.
 ///
-/// The six products of det(f − e, normal, x − e) are off by less than (1+u)^7 − 1 each.
-fn separated_at_edge(a: &Triangle, d: &Point) -> bool {
-    let [edge, c, d] = [&a[1], &a[2], d].map(|p| difference(p, &a[0]));
+/// The six products of det(f − e, normal, x − e) are off by less than (1+u)^7 − 1 each. Any normal will do. Where they
+/// underflow, the determinant loses 6 · 2^-1075 times the extent of x − e, and the bound as much, as in `predicate64`: so
+/// the extents are multiplied first there too.
+fn separated_at_edge<C: Coordinate>(a: &[[C; 3]; 3], d: &[C; 3]) -> bool {
+    let [edge, c, d] = [&a[1], &a[2], d].map(|p| C::difference(p, &a[0]));
     let normal = edge.cross(c);
     let across = edge.cross(normal);
-    let error = 4.8e-15 * edge.abs().max_element() * normal.abs().max_element();
-    let [c, d] = [c, d].map(|x| (across.dot(x), error * x.abs().max_element()));
+    let extent = edge.abs().max_element() * normal.abs().max_element();
+    let bound = |x: DVec3| extent * x.abs().max_element() * 4.8e-15 + UNDERFLOW_3D;
+    let [c, d] = [c, d].map(|x| (across.dot(x), bound(x)));
     // Away from c by construction: across·c = (edge·c)² − edge²·c² ≤ 0.
     c.0 < -c.1 && d.0 > d.1
 }
@@ -212,6 +244,7 @@ fn separated_at_edge(a: &Triangle, d: &Point) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exact::Point;
     use pfront_testkit::families::Family;
     use pfront_testkit::oracle::self_hit;
     use pfront_testkit::rng::{RngExt, seeded};

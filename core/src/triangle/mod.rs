@@ -34,6 +34,7 @@ mod in_mesh;
 use coplanar::coplanar_triangles_intersect;
 
 pub use contact::{Contact, contact};
+pub(crate) use in_mesh::intersects_in_mesh_f64;
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
@@ -100,7 +101,12 @@ pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, Rang
     if let Some(corner) = a.iter().chain(b).position(|p| !is_in_range(p)) {
         return Err(RangeError { corner });
     }
-    Ok(triangles_intersect::<Exact, f64>(a, b) == Some(true))
+    Ok(intersects_in_f64(a, b))
+}
+
+/// [`intersects_f64`] of coordinates that are in range.
+pub(crate) fn intersects_in_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> bool {
+    triangles_intersect::<Exact, f64>(a, b) == Some(true)
 }
 
 /// A coordinate that [`intersects_f64`] does not take.

@@ -40,6 +40,7 @@ impl Task for Two<'_> {
         });
         let [first, second] = [0, 1].map(|side: usize| PosedBvh {
             bvh: Bvh::new_unchecked(mesh, &nodes[side], leaves[side]),
+            exact: None,
             pose: None,
         });
         let mut caches = [BlockCache::new(), BlockCache::new()];
@@ -47,9 +48,9 @@ impl Task for Two<'_> {
         let a = a.get::<S, Node, true>(0, &first, rings);
         let b = b.get::<S, Node, true>(0, &second, rings);
         Found {
-            boxes: a.cull::<S, true>(b, u64::MAX, true).undecided,
-            in_mesh: a.cull::<S, true>(b, u64::MAX, false),
-            apart: a.cull::<S, false>(b, u64::MAX, false),
+            boxes: a.cull::<S, true>(b, u64::MAX, true, None).undecided,
+            in_mesh: a.cull::<S, true>(b, u64::MAX, false, None),
+            apart: a.cull::<S, false>(b, u64::MAX, false, None),
         }
     }
 }

@@ -3,6 +3,7 @@
 extern crate std;
 
 mod blocks;
+mod in_f64;
 mod queries;
 mod steps;
 

@@ -1,0 +1,215 @@
+//! Queries in f64 against the test of every two triangles.
+
+use super::at_one_go;
+use crate::bvh::{BuildOptions, BvhStorage, compact, morton, node_bound};
+use crate::bvtt::{PairBvtt, PosedBvh, Query, SelfBvtt, TrianglePair};
+use crate::triangle::Accuracy;
+use crate::triangle::{Adjacency, intersects_f64, intersects_in_mesh};
+use crate::{AnyPose, Bvh, Mesh, Node, Pose, Pose64};
+use pfront_testkit::rng::{Rng, RngExt, seeded};
+use std::vec;
+use std::vec::Vec;
+
+extern crate std;
+
+/// A mesh in f64 with all that it borrows.
+struct Owned {
+    positions: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    shadow: Vec<[f32; 3]>,
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+    origin: [f64; 3],
+    /// Whether the mesh is in f64; else its positions are those of the shadow.
+    is_f64: bool,
+}
+
+impl Owned {
+    fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>, is_f64: bool) -> Self {
+        let mut shadow = vec![[0.0; 3]; positions.len()];
+        let origin = if is_f64 {
+            Mesh::from_f64(&positions, &triangles, &mut shadow).unwrap().origin()
+        } else {
+            shadow = positions.iter().map(|p| p.map(|x| x as f32)).collect();
+            [0.0; 3]
+        };
+        let n = triangles.len();
+        let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
+        let mut scratch = vec![0; 2 * n];
+        let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+        let mesh = Mesh::new(&shadow, &triangles).unwrap();
+        let used = morton(mesh, &BuildOptions::default(), storage, &mut scratch).unwrap();
+        let used = used.nodes().len();
+        nodes.truncate(used);
+        Self { positions, triangles, shadow, nodes, order, origin, is_f64 }
+    }
+
+    fn mesh(&self) -> Mesh<'_> {
+        if self.is_f64 {
+            Mesh::from_f64_unchecked(&self.positions, &self.shadow, self.origin, &self.triangles)
+        } else {
+            Mesh::new_unchecked(&self.shadow, &self.triangles)
+        }
+    }
+
+    fn bvh(&self) -> Bvh<'_> {
+        Bvh::new_unchecked(self.mesh(), &self.nodes, &self.order)
+    }
+
+    fn posed(&self, pose: &Pose64) -> Vec<[[f64; 3]; 3]> {
+        let all = 0..self.triangles.len() as u32;
+        all.map(|t| self.mesh().triangle_f64(t).map(|p| pose.apply(p))).collect()
+    }
+}
+
+/// Triangles of some size about a point: some share vertices, some lie in planes.
+fn soup(
+    rng: &mut impl Rng,
+    count: usize,
+    size: f64,
+    centre: [f64; 3],
+) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let grid = [0.0, 0.125][rng.random_range(0..2)];
+    let coordinate = |rng: &mut _, c: f64| {
+        let x: f64 = RngExt::random_range(rng, -1.0..1.0);
+        let x = if grid > 0.0 { (x / grid).round() * grid } else { x };
+        c + size * x
+    };
+    let positions: Vec<_> = (0..count).map(|_| centre.map(|c| coordinate(rng, c))).collect();
+    let corner = |rng: &mut _, near: u32| (near + RngExt::random_range(rng, 0..9)) % count as u32;
+    let triangles = (0..count as u32).map(|i| [i, corner(rng, i), corner(rng, i)]).collect();
+    (positions, triangles)
+}
+
+fn pose(rng: &mut impl Rng, far: f64) -> Pose64 {
+    let axis = glam::DVec3::new(rng.random(), rng.random(), rng.random()).normalize();
+    let turn = glam::DQuat::from_axis_angle(axis, rng.random_range(-3.0..3.0));
+    let turn = if rng.random() { turn } else { glam::DQuat::IDENTITY };
+    let t = [0; 3].map(|_| far * rng.random_range(-1.0..1.0));
+    Pose64::from_rotation_translation(turn.to_array(), t)
+}
+
+fn brute(a: &[[[f64; 3]; 3]], b: &[[[f64; 3]; 3]]) -> Vec<TrianglePair> {
+    let mut pairs = Vec::new();
+    for (i, p) in (0..).zip(a) {
+        for (j, q) in (0..).zip(b) {
+            if intersects_f64(p, q).unwrap() {
+                pairs.push(TrianglePair { a: i, b: j });
+            }
+        }
+    }
+    pairs
+}
+
+fn sorted(query: &impl Query) -> Vec<TrianglePair> {
+    let (mut pairs, _) = at_one_go(query);
+    pairs.sort_unstable();
+    pairs
+}
+
+#[test]
+fn pairs_in_f64_as_every_two_triangles() {
+    let mut rng = seeded(31);
+    let mut hits = 0;
+    for round in 0..if cfg!(miri) { 2 } else { 240 } {
+        let far = [0.0, 1.0, 5e6, 1e12][round % 4];
+        let size = [1.0, 1e-3, 1e4][round % 3];
+        let mesh = |rng: &mut _, is_f64| {
+            let centre = [0; 3].map(|_| far * RngExt::random_range(rng, -1.0..1.0));
+            let (positions, triangles) = soup(rng, 60, size, centre);
+            (Owned::new(positions, triangles, is_f64), centre)
+        };
+        let ((a, of_a), (b, of_b)) = (mesh(&mut rng, true), mesh(&mut rng, round % 5 != 0));
+        // In the world, so that both come to lie in the same place.
+        let (pose_a, mut pose_b) = (pose(&mut rng, far), pose(&mut rng, 0.0));
+        let (place_a, place_b) = (pose_a.apply(of_a), pose_b.apply(of_b));
+        for k in 0..3 {
+            pose_b.rows[k][3] += place_a[k] - place_b[k] + size * rng.random_range(-0.5..0.5);
+        }
+        let expected = brute(&a.posed(&pose_a), &b.posed(&pose_b));
+        let world = |pose: &Pose64, bvh| PosedBvh::new(bvh, pose).unwrap();
+        let query = PairBvtt::in_world(world(&pose_a, a.bvh()), world(&pose_b, b.bvh()));
+        assert_eq!(sorted(&query), expected, "round {round}");
+        let boxes = world(&pose_a, a.bvh()).aabb().unwrap();
+        for p in a.posed(&pose_a).into_iter().flatten() {
+            assert!(
+                (0..3).all(|k| f64::from(boxes.min[k]) <= p[k] && p[k] <= f64::from(boxes.max[k]))
+            );
+        }
+        hits += expected.len();
+        // In the frame of the first.
+        let a_from_b = pose_a.inverse().unwrap() * pose_b;
+        let expected = brute(&a.posed(&Pose64::IDENTITY), &b.posed(&a_from_b));
+        let query = PairBvtt::new(a.bvh(), b.bvh(), a_from_b).unwrap();
+        assert_eq!(sorted(&query), expected, "round {round}");
+        let swapped = PairBvtt::new(b.bvh(), a.bvh(), a_from_b.inverse().unwrap()).unwrap();
+        let expected = brute(&b.posed(&Pose64::IDENTITY), &a.posed(&a_from_b.inverse().unwrap()));
+        assert_eq!(sorted(&swapped), expected, "round {round}");
+        hits += expected.len();
+    }
+    assert!(hits > if cfg!(miri) { 10 } else { 20_000 }, "{hits}");
+}
+
+#[test]
+fn self_queries_in_f64_as_every_two_triangles() {
+    let mut rng = seeded(32);
+    let mut hits = 0;
+    for round in 0..if cfg!(miri) { 2 } else { 120 } {
+        let far = [0.0, 5e6, 1e12][round % 3];
+        let (positions, triangles) = soup(&mut rng, 70, 1.0, [far; 3]);
+        let owned = Owned::new(positions, triangles, true);
+        for rule in [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours] {
+            let mut expected = Vec::new();
+            for j in 0..owned.triangles.len() as u32 {
+                for i in 0..j {
+                    if intersects_in_mesh(owned.mesh(), i, j, rule, Accuracy::Exact) {
+                        expected.push(TrianglePair { a: i, b: j });
+                    }
+                }
+            }
+            expected.sort_unstable();
+            let query = SelfBvtt::new(owned.bvh()).with_adjacency(rule);
+            assert_eq!(sorted(&query), expected, "round {round}");
+            hits += expected.len();
+        }
+    }
+    assert!(hits > if cfg!(miri) { 10 } else { 20_000 }, "{hits}");
+}
+
+/// In the identity pose both contracts say the same of what f32 holds, by whatever way it comes.
+#[test]
+fn what_f32_holds_has_the_same_pairs_in_f64() {
+    let mut rng = seeded(33);
+    for _ in 0..if cfg!(miri) { 2 } else { 60 } {
+        let mut soup = || {
+            let (positions, triangles) = soup(&mut rng, 80, 1.0, [0.0; 3]);
+            (
+                positions.iter().map(|p| p.map(|x| f64::from(x as f32))).collect::<Vec<_>>(),
+                triangles,
+            )
+        };
+        let ((p, t), (q, u)) = (soup(), soup());
+        let [a, b] = [(&p, &t), (&q, &u)].map(|(p, t)| Owned::new(p.clone(), t.clone(), false));
+        let [c, d] = [(&p, &t), (&q, &u)].map(|(p, t)| Owned::new(p.clone(), t.clone(), true));
+        let expected = sorted(&PairBvtt::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap());
+        assert!(!expected.is_empty());
+        let widened = Mesh::from_f64_unchecked(&[], &a.shadow, [0.0; 3], &a.triangles);
+        let widened = Bvh::new_unchecked(widened, &a.nodes, &a.order);
+        let in_f64 = AnyPose::F64(Pose64::IDENTITY);
+        for query in [
+            PairBvtt::new(a.bvh(), b.bvh(), in_f64),
+            PairBvtt::new(c.bvh(), b.bvh(), Pose::IDENTITY),
+            PairBvtt::new(a.bvh(), d.bvh(), Pose::IDENTITY),
+            PairBvtt::new(c.bvh(), d.bvh(), in_f64),
+            PairBvtt::new(widened, d.bvh(), Pose::IDENTITY),
+        ] {
+            assert_eq!(sorted(&query.unwrap()), expected);
+        }
+        let expected = sorted(&SelfBvtt::new(a.bvh()));
+        assert_eq!(sorted(&SelfBvtt::new(c.bvh())), expected);
+        assert_eq!(sorted(&SelfBvtt::new(widened)), expected);
+        let mut nodes = vec![bytemuck::Zeroable::zeroed(); c.nodes.len()];
+        let compact = compact(c.mesh(), &c.nodes, &c.order, &mut nodes).unwrap();
+        assert_eq!(sorted(&SelfBvtt::new(compact)), expected);
+    }
+}

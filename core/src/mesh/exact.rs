@@ -1,0 +1,192 @@
+//! Meshes with positions in f64.
+//!
+//! Such a mesh is an ordinary f32 mesh, its *shadow*, and the exact positions beside. The shadow is the positions minus an
+//! origin, the middle of their box, rounded to f32: a vertex of it is off by less than 2^-23 of the extent of the mesh,
+//! wherever in the world that is. All that only has to be conservative reads the shadow: builds, refits, boxes, and the
+//! filter in vector lanes, which allows for its error. The positions decide.
+
+use super::{Mesh, MeshError, check_environment};
+use crate::bvtt::F64;
+use crate::exact::predicate64;
+use crate::index::at;
+use glam::DVec3;
+
+/// The positions that decide.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Positions64<'a> {
+    /// Those of the shadow, if empty.
+    positions: &'a [[f64; 3]],
+    /// Where the origin of the shadow is.
+    origin: DVec3,
+    /// What queries need for such meshes only.
+    f64: &'static F64,
+}
+
+impl<'a> Mesh<'a> {
+    /// Checks a mesh whose positions are in f64, and fills its shadow: as many positions in f32, on which queries do what
+    /// need not be exact. The pairs that they find are those of the positions given.
+    ///
+    /// # Errors
+    /// As [`Mesh::new`]; [`MeshError::Range`] if a coordinate is beyond ±2^125; [`MeshError::VertexCount`] if `shadow` has
+    /// not as many positions.
+    ///
+    /// # Complexity
+    /// O(vertices + triangles).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Mesh;
+    /// // A metre in a coordinate system of the earth: f32 knows such positions to half a metre.
+    /// let points = [[500_000.1, 5_000_000.2, 0.0], [500_001.1, 5_000_000.2, 0.0], [500_000.1, 5_000_001.2, 0.0]];
+    /// let mut shadow = [[0.0; 3]; 3];
+    /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
+    /// assert_eq!(mesh.positions_f64(), Some(&points[..]));
+    /// assert!((mesh.positions()[1][0] - 0.5).abs() < 1e-6);
+    /// # Ok::<(), pfront_core::MeshError>(())
+    /// ```
+    pub fn from_f64(
+        positions: &'a [[f64; 3]],
+        triangles: &'a [[u32; 3]],
+        shadow: &'a mut [[f32; 3]],
+    ) -> Result<Self, MeshError> {
+        let [low, high] = check_positions(positions)?;
+        let origin = if low.x <= high.x { low * 0.5 + high * 0.5 } else { DVec3::ZERO };
+        cast(positions, origin, shadow)?;
+        Ok(Self::new(shadow, triangles)?.with_exact(positions, origin))
+    }
+
+    /// The same triangles over other positions in f64, as a deforming mesh has each frame. The origin of the shadow stays where
+    /// it is as long as it is in their box.
+    ///
+    /// # Errors
+    /// As [`Mesh::from_f64`]; [`MeshError::OtherPrecision`] if this mesh has positions in f32.
+    ///
+    /// # Complexity
+    /// O(vertices).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Mesh;
+    /// let (points, moved) = ([[0.1; 3]; 3], [[0.3; 3]; 3]);
+    /// let (mut shadow, mut after) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+    /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
+    /// let mesh = mesh.with_positions_f64(&moved, &mut after)?;
+    /// assert_eq!(mesh.origin(), [0.3; 3]);
+    /// # Ok::<(), pfront_core::MeshError>(())
+    /// ```
+    pub fn with_positions_f64(
+        self,
+        positions: &'a [[f64; 3]],
+        shadow: &'a mut [[f32; 3]],
+    ) -> Result<Self, MeshError> {
+        let Some(exact) = self.exact else { return Err(MeshError::OtherPrecision) };
+        if positions.len() != self.positions.len() {
+            let (expected, found) = (self.positions.len(), positions.len());
+            return Err(MeshError::VertexCount { expected, found });
+        }
+        let [low, high] = check_positions(positions)?;
+        let is_inside = exact.origin.cmpge(low).all() && exact.origin.cmple(high).all();
+        let origin =
+            if is_inside || low.x > high.x { exact.origin } else { low * 0.5 + high * 0.5 };
+        cast(positions, origin, shadow)?;
+        Ok(Self::new_unchecked(shadow, self.triangles).with_exact(positions, origin))
+    }
+
+    /// Makes a mesh again of what [`Mesh::from_f64`] has checked and filled, and of its [`Mesh::origin`]. Without `positions` it
+    /// is a mesh in f64 whose positions are those of the shadow, which needs no origin and takes no memory for them.
+    ///
+    /// Not `unsafe`: memory safety never depends on the arrays.
+    ///
+    /// # Panics and wrong answers
+    /// With other arrays, queries may give wrong pairs or panic.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Mesh;
+    /// let (points, triangles) = ([[0.5_f32; 3]; 3], [[0, 1, 2]]);
+    /// let mesh = Mesh::new(&points, &triangles)?;
+    /// let mesh = Mesh::from_f64_unchecked(&[], mesh.positions(), [0.0; 3], mesh.triangles());
+    /// assert!(mesh.is_f64() && mesh.positions_f64().is_none());
+    /// # Ok::<(), pfront_core::MeshError>(())
+    /// ```
+    #[must_use]
+    pub fn from_f64_unchecked(
+        positions: &'a [[f64; 3]],
+        shadow: &'a [[f32; 3]],
+        origin: [f64; 3],
+        triangles: &'a [[u32; 3]],
+    ) -> Self {
+        Self::new_unchecked(shadow, triangles).with_exact(positions, DVec3::from_array(origin))
+    }
+
+    /// Whether it is in f64: posed and decided there, whatever the pose and the other mesh.
+    #[must_use]
+    pub fn is_f64(self) -> bool {
+        self.exact.is_some()
+    }
+
+    /// The positions in f64, if there are any.
+    #[must_use]
+    pub fn positions_f64(self) -> Option<&'a [[f64; 3]]> {
+        self.exact.map(|exact| exact.positions).filter(|positions| !positions.is_empty())
+    }
+
+    /// The position that the shadow has at zero; that is zero in a mesh without one.
+    #[must_use]
+    pub fn origin(self) -> [f64; 3] {
+        self.exact.map_or([0.0; 3], |exact| exact.origin.to_array())
+    }
+
+    /// The corners of a triangle in f64, exact in a mesh of either kind.
+    pub(crate) fn triangle_f64(self, index: u32) -> [[f64; 3]; 3] {
+        at(self.triangles, index).map(|vertex| self.position_f64(vertex))
+    }
+
+    /// The position of a vertex in f64, exact in a mesh of either kind.
+    pub(crate) fn position_f64(self, vertex: u32) -> [f64; 3] {
+        match self.positions_f64() {
+            Some(positions) => *at(positions, vertex),
+            None => at(self.positions, vertex).map(f64::from),
+        }
+    }
+
+    /// What queries need for meshes in f64 only.
+    pub(crate) fn f64(&self) -> Option<&'static F64> {
+        self.exact.as_ref().map(|exact| exact.f64)
+    }
+
+    fn with_exact(self, positions: &'a [[f64; 3]], origin: DVec3) -> Self {
+        Self { exact: Some(Positions64 { positions, origin, f64: &F64::METHODS }), ..self }
+    }
+}
+
+/// The smallest and the largest coordinates of positions that are all in range.
+fn check_positions(positions: &[[f64; 3]]) -> Result<[DVec3; 2], MeshError> {
+    check_environment()?;
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (vertex, &position) in positions.iter().enumerate() {
+        let p = DVec3::from_array(position);
+        if !p.abs().cmple(DVec3::splat(predicate64::LIMIT)).all() {
+            let is_finite = p.is_finite();
+            return Err(if is_finite {
+                MeshError::Range { vertex }
+            } else {
+                MeshError::NonFinite { vertex }
+            });
+        }
+        (low, high) = (low.min(p), high.max(p));
+    }
+    Ok([low, high])
+}
+
+/// Fills a shadow.
+fn cast(positions: &[[f64; 3]], origin: DVec3, shadow: &mut [[f32; 3]]) -> Result<(), MeshError> {
+    if positions.len() != shadow.len() {
+        let (expected, found) = (positions.len(), shadow.len());
+        return Err(MeshError::VertexCount { expected, found });
+    }
+    for (shadow, &position) in shadow.iter_mut().zip(positions) {
+        *shadow = (DVec3::from_array(position) - origin).as_vec3().to_array();
+    }
+    Ok(())
+}
