@@ -34,6 +34,7 @@ struct Slices<'s> {
     words: &'s mut [u32],
     table: &'s mut [RefitRow],
     moved: &'s mut [Moved],
+    shadows: [&'s mut [[f32; 3]]; 2],
     history: &'s mut [u32],
     front: &'s mut [FrontNode],
     last: &'s mut [FrontNode],
@@ -46,6 +47,11 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let Slices { positions, triangles, nodes: [nodes, others], order, keys, words, .. } = slices;
     let mesh = Mesh::new(positions, triangles).ok()?;
     let mesh = mesh.with_positions(some()?).ok()?;
+    let [first, second] = slices.shadows;
+    let in_f64 = Mesh::from_f64(some()?, mesh.triangles(), first).ok()?;
+    let in_f64 = in_f64.with_positions_f64(some()?, second).ok()?;
+    any((in_f64.is_f64(), in_f64.positions_f64(), in_f64.origin()));
+    let mesh = if some()? { mesh } else { in_f64 };
     let join: &Join<'_> = some()?;
     let storage = BvhStorage { nodes, order };
     let options = BuildOptions { leaf_size: some()?, join: Some(join) };
@@ -62,8 +68,8 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any(certified.is_certified(some()?));
     let within = SelfBvtt::new(bvh).with_certificates(certified).with_adjacency(some()?);
     asked(&within.with_accuracy(some()?).boxes_only(), slices.page)?;
-    let placed: PosedBvh<'_> = PosedBvh::new(bvh, &some()?).ok()?;
-    any((placed.aabb(), PairBvtt::new(bvh, bvh, some()?).ok()?));
+    let placed: PosedBvh<'_> = PosedBvh::new(bvh, &some::<AnyPose>()?).ok()?;
+    any((placed.aabb(), PairBvtt::new(bvh, bvh, some::<AnyPose>()?).ok()?));
     let pair: PairBvtt<'_> = PairBvtt::in_world(placed, some()?).with_accuracy(some()?);
     asked(&pair, slices.page)?;
     let mut front = Front::new(slices.front);
@@ -73,8 +79,8 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let small = compact(mesh, bvh.nodes(), bvh.order(), slices.compact).ok()?;
     any((Bvh::new(mesh, small.nodes(), small.order(), words).ok()?.depth(), small.aabb()));
     asked(&SelfBvtt::new(small), slices.page)?;
-    asked(&PairBvtt::new(small, small, some()?).ok()?, slices.page)?;
-    asked(&PairBvtt::in_world(placed, PosedBvh::new(small, &some()?).ok()?), slices.page)?;
+    asked(&PairBvtt::new(small, small, some::<Pose>()?).ok()?, slices.page)?;
+    asked(&PairBvtt::in_world(placed, PosedBvh::new(small, &some::<Pose>()?).ok()?), slices.page)?;
     any(intersects(&some()?, &some()?, some()?));
     any(intersects_in_mesh(mesh, some()?, some()?, some()?, some()?));
     any((contact(&some()?, &some()?), mesh.triangle(some()?)));

@@ -70,6 +70,11 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
         Side { mesh: bvh.mesh(), bounds: root_bounds(bvh), pose }
     }
 
+    /// What a query in f64 needs, if the mesh or the pose is in f64.
+    pub(super) fn f64(&self) -> Option<&'static F64> {
+        self.exact.as_ref().map(|exact| exact.f64)
+    }
+
     /// This side of a query in f64.
     pub(super) fn to_side(&self) -> Side<'a> {
         let pose = match (&self.exact, &self.pose) {

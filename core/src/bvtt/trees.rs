@@ -93,14 +93,7 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
     pub fn in_world(mut a: PosedBvh<'a, A>, mut b: PosedBvh<'a, B>) -> Self {
-        let in_f64 = a.exact.or(b.exact).map(|exact| {
-            let sides = [a.to_side(), b.to_side()];
-            let poses = (exact.f64.in_frame_of_first)(&sides);
-            (a.pose, b.pose) = (Some(poses[0]), Some(poses[1]));
-            a.exact = Some(Posed64 { pose: sides[0].pose, ..exact });
-            b.exact = Some(Posed64 { pose: sides[1].pose, ..exact });
-            InF64 { error: poses[0].padding().max(poses[1].padding()) * 2.0, f64: exact.f64 }
-        });
+        let in_f64 = a.f64().or(b.f64()).map(|f64| pair_in_f64(&mut a, &mut b, f64));
         let mut query = Self { in_f64, ..Self::of_sides(a, b) };
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
         let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
@@ -278,6 +271,22 @@ impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {
         contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b))
     }
+}
+
+/// Poses the shadows of two meshes in one frame.
+#[cold]
+#[inline(never)]
+fn pair_in_f64<A: Layout, B: Layout>(
+    a: &mut PosedBvh<'_, A>,
+    b: &mut PosedBvh<'_, B>,
+    f64: &'static F64,
+) -> InF64 {
+    let sides = [a.to_side(), b.to_side()];
+    let poses = (f64.in_frame_of_first)(&sides);
+    (a.pose, b.pose) = (Some(poses[0]), Some(poses[1]));
+    let [pose_a, pose_b] = sides.map(|side| side.pose);
+    (a.exact, b.exact) = (Some(Posed64 { pose: pose_a, f64 }), Some(Posed64 { pose: pose_b, f64 }));
+    InF64 { error: poses[0].padding().max(poses[1].padding()) * 2.0, f64 }
 }
 
 /// The children of a node, or a leaf itself.
