@@ -25,18 +25,26 @@ pub(super) fn traverse<A: Layout, B: Layout, const SELF: bool>(
         return ControlFlow::Continue(());
     }
     cursor.set_budget(tests);
-    let traversal = Traversal { query, cursor, visit };
-    if VECTORS { widest(traversal) } else { traversal.run::<f32>() }
+    if !VECTORS {
+        // Once for both, since firmware has little room for code.
+        Traversal::<A, B, SELF, true> { query, cursor, visit }.run::<f32>()
+    } else if query.in_f64.is_none() {
+        widest(Traversal::<A, B, SELF, false> { query, cursor, visit })
+    } else {
+        widest(Traversal::<A, B, SELF, true> { query, cursor, visit })
+    }
 }
 
-/// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes.
-struct Traversal<'t, 'v, 'a, A: Layout, B: Layout, const SELF: bool> {
+/// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes; without `F64`, nothing is in f64.
+struct Traversal<'t, 'v, 'a, A: Layout, B: Layout, const SELF: bool, const F64: bool> {
     query: &'t Bvtt<'a, A, B, SELF>,
     cursor: &'t mut Cursor,
     visit: &'t mut Visitor<'v>,
 }
 
-impl<A: Layout, B: Layout, const SELF: bool> Task for Traversal<'_, '_, '_, A, B, SELF> {
+impl<A: Layout, B: Layout, const SELF: bool, const F64: bool> Task
+    for Traversal<'_, '_, '_, A, B, SELF, F64>
+{
     type Output = ControlFlow<()>;
 
     #[inline(always)]
@@ -50,7 +58,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Task for Traversal<'_, '_, '_, A, B
                 // To look it up takes as long as a box test.
                 cursor.spend_box_tests(1);
             } else if query.is_leaf_pair(n) {
-                let flow = query.visit_leaf_pair::<S>(n, &mut blocks, cursor, visit);
+                let flow = query.visit_leaf_pair::<S, F64>(n, &mut blocks, cursor, visit);
                 if cursor.is_inside_leaf_pair() {
                     cursor.push(n);
                 }
@@ -130,7 +138,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
 
     /// Visits the triangle pairs of a leaf pair that intersect, from where `cursor` resumes until its budget is spent.
     #[inline(always)]
-    fn visit_leaf_pair<S: Simd>(
+    fn visit_leaf_pair<S: Simd, const F64: bool>(
         &self,
         n: NodePair,
         [blocks_a, blocks_b]: &mut [BlockCache; 2],
@@ -143,11 +151,9 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
         if SELF && n.a == n.b {
             allowed &= BEFORE;
         }
-        // Written out, so that the loops below are compiled for each, and none has to look at it again.
-        let pairs = match &self.in_f64 {
-            None => a.cull::<S, SELF>(b, allowed, self.boxes_only, None),
-            Some(in_f64) => a.cull::<S, SELF>(b, allowed, self.boxes_only, Some(in_f64.error)),
-        };
+        let in_f64 = if F64 { self.in_f64.as_ref() } else { None };
+        let error = in_f64.map(|in_f64| in_f64.error);
+        let pairs = a.cull::<S, SELF>(b, allowed, self.boxes_only, error);
         let open = pairs.hits | pairs.undecided;
         cursor.for_each_within_budget(pairs.overlapping, open, |bit| {
             let (i, j) = (bit as usize % LANES, bit as usize / LANES % LANES);
@@ -157,7 +163,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
             }
             let is_hit = if pairs.hits >> bit & 1 != 0 || SELF && self.boxes_only {
                 true
-            } else if let Some(in_f64) = &self.in_f64 {
+            } else if let Some(in_f64) = in_f64 {
                 let may_share_vertex = SELF && pairs.may_share_vertex >> bit & 1 != 0;
                 self.intersects_in_f64(in_f64, pair, may_share_vertex)
             } else if SELF && pairs.may_share_vertex >> bit & 1 != 0 {
