@@ -44,16 +44,20 @@ impl TriangleBlock {
     ) -> PairSets {
         let mut pairs = PairSets::default();
         let (uncertified, other_uncertified) = (self.uncertified(), other.uncertified());
-        let error = error.map(|error| error.to_array().map(S::splat));
+        let error = match error {
+            Some(error) => Some([S::splat(error.x), S::splat(error.y), S::splat(error.z)]),
+            None => None,
+        };
         // The triangles of `other` that reach into the box of this block.
-        let Aabb { min, max } = self.bounds;
-        let mut rows = other.overlapping(min.map(S::splat), max.map(S::splat), error);
+        let Aabb { min: [a, b, c], max: [d, e, f] } = self.bounds;
+        let low = [S::splat(a), S::splat(b), S::splat(c)];
+        let mut rows = other.overlapping(low, [S::splat(d), S::splat(e), S::splat(f)], error);
         while rows != 0 {
             let j = rows.trailing_zeros() as usize % LANES;
             rows &= rows - 1;
             let shift = LANES * j;
-            let (low, high) = (splat::<S>(&other.min, j), splat(&other.max, j));
-            let overlapping = self.overlapping(low, high, error);
+            let overlapping =
+                self.overlapping(splat::<S>(&other.min, j), splat(&other.max, j), error);
             let mut found = overlapping & (allowed >> shift) as u32;
             pairs.overlapping |= u64::from(found) << shift;
             if SELF && boxes_only {
@@ -79,10 +83,11 @@ impl TriangleBlock {
     /// Lanes whose box overlaps the box from `low` to `high`, as far as that is known with an `error`.
     #[inline(always)]
     fn overlapping<S: Simd>(&self, low: [S; 3], high: [S; 3], error: Option<[S; 3]>) -> u32 {
-        let (mut low, mut high, mut found) = (low, high, 0);
-        if let Some(error) = error {
-            (low, high) = (difference(low, error), sum(high, error));
-        }
+        let mut found = 0;
+        let (low, high) = match error {
+            Some(error) => (difference(low, error), sum(high, error)),
+            None => (low, high),
+        };
         for at in chunk_starts::<S>() {
             let (min, max) = (load::<S>(&self.min, at), load::<S>(&self.max, at));
             let x = low[0].le(max[0]) & min[0].le(high[0]);

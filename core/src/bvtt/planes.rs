@@ -57,8 +57,11 @@ impl<S: Simd> Planes<S> {
         let (p, q, r) = (difference(p, base), difference(q, base), difference(r, base));
         let extent = highest(highest(self.extent, abs(p)), highest(abs(q), abs(r)));
         let of = [dot(self.normal, p), dot(self.normal, q), dot(self.normal, r)];
-        let bound = error_bound(extent);
-        Heights { of, bound: error.map_or(bound, |error| bound + shadow_bound(extent, error)) }
+        let mut bound = error_bound(extent);
+        if let Some(error) = error {
+            bound = bound + shadow_bound(extent, error);
+        }
+        Heights { of, bound }
     }
 
     /// Lanes in which this plane certainly has all corners of `other`, whose `heights` these are, strictly on one side. If
