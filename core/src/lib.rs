@@ -178,4 +178,4 @@ pub use bvh::blob::{self, Blob, BlobError};
 pub use bvh::{Bvh, BvhError, Node};
 pub use error::CapacityError;
 pub use mesh::{Mesh, MeshError, Triangle};
-pub use pose::{AnyPose, Pose, Pose64};
+pub use pose::{Pose, Pose64};

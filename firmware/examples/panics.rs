@@ -68,8 +68,8 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any(certified.is_certified(some()?));
     let within = SelfBvtt::new(bvh).with_certificates(certified).with_adjacency(some()?);
     asked(&within.with_accuracy(some()?).boxes_only(), slices.page)?;
-    let placed: PosedBvh<'_> = PosedBvh::new(bvh, &some::<AnyPose>()?).ok()?;
-    any((placed.aabb(), PairBvtt::new(bvh, bvh, some::<AnyPose>()?).ok()?));
+    let placed: PosedBvh<'_> = PosedBvh::new(bvh, &some()?).ok()?;
+    any((placed.aabb(), PairBvtt::new(bvh, bvh, some()?).ok()?));
     let pair: PairBvtt<'_> = PairBvtt::in_world(placed, some()?).with_accuracy(some()?);
     asked(&pair, slices.page)?;
     let mut front = Front::new(slices.front);
@@ -79,8 +79,8 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let small = compact(mesh, bvh.nodes(), bvh.order(), slices.compact).ok()?;
     any((Bvh::new(mesh, small.nodes(), small.order(), words).ok()?.depth(), small.aabb()));
     asked(&SelfBvtt::new(small), slices.page)?;
-    asked(&PairBvtt::new(small, small, some::<Pose>()?).ok()?, slices.page)?;
-    asked(&PairBvtt::in_world(placed, PosedBvh::new(small, &some::<Pose>()?).ok()?), slices.page)?;
+    asked(&PairBvtt::new(small, small, some()?).ok()?, slices.page)?;
+    asked(&PairBvtt::in_world(placed, PosedBvh::new(small, &some()?).ok()?), slices.page)?;
     any(intersects(&some()?, &some()?, some()?));
     any(intersects_in_mesh(mesh, some()?, some()?, some()?, some()?));
     any((contact(&some()?, &some()?), mesh.triangle(some()?)));

@@ -44,10 +44,7 @@ impl TriangleBlock {
     ) -> PairSets {
         let mut pairs = PairSets::default();
         let (uncertified, other_uncertified) = (self.uncertified(), other.uncertified());
-        let error = match error {
-            Some(error) => Some([S::splat(error.x), S::splat(error.y), S::splat(error.z)]),
-            None => None,
-        };
+        let error = error.map(|error| [S::splat(error.x), S::splat(error.y), S::splat(error.z)]);
         // The triangles of `other` that reach into the box of this block.
         let Aabb { min: [a, b, c], max: [d, e, f] } = self.bounds;
         let low = [S::splat(a), S::splat(b), S::splat(c)];
@@ -68,6 +65,12 @@ impl TriangleBlock {
             if SELF {
                 found &= !self.share_certified_vertex::<S>(other, j);
                 neighbours = if other_uncertified >> j & 1 != 0 { found & uncertified } else { 0 };
+            }
+            // Firmware, which has no vectors, has little room for code either.
+            if S::WIDTH == 1 && error.is_some() {
+                pairs.undecided |= u64::from(found) << shift;
+                pairs.may_share_vertex |= u64::from(found & neighbours) << shift;
+                continue;
             }
             if found == 0 {
                 continue;
@@ -144,6 +147,7 @@ impl TriangleBlock {
                 continue;
             }
             let (own, others) = (Planes::<S>::load(self, at), Planes::splat(other, j));
+            let error = if S::WIDTH > 1 { error } else { None };
             let of_others = own.heights(&others, error);
             open &= !own.separates::<SELF>(&others, &of_others, neighbours);
             if open == 0 {

@@ -6,34 +6,34 @@
 //! other pairs are decided by the positions themselves, posed in f64.
 
 use super::TrianglePair;
+use super::trees::view;
 use crate::Mesh;
 use crate::aabb::Bounds;
-use crate::pose::{Affine, Pose64, PoseError};
+use crate::pose::{Affine, Pose, Pose64, PoseError};
 use crate::triangle::{Adjacency, intersects_in_f64, intersects_in_mesh_f64};
-
-/// A mesh in a pose, and the box of its shadow.
-#[derive(Clone, Copy)]
-pub(crate) struct Side<'a> {
-    pub(crate) mesh: Mesh<'a>,
-    pub(crate) bounds: Bounds,
-    pub(crate) pose: Pose64,
-}
+use glam::{DVec3, Vec3A};
 
 /// What only these queries call. It comes by pointer with a mesh or a pose in f64, so that firmware that has neither links
 /// none of it.
 #[derive(Debug)]
 pub(crate) struct F64 {
-    pub(super) check: fn(&Side<'_>) -> Result<(), PoseError>,
-    pub(super) in_world: fn(&Side<'_>) -> Affine,
-    pub(super) in_frame_of_first: fn(&[Side<'_>; 2]) -> [Affine; 2],
-    pub(super) intersects: fn(&[(Mesh<'_>, Pose64); 2], TrianglePair) -> bool,
-    pub(super) intersects_in_mesh: fn(Mesh<'_>, TrianglePair, Adjacency) -> bool,
+    pub(super) check: fn(Mesh<'_>, &Bounds, &Pose) -> Result<(), PoseError>,
+    pub(super) pose: fn(Side<'_>, &Pose),
+    pub(super) pose_in_frame_of_first: fn([Side<'_>; 2], &mut [Option<Affine>; 2]) -> Vec3A,
+    pub(super) intersects: fn([PosedMesh<'_>; 2], TrianglePair) -> bool,
+    pub(crate) intersects_in_mesh: fn(Mesh<'_>, [u32; 2], Adjacency) -> bool,
 }
 
-impl F64 {
-    pub(crate) const METHODS: Self =
-        Self { check, in_world, in_frame_of_first, intersects, intersects_in_mesh };
+/// A mesh, the box of its shadow, and the poses of both.
+pub(super) struct Side<'s> {
+    pub(super) mesh: Mesh<'s>,
+    pub(super) bounds: Bounds,
+    pub(super) pose: &'s mut Option<Affine>,
+    pub(super) exact: &'s mut Option<Posed64>,
 }
+
+/// A mesh, and the pose of its positions unless it is the identity.
+pub(super) type PosedMesh<'m> = (Mesh<'m>, &'m Option<Posed64>);
 
 /// A pose in f64, and what a query in f64 calls.
 #[derive(Clone, Copy, Debug)]
@@ -42,39 +42,54 @@ pub(super) struct Posed64 {
     pub(super) f64: &'static F64,
 }
 
-fn check(side: &Side<'_>) -> Result<(), PoseError> {
-    let half = side.bounds.min.abs().max(side.bounds.max.abs()).as_dvec3();
-    let origin = origin(side).abs();
-    // At least 1, so that no entry of the pose overflows in f32.
-    side.pose.check_reach((origin + half.max(glam::DVec3::ZERO)).max(glam::DVec3::ONE).to_array())
-}
-
-/// The pose of a shadow in the world itself.
-fn in_world(side: &Side<'_>) -> Affine {
-    Affine::of_shadow(&side.pose, origin(side), &side.bounds, glam::DVec3::ZERO)
-}
-
-/// The poses of both shadows in the frame whose origin is that of the first as it is posed.
-fn in_frame_of_first(sides: &[Side<'_>; 2]) -> [Affine; 2] {
-    let zero = sides[0].pose.apply(sides[0].mesh.origin());
-    sides.each_ref().map(|side| {
-        Affine::of_shadow(&side.pose, origin(side), &side.bounds, glam::DVec3::from_array(zero))
-    })
-}
-
-fn origin(side: &Side<'_>) -> glam::DVec3 {
-    glam::DVec3::from_array(side.mesh.origin())
-}
-
-#[inline(never)]
-fn intersects([(a, pose_a), (b, pose_b)]: &[(Mesh<'_>, Pose64); 2], pair: TrianglePair) -> bool {
-    let posed = |mesh: &Mesh<'_>, pose: &Pose64, triangle: u32| {
-        mesh.triangle_f64(triangle).map(|p| pose.apply(p))
+impl F64 {
+    pub(crate) const METHODS: Self = Self {
+        check: |mesh, bounds, pose| check(mesh, bounds, &(*pose).into()),
+        pose: |side, pose| _ = place(side, (*pose).into(), DVec3::ZERO),
+        pose_in_frame_of_first,
+        intersects,
+        intersects_in_mesh: intersects_in_mesh_f64,
     };
-    intersects_in_f64(&posed(a, pose_a, pair.a), &posed(b, pose_b, pair.b))
 }
 
-#[inline(never)]
-fn intersects_in_mesh(mesh: Mesh<'_>, pair: TrianglePair, adjacency: Adjacency) -> bool {
-    intersects_in_mesh_f64(mesh, pair.a, pair.b, adjacency)
+/// Checks that a pose in f64 is finite and keeps a mesh, the box of whose shadow these are, in range.
+pub(super) fn check(mesh: Mesh<'_>, bounds: &Bounds, pose: &Pose64) -> Result<(), PoseError> {
+    let half = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
+    let half = if bounds.min.x <= bounds.max.x { half } else { DVec3::ZERO };
+    // At least 1, so that no entry of the pose overflows in f32.
+    let extent = (DVec3::from_array(mesh.origin()).abs() + half).max(DVec3::ONE);
+    pose.check_reach(extent.to_array())
+}
+
+/// Poses both shadows in the frame whose origin is that of the first as it is posed, and their boxes. Returns how far the
+/// difference of two coordinates there may be from that of the positions.
+fn pose_in_frame_of_first(sides: [Side<'_>; 2], box_poses: &mut [Option<Affine>; 2]) -> Vec3A {
+    let poses = sides.each_ref().map(|side| match (&side.exact, &side.pose) {
+        (Some(exact), _) => exact.pose,
+        (None, Some(pose)) => pose.to_pose().into(),
+        (None, None) => Pose64::IDENTITY,
+    });
+    let zero = DVec3::from_array(poses[0].apply(sides[0].mesh.origin()));
+    let [a, b] = sides;
+    let (of_b, pose_a, pose_b) = (b.bounds, place(a, poses[0], zero), place(b, poses[1], zero));
+    *box_poses = [Some(pose_a), Some(pose_b)];
+    view(box_poses, &of_b);
+    pose_a.padding().max(pose_b.padding()) * 2.0
+}
+
+/// Poses positions, and their shadow in a frame whose origin is at `zero`. Returns the pose of the shadow.
+pub(super) fn place(side: Side<'_>, pose: Pose64, zero: DVec3) -> Affine {
+    let origin = DVec3::from_array(side.mesh.origin());
+    let shadow = Affine::of_shadow(&pose, origin, &side.bounds, zero);
+    *side.pose = Some(shadow);
+    *side.exact = Some(Posed64 { pose, f64: &F64::METHODS });
+    shadow
+}
+
+fn intersects([a, b]: [PosedMesh<'_>; 2], pair: TrianglePair) -> bool {
+    let posed = |(mesh, exact): PosedMesh<'_>, triangle: u32| {
+        let corners = mesh.triangle_f64(triangle);
+        exact.map_or(corners, |exact| corners.map(|p| exact.pose.apply(p)))
+    };
+    intersects_in_f64(&posed(a, pair.a), &posed(b, pair.b))
 }

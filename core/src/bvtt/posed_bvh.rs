@@ -1,11 +1,11 @@
 //! A BVH in a pose: one side of a query.
 
-use super::in_f64::{F64, Posed64, Side};
+use super::in_f64::{F64, Posed64, Side, check, place};
 use crate::aabb::Bounds;
 use crate::bvh::Layout;
-use crate::pose::{Affine, AnyPose, Pose64, PoseError};
+use crate::pose::{Affine, Pose64, PoseError};
 use crate::{Aabb, Bvh, Node, Pose, Triangle};
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 
 /// A BVH in a pose, one side of a [`PairBvtt`](super::PairBvtt). Copying is free.
 ///
@@ -35,54 +35,57 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes the mesh out of range.
-    #[inline]
-    pub fn new(bvh: Bvh<'a, L>, world_from_bvh: impl Into<AnyPose>) -> Result<Self, PoseError> {
-        let pose = world_from_bvh.into();
-        match (bvh.mesh().f64(), pose) {
-            (None, AnyPose::F32(Pose::IDENTITY)) => {}
-            (None, AnyPose::F32(pose)) => pose.check(&bvh.aabb().unwrap_or(Aabb::EMPTY))?,
-            (None, AnyPose::F64(pose)) => (F64::METHODS.check)(&Self::side(&bvh, pose))?,
-            (Some(f64), pose) => (f64.check)(&Self::side(&bvh, pose.to_f64()))?,
+    pub fn new(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
+        match bvh.mesh().f64() {
+            None if *world_from_bvh == Pose::IDENTITY => {}
+            None => world_from_bvh.check(&bvh.aabb().unwrap_or(Aabb::EMPTY))?,
+            Some(f64) => (f64.check)(bvh.mesh(), &root_bounds(&bvh), world_from_bvh)?,
         }
-        Ok(Self::new_unchecked(bvh, pose))
+        Ok(Self::new_unchecked(bvh, world_from_bvh))
     }
 
     /// Poses a BVH as [`PosedBvh::new`] or [`Pose::check`] has accepted it. In a pose that they refuse a query may
     /// miss pairs.
     #[must_use]
-    #[inline]
-    pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: impl Into<AnyPose>) -> Self {
-        match (bvh.mesh().f64(), world_from_bvh.into()) {
-            (None, AnyPose::F32(pose)) => {
-                Self { bvh, pose: Affine::new(&pose, &root_bounds(&bvh)), exact: None }
-            }
-            (None, AnyPose::F64(pose)) => Self::in_f64(bvh, pose, &F64::METHODS),
-            (Some(f64), pose) => Self::in_f64(bvh, pose.to_f64(), f64),
+    pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
+        let mut new = Self::unposed(bvh);
+        match bvh.mesh().f64() {
+            None => new.pose = Affine::new(world_from_bvh, &root_bounds(&bvh)),
+            Some(f64) => (f64.pose)(new.side(), world_from_bvh),
         }
+        new
     }
 
-    fn in_f64(bvh: Bvh<'a, L>, pose: Pose64, f64: &'static F64) -> Self {
-        let exact = Some(Posed64 { pose, f64 });
-        Self { bvh, pose: Some((f64.in_world)(&Self::side(&bvh, pose))), exact }
+    /// Poses a BVH in f64, in which its query is then asked, whatever the other side.
+    ///
+    /// # Errors
+    /// As [`PosedBvh::new`].
+    pub fn in_f64(bvh: Bvh<'a, L>, world_from_bvh: &Pose64) -> Result<Self, PoseError> {
+        check(bvh.mesh(), &root_bounds(&bvh), world_from_bvh)?;
+        Ok(Self::in_f64_unchecked(bvh, world_from_bvh))
     }
 
-    fn side(bvh: &Bvh<'a, L>, pose: Pose64) -> Side<'a> {
-        Side { mesh: bvh.mesh(), bounds: root_bounds(bvh), pose }
+    /// Poses a BVH as [`PosedBvh::in_f64`] has accepted it.
+    #[must_use]
+    pub fn in_f64_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose64) -> Self {
+        let mut new = Self::unposed(bvh);
+        place(new.side(), *world_from_bvh, DVec3::ZERO);
+        new
+    }
+
+    pub(super) fn unposed(bvh: Bvh<'a, L>) -> Self {
+        Self { bvh, pose: None, exact: None }
     }
 
     /// What a query in f64 needs, if the mesh or the pose is in f64.
     pub(super) fn f64(&self) -> Option<&'static F64> {
-        self.exact.as_ref().map(|exact| exact.f64)
+        self.exact.as_ref().map(|exact| exact.f64).or(self.bvh.mesh().f64())
     }
 
     /// This side of a query in f64.
-    pub(super) fn to_side(&self) -> Side<'a> {
-        let pose = match (&self.exact, &self.pose) {
-            (Some(exact), _) => exact.pose,
-            (None, Some(pose)) => pose.to_f64(),
-            (None, None) => Pose64::IDENTITY,
-        };
-        Self::side(&self.bvh, pose)
+    pub(super) fn side(&mut self) -> Side<'_> {
+        let Self { bvh, pose, exact } = self;
+        Side { mesh: bvh.mesh(), bounds: root_bounds(bvh), pose, exact }
     }
 
     /// A box that contains every posed vertex of every triangle, rounding included; `None` for an

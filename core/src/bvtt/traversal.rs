@@ -1,12 +1,10 @@
 //! The traversal: one loop for every query, layout and processor.
 
 use super::block::BlockCache;
-use super::in_f64::Posed64;
 use super::trees::InF64;
 use super::wide_node::WideNode;
 use super::{Bvtt, Cursor, NodePair, TrianglePair};
 use crate::bvh::Layout;
-use crate::pose::Pose64;
 use crate::simd::{LANES, Simd, Task, VECTORS, widest};
 use crate::triangle::{intersects_by, intersects_in_mesh};
 use core::ops::ControlFlow;
@@ -100,25 +98,6 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
         !cursor.is_inside_leaf_pair() && self.patches.is_some_and(|patches| patches.hold(n))
     }
 
-    /// The triangle test of positions in f64, which is always exact.
-    #[inline(never)]
-    fn intersects_in_f64(
-        &self,
-        in_f64: &InF64,
-        pair: TrianglePair,
-        may_share_vertex: bool,
-    ) -> bool {
-        let sides = [(self.a.bvh.mesh(), self.a.exact), (self.b.bvh.mesh(), self.b.exact)];
-        if SELF && may_share_vertex {
-            (in_f64.f64.intersects_in_mesh)(sides[0].0, pair, self.adjacency)
-        } else {
-            let posed = |(mesh, exact): (_, Option<Posed64>)| {
-                (mesh, exact.map_or(Pose64::IDENTITY, |exact| exact.pose))
-            };
-            (in_f64.f64.intersects)(&sides.map(posed), pair)
-        }
-    }
-
     #[inline]
     fn is_leaf_pair(&self, n: NodePair) -> bool {
         self.a.bvh.node(n.a).is_leaf() && self.b.bvh.node(n.b).is_leaf()
@@ -163,12 +142,12 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
             }
             let is_hit = if pairs.hits >> bit & 1 != 0 || SELF && self.boxes_only {
                 true
-            } else if let Some(in_f64) = in_f64 {
-                let may_share_vertex = SELF && pairs.may_share_vertex >> bit & 1 != 0;
-                self.intersects_in_f64(in_f64, pair, may_share_vertex)
             } else if SELF && pairs.may_share_vertex >> bit & 1 != 0 {
                 let mesh = self.a.bvh.mesh();
                 intersects_in_mesh(mesh, pair.a, pair.b, self.adjacency, self.accuracy)
+            } else if let Some(InF64 { f64, .. }) = in_f64 {
+                let (a, b) = (&self.a, &self.b);
+                (f64.intersects)([(a.bvh.mesh(), &a.exact), (b.bvh.mesh(), &b.exact)], pair)
             } else {
                 intersects_by(self.inexact_test, &a.triangle(i), &b.triangle(j))
             };

@@ -5,7 +5,7 @@
 //! of two meshes does. Boxes of triangles that share a vertex overlap, so the traversal reaches all of these pairs; what
 //! they share by index is left to [`Adjacency`], in the leaves.
 
-use super::in_f64::{F64, Posed64};
+use super::in_f64::F64;
 use super::posed_bvh::posed;
 use super::traversal::traverse;
 use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
@@ -13,10 +13,10 @@ use crate::aabb::Bounds;
 use crate::bvh::Layout;
 use crate::one_ring::{Certified, OneRing};
 use crate::patch::CertifiedPatches;
-use crate::pose::{Affine, AnyPose, PoseError};
+use crate::pose::{Affine, Pose64, PoseError};
 use crate::simd::VECTORS;
 use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact};
-use crate::{Aabb, Bvh, Node};
+use crate::{Aabb, Bvh, Node, Pose};
 use core::ops::{ControlFlow, Range};
 use glam::Vec3A;
 
@@ -80,31 +80,34 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes `b` out of range.
-    #[inline]
-    pub fn new(
-        a: Bvh<'a, A>,
-        b: Bvh<'a, B>,
-        a_from_b: impl Into<AnyPose>,
-    ) -> Result<Self, PoseError> {
-        let a = PosedBvh::new_unchecked(a, AnyPose::IDENTITY);
-        Ok(Self::in_world(a, PosedBvh::new(b, a_from_b)?))
+    pub fn new(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: Pose) -> Result<Self, PoseError> {
+        Ok(Self::in_world(PosedBvh::unposed(a), PosedBvh::new(b, &a_from_b)?))
+    }
+
+    /// [`PairBvtt::new`] with a pose in f64.
+    ///
+    /// # Errors
+    /// As [`PairBvtt::new`].
+    pub fn in_f64(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: &Pose64) -> Result<Self, PoseError> {
+        Ok(Self::in_world(PosedBvh::unposed(a), PosedBvh::in_f64(b, a_from_b)?))
     }
 
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
-    pub fn in_world(mut a: PosedBvh<'a, A>, mut b: PosedBvh<'a, B>) -> Self {
-        let in_f64 = a.f64().or(b.f64()).map(|f64| pair_in_f64(&mut a, &mut b, f64));
-        let mut query = Self { in_f64, ..Self::of_sides(a, b) };
+    pub fn in_world(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
+        let mut query = Self::of_sides(a, b);
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
         let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
-        if VECTORS && let Some(pose_b) = &b.pose {
-            let pose_a = a.pose.unwrap_or_else(|| Affine::identity(&of_a));
-            query.first_seen = pose_a.seen_from(&of_a, pose_b).filter(Affine::is_turned);
+        if let Some(f64) = a.f64().or(b.f64()) {
+            let Self { a, b, box_poses, .. } = &mut query;
+            let error = (f64.pose_in_frame_of_first)([a.side(), b.side()], box_poses);
+            query.in_f64 = Some(InF64 { error, f64 });
+        } else {
+            view(&mut query.box_poses, &of_b);
         }
-        if let [Some(pose_a), Some(pose_b)] = &query.box_poses
-            && let Some(seen) = pose_b.seen_from(&of_b, pose_a)
-        {
-            query.box_poses = [None, Some(seen)];
+        if VECTORS && let Some(pose_b) = &query.b.pose {
+            let pose_a = query.a.pose.unwrap_or_else(|| Affine::identity(&of_a));
+            query.first_seen = pose_a.seen_from(&of_a, pose_b).filter(Affine::is_turned);
         }
         let [own, other] = query.bounds(NodePair::ROOT);
         query.root = own.overlaps(&other).then_some(NodePair::ROOT);
@@ -112,11 +115,21 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     }
 }
 
+/// Replaces the poses of boxes by that of the second mesh as the first sees it, where possible.
+#[inline]
+pub(super) fn view(poses: &mut [Option<Affine>; 2], of_b: &Bounds) {
+    if let [Some(pose_a), Some(pose_b)] = poses
+        && let Some(seen) = pose_b.seen_from(of_b, pose_a)
+    {
+        *poses = [None, Some(seen)];
+    }
+}
+
 impl<'a, L: Layout> SelfBvtt<'a, L> {
     /// Asks for all pairs under the shared-index rule, exactly.
     #[must_use]
     pub fn new(bvh: Bvh<'a, L>) -> Self {
-        let side = PosedBvh { bvh, pose: None, exact: None };
+        let side = PosedBvh::unposed(bvh);
         let query = Self { root: bvh.root().map(|_| NodePair::ROOT), ..Self::of_sides(side, side) };
         let Some(f64) = bvh.mesh().f64() else { return query };
         let shadow = Affine::identity(&bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root)));
@@ -271,22 +284,6 @@ impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {
         contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b))
     }
-}
-
-/// Poses the shadows of two meshes in one frame.
-#[cold]
-#[inline(never)]
-fn pair_in_f64<A: Layout, B: Layout>(
-    a: &mut PosedBvh<'_, A>,
-    b: &mut PosedBvh<'_, B>,
-    f64: &'static F64,
-) -> InF64 {
-    let sides = [a.to_side(), b.to_side()];
-    let poses = (f64.in_frame_of_first)(&sides);
-    (a.pose, b.pose) = (Some(poses[0]), Some(poses[1]));
-    let [pose_a, pose_b] = sides.map(|side| side.pose);
-    (a.exact, b.exact) = (Some(Posed64 { pose: pose_a, f64 }), Some(Posed64 { pose: pose_b, f64 }));
-    InF64 { error: poses[0].padding().max(poses[1].padding()) * 2.0, f64 }
 }
 
 /// The children of a node, or a leaf itself.

@@ -67,11 +67,10 @@ impl Affine {
         Self::padded(columns.map(DVec3::as_vec3a), translation.as_vec3a(), bounds, rest)
     }
 
-    /// The pose in f64 with the entries of this one.
-    pub(crate) fn to_f64(self) -> Pose64 {
-        let [x, y, z] = self.columns.map(|column| column.as_dvec3());
-        let t = self.translation.as_dvec3();
-        Pose64::new([0, 1, 2].map(|k| [x[k], y[k], z[k], t[k]]))
+    /// The pose it was made of.
+    pub(crate) fn to_pose(self) -> Pose {
+        let ([x, y, z], t) = (self.columns, self.translation);
+        Pose::new([0, 1, 2].map(|k| [x[k], y[k], z[k], t[k]]))
     }
 
     /// How far what it takes a point to may be from what it stands for, on each axis.

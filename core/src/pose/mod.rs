@@ -167,10 +167,11 @@ macro_rules! pose {
             /// assert_eq!(far.check(&unit), Err(PoseError::Range { row: 1 }));
             /// ```
             pub fn check(&self, bounds: &Aabb) -> Result<(), PoseError> {
-                self.check_reach([0, 1, 2].map(|k| match (bounds.min[k], bounds.max[k]) {
-                    (min, max) if min <= max => min.abs().max(max.abs()).into(),
-                    _ => 0.0,
-                }))
+                let extent = |min: f32, max: f32| {
+                    if min <= max { min.abs().max(max.abs()).into() } else { 0.0 }
+                };
+                let ([a, b, c], [d, e, f]) = (bounds.min, bounds.max);
+                self.check_reach([extent(a, d), extent(b, e), extent(c, f)])
             }
 
             /// [`Self::check`] for a mesh whose coordinates are at most so large.
@@ -179,8 +180,8 @@ macro_rules! pose {
                     if let Some(column) = entries.iter().position(|x| !x.is_finite()) {
                         return Err(PoseError::NonFinite { row, column });
                     }
-                    let add = |sum, k: usize| sum + entries[k].abs() * extent[k];
-                    let reach = (0..3).fold(entries[3].abs(), add);
+                    let [x, y, z, t] = entries.map(|entry| entry.abs());
+                    let reach = t + x * extent[0] + y * extent[1] + z * extent[2];
                     if reach.is_nan() || reach >= POSED_LIMIT.into() {
                         return Err(PoseError::Range { row });
                     }
@@ -225,79 +226,6 @@ impl Pose {
 impl From<Pose> for Pose64 {
     fn from(pose: Pose) -> Self {
         Self { rows: pose.rows.map(|row| row.map(f64::from)) }
-    }
-}
-
-/// A pose in f32 or in f64, as queries take it. In an [`AnyPose::F64`] the positions of both meshes are posed in f64, of
-/// whichever kind they are.
-///
-/// # Examples
-/// ```
-/// use pfront_core::{AnyPose, Pose, Pose64};
-/// assert_eq!(AnyPose::from(&Pose::IDENTITY), AnyPose::F32(Pose::IDENTITY));
-/// assert_eq!(AnyPose::from(Pose64::IDENTITY), AnyPose::F64(Pose64::IDENTITY));
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum AnyPose {
-    /// In f32.
-    F32(Pose),
-    /// In f64.
-    F64(Pose64),
-}
-
-impl AnyPose {
-    /// The pose that leaves every point where it is.
-    pub const IDENTITY: Self = Self::F32(Pose::IDENTITY);
-
-    /// The same entries in f64.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront_core::{AnyPose, Pose, Pose64};
-    /// assert_eq!(AnyPose::from(Pose::IDENTITY).to_f64(), Pose64::IDENTITY);
-    /// ```
-    #[must_use]
-    pub fn to_f64(self) -> Pose64 {
-        match self {
-            Self::F32(pose) => pose.into(),
-            Self::F64(pose) => pose,
-        }
-    }
-}
-
-impl From<Pose> for AnyPose {
-    #[inline(always)]
-    fn from(pose: Pose) -> Self {
-        Self::F32(pose)
-    }
-}
-
-impl From<&Pose> for AnyPose {
-    #[inline(always)]
-    fn from(pose: &Pose) -> Self {
-        Self::F32(*pose)
-    }
-}
-
-impl From<Pose64> for AnyPose {
-    #[inline(always)]
-    fn from(pose: Pose64) -> Self {
-        Self::F64(pose)
-    }
-}
-
-impl From<&Pose64> for AnyPose {
-    #[inline(always)]
-    fn from(pose: &Pose64) -> Self {
-        Self::F64(*pose)
-    }
-}
-
-impl From<&Self> for AnyPose {
-    #[inline(always)]
-    fn from(pose: &Self) -> Self {
-        *pose
     }
 }
 

@@ -53,8 +53,8 @@ pub fn intersects_in_mesh(
     adjacency: Adjacency,
     accuracy: Accuracy,
 ) -> bool {
-    if mesh.is_f64() {
-        return intersects_in_mesh_f64(mesh, i, j, adjacency);
+    if let Some(f64) = mesh.f64() {
+        return (f64.intersects_in_mesh)(mesh, [i, j], adjacency);
     }
     let (a, b) = (at(mesh.triangles(), i), at(mesh.triangles(), j));
     let shared = shared_with(b, a);
@@ -75,7 +75,11 @@ pub fn intersects_in_mesh(
 }
 
 /// [`intersects_in_mesh`], exactly, of a mesh whose positions are in f64.
-pub(crate) fn intersects_in_mesh_f64(mesh: Mesh<'_>, i: u32, j: u32, adjacency: Adjacency) -> bool {
+pub(crate) fn intersects_in_mesh_f64(
+    mesh: Mesh<'_>,
+    [i, j]: [u32; 2],
+    adjacency: Adjacency,
+) -> bool {
     let (a, b) = (at(mesh.triangles(), i), at(mesh.triangles(), j));
     let shared = shared_with(b, a);
     if shared == [false; 3] {

@@ -5,7 +5,7 @@ use crate::bvh::{BuildOptions, BvhStorage, compact, morton, node_bound};
 use crate::bvtt::{PairBvtt, PosedBvh, Query, SelfBvtt, TrianglePair};
 use crate::triangle::Accuracy;
 use crate::triangle::{Adjacency, intersects_f64, intersects_in_mesh};
-use crate::{AnyPose, Bvh, Mesh, Node, Pose, Pose64};
+use crate::{Bvh, Mesh, Node, Pose, Pose64};
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use std::vec;
 use std::vec::Vec;
@@ -127,7 +127,7 @@ fn pairs_in_f64_as_every_two_triangles() {
             pose_b.rows[k][3] += place_a[k] - place_b[k] + size * rng.random_range(-0.5..0.5);
         }
         let expected = brute(&a.posed(&pose_a), &b.posed(&pose_b));
-        let world = |pose: &Pose64, bvh| PosedBvh::new(bvh, pose).unwrap();
+        let world = |pose: &Pose64, bvh| PosedBvh::in_f64(bvh, pose).unwrap();
         let query = PairBvtt::in_world(world(&pose_a, a.bvh()), world(&pose_b, b.bvh()));
         assert_eq!(sorted(&query), expected, "round {round}");
         let boxes = world(&pose_a, a.bvh()).aabb().unwrap();
@@ -140,9 +140,9 @@ fn pairs_in_f64_as_every_two_triangles() {
         // In the frame of the first.
         let a_from_b = pose_a.inverse().unwrap() * pose_b;
         let expected = brute(&a.posed(&Pose64::IDENTITY), &b.posed(&a_from_b));
-        let query = PairBvtt::new(a.bvh(), b.bvh(), a_from_b).unwrap();
+        let query = PairBvtt::in_f64(a.bvh(), b.bvh(), &a_from_b).unwrap();
         assert_eq!(sorted(&query), expected, "round {round}");
-        let swapped = PairBvtt::new(b.bvh(), a.bvh(), a_from_b.inverse().unwrap()).unwrap();
+        let swapped = PairBvtt::in_f64(b.bvh(), a.bvh(), &a_from_b.inverse().unwrap()).unwrap();
         let expected = brute(&b.posed(&Pose64::IDENTITY), &a.posed(&a_from_b.inverse().unwrap()));
         assert_eq!(sorted(&swapped), expected, "round {round}");
         hits += expected.len();
@@ -195,12 +195,11 @@ fn what_f32_holds_has_the_same_pairs_in_f64() {
         assert!(!expected.is_empty());
         let widened = Mesh::from_f64_unchecked(&[], &a.shadow, [0.0; 3], &a.triangles);
         let widened = Bvh::new_unchecked(widened, &a.nodes, &a.order);
-        let in_f64 = AnyPose::F64(Pose64::IDENTITY);
         for query in [
-            PairBvtt::new(a.bvh(), b.bvh(), in_f64),
+            PairBvtt::in_f64(a.bvh(), b.bvh(), &Pose64::IDENTITY),
             PairBvtt::new(c.bvh(), b.bvh(), Pose::IDENTITY),
             PairBvtt::new(a.bvh(), d.bvh(), Pose::IDENTITY),
-            PairBvtt::new(c.bvh(), d.bvh(), in_f64),
+            PairBvtt::in_f64(c.bvh(), d.bvh(), &Pose64::IDENTITY),
             PairBvtt::new(widened, d.bvh(), Pose::IDENTITY),
         ] {
             assert_eq!(sorted(&query.unwrap()), expected);
