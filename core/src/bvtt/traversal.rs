@@ -29,8 +29,18 @@ pub(super) fn traverse<A: Layout, B: Layout, const SELF: bool>(
     } else if query.in_f64.is_none() {
         widest(Traversal::<A, B, SELF, false> { query, cursor, visit })
     } else {
-        widest(Traversal::<A, B, SELF, true> { query, cursor, visit })
+        traverse_in_f64(query, cursor, visit)
     }
+}
+
+/// Apart, so that the other traversal does not take the stack of this one.
+#[inline(never)]
+fn traverse_in_f64<A: Layout, B: Layout, const SELF: bool>(
+    query: &Bvtt<'_, A, B, SELF>,
+    cursor: &mut Cursor,
+    visit: &mut Visitor<'_>,
+) -> ControlFlow<()> {
+    widest(Traversal::<A, B, SELF, true> { query, cursor, visit })
 }
 
 /// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes; without `F64`, nothing is in f64.

@@ -90,7 +90,7 @@ fn certified_sign(determinant: f64, bound: f64) -> i32 {
 #[inline(never)]
 fn exact_side([a, b, c]: [&Point64; 3], d: &Point64) -> i32 {
     let points = [a, b, c, d];
-    let axes = [0, 1, 2].map(|k| points.map(|p| p[k]));
+    let axes = [points.map(|p| p[0]), points.map(|p| p[1]), points.map(|p| p[2])];
     if is_degenerate(&axes) {
         return 0;
     }
@@ -106,7 +106,7 @@ fn exact_side([a, b, c]: [&Point64; 3], d: &Point64) -> i32 {
 #[cold]
 #[inline(never)]
 fn exact_turn(points: [&Point2In64; 3]) -> i32 {
-    let axes = [0, 1].map(|k| points.map(|p| p[k]));
+    let axes = [points.map(|p| p[0]), points.map(|p| p[1])];
     if is_degenerate(&axes) {
         return 0;
     }
