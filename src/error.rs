@@ -26,6 +26,9 @@ pub enum Error {
     /// A buffer of the core was too small.
     #[error(transparent)]
     Capacity(#[from] CapacityError),
+    /// A question about a model or a pose in f64 that only a CPU answers.
+    #[error("a model or a pose is in f64, in which no GPU computes: ask by another executor")]
+    InF64,
     /// A ticket was cancelled.
     #[error("the ticket was cancelled")]
     Cancelled,

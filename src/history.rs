@@ -9,7 +9,7 @@ use crate::gpu::GpuQuestion;
 use crate::model::Stamp;
 #[cfg(feature = "threads")]
 use crate::threads::{Report, Traversal};
-use crate::{Accuracy, Adjacency, Contact, Error, Model, Pose, TrianglePair};
+use crate::{Accuracy, Adjacency, AnyPose, Contact, Error, Model, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 #[cfg(feature = "threads")]
@@ -20,7 +20,7 @@ use std::slice::from_ref;
 pub(crate) struct Subject {
     models: [Stamp; 2],
     /// None within one mesh.
-    a_from_b: Option<Pose>,
+    a_from_b: Option<AnyPose>,
     accuracy: Accuracy,
     adjacency: Adjacency,
 }
@@ -35,6 +35,12 @@ pub(crate) trait About {
     #[cfg(feature = "gpu")]
     fn models(&self) -> &[&Model];
 
+    /// Whether a model or the pose is in f64.
+    #[cfg(feature = "gpu")]
+    fn is_f64(&self) -> bool {
+        self.models().iter().any(|model| model.is_f64())
+    }
+
     #[cfg(feature = "gpu")]
     fn on_gpu(
         &self,
@@ -48,7 +54,7 @@ pub(crate) trait About {
 /// Two models.
 pub(crate) struct OfTwo<'m> {
     models: [&'m Model; 2],
-    a_from_b: Pose,
+    a_from_b: AnyPose,
     query: pfront_core::bvtt::PairBvtt<'m>,
     accuracy: Accuracy,
 }
@@ -56,12 +62,11 @@ pub(crate) struct OfTwo<'m> {
 impl<'m> OfTwo<'m> {
     pub(crate) fn new(
         models: [&'m Model; 2],
-        a_from_b: &Pose,
+        a_from_b: AnyPose,
         accuracy: Accuracy,
     ) -> Result<Self, Error> {
-        let [a, b] = models.map(Model::bvh);
-        let query = pfront_core::bvtt::PairBvtt::new(a, b, *a_from_b)?.with_accuracy(accuracy);
-        Ok(Self { models, a_from_b: *a_from_b, query, accuracy })
+        let query = a_from_b.pair(models.map(Model::bvh))?.with_accuracy(accuracy);
+        Ok(Self { models, a_from_b, query, accuracy })
     }
 }
 
@@ -85,6 +90,11 @@ impl About for OfTwo<'_> {
     }
 
     #[cfg(feature = "gpu")]
+    fn is_f64(&self) -> bool {
+        matches!(self.a_from_b, AnyPose::F64(_)) || self.models.iter().any(|model| model.is_f64())
+    }
+
+    #[cfg(feature = "gpu")]
     fn on_gpu(
         &self,
         device: &Device,
@@ -92,8 +102,9 @@ impl About for OfTwo<'_> {
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Answer<TrianglePair>, Error> {
+        let AnyPose::F32(a_from_b) = &self.a_from_b else { return Err(Error::InF64) };
         let [a, b] = mirrors.bring(device, &self.models, false)?;
-        Ok(device.ask(&GpuQuestion::pair(a, b, &self.a_from_b), verb, pairs)?)
+        Ok(device.ask(&GpuQuestion::pair(a, b, a_from_b), verb, pairs)?)
     }
 }
 
@@ -113,11 +124,14 @@ impl<'m> OfOne<'m> {
 impl About for OfOne<'_> {
     fn query(&self) -> impl Query + Sync {
         let [model] = self.models;
-        pfront_core::bvtt::SelfBvtt::new(model.bvh())
+        let query = pfront_core::bvtt::SelfBvtt::new(model.bvh())
             .with_accuracy(self.accuracy)
-            .with_adjacency(self.adjacency)
-            .with_certificates(model.certificates())
-            .with_patches(model.patches())
+            .with_adjacency(self.adjacency);
+        // There are none of meshes in f64.
+        if model.is_f64() {
+            return query;
+        }
+        query.with_certificates(model.certificates()).with_patches(model.patches())
     }
 
     fn subject(&self) -> Subject {
@@ -280,6 +294,11 @@ impl<A: About> Question for Asking<'_, A> {
     #[cfg(feature = "gpu")]
     fn accuracy(&self) -> Accuracy {
         self.about.subject().accuracy
+    }
+
+    #[cfg(feature = "gpu")]
+    fn is_f64(&self) -> bool {
+        self.about.is_f64()
     }
 
     fn on_one_thread(&mut self, verb: Verb) -> Result<Self::Answer, Error> {

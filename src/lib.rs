@@ -29,6 +29,8 @@
 //! - [`Accuracy::Exact`], the default, reports the true set for the posed f32 positions. The posed
 //!   position of a vertex is fixed to the bit by [`Pose::apply`]; a pair query poses the second
 //!   mesh into the frame of the first, a scene poses every body into the world.
+//! - Positions in f64 ([`Model::from_f64`]) and poses in f64 ([`Pose64`]) are decided in f64, exactly: see
+//!   [`Mesh::from_f64`].
 //! - Within one mesh, what two triangles share by index is no contact: see
 //!   [`pfront_core::triangle::intersects_in_mesh`].
 //!
@@ -54,6 +56,7 @@ pub mod gpu;
 mod history;
 mod model;
 mod pair;
+mod pose;
 mod scene;
 mod sphere;
 mod within;
@@ -63,6 +66,7 @@ pub use error::Error;
 pub use executor::Executor;
 pub use model::{Model, Stamp};
 pub use pair::PairQuery;
+pub use pose::AnyPose;
 pub use scene::{Body, BodyId, Groups, Piece, SceneHit, SceneQuery};
 pub use sphere::Sphere;
 pub use within::SelfQuery;
@@ -72,7 +76,7 @@ pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::TrianglePair;
 pub use pfront_core::pose::PoseError;
 pub use pfront_core::triangle::{Accuracy, Adjacency, Contact};
-pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose};
+pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose, Pose64};
 /// The backend on several CPU threads, and what can be chosen about it.
 #[cfg(feature = "threads")]
 pub use pfront_cpu as threads;

@@ -4,7 +4,7 @@ use crate::executor::Plan;
 use crate::history::{About, History, OfTwo};
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Contact, Error, Executor, Model, Pose, TrianglePair};
+use crate::{Accuracy, AnyPose, Contact, Error, Executor, Model, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
@@ -83,7 +83,12 @@ impl PairQuery {
     /// # Errors
     /// [`Error::Pose`] if the pose is not finite or takes `b` out of range; `Error::Gpu` if a GPU fails that is to answer
     /// everything.
-    pub fn all(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<&[TrianglePair], Error> {
+    pub fn all(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: impl Into<AnyPose>,
+    ) -> Result<&[TrianglePair], Error> {
         let question = self.question(a, b, a_from_b)?;
         self.history.all(&question)
     }
@@ -96,7 +101,7 @@ impl PairQuery {
         &mut self,
         a: &Model,
         b: &Model,
-        a_from_b: &Pose,
+        a_from_b: impl Into<AnyPose>,
     ) -> Result<Option<TrianglePair>, Error> {
         let question = self.question(a, b, a_from_b)?;
         self.history.any(&question)
@@ -106,7 +111,12 @@ impl PairQuery {
     ///
     /// # Errors
     /// As [`PairQuery::all`].
-    pub fn count(&mut self, a: &Model, b: &Model, a_from_b: &Pose) -> Result<u64, Error> {
+    pub fn count(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: impl Into<AnyPose>,
+    ) -> Result<u64, Error> {
         let question = self.question(a, b, a_from_b)?;
         self.history.count(&question)
     }
@@ -134,7 +144,7 @@ impl PairQuery {
         &mut self,
         a: &Model,
         b: &Model,
-        a_from_b: &Pose,
+        a_from_b: impl Into<AnyPose>,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
         let question = self.question(a, b, a_from_b)?;
@@ -143,7 +153,7 @@ impl PairQuery {
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals, in the
-    /// frame of `a`.
+    /// frame of `a`; in f32, also of what is in f64.
     ///
     /// # Errors
     /// As [`PairQuery::all`].
@@ -151,7 +161,7 @@ impl PairQuery {
         &mut self,
         a: &Model,
         b: &Model,
-        a_from_b: &Pose,
+        a_from_b: impl Into<AnyPose>,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
         let question = self.question(a, b, a_from_b)?;
         self.history.contacts(&question)
@@ -161,8 +171,8 @@ impl PairQuery {
         &self,
         a: &'m Model,
         b: &'m Model,
-        a_from_b: &Pose,
+        a_from_b: impl Into<AnyPose>,
     ) -> Result<OfTwo<'m>, Error> {
-        OfTwo::new([a, b], a_from_b, self.accuracy)
+        OfTwo::new([a, b], a_from_b.into(), self.accuracy)
     }
 }

@@ -4,7 +4,8 @@
 //! whose boxes overlap, before anything of their BVHs is read.
 
 use glam::DVec3;
-use pfront_core::{Bvh, Pose};
+use pfront_core::bvtt::PosedBvh;
+use pfront_core::{Aabb, Bvh, Pose};
 
 /// A closed ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +20,9 @@ impl Sphere {
     /// A sphere about the middle of the root's box that contains every vertex of every triangle; `None` for
     /// an empty mesh. O(triangles).
     pub(crate) fn of(bvh: &Bvh<'_>) -> Option<Self> {
+        if bvh.mesh().is_f64() {
+            return Some(Self::about(&PosedBvh::new_unchecked(*bvh, &Pose::IDENTITY).aabb()?));
+        }
         let bounds = bvh.aabb()?;
         let centre = [0, 1, 2].map(|k| bounds.min[k] * 0.5 + bounds.max[k] * 0.5);
         let (mesh, middle) = (bvh.mesh(), vector(&centre));
@@ -28,6 +32,13 @@ impl Sphere {
             |x: DVec3, y: DVec3| if x.length_squared() > y.length_squared() { x } else { y };
         let radius = upwards(out.fold(DVec3::ZERO, farther).length());
         Some(Self { centre, radius })
+    }
+
+    /// A sphere that contains a box.
+    fn about(bounds: &Aabb) -> Self {
+        let centre = [0, 1, 2].map(|k| bounds.min[k] * 0.5 + bounds.max[k] * 0.5);
+        let out = |corner: &[f32; 3]| (vector(corner) - vector(&centre)).length();
+        Self { centre, radius: upwards(out(&bounds.min).max(out(&bounds.max))) }
     }
 
     /// A sphere that contains the points of this one as [`Pose::apply`] poses them, rounding included.

@@ -13,7 +13,6 @@ use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh};
 use layouts::Compact;
 use pfront::{Model, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_core::bvtt::{self, Query};
-use pfront_core::triangle::intersects_f64;
 use pfront_testkit::MeshData;
 use pfront_testkit::oracle::{intersect, pairs, self_pairs};
 use pfront_testkit::shapes::posed;
@@ -55,19 +54,20 @@ fn nasty_pairs_in_f64() {
     for (a, b, count) in
         [("Offset3.obj", "Offset4.obj", 29), ("Havocglass8_left.obj", "Havocglass8_right.obj", 89)]
     {
-        let [s, t] = [a, b].map(triangles_in_f64);
-        let meet = |s: &[[f64; 3]; 3]| t.iter().filter(|t| intersects_f64(s, t).unwrap()).count();
-        assert_eq!(s.iter().map(meet).sum::<usize>(), count, "{a} and {b}");
+        let [s, t] = [a, b].map(model_in_f64);
+        let mut query = PairQuery::new();
+        assert_eq!(query.count(&s, &t, Pose::IDENTITY).unwrap(), count, "{a} and {b}");
+        assert_eq!(query.contacts(&s, &t, Pose::IDENTITY).unwrap().len() as u64, count);
     }
 }
 
-fn triangles_in_f64(file: &str) -> Vec<[[f64; 3]; 3]> {
+fn model_in_f64(file: &str) -> Model {
     let text = std::fs::read_to_string(data::data().join("nasty").join(file)).unwrap();
     let numbers = |line: &str| line.split(' ').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
     let lines = |kind: &'static str| text.lines().filter_map(move |line| line.strip_prefix(kind));
-    let points: Vec<[f64; 3]> = lines("v ").map(|line| numbers(line).try_into().unwrap()).collect();
-    let corner = |number: &f64| points[*number as usize - 1];
-    lines("f ").map(|line| [0, 1, 2].map(|k| corner(&numbers(line)[k]))).collect()
+    let points = lines("v ").map(|line| numbers(line).try_into().unwrap());
+    let triangle = |line: &str| [0, 1, 2].map(|k| numbers(line)[k] as u32 - 1);
+    Model::from_f64(points.collect(), lines("f ").map(triangle).collect()).unwrap()
 }
 
 #[test]

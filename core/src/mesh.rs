@@ -37,7 +37,7 @@ pub const MAX_TRIANGLES: usize = (1 << 31) - 1;
 pub struct Mesh<'a> {
     positions: &'a [[f32; 3]],
     triangles: &'a [[u32; 3]],
-    /// Of a mesh in f64.
+    /// Set for a mesh in f64.
     exact: Option<Positions64<'a>>,
 }
 

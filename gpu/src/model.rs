@@ -42,14 +42,20 @@ pub struct GpuModel {
 }
 
 impl GpuModel {
+    /// Refuses a mesh of whose positions a device would know the shadow alone.
+    pub(crate) fn check_precision(mesh: Mesh<'_>) -> Result<(), GpuError> {
+        if mesh.is_f64() { Err(GpuError::InF64) } else { Ok(()) }
+    }
+
     /// Uploads a mesh with its BVH.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] if an array does not fit in a binding, [`GpuError::OutOfMemory`].
+    /// [`GpuError::TooLarge`] if an array does not fit in a binding, [`GpuError::OutOfMemory`], [`GpuError::InF64`].
     ///
     /// # Complexity
     /// O(triangles).
     pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, GpuError> {
+        Self::check_precision(bvh.mesh())?;
         Self::check_size(bvh.order().len())?;
         let (level, seeds) = seeds(bvh.nodes());
         let mesh = bvh.mesh();

@@ -40,7 +40,7 @@ impl Steps {
         while budget > 0 && !self.left.is_empty() {
             let spent = match &questions[self.left.start] {
                 Question::Pair { models: [a, b], a_from_b } => {
-                    self.ask(&OfTwo::new([a, b], a_from_b, accuracy)?.query(), budget)
+                    self.ask(&OfTwo::new([a, b], *a_from_b, accuracy)?.query(), budget)
                 }
                 Question::Within { model, adjacency } => {
                     self.ask(&OfOne::new(model, *adjacency, accuracy).query(), budget)
@@ -146,7 +146,7 @@ mod pool {
             traversal.forget();
             let answer = match question {
                 Question::Pair { models: [a, b], a_from_b } => {
-                    let about = OfTwo::new([a, b], a_from_b, job.accuracy)?;
+                    let about = OfTwo::new([a, b], *a_from_b, job.accuracy)?;
                     traverse(traversal, &about.query(), job.verb, &mut pairs)
                 }
                 Question::Within { model, adjacency } => {

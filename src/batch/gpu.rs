@@ -5,7 +5,7 @@ use super::outcome::Outcome;
 use super::{Job, Question};
 use crate::executor::{Device, Verb, read};
 use crate::gpu::{GpuError, GpuModel, GpuQuery, GpuQuestion, wgpu};
-use crate::{Error, Model, Pose, Stamp, TrianglePair};
+use crate::{AnyPose, Error, Model, Pose, Stamp, TrianglePair};
 use std::collections::VecDeque;
 use std::collections::hash_map::{Entry, HashMap};
 use std::io;
@@ -160,9 +160,10 @@ impl Ring {
         let mut lists = oldest.map_or_else(|| self.lists.device.lend(), Ok)?;
         let there = |model: &Model| self.uploads.get(&model.stamp()).ok_or(GpuError::OtherDevice);
         let question = match &self.job.questions[number] {
-            Question::Pair { models: [a, b], a_from_b } => {
+            Question::Pair { models: [a, b], a_from_b: AnyPose::F32(a_from_b) } => {
                 GpuQuestion::pair(there(a)?, there(b)?, a_from_b)
             }
+            Question::Pair { .. } => return Err(Error::InF64),
             Question::Within { model, adjacency } => {
                 GpuQuestion::Within { model: there(model)?, adjacency: *adjacency }
             }

@@ -51,9 +51,11 @@ mod ticket;
 pub use found::PairLists;
 pub use ticket::Ticket;
 
+#[cfg(feature = "gpu")]
+use crate::Pose;
 use crate::executor::Verb;
 use crate::history::{About, OfOne, OfTwo};
-use crate::{Accuracy, Adjacency, Error, Executor, Model, Pose, TrianglePair};
+use crate::{Accuracy, Adjacency, AnyPose, Error, Executor, Model, TrianglePair};
 use found::Found;
 use std::fmt;
 use std::sync::Arc;
@@ -94,19 +96,29 @@ struct Job {
 /// The subject of a question.
 #[derive(Clone)]
 enum Question {
-    Pair { models: [Arc<Model>; 2], a_from_b: Pose },
+    Pair { models: [Arc<Model>; 2], a_from_b: AnyPose },
     Within { model: Arc<Model>, adjacency: Adjacency },
 }
 
 impl Question {
-    /// The models and the pose of a question about two.
+    /// The models and the pose of a question about two, in f32.
     #[cfg(feature = "gpu")]
     fn pair(&self) -> Option<([&Model; 2], Pose)> {
         match self {
-            Self::Pair { models, a_from_b } => {
+            Self::Pair { models, a_from_b: AnyPose::F32(a_from_b) } => {
                 Some((models.each_ref().map(|model| &**model), *a_from_b))
             }
-            Self::Within { .. } => None,
+            Self::Pair { .. } | Self::Within { .. } => None,
+        }
+    }
+
+    /// Whether a model or the pose is in f64.
+    #[cfg(feature = "gpu")]
+    fn is_f64(&self) -> bool {
+        match self {
+            Self::Pair { a_from_b: AnyPose::F64(_), .. } => true,
+            Self::Pair { models, .. } => models.iter().any(|model| model.is_f64()),
+            Self::Within { model, .. } => model.is_f64(),
         }
     }
 }
@@ -145,9 +157,15 @@ impl Batch {
     /// assert_eq!(batch.len(), 1);
     /// # Ok::<(), pfront::Error>(())
     /// ```
-    pub fn pair(&mut self, a: &Arc<Model>, b: &Arc<Model>, a_from_b: &Pose) -> Result<(), Error> {
+    pub fn pair(
+        &mut self,
+        a: &Arc<Model>,
+        b: &Arc<Model>,
+        a_from_b: impl Into<AnyPose>,
+    ) -> Result<(), Error> {
+        let a_from_b = a_from_b.into();
         OfTwo::new([a, b], a_from_b, self.job.accuracy)?;
-        self.add(Question::Pair { models: [a, b].map(Arc::clone), a_from_b: *a_from_b });
+        self.add(Question::Pair { models: [a, b].map(Arc::clone), a_from_b });
         Ok(())
     }
 
@@ -273,7 +291,10 @@ impl Batch {
     ) -> Result<Ticket<T>, Error> {
         let job = Job { verb, ..self.job.clone() };
         #[cfg(feature = "gpu")]
-        if let Some(device) = executor.only_device().filter(|_| gpu::CAN_WAIT) {
+        if let Some(device) = executor.only_device()
+            && gpu::CAN_WAIT
+            && !job.questions.iter().any(Question::is_f64)
+        {
             let (outcome, buffers) = gpu::submit(device, job, &mut self.uploads)?;
             return Ok(Ticket::new(outcome, None, answer).with_buffers(buffers));
         }

@@ -35,6 +35,8 @@ pub enum Reason {
     Check,
     /// The GPU answers exactly, and something else was asked for.
     Inexact,
+    /// A model or a pose is in f64, in which no GPU computes.
+    InF64,
     /// The GPU has failed: see [`Plan::failure`].
     GpuFailed,
 }
@@ -86,6 +88,7 @@ impl fmt::Display for Reason {
             Self::NotWorthChanging => "the other has not yet saved the price of a change",
             Self::Check => "to see whether the CPU has become faster",
             Self::Inexact => "a GPU answers exactly, and that was not asked for",
+            Self::InF64 => "a model or a pose is in f64, in which no GPU computes",
             Self::GpuFailed => "the GPU has failed",
         })
     }

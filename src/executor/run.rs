@@ -55,6 +55,10 @@ pub(crate) trait Question {
     #[cfg(feature = "gpu")]
     fn accuracy(&self) -> Accuracy;
 
+    /// Whether a model or a pose is in f64.
+    #[cfg(feature = "gpu")]
+    fn is_f64(&self) -> bool;
+
     fn on_one_thread(&mut self, verb: Verb) -> Result<Self::Answer, Error>;
 
     #[cfg(feature = "threads")]
@@ -240,6 +244,10 @@ impl Run {
         verb: Verb,
     ) -> Result<Q::Answer, Error> {
         let moving = std::mem::take(&mut self.moving);
+        // No GPU computes in f64, whatever the executor.
+        if question.is_f64() {
+            return self.on_cpu(question, verb, Reason::InF64);
+        }
         let Some(line) = &device.line else {
             let answer = question.on_gpu(device, verb);
             self.note(Backend::Gpu, Reason::NoChoice);

@@ -7,7 +7,7 @@ use super::passes::THREADS;
 use super::passes::{ONE_THREAD, Parallel, both, by_parts, if_four_threads};
 use super::tree::Tree;
 use crate::Error;
-use pfront_core::Mesh;
+use pfront_core::{Mesh, MeshError};
 
 impl Model {
     /// Moves the vertices of a deforming mesh and refits the BVH; rebuilds it when its quality
@@ -97,6 +97,9 @@ impl Model {
     fn store(&mut self, positions: &[[f32; 3]], parallel: Parallel) -> Result<bool, Error> {
         // The floating-point environment of this thread, which may do no part.
         Mesh::new(&[], &[])?;
+        if self.exact.is_some() {
+            return Err(MeshError::OtherPrecision.into());
+        }
         let own = &mut self.positions;
         let checked = own.len() == positions.len()
             && by_parts(parallel, positions, own, &|new, _| Mesh::new(new, &[]).is_ok());
@@ -106,6 +109,17 @@ impl Model {
         if same_bits(positions, &self.positions) {
             return Ok(false);
         }
+        self.outdate();
+        self.moves.add(&self.positions, positions);
+        by_parts(parallel, positions, &mut self.positions, &|new, own| {
+            own.copy_from_slice(new);
+            true
+        });
+        Ok(true)
+    }
+
+    /// Takes note, before positions change, that nothing will fit them.
+    pub(super) fn outdate(&mut self) {
         // It will be built for these positions.
         if self.tree.map(Tree::is_worn) == Some(true) {
             self.stamp.rebuilt();
@@ -119,21 +133,18 @@ impl Model {
                 patches.fall_behind();
             }
         }
-        self.moves.add(&self.positions, positions);
-        by_parts(parallel, positions, &mut self.positions, &|new, own| {
-            own.copy_from_slice(new);
-            true
-        });
         self.stamp.moved();
         self.tree.outdate();
         self.certificates.outdate();
         self.patches.outdate();
         self.sphere.take();
-        Ok(true)
     }
 
-    fn fit_by(&mut self, parallel: Parallel) {
-        let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
+    pub(super) fn fit_by(&mut self, parallel: Parallel) {
+        let mesh = match &self.exact {
+            None => Mesh::new_unchecked(&self.positions, &self.triangles),
+            Some(exact) => exact.mesh(&self.positions, &self.triangles),
+        };
         let (moves, options) = (&self.moves, self.options);
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, parallel);
         match (self.tree.stale_mut(), self.certificates.stale_mut()) {

@@ -3,6 +3,7 @@
 mod blob;
 mod certificates;
 mod deform;
+mod in_f64;
 mod moves;
 mod passes;
 mod patches;
@@ -15,6 +16,7 @@ pub use stamp::Stamp;
 use crate::Error;
 use crate::sphere::Sphere;
 use certificates::Certificates;
+use in_f64::Exact;
 use moves::Moves;
 #[cfg(feature = "threads")]
 use passes::THREADS;
@@ -32,7 +34,7 @@ use tree::Tree;
 /// A triangle mesh with the BVH that queries traverse. Scenes and batches share it in an [`Arc`](std::sync::Arc); pair and
 /// self queries borrow it.
 ///
-/// Takes 12 bytes a vertex and, a triangle, 12 for its indices, 4 for the order and up to 64 for
+/// Takes 12 bytes a vertex, 24 more in f64, and, a triangle, 12 for its indices, 4 for the order and up to 64 for
 /// nodes (about 11 with the default leaf size); once it was asked about itself, 4 more a vertex, and once
 /// it deforms on four threads or more, 4 a vertex and 16 a triangle beside; once few of its vertices have
 /// moved, up to 24 more a triangle (about 4).
@@ -45,7 +47,10 @@ use tree::Tree;
 /// # Ok::<(), pfront::Error>(())
 /// ```
 pub struct Model {
+    /// The positions, or those of the shadow for a mesh in f64.
     positions: Vec<[f32; 3]>,
+    /// Set for a mesh in f64.
+    exact: Option<Exact>,
     triangles: Vec<[u32; 3]>,
     options: BuildOptions<'static>,
     stamp: Stamp,
@@ -149,6 +154,7 @@ impl Model {
     ) -> Self {
         Self {
             positions,
+            exact: None,
             triangles,
             options,
             stamp: Stamp::new(),
@@ -163,7 +169,10 @@ impl Model {
     /// The mesh.
     #[must_use]
     pub fn mesh(&self) -> Mesh<'_> {
-        Mesh::new_unchecked(&self.positions, &self.triangles)
+        match &self.exact {
+            None => Mesh::new_unchecked(&self.positions, &self.triangles),
+            Some(exact) => exact.mesh(&self.positions, &self.triangles),
+        }
     }
 
     /// The BVH. After [`Model::set_positions_unfitted`], it is refitted at the first call.
@@ -224,6 +233,7 @@ impl Model {
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.positions.capacity() * size_of::<[f32; 3]>()
+            + self.exact.as_ref().map_or(0, Exact::bytes)
             + self.triangles.capacity() * size_of::<[u32; 3]>()
             + self.moves.bytes()
             + self.tree.map(Tree::bytes).unwrap_or_else(|| self.tree().bytes())
@@ -267,6 +277,7 @@ impl Clone for Model {
         }
         Self {
             positions: self.positions.clone(),
+            exact: self.exact.clone(),
             triangles: self.triangles.clone(),
             options: self.options,
             stamp: self.stamp,

@@ -31,6 +31,11 @@ impl Moves {
         }
     }
 
+    /// Takes all vertices for moved.
+    pub(super) fn add_all(&mut self) {
+        self.many = true;
+    }
+
     /// Makes room to mark so many vertices.
     pub(super) fn reserve(&mut self, vertices: usize) {
         self.marks.reserve(vertices.div_ceil(32) - self.marks.len());

@@ -38,6 +38,11 @@ impl Question for Asking<'_> {
         self.accuracy
     }
 
+    #[cfg(feature = "gpu")]
+    fn is_f64(&self) -> bool {
+        self.bodies.iter().any(|body| body.model().is_f64())
+    }
+
     fn on_one_thread(&mut self, verb: Verb) -> Result<Answer, Error> {
         self.broad.update(self.bodies)?;
         let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);

@@ -10,7 +10,7 @@ use super::trees::view;
 use crate::Mesh;
 use crate::aabb::Bounds;
 use crate::pose::{Affine, Pose, Pose64, PoseError};
-use crate::triangle::{Adjacency, intersects_in_f64, intersects_in_mesh_f64};
+use crate::triangle::{Adjacency, Contact, contact_of, intersects_in_f64, intersects_in_mesh_f64};
 use glam::{DVec3, Vec3A};
 
 /// What only these queries call. It comes by pointer with a mesh or a pose in f64, so that firmware that has neither links
@@ -21,6 +21,7 @@ pub(crate) struct F64 {
     pub(super) pose: fn(Side<'_>, &Pose),
     pub(super) pose_in_frame_of_first: fn([Side<'_>; 2], &mut [Option<Affine>; 2]) -> Vec3A,
     pub(super) intersects: fn([PosedMesh<'_>; 2], TrianglePair) -> bool,
+    pub(super) contact: fn([PosedMesh<'_>; 2], TrianglePair) -> Option<Contact<f64>>,
     pub(crate) intersects_in_mesh: fn(Mesh<'_>, [u32; 2], Adjacency) -> bool,
 }
 
@@ -47,7 +48,14 @@ impl F64 {
         check: |mesh, bounds, pose| check(mesh, bounds, &(*pose).into()),
         pose: |side, pose| _ = place(side, (*pose).into(), DVec3::ZERO),
         pose_in_frame_of_first,
-        intersects,
+        intersects: |sides, pair| {
+            let [a, b] = posed(sides, pair);
+            intersects_in_f64(&a, &b)
+        },
+        contact: |sides, pair| {
+            let [a, b] = posed(sides, pair);
+            contact_of(&a, &b)
+        },
         intersects_in_mesh: intersects_in_mesh_f64,
     };
 }
@@ -86,10 +94,11 @@ pub(super) fn place(side: Side<'_>, pose: Pose64, zero: DVec3) -> Affine {
     shadow
 }
 
-fn intersects([a, b]: [PosedMesh<'_>; 2], pair: TrianglePair) -> bool {
+/// The posed corners of two triangles.
+fn posed([a, b]: [PosedMesh<'_>; 2], pair: TrianglePair) -> [[[f64; 3]; 3]; 2] {
     let posed = |(mesh, exact): PosedMesh<'_>, triangle: u32| {
         let corners = mesh.triangle_f64(triangle);
         exact.map_or(corners, |exact| corners.map(|p| exact.pose.apply(p)))
     };
-    intersects_in_f64(&posed(a, pair.a), &posed(b, pair.b))
+    [posed(a, pair.a), posed(b, pair.b)]
 }

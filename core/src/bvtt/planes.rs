@@ -242,7 +242,7 @@ fn orientation<S: Simd>(a: [S; 3], b: [S; 3], c: [S; 3], d: [S; 3]) -> (S, S) {
 
 /// How far a determinant may be from that of other points, if none of its differences is more than `error` from theirs.
 ///
-/// Of each of its six products that is |p q r − (p + d)(q + e)(r + f)|, at most (x + d)(y + e)(z + f) − x y z with the extents
+/// Each of its six products is off by |p q r − (p + d)(q + e)(r + f)|, at most (x + d)(y + e)(z + f) − x y z with the extents
 /// for the differences. The factor has room for the roundings, and [`UNDERFLOW`] for what underflow takes from three products.
 #[inline(always)]
 fn shadow_bound<S: Simd>([x, y, z]: [S; 3], [d, e, f]: [S; 3]) -> S {

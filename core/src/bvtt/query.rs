@@ -94,6 +94,12 @@ pub trait Query {
     /// If an index is out of range.
     fn contact(&self, pair: TrianglePair) -> Option<Contact>;
 
+    /// [`Query::contact`] in f64: of meshes or poses in f64 it is not rounded to f32.
+    ///
+    /// # Panics
+    /// If an index is out of range.
+    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>>;
+
     /// Goes on from `cursor` into `out` and returns how many pairs it wrote. It stops when `out` is
     /// full or nothing is left: nothing is ever dropped, and when [`Cursor::is_done`] all pages
     /// together are the whole answer. Only the last page may be empty, if `out` is not.
@@ -180,5 +186,9 @@ impl<Q: Query> Query for &Q {
 
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {
         Q::contact(self, pair)
+    }
+
+    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
+        Q::contact_f64(self, pair)
     }
 }

@@ -156,8 +156,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
                 let mesh = self.a.bvh.mesh();
                 intersects_in_mesh(mesh, pair.a, pair.b, self.adjacency, self.accuracy)
             } else if let Some(InF64 { f64, .. }) = in_f64 {
-                let (a, b) = (&self.a, &self.b);
-                (f64.intersects)([(a.bvh.mesh(), &a.exact), (b.bvh.mesh(), &b.exact)], pair)
+                (f64.intersects)(self.posed_meshes(), pair)
             } else {
                 intersects_by(self.inexact_test, &a.triangle(i), &b.triangle(j))
             };

@@ -5,7 +5,7 @@
 //! of two meshes does. Boxes of triangles that share a vertex overlap, so the traversal reaches all of these pairs; what
 //! they share by index is left to [`Adjacency`], in the leaves.
 
-use super::in_f64::F64;
+use super::in_f64::{F64, PosedMesh};
 use super::posed_bvh::posed;
 use super::traversal::traverse;
 use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
@@ -223,6 +223,11 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
         Self { accuracy, inexact_test: accuracy.inexact_test(), ..self }
     }
 
+    /// Both sides, as what decides in f64 takes them.
+    pub(super) fn posed_meshes(&self) -> [PosedMesh<'_>; 2] {
+        [(self.a.bvh.mesh(), &self.a.exact), (self.b.bvh.mesh(), &self.b.exact)]
+    }
+
     fn bounds(&self, n: NodePair) -> [Bounds; 2] {
         let Self { a, b, box_poses: [pose_a, pose_b], .. } = self;
         [
@@ -282,7 +287,17 @@ impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
     }
 
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b))
+        match &self.in_f64 {
+            None => contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b)),
+            Some(InF64 { f64, .. }) => Some((f64.contact)(self.posed_meshes(), pair)?.rounded()),
+        }
+    }
+
+    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
+        match &self.in_f64 {
+            None => Some(contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b))?.into()),
+            Some(InF64 { f64, .. }) => (f64.contact)(self.posed_meshes(), pair),
+        }
     }
 }
 

@@ -69,7 +69,8 @@ fn sign(x: f64) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::{Exact, sides};
+    use crate::exact::Exact;
+    use crate::exact::orientation::sides;
     use pfront_testkit::rng::{RngExt, seeded};
 
     #[test]

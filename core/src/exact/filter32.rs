@@ -63,7 +63,7 @@ impl Orientation for CertifiedF32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::sides;
+    use crate::exact::orientation::sides;
     use pfront_testkit::rng::{RngExt, seeded};
 
     #[test]

@@ -21,15 +21,14 @@ pub(crate) mod filter32;
 pub(crate) mod filter64;
 mod int896;
 mod integer;
-mod orientation;
+pub(crate) mod orientation;
 pub(crate) mod predicate64;
 mod wide;
 
 pub(crate) use exact64::{ExactF64, are_exact_in_f64};
 pub(crate) use filter32::CertifiedF32;
 pub(crate) use filter64::{CertifiedF64, difference};
-pub(crate) use integer::{normal, orient3d_ratio};
-pub(crate) use orientation::{Coordinate, Exact, Fast, HAS_F64, Orientation, orient2d, sides};
+pub(crate) use orientation::{Coordinate, Exact, Fast, HAS_F64, Orientation};
 
 /// A point in space.
 pub(crate) type Point = [f32; 3];
@@ -42,14 +41,15 @@ pub(crate) type Point2 = [f32; 2];
 ///
 /// 1 when a, b, c turn counter-clockwise seen from `d`'s side, −1 on the other side, 0 when the four points are
 /// coplanar. Coordinates must be finite.
-#[inline]
+#[cfg(test)]
 pub(crate) fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
-    let [side] = sides([a, b, c], [d]);
+    let [side] = orientation::sides([a, b, c], [d]);
     side
 }
 
 #[cfg(test)]
 mod tests {
+    use super::orientation::orient2d;
     use super::*;
 
     /// Points whose determinant is known, in f32 that no f64 filter can decide.

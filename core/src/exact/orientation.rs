@@ -2,14 +2,23 @@
 //!
 //! The triangle tests are written once over [`Orientation`]: what they promise is what its signs promise.
 
-use super::predicate64::{sides64, turn64};
+use super::predicate64::{self, sides64, turn64};
 use super::{Point, Point2, difference, filter64, integer};
 use glam::{DVec3, Vec3};
 
 /// A coordinate of the points that predicates decide: f32 or f64.
-pub(crate) trait Coordinate: Copy + PartialOrd {
+pub(crate) trait Coordinate: Copy + PartialOrd + From<f32> {
     /// p − q, rounded at most once.
     fn difference(p: &[Self; 3], q: &[Self; 3]) -> DVec3;
+
+    /// The nearest point.
+    fn point(p: DVec3) -> [Self; 3];
+
+    /// The normal of a triangle up to a positive factor, zero if and only if it is degenerate.
+    fn normal(t: [&[Self; 3]; 3]) -> DVec3;
+
+    /// d / (d − e) with d and e the determinants of `p` and `q` over a plane, which are not equal.
+    fn orient3d_ratio(plane: [&[Self; 3]; 3], p: &[Self; 3], q: &[Self; 3]) -> f64;
 }
 
 impl Coordinate for f32 {
@@ -17,12 +26,36 @@ impl Coordinate for f32 {
     fn difference(p: &Point, q: &Point) -> DVec3 {
         difference(p, q)
     }
+
+    fn point(p: DVec3) -> Point {
+        p.as_vec3().to_array()
+    }
+
+    fn normal(t: [&Point; 3]) -> DVec3 {
+        integer::normal(t).into()
+    }
+
+    fn orient3d_ratio(plane: [&Point; 3], p: &Point, q: &Point) -> f64 {
+        integer::orient3d_ratio(plane, p, q)
+    }
 }
 
 impl Coordinate for f64 {
     #[inline(always)]
     fn difference(p: &[Self; 3], q: &[Self; 3]) -> DVec3 {
         DVec3::from_array(*p) - DVec3::from_array(*q)
+    }
+
+    fn point(p: DVec3) -> [Self; 3] {
+        p.to_array()
+    }
+
+    fn normal(t: [&[Self; 3]; 3]) -> DVec3 {
+        predicate64::normal(t)
+    }
+
+    fn orient3d_ratio(plane: [&[Self; 3]; 3], p: &[Self; 3], q: &[Self; 3]) -> Self {
+        predicate64::orient3d_ratio(plane, p, q)
     }
 }
 

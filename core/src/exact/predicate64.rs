@@ -90,7 +90,7 @@ fn certified_sign(determinant: f64, bound: f64) -> i32 {
 #[inline(never)]
 fn exact_side([a, b, c]: [&Point64; 3], d: &Point64) -> i32 {
     let points = [a, b, c, d];
-    let axes = [points.map(|p| p[0]), points.map(|p| p[1]), points.map(|p| p[2])];
+    let axes = by_axis(points);
     if is_degenerate(&axes) {
         return 0;
     }
@@ -117,6 +117,40 @@ fn exact_turn(points: [&Point2In64; 3]) -> i32 {
     }
     let bits: u32 = axes.iter().map(Axis::difference_bits).sum();
     if bits + 3 <= 8 * u64::BITS { wide_turn::<8>(&axes) } else { wide_turn::<38>(&axes) }
+}
+
+/// The normal of a triangle up to a positive factor, each component within 2^-49 of the largest; zero if and only if the
+/// triangle is degenerate.
+#[cold]
+#[inline(never)]
+pub(super) fn normal([a, b, c]: [&Point64; 3]) -> DVec3 {
+    // In one unit, so that components compare.
+    let finest = [a, b, c].into_iter().flatten().filter_map(finest_bit).min().unwrap_or(0);
+    let axis = |coordinates| Axis::in_units(coordinates, finest).differences::<38>();
+    let [x, y, z] = by_axis([a, b, c]).map(axis);
+    let minor = |p: &[Wide<38>; 3], q: &[Wide<38>; 3]| p[1] * q[2] - p[2] * q[1];
+    let minors = [minor(&y, &z), minor(&z, &x), minor(&x, &y)];
+    let limbs = minors.each_ref().map(Wide::len).into_iter().max().unwrap_or(0);
+    DVec3::from_array(minors.map(|minor| minor.to_f64(limbs)))
+}
+
+/// d / (d − e) with d and e the determinants of `p` and `q` over a plane, which are not equal: within 2^-48.
+#[cold]
+#[inline(never)]
+pub(super) fn orient3d_ratio([a, b, c]: [&Point64; 3], p: &Point64, q: &Point64) -> f64 {
+    let axes = by_axis([a, b, c, p, q]).map(Axis::new);
+    let [x, y, z] = axes.each_ref().map(Axis::differences::<57>);
+    let minor = |p: &[Wide<57>; 5], q: &[Wide<57>; 5]| p[1] * q[2] - p[2] * q[1];
+    let normal = [minor(&y, &z), minor(&z, &x), minor(&x, &y)];
+    let [d, e] = [3, 4].map(|k: usize| x[k] * normal[0] + y[k] * normal[1] + z[k] * normal[2]);
+    let limbs = d.len().max(e.len());
+    let (d, e) = (d.to_f64(limbs), e.to_f64(limbs));
+    d / (d - e)
+}
+
+/// The coordinates of points along each axis.
+fn by_axis<const N: usize>(points: [&Point64; N]) -> [[f64; N]; 3] {
+    [points.map(|p| p[0]), points.map(|p| p[1]), points.map(|p| p[2])]
 }
 
 /// Whether two points are equal, or all agree in one coordinate: nearly every zero.
@@ -170,8 +204,13 @@ struct Axis<const N: usize> {
 impl<const N: usize> Axis<N> {
     fn new(coordinates: [f64; N]) -> Self {
         debug_assert!(coordinates.iter().all(|x| x.abs() <= LIMIT), "{coordinates:?}");
+        let finest = coordinates.iter().filter_map(finest_bit).min().unwrap_or(0);
+        Self::in_units(coordinates, finest)
+    }
+
+    /// In units of 2^finest, of which all coordinates are multiples.
+    fn in_units(coordinates: [f64; N], finest: i32) -> Self {
         let parts = coordinates.map(odd_significand);
-        let finest = parts.iter().filter(|p| p.0 != 0).map(|p| p.1).min().unwrap_or(0);
         Self {
             significand: parts.map(|p| p.0),
             shift: parts.map(|p| if p.0 == 0 { 0 } else { (p.1 - finest) as u32 }),
@@ -211,6 +250,12 @@ impl<const N: usize> Axis<N> {
         }
         out
     }
+}
+
+/// The exponent of the lowest bit that is set; none in zero.
+fn finest_bit(value: &f64) -> Option<i32> {
+    let (significand, exponent) = odd_significand(*value);
+    (significand != 0).then_some(exponent)
 }
 
 /// `value = m · 2^e` with `m` odd, or (0, 0).

@@ -15,6 +15,9 @@ pub(super) struct Wide<const N: usize> {
     is_negative: bool,
 }
 
+/// So many limbs are below the range of f64.
+const AS_F64: usize = 14;
+
 impl<const N: usize> Wide<N> {
     const ZERO: Self = Self { limbs: [0; N], len: 0, is_negative: false };
 
@@ -27,6 +30,20 @@ impl<const N: usize> Wide<N> {
             *limb = part;
         }
         out.trimmed((shift / 64) as usize + 2)
+    }
+
+    /// How many limbs are in use.
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// The value over a power of two that is the same for all values of up to so many limbs, within 2^-52 of the largest.
+    pub(super) fn to_f64(&self, limbs: usize) -> f64 {
+        const BASE: f64 = 18_446_744_073_709_551_616.0;
+        let first = limbs.saturating_sub(AS_F64);
+        let used = self.limbs.iter().skip(first).take(limbs - first);
+        let magnitude = used.rev().fold(0.0, |x, &limb| x * BASE + limb as f64);
+        if self.is_negative { -magnitude } else { magnitude }
     }
 
     pub(super) fn sign(&self) -> i32 {

@@ -1,6 +1,6 @@
 //! Meshes with positions in f64.
 //!
-//! Such a mesh is an ordinary f32 mesh, its *shadow*, and the exact positions beside. The shadow is the positions minus an
+//! A mesh in f64 is an ordinary f32 mesh, its *shadow*, and the exact positions beside. The shadow is the positions minus an
 //! origin, the middle of their box, rounded to f32: a vertex of it is off by less than 2^-23 of the extent of the mesh,
 //! wherever in the world that is. All that only has to be conservative reads the shadow: builds, refits, boxes, and the
 //! filter in vector lanes, which allows for its error. The positions decide.
@@ -14,7 +14,7 @@ use glam::DVec3;
 /// The positions that decide.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Positions64<'a> {
-    /// Those of the shadow, if empty.
+    /// Empty if the positions of the shadow are the same.
     positions: &'a [[f64; 3]],
     /// Where the origin of the shadow is.
     origin: DVec3,

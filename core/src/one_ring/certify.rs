@@ -32,7 +32,7 @@ pub struct CertifyOptions<'a> {
 impl OneRings<'_> {
     /// Certifies the one-rings for the positions of a mesh.
     ///
-    /// If the triangles of the mesh are not those of [`OneRings::new`], nothing is certified.
+    /// If the triangles of the mesh are not those of [`OneRings::new`], nothing is certified, nor if it is a mesh in f64.
     ///
     /// # Complexity
     /// O(vertices + triangles); with [`CertifyOptions::moved`],
@@ -46,6 +46,8 @@ impl OneRings<'_> {
         let (positions, triangles) = (mesh.positions(), mesh.triangles());
         let Self { rings, spans, near, links, .. } = self;
         let same = core::ptr::eq(triangles, self.triangles) || triangles == self.triangles;
+        // Its positions are those of a shadow.
+        let same = same && !mesh.is_f64();
         if !same || rings.len() != positions.len() {
             rings.iter_mut().for_each(OneRing::clear);
             return Certified { mesh, rings: &[] };

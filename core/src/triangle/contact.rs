@@ -6,10 +6,11 @@
 //! lose no accuracy.
 
 use super::coplanar::{extremes, flat};
-use super::{Accuracy, arrange, intersects, one_sided};
+use super::{arrange, one_sided, triangles_intersect};
 use crate::Triangle;
-use crate::exact::{self, Point, Point2, difference, filter64, orient2d, orient3d, sides};
-use glam::Vec3Swizzles;
+use crate::exact::predicate64::{UNDERFLOW_2D, UNDERFLOW_3D};
+use crate::exact::{Coordinate, Exact, Orientation, filter64};
+use glam::{DVec3, Vec3Swizzles};
 
 /// 2^30: a value that exceeds its error bound by this factor is known within a relative 2^-30.
 const TWO_30: f64 = 1_073_741_824.0;
@@ -17,13 +18,13 @@ const TWO_30: f64 = 1_073_741_824.0;
 /// The segment in which two triangles meet, and how they face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Contact {
+pub struct Contact<C = f32> {
     /// Whether they lie in one plane or one has no area: then the segment is the longest chord between corners of the
     /// region they share. Otherwise they cross in a segment, or in a point if its ends are equal.
     pub is_flat: bool,
-    /// End points, each coordinate within 2^-28 of the extent of the edge it lies on, plus half an
-    /// f32 unit in the last place, of the true one.
-    pub segment: [[f32; 3]; 2],
+    /// End points, each coordinate within 2^-28 of the extent of the edge it lies on, plus half a
+    /// unit in the last place, of the true one.
+    pub segment: [[C; 3]; 2],
     /// Unit normals of both triangles by the right-hand rule, which is outward where corners are counter-clockwise seen from
     /// outside, each coordinate within 2^-23; zero for a degenerate triangle.
     pub normals: [[f32; 3]; 2],
@@ -45,6 +46,14 @@ pub struct Contact {
 /// ```
 #[must_use]
 pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
+    contact_of(a, b)
+}
+
+/// [`contact`] of triangles with coordinates of either kind, which are in range.
+pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<Contact<C>>
+where
+    Exact: Orientation<C>,
+{
     let a_sides = sides(b.each_ref(), a.each_ref());
     let b_sides = sides(a.each_ref(), b.each_ref());
     if one_sided(&a_sides) || one_sided(&b_sides) {
@@ -60,25 +69,62 @@ pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
     Some(Contact { is_flat, segment, normals: [unit_normal(a), unit_normal(b)] })
 }
 
+/// The exact sides of a plane.
+fn sides<C: Coordinate, const N: usize>(plane: [&[C; 3]; 3], points: [&[C; 3]; N]) -> [i32; N]
+where
+    Exact: Orientation<C>,
+{
+    // Every sign is known.
+    <Exact as Orientation<C>>::orient3d(plane, points).unwrap_or([0; N])
+}
+
+fn orient3d<C: Coordinate>(a: &[C; 3], b: &[C; 3], c: &[C; 3], d: &[C; 3]) -> i32
+where
+    Exact: Orientation<C>,
+{
+    let [side] = sides([a, b, c], [d]);
+    side
+}
+
+impl Contact<f64> {
+    /// The same, with end points rounded to f32.
+    #[must_use]
+    pub fn rounded(self) -> Contact {
+        let segment = self.segment.map(|p| DVec3::from_array(p).as_vec3().to_array());
+        Contact { segment, is_flat: self.is_flat, normals: self.normals }
+    }
+}
+
+impl From<Contact> for Contact<f64> {
+    fn from(contact: Contact) -> Self {
+        let Contact { segment, is_flat, normals } = contact;
+        Self { segment: segment.map(|p| p.map(f64::from)), is_flat, normals }
+    }
+}
+
 /// The unit normal of a triangle by the right-hand rule, or zero if it is degenerate.
-fn unit_normal(t: &Triangle) -> [f32; 3] {
-    let (u, v) = (difference(&t[1], &t[0]), difference(&t[2], &t[0]));
+fn unit_normal<C: Coordinate>(t: &[[C; 3]; 3]) -> [f32; 3] {
+    let (u, v) = (C::difference(&t[1], &t[0]), C::difference(&t[2], &t[0]));
     let (in_f64, extent) = (u.cross(v), u.abs().max(v.abs()));
-    let bound = filter64::ERROR_2D * TWO_30 * (extent.yzx() * extent.zxy()).max_element();
+    let largest = (extent.yzx() * extent.zxy()).max_element();
+    let bound = (largest * filter64::ERROR_2D + UNDERFLOW_2D) * TWO_30;
     let is_certain = in_f64.abs().max_element() > bound;
-    let normal = if is_certain { in_f64 } else { exact::normal(t.each_ref()).into() };
+    let normal = if is_certain { in_f64 } else { C::normal(t.each_ref()) };
     // The squares of the largest f32 areas would overflow, those of the smallest vanish.
     let largest = normal.abs().max_element();
     if largest == 0.0 { [0.0; 3] } else { (normal / largest).normalize().as_vec3().to_array() }
 }
 
 /// The overlap of the two intervals that [`intervals_overlap`](super::intervals_overlap) compares.
-fn crossing(
-    a: &Triangle,
+fn crossing<C: Coordinate>(
+    a: &[[C; 3]; 3],
     a_sides: &[i32; 3],
-    b: &Triangle,
+    b: &[[C; 3]; 3],
     b_sides: &[i32; 3],
-) -> Option<[Point; 2]> {
+) -> Option<[[C; 3]; 2]>
+where
+    Exact: Orientation<C>,
+{
     let ([a0, a1, a2], [b0, b1, b2], side) = arrange(a, a_sides, b, b_sides);
     if orient3d(a0, a1, b0, b1) == side || orient3d(a0, a2, b0, b2) == -side {
         return None;
@@ -98,39 +144,48 @@ fn crossing(
 }
 
 /// The point in which the edge p–q, whose ends lie on different sides of the plane of `t`, cuts it.
-fn edge_point(p: &Point, q: &Point, t: &Triangle) -> Point {
+fn edge_point<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] {
     let s = edge_parameter(p, q, t);
     // The parameter counts from the nearer end, so that an end in the plane is returned unchanged.
     let (end, part) = if s <= 0.5 { (p, s) } else { (q, s - 1.0) };
-    (difference(end, &[0.0; 3]) + part * difference(q, p)).as_vec3().to_array()
+    C::point(C::difference(end, &[C::from(0.0); 3]) + part * C::difference(q, p))
 }
 
 /// The parameter of that point along the edge, within 2^-28.
-fn edge_parameter(p: &Point, q: &Point, t: &Triangle) -> f64 {
-    let (u, v) = (difference(&t[1], &t[0]), difference(&t[2], &t[0]));
-    let w = [p, q].map(|p| difference(p, &t[0]));
+fn edge_parameter<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> f64 {
+    let (u, v) = (C::difference(&t[1], &t[0]), C::difference(&t[2], &t[0]));
+    let w = [p, q].map(|p| C::difference(p, &t[0]));
     let extent = u.abs().max(v.abs()).max(w[0].abs()).max(w[1].abs());
     let [d, e] = w.map(|w| u.cross(v).dot(w));
-    if d.abs().min(e.abs()) > TWO_30 * filter64::ERROR_3D * extent.x * extent.y * extent.z {
+    let bound = extent.x * extent.y * extent.z * filter64::ERROR_3D + UNDERFLOW_3D;
+    if d.abs().min(e.abs()) > bound * TWO_30 {
         d / (d - e)
     } else {
-        exact::orient3d_ratio(t.each_ref(), p, q)
+        C::orient3d_ratio(t.each_ref(), p, q)
     }
 }
 
 /// The longest chord between corners of the intersection of triangles that are coplanar or of which one is
 /// degenerate. These corners are corners of one within the other, and points where two edges cross.
-fn flat_chord(a: &Triangle, b: &Triangle, are_coplanar: bool) -> Option<[Point; 2]> {
+fn flat_chord<C: Coordinate>(
+    a: &[[C; 3]; 3],
+    b: &[[C; 3]; 3],
+    are_coplanar: bool,
+) -> Option<[[C; 3]; 2]>
+where
+    Exact: Orientation<C>,
+{
+    let meet = |p: &[[C; 3]; 3], t| triangles_intersect::<Exact, C>(p, t) == Some(true);
     // 6 corners, and 9 crossings of edges or 2 of segments with triangles.
-    let mut corners = [[0.0; 3]; 15];
+    let mut corners = [[C::from(0.0); 3]; 15];
     let mut free = corners.iter_mut();
-    let mut add = |p: Point| match free.next() {
+    let mut add = |p: [C; 3]| match free.next() {
         Some(slot) => *slot = p,
         None => debug_assert!(false, "6 + 9 corners at most"),
     };
     for (own, other) in [(a, b), (b, a)] {
         for p in own {
-            if intersects(&[*p; 3], other, Accuracy::Exact) {
+            if meet(&[*p; 3], other) {
                 add(*p);
             }
         }
@@ -141,7 +196,7 @@ fn flat_chord(a: &Triangle, b: &Triangle, are_coplanar: bool) -> Option<[Point; 
         for (thin, t) in [(a, b), (b, a)] {
             let [p, q] = extremes(thin);
             let [p_side, q_side] = sides(t.each_ref(), [&p, &q]);
-            if p_side * q_side < 0 && intersects(&[p, q, q], t, Accuracy::Exact) {
+            if p_side * q_side < 0 && meet(&[p, q, q], t) {
                 add(edge_point(&p, &q, t));
             }
         }
@@ -151,9 +206,12 @@ fn flat_chord(a: &Triangle, b: &Triangle, are_coplanar: bool) -> Option<[Point; 
 }
 
 /// The points in which an edge of one coplanar triangle crosses an edge of the other.
-fn edge_crossings(a: &Triangle, b: &Triangle, add: &mut impl FnMut(Point)) {
-    let differ =
-        |[p, q]: [Point2; 2], [r, s]: [Point2; 2]| orient2d(&p, &q, &r) * orient2d(&p, &q, &s) < 0;
+fn edge_crossings<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], add: &mut impl FnMut([C; 3]))
+where
+    Exact: Orientation<C>,
+{
+    let turn = |p: &_, q: &_, r: &_| <Exact as Orientation<C>>::orient2d(p, q, r).unwrap_or(0);
+    let differ = |[p, q]: [[C; 2]; 2], [r, s]: [[C; 2]; 2]| turn(&p, &q, &r) * turn(&p, &q, &s) < 0;
     for axis in 0..3 {
         let mut any = false;
         for (p, q) in edges(a) {
@@ -162,7 +220,7 @@ fn edge_crossings(a: &Triangle, b: &Triangle, add: &mut impl FnMut(Point)) {
                 if differ(k, l) && differ(l, k) && orient3d(p, q, r, s) == 0 {
                     // The plane through r–s along the axis of the projection.
                     let mut up = *r;
-                    up[axis] = if r[axis] == 0.0 { 1.0 } else { 0.0 };
+                    up[axis] = C::from(if r[axis] == C::from(0.0) { 1.0 } else { 0.0 });
                     add(edge_point(p, q, &[*r, *s, up]));
                     any = true;
                 }
@@ -175,17 +233,19 @@ fn edge_crossings(a: &Triangle, b: &Triangle, add: &mut impl FnMut(Point)) {
     }
 }
 
-fn edges(t: &Triangle) -> [(&Point, &Point); 3] {
+fn edges<C>(t: &[[C; 3]; 3]) -> [(&[C; 3], &[C; 3]); 3] {
     [(&t[0], &t[1]), (&t[1], &t[2]), (&t[2], &t[0])]
 }
 
 /// The two points farthest from each other.
-fn longest<'p>(points: impl Iterator<Item = &'p Point> + Clone) -> Option<[Point; 2]> {
+fn longest<'p, C: Coordinate + 'p>(
+    points: impl Iterator<Item = &'p [C; 3]> + Clone,
+) -> Option<[[C; 3]; 2]> {
     let mut best = None;
     let mut length = -1.0;
     for (i, p) in points.clone().enumerate() {
         for q in points.clone().skip(i) {
-            let squared = difference(p, q).length_squared();
+            let squared = C::difference(p, q).length_squared();
             if squared > length {
                 (length, best) = (squared, Some([*p, *q]));
             }
@@ -197,6 +257,7 @@ fn longest<'p>(points: impl Iterator<Item = &'p Point> + Clone) -> Option<[Point
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exact::Point;
     use pfront_testkit::families::Family;
     use pfront_testkit::oracle::intersect;
     use pfront_testkit::rng::seeded;

@@ -46,6 +46,7 @@ pub(crate) struct Built {
 
 impl Source {
     pub(crate) fn new(gpu: &Gpu, mesh: Mesh<'_>) -> Result<Self, GpuError> {
+        GpuModel::check_precision(mesh)?;
         let (positions, triangles) = (mesh.positions(), mesh.triangles());
         Ok(Self {
             vertices: positions.len(),

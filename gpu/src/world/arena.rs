@@ -95,6 +95,7 @@ impl Arena {
         let first_node = self.nodes.used / size_of::<Node>() as u64;
         let first_slot = self.order.used / size_of::<u32>() as u64;
         GpuModel::check_size(first_slot as usize + bvh.order().len())?;
+        GpuModel::check_precision(bvh.mesh())?;
         let (first_node, first_slot) = (first_node as u32, first_slot as u32);
         let shifted = bvh.nodes().iter().map(|node| {
             let shift = if node.is_leaf() { first_slot } else { first_node };

@@ -192,7 +192,7 @@ impl<'a> Blob<'a> {
 ///
 /// # Errors
 /// [`BvhError::Capacity`] if `out` is too small, [`BvhError::TooMany`] if there are 2³² vertices or more,
-/// [`BvhError::Length`] if the order does not have one entry per triangle.
+/// [`BvhError::Length`] if the order does not have one entry per triangle, [`BvhError::InF64`] if the mesh is in f64.
 ///
 /// # Complexity
 /// O(bytes).
@@ -201,6 +201,9 @@ pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BvhError>
     let (found, expected) = (bvh.order().len(), counts.triangles);
     if found != expected {
         return Err(BvhError::Length { array: "order", expected, found });
+    }
+    if mesh.is_f64() {
+        return Err(BvhError::InF64);
     }
     let (found, most) = (counts.vertices, u32::MAX as usize);
     if found > most {

@@ -3,7 +3,8 @@
 use super::super::PosedBvh;
 use super::super::block::BlockCache;
 use super::super::cull::PairSets;
-use crate::exact::{difference, sides};
+use crate::exact::difference;
+use crate::exact::orientation::sides;
 use crate::one_ring::{CertifyOptions, OneRing, OneRings, history_bound, link_scratch_bound};
 use crate::simd::{LANES, Portable, Simd, Task, widest};
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};

@@ -1,0 +1,112 @@
+//! Models with positions in f64.
+
+use super::Model;
+use super::passes::ONE_THREAD;
+use super::tree::Tree;
+use crate::Error;
+use pfront_core::bvh::BuildOptions;
+use pfront_core::{Mesh, MeshError};
+
+/// The positions that decide, where f32 does not hold them all.
+#[derive(Clone, Debug)]
+pub(super) struct Exact {
+    /// Empty if those of the shadow are the same.
+    positions: Vec<[f64; 3]>,
+    origin: [f64; 3],
+}
+
+impl Exact {
+    pub(super) fn mesh<'m>(
+        &'m self,
+        shadow: &'m [[f32; 3]],
+        triangles: &'m [[u32; 3]],
+    ) -> Mesh<'m> {
+        Mesh::from_f64_unchecked(&self.positions, shadow, self.origin, triangles)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.positions.capacity() * size_of::<[f64; 3]>()
+    }
+}
+
+impl Model {
+    /// [`Model::new`] with positions in f64: queries pose and decide them there, exactly, whatever the other model and the
+    /// pose.
+    ///
+    /// Takes 24 bytes a vertex more, unless f32 holds every coordinate. Only a CPU answers about such models.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] names the first vertex or triangle at fault; coordinates are at most 2^125.
+    ///
+    /// # Complexity
+    /// As [`Model::new`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose};
+    /// // A square metre in a coordinate system of the earth, and one a micrometre above it: f32 tells neither apart.
+    /// let square = |z| {
+    ///     let corner = |x, y| [500_000.0 + x, 5_000_000.0 + y, 1_000.0 + z];
+    ///     Model::from_f64(vec![corner(0.1, 0.1), corner(1.1, 0.1), corner(0.1, 1.1)], vec![[0, 1, 2]])
+    /// };
+    /// let (floor, above) = (square(0.0)?, square(1e-6)?);
+    /// assert_eq!(PairQuery::new().count(&floor, &above, Pose::IDENTITY)?, 0);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn from_f64(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        let mut shadow = vec![[0.0; 3]; positions.len()];
+        let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow)?;
+        let widened =
+            |p: &[f64; 3]| p.iter().all(|x| f64::from(*x as f32).to_bits() == x.to_bits());
+        let exact = if positions.iter().all(widened) {
+            shadow = positions.iter().map(|p| p.map(|x| x as f32)).collect();
+            Exact { positions: Vec::new(), origin: [0.0; 3] }
+        } else {
+            let origin = mesh.origin();
+            Exact { positions, origin }
+        };
+        let options = BuildOptions::default();
+        let tree = Tree::build(exact.mesh(&shadow, &triangles), options, ONE_THREAD);
+        Ok(Self { exact: Some(exact), ..Self::of(shadow, triangles, options, tree) })
+    }
+
+    /// [`Model::set_positions`] of a model in f64.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] if a coordinate is not finite or beyond 2^125, if the number of vertices differs, or if the model is in
+    /// f32.
+    ///
+    /// # Complexity
+    /// As [`Model::set_positions`], but that all positions count as moved; allocates 36 bytes a vertex.
+    ///
+    /// # Examples
+    /// ```
+    /// # let mut model = pfront::Model::from_f64(vec![[0.1; 3]; 3], vec![[0, 1, 2]])?;
+    /// model.set_positions_f64(&[[0.3; 3]; 3])?;
+    /// assert_eq!(model.mesh().positions_f64(), Some(&[[0.3; 3]; 3][..]));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn set_positions_f64(&mut self, positions: &[[f64; 3]]) -> Result<(), Error> {
+        let mut shadow = vec![[0.0; 3]; positions.len()];
+        let origin = self.mesh().with_positions_f64(positions, &mut shadow)?.origin();
+        let Some(exact) = &self.exact else { return Err(MeshError::OtherPrecision.into()) };
+        let is_same = |(p, q): (&[f64; 3], &[f64; 3])| p.map(f64::to_bits) == q.map(f64::to_bits);
+        if exact.positions.len() == positions.len()
+            && exact.positions.iter().zip(positions).all(is_same)
+        {
+            return Ok(());
+        }
+        self.outdate();
+        self.moves.add_all();
+        self.positions = shadow;
+        self.exact = Some(Exact { positions: positions.to_vec(), origin });
+        self.fit_by(ONE_THREAD);
+        Ok(())
+    }
+
+    /// Whether positions are in f64: the model is one of [`Model::from_f64`].
+    #[must_use]
+    pub fn is_f64(&self) -> bool {
+        self.exact.is_some()
+    }
+}
