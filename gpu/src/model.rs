@@ -4,7 +4,7 @@ use crate::GpuError;
 use crate::gpu::Gpu;
 use crate::layout::Corner;
 use crate::memory::Usage;
-use pfront_core::{Aabb, Bvh, Node};
+use pfront_core::{Aabb, Bvh, Mesh, Node};
 use pfront_shaders::constants::{LEAF, LEAF_SHIFT};
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -98,7 +98,9 @@ pub trait Query {
     ///
     /// # Panics
     /// If an index is out of range.
-    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>>;
+    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
+        self.contact(pair).map(Contact::from)
+    }
 
     /// Goes on from `cursor` into `out` and returns how many pairs it wrote. It stops when `out` is
     /// full or nothing is left: nothing is ever dropped, and when [`Cursor::is_done`] all pages

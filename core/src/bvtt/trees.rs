@@ -289,7 +289,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
     fn contact(&self, pair: TrianglePair) -> Option<Contact> {
         match &self.in_f64 {
             None => contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b)),
-            Some(InF64 { f64, .. }) => Some((f64.contact)(self.posed_meshes(), pair)?.rounded()),
+            Some(InF64 { f64, .. }) => Some((f64.contact)(self.posed_meshes(), pair)?.into()),
         }
     }
 

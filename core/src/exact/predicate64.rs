@@ -131,7 +131,7 @@ pub(super) fn normal([a, b, c]: [&Point64; 3]) -> DVec3 {
     let minor = |p: &[Wide<38>; 3], q: &[Wide<38>; 3]| p[1] * q[2] - p[2] * q[1];
     let minors = [minor(&y, &z), minor(&z, &x), minor(&x, &y)];
     let limbs = minors.each_ref().map(Wide::len).into_iter().max().unwrap_or(0);
-    DVec3::from_array(minors.map(|minor| minor.to_f64(limbs)))
+    DVec3::from_array(minors.map(|minor| minor.as_f64(limbs)))
 }
 
 /// d / (d − e) with d and e the determinants of `p` and `q` over a plane, which are not equal: within 2^-48.
@@ -144,7 +144,7 @@ pub(super) fn orient3d_ratio([a, b, c]: [&Point64; 3], p: &Point64, q: &Point64)
     let normal = [minor(&y, &z), minor(&z, &x), minor(&x, &y)];
     let [d, e] = [3, 4].map(|k: usize| x[k] * normal[0] + y[k] * normal[1] + z[k] * normal[2]);
     let limbs = d.len().max(e.len());
-    let (d, e) = (d.to_f64(limbs), e.to_f64(limbs));
+    let (d, e) = (d.as_f64(limbs), e.as_f64(limbs));
     d / (d - e)
 }
 

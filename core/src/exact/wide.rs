@@ -38,7 +38,7 @@ impl<const N: usize> Wide<N> {
     }
 
     /// The value over a power of two that is the same for all values of up to so many limbs, within 2^-52 of the largest.
-    pub(super) fn to_f64(&self, limbs: usize) -> f64 {
+    pub(super) fn as_f64(&self, limbs: usize) -> f64 {
         const BASE: f64 = 18_446_744_073_709_551_616.0;
         let first = limbs.saturating_sub(AS_F64);
         let used = self.limbs.iter().skip(first).take(limbs - first);

@@ -86,12 +86,12 @@ where
     side
 }
 
-impl Contact<f64> {
-    /// The same, with end points rounded to f32.
-    #[must_use]
-    pub fn rounded(self) -> Contact {
-        let segment = self.segment.map(|p| DVec3::from_array(p).as_vec3().to_array());
-        Contact { segment, is_flat: self.is_flat, normals: self.normals }
+/// Rounds the end points.
+impl From<Contact<f64>> for Contact {
+    fn from(contact: Contact<f64>) -> Self {
+        let Contact { segment, is_flat, normals } = contact;
+        let segment = segment.map(|p| DVec3::from_array(p).as_vec3().to_array());
+        Self { segment, is_flat, normals }
     }
 }
 
@@ -337,6 +337,59 @@ mod tests {
                 assert_eq!(contact(&a, &b).is_some(), intersect(&a, &b), "{family:?} {a:?} {b:?}");
             }
         }
+    }
+
+    /// The same triangles in f64, as they are and with one axis stretched as f32 cannot hold it.
+    #[test]
+    fn contacts_in_f64_are_those_in_f32() {
+        let mut rng = seeded(16);
+        let (mut found, mut stretched) = (0, 0);
+        for family in Family::ALL {
+            for _ in 0..if cfg!(miri) { 2 } else { 100 } {
+                let (a, b) = family.pair(&mut rng);
+                let extent = a.iter().chain(&b).flatten().fold(0.0, |m: f32, x| m.max(x.abs()));
+                if extent > 4e37 {
+                    continue;
+                }
+                let [p, q] = [&a, &b].map(|t| t.map(|p| p.map(f64::from)));
+                let in_f64 = contact_of(&p, &q).map(Contact::from);
+                let Some(expected) = contact(&a, &b) else {
+                    assert_eq!(in_f64, None);
+                    continue;
+                };
+                let in_f64: Contact = in_f64.unwrap();
+                found += 1;
+                assert_eq!(in_f64.is_flat, expected.is_flat);
+                let near = |x: f32, y: f32, extent: f32| (x - y).abs() <= 1e-6 * extent;
+                for (x, y) in
+                    in_f64.segment.as_flattened().iter().zip(expected.segment.as_flattened())
+                {
+                    assert!(expected.is_flat || near(*x, *y, extent), "{family:?} {x} {y}");
+                }
+                for (x, y) in
+                    in_f64.normals.as_flattened().iter().zip(expected.normals.as_flattened())
+                {
+                    assert!(near(*x, *y, 1.0), "{family:?} {a:?} {b:?}");
+                }
+                if extent > 1e20 || expected.is_flat {
+                    continue;
+                }
+                // What a scale does to coordinates it does to where they meet.
+                let scale = [2f64.powi(40), 1.0, 2f64.powi(-900)];
+                let scaled = |p: [f64; 3]| [0, 1, 2].map(|k: usize| p[k] * scale[k]);
+                let [p, q] = [p, q].map(|t| t.map(scaled));
+                if let Some(contact) = contact_of(&p, &q) {
+                    stretched += 1;
+                    for (x, y) in contact.segment.iter().zip(expected.segment) {
+                        for k in 0..3 {
+                            let back = (x[k] / scale[k]) as f32;
+                            assert!(near(back, y[k], extent), "{family:?} {back} {}", y[k]);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(found > if cfg!(miri) { 2 } else { 200 } && stretched > 1, "{found} {stretched}");
     }
 
     /// An end of an edge that lies in the plane is returned as it is, though f64 cannot hold its distance from the other
