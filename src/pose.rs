@@ -12,7 +12,7 @@ use pfront_core::{Bvh, Pose, Pose64};
 /// use pfront::{AnyPose, Model, PairQuery, Pose, Pose64};
 /// assert_eq!(AnyPose::from(&Pose::IDENTITY), AnyPose::F32(Pose::IDENTITY));
 /// let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
-/// let above = |z| Pose64::from_translation([0.0, 0.0, z]);
+/// let above = |z| AnyPose::F64(Pose64::from_translation([0.0, 0.0, z]));
 /// let mut query = PairQuery::new();
 /// assert_eq!(query.count(&a, &a, above(0.0))?, 1);
 /// assert_eq!(query.count(&a, &a, above(5e-324))?, 0);
@@ -37,21 +37,9 @@ impl AnyPose {
     }
 }
 
-impl From<Pose> for AnyPose {
-    fn from(pose: Pose) -> Self {
-        Self::F32(pose)
-    }
-}
-
 impl From<&Pose> for AnyPose {
     fn from(pose: &Pose) -> Self {
         Self::F32(*pose)
-    }
-}
-
-impl From<Pose64> for AnyPose {
-    fn from(pose: Pose64) -> Self {
-        Self::F64(pose)
     }
 }
 

@@ -57,9 +57,9 @@ fn pairs_by_every_executor() {
     let (a, b) = (sheet_in_f64(12, 0.0, 1), sheet_in_f64(11, 0.0, 2));
     let turn = Pose64::from_rotation_translation([0.0, 0.0, 0.000_3, 1.0], [0.0; 3]);
     let poses = [
-        AnyPose::from(Pose::IDENTITY),
-        AnyPose::from(Pose64::from_translation([0.0, 0.0, -1e-4])),
-        AnyPose::from(Pose64::from_translation([1e-9, 1e-3, 1e-4])),
+        AnyPose::F32(Pose::IDENTITY),
+        AnyPose::F64(Pose64::from_translation([0.0, 0.0, -1e-4])),
+        AnyPose::F64(Pose64::from_translation([1e-9, 1e-3, 1e-4])),
         AnyPose::from(
             Pose64::from_translation(FAR) * turn * Pose64::from_translation(FAR.map(|x| -x)),
         ),
@@ -157,11 +157,11 @@ fn what_f32_holds_is_kept_in_f32() {
     let exact = Model::from_f64(widened, flat.triangles.clone()).unwrap();
     assert!(exact.is_f64() && exact.bytes() == rounded.bytes());
     let mut query = PairQuery::new();
-    let expected = query.all(&rounded, &rounded, Pose::IDENTITY).unwrap().to_vec();
-    assert_eq!(query.all(&exact, &rounded, Pose::IDENTITY).unwrap(), expected);
+    let expected = query.all(&rounded, &rounded, &Pose::IDENTITY).unwrap().to_vec();
+    assert_eq!(query.all(&exact, &rounded, &Pose::IDENTITY).unwrap(), expected);
     let pose = Pose::from_rotation_translation([0.1, 0.2, 0.3, 0.927], [0.01, 0.02, 0.03]);
     let expected = brute(&exact, &Pose64::IDENTITY, &exact, &pose.into());
-    assert_eq!(query.all(&exact, &exact, pose).unwrap(), expected);
+    assert_eq!(query.all(&exact, &exact, &pose).unwrap(), expected);
     assert_eq!(query.plan().unwrap().backend, Backend::Sequential);
     assert!(exact.to_blob().is_err());
 }

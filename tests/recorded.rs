@@ -56,8 +56,8 @@ fn nasty_pairs_in_f64() {
     {
         let [s, t] = [a, b].map(model_in_f64);
         let mut query = PairQuery::new();
-        assert_eq!(query.count(&s, &t, Pose::IDENTITY).unwrap(), count, "{a} and {b}");
-        assert_eq!(query.contacts(&s, &t, Pose::IDENTITY).unwrap().len() as u64, count);
+        assert_eq!(query.count(&s, &t, &Pose::IDENTITY).unwrap(), count, "{a} and {b}");
+        assert_eq!(query.contacts(&s, &t, &Pose::IDENTITY).unwrap().len() as u64, count);
     }
 }
 

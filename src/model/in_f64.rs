@@ -50,7 +50,7 @@ impl Model {
     ///     Model::from_f64(vec![corner(0.1, 0.1), corner(1.1, 0.1), corner(0.1, 1.1)], vec![[0, 1, 2]])
     /// };
     /// let (floor, above) = (square(0.0)?, square(1e-6)?);
-    /// assert_eq!(PairQuery::new().count(&floor, &above, Pose::IDENTITY)?, 0);
+    /// assert_eq!(PairQuery::new().count(&floor, &above, &Pose::IDENTITY)?, 0);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn from_f64(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {

@@ -257,7 +257,6 @@ fn longest<'p, C: Coordinate + 'p>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::Point;
     use pfront_testkit::families::Family;
     use pfront_testkit::oracle::intersect;
     use pfront_testkit::rng::seeded;
