@@ -60,7 +60,7 @@ fn pairs_by_every_executor() {
         AnyPose::F32(Pose::IDENTITY),
         AnyPose::F64(Pose64::from_translation([0.0, 0.0, -1e-4])),
         AnyPose::F64(Pose64::from_translation([1e-9, 1e-3, 1e-4])),
-        AnyPose::from(
+        AnyPose::F64(
             Pose64::from_translation(FAR) * turn * Pose64::from_translation(FAR.map(|x| -x)),
         ),
     ];

@@ -47,7 +47,7 @@ impl Verbs for Between<'_> {
 
     fn visited(&mut self) -> Vec<TrianglePair> {
         let Self(query, [a, b], pose) = self;
-        sorted(|visit| query.visit(a, b, pose, visit).unwrap())
+        sorted(|visit| query.visit(a, b, &*pose, visit).unwrap())
     }
 }
 
