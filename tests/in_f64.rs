@@ -1,5 +1,7 @@
 //! Models and poses in f64, by every query and executor on a CPU, against every two triangles.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use pfront::executor::Backend;
 use pfront::pfront_core::triangle::{Accuracy, Adjacency, intersects_f64, intersects_in_mesh};
 use pfront::{

@@ -30,7 +30,7 @@ pub struct Contact<C = f32> {
     pub normals: [[f32; 3]; 2],
 }
 
-/// The segment in which two closed triangles meet, or `None` if they do not: `Some` exactly when [`intersects`] says so
+/// The segment in which two closed triangles meet, or `None` if they do not: `Some` exactly when [`intersects`](super::intersects) says so
 /// at the accuracy `Exact`.
 ///
 /// # Complexity
