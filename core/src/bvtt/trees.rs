@@ -109,6 +109,9 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
             let pose_a = query.a.pose.unwrap_or_else(|| Affine::identity(&of_a));
             query.first_seen = pose_a.seen_from(&of_a, pose_b).filter(Affine::is_turned);
         }
+        if query.in_f64.is_some() && query.a.pose.is_some_and(|pose| pose.moves_nothing()) {
+            query.a.pose = None;
+        }
         let [own, other] = query.bounds(NodePair::ROOT);
         query.root = own.overlaps(&other).then_some(NodePair::ROOT);
         query
@@ -133,7 +136,8 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
         let query = Self { root: bvh.root().map(|_| NodePair::ROOT), ..Self::of_sides(side, side) };
         let Some(f64) = bvh.mesh().f64() else { return query };
         let shadow = Affine::identity(&bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root)));
-        let in_f64 = Some(InF64 { error: shadow.padding() * 2.0, f64 });
+        // Nothing is posed, so that corners are off by a sixteenth of the padding each.
+        let in_f64 = Some(InF64 { error: shadow.padding() * 0.25, f64 });
         Self { in_f64, box_poses: [Some(shadow); 2], ..query }
     }
 

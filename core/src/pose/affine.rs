@@ -49,7 +49,7 @@ impl Affine {
     ///
     /// # Rounding
     /// With h the farthest of the bounds and m = |R|h + |t| as above, t the translation from `zero`: the entries of R and t are
-    /// off by u each, a shadow by u·h, and the posed point by 6u·m; together with centre and extent this stays below 16u·m.
+    /// off by u each, a shadow by u·h, and the posed point by 6u·m: below 9u·m, and together with centre and extent below 16u·m.
     /// In f64, with U = 2^-53, the position is posed with 5U of |R|(|origin| + h) + |t|, t computed with 7U and the shadow with
     /// 1U: below 2^-49 of |R|(|origin| + h) + |t| + |zero|. Where entries or shadows are subnormal in f32, they lose half of
     /// the smallest number instead.
@@ -81,6 +81,11 @@ impl Affine {
     /// The pose that moves nothing, for what lies in `bounds`.
     pub(crate) fn identity(bounds: &Bounds) -> Self {
         Self::padded([Vec3A::X, Vec3A::Y, Vec3A::Z], Vec3A::ZERO, bounds, DVec3::ZERO)
+    }
+
+    /// Whether it takes every point to where it is.
+    pub(crate) fn moves_nothing(&self) -> bool {
+        self.columns == [Vec3A::X, Vec3A::Y, Vec3A::Z] && self.translation == Vec3A::ZERO
     }
 
     /// Whether an axis is taken to a direction that is not along an axis, so that a posed box is larger.
