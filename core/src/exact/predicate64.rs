@@ -141,8 +141,8 @@ pub(super) fn orient3d_ratio([a, b, c]: [&Point64; 3], p: &Point64, q: &Point64)
     let axes = by_axis([a, b, c, p, q]).map(Axis::new);
     let [x, y, z] = axes.each_ref().map(Axis::differences::<57>);
     let minor = |p: &[Wide<57>; 5], q: &[Wide<57>; 5]| p[1] * q[2] - p[2] * q[1];
-    let normal = [minor(&y, &z), minor(&z, &x), minor(&x, &y)];
-    let [d, e] = [3, 4].map(|k: usize| x[k] * normal[0] + y[k] * normal[1] + z[k] * normal[2]);
+    let [u, v, w] = [minor(&y, &z), minor(&z, &x), minor(&x, &y)];
+    let (d, e) = (x[3] * u + y[3] * v + z[3] * w, x[4] * u + y[4] * v + z[4] * w);
     let limbs = d.len().max(e.len());
     let (d, e) = (d.as_f64(limbs), e.as_f64(limbs));
     d / (d - e)
