@@ -126,12 +126,10 @@ impl About for OfOne<'_> {
         let [model] = self.models;
         let query = pfront_core::bvtt::SelfBvtt::new(model.bvh())
             .with_accuracy(self.accuracy)
-            .with_adjacency(self.adjacency);
+            .with_adjacency(self.adjacency)
+            .with_certificates(model.certificates());
         // There are none of meshes in f64.
-        if model.is_f64() {
-            return query;
-        }
-        query.with_certificates(model.certificates()).with_patches(model.patches())
+        if model.is_f64() { query } else { query.with_patches(model.patches()) }
     }
 
     fn subject(&self) -> Subject {

@@ -94,7 +94,7 @@ fn pairs_by_every_executor() {
 fn self_collisions_while_deforming() {
     let mut model = sheet_in_f64(12, 0.0, 3);
     let mut rng = seeded(4);
-    let mut found = 0;
+    let (mut found, mut certified) = (0, 0);
     for frame in 0..12 {
         let expected: Vec<_> = {
             let (mesh, n) = (model.mesh(), model.mesh().triangles().len() as u32);
@@ -107,10 +107,8 @@ fn self_collisions_while_deforming() {
         for executor in executors() {
             assert_eq!(SelfQuery::new().on(&executor).all(&model).unwrap(), expected);
         }
-        assert!(
-            (0..model.mesh().positions().len() as u32)
-                .all(|v| !model.certificates().is_certified(v))
-        );
+        let vertices = 0..model.mesh().positions().len() as u32;
+        certified += vertices.filter(|v| model.certificates().is_certified(*v)).count();
         found += expected.len();
         let mut moved = model.mesh().positions_f64().unwrap().to_vec();
         // Few, then all, then to another place, in steps below what f32 holds there.
@@ -120,7 +118,7 @@ fn self_collisions_while_deforming() {
         }
         model.set_positions_f64(&moved).unwrap();
     }
-    assert!(found > 200, "{found}");
+    assert!(found > 200 && certified > 200, "{found} {certified}");
     assert!(model.set_positions(&[[0.0; 3]; 3]).is_err());
     let mut rounded = Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
     assert!(rounded.set_positions_f64(&[[0.0; 3]; 3]).is_err());

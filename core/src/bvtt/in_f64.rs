@@ -9,6 +9,7 @@ use super::TrianglePair;
 use super::trees::view;
 use crate::Mesh;
 use crate::aabb::Bounds;
+use crate::one_ring::turns_in_f64;
 use crate::pose::{Affine, Pose, Pose64, PoseError};
 use crate::triangle::{Adjacency, Contact, contact_of, intersects_in_f64, intersects_in_mesh_f64};
 use glam::{DVec3, Vec3A};
@@ -23,6 +24,8 @@ pub(crate) struct F64 {
     pub(super) intersects: fn([PosedMesh<'_>; 2], TrianglePair) -> bool,
     pub(super) contact: fn([PosedMesh<'_>; 2], TrianglePair) -> Option<Contact<f64>>,
     pub(crate) intersects_in_mesh: fn(Mesh<'_>, [u32; 2], Adjacency) -> bool,
+    /// Of a triangle, by which one-rings are certified.
+    pub(crate) turns: fn(Mesh<'_>, &[u32; 3]) -> u32,
 }
 
 /// A mesh, the box of its shadow, and the poses of both.
@@ -57,6 +60,7 @@ impl F64 {
             contact_of(&a, &b)
         },
         intersects_in_mesh: intersects_in_mesh_f64,
+        turns: turns_in_f64,
     };
 }
 

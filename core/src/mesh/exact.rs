@@ -150,6 +150,15 @@ impl<'a> Mesh<'a> {
         }
     }
 
+    /// Whether both borrow the same positions in f64, or none.
+    pub(crate) fn has_exact_positions_of(self, other: Mesh<'_>) -> bool {
+        match (self.exact, other.exact) {
+            (None, None) => true,
+            (Some(own), Some(other)) => core::ptr::eq(own.positions, other.positions),
+            _ => false,
+        }
+    }
+
     /// What queries need for meshes in f64 only.
     pub(crate) fn f64(&self) -> Option<&'static F64> {
         self.exact.as_ref().map(|exact| exact.f64)

@@ -3,7 +3,7 @@
 //! The sign of a normal along an axis is that of a 2×2 determinant of coordinate differences in f32. Each of its two
 //! products carries a relative error below (1+u)^4 − 1 with u = 2^-24, so 8.02u · mx · my with the largest
 //! differences mx and my along the other two axes bounds the error, and underflow adds less than the smallest normal
-//! number. Beyond that bound the sign is certified.
+//! number. Beyond that bound the sign is certified. In f64, u is 2^-53 and underflow adds 2^-1070.
 //!
 //! Turns are counted without rounding. A sector is less than half a turn, so a ring that goes round the vertex once crosses
 //! the plane through the vertex across each of the two other axes once upwards and once downwards, which comparisons
@@ -12,11 +12,13 @@
 use super::{CERTIFIED, Certified, OneRing, OneRings, RING};
 use crate::Mesh;
 use crate::bvh::Join;
+use crate::exact::filter64::ERROR_2D;
+use crate::exact::predicate64::UNDERFLOW_2D;
 use crate::index::{at, at_mut, part, range, split};
 use crate::parallel::parts;
 use crate::vertex_set::{Moved, holds, holds_any, mark, moved_bound, number, vertices};
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3A;
+use glam::{DVec3, Vec3A, Vec3Swizzles};
 
 /// Options of [`OneRings::certify`].
 #[derive(Clone, Copy, Default)]
@@ -32,7 +34,7 @@ pub struct CertifyOptions<'a> {
 impl OneRings<'_> {
     /// Certifies the one-rings for the positions of a mesh.
     ///
-    /// If the triangles of the mesh are not those of [`OneRings::new`], nothing is certified, nor if it is a mesh in f64.
+    /// If the triangles of the mesh are not those of [`OneRings::new`], nothing is certified.
     ///
     /// # Complexity
     /// O(vertices + triangles); with [`CertifyOptions::moved`],
@@ -43,25 +45,37 @@ impl OneRings<'_> {
         mesh: Mesh<'m>,
         options: &CertifyOptions<'_>,
     ) -> Certified<'m> {
-        let (positions, triangles) = (mesh.positions(), mesh.triangles());
+        let positions = mesh.positions();
+        match mesh.f64() {
+            None => self.certify_by(mesh, options, |t| turns_of(positions, t)),
+            Some(f64) => self.certify_by(mesh, options, |t| (f64.turns)(mesh, t)),
+        }
+    }
+
+    /// [`OneRings::certify`] by the turns of each triangle.
+    fn certify_by<'m>(
+        &'m mut self,
+        mesh: Mesh<'m>,
+        options: &CertifyOptions<'_>,
+        turns: impl Fn(&[u32; 3]) -> u32 + Sync,
+    ) -> Certified<'m> {
+        let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
         let Self { rings, spans, near, links, .. } = self;
         let same = core::ptr::eq(triangles, self.triangles) || triangles == self.triangles;
-        // Its positions are those of a shadow.
-        let same = same && !mesh.is_f64();
-        if !same || rings.len() != positions.len() {
+        if !same || rings.len() != vertices {
             rings.iter_mut().for_each(OneRing::clear);
             return Certified { mesh, rings: &[] };
         }
         let run = Run { spans, triangles };
-        let is_set = |moved: &&[Moved]| moved.len() >= moved_bound(positions.len());
+        let is_set = |moved: &&[Moved]| moved.len() >= moved_bound(vertices);
         match options.moved.filter(is_set) {
-            Some(moved) => run.certify_moved(positions, moved, near, rings),
+            Some(moved) => run.certify_moved(&turns, moved, near, rings),
             None if options.join.is_some() && !links.is_empty() => {
-                certify_in_parts(mesh, rings, links, options.join);
+                certify_in_parts(&turns, triangles, rings, links, options.join);
             }
             None => {
                 rings.iter_mut().for_each(OneRing::clear);
-                triangles.iter().for_each(|t| add(positions, t, rings, |_| true));
+                triangles.iter().for_each(|t| add(turns(t), t, rings, |_| true));
                 rings.iter_mut().for_each(OneRing::certify);
             }
         }
@@ -74,17 +88,17 @@ impl OneRings<'_> {
 /// `links` are those of [`OneRings::with_links`]: where the corners of each vertex end, the corners, and room for a word
 /// for each triangle.
 fn certify_in_parts(
-    mesh: Mesh<'_>,
+    turns_of: &(impl Fn(&[u32; 3]) -> u32 + Sync),
+    triangles: &[[u32; 3]],
     rings: &mut [OneRing],
     links: &mut [u32],
     join: Option<&Join<'_>>,
 ) {
-    let (positions, triangles) = (mesh.positions(), mesh.triangles());
     let (ends, rest) = split(links, rings.len() + 1);
     let (corners, turns) = split(rest, 3 * triangles.len());
     parts(join, 0, turns, &|first, turns| {
         for (turns, t) in turns.iter_mut().zip(part(triangles, first..)) {
-            *turns = turns_of(positions, t);
+            *turns = turns_of(t);
         }
     });
     let (ends, corners, turns) = (&*ends, &*corners, &*turns);
@@ -114,7 +128,7 @@ impl Run<'_> {
     /// Certifies the one-rings of vertices that share a triangle with one that has moved, or have moved.
     fn certify_moved(
         self,
-        positions: &[[f32; 3]],
+        turns_of: &impl Fn(&[u32; 3]) -> u32,
         moved: &[Moved],
         near: &mut [Moved],
         rings: &mut [OneRing],
@@ -123,7 +137,7 @@ impl Run<'_> {
         self.for_each_with(moved, |t| t.iter().for_each(|&vertex| mark(near, vertex)));
         number(near);
         vertices(near).for_each(|vertex| at_mut(rings, vertex).clear());
-        self.for_each_with(near, |t| add(positions, t, rings, |vertex| holds(near, vertex)));
+        self.for_each_with(near, |t| add(turns_of(t), t, rings, |vertex| holds(near, vertex)));
         vertices(near).for_each(|vertex| at_mut(rings, vertex).certify());
     }
 
@@ -190,10 +204,9 @@ impl OneRing {
     }
 }
 
-/// Adds a triangle to those one-rings of its corners that are `due`.
+/// Adds a triangle, by its turns, to those one-rings of its corners that are `due`.
 #[inline(always)]
-fn add(positions: &[[f32; 3]], t: &[u32; 3], rings: &mut [OneRing], due: impl Fn(u32) -> bool) {
-    let turns = turns_of(positions, t);
+fn add(turns: u32, t: &[u32; 3], rings: &mut [OneRing], due: impl Fn(u32) -> bool) {
     for (corner, &vertex) in (0..).zip(t) {
         let ring = at_mut(rings, vertex);
         if ring.is_connected() && due(vertex) {
@@ -208,12 +221,37 @@ fn add(positions: &[[f32; 3]], t: &[u32; 3], rings: &mut [OneRing], due: impl Fn
 fn turns_of(positions: &[[f32; 3]], t: &[u32; 3]) -> u32 {
     let [p, q, r] = t.map(|vertex| Vec3A::from_array(*at(positions, vertex)));
     let signs = uncertified_signs(q - p, r - p) << SIGNS;
-    // Around a corner, the triangle goes from the next corner to the one after.
     let above = |x: Vec3A, y: Vec3A| x.cmpge(y).bitmask();
-    let corners =
-        [[above(q, p), above(r, p)], [above(r, q), above(p, q)], [above(p, r), above(q, r)]];
-    let crossed = corners.map(|[from, to]| !from & to & 7 | (from & !to & 7) << 3);
-    signs | crossed[0] | crossed[1] << 6 | crossed[2] << 12
+    signs
+        | crossed([
+            [above(q, p), above(r, p)],
+            [above(r, q), above(p, q)],
+            [above(p, r), above(q, r)],
+        ])
+}
+
+/// [`turns_of`] a triangle of a mesh in f64.
+pub(crate) fn turns_in_f64(mesh: Mesh<'_>, t: &[u32; 3]) -> u32 {
+    let [p, q, r] = t.map(|vertex| DVec3::from_array(mesh.position_f64(vertex)));
+    let (u, v) = (q - p, r - p);
+    let (extent, normal) = (u.abs().max(v.abs()), u.cross(v));
+    let bound = extent.yzx() * extent.zxy() * ERROR_2D + DVec3::splat(UNDERFLOW_2D);
+    let signs = normal.cmpgt(bound).bitmask() | normal.cmplt(-bound).bitmask() << 3;
+    let above = |x: DVec3, y: DVec3| x.cmpge(y).bitmask();
+    (!signs & 0x3f) << SIGNS
+        | crossed([
+            [above(q, p), above(r, p)],
+            [above(r, q), above(p, q)],
+            [above(p, r), above(q, r)],
+        ])
+}
+
+/// The planes that a triangle crosses around each corner, where it goes from the next corner to the one after: given which
+/// coordinates of these are not below those of the corner.
+#[inline(always)]
+fn crossed(corners: [[u32; 2]; 3]) -> u32 {
+    let [p, q, r] = corners.map(|[from, to]| !from & to & 7 | (from & !to & 7) << 3);
+    p | q << 6 | r << 12
 }
 
 /// Each of three bits in a byte of its own, and in the upper half of a byte each of the three above.

@@ -36,7 +36,7 @@ use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable, must_cast_slice, must_cast_slice_mut};
 pub use certify::CertifyOptions;
 use certify::Span;
-pub(crate) use certify::{MAX_DIFFERENCE, TURN_ERROR, uncertified_signs};
+pub(crate) use certify::{MAX_DIFFERENCE, TURN_ERROR, turns_in_f64, uncertified_signs};
 pub use link::{link_scratch_bound, links_bound};
 
 /// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.
@@ -192,9 +192,8 @@ impl<'a> Certified<'a> {
     ///
     /// Both borrow their slices, so slices in the same place hold the same.
     pub(crate) fn of_mesh(self, mesh: Mesh<'_>) -> &'a [OneRing] {
-        // They are of the shadow.
-        let same = !mesh.is_f64()
-            && core::ptr::eq(self.mesh.positions(), mesh.positions())
+        let same = core::ptr::eq(self.mesh.positions(), mesh.positions())
+            && self.mesh.has_exact_positions_of(mesh)
             && core::ptr::eq(self.mesh.triangles(), mesh.triangles());
         if same { self.rings } else { &[] }
     }

@@ -7,6 +7,7 @@ use super::*;
 use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, mark_moved, morton, node_bound, refit};
 use crate::bvtt::{Query, SelfBvtt};
 use crate::parallel::FINE;
+use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
 use crate::{Bvh, Node};
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use pfront_testkit::MeshData;
@@ -266,4 +267,47 @@ fn one_rings_of_other_triangles_certify_nothing() {
         let mesh = Mesh::new(&more, &HINGE).unwrap();
         assert_eq!(certified(rings, mesh, &CertifyOptions::default()), [false; 5]);
     });
+}
+
+/// A row that turns a little more than once, in a mesh so large that its shadow knows the y of its corners to 1/16.
+#[test]
+fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
+    let row = [
+        [0.0, 0.0],
+        [0.5, -0.002_5],
+        [0.0, 1.0],
+        [-1.0, 0.5],
+        [-1.0, -0.5],
+        [0.0, -1.0],
+        [20.0, -0.08],
+    ];
+    let at = |end: f64| {
+        let mut positions: Vec<_> = row.iter().map(|p| [p[0], p[1] + 6e5, 0.0]).collect();
+        positions[6][1] = end + 6e5;
+        positions.extend([[1e6; 3], [-1e6; 3], [1e6, 0.0, 0.0]]);
+        positions
+    };
+    let mut triangles: Vec<[u32; 3]> = (1..6).map(|k| [0, k, k + 1]).collect();
+    triangles.push([7, 8, 9]);
+    let certified = |mesh: Mesh<'_>| {
+        with_rings(mesh.positions().len(), &triangles, |rings| {
+            rings.certify(mesh, &CertifyOptions::default()).is_certified(0)
+        })
+    };
+    // The end beyond the beginning, and before it.
+    for (end, overlaps) in [(-0.08, true), (-0.2, false)] {
+        let positions = at(end);
+        let mut shadow = vec![[0.0; 3]; positions.len()];
+        let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow).unwrap();
+        let rule = Adjacency::SharedIndexRule;
+        assert_eq!(intersects_in_mesh(mesh, 0, 4, rule, Accuracy::Exact), overlaps);
+        assert!(certified(Mesh::new(mesh.positions(), &triangles).unwrap()));
+        assert!(!(overlaps && certified(mesh)));
+    }
+    // A row that both certify.
+    let mut positions = at(-0.2);
+    positions[1][1] = 6e5 + 0.1;
+    let mut shadow = vec![[0.0; 3]; positions.len()];
+    let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow).unwrap();
+    assert!(certified(mesh));
 }
