@@ -33,7 +33,7 @@ pub(super) struct PairSets {
 impl TriangleBlock {
     /// Tests the `allowed` pairs with the triangles of `other`; `SELF` if both blocks are of one mesh. Then, with
     /// `boxes_only`, no pair whose boxes overlap is rejected. If corners are shadows of others in f64, differences of
-    /// coordinates may be off by `error`, and no pair is taken for a hit.
+    /// coordinates may be off by `error`.
     #[inline(always)]
     pub(super) fn cull<S: Simd, const SELF: bool>(
         &self,
@@ -158,8 +158,8 @@ impl TriangleBlock {
             let mut distinct = open & !(neighbours >> at);
             let mut meet = [0; 2];
             // One lane alone gains nothing over the test of two triangles, and firmware has little room for code.
-            if S::WIDTH > 1 && distinct != 0 && error.is_none() {
-                let [met, apart] = own.decide(&others, &of_own, &of_others);
+            if S::WIDTH > 1 && distinct != 0 {
+                let [met, apart] = own.decide(&others, &of_own, &of_others, error);
                 meet[0] = distinct & met;
                 distinct &= !(met | apart);
             }

@@ -2,7 +2,7 @@
 //!
 //! What lanes and boxes see of them are shadows (see [`Mesh::from_f64`](crate::Mesh::from_f64)), in a frame whose origin is
 //! that of the first shadow as it is posed: large translations cancel in f64, before they are rounded to f32. Boxes are
-//! padded by how far a shadow may be from what it stands for, and lanes only reject pairs, by a bound that allows for it. All
+//! padded by how far a shadow may be from what it stands for, and lanes certify signs by a bound that allows for it. All
 //! other pairs are decided by the positions themselves, posed in f64.
 
 use super::TrianglePair;

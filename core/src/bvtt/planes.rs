@@ -57,11 +57,7 @@ impl<S: Simd> Planes<S> {
         let (p, q, r) = (difference(p, base), difference(q, base), difference(r, base));
         let extent = highest(highest(self.extent, abs(p)), highest(abs(q), abs(r)));
         let of = [dot(self.normal, p), dot(self.normal, q), dot(self.normal, r)];
-        let mut bound = error_bound(extent);
-        if let Some(error) = error {
-            bound = bound + shadow_bound(extent, error);
-        }
-        Heights { of, bound }
+        Heights { of, bound: error_bound(extent, error) }
     }
 
     /// Lanes in which this plane certainly has all corners of `other`, whose `heights` these are, strictly on one side. If
@@ -84,10 +80,16 @@ impl<S: Simd> Planes<S> {
     /// plane separates the two. `own` are the heights of this triangle over the plane of `other`, and `others` those of
     /// `other` over this plane.
     #[inline(always)]
-    pub(super) fn decide(&self, other: &Self, own: &Heights<S>, others: &Heights<S>) -> [u32; 2] {
+    pub(super) fn decide(
+        &self,
+        other: &Self,
+        own: &Heights<S>,
+        others: &Heights<S>,
+        error: Option<[S; 3]>,
+    ) -> [u32; 2] {
         let (own, others) = (own.signs(), others.signs());
         let known = S::bits(are_nonzero(own) & are_nonzero(others));
-        let [first, second] = self.ends(other, own, others, None);
+        let [first, second] = self.ends(other, own, others, None, error);
         let (one, minus_one) = (S::splat(1.0), S::splat(-1.0));
         let meet = S::bits(first.eq(minus_one) & second.eq(one));
         let apart = S::bits(first.eq(one) | second.eq(minus_one));
@@ -134,7 +136,7 @@ impl<S: Simd> Planes<S> {
         let (own, others) = (Heights { of: own.of, bound }, Heights { of: others.of, bound });
         let separated = own.between(own.of, own.of) | others.between(others.of, others.of);
         let (own, others) = (own.signs(), others.signs());
-        let [first, second] = self.ends(other, own, others, Some(bound));
+        let [first, second] = self.ends(other, own, others, Some(bound), None);
         let zero = S::splat(0.0);
         let cross = !S::bits(are_zero(own) | are_zero(others)) & !separated;
         let meet = S::bits(first.le(zero) & zero.le(second));
@@ -147,15 +149,22 @@ impl<S: Simd> Planes<S> {
     ///
     /// The proof is at `intervals_overlap` of [`crate::triangle`].
     #[inline(always)]
-    fn ends(&self, other: &Self, own: [S; 3], others: [S; 3], on_grid: Option<S>) -> [S; 2] {
+    fn ends(
+        &self,
+        other: &Self,
+        own: [S; 3],
+        others: [S; 3],
+        on_grid: Option<S>,
+        error: Option<[S; 3]>,
+    ) -> [S; 2] {
         let ([a0, a1, a2], delta) = arrange(self.corners, own);
         let ([b0, b1, b2], epsilon) = arrange(other.corners, others);
         let same_side = delta.eq(epsilon);
         let (b1, b2) = (select(&same_side, b1, b2), select(&same_side, b2, b1));
-        let (first, error) = orientation(a0, a1, b0, b1);
-        let first = sign(first, on_grid.unwrap_or(error)) * epsilon;
-        let (second, error) = orientation(a0, a2, b0, b2);
-        [first, sign(second, on_grid.unwrap_or(error)) * epsilon]
+        let (first, bound) = orientation(a0, a1, b0, b1, error);
+        let first = sign(first, on_grid.unwrap_or(bound)) * epsilon;
+        let (second, bound) = orientation(a0, a2, b0, b2, error);
+        [first, sign(second, on_grid.unwrap_or(bound)) * epsilon]
     }
 }
 
@@ -234,10 +243,16 @@ fn are_zero<S: Simd>([p, q, r]: [S; 3]) -> S::Mask {
 
 /// The determinant det(b − a, c − a, d − a) and its error bound.
 #[inline(always)]
-fn orientation<S: Simd>(a: [S; 3], b: [S; 3], c: [S; 3], d: [S; 3]) -> (S, S) {
+fn orientation<S: Simd>(
+    a: [S; 3],
+    b: [S; 3],
+    c: [S; 3],
+    d: [S; 3],
+    error: Option<[S; 3]>,
+) -> (S, S) {
     let (u, v, w) = (difference(b, a), difference(c, a), difference(d, a));
     let extent = highest(highest(abs(u), abs(v)), abs(w));
-    (dot(cross(u, v), w), error_bound(extent))
+    (dot(cross(u, v), w), error_bound(extent, error))
 }
 
 /// How far a determinant may be from that of other points, if none of its differences is more than `error` from theirs.
@@ -250,10 +265,14 @@ fn shadow_bound<S: Simd>([x, y, z]: [S; 3], [d, e, f]: [S; 3]) -> S {
     (d * y_most * z_most + x * e * z_most + x * y * f) * S::splat(6.0001)
 }
 
-/// The bound of [`crate::exact::filter32`]; NaN, to which nothing compares, where it does not hold.
+/// The bound of [`crate::exact::filter32`]; NaN, to which nothing compares, where it does not hold. If corners are shadows, whose
+/// differences may be off by `error`, it holds for what they stand for.
 #[inline(always)]
-fn error_bound<S: Simd>(extent: [S; 3]) -> S {
+fn error_bound<S: Simd>(extent: [S; 3], error: Option<[S; 3]>) -> S {
     let holds = extent[0].max(extent[1]).max(extent[2]).le(S::splat(MAX_EXTENT));
-    let bound = extent[0] * extent[1] * extent[2] * S::splat(ERROR) + S::splat(UNDERFLOW);
+    let mut bound = extent[0] * extent[1] * extent[2] * S::splat(ERROR) + S::splat(UNDERFLOW);
+    if let Some(error) = error {
+        bound = bound + shadow_bound(extent, error);
+    }
     S::select(&holds, bound, S::splat(f32::NAN))
 }

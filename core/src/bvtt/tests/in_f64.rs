@@ -215,3 +215,32 @@ fn what_f32_holds_has_the_same_pairs_in_f64() {
         assert_eq!(sorted(&SelfBvtt::new(compact)), expected);
     }
 }
+
+/// Triangles so small beside their mesh that a shadow knows few of their digits, or none.
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long; another test runs the same code")]
+fn small_triangles_of_large_meshes() {
+    let mut rng = seeded(34);
+    let mut hits = 0;
+    for round in 0..400 {
+        let detail = [1e-2, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9][round % 6];
+        let place = [1.0, 0.7, -0.9];
+        let mesh = |rng: &mut _| {
+            let (mut positions, mut triangles) = soup(rng, 40, detail, place);
+            let first = positions.len() as u32;
+            positions.extend([[-1.0; 3], [-1.0, 1.0, 1.0], [-1.0, -1.0, 0.0]]);
+            triangles.push([first, first + 1, first + 2]);
+            Owned::new(positions, triangles, true)
+        };
+        let (a, b) = (mesh(&mut rng), mesh(&mut rng));
+        let jitter = place.map(|x| x + detail * rng.random_range(-0.5..0.5));
+        let a_from_b = Pose64::from_translation(jitter)
+            * pose(&mut rng, 0.0)
+            * Pose64::from_translation(place.map(|x| -x));
+        let expected = brute(&a.posed(&Pose64::IDENTITY), &b.posed(&a_from_b));
+        let query = PairBvtt::in_f64(a.bvh(), b.bvh(), &a_from_b).unwrap();
+        assert_eq!(sorted(&query), expected, "round {round}");
+        hits += expected.len();
+    }
+    assert!(hits > 20_000, "{hits}");
+}
