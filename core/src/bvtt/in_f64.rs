@@ -24,7 +24,7 @@ pub(crate) struct F64 {
     pub(super) intersects: fn([PosedMesh<'_>; 2], TrianglePair) -> bool,
     pub(super) contact: fn([PosedMesh<'_>; 2], TrianglePair) -> Option<Contact<f64>>,
     pub(crate) intersects_in_mesh: fn(Mesh<'_>, [u32; 2], Adjacency) -> bool,
-    /// Of a triangle, by which one-rings are certified.
+    /// The turns of a triangle, by which one-rings are certified.
     pub(crate) turns: fn(Mesh<'_>, &[u32; 3]) -> u32,
 }
 
