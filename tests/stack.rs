@@ -5,7 +5,7 @@ use pfront_core::bvtt::{self, Query};
 use pfront_testkit::scenes::icosphere;
 use std::thread;
 
-/// 28 KiB for the walk, the rest for the thread.
+/// 29 KiB for the walk, the rest for the thread.
 const STACK: usize = 32 << 10;
 
 #[test]

@@ -700,7 +700,7 @@ pfront_status_t pfront_cursor_at(const struct pfront_query_t *query,
 // ever dropped: when `cursor.done` is 1, all pages together are the whole answer. Only the last page may be empty.
 //
 // The order is fixed for given BVHs, and otherwise arbitrary: sort the whole by a, then b, for a list that does not
-// depend on how BVHs were built. Takes up to 28 KiB of stack.
+// depend on how BVHs were built. Takes up to 29 KiB of stack.
 pfront_status_t pfront_query_page(const struct pfront_query_t *query,
                                   struct pfront_cursor_t *cursor,
                                   struct pfront_pair_t *page,

@@ -38,7 +38,7 @@ const _: () = {
 /// ever dropped: when `cursor.done` is 1, all pages together are the whole answer. Only the last page may be empty.
 ///
 /// The order is fixed for given BVHs, and otherwise arbitrary: sort the whole by a, then b, for a list that does not
-/// depend on how BVHs were built. Takes up to 28 KiB of stack.
+/// depend on how BVHs were built. Takes up to 29 KiB of stack.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_query_page(
     query: *const pfront_query_t,

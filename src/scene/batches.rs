@@ -6,8 +6,8 @@ use crate::executor::Verb;
 use crate::threads::{Hit, Report, Traversal};
 use pfront_core::bvtt::PairBvtt;
 
-/// The most pairs of bodies that are asked at once. Each takes a query and a node of the front, some 800 bytes,
-/// so that all of them take 50 MiB at most, however many pairs a frame has.
+/// The most pairs of bodies that are asked at once. Each takes a query and a node of the front, some 1,300 bytes,
+/// so that all of them take 85 MiB at most, however many pairs a frame has.
 const BATCH: usize = 1 << 16;
 
 /// The history of a scene on threads.
