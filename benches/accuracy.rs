@@ -56,7 +56,7 @@ fn bunnies() -> Option<Case> {
     let mesh = pfront_cli::mesh::read(&path).unwrap_or_else(|e| panic!("{e}"));
     let model = Model::new(mesh.positions, mesh.triangles).unwrap_or_else(|e| panic!("{e}"));
     let a_from_b = Pose::from_translation([0.015625, 0.0, 0.0]);
-    let count = PairQuery::new().count(&model, &model, &a_from_b).unwrap_or(0);
+    let count = PairQuery::new().count(&model, &model, a_from_b).unwrap_or(0);
     assert_eq!(count, 4994, "the recorded oracle");
     Some(Case { name: "bunnies", a: model.clone(), b: model, a_from_b })
 }

@@ -95,7 +95,7 @@ fn late(c: &mut Criterion) {
     let knot = torus_knot(70_000);
     let model = Arc::new(Model::new(knot.positions, knot.triangles).unwrap());
     let mut batch = Batch::new();
-    batch.pair(&model, &model, &Pose::from_translation([0.3, 0.1, 0.2])).unwrap();
+    batch.pair(&model, &model, Pose::from_translation([0.3, 0.1, 0.2])).unwrap();
     let truth = batch.all(&Executor::sequential()).unwrap().read().unwrap();
 
     let mut read = |draws: bool, rest: Duration| {

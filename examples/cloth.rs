@@ -33,13 +33,13 @@ fn main() -> Result<(), Error> {
         // The verb says how much is to be known: `any`, `count`, `all` or `contacts`.
         let itself = self_query.count(&sheet)?;
         // Contacts have the segment in which two triangles cross, and their normals, in the frame of the first model.
-        let contacts = ball_query.contacts(&ball, &sheet, &Pose::IDENTITY)?;
+        let contacts = ball_query.contacts(&ball, &sheet, Pose::IDENTITY)?;
         let highest = contacts.iter().flat_map(|(_, contact)| contact.segment.map(|[_, y, _]| y));
         let (on_the_ball, highest) = (contacts.len(), highest.reduce(f32::max));
         println!("frame {frame}: {itself} in folds; {on_the_ball} on the ball, up to {highest:?}");
         folds += itself;
     }
-    assert!(folds > 0 && ball_query.any(&ball, &sheet, &Pose::IDENTITY)?.is_some());
+    assert!(folds > 0 && ball_query.any(&ball, &sheet, Pose::IDENTITY)?.is_some());
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 //! `cargo run --example game_loop --features glam033`. The types are those of bevy_math 0.20, which gives out glam 0.33.
 
 use glam033::{Affine3A, Quat, Vec3};
-use pfront::{BodyId, Error, Groups, Model, SceneQuery};
+use pfront::{BodyId, Error, Groups, Model, Pose, SceneQuery};
 
 /// A thing in the game; `pfront` knows its body only.
 struct Entity {
@@ -25,7 +25,7 @@ fn main() -> Result<(), Error> {
     let (mut scene, mut entities) = (SceneQuery::new(), Vec::new());
     let mut spawn = |name, size: Vec3, at: Vec3, velocity, groups| {
         let transform = Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, at);
-        let body = scene.add(cube.clone(), transform.into())?;
+        let body = scene.add(cube.clone(), Pose::from(transform))?;
         scene.set_groups(body, groups)?;
         // The way back from a body to its entity: its index, or `Entity::to_bits` of bevy.
         scene.set_user_data(body, entities.len() as u64)?;
@@ -47,7 +47,7 @@ fn main() -> Result<(), Error> {
         // First the game moves what it wants, and the scene is told.
         for entity in &mut entities {
             entity.transform = Affine3A::from_translation(entity.velocity) * entity.transform;
-            scene.set_pose(entity.body, entity.transform.into())?;
+            scene.set_pose(entity.body, Pose::from(entity.transform))?;
         }
         // Then one call finds all pairs of triangles that meet.
         scene.update()?;

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if asked.is_none() {
             batch.clear();
             let a_from_b = Pose::from_translation([0.03 * frame as f32, 0.0, 0.0]);
-            batch.pair(&model, &model, &a_from_b)?;
+            batch.pair(&model, &model, a_from_b)?;
             asked = Some((frame, batch.all(&executor)?));
         }
         draw(&device, &queue, &view, found.last().is_some_and(|&(_, pairs)| pairs > 0));

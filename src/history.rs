@@ -227,11 +227,23 @@ impl History {
         if self.touched.take() != Some(subject) {
             let Self { run, pairs, contacts, .. } = self;
             contacts.clear();
-            run.contacts(&about.query(), pairs, contacts);
+            let query = about.query();
+            run.contacts(pairs, |pair| query.contact(pair), contacts);
         }
         // Not before: a visitor of the pool may panic.
         self.touched = Some(subject);
         Ok(&self.contacts)
+    }
+
+    /// [`History::contacts`] in f64, in a list of their own.
+    pub(crate) fn contacts_f64(
+        &mut self,
+        about: &impl About,
+    ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
+        self.ask(about, Verb::All)?;
+        let (query, mut contacts) = (about.query(), Vec::with_capacity(self.pairs.len()));
+        self.run.contacts(&self.pairs, |pair| query.contact_f64(pair), &mut contacts);
+        Ok(contacts)
     }
 
     fn ask(&mut self, about: &impl About, verb: Verb) -> Result<Answer<TrianglePair>, Error> {

@@ -21,8 +21,8 @@ use std::ops::ControlFlow;
 /// let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
 /// let b = Model::new(vec![[0.0; 3], [0.0, 0.0, 2.0], [1.0, 1.0, 2.0]], vec![[0, 1, 2]])?;
 /// let mut query = PairQuery::new();
-/// assert_eq!(query.all(&a, &b, &Pose::IDENTITY)?, [TrianglePair { a: 0, b: 0 }]);
-/// assert_eq!(query.count(&a, &b, &Pose::from_translation([0.0, 0.0, 1e-45]))?, 0);
+/// assert_eq!(query.all(&a, &b, Pose::IDENTITY)?, [TrianglePair { a: 0, b: 0 }]);
+/// assert_eq!(query.count(&a, &b, Pose::from_translation([0.0, 0.0, 1e-45]))?, 0);
 /// # Ok::<(), pfront::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]
@@ -52,7 +52,7 @@ impl PairQuery {
     /// use pfront::{Executor, Model, PairQuery, Pose};
     /// # let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
     /// let mut query = PairQuery::new().on(&Executor::auto());
-    /// assert_eq!(query.all(&a, &a, &Pose::IDENTITY)?.len(), 1);
+    /// assert_eq!(query.all(&a, &a, Pose::IDENTITY)?.len(), 1);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     #[must_use]
@@ -133,7 +133,7 @@ impl PairQuery {
     /// # use pfront::{Model, PairQuery, Pose};
     /// # let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
     /// let mut left = 10;
-    /// let end = PairQuery::new().visit(&a, &a, &Pose::IDENTITY, |pair| {
+    /// let end = PairQuery::new().visit(&a, &a, Pose::IDENTITY, |pair| {
     ///     left -= 1;
     ///     if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     /// })?;
@@ -153,7 +153,7 @@ impl PairQuery {
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals, in the
-    /// frame of `a`; in f32, also of what is in f64.
+    /// frame of `a`; rounded to f32, also of what is in f64.
     ///
     /// # Errors
     /// As [`PairQuery::all`].
@@ -165,6 +165,31 @@ impl PairQuery {
     ) -> Result<&[(TrianglePair, Contact)], Error> {
         let question = self.question(a, b, a_from_b)?;
         self.history.contacts(&question)
+    }
+
+    /// [`PairQuery::contacts`] in f64, in a list of their own.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose64};
+    /// // A blade that stands in a floor, a nanometre from its corner.
+    /// let floor = Model::from_f64(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let blade = Model::from_f64(vec![[0.0, 1.0, -1.0], [0.0, 1.0, 1.0], [0.0, 0.5, -1.0]], vec![[0, 1, 2]])?;
+    /// let contacts = PairQuery::new().contacts_f64(&floor, &blade, Pose64::from_translation([1e-9, 0.0, 0.0]))?;
+    /// assert_eq!(contacts[0].1.segment, [[1e-9, 1.0, 0.0], [1e-9, 0.75, 0.0]]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn contacts_f64(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: impl Into<AnyPose>,
+    ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
+        let question = self.question(a, b, a_from_b)?;
+        self.history.contacts_f64(&question)
     }
 
     fn question<'m>(

@@ -1,8 +1,8 @@
 //! Poses of either precision.
 
-use pfront_core::bvtt::PairBvtt;
+use pfront_core::bvtt::{PairBvtt, PosedBvh};
 use pfront_core::pose::PoseError;
-use pfront_core::{Bvh, Pose, Pose64};
+use pfront_core::{Aabb, Bvh, Pose, Pose64};
 
 /// A pose in f32 or in f64, as queries take it. In an [`AnyPose::F64`] the positions of both models are posed in f64, of
 /// whichever kind they are.
@@ -10,7 +10,7 @@ use pfront_core::{Bvh, Pose, Pose64};
 /// # Examples
 /// ```
 /// use pfront::{AnyPose, Model, PairQuery, Pose, Pose64};
-/// assert_eq!(AnyPose::from(&Pose::IDENTITY), AnyPose::F32(Pose::IDENTITY));
+/// assert_eq!(AnyPose::from(Pose::IDENTITY), AnyPose::F32(Pose::IDENTITY));
 /// let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
 /// let above = |z| AnyPose::F64(Pose64::from_translation([0.0, 0.0, z]));
 /// let mut query = PairQuery::new();
@@ -34,6 +34,64 @@ impl AnyPose {
             Self::F32(pose) => PairBvtt::new(a, b, *pose),
             Self::F64(pose) => PairBvtt::in_f64(a, b, pose),
         }
+    }
+
+    /// A mesh in this pose, which it is known to suit.
+    pub(crate) fn place<'m>(&self, bvh: Bvh<'m>) -> PosedBvh<'m> {
+        match self {
+            Self::F32(pose) => PosedBvh::new_unchecked(bvh, pose),
+            Self::F64(pose) => PosedBvh::in_f64_unchecked(bvh, pose),
+        }
+    }
+
+    /// Whether the pose suits a mesh.
+    pub(crate) fn check(&self, bvh: Bvh<'_>) -> Result<(), PoseError> {
+        match self {
+            Self::F32(pose) => PosedBvh::new(bvh, pose).map(drop),
+            Self::F64(pose) => PosedBvh::in_f64(bvh, pose).map(drop),
+        }
+    }
+
+    /// Whether the pose suits a mesh in f32 within these bounds.
+    pub(crate) fn check_bounds(&self, bounds: &Aabb) -> Result<(), PoseError> {
+        match self {
+            Self::F32(pose) if *pose == Pose::IDENTITY => Ok(()),
+            Self::F32(pose) => pose.check(bounds),
+            Self::F64(pose) => pose.check(bounds),
+        }
+    }
+
+    /// Whether it is in f64.
+    #[must_use]
+    pub fn is_f64(&self) -> bool {
+        matches!(self, Self::F64(_))
+    }
+
+    /// The same entries in f64, in which the posed points of one in f32 differ: they are rounded there.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{AnyPose, Pose, Pose64};
+    /// assert_eq!(AnyPose::from(Pose::IDENTITY).to_f64(), Pose64::IDENTITY);
+    /// ```
+    #[must_use]
+    pub fn to_f64(&self) -> Pose64 {
+        match self {
+            Self::F32(pose) => (*pose).into(),
+            Self::F64(pose) => *pose,
+        }
+    }
+}
+
+impl From<Pose> for AnyPose {
+    fn from(pose: Pose) -> Self {
+        Self::F32(pose)
+    }
+}
+
+impl From<Pose64> for AnyPose {
+    fn from(pose: Pose64) -> Self {
+        Self::F64(pose)
     }
 }
 

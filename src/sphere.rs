@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 use pfront_core::bvtt::PosedBvh;
-use pfront_core::{Aabb, Bvh, Pose};
+use pfront_core::{Aabb, Bvh, Pose, Pose64};
 
 /// A closed ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,18 +41,18 @@ impl Sphere {
         Self { centre, radius: upwards(out(&bounds.min).max(out(&bounds.max))) }
     }
 
-    /// A sphere that contains the points of this one as [`Pose::apply`] poses them, rounding included.
-    /// [`Pose::IDENTITY`] changes nothing.
+    /// A sphere that contains the points of this one as [`Pose::apply`] poses them, rounding included; in f64 they are
+    /// rounded less. The identity changes nothing.
     ///
     /// A ball is stretched at most by the square root of the largest eigenvalue of RᵀR. That is no larger than
     /// the largest sum of absolute values along a row, which is l²·m for the longest column l of R, and
     /// l·√m is at most l·(1 + m)/2; for rotations and scalings, m = 1. The error of a posed point is
     /// bounded by [`Pose::ROUNDING`].
-    pub(crate) fn posed(&self, pose: &Pose) -> Self {
-        if *pose == Pose::IDENTITY {
+    pub(crate) fn posed(&self, pose: &Pose64) -> Self {
+        if *pose == Pose64::IDENTITY {
             return *self;
         }
-        let [a, b, c] = pose.rows.map(|row| row.map(f64::from));
+        let [a, b, c] = pose.rows;
         let [x, y, z] = [
             DVec3::new(a[0], b[0], c[0]),
             DVec3::new(a[1], b[1], c[1]),
@@ -127,7 +127,7 @@ mod tests {
                 // Shear.
                 pose.rows[0][1] += next() * 3.0;
             }
-            let posed = sphere.posed(&pose);
+            let posed = sphere.posed(&pose.into());
             for p in points {
                 assert!(contains(&sphere, p), "{p:?} {sphere:?}");
                 assert!(contains(&posed, pose.apply(p)), "{p:?} {posed:?}");
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn what_overflows_overlaps() {
         let all = Sphere { centre: [3e38; 3], radius: 1e37 };
-        let all = all.posed(&Pose::from_translation([1e38, 0.0, 0.0]));
+        let all = all.posed(&Pose64::from_translation([1e38, 0.0, 0.0]));
         let far = Sphere { centre: [3e38; 3], radius: 1.0 };
         assert!(all.overlaps(&far) && far.overlaps(&all) && all.overlaps(&all));
         assert!(!far.overlaps(&Sphere { centre: [-3e38; 3], radius: 1.0 }));
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn moved_spheres_overlap_where_they_meet() {
         let unit = Sphere { centre: [0.0; 3], radius: 1.0 };
-        let moved = |x| unit.posed(&Pose::from_translation([x, 0.0, 0.0]));
+        let moved = |x| unit.posed(&Pose64::from_translation([x, 0.0, 0.0]));
         assert!(!unit.overlaps(&moved(2.5)) && moved(2.5).overlaps(&moved(1.0)));
     }
 

@@ -147,6 +147,29 @@ impl SelfQuery {
         self.history.contacts(&question)
     }
 
+    /// [`SelfQuery::contacts`] in f64, in a list of their own.
+    ///
+    /// # Errors
+    /// As [`SelfQuery::all`].
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, SelfQuery};
+    /// let tile = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    /// let blade = [[0.1, 1.0, -1.0], [0.1, 1.0, 1.0], [0.1, 0.5, -1.0]];
+    /// let model = Model::from_f64([tile, blade].concat(), vec![[0, 1, 2], [3, 4, 5]])?;
+    /// let contacts = SelfQuery::new().contacts_f64(&model)?;
+    /// assert_eq!(contacts[0].1.segment, [[0.1, 1.0, 0.0], [0.1, 0.75, 0.0]]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn contacts_f64(
+        &mut self,
+        model: &Model,
+    ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
+        let question = self.question(model);
+        self.history.contacts_f64(&question)
+    }
+
     fn question<'m>(&self, model: &'m Model) -> OfOne<'m> {
         OfOne::new(model, self.adjacency, self.accuracy)
     }

@@ -130,20 +130,67 @@ fn scenes_of_both_kinds() {
     let flat = sheet(7, |x, y| 0.02 * (5.0 * x + 3.0 * y).sin());
     let c = Model::new(flat.positions.clone(), flat.triangles.clone()).unwrap();
     let to = FAR.map(|x| x as f32);
-    let poses =
-        [Pose::IDENTITY, Pose::from_translation([0.0, 0.0, -0.01]), Pose::from_translation(to)];
+    let in_f32: [AnyPose; 3] =
+        [Pose::IDENTITY, Pose::from_translation([0.0, 0.0, -0.01]), Pose::from_translation(to)]
+            .map(AnyPose::from);
+    let turn = Pose64::from_rotation_translation([0.0, 0.0, 0.1, 0.99], [0.0; 3]);
+    let in_f64 = [
+        Pose64::from_translation(FAR) * turn * Pose64::from_translation(FAR.map(|x| -x)),
+        Pose64::from_translation([0.1, 1e-9, -0.01]),
+        Pose64::from_translation(FAR) * turn,
+    ]
+    .map(AnyPose::from);
     let models = [a, b, c].map(Arc::new);
     for executor in executors() {
         let mut scene = SceneQuery::new().on(&executor);
-        let ids: Vec<_> =
-            models.iter().zip(poses).map(|(m, pose)| scene.add(m.clone(), pose).unwrap()).collect();
-        let hits = scene.all().unwrap().to_vec();
-        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            let [p, q] = [i, j].map(|k: usize| Pose64::from(poses[k]));
-            let expected = brute(&models[i], &p, &models[j], &q);
-            let own = hits.iter().filter(|hit| hit.bodies == [ids[i], ids[j]]);
-            assert_eq!(own.map(|hit| hit.pair).collect::<Vec<_>>(), expected, "{i} {j}");
-            assert!(expected.len() > 20, "{}", expected.len());
+        let ids = [0, 1, 2].map(|k| scene.add(models[k].clone(), in_f32[k]).unwrap());
+        for (frame, poses) in [in_f32, in_f64, [in_f64[0], in_f32[1], in_f64[2]]].iter().enumerate()
+        {
+            (0..3).for_each(|k| scene.set_pose(ids[k], poses[k]).unwrap());
+            assert_eq!(scene.body(ids[0]).unwrap().pose(), poses[0]);
+            if frame == 2 {
+                let lowered: Vec<_> = models[0].mesh().positions_f64().unwrap().to_vec();
+                let lowered: Vec<_> = lowered.iter().map(|p| [p[0], p[1], p[2] - 1e-3]).collect();
+                scene.set_positions_f64(ids[0], &lowered).unwrap();
+                assert!(scene.set_positions(ids[0], &[[0.0; 3]; 100]).is_err());
+                assert!(scene.set_positions_f64(ids[2], &lowered).is_err());
+                assert!(scene.set_positions_f64(ids[0], &lowered[1..]).is_err());
+            }
+            let hits = scene.all().unwrap().to_vec();
+            let contacts = scene.contacts_f64().unwrap();
+            assert_eq!(contacts.iter().map(|c| c.0).collect::<Vec<_>>(), hits);
+            let models = ids.map(|id| scene.body(id).unwrap().model().clone());
+            for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+                let [p, q] = [i, j].map(|k: usize| poses[k].to_f64());
+                let expected = brute(&models[i], &p, &models[j], &q);
+                let own = hits.iter().filter(|hit| hit.bodies == [ids[i], ids[j]]);
+                let own: Vec<_> = own.map(|hit| hit.pair).collect();
+                assert_eq!(own, expected, "{executor:?} {frame} {i} {j}");
+                assert!(expected.len() > 10, "{frame} {i} {j} {}", expected.len());
+            }
+        }
+        let far = Pose64::from_translation([0.0, 1e38, 0.0]);
+        assert!(scene.set_pose(ids[0], far).is_err() && scene.add(models[0].clone(), far).is_err());
+        assert_eq!(scene.body(ids[0]).unwrap().pose(), in_f64[0]);
+    }
+}
+
+/// Ends of contacts lie where the planes of both triangles are, to what f64 holds there.
+#[test]
+fn contacts_are_not_rounded_to_f32() {
+    let (a, b) = (sheet_in_f64(12, 0.0, 1), sheet_in_f64(11, 0.0, 2));
+    let pose = Pose64::from_translation([1e-9, 1e-3, 1e-4]);
+    let contacts = PairQuery::new().contacts_f64(&a, &b, pose).unwrap();
+    let (of_a, of_b) = (posed(&a, &Pose64::IDENTITY), posed(&b, &pose));
+    assert!(contacts.len() > 20);
+    for (pair, contact) in contacts {
+        for end in contact.segment {
+            for t in [of_a[pair.a as usize], of_b[pair.b as usize]] {
+                let [u, v, w] =
+                    [t[1], t[2], end].map(|p| glam::DVec3::from(p) - glam::DVec3::from(t[0]));
+                let distance = u.cross(v).normalize().dot(w).abs();
+                assert!(distance < 4e-9, "{distance}");
+            }
         }
     }
 }
@@ -157,11 +204,11 @@ fn what_f32_holds_is_kept_in_f32() {
     let exact = Model::from_f64(widened, flat.triangles.clone()).unwrap();
     assert!(exact.is_f64() && exact.bytes() == rounded.bytes());
     let mut query = PairQuery::new();
-    let expected = query.all(&rounded, &rounded, &Pose::IDENTITY).unwrap().to_vec();
-    assert_eq!(query.all(&exact, &rounded, &Pose::IDENTITY).unwrap(), expected);
+    let expected = query.all(&rounded, &rounded, Pose::IDENTITY).unwrap().to_vec();
+    assert_eq!(query.all(&exact, &rounded, Pose::IDENTITY).unwrap(), expected);
     let pose = Pose::from_rotation_translation([0.1, 0.2, 0.3, 0.927], [0.01, 0.02, 0.03]);
     let expected = brute(&exact, &Pose64::IDENTITY, &exact, &pose.into());
-    assert_eq!(query.all(&exact, &exact, &pose).unwrap(), expected);
+    assert_eq!(query.all(&exact, &exact, pose).unwrap(), expected);
     assert_eq!(query.plan().unwrap().backend, Backend::Sequential);
     assert!(exact.to_blob().is_err());
 }

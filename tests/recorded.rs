@@ -56,8 +56,8 @@ fn nasty_pairs_in_f64() {
     {
         let [s, t] = [a, b].map(model_in_f64);
         let mut query = PairQuery::new();
-        assert_eq!(query.count(&s, &t, &Pose::IDENTITY).unwrap(), count, "{a} and {b}");
-        assert_eq!(query.contacts(&s, &t, &Pose::IDENTITY).unwrap().len() as u64, count);
+        assert_eq!(query.count(&s, &t, Pose::IDENTITY).unwrap(), count, "{a} and {b}");
+        assert_eq!(query.contacts(&s, &t, Pose::IDENTITY).unwrap().len() as u64, count);
     }
 }
 
@@ -102,7 +102,7 @@ fn twin_in_bounded_memory() {
     assert_eq!(cursor.work.triangle_tests, 48_184_455);
     let meet = |p: &TrianglePair| intersect(&a.mesh().triangle(p.a), &b.mesh().triangle(p.b));
     assert!(paged.iter().all(meet));
-    assert_eq!(PairQuery::new().all(&a, &b, &Pose::IDENTITY).unwrap(), paged);
+    assert_eq!(PairQuery::new().all(&a, &b, Pose::IDENTITY).unwrap(), paged);
 }
 
 #[test]

@@ -243,7 +243,7 @@ fn a_cube_rests_on_a_cube() {
         trial.add(cube.clone(), above);
         in_world += trial.check();
         let (cube, relative) = (model(&cube), Pose::from_translation([0.0, 0.0, 1.0]));
-        in_frame += PairQuery::new().all(&cube, &cube, &relative).unwrap().len();
+        in_frame += PairQuery::new().all(&cube, &cube, relative).unwrap().len();
     }
     assert!(0 < in_world && in_world < in_frame, "{in_world} {in_frame}");
 }

@@ -48,7 +48,7 @@ fn meet(refinement: u32) -> Met {
     let pose = Pose::new([0, 1, 2].map(|row| columns.map(|c| c[row])));
     let model = Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap();
     let mut query = PairQuery::new();
-    let contacts = query.contacts(&model, &model, &pose).unwrap();
+    let contacts = query.contacts(&model, &model, pose).unwrap();
     let segments = contacts.iter().map(|(_, contact)| contact.segment.map(point)).collect();
     let (sagitta, edges) = measure(&mesh);
     Met { segments, sagitta, edges }

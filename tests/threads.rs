@@ -39,11 +39,11 @@ fn two_models() {
             scene.poses(frame, &mut poses);
             let pose = Pose::new(poses[1]);
             // In this order none is answered by what is kept of the one before.
-            let (found, any) = (many.any(a, b, &pose).unwrap(), one.any(a, b, &pose).unwrap());
+            let (found, any) = (many.any(a, b, pose).unwrap(), one.any(a, b, pose).unwrap());
             assert_eq!(found.is_some(), any.is_some());
-            assert_eq!(many.count(a, b, &pose).unwrap(), one.count(a, b, &pose).unwrap());
-            assert_eq!(many.all(a, b, &pose).unwrap(), one.all(a, b, &pose).unwrap());
-            assert_eq!(many.contacts(a, b, &pose).unwrap(), one.contacts(a, b, &pose).unwrap());
+            assert_eq!(many.count(a, b, pose).unwrap(), one.count(a, b, pose).unwrap());
+            assert_eq!(many.all(a, b, pose).unwrap(), one.all(a, b, pose).unwrap());
+            assert_eq!(many.contacts(a, b, pose).unwrap(), one.contacts(a, b, pose).unwrap());
         }
         assert!(many.report().is_some() && one.report().is_none());
     }
@@ -66,7 +66,7 @@ fn counts_under_the_static_schedule_depend_on_no_machine() {
         for frame in 0..4 {
             scene.poses(frame, &mut poses);
             let pose = Pose::new(poses[1]);
-            query.all(&a, &b, &pose).unwrap();
+            query.all(&a, &b, pose).unwrap();
             alone.all(&[bvtt::PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap()], &mut pairs);
             let counts = |report: &Report| {
                 let shares: Vec<_> = report.shares.iter().map(|share| share.work).collect();
@@ -135,7 +135,7 @@ fn compact_models() {
             let pose = Pose::new(poses[1]);
             let query = bvtt::PairBvtt::new(small, least, pose).unwrap();
             traversal.all(&[query], &mut found);
-            assert_eq!(found, PairQuery::new().all(&a, &b, &pose).unwrap());
+            assert_eq!(found, PairQuery::new().all(&a, &b, pose).unwrap());
 
             let here = PosedBvh::new(a.bvh(), &aside).unwrap();
             traversal.all(

@@ -78,8 +78,8 @@ fn mixed(count: usize) -> (Batch, Vec<Vec<TrianglePair>>) {
         let [a, b] =
             [[&ball, &ball], [&ball, &sheet], [&sheet, &ball], [&sheet, &ball], [&ball, &bare]]
                 [i % 5];
-        batch.pair(a, b, &pose).unwrap();
-        truth.push(PairQuery::new().all(a, b, &pose).unwrap().to_vec());
+        batch.pair(a, b, pose).unwrap();
+        truth.push(PairQuery::new().all(a, b, pose).unwrap().to_vec());
     }
     (batch, truth)
 }
@@ -204,7 +204,7 @@ fn tickets_in_flight_together_are_answered_in_any_order_of_reading() {
 fn endless(ball: &Arc<Model>, questions: usize) -> Batch {
     let mut batch = Batch::new();
     for i in 0..questions {
-        batch.pair(ball, ball, &aside(1e-3 + 1e-6 * i as f32)).unwrap();
+        batch.pair(ball, ball, aside(1e-3 + 1e-6 * i as f32)).unwrap();
     }
     batch
 }
@@ -271,8 +271,8 @@ fn models_that_change_while_a_ticket_is_in_flight_are_others() {
         let (mut model, mut batch) = (ball(320), Batch::new());
         for frame in 0..3 {
             batch.clear();
-            batch.pair(&model, &model, &aside(0.5)).unwrap();
-            let truth = PairQuery::new().count(&model, &model, &aside(0.5)).unwrap();
+            batch.pair(&model, &model, aside(0.5)).unwrap();
+            let truth = PairQuery::new().count(&model, &model, aside(0.5)).unwrap();
             let ticket = batch.count(executor).unwrap();
             let grown: Vec<_> =
                 model.mesh().positions().iter().map(|p| p.map(|x| 1.1 * x)).collect();
@@ -286,8 +286,8 @@ fn models_that_change_while_a_ticket_is_in_flight_are_others() {
 fn poses_are_refused_as_queries_refuse_them() {
     let (ball, mut batch) = (ball(80), Batch::new());
     for pose in [[f32::NAN, 0.0, 0.0], [0.0, 1e38, 0.0]].map(Pose::from_translation) {
-        let refused = PairQuery::new().all(&ball, &ball, &pose).err();
-        assert_eq!(batch.pair(&ball, &ball, &pose).err(), refused);
+        let refused = PairQuery::new().all(&ball, &ball, pose).err();
+        assert_eq!(batch.pair(&ball, &ball, pose).err(), refused);
     }
     assert!(batch.is_empty());
 }
@@ -382,8 +382,8 @@ mod on_a_gpu {
         let gpu = Gpu::new().unwrap();
         let executor = Executor::gpu(&gpu, gpu.settings());
         let (ball, mut batch) = (ball(20_000), Batch::new());
-        batch.pair(&ball, &ball, &aside(0.1)).unwrap();
-        let truth = PairQuery::new().count(&ball, &ball, &aside(0.1)).unwrap();
+        batch.pair(&ball, &ball, aside(0.1)).unwrap();
+        let truth = PairQuery::new().count(&ball, &ball, aside(0.1)).unwrap();
         for way in 0..3 {
             let (mut ticket, mut early) = (batch.count(&executor).unwrap(), 0);
             let found = loop {
@@ -410,8 +410,8 @@ mod on_a_gpu {
         let gpu = Gpu::new().unwrap();
         let executor = Executor::gpu(&gpu, gpu.settings());
         let (ball, mut batch) = (ball(2_000), Batch::new());
-        batch.pair(&ball, &ball, &aside(0.1)).unwrap();
-        let truth = PairQuery::new().all(&ball, &ball, &aside(0.1)).unwrap().to_vec();
+        batch.pair(&ball, &ball, aside(0.1)).unwrap();
+        let truth = PairQuery::new().all(&ball, &ball, aside(0.1)).unwrap().to_vec();
         for is_read_before in [false, true] {
             let mut ticket = batch.all(&executor).unwrap();
             if is_read_before {
@@ -419,7 +419,7 @@ mod on_a_gpu {
             }
             // Another ticket gets other lists.
             let mut other = Batch::new();
-            other.pair(&ball, &ball, &aside(0.3)).unwrap();
+            other.pair(&ball, &ball, aside(0.3)).unwrap();
             let other = other.all(&executor).unwrap();
             let (hits, count) = (ticket.hits_buffer().unwrap(), ticket.count_buffer().unwrap());
             let size = 8 * truth.len() as u64;
@@ -440,7 +440,7 @@ mod on_a_gpu {
             assert!(pairs.take(truth.len()).eq(truth.iter().copied()));
             drop(other);
         }
-        batch.pair(&ball, &ball, &aside(0.1)).unwrap();
+        batch.pair(&ball, &ball, aside(0.1)).unwrap();
         assert!(batch.all(&executor).unwrap().hits_buffer().is_none());
         assert!(batch.all(&Executor::sequential()).unwrap().hits_buffer().is_none());
     }

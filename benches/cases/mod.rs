@@ -83,7 +83,7 @@ impl Case {
     /// The pairs of a frame.
     pub(crate) fn found<'q>(&self, query: &'q mut Asker, frame: usize) -> &'q [TrianglePair] {
         match self {
-            Self::Pair { a, b, poses, .. } => query.pair.all(a, b, &poses[frame]).unwrap(),
+            Self::Pair { a, b, poses, .. } => query.pair.all(a, b, poses[frame]).unwrap(),
             Self::Within { frames, .. } => query.within.all(&frames[frame]).unwrap(),
         }
     }

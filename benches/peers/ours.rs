@@ -17,7 +17,7 @@ pub(crate) fn first(work: &Work) -> Box<dyn Finder + '_> {
     let [a, b] = [0, 1].map(|i| model(&work.meshes[i]));
     let mut query = PairQuery::new();
     Box::new(move |frame: usize, found: &mut Vec<Hit>| {
-        let hit = query.any(&a, &b, &work.pose(frame, 1)).unwrap();
+        let hit = query.any(&a, &b, work.pose(frame, 1)).unwrap();
         found.extend(hit.map(|pair| ([0, 1], pair)));
     })
 }
@@ -26,7 +26,7 @@ fn pair(work: &Work) -> Box<dyn Finder + '_> {
     let [a, b] = [0, 1].map(|i| model(&work.meshes[i]));
     let mut query = PairQuery::new();
     Box::new(move |frame: usize, found: &mut Vec<Hit>| {
-        let pairs = query.all(&a, &b, &work.pose(frame, 1)).unwrap();
+        let pairs = query.all(&a, &b, work.pose(frame, 1)).unwrap();
         found.extend(pairs.iter().map(|&pair| ([0, 1], pair)));
     })
 }

@@ -266,7 +266,7 @@ fn knots(triangles: usize) -> Scene {
 /// Whether two bodies meet in a pose of the second.
 fn meet(scene: &Scene) -> impl Fn(Pose) -> bool + use<> {
     let [a, b] = [0, 1].map(|i| model(&scene.meshes[i]));
-    move |pose| PairQuery::new().any(&a, &b, &pose).unwrap().is_some()
+    move |pose| PairQuery::new().any(&a, &b, pose).unwrap().is_some()
 }
 
 /// All poses in a frame of a scene.

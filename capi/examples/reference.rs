@@ -87,10 +87,10 @@ fn main() -> Result<(), pfront::Error> {
     }
     scene.ignore(sinking, twin, true)?;
     for frame in 0..FRAMES {
-        let contacts = pair.contacts(&a, &b, &pose(frame))?;
+        let contacts = pair.contacts(&a, &b, pose(frame))?;
         let segments = contacts.iter().flat_map(|(_, contact)| contact.segment).flatten();
         let segments = hash(segments.map(f32::to_bits));
-        let pairs = pair.all(&a, &b, &pose(frame))?;
+        let pairs = pair.all(&a, &b, pose(frame))?;
         print!("frame {frame}: {} pairs, list {:08x}, ", pairs.len(), fingerprint(pairs));
         print!("segments {segments:08x}; ");
         sheet.set_positions(&roll(frame))?;

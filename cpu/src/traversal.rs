@@ -5,7 +5,6 @@ use crate::output::{self, Item, OutputBuffer, Storage, Visitor};
 use crate::workers::{Workers, in_scope};
 use crate::{Hit, Report, Settings};
 use pfront_core::bvtt::{Query, TrianglePair};
-use pfront_core::triangle::Contact;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -227,15 +226,15 @@ impl Traversal {
         if complete { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    /// Adds to `out`, in order, where each of `pairs` meets, in the pool of this traversal. A pair that meets nowhere is left
-    /// out.
-    pub fn contacts<Q: Query + Sync>(
+    /// Adds to `out`, in order, where each of `pairs` meets as `contact` says ([`Query::contact`] or
+    /// [`Query::contact_f64`]), in the pool of this traversal. A pair that meets nowhere is left out.
+    pub fn contacts<C: Send>(
         &self,
-        query: &Q,
         pairs: &[TrianglePair],
-        out: &mut Vec<(TrianglePair, Contact)>,
+        contact: impl Fn(TrianglePair) -> Option<C> + Sync,
+        out: &mut Vec<(TrianglePair, C)>,
     ) {
-        let contact = |&pair: &TrianglePair| Some((pair, query.contact(pair)?));
+        let contact = |&pair: &TrianglePair| Some((pair, contact(pair)?));
         if pairs.len() < CONTACTS {
             out.extend(pairs.iter().filter_map(contact));
         } else {

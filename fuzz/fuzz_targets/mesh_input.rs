@@ -66,7 +66,7 @@ fn check(model: &Model, input: &Input) {
         input.pose.map_or(Pose::IDENTITY, |rows| Pose::new(rows.map(|r| r.map(f32::from_bits))));
     let mut query = PairQuery::new();
     // A pose may be refused, with an error; what it takes is finite and answered right.
-    if let Ok(found) = query.all(model, model, &pose) {
+    if let Ok(found) = query.all(model, model, pose) {
         let there = posed(positions, &pose.rows);
         let corners = triangles.iter().flatten().map(|&v| there[v as usize]);
         assert!(corners.flatten().all(|x| x.is_finite()));

@@ -158,7 +158,7 @@ impl Player {
     /// Fails as the query does; so do the other verbs.
     pub fn all(&mut self) -> Result<&[TrianglePair]> {
         match &mut self.0 {
-            Subject::Pair { models: [a, b], a_from_b, query } => Ok(query.all(a, b, &*a_from_b)?),
+            Subject::Pair { models: [a, b], a_from_b, query } => Ok(query.all(a, b, *a_from_b)?),
             Subject::SelfMesh { model, query } => Ok(query.all(model)?),
             Subject::Many { query, bodies, pairs } => {
                 let first = |body| bodies[bodies.partition_point(|&(id, _)| id < body)].1;
@@ -192,7 +192,7 @@ impl Player {
     pub fn any(&mut self) -> Result<bool> {
         Ok(match &mut self.0 {
             Subject::Pair { models: [a, b], a_from_b, query } => {
-                query.any(a, b, &*a_from_b)?.is_some()
+                query.any(a, b, *a_from_b)?.is_some()
             }
             Subject::SelfMesh { model, query } => query.any(model)?.is_some(),
             Subject::Many { query, .. } => query.any()?.is_some(),
@@ -205,7 +205,7 @@ impl Player {
     /// As [`Player::all`].
     pub fn count(&mut self) -> Result<u64> {
         Ok(match &mut self.0 {
-            Subject::Pair { models: [a, b], a_from_b, query } => query.count(a, b, &*a_from_b)?,
+            Subject::Pair { models: [a, b], a_from_b, query } => query.count(a, b, *a_from_b)?,
             Subject::SelfMesh { model, query } => query.count(model)?,
             Subject::Many { query, .. } => query.count()?,
         })

@@ -31,7 +31,7 @@ impl Found {
 /// # let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
 /// let mut batch = Batch::new();
 /// for x in [0.0, 1.0, 0.0] {
-///     batch.pair(&model, &model, &Pose::from_translation([x, 0.0, 0.0]))?;
+///     batch.pair(&model, &model, Pose::from_translation([x, 0.0, 0.0]))?;
 /// }
 /// let lists = batch.all(&Executor::sequential())?.read()?;
 /// assert_eq!(lists.iter().map(<[_]>::len).collect::<Vec<_>>(), [1, 0, 1]);

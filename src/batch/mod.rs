@@ -11,7 +11,7 @@
 //! let model = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
 //! let mut batch = Batch::new();
 //! for i in 0..10 {
-//!     batch.pair(&model, &model, &Pose::from_translation([0.5 * i as f32, 0.0, 0.0]))?;
+//!     batch.pair(&model, &model, Pose::from_translation([0.5 * i as f32, 0.0, 0.0]))?;
 //! }
 //! let mut ticket = batch.any(&Executor::auto())?;
 //! // ... the rest of the frame ...
@@ -72,7 +72,7 @@ use std::sync::Arc;
 /// # let triangle = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
 /// let model = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
 /// let mut batch = Batch::new();
-/// batch.pair(&model, &model, &Pose::IDENTITY)?;
+/// batch.pair(&model, &model, Pose::IDENTITY)?;
 /// batch.within(&model, Adjacency::default());
 /// assert_eq!(batch.count(&Executor::threads(4))?.read()?, [1, 0]);
 /// # Ok::<(), pfront::Error>(())
@@ -151,8 +151,8 @@ impl Batch {
     /// # use std::sync::Arc;
     /// let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
     /// let mut batch = Batch::new();
-    /// batch.pair(&model, &model, &Pose::IDENTITY)?;
-    /// let refused = batch.pair(&model, &model, &Pose::from_translation([f32::NAN, 0.0, 0.0]));
+    /// batch.pair(&model, &model, Pose::IDENTITY)?;
+    /// let refused = batch.pair(&model, &model, Pose::from_translation([f32::NAN, 0.0, 0.0]));
     /// assert!(matches!(refused, Err(Error::Pose(_))));
     /// assert_eq!(batch.len(), 1);
     /// # Ok::<(), pfront::Error>(())
@@ -207,7 +207,7 @@ impl Batch {
     /// let (executor, mut batch) = (Executor::threads(4), Batch::new());
     /// for frame in 0..3 {
     ///     batch.clear();
-    ///     batch.pair(&model, &model, &Pose::from_translation([frame as f32, 0.0, 0.0]))?;
+    ///     batch.pair(&model, &model, Pose::from_translation([frame as f32, 0.0, 0.0]))?;
     ///     let ticket = batch.any(&executor)?;
     ///     // ...
     ///     assert_eq!(ticket.read()?[0].is_some(), frame == 0);
@@ -235,7 +235,7 @@ impl Batch {
     /// # use std::sync::Arc;
     /// # let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
     /// # let mut batch = Batch::new();
-    /// batch.pair(&model, &model, &Pose::IDENTITY)?;
+    /// batch.pair(&model, &model, Pose::IDENTITY)?;
     /// let ticket = batch.any(&Executor::sequential())?;
     /// assert_eq!(ticket.read()?, [Some(TrianglePair { a: 0, b: 0 })]);
     /// # Ok::<(), pfront::Error>(())
@@ -270,7 +270,7 @@ impl Batch {
     /// # use std::sync::Arc;
     /// # let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
     /// # let mut batch = Batch::new();
-    /// batch.pair(&model, &model, &Pose::IDENTITY)?;
+    /// batch.pair(&model, &model, Pose::IDENTITY)?;
     /// let lists = batch.all(&Executor::sequential())?.read()?;
     /// assert_eq!(lists[0], [TrianglePair { a: 0, b: 0 }]);
     /// # Ok::<(), pfront::Error>(())

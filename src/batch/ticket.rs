@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 /// # let triangle = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
 /// let model = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
 /// let mut batch = Batch::new();
-/// batch.pair(&model, &model, &Pose::IDENTITY)?;
+/// batch.pair(&model, &model, Pose::IDENTITY)?;
 /// let ticket = batch.count(&Executor::threads(4))?;
 /// assert_eq!(ticket.await?, [1]);
 /// # Ok(()) }
@@ -194,7 +194,7 @@ impl<T> Ticket<T> {
     /// # fn demo(model: Arc<Model>, indirect: pfront::gpu::wgpu::Buffer) -> Result<(), pfront::Error> {
     /// let gpu = Gpu::new()?;
     /// let mut batch = Batch::new();
-    /// batch.pair(&model, &model, &Pose::IDENTITY)?;
+    /// batch.pair(&model, &model, Pose::IDENTITY)?;
     /// let ticket = batch.all(&Executor::gpu(&gpu, gpu.settings()))?;
     /// if let (Some(hits), Some(count)) = (ticket.hits_buffer(), ticket.count_buffer()) {
     ///     let mut encoder = gpu.device().create_command_encoder(&Default::default());

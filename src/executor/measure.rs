@@ -51,7 +51,7 @@ pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> 
             let mut ask = |pose| on_gpu.all(&GpuQuestion::pair(&model, &model, &pose)).map(drop);
             there[i] = median(&mut ask)?;
             uploads[i] = (first - there[i]).max(0.0);
-            cpu[i] = median(|pose| on_cpu.all(sheet, sheet, &pose).map(drop).map_err(refused))?;
+            cpu[i] = median(|pose| on_cpu.all(sheet, sheet, pose).map(drop).map_err(refused))?;
         }
     }
     let triangles = sheets.map(|sheet| sheet.mesh().triangles().len() as f64);

@@ -17,7 +17,7 @@
 //! # let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
 //! let executor = Executor::threads(8);
 //! let mut query = PairQuery::new().on(&executor);
-//! assert_eq!(query.all(&a, &a, &Pose::IDENTITY)?.len(), 1);
+//! assert_eq!(query.all(&a, &a, Pose::IDENTITY)?.len(), 1);
 //! println!("{}", query.plan().expect("there was a question")); // one thread: ...
 //! # Ok::<(), pfront::Error>(())
 //! ```
@@ -258,8 +258,8 @@ mod tests {
         for frame in 0..60 {
             let pose = Pose::from_translation([0.1 + 0.02 * frame as f32, 0.0, 0.0]);
             assert_eq!(
-                query.all(&ball, &ball, &pose).unwrap(),
-                truth.all(&ball, &ball, &pose).unwrap()
+                query.all(&ball, &ball, pose).unwrap(),
+                truth.all(&ball, &ball, pose).unwrap()
             );
             seen.push(query.plan().unwrap().backend);
         }

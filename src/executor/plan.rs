@@ -48,7 +48,7 @@ pub enum Reason {
 /// # use pfront::{Executor, Model, PairQuery, Pose, executor::Backend};
 /// # let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
 /// let mut query = PairQuery::new().on(&Executor::auto());
-/// query.all(&a, &a, &Pose::IDENTITY)?;
+/// query.all(&a, &a, Pose::IDENTITY)?;
 /// let plan = query.plan().expect("there was a question");
 /// assert_eq!(plan.backend, Backend::Sequential);
 /// println!("{plan}");

@@ -7,8 +7,7 @@ use super::{Device, choice::Choice};
 use crate::Accuracy;
 #[cfg(feature = "threads")]
 use crate::threads::{Report, Traversal};
-use crate::{Contact, Error, Model, TrianglePair};
-use pfront_core::bvtt::Query;
+use crate::{Error, Model, TrianglePair};
 #[cfg(feature = "gpu")]
 use std::time::{Duration, Instant};
 
@@ -131,17 +130,17 @@ impl Run {
     }
 
     /// Adds to `out`, in order, where each of `pairs` meets, if it does.
-    pub(crate) fn contacts(
+    pub(crate) fn contacts<C: Send>(
         &self,
-        query: &(impl Query + Sync),
         pairs: &[TrianglePair],
-        out: &mut Vec<(TrianglePair, Contact)>,
+        contact: impl Fn(TrianglePair) -> Option<C> + Sync,
+        out: &mut Vec<(TrianglePair, C)>,
     ) {
         #[cfg(feature = "threads")]
         if let Some(traversal) = &self.executor.traversal {
-            return traversal.contacts(query, pairs, out);
+            return traversal.contacts(pairs, contact, out);
         }
-        out.extend(pairs.iter().filter_map(|&pair| Some((pair, query.contact(pair)?))));
+        out.extend(pairs.iter().filter_map(|&pair| Some((pair, contact(pair)?))));
     }
 
     /// Moves the vertices of a model that will be asked about next.

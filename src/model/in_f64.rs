@@ -5,7 +5,7 @@ use super::passes::ONE_THREAD;
 use super::tree::Tree;
 use crate::Error;
 use pfront_core::bvh::BuildOptions;
-use pfront_core::{Mesh, MeshError};
+use pfront_core::{Aabb, Mesh};
 
 /// The positions that decide, where f32 does not hold them all.
 #[derive(Clone, Debug)]
@@ -13,6 +13,21 @@ pub(super) struct Exact {
     /// Empty if those of the shadow are the same.
     positions: Vec<[f64; 3]>,
     origin: [f64; 3],
+}
+
+/// The shadow of a mesh in f64, see [`Mesh::from_f64`], and where its origin is.
+pub(crate) struct Shadow {
+    positions: Vec<[f32; 3]>,
+    origin: [f64; 3],
+}
+
+impl Shadow {
+    /// The box of the positions that it is of, each coordinate rounded to f32 twice.
+    pub(crate) fn bounds(&self) -> Aabb {
+        let Aabb { min, max } = Aabb::of(&self.positions);
+        let place = |p: [f32; 3]| [0, 1, 2].map(|k| (f64::from(p[k]) + self.origin[k]) as f32);
+        Aabb { min: place(min), max: place(max) }
+    }
 }
 
 impl Exact {
@@ -50,7 +65,7 @@ impl Model {
     ///     Model::from_f64(vec![corner(0.1, 0.1), corner(1.1, 0.1), corner(0.1, 1.1)], vec![[0, 1, 2]])
     /// };
     /// let (floor, above) = (square(0.0)?, square(1e-6)?);
-    /// assert_eq!(PairQuery::new().count(&floor, &above, &Pose::IDENTITY)?, 0);
+    /// assert_eq!(PairQuery::new().count(&floor, &above, Pose::IDENTITY)?, 0);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn from_f64(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
@@ -87,21 +102,32 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions_f64(&mut self, positions: &[[f64; 3]]) -> Result<(), Error> {
+        let shadow = self.shadow_of(positions)?;
+        self.set_shadowed(positions, shadow);
+        Ok(())
+    }
+
+    /// The shadow of other positions.
+    pub(crate) fn shadow_of(&self, positions: &[[f64; 3]]) -> Result<Shadow, Error> {
         let mut shadow = vec![[0.0; 3]; positions.len()];
         let origin = self.mesh().with_positions_f64(positions, &mut shadow)?.origin();
-        let Some(exact) = &self.exact else { return Err(MeshError::OtherPrecision.into()) };
+        Ok(Shadow { positions: shadow, origin })
+    }
+
+    /// Moves the vertices of a model in f64 to positions that have this shadow.
+    pub(crate) fn set_shadowed(&mut self, positions: &[[f64; 3]], shadow: Shadow) {
         let is_same = |(p, q): (&[f64; 3], &[f64; 3])| p.map(f64::to_bits) == q.map(f64::to_bits);
-        if exact.positions.len() == positions.len()
+        if let Some(exact) = &self.exact
+            && exact.positions.len() == positions.len()
             && exact.positions.iter().zip(positions).all(is_same)
         {
-            return Ok(());
+            return;
         }
         self.outdate();
         self.moves.add_all();
-        self.positions = shadow;
-        self.exact = Some(Exact { positions: positions.to_vec(), origin });
+        self.positions = shadow.positions;
+        self.exact = Some(Exact { positions: positions.to_vec(), origin: shadow.origin });
         self.fit_by(ONE_THREAD);
-        Ok(())
     }
 
     /// Whether positions are in f64: the model is one of [`Model::from_f64`].

@@ -2,6 +2,8 @@
 
 #[cfg(feature = "threads")]
 use super::batches::Batches;
+#[cfg(feature = "gpu")]
+use super::bodies::Body;
 use super::bodies::{Bodies, BodyId};
 use super::broad::Broad;
 #[cfg(feature = "gpu")]
@@ -40,7 +42,7 @@ impl Question for Asking<'_> {
 
     #[cfg(feature = "gpu")]
     fn is_f64(&self) -> bool {
-        self.bodies.iter().any(|body| body.model().is_f64())
+        self.bodies.iter().any(Body::is_f64)
     }
 
     fn on_one_thread(&mut self, verb: Verb) -> Result<Answer, Error> {

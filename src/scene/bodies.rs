@@ -1,7 +1,7 @@
 //! The bodies of a scene, in the order in which they were added.
 
 use crate::sphere::Sphere;
-use crate::{Aabb, Error, Model, Pose};
+use crate::{Aabb, AnyPose, Error, Model};
 use pfront_core::bvtt::PosedBvh;
 use std::collections::BTreeSet;
 use std::fmt;
@@ -86,7 +86,7 @@ impl Default for Groups {
 pub struct Body {
     id: BodyId,
     pub(super) model: Arc<Model>,
-    pose: Pose,
+    pose: AnyPose,
     bounds: Option<(Aabb, Sphere)>,
     pub(super) groups: Groups,
     pub(super) user_data: u64,
@@ -107,7 +107,7 @@ impl Body {
 
     /// The pose `world_from_body`.
     #[must_use]
-    pub fn pose(&self) -> Pose {
+    pub fn pose(&self) -> AnyPose {
         self.pose
     }
 
@@ -135,8 +135,14 @@ impl Body {
         self.bounds
     }
 
-    pub(super) fn set_pose(&mut self, pose: Pose) -> Result<(), Error> {
-        PosedBvh::new(self.model.bvh(), &pose)?;
+    /// Whether the model or the pose is in f64.
+    #[cfg(feature = "gpu")]
+    pub(super) fn is_f64(&self) -> bool {
+        self.pose.is_f64() || self.model.is_f64()
+    }
+
+    pub(super) fn set_pose(&mut self, pose: AnyPose) -> Result<(), Error> {
+        pose.check(self.model.bvh())?;
         self.pose = pose;
         self.reshaped();
         Ok(())
@@ -145,11 +151,12 @@ impl Body {
     /// To be called when the shape has changed, within what the pose can take.
     pub(super) fn reshaped(&mut self) {
         let aabb = self.placed().aabb();
-        self.bounds = aabb.and_then(|aabb| Some((aabb, self.model.sphere()?.posed(&self.pose))));
+        self.bounds =
+            aabb.and_then(|aabb| Some((aabb, self.model.sphere()?.posed(&self.pose.to_f64()))));
     }
 
     pub(super) fn placed(&self) -> PosedBvh<'_> {
-        PosedBvh::new_unchecked(self.model.bvh(), &self.pose)
+        self.pose.place(self.model.bvh())
     }
 }
 
@@ -216,7 +223,7 @@ impl Bodies {
         self.bodies.iter().flatten()
     }
 
-    pub(super) fn add(&mut self, model: Arc<Model>, pose: Pose) -> Result<BodyId, Error> {
+    pub(super) fn add(&mut self, model: Arc<Model>, pose: AnyPose) -> Result<BodyId, Error> {
         let id = BodyId(self.next);
         let groups = Groups::default();
         let mut body = Body { id, model, pose, bounds: None, groups, user_data: 0 };

@@ -6,7 +6,7 @@ use super::frame::{Answer, Frame};
 use super::{BodyId, SceneHit};
 use crate::executor::{Device, Verb};
 use crate::gpu::{GpuError, World};
-use crate::{Model, Pose, Stamp};
+use crate::{AnyPose, Model, Pose, Stamp};
 use pfront_core::bvtt::TrianglePair;
 use std::collections::{HashMap, HashSet};
 
@@ -114,7 +114,7 @@ impl Scene {
         if is_there && self.bodies.iter().zip(bodies.iter()).all(is_same) {
             for (body, number) in bodies.iter().zip(0..) {
                 if bodies.changed([body.id(); 2]) > at {
-                    self.world.set_pose(number, body.pose())?;
+                    self.world.set_pose(number, in_f32(body))?;
                 }
             }
         } else {
@@ -157,7 +157,7 @@ impl Scene {
         }
         self.bodies.clear();
         self.bodies.extend(bodies.iter().map(|body| (body.id(), body.model().stamp())));
-        let number = |body: &super::Body| (self.meshes[&body.model().stamp()], body.pose());
+        let number = |body: &super::Body| (self.meshes[&body.model().stamp()], in_f32(body));
         let posed: Vec<(u32, Pose)> = bodies.iter().map(number).collect();
         self.world.set_bodies(&posed)
     }
@@ -172,4 +172,12 @@ impl Scene {
 
 fn triangles(model: &Model) -> usize {
     model.mesh().triangles().len()
+}
+
+/// The pose of a body; nothing in f64 is asked here.
+fn in_f32(body: &super::Body) -> Pose {
+    match body.pose() {
+        AnyPose::F32(pose) => pose,
+        AnyPose::F64(_) => Pose::IDENTITY,
+    }
 }

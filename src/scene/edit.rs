@@ -3,7 +3,7 @@
 use super::SceneQuery;
 use super::bodies::{Body, BodyId, Groups};
 use super::split::{Cutter, parts};
-use crate::{Aabb, Error, Model, Pose};
+use crate::{Aabb, AnyPose, Error, Model};
 use std::sync::Arc;
 
 /// A body that [`SceneQuery::split`] makes of one part of another.
@@ -27,9 +27,9 @@ impl SceneQuery {
     pub fn add(
         &mut self,
         model: impl Into<Arc<Model>>,
-        world_from_body: Pose,
+        world_from_body: impl Into<AnyPose>,
     ) -> Result<BodyId, Error> {
-        self.bodies.add(model.into(), world_from_body)
+        self.bodies.add(model.into(), world_from_body.into())
     }
 
     /// Takes a body out and returns it.
@@ -47,7 +47,12 @@ impl SceneQuery {
     ///
     /// # Complexity
     /// O(log n) for n bodies.
-    pub fn set_pose(&mut self, id: BodyId, world_from_body: Pose) -> Result<(), Error> {
+    pub fn set_pose(
+        &mut self,
+        id: BodyId,
+        world_from_body: impl Into<AnyPose>,
+    ) -> Result<(), Error> {
+        let world_from_body = world_from_body.into();
         if self.bodies.get(id)?.pose() == world_from_body {
             return Ok(());
         }
@@ -63,16 +68,38 @@ impl SceneQuery {
     ///
     /// # Errors
     /// [`Error::StaleBody`] if the body is not there, [`Error::Mesh`] if a coordinate is not finite or
-    /// the number of vertices differs, [`Error::Pose`] if its pose takes a vertex out of range.
+    /// the number of vertices differs or the model is in f64, [`Error::Pose`] if its pose takes a vertex out of range.
     pub fn set_positions(&mut self, id: BodyId, positions: &[[f32; 3]]) -> Result<(), Error> {
         let run = &self.run;
         self.bodies.change(id, |body| {
             body.model().mesh().with_positions(positions)?;
-            if body.pose() != Pose::IDENTITY {
-                body.pose().check(&Aabb::of(positions))?;
-            }
+            body.pose().check_bounds(&Aabb::of(positions))?;
             let model = Arc::make_mut(&mut body.model);
             run.refit(model, positions)?;
+            body.reshaped();
+            Ok(())
+        })
+    }
+
+    /// [`SceneQuery::set_positions`] of a body whose model is in f64, on this thread.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::set_positions`]; [`Error::Mesh`] also if a coordinate is beyond 2^125 or the model is in f32.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// let mut scene = SceneQuery::new();
+    /// let body = scene.add(Model::from_f64(vec![[0.1; 3]; 3], vec![[0, 1, 2]])?, Pose::IDENTITY)?;
+    /// scene.set_positions_f64(body, &[[0.3; 3]; 3])?;
+    /// assert_eq!(scene.body(body)?.model().mesh().positions_f64(), Some(&[[0.3; 3]; 3][..]));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn set_positions_f64(&mut self, id: BodyId, positions: &[[f64; 3]]) -> Result<(), Error> {
+        self.bodies.change(id, |body| {
+            let shadow = body.model().shadow_of(positions)?;
+            body.pose().check_bounds(&shadow.bounds())?;
+            Arc::make_mut(&mut body.model).set_shadowed(positions, shadow);
             body.reshaped();
             Ok(())
         })

@@ -49,7 +49,8 @@ pub struct SceneHit {
 /// frames. Every vertex is posed into the world by [`crate::Pose::apply`], whatever the other body is, and
 /// that decides what meets: a cube that rests on another is found to touch it where both are rounded
 /// to the world, which is not where one would be rounded to the other's frame, as [`crate::PairQuery`]
-/// does. Vertices of a body at [`crate::Pose::IDENTITY`] stay as they are.
+/// does. Vertices of a body at [`crate::Pose::IDENTITY`] stay as they are. Two bodies are posed and decided in f64 if the
+/// model or the pose of one is in f64.
 ///
 /// A deforming body is not asked whether it meets itself; [`crate::SelfQuery`] does that.
 ///
@@ -302,6 +303,31 @@ impl SceneQuery {
         }
         self.contacts.complete(&self.new_contacts, &self.bodies);
         Ok(self.contacts.list())
+    }
+
+    /// [`SceneQuery::contacts`] in f64, in a list of their own. Nothing of it is kept from frame to frame but the hits.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::all`].
+    ///
+    /// # Examples
+    /// ```
+    /// # let mut scene = pfront::SceneQuery::new();
+    /// for (hit, contact) in scene.contacts_f64()? {
+    ///     println!("{:?} at {:?}", hit.bodies, contact.segment[0]);
+    /// }
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn contacts_f64(&mut self) -> Result<Vec<(SceneHit, Contact<f64>)>, Error> {
+        self.all()?;
+        let mut contacts = Vec::with_capacity(self.hits().len());
+        for of_two in self.hits().chunk_by(|x, y| x.bodies == y.bodies) {
+            let [a, b] = of_two[0].bodies;
+            let query = meeting(self.bodies.get(a)?, self.bodies.get(b)?);
+            let found = of_two.iter().filter_map(|&hit| Some((hit, query.contact_f64(hit.pair)?)));
+            contacts.extend(found);
+        }
+        Ok(contacts)
     }
 
     /// The list of the last [`SceneQuery::contacts`], whatever has changed since; empty before the first. The scene is free

@@ -31,50 +31,50 @@ fn answers_about_two_models() {
     let (a, b, poses) = worm();
     for (name, executor) in EXECUTORS.iter() {
         let mut query = PairQuery::new().on(executor);
-        let first = query.all(&a, &b, &poses[4]).unwrap().to_vec();
+        let first = query.all(&a, &b, poses[4]).unwrap().to_vec();
         assert_asked!(query, name);
-        assert_eq!(query.all(&a, &b, &poses[4]).unwrap(), first);
+        assert_eq!(query.all(&a, &b, poses[4]).unwrap(), first);
         assert_kept!(query, name);
-        assert_eq!(query.count(&a, &b, &poses[4]).unwrap(), first.len() as u64);
+        assert_eq!(query.count(&a, &b, poses[4]).unwrap(), first.len() as u64);
         assert_kept!(query, name);
-        assert_eq!(query.any(&a, &b, &poses[4]).unwrap(), first.first().copied());
+        assert_eq!(query.any(&a, &b, poses[4]).unwrap(), first.first().copied());
         assert_kept!(query, name);
-        assert_eq!(query.contacts(&a, &b, &poses[4]).unwrap().len(), first.len());
+        assert_eq!(query.contacts(&a, &b, poses[4]).unwrap().len(), first.len());
         assert_kept!(query, name);
         // A model that is the same is no other, nor is one whose vertices are moved to where they are.
         let mut moved = b.clone();
         moved.set_positions(b.mesh().positions()).unwrap();
-        assert_eq!(query.all(&a, &moved, &poses[4]).unwrap(), first);
+        assert_eq!(query.all(&a, &moved, poses[4]).unwrap(), first);
         assert_kept!(query, name);
 
         let shifted: Vec<_> = b.mesh().positions().iter().map(|p| p.map(|x| x + 50.0)).collect();
         moved.set_positions(&shifted).unwrap();
-        assert!(query.all(&a, &moved, &poses[4]).unwrap().is_empty());
+        assert!(query.all(&a, &moved, poses[4]).unwrap().is_empty());
         assert_asked!(query, name);
-        assert_eq!(query.all(&a, &b, &poses[4]).unwrap(), first);
+        assert_eq!(query.all(&a, &b, poses[4]).unwrap(), first);
         assert_asked!(query, name);
         // A model that holds the same and was built by itself is another.
         let (positions, triangles) = (b.mesh().positions().to_vec(), b.mesh().triangles().to_vec());
         let twin = Model::new(positions, triangles).unwrap();
-        assert_eq!(query.all(&a, &twin, &poses[4]).unwrap(), first);
+        assert_eq!(query.all(&a, &twin, poses[4]).unwrap(), first);
         assert_asked!(query, name);
-        query.all(&a, &twin, &poses[5]).unwrap();
+        query.all(&a, &twin, poses[5]).unwrap();
         assert_asked!(query, name);
         // In the other order.
-        query.all(&twin, &a, &poses[5]).unwrap();
+        query.all(&twin, &a, poses[5]).unwrap();
         assert_asked!(query, name);
         let mut query = query.with_accuracy(Accuracy::Conservative);
-        query.all(&twin, &a, &poses[5]).unwrap();
+        query.all(&twin, &a, poses[5]).unwrap();
         assert_asked!(query, name);
-        query.all(&twin, &a, &poses[5]).unwrap();
+        query.all(&twin, &a, poses[5]).unwrap();
         assert_kept!(query, name);
         query.forget();
-        query.all(&twin, &a, &poses[5]).unwrap();
+        query.all(&twin, &a, poses[5]).unwrap();
         assert_asked!(query, name);
         // Another executor remembers nothing of pairs.
         let mut query = query.on(executor);
         assert!(query.plan().is_none());
-        query.all(&twin, &a, &poses[5]).unwrap();
+        query.all(&twin, &a, poses[5]).unwrap();
         assert_asked!(query, name);
     }
 }
@@ -85,16 +85,16 @@ fn answers_to_other_verbs() {
     let (a, b, poses) = worm();
     for (name, executor) in EXECUTORS.iter() {
         let mut query = PairQuery::new().on(executor);
-        let any = query.any(&a, &b, &poses[4]).unwrap();
-        assert_eq!(query.any(&a, &b, &poses[4]).unwrap(), any);
+        let any = query.any(&a, &b, poses[4]).unwrap();
+        assert_eq!(query.any(&a, &b, poses[4]).unwrap(), any);
         assert_kept!(query, name);
-        let count = query.count(&a, &b, &poses[4]).unwrap();
+        let count = query.count(&a, &b, poses[4]).unwrap();
         assert_asked!(query, name);
-        assert_eq!(query.count(&a, &b, &poses[4]).unwrap(), count);
+        assert_eq!(query.count(&a, &b, poses[4]).unwrap(), count);
         assert_kept!(query, name);
-        assert_eq!(query.contacts(&a, &b, &poses[4]).unwrap().len() as u64, count);
+        assert_eq!(query.contacts(&a, &b, poses[4]).unwrap().len() as u64, count);
         assert_asked!(query, name);
-        assert_eq!(query.all(&a, &b, &poses[4]).unwrap().len() as u64, count);
+        assert_eq!(query.all(&a, &b, poses[4]).unwrap().len() as u64, count);
         assert_kept!(query, name);
     }
 }
@@ -194,11 +194,11 @@ fn clones_go_their_own_way() {
     let heap = Heap::new();
     for (name, executor) in EXECUTORS.iter() {
         let mut query = PairQuery::new().on(executor);
-        let first = query.all(&a, &b, &poses[0]).unwrap().to_vec();
-        query.contacts(&a, &b, &poses[0]).unwrap();
+        let first = query.all(&a, &b, poses[0]).unwrap().to_vec();
+        query.contacts(&a, &b, poses[0]).unwrap();
         let mut copy = query.clone();
-        query.all(&a, &b, &poses[5]).unwrap();
-        assert_eq!(copy.all(&a, &b, &poses[0]).unwrap(), first);
+        query.all(&a, &b, poses[5]).unwrap();
+        assert_eq!(copy.all(&a, &b, poses[0]).unwrap(), first);
         assert_kept!(copy, name);
         for (is_copy, frame) in [(true, 2), (false, 2), (true, 3)] {
             let query = if is_copy { &mut copy } else { &mut query };
@@ -283,8 +283,8 @@ fn lists_of_a_gpu() {
     let mut queries = [(); 3].map(|()| PairQuery::new().on(&executor));
     let mut ask = |i: usize| {
         let pose = Pose::from_translation([0.1, 0.2, 0.3 + 0.1 * i as f32]);
-        let found = queries[i].all(&ball, &ball, &pose).unwrap();
-        assert_eq!(found, PairQuery::new().all(&ball, &ball, &pose).unwrap());
+        let found = queries[i].all(&ball, &ball, pose).unwrap();
+        assert_eq!(found, PairQuery::new().all(&ball, &ball, pose).unwrap());
         taken()
     };
     let [first, second, third] = [0, 1, 2].map(&mut ask);

@@ -110,7 +110,7 @@ fn pairs_of_changing_models_are_the_same() {
                 met += check(&mut Between(&mut query, two, aside), &mut truth, frame, name);
             }
             for two in [[&bare, &moving], [&moving, &bare], [&bare; 2]] {
-                assert!(query.all(two[0], two[1], &aside).unwrap().is_empty(), "{name}");
+                assert!(query.all(two[0], two[1], aside).unwrap().is_empty(), "{name}");
             }
         }
         assert!(met > 1_000, "{met}");
@@ -293,7 +293,7 @@ fn threads_that_share_an_executor_are_answered_right() {
             let mut query = PairQuery::new().on(executor);
             begin.wait();
             for i in (0..poses.len()).map(|i| (i + from) % poses.len()) {
-                assert_eq!(query.all(&a, &b, &poses[i]).unwrap(), pairs[i], "{name}");
+                assert_eq!(query.all(&a, &b, poses[i]).unwrap(), pairs[i], "{name}");
             }
         };
         let one = |from: usize| {
@@ -316,18 +316,18 @@ fn threads_that_share_an_executor_are_answered_right() {
 #[test]
 fn poses_are_refused_alike_and_harm_nothing() {
     let (a, b, poses) = worm();
-    let truth = PairQuery::new().all(&a, &b, &poses[0]).unwrap().to_vec();
+    let truth = PairQuery::new().all(&a, &b, poses[0]).unwrap().to_vec();
     for (name, executor) in EXECUTORS.iter() {
         let mut query = PairQuery::new().on(executor);
         for pose in [[f32::NAN, 0.0, 0.0], [0.0, 1e38, 0.0]].map(Pose::from_translation) {
-            assert_eq!(query.all(&a, &b, &poses[0]).unwrap(), truth, "{name}");
-            let refused = query.all(&a, &b, &pose).err();
+            assert_eq!(query.all(&a, &b, poses[0]).unwrap(), truth, "{name}");
+            let refused = query.all(&a, &b, pose).err();
             assert!(matches!(refused, Some(Error::Pose(_))), "{name}: {refused:?}");
-            assert_eq!(query.contacts(&a, &b, &pose).err(), refused);
-            assert_eq!(query.any(&a, &b, &pose).err(), refused);
-            assert_eq!(query.count(&a, &b, &pose).err(), refused);
+            assert_eq!(query.contacts(&a, &b, pose).err(), refused);
+            assert_eq!(query.any(&a, &b, pose).err(), refused);
+            assert_eq!(query.count(&a, &b, pose).err(), refused);
         }
-        assert_eq!(query.all(&a, &b, &poses[0]).unwrap(), truth, "{name}");
+        assert_eq!(query.all(&a, &b, poses[0]).unwrap(), truth, "{name}");
     }
 }
 
@@ -335,10 +335,10 @@ fn poses_are_refused_alike_and_harm_nothing() {
 #[test]
 fn any_number_of_workers_will_do() {
     let (a, b, poses) = worm();
-    let truth = PairQuery::new().all(&a, &b, &poses[0]).unwrap().to_vec();
+    let truth = PairQuery::new().all(&a, &b, poses[0]).unwrap().to_vec();
     for workers in [0, 3, 64, usize::MAX] {
         let mut query = PairQuery::new().on(&Executor::threads(workers));
-        assert_eq!(query.all(&a, &b, &poses[0]).unwrap(), truth, "{workers}");
+        assert_eq!(query.all(&a, &b, poses[0]).unwrap(), truth, "{workers}");
     }
 }
 
@@ -348,11 +348,11 @@ fn any_number_of_workers_will_do() {
 fn the_deadline_of_a_traversal_is_none_of_an_executor() {
     use pfront::threads::Traversal;
     let (sheet, _) = folds();
-    let truth = PairQuery::new().count(&sheet, &sheet, &Pose::IDENTITY).unwrap();
+    let truth = PairQuery::new().count(&sheet, &sheet, Pose::IDENTITY).unwrap();
     let mut traversal = Traversal::new(2);
     traversal.deadline = Some(std::time::Instant::now());
     let mut query = PairQuery::new().on(&traversal.into());
-    assert_eq!(query.count(&sheet, &sheet, &Pose::IDENTITY).unwrap(), truth);
+    assert_eq!(query.count(&sheet, &sheet, Pose::IDENTITY).unwrap(), truth);
 }
 
 /// A frame that was divided among workers or sent to a GPU says so.
@@ -366,7 +366,7 @@ fn the_plan_tells_who_answered() {
         let mut backends = Vec::new();
         for frame in 0..4 {
             let aside = Pose::from_translation([0.3 + 0.01 * frame as f32, 0.0, 0.0]);
-            query.all(&ball, &ball, &aside).unwrap();
+            query.all(&ball, &ball, aside).unwrap();
             let plan = query.plan().unwrap();
             assert_eq!(plan.failure, None);
             let is_choice = name.contains("and gpu");

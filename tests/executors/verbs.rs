@@ -30,24 +30,24 @@ impl Verbs for Between<'_> {
     type Hit = TrianglePair;
 
     fn all(&mut self) -> Vec<TrianglePair> {
-        self.0.all(self.1[0], self.1[1], &self.2).unwrap().to_vec()
+        self.0.all(self.1[0], self.1[1], self.2).unwrap().to_vec()
     }
 
     fn any(&mut self) -> Option<TrianglePair> {
-        self.0.any(self.1[0], self.1[1], &self.2).unwrap()
+        self.0.any(self.1[0], self.1[1], self.2).unwrap()
     }
 
     fn count(&mut self) -> u64 {
-        self.0.count(self.1[0], self.1[1], &self.2).unwrap()
+        self.0.count(self.1[0], self.1[1], self.2).unwrap()
     }
 
     fn contacts(&mut self) -> Vec<(TrianglePair, Contact)> {
-        self.0.contacts(self.1[0], self.1[1], &self.2).unwrap().to_vec()
+        self.0.contacts(self.1[0], self.1[1], self.2).unwrap().to_vec()
     }
 
     fn visited(&mut self) -> Vec<TrianglePair> {
         let Self(query, [a, b], pose) = self;
-        sorted(|visit| query.visit(a, b, &*pose, visit).unwrap())
+        sorted(|visit| query.visit(a, b, *pose, visit).unwrap())
     }
 }
 

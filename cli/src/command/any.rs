@@ -12,7 +12,7 @@ use std::io::Write;
 pub(crate) fn run(meshes: &TwoMeshes, executor: &ExecutorArgs, as_json: bool) -> Result<bool> {
     let mut query = PairQuery::new().with_accuracy(executor.accuracy()).on(&executor.open()?);
     let [(a, _), (b, _)] = two(meshes, None)?;
-    let found = query.any(&a, &b, &meshes.a_from_b())?;
+    let found = query.any(&a, &b, meshes.a_from_b())?;
     if as_json {
         writeln!(out(), "{}", json!({ "pair": found.map(|p| [p.a, p.b]) }))?;
     } else if let Some(pair) = found {

@@ -15,8 +15,8 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs
     let [(a, source_a), (b, source_b)] = two(meshes, listing.file())?;
     let a_from_b = meshes.a_from_b();
     let pairs = shown("asking which triangles meet".to_owned(), || {
-        list_fits(query.count(&a, &b, &a_from_b)?, size_of::<TrianglePair>(), &meshes.reading)?;
-        anyhow::Ok(query.all(&a, &b, &a_from_b)?)
+        list_fits(query.count(&a, &b, a_from_b)?, size_of::<TrianglePair>(), &meshes.reading)?;
+        anyhow::Ok(query.all(&a, &b, a_from_b)?)
     })?;
     let bvtt = PairBvtt::new(a.bvh(), b.bvh(), a_from_b)?;
     let origins = [&source_a, &source_b].map(Origin::of_file);
