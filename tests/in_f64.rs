@@ -210,5 +210,31 @@ fn what_f32_holds_is_kept_in_f32() {
     let expected = brute(&exact, &Pose64::IDENTITY, &exact, &pose.into());
     assert_eq!(query.all(&exact, &exact, pose).unwrap(), expected);
     assert_eq!(query.plan().unwrap().backend, Backend::Sequential);
-    assert!(exact.to_blob().is_err());
+}
+
+/// A blob holds the numbers that decide, and deforms as what it was made of.
+#[test]
+fn blobs_of_models_in_f64() {
+    let far = sheet_in_f64(12, 0.0, 3);
+    let flat = sheet(7, |x, y| 0.02 * (5.0 * x + 3.0 * y).sin());
+    let widened = flat.positions.iter().map(|p| p.map(f64::from)).collect();
+    let near = Model::from_f64(widened, flat.triangles.clone()).unwrap();
+    for mut model in [far, near] {
+        let bytes = model.to_blob().unwrap();
+        let mut again = Model::from_blob(&bytes).unwrap();
+        assert!(again.is_f64() && again.to_blob().unwrap() == bytes);
+        assert_eq!(again.mesh().positions_f64(), model.mesh().positions_f64());
+        let pose = Pose64::from_translation([1e-9, 1e-3, 1e-4]);
+        let expected = brute(&model, &Pose64::IDENTITY, &again, &pose);
+        assert_eq!(PairQuery::new().all(&model, &again, pose).unwrap(), expected);
+        let moved: Vec<_> = posed(&model, &pose).concat();
+        let moved: Vec<_> = moved.iter().cycle().take(model.mesh().positions().len()).collect();
+        let moved: Vec<[f64; 3]> = moved.into_iter().copied().collect();
+        for model in [&mut model, &mut again] {
+            model.set_positions_f64(&moved).unwrap();
+        }
+        let [of_model, of_again] =
+            [&model, &again].map(|model| SelfQuery::new().all(model).unwrap().to_vec());
+        assert!(!of_model.is_empty() && of_model == of_again);
+    }
 }

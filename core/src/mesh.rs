@@ -206,6 +206,12 @@ pub enum MeshError {
         /// The vertex with that coordinate.
         vertex: usize,
     },
+    /// A position of a shadow is not that of the mesh in f64 minus its origin.
+    #[error("vertex {vertex} of the shadow is not its position in f64 minus the origin")]
+    Shadow {
+        /// The vertex.
+        vertex: usize,
+    },
     /// Positions in f32 were given for a mesh in f64, or in f64 for one in f32.
     #[error("positions were given in f32 for a mesh in f64, or in f64 for one in f32")]
     OtherPrecision,

@@ -1,15 +1,16 @@
 //! Models as bytes: see [`pfront_core::blob`].
 
 use super::Model;
+use super::in_f64::Exact;
 use super::passes::ONE_THREAD;
 use super::tree::Tree;
 use crate::Error;
 use pfront_core::blob::{Blob, BlobStorage, Counts, write};
 use pfront_core::bvh::BuildOptions;
-use pfront_core::{BlobError, Mesh, Node};
+use pfront_core::{BlobError, Node};
 
 impl Model {
-    /// Copies a mesh and its BVH out of a blob, wherever that lies, instead of building the BVH. Nothing in it
+    /// Copies a mesh, in f32 or in f64, and its BVH out of a blob, wherever that lies, instead of building the BVH. Nothing in it
     /// is trusted.
     ///
     /// A BVH whose nodes do not lie as a build lays them is built anew, since refits rely on that. Rebuilds
@@ -39,6 +40,7 @@ impl Model {
         let mut positions = vec![[0.0; 3]; counts.vertices];
         let mut triangles = vec![[0; 3]; counts.triangles];
         let mut order = vec![0; counts.triangles];
+        let mut positions_f64 = vec![[0.0; 3]; counts.positions_f64];
         let storage = BlobStorage {
             nodes: &mut nodes,
             positions: &mut positions,
@@ -46,15 +48,17 @@ impl Model {
             order: &mut order,
         };
         let mut scratch = vec![0; counts.triangles.div_ceil(32)];
-        let as_built = blob.read_into(storage, &mut scratch)?.is_depth_first();
-        let (mesh, options) =
-            (Mesh::new_unchecked(&positions, &triangles), BuildOptions::default());
+        let bvh = blob.read_into_f64(storage, &mut positions_f64, &mut scratch)?;
+        let (as_built, origin) = (bvh.is_depth_first(), bvh.mesh().origin());
+        let exact = blob.is_f64().then_some(Exact { positions: positions_f64, origin });
+        let mesh = Exact::mesh(exact.as_ref(), &positions, &triangles);
+        let options = BuildOptions::default();
         let tree = if as_built {
             Tree::adopt(mesh, nodes, order, ONE_THREAD)
         } else {
             Tree::build(mesh, options, ONE_THREAD)
         };
-        Ok(Self::of(positions, triangles, options, tree))
+        Ok(Self { exact, ..Self::of(positions, triangles, options, tree) })
     }
 
     /// The mesh and its BVH as a blob, the same on every machine.

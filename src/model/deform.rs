@@ -1,6 +1,7 @@
 //! Moving the vertices of a model, and updating its tree and certificates.
 
 use super::Model;
+use super::in_f64::Exact;
 use super::moves::same_bits;
 #[cfg(feature = "threads")]
 use super::passes::THREADS;
@@ -141,10 +142,7 @@ impl Model {
     }
 
     pub(super) fn fit_by(&mut self, parallel: Parallel) {
-        let mesh = match &self.exact {
-            None => Mesh::new_unchecked(&self.positions, &self.triangles),
-            Some(exact) => exact.mesh(&self.positions, &self.triangles),
-        };
+        let mesh = Exact::mesh(self.exact.as_ref(), &self.positions, &self.triangles);
         let (moves, options) = (&self.moves, self.options);
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, parallel);
         match (self.tree.stale_mut(), self.certificates.stale_mut()) {

@@ -11,8 +11,8 @@ use pfront_core::{Aabb, Mesh};
 #[derive(Clone, Debug)]
 pub(super) struct Exact {
     /// Empty if those of the shadow are the same.
-    positions: Vec<[f64; 3]>,
-    origin: [f64; 3],
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) origin: [f64; 3],
 }
 
 /// The shadow of a mesh in f64, see [`Mesh::from_f64`], and where its origin is.
@@ -31,12 +31,18 @@ impl Shadow {
 }
 
 impl Exact {
+    /// The mesh with these positions in f32, or of which they are the shadow.
     pub(super) fn mesh<'m>(
-        &'m self,
-        shadow: &'m [[f32; 3]],
+        exact: Option<&'m Self>,
+        positions: &'m [[f32; 3]],
         triangles: &'m [[u32; 3]],
     ) -> Mesh<'m> {
-        Mesh::from_f64_unchecked(&self.positions, shadow, self.origin, triangles)
+        match exact {
+            None => Mesh::new_unchecked(positions, triangles),
+            Some(Self { positions: exact, origin }) => {
+                Mesh::from_f64_unchecked(exact, positions, *origin, triangles)
+            }
+        }
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -81,7 +87,7 @@ impl Model {
             Exact { positions, origin }
         };
         let options = BuildOptions::default();
-        let tree = Tree::build(exact.mesh(&shadow, &triangles), options, ONE_THREAD);
+        let tree = Tree::build(Exact::mesh(Some(&exact), &shadow, &triangles), options, ONE_THREAD);
         Ok(Self { exact: Some(exact), ..Self::of(shadow, triangles, options, tree) })
     }
 

@@ -169,10 +169,7 @@ impl Model {
     /// The mesh.
     #[must_use]
     pub fn mesh(&self) -> Mesh<'_> {
-        match &self.exact {
-            None => Mesh::new_unchecked(&self.positions, &self.triangles),
-            Some(exact) => exact.mesh(&self.positions, &self.triangles),
-        }
+        Exact::mesh(self.exact.as_ref(), &self.positions, &self.triangles)
     }
 
     /// The BVH. After [`Model::set_positions_unfitted`], it is refitted at the first call.

@@ -28,8 +28,8 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     to.write_all(&bytes).with_context(|| format!("cannot write {}", path.display()))?;
     to.finish()?;
 
-    let Counts { nodes, vertices, triangles } = counts;
-    let header = Counts { nodes: 0, vertices: 0, triangles: 0 }.bytes();
+    let Counts { nodes, vertices, triangles, .. } = counts;
+    let header = Counts { nodes: 0, vertices: 0, triangles: 0, positions_f64: 0 }.bytes();
     let sections = [
         ("header", header),
         ("nodes", nodes * size_of::<Node>()),

@@ -101,9 +101,6 @@ pub enum BvhError {
         /// How many it has.
         found: usize,
     },
-    /// A mesh in f64, which blobs cannot hold.
-    #[error("a mesh in f64 cannot be stored in a blob")]
-    InF64,
     /// An entry of the order names no triangle, or one that an earlier entry names, or lies in no leaf.
     #[error("order entry {entry} is out of range, names a triangle again, or is in no leaf")]
     Order {

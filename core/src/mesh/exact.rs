@@ -119,6 +119,39 @@ impl<'a> Mesh<'a> {
         Self::new_unchecked(shadow, triangles).with_exact(positions, DVec3::from_array(origin))
     }
 
+    /// [`Mesh::from_f64_unchecked`] of arrays that nobody has checked.
+    pub(crate) fn from_f64_parts(
+        positions: &'a [[f64; 3]],
+        shadow: &'a [[f32; 3]],
+        origin: [f64; 3],
+        triangles: &'a [[u32; 3]],
+    ) -> Result<Self, MeshError> {
+        let mesh = Self::new(shadow, triangles)?.with_exact(positions, DVec3::from_array(origin));
+        if positions.is_empty() {
+            let is_in_range =
+                |p: &[f32; 3]| p.iter().all(|x| f64::from(x.abs()) <= predicate64::LIMIT);
+            return match shadow.iter().position(|p| !is_in_range(p)) {
+                Some(vertex) => Err(MeshError::Range { vertex }),
+                None => Ok(mesh),
+            };
+        }
+        if positions.len() != shadow.len() {
+            let (expected, found) = (shadow.len(), positions.len());
+            return Err(MeshError::VertexCount { expected, found });
+        }
+        check_positions(positions)?;
+        let is_near = DVec3::from_array(origin).abs().cmple(DVec3::splat(predicate64::LIMIT)).all();
+        let is_own = |(p, shadow): (&[f64; 3], &[f32; 3])| {
+            is_near
+                && (DVec3::from_array(*p) - DVec3::from_array(origin)).as_vec3().to_array()
+                    == *shadow
+        };
+        match positions.iter().zip(shadow).position(|both| !is_own(both)) {
+            Some(vertex) => Err(MeshError::Shadow { vertex }),
+            None => Ok(mesh),
+        }
+    }
+
     /// Whether it is in f64: posed and decided there, whatever the pose and the other mesh.
     #[must_use]
     pub fn is_f64(self) -> bool {

@@ -55,6 +55,9 @@ pub enum BlobError {
     /// A blob is little-endian and this machine is not, so it cannot be borrowed.
     #[error("a big-endian machine must copy a baked mesh by `Blob::read_into`")]
     BigEndian,
+    /// The mesh is in f64, and this call reads only those in f32.
+    #[error("a baked mesh in f64: read it by `Blob::bvh_f64` or `Blob::read_into_f64`")]
+    InF64,
     /// The checksum is right, but positions and triangles are not a mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),

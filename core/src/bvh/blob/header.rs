@@ -30,15 +30,29 @@ pub(super) struct Header {
     zero: [u8; 20],
 }
 
+/// The kind of every section of a mesh in f32.
+const ORDINARY: u16 = 1;
+
+/// The kind of positions that are also those of a mesh in f64.
+const WIDENED: u16 = 2;
+
+/// The kind of positions that are the shadow of others in f64, in a section of their own.
+const SHADOW: u16 = 3;
+
 impl Header {
     /// The header of a blob, with a checksum of 0. A BVH has no more nodes and triangles than fit in 32 bits.
-    pub(super) fn new(counts: Counts) -> Self {
+    pub(super) fn new(counts: Counts, is_f64: bool) -> Self {
+        let positions = match (is_f64, counts.positions_f64) {
+            (false, _) => ORDINARY,
+            (true, 0) => WIDENED,
+            (true, _) => SHADOW,
+        };
         Self {
             magic: MAGIC,
             version: VERSION.to_le_bytes(),
             checksum: [0; 4],
             length: (counts.bytes() as u64).to_le_bytes(),
-            kinds: [1_u16.to_le_bytes(); 4],
+            kinds: [ORDINARY, positions, ORDINARY, ORDINARY].map(u16::to_le_bytes),
             counts: [counts.nodes, counts.vertices, counts.triangles]
                 .map(|count| (count as u32).to_le_bytes()),
             zero: [0; 20],
@@ -65,8 +79,9 @@ impl Header {
                 return Err(BlobError::Length { needed, found });
             }
         }
-        // The counts determine all other bytes.
-        let expected = Self { checksum: header.checksum, ..Self::new(header.counts()) };
+        // The counts and the kind of the positions determine all other bytes.
+        let expected =
+            Self { checksum: header.checksum, ..Self::new(header.counts(), header.is_f64()) };
         let mut bytes = bytemuck::bytes_of(&header).iter().zip(bytemuck::bytes_of(&expected));
         match bytes.position(|(found, expected)| found != expected) {
             Some(byte) => Err(BlobError::Byte { byte }),
@@ -83,7 +98,17 @@ impl Header {
 
     pub(super) fn counts(&self) -> Counts {
         let [nodes, vertices, triangles] = self.counts.map(|n| u32::from_le_bytes(n) as usize);
-        Counts { nodes, vertices, triangles }
+        let positions_f64 = if self.kind_of_positions() == SHADOW { vertices } else { 0 };
+        Counts { nodes, vertices, triangles, positions_f64 }
+    }
+
+    pub(super) fn is_f64(&self) -> bool {
+        matches!(self.kind_of_positions(), WIDENED | SHADOW)
+    }
+
+    fn kind_of_positions(&self) -> u16 {
+        let [_, kind, ..] = self.kinds;
+        u16::from_le_bytes(kind)
     }
 
     pub(super) fn checksum(&self) -> u32 {
@@ -100,6 +125,8 @@ pub struct Counts {
     pub vertices: usize,
     /// Triangles.
     pub triangles: usize,
+    /// Positions in f64 beside: one for each vertex, or none if f32 holds them all.
+    pub positions_f64: usize,
 }
 
 impl Counts {
@@ -111,6 +138,7 @@ impl Counts {
             nodes: bvh.nodes().len(),
             vertices: mesh.positions().len(),
             triangles: mesh.triangles().len(),
+            positions_f64: mesh.positions_f64().map_or(0, <[_]>::len),
         }
     }
 
@@ -119,22 +147,27 @@ impl Counts {
     /// # Examples
     /// ```
     /// use pfront_core::{blob::Counts, bvh::node_bound};
-    /// let most = Counts { nodes: node_bound(1000), vertices: 500, triangles: 1000 };
+    /// let most = Counts { nodes: node_bound(1000), vertices: 500, triangles: 1000, positions_f64: 0 };
     /// assert_eq!(most.bytes(), 64 + 64_000 + 6_000 + 12_000 + 4_000);
+    /// assert_eq!(Counts { positions_f64: 500, ..most }.bytes(), most.bytes() + 24 * 501);
     /// ```
     #[must_use]
     pub const fn bytes(self) -> usize {
-        let [.., order] = self.sections();
-        order.end
+        let [.., last] = self.sections();
+        last.end
     }
 
-    /// The bytes of the nodes, the positions, the triangles and the order.
-    pub(super) const fn sections(self) -> [Range<usize>; 4] {
+    /// The bytes of the nodes, the positions, the triangles and the order, and of the origin and the positions in f64.
+    pub(super) const fn sections(self) -> [Range<usize>; 5] {
         let nodes = section(size_of::<Header>(), self.nodes, size_of::<Node>());
         let positions = section(nodes.end, self.vertices, size_of::<[f32; 3]>());
         let triangles = section(positions.end, self.triangles, size_of::<[u32; 3]>());
         let order = section(triangles.end, self.triangles, size_of::<u32>());
-        [nodes, positions, triangles, order]
+        let in_f64 = match self.positions_f64 {
+            0 => order.end..order.end,
+            count => section(order.end, count.saturating_add(1), size_of::<[f64; 3]>()),
+        };
+        [nodes, positions, triangles, order, in_f64]
     }
 }
 

@@ -1,7 +1,7 @@
 //! Blobs: a mesh and its BVH as bytes, written once, kept in flash or in a file, and borrowed from there.
 //!
-//! A blob is a header of 64 bytes and four sections, in this order. Everything is little-endian, and the same
-//! on every machine; f32 is IEEE 754 binary32, bit by bit.
+//! A blob is a header of 64 bytes and four or five sections, in this order. Everything is little-endian, and the same
+//! on every machine; f32 is IEEE 754 binary32, and f64 binary64, bit by bit.
 //!
 //! | offset | type | meaning |
 //! |---:|---|---|
@@ -9,15 +9,16 @@
 //! | 8 | `u32` | version, 1 |
 //! | 12 | `u32` | checksum of every byte but these four: CRC-32/ISO-HDLC, the one of zlib |
 //! | 16 | `u64` | bytes of the whole blob |
-//! | 24 | `[u16; 4]` | kinds of the four sections, each 1 |
+//! | 24 | `[u16; 4]` | kinds of the next four sections: 1, but for positions of meshes in f64 |
 //! | 32 | `u32` | n, the number of nodes |
 //! | 36 | `u32` | v, the number of vertices |
 //! | 40 | `u32` | t, the number of triangles |
 //! | 44 | `[u8; 20]` | 0 |
 //! | 64 | `[Node; n]` | nodes of kind 1: [`Node`], 32 bytes each |
-//! | then | `[[f32; 3]; v]` | positions of kind 1 |
+//! | then | `[[f32; 3]; v]` | positions: of a mesh in f32 (kind 1), of one in f64 (2), the shadow of one in f64 (3) |
 //! | then | `[[u32; 3]; t]` | triangles of kind 1 |
 //! | then | `[u32; t]` | order of kind 1 |
+//! | then | `[[f64; 3]; 1 + v]` | with positions of kind 3: the origin of the shadow, and the positions in f64 |
 //!
 //! A section begins at the next multiple of 16 bytes; what lies between is 0. So there is one blob of a BVH:
 //! reading it and writing it again gives the same bytes.
@@ -29,7 +30,8 @@
 //! child, as [`Mesh::new`] and [`Bvh::new`] do.
 //!
 //! # Alignment
-//! To be borrowed, the bytes must begin at a multiple of 4; at one of 64 siblings share a cache line.
+//! To be borrowed, the bytes must begin at a multiple of 4, or of 8 with positions in f64; at one of 64 siblings share a
+//! cache line.
 //! `include_bytes!` promises neither, [`Aligned`] both. [`Blob::read_into`] copies from anywhere.
 //!
 //! # Endianness
@@ -37,7 +39,7 @@
 //! [`Blob::read_into`] copies.
 //!
 //! # Versions
-//! The version changes when old readers would misread a blob. The first 12 bytes stay as they are in every version.
+//! The version changes when old readers would misread a blob; they refuse kinds that they do not know. The first 12 bytes stay as they are in every version.
 //!
 //! # Examples
 //! ```
@@ -47,7 +49,7 @@
 //! let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
 //! let nodes = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
 //! let bvh = Bvh::new(mesh, &nodes, &[0], &mut [0])?;
-//! const BYTES: usize = Counts { nodes: 1, vertices: 3, triangles: 1 }.bytes();
+//! const BYTES: usize = Counts { nodes: 1, vertices: 3, triangles: 1, positions_f64: 0 }.bytes();
 //! let mut baked = Aligned([0; BYTES]);
 //! blob::write(&bvh, &mut baked.0)?;
 //!
@@ -68,9 +70,9 @@ mod tests;
 pub use error::BlobError;
 pub use header::{Counts, MAGIC};
 
-use crate::index::{part, part_mut};
+use crate::index::{part, part_mut, split};
 use crate::{Bvh, BvhError, CapacityError, Mesh, Node};
-use bytes::{borrow, copy_from, copy_to};
+use bytes::{borrow, copy_from, copy_points_from, copy_points_to, copy_to};
 use header::{Header, checksum};
 
 /// A value that begins at a multiple of 64 bytes, for a [`Blob`] to be borrowed.
@@ -133,19 +135,61 @@ impl<'a> Blob<'a> {
         self.header.counts()
     }
 
+    /// Whether the mesh is in f64: see [`Mesh::from_f64`].
+    #[must_use]
+    pub fn is_f64(&self) -> bool {
+        self.header.is_f64()
+    }
+
     /// Borrows the mesh and the BVH, after checking the checksum and all that queries rely on.
     ///
     /// `scratch` is as for [`Bvh::new`]: a bit for each triangle, or fewer and more time.
     ///
     /// # Errors
     /// [`BlobError`] says what is at fault; [`BlobError::Misaligned`] and [`BlobError::BigEndian`] are about where the
-    /// bytes lie, not what they are.
+    /// bytes lie, not what they are. [`BlobError::InF64`] if the mesh is in f64, which [`Blob::bvh_f64`] borrows.
     ///
     /// # Complexity
     /// O(bytes), beside what [`Bvh::new`] and [`Mesh::new`] take.
     pub fn bvh(&self, scratch: &mut [u32]) -> Result<Bvh<'a>, BlobError> {
-        let [nodes, positions, triangles, order] = self.sections()?;
+        self.check_f32()?;
+        let [nodes, positions, triangles, order, _] = self.sections()?;
         let mesh = Mesh::new(borrow(positions)?, borrow(triangles)?)?;
+        Ok(Bvh::new(mesh, borrow(nodes)?, borrow(order)?, scratch)?)
+    }
+
+    /// [`Blob::bvh`] for meshes of either kind. A program that has none in f64 need not link what it takes to ask about them.
+    ///
+    /// # Errors
+    /// As [`Blob::bvh`].
+    ///
+    /// # Complexity
+    /// As [`Blob::bvh`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{blob::{self, Aligned, Counts}, Blob, Bvh, Mesh, Node};
+    /// let (points, mut shadow) = ([[0.1, 0.2, 0.3]; 3], [[0.0; 3]; 3]);
+    /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
+    /// let nodes = [Node { min: [0.0; 3], first: 0, max: [0.0; 3], count: 1 }];
+    /// let bvh = Bvh::new(mesh, &nodes, &[0], &mut [0])?;
+    /// let mut baked = Aligned([0; 512]);
+    /// let bytes = blob::write(&bvh, &mut baked.0)?.len();
+    ///
+    /// let blob = Blob::new(&baked.0[..bytes])?;
+    /// # if cfg!(target_endian = "big") { return Ok(()) }
+    /// let borrowed = blob.bvh_f64(&mut [0; 1])?;
+    /// assert_eq!(borrowed.mesh().positions_f64(), Some(&points[..]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn bvh_f64(&self, scratch: &mut [u32]) -> Result<Bvh<'a>, BlobError> {
+        if !self.is_f64() {
+            return self.bvh(scratch);
+        }
+        let [nodes, shadow, triangles, order, in_f64] = self.sections()?;
+        let (origin, positions) = origin_and_positions(in_f64);
+        let (shadow, triangles) = (borrow(shadow)?, borrow(triangles)?);
+        let mesh = Mesh::from_f64_parts(borrow(positions)?, shadow, origin, triangles)?;
         Ok(Bvh::new(mesh, borrow(nodes)?, borrow(order)?, scratch)?)
     }
 
@@ -153,7 +197,8 @@ impl<'a> Blob<'a> {
     /// copy as [`Blob::bvh`] does.
     ///
     /// # Errors
-    /// [`BlobError::Capacity`] if `storage` is too small, or another [`BlobError`] that says what is at fault.
+    /// [`BlobError::Capacity`] if `storage` is too small, or another [`BlobError`] that says what is at fault;
+    /// [`BlobError::InF64`] if the mesh is in f64, which [`Blob::read_into_f64`] copies.
     ///
     /// # Complexity
     /// As [`Blob::bvh`].
@@ -162,16 +207,42 @@ impl<'a> Blob<'a> {
         storage: BlobStorage<'s>,
         scratch: &mut [u32],
     ) -> Result<Bvh<'s>, BlobError> {
-        let [nodes, positions, triangles, order] = self.sections()?;
-        let positions = copy_from(positions, "positions", storage.positions)?;
-        let triangles = copy_from(triangles, "triangles", storage.triangles)?;
-        let nodes = copy_from(nodes, "nodes", storage.nodes)?;
-        let order = copy_from(order, "order", storage.order)?;
-        Ok(Bvh::new(Mesh::new(positions, triangles)?, nodes, order, scratch)?)
+        self.check_f32()?;
+        let (mesh, nodes, order) = copy_into(storage, self.sections()?)?;
+        Ok(Bvh::new(Mesh::new(mesh.positions(), mesh.triangles())?, nodes, order, scratch)?)
+    }
+
+    /// [`Blob::read_into`] for meshes of either kind; `positions` must hold [`Counts::positions_f64`].
+    ///
+    /// # Errors
+    /// As [`Blob::read_into`].
+    ///
+    /// # Complexity
+    /// As [`Blob::bvh`].
+    pub fn read_into_f64<'s>(
+        &self,
+        storage: BlobStorage<'s>,
+        positions: &'s mut [[f64; 3]],
+        scratch: &mut [u32],
+    ) -> Result<Bvh<'s>, BlobError> {
+        if !self.is_f64() {
+            return self.read_into(storage, scratch);
+        }
+        let sections = self.sections()?;
+        let [.., in_f64] = sections;
+        let (origin, bytes) = origin_and_positions(in_f64);
+        let positions = copy_points_from(bytes, "positions_f64", positions)?;
+        let (mesh, nodes, order) = copy_into(storage, sections)?;
+        let mesh = Mesh::from_f64_parts(positions, mesh.positions(), origin, mesh.triangles())?;
+        Ok(Bvh::new(mesh, nodes, order, scratch)?)
+    }
+
+    fn check_f32(&self) -> Result<(), BlobError> {
+        if self.is_f64() { Err(BlobError::InF64) } else { Ok(()) }
     }
 
     /// The bytes of each section, after checking the checksum and what lies between.
-    fn sections(&self) -> Result<[&'a [u8]; 4], BlobError> {
+    fn sections(&self) -> Result<[&'a [u8]; 5], BlobError> {
         let (stored, computed) = (self.header.checksum(), checksum(self.bytes));
         if stored != computed {
             return Err(BlobError::Checksum { stored, computed });
@@ -188,11 +259,35 @@ impl<'a> Blob<'a> {
     }
 }
 
+/// Copies all but positions in f64; nothing in it has been checked.
+fn copy_into<'s>(
+    storage: BlobStorage<'s>,
+    [nodes, positions, triangles, order, _]: [&[u8]; 5],
+) -> Result<(Mesh<'s>, &'s [Node], &'s [u32]), CapacityError> {
+    let positions = copy_from(positions, "positions", storage.positions)?;
+    let triangles = copy_from(triangles, "triangles", storage.triangles)?;
+    let nodes = copy_from(nodes, "nodes", storage.nodes)?;
+    let order = copy_from(order, "order", storage.order)?;
+    Ok((Mesh::new_unchecked(positions, triangles), nodes, order))
+}
+
+/// Splits the section of the positions in f64, which is empty if there are none.
+fn origin_and_positions(section: &[u8]) -> ([f64; 3], &[u8]) {
+    let Some((origin, positions)) = section.split_first_chunk::<{ size_of::<[f64; 3]>() }>() else {
+        return ([0.0; 3], section);
+    };
+    let mut point = [[0.0; 3]];
+    // It has room for one.
+    let _ = copy_points_from(origin, "origin", &mut point);
+    let [origin] = point;
+    (origin, positions)
+}
+
 /// Writes a mesh and its BVH as a blob of [`Counts::bytes`] at the beginning of `out`, and returns these bytes.
 ///
 /// # Errors
 /// [`BvhError::Capacity`] if `out` is too small, [`BvhError::TooMany`] if there are 2³² vertices or more,
-/// [`BvhError::Length`] if the order does not have one entry per triangle, [`BvhError::InF64`] if the mesh is in f64.
+/// [`BvhError::Length`] if the order does not have one entry per triangle.
 ///
 /// # Complexity
 /// O(bytes).
@@ -202,9 +297,6 @@ pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BvhError>
     if found != expected {
         return Err(BvhError::Length { array: "order", expected, found });
     }
-    if mesh.is_f64() {
-        return Err(BvhError::InF64);
-    }
     let (found, most) = (counts.vertices, u32::MAX as usize);
     if found > most {
         return Err(BvhError::TooMany { array: "positions", most, found });
@@ -212,11 +304,16 @@ pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BvhError>
     CapacityError::check("out", counts.bytes(), out.len())?;
     let out = part_mut(out, ..counts.bytes());
     out.fill(0);
-    let [nodes, positions, triangles, order] = counts.sections();
+    let [nodes, positions, triangles, order, in_f64] = counts.sections();
+    if let Some(points) = mesh.positions_f64() {
+        let (origin, rest) = split(part_mut(out, in_f64), size_of::<[f64; 3]>());
+        copy_points_to(&[mesh.origin()], origin);
+        copy_points_to(points, rest);
+    }
     copy_to(bvh.nodes(), part_mut(out, nodes));
     copy_to(mesh.positions(), part_mut(out, positions));
     copy_to(mesh.triangles(), part_mut(out, triangles));
     copy_to(bvh.order(), part_mut(out, order));
-    Header::new(counts).write(out);
+    Header::new(counts, mesh.is_f64()).write(out);
     Ok(out)
 }

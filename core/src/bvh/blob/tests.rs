@@ -3,6 +3,7 @@
 extern crate std;
 
 mod hostile;
+mod in_f64;
 
 use super::*;
 use crate::MeshError;
@@ -173,8 +174,13 @@ fn what_is_no_bvh_is_not_written() {
 
 #[test]
 fn no_count_overflows() {
-    let most = Counts { nodes: usize::MAX, vertices: usize::MAX, triangles: usize::MAX };
+    let max = usize::MAX;
+    let most = Counts { nodes: max, vertices: max, triangles: max, positions_f64: max };
     assert!(most.bytes() > isize::MAX as usize);
-    let nodes = Counts { nodes: usize::MAX / 32 + 2, vertices: 0, triangles: 0 };
-    assert!(nodes.bytes() > isize::MAX as usize);
+    let none = Counts { nodes: 0, vertices: 0, triangles: 0, positions_f64: 0 };
+    for most in
+        [Counts { nodes: max / 32 + 2, ..none }, Counts { positions_f64: max / 24 + 2, ..none }]
+    {
+        assert!(most.bytes() > isize::MAX as usize);
+    }
 }

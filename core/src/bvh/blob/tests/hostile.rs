@@ -9,7 +9,7 @@ fn seal(bytes: &mut [u8]) {
 }
 
 /// The fault found in a blob after a change under a right checksum.
-fn after(bytes: &[u8], change: impl FnOnce(&mut [u8])) -> Option<BlobError> {
+pub(super) fn after(bytes: &[u8], change: impl FnOnce(&mut [u8])) -> Option<BlobError> {
     let mut bytes = bytes.to_vec();
     change(&mut bytes);
     seal(&mut bytes);
@@ -17,9 +17,11 @@ fn after(bytes: &[u8], change: impl FnOnce(&mut [u8])) -> Option<BlobError> {
         Ok(blob) => blob,
         Err(error) => return Some(error),
     };
-    let copied = blob.read_into(Owned::room(blob.counts()).storage(), &mut [0; 4]).err();
+    let mut exact = vec![[0.0; 3]; blob.counts().positions_f64];
+    let mut room = Owned::room(blob.counts());
+    let copied = blob.read_into_f64(room.storage(), &mut exact, &mut [0; 4]).err();
     let place = aligned(&bytes);
-    let borrowed = Blob::new(&place.0[..bytes.len()]).unwrap().bvh(&mut [0; 4]).err();
+    let borrowed = Blob::new(&place.0[..bytes.len()]).unwrap().bvh_f64(&mut [0; 4]).err();
     // A big-endian machine names what is wrong between sections, and borrows none.
     let is_foreign = cfg!(target_endian = "big") && borrowed == Some(BlobError::BigEndian);
     assert!(is_foreign || borrowed == copied, "{borrowed:?} {copied:?}");
@@ -117,7 +119,7 @@ fn contents_that_lie_are_refused() {
     // 64 the root, 128 its children, of which the first is a leaf; then positions, triangles and order.
     let own = Owned::new(strip(9), 8, false);
     let bytes = own.baked();
-    let [_, positions, triangles, order] = Counts::of(&own.bvh()).sections().map(|s| s.start);
+    let [_, positions, triangles, order, _] = Counts::of(&own.bvh()).sections().map(|s| s.start);
     assert_eq!(own.nodes.len(), 4);
     let is_box = |error| matches!(error, BlobError::Bvh(BvhError::Box { .. }));
     let is_leaf = |error| matches!(error, BlobError::Bvh(BvhError::Leaf { .. }));
