@@ -115,6 +115,12 @@ enum pfront_status_t
   PFRONT_OUT_OF_MEMORY = 28,
   // Body `index` is not in the scene: it was removed, or never added.
   PFRONT_STALE_BODY = 29,
+  // Vertex `index` has a coordinate beyond 2^125, the limit in f64.
+  PFRONT_POSITION_RANGE = 30,
+  // Positions or a blob are in f64 where f32 is taken, or in f32 where f64 is.
+  PFRONT_OTHER_PRECISION = 31,
+  // The position in f32 of vertex `index` of a blob is not that in f64 minus the origin.
+  PFRONT_SHADOW = 32,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -464,6 +470,13 @@ typedef struct pfront_pair_list_t {
   struct pfront_allocator_t allocator;
 } pfront_pair_list_t;
 
+// A pose in f64, which the bodies of scenes may have. A posed coordinate is `((r0*x + r1*y) + r2*z) + t` in f64, never
+// fused.
+typedef struct pfront_pose64_t {
+  // Row-major.
+  double rows[3][4];
+} pfront_pose64_t;
+
 // Two triangles of different bodies that meet.
 typedef struct pfront_scene_hit_t {
   // The bodies, the one that was added first before the other.
@@ -479,6 +492,19 @@ typedef struct pfront_scene_contact_t {
   // Where they meet.
   struct pfront_contact_t contact;
 } pfront_scene_contact_t;
+
+// `pfront_scene_contact_t` in f64.
+typedef struct pfront_scene_contact64_t {
+  // The triangles.
+  struct pfront_scene_hit_t hit;
+  // Whether they lie in one plane, or one has no area: then the segment is the longest chord between corners of the
+  // region they share.
+  uint64_t is_flat;
+  // The ends of the segment in which they meet.
+  double segment[2][3];
+  // Unit normals of both by the right-hand rule; 0 for a triangle without area.
+  float normals[2][3];
+} pfront_scene_contact64_t;
 
 #ifdef __cplusplus
 extern "C" {
@@ -805,6 +831,13 @@ pfront_status_t pfront_model_create(const struct pfront_buffers_t *buffers,
                                     struct pfront_model_t **model,
                                     struct pfront_error_t *error);
 
+// `pfront_model_create` of positions in double in place of float: `stride` is at least 24, and 0 stands for 24. Coordinates
+// are at most 2^125. What is asked about the model is decided in f64, exactly for the positions given, whatever the other
+// body and the poses. Takes 24 bytes a vertex more, unless floats hold every coordinate.
+pfront_status_t pfront_model_create_f64(const struct pfront_buffers_t *buffers,
+                                        struct pfront_model_t **model,
+                                        struct pfront_error_t *error);
+
 // Makes a model of a blob, whose mesh and BVH are checked and copied, so that nothing is built. The bytes may lie
 // anywhere, and are of no use afterwards.
 pfront_status_t pfront_model_from_blob(const void *blob,
@@ -850,6 +883,13 @@ pfront_status_t pfront_scene_set_pose(struct pfront_scene_t *scene,
                                       const struct pfront_pose_t *world_from_body,
                                       struct pfront_error_t *error);
 
+// `pfront_scene_set_pose` with a pose in f64, in which the body is then asked about, whatever the other one. A body that
+// is to have one from the start is added with PFRONT_POSE_IDENTITY first.
+pfront_status_t pfront_scene_set_pose_f64(struct pfront_scene_t *scene,
+                                          uint64_t body,
+                                          const struct pfront_pose64_t *world_from_body,
+                                          struct pfront_error_t *error);
+
 // Moves the vertices of a body, given in its own frame: as many as its model has, `stride` bytes apart, where 0 stands
 // for 12. From then on the body has a model of its own. In O(vertices + triangles).
 pfront_status_t pfront_scene_set_positions(struct pfront_scene_t *scene,
@@ -858,6 +898,14 @@ pfront_status_t pfront_scene_set_positions(struct pfront_scene_t *scene,
                                            size_t vertex_count,
                                            size_t stride,
                                            struct pfront_error_t *error);
+
+// `pfront_scene_set_positions` of a body whose model is in f64, of positions in double: 0 stands for 24.
+pfront_status_t pfront_scene_set_positions_f64(struct pfront_scene_t *scene,
+                                               uint64_t body,
+                                               const void *positions,
+                                               size_t vertex_count,
+                                               size_t stride,
+                                               struct pfront_error_t *error);
 
 // Says which groups a body is in and which it may meet: two bodies are asked about if each is a member of a group
 // that the other's filter lets through. All bits are set at first.
@@ -900,6 +948,12 @@ pfront_status_t pfront_scene_contacts(struct pfront_scene_t *scene,
                                       const struct pfront_scene_contact_t **contacts,
                                       size_t *count,
                                       struct pfront_error_t *error);
+
+// `pfront_scene_contacts` in f64: of bodies in f64 not rounded. Only the hits are kept from frame to frame.
+pfront_status_t pfront_scene_contacts_f64(struct pfront_scene_t *scene,
+                                          const struct pfront_scene_contact64_t **contacts,
+                                          size_t *count,
+                                          struct pfront_error_t *error);
 
 // Finds some pair of triangles of different bodies that meet, and stops at the first: `found` is 1 if there is one,
 // else 0 and `hit` is not written.

@@ -16,6 +16,7 @@ use crate::memory::{Call, Caller};
 use crate::mesh::pfront_mesh_t;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
+use bytemuck::Pod;
 use core::ffi::{CStr, c_void};
 use pfront_core::Mesh;
 
@@ -78,8 +79,18 @@ pub(crate) struct Buffers {
 
 impl pfront_buffers_t {
     pub(crate) fn checked(self, names: &'static Names) -> Result<Buffers, Fault> {
-        let stride = if self.stride == 0 { PACKED } else { self.stride };
-        Fault::room(names.stride, stride, PACKED)?;
+        self.with_stride_of(PACKED, names)
+    }
+
+    /// Of positions in f64, which are only for [`Buffers::copy_positions`].
+    #[cfg(feature = "std")]
+    pub(crate) fn checked_f64(self, names: &'static Names) -> Result<Buffers, Fault> {
+        self.with_stride_of(size_of::<[f64; 3]>(), names)
+    }
+
+    fn with_stride_of(self, packed: usize, names: &'static Names) -> Result<Buffers, Fault> {
+        let stride = if self.stride == 0 { packed } else { self.stride };
+        Fault::room(names.stride, stride, packed)?;
         Fault::below(names.index_type, self.index_type as usize, 2)?;
         let is_u16 = self.index_type == pfront_index_type_t::PFRONT_INDEX_U16 as u32;
         Ok(Buffers { buffers: self, names, stride, is_u16 })
@@ -111,20 +122,21 @@ impl Buffers {
     }
 
     /// Copies the positions, of which there is one for each of `out`.
-    pub(crate) fn copy_positions(
+    pub(crate) fn copy_positions<P: Pod>(
         &self,
         call: &Call<'_>,
-        out: &mut [[f32; 3]],
+        out: &mut [P],
     ) -> Result<(), Fault> {
+        let packed = size_of::<P>();
         let (what, count, stride) = (self.names.positions, self.vertex_count(), self.stride);
         // What lies behind the last position may not be there.
         let bytes = count.saturating_sub(1).checked_mul(stride);
-        let bytes = bytes.and_then(|bytes| bytes.checked_add(PACKED.min(count * PACKED)));
+        let bytes = bytes.and_then(|bytes| bytes.checked_add(packed.min(count * packed)));
         let bytes = bytes.ok_or(Fault::of(PFRONT_TOO_LONG, what).numbers(0, count))?;
         let bytes = call.read(what, self.buffers.positions.cast::<u8>(), bytes)?;
-        let vertices = bytes.chunks(stride).filter_map(|vertex| vertex.first_chunk::<PACKED>());
+        let vertices = bytes.chunks(stride).filter_map(|vertex| vertex.get(..packed));
         for (out, vertex) in out.iter_mut().zip(vertices) {
-            *out = bytemuck::must_cast(*vertex);
+            *out = bytemuck::pod_read_unaligned(vertex);
         }
         Ok(())
     }

@@ -63,6 +63,7 @@ plain!(
     crate::pfront_mesh_t,
     crate::pfront_pair_list_t,
     crate::pfront_pose_t,
+    crate::pfront_pose64_t,
     crate::pfront_query_t
 );
 

@@ -60,11 +60,34 @@ pub unsafe extern "C" fn pfront_model_create(
         let out = call.out(c"model", model)?;
         let buffers = call.get(c"buffers", buffers)?.checked(&NAMES)?;
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-        resize(&mut positions, buffers.vertex_count(), [0.0; 3])?;
+        resize(&mut positions, buffers.vertex_count(), [0.0_f32; 3])?;
         buffers.copy_positions(call, &mut positions)?;
         resize(&mut triangles, buffers.triangle_count(), [0; 3])?;
         buffers.copy_triangles(call, &mut triangles)?;
         out.set(pfront_model_t::boxed(Model::new(positions, triangles)?));
+        Ok(())
+    })
+}
+
+/// `pfront_model_create` of positions in double in place of float: `stride` is at least 24, and 0 stands for 24. Coordinates
+/// are at most 2^125. What is asked about the model is decided in f64, exactly for the positions given, whatever the other
+/// body and the poses. Takes 24 bytes a vertex more, unless floats hold every coordinate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_create_f64(
+    buffers: *const pfront_buffers_t,
+    model: *mut *mut pfront_model_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"model", model)?;
+        let buffers = call.get(c"buffers", buffers)?.checked_f64(&NAMES)?;
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        resize(&mut positions, buffers.vertex_count(), [0.0_f64; 3])?;
+        buffers.copy_positions(call, &mut positions)?;
+        resize(&mut triangles, buffers.triangle_count(), [0; 3])?;
+        buffers.copy_triangles(call, &mut triangles)?;
+        out.set(pfront_model_t::boxed(Model::from_f64(positions, triangles)?));
         Ok(())
     })
 }

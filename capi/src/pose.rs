@@ -41,6 +41,15 @@ impl From<Pose> for pfront_pose_t {
     }
 }
 
+/// A pose in f64, which the bodies of scenes may have. A posed coordinate is `((r0*x + r1*y) + r2*z) + t` in f64, never
+/// fused.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_pose64_t {
+    /// Row-major.
+    pub rows: [[f64; 4]; 3],
+}
+
 /// Makes a pose from a matrix of 16 floats by columns, as OpenGL, Vulkan, glam and three.js keep it. Its last row, 0 0 0
 /// 1 of every affine map, is ignored.
 #[unsafe(no_mangle)]

@@ -16,14 +16,14 @@
 use crate::buffers::{NAMES, pfront_buffers_t};
 use crate::memory::{Caller, Handle};
 use crate::model::{pfront_model_t, resize};
-use crate::pose::pfront_pose_t;
+use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::accuracy_of;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
 use crate::verbs::{pfront_contact_t, pfront_pair_t};
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ptr::null;
-use pfront::{BodyId, Executor, Groups, SceneHit, SceneQuery, TrianglePair};
+use pfront::{BodyId, Contact, Executor, Groups, Pose64, SceneHit, SceneQuery, TrianglePair};
 
 /// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
 pub struct pfront_scene_t {
@@ -31,6 +31,7 @@ pub struct pfront_scene_t {
     query: SceneQuery,
     /// What was handed out last.
     contacts: Vec<pfront_scene_contact_t>,
+    contacts_f64: Vec<pfront_scene_contact64_t>,
     /// A copy of positions that are not packed.
     positions: Vec<[f32; 3]>,
 }
@@ -73,6 +74,21 @@ pub struct pfront_scene_contact_t {
     pub contact: pfront_contact_t,
 }
 
+/// `pfront_scene_contact_t` in f64.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_scene_contact64_t {
+    /// The triangles.
+    pub hit: pfront_scene_hit_t,
+    /// Whether they lie in one plane, or one has no area: then the segment is the longest chord between corners of the
+    /// region they share.
+    pub is_flat: u64,
+    /// The ends of the segment in which they meet.
+    pub segment: [[f64; 3]; 2],
+    /// Unit normals of both by the right-hand rule; 0 for a triangle without area.
+    pub normals: [[f32; 3]; 2],
+}
+
 /// The most workers.
 const WORKERS: usize = if cfg!(feature = "threads") { u32::MAX as usize } else { 1 };
 
@@ -105,9 +121,13 @@ pub unsafe extern "C" fn pfront_scene_create(
         let accuracy = accuracy_of(accuracy)?;
         Fault::below(c"workers", workers as usize, WORKERS.saturating_add(1))?;
         let query = SceneQuery::new().with_accuracy(accuracy).on(&executor(workers));
-        let (contacts, positions) = (Vec::new(), Vec::new());
-        let seal = pfront_scene_t::SEAL;
-        out.set(Box::into_raw(Box::new(pfront_scene_t { seal, query, contacts, positions })));
+        out.set(Box::into_raw(Box::new(pfront_scene_t {
+            seal: pfront_scene_t::SEAL,
+            query,
+            contacts: Vec::new(),
+            contacts_f64: Vec::new(),
+            positions: Vec::new(),
+        })));
         Ok(())
     })
 }
@@ -173,6 +193,23 @@ pub unsafe extern "C" fn pfront_scene_set_pose(
     })
 }
 
+/// `pfront_scene_set_pose` with a pose in f64, in which the body is then asked about, whatever the other one. A body that
+/// is to have one from the start is added with PFRONT_POSE_IDENTITY first.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_set_pose_f64(
+    scene: *mut pfront_scene_t,
+    body: u64,
+    world_from_body: *const pfront_pose64_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let scene = call.owned(c"scene", scene)?;
+        let pose = Pose64::new(call.get(c"world_from_body", world_from_body)?.rows);
+        Ok(scene.query.set_pose(BodyId::from_bits(body), pose)?)
+    })
+}
+
 /// Moves the vertices of a body, given in its own frame: as many as its model has, `stride` bytes apart, where 0 stands
 /// for 12. From then on the body has a model of its own. In O(vertices + triangles).
 #[unsafe(no_mangle)]
@@ -187,19 +224,44 @@ pub unsafe extern "C" fn pfront_scene_set_positions(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let scene = call.owned(c"scene", scene)?;
-        let buffers = pfront_buffers_t {
-            positions,
-            vertex_count,
-            stride,
-            triangles: null(),
-            triangle_count: 0,
-            index_type: 0,
-        };
-        let buffers = buffers.checked(&NAMES)?;
+        let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
         resize(&mut scene.positions, buffers.words()?[0] / 3, [0.0; 3])?;
         let positions = buffers.positions(call, &mut scene.positions)?;
         Ok(scene.query.set_positions(BodyId::from_bits(body), positions)?)
     })
+}
+
+/// `pfront_scene_set_positions` of a body whose model is in f64, of positions in double: 0 stands for 24.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_set_positions_f64(
+    scene: *mut pfront_scene_t,
+    body: u64,
+    positions: *const c_void,
+    vertex_count: usize,
+    stride: usize,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let scene = call.owned(c"scene", scene)?;
+        let buffers = vertices(positions, vertex_count, stride).checked_f64(&NAMES)?;
+        let mut copy = Vec::new();
+        resize(&mut copy, vertex_count, [0.0_f64; 3])?;
+        buffers.copy_positions(call, &mut copy)?;
+        Ok(scene.query.set_positions_f64(BodyId::from_bits(body), &copy)?)
+    })
+}
+
+/// Buffers without triangles.
+fn vertices(positions: *const c_void, vertex_count: usize, stride: usize) -> pfront_buffers_t {
+    pfront_buffers_t {
+        positions,
+        vertex_count,
+        stride,
+        triangles: null(),
+        triangle_count: 0,
+        index_type: 0,
+    }
 }
 
 /// Says which groups a body is in and which it may meet: two bodies are asked about if each is a member of a group
@@ -307,6 +369,29 @@ pub unsafe extern "C" fn pfront_scene_contacts(
         }));
         out.set(contacts.as_ptr());
         out_count.set(contacts.len());
+        Ok(())
+    })
+}
+
+/// `pfront_scene_contacts` in f64: of bodies in f64 not rounded. Only the hits are kept from frame to frame.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_contacts_f64(
+    scene: *mut pfront_scene_t,
+    contacts: *mut *const pfront_scene_contact64_t,
+    count: *mut usize,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, out_count) = (call.out(c"contacts", contacts)?, call.out(c"count", count)?);
+        let pfront_scene_t { query, contacts_f64, .. } = call.owned(c"scene", scene)?;
+        contacts_f64.clear();
+        contacts_f64.extend(query.contacts_f64()?.iter().map(|&(hit, contact)| {
+            let Contact { is_flat, segment, normals } = contact;
+            pfront_scene_contact64_t { hit: hit.into(), is_flat: is_flat.into(), segment, normals }
+        }));
+        out.set(contacts_f64.as_ptr());
+        out_count.set(contacts_f64.len());
         Ok(())
     })
 }

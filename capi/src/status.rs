@@ -73,6 +73,12 @@ pub enum pfront_status_t {
     PFRONT_OUT_OF_MEMORY = 28,
     /// Body `index` is not in the scene: it was removed, or never added.
     PFRONT_STALE_BODY = 29,
+    /// Vertex `index` has a coordinate beyond 2^125, the limit in f64.
+    PFRONT_POSITION_RANGE = 30,
+    /// Positions or a blob are in f64 where f32 is taken, or in f32 where f64 is.
+    PFRONT_OTHER_PRECISION = 31,
+    /// The position in f32 of vertex `index` of a blob is not that in f64 minus the origin.
+    PFRONT_SHADOW = 32,
 }
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
@@ -96,7 +102,7 @@ pub struct pfront_error_t {
 #[unsafe(no_mangle)]
 #[expect(unsafe_code, reason = "C finds functions by name")]
 pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 30] = [
+    const TEXTS: [&CStr; 33] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
@@ -127,6 +133,9 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"a pose is flat or not finite and has no inverse",
         c"an allocator is out of memory",
         c"a body is not in the scene",
+        c"a coordinate in f64 is beyond 2^125",
+        c"positions are in f64 and not in f32, or in f32 and not in f64",
+        c"a position in f32 of a blob is not that in f64 minus the origin",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

@@ -204,6 +204,84 @@ static void blobs(void)
     EXPECT(PFRONT_BLOB_CHECKSUM, "blob", pfront_model_from_blob(blob, bytes, &model, &error));
 }
 
+// Bodies a nanometre apart or in touch, where floats know half a metre.
+static void in_f64(void)
+{
+    static const double far[3] = {500000.1, 5000000.2, 300.3};
+    double exact[3 * VERTICES], strided[4 * VERTICES];
+    pfront_pose64_t pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const uint16_t square[6] = {0, 1, 2, 0, 2, 3};
+    const double floor[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+    pfront_buffers_t buffers = {strided, 4, 32, square, 2, PFRONT_INDEX_U16};
+    uint64_t bodies[2];
+    pfront_model_t *model = NULL;
+    pfront_scene_t *scene;
+    const pfront_scene_contact64_t *contacts;
+    size_t count;
+    for (int i = 0; i < 12; i++) {
+        exact[i] = far[i % 3] + floor[i];
+        strided[i / 3 * 4 + i % 3] = exact[i];
+        strided[i / 3 * 4 + 3] = NAN;
+    }
+    OK(pfront_model_create_f64(&buffers, &model, &error));
+    OK(pfront_scene_create(PFRONT_EXACT, WORKERS, &scene, &error));
+    for (int i = 0; i < 2; i++) {
+        OK(pfront_scene_add(scene, model, &still, &bodies[i], &error));
+    }
+    THAT(meeting(scene, bodies[0], bodies[1]) == 4);
+    // A nanometre apart, which doubles of 300 metres tell.
+    pose.rows[2][3] = 1e-9;
+    OK(pfront_scene_set_pose_f64(scene, bodies[1], &pose, &error));
+    THAT(meeting(scene, bodies[0], bodies[1]) == 0);
+    for (int i = 0; i < 4; i++) {
+        exact[3 * i + 2] += 1e-9;
+    }
+    OK(pfront_scene_set_positions_f64(scene, bodies[0], exact, 4, 0, &error));
+    THAT(meeting(scene, bodies[0], bodies[1]) == 4);
+    OK(pfront_scene_contacts_f64(scene, &contacts, &count, &error));
+    THAT(count == 4);
+    for (size_t i = 0; i < count; i++) {
+        THAT(contacts[i].hit.bodies[0] == bodies[0] && contacts[i].is_flat == 1);
+        THAT(contacts[i].segment[0][2] == exact[2] && contacts[i].segment[1][0] >= far[0]);
+        THAT(contacts[i].normals[0][2] == 1);
+    }
+    EXPECT(PFRONT_OTHER_PRECISION, "positions",
+           pfront_scene_set_positions(scene, bodies[0], points, 4, 0, &error));
+    EXPECT(PFRONT_VERTEX_COUNT, "positions",
+           pfront_scene_set_positions_f64(scene, bodies[0], exact, 3, 0, &error));
+    EXPECT(PFRONT_TOO_SMALL, "stride",
+           pfront_scene_set_positions_f64(scene, bodies[0], exact, 4, 12, &error));
+    THAT(error.needed == 24);
+    EXPECT(PFRONT_NULL, "positions",
+           pfront_scene_set_positions_f64(scene, bodies[0], NULL, 4, 0, &error));
+    EXPECT(PFRONT_STALE_BODY, "body", pfront_scene_set_pose_f64(scene, 99, &pose, &error));
+    EXPECT(PFRONT_NULL, "world_from_body",
+           pfront_scene_set_pose_f64(scene, bodies[0], NULL, &error));
+    EXPECT(PFRONT_NULL, "contacts", pfront_scene_contacts_f64(scene, NULL, &count, &error));
+    pose.rows[1][3] = 1e38;
+    EXPECT(PFRONT_POSE_RANGE, "world_from_body",
+           pfront_scene_set_pose_f64(scene, bodies[0], &pose, &error));
+    pose.rows[1][3] = NAN;
+    EXPECT(PFRONT_POSE_NOT_FINITE, "world_from_body",
+           pfront_scene_set_pose_f64(scene, bodies[0], &pose, &error));
+    exact[5] = 1e38;
+    EXPECT(PFRONT_POSITION_RANGE, "positions",
+           pfront_scene_set_positions_f64(scene, bodies[0], exact, 4, 0, &error));
+    THAT(error.index == 1);
+    THAT(meeting(scene, bodies[0], bodies[1]) == 4);
+    OK(pfront_scene_free(scene, &error));
+    OK(pfront_model_free(model, &error));
+    model = NULL;
+    buffers.stride = 12;
+    EXPECT(PFRONT_TOO_SMALL, "stride", pfront_model_create_f64(&buffers, &model, &error));
+    buffers.stride = 8 * 3;
+    buffers.positions = exact;
+    EXPECT(PFRONT_POSITION_RANGE, "positions", pfront_model_create_f64(&buffers, &model, &error));
+    exact[5] = NAN;
+    EXPECT(PFRONT_NOT_FINITE, "positions", pfront_model_create_f64(&buffers, &model, &error));
+    THAT(error.index == 1 && model == NULL);
+}
+
 static void mistakes(void)
 {
     static uint64_t zeros[1024];
@@ -283,6 +361,7 @@ int main(void)
     groups_and_numbers();
     deformation();
     blobs();
+    in_f64();
     mistakes();
     return verdict();
 }

@@ -72,6 +72,9 @@ impl Fault {
             MeshError::VertexCount { expected, found } => {
                 Self::of(PFRONT_VERTEX_COUNT, positions).numbers(expected, found)
             }
+            MeshError::Range { vertex } => Self::of(PFRONT_POSITION_RANGE, positions).at(vertex),
+            MeshError::OtherPrecision => Self::of(PFRONT_OTHER_PRECISION, positions),
+            MeshError::Shadow { vertex } => Self::of(PFRONT_SHADOW, positions).at(vertex),
             MeshError::FloatEnvironment => Self::new(PFRONT_FLOAT_ENVIRONMENT),
             _ => Self::new(PFRONT_DAMAGED),
         }
@@ -135,6 +138,7 @@ impl From<BlobError> for Fault {
             }
             BlobError::Misaligned { needed } => of(PFRONT_MISALIGNED).numbers(needed, 0),
             BlobError::BigEndian => of(PFRONT_BIG_ENDIAN),
+            BlobError::InF64 => of(PFRONT_OTHER_PRECISION),
             BlobError::Mesh(error) => error.into(),
             BlobError::Bvh(error) => error.into(),
             BlobError::Capacity(error) => error.into(),
