@@ -13,7 +13,7 @@ pub struct GpuReport {
     pub longest_front: u32,
     /// Leaf pairs.
     pub leaf_pairs: u32,
-    /// Triangle pairs that boxes and planes did not separate.
+    /// Triangle pairs that meet, and those that the first tests left open.
     pub triangle_pairs: u32,
     /// Triangle pairs that f32 left open.
     pub undecided: u32,

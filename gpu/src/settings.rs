@@ -30,7 +30,7 @@ pub struct GpuSettings {
 /// parts; nothing is lost.
 ///
 /// With n = bytes / 64, a front holds n node pairs (there are two), the lists of leaf pairs and of the
-/// triangle pairs that boxes and planes do not separate 2n each, that of hits n, and that of triangle
+/// triangle pairs that the first tests leave 2n each, that of hits n, and that of triangle
 /// pairs for the CPU n / 16. Counters, parameters and what sorts the hits take 48 KiB more; a read-back
 /// buffer of the host is as large as the answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -38,8 +38,10 @@ constants! {
     /// Triangle pairs that wait in a workgroup until there is one for each invocation: one more
     /// batch of box tests must fit.
     WAITING = GROUP * (MOST_LEAF + 1);
-    /// Triangle pairs that a workgroup gathers of those that a plane does not separate.
+    /// Triangle pairs that a workgroup gathers of those that it keeps.
     STAY = 2 * GROUP;
+    /// This bit of the second slot of a triangle pair says that f32 has proved that it meets: slots stay below 2^[`LEAF_SHIFT`].
+    CERTIFIED = 1 << 31;
     /// Invocations that decide a triangle pair in integers.
     TEAM = 8;
     /// Triangle pairs that a workgroup so decides at once.

@@ -95,7 +95,7 @@ pub const SEED: Pass =
 pub const EXPAND: Pass =
     pass!("expand", LAYOUT, BINDINGS, MESHES, UNTALLIED, NOTHING, GROUP, BOXES, DESCEND);
 
-/// The triangle pairs of leaf pairs that boxes and planes do not separate.
+/// The triangle pairs of leaf pairs that meet, and those that are left open.
 pub const NARROW: Pass = pass!(
     "narrow", LAYOUT, BINDINGS, MESHES, NOTHING, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES,
     SHARING, SIGNS, FILTER

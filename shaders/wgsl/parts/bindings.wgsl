@@ -37,3 +37,11 @@ fn leaf_run(node: Node) -> u32 {
 fn slots_of(run: u32) -> vec2u {
     return vec2u(run & ((1u << LEAF_SHIFT) - 1u), (run >> LEAF_SHIFT) + 1u);
 }
+
+// Whether one hit is enough and there is one. No branch on a uniform alone (see `nothing`).
+//
+// For the first invocation of a workgroup to ask, and so are all counters of a run: what thousands of invocations load from
+// one word of global memory, they load one after the other.
+fn is_answered() -> bool {
+    return ((query.one_hit ^ nothing) == 1u) && atomicLoad(&counters.hits) != 0u;
+}

@@ -113,8 +113,11 @@ fn descend(lane: u32, before: u32) -> u32 {
 
 // Whether the workgroups have found as much as this run looks for.
 fn is_enough(lane: u32) -> bool {
-    let next = atomicLoad(&counters.fronts[step.pass_index + 1u]);
-    return tell(lane, max(next, atomicLoad(&counters.leaves))) >= query.beam;
+    if lane == 0u {
+        let next = atomicLoad(&counters.fronts[step.pass_index + 1u]);
+        told = max(next, atomicLoad(&counters.leaves));
+    }
+    return workgroupUniformLoad(&told) >= query.beam;
 }
 
 fn descend_some_levels(lane: u32) {
@@ -160,7 +163,10 @@ fn finish(lane: u32, before: u32) -> u32 {
                 atomicStore(&found_count, 0u);
             }
             // The host drops a run that overflows: no need to go on.
-            if tell(lane, atomicLoad(&counters.overflow)) != 0u {
+            if lane == 0u {
+                told = atomicLoad(&counters.overflow);
+            }
+            if workgroupUniformLoad(&told) != 0u {
                 break;
             }
         }

@@ -58,6 +58,11 @@ fn filtered_meet(a: Triangle, b: Triangle) -> u32 {
     if one_sided(b_sides) {
         return MISS;
     }
+    return filtered_crossing(a, a_sides, b, b_sides);
+}
+
+// The same of triangles that neither's plane separates, by the sides on which the corners of each are of the other's.
+fn filtered_crossing(a: Triangle, a_sides: vec3i, b: Triangle, b_sides: vec3i) -> u32 {
     if any(a_sides == vec3i(0)) || any(b_sides == vec3i(0)) {
         return UNSURE;
     }

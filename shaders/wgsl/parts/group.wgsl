@@ -12,12 +12,7 @@ fn tell(lane: u32, value: u32) -> u32 {
 
 // How many of `n` items are this workgroup's, when they are dealt out in turn.
 fn share(n: u32, group: u32, groups: u32) -> u32 {
-    return (n + groups - 1u - group) / groups;
-}
-
-// Whether one hit is enough and there is one. No branch on a uniform alone (see `nothing`).
-fn is_answered() -> bool {
-    return (query.one_hit == 1u) & (atomicLoad(&counters.hits) != 0u);
+    return (n + groups - 1u - min(group, groups - 1u)) / groups * u32(group < groups);
 }
 
 // Rounds of work that a workgroup does in a pass before it gives up and the host divides the run. Rust sets

@@ -67,7 +67,7 @@ struct Counters {
     leaves: atomic<u32>,
     hits: atomic<u32>,
     overflow: atomic<u32>,
-    // Triangle pairs that boxes and planes do not separate, and those of them that f32 leaves open.
+    // Triangle pairs that are left after the first tests, and those of them that f32 leaves open.
     kept: atomic<u32>,
     undecided: atomic<u32>,
     rest: atomic<u32>,

@@ -19,8 +19,12 @@ struct Buckets {
 @group(0) @binding(4) var<storage, read_write> buckets: Buckets;
 @group(0) @binding(5) var<storage, read_write> ordered: array<vec2u, FEW>;
 
-fn hit_count() -> u32 {
-    return min(atomicLoad(&counters.hits), query.hit_capacity);
+// How many hits there are, from the first invocation of a workgroup: thousands that load one word wait for each other.
+fn hit_count(lane: u32) -> u32 {
+    if lane == 0u {
+        told = min(atomicLoad(&counters.hits), query.hit_capacity);
+    }
+    return workgroupUniformLoad(&told);
 }
 
 // How many hits a bucket can hold.

@@ -8,7 +8,7 @@ fn deal(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
 ) {
-    let count = tell(lane, hit_count());
+    let count = hit_count(lane);
     for (var i = lane; i < BUCKETS; i += GROUP) {
         splitters[i] = buckets.splitters[i];
     }

@@ -1,7 +1,7 @@
 // Reads the triangle pairs that are left, writes those that meet, and the few for the CPU.
 //
-// Two kinds of work take turns: deciding pairs in f32, one an invocation, and those that f32 leaves open
-// in integers, one a team.
+// Two kinds of work take turns: deciding pairs that are not known to meet in f32, one an invocation, and those that f32
+// leaves open in integers, one a team.
 
 var<workgroup> undecided: array<vec2u, 2 * GROUP>;
 var<workgroup> undecided_count: atomic<u32>;
@@ -25,7 +25,10 @@ fn decide(
         atomicStore(&undecided_count, 0u);
     }
     clear_results(lane);
-    let length = tell(lane, min(atomicLoad(&counters.kept), query.kept_capacity));
+    if lane == 0u {
+        told = min(atomicLoad(&counters.kept), query.kept_capacity);
+    }
+    let length = workgroupUniformLoad(&told);
     let mine = share(length, group.x, groups.x);
     var next = 0u;
     var left_open = 0u;
@@ -34,9 +37,11 @@ fn decide(
             overflowed(WORK_OVERFLOW);
             break;
         }
-        // A hit that this workgroup has still to write answers as well.
-        let is_over = is_answered() | ((query.one_hit == 1u) & (atomicLoad(&sure) != 0u));
-        if tell(lane, u32(is_over)) == 1u {
+        if lane == 0u {
+            // A hit that this workgroup has still to write answers as well.
+            told = u32(is_answered() | ((query.one_hit == 1u) & (atomicLoad(&sure) != 0u)));
+        }
+        if workgroupUniformLoad(&told) == 1u {
             break;
         }
         let ready = tell(lane, atomicLoad(&undecided_count));
@@ -59,7 +64,7 @@ fn decide(
         make_room(lane);
     }
     write_results(lane);
-    if lane == 0u {
+    if lane == 0u && left_open != 0u {
         atomicAdd(&counters.undecided, left_open);
     }
 }
@@ -73,8 +78,12 @@ fn make_room(lane: u32) {
     }
 }
 
-fn decide_in_f32(slots: vec2u) {
-    let outcome = outcome_in_f32(slots);
+fn decide_in_f32(found: vec2u) {
+    let slots = found & vec2u(~0u, ~CERTIFIED);
+    var outcome = HIT;
+    if (found.y & CERTIFIED) == 0u {
+        outcome = outcome_in_f32(slots);
+    }
     if outcome == UNSURE {
         undecided[atomicAdd(&undecided_count, 1u)] = slots;
     } else if outcome == HIT {

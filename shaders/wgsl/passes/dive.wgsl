@@ -19,7 +19,10 @@ fn dive(
     @builtin(num_workgroups) groups: vec3u,
 ) {
     nothing = group.z;
-    let length = tell(lane, min(atomicLoad(&counters.fronts[0]), query.front_capacity));
+    if lane == 0u {
+        told = min(atomicLoad(&counters.fronts[0]), query.front_capacity);
+    }
+    let length = workgroupUniformLoad(&told);
     var rounds = 0u;
     for (var at = group.x; at < length; at += groups.x) {
         clear_queues(lane);
@@ -118,7 +121,7 @@ fn try_pair(slots: vec2u) {
         keep(slots);
     }
     if outcome == HIT && atomicAdd(&met, 1u) == 0u {
-        keep(slots);
+        keep(slots | vec2u(0u, CERTIFIED));
     }
 }
 

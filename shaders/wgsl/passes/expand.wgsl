@@ -7,9 +7,15 @@ fn expand(
     @builtin(num_workgroups) groups: vec3u,
 ) {
     nothing = group.z;
-    let held = min(atomicLoad(&counters.fronts[step.pass_index]), query.front_capacity);
-    let length = tell(lane, select(held, 0u, is_answered()));
-    let mine = share(length, group.x, groups.x);
+    if lane == 0u {
+        let held = min(atomicLoad(&counters.fronts[step.pass_index]), query.front_capacity);
+        told = select(held, 0u, is_answered());
+    }
+    let length = workgroupUniformLoad(&told);
+    // A workgroup that takes any takes enough for all of its invocations, but for the front that a run starts from: most of
+    // what is below is still to come.
+    let takers = select(clamp(length / BEAM, 1u, groups.x), groups.x, step.pass_index == 0u);
+    let mine = share(length, group.x, takers);
     var rounds = 0u;
     for (var done = 0u; done < mine; done += CHUNK) {
         if rounds >= MOST_ROUNDS {
@@ -22,7 +28,7 @@ fn expand(
         clear_queues(lane);
         let pairs = min(CHUNK, mine - done);
         if lane < pairs {
-            queue[lane] = front_in[group.x + (done + lane) * groups.x];
+            queue[lane] = front_in[group.x + (done + lane) * takers];
         }
         if lane == 0u {
             atomicStore(&queued[0], pairs);

@@ -1,7 +1,8 @@
-// Reads leaf pairs, writes the triangle pairs that boxes and planes do not separate.
+// Reads leaf pairs, writes the triangle pairs that meet, and those that are left open.
 //
-// Two kinds of work take turns: finding triangle pairs whose boxes overlap, and dropping those that a
-// plane separates. Pairs wait in workgroup memory until there is one for every invocation.
+// Two kinds of work take turns: finding triangle pairs whose boxes overlap, and dropping those that a plane separates, or
+// that f32 tells apart if they have no corner in common. Pairs wait in workgroup memory until there is one for every
+// invocation.
 
 var<workgroup> waiting: array<vec2u, WAITING>;
 var<workgroup> waiting_count: atomic<u32>;
@@ -18,9 +19,10 @@ fn narrow(
     if lane == 0u {
         atomicStore(&waiting_count, 0u);
         atomicStore(&stay_count, 0u);
+        let held = min(atomicLoad(&counters.leaves), query.leaf_capacity);
+        told = select(held, 0u, is_answered());
     }
-    let held = min(atomicLoad(&counters.leaves), query.leaf_capacity);
-    let length = tell(lane, select(held, 0u, is_answered()));
+    let length = workgroupUniformLoad(&told);
     // An invocation takes one triangle of the first leaf against all of the second.
     let batch = max(GROUP / query.leaf_size, 1u);
     var next = group.x * batch;
@@ -97,8 +99,8 @@ fn test_boxes(runs: vec2u, which: u32) {
     }
 }
 
-// Keeps a triangle pair unless a plane of either has the other on one side, but for corners in common:
-// cheap, the same for neighbours as for others, and the end of nearly all.
+// Keeps a triangle pair unless a plane of either has the other on one side, but for corners in common: cheap, the same for
+// neighbours as for others, and the end of nearly all. What neighbours need beyond that would make all others wait.
 fn test_planes(slots: vec2u) {
     doubt = false;
     turn_to_pair_of(slots.x);
@@ -108,14 +110,26 @@ fn test_planes(slots: vec2u) {
     let b = placed(1u, other.positions);
     let shared_corners = shared_corners_of(own.vertices, other.vertices);
     let is_neighbour = any(shared_corners.a);
+    var outcome = UNSURE;
     if !doubt && (!is_neighbour || query.apart == 1u || !repeats(own.vertices, other.vertices)) {
-        if (is_neighbour && query.apart == 1u)
-            || beyond(filtered_sides(b, a), shared_corners.a)
-            || beyond(filtered_sides(a, b), shared_corners.b) {
+        if is_neighbour && query.apart == 1u {
             return;
         }
+        let a_sides = filtered_sides(b, a);
+        if beyond(a_sides, shared_corners.a) {
+            return;
+        }
+        let b_sides = filtered_sides(a, b);
+        if beyond(b_sides, shared_corners.b) {
+            return;
+        }
+        if !is_neighbour {
+            outcome = filtered_crossing(a, a_sides, b, b_sides);
+        }
     }
-    stay[atomicAdd(&stay_count, 1u)] = slots;
+    if outcome != MISS {
+        stay[atomicAdd(&stay_count, 1u)] = slots | vec2u(0u, select(0u, CERTIFIED, outcome == HIT));
+    }
 }
 
 // Whether all corners but those in common are strictly on one side.

@@ -6,7 +6,7 @@ var<workgroup> ranks: array<atomic<u32>, GROUP / RANKERS>;
 @compute @workgroup_size(GROUP)
 fn order(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) group: vec3u) {
     const MINE = GROUP / RANKERS;
-    let count = tell(lane, hit_count());
+    let count = hit_count(lane);
     let first = group.x * MINE;
     let is_few = count <= FEW;
     let place = first + lane / RANKERS;

@@ -5,7 +5,7 @@ var<workgroup> ranks: array<atomic<u32>, GROUP / RANKERS>;
 
 @compute @workgroup_size(GROUP)
 fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) group: vec3u) {
-    let count = tell(lane, hit_count());
+    let count = hit_count(lane);
     for (var i = lane; i < BUCKETS; i += GROUP) {
         // One from each of as many equal stretches; few hits all, and then what is later than any.
         let stretch = i * (count / BUCKETS) + i * (count % BUCKETS) / BUCKETS;

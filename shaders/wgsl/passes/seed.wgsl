@@ -8,7 +8,10 @@ fn seed(
     @builtin(num_workgroups) groups: vec3u,
 ) {
     nothing = group.z;
-    let length = tell(lane, select(query.seeds.x * query.seeds.y, 0u, is_answered()));
+    if lane == 0u {
+        told = select(query.seeds.x * query.seeds.y, 0u, is_answered());
+    }
+    let length = workgroupUniformLoad(&told);
     let mine = share(length, group.x, groups.x);
     var rounds = 0u;
     for (var done = 0u; done < mine; done += GROUP) {

@@ -23,7 +23,10 @@ fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
     workgroupBarrier();
     let start = tell(lane, atomicLoad(&preceding));
     let has_room = tell(lane, atomicLoad(&most)) <= room();
-    let size = tell(lane, atomicLoad(&buckets.dealt[group.x]));
+    if lane == 0u {
+        told = atomicLoad(&buckets.dealt[group.x]);
+    }
+    let size = workgroupUniformLoad(&told);
     if !has_room || group.x >= BUCKETS {
         return;
     }
