@@ -196,6 +196,11 @@ impl Bodies {
         self.gathered
     }
 
+    /// Whether every body has changed since then.
+    pub(super) fn all_changed_since(&self, time: u64) -> bool {
+        self.known.iter().all(|&(_, changed)| changed > time)
+    }
+
     /// When the later of two bodies changed, or was removed.
     pub(super) fn changed(&self, two: [BodyId; 2]) -> u64 {
         let [a, b] = two.map(|id| self.place(id).map_or(GONE, |place| self.known[place].1));

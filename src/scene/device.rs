@@ -88,13 +88,19 @@ impl Mirror {
         let Scene { world, pairs, .. } = scene;
         pairs.clear();
         pairs.extend(frame.pairs());
-        let own = |&(places, pair): &(Places, TrianglePair)| {
+        let ids = |places: Places| {
             let [a, b] = places.map(|place| frame.bodies.at(place));
-            Some(SceneHit { bodies: [a?.id(), b?.id()], pair })
+            Some([a?.id(), b?.id()])
+        };
+        let own = |&(places, pair): &(Places, TrianglePair)| {
+            Some(SceneHit { bodies: ids(places)?, pair })
         };
         Ok(match verb {
             Verb::All => {
-                hits.extend(world.all(pairs)?.iter().filter_map(own));
+                for of_two in world.all(pairs)?.chunk_by(|x, y| x.0 == y.0) {
+                    let Some(bodies) = ids(of_two[0].0) else { continue };
+                    hits.extend(of_two.iter().map(|&(_, pair)| SceneHit { bodies, pair }));
+                }
                 Answer::listed(hits)
             }
             Verb::Count => Answer::counted(world.count(pairs)?),

@@ -177,7 +177,7 @@ impl SceneQuery {
             return Ok(self.hits.list());
         }
         self.ask(since, Verb::All)?;
-        self.hits.complete(&self.new_hits, &self.bodies);
+        self.hits.complete(&mut self.new_hits, &self.bodies);
         Ok(self.hits.list())
     }
 
@@ -301,7 +301,7 @@ impl SceneQuery {
             let found = of_two.iter().filter_map(|&hit| Some((hit, query.contact(hit.pair)?)));
             self.new_contacts.extend(found);
         }
-        self.contacts.complete(&self.new_contacts, &self.bodies);
+        self.contacts.complete(&mut self.new_contacts, &self.bodies);
         Ok(self.contacts.list())
     }
 

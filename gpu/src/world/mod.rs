@@ -1,5 +1,6 @@
 //! Many posed bodies.
 
+mod answer;
 mod arena;
 mod pairs;
 mod placing;
@@ -10,6 +11,7 @@ use crate::layout::{InstancePair, Query, check_pose};
 use crate::memory::Usage;
 use crate::report::reports;
 use crate::{Gpu, GpuError, GpuModel, GpuSettings};
+pub use answer::WorldAnswer;
 use arena::Arena;
 use bytemuck::Zeroable;
 use pairs::{Body, Chunk};
@@ -59,22 +61,6 @@ pub struct World {
     table: Option<Table>,
     question: Option<WorldQuestion>,
     found: WorldAnswer,
-}
-
-/// The answer to a question.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct WorldAnswer {
-    /// Pairs of triangles that meet, sorted, the first triangle being one of the first body: all of them, or at most one
-    /// for [`GpuVerb::Any`](crate::GpuVerb::Any). Empty for the other verbs.
-    pub hits: Vec<(Bodies, TrianglePair)>,
-    /// For [`GpuVerb::AnyEach`](crate::GpuVerb::AnyEach), some hit of each pair of bodies that meet, in the order of the
-    /// question. Else empty.
-    pub each: Vec<Option<TrianglePair>>,
-    /// For [`GpuVerb::CountEach`](crate::GpuVerb::CountEach), how many hits each pair of bodies has. Else empty.
-    pub counts: Vec<u64>,
-    /// How many hits were found.
-    pub count: u64,
 }
 
 /// Buffers for the rows of pairs.
@@ -263,7 +249,7 @@ impl World {
     pub fn read(&mut self) -> Result<&WorldAnswer, GpuError> {
         let WorldQuestion { verb, pairs, mut later, mut now } =
             self.question.take().ok_or(GpuError::NotSubmitted)?;
-        self.found = WorldAnswer::default();
+        self.found.clear();
         match verb {
             GpuVerb::AnyEach => self.found.each.resize(pairs.len(), None),
             GpuVerb::CountEach => self.found.counts.resize(pairs.len(), 0),
@@ -275,7 +261,7 @@ impl World {
         while let Some((asked, first)) = now {
             let shift = asked.task.query.pair_shift;
             self.answer.finish(asked, verb)?;
-            self.take(&pairs[first..], first, shift, verb);
+            self.found.add(&self.answer, &pairs[first..], first, shift, verb);
             let is_over = verb == GpuVerb::Any && self.found.count != 0;
             let next = later.pop().filter(|_| !is_over);
             now = next.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
@@ -283,8 +269,10 @@ impl World {
         if verb == GpuVerb::AnyEach {
             self.found.count = self.found.each.iter().flatten().count() as u64;
         }
-        // Hits of a pair of bodies are in order, and so are pairs as a rule: this merges runs.
-        self.found.hits.sort();
+        // Hits of a pair of bodies are in order, and they come in the order of pairs.
+        if !pairs.is_sorted_by(|x, y| x < y) {
+            self.found.hits.sort();
+        }
         Ok(&self.found)
     }
 
@@ -362,27 +350,6 @@ impl World {
         }
         engine.tallies = Some(tallies.clone());
         Ok(())
-    }
-
-    /// Adds what was found of a chunk of pairs, of which this is the first.
-    fn take(&mut self, pairs: &[Bodies], first: usize, shift: u32, verb: GpuVerb) {
-        let Self { answer, found, .. } = self;
-        found.count += answer.count;
-        let hits = answer.pairs.iter().map(|&hit| pairs::hit(&answer.instances, shift, hit));
-        match verb {
-            GpuVerb::All | GpuVerb::Any => {
-                found.hits.extend(hits.map(|(number, hit)| (pairs[number], hit)));
-            }
-            GpuVerb::Count => {}
-            GpuVerb::AnyEach => hits.for_each(|(number, hit)| {
-                found.each[first + number].get_or_insert(hit);
-            }),
-            GpuVerb::CountEach => {
-                hits.for_each(|(number, _)| found.counts[first + number] += 1);
-                let counts = found.counts[first..].iter_mut().zip(&answer.tallies);
-                counts.for_each(|(count, own)| *count += own);
-            }
-        }
     }
 }
 

@@ -24,6 +24,8 @@ pub(super) struct Placed {
     far: Vector,
     /// The farthest that posed corners get from the origin.
     reach: Vector,
+    /// The padding of boxes that are posed into the world.
+    world_padding: [f32; 3],
 }
 
 /// The way back from the world.
@@ -40,7 +42,8 @@ impl Placed {
         let far = [0, 1, 2].map(|k| f64::from(bounds.min[k].abs().max(bounds.max[k].abs())));
         let reach =
             [0, 1, 2].map(|k| dot(matrix[k].map(f64::abs), far) + f64::from(pose.rows[k][3]).abs());
-        Self { pose: *pose, matrix, far, reach }
+        let world_padding = padding(far, pose.rows.map(|row| f64::from(row[3])), [0.0; 3]);
+        Self { pose: *pose, matrix, far, reach, world_padding }
     }
 
     /// `None` if the pose flattens or stretches too much.
@@ -57,21 +60,17 @@ impl Placed {
         let error = stretch * largest * f64::exp2(-44.0);
         (stretch <= LIMIT && error.is_finite()).then_some(Inverse { matrix, error })
     }
+}
 
-    /// The padding of boxes of this body under a pose with this translation, beside the shaders' [`PADDING`] of the
-    /// magnitudes that it turns: the same of the translation, what an adapter may flush of it, of entries of the
-    /// matrix and of the results, and `more`.
-    fn padding(&self, translation: Vector, more: Vector) -> [f32; 3] {
-        let flushed = f64::exp2(-122.0) + f64::exp2(-123.0) * self.far.iter().sum::<f64>();
-        [0, 1, 2].map(|k| {
-            let padding = translation[k].abs() * f64::from(PADDING) + flushed + more[k];
-            (padding * (1.0 + ROUNDING)) as f32
-        })
-    }
-
-    fn world_padding(&self) -> [f32; 3] {
-        self.padding(self.pose.rows.map(|row| f64::from(row[3])), [0.0; 3])
-    }
+/// The padding of boxes of a mesh with coordinates up to `far` under a pose with this translation, beside the shaders'
+/// [`PADDING`] of the magnitudes that it turns: the same of the translation, what an adapter may flush of it, of entries of the
+/// matrix and of the results, and `more`.
+fn padding(far: Vector, translation: Vector, more: Vector) -> [f32; 3] {
+    let flushed = f64::exp2(-122.0) + f64::exp2(-123.0) * far.iter().sum::<f64>();
+    [0, 1, 2].map(|k| {
+        let padding = translation[k].abs() * f64::from(PADDING) + flushed + more[k];
+        (padding * (1.0 + ROUNDING)) as f32
+    })
 }
 
 /// The poses of a pair and how its boxes are compared; the rest of the row is zero.
@@ -82,10 +81,10 @@ impl Placed {
 pub(super) fn place(a: &Placed, inverse: Option<&Inverse>, b: &Placed) -> InstancePair {
     let poses = [a.pose.rows, b.pose.rows];
     let seen = inverse.and_then(|inverse| seen_from(a, inverse, b));
-    let (boxes, pad_b) = seen.unwrap_or_else(|| (b.pose.rows, b.world_padding()));
+    let (boxes, pad_b) = seen.unwrap_or((b.pose.rows, b.world_padding));
     let is_posed = |side: &Placed| u32::from(side.pose != Pose::IDENTITY);
     let posed_boxes = if seen.is_some() { 2 } else { is_posed(a) | is_posed(b) << 1 };
-    let pad_a = a.world_padding();
+    let pad_a = a.world_padding;
     InstancePair { boxes, pad_a, posed_boxes, pad_b, poses, ..bytemuck::Zeroable::zeroed() }
 }
 
@@ -107,7 +106,7 @@ fn seen_from(a: &Placed, inverse: &Inverse, b: &Placed) -> Option<([[f32; 4]; 3]
     };
     (0..3).all(is_held).then(|| {
         let row = |k: usize| [turn[k][0], turn[k][1], turn[k][2], offset[k]].map(|x| x as f32);
-        ([row(0), row(1), row(2)], b.padding(offset, error))
+        ([row(0), row(1), row(2)], padding(b.far, offset, error))
     })
 }
 

@@ -1,0 +1,68 @@
+//! The answer about many bodies.
+
+use super::{Bodies, pairs};
+use crate::answer::{Answer, GpuVerb};
+use pfront_core::bvtt::TrianglePair;
+
+/// The answer to a question.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct WorldAnswer {
+    /// Pairs of triangles that meet, sorted, the first triangle being one of the first body: all of them, or at most one
+    /// for [`GpuVerb::Any`](crate::GpuVerb::Any). Empty for the other verbs.
+    pub hits: Vec<(Bodies, TrianglePair)>,
+    /// For [`GpuVerb::AnyEach`](crate::GpuVerb::AnyEach), some hit of each pair of bodies that meet, in the order of the
+    /// question. Else empty.
+    pub each: Vec<Option<TrianglePair>>,
+    /// For [`GpuVerb::CountEach`](crate::GpuVerb::CountEach), how many hits each pair of bodies has. Else empty.
+    pub counts: Vec<u64>,
+    /// How many hits were found.
+    pub count: u64,
+}
+
+impl WorldAnswer {
+    /// The answer to nothing, in the same memory.
+    pub(super) fn clear(&mut self) {
+        let Self { hits, each, counts, count } = self;
+        hits.clear();
+        each.clear();
+        counts.clear();
+        *count = 0;
+    }
+
+    /// Adds what was found of a chunk of pairs, of which this is the first.
+    pub(super) fn add(
+        &mut self,
+        answer: &Answer,
+        pairs: &[Bodies],
+        first: usize,
+        shift: u32,
+        verb: GpuVerb,
+    ) {
+        self.count += answer.count;
+        let rows = &answer.instances;
+        let hits = || answer.pairs.iter().map(|&hit| pairs::hit(rows, shift, hit));
+        match verb {
+            GpuVerb::All | GpuVerb::Any => {
+                self.hits.reserve(answer.pairs.len());
+                // Those of a block of ids follow each other.
+                for of_block in answer.pairs.chunk_by(|x, y| x.a >> shift == y.a >> shift) {
+                    let row = &rows[(of_block[0].a >> shift) as usize];
+                    let bodies = pairs[row.number as usize];
+                    let named =
+                        |hit: &TrianglePair| TrianglePair { a: hit.a - row.first_id, b: hit.b };
+                    self.hits.extend(of_block.iter().map(|hit| (bodies, named(hit))));
+                }
+            }
+            GpuVerb::Count => {}
+            GpuVerb::AnyEach => hits().for_each(|(number, hit)| {
+                self.each[first + number].get_or_insert(hit);
+            }),
+            GpuVerb::CountEach => {
+                hits().for_each(|(number, _)| self.counts[first + number] += 1);
+                let counts = self.counts[first..].iter_mut().zip(&answer.tallies);
+                counts.for_each(|(count, own)| *count += own);
+            }
+        }
+    }
+}
