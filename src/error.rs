@@ -27,7 +27,9 @@ pub enum Error {
     #[error(transparent)]
     Capacity(#[from] CapacityError),
     /// A question about a model or a pose in f64 that only a CPU answers.
-    #[error("a model or a pose is in f64, in which no GPU computes: ask by another executor")]
+    #[error(
+        "a model or a pose is in f64, about which a GPU answers for two models only: ask by another executor"
+    )]
     InF64,
     /// A ticket was cancelled.
     #[error("the ticket was cancelled")]

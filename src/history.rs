@@ -1,6 +1,8 @@
 //! The history of a query about one model or two: lists whose memory is used again, and the last question, whose
 //! answer is that to the next if nothing has changed.
 
+#[cfg(feature = "gpu")]
+use crate::Pose;
 use crate::executor::{Answer, Executor, Plan, Question, Run, Verb};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
@@ -35,11 +37,9 @@ pub(crate) trait About {
     #[cfg(feature = "gpu")]
     fn models(&self) -> &[&Model];
 
-    /// Whether a model or the pose is in f64.
+    /// Whether only a CPU answers it.
     #[cfg(feature = "gpu")]
-    fn is_f64(&self) -> bool {
-        self.models().iter().any(|model| model.is_f64())
-    }
+    fn is_for_cpu(&self) -> bool;
 
     #[cfg(feature = "gpu")]
     fn on_gpu(
@@ -90,8 +90,8 @@ impl About for OfTwo<'_> {
     }
 
     #[cfg(feature = "gpu")]
-    fn is_f64(&self) -> bool {
-        matches!(self.a_from_b, AnyPose::F64(_)) || self.models.iter().any(|model| model.is_f64())
+    fn is_for_cpu(&self) -> bool {
+        false
     }
 
     #[cfg(feature = "gpu")]
@@ -102,9 +102,14 @@ impl About for OfTwo<'_> {
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Answer<TrianglePair>, Error> {
-        let AnyPose::F32(a_from_b) = &self.a_from_b else { return Err(Error::InF64) };
         let [a, b] = mirrors.bring(device, &self.models, false)?;
-        Ok(device.ask(&GpuQuestion::pair(a, b, a_from_b), verb, pairs)?)
+        let question = match (self.query.shadows(), &self.a_from_b) {
+            (Some(shadows), _) => GpuQuestion::shadows(a, b, &shadows),
+            (None, AnyPose::F32(a_from_b)) => GpuQuestion::pair(a, b, a_from_b),
+            // One of them is empty.
+            (None, AnyPose::F64(_)) => GpuQuestion::pair(a, b, &Pose::IDENTITY),
+        };
+        Ok(device.ask(&question, verb, pairs, |pair| self.query.intersects(pair))?)
     }
 }
 
@@ -147,6 +152,12 @@ impl About for OfOne<'_> {
     }
 
     #[cfg(feature = "gpu")]
+    fn is_for_cpu(&self) -> bool {
+        let [model] = self.models;
+        model.is_f64()
+    }
+
+    #[cfg(feature = "gpu")]
     fn on_gpu(
         &self,
         device: &Device,
@@ -156,7 +167,7 @@ impl About for OfOne<'_> {
     ) -> Result<Answer<TrianglePair>, Error> {
         let [model, _] = mirrors.bring(device, &self.models, true)?;
         let question = GpuQuestion::Within { model, adjacency: self.adjacency };
-        Ok(device.ask(&question, verb, pairs)?)
+        Ok(device.ask(&question, verb, pairs, |_| false)?)
     }
 }
 
@@ -307,8 +318,8 @@ impl<A: About> Question for Asking<'_, A> {
     }
 
     #[cfg(feature = "gpu")]
-    fn is_f64(&self) -> bool {
-        self.about.is_f64()
+    fn is_for_cpu(&self) -> bool {
+        self.about.is_for_cpu()
     }
 
     fn on_one_thread(&mut self, verb: Verb) -> Result<Self::Answer, Error> {

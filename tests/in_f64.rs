@@ -1,6 +1,6 @@
 //! Models and poses in f64, by every query and executor on a CPU, against every two triangles.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![expect(clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::executor::Backend;
 use pfront::pfront_core::triangle::{Accuracy, Adjacency, intersects_f64, intersects_in_mesh};
@@ -51,6 +51,17 @@ fn brute(a: &Model, pose_a: &Pose64, b: &Model, pose_b: &Pose64) -> Vec<Triangle
 }
 
 fn executors() -> Vec<Executor> {
+    #[cfg(feature = "gpu")]
+    {
+        let gpu = pfront::gpu::Gpu::new().unwrap_or_else(|error| panic!("{error}"));
+        vec![
+            Executor::sequential(),
+            Executor::threads(3),
+            Executor::auto(),
+            Executor::gpu(&gpu, gpu.settings()),
+        ]
+    }
+    #[cfg(not(feature = "gpu"))]
     vec![Executor::sequential(), Executor::threads(3), Executor::auto()]
 }
 
@@ -82,6 +93,11 @@ fn pairs_by_every_executor() {
             assert!(expected.contains(&query.any(&a, &b, pose).unwrap().unwrap()));
             let contacts = query.contacts(&a, &b, pose).unwrap();
             assert_eq!(contacts.iter().map(|c| c.0).collect::<Vec<_>>(), expected);
+            // Each verb anew.
+            let mut query = PairQuery::new().on(&executor);
+            assert_eq!(query.count(&a, &b, pose).unwrap(), expected.len() as u64);
+            query.forget();
+            assert!(expected.contains(&query.any(&a, &b, pose).unwrap().unwrap()));
             batch.pair(&a, &b, pose).unwrap();
             lists.push(expected);
         }

@@ -51,23 +51,12 @@ fn nasty_pairs() {
 /// What the numbers in the file say: rounded to f32, there are 27 and 95 pairs.
 #[test]
 fn nasty_pairs_in_f64() {
-    for (a, b, count) in
-        [("Offset3.obj", "Offset4.obj", 29), ("Havocglass8_left.obj", "Havocglass8_right.obj", 89)]
-    {
-        let [s, t] = [a, b].map(model_in_f64);
+    for (a, b, count) in data::NASTY_PAIRS_IN_F64 {
+        let [s, t] = [a, b].map(data::model_in_f64);
         let mut query = PairQuery::new();
         assert_eq!(query.count(&s, &t, Pose::IDENTITY).unwrap(), count, "{a} and {b}");
         assert_eq!(query.contacts(&s, &t, Pose::IDENTITY).unwrap().len() as u64, count);
     }
-}
-
-fn model_in_f64(file: &str) -> Model {
-    let text = std::fs::read_to_string(data::data().join("nasty").join(file)).unwrap();
-    let numbers = |line: &str| line.split(' ').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
-    let lines = |kind: &'static str| text.lines().filter_map(move |line| line.strip_prefix(kind));
-    let points = lines("v ").map(|line| numbers(line).try_into().unwrap());
-    let triangle = |line: &str| [0, 1, 2].map(|k| numbers(line)[k] as u32 - 1);
-    Model::from_f64(points.collect(), lines("f ").map(triangle).collect()).unwrap()
 }
 
 #[test]

@@ -13,8 +13,10 @@
 mod data;
 
 use data::{Case, NASTY_PAIRS, NASTY_SELVES, cases, mesh, vectors};
+use pfront::executor::Backend;
 use pfront::gpu::{Budget, Deforming, Gpu, GpuModel, GpuQuery, GpuQuestion, GpuSettings};
-use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
+use pfront::pfront_core::bvtt::PairBvtt;
+use pfront::{Executor, Model, PairQuery, Pose, Pose64, SceneQuery, SelfQuery, TrianglePair};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Scene;
 use std::path::Path;
@@ -77,6 +79,18 @@ impl Asker {
         truth
     }
 
+    /// The same in f64, the pairs that the device leaves open decided by the CPU; returns how many these are.
+    fn in_f64(&mut self, what: &str, a: &Both, b: &Both, a_from_b: &Pose64) -> usize {
+        let truth = self.pairs.all(&a.cpu, &b.cpu, a_from_b).unwrap();
+        let core = PairBvtt::in_f64(a.cpu.bvh(), b.cpu.bvh(), a_from_b).unwrap();
+        let question = GpuQuestion::shadows(&a.gpu, &b.gpu, &core.shadows().unwrap());
+        let mut found = self.gpu.all(&question).unwrap().to_vec();
+        found.extend(self.gpu.open().iter().filter(|pair| core.intersects(**pair)));
+        found.sort_unstable();
+        assert!(found == truth, "{what} in f64: {} pairs, not {}", found.len(), truth.len());
+        self.gpu.open().len()
+    }
+
     /// How many both find within a model, which on the GPU may be one that moves.
     fn within(&mut self, what: &str, cpu: &Model, gpu: &GpuModel) -> usize {
         let truth = self.within.all(cpu).unwrap();
@@ -97,6 +111,10 @@ fn every_recorded_case() {
     let mut asker = Asker::default();
     for Case { name, a, b, a_from_b, b_world, pairs } in cases() {
         let (a, b) = (Both::new(a), Both::new(b));
+        let open = asker.in_f64(&name, &a, &b, &a_from_b.into());
+        let kept = asker.gpu.report().triangle_pairs;
+        assert_eq!(asker.gpu.report().on_cpu as usize, open);
+        println!("{name} in f64: {open} of {kept} triangle pairs were left open");
         let posed = asker.found(&name, &a, &b, &a_from_b);
         match b_world {
             Some(world) => {
@@ -115,6 +133,18 @@ fn nasty_pairs() {
         let [s, t] = [a, b].map(|file| Both::file(Path::new("nasty").join(file)));
         let found = asker.found(a, &s, &t, &Pose::IDENTITY).len();
         assert_eq!(count.unwrap_or(found), found, "{a} and {b}");
+    }
+}
+
+#[test]
+fn nasty_pairs_in_f64() {
+    let executor = Executor::gpu(gpu(), gpu().settings());
+    for (a, b, count) in data::NASTY_PAIRS_IN_F64 {
+        let [s, t] = [a, b].map(data::model_in_f64);
+        let mut query = PairQuery::new().on(&executor);
+        assert_eq!(query.count(&s, &t, Pose::IDENTITY).unwrap(), count, "{a} and {b}");
+        assert_eq!(query.all(&s, &t, Pose::IDENTITY).unwrap().len() as u64, count);
+        assert_eq!(query.plan().unwrap().backend, Backend::Gpu);
     }
 }
 

@@ -45,6 +45,8 @@ pub(crate) struct Answer {
     pub(crate) pairs: Vec<TrianglePair>,
     /// Pairs that the CPU decided, until they join `pairs`.
     late: Vec<TrianglePair>,
+    /// Pairs of shadows that the device left open.
+    pub(crate) open: Vec<TrianglePair>,
     pub(crate) count: u64,
     pub(crate) report: GpuReport,
     /// The pairs of instances that are asked about, by blocks of ids.
@@ -80,6 +82,7 @@ impl Answer {
             engine,
             pairs: Vec::new(),
             late: Vec::new(),
+            open: Vec::new(),
             count: 0,
             report: GpuReport::default(),
             instances: Vec::new(),
@@ -98,6 +101,7 @@ impl Answer {
     fn reset(&mut self) {
         self.pairs.clear();
         self.late.clear();
+        self.open.clear();
         self.count = 0;
         self.tallies.clear();
         self.report = GpuReport::default();
@@ -314,6 +318,11 @@ impl Answer {
             let tallies: Vec<u32> = read_now(device, queue, again(), tallies, pairs)?;
             self.tallies.resize(pairs, 0);
             (self.tallies.iter_mut().zip(tallies)).for_each(|(sum, own)| *sum += u64::from(own));
+        }
+        if task.query.shadows != 0 {
+            let pair = |rest: &Rest| TrianglePair { a: rest.pair[0], b: rest.pair[1] };
+            self.open.extend(rest.iter().map(pair));
+            rest.clear();
         }
         let late = self.late.len();
         let instances = &self.instances;

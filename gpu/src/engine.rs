@@ -6,7 +6,7 @@
 
 use crate::answer::GpuVerb;
 use crate::clock::{Clock, Timing};
-use crate::gpu::{Descent, Gpu};
+use crate::gpu::{Descent, Gpu, OfShadows};
 use crate::groups::{Dispatches, Groups, Meshes};
 use crate::layout::{Counters, Query, Rest};
 use crate::lists::{Lists, ORDERED_AT};
@@ -99,6 +99,8 @@ pub(crate) struct Engine {
     depth: u32,
     workgroups: u32,
     descent: Arc<Descent>,
+    /// What takes the place of some of them about shadows, once there was a question about some.
+    shadows: Option<Arc<OfShadows>>,
     groups: Groups,
     meshes: Option<Meshes>,
     /// Hits of each pair of instances.
@@ -130,6 +132,7 @@ impl Engine {
             workgroups: settings.groups.clamp(1, 65_535),
             groups: Groups::new(gpu, &descent, &lists)?,
             descent,
+            shadows: None,
             meshes: None,
             tallies: None,
             ticket: 0,
@@ -175,6 +178,14 @@ impl Engine {
             ("seeds_b", &b.seeds),
         ];
         self.bind_buffers([a.id, b.id], &buffers)
+    }
+
+    /// Has the passes ready for questions about shadows.
+    pub(crate) fn ready_for_shadows(&mut self) -> Result<(), GpuError> {
+        if self.shadows.is_none() {
+            self.shadows = Some(self.gpu.shadows()?);
+        }
+        Ok(())
     }
 
     /// The ids of what is bound.
@@ -258,13 +269,17 @@ impl Engine {
         verb: Option<(GpuVerb, Order)>,
     ) {
         let (verb, order) = verb.unzip();
-        let Self { gpu, descent, groups, workgroups, clock, .. } = self;
+        let Self { gpu, descent, shadows, groups, workgroups, clock, .. } = self;
+        let (narrow, decide) = match shadows.as_ref().filter(|_| task.query.shadows != 0) {
+            Some(shadows) => (&shadows.narrow, &shadows.decide),
+            None => (&descent.narrow, &descent.decide),
+        };
         let shaders = gpu.passes();
         let mut dispatches = Dispatches::begin(encoder, clock.as_mut().filter(|_| verb.is_some()));
         let Some(Meshes { groups: meshes, .. }) = &self.meshes else { return };
         let lists = &groups.lists;
         let first = [&meshes.first, &lists.first, &groups.first_step];
-        let decide = [&meshes.decide, &lists.decide];
+        let of_decide = [&meshes.decide, &lists.decide];
         for index in passes {
             match start {
                 Start::Seeds if index == 0 => {
@@ -274,7 +289,7 @@ impl Engine {
                 Start::Front(front) if index == 0 && verb == Some(GpuVerb::AnyEach) => {
                     dispatches.add(&descent.first, &first, groups_for(front.len() as u32));
                     // Triangle pairs that f32 left open may settle pairs of bodies before more is done about these.
-                    dispatches.add(&descent.decide, &decide, *workgroups);
+                    dispatches.add(decide, &of_decide, *workgroups);
                 }
                 _ => {
                     let groups = [&meshes.expand, &lists.expand, &groups.steps[index as usize]];
@@ -282,8 +297,8 @@ impl Engine {
                 }
             }
         }
-        dispatches.add(&descent.narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
-        dispatches.add(&descent.decide, &decide, *workgroups);
+        dispatches.add(narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
+        dispatches.add(decide, &of_decide, *workgroups);
         match order {
             None | Some(Order::None) => {}
             Some(Order::Few) => {

@@ -73,8 +73,10 @@ pub enum GpuError {
     /// A model was uploaded through another `Gpu`.
     #[error("the model was uploaded through another Gpu: upload it through the one of the query")]
     OtherDevice,
-    /// The mesh is in f64, in which no GPU computes.
-    #[error("the mesh is in f64, in which no GPU computes: ask on the CPU")]
+    /// The mesh is in f64, and the question is not about the shadows of two.
+    #[error(
+        "a mesh is in f64, about which GPUs answer for two meshes only, by their shadows: ask on the CPU"
+    )]
     InF64,
     /// The commands that were recorded have not been submitted.
     #[error("submit the encoder that the query was recorded into before reading its answer")]

@@ -30,6 +30,7 @@ struct Shared {
     device: Device,
     queue: Queue,
     passes: Passes,
+    shadows: OnceLock<Result<Arc<OfShadows>, GpuError>>,
     instances: OnceLock<Result<Arc<Descent>, GpuError>>,
     moving: OnceLock<Result<Arc<moving::Passes>, GpuError>>,
     target: Target,
@@ -56,6 +57,13 @@ pub(crate) struct Descent {
     /// `seed`; `dive` about instances.
     pub(crate) first: Pass,
     pub(crate) expand: Pass,
+    pub(crate) narrow: Pass,
+    pub(crate) decide: Pass,
+}
+
+/// The passes of [`Descent`] that differ about shadows of meshes in f64. They take the same bind groups.
+#[derive(Debug)]
+pub(crate) struct OfShadows {
     pub(crate) narrow: Pass,
     pub(crate) decide: Pass,
 }
@@ -148,10 +156,19 @@ impl Gpu {
             deal: pass(&DEAL)?,
             settle: pass(&SETTLE)?,
         };
-        let (instances, moving) = (OnceLock::new(), OnceLock::new());
-        let shared =
-            Arc::new(Shared { id, device, queue, passes, instances, moving, target, failure });
-        let gpu = Self { shared };
+        let gpu = Self {
+            shared: Arc::new(Shared {
+                id,
+                device,
+                queue,
+                passes,
+                shadows: OnceLock::new(),
+                instances: OnceLock::new(),
+                moving: OnceLock::new(),
+                target,
+                failure,
+            }),
+        };
         gpu.check()?;
         Ok(gpu)
     }
@@ -200,6 +217,17 @@ impl Gpu {
 
     pub(crate) fn passes(&self) -> &Passes {
         &self.shared.passes
+    }
+
+    /// The passes about shadows, compiled for the first question in f64.
+    pub(crate) fn shadows(&self) -> Result<Arc<OfShadows>, GpuError> {
+        let compile = || {
+            let target = Target { shadows: true, ..self.shared.target };
+            let pass = |pass| Pass::new(self.device(), pass, target);
+            let passes = OfShadows { narrow: pass(&NARROW)?, decide: pass(&DECIDE)? };
+            self.check().map(|()| Arc::new(passes))
+        };
+        self.shared.shadows.get_or_init(compile).clone()
     }
 
     /// The passes about instances, compiled when the first of them is made.

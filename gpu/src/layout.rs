@@ -65,6 +65,8 @@ shared! {
         pair_shift: u32,
         each: u32,
         padding: [u32; 2],
+        error: [f32; 3],
+        shadows: u32,
     }
 
     /// A pair of instances: how the second stands in the frame in which boxes are compared, and both in the world.
@@ -174,5 +176,12 @@ impl Placement {
             [x, y, z, t.abs() * PADDING + FLUSHED]
         });
         Self { rows: pose.rows, reach }
+    }
+
+    /// The pose of a shadow, whose corners may be so far from what they stand for.
+    pub(crate) fn of_shadow(pose: &Pose, padding: [f32; 3]) -> Self {
+        let mut own = Self::new(pose);
+        own.reach.iter_mut().zip(padding).for_each(|([.., w], padding)| *w += padding);
+        own
     }
 }

@@ -39,6 +39,8 @@ pub struct GpuModel {
     pub(crate) leaf_size: u32,
     /// `None` for an empty mesh.
     pub(crate) bounds: Option<Aabb>,
+    /// Whether what is there is the shadow of a mesh in f64.
+    pub(crate) is_shadow: bool,
 }
 
 impl GpuModel {
@@ -47,15 +49,14 @@ impl GpuModel {
         if mesh.is_f64() { Err(GpuError::InF64) } else { Ok(()) }
     }
 
-    /// Uploads a mesh with its BVH.
+    /// Uploads a mesh with its BVH; of a mesh in f64 its shadow, for [`GpuQuestion::shadows`](crate::GpuQuestion::shadows).
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] if an array does not fit in a binding, [`GpuError::OutOfMemory`], [`GpuError::InF64`].
+    /// [`GpuError::TooLarge`] if an array does not fit in a binding, [`GpuError::OutOfMemory`].
     ///
     /// # Complexity
     /// O(triangles).
     pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, GpuError> {
-        Self::check_precision(bvh.mesh())?;
         Self::check_size(bvh.order().len())?;
         let (level, seeds) = seeds(bvh.nodes());
         let mesh = bvh.mesh();
@@ -76,6 +77,7 @@ impl GpuModel {
             depth_below_seeds: depth - level,
             leaf_size: bvh.nodes().iter().map(|node| node.count).fold(1, u32::max),
             bounds: bvh.aabb(),
+            is_shadow: mesh.is_f64(),
         })
     }
 

@@ -7,7 +7,7 @@ use crate::report::reports;
 use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
-use pfront_core::bvtt::TrianglePair;
+use pfront_core::bvtt::{Shadows, TrianglePair};
 use pfront_core::triangle::Adjacency;
 use std::mem::offset_of;
 use wgpu::{Buffer, CommandEncoder};
@@ -33,6 +33,13 @@ pub enum GpuQuestion<'m> {
         /// The pose of the second.
         a_from_b: Pose,
     },
+    /// Two models, one of which or whose pose is in f64. See [`GpuQuestion::shadows`].
+    Shadows {
+        /// The models.
+        models: [&'m GpuModel; 2],
+        /// How their shadows are posed.
+        shadows: Shadows,
+    },
     /// A model and itself. Each unordered pair is reported once, with `a < b`; what two triangles share by index is no
     /// contact ([`pfront_core::triangle::intersects_in_mesh`]).
     Within {
@@ -50,6 +57,17 @@ impl<'m> GpuQuestion<'m> {
         Self::Pair { models: [a, b], a_from_b: *a_from_b }
     }
 
+    /// Two models, one of which or whose pose is in f64, by [`PairBvtt::shadows`](pfront_core::bvtt::PairBvtt::shadows) of their
+    /// query.
+    ///
+    /// The device does not have their positions. The answer is what it knows by the shadows alone; triangle pairs that it
+    /// leaves open are not part of it, nor of any count, but in [`GpuQuery::open`], for
+    /// [`PairBvtt::intersects`](pfront_core::bvtt::PairBvtt::intersects) to decide.
+    #[must_use]
+    pub fn shadows(a: &'m GpuModel, b: &'m GpuModel, shadows: &Shadows) -> Self {
+        Self::Shadows { models: [a, b], shadows: *shadows }
+    }
+
     /// A model and itself, under the shared-index rule.
     #[must_use]
     pub fn within(model: &'m GpuModel) -> Self {
@@ -61,6 +79,9 @@ impl<'m> GpuQuestion<'m> {
         let ([a, b], query) = match *self {
             Self::Pair { models: [a, b], a_from_b } => {
                 let (Some(_), Some(bounds)) = (a.bounds, b.bounds) else { return Ok(None) };
+                if a.is_shadow || b.is_shadow {
+                    return Err(GpuError::InF64);
+                }
                 let posed = a_from_b != Pose::IDENTITY;
                 if posed {
                     check_pose(&a_from_b, &bounds)?;
@@ -68,9 +89,19 @@ impl<'m> GpuQuestion<'m> {
                 let sides = [Pose::IDENTITY, a_from_b].each_ref().map(Placement::new);
                 ([a, b], Query { sides, posed: [0, u32::from(posed)], ..Query::zeroed() })
             }
+            Self::Shadows { models: [a, b], shadows: Shadows { poses, padding, error } } => {
+                let (Some(_), Some(_)) = (a.bounds, b.bounds) else { return Ok(None) };
+                engine.ready_for_shadows()?;
+                let sides = [0, 1].map(|k| Placement::of_shadow(&poses[k], padding[k]));
+                let own = Query { sides, posed: [1; 2], error, shadows: 1, ..Query::zeroed() };
+                ([a, b], own)
+            }
             Self::Within { model, adjacency } => {
                 if model.bounds.is_none() {
                     return Ok(None);
+                }
+                if model.is_shadow {
+                    return Err(GpuError::InF64);
                 }
                 let sides = [Placement::new(&Pose::IDENTITY); 2];
                 let apart = u32::from(adjacency == Adjacency::SkipNeighbours);
@@ -243,6 +274,13 @@ impl GpuQuery {
         self.finish()?;
         std::mem::swap(&mut self.answer.pairs, pairs);
         Ok(self.answer.count)
+    }
+
+    /// The triangle pairs that the device left open in the last answer, if that was about shadows: see [`GpuQuestion::shadows`].
+    /// They are for the caller to decide, unless the question was whether any pair meets, and one does.
+    #[must_use]
+    pub fn open(&self) -> &[TrianglePair] {
+        &self.answer.open
     }
 
     /// The hits: `array<vec2<u32>>`, the triangles `(a, b)` of each. Under [`GpuVerb::All`] they are sorted, unless they are far

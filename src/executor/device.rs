@@ -69,16 +69,30 @@ impl Device {
         lock(&self.gathered).push(gathered);
     }
 
-    /// Asks and waits; `pairs` is replaced, by the list under [`Verb::All`].
+    /// Asks and waits; `pairs` is replaced, by the list under [`Verb::All`]. Of shadows, `meets` decides what is left open.
     pub(crate) fn ask(
         &self,
         question: &GpuQuestion<'_>,
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
+        meets: impl Fn(TrianglePair) -> bool,
     ) -> Result<Answer<TrianglePair>, GpuError> {
         let mut query = self.lend()?;
         query.submit(question, verb.into())?;
         let answer = read(&mut query, verb, pairs)?;
+        let mut open = query.open().iter().copied().filter(|&pair| meets(pair));
+        let answer = match verb {
+            Verb::All => {
+                let before = pairs.len();
+                pairs.extend(open);
+                if pairs.len() > before {
+                    pairs.sort_unstable();
+                }
+                Answer::listed(pairs)
+            }
+            Verb::Count => Answer::counted(answer.count + open.count() as u64),
+            Verb::Any => Answer::found(answer.first.or_else(|| open.next())),
+        };
         self.take_back([query]);
         Ok(answer)
     }

@@ -35,7 +35,7 @@ pub enum Reason {
     Check,
     /// The GPU answers exactly, and something else was asked for.
     Inexact,
-    /// A model or a pose is in f64, in which no GPU computes.
+    /// A model or a pose is in f64, about which a GPU answers questions about two models only.
     InF64,
     /// The GPU has failed: see [`Plan::failure`].
     GpuFailed,
@@ -88,7 +88,7 @@ impl fmt::Display for Reason {
             Self::NotWorthChanging => "the other has not yet saved the price of a change",
             Self::Check => "to see whether the CPU has become faster",
             Self::Inexact => "a GPU answers exactly, and that was not asked for",
-            Self::InF64 => "a model or a pose is in f64, in which no GPU computes",
+            Self::InF64 => "a GPU answers about f64 for two models only",
             Self::GpuFailed => "the GPU has failed",
         })
     }

@@ -54,9 +54,9 @@ pub(crate) trait Question {
     #[cfg(feature = "gpu")]
     fn accuracy(&self) -> Accuracy;
 
-    /// Whether a model or a pose is in f64.
+    /// Whether only a CPU answers it, since a model or a pose is in f64.
     #[cfg(feature = "gpu")]
-    fn is_f64(&self) -> bool;
+    fn is_for_cpu(&self) -> bool;
 
     fn on_one_thread(&mut self, verb: Verb) -> Result<Self::Answer, Error>;
 
@@ -243,8 +243,7 @@ impl Run {
         verb: Verb,
     ) -> Result<Q::Answer, Error> {
         let moving = std::mem::take(&mut self.moving);
-        // No GPU computes in f64, whatever the executor.
-        if question.is_f64() {
+        if question.is_for_cpu() {
             return self.on_cpu(question, verb, Reason::InF64);
         }
         let Some(line) = &device.line else {

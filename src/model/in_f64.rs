@@ -54,7 +54,8 @@ impl Model {
     /// [`Model::new`] with positions in f64: queries pose and decide them there, exactly, whatever the other model and the
     /// pose.
     ///
-    /// Takes 24 bytes a vertex more, unless f32 holds every coordinate. Only a CPU answers about such models.
+    /// Takes 24 bytes a vertex more, unless f32 holds every coordinate. A GPU answers about two such models by their shadows,
+    /// and leaves to the CPU what these do not tell; everything else about them only a CPU answers.
     ///
     /// # Errors
     /// [`Error::Mesh`] names the first vertex or triangle at fault; coordinates are at most 2^125.

@@ -41,7 +41,7 @@ impl Question for Asking<'_> {
     }
 
     #[cfg(feature = "gpu")]
-    fn is_f64(&self) -> bool {
+    fn is_for_cpu(&self) -> bool {
         self.bodies.iter().any(Body::is_f64)
     }
 

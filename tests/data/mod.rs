@@ -45,6 +45,20 @@ pub(crate) fn cases() -> impl Iterator<Item = Case> {
     })
 }
 
+/// Pairs of files in `nasty/` with the number of pairs in f64, where rounding them to f32 changes it to 27 and 95.
+pub(crate) const NASTY_PAIRS_IN_F64: [(&str, &str, u64); 2] =
+    [("Offset3.obj", "Offset4.obj", 29), ("Havocglass8_left.obj", "Havocglass8_right.obj", 89)];
+
+/// A file of `nasty/` as its decimals say.
+pub(crate) fn model_in_f64(file: &str) -> pfront::Model {
+    let text = std::fs::read_to_string(data().join("nasty").join(file)).unwrap();
+    let numbers = |line: &str| line.split(' ').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+    let lines = |kind: &'static str| text.lines().filter_map(move |line| line.strip_prefix(kind));
+    let points = lines("v ").map(|line| numbers(line).try_into().unwrap());
+    let triangle = |line: &str| [0, 1, 2].map(|k| numbers(line)[k] as u32 - 1);
+    pfront::Model::from_f64(points.collect(), lines("f ").map(triangle).collect()).unwrap()
+}
+
 /// Pairs of files in `nasty/`.
 ///
 /// Counts are from `README.md` of the data where they are of f32 coordinates. Rounding those of the file

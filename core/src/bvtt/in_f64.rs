@@ -14,6 +14,18 @@ use crate::pose::{Affine, Pose, Pose64, PoseError};
 use crate::triangle::{Adjacency, Contact, contact_of, intersects_in_f64, intersects_in_mesh_f64};
 use glam::{DVec3, Vec3A};
 
+/// The shadows of two meshes as a query in f64 poses them, for a device that poses them by itself: both into the frame whose
+/// origin is that of the first shadow as it is posed. See [`PairBvtt::shadows`](super::PairBvtt::shadows).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shadows {
+    /// The poses of both.
+    pub poses: [Pose; 2],
+    /// How far a corner of each, as [`Pose::apply`] poses it, may be from what it stands for, on each axis.
+    pub padding: [[f32; 3]; 2],
+    /// How far the difference of two coordinates of such corners may be from that of what they stand for.
+    pub error: [f32; 3],
+}
+
 /// What only these queries call. It comes by pointer with a mesh or a pose in f64, so that firmware that has neither links
 /// none of it.
 #[derive(Debug)]

@@ -36,6 +36,7 @@ mod trees;
 mod wide_node;
 
 pub use cursor::{Cursor, Work};
+pub use in_f64::Shadows;
 pub use posed_bvh::PosedBvh;
 pub use query::Query;
 pub use trees::{Bvtt, PairBvtt, SelfBvtt};

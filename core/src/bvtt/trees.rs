@@ -5,7 +5,7 @@
 //! of two meshes does. Boxes of triangles that share a vertex overlap, so the traversal reaches all of these pairs; what
 //! they share by index is left to [`Adjacency`], in the leaves.
 
-use super::in_f64::{F64, PosedMesh};
+use super::in_f64::{F64, PosedMesh, Shadows};
 use super::posed_bvh::posed;
 use super::traversal::traverse;
 use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
@@ -15,7 +15,7 @@ use crate::one_ring::{Certified, OneRing};
 use crate::patch::CertifiedPatches;
 use crate::pose::{Affine, Pose64, PoseError};
 use crate::simd::VECTORS;
-use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact};
+use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact, intersects};
 use crate::{Aabb, Bvh, Node, Pose};
 use core::ops::{ControlFlow, Range};
 use glam::Vec3A;
@@ -115,6 +115,55 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
         let [own, other] = query.bounds(NodePair::ROOT);
         query.root = own.overlaps(&other).then_some(NodePair::ROOT);
         query
+    }
+
+    /// The shadows of both meshes, and their error, if the query is in f64.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvtt::*, *};
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+    /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
+    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
+    /// let query = PairBvtt::in_f64(bvh, bvh, &Pose64::from_translation([0.1, 0.0, 0.0]))?;
+    /// let shadows = query.shadows().expect("it is in f64");
+    /// assert_eq!(shadows.poses[1].apply([0.0; 3]), [0.1, 0.0, 0.0]);
+    /// assert!(shadows.error[0] > 0.0 && shadows.error[0] < 1e-5);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn shadows(&self) -> Option<Shadows> {
+        let InF64 { f64, .. } = self.in_f64.as_ref()?;
+        let (mut a, mut b) = (self.a, self.b);
+        let error = (f64.pose_in_frame_of_first)([a.side(), b.side()], &mut [None; 2]).to_array();
+        let shadows = [a.pose?, b.pose?];
+        let padding = shadows.map(|pose| pose.padding().to_array());
+        Some(Shadows { poses: shadows.map(Affine::to_pose), padding, error })
+    }
+
+    /// Whether two triangles meet, exactly.
+    ///
+    /// # Panics
+    /// If an index is out of range.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvtt::*, *};
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+    /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
+    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
+    /// let query = PairBvtt::in_f64(bvh, bvh, &Pose64::from_translation([0.0, 0.0, 5e-324]))?;
+    /// assert!(!query.intersects(TrianglePair { a: 0, b: 0 }));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn intersects(&self, pair: TrianglePair) -> bool {
+        match &self.in_f64 {
+            None => intersects(&self.a.triangle(pair.a), &self.b.triangle(pair.b), Accuracy::Exact),
+            Some(InF64 { f64, .. }) => (f64.intersects)(self.posed_meshes(), pair),
+        }
     }
 }
 

@@ -148,5 +148,6 @@ fn model(gpu: &Gpu, shape: Option<Balanced>, bounds: &Aabb) -> Result<GpuModel, 
         depth_below_seeds: depth - level,
         leaf_size: shape.map_or(1, Balanced::leaf_size),
         bounds: shape.map(|_| *bounds),
+        is_shadow: false,
     })
 }

@@ -5,6 +5,7 @@
 mod build;
 mod common;
 mod deforming;
+mod in_f64;
 mod pairs;
 mod scene;
 mod within;

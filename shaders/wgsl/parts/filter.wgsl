@@ -5,6 +5,13 @@
 // product of three, and what flushing may cost. Above M = 1e12 nothing is sure, which also catches what
 // is not finite; it is read from the bits, since compilers may assume that there is none.
 
+//
+// Of shadows, whose differences of coordinates are off by `query.error`, a sign counts only beyond what that can make of
+// the determinant besides: the host decides what it leaves open.
+
+// 1 about shadows.
+override SHADOWS = 0u;
+
 const RELATIVE = 1.9073486328125e-6;
 const ABSOLUTE = 6.018531076210112e-36;
 // The bits of 1e12.
@@ -40,8 +47,19 @@ fn filtered_sign(u: vec3f, v: vec3f, w: vec3f) -> i32 {
     let q = u.zxy * v.yzx;
     let determinant = dot(p - q, w);
     let scale = 1.0 + bitcast<f32>(extent);
-    let bound = RELATIVE * dot(abs(p) + abs(q), abs(w)) + ABSOLUTE * scale * scale;
+    var bound = RELATIVE * dot(abs(p) + abs(q), abs(w)) + ABSOLUTE * scale * scale;
+    if SHADOWS == 1u {
+        bound += shadow_error(max(max(abs(u), abs(v)), abs(w))) + ABSOLUTE * scale * scale;
+    }
     return select(0, 1, determinant > bound) - select(0, 1, determinant < -bound);
+}
+
+// What the error of coordinates can make of a determinant whose rows are within `most`: it is linear in each of them, and
+// has six products. A sixtieth more covers the roundings here.
+fn shadow_error(most: vec3f) -> f32 {
+    let e = query.error;
+    let n = most + e;
+    return 6.1 * (e.x * n.y * n.z + most.x * (e.y * n.z + most.y * e.z));
 }
 
 fn filtered_orient3d(a: vec3f, b: vec3f, c: vec3f, d: vec3f) -> i32 {

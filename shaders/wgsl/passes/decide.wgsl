@@ -84,7 +84,9 @@ fn decide_in_f32(found: vec2u) {
     if (found.y & CERTIFIED) == 0u {
         outcome = outcome_in_f32(slots);
     }
-    if outcome == UNSURE {
+    if outcome == UNSURE && SHADOWS == 1u {
+        add_open(slots);
+    } else if outcome == UNSURE {
         undecided[atomicAdd(&undecided_count, 1u)] = slots;
     } else if outcome == HIT {
         add_hit(slots);
