@@ -8,8 +8,8 @@ use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
-use pfront::Pose;
 use pfront::pfront_core::bvh::MAX_LEAF_SIZE;
+use pfront::{AnyPose, Pose, Pose64};
 use pfront_cli::executor::{Backend, ExecutorArgs, parse_threads};
 use pfront_cli::mesh::ReadOptions;
 use std::num::NonZero;
@@ -109,52 +109,61 @@ pub(crate) struct TwoMeshes {
     /// Pose of B in the frame of A: 12 numbers separated by commas, a 3×4 matrix row by row
     #[arg(long, value_name = "M", allow_hyphen_values = true, conflicts_with_all = ["translate", "rotate"])]
     #[arg(value_parser = matrix)]
-    pose: Option<[f32; 12]>,
+    pose: Option<[f64; 12]>,
     /// Move B
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = numbers::<3>)]
-    translate: Option<[f32; 3]>,
+    translate: Option<[f64; 3]>,
     /// First turn B about an axis through its origin, in degrees
     #[arg(long, value_name = "X,Y,Z,DEGREES", allow_hyphen_values = true)]
     #[arg(value_parser = rotation)]
-    rotate: Option<[f32; 4]>,
+    rotate: Option<[f64; 4]>,
 }
 
 impl TwoMeshes {
-    /// The pose `a_from_b`.
-    pub(crate) fn a_from_b(&self) -> Pose {
-        if let Some(m) = self.pose {
-            return Pose::new([0, 4, 8].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]));
+    /// The pose `a_from_b`: in f64, unless f32 is asked for or nothing moves.
+    pub(crate) fn a_from_b(&self) -> AnyPose {
+        let rows = self.rows();
+        if self.reading.in_f32 || rows == Pose64::IDENTITY.rows {
+            Pose::new(rows.map(|row| row.map(|x| x as f32))).into()
+        } else {
+            Pose64::new(rows).into()
         }
-        let [x, y, z, degrees] = self.rotate.unwrap_or_default().map(f64::from);
+    }
+
+    fn rows(&self) -> [[f64; 4]; 3] {
+        if let Some(m) = self.pose {
+            return [0, 4, 8].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]);
+        }
+        let [x, y, z, degrees] = self.rotate.unwrap_or_default();
         let axis = glam::DVec3::new(x, y, z).normalize_or_zero();
         let turn = glam::DQuat::from_scaled_axis(axis * degrees.to_radians());
         let [tx, ty, tz] = self.translate.unwrap_or_default();
-        let matrix = glam::DMat3::from_quat(turn).as_mat3();
-        let row = |i: usize, t: f32| [matrix.col(0)[i], matrix.col(1)[i], matrix.col(2)[i], t];
-        Pose::new([row(0, tx), row(1, ty), row(2, tz)])
+        let matrix = glam::DMat3::from_quat(turn);
+        let row = |i: usize, t: f64| [matrix.col(0)[i], matrix.col(1)[i], matrix.col(2)[i], t];
+        [row(0, tx), row(1, ty), row(2, tz)]
     }
 }
 
 /// Numbers between commas.
-fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
-    let parsed = text.split(',').map(|part| match part.trim().parse::<f32>() {
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let parsed = text.split(',').map(|part| match part.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err(format!("'{part}' is not a finite number; needs {N}, separated by commas")),
     });
-    let parsed: Vec<f32> = parsed.collect::<Result<_, _>>()?;
+    let parsed: Vec<f64> = parsed.collect::<Result<_, _>>()?;
     let found = parsed.len();
     parsed.try_into().map_err(|_| format!("needs {N} numbers, separated by commas, not {found}"))
 }
 
 /// A pose, which must leave something of a mesh.
-fn matrix(text: &str) -> Result<[f32; 12], String> {
+fn matrix(text: &str) -> Result<[f64; 12], String> {
     let rows = numbers::<12>(text)?;
     let is_point = rows.chunks_exact(4).all(|row| row[..3] == [0.0; 3]);
     if is_point { Err("it would shrink B to a point".to_owned()) } else { Ok(rows) }
 }
 
 /// An axis, which must have a length, and degrees.
-fn rotation(text: &str) -> Result<[f32; 4], String> {
+fn rotation(text: &str) -> Result<[f64; 4], String> {
     let numbers = numbers::<4>(text)?;
     if numbers[..3] == [0.0; 3] { Err("the axis has no length".to_owned()) } else { Ok(numbers) }
 }

@@ -1,26 +1,33 @@
 //! Segments of contacts, joined to polylines.
 
+use crate::listing::AnyContact;
 use std::collections::HashMap;
 use std::io::{self, Write};
 
 /// Ends of segments that are nearer than this, as a part of the largest coordinate, are one point: neighbouring
-/// contacts compute it from different triangles.
-const NEAR: f32 = 1e-6;
+/// contacts compute it from different triangles. In f64, it is a part of how far they reach.
+const NEAR: f64 = 1e-6;
 
 /// Points, and the indices of those along each polyline, the first again at the end of one that is closed.
 pub(crate) struct Curves {
-    points: Vec<[f32; 3]>,
+    points: Vec<[f64; 3]>,
     lines: Vec<Vec<u32>>,
+    is_f64: bool,
 }
 
 impl Curves {
-    /// Joins segments. Points in which more than two end, end polylines.
-    pub(crate) fn of(segments: impl Iterator<Item = [[f32; 3]; 2]>) -> Self {
-        let segments: Vec<_> = segments.collect();
-        let largest =
-            segments.as_flattened().as_flattened().iter().fold(0.0, |m: f32, x| m.max(x.abs()));
+    /// Joins the segments of contacts. Points in which more than two end, end polylines.
+    pub(crate) fn of(contacts: impl Iterator<Item = AnyContact>) -> Self {
+        let contacts: Vec<_> = contacts.collect();
+        let is_f64 = contacts.iter().any(|contact| matches!(contact, AnyContact::F64(_)));
+        let segments: Vec<_> = contacts.iter().map(|contact| contact.widened().segment).collect();
+        let from =
+            segments.first().map_or([0.0; 3], |[end, _]| if is_f64 { *end } else { [0.0; 3] });
+        let reach = |p: &[f64; 3]| (0..3).map(|k| (p[k] - from[k]).abs()).fold(0.0, f64::max);
+        let largest = segments.as_flattened().iter().map(reach).fold(0.0, f64::max);
         let mut points = Points {
-            cell: f64::from((NEAR * largest).max(f32::MIN_POSITIVE)),
+            cell: (NEAR * largest).max(f32::MIN_POSITIVE.into()),
+            from,
             ..Points::default()
         };
         let mut ends: Vec<[u32; 2]> = segments
@@ -48,12 +55,20 @@ impl Curves {
                 }
             }
         }
-        Self { points: points.points, lines }
+        Self { points: points.points, lines, is_f64 }
     }
 
     /// Writes them as OBJ.
     pub(crate) fn write(&self, to: &mut impl Write) -> io::Result<()> {
-        self.points.iter().try_for_each(|[x, y, z]| writeln!(to, "v {x} {y} {z}"))?;
+        for point in &self.points {
+            if self.is_f64 {
+                let [x, y, z] = point;
+                writeln!(to, "v {x} {y} {z}")?;
+            } else {
+                let [x, y, z] = point.map(|x| x as f32);
+                writeln!(to, "v {x} {y} {z}")?;
+            }
+        }
         for line in &self.lines {
             write!(to, "l")?;
             line.iter().try_for_each(|point| write!(to, " {}", point + 1))?;
@@ -93,14 +108,16 @@ fn follow(
 #[derive(Default)]
 struct Points {
     cell: f64,
-    points: Vec<[f32; 3]>,
+    /// Where the grid begins.
+    from: [f64; 3],
+    points: Vec<[f64; 3]>,
     numbers: HashMap<[i64; 3], u32>,
 }
 
 impl Points {
     /// The number of a point, which is that of another in the same cell or in one beside it.
-    fn number(&mut self, point: [f32; 3]) -> u32 {
-        let at = point.map(|x| (f64::from(x) / self.cell).floor() as i64);
+    fn number(&mut self, point: [f64; 3]) -> u32 {
+        let at = [0, 1, 2].map(|k| ((point[k] - self.from[k]) / self.cell).floor() as i64);
         let cells = (0..27).map(|i| [at[0] + i % 3 - 1, at[1] + i / 3 % 3 - 1, at[2] + i / 9 - 1]);
         if let Some(&number) = cells.filter_map(|cell| self.numbers.get(&cell)).next() {
             return number;

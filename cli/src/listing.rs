@@ -3,7 +3,7 @@
 use crate::args::{Format, Listing};
 use crate::curve::Curves;
 use anyhow::{Context, Result};
-use pfront::{Contact, Mesh, TrianglePair};
+use pfront::{AnyPose, Contact, Mesh, TrianglePair};
 use pfront_cli::mesh::{PaintedMesh, Source, write_painted};
 use pfront_cli::output::{Draft, out};
 use serde::{Serialize, Serializer};
@@ -36,7 +36,24 @@ impl<'f> Origin<'f> {
 pub(crate) struct Hit {
     pub(crate) origins: [usize; 2],
     pub(crate) pair: TrianglePair,
-    pub(crate) contact: Option<Contact>,
+    pub(crate) contact: Option<AnyContact>,
+}
+
+/// A contact in the precision of the query.
+#[derive(Clone, Copy)]
+pub(crate) enum AnyContact {
+    F32(Contact),
+    F64(Contact<f64>),
+}
+
+impl AnyContact {
+    /// In f64, to which every f32 widens.
+    pub(crate) fn widened(self) -> Contact<f64> {
+        match self {
+            Self::F32(contact) => contact.into(),
+            Self::F64(contact) => contact,
+        }
+    }
 }
 
 /// What rows tell.
@@ -75,20 +92,34 @@ struct Row<'f> {
 #[derive(Serialize)]
 struct ContactRow {
     kind: &'static str,
-    segment: [[f32; 3]; 2],
-    normals: [[f32; 3]; 2],
+    segment: [[Coordinate; 3]; 2],
+    normals: [[Coordinate; 3]; 2],
+}
+
+/// A number with as few digits as tell it from others of its precision.
+#[derive(Clone, Copy, Serialize)]
+#[serde(untagged)]
+enum Coordinate {
+    F32(f32),
+    F64(f64),
 }
 
 impl ContactRow {
-    fn new(contact: &Contact) -> Self {
-        let kind = if contact.is_flat { "flat" } else { "crossing" };
-        Self { kind, segment: contact.segment, normals: contact.normals }
+    fn new(contact: &AnyContact) -> Self {
+        let Contact { is_flat, normals, segment } = contact.widened();
+        let kind = if is_flat { "flat" } else { "crossing" };
+        let coordinate = |x: f64| match contact {
+            AnyContact::F32(_) => Coordinate::F32(x as f32),
+            AnyContact::F64(_) => Coordinate::F64(x),
+        };
+        let segment = segment.map(|end| end.map(coordinate));
+        Self { kind, segment, normals: normals.map(|normal| normal.map(Coordinate::F32)) }
     }
 }
 
 impl<'f> Found<'f> {
-    /// Writes to where the options say. `meshes` are those of the origins, as they are posed.
-    pub(crate) fn write(self, listing: &Listing, meshes: &[Mesh<'_>]) -> Result<()> {
+    /// Writes to where the options say. `meshes` are those of the origins, and their poses.
+    pub(crate) fn write(self, listing: &Listing, meshes: &[(Mesh<'_>, AnyPose)]) -> Result<()> {
         let format = listing.format()?;
         let Some(path) = listing.file() else {
             self.print(listing, format, &mut BufWriter::new(out()))?;
@@ -108,19 +139,21 @@ impl<'f> Found<'f> {
         Ok(())
     }
 
-    fn paint(self, to: &mut impl Write, meshes: &[Mesh<'_>]) -> io::Result<String> {
+    fn paint(self, to: &mut impl Write, meshes: &[(Mesh<'_>, AnyPose)]) -> io::Result<String> {
         let mut marks: Vec<_> =
-            meshes.iter().map(|mesh| vec![false; mesh.triangles().len()]).collect();
+            meshes.iter().map(|(mesh, _)| vec![false; mesh.triangles().len()]).collect();
         let mut hits = 0;
         for Hit { origins: [a, b], pair, .. } in self.hits {
             marks[a][pair.a as usize] = true;
             marks[b][pair.b as usize] = true;
             hits += 1;
         }
-        let parts = meshes.iter().zip(&marks).zip(PLAIN.into_iter().cycle());
+        let is_f64 = meshes.iter().any(|(mesh, pose)| mesh.is_f64() || pose.is_f64());
+        let posed: Vec<_> = meshes.iter().map(|(mesh, pose)| posed(*mesh, pose, is_f64)).collect();
+        let parts = meshes.iter().zip(&posed).zip(&marks).zip(PLAIN.into_iter().cycle());
         let painted: Vec<_> = parts
-            .map(|((mesh, hit), plain)| PaintedMesh {
-                positions: mesh.positions(),
+            .map(|((((mesh, _), positions), hit), plain)| PaintedMesh {
+                positions,
                 triangles: mesh.triangles(),
                 hit,
                 colours: [plain, HIT],
@@ -131,7 +164,7 @@ impl<'f> Found<'f> {
     }
 
     fn draw(self, to: &mut impl Write) -> io::Result<String> {
-        let curves = Curves::of(self.hits.filter_map(|hit| Some(hit.contact?.segment)));
+        let curves = Curves::of(self.hits.filter_map(|hit| hit.contact));
         curves.write(to)?;
         Ok(count(curves.len(), "polyline"))
     }
@@ -213,6 +246,20 @@ impl Found<'_> {
     }
 }
 
+/// The positions of a mesh as it is posed, in f64 if that is so of its query.
+fn posed(mesh: Mesh<'_>, pose: &AnyPose, is_f64: bool) -> Vec<[f64; 3]> {
+    match (pose, mesh.positions_f64()) {
+        (AnyPose::F32(pose), None) if !is_f64 => {
+            mesh.positions().iter().map(|&p| pose.apply(p).map(f64::from)).collect()
+        }
+        (pose, Some(positions)) => positions.iter().map(|&p| pose.to_f64().apply(p)).collect(),
+        (pose, None) => {
+            let pose = pose.to_f64();
+            mesh.positions().iter().map(|&p| pose.apply(p.map(f64::from))).collect()
+        }
+    }
+}
+
 /// How rows of text look.
 struct Columns {
     csv: bool,
@@ -227,7 +274,7 @@ enum Cell<'c> {
     Name(&'c str),
     Kind(&'static str),
     Index(u64),
-    Coordinate(f32),
+    Coordinate(Coordinate),
 }
 
 fn titles(
@@ -286,12 +333,14 @@ impl Columns {
                 Cell::Title(text, _) | Cell::Kind(text) if csv => write!(to, "{text}"),
                 Cell::Name(name) if csv => write!(to, "{}", quoted(name)),
                 Cell::Index(index) if csv => write!(to, "{index}"),
-                Cell::Coordinate(x) if csv => write!(to, "{x}"),
+                Cell::Coordinate(Coordinate::F32(x)) if csv => write!(to, "{x}"),
+                Cell::Coordinate(Coordinate::F64(x)) if csv => write!(to, "{x}"),
                 Cell::Title(text, width) => write!(to, "{text:>width$}"),
                 Cell::Kind(kind) => write!(to, "{kind:<8}"),
                 Cell::Name(name) => write!(to, "{name:<width$}"),
                 Cell::Index(index) => write!(to, "{index:>10}"),
-                Cell::Coordinate(x) => write!(to, "{x:>13.6e}"),
+                Cell::Coordinate(Coordinate::F32(x)) => write!(to, "{x:>13.6e}"),
+                Cell::Coordinate(Coordinate::F64(x)) => write!(to, "{x:>13.6e}"),
             }?;
         }
         writeln!(to)

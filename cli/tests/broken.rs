@@ -138,17 +138,20 @@ fn extremes_are_answered() {
         fs::write(at.join(name), text).unwrap();
     }
     for (arguments, pairs) in [
-        ("self huge.obj", "a,b\n"),
-        ("pairs huge.obj tiny.obj", "a,b\n0,0\n"),
-        ("pairs tiny.obj huge.obj --backend gpu", "a,b\n0,0\n"),
-        ("pairs huge.obj point.obj", "a,b\n0,0\n0,1\n0,2\n"),
+        ("self huge.obj --f32", "a,b\n"),
+        ("pairs huge.obj tiny.obj --f32", "a,b\n0,0\n"),
+        ("pairs tiny.obj huge.obj --f32 --backend gpu", "a,b\n0,0\n"),
+        ("pairs huge.obj point.obj --f32", "a,b\n0,0\n0,1\n0,2\n"),
         ("self point.obj", "a,b\n0,1\n0,2\n1,2\n"),
         ("self point.obj --skip-neighbours", "a,b\n"),
         ("pairs tiny.obj tiny.obj --translate 0,0,1", "a,b\n"),
     ] {
         assert_eq!(run(at, &format!("{arguments} --csv {FEW}")).unwrap(), pairs, "{arguments}");
     }
-    let error = run(at, &format!("any good.obj huge.obj --translate 0,1,0 {FEW}")).unwrap_err();
+    let error = run(at, &format!("self huge.obj {FEW}")).unwrap_err();
+    assert!(error.contains("huge.obj, line 1") && error.contains("beyond ±2^125"), "{error}");
+    let moved = format!("any good.obj huge.obj --f32 --translate 0,1,0 {FEW}");
+    let error = run(at, &moved).unwrap_err();
     assert!(error.contains("row 0 of the pose"), "{error}");
 }
 

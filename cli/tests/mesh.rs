@@ -7,7 +7,7 @@ mod files;
 
 use files::*;
 use pfront::Model;
-use pfront_cli::mesh::{Loaded, PaintedMesh, ReadOptions, load, read, write_painted};
+use pfront_cli::mesh::{Loaded, PaintedMesh, ReadOptions, beyond_f32, load, read, write_painted};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use std::fs;
@@ -52,6 +52,41 @@ fn every_format_keeps_order_and_bits() {
         let corners = QUAD.as_flattened().iter().map(|&v| POSITIONS[v as usize]);
         assert_eq!(soup.positions, corners.collect::<Vec<_>>(), "{name}");
         assert_eq!(soup.welded().triangles, [[0, 1, 2], [0, 2, 3]], "{name}");
+    }
+}
+
+/// In f64 nothing is rounded but to the nearest f64, in any format.
+#[test]
+fn decimals_and_doubles_are_kept_in_f64() {
+    let folder = TempDir::new().unwrap();
+    let load = |name: &str, bytes: Vec<u8>| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        load(&path, &ReadOptions::default()).unwrap().into_mesh().0
+    };
+    let exact = ["0.1", "-2.5000000000000004e10", "500000.123456789"];
+    let written = exact.map(|x| x.parse::<f64>().unwrap());
+    for (name, bytes) in
+        [("a.obj", obj()), ("a.off", off()), ("a.ply", ply("ascii", None)), ("a.stl", stl_text())]
+    {
+        // The first vertex of the second face.
+        let old = "1 0 -25000000000";
+        let text = text(bytes).replace("-2.5e10", "-25000000000");
+        assert!(text.contains(old), "{name}");
+        let mesh = load(name, text.replace(old, &exact.join(" ")).into_bytes());
+        let corner = mesh.positions[mesh.triangles[0][0] as usize];
+        assert_eq!(corner.map(f64::to_bits), written.map(f64::to_bits), "{name}");
+        assert!(beyond_f32(&mesh) >= 3, "{name}");
+    }
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\n\
+                  property double z\nelement face 1\nproperty list uchar uchar vertex_indices\nend_header\n";
+    let three = [written; 3];
+    let numbers = three.as_flattened().iter().flat_map(|x| x.to_le_bytes());
+    let bytes = header.bytes().chain(numbers).chain([3, 0, 1, 2]).collect();
+    assert_eq!(load("double.ply", bytes).positions, three);
+    // What f32 holds needs no f64.
+    for (name, bytes) in [("b.stl", stl_binary()), ("b.ply", ply_little())] {
+        assert_eq!(beyond_f32(&load(name, bytes)), 0, "{name}");
     }
 }
 
@@ -230,7 +265,7 @@ fn painted_meshes_come_back() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("painted.ply");
     let mesh = PaintedMesh {
-        positions: &POSITIONS,
+        positions: &POSITIONS.map(|p| p.map(f64::from)),
         triangles: &QUAD,
         hit: &[false, true],
         colours: [[1, 2, 3], [4, 5, 6]],

@@ -5,11 +5,11 @@ use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// An indexed triangle mesh: neither coordinates nor indices are checked.
+/// An indexed triangle mesh, in f32 unless said otherwise: neither coordinates nor indices are checked.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshData {
+pub struct MeshData<P = Point> {
     /// Vertex positions.
-    pub positions: Vec<Point>,
+    pub positions: Vec<P>,
     /// Three vertex indices per triangle.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -26,12 +26,6 @@ impl MeshData {
     pub fn map(mut self, change: impl FnMut(Point) -> Point) -> Self {
         self.positions = self.positions.into_iter().map(change).collect();
         self
-    }
-
-    /// Adds a polygon as a fan around its first corner.
-    pub fn push_fan(&mut self, corners: &[u32]) {
-        let [first, rest @ ..] = corners else { return };
-        self.triangles.extend(rest.windows(2).map(|edge| [*first, edge[0], edge[1]]));
     }
 
     /// The signed volume enclosed, positive when the triangles face outward; it means nothing for an open mesh.
@@ -51,6 +45,14 @@ impl MeshData {
         let center = (min + max) / 2.0;
         (center, points().map(|p| p.distance(center)).fold(0.0, f64::max))
     }
+}
+
+impl<P: Place> MeshData<P> {
+    /// Adds a polygon as a fan around its first corner.
+    pub fn push_fan(&mut self, corners: &[u32]) {
+        let [first, rest @ ..] = corners else { return };
+        self.triangles.extend(rest.windows(2).map(|edge| [*first, edge[0], edge[1]]));
+    }
 
     /// The same with vertices at exactly the same place joined, where −0 is 0; each stays where it first
     /// appears. Triangles keep their numbers. A mesh with an index out of range stays as it is.
@@ -68,8 +70,8 @@ impl MeshData {
         }
         let mut seen = HashMap::with_capacity(self.positions.len());
         let mut positions = Vec::new();
-        let mut join = |p: Point| {
-            *seen.entry(place(&p)).or_insert_with(|| {
+        let mut join = |p: P| {
+            *seen.entry(p.place()).or_insert_with(|| {
                 positions.push(p);
                 positions.len() as u32 - 1
             })
@@ -99,12 +101,25 @@ impl MeshData {
         if self.triangles.len() < 2 || !self.triangles.iter().flatten().all(&mut is_new) {
             return 0;
         }
-        let places: HashSet<_> = self.positions.iter().map(place).collect();
+        let places: HashSet<_> = self.positions.iter().map(P::place).collect();
         self.positions.len() - places.len()
     }
 }
 
-/// The bits of a position, those of 0 for −0.
-fn place(position: &Point) -> [u32; 3] {
-    position.map(|x| (x + 0.0).to_bits())
+/// A position of a vertex.
+pub trait Place: Copy {
+    /// Its bits, those of 0 for −0.
+    fn place(&self) -> [u64; 3];
+}
+
+impl Place for Point {
+    fn place(&self) -> [u64; 3] {
+        self.map(|x| (x + 0.0).to_bits().into())
+    }
+}
+
+impl Place for [f64; 3] {
+    fn place(&self) -> [u64; 3] {
+        self.map(|x| (x + 0.0).to_bits())
+    }
 }

@@ -4,6 +4,7 @@
 //! checkout; without it the tests fail.
 
 use pfront::{Pose, TrianglePair};
+use pfront_cli::mesh::ReadOptions;
 use pfront_testkit::MeshData;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -51,12 +52,10 @@ pub(crate) const NASTY_PAIRS_IN_F64: [(&str, &str, u64); 2] =
 
 /// A file of `nasty/` as its decimals say.
 pub(crate) fn model_in_f64(file: &str) -> pfront::Model {
-    let text = std::fs::read_to_string(data().join("nasty").join(file)).unwrap();
-    let numbers = |line: &str| line.split(' ').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
-    let lines = |kind: &'static str| text.lines().filter_map(move |line| line.strip_prefix(kind));
-    let points = lines("v ").map(|line| numbers(line).try_into().unwrap());
-    let triangle = |line: &str| [0, 1, 2].map(|k| numbers(line)[k] as u32 - 1);
-    pfront::Model::from_f64(points.collect(), lines("f ").map(triangle).collect()).unwrap()
+    let path = data().join("nasty").join(file);
+    let loaded = pfront_cli::mesh::load(&path, &ReadOptions::default()).unwrap();
+    let (mesh, _) = loaded.into_mesh();
+    pfront::Model::from_f64(mesh.positions, mesh.triangles).unwrap()
 }
 
 /// Pairs of files in `nasty/`.

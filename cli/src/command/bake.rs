@@ -7,8 +7,8 @@ use pfront::pfront_core::blob::{self, Counts};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
+use pfront_cli::mesh::{self, FileMesh, beyond_f32};
 use pfront_cli::output::{Draft, out};
-use pfront_testkit::MeshData;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -22,25 +22,27 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     let mesh = super::read(&bake.mesh, &bake.reading)?;
     let (mesh, source) = mesh.into_mesh();
     let mesh = if bake.weld { mesh.welded() } else { mesh };
-    let (bytes, counts) =
-        baked(&mesh, bake).map_err(|error| in_file(error, &bake.mesh, &source))?;
+    let (bytes, counts) = baked(mesh, bake).map_err(|error| in_file(error, &bake.mesh, &source))?;
     let mut to = Draft::new(&path)?;
     to.write_all(&bytes).with_context(|| format!("cannot write {}", path.display()))?;
     to.finish()?;
 
-    let Counts { nodes, vertices, triangles, .. } = counts;
+    let Counts { nodes, vertices, triangles, positions_f64 } = counts;
     let header = Counts { nodes: 0, vertices: 0, triangles: 0, positions_f64: 0 }.bytes();
-    let sections = [
+    let mut sections = vec![
         ("header", header),
         ("nodes", nodes * size_of::<Node>()),
         ("positions", vertices * size_of::<[f32; 3]>()),
         ("triangles", triangles * size_of::<[u32; 3]>()),
         ("order", triangles * size_of::<u32>()),
-        ("all", bytes.len()),
     ];
+    if positions_f64 > 0 {
+        sections.push(("in f64", (1 + positions_f64) * size_of::<[f64; 3]>()));
+    }
+    sections.push(("all", bytes.len()));
     let mut out = out();
     if bake.json {
-        let bytes: BTreeMap<_, _> = sections.into();
+        let bytes: BTreeMap<_, _> = sections.into_iter().collect();
         let counts = json!({ "triangles": triangles, "vertices": vertices, "nodes": nodes });
         writeln!(out, "{}", json!({ "file": path, "counts": counts, "bytes": bytes }))?;
         return Ok(true);
@@ -58,8 +60,16 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     Ok(true)
 }
 
-fn baked(mesh: &MeshData, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
-    let mesh = Mesh::new(&mesh.positions, &mesh.triangles)?;
+fn baked(file: FileMesh, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
+    let (positions, in_f32, mut shadow);
+    let mesh = if beyond_f32(&file) > 0 {
+        shadow = vec![[0.0; 3]; file.positions.len()];
+        positions = file;
+        Mesh::from_f64(&positions.positions, &positions.triangles, &mut shadow)?
+    } else {
+        in_f32 = mesh::in_f32(file);
+        Mesh::new(&in_f32.positions, &in_f32.triangles)?
+    };
     let n = mesh.triangles().len();
     let scratch =
         n * if bake.build == Build::Sah { size_of::<Node>() } else { 2 * size_of::<u32>() };

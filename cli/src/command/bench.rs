@@ -4,7 +4,7 @@ use super::{check_files, model};
 use crate::args::Bench;
 use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
-use pfront::{Executor, Model, PairQuery, Pose, TrianglePair};
+use pfront::{AnyPose, Executor, Model, PairQuery, Pose, Pose64, TrianglePair};
 use pfront_cli::executor::{Backend, adapter_name, number, threads};
 use pfront_cli::memory;
 use pfront_cli::mesh::ReadOptions;
@@ -44,7 +44,7 @@ struct Times {
 struct Course {
     name: String,
     models: [Model; 2],
-    poses: Vec<Pose>,
+    poses: Vec<AnyPose>,
 }
 
 pub(crate) fn demo() -> Result<bool> {
@@ -117,7 +117,7 @@ impl Course {
         let mut rows = Vec::new();
         let pose = |frame| {
             scene.poses(frame, &mut rows);
-            Pose::new(rows[1])
+            Pose::new(rows[1]).into()
         };
         let poses = (0..frames).map(pose).collect();
         let [worm, wheel] = [0, 1].map(|object| {
@@ -129,8 +129,11 @@ impl Course {
 
     /// One turn of the second mesh about the z axis through the middle of its box.
     fn turning(name: String, models: [Model; 2], frames: usize) -> Self {
-        let middle = models[1].bvh().aabb().map_or([0.0; 3], |aabb| {
-            [0, 1, 2].map(|axis| f64::midpoint(aabb.min[axis].into(), aabb.max[axis].into()))
+        let (bvh, is_f64) = (models[1].bvh(), models.iter().any(Model::is_f64));
+        let origin = bvh.mesh().origin();
+        let middle = bvh.aabb().map_or([0.0; 3], |aabb| {
+            let middle = |k: usize| f64::midpoint(aabb.min[k].into(), aabb.max[k].into());
+            [0, 1, 2].map(|axis| origin[axis] + middle(axis))
         });
         let pose = |frame| {
             let (sin, cos) = (TAU * frame as f64 / frames as f64).sin_cos();
@@ -140,7 +143,10 @@ impl Course {
                 [sin, cos, 0.0, y - sin * x - cos * y],
                 [0.0, 0.0, 1.0, 0.0],
             ];
-            Pose::new(rows.map(|row| row.map(|number| number as f32)))
+            match is_f64 {
+                true => AnyPose::from(Pose64::new(rows)),
+                false => Pose::new(rows.map(|row| row.map(|number| number as f32))).into(),
+            }
         };
         Self { name, models, poses: (0..frames).map(pose).collect() }
     }

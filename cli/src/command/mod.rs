@@ -9,7 +9,7 @@ pub(crate) mod scene;
 pub(crate) mod self_collision;
 
 use crate::args::TwoMeshes;
-use crate::listing::Hit;
+use crate::listing::{AnyContact, Hit};
 use crate::progress::shown;
 use anyhow::{Error, Result, ensure};
 use pfront::executor::{Plan, Reason};
@@ -17,7 +17,7 @@ use pfront::pfront_core::bvtt::Query;
 use pfront::{Model, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
 use pfront_cli::memory;
-use pfront_cli::mesh::{self, Loaded, ReadOptions, Source};
+use pfront_cli::mesh::{self, FileMesh, Loaded, ReadOptions, Source};
 use pfront_testkit::MeshData;
 use std::path::Path;
 
@@ -46,7 +46,7 @@ fn model(
     path: &Path,
     weld: bool,
     options: &ReadOptions,
-    inspect: impl FnOnce(&MeshData),
+    inspect: impl FnOnce(&FileMesh),
 ) -> Result<(Model, Source)> {
     shown(format!("reading {}", path.display()), || match read(path, options)? {
         Loaded::Baked(model) if !weld => Ok((*model, Source::default())),
@@ -66,7 +66,7 @@ fn two(meshes: &TwoMeshes, out: Option<&Path>) -> Result<[(Model, Source); 2]> {
     Ok([read(&meshes.a)?, read(&meshes.b)?])
 }
 
-/// Reads a mesh. Standard error tells how many coordinates it loses digits of.
+/// Reads a mesh. Standard error tells how many coordinates it loses digits of; in f64 it loses none.
 fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
     let loaded = mesh::load(path, options)?;
     if let Loaded::Mesh(mesh, Source { rounded: rounded @ 1.., .. }) = &loaded {
@@ -78,14 +78,21 @@ fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
     Ok(loaded)
 }
 
-/// Builds a model. The error names the file, and the line of a coordinate that is not finite.
-fn built(mesh: MeshData, path: &Path, source: &Source) -> Result<Model> {
-    Model::new(mesh.positions, mesh.triangles).map_err(|error| in_file(error.into(), path, source))
+/// Builds a model, in f64 if f32 does not hold every coordinate. The error names the file, and the line of a coordinate that
+/// is not finite.
+fn built(mesh: FileMesh, path: &Path, source: &Source) -> Result<Model> {
+    let model = if mesh::beyond_f32(&mesh) > 0 {
+        Model::from_f64(mesh.positions, mesh.triangles)
+    } else {
+        let MeshData { positions, triangles } = mesh::in_f32(mesh);
+        Model::new(positions, triangles)
+    };
+    model.map_err(|error| in_file(error.into(), path, source))
 }
 
 fn in_file(error: Error, path: &Path, source: &Source) -> Error {
     let path = path.display();
-    match source.not_finite {
+    match source.out_of_range {
         Some(line) => error.context(format!("{path}, line {line} (vertices count from 0)")),
         None => error.context(path.to_string()),
     }
@@ -118,10 +125,15 @@ fn hits<'f>(
     pairs: &'f [TrianglePair],
     origins: [usize; 2],
     contacts: bool,
+    is_f64: bool,
     query: &'f impl Query,
 ) -> Box<dyn Iterator<Item = Hit> + 'f> {
     let hit = move |&pair| {
-        let contact = if contacts { Some(query.contact(pair)?) } else { None };
+        let contact = match (contacts, is_f64) {
+            (false, _) => None,
+            (true, false) => Some(AnyContact::F32(query.contact(pair)?)),
+            (true, true) => Some(AnyContact::F64(query.contact_f64(pair)?)),
+        };
         Some(Hit { origins, pair, contact })
     };
     Box::new(pairs.iter().filter_map(hit))
@@ -129,7 +141,7 @@ fn hits<'f>(
 
 /// Says on standard error who has answered, and why, if there was a choice.
 fn explain(executor: &ExecutorArgs, plan: Option<&Plan>) {
-    if let Some(plan) = plan.filter(|_| executor.is_auto()) {
+    if let Some(plan) = plan.filter(|plan| executor.is_auto() || plan.reason == Reason::InF64) {
         match plan.reason {
             Reason::NoChoice => eprintln!("{}: there is no GPU to choose", plan.backend),
             _ => eprintln!("{plan}"),

@@ -6,7 +6,7 @@ use crate::listing::{Found, Kind, Origin};
 use crate::progress::shown;
 use anyhow::Result;
 use pfront::pfront_core::bvtt::PairBvtt;
-use pfront::{PairQuery, TrianglePair};
+use pfront::{AnyPose, PairQuery, Pose, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs) -> Result<bool> {
@@ -18,12 +18,18 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs
         list_fits(query.count(&a, &b, a_from_b)?, size_of::<TrianglePair>(), &meshes.reading)?;
         anyhow::Ok(query.all(&a, &b, a_from_b)?)
     })?;
-    let bvtt = PairBvtt::new(a.bvh(), b.bvh(), a_from_b)?;
+    let bvtt = match &a_from_b {
+        AnyPose::F32(pose) => PairBvtt::new(a.bvh(), b.bvh(), *pose),
+        AnyPose::F64(pose) => PairBvtt::in_f64(a.bvh(), b.bvh(), pose),
+    }?;
+    let is_f64 = a.is_f64() || b.is_f64() || a_from_b.is_f64();
     let origins = [&source_a, &source_b].map(Origin::of_file);
-    let found =
-        Found { origins: &origins, kind: Kind::Pairs, hits: hits(pairs, [0, 1], contacts, &bvtt) };
-    let posed: Vec<_> = b.mesh().positions().iter().map(|&p| a_from_b.apply(p)).collect();
-    found.write(listing, &[a.mesh(), b.mesh().with_positions(&posed)?])?;
+    let found = Found {
+        origins: &origins,
+        kind: Kind::Pairs,
+        hits: hits(pairs, [0, 1], contacts, is_f64, &bvtt),
+    };
+    found.write(listing, &[(a.mesh(), Pose::IDENTITY.into()), (b.mesh(), a_from_b)])?;
     explain(executor, query.plan());
     Ok(true)
 }

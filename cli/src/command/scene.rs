@@ -1,13 +1,12 @@
 //! `pfront scene MESH…`
 
-use super::{check_files, explain, in_file, list_fits, read};
+use super::{built, check_files, explain, list_fits, read};
 use crate::args::Scene;
-use crate::listing::{Found, Hit, Kind, Origin};
+use crate::listing::{AnyContact, Found, Hit, Kind, Origin};
 use crate::progress::shown;
 use anyhow::{Context, Result, bail, ensure};
-use pfront::{Contact, Model, Pose, SceneHit, SceneQuery};
+use pfront::{Model, Pose, SceneHit, SceneQuery};
 use pfront_cli::mesh::{Loaded, Source, name_apart};
-use pfront_testkit::MeshData;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -68,14 +67,25 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
         scene.ignore(a, b, true)?;
     }
 
+    let is_f64 = scene.bodies().any(|body| body.model().is_f64());
     let of_hit =
-        size_of::<SceneHit>() + if contacts { size_of::<(SceneHit, Contact)>() } else { 0 };
-    shown("asking which bodies meet".to_owned(), || {
-        list_fits(scene.count()?, of_hit, reading)?;
-        if contacts { scene.contacts().map(drop) } else { scene.update() }
-            .map_err(anyhow::Error::from)
-    })?;
-    let with_contacts = if contacts { scene.contacts()?.to_vec() } else { Vec::new() };
+        size_of::<SceneHit>() + if contacts { size_of::<(SceneHit, AnyContact)>() } else { 0 };
+    let with_contacts: Vec<(SceneHit, AnyContact)> =
+        shown("asking which bodies meet".to_owned(), || {
+            list_fits(scene.count()?, of_hit, reading)?;
+            scene.update()?;
+            anyhow::Ok(match (contacts, is_f64) {
+                (false, _) => Vec::new(),
+                (true, false) => {
+                    let contacts = scene.contacts()?.iter();
+                    contacts.map(|&(hit, contact)| (hit, AnyContact::F32(contact))).collect()
+                }
+                (true, true) => {
+                    let contacts = scene.contacts_f64()?.into_iter();
+                    contacts.map(|(hit, contact)| (hit, AnyContact::F64(contact))).collect()
+                }
+            })
+        })?;
     let place = |id| ids.binary_search(&id).unwrap_or_else(|place| place);
     let hit =
         |hit: &SceneHit, contact| Hit { origins: hit.bodies.map(place), pair: hit.pair, contact };
@@ -87,7 +97,7 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
             false => Box::new(scene.hits().iter().map(|of| hit(of, None))),
         },
     };
-    let posed: Vec<_> = scene.bodies().map(|body| body.model().mesh()).collect();
+    let posed: Vec<_> = scene.bodies().map(|body| (body.model().mesh(), body.pose())).collect();
     found.write(listing, &posed)?;
     explain(executor, scene.plan());
     Ok(true)
@@ -123,9 +133,7 @@ fn split(
     let ends = nodes.iter().skip(1).map(|(_, first)| *first as usize).collect::<Vec<_>>();
     let ends = ends.into_iter().chain([mesh.triangles.len()]);
     for ((name, first), end) in nodes.iter().zip(ends) {
-        let MeshData { positions, triangles } = mesh.part(*first as usize..end);
-        let model = Model::new(positions, triangles)
-            .map_err(|error| in_file(error.into(), path, &source))?;
+        let model = built(mesh.part(*first as usize..end), path, &source)?;
         parts.push(Part { name: name.clone(), model, file, first: *first });
     }
     Ok(source)

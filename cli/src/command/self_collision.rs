@@ -6,7 +6,7 @@ use crate::listing::{Found, Kind, Origin};
 use crate::progress::shown;
 use anyhow::Result;
 use pfront::pfront_core::bvtt::SelfBvtt;
-use pfront::{Adjacency, SelfQuery, TrianglePair};
+use pfront::{Adjacency, Pose, SelfQuery, TrianglePair};
 
 pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
     let SelfCollision { mesh: path, weld, skip_neighbours, reading, listing, executor } = asked;
@@ -37,9 +37,9 @@ pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
     let found = Found {
         origins: &[Origin::of_file(&source)],
         kind: Kind::Pairs,
-        hits: hits(pairs, [0, 0], contacts, &bvtt),
+        hits: hits(pairs, [0, 0], contacts, model.is_f64(), &bvtt),
     };
-    found.write(listing, &[model.mesh()])?;
+    found.write(listing, &[(model.mesh(), Pose::IDENTITY.into())])?;
     explain(executor, query.plan());
     Ok(true)
 }

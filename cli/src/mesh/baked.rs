@@ -1,8 +1,8 @@
 //! Baked meshes: blobs of a mesh and its BVH, see [`pfront::pfront_core::blob`].
 
+use super::FileMesh;
 use super::error::Fault;
 use pfront::Model;
-use pfront_testkit::MeshData;
 
 /// The mesh with its BVH.
 pub(super) fn model(bytes: &[u8]) -> Result<Model, Fault> {
@@ -11,7 +11,11 @@ pub(super) fn model(bytes: &[u8]) -> Result<Model, Fault> {
 }
 
 /// The mesh without its BVH.
-pub(super) fn mesh_data(model: &Model) -> MeshData {
+pub(super) fn file_mesh(model: &Model) -> FileMesh {
     let mesh = model.mesh();
-    MeshData { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec() }
+    let positions = match mesh.positions_f64() {
+        Some(positions) => positions.to_vec(),
+        None => mesh.positions().iter().map(|p| p.map(f64::from)).collect(),
+    };
+    FileMesh { positions, triangles: mesh.triangles().to_vec() }
 }

@@ -1,5 +1,5 @@
 //! glTF and GLB, through `gltf`: the triangles of all meshes of the default scene (or of the first),
-//! placed by their nodes, in f64 and rounded once. Strips and fans become triangles; points and lines are
+//! placed by their nodes, in f64. Strips and fans become triangles; points and lines are
 //! passed over.
 
 mod checked;
@@ -94,6 +94,7 @@ fn push(
     buffers: &Buffers,
     world: &DMat4,
 ) -> Result<(), Fault> {
+    let in_f32 = import.source.in_f32;
     let mesh = &mut import.mesh;
     if let Some(positions) = primitive.get(&Semantic::Positions) {
         checked::positions(&positions, buffers)?;
@@ -106,8 +107,9 @@ fn push(
     // What stays where it is stays so to the bit.
     let moves = *world != DMat4::IDENTITY;
     let place = |p: [f32; 3]| {
-        let moved = |p| world.transform_point3(DVec3::from(p)).as_vec3().to_array();
-        if moves { moved(p.map(f64::from)) } else { p }
+        let p = p.map(f64::from);
+        let placed = if moves { world.transform_point3(DVec3::from(p)).to_array() } else { p };
+        if in_f32 { placed.map(|x| f64::from(x as f32)) } else { placed }
     };
     mesh.positions.extend(reader.read_positions().into_iter().flatten().map(place));
     let end = mesh.positions.len() as u32;

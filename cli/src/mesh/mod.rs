@@ -2,8 +2,8 @@
 //!
 //! All readers keep the order of the file. A face of more than three corners becomes a fan of triangles around
 //! its first, so that triangles have the numbers of the file's faces where all of these are triangles,
-//! and count on through the fans where not. Coordinates are the nearest f32 to
-//! what is written. What is no number is refused; NaN is one, and left to [`pfront::Model::new`], which
+//! and count on through the fans where not. Coordinates are the nearest f64 to
+//! what is written, or the nearest f32 if that is asked for. What is no number is refused; NaN is one, and left to [`pfront::Model::new`], which
 //! names the vertex.
 
 mod baked;
@@ -21,7 +21,7 @@ pub use error::ReadError;
 pub use painted::{PaintedMesh, write_painted};
 pub use source::{Source, name_apart};
 
-use baked::mesh_data;
+use baked::file_mesh;
 use error::Fault;
 use pfront::Model;
 use pfront::pfront_core::blob::MAGIC;
@@ -41,13 +41,31 @@ const GROWTH: usize = 3;
 
 /// The bytes that so many vertices and triangles take while they are read.
 fn demand(vertices: usize, triangles: usize) -> usize {
-    GROWTH.saturating_mul(size_of::<[u32; 3]>()).saturating_mul(vertices.saturating_add(triangles))
+    let arrays = size_of::<[f64; 3]>()
+        .saturating_mul(vertices)
+        .saturating_add(size_of::<[u32; 3]>().saturating_mul(triangles));
+    GROWTH.saturating_mul(arrays)
+}
+
+/// A mesh as a file has it.
+pub type FileMesh = MeshData<[f64; 3]>;
+
+/// How many coordinates of a mesh no f32 is equal to. If there is none, it may as well be one in f32.
+pub fn beyond_f32(mesh: &FileMesh) -> usize {
+    let is_beyond = |x: &&f64| !x.is_nan() && f64::from(**x as f32).to_bits() != x.to_bits();
+    mesh.positions.as_flattened().iter().filter(is_beyond).count()
+}
+
+/// A mesh with the f32 nearest to each coordinate.
+pub fn in_f32(mesh: FileMesh) -> MeshData {
+    let positions = mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect();
+    MeshData { positions, triangles: mesh.triangles }
 }
 
 /// A mesh that is being read.
 #[derive(Debug, Default)]
 struct Import {
-    mesh: MeshData,
+    mesh: FileMesh,
     source: Source,
     /// Bytes that reading may take.
     memory: usize,
@@ -61,7 +79,7 @@ impl Import {
         self.check_memory()
     }
 
-    fn push_position(&mut self, position: [f32; 3]) -> Result<(), Fault> {
+    fn push_position(&mut self, position: [f64; 3]) -> Result<(), Fault> {
         self.mesh.positions.push(position);
         self.check_memory()
     }
@@ -87,6 +105,9 @@ pub struct ReadOptions {
     /// times the file and 64 MB, baking and answer: what is free]
     #[arg(long, value_name = "MB", value_parser = megabytes)]
     pub memory: Option<usize>,
+    /// Round coordinates to f32, and compute poses there: faster, and what graphics do [default: in f64, as written]
+    #[arg(long = "f32")]
+    pub in_f32: bool,
 }
 
 fn megabytes(text: &str) -> Result<usize, String> {
@@ -101,22 +122,22 @@ const MOST_STREAMED: usize = 1 << 30;
 #[derive(Debug)]
 pub enum Loaded {
     /// A mesh, of which nothing is checked, and where it comes from.
-    Mesh(MeshData, Source),
+    Mesh(FileMesh, Source),
     /// A baked mesh, with its BVH.
     Baked(Box<Model>),
 }
 
 impl Loaded {
     /// The mesh, without its BVH, and where it comes from.
-    pub fn into_mesh(self) -> (MeshData, Source) {
+    pub fn into_mesh(self) -> (FileMesh, Source) {
         match self {
             Self::Mesh(mesh, source) => (mesh, source),
-            Self::Baked(model) => (mesh_data(&model), Source::default()),
+            Self::Baked(model) => (file_mesh(&model), Source::default()),
         }
     }
 }
 
-/// Reads a mesh; the extension tells the format, in whatever case, or else how the file begins, as it always does a
+/// Reads a mesh in f32; the extension tells the format, in whatever case, or else how the file begins, as it always does a
 /// baked mesh. The path `-` is standard input.
 ///
 /// An STL file has three vertices of its own for each triangle, see [`MeshData::welded`]. Of glTF these
@@ -128,10 +149,11 @@ impl Loaded {
 /// [`ReadError`] names the file, and the line or what else is wrong; a file without a triangle is taken for
 /// one that was not understood.
 pub fn read(path: &Path) -> Result<MeshData, ReadError> {
-    load(path, &ReadOptions::default()).map(|loaded| loaded.into_mesh().0)
+    let options = ReadOptions { in_f32: true, ..ReadOptions::default() };
+    load(path, &options).map(|loaded| in_f32(loaded.into_mesh().0))
 }
 
-/// [`read`] that keeps the BVH of a baked mesh.
+/// [`read`] in f64 unless the options say otherwise, which keeps the BVH of a baked mesh.
 ///
 /// # Errors
 /// As [`read`].
@@ -179,7 +201,7 @@ fn load_from(
     }
     let memory = options.memory.map_or_else(|| budget(bytes.len()), |most| most - bytes.len());
     let folder = path.parent().unwrap_or(Path::new(""));
-    let Import { mesh, source, .. } = parse(format, &bytes, folder, memory)?;
+    let Import { mesh, source, .. } = parse(format, &bytes, folder, memory, options.in_f32)?;
     Ok(Loaded::Mesh(mesh, source))
 }
 
@@ -205,17 +227,25 @@ fn beginning(bytes: &[u8]) -> Option<&'static str> {
 /// For fuzzing: [`read`] of bytes in one of [`FORMATS`], without files beside.
 #[doc(hidden)]
 pub fn read_bytes(format: &str, bytes: &[u8]) -> Option<MeshData> {
-    parse(format, bytes, Path::new("/nowhere"), budget(bytes.len())).ok().map(|import| import.mesh)
+    let import = parse(format, bytes, Path::new("/nowhere"), budget(bytes.len()), true).ok()?;
+    Some(in_f32(import.mesh))
 }
 
-fn parse(format: &str, bytes: &[u8], folder: &Path, memory: usize) -> Result<Import, Fault> {
+fn parse(
+    format: &str,
+    bytes: &[u8],
+    folder: &Path,
+    memory: usize,
+    in_f32: bool,
+) -> Result<Import, Fault> {
     let mut import = Import { memory, ..Import::default() };
+    import.source.in_f32 = in_f32;
     match format {
         "obj" => obj::parse(bytes, &mut import),
         "ply" => ply::parse(bytes, &mut import),
         "stl" => stl::parse(bytes, &mut import),
         "off" => off::parse(bytes, &mut import),
-        BAKED => baked::model(bytes).map(|model| import.mesh = mesh_data(&model)),
+        BAKED => baked::model(bytes).map(|model| import.mesh = file_mesh(&model)),
         _ => gltf::parse(bytes, folder, &mut import),
     }?;
     if import.mesh.triangles.is_empty() {

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 #[derive(Clone, Copy, Debug)]
 pub struct PaintedMesh<'m> {
     /// Vertex positions.
-    pub positions: &'m [[f32; 3]],
+    pub positions: &'m [[f64; 3]],
     /// Three vertex indices per triangle, in range.
     pub triangles: &'m [[u32; 3]],
     /// The triangles that are marked, one entry for each.
@@ -15,7 +15,7 @@ pub struct PaintedMesh<'m> {
     pub colours: [[u8; 3]; 2],
 }
 
-/// Writes meshes as one PLY file. Each triangle has three vertices of its own, since viewers colour
+/// Writes meshes as one PLY file, of floats if these hold every coordinate, else of doubles. Each triangle has three vertices of its own, since viewers colour
 /// vertices rather than faces.
 ///
 /// # Errors
@@ -25,18 +25,26 @@ pub struct PaintedMesh<'m> {
 /// If a triangle has an index out of range.
 pub fn write_painted(to: &mut impl Write, meshes: &[PaintedMesh<'_>]) -> io::Result<()> {
     let triangles: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    let is_f32 = |x: &f64| f64::from(*x as f32) == *x;
+    let in_f32 = meshes.iter().all(|mesh| mesh.positions.as_flattened().iter().all(is_f32));
+    let real = if in_f32 { "float" } else { "double" };
     write!(
         to,
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\
-         property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty {real} x\nproperty {real} y\n\
+         property {real} z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
          element face {triangles}\nproperty list uchar uint vertex_indices\nend_header\n",
         3 * triangles
     )?;
     for mesh in meshes {
         for (triangle, &hit) in mesh.triangles.iter().zip(mesh.hit) {
             for &v in triangle {
-                let position = mesh.positions[v as usize];
-                position.iter().try_for_each(|x| to.write_all(&x.to_le_bytes()))?;
+                for x in mesh.positions[v as usize] {
+                    if in_f32 {
+                        to.write_all(&(x as f32).to_le_bytes())?;
+                    } else {
+                        to.write_all(&x.to_le_bytes())?;
+                    }
+                }
                 to.write_all(&mesh.colours[usize::from(hit)])?;
             }
         }

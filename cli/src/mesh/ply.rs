@@ -41,8 +41,15 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
             }?;
             match (&element.name[..], record.corners.len()) {
                 ("vertex", _) => {
-                    import.push_position(record.position)?;
-                    import.source.rounded += record.rounded;
+                    let mut position = record.position;
+                    if import.source.in_f32 {
+                        position = position.map(|x| f64::from(x as f32));
+                        // NaN is neither.
+                        let is_rounded = |(x, y): &(f64, f64)| (x - y).abs() > 0.0;
+                        let both = position.into_iter().zip(record.position);
+                        import.source.rounded += both.filter(is_rounded).count();
+                    }
+                    import.push_position(position)?;
                 }
                 ("face", n @ 0..3) => {
                     return Err(Fault::broken(format!("face {number} has {n} corners")));

@@ -8,10 +8,12 @@ pub struct Source {
     /// The first triangle of each face, if faces may have more than one.
     pub(super) faces: Vec<u32>,
     nodes: Vec<Node>,
-    /// Coordinates with more digits than the nearest f32 has.
+    /// Whether coordinates are rounded to f32.
+    pub(super) in_f32: bool,
+    /// If they are, those with more digits than the nearest f32 has.
     pub rounded: usize,
-    /// The first line with a coordinate that is not finite, if the file is text.
-    pub not_finite: Option<usize>,
+    /// The first line with a coordinate that is not finite, or too large for f64, if the file is text.
+    pub out_of_range: Option<usize>,
 }
 
 /// A glTF node and the first triangle that it placed.

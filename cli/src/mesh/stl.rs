@@ -1,5 +1,5 @@
 //! STL, text and binary: a soup of three vertices a triangle, in the order of the file.
-//! [`welded`](MeshData::welded) joins them.
+//! [`welded`](pfront_testkit::MeshData::welded) joins them.
 //!
 //! By hand: of several solids `stl_io` reads the first, it takes text whose solid has no name for binary
 //! and binary that begins with `solid` for text, and it refuses the NaN normals that triangles without
@@ -7,8 +7,7 @@
 
 use super::error::{Fault, other_format};
 use super::text::{Line, lines, quote};
-use super::{Import, demand};
-use pfront_testkit::MeshData;
+use super::{FileMesh, Import, demand};
 
 /// Header and count of a binary file, and each of its triangles.
 const HEADER: usize = 84;
@@ -47,9 +46,10 @@ fn is_text(bytes: &[u8]) -> bool {
     word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes.contains(&0)
 }
 
-fn binary(bytes: &[u8], mesh: &mut MeshData) {
+fn binary(bytes: &[u8], mesh: &mut FileMesh) {
     for triangle in bytes[HEADER..].chunks_exact(TRIANGLE) {
-        let number = |i: usize| f32::from_le_bytes([0, 1, 2, 3].map(|k| triangle[4 * i + k]));
+        let number =
+            |i: usize| f64::from(f32::from_le_bytes([0, 1, 2, 3].map(|k| triangle[4 * i + k])));
         // After the normal.
         push(mesh, [3, 6, 9].map(|i| [i, i + 1, i + 2].map(number)));
     }
@@ -81,14 +81,14 @@ fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     Err(Fault::broken(other_format("the file ends before its last endsolid")))
 }
 
-fn three(line: &Line<'_>, corners: &mut Vec<[f32; 3]>) -> Result<[[f32; 3]; 3], Fault> {
+fn three(line: &Line<'_>, corners: &mut Vec<[f64; 3]>) -> Result<[[f64; 3]; 3], Fault> {
     let found = std::mem::take(corners);
     found
         .try_into()
         .map_err(|found: Vec<_>| line.fault(format!("a facet of {} corners", found.len())))
 }
 
-fn push(mesh: &mut MeshData, corners: [[f32; 3]; 3]) {
+fn push(mesh: &mut FileMesh, corners: [[f64; 3]; 3]) {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend(corners);
     mesh.triangles.push([first, first + 1, first + 2]);

@@ -56,25 +56,33 @@ impl<'t> Line<'t> {
         &self,
         words: &mut impl Iterator<Item = &'w [u8]>,
         source: &mut Source,
-    ) -> Result<[f32; 3], Fault> {
+    ) -> Result<[f64; 3], Fault> {
         let mut next = || self.coordinate(words.next(), source);
         Ok([next()?, next()?, next()?])
     }
 
-    /// The f32 nearest to what `word` says; `source` notes what it loses.
+    /// The number nearest to what `word` says; `source` tells in which precision, and notes what it loses.
     pub(super) fn coordinate(
         &self,
         word: Option<&[u8]>,
         source: &mut Source,
-    ) -> Result<f32, Fault> {
-        let nearest: f32 = self.number(word)?;
-        source.rounded += usize::from(loses_digits(word.unwrap_or_default(), nearest));
-        if !nearest.is_finite() {
-            source.not_finite.get_or_insert(self.number);
+    ) -> Result<f64, Fault> {
+        let (nearest, most): (f64, f64) = if source.in_f32 {
+            let nearest: f32 = self.number(word)?;
+            source.rounded += usize::from(loses_digits(word.unwrap_or_default(), nearest));
+            (nearest.into(), f32::MAX.into())
+        } else {
+            (self.number(word)?, LARGEST_IN_F64)
+        };
+        if nearest.is_nan() || nearest.abs() > most {
+            source.out_of_range.get_or_insert(self.number);
         }
         Ok(nearest)
     }
 }
+
+/// 2^125, the largest coordinate of a mesh in f64.
+const LARGEST_IN_F64: f64 = 4.253529586511731e37;
 
 /// Whether a decimal has digits that the nearest f32, rounded to as many, does not.
 fn loses_digits(word: &[u8], nearest: f32) -> bool {

@@ -56,7 +56,7 @@ fn digits_that_are_lost_are_counted() {
     {
         fs::write(at.join("a.obj"), TETRAHEDRON.replace("v 0 0 1\n", &format!("v 0 0 {kept}\n")))
             .unwrap();
-        out(at, "self a.obj");
+        out(at, "self a.obj --f32");
     }
     for lost in ["0.10000000000000001", "0.123456789", "16777217", "1e-60", "1.00000001"] {
         fs::write(
@@ -64,7 +64,9 @@ fn digits_that_are_lost_are_counted() {
             TETRAHEDRON.replace("v 0 0 1\n", &format!("v {lost} 0 {lost}\n")),
         )
         .unwrap();
-        let told = String::from_utf8(pfront(at, "self a.obj").stderr).unwrap();
+        // In f64 they are not lost.
+        out(at, "self a.obj");
+        let told = String::from_utf8(pfront(at, "self a.obj --f32").stderr).unwrap();
         assert!(told.contains("a.obj: 2 of 12 coordinates were rounded to f32"), "{lost}: {told}");
     }
     let double = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\n\
@@ -72,8 +74,60 @@ fn digits_that_are_lost_are_counted() {
     let numbers = [0.1, 0.5, 0.25, 1.0, 0.0, 0.0, 0.0, 1.0, 1e-300].map(f64::to_le_bytes).concat();
     fs::write(at.join("double.ply"), [double.as_bytes(), &numbers, &[3, 0, 1, 2]].concat())
         .unwrap();
-    let told = String::from_utf8(pfront(at, "self double.ply").stderr).unwrap();
+    out(at, "self double.ply");
+    let told = String::from_utf8(pfront(at, "self double.ply --f32").stderr).unwrap();
     assert!(told.contains("2 of 9"), "{told}");
+}
+
+/// A floor of squares of a metre somewhere on earth, and a blade that ends a micrometre above or below it.
+#[test]
+fn decimals_decide_as_they_are_written() {
+    let folder = folder();
+    let at = folder.path();
+    let floor = "v 500000.1 5000000.2 300.3\nv 500001.1 5000000.2 300.3\nv 500000.1 5000001.2 300.3\nf 1 2 3\n";
+    let blade = |z: &str| {
+        let foot = format!("v 500000.3 5000000.4 {z}\n");
+        format!("{foot}v 500000.3 5000000.4 301\nv 500000.4 5000000.4 301\nf 1 2 3\n")
+    };
+    fs::write(at.join("floor.obj"), floor).unwrap();
+    fs::write(at.join("over.obj"), blade("300.300001")).unwrap();
+    fs::write(at.join("under.obj"), blade("300.299999")).unwrap();
+    let none = "a,b\n";
+    for (asked, found) in [
+        ("pairs floor.obj over.obj", none),
+        ("pairs floor.obj under.obj", "a,b\n0,0\n"),
+        ("pairs floor.obj over.obj --translate 0,0,-0.000002", "a,b\n0,0\n"),
+        ("pairs floor.obj under.obj --translate 0,0,0.000002", none),
+        ("pairs floor.obj under.obj --pose 1,0,0,0,0,1,0,0,0,0,1,2e-6", none),
+        ("pairs floor.obj under.obj --backend gpu", "a,b\n0,0\n"),
+        ("scene floor.obj over.obj", "body_a,body_b,a,b\n"),
+        ("scene floor.obj under.obj", "body_a,body_b,a,b\nfloor.obj,under.obj,0,0\n"),
+    ] {
+        assert_eq!(out(at, &format!("{asked} --csv")), found, "{asked}");
+    }
+    // Baked, it is in f64 still.
+    for name in ["floor", "under"] {
+        let told = out(at, &format!("bake {name}.obj"));
+        assert!(told.contains("in f64"), "{told}");
+    }
+    assert_eq!(out(at, "pairs floor.pfb under.pfb --csv"), "a,b\n0,0\n");
+    assert_eq!(out(at, "pairs floor.pfb over.obj --csv"), none);
+    // Contacts and curves have all digits.
+    let contacts = out(at, "pairs floor.obj under.obj --csv --contacts");
+    assert!(
+        contacts.contains("0,0,crossing,500000.3") && contacts.contains(",300.3"),
+        "{contacts}"
+    );
+    out(at, "pairs floor.obj under.obj --out curve.obj");
+    let curve = fs::read_to_string(at.join("curve.obj")).unwrap();
+    assert!(curve.lines().filter(|line| line.ends_with(" 300.3")).count() == 2, "{curve}");
+    out(at, "pairs floor.obj under.obj --out hits.ply");
+    let picture = fs::read(at.join("hits.ply")).unwrap();
+    assert!(picture.windows(17).any(|line| line == b"property double x"));
+    // To the GPU of a scene nobody in f64 goes.
+    let told =
+        String::from_utf8(pfront(at, "scene floor.obj over.obj --backend gpu").stderr).unwrap();
+    assert!(told.contains("a GPU answers about f64 for two models only"), "{told}");
 }
 
 #[test]

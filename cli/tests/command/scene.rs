@@ -53,7 +53,7 @@ fn nodes_are_bodies() {
     let marks = fs::read(at.join("room.ply")).unwrap();
     let red = marks.windows(3).filter(|colour| *colour == [214, 40, 40]).count();
     assert_eq!((red, mesh::read(&at.join("room.ply")).unwrap().triangles.len()), (6, 3));
-    for backend in ["gpu", "cpu --threads 2"] {
+    for backend in ["gpu --f32", "cpu --threads 2"] {
         assert_eq!(out(at, &format!("scene room.gltf --csv --backend {backend}")), csv);
     }
     let error = refused(at, "scene room.gltf --ignore Door Floor");

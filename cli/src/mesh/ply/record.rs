@@ -10,14 +10,12 @@ pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 #[derive(Default)]
 pub(super) struct Record {
-    pub(super) position: [f32; 3],
+    pub(super) position: [f64; 3],
     pub(super) corners: Vec<u32>,
-    /// Coordinates of binary types that no f32 is equal to.
-    pub(super) rounded: usize,
 }
 
 impl Record {
-    /// Straight to f32 whatever the type is, so that all is rounded once.
+    /// Straight to f32 or f64 whatever the type is, so that all is rounded once.
     pub(super) fn from_text(
         line: &Line<'_>,
         element: &ElementDef,
@@ -51,16 +49,14 @@ impl PropertyAccess for Record {
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        if let (Some(k), Some(x)) = (axis(name), property.to_f32_lossy()) {
+        let number = match property {
+            Property::Double(x) => Some(x),
+            Property::Int(x) => Some(x.into()),
+            Property::UInt(x) => Some(x.into()),
+            _ => property.to_f32_lossy().map(f64::from),
+        };
+        if let (Some(k), Some(x)) = (axis(name), number) {
             self.position[k] = x;
-            let written = match property {
-                Property::Double(x) => x,
-                Property::Int(x) => f64::from(x),
-                Property::UInt(x) => f64::from(x),
-                _ => f64::from(x),
-            };
-            // NaN is neither.
-            self.rounded += usize::from(written < f64::from(x) || written > f64::from(x));
         } else if INDICES.contains(&name) {
             let Some(corners) = property.to_u32_list() else {
                 return PropertyAccessResult::UnsupportedType;
