@@ -1,10 +1,9 @@
-//! f32 points as integers.
+//! Points as integers.
 //!
-//! Every f32 is an integer times a power of two. Moving both sets and stretching an axis change
+//! Every f32 and f64 is an integer times a power of two. Moving both sets and stretching an axis change
 //! nothing about which sets meet, so each axis gets the power of two that makes its integers small,
 //! and the first point is the origin.
 
-use crate::Point;
 use num_bigint::BigInt;
 use num_traits::float::FloatCore;
 use num_traits::{NumRef, RefNum};
@@ -13,9 +12,23 @@ use std::ops::Shl;
 /// A point or vector in integers.
 pub(super) type Vector<T> = [T; 3];
 
+/// A float.
+pub trait Coordinate: FloatCore {
+    /// The bits of its mantissa.
+    const DIGITS: i32;
+}
+
+impl Coordinate for f32 {
+    const DIGITS: i32 = 24;
+}
+
+impl Coordinate for f64 {
+    const DIGITS: i32 = 53;
+}
+
 /// Integers of some width. `i128` where the numbers are small, else [`BigInt`].
 pub(super) trait Integer:
-    NumRef + Ord + Clone + From<i32> + Shl<u32, Output = Self>
+    NumRef + Ord + Clone + From<i64> + Shl<u32, Output = Self>
 {
     fn times(&self, other: &Self) -> Self;
     fn minus(&self, other: &Self) -> Self;
@@ -23,7 +36,7 @@ pub(super) trait Integer:
 
 impl<T> Integer for T
 where
-    T: NumRef + Ord + Clone + From<i32> + Shl<u32, Output = T>,
+    T: NumRef + Ord + Clone + From<i64> + Shl<u32, Output = T>,
     for<'a> &'a T: RefNum<T>,
 {
     fn times(&self, other: &Self) -> Self {
@@ -40,24 +53,23 @@ where
 /// With coordinates below 2^30, points are shorter than √3 · 2^30 and differences than √3 · 2^31.
 /// The longest normal, (w·w) d − (w·d) w, is then shorter than (√3 · 2^31)³, and no sum of its
 /// products with a point exceeds 9 · 2^123 < 2^127.
-pub(super) fn small(a: &[Point], b: &[Point]) -> Option<[Vec<Vector<i128>>; 2]> {
+pub(super) fn small<C: Coordinate>(a: &[[C; 3]], b: &[[C; 3]]) -> Option<[Vec<Vector<i128>>; 2]> {
     let axes = axes(a, b);
-    // An f32 has 24 bits before the shift.
-    if axes.iter().any(|axis| axis.highest - axis.lowest > 100) {
+    if axes.iter().any(|axis| axis.highest - axis.lowest + C::DIGITS > 124) {
         return None;
     }
-    let sets = on_lattice::<i128>(&axes, a, b);
+    let sets = on_lattice::<i128, C>(&axes, a, b);
     let fits = |v: &Vector<i128>| v.iter().all(|x| x.abs() < 1 << 30);
     sets.iter().flatten().all(fits).then_some(sets)
 }
 
 /// The points in integers of any width.
-pub(super) fn wide(a: &[Point], b: &[Point]) -> [Vec<Vector<BigInt>>; 2] {
+pub(super) fn wide<C: Coordinate>(a: &[[C; 3]], b: &[[C; 3]]) -> [Vec<Vector<BigInt>>; 2] {
     on_lattice(&axes(a, b), a, b)
 }
 
 /// The length of one step of the lattice along each axis.
-pub(super) fn units(a: &[Point], b: &[Point]) -> [f64; 3] {
+pub(super) fn units<C: Coordinate>(a: &[[C; 3]], b: &[[C; 3]]) -> [f64; 3] {
     axes(a, b).map(|axis| 2f64.powi(axis.lowest))
 }
 
@@ -67,7 +79,7 @@ struct Axis {
     highest: i32,
 }
 
-fn axes(a: &[Point], b: &[Point]) -> [Axis; 3] {
+fn axes<C: Coordinate>(a: &[[C; 3]], b: &[[C; 3]]) -> [Axis; 3] {
     [0, 1, 2].map(|axis| {
         let points = a.iter().chain(b);
         let exponents = points.map(|p| decode(p[axis])).filter(|x| x.0 != 0).map(|x| x.1);
@@ -77,14 +89,18 @@ fn axes(a: &[Point], b: &[Point]) -> [Axis; 3] {
 }
 
 /// The odd integer m (or 0) and the exponent e of x = m · 2^e.
-fn decode(x: f32) -> (i32, i32) {
+fn decode(x: impl Coordinate) -> (i64, i32) {
     let (mantissa, exponent, sign) = x.integer_decode();
     let zeros = if mantissa == 0 { 0 } else { mantissa.trailing_zeros() };
-    ((mantissa >> zeros) as i32 * i32::from(sign), i32::from(exponent) + zeros as i32)
+    ((mantissa >> zeros) as i64 * i64::from(sign), i32::from(exponent) + zeros as i32)
 }
 
-fn on_lattice<T: Integer>(axes: &[Axis; 3], a: &[Point], b: &[Point]) -> [Vec<Vector<T>>; 2] {
-    let integer = |p: &Point| {
+fn on_lattice<T: Integer, C: Coordinate>(
+    axes: &[Axis; 3],
+    a: &[[C; 3]],
+    b: &[[C; 3]],
+) -> [Vec<Vector<T>>; 2] {
+    let integer = |p: &[C; 3]| {
         [0, 1, 2].map(|axis| match decode(p[axis]) {
             (0, _) => T::zero(),
             (odd, exponent) => T::from(odd) << (exponent - axes[axis].lowest) as u32,

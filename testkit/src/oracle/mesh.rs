@@ -1,6 +1,6 @@
 //! Brute force over meshes, with the rule for triangles of one mesh.
 
-use super::lattice::{Integer, Vector, cross, dot, minus};
+use super::lattice::{Coordinate, Integer, Vector, cross, dot, minus};
 use super::{hulls_meet, intersect, lattice};
 use crate::{Point, Triangle};
 use num_traits::Zero;
@@ -54,9 +54,9 @@ pub fn self_pairs(positions: &[Point], triangles: &[[u32; 3]]) -> Vec<(u32, u32)
 ///
 /// # Panics
 /// If an index is out of range.
-pub fn self_hit(ta: [u32; 3], tb: [u32; 3], positions: &[Point]) -> bool {
+pub fn self_hit<C: Coordinate>(ta: [u32; 3], tb: [u32; 3], positions: &[[C; 3]]) -> bool {
     let point = |v: &u32| positions[*v as usize];
-    let rest = |own: [u32; 3], other: [u32; 3]| -> Vec<Point> {
+    let rest = |own: [u32; 3], other: [u32; 3]| -> Vec<[C; 3]> {
         own.iter().filter(|v| !other.contains(v)).map(point).collect()
     };
     let mut shared: Vec<u32> = ta.into_iter().filter(|v| tb.contains(v)).collect();

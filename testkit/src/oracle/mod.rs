@@ -12,18 +12,18 @@ mod lattice;
 mod mesh;
 
 pub use crossing::crossing_points;
+pub use lattice::Coordinate;
 pub use mesh::{pairs, self_hit, self_pairs, share_a_vertex};
 
-use crate::{Point, Triangle};
 use lattice::{Integer, Vector, cross, dot, minus, times};
 
 /// Whether two closed triangles share a point; one without area is its segment or point.
-pub fn intersect(a: &Triangle, b: &Triangle) -> bool {
+pub fn intersect<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> bool {
     hulls_meet(a, b)
 }
 
 /// Whether the convex hulls of two sets of points share a point. The hull of no points is empty.
-pub fn hulls_meet(a: &[Point], b: &[Point]) -> bool {
+pub fn hulls_meet<C: Coordinate>(a: &[[C; 3]], b: &[[C; 3]]) -> bool {
     if a.is_empty() || b.is_empty() {
         return false;
     }
