@@ -15,8 +15,9 @@ use pfront_core::bvtt::*;
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, links_bound};
 use pfront_core::triangle::{Accuracy, intersects};
-use pfront_core::{Blob, Bvh, Mesh, Node, Pose, blob};
+use pfront_core::{Blob, Bvh, Mesh, Node, Pose, Pose64, blob};
 use pfront_testkit::MeshData;
+use pfront_testkit::rng::{RngExt, seeded};
 use std::hint::black_box;
 use std::ops::ControlFlow::Continue;
 
@@ -164,6 +165,38 @@ fn queries() {
                 black_box(intersects(&a, &b, Accuracy::Exact));
             }
         });
+    }
+}
+
+/// Triangles over few coordinates of any bits, so that many signs need integers as long as there are.
+#[test]
+fn queries_in_f64() {
+    let mut rng = seeded(5);
+    let mut any = || loop {
+        let x = f64::from_bits(rng.random());
+        if x.abs() <= 4.25e37 {
+            break x;
+        }
+    };
+    let values: [f64; 6] = [0; 6].map(|_| any());
+    let mut pick = || values[rng.random_range(0..6_usize)];
+    let positions: Vec<[f64; 3]> = (0..600).map(|_| [pick(), pick(), pick()]).collect();
+    let triangles: Vec<[u32; 3]> = (0..200).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let mut shadow = vec![[0.0; 3]; positions.len()];
+    let own = Mesh::from_f64(&positions, &triangles, &mut shadow).unwrap();
+    let tree = Tree::of(own);
+    let bvh = tree.bvh(own);
+    let walk = |query: &(dyn Fn() -> u64 + Sync)| check("step in f64", || _ = black_box(query()));
+    walk(&|| PairBvtt::in_f64(bvh, bvh, &Pose64::IDENTITY).unwrap().count());
+    walk(&|| SelfBvtt::new(bvh).count());
+    let pose = Pose64::from_rotation_translation([0.1, 0.2, 0.3, 0.9], [1e-3; 3]);
+    let query = PairBvtt::in_f64(bvh, bvh, &pose).unwrap();
+    walk(&|| query.count());
+    check("PairBvtt::in_f64", || _ = black_box(PairBvtt::in_f64(bvh, bvh, &pose)).unwrap());
+    for pose in [Pose64::IDENTITY, pose] {
+        let query = PairBvtt::in_f64(bvh, bvh, &pose).unwrap();
+        let all = (0..200).flat_map(|a| (0..200).map(move |b| TrianglePair { a, b }));
+        check("contact_f64", || all.for_each(|pair| _ = black_box(query.contact_f64(pair))));
     }
 }
 
