@@ -1,4 +1,4 @@
-//! Batches: how many of 10,000 poses a second can be asked for any triangle pair that meets.
+//! Batches: how many of 10,000 poses a second, or of as many as PFRONT_POSES says, can be asked for any triangle pair that meets.
 //!
 //! `PFRONT_DATA=... cargo bench --bench batch`, with `--features gpu` on a GPU as well. Two bunnies of 69,451 triangles, or
 //! two torus knots if there is no such data, in random poses in which they overlap in part or just miss:
@@ -22,6 +22,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
 
+/// Poses, unless PFRONT_POSES says how many.
 const POSES: usize = 10_000;
 /// Poses that parry is asked about, which takes hundreds of times as long.
 const FEW: usize = 200;
@@ -68,13 +69,14 @@ fn isometry(pose: &Pose) -> Isometry {
 
 fn poses(c: &mut Criterion) {
     let (name, mesh) = mesh();
-    let course = Scene::course(mesh.clone(), mesh.clone(), POSES, SEED);
+    let count = std::env::var("PFRONT_POSES").map_or(POSES, |count| count.parse().unwrap());
+    let course = Scene::course(mesh.clone(), mesh.clone(), count, SEED);
     let mut rows = Vec::new();
     let pose = |frame| {
         course.poses(frame, &mut rows);
         Pose::new(rows[1])
     };
-    let poses: Vec<_> = (0..POSES).map(pose).collect();
+    let poses: Vec<_> = (0..count).map(pose).collect();
     let vertices = mesh.positions.iter().copied().map(Vec3::from_array).collect();
     let parry = ParryMesh::new(vertices, mesh.triangles.clone()).unwrap();
     let isometries: Vec<_> = poses.iter().map(isometry).collect();
@@ -88,10 +90,10 @@ fn poses(c: &mut Criterion) {
     let mut one_by_one = |pose| query.any(&model, &model, pose).unwrap().is_some();
     let truth: Vec<_> = poses.iter().map(&mut one_by_one).collect();
     let meet = truth.iter().filter(|&&meets| meets).count();
-    eprintln!("{name}: {meet} of {POSES} poses meet");
+    eprintln!("{name}: {meet} of {count} poses meet");
 
-    let mut group = c.benchmark_group(format!("any of {POSES} poses, {name}"));
-    group.throughput(Throughput::Elements(POSES as u64));
+    let mut group = c.benchmark_group(format!("any of {count} poses, {name}"));
+    group.throughput(Throughput::Elements(count as u64));
     group.sample_size(10).warm_up_time(Duration::from_millis(100));
     group.measurement_time(Duration::from_secs(1));
     group.bench_function("one by one", |bench| {
@@ -106,10 +108,11 @@ fn poses(c: &mut Criterion) {
     }
     let meets = |pose| intersection_test(&Isometry::IDENTITY, &parry, pose, &parry).unwrap();
     let meets = |pose| meets(pose).intersecting;
-    let isometries = &isometries[..FEW];
+    let few = FEW.min(count);
+    let isometries = &isometries[..few];
     let others = isometries.iter().zip(&truth).filter(|(pose, truth)| meets(pose) != **truth);
-    eprintln!("{name}: parry says otherwise in {} of {FEW} poses", others.count());
-    group.throughput(Throughput::Elements(FEW as u64));
+    eprintln!("{name}: parry says otherwise in {} of {few} poses", others.count());
+    group.throughput(Throughput::Elements(few as u64));
     group.bench_function("parry, one by one", |bench| {
         bench.iter(|| isometries.iter().filter(|pose| meets(pose)).count());
     });

@@ -230,7 +230,12 @@ impl Answer {
             let about = self.about(task);
             self.division = (parts.len() > 1).then_some(Division { about, parts });
         }
-        self.put_in_order();
+        if matches!(verb, GpuVerb::All | GpuVerb::Any) {
+            self.put_in_order();
+        } else {
+            // Each is of a pair of bodies of its own, or stands for a number.
+            self.pairs.append(&mut self.late);
+        }
         Ok(())
     }
 

@@ -164,7 +164,7 @@ impl Batch {
         a_from_b: impl Into<AnyPose>,
     ) -> Result<(), Error> {
         let a_from_b = a_from_b.into();
-        OfTwo::new([a, b], a_from_b, self.job.accuracy)?;
+        a_from_b.check(b.bvh())?;
         self.add(Question::Pair { models: [a, b].map(Arc::clone), a_from_b });
         Ok(())
     }

@@ -14,9 +14,10 @@ use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 pub use answer::WorldAnswer;
 use arena::Arena;
 use bytemuck::Zeroable;
-use pairs::{Body, Chunk};
+use pairs::{Body, Chunk, Chunks};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Bvh, Mesh, Pose};
+use std::sync::Arc;
 use wgpu::Buffer;
 
 /// Two different bodies by their numbers.
@@ -57,7 +58,7 @@ pub type Bodies = [u32; 2];
 pub struct World {
     answer: Answer,
     arena: Arena,
-    bodies: Vec<Body>,
+    bodies: Arc<Vec<Body>>,
     table: Option<Table>,
     question: Option<WorldQuestion>,
     found: WorldAnswer,
@@ -76,8 +77,8 @@ struct Table {
 struct WorldQuestion {
     verb: GpuVerb,
     pairs: Vec<Bodies>,
-    /// Chunks to be asked later, the next of them last.
-    later: Vec<Chunk>,
+    /// Pairs to be asked later, if there are any.
+    later: Option<Chunks>,
     /// The chunk that has been submitted, and the number of its first pair.
     now: Option<(Asked, usize)>,
 }
@@ -93,7 +94,7 @@ impl World {
         Ok(Self {
             answer: Answer::new(engine),
             arena: Arena::new(),
-            bodies: Vec::new(),
+            bodies: Arc::default(),
             table: None,
             question: None,
             found: WorldAnswer::default(),
@@ -103,7 +104,7 @@ impl World {
     /// Removes all bodies and all meshes.
     pub fn clear(&mut self) {
         self.question = None;
-        self.bodies.clear();
+        self.bodies = Arc::default();
         self.arena = Arena::new();
     }
 
@@ -128,8 +129,13 @@ impl World {
     /// [`GpuError::NoMesh`]; [`GpuError::Pose`] if a pose is not finite or takes its body out of range; [`GpuError::Coordinate`].
     pub fn set_bodies(&mut self, bodies: &[(u32, Pose)]) -> Result<(), GpuError> {
         bodies.iter().try_for_each(|(mesh, pose)| self.check(*mesh, pose))?;
-        self.bodies.clear();
-        self.bodies.extend(bodies);
+        match Arc::get_mut(&mut self.bodies) {
+            Some(own) => {
+                own.clear();
+                own.extend(bodies);
+            }
+            None => self.bodies = Arc::new(bodies.to_vec()),
+        }
         Ok(())
     }
 
@@ -144,7 +150,7 @@ impl World {
         let bodies = self.bodies.len() as u32;
         let own = self.bodies.get(body as usize).ok_or(GpuError::NoBody { body, bodies })?;
         self.check(own.0, &world_from_body)?;
-        self.bodies[body as usize].1 = world_from_body;
+        Arc::make_mut(&mut self.bodies)[body as usize].1 = world_from_body;
         Ok(())
     }
 
@@ -222,8 +228,9 @@ impl World {
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let most_rows = (bytes / size_of::<InstancePair>() as u64) as usize;
         let is_each = verb == GpuVerb::AnyEach;
-        let mut later = pairs::chunks(&self.arena, &self.bodies, pairs, most_rows, is_each);
-        let first = later.pop();
+        let mut chunks = Chunks::new(&self.arena, self.bodies.clone(), pairs, most_rows, is_each);
+        let first = chunks.next(&self.arena, pairs);
+        let later = (!chunks.is_over(pairs)).then_some(chunks);
         let now = first.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
         self.question = Some(WorldQuestion { verb, pairs: pairs.to_vec(), later, now });
         Ok(())
@@ -260,10 +267,11 @@ impl World {
         }
         while let Some((asked, first)) = now {
             let shift = asked.task.query.pair_shift;
+            let next = later.as_mut().and_then(|later| later.next(&self.arena, &pairs));
             self.answer.finish(asked, verb)?;
             self.found.add(&self.answer, &pairs[first..], first, shift, verb);
             let is_over = verb == GpuVerb::Any && self.found.count != 0;
-            let next = later.pop().filter(|_| !is_over);
+            let next = next.filter(|_| !is_over);
             now = next.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
         }
         if verb == GpuVerb::AnyEach {

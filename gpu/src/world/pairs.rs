@@ -12,8 +12,10 @@ use super::arena::{Arena, ArenaMesh, MOST_PAIRS, entries};
 use super::placing::{Inverse, Placed, place};
 use crate::engine::Entry;
 use crate::layout::InstancePair;
+use crate::sequence::groups_for;
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Aabb, Pose};
+use std::sync::Arc;
 
 /// A body: the number of its mesh, and where it is.
 pub(super) type Body = (u32, Pose);
@@ -32,67 +34,100 @@ pub(super) struct Chunk {
     pub(super) levels: u32,
 }
 
-/// Divides pairs into chunks of at most so many rows and 2^31 ids, the first of them last.
-///
-/// With `is_each`, node pairs are roots; else a first front has work for many workgroups, however few the pairs are.
-pub(super) fn chunks(
-    arena: &Arena,
-    bodies: &[Body],
-    pairs: &[Bodies],
-    most_rows: usize,
+/// The pairs of a question, of which the first are chunks already.
+#[derive(Debug)]
+pub(super) struct Chunks {
+    /// The bodies as they were when the question was asked.
+    bodies: Arc<Vec<Body>>,
+    shift: u32,
+    /// The most rows of a chunk.
+    most: usize,
     is_each: bool,
-) -> Vec<Chunk> {
-    let meshes = |pair: &Bodies| pair.map(|body| &arena.meshes[bodies[body as usize].0 as usize]);
-    let ids = |pair: &Bodies| {
-        let [a, b] = meshes(pair);
-        if b.ids == 0 { 0 } else { u64::from(a.ids) }
-    };
-    let asked = pairs.iter().filter(|pair| ids(pair) != 0).count() as u64;
-    if asked == 0 {
-        return Vec::new();
-    }
-    // At most one block a pair on average and one more, most of which are in use.
-    let mean = pairs.iter().map(ids).sum::<u64>().div_ceil(asked);
-    let shift = mean.next_power_of_two().ilog2();
-    let most = most_rows.min(1 << (31 - shift));
-    let mut chunks: Vec<Chunk> = Vec::new();
-    let mut first: Option<(u32, Placed, Option<Inverse>)> = None;
-    for (number, pair) in pairs.iter().enumerate().filter(|(_, pair)| ids(pair) != 0) {
-        let blocks = (ids(pair) >> shift) as usize + usize::from(ids(pair) % (1 << shift) != 0);
-        let has_room = |chunk: &Chunk| chunk.rows.len() + blocks <= most;
-        if !chunks.last().is_some_and(has_room) {
-            let (rows, front) = (Vec::new(), Vec::new());
-            chunks.push(Chunk { rows, shift, first: number, front, levels: 1 });
-        }
-        let Some(chunk) = chunks.last_mut() else { break };
-        let two = meshes(pair);
-        let placed = |side: usize| {
-            let bounds = two[side].bounds.unwrap_or(Aabb::EMPTY);
-            Placed::new(&bodies[pair[side] as usize].1, &bounds)
+    /// The number of the first pair that is left.
+    next: usize,
+}
+
+impl Chunks {
+    /// Divides pairs into chunks of at most so many rows and 2^31 ids, and no more than a dispatch has workgroups: the rows of
+    /// one are made while the device works on another.
+    ///
+    /// With `is_each`, node pairs are roots; else a first front has work for many workgroups, however few the pairs are.
+    pub(super) fn new(
+        arena: &Arena,
+        bodies: Arc<Vec<Body>>,
+        pairs: &[Bodies],
+        most_rows: usize,
+        is_each: bool,
+    ) -> Self {
+        let count = |(asked, sum): (u64, u64), pair| match ids(meshes(arena, &bodies, pair)) {
+            0 => (asked, sum),
+            ids => (asked + 1, sum + ids),
         };
-        let (_, a, inverse) = match &mut first {
-            Some(known) if known.0 == pair[0] => known,
-            none => {
-                let own = placed(0);
-                none.insert((pair[0], own, own.inverse()))
+        let (asked, sum) = pairs.iter().fold((0, 0), count);
+        // At most one block a pair on average and one more, most of which are in use.
+        let shift = sum.div_ceil(asked.max(1)).max(1).next_power_of_two().ilog2();
+        let most = most_rows.min(1 << (31 - shift)).min(groups_for(u32::MAX) as usize);
+        Self { bodies, shift, most, is_each, next: 0 }
+    }
+
+    /// Whether all pairs are in chunks.
+    pub(super) fn is_over(&self, pairs: &[Bodies]) -> bool {
+        self.next == pairs.len()
+    }
+
+    /// The next chunk, if there is something left to be asked.
+    pub(super) fn next(&mut self, arena: &Arena, pairs: &[Bodies]) -> Option<Chunk> {
+        let Self { bodies, shift, most, is_each, next } = self;
+        let meshes = |pair: &Bodies| meshes(arena, bodies, pair);
+        let left = std::mem::replace(next, pairs.len());
+        let start = left + pairs[left..].iter().position(|pair| ids(meshes(pair)) != 0)?;
+        let rows = Vec::with_capacity(pairs.len().min(start + *most) - start);
+        let mut chunk = Chunk { rows, shift: *shift, first: start, front: Vec::new(), levels: 1 };
+        let mut first: Option<(u32, Placed, Option<Inverse>)> = None;
+        for (number, pair) in pairs.iter().enumerate().skip(start) {
+            let two = meshes(pair);
+            let ids = ids(two);
+            if ids == 0 {
+                continue;
             }
-        };
-        let row = InstancePair {
-            number: (number - chunk.first) as u32,
-            first_id: (chunk.rows.len() as u32) << shift,
-            first_node: two[0].first_node,
-            first_slot: two[0].first_slot,
-            ..place(a, inverse.as_ref(), &placed(1))
-        };
-        chunk.rows.extend(std::iter::repeat_n(row, blocks));
+            let blocks = ids.div_ceil(1 << *shift) as usize;
+            if !chunk.rows.is_empty() && chunk.rows.len() + blocks > *most {
+                *next = number;
+                break;
+            }
+            let placed = |side: usize| {
+                let bounds = two[side].bounds.unwrap_or(Aabb::EMPTY);
+                Placed::new(&bodies[pair[side] as usize].1, &bounds)
+            };
+            let (_, a, inverse) = match &mut first {
+                Some(known) if known.0 == pair[0] => known,
+                none => {
+                    let own = placed(0);
+                    none.insert((pair[0], own, own.inverse()))
+                }
+            };
+            let row = InstancePair {
+                number: (number - start) as u32,
+                first_id: (chunk.rows.len() as u32) << *shift,
+                first_node: two[0].first_node,
+                first_slot: two[0].first_slot,
+                ..place(a, inverse.as_ref(), &placed(1))
+            };
+            chunk.rows.extend(std::iter::repeat_n(row, blocks));
+        }
+        chunk.add_front(&pairs[start..*next], meshes, *is_each);
+        Some(chunk)
     }
-    let ends: Vec<_> =
-        chunks.iter().skip(1).map(|chunk| chunk.first).chain([pairs.len()]).collect();
-    for (chunk, end) in chunks.iter_mut().zip(ends) {
-        chunk.add_front(&pairs[chunk.first..end], meshes, is_each);
-    }
-    chunks.reverse();
-    chunks
+}
+
+/// The meshes of a pair of bodies.
+fn meshes<'a>(arena: &'a Arena, bodies: &[Body], pair: &Bodies) -> [&'a ArenaMesh; 2] {
+    pair.map(|body| &arena.meshes[bodies[body as usize].0 as usize])
+}
+
+/// Ids that a pair takes: none if a mesh is empty.
+fn ids([a, b]: [&ArenaMesh; 2]) -> u64 {
+    if b.ids == 0 { 0 } else { u64::from(a.ids) }
 }
 
 impl Chunk {
