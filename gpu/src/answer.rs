@@ -132,6 +132,7 @@ impl Answer {
         task: Task,
         verb: GpuVerb,
     ) -> Result<Asked, GpuError> {
+        self.engine.forget_recorded();
         let about = self.about(&task);
         let is_divided = |own: &&Division| own.about == about && verb != GpuVerb::Any;
         match self.division.as_ref().filter(is_divided).map(|own| own.parts.clone()) {

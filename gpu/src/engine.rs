@@ -229,7 +229,6 @@ impl Engine {
         let passes = levels.div_ceil(self.depth).clamp(1, FRONTS - 1 - dives - first);
         let (levels, last_front) = (levels.div_ceil(passes), first + dives + passes);
         self.ticket = self.ticket.wrapping_add(1);
-        self.staging.forget();
         let one_hit = u32::from(verb == GpuVerb::Any);
         let each = match verb {
             GpuVerb::AnyEach => ANY_EACH,
@@ -354,6 +353,25 @@ impl Engine {
             from += size;
         }
         Ok(())
+    }
+
+    /// Records that bytes, a multiple of 4, are copied to the begin of a buffer.
+    pub(crate) fn write(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        to: &Buffer,
+        bytes: &[u8],
+    ) -> Result<(), GpuError> {
+        let size = bytes.len() as u64;
+        let fill = |mut view: WriteOnly<'_, [u8]>| view.copy_from_slice(bytes);
+        let source = self.staging.write(&self.gpu, size, fill)?;
+        encoder.copy_buffer_to_buffer(&source, 0, to, 0, size);
+        Ok(())
+    }
+
+    /// Forgets what was recorded into an encoder that may never be submitted.
+    pub(crate) fn forget_recorded(&mut self) {
+        self.staging.forget();
     }
 
     /// Copies counters and results for the host.

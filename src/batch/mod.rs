@@ -31,7 +31,8 @@
 //!   few, and a question is answered by one thread, however large; otherwise all threads divide one question after the
 //!   other. Tickets are answered in about the order of submission.
 //! - **A GPU**: the call uploads models that are not there and submits, so that its place in the queue is before everything
-//!   submitted later. Pairs of models are one submission, however many; models with themselves, or these among pairs, are
+//!   submitted later. Pairs of models are one submission up to 65,535, and fewer of meshes that have more than 2³¹ triangles
+//!   or nodes in all: the next are prepared while the device works on the last. Models with themselves, or these among pairs, are
 //!   submitted two at a time. A helper thread, which lives until the ticket is answered, reads, and waits for no submission
 //!   but its own. Natively, wgpu calls back only if somebody polls, and this thread does, so a ticket needs no poll of
 //!   the caller's and a future no runtime. Each ticket in flight has lists of its own ([`Budget`](crate::gpu::Budget)), a

@@ -97,10 +97,11 @@ impl Mirror {
         };
         Ok(match verb {
             Verb::All => {
-                for of_two in world.all(pairs)?.chunk_by(|x, y| x.0 == y.0) {
-                    let Some(bodies) = ids(of_two[0].0) else { continue };
-                    hits.extend(of_two.iter().map(|&(_, pair)| SceneHit { bodies, pair }));
-                }
+                // Pairs are in the order of bodies, and so of ids.
+                world.visit(pairs, |places, of_two| {
+                    let Some(bodies) = ids(places) else { return };
+                    hits.extend(of_two.iter().map(|&pair| SceneHit { bodies, pair }));
+                })?;
                 Answer::listed(hits)
             }
             Verb::Count => Answer::counted(world.count(pairs)?),

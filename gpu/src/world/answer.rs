@@ -33,28 +33,24 @@ impl WorldAnswer {
     /// Adds what was found of a chunk of pairs, of which this is the first.
     pub(super) fn add(
         &mut self,
-        answer: &Answer,
+        answer: &mut Answer,
         pairs: &[Bodies],
         first: usize,
         shift: u32,
         verb: GpuVerb,
     ) {
         self.count += answer.count;
+        if matches!(verb, GpuVerb::All | GpuVerb::Any) {
+            self.hits.reserve(answer.pairs.len());
+            visit(answer, &pairs[first..], shift, |bodies, hits| {
+                self.hits.extend(hits.iter().map(|&hit| (bodies, hit)));
+            });
+            return;
+        }
         let rows = &answer.instances;
         let hits = || answer.pairs.iter().map(|&hit| pairs::hit(rows, shift, hit));
         match verb {
-            GpuVerb::All | GpuVerb::Any => {
-                self.hits.reserve(answer.pairs.len());
-                // Those of a block of ids follow each other.
-                for of_block in answer.pairs.chunk_by(|x, y| x.a >> shift == y.a >> shift) {
-                    let row = &rows[(of_block[0].a >> shift) as usize];
-                    let bodies = pairs[row.number as usize];
-                    let named =
-                        |hit: &TrianglePair| TrianglePair { a: hit.a - row.first_id, b: hit.b };
-                    self.hits.extend(of_block.iter().map(|hit| (bodies, named(hit))));
-                }
-            }
-            GpuVerb::Count => {}
+            GpuVerb::All | GpuVerb::Any | GpuVerb::Count => {}
             GpuVerb::AnyEach => hits().for_each(|(number, hit)| {
                 self.each[first + number].get_or_insert(hit);
             }),
@@ -64,5 +60,20 @@ impl WorldAnswer {
                 counts.for_each(|(count, own)| *count += own);
             }
         }
+    }
+}
+
+/// Calls back with the hits of each pair of bodies of a chunk, of which `pairs` begin with the first. Their ids become triangles.
+pub(super) fn visit(
+    answer: &mut Answer,
+    pairs: &[Bodies],
+    shift: u32,
+    mut visit: impl FnMut(Bodies, &[TrianglePair]),
+) {
+    // Those of a block of ids follow each other.
+    for hits in answer.pairs.chunk_by_mut(|x, y| x.a >> shift == y.a >> shift) {
+        let row = &answer.instances[(hits[0].a >> shift) as usize];
+        hits.iter_mut().for_each(|hit| hit.a -= row.first_id);
+        visit(pairs[row.number as usize], hits);
     }
 }

@@ -18,7 +18,7 @@ use pairs::{Body, Chunk, Chunks};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Bvh, Mesh, Pose};
 use std::sync::Arc;
-use wgpu::Buffer;
+use wgpu::{Buffer, CommandEncoder};
 
 /// Two different bodies by their numbers.
 pub type Bodies = [u32; 2];
@@ -32,8 +32,8 @@ pub type Bodies = [u32; 2];
 ///
 /// # Memory
 /// On the device, 52 bytes a triangle and 32 a node (about 21 a triangle with the default leaf size) for each mesh; 12
-/// a vertex and about 9 a node more if it deforms; 196 for each pair of the largest question; and the
-/// [`crate::Budget`].
+/// a vertex and about 9 a node more if it deforms; 196 for each pair of the largest question, of which at most 65,535 are
+/// there at a time; and the [`crate::Budget`].
 ///
 /// # Complexity
 /// A question about m pairs of bodies takes O(m) on the host and uploads 192 bytes a pair, twice as much where meshes
@@ -60,6 +60,8 @@ pub struct World {
     arena: Arena,
     bodies: Arc<Vec<Body>>,
     table: Option<Table>,
+    /// Memory for rows.
+    spare: Vec<InstancePair>,
     question: Option<WorldQuestion>,
     found: WorldAnswer,
 }
@@ -96,6 +98,7 @@ impl World {
             arena: Arena::new(),
             bodies: Arc::default(),
             table: None,
+            spare: Vec::new(),
             question: None,
             found: WorldAnswer::default(),
         })
@@ -181,6 +184,23 @@ impl World {
         Ok(&self.ask(pairs, GpuVerb::All)?.hits)
     }
 
+    /// Calls back with the hits of each pair of bodies that has any, as [`World::all`] lists them, in one call or a few, in
+    /// the order of `pairs`. Needs no list of its own.
+    ///
+    /// # Errors
+    /// As [`World::all`].
+    pub fn visit(
+        &mut self,
+        pairs: &[Bodies],
+        mut visit: impl FnMut(Bodies, &[TrianglePair]),
+    ) -> Result<(), GpuError> {
+        self.submit(pairs, GpuVerb::All)?;
+        self.finish(|_, answer, pairs, first, shift, _| {
+            answer::visit(answer, &pairs[first..], shift, &mut visit);
+        })
+        .map(drop)
+    }
+
     /// Some pair that meets, if any does.
     ///
     /// # Errors
@@ -229,7 +249,7 @@ impl World {
         let most_rows = (bytes / size_of::<InstancePair>() as u64) as usize;
         let is_each = verb == GpuVerb::AnyEach;
         let mut chunks = Chunks::new(&self.arena, self.bodies.clone(), pairs, most_rows, is_each);
-        let first = chunks.next(&self.arena, pairs);
+        let first = chunks.next(&self.arena, pairs, std::mem::take(&mut self.spare));
         let later = (!chunks.is_over(pairs)).then_some(chunks);
         let now = first.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
         self.question = Some(WorldQuestion { verb, pairs: pairs.to_vec(), later, now });
@@ -254,6 +274,23 @@ impl World {
     /// # Errors
     /// [`GpuError::NotSubmitted`] if there is none; as [`World::all`].
     pub fn read(&mut self) -> Result<&WorldAnswer, GpuError> {
+        let (verb, pairs) = self.finish(WorldAnswer::add)?;
+        if verb == GpuVerb::AnyEach {
+            self.found.count = self.found.each.iter().flatten().count() as u64;
+        }
+        // Hits of a pair of bodies are in order, and they come in the order of pairs.
+        if !pairs.is_sorted_by(|x, y| x < y) {
+            self.found.hits.sort();
+        }
+        Ok(&self.found)
+    }
+
+    /// Waits for the chunks of the question that was submitted, submits the next of them, and has the results of each taken:
+    /// with the pairs of bodies, the number of the first of the chunk, and the bits of an id within a block.
+    fn finish(
+        &mut self,
+        mut take: impl FnMut(&mut WorldAnswer, &mut Answer, &[Bodies], usize, u32, GpuVerb),
+    ) -> Result<(GpuVerb, Vec<Bodies>), GpuError> {
         let WorldQuestion { verb, pairs, mut later, mut now } =
             self.question.take().ok_or(GpuError::NotSubmitted)?;
         self.found.clear();
@@ -267,21 +304,15 @@ impl World {
         }
         while let Some((asked, first)) = now {
             let shift = asked.task.query.pair_shift;
-            let next = later.as_mut().and_then(|later| later.next(&self.arena, &pairs));
+            let rows = std::mem::take(&mut self.spare);
+            let next = later.as_mut().and_then(|later| later.next(&self.arena, &pairs, rows));
             self.answer.finish(asked, verb)?;
-            self.found.add(&self.answer, &pairs[first..], first, shift, verb);
+            take(&mut self.found, &mut self.answer, &pairs, first, shift, verb);
             let is_over = verb == GpuVerb::Any && self.found.count != 0;
             let next = next.filter(|_| !is_over);
             now = next.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
         }
-        if verb == GpuVerb::AnyEach {
-            self.found.count = self.found.each.iter().flatten().count() as u64;
-        }
-        // Hits of a pair of bodies are in order, and they come in the order of pairs.
-        if !pairs.is_sorted_by(|x, y| x < y) {
-            self.found.hits.sort();
-        }
-        Ok(&self.found)
+        Ok((verb, pairs))
     }
 
     /// Bytes of device memory that meshes and pairs take.
@@ -312,8 +343,8 @@ impl World {
         gpu.checked(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
             self.arena.record_refits(&mut encoder);
-            self.write(&gpu, &rows)?;
-            self.answer.instances = rows;
+            self.write(&mut encoder, &rows)?;
+            self.spare = std::mem::replace(&mut self.answer.instances, rows);
             let leaf_size = self.arena.leaf_size;
             let query = Query { pair_shift: shift, leaf_size, ..Query::zeroed() };
             let root = front.first().copied().unwrap_or_default();
@@ -326,8 +357,13 @@ impl World {
         })
     }
 
-    /// Writes the rows with the next submission, and binds all buffers.
-    fn write(&mut self, gpu: &Gpu, rows: &[InstancePair]) -> Result<(), GpuError> {
+    /// Records that the rows are written, and binds all buffers.
+    fn write(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        rows: &[InstancePair],
+    ) -> Result<(), GpuError> {
+        let gpu = self.answer.engine.gpu.clone();
         let bytes = size_of_val(rows) as u64;
         let tallies = rows.last().map_or(0, |last| u64::from(last.number) + 1) * 4;
         let is_enough =
@@ -340,8 +376,8 @@ impl World {
                 tallies: gpu.buffer("the tallies", tallies, Usage::List)?,
             },
         };
-        gpu.queue().write_buffer(&table.pairs, 0, bytemuck::cast_slice(rows));
         let Table { id, pairs, tallies } = self.table.insert(table);
+        self.answer.engine.write(encoder, pairs, bytemuck::cast_slice(rows))?;
         let Arena { nodes, corners, order, .. } = &self.arena;
         let engine = &mut self.answer.engine;
         if let (Some(nodes), Some(corners), Some(order)) =

@@ -75,13 +75,19 @@ impl Chunks {
         self.next == pairs.len()
     }
 
-    /// The next chunk, if there is something left to be asked.
-    pub(super) fn next(&mut self, arena: &Arena, pairs: &[Bodies]) -> Option<Chunk> {
+    /// The next chunk, if there is something left to be asked, its rows in this memory.
+    pub(super) fn next(
+        &mut self,
+        arena: &Arena,
+        pairs: &[Bodies],
+        mut rows: Vec<InstancePair>,
+    ) -> Option<Chunk> {
         let Self { bodies, shift, most, is_each, next } = self;
         let meshes = |pair: &Bodies| meshes(arena, bodies, pair);
         let left = std::mem::replace(next, pairs.len());
         let start = left + pairs[left..].iter().position(|pair| ids(meshes(pair)) != 0)?;
-        let rows = Vec::with_capacity(pairs.len().min(start + *most) - start);
+        rows.clear();
+        rows.reserve(pairs.len().min(start + *most) - start);
         let mut chunk = Chunk { rows, shift: *shift, first: start, front: Vec::new(), levels: 1 };
         let mut first: Option<(u32, Placed, Option<Inverse>)> = None;
         for (number, pair) in pairs.iter().enumerate().skip(start) {
@@ -144,7 +150,9 @@ impl Chunk {
         };
         // No balanced tree has more levels to offer.
         let deepest = if is_each { 0 } else { MOST_PAIRS.ilog2() as usize };
-        let level = (1..=deepest).rev().find(|&level| node_pairs(level) <= MOST_PAIRS).unwrap_or(0);
+        // No level has fewer nodes than the one above it.
+        let suits = |level: &usize| node_pairs(*level) <= MOST_PAIRS;
+        let level = (1..=deepest).take_while(suits).last().unwrap_or(0);
         self.front.reserve(node_pairs(level));
         for row in self.rows.chunk_by(|x, y| x.number == y.number) {
             let two = meshes(&pairs[row[0].number as usize]);

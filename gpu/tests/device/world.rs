@@ -67,6 +67,10 @@ impl<'m> Scene<'m> {
     pub(crate) fn check(&mut self) -> usize {
         let (truth, pairs) = (self.truth(), self.pairs());
         assert!(self.world.all(&pairs).unwrap() == truth, "{} pairs", truth.len());
+        let mut visited = Vec::new();
+        let visit = |two, hits: &[TrianglePair]| visited.extend(hits.iter().map(|&hit| (two, hit)));
+        self.world.visit(&pairs, visit).unwrap();
+        assert!(visited == truth);
         let any = self.world.any(&pairs).unwrap();
         assert!(any.map_or(truth.is_empty(), |hit| truth.binary_search(&hit).is_ok()));
         let of = |two: &Bodies| truth.iter().filter(|(bodies, _)| bodies == two).count() as u64;
