@@ -31,8 +31,8 @@ pub enum Error {
         "a model or a pose is in f64, about which a GPU answers for two models only: ask by another executor"
     )]
     InF64,
-    /// A ticket was cancelled.
-    #[error("the ticket was cancelled")]
+    /// A ticket was cancelled, or the flag of [`Executor::with_cancel`](crate::Executor::with_cancel) was set.
+    #[error("the ticket or the query was cancelled")]
     Cancelled,
     /// A ticket was read again.
     #[error("the ticket has been read; its answers are handed out once")]

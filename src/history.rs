@@ -3,7 +3,7 @@
 
 #[cfg(feature = "gpu")]
 use crate::Pose;
-use crate::executor::{Answer, Executor, Plan, Question, Run, Verb};
+use crate::executor::{Answer, Executor, Plan, Question, Run, Verb, visit};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
 #[cfg(feature = "gpu")]
@@ -16,6 +16,7 @@ use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 #[cfg(feature = "threads")]
 use std::slice::from_ref;
+use std::sync::atomic::AtomicBool;
 
 /// The subject of an answer: the same answer is true of an equal subject.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -322,20 +323,38 @@ impl<A: About> Question for Asking<'_, A> {
         self.about.is_for_cpu()
     }
 
-    fn on_one_thread(&mut self, verb: Verb) -> Result<Self::Answer, Error> {
+    fn on_one_thread(
+        &mut self,
+        verb: Verb,
+        cancel: Option<&AtomicBool>,
+    ) -> Result<Self::Answer, Error> {
         let query = self.about.query();
         Ok(match verb {
             Verb::All => {
                 self.pairs.clear();
-                let _ = query.visit(&mut query.start(), |pair| {
+                let _ = visit(&query, cancel, |pair| {
                     self.pairs.push(pair);
                     ControlFlow::Continue(())
                 });
                 self.pairs.sort_unstable();
                 Answer::listed(self.pairs)
             }
-            Verb::Count => Answer::counted(query.count()),
-            Verb::Any => Answer::found(query.any()),
+            Verb::Count => {
+                let mut count = 0;
+                let _ = visit(&query, cancel, |_| {
+                    count += 1;
+                    ControlFlow::Continue(())
+                });
+                Answer::counted(count)
+            }
+            Verb::Any => {
+                let mut first = None;
+                let _ = visit(&query, cancel, |pair| {
+                    first = Some(pair);
+                    ControlFlow::Break(())
+                });
+                Answer::found(first)
+            }
         })
     }
 

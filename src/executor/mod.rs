@@ -45,6 +45,7 @@
 //! Frames that are not alike have no such bound: the tests of `choice.rs` play frames that shrink, jump, bring new models or
 //! are interrupted.
 
+mod cancel;
 #[cfg(feature = "gpu")]
 mod choice;
 #[cfg(feature = "gpu")]
@@ -58,6 +59,7 @@ mod mirror;
 mod plan;
 mod run;
 
+pub(crate) use cancel::visit;
 #[cfg(feature = "gpu")]
 pub(crate) use device::{Device, read};
 #[cfg(feature = "gpu")]
@@ -70,8 +72,8 @@ use crate::gpu::{Gpu, GpuError, GpuSettings};
 #[cfg(feature = "threads")]
 use crate::threads::{Schedule, Traversal};
 use std::fmt;
-#[cfg(feature = "gpu")]
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// The threads or the GPU that answer queries. See [the module](crate::executor).
 ///
@@ -83,6 +85,8 @@ pub struct Executor {
     pub(crate) traversal: Option<Box<Traversal>>,
     #[cfg(feature = "gpu")]
     device: Option<Arc<Device>>,
+    /// Ends queries early as soon as it is true.
+    cancel: Option<Arc<AtomicBool>>,
 }
 
 /// Without what threads and a GPU keep.
@@ -167,6 +171,7 @@ impl Executor {
             #[cfg(feature = "threads")]
             traversal: None,
             device: Some(Arc::new(Device::new(gpu, settings, None))),
+            cancel: None,
         }
     }
 
@@ -180,6 +185,42 @@ impl Executor {
     pub fn and_gpu(self, gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
         let line = measure::measure(&self, gpu)?;
         Ok(self.with_line(gpu, settings, line))
+    }
+
+    /// The same with a flag that ends its queries early: as soon as it is true they return [`Error::Cancelled`](crate::Error)
+    /// within some 0.1 ms of traversal, on one thread and on several, and keep nothing of that frame. What is not a traversal is
+    /// not interrupted: boxes of a scene, sorting, a GPU. Batches have tickets for that. Nobody but the caller clears the flag.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Error, Executor, Model, PairQuery, Pose};
+    /// use std::sync::{Arc, atomic::{AtomicBool, Ordering}};
+    /// # let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let flag = Arc::new(AtomicBool::new(true)); // as another thread would set it
+    /// let mut query = PairQuery::new().on(&Executor::threads(2).with_cancel(flag.clone()));
+    /// assert_eq!(query.all(&a, &a, Pose::IDENTITY), Err(Error::Cancelled));
+    /// flag.store(false, Ordering::Relaxed);
+    /// assert_eq!(query.count(&a, &a, Pose::IDENTITY)?, 1);
+    /// # Ok::<(), Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_cancel(mut self, flag: Arc<AtomicBool>) -> Self {
+        #[cfg(feature = "threads")]
+        if let Some(traversal) = &mut self.traversal {
+            traversal.cancel = Some(flag.clone());
+        }
+        self.cancel = Some(flag);
+        self
+    }
+
+    /// Whether the flag of [`Executor::with_cancel`] is set.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.as_ref().is_some_and(|flag| flag.load(Relaxed))
+    }
+
+    /// The flag of [`Executor::with_cancel`].
+    pub(crate) fn cancel_flag(&self) -> Option<&AtomicBool> {
+        self.cancel.as_deref()
     }
 
     /// The GPU, if it answers all questions.
@@ -210,6 +251,7 @@ impl From<Traversal> for Executor {
             traversal: Some(Box::new(traversal)),
             #[cfg(feature = "gpu")]
             device: None,
+            cancel: None,
         }
     }
 }

@@ -1,19 +1,28 @@
 //! One query on its executor, from frame to frame.
 
-use super::{Backend, Executor, Plan, Reason};
+use super::{Backend, Executor, Plan, Reason, visit};
 #[cfg(feature = "gpu")]
 use super::{Device, choice::Choice};
 #[cfg(feature = "gpu")]
 use crate::Accuracy;
 #[cfg(feature = "threads")]
+use crate::threads::rayon::prelude::*;
+#[cfg(feature = "threads")]
 use crate::threads::{Report, Traversal};
 use crate::{Error, Model, TrianglePair};
+use pfront_core::bvtt::Query;
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 #[cfg(feature = "gpu")]
 use std::time::{Duration, Instant};
 
 /// A refit of fewer triangles takes less, at some 10 ns each, than to call another thread or a GPU.
 #[cfg(any(feature = "threads", feature = "gpu"))]
 const SMALL: usize = 1 << 11;
+
+/// To give away fewer searches for one hit, each of some 0.3 µs or more, would cost as much.
+#[cfg(feature = "threads")]
+const MEETING: usize = 64;
 
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,7 +67,12 @@ pub(crate) trait Question {
     #[cfg(feature = "gpu")]
     fn is_for_cpu(&self) -> bool;
 
-    fn on_one_thread(&mut self, verb: Verb) -> Result<Self::Answer, Error>;
+    /// Ends early once the flag is set; the answer is then not looked at.
+    fn on_one_thread(
+        &mut self,
+        verb: Verb,
+        cancel: Option<&AtomicBool>,
+    ) -> Result<Self::Answer, Error>;
 
     #[cfg(feature = "threads")]
     fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Self::Answer, Error>;
@@ -79,7 +93,6 @@ pub(crate) trait Question {
 /// The history of a query on its executor.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Run {
-    #[cfg(any(feature = "threads", feature = "gpu"))]
     executor: Executor,
     /// One for each verb.
     #[cfg(feature = "gpu")]
@@ -99,15 +112,8 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    #[cfg(any(feature = "threads", feature = "gpu"))]
     pub(crate) fn on(executor: &Executor) -> Self {
         Self { executor: executor.clone(), ..Self::default() }
-    }
-
-    /// The calling thread is the only executor here.
-    #[cfg(not(any(feature = "threads", feature = "gpu")))]
-    pub(crate) fn on(_: &Executor) -> Self {
-        Self::default()
     }
 
     /// Counts and times of the last frame on threads.
@@ -141,6 +147,27 @@ impl Run {
             return traversal.contacts(pairs, contact, out);
         }
         out.extend(pairs.iter().filter_map(|&pair| Some((pair, contact(pair)?))));
+    }
+
+    /// The names of those `subjects` whose query finds something, in order.
+    pub(crate) fn meeting<S: Copy + Sync, N: Send, Q: Query>(
+        &self,
+        subjects: &[S],
+        query: impl Fn(S) -> Option<(N, Q)> + Sync,
+    ) -> Result<Vec<N>, Error> {
+        let flag = self.executor.cancel_flag();
+        let name = |&subject: &S| {
+            let (name, query) = query(subject)?;
+            let end = visit(&query, flag, |_| ControlFlow::Break(()));
+            end.is_break().then_some(name)
+        };
+        #[cfg(feature = "threads")]
+        if let Some(traversal) = &self.executor.traversal {
+            let found = traversal
+                .install(|| subjects.par_iter().with_min_len(MEETING).filter_map(name).collect());
+            return self.unless_cancelled(found);
+        }
+        self.unless_cancelled(subjects.iter().filter_map(name).collect())
     }
 
     /// Moves the vertices of a model that will be asked about next.
@@ -200,11 +227,16 @@ impl Run {
             let answer = question.on_threads(traversal, verb);
             let called = !traversal.report.shares.is_empty();
             self.note(if called { Backend::Threads } else { Backend::Sequential }, reason);
-            return answer;
+            return self.unless_cancelled(answer?);
         }
-        let answer = question.on_one_thread(verb);
+        let answer = question.on_one_thread(verb, self.executor.cancel_flag());
         self.note(Backend::Sequential, reason);
-        answer
+        self.unless_cancelled(answer?)
+    }
+
+    /// The answer, unless it may have ended early.
+    fn unless_cancelled<T>(&self, answer: T) -> Result<T, Error> {
+        if self.executor.is_cancelled() { Err(Error::Cancelled) } else { Ok(answer) }
     }
 
     fn note(&mut self, backend: Backend, reason: Reason) {
@@ -249,7 +281,7 @@ impl Run {
         let Some(line) = &device.line else {
             let answer = question.on_gpu(device, verb);
             self.note(Backend::Gpu, Reason::NoChoice);
-            return answer;
+            return self.unless_cancelled(answer?);
         };
         if self.failure.is_some() {
             return self.on_cpu(question, verb, Reason::GpuFailed);
@@ -274,7 +306,7 @@ impl Run {
         let (by_gpu, reason) = choice.choose(line, line.upload(to_upload));
         let predicted = choice.predicted(line);
         let answer = match by_gpu {
-            true => question.on_gpu(device, verb),
+            true => question.on_gpu(device, verb).and_then(|answer| self.unless_cancelled(answer)),
             false => self.on_cpu(question, verb, reason),
         };
         match answer {

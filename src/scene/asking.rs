@@ -12,11 +12,12 @@ use super::frame::{Answer, Frame};
 use super::{Accuracy, Error, SceneHit};
 #[cfg(feature = "gpu")]
 use crate::executor::Device;
-use crate::executor::{Question, Verb};
+use crate::executor::{Question, Verb, visit};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
-use pfront_core::bvtt::{PairBvtt, Query};
+use pfront_core::bvtt::PairBvtt;
 use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 
 pub(super) struct Asking<'s> {
     pub(super) accuracy: Accuracy,
@@ -45,14 +46,14 @@ impl Question for Asking<'_> {
         self.bodies.iter().any(Body::is_f64)
     }
 
-    fn on_one_thread(&mut self, verb: Verb) -> Result<Answer, Error> {
+    fn on_one_thread(&mut self, verb: Verb, cancel: Option<&AtomicBool>) -> Result<Answer, Error> {
         self.broad.update(self.bodies)?;
         let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
         Ok(match verb {
             Verb::All => {
                 for (bodies, query) in frame.queries() {
                     let first = self.hits.len();
-                    let _ = query.visit(&mut query.start(), |pair| {
+                    let _ = visit(&query, cancel, |pair| {
                         self.hits.push(SceneHit { bodies, pair });
                         ControlFlow::Continue(())
                     });
@@ -60,10 +61,24 @@ impl Question for Asking<'_> {
                 }
                 Answer::listed(self.hits)
             }
-            Verb::Count => Answer::counted(frame.queries().map(|(_, query)| query.count()).sum()),
+            Verb::Count => {
+                let mut count = 0;
+                for (_, query) in frame.queries() {
+                    let _ = visit(&query, cancel, |_| {
+                        count += 1;
+                        ControlFlow::Continue(())
+                    });
+                }
+                Answer::counted(count)
+            }
             Verb::Any => {
                 let hit = |(bodies, query): ([BodyId; 2], PairBvtt<'_>)| {
-                    Some(SceneHit { bodies, pair: query.any()? })
+                    let mut first = None;
+                    let _ = visit(&query, cancel, |pair| {
+                        first = Some(SceneHit { bodies, pair });
+                        ControlFlow::Break(())
+                    });
+                    first
                 };
                 Answer::found(frame.queries().find_map(hit))
             }

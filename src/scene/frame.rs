@@ -41,12 +41,15 @@ impl<'s> Frame<'s> {
 
     /// The same as queries.
     pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairBvtt<'s>)> {
-        let Self { accuracy, bodies, .. } = *self;
-        self.pairs().filter_map(move |[a, b]| {
-            // Always there: the places are those of this frame.
-            let (a, b) = (bodies.at(a)?, bodies.at(b)?);
-            Some(([a.id(), b.id()], meeting(a, b).with_accuracy(accuracy)))
-        })
+        let frame = *self;
+        self.pairs().filter_map(move |places| frame.query(places))
+    }
+
+    /// The query about two bodies by their places.
+    pub(super) fn query(&self, [a, b]: Places) -> Option<([BodyId; 2], PairBvtt<'s>)> {
+        // Always there: the places are those of this frame.
+        let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
+        Some(([a.id(), b.id()], meeting(a, b).with_accuracy(self.accuracy)))
     }
 }
 

@@ -238,6 +238,34 @@ impl SceneQuery {
         Ok(kept + self.ask(since, Verb::Count)?.count)
     }
 
+    /// The pairs of bodies that meet, sorted, each with the body that was added first before the other: every two are asked
+    /// until their first hit, so that this takes far less than [`SceneQuery::all`] where bodies share many hits. Several threads
+    /// divide the pairs of bodies; a GPU is not asked. Keeps nothing, and uses what is kept only where nothing has changed.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] if there are more than 2^31 bodies; [`Error::Cancelled`] by the flag of [`Executor::with_cancel`].
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let tile = std::sync::Arc::new(tile);
+    /// let mut scene = SceneQuery::new();
+    /// let (a, b) = (scene.add(tile.clone(), Pose::IDENTITY)?, scene.add(tile, Pose::IDENTITY)?);
+    /// assert_eq!(scene.body_pairs()?, [[a, b]]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn body_pairs(&mut self) -> Result<Vec<[BodyId; 2]>, Error> {
+        if self.start() == self.bodies.time() {
+            let mut pairs: Vec<_> = self.hits.list().iter().map(|hit| hit.bodies).collect();
+            pairs.dedup();
+            return Ok(pairs);
+        }
+        self.broad.update(&mut self.bodies)?;
+        let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
+        self.run.meeting(&frame.pairs().collect::<Vec<_>>(), |places| frame.query(places))
+    }
+
     /// Calls `visit` for each pair that meets, bodies in order and their triangles in none, until it
     /// breaks. Uses only the calling thread, and what is kept only where nothing has changed.
     ///

@@ -1,0 +1,92 @@
+//! Queries that a flag ends early, and the pairs of bodies of a scene.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use pfront::{Error, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
+use pfront_testkit::rng::{RngExt, seeded};
+use pfront_testkit::scenes::icosphere;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+/// Triangles of which almost all meet: some two million pairs.
+fn heap() -> Model {
+    let mut rng = seeded(7);
+    let mut positions = Vec::new();
+    for _ in 0..1500 {
+        // The centre of each is near the origin.
+        let [p, q] = [0; 2].map(|_| [0; 3].map(|_| rng.random_range(-9.0..9.0_f32)));
+        let r = [0, 1, 2].map(|k| rng.random_range(-0.01..0.01) - p[k] - q[k]);
+        positions.extend([p, q, r]);
+    }
+    let triangles = (0..1500).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    Model::new(positions, triangles).unwrap()
+}
+
+fn executors() -> [Executor; 2] {
+    [Executor::sequential(), Executor::threads(2)]
+}
+
+#[test]
+fn a_cancelled_query_returns_soon_and_the_next_one_is_complete() {
+    let model = Arc::new(heap());
+    let count = PairQuery::new().count(&model, &model, Pose::IDENTITY).unwrap();
+    assert!(count > 1_000_000, "{count}");
+    for executor in executors() {
+        let flag = Arc::new(AtomicBool::new(false));
+        let executor = executor.with_cancel(flag.clone());
+        let (mut pairs, mut own) = (PairQuery::new().on(&executor), SelfQuery::new().on(&executor));
+        let mut scene = SceneQuery::new().on(&executor);
+        let ids = [0, 1].map(|_| scene.add(model.clone(), Pose::IDENTITY).unwrap());
+        let late = {
+            let flag = flag.clone();
+            std::thread::spawn(move || {
+                std::thread::sleep(Duration::from_millis(20));
+                flag.store(true, Relaxed);
+                Instant::now()
+            })
+        };
+        let mut frames = 0;
+        // Each frame is short beside the 20 ms, or is ended by the flag.
+        while pairs.count(&model, &model, Pose::from_translation([1e-6 * frames as f32, 0.0, 0.0]))
+            != Err(Error::Cancelled)
+        {
+            frames += 1;
+        }
+        let delay = late.join().unwrap().elapsed();
+        assert!(delay < Duration::from_secs(2), "{delay:?} after {frames} frames");
+        assert_eq!(pairs.all(&model, &model, Pose::IDENTITY), Err(Error::Cancelled));
+        assert_eq!(own.all(&model), Err(Error::Cancelled));
+        assert_eq!(scene.all().map(<[_]>::len), Err(Error::Cancelled));
+        assert_eq!(scene.body_pairs(), Err(Error::Cancelled));
+        flag.store(false, Relaxed);
+        assert_eq!(pairs.count(&model, &model, Pose::IDENTITY), Ok(count));
+        assert_eq!(own.count(&model), SelfQuery::new().count(&model));
+        assert_eq!(scene.count(), Ok(count));
+        assert_eq!(scene.body_pairs(), Ok(vec![ids]));
+    }
+}
+
+#[test]
+fn body_pairs_are_those_of_the_hits() {
+    let ball = icosphere(300);
+    let ball = Arc::new(Model::new(ball.positions, ball.triangles).unwrap());
+    for executor in executors() {
+        let mut rng = seeded(3);
+        let mut scene = SceneQuery::new().on(&executor);
+        let mut place = || Pose::from_translation([0; 3].map(|_| rng.random_range(-6.0..6.0)));
+        let ids: Vec<_> = (0..300).map(|_| scene.add(ball.clone(), place()).unwrap()).collect();
+        for frame in 0..4 {
+            for id in ids.iter().skip(frame).step_by(frame + 1) {
+                scene.set_pose(*id, place()).unwrap();
+            }
+            scene.ignore(ids[0], ids[frame + 1], true).unwrap();
+            let before = scene.body_pairs().unwrap();
+            let mut truth: Vec<_> = scene.all().unwrap().iter().map(|hit| hit.bodies).collect();
+            truth.dedup();
+            assert!(truth.len() > 20, "{}", truth.len());
+            assert_eq!(before, truth);
+            assert_eq!(scene.body_pairs().unwrap(), truth);
+        }
+    }
+}
