@@ -1,0 +1,105 @@
+"""Pictures, by pyvista, and its accessor: ``mesh.pfront.collides(other)``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from . import _questions
+from ._mesh import Mesh
+from ._questions import Contacts, Pose, Ragged, _matrix
+
+__all__ = ["show", "Accessor", "register"]
+
+
+def _pyvista() -> Any:
+    try:
+        import pyvista
+    except ImportError:
+        raise ImportError("pictures need pyvista: pip install pyvista") from None
+    return pyvista
+
+
+def show(a: Any, b: Any = None, pose: Pose = None, *, off_screen: bool = False, screenshot: Any = None) -> Contacts:
+    """Draw two meshes, or one, and in red where they meet; pyvista draws.
+
+    Parameters
+    ----------
+    a, b, pose
+        As for `contacts`.
+    off_screen : bool
+        Without a window.
+    screenshot : path, optional
+        The picture to write.
+
+    Returns
+    -------
+    Contacts
+        What is drawn in red.
+    """
+    pyvista = _pyvista()
+    found = _questions.contacts(a, b, pose)
+    plotter = pyvista.Plotter(off_screen=off_screen)
+    matrix = np.eye(4)
+    if pose is not None:
+        matrix[:3] = _matrix(pose)[:3]
+    for mesh, world, color in ((a, np.eye(4), "lightsteelblue"), (b, matrix, "wheat")):
+        if mesh is not None:
+            model = mesh if isinstance(mesh, Mesh) else Mesh(mesh)
+            points = model.vertices @ world[:3, :3].T + world[:3, 3]
+            plotter.add_mesh(pyvista.PolyData.from_regular_faces(points, model.faces), color=color, opacity=0.6)
+    lines: Ragged = found.polylines()
+    for line in lines:
+        plotter.add_mesh(pyvista.MultipleLines(points=line), color="red", line_width=6, lighting=False)
+    plotter.show(screenshot=screenshot)
+    plotter.close()
+    return found
+
+
+class Accessor:
+    """``polydata.pfront``: the questions of pfront about a mesh of pyvista, whose BVH is built once."""
+
+    def __init__(self, polydata: Any) -> None:
+        self._polydata = polydata
+        self._known: tuple[int, Mesh] | None = None
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh; built anew when that of pyvista has changed."""
+        time = self._polydata.GetMTime()
+        if self._known is None or self._known[0] != time:
+            self._known = (time, Mesh(self._polydata))
+        return self._known[1]
+
+    def collides(self, other: Any = None, pose: Pose = None) -> Any:
+        """As `pfront.collides`."""
+        return _questions.collides(self.mesh, other, pose)
+
+    def count(self, other: Any = None, pose: Pose = None) -> Any:
+        """As `pfront.count`."""
+        return _questions.count(self.mesh, other, pose)
+
+    def pairs(self, other: Any = None, pose: Pose = None) -> Any:
+        """As `pfront.pairs`."""
+        return _questions.pairs(self.mesh, other, pose)
+
+    def contacts(self, other: Any = None, pose: Pose = None) -> Contacts:
+        """As `pfront.contacts`."""
+        return _questions.contacts(self.mesh, other, pose)
+
+
+def register() -> None:
+    """Give every PolyData of pyvista the attribute ``pfront``."""
+    pyvista = _pyvista()
+    if "pfront" in vars(pyvista.PolyData):
+        return
+
+    def accessor(polydata: Any) -> Accessor:
+        found: Accessor | None = polydata.__dict__.get("_pfront")
+        if found is None:
+            found = Accessor(polydata)
+            object.__setattr__(polydata, "_pfront", found)
+        return found
+
+    setattr(pyvista.PolyData, "pfront", property(accessor))

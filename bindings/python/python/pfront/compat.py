@@ -1,0 +1,140 @@
+"""The collision manager of trimesh, answered by pfront: change one import.
+
+Meshes are surfaces here, where trimesh takes convex ones for solids: a box inside another does not collide. Distances are not there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._mesh import Mesh
+from ._questions import Pose
+from ._scene import Scene
+
+__all__ = ["CollisionManager", "ContactData"]
+
+
+class ContactData:
+    """One pair of triangles that meet, with the properties that trimesh's has.
+
+    Attributes
+    ----------
+    names : set of str
+        Both objects.
+    point, normal : ndarray
+        The middle of the segment in which they meet, and the normal of the first triangle.
+    """
+
+    def __init__(self, names: tuple[str, str], faces: Iterable[int], point: npt.NDArray[Any], normal: npt.NDArray[Any]) -> None:
+        self.names = set(names)
+        self.point = point
+        self.normal = normal
+        self._faces = dict(zip(names, (int(face) for face in faces)))
+
+    def index(self, name: str) -> int:
+        """The face of the object of that name."""
+        return self._faces[name]
+
+
+class CollisionManager:
+    """Named objects, as trimesh's manager keeps them.
+
+    Examples
+    --------
+    >>> import numpy as np, pfront as pf
+    >>> manager = pf.compat.CollisionManager()
+    >>> box = pf.Mesh(*pf._box())
+    >>> pose = np.eye(4); pose[0, 3] = 1
+    >>> _ = manager.add_object("a", box), manager.add_object("b", box, pose)
+    >>> manager.in_collision_internal(return_names=True)
+    (True, {('a', 'b')})
+    """
+
+    def __init__(self) -> None:
+        self._scene = Scene()
+        self._ids: dict[str, int] = {}
+        self._meshes: dict[str, tuple[Mesh, Any]] = {}
+
+    def add_object(self, name: str, mesh: Any, transform: Pose = None) -> int:
+        """Add an object; one of that name is replaced."""
+        if name in self._ids:
+            self.remove_object(name)
+        model = mesh if isinstance(mesh, Mesh) else Mesh(mesh)
+        self._ids[name] = self._scene.add(model, transform, name=name)
+        self._meshes[name] = (model, transform)
+        return self._ids[name]
+
+    def remove_object(self, name: str) -> None:
+        """Take an object out; ValueError if there is none."""
+        if name not in self._ids:
+            raise ValueError(f"{name} not in collision manager!")
+        self._scene.remove(self._ids.pop(name))
+        del self._meshes[name]
+
+    def set_transform(self, name: str, transform: Pose) -> None:
+        """Move an object; ValueError if there is none."""
+        if name not in self._ids:
+            raise ValueError(f"{name} not in collision manager!")
+        self._scene.set_poses([self._ids[name]], transform)
+        self._meshes[name] = (self._meshes[name][0], transform)
+
+    def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> Any:
+        """Whether any two objects meet; with their names, and with data of each pair of triangles."""
+        if not (return_names or return_data):
+            return self._scene.collides()
+        if return_data:
+            found = self._scene.contacts()
+            data = [
+                ContactData((self._name(a), self._name(b)), faces, segment.mean(axis=0), normals[0])
+                for (a, b), faces, segment, normals in zip(found.bodies, found.pairs, found.segments, found.normals)
+            ]
+            bodies: Any = np.unique(found.bodies, axis=0)
+        else:
+            bodies, data = self._scene.body_pairs(), []
+        names = {(min(two), max(two)) for two in ((self._name(a), self._name(b)) for a, b in bodies)}
+        return self._answer(bool(names), names, data, return_names, return_data)
+
+    def in_collision_single(
+        self, mesh: Any, transform: Pose = None, return_names: bool = False, return_data: bool = False
+    ) -> Any:
+        """Whether a mesh meets any object; with the names of those, and with data."""
+        other = CollisionManager()
+        other.add_object("__external", mesh, transform)
+        found = self.in_collision_other(other, True, True) if return_data else self.in_collision_other(other, True)
+        names = {name for name, _ in found[1]}
+        return self._answer(found[0], names, found[2] if return_data else [], return_names, return_data)
+
+    def in_collision_other(
+        self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
+    ) -> Any:
+        """Whether an object meets one of another manager; with the names of both."""
+        both = Scene()
+        own = {both.add(mesh, pose): name for name, (mesh, pose) in self._meshes.items()}
+        other = {both.add(mesh, pose): name for name, (mesh, pose) in other_manager._meshes.items()}
+        data: list[ContactData] = []
+        bodies = [(int(a), int(b)) for a, b in both.body_pairs()]
+        across = [(a, b) for a, b in bodies if (a in own) != (b in own)]
+        names = {(own[a], other[b]) for a, b in across}
+        if return_data and across:
+            found = both.contacts()
+            for (a, b), faces, segment, normals in zip(
+                found.bodies.tolist(), found.pairs, found.segments, found.normals
+            ):
+                if (a in own) != (b in own):
+                    data.append(ContactData((own[a], other[b]), faces, segment.mean(axis=0), normals[0]))
+        return self._answer(bool(names), names, data, return_names, return_data)
+
+    def _name(self, body: int) -> str:
+        return str(self._scene.name(body))
+
+    @staticmethod
+    def _answer(hit: bool, names: Any, data: Any, return_names: bool, return_data: bool) -> Any:
+        if return_names and return_data:
+            return hit, names, data
+        if return_names:
+            return hit, names
+        return (hit, data) if return_data else hit

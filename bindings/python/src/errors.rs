@@ -1,0 +1,57 @@
+//! Errors of the library as exceptions, which are written in Python: `pfront/_errors.py`.
+
+use pfront::{Error, MeshError, PoseError};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+mod python {
+    pyo3::import_exception!(pfront._errors, MeshError);
+    pyo3::import_exception!(pfront._errors, PoseError);
+    pyo3::import_exception!(pfront._errors, BlobError);
+    pyo3::import_exception!(pfront._errors, StaleBody);
+    pyo3::import_exception!(pfront._errors, DeviceError);
+}
+
+/// The exception that says the same; `pose` is the index of the pose at fault, if there are many.
+pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> PyErr {
+    let text = match pose {
+        Some(pose) => format!("pose {pose}: {error}"),
+        None => error.to_string(),
+    };
+    let (raised, names) = match error {
+        Error::Mesh(error) => (python::MeshError::new_err(text), of_mesh(&error)),
+        Error::Pose(error) => (python::PoseError::new_err(text), of_pose(&error)),
+        Error::Blob(_) => (python::BlobError::new_err(text), None),
+        Error::StaleBody { .. } => (python::StaleBody::new_err(text), None),
+        Error::InF64 => (python::DeviceError::new_err(text), None),
+        Error::Gpu(_) => (python::DeviceError::new_err(text), None),
+        _ => (PyRuntimeError::new_err(text), None),
+    };
+    for (name, value) in names.into_iter().chain(pose.map(|pose| ("pose", pose))) {
+        if let Err(refused) = raised.value(py).setattr(name, value) {
+            return refused;
+        }
+    }
+    raised
+}
+
+/// A device that cannot be had.
+pub(crate) fn device(text: String) -> PyErr {
+    python::DeviceError::new_err(text)
+}
+
+/// The name of what is at fault in a mesh, and its number.
+fn of_mesh(error: &MeshError) -> Option<(&'static str, usize)> {
+    match *error {
+        MeshError::NonFinite { vertex } | MeshError::Range { vertex } => Some(("vertex", vertex)),
+        MeshError::IndexOutOfRange { triangle, .. } => Some(("face", triangle)),
+        _ => None,
+    }
+}
+
+fn of_pose(error: &PoseError) -> Option<(&'static str, usize)> {
+    match *error {
+        PoseError::NonFinite { row, .. } | PoseError::Range { row } => Some(("row", row)),
+        _ => None,
+    }
+}

@@ -1,0 +1,229 @@
+//! Scenes: many bodies in the world.
+
+use crate::arrays::{list, numbers, pair_array, pose, poses, table};
+use crate::errors::exception;
+use crate::executor::{Executor, PATIENCE, lock};
+use crate::model::Model;
+use crate::question::contact_arrays;
+use numpy::{PyReadonlyArrayDyn, PyUntypedArray};
+use pfront::{BodyId, Contact, Error, SceneHit, SceneQuery, TrianglePair};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex};
+use std::{process, thread};
+
+/// A query and whom it asks.
+#[derive(Default)]
+struct State {
+    query: SceneQuery,
+    /// The process and the id of the executor, as the query was told.
+    on: Option<(u32, u64)>,
+}
+
+/// Bodies in poses. One thread at a time uses it; others wait.
+#[pyclass(frozen, module = "pfront._pfront")]
+pub struct Scene {
+    state: Arc<Mutex<State>>,
+    cancel: Arc<AtomicBool>,
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    fn new() -> Self {
+        Self { state: Arc::default(), cancel: Arc::default() }
+    }
+
+    /// Adds a body and returns its id.
+    fn add(&self, py: Python<'_>, model: &Model, array: Option<Bound<'_, PyAny>>) -> PyResult<u64> {
+        let (model, pose) = (model.0.clone(), pose(array.as_ref())?);
+        self.edit(py, |query| Ok(query.add(model, pose)?.to_bits()), None)
+    }
+
+    /// Adds a body for each pose and returns their ids.
+    fn add_many(
+        &self,
+        py: Python<'_>,
+        model: &Model,
+        array: &Bound<'_, PyUntypedArray>,
+    ) -> PyResult<Py<PyAny>> {
+        let (model, poses) = (model.0.clone(), poses(array)?);
+        let mut ids = Vec::with_capacity(poses.len());
+        let added = self.edit_each(py, |query, i| {
+            let Some(pose) = poses.get(i) else { return Ok(false) };
+            ids.push(query.add(model.clone(), pose)?.to_bits() as i64);
+            Ok(true)
+        });
+        if let Err(error) = added {
+            // All or none.
+            self.edit(
+                py,
+                |query| {
+                    ids.iter().try_for_each(|&id| query.remove(BodyId::from_bits(id as u64)).map(drop))
+                },
+                None,
+            )?;
+            return Err(error);
+        }
+        Ok(list(py, ids))
+    }
+
+    /// Takes a body out.
+    fn remove(&self, py: Python<'_>, id: u64) -> PyResult<()> {
+        self.edit(py, |query| query.remove(BodyId::from_bits(id)).map(drop), None)
+    }
+
+    /// Moves bodies, one pose each.
+    fn set_poses(
+        &self,
+        py: Python<'_>,
+        ids: PyReadonlyArrayDyn<'_, u64>,
+        array: &Bound<'_, PyUntypedArray>,
+    ) -> PyResult<()> {
+        let (ids, poses) = (numbers(&ids)?, poses(array)?);
+        let ids: Vec<_> = ids.into_iter().map(BodyId::from_bits).collect();
+        self.edit_each(py, |query, i| match (ids.get(i), poses.get(i)) {
+            (Some(&id), Some(pose)) => query.set_pose(id, pose).map(|()| true),
+            _ => Ok(false),
+        })
+    }
+
+    /// Ignores two bodies, or no longer.
+    fn ignore(&self, py: Python<'_>, a: u64, b: u64, ignored: bool) -> PyResult<()> {
+        let [a, b] = [a, b].map(BodyId::from_bits);
+        self.edit(py, |query| query.ignore(a, b, ignored), None)
+    }
+
+    /// The number of bodies.
+    fn len(&self, py: Python<'_>) -> usize {
+        py.detach(|| lock(&self.state).query.len())
+    }
+
+    /// Bodies of each pair of triangles that meets, and these.
+    fn pairs(&self, py: Python<'_>, on: &Bound<'_, Executor>) -> PyResult<(Py<PyAny>, Py<PyAny>)> {
+        let (bodies, pairs) = self.ask(py, on, |query| {
+            let hits = query.all()?;
+            let bodies: Vec<i64> = hits.iter().flat_map(of_hit).collect();
+            Ok((bodies, hits.iter().map(|hit| hit.pair).collect::<Vec<TrianglePair>>()))
+        })?;
+        Ok((table(py, bodies, pairs.len(), 2)?, pair_array(py, pairs)?))
+    }
+
+    /// The number of pairs of triangles that meet.
+    fn count(&self, py: Python<'_>, on: &Bound<'_, Executor>) -> PyResult<u64> {
+        self.ask(py, on, SceneQuery::count)
+    }
+
+    /// Whether some pair meets.
+    fn any(&self, py: Python<'_>, on: &Bound<'_, Executor>) -> PyResult<bool> {
+        Ok(self.ask(py, on, SceneQuery::any)?.is_some())
+    }
+
+    /// Bodies that meet.
+    fn body_pairs(&self, py: Python<'_>, on: &Bound<'_, Executor>) -> PyResult<Py<PyAny>> {
+        let pairs = self.ask(py, on, SceneQuery::body_pairs)?;
+        let flat = pairs.iter().flatten().map(|id| id.to_bits() as i64).collect();
+        table(py, flat, pairs.len(), 2)
+    }
+
+    /// Bodies of each pair that meets, and where: see `contacts`.
+    #[expect(clippy::type_complexity, reason = "a tuple of five arrays")]
+    fn contacts(
+        &self,
+        py: Python<'_>,
+        on: &Bound<'_, Executor>,
+    ) -> PyResult<(Py<PyAny>, (Py<PyAny>, Py<PyAny>, Py<PyAny>, Py<PyAny>))> {
+        let (bodies, found) = self.ask(py, on, |query| {
+            let contacts = query.contacts()?;
+            let bodies: Vec<i64> = contacts.iter().flat_map(|(hit, _)| of_hit(hit)).collect();
+            let pairs = contacts.iter().map(|&(hit, contact)| (hit.pair, contact));
+            Ok((bodies, pairs.collect::<Vec<(TrianglePair, Contact)>>()))
+        })?;
+        let count = found.len();
+        Ok((table(py, bodies, count, 2)?, contact_arrays(py, found)?))
+    }
+}
+
+/// Ids as NumPy's own integers; none is ever as large as the sign.
+fn of_hit(hit: &SceneHit) -> [i64; 2] {
+    hit.bodies.map(|id| id.to_bits() as i64)
+}
+
+impl Scene {
+    fn edit<T: Send>(
+        &self,
+        py: Python<'_>,
+        edit: impl FnOnce(&mut SceneQuery) -> Result<T, Error> + Send,
+        index: Option<usize>,
+    ) -> PyResult<T> {
+        let edited = py.detach(|| edit(&mut lock(&self.state).query));
+        edited.map_err(|error| exception(py, error, index))
+    }
+
+    /// Edits until there is nothing left to do; an error tells at which index.
+    fn edit_each(
+        &self,
+        py: Python<'_>,
+        mut edit: impl FnMut(&mut SceneQuery, usize) -> Result<bool, Error> + Send,
+    ) -> PyResult<()> {
+        let edited = py.detach(|| {
+            let query = &mut lock(&self.state).query;
+            for i in 0.. {
+                if !edit(query, i).map_err(|error| (error, i))? {
+                    break;
+                }
+            }
+            Ok(())
+        });
+        edited.map_err(|(error, i)| exception(py, error, Some(i)))
+    }
+
+    /// Asks on a thread of its own, while this one hears signals; one that raises ends the question.
+    fn ask<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        on: &Bound<'_, Executor>,
+        ask: impl FnOnce(&mut SceneQuery) -> Result<T, Error> + Send + 'static,
+    ) -> PyResult<T> {
+        let own = on.get();
+        let named = (process::id(), own.id);
+        let executor = py.detach(|| own.on_device())?;
+        let (state, cancel) = (self.state.clone(), self.cancel.clone());
+        let (tell, told) = channel();
+        // Nobody else waits for it: the lock is for the compiler, which knows receivers of one thread only.
+        let told = Mutex::new(told);
+        let worker = move || {
+            let State { query, on } = &mut *lock(&state);
+            cancel.store(false, Relaxed);
+            if *on != Some(named) {
+                *query = std::mem::take(query).on(&executor.with_cancel(cancel));
+                *on = Some(named);
+            }
+            let answer = ask(query);
+            // Nobody listens any more after a signal.
+            let _ = tell.send((answer, query.plan().map(ToString::to_string)));
+        };
+        let started = thread::Builder::new().name("pfront scene".into()).spawn(worker);
+        let worker = started.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        loop {
+            match py.detach(|| lock(&told).recv_timeout(PATIENCE)) {
+                Ok((answer, plan)) => {
+                    own.note_plan(plan.unwrap_or_default());
+                    return answer.map_err(|error| exception(py, error, None));
+                }
+                Err(RecvTimeoutError::Timeout) => {
+                    if let Err(signal) = py.check_signals() {
+                        self.cancel.store(true, Relaxed);
+                        let _ = py.detach(|| worker.join());
+                        return Err(signal);
+                    }
+                }
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(PyRuntimeError::new_err("a thread panicked while it answered"));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+"""What takes the place of other libraries, and what they draw."""
+
+import numpy as np
+import pytest
+from conftest import ball, placed
+
+import pfront as pf
+
+
+def test_the_manager_answers_as_trimesh_is_used():
+    import trimesh
+
+    mesh = trimesh.Trimesh(*ball(12), process=False)
+    manager = pf.compat.CollisionManager()
+    for name, x in [("a", 0), ("b", 1.0), ("c", 5)]:
+        manager.add_object(name, mesh, placed(x))
+    assert manager.in_collision_internal() is True
+    assert manager.in_collision_internal(return_names=True) == (True, {("a", "b")})
+    hit, names, data = manager.in_collision_internal(return_names=True, return_data=True)
+    truth = pf.count(mesh, mesh, placed(1.0))
+    assert hit and names == {("a", "b")} and len(data) == truth and data[0].names == {"a", "b"}
+    assert data[0].index("a") >= 0 and data[0].point.shape == (3,)
+    assert manager.in_collision_single(mesh, placed(5.5), return_names=True) == (True, {"c"})
+    other = pf.compat.CollisionManager()
+    other.add_object("d", mesh, placed(-1))
+    assert manager.in_collision_other(other, return_names=True) == (True, {("a", "d")})
+    assert len(manager.in_collision_other(other, return_data=True)[1]) > 10
+    manager.set_transform("b", placed(9))
+    assert manager.in_collision_internal() is False
+    manager.remove_object("b")
+    with pytest.raises(ValueError):
+        manager.set_transform("b", placed())
+
+
+def test_a_picture_has_red_pixels_where_meshes_meet(tmp_path):
+    from matplotlib import image
+
+    a = pf.Mesh(*ball(16))
+    red = []
+    for x in (0.7, 3.0):
+        found = pf.show(a, a, placed(x), off_screen=True, screenshot=tmp_path / "picture.png")
+        pixels = image.imread(tmp_path / "picture.png")[..., :3]
+        red.append(int(((pixels[..., 0] > 0.6) & (pixels[..., 1:].max(-1) < 0.3)).sum()))
+        assert (len(found) > 0) == (x < 2)
+    assert red[0] > 100 and red[1] == 0, red
+
+
+def test_the_accessor_follows_its_mesh():
+    import pyvista
+
+    pf.register()
+    points, faces = ball(12)
+    mesh = pyvista.PolyData.from_regular_faces(points, faces)
+    assert mesh.pfront.collides(mesh) and mesh.pfront.count() == 0
+    assert mesh.pfront.mesh is mesh.pfront.mesh and len(mesh.pfront.contacts(mesh, placed(0.5))) == len(mesh.pfront.pairs(mesh, placed(0.5)))
+    before = mesh.pfront.mesh
+    mesh.points = mesh.points + np.float32(9)
+    assert mesh.pfront.mesh is not before and not mesh.pfront.collides((points, faces))
