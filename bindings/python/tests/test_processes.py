@@ -135,7 +135,7 @@ def test_the_interpreter_goes_on_meanwhile():
 
 
 def test_no_leak():
-    calls = int(os.environ.get("PFRONT_CALLS", "100000"))
+    calls = int(os.environ.get("PFRONT_CALLS", "20000"))
     pose, points, faces = placed(0.5), BALL.vertices[:60], BALL.faces[(BALL.faces < 60).all(1)]
     soup = pf.Mesh(points, faces)
 
