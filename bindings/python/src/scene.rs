@@ -61,7 +61,8 @@ impl Scene {
             self.edit(
                 py,
                 |query| {
-                    ids.iter().try_for_each(|&id| query.remove(BodyId::from_bits(id as u64)).map(drop))
+                    ids.iter()
+                        .try_for_each(|&id| query.remove(BodyId::from_bits(id as u64)).map(drop))
                 },
                 None,
             )?;
