@@ -458,7 +458,7 @@ impl Engine {
         Ok(found)
     }
 
-    /// The children of some node pairs, leaf pairs among them staying what they are.
+    /// All children of some node pairs, leaf pairs among them staying what they are.
     pub(crate) fn refine(&mut self, task: &Task, front: &[Entry]) -> Result<Vec<Entry>, GpuError> {
         let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
         self.ticket = self.ticket.wrapping_add(1);

@@ -2,9 +2,9 @@
 
 use crate::common::{Both, gpu, sorted, truth};
 use pfront_core::{MeshError, Pose, bvtt};
-use pfront_gpu::{Deforming, GpuError, GpuQuery, GpuQuestion};
+use pfront_gpu::{Budget, Deforming, GpuError, GpuQuery, GpuQuestion, GpuSettings};
 use pfront_testkit::scenes::Scene;
-use pfront_testkit::shapes::{sheet, sphere};
+use pfront_testkit::shapes::{bumpy, sheet, sphere};
 
 #[test]
 fn a_sheet_that_folds() {
@@ -31,6 +31,28 @@ fn a_sheet_that_folds() {
         found += within.len();
     }
     assert!(found > 0);
+}
+
+/// What a question about a flat sheet was divided into covers the same sheet crumpled.
+#[test]
+fn parts_serve_other_positions() {
+    let flat = bumpy(24);
+    let mut core = Both::new(&flat.positions, &flat.triangles, 4);
+    let mut moving = Deforming::new(gpu(), core.bvh()).unwrap();
+    let settings = GpuSettings { budget: Budget::LEAST, ..gpu().settings() };
+    let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
+    let (mut found, mut runs) = (0, 0);
+    for fold in [0.0, 1.0, 0.0, -0.7, 0.3] {
+        let crumple =
+            |p: &[f32; 3]| [p[0] * (1.0 - fold * p[0].abs()), p[1], p[2] + fold * p[0] * p[1]];
+        let positions: Vec<_> = flat.positions.iter().map(crumple).collect();
+        moving.set_positions(&positions).unwrap();
+        core.set_positions(&positions);
+        let truth = sorted(&bvtt::SelfBvtt::new(core.bvh()));
+        assert_eq!(query.all(&GpuQuestion::within(&moving)).unwrap(), truth, "{fold}");
+        (found, runs) = (found + truth.len(), runs.max(query.report().runs));
+    }
+    assert!(found > 0 && runs > 1, "{found} {runs}");
 }
 
 #[test]

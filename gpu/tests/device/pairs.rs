@@ -266,6 +266,30 @@ fn the_parts_of_a_question_are_those_of_the_next() {
     }
 }
 
+/// What a question was divided into covers the next as well, in whose pose other boxes overlap.
+#[test]
+fn parts_serve_questions_in_other_poses() {
+    let ball = both(&bumpy(40));
+    let turn = |angle: f32| {
+        Pose::from_rotation_translation([0.0, 0.0, angle.sin(), angle.cos()], [0.0; 3])
+    };
+    for budget in [Budget::LEAST, Budget { bytes: 1 << 20 }] {
+        let settings = GpuSettings { budget, ..gpu().settings() };
+        let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
+        for pose in [Pose::IDENTITY, turn(0.05), turn(1.0), Pose::from_translation([0.5, 0.0, 0.1])]
+        {
+            assert!(check(&mut query, &ball, &ball, &pose) > 0);
+        }
+        let moved = Pose::from_translation([0.3, 0.2, 0.0]);
+        let question = GpuQuestion::pair(&ball.model, &ball.model, &Pose::IDENTITY);
+        for pose in [turn(0.5), moved] {
+            query.all(&question).unwrap();
+            assert!(query.report().runs > 1);
+            check(&mut query, &ball, &ball, &pose);
+        }
+    }
+}
+
 #[test]
 fn any_stops_at_a_hit() {
     let settings = GpuSettings { groups: 4, ..gpu().settings() };

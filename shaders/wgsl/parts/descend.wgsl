@@ -3,8 +3,8 @@
 // to the next front, leaf pairs to their list, each with one addition to a counter in global
 // memory.
 //
-// A front holds node pairs whose boxes overlap, and of each node not its index but where its
-// children are (LEAF and its own index if it has none): a level costs one load of nodes, not a load
+// A front holds node pairs whose boxes overlap, or that a question was divided into, and of each
+// node not its index but where its children are (LEAF and its own index if it has none): a level costs one load of nodes, not a load
 // of parents and then one of children. Four invocations take one pair, each a pair of children.
 // Pairs that do not fit in workgroup memory go straight to the next front, so that nothing is lost;
 // the host sees a front left over after the last pass and goes on from it.
@@ -54,9 +54,10 @@ fn placed_node(side: u32, index: u32, node: Node, run: u32) -> Placed {
 }
 
 // Puts a pair of nodes in its place, if their boxes overlap: in a stretch of the queue that has
-// room for so many.
+// room for so many. What the host divides a question by serves others, too, in which they may.
 fn visit(a: Placed, b: Placed, half: u32, room: u32) {
-    if !overlap(a.box, b.box) || !a.is_sound || !b.is_sound {
+    let is_apart = (step.keep_leaves == 0u) & !overlap(a.box, b.box);
+    if is_apart || !a.is_sound || !b.is_sound {
         return;
     }
     if a.is_leaf & b.is_leaf & (step.keep_leaves == 0u) {
