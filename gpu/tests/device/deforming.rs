@@ -36,7 +36,7 @@ fn a_sheet_that_folds() {
 /// What a question about a flat sheet was divided into covers the same sheet crumpled.
 #[test]
 fn parts_serve_other_positions() {
-    let flat = bumpy(24);
+    let flat = bumpy(60);
     let mut core = Both::new(&flat.positions, &flat.triangles, 4);
     let mut moving = Deforming::new(gpu(), core.bvh()).unwrap();
     let settings = GpuSettings { budget: Budget::LEAST, ..gpu().settings() };
