@@ -83,10 +83,12 @@ impl Device {
         let mut open = query.open().iter().copied().filter(|&pair| meets(pair));
         let answer = match verb {
             Verb::All => {
-                let before = pairs.len();
-                pairs.extend(open);
-                if pairs.len() > before {
-                    pairs.sort_unstable();
+                let mut late: Vec<_> = open.collect();
+                if !late.is_empty() {
+                    late.sort_unstable();
+                    pairs.append(&mut late);
+                    // Two sorted runs, which this sort merges.
+                    pairs.sort();
                 }
                 Answer::listed(pairs)
             }
