@@ -8,6 +8,7 @@ use pfront::{
     AnyPose, Batch, Executor, Model, PairQuery, Pose, Pose64, SceneQuery, SelfQuery, TrianglePair,
 };
 use pfront_testkit::rng::{RngExt, seeded};
+use pfront_testkit::scenes::icosphere;
 use pfront_testkit::shapes::sheet;
 use std::sync::Arc;
 
@@ -208,6 +209,32 @@ fn contacts_are_not_rounded_to_f32() {
                 assert!(distance < 4e-9, "{distance}");
             }
         }
+    }
+}
+
+/// The curves in which two closed surfaces cross are closed, to the bit: each end is that of two contacts.
+#[test]
+fn ends_of_neighbouring_contacts_are_the_same() {
+    let ball = icosphere(1280);
+    for (place, angle) in [([0.0; 3], 0.3), (FAR, 0.7), (FAR.map(|x| -x), 1.9)] {
+        let positions =
+            ball.positions.iter().map(|p| [0, 1, 2].map(|k| place[k] + f64::from(p[k])));
+        let model = Model::from_f64(positions.collect(), ball.triangles.clone()).unwrap();
+        let turn = Pose64::from_rotation_translation(
+            [0.1, 0.2, f64::sin(angle), f64::cos(angle)],
+            [0.37, 0.21, 0.13],
+        );
+        let pose =
+            Pose64::from_translation(place) * turn * Pose64::from_translation(place.map(|x| -x));
+        let contacts = PairQuery::new().contacts_f64(&model, &model, pose).unwrap();
+        let mut ends = std::collections::HashMap::new();
+        for (_, contact) in &contacts {
+            assert!(!contact.is_flat);
+            for end in contact.segment {
+                *ends.entry(end.map(f64::to_bits)).or_insert(0) += 1;
+            }
+        }
+        assert!(contacts.len() > 100 && ends.values().all(|&count| count == 2), "{ends:?}");
     }
 }
 

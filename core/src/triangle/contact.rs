@@ -23,7 +23,8 @@ pub struct Contact<C = f32> {
     /// region they share. Otherwise they cross in a segment, or in a point if its ends are equal.
     pub is_flat: bool,
     /// End points, each coordinate within 2^-28 of the extent of the edge it lies on, plus half a
-    /// unit in the last place, of the true one.
+    /// unit in the last place, of the true one. Where triangles that have an edge in common cross the same triangle, the
+    /// end on that edge is the same to the bit, but for the sign of zero.
     pub segment: [[C; 3]; 2],
     /// Unit normals of both triangles by the right-hand rule, which is outward where corners are counter-clockwise seen from
     /// outside, each coordinate within 2^-23; zero for a degenerate triangle.
@@ -144,25 +145,35 @@ where
 }
 
 /// The point in which the edge p–q, whose ends lie on different sides of the plane of `t`, cuts it.
+///
+/// It does not depend on the order of ends and corners, so that neighbours, which have the edge in common, have the point in
+/// common too, to the bit.
 fn edge_point<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] {
+    let (p, q) = in_order(p, q);
+    let [a, b, c] = t;
+    let (a, b) = in_order(a, b);
+    let (b, c) = in_order(b, c);
+    let (a, b) = in_order(a, b);
+    let t = [a, b, c];
     let s = edge_parameter(p, q, t);
     // The parameter counts from the nearer end, so that an end in the plane is returned unchanged.
     let (end, part) = if s <= 0.5 { (p, s) } else { (q, s - 1.0) };
     C::point(C::difference(end, &[C::from(0.0); 3]) + part * C::difference(q, p))
 }
 
+/// Two points, the one with the smaller first coordinate in which they differ first.
+fn in_order<'p, C: Coordinate>(p: &'p [C; 3], q: &'p [C; 3]) -> (&'p [C; 3], &'p [C; 3]) {
+    if q < p { (q, p) } else { (p, q) }
+}
+
 /// The parameter of that point along the edge, within 2^-28.
-fn edge_parameter<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> f64 {
-    let (u, v) = (C::difference(&t[1], &t[0]), C::difference(&t[2], &t[0]));
-    let w = [p, q].map(|p| C::difference(p, &t[0]));
+fn edge_parameter<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: [&[C; 3]; 3]) -> f64 {
+    let (u, v) = (C::difference(t[1], t[0]), C::difference(t[2], t[0]));
+    let w = [p, q].map(|p| C::difference(p, t[0]));
     let extent = u.abs().max(v.abs()).max(w[0].abs()).max(w[1].abs());
     let [d, e] = w.map(|w| u.cross(v).dot(w));
     let bound = extent.x * extent.y * extent.z * filter64::ERROR_3D + UNDERFLOW_3D;
-    if d.abs().min(e.abs()) > bound * TWO_30 {
-        d / (d - e)
-    } else {
-        C::orient3d_ratio(t.each_ref(), p, q)
-    }
+    if d.abs().min(e.abs()) > bound * TWO_30 { d / (d - e) } else { C::orient3d_ratio(t, p, q) }
 }
 
 /// The longest chord between corners of the intersection of triangles that are coplanar or of which one is
@@ -407,11 +418,11 @@ mod tests {
         let (far, close) = (2f32.powi(20), 2f32.powi(-40));
         let t = [[far, far, 0.0], [-far, -far, 0.0], [0.0, 0.0, far]];
         let (p, q) = ([close, 0.0, 0.0], [0.0, 3.0 * close, 0.0]);
-        assert_eq!(edge_parameter(&p, &q, &t), 0.25);
+        assert_eq!(edge_parameter(&p, &q, t.each_ref()), 0.25);
         // Ends at heights of 1 and −3 over the plane 7x = 3y, of which f64 knows four digits.
         let (far, near, close) = (1_572_863.0 * 2f32.powi(40), 1_398_101.0 * 32.0, 2f32.powi(20));
         let t = [[3.0 * far, 7.0 * far, 0.0], [-3.0 * near, -7.0 * near, 0.0], [0.0, 0.0, far]];
         let (p, q) = ([3.0 * close, 0.0, 0.0], [0.0, 21.0 * close, 0.0]);
-        assert_eq!(edge_parameter(&p, &q, &t), 0.25);
+        assert_eq!(edge_parameter(&p, &q, t.each_ref()), 0.25);
     }
 }
