@@ -137,14 +137,37 @@ impl Scene {
         on: &Bound<'_, Executor>,
     ) -> PyResult<(Py<PyAny>, (Py<PyAny>, Py<PyAny>, Py<PyAny>, Py<PyAny>))> {
         let (bodies, found) = self.ask(py, on, |query| {
-            let contacts = query.contacts()?;
-            let bodies: Vec<i64> = contacts.iter().flat_map(|(hit, _)| of_hit(hit)).collect();
-            let pairs = contacts.iter().map(|&(hit, contact)| (hit.pair, contact));
-            Ok((bodies, pairs.collect::<Vec<(TrianglePair, Contact)>>()))
+            let is_f64 = query.bodies().any(|body| body.model().is_f64() || body.pose().is_f64());
+            Ok(if is_f64 {
+                let contacts = query.contacts_f64()?;
+                (bodies_of(&contacts), Found::F64(pairs_of(&contacts)))
+            } else {
+                let contacts = query.contacts()?;
+                (bodies_of(contacts), Found::F32(pairs_of(contacts)))
+            })
         })?;
-        let count = found.len();
-        Ok((table(py, bodies, count, 2)?, contact_arrays(py, found)?))
+        let bodies = table(py, bodies.0, bodies.1, 2)?;
+        let found = match found {
+            Found::F32(found) => contact_arrays(py, found)?,
+            Found::F64(found) => contact_arrays(py, found)?,
+        };
+        Ok((bodies, found))
     }
+}
+
+/// Contacts in the precision of the scene.
+enum Found {
+    F32(Vec<(TrianglePair, Contact)>),
+    F64(Vec<(TrianglePair, Contact<f64>)>),
+}
+
+/// The bodies of all hits in turn, and how many hits there are.
+fn bodies_of<C>(contacts: &[(SceneHit, C)]) -> (Vec<i64>, usize) {
+    (contacts.iter().flat_map(|(hit, _)| of_hit(hit)).collect(), contacts.len())
+}
+
+fn pairs_of<C: Copy>(contacts: &[(SceneHit, C)]) -> Vec<(TrianglePair, C)> {
+    contacts.iter().map(|&(hit, contact)| (hit.pair, contact)).collect()
 }
 
 /// Ids as NumPy's own integers; none is ever as large as the sign.

@@ -77,6 +77,9 @@ def test_contacts_and_polylines():
     lines = found.polylines()
     assert sum(len(line) - 1 for line in lines) == (found.segments[:, 0] != found.segments[:, 1]).any(1).sum()
     assert any((line[0] == line[-1]).all() for line in lines)
+    exact = pf.contacts(BALL, BALL, placed(0.51, 0.32, 0.13, kind=np.float64))
+    assert exact.segments.dtype == np.float64 and len(exact) > 20
+    assert all((line[0] == line[-1]).all() for line in exact.polylines())
     apart = pf.contacts(BALL, BALL, placed(9))
     assert len(apart) == 0 == len(apart.polylines())
     with pytest.raises(pf.PoseError):
@@ -94,6 +97,9 @@ def test_scene():
     assert len(bodies) > 10 and np.array_equal(bodies, scene.body_pairs()) and scene.count() == len(hits) and scene.collides()
     found = scene.contacts()
     assert np.array_equal(found.pairs, hits.pairs) and np.array_equal(found.bodies, hits.bodies)
+    assert found.segments.dtype == np.float32
+    scene.set_poses(ids[:1], many[:1].astype(np.float64))
+    assert scene.contacts().segments.dtype == np.float64 and len(scene.contacts()) == scene.count()
     scene.ignore(int(ids[0]), last)
     assert not (scene.body_pairs() == [ids[0], last]).all(1).any()
     shifted = many.copy()

@@ -84,8 +84,7 @@ class Contacts:
         -------
         Ragged
             Points of each polyline; one that is closed ends with its first point. Points where more than two segments meet
-            end polylines. Segments without length are left out. In float64 the ends of neighbours may differ in their last bits,
-            which cuts polylines: give poses as float32 where curves have to be closed.
+            end polylines. Segments without length are left out.
 
         Examples
         --------

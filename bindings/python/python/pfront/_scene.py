@@ -149,7 +149,7 @@ class Scene:
         return self._scene.body_pairs(current())
 
     def contacts(self) -> SceneContacts:
-        """Find where bodies meet, in the world and in float32."""
+        """Find where bodies meet, in the world: in float64 if some body is, else in float32."""
         bodies, found = self._scene.contacts(current())
         return SceneContacts(*found, bodies)
 
