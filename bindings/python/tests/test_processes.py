@@ -86,7 +86,7 @@ def interrupted(call, threads, repeat=5):
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_ctrl_c(threads):
-    soup = pf.Mesh(*heap(6000))
+    soup = pf.Mesh(*heap(60_000))
     two = pf.Scene()
     two.add(soup)
     two.add(soup, placed(1e-3))

@@ -5,9 +5,12 @@ use anyhow::{Context, Result};
 use clap::Args;
 use indicatif::ProgressBar;
 use pfront_cli::output::{Draft, out};
-use pfront_lab::judge::{Judge as Counter, OURS, OnGpu, Tally};
+use pfront_lab::judge::{
+    Judge as Counter, OURS, OnGpu, TESTS_IN_F64, Tally, TestInF64, tallies_in_f64,
+};
 use pfront_lab::recorded;
 use pfront_lab::suite::{Block, Reader, Writer, answers};
+use pfront_testkit::families::InF64;
 use std::fs::File;
 use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -31,6 +34,9 @@ pub(crate) struct Judge {
     /// Ask a GPU too
     #[arg(long, conflicts_with = "answers")]
     gpu: bool,
+    /// Of pairs in f64
+    #[arg(long, conflicts_with_all = ["file", "out", "gpu"])]
+    in_f64: bool,
 }
 
 /// Blocks of a file that are judged at a time.
@@ -40,6 +46,7 @@ pub(crate) fn run(asked: &Judge) -> Result<bool> {
     let (sets, columns) = match (&asked.file, &asked.answers) {
         (Some(file), Some(answers)) => of_answers(file, answers),
         (Some(file), None) => of_file(file, asked.gpu),
+        (None, _) if asked.in_f64 => Ok(of_f64(asked)),
         (None, _) => of_suite(asked),
     }?;
     print(&mut out(), &sets, &columns)?;
@@ -96,6 +103,18 @@ impl Ours {
         });
         columns.chain(gpu).collect()
     }
+}
+
+fn of_f64(asked: &Judge) -> Table {
+    let tallies = tallies_in_f64(asked.pairs, asked.seed);
+    let promises = [[true; 2], [false; 2], [false; 2]];
+    let column = |(i, test): (usize, &TestInF64)| Column {
+        name: test.name.to_owned(),
+        promises: promises[i],
+        tallies: tallies.iter().map(|tallies| tallies[i]).collect(),
+    };
+    let columns = TESTS_IN_F64.iter().enumerate().map(column).collect();
+    (InF64::ALL.map(InF64::name).into(), columns)
 }
 
 fn of_suite(asked: &Judge) -> Result<Table> {

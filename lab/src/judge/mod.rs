@@ -2,10 +2,12 @@
 
 #[cfg(feature = "gpu")]
 mod gpu;
+mod in_f64;
 mod ours;
 
 #[cfg(feature = "gpu")]
 pub use gpu::OnGpu;
+pub use in_f64::{TESTS_IN_F64, TestInF64, tallies_in_f64};
 pub use ours::OURS;
 
 use crate::suite::{Block, Case};
@@ -38,13 +40,16 @@ impl Tally {
     /// The tally of some pairs, with one answer each.
     pub fn of(cases: &[Case], answers: impl IntoIterator<Item = bool>) -> Self {
         let mut tally = Self::default();
-        for (case, answer) in cases.iter().zip(answers) {
-            tally.pairs += 1;
-            tally.hits += u64::from(case.meets);
-            tally.missed += u64::from(case.meets && !answer);
-            tally.false_hits += u64::from(!case.meets && answer);
-        }
+        cases.iter().zip(answers).for_each(|(case, answer)| tally.count(case.meets, answer));
         tally
+    }
+
+    /// Counts one more pair.
+    fn count(&mut self, meets: bool, answer: bool) {
+        self.pairs += 1;
+        self.hits += u64::from(meets);
+        self.missed += u64::from(meets && !answer);
+        self.false_hits += u64::from(!meets && answer);
     }
 
     /// Counts others too.

@@ -13,15 +13,19 @@ mod moller;
 mod orientation;
 mod parry;
 
-use crate::judge::Test;
+use crate::judge::{Test, TestInF64};
+
+/// The one that is right for f32 in f64, of triangles in f64.
+pub const IN_F64: TestInF64 =
+    TestInF64 { name: "Guigue-Devillers, f64", meets: orientation::meet::<f64, f64> };
 
 /// All of them.
 pub fn tests() -> Vec<Test> {
     vec![
         Test { name: "Möller 1997, ε = 1e-6", meets: |a, b| moller::meet(a, b, 1e-6) },
         Test { name: "Möller 1997, ε = 0", meets: |a, b| moller::meet(a, b, 0.0) },
-        Test { name: "Guigue-Devillers, f32", meets: orientation::meet::<f32> },
-        Test { name: "Guigue-Devillers, f64", meets: orientation::meet::<f64> },
+        Test { name: "Guigue-Devillers, f32", meets: orientation::meet::<f32, f32> },
+        Test { name: "Guigue-Devillers, f64", meets: orientation::meet::<f64, f32> },
         Test { name: "17 separating axes, f32", meets: axes::meet },
         Test { name: "parry3d's own (GJK), f32", meets: parry::meet },
     ]

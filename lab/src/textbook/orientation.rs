@@ -5,18 +5,11 @@
 //! are decided by signs in projection, by separating edges and not by the paper's decision tree, which
 //! asks for fewer of them.
 
-use pfront::pfront_core::Triangle;
 use std::ops::{Mul, Sub};
 
 /// The arithmetic.
 pub(super) trait Real:
-    Copy
-    + PartialOrd
-    + From<f32>
-    + Default
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + std::ops::Add<Output = Self>
+    Copy + PartialOrd + Default + Sub<Output = Self> + Mul<Output = Self> + std::ops::Add<Output = Self>
 {
 }
 
@@ -25,7 +18,7 @@ impl Real for f64 {}
 
 type Point<T> = [T; 3];
 
-pub(super) fn meet<T: Real>(a: &Triangle, b: &Triangle) -> bool {
+pub(super) fn meet<T: Real + From<C>, C: Copy>(a: &[Point<C>; 3], b: &[Point<C>; 3]) -> bool {
     let [a, b] = [a, b].map(|t| t.map(|p| p.map(T::from)));
     let sides = |t: &[Point<T>; 3], points: &[Point<T>; 3]| {
         let normal = cross(&minus(&t[1], &t[0]), &minus(&t[2], &t[0]));

@@ -54,6 +54,18 @@ fn judging_ours_and_somebodys_answers() {
 }
 
 #[test]
+fn judging_in_f64() {
+    let folder = folder();
+    let table = out(folder.path(), "judge --in-f64 --pairs 29000");
+    let total = |letter: &str| {
+        let line = table.lines().find(|line| line.starts_with(letter)).unwrap();
+        line.contains(" 0 of ") && line.matches(" 0 of ").count() == 2
+    };
+    // Rounding to f32 and plain f64 are both wrong.
+    assert!(total("A: Exact, in f64") && !total("B: ") && !total("C: "), "{table}");
+}
+
+#[test]
 fn charts_are_written() {
     let folder = folder();
     let at = folder.path();

@@ -1,6 +1,9 @@
 //! Triangle pairs that are hard to decide, in families. The caller seeds the generator.
 
+mod in_f64;
 mod make;
+
+pub use in_f64::{InF64, Triangle64};
 
 use crate::{Point, Triangle};
 use rand::{Rng, RngExt};
