@@ -189,7 +189,8 @@ impl Executor {
 
     /// The same with a flag that ends its queries early: as soon as it is true they return [`Error::Cancelled`](crate::Error)
     /// within some 0.1 ms of traversal, on one thread and on several, and keep nothing of that frame. What is not a traversal is
-    /// not interrupted: boxes of a scene, sorting, a GPU. Batches have tickets for that. Nobody but the caller clears the flag.
+    /// not interrupted: boxes of a scene, sorting, a GPU. Batches have tickets for that. Nobody but the caller clears the flag, which is to stay true until the query
+    /// has returned: one that is cleared before may leave it with a part of the answer.
     ///
     /// # Examples
     /// ```

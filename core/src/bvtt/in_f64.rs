@@ -98,8 +98,8 @@ fn pose_in_frame_of_first(sides: [Side<'_>; 2], box_poses: &mut [Option<Affine>;
     let (of_b, pose_a, pose_b) = (b.bounds, place(a, poses[0], zero), place(b, poses[1], zero));
     *box_poses = [Some(pose_a), Some(pose_b)];
     view(box_poses, &of_b);
-    // Boxes need all of the paddings, corners no more than 0.7 of each.
-    pose_a.padding().max(pose_b.padding()) * 1.5
+    // Boxes need all of the paddings, corners no more than 13/16 of each.
+    pose_a.padding().max(pose_b.padding()) * 1.75
 }
 
 /// Poses positions, and their shadow in a frame whose origin is at `zero`. Returns the pose of the shadow.
