@@ -332,27 +332,27 @@ impl<A: About> Question for Asking<'_, A> {
         Ok(match verb {
             Verb::All => {
                 self.pairs.clear();
-                let _ = visit(&query, cancel, |pair| {
+                visit(&query, cancel, |pair| {
                     self.pairs.push(pair);
                     ControlFlow::Continue(())
-                });
+                })?;
                 self.pairs.sort_unstable();
                 Answer::listed(self.pairs)
             }
             Verb::Count => {
                 let mut count = 0;
-                let _ = visit(&query, cancel, |_| {
+                visit(&query, cancel, |_| {
                     count += 1;
                     ControlFlow::Continue(())
-                });
+                })?;
                 Answer::counted(count)
             }
             Verb::Any => {
                 let mut first = None;
-                let _ = visit(&query, cancel, |pair| {
+                visit(&query, cancel, |pair| {
                     first = Some(pair);
                     ControlFlow::Break(())
-                });
+                })?;
                 Answer::found(first)
             }
         })

@@ -68,6 +68,44 @@ fn a_cancelled_query_returns_soon_and_the_next_one_is_complete() {
 }
 
 #[test]
+fn a_flag_that_is_cleared_early_leaves_no_part_of_an_answer() {
+    let model = Arc::new(heap());
+    let pose = |frame: u64| Pose::from_translation([1e-6 * (frame % 2) as f32, 0.0, 0.0]);
+    let truth = [0, 1].map(|frame| PairQuery::new().count(&model, &model, pose(frame)));
+    for executor in executors() {
+        let flag = Arc::new(AtomicBool::new(false));
+        let executor = executor.with_cancel(flag.clone());
+        let (mut pairs, mut scene) =
+            (PairQuery::new().on(&executor), SceneQuery::new().on(&executor));
+        let [_, moving] = [0, 1].map(|_| scene.add(model.clone(), pose(0)).unwrap());
+        let mut cancelled = 0;
+        for frame in 1..20_u64 {
+            let flag = flag.clone();
+            // It is cleared while what was found so far is being sorted.
+            let brief = std::thread::spawn(move || {
+                std::thread::sleep(Duration::from_millis(3 * frame));
+                flag.store(true, Relaxed);
+                std::thread::sleep(Duration::from_micros(200));
+                flag.store(false, Relaxed);
+            });
+            scene.set_pose(moving, pose(frame)).unwrap();
+            let answers = [
+                pairs.all(&model, &model, pose(frame)).map(<[_]>::len),
+                scene.all().map(<[_]>::len),
+            ];
+            for answer in answers {
+                match answer.map(|len| len as u64) {
+                    Err(Error::Cancelled) => cancelled += 1,
+                    answer => assert_eq!(answer, truth[frame as usize % 2]),
+                }
+            }
+            brief.join().unwrap();
+        }
+        assert!(cancelled > 0);
+    }
+}
+
+#[test]
 fn body_pairs_are_those_of_the_hits() {
     let ball = icosphere(300);
     let ball = Arc::new(Model::new(ball.positions, ball.triangles).unwrap());

@@ -15,18 +15,21 @@ pub(crate) const SLICE: u64 = 4096;
 pub(crate) struct Control {
     stop: AtomicBool,
     late: AtomicBool,
+    cancelled: AtomicBool,
     deadline: Option<Instant>,
     cancel: Option<Arc<AtomicBool>>,
 }
 
 impl Control {
     pub(crate) fn new(deadline: Option<Instant>, cancel: Option<Arc<AtomicBool>>) -> Self {
-        Self { stop: AtomicBool::new(false), late: AtomicBool::new(false), deadline, cancel }
+        let [stop, late, cancelled] = [false; 3].map(AtomicBool::new);
+        Self { stop, late, cancelled, deadline, cancel }
     }
 
     /// Whether a visitor broke, the frame was cancelled or the deadline is past.
     pub(crate) fn is_over(&self) -> bool {
         if self.cancel.as_ref().is_some_and(|cancel| cancel.load(Relaxed)) {
+            self.cancelled.store(true, Relaxed);
             self.stop.store(true, Relaxed);
         }
         if self.stop.load(Relaxed) {
@@ -47,6 +50,10 @@ impl Control {
 
     pub(crate) fn was_late(&self) -> bool {
         self.late.load(Relaxed)
+    }
+
+    pub(crate) fn was_cancelled(&self) -> bool {
+        self.cancelled.load(Relaxed)
     }
 
     /// Traverses from `cursor` in slices, until it is done, has done `most` tests since it was made, all is over, or there

@@ -60,6 +60,7 @@ impl Traversal {
             self.overhead = (clock.elapsed().as_secs_f64() - ideal).max(0.0);
         }
         self.report.late = control.was_late();
+        self.report.cancelled = control.was_cancelled();
         let complete = !control.has_stopped();
         if complete && !only_one_hit {
             // A frame in which nothing overlapped says nothing about the cost of the next.

@@ -25,6 +25,8 @@ pub struct Report {
     pub shares: Vec<Share>,
     /// Whether the deadline came before the end.
     pub late: bool,
+    /// Whether the cancel flag was seen before the end, even if it has been cleared since.
+    pub cancelled: bool,
     /// The outcome of refinement: its certificate, and whether the costs of the last frame were used. Its box tests
     /// are not part of the shares.
     pub front: FrontReport,
@@ -76,6 +78,7 @@ impl Report {
         }
         self.alone = sum(self.alone, next.alone);
         self.late |= next.late;
+        self.cancelled |= next.cancelled;
         let FrontReport { coherent, epsilon, full, box_tests } = next.front;
         self.front = FrontReport {
             coherent: self.front.coherent && coherent,

@@ -1,5 +1,6 @@
 //! Traversals on the calling thread that a flag ends early.
 
+use crate::Error;
 use pfront_core::bvtt::Query;
 use pfront_core::bvtt::TrianglePair;
 use std::ops::ControlFlow;
@@ -8,16 +9,27 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// Tests between two looks at the flag: about 0.1 ms.
 const SLICE: u64 = 4096;
 
-/// [`Query::visit`] from the start, which also ends once the flag is set.
+/// [`Query::visit`] from the start.
+///
+/// # Errors
+/// [`Error::Cancelled`] once the flag is set, if the traversal was not over.
 pub(crate) fn visit(
     query: &impl Query,
     flag: Option<&AtomicBool>,
     mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-) -> ControlFlow<()> {
+) -> Result<(), Error> {
     let mut cursor = query.start();
-    let Some(flag) = flag else { return query.visit(&mut cursor, visit) };
-    while !cursor.is_done() && !flag.load(Relaxed) {
-        query.step(&mut cursor, SLICE, &mut visit)?;
+    let Some(flag) = flag else {
+        let _ = query.visit(&mut cursor, visit);
+        return Ok(());
+    };
+    while !cursor.is_done() {
+        if flag.load(Relaxed) {
+            return Err(Error::Cancelled);
+        }
+        if query.step(&mut cursor, SLICE, &mut visit).is_break() {
+            break;
+        }
     }
-    ControlFlow::Continue(())
+    Ok(())
 }

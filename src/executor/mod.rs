@@ -73,7 +73,7 @@ use crate::gpu::{Gpu, GpuError, GpuSettings};
 use crate::threads::{Schedule, Traversal};
 use std::fmt;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicBool;
 
 /// The threads or the GPU that answer queries. See [the module](crate::executor).
 ///
@@ -189,8 +189,8 @@ impl Executor {
 
     /// The same with a flag that ends its queries early: as soon as it is true they return [`Error::Cancelled`](crate::Error)
     /// within some 0.1 ms of traversal, on one thread and on several, and keep nothing of that frame. What is not a traversal is
-    /// not interrupted: boxes of a scene, sorting, a GPU. Batches have tickets for that. Nobody but the caller clears the flag, which is to stay true until the query
-    /// has returned: one that is cleared before may leave it with a part of the answer.
+    /// not interrupted: boxes of a scene, sorting, a GPU. Batches have tickets for that. Nobody but the caller clears the flag. One
+    /// that is cleared before a traversal has seen it ends nothing; no query returns a part of an answer.
     ///
     /// # Examples
     /// ```
@@ -214,11 +214,6 @@ impl Executor {
         self
     }
 
-    /// Whether the flag of [`Executor::with_cancel`] is set.
-    pub(crate) fn is_cancelled(&self) -> bool {
-        self.cancel.as_ref().is_some_and(|flag| flag.load(Relaxed))
-    }
-
     /// The flag of [`Executor::with_cancel`].
     pub(crate) fn cancel_flag(&self) -> Option<&AtomicBool> {
         self.cancel.as_deref()
@@ -239,8 +234,8 @@ impl Executor {
 
 #[cfg(feature = "threads")]
 impl From<Traversal> for Executor {
-    /// Several threads, with the pool and the settings of `traversal`. What it remembers is forgotten, and so are its deadline and its cancel flag:
-    /// an answer that ended there would be kept as if it were complete. What it takes to call others is measured, except
+    /// Several threads, with the pool and the settings of `traversal`. What it remembers is forgotten, and so are its deadline and
+    /// its cancel flag: an answer that ended there would be kept as if it were complete. What it takes to call others is measured, except
     /// under [`Schedule::Static`], whose counts are to be the same on every machine.
     fn from(mut traversal: Traversal) -> Self {
         traversal.forget();

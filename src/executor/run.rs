@@ -14,6 +14,8 @@ use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 #[cfg(feature = "gpu")]
+use std::sync::atomic::Ordering::Relaxed;
+#[cfg(feature = "gpu")]
 use std::time::{Duration, Instant};
 
 /// A refit of fewer triangles takes less, at some 10 ns each, than to call another thread or a GPU.
@@ -67,7 +69,7 @@ pub(crate) trait Question {
     #[cfg(feature = "gpu")]
     fn is_for_cpu(&self) -> bool;
 
-    /// Ends early once the flag is set; the answer is then not looked at.
+    /// [`Error::Cancelled`] once the flag is set.
     fn on_one_thread(
         &mut self,
         verb: Verb,
@@ -158,16 +160,19 @@ impl Run {
         let flag = self.executor.cancel_flag();
         let name = |&subject: &S| {
             let (name, query) = query(subject)?;
-            let end = visit(&query, flag, |_| ControlFlow::Break(()));
-            end.is_break().then_some(name)
+            let mut meet = false;
+            let end = visit(&query, flag, |_| {
+                meet = true;
+                ControlFlow::Break(())
+            });
+            end.map(|()| meet.then_some(name)).transpose()
         };
         #[cfg(feature = "threads")]
         if let Some(traversal) = &self.executor.traversal {
-            let found = traversal
-                .install(|| subjects.par_iter().with_min_len(MEETING).filter_map(name).collect());
-            return self.unless_cancelled(found);
+            let named = subjects.par_iter().with_min_len(MEETING).filter_map(name);
+            return traversal.install(|| named.collect());
         }
-        self.unless_cancelled(subjects.iter().filter_map(name).collect())
+        subjects.iter().filter_map(name).collect()
     }
 
     /// Moves the vertices of a model that will be asked about next.
@@ -224,19 +229,25 @@ impl Run {
     ) -> Result<Q::Answer, Error> {
         #[cfg(feature = "threads")]
         if let Some(traversal) = &mut self.executor.traversal {
+            // A question that ends before it traverses anything leaves the report as it was.
+            traversal.report.cancelled = false;
             let answer = question.on_threads(traversal, verb);
-            let called = !traversal.report.shares.is_empty();
+            let (called, cancelled) =
+                (!traversal.report.shares.is_empty(), traversal.report.cancelled);
             self.note(if called { Backend::Threads } else { Backend::Sequential }, reason);
-            return self.unless_cancelled(answer?);
+            return answer
+                .and_then(|answer| if cancelled { Err(Error::Cancelled) } else { Ok(answer) });
         }
         let answer = question.on_one_thread(verb, self.executor.cancel_flag());
         self.note(Backend::Sequential, reason);
-        self.unless_cancelled(answer?)
+        answer
     }
 
-    /// The answer, unless it may have ended early.
+    /// The answer of a GPU, which nothing ends early.
+    #[cfg(feature = "gpu")]
     fn unless_cancelled<T>(&self, answer: T) -> Result<T, Error> {
-        if self.executor.is_cancelled() { Err(Error::Cancelled) } else { Ok(answer) }
+        let is_set = self.executor.cancel_flag().is_some_and(|flag| flag.load(Relaxed));
+        if is_set { Err(Error::Cancelled) } else { Ok(answer) }
     }
 
     fn note(&mut self, backend: Backend, reason: Reason) {

@@ -2,9 +2,9 @@
 
 #[cfg(feature = "threads")]
 use super::batches::Batches;
+use super::bodies::Bodies;
 #[cfg(feature = "gpu")]
 use super::bodies::Body;
-use super::bodies::{Bodies, BodyId};
 use super::broad::Broad;
 #[cfg(feature = "gpu")]
 use super::device::Mirror;
@@ -15,7 +15,6 @@ use crate::executor::Device;
 use crate::executor::{Question, Verb, visit};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
-use pfront_core::bvtt::PairBvtt;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
@@ -53,10 +52,10 @@ impl Question for Asking<'_> {
             Verb::All => {
                 for (bodies, query) in frame.queries() {
                     let first = self.hits.len();
-                    let _ = visit(&query, cancel, |pair| {
+                    visit(&query, cancel, |pair| {
                         self.hits.push(SceneHit { bodies, pair });
                         ControlFlow::Continue(())
-                    });
+                    })?;
                     self.hits[first..].sort_unstable();
                 }
                 Answer::listed(self.hits)
@@ -64,23 +63,25 @@ impl Question for Asking<'_> {
             Verb::Count => {
                 let mut count = 0;
                 for (_, query) in frame.queries() {
-                    let _ = visit(&query, cancel, |_| {
+                    visit(&query, cancel, |_| {
                         count += 1;
                         ControlFlow::Continue(())
-                    });
+                    })?;
                 }
                 Answer::counted(count)
             }
             Verb::Any => {
-                let hit = |(bodies, query): ([BodyId; 2], PairBvtt<'_>)| {
-                    let mut first = None;
-                    let _ = visit(&query, cancel, |pair| {
+                let mut first = None;
+                for (bodies, query) in frame.queries() {
+                    visit(&query, cancel, |pair| {
                         first = Some(SceneHit { bodies, pair });
                         ControlFlow::Break(())
-                    });
-                    first
-                };
-                Answer::found(frame.queries().find_map(hit))
+                    })?;
+                    if first.is_some() {
+                        break;
+                    }
+                }
+                Answer::found(first)
             }
         })
     }

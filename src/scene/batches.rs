@@ -57,7 +57,7 @@ impl Batches {
                 let mut queries: Vec<PairBvtt<'_>> = std::mem::take(&mut self.queries);
                 // Batches grow, so that not much more is prepared than is asked.
                 let (mut rest, mut size) = (frame.queries(), 1);
-                while first.is_none() {
+                while first.is_none() && !traversal.report.cancelled {
                     self.asking.clear();
                     for (bodies, query) in rest.by_ref().take(size) {
                         self.asking.push(bodies);
@@ -76,7 +76,7 @@ impl Batches {
         }
     }
 
-    /// Asks the queries of a frame in batches of at most [`BATCH`], until time runs out. The report of the
+    /// Asks the queries of a frame in batches of at most [`BATCH`], until time runs out or the flag is set. The report of the
     /// traversal is then that of all batches together.
     fn each_batch(
         &mut self,
@@ -107,7 +107,7 @@ impl Batches {
                 report.add(&traversal.report);
                 traversal.report = report;
             }
-            if is_last || traversal.report.late {
+            if is_last || traversal.report.late || traversal.report.cancelled {
                 break;
             }
             before = Some(traversal.report.clone());
