@@ -18,6 +18,7 @@ use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use bytemuck::Pod;
 use core::ffi::{CStr, c_void};
+use core::marker::PhantomData;
 use pfront_core::Mesh;
 
 /// How an index buffer holds its indices.
@@ -65,39 +66,28 @@ pub(crate) const NAMES: Names = Names {
     index_type: c"index_type",
 };
 
-/// Bytes of a packed position.
-const PACKED: usize = size_of::<[f32; 3]>();
-
-/// Buffers whose stride and index type are checked.
+/// Buffers whose stride and index type are checked; of positions that are each a `P`.
 #[derive(Clone, Copy)]
-pub(crate) struct Buffers {
+pub(crate) struct Buffers<P = [f32; 3]> {
     buffers: pfront_buffers_t,
     names: &'static Names,
     stride: usize,
     is_u16: bool,
+    position: PhantomData<P>,
 }
 
 impl pfront_buffers_t {
-    pub(crate) fn checked(self, names: &'static Names) -> Result<Buffers, Fault> {
-        self.with_stride_of(PACKED, names)
-    }
-
-    /// Of positions in f64, which are only for [`Buffers::copy_positions`].
-    #[cfg(feature = "std")]
-    pub(crate) fn checked_f64(self, names: &'static Names) -> Result<Buffers, Fault> {
-        self.with_stride_of(size_of::<[f64; 3]>(), names)
-    }
-
-    fn with_stride_of(self, packed: usize, names: &'static Names) -> Result<Buffers, Fault> {
+    pub(crate) fn checked<P>(self, names: &'static Names) -> Result<Buffers<P>, Fault> {
+        let packed = size_of::<P>();
         let stride = if self.stride == 0 { packed } else { self.stride };
         Fault::room(names.stride, stride, packed)?;
         Fault::below(names.index_type, self.index_type as usize, 2)?;
         let is_u16 = self.index_type == pfront_index_type_t::PFRONT_INDEX_U16 as u32;
-        Ok(Buffers { buffers: self, names, stride, is_u16 })
+        Ok(Buffers { buffers: self, names, stride, is_u16, position: PhantomData })
     }
 }
 
-impl Buffers {
+impl<P: Pod> Buffers<P> {
     pub(crate) fn names(&self) -> &'static Names {
         self.names
     }
@@ -110,23 +100,8 @@ impl Buffers {
         self.buffers.triangle_count
     }
 
-    /// How many words of 4 bytes a mesh needs beside the buffers, for positions and for indices.
-    pub(crate) fn words(&self) -> Result<[usize; 2], Fault> {
-        let words = |what, count: usize, copied: bool| {
-            let words = if copied { count.checked_mul(3) } else { Some(0) };
-            let fits = words.filter(|&words| words <= isize::MAX as usize / 16);
-            fits.ok_or(Fault::of(PFRONT_TOO_LONG, what).numbers(0, count))
-        };
-        let positions = words(self.names.positions, self.vertex_count(), self.stride != PACKED)?;
-        Ok([positions, words(self.names.triangles, self.triangle_count(), self.is_u16)?])
-    }
-
     /// Copies the positions, of which there is one for each of `out`.
-    pub(crate) fn copy_positions<P: Pod>(
-        &self,
-        call: &Call<'_>,
-        out: &mut [P],
-    ) -> Result<(), Fault> {
+    fn copy_positions(&self, call: &Call<'_>, out: &mut [P]) -> Result<(), Fault> {
         let packed = size_of::<P>();
         let (what, count, stride) = (self.names.positions, self.vertex_count(), self.stride);
         // What lies behind the last position may not be there.
@@ -141,29 +116,8 @@ impl Buffers {
         Ok(())
     }
 
-    /// The positions: borrowed if they are packed, else copied to `memory`, which has the length of [`Buffers::words`].
-    pub(crate) fn positions<'c>(
-        &self,
-        call: &Call<'c>,
-        memory: &'c mut [[f32; 3]],
-    ) -> Result<&'c [[f32; 3]], Fault> {
-        if self.stride == PACKED {
-            return call.read(
-                self.names.positions,
-                self.buffers.positions.cast(),
-                self.vertex_count(),
-            );
-        }
-        self.copy_positions(call, memory)?;
-        Ok(memory)
-    }
-
     /// Copies the triangles, of which there is one for each of `out`.
-    pub(crate) fn copy_triangles(
-        &self,
-        call: &Call<'_>,
-        out: &mut [[u32; 3]],
-    ) -> Result<(), Fault> {
+    fn copy_triangles(&self, call: &Call<'_>, out: &mut [[u32; 3]]) -> Result<(), Fault> {
         let (what, count) = (self.names.triangles, self.triangle_count());
         let indices = count.checked_mul(3);
         let indices = indices.ok_or(Fault::of(PFRONT_TOO_LONG, what).numbers(0, count))?;
@@ -179,6 +133,44 @@ impl Buffers {
             }
         }
         Ok(())
+    }
+
+    /// Copies of the positions and of the triangles.
+    #[cfg(feature = "std")]
+    pub(crate) fn copies(&self, call: &Call<'_>) -> Result<(Vec<P>, Vec<[u32; 3]>), Fault> {
+        let mut positions = zeros(self.vertex_count())?;
+        self.copy_positions(call, &mut positions)?;
+        let mut triangles = zeros(self.triangle_count())?;
+        self.copy_triangles(call, &mut triangles)?;
+        Ok((positions, triangles))
+    }
+}
+
+impl Buffers {
+    /// How many words of 4 bytes a mesh needs beside the buffers, for positions and for indices.
+    pub(crate) fn words(&self) -> Result<[usize; 2], Fault> {
+        let words = |what, count: usize, copied: bool| {
+            let words = if copied { count.checked_mul(3) } else { Some(0) };
+            let fits = words.filter(|&words| words <= isize::MAX as usize / 16);
+            fits.ok_or(Fault::of(PFRONT_TOO_LONG, what).numbers(0, count))
+        };
+        let is_packed = self.stride == size_of::<[f32; 3]>();
+        let positions = words(self.names.positions, self.vertex_count(), !is_packed)?;
+        Ok([positions, words(self.names.triangles, self.triangle_count(), self.is_u16)?])
+    }
+
+    /// The positions: borrowed if they are packed, else copied to `memory`, which has the length of [`Buffers::words`].
+    pub(crate) fn positions<'c>(
+        &self,
+        call: &Call<'c>,
+        memory: &'c mut [[f32; 3]],
+    ) -> Result<&'c [[f32; 3]], Fault> {
+        if self.stride == size_of::<[f32; 3]>() {
+            let first = self.buffers.positions.cast();
+            return call.read(self.names.positions, first, self.vertex_count());
+        }
+        self.copy_positions(call, memory)?;
+        Ok(memory)
     }
 
     /// The mesh, checked, of which `memory` holds what the core cannot borrow: as many words as [`Buffers::words`].
@@ -203,6 +195,25 @@ impl Buffers {
         };
         Mesh::new(positions, triangles).map_err(Fault::mesh(names.positions, names.triangles))
     }
+}
+
+/// So many zeros.
+#[cfg(feature = "std")]
+fn zeros<T: Pod>(count: usize) -> Result<Vec<T>, Fault> {
+    let mut zeros = Vec::new();
+    resize(&mut zeros, count)?;
+    Ok(zeros)
+}
+
+/// Makes it so many zeros.
+#[cfg(feature = "std")]
+pub(crate) fn resize<T: Pod>(out: &mut Vec<T>, count: usize) -> Result<(), Fault> {
+    out.clear();
+    let bytes = count.saturating_mul(size_of::<T>());
+    let fault = Fault::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(bytes, 0);
+    out.try_reserve_exact(count).map_err(|_| fault)?;
+    out.resize(count, T::zeroed());
+    Ok(())
 }
 
 /// How many bytes of memory `pfront_mesh_from_buffers` needs; 0 if it can borrow both buffers. In O(1).

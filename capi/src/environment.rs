@@ -102,7 +102,6 @@ mod tests {
     use crate::*;
     use core::mem::zeroed;
     use core::ptr::null_mut;
-    use std::time::Instant;
 
     const LEAST: f32 = f32::from_bits(1);
     /// A floor, and three blades whose tips are above it, on it and below it by the smallest number.
@@ -171,23 +170,6 @@ mod tests {
             write(control::DEFAULT);
             assert_eq!(found, (expected, count), "{callers:x}");
             assert_eq!(restored, callers);
-        }
-    }
-
-    /// Run alone for figures: `cargo test --release -- --ignored --nocapture environment`.
-    #[test]
-    #[ignore = "measures"]
-    fn what_a_call_pays() {
-        const CALLS: u32 = 10_000_000;
-        for callers in [control::DEFAULT, 0x9fc0] {
-            write(callers);
-            let start = Instant::now();
-            for i in 0..CALLS {
-                core::hint::black_box(with_default(|| core::hint::black_box(i)));
-            }
-            let spent = start.elapsed();
-            write(control::DEFAULT);
-            std::println!("{callers:x}: {:?} a call", spent / CALLS);
         }
     }
 }

@@ -11,8 +11,8 @@
 
 use crate::buffers::{NAMES, pfront_buffers_t};
 use crate::memory::{Caller, Handle};
-use crate::status::pfront_status_t::{self, PFRONT_OUT_OF_MEMORY};
-use crate::status::{Fault, pfront_error_t};
+use crate::status::pfront_error_t;
+use crate::status::pfront_status_t;
 use core::ffi::c_void;
 use core::mem::offset_of;
 use pfront::Model;
@@ -31,20 +31,10 @@ unsafe impl Handle for pfront_model_t {
 }
 
 impl pfront_model_t {
-    /// What C is handed.
+    /// A pointer for C, which frees it by [`pfront_model_free`].
     fn boxed(model: Model) -> *mut Self {
         Box::into_raw(Box::new(Self { seal: Self::SEAL, model: Arc::new(model) }))
     }
-}
-
-/// Makes it so many zeros.
-pub(crate) fn resize<T: Clone>(out: &mut Vec<T>, count: usize, zero: T) -> Result<(), Fault> {
-    out.clear();
-    let bytes = count.saturating_mul(size_of::<T>());
-    let fault = Fault::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(bytes, 0);
-    out.try_reserve_exact(count).map_err(|_| fault)?;
-    out.resize(count, zero);
-    Ok(())
 }
 
 /// Makes a model of a vertex buffer and an index buffer, which are copied, and builds its BVH by the surface area
@@ -58,12 +48,8 @@ pub unsafe extern "C" fn pfront_model_create(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"model", model)?;
-        let buffers = call.get(c"buffers", buffers)?.checked(&NAMES)?;
-        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-        resize(&mut positions, buffers.vertex_count(), [0.0_f32; 3])?;
-        buffers.copy_positions(call, &mut positions)?;
-        resize(&mut triangles, buffers.triangle_count(), [0; 3])?;
-        buffers.copy_triangles(call, &mut triangles)?;
+        let (positions, triangles) =
+            call.get(c"buffers", buffers)?.checked(&NAMES)?.copies(call)?;
         out.set(pfront_model_t::boxed(Model::new(positions, triangles)?));
         Ok(())
     })
@@ -81,12 +67,8 @@ pub unsafe extern "C" fn pfront_model_create_f64(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"model", model)?;
-        let buffers = call.get(c"buffers", buffers)?.checked_f64(&NAMES)?;
-        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-        resize(&mut positions, buffers.vertex_count(), [0.0_f64; 3])?;
-        buffers.copy_positions(call, &mut positions)?;
-        resize(&mut triangles, buffers.triangle_count(), [0; 3])?;
-        buffers.copy_triangles(call, &mut triangles)?;
+        let (positions, triangles) =
+            call.get(c"buffers", buffers)?.checked(&NAMES)?.copies(call)?;
         out.set(pfront_model_t::boxed(Model::from_f64(positions, triangles)?));
         Ok(())
     })

@@ -13,17 +13,19 @@
     reason = "the header has the contract, once for all functions"
 )]
 
-use crate::buffers::{NAMES, pfront_buffers_t};
+mod hits;
+
+use crate::buffers::{NAMES, pfront_buffers_t, resize};
 use crate::memory::{Caller, Handle};
-use crate::model::{pfront_model_t, resize};
+use crate::model::pfront_model_t;
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::accuracy_of;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
-use crate::verbs::{pfront_contact_t, pfront_pair_t};
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ptr::null;
-use pfront::{BodyId, Contact, Executor, Groups, Pose64, SceneHit, SceneQuery, TrianglePair};
+pub use hits::*;
+use pfront::{BodyId, Executor, Groups, Pose64, SceneQuery};
 
 /// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
 pub struct pfront_scene_t {
@@ -40,53 +42,6 @@ pub struct pfront_scene_t {
 unsafe impl Handle for pfront_scene_t {
     const SEAL: u32 = u32::from_be_bytes(*b"scen");
     const SEAL_AT: usize = offset_of!(Self, seal);
-}
-
-/// Two triangles of different bodies that meet.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pfront_scene_hit_t {
-    /// The bodies, the one that was added first before the other.
-    pub bodies: [u64; 2],
-    /// A triangle of the first body and one of the second.
-    pub pair: pfront_pair_t,
-}
-
-const _: () = {
-    assert!(size_of::<pfront_scene_hit_t>() == size_of::<SceneHit>());
-    assert!(align_of::<pfront_scene_hit_t>() == align_of::<SceneHit>());
-    assert!(offset_of!(pfront_scene_hit_t, pair) == offset_of!(SceneHit, pair));
-};
-
-impl From<SceneHit> for pfront_scene_hit_t {
-    fn from(SceneHit { bodies, pair: TrianglePair { a, b } }: SceneHit) -> Self {
-        Self { bodies: bodies.map(BodyId::to_bits), pair: pfront_pair_t { a, b } }
-    }
-}
-
-/// Two triangles of different bodies that meet, and where they do, in the world.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pfront_scene_contact_t {
-    /// The triangles.
-    pub hit: pfront_scene_hit_t,
-    /// Where they meet.
-    pub contact: pfront_contact_t,
-}
-
-/// `pfront_scene_contact_t` in f64.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pfront_scene_contact64_t {
-    /// The triangles.
-    pub hit: pfront_scene_hit_t,
-    /// Whether they lie in one plane, or one has no area: then the segment is the longest chord between corners of the
-    /// region they share.
-    pub is_flat: u64,
-    /// The ends of the segment in which they meet.
-    pub segment: [[f64; 3]; 2],
-    /// Unit normals of both by the right-hand rule; 0 for a triangle without area.
-    pub normals: [[f32; 3]; 2],
 }
 
 /// The most workers.
@@ -225,7 +180,7 @@ pub unsafe extern "C" fn pfront_scene_set_positions(
     unsafe { Caller::trusted() }.call(error, |call| {
         let scene = call.owned(c"scene", scene)?;
         let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
-        resize(&mut scene.positions, buffers.words()?[0] / 3, [0.0; 3])?;
+        resize(&mut scene.positions, buffers.words()?[0] / 3)?;
         let positions = buffers.positions(call, &mut scene.positions)?;
         Ok(scene.query.set_positions(BodyId::from_bits(body), positions)?)
     })
@@ -244,11 +199,9 @@ pub unsafe extern "C" fn pfront_scene_set_positions_f64(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let scene = call.owned(c"scene", scene)?;
-        let buffers = vertices(positions, vertex_count, stride).checked_f64(&NAMES)?;
-        let mut copy = Vec::new();
-        resize(&mut copy, vertex_count, [0.0_f64; 3])?;
-        buffers.copy_positions(call, &mut copy)?;
-        Ok(scene.query.set_positions_f64(BodyId::from_bits(body), &copy)?)
+        let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
+        let (positions, _) = buffers.copies(call)?;
+        Ok(scene.query.set_positions_f64(BodyId::from_bits(body), &positions)?)
     })
 }
 
@@ -325,109 +278,6 @@ pub unsafe extern "C" fn pfront_scene_user_data(
         let out = call.out(c"user_data", user_data)?;
         let query = &call.shared(c"scene", scene)?.query;
         out.set(query.body(BodyId::from_bits(body))?.user_data());
-        Ok(())
-    })
-}
-
-/// Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
-/// triangles. They belong to the scene and are good until this or `pfront_scene_contacts` is called again. What is known
-/// of bodies that stand still is kept, so that a frame costs what the others do.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_update(
-    scene: *mut pfront_scene_t,
-    hits: *mut *const pfront_scene_hit_t,
-    count: *mut usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, out_count) = (call.out(c"hits", hits)?, call.out(c"count", count)?);
-        let found = call.owned(c"scene", scene)?.query.all()?;
-        out.set(found.as_ptr().cast());
-        out_count.set(found.len());
-        Ok(())
-    })
-}
-
-/// `pfront_scene_update` that also tells where they meet. A pair that only PFRONT_CONSERVATIVE or PFRONT_FAST reports
-/// meets nowhere and is left out. `contacts` belongs to the scene and is good until this is called again.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_contacts(
-    scene: *mut pfront_scene_t,
-    contacts: *mut *const pfront_scene_contact_t,
-    count: *mut usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, out_count) = (call.out(c"contacts", contacts)?, call.out(c"count", count)?);
-        let pfront_scene_t { query, contacts, .. } = call.owned(c"scene", scene)?;
-        contacts.clear();
-        contacts.extend(query.contacts()?.iter().map(|&(hit, contact)| pfront_scene_contact_t {
-            hit: hit.into(),
-            contact: Some(contact).into(),
-        }));
-        out.set(contacts.as_ptr());
-        out_count.set(contacts.len());
-        Ok(())
-    })
-}
-
-/// `pfront_scene_contacts` in f64: of bodies in f64 not rounded. Only the hits are kept from frame to frame.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_contacts_f64(
-    scene: *mut pfront_scene_t,
-    contacts: *mut *const pfront_scene_contact64_t,
-    count: *mut usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, out_count) = (call.out(c"contacts", contacts)?, call.out(c"count", count)?);
-        let pfront_scene_t { query, contacts_f64, .. } = call.owned(c"scene", scene)?;
-        contacts_f64.clear();
-        contacts_f64.extend(query.contacts_f64()?.iter().map(|&(hit, contact)| {
-            let Contact { is_flat, segment, normals } = contact;
-            pfront_scene_contact64_t { hit: hit.into(), is_flat: is_flat.into(), segment, normals }
-        }));
-        out.set(contacts_f64.as_ptr());
-        out_count.set(contacts_f64.len());
-        Ok(())
-    })
-}
-
-/// Finds some pair of triangles of different bodies that meet, and stops at the first: `found` is 1 if there is one,
-/// else 0 and `hit` is not written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_any(
-    scene: *mut pfront_scene_t,
-    hit: *mut pfront_scene_hit_t,
-    found: *mut u32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, is_found) = (call.out(c"hit", hit)?, call.out(c"found", found)?);
-        let some = call.owned(c"scene", scene)?.query.any()?;
-        is_found.set(some.is_some().into());
-        if let Some(hit) = some {
-            out.set(hit.into());
-        }
-        Ok(())
-    })
-}
-
-/// Tells how many pairs of triangles of different bodies meet.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_count(
-    scene: *mut pfront_scene_t,
-    count: *mut u64,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"count", count)?;
-        out.set(call.owned(c"scene", scene)?.query.count()?);
         Ok(())
     })
 }

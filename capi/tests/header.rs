@@ -3,7 +3,7 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 16] = [
+const MODULES: [&str; 17] = [
     "status",
     "pose",
     "mesh",
@@ -20,6 +20,7 @@ const MODULES: [&str; 16] = [
     "meshes",
     "model",
     "scene",
+    "scene/hits",
 ];
 
 #[test]

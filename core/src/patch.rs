@@ -173,7 +173,7 @@ impl<'m> CertifiedPatches<'m> {
 
     /// Whether these are patches of the very BVH. Both borrow their slices, so slices in the same place hold the same.
     pub(crate) fn are_of<L: Layout>(&self, bvh: &Bvh<'_, L>) -> bool {
-        // Those of a mesh in f64 would be of its shadow.
+        // Certificates of a mesh in f64 would be about its shadow.
         !bvh.mesh().is_f64()
             && core::ptr::eq(self.mesh.positions(), bvh.mesh().positions())
             && core::ptr::eq(self.mesh.triangles(), bvh.mesh().triangles())

@@ -34,7 +34,7 @@ impl Staging {
         let buffer = match self.submitted.iter_mut().position(is_free) {
             Some(at) => self.submitted.swap_remove(at).0,
             None => {
-                // Those that are too small would never be used again.
+                // Buffers that are too small would never be used again.
                 self.submitted.retain(|(buffer, _)| buffer.size() >= bytes);
                 gpu.mapped_buffer("the staging buffer", bytes, Usage::Staging)?
             }

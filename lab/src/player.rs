@@ -50,7 +50,7 @@ pub struct Asked {
     pub accuracy: Accuracy,
     /// What counts within one mesh.
     pub adjacency: Adjacency,
-    /// Who answers.
+    /// The executor that answers.
     pub executor: Executor,
 }
 
@@ -211,7 +211,7 @@ impl Player {
         })
     }
 
-    /// Who answered the last frame, and why.
+    /// The backend of the last frame, and why it was chosen.
     pub fn plan(&self) -> Option<&Plan> {
         match &self.0 {
             Subject::Pair { query, .. } => query.plan(),

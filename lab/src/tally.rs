@@ -1,4 +1,4 @@
-//! Who answered many frames.
+//! Which backends answered many frames.
 
 use pfront::executor::{Backend, Plan};
 use std::fmt;

@@ -70,7 +70,7 @@ pub(super) fn visit(
     shift: u32,
     mut visit: impl FnMut(Bodies, &[TrianglePair]),
 ) {
-    // Those of a block of ids follow each other.
+    // The hits of a block of ids follow each other.
     for hits in answer.pairs.chunk_by_mut(|x, y| x.a >> shift == y.a >> shift) {
         let row = &answer.instances[(hits[0].a >> shift) as usize];
         hits.iter_mut().for_each(|hit| hit.a -= row.first_id);

@@ -34,7 +34,7 @@ pub(crate) struct Judge {
     /// Ask a GPU too
     #[arg(long, conflicts_with = "answers")]
     gpu: bool,
-    /// Of pairs in f64
+    /// Judge pairs in f64
     #[arg(long, conflicts_with_all = ["file", "out", "gpu"])]
     in_f64: bool,
 }

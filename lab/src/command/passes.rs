@@ -61,7 +61,7 @@ pub(crate) fn run(asked: &Passes) -> Result<bool> {
     Ok(true)
 }
 
-/// What is timed.
+/// The passes that are timed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Timed {
     /// Each pass on the device.

@@ -1,4 +1,4 @@
-//! Who is right, and how often: answers to triangle pairs against their truth.
+//! How often each method is right: answers to triangle pairs against their truth.
 
 #[cfg(feature = "gpu")]
 mod gpu;

@@ -15,7 +15,7 @@ const ORACLE: u64 = 150_000;
 /// The g of the matrix.
 const GRAIN: f64 = 16.0;
 
-/// Who divides the work.
+/// The way in which work is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// [`Traversal`] with a static schedule and g = 16: nothing but the front and its dealing makes up the

@@ -4,10 +4,9 @@
 // 2^-19 · permanent + 2^-117 · (1 + M)², M being the largest difference of coordinates: 16 ulp for each
 // product of three, and what flushing may cost. Above M = 1e12 nothing is sure, which also catches what
 // is not finite; it is read from the bits, since compilers may assume that there is none.
-
 //
-// Of shadows, whose differences of coordinates are off by `query.error`, a sign counts only beyond what that can make of
-// the determinant besides: the host decides what it leaves open.
+// Differences of coordinates of shadows are off by `query.error`. A sign between shadows counts only beyond what
+// that can make of the determinant besides; the host decides what it leaves open.
 
 // 1 about shadows.
 override SHADOWS = 0u;

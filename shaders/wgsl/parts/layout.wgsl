@@ -50,7 +50,7 @@ struct Query {
     pair_shift: u32,
     // 0, or ANY_EACH or COUNT_EACH for a question about each pair of instances.
     each: u32,
-    // Of shadows: how far the difference of two coordinates may be from that of what they stand for.
+    // Between shadows, how far the difference of two coordinates may be from that of what they stand for.
     error: vec3f,
     // 1 about shadows of meshes in f64.
     shadows: u32,

@@ -20,7 +20,7 @@ fn order(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) grou
     // A workgroup without a hit compares none.
     let compared = tell(lane, select(0u, count, is_few & (first < count)));
     for (var begin = 0u; begin < compared; begin += BUCKETS) {
-        // What is later than any hit fills the last turns of the loop below.
+        // A key after those of all hits fills the last turns of the loop below.
         let size = min(BUCKETS, compared - begin);
         let end = (size + 4u * RANKERS - 1u) / (4u * RANKERS) * (4u * RANKERS);
         for (var i = lane; i < end; i += GROUP) {

@@ -10,7 +10,7 @@ pub type Triangle64 = [[f64; 3]; 3];
 /// The largest coordinate that a mesh in f64 may have: 2^125.
 const LIMIT: f64 = 4.253529586511731e37;
 
-/// What is made of the coordinates of a family in f32.
+/// A change to the coordinates of a family in f32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InF64 {
     /// Nothing.

@@ -10,7 +10,7 @@ pub(super) fn borrow<T: Pod>(bytes: &[u8]) -> Result<&[T], BlobError> {
     if cfg!(target_endian = "big") {
         return Err(BlobError::BigEndian);
     }
-    // What is not there may lie anywhere.
+    // An empty section may have any offset.
     if bytes.is_empty() {
         return Ok(&[]);
     }

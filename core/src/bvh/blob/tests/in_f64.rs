@@ -49,7 +49,7 @@ fn what_is_written_is_read_and_written_again() {
             let borrowed = blob.bvh_f64(&mut [0; 4]).unwrap();
             assert_eq!(write(&borrowed, &mut again).unwrap(), bytes);
         }
-        // Those who know only f32 are told so.
+        // A reader of f32 says so.
         assert_eq!(blob.bvh(&mut [0; 4]).err(), Some(BlobError::InF64));
         let mut room = Owned::room(blob.counts());
         assert_eq!(blob.read_into(room.storage(), &mut [0; 4]).err(), Some(BlobError::InF64));
