@@ -1,11 +1,11 @@
 //! What the charts of speed against accuracy are made of.
 
-use pfront_lab::chart::{Point, front, together};
+use pfront_lab::chart::{Point, Source, front, together};
 use pfront_lab::judge::Tally;
 
 fn point(time: f64, missed: u64) -> Point {
     let tally = Tally { pairs: 100, hits: 50, missed, false_hits: 0 };
-    Point { set: "set".to_owned(), is_real: true, test: format!("{time}"), time, tally }
+    Point { set: "set".to_owned(), source: Source::Contact, test: format!("{time}"), time, tally }
 }
 
 #[test]

@@ -11,10 +11,11 @@ mod report;
 
 pub use report::{figure, summary, write_csv};
 
-use crate::judge::{OURS, Tally, Test};
+use crate::judge::{IN_F64, OURS, Tally, Test, cases_in_f64};
 use crate::median;
 use crate::suite::{BLOCK, Case, Suite};
 use crate::textbook;
+use pfront_testkit::families::InF64;
 use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;
@@ -24,14 +25,25 @@ use std::time::Instant;
 pub struct Point {
     /// The set.
     pub set: String,
-    /// Whether its pairs are from real contact.
-    pub is_real: bool,
+    /// What the set is made of.
+    pub source: Source,
     /// The test.
     pub test: String,
     /// Nanoseconds per triangle pair.
     pub time: f64,
     /// Right and wrong answers.
     pub tally: Tally,
+}
+
+/// What a set is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// Pairs that are made to be hard.
+    Family,
+    /// Pairs from real contact.
+    Contact,
+    /// Pairs that are made to be hard, in f64.
+    FamilyInF64,
 }
 
 /// The points that no other beats: none is at least as fast and as seldom wrong, and better in one of both.
@@ -66,9 +78,12 @@ pub fn together(name: &str, sets: &[&[Point]]) -> Vec<Point> {
 /// Ours, and those of the textbook. What a query makes of one pair is left out: it spends its time on setting up.
 fn tests() -> Vec<(String, Test)> {
     let [exact, _, conservative, fast] = OURS;
-    let ours = [exact, conservative, fast].map(|test| (format!("pfront {}", test.name), test));
     let others = textbook::tests().into_iter().map(|test| (test.name.to_owned(), test));
-    ours.into_iter().chain(others).collect()
+    [exact, conservative, fast].map(named).into_iter().chain(others).collect()
+}
+
+fn named<T>(ours: Test<T>) -> (String, Test<T>) {
+    (format!("pfront {}", ours.name), ours)
 }
 
 /// Measures all tests, a set after the other: for each, its points. `pairs` is of the whole suite, `done` is told the
@@ -85,23 +100,34 @@ pub fn measure(suite: &Suite, pairs: u64, rounds: usize, done: impl Fn(usize)) -
         let made = (0..blocks).into_par_iter();
         let cases: Vec<Case> =
             made.flat_map_iter(|block| suite.block(number, block, length(block))).collect();
-        let measured = on_cases(&cases, &tests, rounds);
-        done(number + 1);
         let set = &suite.sets()[number];
-        let points = tests.iter().zip(measured).map(|((name, _), (time, tally))| Point {
-            set: set.name().to_owned(),
-            is_real: set.contacts().is_some(),
-            test: name.clone(),
-            time,
-            tally,
-        });
-        points.collect()
+        let source = if set.contacts().is_some() { Source::Contact } else { Source::Family };
+        let points = on_cases(set.name(), source, &cases, &tests, rounds);
+        done(number + 1);
+        points
     };
     shares.iter().enumerate().map(set).collect()
 }
 
-/// For each test, the nanoseconds per pair, and how it did.
-fn on_cases(cases: &[Case], tests: &[(String, Test)], rounds: usize) -> Vec<(f64, Tally)> {
+/// [`measure`] in f64: about `pairs` of each way in which families are made f64.
+pub fn measure_in_f64(pairs: u64, seed: u64, rounds: usize) -> Vec<Vec<Point>> {
+    let [exact, rounded, textbook] = IN_F64;
+    let tests = [named(exact), named(rounded), (textbook.name.to_owned(), textbook)];
+    let set = |way: InF64| {
+        let cases: Vec<_> = cases_in_f64(way, pairs, seed).flatten_iter().collect();
+        on_cases(&format!("{} in f64", way.name()), Source::FamilyInF64, &cases, &tests, rounds)
+    };
+    InF64::ALL.map(set).into()
+}
+
+/// A point for each test.
+fn on_cases<T>(
+    set: &str,
+    source: Source,
+    cases: &[Case<T>],
+    tests: &[(String, Test<T>)],
+    rounds: usize,
+) -> Vec<Point> {
     let mut answers = vec![false; cases.len()];
     let mut times = vec![Vec::new(); tests.len()];
     let mut tallies = vec![Tally::default(); tests.len()];
@@ -115,5 +141,13 @@ fn on_cases(cases: &[Case], tests: &[(String, Test)], rounds: usize) -> Vec<(f64
             tallies[i] = Tally::of(cases, black_box(&answers).iter().copied());
         }
     }
-    times.iter_mut().map(|times| median(times)).zip(tallies).collect()
+    let measured = times.iter_mut().map(|times| median(times)).zip(tallies);
+    let point = |((name, _), (time, tally)): (&(String, _), _)| Point {
+        set: set.to_owned(),
+        source,
+        test: name.clone(),
+        time,
+        tally,
+    };
+    tests.iter().zip(measured).map(point).collect()
 }

@@ -1,18 +1,18 @@
 //! Points as a figure, as comma-separated values, and summed up.
 
-use super::{Point, front, together};
+use super::{Point, Source, front, together};
 use crate::judge::Tally;
 use crate::plot::{Axis, Figure, Panel, Scale, Series, Style};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write;
 
-/// Four panels: sets that are made to be hard and those from real contact, what is missed and what is a false hit.
+/// Two panels for each source of sets: what is missed and what is a false hit.
 pub fn figure(sets: &[Vec<Point>]) -> Figure {
     let mut panels = Vec::new();
-    for (is_real, kind) in [(false, "made to be hard"), (true, "from real contact")] {
+    for (source, kind) in SOURCES {
         let chosen: Vec<&[Point]> =
-            sets.iter().map(|set| &set[..]).filter(|set| is_real == is_of_contact(set)).collect();
+            sets.iter().map(|set| &set[..]).filter(|set| is_of(source, set)).collect();
         let title = format!("{} sets {kind}", chosen.len());
         let points = together(&title, &chosen);
         let bound = points.first().map_or(0.0, |point| point.tally.bound());
@@ -39,6 +39,12 @@ pub fn figure(sets: &[Vec<Point>]) -> Figure {
     let title = "Tests of two triangles: time against wrong answers".to_owned();
     Figure { title, columns: 2, panels }
 }
+
+const SOURCES: [(Source, &str); 3] = [
+    (Source::Family, "made to be hard"),
+    (Source::Contact, "from real contact"),
+    (Source::FamilyInF64, "made to be hard, in f64"),
+];
 
 type Count = fn(&Tally) -> u64;
 
@@ -70,7 +76,7 @@ pub fn write_csv(to: impl Write, sets: &[Vec<Point>]) -> Result<(), csv::Error> 
             let Tally { pairs, hits, missed, false_hits } = point.tally;
             table.serialize(Line {
                 set: &point.set,
-                real_contact: u8::from(point.is_real),
+                real_contact: u8::from(point.source == Source::Contact),
                 test: &point.test,
                 ns_per_pair: (1e4 * point.time).round() / 1e4,
                 pairs,
@@ -89,7 +95,7 @@ pub fn summary(sets: &[Vec<Point>]) -> String {
     let mut text =
         "triangle pairs       Exact ns  Fast ns  ratio  wrong per million: Exact, Fast\n"
             .to_owned();
-    for set in sets.iter().filter(|set| is_of_contact(set)) {
+    for set in sets.iter().filter(|set| is_of(Source::Contact, set)) {
         let find = |name: &str| set.iter().find(|p| p.test == name);
         let (Some(exact), Some(fast)) = (find("pfront Exact"), find("pfront Fast")) else {
             continue;
@@ -115,6 +121,6 @@ pub fn summary(sets: &[Vec<Point>]) -> String {
     text
 }
 
-fn is_of_contact(set: &[Point]) -> bool {
-    set.first().is_some_and(|point| point.is_real)
+fn is_of(source: Source, set: &[Point]) -> bool {
+    set.first().is_some_and(|point| point.source == source)
 }

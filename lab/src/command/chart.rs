@@ -36,9 +36,10 @@ pub(crate) fn run(asked: &Chart) -> Result<bool> {
     let (pairs, rounds) = if asked.quick { (80_000, 3) } else { (4_000_000, 9) };
     let suite = recorded::suite(asked.seed, asked.size)?;
     let bar = progress(suite.sets().len() as u64, "set");
-    let sets = chart::measure(&suite, asked.pairs.unwrap_or(pairs), rounds, |set| {
-        bar.set_position(set as u64);
-    });
+    let pairs = asked.pairs.unwrap_or(pairs);
+    let mut sets = chart::measure(&suite, pairs, rounds, |set| bar.set_position(set as u64));
+    let each = pairs.div_ceil(suite.sets().len() as u64);
+    sets.extend(chart::measure_in_f64(each, asked.seed, rounds));
     bar.finish_and_clear();
     fs::write(folder.join("pareto.svg"), chart::figure(&sets).svg())?;
     chart::write_csv(BufWriter::new(File::create(folder.join("pareto.csv"))?), &sets)?;

@@ -5,9 +5,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use indicatif::ProgressBar;
 use pfront_cli::output::{Draft, out};
-use pfront_lab::judge::{
-    Judge as Counter, OURS, OnGpu, TESTS_IN_F64, Tally, TestInF64, tallies_in_f64,
-};
+use pfront_lab::judge::{IN_F64, Judge as Counter, OURS, OnGpu, Tally, Test, tallies_in_f64};
 use pfront_lab::recorded;
 use pfront_lab::suite::{Block, Reader, Writer, answers};
 use pfront_testkit::families::InF64;
@@ -108,12 +106,12 @@ impl Ours {
 fn of_f64(asked: &Judge) -> Table {
     let tallies = tallies_in_f64(asked.pairs, asked.seed);
     let promises = [[true; 2], [false; 2], [false; 2]];
-    let column = |(i, test): (usize, &TestInF64)| Column {
+    let column = |(i, test): (usize, &Test<_>)| Column {
         name: test.name.to_owned(),
         promises: promises[i],
         tallies: tallies.iter().map(|tallies| tallies[i]).collect(),
     };
-    let columns = TESTS_IN_F64.iter().enumerate().map(column).collect();
+    let columns = IN_F64.iter().enumerate().map(column).collect();
     (InF64::ALL.map(InF64::name).into(), columns)
 }
 

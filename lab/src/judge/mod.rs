@@ -7,7 +7,7 @@ mod ours;
 
 #[cfg(feature = "gpu")]
 pub use gpu::OnGpu;
-pub use in_f64::{TESTS_IN_F64, TestInF64, tallies_in_f64};
+pub use in_f64::{IN_F64, cases_in_f64, tallies_in_f64};
 pub use ours::OURS;
 
 use crate::suite::{Block, Case};
@@ -16,11 +16,11 @@ use rayon::prelude::*;
 
 /// A way to tell whether two triangles meet.
 #[derive(Clone, Copy, Debug)]
-pub struct Test {
+pub struct Test<T = Triangle> {
     /// What it is called.
     pub name: &'static str,
     /// The test.
-    pub meets: fn(&Triangle, &Triangle) -> bool,
+    pub meets: fn(&T, &T) -> bool,
 }
 
 /// How some answers compare with the truth.
@@ -38,7 +38,7 @@ pub struct Tally {
 
 impl Tally {
     /// The tally of some pairs, with one answer each.
-    pub fn of(cases: &[Case], answers: impl IntoIterator<Item = bool>) -> Self {
+    pub fn of<T>(cases: &[Case<T>], answers: impl IntoIterator<Item = bool>) -> Self {
         let mut tally = Self::default();
         cases.iter().zip(answers).for_each(|(case, answer)| tally.count(case.meets, answer));
         tally

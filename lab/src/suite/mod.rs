@@ -27,11 +27,11 @@ pub const BLOCK: usize = 4096;
 
 /// A triangle pair and its truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Case {
+pub struct Case<T = Triangle> {
     /// One triangle.
-    pub a: Triangle,
+    pub a: T,
     /// The other.
-    pub b: Triangle,
+    pub b: T,
     /// Whether they share a point, as closed sets.
     pub meets: bool,
 }

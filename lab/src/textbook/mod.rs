@@ -13,11 +13,12 @@ mod moller;
 mod orientation;
 mod parry;
 
-use crate::judge::{Test, TestInF64};
+use crate::judge::Test;
+use pfront_testkit::families::Triangle64;
 
 /// The one that is right for f32 in f64, of triangles in f64.
-pub const IN_F64: TestInF64 =
-    TestInF64 { name: "Guigue-Devillers, f64", meets: orientation::meet::<f64, f64> };
+pub const IN_F64: Test<Triangle64> =
+    Test { name: "Guigue-Devillers, f64", meets: orientation::meet::<f64, f64> };
 
 /// All of them.
 pub fn tests() -> Vec<Test> {
