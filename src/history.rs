@@ -130,12 +130,11 @@ impl<'m> OfOne<'m> {
 impl About for OfOne<'_> {
     fn query(&self) -> impl Query + Sync {
         let [model] = self.models;
-        let query = pfront_core::bvtt::SelfBvtt::new(model.bvh())
+        pfront_core::bvtt::SelfBvtt::new(model.bvh())
             .with_accuracy(self.accuracy)
             .with_adjacency(self.adjacency)
-            .with_certificates(model.certificates());
-        // There are none of meshes in f64.
-        if model.is_f64() { query } else { query.with_patches(model.patches()) }
+            .with_certificates(model.certificates())
+            .with_patches(model.patches())
     }
 
     fn subject(&self) -> Subject {

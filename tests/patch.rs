@@ -3,14 +3,14 @@
 use pfront::pfront_core::Bvh;
 use pfront::pfront_core::bvtt::{Query, SelfBvtt};
 use pfront::{Model, SelfQuery, TrianglePair};
-use pfront_testkit::oracle::self_pairs;
-use pfront_testkit::rng::{Rng, RngExt, seeded, seq::SliceRandom};
+use pfront_testkit::oracle::{self_hit, self_pairs};
+use pfront_testkit::rng::{ChaCha8Rng, Rng, RngExt, seeded, seq::SliceRandom};
 use pfront_testkit::shapes::bumpy;
 use std::ops::ControlFlow;
 
 /// The vertices of a sheet of so many quads, flat, rolled up, wound or folded, then disturbed. The last is where the one in
 /// the middle of the first row is.
-fn bent([width, height]: [u32; 2], rng: &mut impl Rng) -> Vec<[f32; 3]> {
+fn bent([width, height]: [u32; 2], rng: &mut impl Rng) -> Vec<[f64; 3]> {
     let kind = rng.random_range(0..5);
     let noise = [0.0, 0.1, 0.4][rng.random_range(0..3)];
     let whole = rng.random_bool(0.4);
@@ -18,9 +18,9 @@ fn bent([width, height]: [u32; 2], rng: &mut impl Rng) -> Vec<[f32; 3]> {
     let mut points = Vec::new();
     for y in 0..=height {
         for x in 0..=width {
-            let [u, v] = [x as f32, y as f32];
-            let along = u / width as f32;
-            let angle = turns * std::f32::consts::TAU * along;
+            let [u, v] = [x, y].map(f64::from);
+            let along = u / f64::from(width);
+            let angle = turns * std::f64::consts::TAU * along;
             let mut p = match kind {
                 0 => [u, v, 0.0],
                 // A roll, and a ring in one plane, whose ends meet or overlap.
@@ -29,13 +29,37 @@ fn bent([width, height]: [u32; 2], rng: &mut impl Rng) -> Vec<[f32; 3]> {
                 // A winding staircase.
                 3 => [(2.0 + v) * angle.cos(), (2.0 + v) * angle.sin(), along],
                 // A fold.
-                _ => [(u - 0.5 * width as f32).abs(), v, 0.1 * along],
+                _ => [(u - 0.5 * f64::from(width)).abs(), v, 0.1 * along],
             };
             for x in &mut p {
                 *x += noise * rng.random_range(-1.0..1.0);
                 // On a coarse lattice, much is level, in line and in one plane.
                 *x = if whole { (*x * 2.0).round() } else { *x };
             }
+            p.rotate_left(turned);
+            points.push(p);
+        }
+    }
+    points.push(points[width as usize / 2]);
+    points
+}
+
+/// Positions in f32.
+fn rounded(points: Vec<[f64; 3]>) -> Vec<[f32; 3]> {
+    points.into_iter().map(|p| p.map(|x| x as f32)).collect()
+}
+
+/// The vertices of a sheet in one plane, whose last column lies on the edges of the first.
+fn ring([width, height]: [u32; 2], rng: &mut impl Rng) -> Vec<[f64; 3]> {
+    let start = rng.random_range(0.0..std::f64::consts::TAU);
+    let (shift, turned) = (rng.random_range(-0.9..0.9), rng.random_range(0..3));
+    let mut points = Vec::new();
+    for y in 0..=height {
+        for x in 0..=width {
+            let along = f64::from(x) / f64::from(width);
+            let (sin, cos) = (start + std::f64::consts::TAU * along).sin_cos();
+            let radius = 2.0 + f64::from(y) + shift * along;
+            let mut p = [radius * cos, radius * sin, 0.0];
             p.rotate_left(turned);
             points.push(p);
         }
@@ -79,7 +103,7 @@ fn sheets_of_every_kind() {
     for round in 0..1_000 {
         let size = [rng.random_range(2..10), rng.random_range(1..5)];
         let triangles = sheet(size, &mut rng);
-        let mut model = Model::new(bent(size, &mut rng), triangles.clone()).unwrap();
+        let mut model = Model::new(rounded(bent(size, &mut rng)), triangles.clone()).unwrap();
         let mut query = SelfQuery::new();
         for time in 0..6 {
             if time % 3 == 0 {
@@ -100,7 +124,7 @@ fn sheets_of_every_kind() {
             patches += of_model.count();
             met += truth.len();
             // All vertices move, and then one.
-            let mut moved = bent(size, &mut rng);
+            let mut moved = rounded(bent(size, &mut rng));
             if time % 3 == 1 {
                 moved.clone_from_slice(model.mesh().positions());
                 let vertex = rng.random_range(0..moved.len());
@@ -111,6 +135,58 @@ fn sheets_of_every_kind() {
     }
     let counts = [certified, patches as usize - certified, met];
     assert!(counts.iter().all(|&count| count > 1_000), "{counts:?}");
+}
+
+/// Noise below what the shadow resolves decides what meets, and which boundaries touch themselves.
+#[test]
+fn sheets_in_f64() {
+    let mut rng = seeded(11);
+    let (mut certified, mut patches, mut met, mut differs) = (0, 0, 0, 0);
+    for round in 0..300 {
+        let size = [rng.random_range(2..10), rng.random_range(1..5)];
+        let mut triangles = sheet(size, &mut rng);
+        let noise = [0.0, 1e-12, 1e-7, 1e-5, 1e-4][rng.random_range(0..5)];
+        let offset = [0.0, 0.1, 1e5][rng.random_range(0..3)];
+        // A triangle far away makes the steps of the shadow coarse.
+        let corner = rng.random_range(0.0..4e3);
+        let far = [[corner, 0.0, 0.0], [0.0, corner, 0.0], [0.0, 0.0, corner]];
+        let first = (size[0] + 1) * (size[1] + 1) + 1;
+        triangles.push([first, first + 1, first + 2]);
+        let placed = |rng: &mut ChaCha8Rng| -> Vec<[f64; 3]> {
+            let mut points = if rng.random_bool(0.5) { ring(size, rng) } else { bent(size, rng) };
+            for x in points.as_flattened_mut() {
+                *x += offset + noise * rng.random_range(-1.0..1.0);
+            }
+            points.extend(&far);
+            points
+        };
+        let mut points = placed(&mut rng);
+        let mut model = Model::from_f64(points.clone(), triangles.clone()).unwrap();
+        let mut query = SelfQuery::new();
+        for time in 0..16 {
+            if time > 8 {
+                let hits =
+                    |(a, b): &(usize, usize)| self_hit(triangles[*a], triangles[*b], &points);
+                let all = (0..triangles.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+                let mut truth: Vec<_> = all.filter(hits).collect();
+                truth.sort_unstable();
+                let found = query.all(&model).unwrap();
+                let found: Vec<_> = found.iter().map(|p| (p.a as usize, p.b as usize)).collect();
+                assert_eq!(found, truth, "round {round}: {model:?}");
+                let of_model = model.patches();
+                certified +=
+                    (0..of_model.count()).filter(|&patch| of_model.is_certified(patch)).count();
+                patches += of_model.count() as usize;
+                met += truth.len();
+                let of_shadow = self_pairs(model.mesh().positions(), &triangles);
+                differs += usize::from(of_shadow.len() != truth.len());
+            }
+            points = placed(&mut rng);
+            model.set_positions_f64(&points).unwrap();
+        }
+    }
+    let counts = [certified, patches - certified, met, differs];
+    assert!(counts.iter().all(|&count| count > 500), "{counts:?}");
 }
 
 /// So many triangles around one vertex, whose tiles are all neighbours, were once compared with each other.

@@ -22,17 +22,19 @@
 //!
 //! Triangles of a certified patch are no hits under any rule of [`Adjacency`](crate::triangle::Adjacency). All conditions are
 //! decided exactly, by certified signs and by comparisons; what is in no certified patch is tested as all else is.
+//!
+//! In f64, signs are those of the positions. The boundary is that of the shadow, with a bound that allows for how far the
+//! difference of two of its coordinates may be from that of the positions.
 
 use crate::bvh::Layout;
 use crate::bvtt::NodePair;
 use crate::index::{at, out_of_range, part, range, split};
-use crate::one_ring::{CertifyOptions, MAX_DIFFERENCE, TURN_ERROR, uncertified_signs};
+use crate::one_ring::{CertifyOptions, MAX_DIFFERENCE, TURN_ERROR, uncertified_signs_of};
 use crate::parallel::parts;
 use crate::simd::point8::chunk_starts;
 use crate::simd::{LANES, Simd, Task, widest};
 use crate::vertex_set::{holds, moved_bound};
 use crate::{Bvh, CapacityError, Mesh};
-use glam::Vec3A;
 
 /// The patches of a mesh, which do not change while its BVH is only refitted: tables that the caller has made.
 ///
@@ -125,10 +127,8 @@ impl<'p> Patches<'p> {
                     *signs &= !MOVED;
                     continue;
                 }
-                *signs = triangles.iter().fold(MOVED, |signs, &t| {
-                    let [p, q, r] = mesh.triangle(t).map(Vec3A::from_array);
-                    signs | uncertified_signs(q - p, r - p)
-                });
+                let all = triangles.iter().map(|&t| uncertified_signs_of(mesh, t));
+                *signs = all.fold(MOVED, |signs, other| signs | other);
             }
         });
         let signs = &*signs;
@@ -173,9 +173,7 @@ impl<'m> CertifiedPatches<'m> {
 
     /// Whether these are patches of the very BVH. Both borrow their slices, so slices in the same place hold the same.
     pub(crate) fn are_of<L: Layout>(&self, bvh: &Bvh<'_, L>) -> bool {
-        // Certificates of a mesh in f64 would be about its shadow.
-        !bvh.mesh().is_f64()
-            && core::ptr::eq(self.mesh.positions(), bvh.mesh().positions())
+        core::ptr::eq(self.mesh.positions(), bvh.mesh().positions())
             && core::ptr::eq(self.mesh.triangles(), bvh.mesh().triangles())
             && core::ptr::eq(self.order, bvh.order())
     }
@@ -240,7 +238,7 @@ impl Task for Certification<'_> {
                     let position = at(mesh.positions(), vertex);
                     line.push([position[x as usize], position[y as usize]]);
                 }
-                line.close();
+                line.close(mesh.is_f64());
                 *certified = u32::from(line.is_simple::<S>());
             }
         }
@@ -252,6 +250,8 @@ struct Line {
     /// The coordinates of its points, then the first again, and room to load lanes.
     points: [[f32; ROOM]; 2],
     len: usize,
+    /// How far the difference of two coordinates may be from that of what they stand for.
+    error: [f32; 2],
 }
 
 const ROOM: usize = MAX_BOUNDARY + 1 + LANES;
@@ -259,7 +259,7 @@ const CHUNKS: usize = MAX_BOUNDARY.div_ceil(LANES);
 
 impl Line {
     fn new() -> Self {
-        Self { points: [[0.0; ROOM]; 2], len: 0 }
+        Self { points: [[0.0; ROOM]; 2], len: 0, error: [0.0; 2] }
     }
 
     /// Appends a point; more than [`MAX_BOUNDARY`] are only counted.
@@ -290,10 +290,18 @@ impl Line {
         }
     }
 
-    /// Has to be called when all points are there.
+    /// Has to be called when all points are there, which may be those of a shadow.
     #[inline(always)]
-    fn close(&mut self) {
+    fn close(&mut self, is_shadow: bool) {
         self.set(self.len, self.point(0));
+        if is_shadow {
+            // A coordinate of a shadow is off by half a step, and little more: 2^-23 of the largest for a difference. The
+            // rest is for what is subnormal, and for rounding here and below.
+            self.error = self.points.each_ref().map(|coordinates| {
+                let largest = coordinates.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+                2.0 * f32::EPSILON * largest + f32::MIN_POSITIVE
+            });
+        }
     }
 
     /// Whether the line certainly does not touch itself: no edge another but the next.
@@ -312,7 +320,8 @@ impl Line {
             for at in chunk_starts::<S>() {
                 let (p, q) = (self.points::<S>(first, at), self.points::<S>(first + 1, at));
                 for k in 0..2 {
-                    p[k].min(q[k]).store(lanes_mut(&mut low[k], chunk), at);
+                    let min = p[k].min(q[k]) - S::splat(self.error[k]);
+                    min.store(lanes_mut(&mut low[k], chunk), at);
                     p[k].max(q[k]).store(lanes_mut(&mut high[k], chunk), at);
                 }
             }
@@ -357,7 +366,19 @@ impl Line {
         let on_one_side = |[left, right]: [bool; 2], [second_left, second_right]: [bool; 2]| {
             left & second_left | right & second_right
         };
-        on_one_side(turn(p, q, r), turn(p, q, s)) || on_one_side(turn(r, s, p), turn(r, s, q))
+        on_one_side(self.turn(p, q, r), self.turn(p, q, s))
+            || on_one_side(self.turn(r, s, p), self.turn(r, s, q))
+    }
+
+    /// Whether three points certainly make a turn to the left, and to the right, by the bound of one-rings.
+    fn turn(&self, p: [f32; 2], q: [f32; 2], r: [f32; 2]) -> [bool; 2] {
+        let (u, v) = ([q[0] - p[0], q[1] - p[1]], [r[0] - p[0], r[1] - p[1]]);
+        let (x, y) = (u[0].abs().max(v[0].abs()), u[1].abs().max(v[1].abs()));
+        let [of_x, of_y] = self.error;
+        let bound = x * y * TURN_ERROR + f32::MIN_POSITIVE + 2.0 * (x * of_y + (y + of_y) * of_x);
+        let holds = x.max(y) <= MAX_DIFFERENCE;
+        let turn = u[0] * v[1] - u[1] * v[0];
+        [holds && turn > bound, holds && turn < -bound]
     }
 }
 
@@ -375,14 +396,4 @@ fn lanes_mut(of: &mut [f32; CHUNKS * LANES], chunk: usize) -> &mut [f32; LANES] 
 /// The lowest bits, as many as there are items, at most [`LANES`].
 fn below(items: usize) -> u32 {
     (1 << items.min(LANES)) - 1
-}
-
-/// Whether three points certainly make a turn to the left, and to the right, by the bound of one-rings.
-fn turn(p: [f32; 2], q: [f32; 2], r: [f32; 2]) -> [bool; 2] {
-    let (u, v) = ([q[0] - p[0], q[1] - p[1]], [r[0] - p[0], r[1] - p[1]]);
-    let (x, y) = (u[0].abs().max(v[0].abs()), u[1].abs().max(v[1].abs()));
-    let bound = x * y * TURN_ERROR + f32::MIN_POSITIVE;
-    let holds = x.max(y) <= MAX_DIFFERENCE;
-    let turn = u[0] * v[1] - u[1] * v[0];
-    [holds && turn > bound, holds && turn < -bound]
 }

@@ -44,7 +44,7 @@ impl OwnPatches {
         let mut moved = moves.few().filter(|_| !self.behind);
         let bvh = tree.bvh(mesh);
         if self.tree != Some(tree.id()) {
-            if mesh.is_f64() || tree.refits() < REFITS || mesh.positions().len() > MOST_VERTICES {
+            if tree.refits() < REFITS || mesh.positions().len() > MOST_VERTICES {
                 return;
             }
             self.find(&bvh);

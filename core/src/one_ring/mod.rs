@@ -36,7 +36,7 @@ use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable, must_cast_slice, must_cast_slice_mut};
 pub use certify::CertifyOptions;
 use certify::Span;
-pub(crate) use certify::{MAX_DIFFERENCE, TURN_ERROR, turns_in_f64, uncertified_signs};
+pub(crate) use certify::{MAX_DIFFERENCE, TURN_ERROR, turns_in_f64, uncertified_signs_of};
 pub use link::{link_scratch_bound, links_bound};
 
 /// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.
