@@ -205,7 +205,7 @@ const MOVED: u32 = 1 << 31;
 struct Certification<'c> {
     patches: Patches<'c>,
     mesh: Mesh<'c>,
-    /// The [`uncertified_signs`] of each tile, and [`MOVED`].
+    /// The [`uncertified_signs_of`] the triangles of each tile together, and [`MOVED`].
     signs: &'c [u32],
     first: usize,
     certified: &'c mut [u32],

@@ -1,6 +1,6 @@
 //! Boxes for a deformed mesh, and how good the tree still is.
 //!
-//! A post-order pass fits each node after its children, and sums up the [`quality()`] on the way.
+//! A post-order pass fits each node after its children, and sums up the [`quality()`](super::quality()) on the way.
 //!
 //! If few vertices have moved, the pass leaves out parts without any: vertices that are near in space mostly have near
 //! indices, so that a pair of siblings knows by the smallest and the largest index below it whether anything there can
@@ -35,7 +35,7 @@ pub struct RefitRow {
     vertices: [u32; 2],
 }
 
-/// Fits the boxes of a tree to new positions of its mesh; returns its [`quality()`](super::quality()).
+/// Fits the boxes of a tree to new positions of its mesh; returns its [`quality()`](super::quality())(super::quality()).
 ///
 /// `nodes` and `order` are those of a BVH of a mesh with the same triangles.
 ///

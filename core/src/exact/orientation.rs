@@ -59,7 +59,7 @@ impl Coordinate for f64 {
     }
 }
 
-/// Decides [`orient3d`](super::orient3d) and [`orient2d`](super::orient2d). A sign that is not known is `None`.
+/// Decides the orientation of points in space and in a plane. A sign that is not known is `None`.
 pub(crate) trait Orientation<C = f32> {
     /// The sides of one plane, through three points, on which several points lie; `None` if one of them is not known.
     fn orient3d<const N: usize>(plane: [&[C; 3]; 3], points: [&[C; 3]; N]) -> Option<[i32; N]>;

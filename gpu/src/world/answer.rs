@@ -9,12 +9,12 @@ use pfront_core::bvtt::TrianglePair;
 #[non_exhaustive]
 pub struct WorldAnswer {
     /// Pairs of triangles that meet, sorted, the first triangle being one of the first body: all of them, or at most one
-    /// for [`GpuVerb::Any`](crate::GpuVerb::Any). Empty for the other verbs.
+    /// for [`GpuVerb::Any`]. Empty for the other verbs.
     pub hits: Vec<(Bodies, TrianglePair)>,
-    /// For [`GpuVerb::AnyEach`](crate::GpuVerb::AnyEach), some hit of each pair of bodies that meet, in the order of the
+    /// For [`GpuVerb::AnyEach`], some hit of each pair of bodies that meet, in the order of the
     /// question. Else empty.
     pub each: Vec<Option<TrianglePair>>,
-    /// For [`GpuVerb::CountEach`](crate::GpuVerb::CountEach), how many hits each pair of bodies has. Else empty.
+    /// For [`GpuVerb::CountEach`], how many hits each pair of bodies has. Else empty.
     pub counts: Vec<u64>,
     /// How many hits were found.
     pub count: u64,

@@ -5,7 +5,7 @@
 //! took longest: the largest of some ratios, of which each is the median over rounds.
 //!
 //! - [`recipes`]: the cases, drawn from a seed; [`Case`]: one of them, built.
-//! - [`Field`]: who plays. [`race`]: a case, played by all of them in turn.
+//! - [`Field`]: who plays. [`race()`]: a case, played by all of them in turn.
 //! - [`Row`], [`summary`]: what that came to, as text or with [`write_csv`].
 
 mod case;
