@@ -28,8 +28,21 @@ pub enum AnyPose {
 }
 
 impl AnyPose {
-    /// The second mesh of a query in this pose.
-    pub(crate) fn pair<'m>(&self, [a, b]: [Bvh<'m>; 2]) -> Result<PairBvtt<'m>, PoseError> {
+    /// The query about two meshes, the second in this pose: [`PairBvtt::new`] or [`PairBvtt::in_f64`].
+    ///
+    /// # Errors
+    /// As these.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::pfront_core::bvtt::Query;
+    /// use pfront::{AnyPose, Model, Pose};
+    /// let a = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let query = AnyPose::from(Pose::IDENTITY).pair([a.bvh(), a.bvh()])?;
+    /// assert_eq!(query.count(), 1);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn pair<'m>(&self, [a, b]: [Bvh<'m>; 2]) -> Result<PairBvtt<'m>, PoseError> {
         match self {
             Self::F32(pose) => PairBvtt::new(a, b, *pose),
             Self::F64(pose) => PairBvtt::in_f64(a, b, pose),

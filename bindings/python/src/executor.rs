@@ -40,7 +40,7 @@ struct Made {
     process: u32,
     pool: Option<Arc<ThreadPool>>,
     cpu: pfront::Executor,
-    /// That for the device asked for.
+    /// The executor of the device asked for.
     device: Option<pfront::Executor>,
 }
 

@@ -7,10 +7,12 @@
 #![expect(unreachable_pub, reason = "the macros of pyo3 write public items")]
 
 mod arrays;
+mod contacts;
 mod errors;
 mod executor;
 mod model;
 mod part;
+mod poses;
 mod question;
 mod scene;
 
@@ -20,11 +22,15 @@ use pyo3::prelude::*;
 #[pymodule(gil_used = false)]
 mod _pfront {
     #[pymodule_export]
+    use crate::contacts::contacts;
+    #[pymodule_export]
     use crate::executor::{Executor, adapters};
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
-    use crate::question::{all, any, batch_all, batch_any, batch_count, contacts, count};
+    use crate::poses::{batch_all, batch_any, batch_count};
+    #[pymodule_export]
+    use crate::question::{all, any, count};
     #[pymodule_export]
     use crate::scene::Scene;
 }

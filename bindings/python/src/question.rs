@@ -1,14 +1,12 @@
 //! Questions about one model or two.
 
-use crate::arrays::{list, pair_array, points, pose, poses};
+use crate::arrays::{pair_array, pose};
 use crate::errors::exception;
 use crate::executor::{Backend, Device, Executor, PATIENCE};
 use crate::model::Model;
 use crate::part::starts;
-use numpy::PyUntypedArray;
-use pfront::pfront_core::bvtt::{Cursor, PairBvtt, Query, SelfBvtt};
-use pfront::threads::rayon::prelude::*;
-use pfront::{Adjacency, AnyPose, Batch, Contact, Error, Ticket, TrianglePair};
+use pfront::pfront_core::bvtt::{Cursor, Query, SelfBvtt};
+use pfront::{Adjacency, AnyPose, Batch, Error, Ticket, TrianglePair};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -17,30 +15,27 @@ use std::sync::Arc;
 const ALONE: u64 = 1 << 14;
 /// Tests between two looks at signals: about 5 ms.
 const STEP: u64 = 1 << 17;
-/// Poses that are asked about in one submission.
-const CHUNK: usize = 1 << 14;
-/// Contacts between two looks at signals.
-const CONTACTS: usize = 1 << 13;
 
 /// The subject of a question.
 #[derive(Clone)]
-enum Subject {
+pub(crate) enum Subject {
     Pair { models: [Arc<pfront::Model>; 2], a_from_b: AnyPose },
     Within { model: Arc<pfront::Model> },
 }
 
-/// The list of arrays that tell contacts: pairs, segments, normals and whether each is flat.
-type Arrays = (Py<PyAny>, Py<PyAny>, Py<PyAny>, Py<PyAny>);
-
 impl Subject {
-    fn new(a: &Model, b: Option<&Model>, array: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    pub(crate) fn new(
+        a: &Model,
+        b: Option<&Model>,
+        array: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
         Ok(match b {
             Some(b) => Self::Pair { models: [a.0.clone(), b.0.clone()], a_from_b: pose(array)? },
             None => Self::Within { model: a.0.clone() },
         })
     }
 
-    fn is_f64(&self) -> bool {
+    pub(crate) fn is_f64(&self) -> bool {
         match self {
             Self::Pair { models, a_from_b } => {
                 a_from_b.is_f64() || models.iter().any(|model| model.is_f64())
@@ -60,26 +55,20 @@ impl Subject {
     }
 
     /// Calls a function with the BVTT.
-    fn with<R>(&self, ask: impl Ask<R>) -> Result<R, Error> {
+    pub(crate) fn with<R>(&self, ask: impl Ask<R>) -> Result<R, Error> {
         match self {
-            Self::Pair { models: [a, b], a_from_b } => ask.ask(&match a_from_b {
-                AnyPose::F32(pose) => PairBvtt::new(a.bvh(), b.bvh(), *pose)?,
-                AnyPose::F64(pose) => PairBvtt::in_f64(a.bvh(), b.bvh(), pose)?,
-            }),
+            Self::Pair { models, a_from_b } => {
+                ask.ask(&a_from_b.pair(models.each_ref().map(|model| model.bvh()))?)
+            }
             Self::Within { model } => {
-                let query = SelfBvtt::new(model.bvh()).with_certificates(model.certificates());
-                if model.is_f64() {
-                    ask.ask(&query)
-                } else {
-                    ask.ask(&query.with_patches(model.patches()))
-                }
+                ask.ask(&SelfBvtt::new(model.bvh()).with_certificates(model.certificates()))
             }
         }
     }
 }
 
 /// A function of any BVTT.
-trait Ask<R> {
+pub(crate) trait Ask<R> {
     fn ask(self, query: &(impl Query + Sync)) -> Result<R, Error>;
 }
 
@@ -142,7 +131,7 @@ fn alone(
 }
 
 /// Waits for a ticket, while signals are heard; a ticket that is dropped is cancelled.
-fn wait<T: Send>(py: Python<'_>, mut ticket: Ticket<T>) -> PyResult<T> {
+pub(crate) fn wait<T: Send>(py: Python<'_>, mut ticket: Ticket<T>) -> PyResult<T> {
     loop {
         let answer = py.detach(|| ticket.wait(PATIENCE));
         if let Some(answer) = answer.map_err(|error| exception(py, error, None))? {
@@ -170,7 +159,7 @@ fn submit<T: Send>(
 }
 
 /// The executor of questions that are submitted. Without earlier frames, "auto" is the CPU.
-fn together(py: Python<'_>, on: &Executor) -> PyResult<pfront::Executor> {
+pub(crate) fn together(py: Python<'_>, on: &Executor) -> PyResult<pfront::Executor> {
     if on.device == Device::Gpu {
         on.note(Backend::Gpu);
         return py.detach(|| on.on_device());
@@ -226,7 +215,8 @@ pub fn count(
     Ok(submit(py, &subject, on, Batch::count)?.iter().sum())
 }
 
-fn listed(
+/// The pairs that meet, sorted.
+pub(crate) fn listed(
     py: Python<'_>,
     subject: &Subject,
     on: &Executor,
@@ -258,183 +248,4 @@ pub fn all(
 ) -> PyResult<Py<PyAny>> {
     let subject = Subject::new(a, b, pose.as_ref())?;
     pair_array(py, listed(py, &subject, on, part)?)
-}
-
-/// Where pairs meet, in their order.
-struct Where<'s, C, F> {
-    pairs: &'s [TrianglePair],
-    on: &'s Executor,
-    out: &'s mut Vec<(TrianglePair, C)>,
-    contact: F,
-}
-
-/// Contacts in either precision.
-trait Verb<C> {
-    fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<C>;
-}
-
-#[derive(Clone, Copy)]
-struct InF32;
-#[derive(Clone, Copy)]
-struct InF64;
-
-impl Verb<Contact> for InF32 {
-    fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<Contact> {
-        query.contact(pair)
-    }
-}
-
-impl Verb<Contact<f64>> for InF64 {
-    fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<Contact<f64>> {
-        query.contact_f64(pair)
-    }
-}
-
-impl<C: Send, F: Verb<C> + Copy + Sync> Ask<()> for Where<'_, C, F> {
-    fn ask(self, query: &(impl Query + Sync)) -> Result<(), Error> {
-        let verb = self.contact;
-        let contact = |&pair: &TrianglePair| Some((pair, verb.contact(query, pair)?));
-        match self.on.pool() {
-            Some(pool) if self.pairs.len() >= CONTACTS => pool.install(|| {
-                self.out.par_extend(self.pairs.par_iter().with_min_len(512).filter_map(contact));
-            }),
-            _ => self.out.extend(self.pairs.iter().filter_map(contact)),
-        }
-        Ok(())
-    }
-}
-
-fn located<C: Send, F: Verb<C> + Copy + Send + Sync>(
-    py: Python<'_>,
-    subject: &Subject,
-    pairs: &[TrianglePair],
-    on: &Executor,
-    contact: F,
-) -> PyResult<Vec<(TrianglePair, C)>> {
-    let mut out = Vec::with_capacity(pairs.len());
-    for pairs in pairs.chunks(CONTACTS) {
-        let ask = Where { pairs, on, out: &mut out, contact };
-        py.detach(|| subject.with(ask)).map_err(|error| exception(py, error, None))?;
-        py.check_signals()?;
-    }
-    Ok(out)
-}
-
-/// Where pairs meet, and how they face.
-#[pyfunction]
-pub fn contacts(
-    py: Python<'_>,
-    a: &Model,
-    b: Option<&Model>,
-    pose: Option<Bound<'_, PyAny>>,
-    on: &Executor,
-) -> PyResult<Arrays> {
-    let subject = Subject::new(a, b, pose.as_ref())?;
-    let pairs = listed(py, &subject, on, None)?;
-    if subject.is_f64() {
-        contact_arrays(py, located(py, &subject, &pairs, on, InF64)?)
-    } else {
-        contact_arrays(py, located(py, &subject, &pairs, on, InF32)?)
-    }
-}
-
-pub(crate) fn contact_arrays<C: numpy::Element + Copy>(
-    py: Python<'_>,
-    found: Vec<(TrianglePair, Contact<C>)>,
-) -> PyResult<Arrays> {
-    Ok((
-        pair_array(py, found.iter().map(|&(pair, _)| pair).collect())?,
-        points(py, found.iter().map(|(_, contact)| contact.segment).collect())?,
-        points(py, found.iter().map(|(_, contact)| contact.normals).collect())?,
-        list(py, found.iter().map(|(_, contact)| contact.is_flat).collect()),
-    ))
-}
-
-/// Asks about many poses, in chunks of which progress is told.
-fn many<T: Send>(
-    py: Python<'_>,
-    (a, b): (&Model, &Model),
-    array: &Bound<'_, PyUntypedArray>,
-    on: &Executor,
-    progress: Option<Bound<'_, PyAny>>,
-    verb: fn(&mut Batch, &pfront::Executor) -> Result<Ticket<T>, Error>,
-    mut read: impl FnMut(T),
-) -> PyResult<()> {
-    let poses = poses(array)?;
-    let executor = together(py, on)?;
-    let mut batch = Batch::new();
-    let mut done = 0;
-    for chunk in poses.chunks(CHUNK) {
-        let start = || {
-            batch.clear();
-            for (i, pose) in chunk.iter().enumerate() {
-                batch.pair(&a.0, &b.0, pose).map_err(|error| (error, Some(done + i)))?;
-            }
-            verb(&mut batch, &executor).map_err(|error| (error, None))
-        };
-        let ticket = py.detach(start).map_err(|(error, pose)| exception(py, error, pose))?;
-        read(wait(py, ticket)?);
-        done += chunk.len();
-        if let Some(progress) = &progress {
-            progress.call1((done, poses.len()))?;
-        }
-    }
-    Ok(())
-}
-
-/// For each pose, whether some pair meets.
-#[pyfunction]
-pub fn batch_any(
-    py: Python<'_>,
-    a: &Model,
-    b: &Model,
-    poses: Bound<'_, PyUntypedArray>,
-    on: &Executor,
-    progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<Py<PyAny>> {
-    let mut found = Vec::<bool>::new();
-    many(py, (a, b), &poses, on, progress, Batch::any, |answers| {
-        found.extend(answers.iter().map(Option::is_some));
-    })?;
-    Ok(list(py, found))
-}
-
-/// For each pose, the number of pairs that meet.
-#[pyfunction]
-pub fn batch_count(
-    py: Python<'_>,
-    a: &Model,
-    b: &Model,
-    poses: Bound<'_, PyUntypedArray>,
-    on: &Executor,
-    progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<Py<PyAny>> {
-    let mut counts = Vec::<i64>::new();
-    many(py, (a, b), &poses, on, progress, Batch::count, |answers| {
-        counts.extend(answers.iter().map(|&count| count as i64));
-    })?;
-    Ok(list(py, counts))
-}
-
-/// The pairs that meet for all poses, and where those of each begin and end.
-#[pyfunction]
-pub fn batch_all(
-    py: Python<'_>,
-    a: &Model,
-    b: &Model,
-    poses: Bound<'_, PyUntypedArray>,
-    on: &Executor,
-    progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<(Py<PyAny>, Py<PyAny>)> {
-    let (mut pairs, mut offsets) = (Vec::new(), vec![0_i64]);
-    many(py, (a, b), &poses, on, progress, Batch::all, |lists| {
-        let first = pairs.len();
-        let ends = lists.iter().scan(first, |end, list| {
-            *end += list.len();
-            Some(*end as i64)
-        });
-        offsets.extend(ends);
-        pairs.extend_from_slice(lists.pairs());
-    })?;
-    Ok((pair_array(py, pairs)?, list(py, offsets)))
 }

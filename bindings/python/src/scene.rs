@@ -1,10 +1,10 @@
 //! Scenes: many bodies in the world.
 
 use crate::arrays::{list, numbers, pair_array, pose, poses, table};
+use crate::contacts::contact_arrays;
 use crate::errors::exception;
 use crate::executor::{Executor, PATIENCE, lock};
 use crate::model::Model;
-use crate::question::contact_arrays;
 use numpy::{PyReadonlyArrayDyn, PyUntypedArray};
 use pfront::{BodyId, Contact, Error, SceneHit, SceneQuery, TrianglePair};
 use pyo3::exceptions::PyRuntimeError;

@@ -5,8 +5,7 @@ use crate::args::{Listing, TwoMeshes};
 use crate::listing::{Found, Kind, Origin};
 use crate::progress::shown;
 use anyhow::Result;
-use pfront::pfront_core::bvtt::PairBvtt;
-use pfront::{AnyPose, PairQuery, Pose, TrianglePair};
+use pfront::{PairQuery, Pose, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs) -> Result<bool> {
@@ -18,10 +17,7 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs
         list_fits(query.count(&a, &b, a_from_b)?, size_of::<TrianglePair>(), &meshes.reading)?;
         anyhow::Ok(query.all(&a, &b, a_from_b)?)
     })?;
-    let bvtt = match &a_from_b {
-        AnyPose::F32(pose) => PairBvtt::new(a.bvh(), b.bvh(), *pose),
-        AnyPose::F64(pose) => PairBvtt::in_f64(a.bvh(), b.bvh(), pose),
-    }?;
+    let bvtt = a_from_b.pair([a.bvh(), b.bvh()])?;
     let is_f64 = a.is_f64() || b.is_f64() || a_from_b.is_f64();
     let origins = [&source_a, &source_b].map(Origin::of_file);
     let found = Found {
