@@ -78,6 +78,12 @@ pub enum GpuError {
         "a mesh is in f64, about which GPUs answer for two meshes only, by their shadows: ask on the CPU"
     )]
     InF64,
+    /// Shadows that are not those of the models.
+    #[error(
+        "the shadows are not those of these models: a number is NaN, infinite, a negative error, or takes a model out of \
+         range. Take them from the query about the same meshes"
+    )]
+    Shadows,
     /// The commands that were recorded have not been submitted.
     #[error("submit the encoder that the query was recorded into before reading its answer")]
     NotSubmitted,

@@ -5,6 +5,7 @@
 
 use crate::GpuError;
 use bytemuck::{Pod, Zeroable};
+use pfront_core::bvtt::Shadows;
 use pfront_core::{Aabb, Pose};
 use pfront_shaders::constants::{FRONTS, PADDING};
 
@@ -157,6 +158,27 @@ pub(crate) fn check_pose(pose: &Pose, bounds: &Aabb) -> Result<(), GpuError> {
     match (0..3).find(|&k| bounds.min[k].abs().max(bounds.max[k].abs()) > LARGEST_POSED) {
         Some(axis) => Err(GpuError::Coordinate { axis }),
         None => Ok(()),
+    }
+}
+
+/// Checks that shadows may be those of meshes within `bounds`: no number is NaN or infinite or a negative error, and no posed
+/// coordinate overflows.
+pub(crate) fn check_shadows(shadows: &Shadows, bounds: [&Aabb; 2]) -> Result<(), GpuError> {
+    let Shadows { poses, padding, error } = shadows;
+    let is_error = |e: &f32| e.is_finite() && *e >= 0.0;
+    let is_posed = |(pose, bounds): (&Pose, &Aabb)| {
+        pose.rows.iter().all(|[x, y, z, t]| {
+            let reach = |k: usize, entry: &f32| {
+                f64::from(entry.abs()) * f64::from(bounds.min[k].abs().max(bounds.max[k].abs()))
+            };
+            let reach = f64::from(t.abs()) + reach(0, x) + reach(1, y) + reach(2, z);
+            reach <= f64::from(LARGEST_POSED)
+        })
+    };
+    let errors = padding.as_flattened().iter().chain(error);
+    match errors.into_iter().all(is_error) && poses.iter().zip(bounds).all(is_posed) {
+        true => Ok(()),
+        false => Err(GpuError::Shadows),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::answer::{Answer, Asked, GpuVerb};
 use crate::engine::{Engine, Task};
-use crate::layout::{Counters, Placement, Query, check_pose};
+use crate::layout::{Counters, Placement, Query, check_pose, check_shadows};
 use crate::report::reports;
 use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
@@ -62,7 +62,9 @@ impl<'m> GpuQuestion<'m> {
     ///
     /// The device does not have their positions. The answer is what it knows by the shadows alone; triangle pairs that it
     /// leaves open are not part of it, nor of any count, but in [`GpuQuery::open`], for
-    /// [`PairBvtt::intersects`](pfront_core::bvtt::PairBvtt::intersects) to decide.
+    /// [`PairBvtt::intersects`](pfront_core::bvtt::PairBvtt::intersects) to decide. Shadows that no query can have made of
+    /// these models, since a number is NaN or beyond f32, are [`GpuError::Shadows`]; those of other models would be taken for
+    /// theirs.
     #[must_use]
     pub fn shadows(a: &'m GpuModel, b: &'m GpuModel, shadows: &Shadows) -> Self {
         Self::Shadows { models: [a, b], shadows: *shadows }
@@ -89,9 +91,11 @@ impl<'m> GpuQuestion<'m> {
                 let sides = [Pose::IDENTITY, a_from_b].each_ref().map(Placement::new);
                 ([a, b], Query { sides, posed: [0, u32::from(posed)], ..Query::zeroed() })
             }
-            Self::Shadows { models: [a, b], shadows: Shadows { poses, padding, error } } => {
-                let (Some(_), Some(_)) = (a.bounds, b.bounds) else { return Ok(None) };
+            Self::Shadows { models: [a, b], shadows } => {
+                let (Some(of_a), Some(of_b)) = (a.bounds, b.bounds) else { return Ok(None) };
+                check_shadows(&shadows, [&of_a, &of_b])?;
                 engine.ready_for_shadows()?;
+                let Shadows { poses, padding, error } = shadows;
                 let sides = [0, 1].map(|k| Placement::of_shadow(&poses[k], padding[k]));
                 let own = Query { sides, posed: [1; 2], error, shadows: 1, ..Query::zeroed() };
                 ([a, b], own)
@@ -182,7 +186,8 @@ impl GpuQuery {
     /// All pairs that meet, sorted.
     ///
     /// # Errors
-    /// [`GpuError::Pose`] if the pose is not finite or takes its model out of range; [`GpuError::Coordinate`]; [`GpuError::OtherDevice`];
+    /// [`GpuError::Pose`] if the pose is not finite or takes its model out of range; [`GpuError::Coordinate`]; [`GpuError::InF64`],
+    /// [`GpuError::Shadows`]; [`GpuError::OtherDevice`];
     /// [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
     pub fn all(&mut self, question: &GpuQuestion<'_>) -> Result<&[TrianglePair], GpuError> {
         self.ask(question, GpuVerb::All)?;

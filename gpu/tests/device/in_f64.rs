@@ -162,6 +162,19 @@ fn kinds_mix() {
             assert!(!found.is_empty());
         }
     }
+    // Shadows that no query makes.
+    let core = PairBvtt::in_f64(exact.bvh(), rounded.bvh(), &Pose64::IDENTITY).unwrap();
+    let good = core.shadows().unwrap();
+    let mut wrong = [good; 5];
+    wrong[0].poses[0].rows[1][2] = f32::NAN;
+    wrong[1].poses[1].rows[0][3] = f32::MAX;
+    wrong[2].padding[1][0] = -1e-9;
+    wrong[3].padding[0][2] = f32::NAN;
+    wrong[4].error[1] = f32::INFINITY;
+    for shadows in wrong {
+        let question = GpuQuestion::shadows(&of_exact, &rounded.model, &shadows);
+        assert_eq!(query.submit(&question, GpuVerb::All), Err(GpuError::Shadows));
+    }
     // Other questions about a shadow would be answered about something else.
     let pair = GpuQuestion::pair(&of_exact, &rounded.model, &Pose::IDENTITY);
     for question in [pair, GpuQuestion::within(&of_exact)] {
