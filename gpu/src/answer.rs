@@ -8,9 +8,11 @@
 //!
 //! [`Budget::LEAST`]: crate::Budget::LEAST
 
-use crate::engine::{Engine, Entry, Found, Run, Start, Task};
+use crate::engine::Engine;
 use crate::layout::{Counters, InstancePair, Query, Rest};
 use crate::read::read_now;
+use crate::results::{Found, Run};
+use crate::task::{Entry, Start, Task};
 use crate::{GpuError, GpuReport};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
@@ -66,6 +68,8 @@ pub(crate) struct Asked {
     /// Its parts, of which the last is what the run is about.
     pub(crate) parts: Vec<Vec<Entry>>,
     pub(crate) run: Run,
+    /// Whether its commands are worth recording ahead, for the same question in another pose.
+    may_repeat: bool,
 }
 
 /// Parts that are a front of a BVTT.
@@ -74,6 +78,13 @@ struct Division {
     /// The models, and whether it is one with itself.
     about: ([u64; 2], u32),
     parts: Vec<Vec<Entry>>,
+}
+
+impl Asked {
+    /// A question that is asked in one part.
+    fn whole(task: Task, run: Run) -> Self {
+        Self { task, parts: vec![vec![task.root]], run, may_repeat: false }
+    }
 }
 
 impl Answer {
@@ -115,14 +126,47 @@ impl Answer {
         start: Start<'_>,
         verb: GpuVerb,
     ) -> Result<Run, GpuError> {
-        let [hits, rest] = self.expected;
-        let hits = match (verb, start) {
-            (GpuVerb::AnyEach, Start::Front(front)) => front.len() as u32,
-            (GpuVerb::All | GpuVerb::AnyEach, _) => hits.saturating_add(hits / 4),
-            (GpuVerb::Any, _) => 1,
-            (GpuVerb::Count | GpuVerb::CountEach, _) => 0,
+        let copies = match (verb, start) {
+            (GpuVerb::AnyEach, Start::Front(front)) => [front.len() as u32, self.expected[1]],
+            _ => copies(verb, self.likely()),
         };
-        self.engine.record(encoder, task, start, [hits, rest], verb)
+        self.engine.record(encoder, task, start, copies, verb)
+    }
+
+    /// A quarter more than is expected.
+    fn likely(&self) -> [u32; 2] {
+        self.expected.map(|most| most.saturating_add(most / 4))
+    }
+
+    /// Submits a question, by commands that were recorded ahead if they suit it.
+    pub(crate) fn submit(&mut self, task: Task, verb: GpuVerb) -> Result<Asked, GpuError> {
+        self.engine.forget_recorded();
+        let may_repeat = self.parts_of(&task, verb).is_none();
+        let ahead = match may_repeat {
+            true => self.engine.take_ahead(&task, copies(verb, self.expected), verb)?,
+            false => None,
+        };
+        let (commands, asked) = match ahead {
+            Some((commands, run)) => (commands, Asked::whole(task, run)),
+            None => {
+                let mut encoder = self.engine.encoder();
+                let asked = self.begin(&mut encoder, task, verb)?;
+                (encoder.finish(), asked)
+            }
+        };
+        self.engine.submit(commands);
+        Ok(Asked { may_repeat, ..asked })
+    }
+
+    /// Records the commands of a question again while it is on the device.
+    fn record_ahead(&mut self, asked: &Asked, verb: GpuVerb) -> Result<(), GpuError> {
+        if !asked.may_repeat || self.engine.is_done(&asked.run)? {
+            return Ok(());
+        }
+        let (gpu, copies) = (self.engine.gpu.clone(), copies(verb, self.likely()));
+        // Without memory for it, the next question is recorded when it is asked.
+        let _ = gpu.checked(|| self.engine.record_ahead(&asked.task, copies, verb));
+        Ok(())
     }
 
     /// Records a question, in the parts that the last one about the same models was divided into.
@@ -133,15 +177,19 @@ impl Answer {
         verb: GpuVerb,
     ) -> Result<Asked, GpuError> {
         self.engine.forget_recorded();
-        let about = self.about(&task);
-        let is_divided = |own: &&Division| own.about == about && verb != GpuVerb::Any;
-        match self.division.as_ref().filter(is_divided).map(|own| own.parts.clone()) {
+        match self.parts_of(&task, verb).map(<[_]>::to_vec) {
             Some(parts) => self.begin_parts(encoder, task, parts, verb),
             None => {
                 let run = self.record(encoder, &task, Start::Seeds, verb)?;
-                Ok(Asked { task, parts: vec![vec![task.root]], run })
+                Ok(Asked::whole(task, run))
             }
         }
+    }
+
+    /// The parts that the last question about the same models was divided into, if it was.
+    fn parts_of(&self, task: &Task, verb: GpuVerb) -> Option<&[Vec<Entry>]> {
+        let Division { about, parts } = self.division.as_ref()?;
+        (*about == self.about(task) && verb != GpuVerb::Any).then_some(parts)
     }
 
     /// The same from node pairs.
@@ -166,7 +214,7 @@ impl Answer {
     ) -> Result<Asked, GpuError> {
         let first = Start::Front(parts.last().map_or(&[], Vec::as_slice));
         let run = self.record(encoder, &task, first, verb)?;
-        Ok(Asked { task, parts, run })
+        Ok(Asked { task, parts, run, may_repeat: false })
     }
 
     fn about(&self, task: &Task) -> ([u64; 2], u32) {
@@ -176,7 +224,8 @@ impl Answer {
     /// Takes the results of what has been recorded, and sees to it that they are complete.
     pub(crate) fn finish(&mut self, asked: Asked, verb: GpuVerb) -> Result<(), GpuError> {
         self.reset();
-        let Asked { task, parts: mut waiting, mut run } = asked;
+        self.record_ahead(&asked, verb)?;
+        let Asked { task, parts: mut waiting, mut run, .. } = asked;
         let task = &task;
         let mut part = waiting.pop().unwrap_or_default();
         // Parts that are answered, with the share of the lists that each took.
@@ -200,8 +249,8 @@ impl Answer {
                 continue;
             } else {
                 if matches!(verb, GpuVerb::All | GpuVerb::Count) {
-                    // Some answers are few by chance: those that follow are not yet expected to be.
-                    let most = |now: u32, before: u32| now.max(before - before.div_ceil(4));
+                    // Some answers are few by chance: after one of them, as many as before would still be copied.
+                    let most = |now: u32, before: u32| now.max(before - before.div_ceil(8));
                     let [before, rest_before] = self.expected;
                     self.expected = [most(hits, before), most(rest, rest_before)];
                 }
@@ -249,10 +298,9 @@ impl Answer {
     ) -> Result<Run, GpuError> {
         let gpu = self.engine.gpu.clone();
         gpu.checked(|| {
-            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            let mut encoder = self.engine.encoder();
             let run = self.record(&mut encoder, task, start, verb)?;
-            gpu.queue().submit([encoder.finish()]);
-            self.engine.submitted();
+            self.engine.submit(encoder.finish());
             Ok(run)
         })
     }
@@ -350,6 +398,15 @@ impl Answer {
             self.pairs.append(&mut self.late);
             self.pairs.sort();
         }
+    }
+}
+
+/// How many hits, and how many of the rest, are copied where so many are likely.
+fn copies(verb: GpuVerb, [hits, rest]: [u32; 2]) -> [u32; 2] {
+    match verb {
+        GpuVerb::All | GpuVerb::AnyEach => [hits, rest],
+        GpuVerb::Any => [1, rest],
+        GpuVerb::Count | GpuVerb::CountEach => [0, rest],
     }
 }
 

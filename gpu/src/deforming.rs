@@ -10,7 +10,7 @@ use crate::{GpuError, GpuModel};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Bvh, Mesh, MeshError};
 use std::ops::Deref;
-use wgpu::CommandEncoder;
+use wgpu::{Buffer, CommandBuffer, CommandEncoder};
 
 /// A [`GpuModel`] whose vertices move. Ask about it as about any other.
 ///
@@ -18,7 +18,8 @@ use wgpu::CommandEncoder;
 /// that the tree was built for. A rebuild makes a new tree. The answers are the same.
 ///
 /// Takes 12 bytes a vertex and 12 a triangle beside those of the model; about 9 a node while the tree is
-/// an uploaded one, and 16 a triangle from the first build on.
+/// an uploaded one, and 16 a triangle from the first build on. Positions are brought there through two staging buffers in turn,
+/// of 12 bytes a vertex each.
 ///
 /// # Examples
 /// ```no_run
@@ -45,6 +46,9 @@ pub struct Deforming {
     options: BuildOptions<'static>,
     staging: Staging,
     refit: Sequence,
+    /// The commands of the next refit, recorded while the device does the last one, and the buffer, mapped, from which they
+    /// copy positions.
+    ahead: Option<(CommandBuffer, Buffer)>,
     /// `None` while the tree is an uploaded one.
     build: Option<Sequence>,
     /// If times are wanted.
@@ -75,7 +79,8 @@ impl Deforming {
         let leaf_size = bvh.nodes().iter().map(|node| node.count).max().unwrap_or(0);
         let (gpu, options) = (gpu.clone(), BuildOptions { leaf_size, ..BuildOptions::default() });
         let staging = Staging::default();
-        Ok(Self { gpu, model, source, options, staging, refit, build: None, clock: None })
+        let (ahead, build, clock) = (None, None, None);
+        Ok(Self { gpu, model, source, options, staging, refit, ahead, build, clock })
     }
 
     /// Uploads a mesh and builds its BVH on the device.
@@ -94,8 +99,8 @@ impl Deforming {
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
         let (gpu, build) = (gpu.clone(), Some(build));
         let options = BuildOptions { leaf_size: options.leaf_size, join: None };
-        let staging = Staging::default();
-        let mut own = Self { gpu, model, source, options, staging, refit, build, clock: None };
+        let (staging, ahead, clock) = (Staging::default(), None, None);
+        let mut own = Self { gpu, model, source, options, staging, refit, ahead, build, clock };
         own.rebuild()?;
         Ok(own)
     }
@@ -105,7 +110,7 @@ impl Deforming {
     /// # Errors
     /// [`GpuError::OutOfMemory`].
     pub fn with_time(mut self) -> Result<Self, GpuError> {
-        self.clock = Clock::new(&self.gpu, false)?;
+        (self.ahead, self.clock) = (None, Clock::new(&self.gpu, false)?);
         Ok(self)
     }
 
@@ -114,7 +119,7 @@ impl Deforming {
     /// # Errors
     /// [`GpuError::OutOfMemory`].
     pub fn with_timings(mut self) -> Result<Self, GpuError> {
-        self.clock = Clock::new(&self.gpu, true)?;
+        (self.ahead, self.clock) = (None, Clock::new(&self.gpu, true)?);
         Ok(self)
     }
 
@@ -135,7 +140,18 @@ impl Deforming {
     /// # Complexity
     /// O(vertices) on the host, which waits for nothing; O(triangles) on the device.
     pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), GpuError> {
-        self.submit(|own, encoder| own.record_positions(encoder, positions))
+        self.check_count(positions)?;
+        match self.ahead.take() {
+            None => self.submit(|own, encoder| own.record_positions(encoder, positions))?,
+            Some((commands, source)) => self.gpu.clone().checked(|| {
+                self.staging.forget();
+                self.write(source, positions)?;
+                self.send(commands)
+            })?,
+        }
+        // Without memory for it, the next refit is recorded when it is due.
+        let _ = self.gpu.clone().checked(|| self.record_ahead());
+        Ok(())
     }
 
     /// The same in an encoder of the caller's, which has to be submitted before anything else is asked
@@ -148,7 +164,7 @@ impl Deforming {
         encoder: &mut CommandEncoder,
         positions: &[[f32; 3]],
     ) -> Result<(), GpuError> {
-        self.write(encoder, positions)?;
+        self.record_write(encoder, positions)?;
         self.refit.run(encoder, self.clock.as_mut());
         Ok(())
     }
@@ -199,7 +215,7 @@ impl Deforming {
         positions: &[[f32; 3]],
     ) -> Result<(), GpuError> {
         self.prepare_build()?;
-        self.write(encoder, positions)?;
+        self.record_write(encoder, positions)?;
         self.record_rebuild(encoder)
     }
 
@@ -212,10 +228,29 @@ impl Deforming {
         gpu.checked(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
             record(self, &mut encoder)?;
-            gpu.queue().submit([encoder.finish()]);
-            self.staging.submitted(&gpu);
-            gpu.check()
+            self.send(encoder.finish())
         })
+    }
+
+    /// Submits commands, and has what they copy from mapped again.
+    fn send(&mut self, commands: CommandBuffer) -> Result<(), GpuError> {
+        self.gpu.queue().submit([commands]);
+        self.staging.submitted(&self.gpu);
+        self.gpu.check()
+    }
+
+    /// Records the next refit.
+    fn record_ahead(&mut self) -> Result<(), GpuError> {
+        let bytes = self.position_bytes();
+        // Times are those of the last refit that was recorded.
+        if bytes != 0 && self.clock.is_none() {
+            let source = self.staging.take(&self.gpu, bytes)?;
+            let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(&source, 0, &self.source.positions, 0, bytes);
+            self.refit.run(&mut encoder, None);
+            self.ahead = Some((encoder.finish(), source));
+        }
+        Ok(())
     }
 
     /// Puts a model to build in place of an uploaded one.
@@ -224,27 +259,45 @@ impl Deforming {
             let Built { model, build, refit } =
                 Built::new(&self.gpu, &self.source, bounds, self.options)?;
             (self.model, self.build, self.refit) = (model, Some(build), refit);
+            self.ahead = None;
         }
         Ok(())
     }
 
-    /// Copies positions, which are checked in the same pass. On error none of them has moved.
-    fn write(
+    fn position_bytes(&self) -> u64 {
+        (self.source.vertices * size_of::<[f32; 3]>()) as u64
+    }
+
+    fn check_count(&self, positions: &[[f32; 3]]) -> Result<(), GpuError> {
+        let (expected, found) = (self.source.vertices, positions.len());
+        if found == expected {
+            return Ok(());
+        }
+        Err(MeshError::VertexCount { expected, found }.into())
+    }
+
+    /// Records that positions are copied. On error none of them has moved.
+    fn record_write(
         &mut self,
         encoder: &mut CommandEncoder,
         positions: &[[f32; 3]],
     ) -> Result<(), GpuError> {
-        let (expected, found) = (self.source.vertices, positions.len());
-        if found != expected {
-            return Err(MeshError::VertexCount { expected, found }.into());
-        }
-        let bytes = size_of_val(positions) as u64;
+        self.check_count(positions)?;
+        let bytes = self.position_bytes();
         if bytes == 0 {
             return Ok(());
         }
         self.staging.forget();
+        let source = self.staging.take(&self.gpu, bytes)?;
+        self.write(source.clone(), positions)?;
+        encoder.copy_buffer_to_buffer(&source, 0, &self.source.positions, 0, bytes);
+        Ok(())
+    }
+
+    /// Writes positions, which are checked in the same pass, into a mapped buffer.
+    fn write(&mut self, source: Buffer, positions: &[[f32; 3]]) -> Result<(), GpuError> {
         let mut extent = Extent::default();
-        let source = self.staging.write(&self.gpu, bytes, |mut view| {
+        self.staging.write_into(&self.gpu, source, size_of_val(positions) as u64, |mut view| {
             let parts = positions.chunks(PART);
             for (at, part) in (0..).step_by(PART * size_of::<[f32; 3]>()).zip(parts) {
                 let part_bytes: &[u8] = bytemuck::cast_slice(part);
@@ -255,7 +308,6 @@ impl Deforming {
         if !extent.is_finite() {
             Mesh::new(positions, &[])?;
         }
-        encoder.copy_buffer_to_buffer(&source, 0, &self.source.positions, 0, bytes);
         // The box of all vertices needs no read-back; it only bounds what a pose may do.
         self.model.bounds = self.model.bounds.map(|_| extent.aabb());
         Ok(())
@@ -269,13 +321,13 @@ const PART: usize = 1024;
 struct Extent {
     least: [f32; 12],
     most: [f32; 12],
-    /// The largest magnitude, as bits: these compare as the numbers do, and what is not finite as larger.
-    largest: [u32; 12],
+    /// The sum of zero times each: NaN from the first on that is not finite.
+    zeros: [f32; 12],
 }
 
 impl Default for Extent {
     fn default() -> Self {
-        Self { least: [f32::INFINITY; 12], most: [f32::NEG_INFINITY; 12], largest: [0; 12] }
+        Self { least: [f32::INFINITY; 12], most: [f32::NEG_INFINITY; 12], zeros: [0.0; 12] }
     }
 }
 
@@ -297,11 +349,11 @@ impl Extent {
     fn add_coordinate(&mut self, k: usize, x: f32) {
         self.least[k] = if x < self.least[k] { x } else { self.least[k] };
         self.most[k] = if x > self.most[k] { x } else { self.most[k] };
-        self.largest[k] = self.largest[k].max(x.to_bits() & (u32::MAX >> 1));
+        self.zeros[k] += 0.0 * x;
     }
 
     fn is_finite(&self) -> bool {
-        self.largest.iter().all(|&bits| bits < f32::INFINITY.to_bits())
+        self.zeros.iter().all(|&zero| zero == 0.0)
     }
 
     fn aabb(&self) -> Aabb {

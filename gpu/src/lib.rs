@@ -15,6 +15,7 @@
 //! [`GpuQuery`] owns the lists that a [`GpuQuestion`] needs, within a [`Budget`]; when they are full, the query goes on
 //! in parts. A [`World`] owns many posed bodies that share meshes as well.
 
+mod ahead;
 mod answer;
 mod build;
 mod clock;
@@ -34,10 +35,12 @@ mod probe;
 mod query;
 mod read;
 mod report;
+mod results;
 mod schedule;
 mod sequence;
 mod settings;
 mod staging;
+mod task;
 #[cfg(test)]
 mod tests;
 mod world;

@@ -1,9 +1,10 @@
 //! One question at a time about two models, or one: asked and waited for, or submitted now and read later.
 
 use crate::answer::{Answer, Asked, GpuVerb};
-use crate::engine::{Engine, Task};
+use crate::engine::Engine;
 use crate::layout::{Counters, Placement, Query, check_pose, check_shadows};
 use crate::report::reports;
+use crate::task::Task;
 use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
@@ -219,11 +220,8 @@ impl GpuQuery {
     pub fn submit(&mut self, question: &GpuQuestion<'_>, verb: GpuVerb) -> Result<(), GpuError> {
         let gpu = self.answer.engine.gpu.clone();
         gpu.checked(|| {
-            let mut encoder = gpu.device().create_command_encoder(&Default::default());
-            self.begin(&mut encoder, question, verb)?;
-            if self.asked.is_some() {
-                gpu.queue().submit([encoder.finish()]);
-                self.answer.engine.submitted();
+            if let Some(task) = self.next(question, verb)? {
+                self.asked = Some(self.answer.submit(task, self.verb)?);
             }
             Ok(())
         })
@@ -254,7 +252,12 @@ impl GpuQuery {
         verb: GpuVerb,
     ) -> Result<(), GpuError> {
         let gpu = self.answer.engine.gpu.clone();
-        gpu.checked(|| self.begin(encoder, question, verb))
+        gpu.checked(|| {
+            if let Some(task) = self.next(question, verb)? {
+                self.asked = Some(self.answer.begin(encoder, task, self.verb)?);
+            }
+            Ok(())
+        })
     }
 
     /// Whether [`GpuQuery::read`] would not wait, but for what the budget makes necessary in addition. Does not wait. A recorded
@@ -301,23 +304,19 @@ impl GpuQuery {
         &self.answer.engine.lists.counters
     }
 
-    /// Forgets the last question, and records the next.
-    fn begin(
+    /// Forgets the last question, and binds the models of the next; `None` if one is empty.
+    fn next(
         &mut self,
-        encoder: &mut CommandEncoder,
         question: &GpuQuestion<'_>,
         verb: GpuVerb,
-    ) -> Result<(), GpuError> {
+    ) -> Result<Option<Task>, GpuError> {
         self.asked = None;
         self.verb = match verb {
             GpuVerb::AnyEach => GpuVerb::Any,
             GpuVerb::CountEach => GpuVerb::Count,
             GpuVerb::All | GpuVerb::Any | GpuVerb::Count => verb,
         };
-        if let Some(task) = question.task(&mut self.answer.engine)? {
-            self.asked = Some(self.answer.begin(encoder, task, self.verb)?);
-        }
-        Ok(())
+        question.task(&mut self.answer.engine)
     }
 
     fn ask(&mut self, question: &GpuQuestion<'_>, verb: GpuVerb) -> Result<(), GpuError> {

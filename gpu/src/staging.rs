@@ -28,20 +28,37 @@ impl Staging {
         bytes: u64,
         fill: impl FnOnce(WriteOnly<'_, [u8]>),
     ) -> Result<Buffer, GpuError> {
+        let buffer = self.take(gpu, bytes)?;
+        self.write_into(gpu, buffer.clone(), bytes, fill)?;
+        Ok(buffer)
+    }
+
+    /// Has the first `bytes` of a buffer written that was taken.
+    pub(crate) fn write_into(
+        &mut self,
+        gpu: &Gpu,
+        buffer: Buffer,
+        bytes: u64,
+        fill: impl FnOnce(WriteOnly<'_, [u8]>),
+    ) -> Result<(), GpuError> {
+        gpu.fill(&buffer, bytes, fill)?;
+        self.written.push(buffer);
+        Ok(())
+    }
+
+    /// A mapped buffer for so many bytes.
+    pub(crate) fn take(&mut self, gpu: &Gpu, bytes: u64) -> Result<Buffer, GpuError> {
         let is_free = |(buffer, mapping): &mut (Buffer, Mapping)| {
             buffer.size() >= bytes && matches!(mapping.is_told(), Ok(true))
         };
-        let buffer = match self.submitted.iter_mut().position(is_free) {
-            Some(at) => self.submitted.swap_remove(at).0,
+        match self.submitted.iter_mut().position(is_free) {
+            Some(at) => Ok(self.submitted.swap_remove(at).0),
             None => {
                 // Buffers that are too small would never be used again.
                 self.submitted.retain(|(buffer, _)| buffer.size() >= bytes);
-                gpu.mapped_buffer("the staging buffer", bytes, Usage::Staging)?
+                gpu.mapped_buffer("the staging buffer", bytes, Usage::Staging)
             }
-        };
-        gpu.fill(&buffer, bytes, fill)?;
-        self.written.push(buffer.clone());
-        Ok(buffer)
+        }
     }
 
     /// Has what was written mapped again, after its submission.

@@ -1,11 +1,11 @@
 //! The meshes of a world in shared buffers, each once, however many bodies have it.
 
-use crate::engine::Entry;
 use crate::layout::Corner;
 use crate::memory::Usage;
 use crate::model::{below, reference};
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
+use crate::task::Entry;
 use crate::{Gpu, GpuError, GpuModel};
 use bytemuck::Pod;
 use pfront_core::{Aabb, Bvh, MeshError, Node};

@@ -6,10 +6,11 @@ mod pairs;
 mod placing;
 
 use crate::answer::{Answer, Asked, GpuVerb};
-use crate::engine::{Engine, Task};
+use crate::engine::Engine;
 use crate::layout::{InstancePair, Query, check_pose};
 use crate::memory::Usage;
 use crate::report::reports;
+use crate::task::Task;
 use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 pub use answer::WorldAnswer;
 use arena::Arena;
@@ -341,7 +342,7 @@ impl World {
         let gpu = self.answer.engine.gpu.clone();
         let Chunk { rows, shift, first, front, levels } = chunk;
         gpu.checked(|| {
-            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            let mut encoder = self.answer.engine.encoder();
             self.arena.record_refits(&mut encoder);
             self.write(&mut encoder, &rows)?;
             self.spare = std::mem::replace(&mut self.answer.instances, rows);
@@ -350,8 +351,7 @@ impl World {
             let root = front.first().copied().unwrap_or_default();
             let task = Task { query, root, levels, levels_below_seeds: levels };
             let asked = self.answer.begin_from(&mut encoder, task, &front, verb)?;
-            gpu.queue().submit([encoder.finish()]);
-            self.answer.engine.submitted();
+            self.answer.engine.submit(encoder.finish());
             self.arena.moved.clear();
             Ok((asked, first))
         })

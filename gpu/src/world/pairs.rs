@@ -10,9 +10,9 @@
 use super::Bodies;
 use super::arena::{Arena, ArenaMesh, MOST_PAIRS, entries};
 use super::placing::{Inverse, Placed, place};
-use crate::engine::Entry;
 use crate::layout::InstancePair;
 use crate::sequence::groups_for;
+use crate::task::Entry;
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Aabb, Pose};
 use std::sync::Arc;

@@ -8,7 +8,7 @@ use pfront_gpu::{
 use pfront_shaders::constants;
 use pfront_testkit::MeshData;
 use pfront_testkit::families::Family;
-use pfront_testkit::rng::seeded;
+use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::scenes::{Kind, Scene};
 use pfront_testkit::shapes::{bumpy, family, pose_rows, posed, sheet, sphere, tangle};
 use std::sync::Arc;
@@ -320,6 +320,49 @@ fn a_question_that_was_not_read_leaves_no_trace_in_the_next() {
     gpu().queue().submit(encoders);
     query.read(&mut pairs).unwrap();
     assert_eq!(pairs, truth(&ball, &ball, &poses[1]));
+}
+
+/// Commands that were recorded for the next question serve it only if they suit it.
+#[test]
+fn any_question_follows_any_other() {
+    let mut rng = seeded(14);
+    let (ball, wavy, small) = (both(&sphere(20)), both(&bumpy(16)), both(&sphere(6)));
+    let pairs = [[&ball, &wavy], [&ball, &small], [&wavy, &wavy]];
+    let (mut query, mut found) = (GpuQuery::new(gpu()).unwrap(), Vec::new());
+    let mut sums = [0, 0];
+    for round in 0..120 {
+        // The models and the verb change every few rounds.
+        let [a, b] = pairs[round / 9 % 3];
+        let verb = [GpuVerb::All, GpuVerb::All, GpuVerb::Any, GpuVerb::Count][round / 7 % 4];
+        let reach = [0.1, 3.0, 0.5][round % 3];
+        let pose = Pose::new(pose_rows(reach, &mut rng));
+        let question = GpuQuestion::pair(&a.model, &b.model, &pose);
+        if rng.random_range(0..4) == 0 {
+            let mut encoder = encoder(gpu());
+            query.record(&mut encoder, &question, verb).unwrap();
+            gpu().queue().submit([encoder.finish()]);
+        } else {
+            query.submit(&question, verb).unwrap();
+        }
+        if rng.random_range(0..3) == 0 {
+            query.is_ready().unwrap();
+        }
+        if rng.random_range(0..5) == 0 {
+            continue;
+        }
+        let count = query.read(&mut found).unwrap();
+        let truth = truth(a, b, &pose);
+        match verb {
+            GpuVerb::All => assert_eq!(found, truth, "{round}"),
+            GpuVerb::Any => assert!(
+                found.first().map_or(truth.is_empty(), |pair| truth.binary_search(pair).is_ok()),
+                "{round}"
+            ),
+            _ => assert_eq!(count, truth.len() as u64, "{round}"),
+        }
+        sums[usize::from(truth.is_empty())] += 1;
+    }
+    assert!(sums[0] > 20 && sums[1] > 5, "{sums:?}");
 }
 
 #[test]

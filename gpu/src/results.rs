@@ -1,0 +1,129 @@
+//! What a run found, brought to the host.
+
+use crate::GpuError;
+use crate::engine::Engine;
+use crate::layout::{Counters, Rest};
+use crate::lists::{Lists, ORDERED_AT};
+use crate::memory::Usage;
+use crate::read::Mapping;
+use crate::task::Order;
+use pfront_core::bvtt::TrianglePair;
+use pfront_shaders::constants::FEW;
+use wgpu::{Buffer, CommandEncoder, MapMode};
+
+/// A run that has been recorded.
+#[derive(Clone, Debug)]
+pub(crate) struct Run {
+    pub(crate) ticket: u32,
+    /// The front after the last pass, which is empty if the run got to the bottom.
+    pub(crate) last_front: u32,
+    /// How many hits, and how many of the rest, are copied for the host.
+    copied: [u32; 2],
+    /// Hits that are copied, of a run that counts no more.
+    most_hits: u32,
+    /// The buffer into which they are copied.
+    read_back: Buffer,
+}
+
+/// The results of a run, as far as they were copied.
+#[derive(Debug)]
+pub(crate) struct Found {
+    pub(crate) counters: Counters,
+    pub(crate) rest: Vec<Rest>,
+}
+
+impl Run {
+    /// Whether so many hits, and so many of the rest, are copied as far as there are any.
+    pub(crate) fn copies_at_least(&self, [hits, rest]: [u32; 2]) -> bool {
+        hits <= self.copied[0].min(self.most_hits) && rest <= self.copied[1]
+    }
+}
+
+impl Engine {
+    /// Records that counters and results are copied for the host, after the last pass.
+    pub(crate) fn copy(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        most: [u32; 2],
+        order: Order,
+        last_front: u32,
+    ) -> Result<Run, GpuError> {
+        let capacities = &self.lists.capacities;
+        let copied = [most[0].min(capacities.hits), most[1].min(capacities.rest)];
+        let [hits_at, rest_at, end] = offsets(copied);
+        if self.read_back.size() < end {
+            // Half as much again, so that answers that grow do not replace it each time.
+            self.read_back = self.gpu.buffer("the read-back", end + end / 2, Usage::ReadBack)?;
+        }
+        let mut copy = |from: &Buffer, at: u64, bytes: u64| {
+            if bytes != 0 {
+                encoder.copy_buffer_to_buffer(from, 0, &self.read_back, at, bytes);
+            }
+        };
+        let few = FEW.min(capacities.hits);
+        if order == Order::Few {
+            copy(&self.lists.counters, 0, rest_at);
+        } else {
+            copy(&self.lists.counters, 0, size_of::<Counters>() as u64);
+            copy(&self.lists.hits, hits_at, rest_at - hits_at);
+        }
+        copy(&self.lists.rest, rest_at, end - rest_at);
+        if order == Order::Few {
+            let bytes = u64::from(few) * size_of::<TrianglePair>() as u64;
+            let Lists { counters, hits, .. } = &self.lists;
+            encoder.copy_buffer_to_buffer(counters, ORDERED_AT, hits, 0, bytes);
+        }
+        let most_hits = if order == Order::Few { few } else { u32::MAX };
+        let (ticket, read_back) = (self.ticket, self.read_back.clone());
+        Ok(Run { ticket, last_front, copied, most_hits, read_back })
+    }
+
+    /// Whether a run is done, which must have been submitted.
+    pub(crate) fn is_done(&mut self, run: &Run) -> Result<bool, GpuError> {
+        let Self { gpu, mapping, .. } = self;
+        let [.., end] = offsets(run.copied);
+        let begin = || Mapping::begin(gpu.device(), &run.read_back, end, MapMode::Read);
+        mapping.get_or_insert_with(begin).is_done(gpu.device())
+    }
+
+    /// Waits for a run, and for nothing that was submitted later; adds the hits to `pairs`.
+    pub(crate) fn read(
+        &mut self,
+        run: &Run,
+        pairs: &mut Vec<TrianglePair>,
+    ) -> Result<Found, GpuError> {
+        let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
+        let (device, bytes) = (self.gpu.device(), end as u64);
+        let begin = || Mapping::begin(device, &run.read_back, bytes, MapMode::Read);
+        let mapping = self.mapping.take().unwrap_or_else(begin);
+        let found = mapping.read(device, &run.read_back, bytes, |bytes| {
+            let counters = &bytes[..size_of::<Counters>()];
+            let counters: Counters = bytemuck::pod_read_unaligned(counters);
+            // Too many to be put in order are all copied later.
+            let copied = if counters.hits <= run.most_hits { run.copied[0] } else { 0 };
+            let hits = counters.hits.min(copied) as usize;
+            let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
+            let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
+            match bytemuck::try_cast_slice(copied) {
+                Ok(copied) => pairs.extend_from_slice(copied),
+                // Nothing says how mapped memory is aligned.
+                Err(_) => pairs.extend(bytemuck::pod_collect_to_vec::<_, TrianglePair>(copied)),
+            }
+            Found { counters, rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]) }
+        });
+        self.gpu.check()?;
+        let found = found?;
+        if found.counters.ticket != run.ticket {
+            return Err(GpuError::NotSubmitted);
+        }
+        Ok(found)
+    }
+}
+
+/// Where hits and the rest begin in the read-back buffer, and where they end. Few hits in order are as far from the counters
+/// on the device.
+fn offsets([hits, rest]: [u32; 2]) -> [u64; 3] {
+    let hits_at = ORDERED_AT;
+    let rest_at = hits_at + u64::from(hits) * size_of::<TrianglePair>() as u64;
+    [hits_at, rest_at, rest_at + u64::from(rest) * size_of::<Rest>() as u64]
+}

@@ -1,0 +1,88 @@
+//! What a run is to do, and what it starts from.
+
+use crate::answer::GpuVerb;
+use crate::layout::{Counters, Query};
+use bytemuck::Zeroable;
+use pfront_shaders::constants::FEW;
+use std::mem::offset_of;
+
+/// A node pair as fronts hold it.
+pub(crate) type Entry = [u32; 2];
+
+/// A question about the models that are bound. The engine fills in the capacities.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Task {
+    pub(crate) query: Query,
+    /// The root of the BVTT.
+    pub(crate) root: Entry,
+    /// Levels of the BVTT.
+    pub(crate) levels: u32,
+    /// The same below the seeds.
+    pub(crate) levels_below_seeds: u32,
+}
+
+/// Where a run starts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Start<'a> {
+    /// All pairs of seeds.
+    Seeds,
+    /// These node pairs.
+    Front(&'a [Entry]),
+    /// The front of this index, left over by a run that counted this. Its results stay.
+    Left(u32, &'a Counters),
+}
+
+impl<'a> Start<'a> {
+    /// The node pairs that are brought to the device.
+    pub(crate) fn front(self) -> &'a [Entry] {
+        match self {
+            Start::Front(front) => front,
+            Start::Seeds | Start::Left(..) => &[],
+        }
+    }
+
+    pub(crate) fn counters(self) -> Counters {
+        let mut counters = Counters::zeroed();
+        match self {
+            Start::Seeds => {}
+            Start::Front(front) => counters.fronts[0] = front.len() as u32,
+            Start::Left(front, before) => {
+                counters.fronts[front as usize % 2] = before.fronts[front as usize];
+                (counters.hits, counters.rest) = (before.hits, before.rest);
+            }
+        }
+        counters
+    }
+
+    /// Whether a run along a narrow beam goes first.
+    pub(crate) fn looks_ahead(self, verb: GpuVerb) -> bool {
+        verb == GpuVerb::Any && !matches!(self, Start::Left(..))
+    }
+
+    /// The byte of the counters up to which the run along the beam leaves its own to the whole one.
+    pub(crate) fn kept(self, verb: GpuVerb) -> usize {
+        if self.looks_ahead(verb) { offset_of!(Counters, overflow) } else { 0 }
+    }
+}
+
+/// The passes that put hits in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Order {
+    /// No pass: any order will do.
+    None,
+    /// One pass, which leaves more than [`FEW`] as they are.
+    Few,
+    /// As many as there may be.
+    Many,
+}
+
+impl Order {
+    /// What suits so many hits, if they are all wanted.
+    pub(crate) fn new(verb: GpuVerb, hits: u32) -> Self {
+        match verb {
+            GpuVerb::All if hits <= FEW => Self::Few,
+            GpuVerb::All => Self::Many,
+            GpuVerb::Any | GpuVerb::Count | GpuVerb::AnyEach | GpuVerb::CountEach => Self::None,
+        }
+    }
+}
