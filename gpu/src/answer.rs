@@ -230,6 +230,7 @@ impl Answer {
         let mut part = waiting.pop().unwrap_or_default();
         // Parts that are answered, with the share of the lists that each took.
         let mut answered: Vec<(Vec<Entry>, f64)> = Vec::new();
+        let mut in_order = true;
         loop {
             let before = self.pairs.len();
             let found = self.engine.read(&run, &mut self.pairs)?;
@@ -264,6 +265,7 @@ impl Answer {
                     }
                     _ => answered.push((std::mem::take(&mut part), share)),
                 }
+                in_order = before == 0 && found.in_order;
                 self.take(task, before, found, verb)?;
                 if verb == GpuVerb::Any && self.count > 0 {
                     break;
@@ -281,7 +283,7 @@ impl Answer {
             self.division = (parts.len() > 1).then_some(Division { about, parts });
         }
         if matches!(verb, GpuVerb::All | GpuVerb::Any) {
-            self.put_in_order();
+            self.put_in_order(in_order);
         } else {
             // Each is of a pair of bodies of its own, or stands for a number.
             self.pairs.append(&mut self.late);
@@ -354,7 +356,7 @@ impl Answer {
         found: Found,
         verb: GpuVerb,
     ) -> Result<(), GpuError> {
-        let Found { counters, mut rest } = found;
+        let Found { counters, mut rest, .. } = found;
         let (device, queue) = (self.engine.gpu.device(), self.engine.gpu.queue());
         let again = || device.create_command_encoder(&Default::default());
         let lists = &self.engine.lists;
@@ -385,18 +387,21 @@ impl Answer {
         Ok(())
     }
 
-    /// Sorts all pairs. Those of one run are in order already, but for those that the CPU decided.
-    fn put_in_order(&mut self) {
-        /// So few are cheaper to insert.
-        const FEW: usize = 16;
-        if self.late.len() <= FEW && is_sorted(&self.pairs) {
-            for pair in self.late.drain(..) {
-                let at = self.pairs.partition_point(|other| *other < pair);
-                self.pairs.insert(at, pair);
-            }
-        } else {
-            self.pairs.append(&mut self.late);
-            self.pairs.sort();
+    /// Sorts all pairs, of which those that the device decided may be `in_order`.
+    fn put_in_order(&mut self, in_order: bool) {
+        let Self { pairs, late, .. } = self;
+        if !in_order {
+            pairs.sort();
+        }
+        late.sort_unstable();
+        // From the last on, so that each pair is moved once.
+        let mut end = pairs.len();
+        pairs.extend_from_slice(late);
+        for (before, pair) in late.drain(..).enumerate().rev() {
+            let at = pairs[..end].partition_point(|other| *other < pair);
+            pairs.copy_within(at..end, at + before + 1);
+            pairs[at + before] = pair;
+            end = at;
         }
     }
 }
@@ -408,12 +413,6 @@ fn copies(verb: GpuVerb, [hits, rest]: [u32; 2]) -> [u32; 2] {
         GpuVerb::Any => [1, rest],
         GpuVerb::Count | GpuVerb::CountEach => [0, rest],
     }
-}
-
-/// Whether pairs are in order. Nearly all are, and looking at each without a branch takes half the time.
-fn is_sorted(pairs: &[TrianglePair]) -> bool {
-    let key = |pair: TrianglePair| (u64::from(pair.a) << 32) | u64::from(pair.b);
-    pairs.windows(2).fold(true, |sorted, two| sorted & (key(two[0]) <= key(two[1])))
 }
 
 /// Decides a triangle pair on the CPU.

@@ -123,6 +123,7 @@ shared! {
         kept: u32,
         undecided: u32,
         rest: u32,
+        unordered: u32,
         fronts: [u32; FRONTS as usize],
     }
 
@@ -161,7 +162,7 @@ pub(crate) fn check_pose(pose: &Pose, bounds: &Aabb) -> Result<(), GpuError> {
     }
 }
 
-/// Checks that shadows may be those of meshes within `bounds`: no number is NaN or infinite or a negative error, and no posed
+/// Checks that shadows may be those of meshes within `bounds`: everything is finite, no error is negative, and no posed
 /// coordinate overflows.
 pub(crate) fn check_shadows(shadows: &Shadows, bounds: [&Aabb; 2]) -> Result<(), GpuError> {
     let Shadows { poses, padding, error } = shadows;

@@ -19,6 +19,7 @@ pub(crate) struct Run {
     pub(crate) last_front: u32,
     /// How many hits, and how many of the rest, are copied for the host.
     copied: [u32; 2],
+    order: Order,
     /// Hits that are copied, of a run that counts no more.
     most_hits: u32,
     /// The buffer into which they are copied.
@@ -30,6 +31,8 @@ pub(crate) struct Run {
 pub(crate) struct Found {
     pub(crate) counters: Counters,
     pub(crate) rest: Vec<Rest>,
+    /// Whether the device has put all hits in order.
+    pub(crate) in_order: bool,
 }
 
 impl Run {
@@ -75,7 +78,7 @@ impl Engine {
         }
         let most_hits = if order == Order::Few { few } else { u32::MAX };
         let (ticket, read_back) = (self.ticket, self.read_back.clone());
-        Ok(Run { ticket, last_front, copied, most_hits, read_back })
+        Ok(Run { ticket, last_front, copied, order, most_hits, read_back })
     }
 
     /// Whether a run is done, which must have been submitted.
@@ -109,7 +112,16 @@ impl Engine {
                 // Nothing says how mapped memory is aligned.
                 Err(_) => pairs.extend(bytemuck::pod_collect_to_vec::<_, TrianglePair>(copied)),
             }
-            Found { counters, rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]) }
+            let in_order = match run.order {
+                Order::None => false,
+                Order::Few => counters.hits <= run.most_hits,
+                Order::Many => counters.unordered == 0,
+            };
+            Found {
+                counters,
+                in_order,
+                rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]),
+            }
         });
         self.gpu.check()?;
         let found = found?;

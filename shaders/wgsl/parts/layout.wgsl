@@ -75,6 +75,8 @@ struct Counters {
     kept: atomic<u32>,
     undecided: atomic<u32>,
     rest: atomic<u32>,
+    // Not 0 if there were too many hits in a bucket to sort them.
+    unordered: atomic<u32>,
     fronts: array<atomic<u32>, FRONTS>,
 }
 

@@ -1,7 +1,7 @@
 // Sorting the hits: a sample of them, in order, divides them into buckets, and a workgroup sorts each
 // bucket (sample sort, Frazer & McKellar 1970). Three dispatches whatever there is to sort, where a radix
 // sort would take three for each digit. Where a bucket gets more than it can hold, the hits stay
-// as they are, and the host, which looks, sorts them. Where few are expected, one dispatch ranks each among
+// as they are, and the host, which is told, sorts them. Where few are expected, one dispatch ranks each among
 // all others instead.
 
 struct Buckets {

@@ -28,6 +28,9 @@ fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
     }
     let size = workgroupUniformLoad(&told);
     if !has_room || group.x >= BUCKETS {
+        if !has_room && lane == 0u {
+            atomicOr(&counters.unordered, 1u);
+        }
         return;
     }
     for (var i = lane; i < size; i += GROUP) {
