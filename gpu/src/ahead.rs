@@ -1,8 +1,8 @@
 //! Commands that are recorded ahead: for the next question, while the device works on this one.
 //!
 //! The commands of a run do not depend on a pose, which is copied from a staging buffer with all other parameters. So those of
-//! the next question about the same models are known before it is asked, and wait for their parameters. To record them takes
-//! a third of the time of a small question, which the host would only wait.
+//! the next question about the same models are known before it is asked: they are recorded where the host would only wait,
+//! and wait for their parameters.
 
 use crate::GpuError;
 use crate::answer::GpuVerb;

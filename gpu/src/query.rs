@@ -130,7 +130,8 @@ impl<'m> GpuQuestion<'m> {
 /// [`GpuQuery::any`] and [`GpuQuery::count`] wait for their answers; [`GpuQuery::submit`] and [`GpuQuery::record`] do not, and
 /// [`GpuQuery::read`] brings the answer later. A question that is asked before the last one was read takes its place.
 ///
-/// Models must not move between a question and its answer: where a list is full, the query goes on from them.
+/// While it waits, it records the commands of the next question, which serve if that has the same verb and models, in any
+/// pose or shape. Models must not move between a question and its answer: where a list is full, the query goes on from them.
 ///
 /// # Examples
 /// ```no_run
