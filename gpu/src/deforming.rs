@@ -64,6 +64,9 @@ impl Deref for Deforming {
 }
 
 impl Deforming {
+    /// The size of leaves that suits devices. Leaves of the CPU are larger, since it tests eight triangles at once.
+    pub const LEAF_SIZE: u32 = 4;
+
     /// Uploads a mesh with its BVH.
     ///
     /// # Errors
@@ -86,7 +89,7 @@ impl Deforming {
     /// Uploads a mesh and builds its BVH on the device.
     ///
     /// All leaves hold the same number of triangles or one more, at most `options.leaf_size`, of which 1
-    /// counts as 2.
+    /// counts as 2. Such a tree is refitted in about three quarters of the time that one of the CPU's takes.
     ///
     /// # Errors
     /// As [`GpuModel::new`].

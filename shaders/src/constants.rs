@@ -29,8 +29,9 @@ constants! {
     /// Node pairs that a workgroup follows on each level while it looks for one hit: their children are one for
     /// each invocation.
     BEAM = GROUP / 4;
-    /// Leaf pairs that a workgroup gathers before it writes them out.
-    FOUND = 512;
+    /// Leaf pairs that a workgroup gathers before it writes them out. With more than 12 KB of workgroup memory, fewer workgroups
+    /// run at a time: 512 did not all fit on an H100.
+    FOUND = 3 * GROUP;
     /// Counters of fronts, and so one more than passes in a run.
     FRONTS = 66;
     /// The most triangles of a leaf: the core's MAX_LEAF_SIZE.

@@ -3,6 +3,7 @@
 use super::Device;
 use crate::gpu::{Deforming, GpuError, GpuModel};
 use crate::{Model, Stamp};
+use pfront_core::bvh::BuildOptions;
 use std::sync::Arc;
 
 /// One model or two, of which the second may be the first.
@@ -89,32 +90,28 @@ impl Mirror {
                 *own = Some(before);
                 return Ok(());
             }
-            Some(Self { stamp: before, model: Mirrored::Moving(mut moving) })
-                if same_mesh && before.tree() == stamp.tree() =>
-            {
-                moving.set_positions(model.mesh().positions())?;
+            Some(Self { stamp: before, model: Mirrored::Moving(mut moving) }) if same_mesh => {
+                let positions = model.mesh().positions();
+                if before.tree() == stamp.tree() {
+                    moving.set_positions(positions)?;
+                } else {
+                    // A tree of the CPU that is due to be built is due in each frame until it is.
+                    let _ = model.bvh();
+                    moving.rebuild_at(positions)?;
+                }
                 *own = Some(Self { stamp, model: Mirrored::Moving(moving) });
                 return Ok(());
             }
             _ => {}
         }
         let model = match moves || same_mesh {
-            true => Mirrored::Moving(Box::new(Self::moving(device, model)?)),
+            true => {
+                let options = BuildOptions { leaf_size: Deforming::LEAF_SIZE, join: None };
+                Mirrored::Moving(Box::new(Deforming::build(&device.gpu, model.mesh(), &options)?))
+            }
             false => Mirrored::Rigid(device.model(model)?),
         };
         *own = Some(Self { stamp, model });
         Ok(())
-    }
-
-    /// A mesh whose boxes the GPU fits to its positions, if the CPU has not.
-    fn moving(device: &Device, model: &Model) -> Result<Deforming, GpuError> {
-        match model.map_unfitted(|bvh| Deforming::new(&device.gpu, bvh)) {
-            Some(moving) => {
-                let mut moving = moving?;
-                moving.set_positions(model.mesh().positions())?;
-                Ok(moving)
-            }
-            None => Deforming::new(&device.gpu, model.bvh()),
-        }
     }
 }

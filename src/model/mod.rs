@@ -244,15 +244,6 @@ impl Model {
         self.tree.fresh().unwrap_or_else(|| self.fitted())
     }
 
-    /// The result of `f` for the BVH with the boxes of earlier positions; `None` if it fits, or will be built anew.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn map_unfitted<R>(&self, f: impl Fn(Bvh<'_>) -> R) -> Option<R> {
-        if self.tree.fresh().is_some() {
-            return None;
-        }
-        self.tree.map(|tree| (!tree.is_worn()).then(|| f(tree.bvh(self.mesh()))))?
-    }
-
     /// The tree, after it has been fitted. This is no place for threads: see [`Renewed`].
     #[cold]
     fn fitted(&self) -> &Tree {

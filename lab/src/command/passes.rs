@@ -11,6 +11,7 @@ use pfront::TrianglePair;
 use pfront::gpu::{
     Budget, Deforming, Gpu, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb, Timing,
 };
+use pfront::pfront_core::bvh::BuildOptions;
 use pfront_cli::executor::adapter_name;
 use pfront_cli::output::out;
 use pfront_lab::median;
@@ -101,7 +102,8 @@ impl OnDevice {
                 Ok(Self::Pair { models, query })
             }
             (Kind::SelfMesh, [model]) => {
-                let model = Deforming::new(gpu, model.bvh())?;
+                let options = BuildOptions { leaf_size: Deforming::LEAF_SIZE, join: None };
+                let model = Deforming::build(gpu, model.mesh(), &options)?;
                 let model = match timed {
                     Timed::EachPass => model.with_timings()?,
                     Timed::AllPasses => model.with_time()?,

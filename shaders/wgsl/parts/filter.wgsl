@@ -25,15 +25,28 @@ fn size_bits(v: vec3f) -> u32 {
     return max(max(bits.x, bits.y), bits.z);
 }
 
-// The side of the plane of `t` on which each corner of `p` lies, 0 where unsure.
+// The side of the plane of `t` on which each corner of `p` lies, 0 where unsure: one bound serves all three.
 fn filtered_sides(t: Triangle, p: Triangle) -> vec3i {
     let u = difference(t[1], t[0]);
     let v = difference(t[2], t[0]);
-    return vec3i(
-        filtered_sign(u, v, difference(p[0], t[0])),
-        filtered_sign(u, v, difference(p[1], t[0])),
-        filtered_sign(u, v, difference(p[2], t[0])),
-    );
+    let w = Triangle(difference(p[0], t[0]), difference(p[1], t[0]), difference(p[2], t[0]));
+    let of_p = max(max(abs(w[0]), abs(w[1])), abs(w[2]));
+    let most = max(max(abs(u), abs(v)), of_p);
+    let extent = max(max(most.x, most.y), most.z);
+    if bitcast<u32>(extent) > SURE_BELOW {
+        return vec3i(0);
+    }
+    let r = u.yzx * v.zxy;
+    let s = u.zxy * v.yzx;
+    let normal = r - s;
+    let heights = vec3f(dot(normal, w[0]), dot(normal, w[1]), dot(normal, w[2]));
+    let scale = 1.0 + extent;
+    var bound = RELATIVE * dot(abs(r) + abs(s), of_p) + ABSOLUTE * scale * scale;
+    if SHADOWS == 1u {
+        bound += shadow_error(most) + ABSOLUTE * scale * scale;
+    }
+    let above = select(vec3i(0), vec3i(1), heights > vec3f(bound));
+    return above - select(vec3i(0), vec3i(1), heights < vec3f(-bound));
 }
 
 // The sign of det(u, v, w).
@@ -124,7 +137,12 @@ fn filtered_neighbours(shared_corners: u32, a: Triangle, b: Triangle) -> u32 {
         return HIT;
     }
     if shared_corners == 2u {
-        return select(MISS, UNSURE, filtered_orient3d(a[0], a[1], a[2], b[2]) == 0);
+        let is_apart =
+            separated_at_edge(a, b[2]) || filtered_orient3d(a[0], a[1], a[2], b[2]) != 0;
+        return select(UNSURE, MISS, is_apart);
+    }
+    if separated_at_vertex(a, b) {
+        return MISS;
     }
     let a_sides = filtered_sides(b, a).yz;
     let b_sides = filtered_sides(a, b).yz;
@@ -140,6 +158,44 @@ fn filtered_neighbours(shared_corners: u32, a: Triangle, b: Triangle) -> u32 {
     let reach =
         (a_sides.x * a_sides.y < 0 && own == HIT) || (b_sides.x * b_sides.y < 0 && other == HIT);
     return select(UNSURE, HIT, reach);
+}
+
+// Whether a plane through the shared vertex, the first corner, has the other corners of one triangle above it and those of the
+// other below: the core's `separated_at_vertex`. Any plane will do.
+fn separated_at_vertex(a: Triangle, b: Triangle) -> bool {
+    let p = difference(a[1], a[0]);
+    let q = difference(a[2], a[0]);
+    let r = difference(b[1], a[0]);
+    let s = difference(b[2], a[0]);
+    if max(max(size_bits(p), size_bits(q)), max(size_bits(r), size_bits(s))) > SURE_BELOW {
+        return false;
+    }
+    let normal = opaque((direction(p) + direction(q)) - (direction(r) + direction(s)));
+    let above = is_above(normal, p) && is_above(normal, q);
+    return above && is_above(normal, -r) && is_above(normal, -s);
+}
+
+fn direction(e: vec3f) -> vec3f {
+    return e / max(abs(e.x) + abs(e.y) + abs(e.z), 1e-30);
+}
+
+// Whether dot(normal, e) is positive, by the bound of a determinant.
+fn is_above(normal: vec3f, e: vec3f) -> bool {
+    let scale = 1.0 + bitcast<f32>(size_bits(e));
+    return dot(normal, e) > RELATIVE * dot(abs(normal), abs(e)) + ABSOLUTE * scale * scale;
+}
+
+// Whether a plane through the shared edge, the first two corners, has the third of `a` on one side and `d` on the other: the
+// core's `separated_at_edge`. Any plane will do; this one is at a right angle to `a`.
+fn separated_at_edge(a: Triangle, d: vec3f) -> bool {
+    let edge = difference(a[1], a[0]);
+    let other = difference(a[2], a[0]);
+    if max(size_bits(edge), size_bits(other)) > SURE_BELOW {
+        return false;
+    }
+    let normal = opaque(cross(edge, other));
+    let own = filtered_sign(edge, normal, other);
+    return own * filtered_sign(edge, normal, difference(d, a[0])) < 0;
 }
 
 // Whether the line through two points goes through a triangle.

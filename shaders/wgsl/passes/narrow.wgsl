@@ -91,11 +91,30 @@ fn test_boxes(runs: vec2u, which: u32) {
     let box = box_of_placed(0u, triangle_a(own).positions);
     // Within one leaf, each unordered pair once.
     let first = select(0u, which + 1u, (query.within == 1u) & (run.x == others.x));
-    for (var i = first; i < others.y; i++) {
-        let other = others.x + i;
-        if overlap(box, box_of_placed(1u, triangle_b(other).positions)) {
-            waiting[atomicAdd(&waiting_count, 1u)] = vec2u(own, other);
-        }
+    let last = others.y - 1u;
+    var found = 0u;
+    // Four at once, whose loads do not wait for one another.
+    for (var i = first; i <= last; i += 4u) {
+        let p = triangle_b(others.x + i).positions;
+        let q = triangle_b(others.x + min(i + 1u, last)).positions;
+        let r = triangle_b(others.x + min(i + 2u, last)).positions;
+        let s = triangle_b(others.x + min(i + 3u, last)).positions;
+        let overlaps = vec4<bool>(
+            overlap(box, box_of_placed(1u, p)),
+            overlap(box, box_of_placed(1u, q)),
+            overlap(box, box_of_placed(1u, r)),
+            overlap(box, box_of_placed(1u, s)),
+        );
+        let bits = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), overlaps);
+        found |= (bits.x | bits.y | bits.z | bits.w) << i;
+    }
+    // Beyond the last triangle, it was tested again.
+    found &= (2u << last) - 1u;
+    var place = atomicAdd(&waiting_count, countOneBits(found));
+    while found != 0u {
+        waiting[place] = vec2u(own, others.x + countTrailingZeros(found));
+        place++;
+        found &= found - 1u;
     }
 }
 
