@@ -7,6 +7,7 @@
 #![expect(unreachable_pub, reason = "the macros of pyo3 write public items")]
 
 mod arrays;
+mod batch;
 mod contacts;
 mod errors;
 mod executor;
@@ -27,8 +28,6 @@ mod _pfront {
     use crate::executor::{Executor, adapters};
     #[pymodule_export]
     use crate::model::Model;
-    #[pymodule_export]
-    use crate::poses::{batch_all, batch_any, batch_count};
     #[pymodule_export]
     use crate::question::{all, any, count};
     #[pymodule_export]

@@ -1,11 +1,12 @@
 //! Scenes: many bodies in the world.
 
-use crate::arrays::{list, numbers, pair_array, pose, poses, table};
+use crate::arrays::{list, numbers, pair_array, table};
 use crate::contacts::contact_arrays;
-use crate::errors::exception;
+use crate::errors::{self, exception};
 use crate::executor::{Executor, PATIENCE, lock};
 use crate::model::Model;
-use numpy::{PyReadonlyArrayDyn, PyUntypedArray};
+use crate::poses::Poses;
+use numpy::PyReadonlyArrayDyn;
 use pfront::{BodyId, Contact, Error, SceneHit, SceneQuery, TrianglePair};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -36,44 +37,66 @@ impl Scene {
         Self { state: Arc::default(), cancel: Arc::default() }
     }
 
-    /// Adds a body and returns its id.
-    fn add(&self, py: Python<'_>, model: &Model, array: Option<Bound<'_, PyAny>>) -> PyResult<u64> {
-        let (model, pose) = (model.0.clone(), pose(array.as_ref())?);
-        self.edit(py, |query| Ok(query.add(model, pose)?.to_bits()), None)
-    }
-
-    /// Adds a body for each pose and returns their ids.
-    fn add_many(
+    /// Adds a body for each pose and returns their ids. There are as many user ids, or one for all.
+    fn add(
         &self,
         py: Python<'_>,
         model: &Model,
-        array: &Bound<'_, PyUntypedArray>,
+        pose: Option<Bound<'_, PyAny>>,
+        user_ids: Option<PyReadonlyArrayDyn<'_, i64>>,
     ) -> PyResult<Py<PyAny>> {
-        let (model, poses) = (model.0.clone(), poses(array)?);
+        let (model, poses) = (model.0.clone(), Poses::new(py, pose.as_ref())?);
+        let is_one = matches!(poses, Poses::One(_));
+        let poses = poses.into_list();
+        let user_ids = user_ids.as_ref().map(numbers).transpose()?;
+        if let Some(given) = user_ids.as_ref().map(Vec::len)
+            && given != 1
+            && given != poses.len()
+        {
+            let text = format!("{given} user ids were given for {} poses", poses.len());
+            return Err(errors::poses(text));
+        }
         let mut ids = Vec::with_capacity(poses.len());
-        let added = self.edit_each(py, |query, i| {
-            let Some(pose) = poses.get(i) else { return Ok(false) };
-            ids.push(query.add(model.clone(), pose)?.to_bits() as i64);
+        let added = self.edit_each(py, is_one, |query, i| {
+            let Some(&pose) = poses.get(i) else { return Ok(false) };
+            let id = query.add(model.clone(), pose)?;
+            ids.push(id.to_bits() as i64);
+            let user_id = user_ids.as_ref().and_then(|given| given.get(i).or(given.first()));
+            query.set_user_data(id, user_id.map_or(id.to_bits(), |&user_id| user_id as u64))?;
             Ok(true)
         });
         if let Err(error) = added {
             // All or none.
-            self.edit(
-                py,
-                |query| {
-                    ids.iter()
-                        .try_for_each(|&id| query.remove(BodyId::from_bits(id as u64)).map(drop))
-                },
-                None,
-            )?;
+            self.edit(py, |query| {
+                ids.iter().try_for_each(|&id| query.remove(BodyId::from_bits(id as u64)).map(drop))
+            })?;
             return Err(error);
         }
-        Ok(list(py, ids))
+        match ids.first() {
+            Some(id) if is_one => Ok(id.into_pyobject(py)?.into_any().unbind()),
+            _ => Ok(list(py, ids)),
+        }
+    }
+
+    /// The user ids of bodies.
+    fn user_ids(&self, py: Python<'_>, ids: PyReadonlyArrayDyn<'_, u64>) -> PyResult<Py<PyAny>> {
+        let ids = numbers(&ids)?;
+        let found = self.edit(py, |query| {
+            let user_id = |&id: &u64| Ok(query.body(BodyId::from_bits(id))?.user_data() as i64);
+            ids.iter().map(user_id).collect()
+        })?;
+        Ok(list(py, found))
+    }
+
+    /// Gives a body another model.
+    fn set_model(&self, py: Python<'_>, id: u64, model: &Model) -> PyResult<()> {
+        let model = model.0.clone();
+        self.edit(py, |query| query.set_model(BodyId::from_bits(id), model))
     }
 
     /// Takes a body out.
     fn remove(&self, py: Python<'_>, id: u64) -> PyResult<()> {
-        self.edit(py, |query| query.remove(BodyId::from_bits(id)).map(drop), None)
+        self.edit(py, |query| query.remove(BodyId::from_bits(id)).map(drop))
     }
 
     /// Moves bodies, one pose each.
@@ -81,12 +104,18 @@ impl Scene {
         &self,
         py: Python<'_>,
         ids: PyReadonlyArrayDyn<'_, u64>,
-        array: &Bound<'_, PyUntypedArray>,
+        poses: Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let (ids, poses) = (numbers(&ids)?, poses(array)?);
+        let (ids, poses) = (numbers(&ids)?, Poses::new(py, Some(&poses))?);
+        let is_one = matches!(poses, Poses::One(_));
+        let poses = poses.into_list();
+        if ids.len() != poses.len() {
+            let text = format!("{} poses were given for {} bodies", poses.len(), ids.len());
+            return Err(errors::poses(text));
+        }
         let ids: Vec<_> = ids.into_iter().map(BodyId::from_bits).collect();
-        self.edit_each(py, |query, i| match (ids.get(i), poses.get(i)) {
-            (Some(&id), Some(pose)) => query.set_pose(id, pose).map(|()| true),
+        self.edit_each(py, is_one, |query, i| match (ids.get(i), poses.get(i)) {
+            (Some(&id), Some(&pose)) => query.set_pose(id, pose).map(|()| true),
             _ => Ok(false),
         })
     }
@@ -94,7 +123,7 @@ impl Scene {
     /// Ignores two bodies, or no longer.
     fn ignore(&self, py: Python<'_>, a: u64, b: u64, ignored: bool) -> PyResult<()> {
         let [a, b] = [a, b].map(BodyId::from_bits);
-        self.edit(py, |query| query.ignore(a, b, ignored), None)
+        self.edit(py, |query| query.ignore(a, b, ignored))
     }
 
     /// The number of bodies.
@@ -180,16 +209,16 @@ impl Scene {
         &self,
         py: Python<'_>,
         edit: impl FnOnce(&mut SceneQuery) -> Result<T, Error> + Send,
-        index: Option<usize>,
     ) -> PyResult<T> {
         let edited = py.detach(|| edit(&mut lock(&self.state).query));
-        edited.map_err(|error| exception(py, error, index))
+        edited.map_err(|error| exception(py, error, None))
     }
 
-    /// Edits until there is nothing left to do; an error tells at which index.
+    /// Edits until there is nothing left to do; an error tells at which index, unless there is one only.
     fn edit_each(
         &self,
         py: Python<'_>,
+        is_one: bool,
         mut edit: impl FnMut(&mut SceneQuery, usize) -> Result<bool, Error> + Send,
     ) -> PyResult<()> {
         let edited = py.detach(|| {
@@ -201,7 +230,7 @@ impl Scene {
             }
             Ok(())
         });
-        edited.map_err(|(error, i)| exception(py, error, Some(i)))
+        edited.map_err(|(error, i)| exception(py, error, (!is_one).then_some(i)))
     }
 
     /// Asks on a thread of its own, while this one hears signals; one that raises ends the question.

@@ -33,7 +33,7 @@ def test_children_answer(method):
     with pf.using(threads=2):
         pf.count(pf.Mesh(*heap(300)))
     scene = pf.Scene()
-    scene.add_many(BALL, many)
+    scene.add(BALL, many)
     scene.count()
     context = multiprocessing.get_context(method)
     with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
@@ -107,7 +107,7 @@ def test_ctrl_c(threads):
 
 def test_threads_of_python_share_everything():
     many, scene = poses(200), pf.Scene()
-    ids = scene.add_many(BALL, many)
+    ids = scene.add(BALL, many)
     truth, hits = pf.count(BALL, BALL, many), scene.count()
 
     def ask(i):
@@ -154,7 +154,7 @@ def test_no_leak():
         if i % 100 == 0:
             pf.count(soup, soup, np.stack([pose] * 8))
             scene = pf.Scene()
-            scene.add_many(soup, np.stack([pose] * 3))
+            scene.add(soup, np.stack([pose] * 3))
             scene.pairs()
 
     def memory():

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._mesh import Mesh
-from ._questions import Pose
+from ._poses import Pose
 from ._scene import Scene
 
 __all__ = ["CollisionManager", "ContactData"]
