@@ -4,8 +4,11 @@ import concurrent.futures
 import gc
 import multiprocessing
 import os
+import pathlib
 import resource
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -61,6 +64,20 @@ def test_sweep_on_a_pool():
     with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
         found = [hit for _, hit in pf.sweep(BALL, BALL, many, executor=pool, chunk=300, window=3)]
     assert found == pf.collides(BALL, BALL, many).tolist()
+
+
+@pytest.mark.parametrize("engine", ["dask", "ray"])
+def test_examples_on_two_local_workers(engine, tmp_path):
+    """The engine finds what the threads of one process find."""
+    BALL.save(tmp_path / "ball.pfb")
+    example = pathlib.Path(__file__).parents[1] / "examples" / f"on_{engine}.py"
+    environment = {**os.environ, "RAY_USAGE_STATS_ENABLED": "0"}
+    command = [sys.executable, example, tmp_path / "ball.pfb", "25000"]
+    ended = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
+    assert ended.returncode == 0, ended.stderr
+    found = [line.split(":")[1].split(";")[0] for line in ended.stdout.splitlines() if "poses meet" in line]
+    assert len(found) == 2 and found[0] == found[1], ended.stdout
+    assert 1000 < int(found[0].split()[0]) < 24000, ended.stdout
 
 
 def interrupted(call, threads, repeat=5):

@@ -235,8 +235,10 @@ def _parts(source: Any) -> tuple[Any, Any]:
         return np.asarray(source.vertices), np.asarray(source.triangles)
     if hasattr(source, "vertex") and hasattr(source, "triangle"):
         return source.vertex.positions.cpu().numpy(), source.triangle.indices.cpu().numpy()
+    if isinstance(source, np.ndarray):
+        raise TypeError(f"an array of shape {source.shape} is no mesh: give vertices and faces, as pf.Mesh(vertices, faces)")
     raise TypeError(
-        f"a {type(source).__name__} is no mesh: give (vertices, faces), a path, or a mesh of trimesh, pyvista, Open3D or meshio"
+        f"{type(source).__name__} is no mesh: give (vertices, faces), a path, or a mesh of trimesh, pyvista, Open3D or meshio"
     )
 
 

@@ -54,18 +54,24 @@ class Ragged(Sequence[Any]):
         return len(self.offsets) - 1
 
     def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            first, end, step = index.indices(len(self))
+            if step != 1:
+                raise IndexError("a slice of lists has a step of 1")
+            offsets = self.offsets[first : max(first, end) + 1]
+            return Ragged(self.values[offsets[0] : offsets[-1]], offsets - offsets[0])
         i = int(index)
         if i < 0:
             i += len(self)
         if not 0 <= i < len(self):
-            raise IndexError(index)
+            raise IndexError(f"there is no list {index} of {len(self)}")
         return self.values[self.offsets[i] : self.offsets[i + 1]]
 
     def __repr__(self) -> str:
         return f"Ragged({len(self)} lists, {len(self.values)} rows)"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Contacts:
     """Where pairs of triangles meet, in the frame of the first mesh; a struct of arrays, in the order of `pairs`.
 
@@ -88,6 +94,9 @@ class Contacts:
 
     def __len__(self) -> int:
         return len(self.pairs)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({len(self)} pairs, {self.segments.dtype})"
 
     def __getitem__(self, index: Any) -> Any:
         """The contacts that a slice, a mask or an array of indices selects, as ``found[~found.flat]``."""
@@ -174,6 +183,11 @@ def collides(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | N
     -------
     bool or ndarray of bool
         One answer for each pose.
+
+    Notes
+    -----
+    If both meshes have a pose in the world, ask about ``np.linalg.inv(world_from_a) @ world_from_b``; or put them into a
+    `Scene`, which poses both into the world.
 
     Examples
     --------

@@ -19,7 +19,7 @@ from ._settings import current
 __all__ = ["Scene", "Hits", "SceneContacts"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Hits:
     """Pairs of triangles of different bodies that meet, sorted.
 
@@ -37,8 +37,11 @@ class Hits:
     def __len__(self) -> int:
         return len(self.pairs)
 
+    def __repr__(self) -> str:
+        return f"Hits({len(self)} pairs)"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class SceneContacts(Contacts):
     """Where bodies meet, in the world: `Contacts`, and the `bodies` of each.
 
@@ -164,6 +167,9 @@ class Scene:
 
     def __len__(self) -> int:
         return self._scene.len()
+
+    def __repr__(self) -> str:
+        return f"Scene({len(self)} bodies)"
 
     def pairs(self) -> Hits:
         """List the pairs of triangles of different bodies that meet."""
