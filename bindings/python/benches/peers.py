@@ -82,11 +82,11 @@ def coal(mesh):
     return lambda pose: ask(pose, 1).numContacts() > 0, lambda pose: ask(pose, 10**6), lambda found: distinct(found.getContacts())
 
 
-def trimesh(mesh):
+def manager_of(module, mesh):
     import trimesh
 
     body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-    manager = trimesh.collision.CollisionManager()
+    manager = module.CollisionManager()
     manager.add_object("a", body)
     manager.add_object("b", body)
 
@@ -96,6 +96,16 @@ def trimesh(mesh):
 
     indices = lambda found: len({(data.index("a"), data.index("b")) for data in found[1]})  # noqa: E731
     return ask, lambda pose: ask(pose, return_data=True), indices
+
+
+def pfront_manager(mesh):
+    return manager_of(pf.compat, mesh)
+
+
+def trimesh(mesh):
+    import trimesh
+
+    return manager_of(trimesh.collision, mesh)
 
 
 def trueform(mesh):
@@ -148,6 +158,7 @@ def open3d(mesh):
 
 
 PEERS = {
+    "pfront, in place of trimesh's manager": pfront_manager,
     "trimesh's manager": trimesh,
     "coal": coal,
     "python-fcl": fcl,

@@ -3,9 +3,10 @@
 use crate::arrays::{list, numbers, pair_array, table};
 use crate::contacts::contact_arrays;
 use crate::errors::{self, exception};
-use crate::executor::{Executor, PATIENCE, lock};
+use crate::executor::{Device, Executor, PATIENCE, lock};
 use crate::model::Model;
 use crate::poses::Poses;
+use crate::watch::{BRIEF, Watched};
 use numpy::PyReadonlyArrayDyn;
 use pfront::{BodyId, Contact, Error, SceneHit, SceneQuery, TrianglePair};
 use pyo3::exceptions::PyRuntimeError;
@@ -13,6 +14,7 @@ use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 use std::{process, thread};
 
 /// A query and whom it asks.
@@ -28,13 +30,15 @@ struct State {
 pub struct Scene {
     state: Arc<Mutex<State>>,
     cancel: Arc<AtomicBool>,
+    /// Whether the last question was long.
+    is_long: Arc<AtomicBool>,
 }
 
 #[pymethods]
 impl Scene {
     #[new]
     fn new() -> Self {
-        Self { state: Arc::default(), cancel: Arc::default() }
+        Self { state: Arc::default(), cancel: Arc::default(), is_long: Arc::default() }
     }
 
     /// Adds a body for each pose and returns their ids. There are as many user ids, or one for all.
@@ -233,39 +237,64 @@ impl Scene {
         edited.map_err(|(error, i)| exception(py, error, (!is_one).then_some(i)))
     }
 
-    /// Asks on a thread of its own, while this one hears signals; one that raises ends the question.
+    /// Asks on this thread; if that takes long, on a thread of its own while this one hears signals.
     fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
         on: &Bound<'_, Executor>,
-        ask: impl FnOnce(&mut SceneQuery) -> Result<T, Error> + Send + 'static,
+        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Copy + Send + Sync + 'static,
     ) -> PyResult<T> {
         let own = on.get();
-        let named = (process::id(), own.id);
         let executor = py.detach(|| own.on_device())?;
-        let (state, cancel) = (self.state.clone(), self.cancel.clone());
-        let (tell, told) = channel();
-        // Nobody else waits for it: the lock is for the compiler, which knows receivers of one thread only.
-        let told = Mutex::new(told);
-        let worker = move || {
-            let State { query, on } = &mut *lock(&state);
-            cancel.store(false, Relaxed);
-            if *on != Some(named) {
-                *query = std::mem::take(query).on(&executor.with_cancel(cancel));
-                *on = Some(named);
+        let asking = Asking {
+            id: (process::id(), own.id),
+            executor: executor.with_cancel(self.cancel.clone()),
+            cancel: self.cancel.clone(),
+        };
+        if own.device == Device::Cpu
+            && !self.is_long.load(Relaxed)
+            && let Some(watched) = Watched::new(&self.cancel)
+        {
+            let answered = py.detach(|| {
+                let state = &mut *self.state.try_lock().ok()?;
+                let answered = asking.ask(state, ask);
+                // The next question about the scene, which has the same flag, waits for the lock until then.
+                drop(watched);
+                (!matches!(answered.0, Err(Error::Cancelled))).then_some(answered)
+            });
+            match answered {
+                Some(answered) => return told(py, own, answered),
+                None => py.check_signals()?,
             }
-            let answer = ask(query);
+        }
+        self.ask_aside(py, own, asking, ask)
+    }
+
+    /// Asks on a thread of its own, while this one hears signals; one that raises ends the question.
+    fn ask_aside<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        own: &Executor,
+        asking: Asking,
+        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Send + 'static,
+    ) -> PyResult<T> {
+        let (state, is_long) = (self.state.clone(), self.is_long.clone());
+        let (tell, heard) = channel();
+        // Nobody else waits for it: the lock is for the compiler, which knows receivers of one thread only.
+        let heard = Mutex::new(heard);
+        let worker = move || {
+            let state = &mut *lock(&state);
+            let began = Instant::now();
+            let answered = asking.ask(state, ask);
+            is_long.store(began.elapsed() > BRIEF, Relaxed);
             // Nobody listens any more after a signal.
-            let _ = tell.send((answer, query.plan().map(ToString::to_string)));
+            let _ = tell.send(answered);
         };
         let started = thread::Builder::new().name("pfront scene".into()).spawn(worker);
         let worker = started.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
         loop {
-            match py.detach(|| lock(&told).recv_timeout(PATIENCE)) {
-                Ok((answer, plan)) => {
-                    own.note_plan(plan.unwrap_or_default());
-                    return answer.map_err(|error| exception(py, error, None));
-                }
+            match py.detach(|| lock(&heard).recv_timeout(PATIENCE)) {
+                Ok(answered) => return told(py, own, answered),
                 Err(RecvTimeoutError::Timeout) => {
                     if let Err(signal) = py.check_signals() {
                         self.cancel.store(true, Relaxed);
@@ -279,4 +308,36 @@ impl Scene {
             }
         }
     }
+}
+
+/// An answer, and who gave it.
+type Answered<T> = (Result<T, Error>, Option<String>);
+
+/// Who answers a question, and what ends it.
+struct Asking {
+    id: (u32, u64),
+    executor: pfront::Executor,
+    cancel: Arc<AtomicBool>,
+}
+
+impl Asking {
+    fn ask<T>(
+        &self,
+        state: &mut State,
+        ask: impl Fn(&mut SceneQuery) -> Result<T, Error>,
+    ) -> Answered<T> {
+        let State { query, on } = state;
+        self.cancel.store(false, Relaxed);
+        if *on != Some(self.id) {
+            *query = std::mem::take(query).on(&self.executor);
+            *on = Some(self.id);
+        }
+        let answer = ask(query);
+        (answer, query.plan().map(ToString::to_string))
+    }
+}
+
+fn told<T>(py: Python<'_>, own: &Executor, (answer, plan): Answered<T>) -> PyResult<T> {
+    own.note_plan(plan.unwrap_or_default());
+    answer.map_err(|error| exception(py, error, None))
 }

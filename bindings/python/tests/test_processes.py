@@ -138,6 +138,32 @@ def test_threads_of_python_share_everything():
         assert list(pool.map(ask, range(16))) == truth[:16].tolist()
 
 
+def test_long_and_short_questions_of_scenes():
+    """A scene asks on the calling thread until that takes long, and starts again elsewhere then."""
+    with pf.using(threads=1):
+        scenes = []
+        for size in (200, 500, 700, 900, 3000):
+            soup, scene = pf.Mesh(*heap(size)), pf.Scene()
+            scene.add(soup)
+            moving = scene.add(soup, placed(1e-3))
+            scenes.append((scene, moving, pf.count(soup, soup, placed(1e-3))))
+
+    def ask(i):
+        with pf.using(threads=1):
+            for scene, moving, truth in scenes:
+                for _ in range(10 if truth < 1e6 else 1):
+                    assert scene.count() == truth
+                    assert scene.body_pairs().tolist() == [[0, 1]]
+
+    ask(0)
+    scene, moving, truth = scenes[-1]
+    scene.set_poses(moving, placed(1e9))
+    assert truth > 1e6 and scene.count() == 0 == scene.count()
+    scene.set_poses(moving, placed(1e-3))
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        list(pool.map(ask, range(4)))
+
+
 def test_the_interpreter_goes_on_meanwhile():
     soup, ticks = pf.Mesh(*heap(2500)), []
     stop = threading.Event()
@@ -154,7 +180,7 @@ def test_the_interpreter_goes_on_meanwhile():
 
 
 def test_no_leak():
-    calls = int(os.environ.get("PFRONT_CALLS", "20000"))
+    calls = int(os.environ.get("PFRONT_CALLS", "100000"))
     pose, points, faces = placed(0.5), BALL.vertices[:60], BALL.faces[(BALL.faces < 60).all(1)]
     soup = pf.Mesh(points, faces)
 
