@@ -59,6 +59,32 @@ impl SceneQuery {
         self.bodies.change(id, |body| body.set_pose(world_from_body))
     }
 
+    /// Gives a body another model, in the pose that it has.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if the body is not there, [`Error::Pose`] if its pose takes the model out of range.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// let tile = |x| Model::new(vec![[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0]], vec![[0, 1, 2]]);
+    /// let mut scene = SceneQuery::new();
+    /// let (_, b) = (scene.add(tile(0.0)?, Pose::IDENTITY)?, scene.add(tile(0.5)?, Pose::IDENTITY)?);
+    /// assert_eq!(scene.all()?.len(), 1);
+    /// scene.set_model(b, tile(5.0)?)?;
+    /// assert_eq!(scene.all()?.len(), 0);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn set_model(&mut self, id: BodyId, model: impl Into<Arc<Model>>) -> Result<(), Error> {
+        let model = model.into();
+        self.bodies.change(id, |body| {
+            body.pose().check(model.bvh())?;
+            body.model = model;
+            body.reshaped();
+            Ok(())
+        })
+    }
+
     /// Moves the vertices of a body, given in its own frame, as [`Model::set_positions`] does, or on the
     /// threads of the executor; its bounding sphere follows on this one.
     ///

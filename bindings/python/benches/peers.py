@@ -1,14 +1,14 @@
 """pfront beside other Python packages that are installed: times, and answers compared.
 
-    python benches/peers.py mesh.obj [--poses 200] [--seed 1]
+    python benches/peers.py mesh.obj [--poses 200] [--seed 1] [--seconds 5]
 
-A mesh with itself in random poses in which it touches itself about every second time. Every peer gets the same float64 numbers;
-its answers are counted against pfront's, whose own are set for set those of CGAL in the tests. Peers that are not installed are
-listed as such.
+A mesh with itself in random poses in most of which it meets itself. Every peer gets the same numbers, its answers are compared with
+pfront's, whose own are set for set those of CGAL in the tests, and slow peers get fewer poses. Those that take no pose get
+vertices that are posed as pfront poses them. Some list a pair more than once, which is not held against them. Peers that are not
+installed are listed as such.
 """
 
 import argparse
-import statistics
 import time
 
 import numpy as np
@@ -29,7 +29,22 @@ def random_poses(mesh, count, seed):
     return poses.astype(np.float32).astype(np.float64)
 
 
-def fcl_any(mesh):
+def posed(mesh, pose):
+    """The vertices in a pose, rounded as pfront rounds them."""
+    x, y, z = mesh.vertices.T
+    r = pose[:3].astype(np.float32)
+    return np.stack([((r[k, 0] * x + r[k, 1] * y) + r[k, 2] * z) + r[k, 3] for k in range(3)], -1)
+
+
+def distinct(contacts):
+    """The number of pairs of faces of contacts of fcl."""
+    return len({(contact.b1, contact.b2) for contact in contacts})
+
+
+# Each peer: a question for any hit, one for all pairs or None, and what counts the pairs, which takes no part in the time.
+
+
+def fcl(mesh):
     import fcl
 
     model = fcl.BVHModel()
@@ -38,14 +53,17 @@ def fcl_any(mesh):
     model.endModel()
     fixed, moving = fcl.CollisionObject(model), fcl.CollisionObject(model)
 
-    def ask(pose):
+    def ask(pose, most):
         moving.setTransform(fcl.Transform(pose[:3, :3], pose[:3, 3]))
-        return fcl.collide(fixed, moving, fcl.CollisionRequest(), fcl.CollisionResult()) > 0
+        request = fcl.CollisionRequest(num_max_contacts=most, enable_contact=most > 1)
+        result = fcl.CollisionResult()
+        hits = fcl.collide(fixed, moving, request, result)
+        return hits > 0 if most == 1 else result.contacts
 
-    return ask
+    return lambda pose: ask(pose, 1), lambda pose: ask(pose, 10**6), distinct
 
 
-def coal_any(mesh):
+def coal(mesh):
     import coal
 
     model = coal.BVHModelOBBRSS()
@@ -54,30 +72,43 @@ def coal_any(mesh):
     model.addTriangles(mesh.faces.astype(np.int64))
     model.endModel()
 
-    def ask(pose):
-        result = coal.CollisionResult()
+    def ask(pose, most):
+        result, request = coal.CollisionResult(), coal.CollisionRequest()
+        request.num_max_contacts = most
         moved = coal.Transform3s(pose[:3, :3].copy(), pose[:3, 3].copy())
-        return coal.collide(model, coal.Transform3s.Identity(), model, moved, coal.CollisionRequest(), result) > 0
+        coal.collide(model, coal.Transform3s.Identity(), model, moved, request, result)
+        return result
 
-    return ask
+    return lambda pose: ask(pose, 1).numContacts() > 0, lambda pose: ask(pose, 10**6), lambda found: distinct(found.getContacts())
 
 
-def trimesh_any(mesh):
+def manager_of(module, mesh):
     import trimesh
 
     body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-    manager = trimesh.collision.CollisionManager()
+    manager = module.CollisionManager()
     manager.add_object("a", body)
     manager.add_object("b", body)
 
-    def ask(pose):
+    def ask(pose, **wanted):
         manager.set_transform("b", pose)
-        return manager.in_collision_internal()
+        return manager.in_collision_internal(**wanted)
 
-    return ask
+    indices = lambda found: len({(data.index("a"), data.index("b")) for data in found[1]})  # noqa: E731
+    return ask, lambda pose: ask(pose, return_data=True), indices
 
 
-def trueform_any(mesh):
+def pfront_manager(mesh):
+    return manager_of(pf.compat, mesh)
+
+
+def trimesh(mesh):
+    import trimesh
+
+    return manager_of(trimesh.collision, mesh)
+
+
+def trueform(mesh):
     import trueform as tf
 
     make = lambda: tf.Mesh(mesh.faces.astype(np.int32), mesh.vertices.astype(np.float32))  # noqa: E731
@@ -85,47 +116,84 @@ def trueform_any(mesh):
     for body in (fixed, moving):
         body.build_tree()
 
-    def ask(pose):
+    def ask(pose, verb):
         moving.transformation = pose.astype(np.float32)
-        return bool(tf.intersects(fixed, moving))
+        return verb(fixed, moving)
 
-    return ask
+    return lambda pose: bool(ask(pose, tf.intersects)), lambda pose: ask(pose, tf.gather_intersecting_ids), len
 
 
-def meshlib_any(mesh):
+def meshlib(mesh):
     import meshlib.mrmeshnumpy as convert
     import meshlib.mrmeshpy as mr
 
     body = convert.meshFromFacesVerts(mesh.faces.astype(np.int32), mesh.vertices.astype(np.float32))
 
-    def ask(pose):
+    def ask(pose, first_only):
         rows = [mr.Vector3f(*(float(x) for x in row)) for row in pose[:3, :3]]
         moved = mr.AffineXf3f(mr.Matrix3f(*rows), mr.Vector3f(*(float(x) for x in pose[:3, 3])))
-        return len(mr.findCollidingTriangles(mr.MeshPart(body), mr.MeshPart(body), moved, True)) > 0
+        return mr.findCollidingTriangles(mr.MeshPart(body), mr.MeshPart(body), moved, first_only)
 
-    return ask
+    return lambda pose: len(ask(pose, True)) > 0, lambda pose: ask(pose, False), len
+
+
+def libigl(mesh):
+    import igl.predicates
+
+    vertices, faces = mesh.vertices.astype(float), mesh.faces.astype(np.int64)
+
+    def ask(pose, first_only):
+        return igl.predicates.find_intersections(vertices, faces, posed(mesh, pose).astype(float), faces, first_only)
+
+    return lambda pose: bool(ask(pose, True)[0]), lambda pose: ask(pose, False)[1], len
+
+
+def open3d(mesh):
+    import open3d
+
+    faces = open3d.utility.Vector3iVector(mesh.faces.astype(np.int32))
+    make = lambda points: open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(points.astype(float)), faces)  # noqa: E731
+    fixed = make(mesh.vertices)
+    return lambda pose: bool(fixed.is_intersecting(make(posed(mesh, pose)))), None, len
 
 
 PEERS = {
-    "python-fcl": fcl_any,
-    "coal": coal_any,
-    "trimesh's manager": trimesh_any,
-    "trueform": trueform_any,
-    "MeshLib": meshlib_any,
+    "pfront, in place of trimesh's manager": pfront_manager,
+    "trimesh's manager": trimesh,
+    "coal": coal,
+    "python-fcl": fcl,
+    "trueform": trueform,
+    "MeshLib": meshlib,
+    "libigl (predicates)": libigl,
+    "Open3D": open3d,
 }
 
 
-def timed(ask, poses):
+def timed(ask, read, poses, seconds, unit):
+    """Median and mean time, and what is read of the answers to as many poses as there was time for."""
     times, answers = [], []
     for pose in poses:
         began = time.perf_counter()
-        answers.append(bool(ask(pose)))
+        answer = ask(pose)
         times.append(time.perf_counter() - began)
-    return 1e6 * np.array([statistics.median(times), statistics.mean(times)]), np.array(answers)
+        answers.append(read(answer))
+        if sum(times) > seconds:
+            break
+    return [unit * np.median(times), unit * np.mean(times)], np.array(answers)
 
 
-def line(name, spent, others):
-    print(f"| {name} | {spent[0]:.1f} | {spent[1]:.1f} | {others} |", flush=True)
+def row(name, peer, poses, seconds, truth, counts):
+    """A line of the table."""
+    any_in, pairs_in, count = peer
+    cells = [name]
+    for ask, read, unit, own in ((any_in, bool, 1e6, truth), (pairs_in, count, 1e3, counts)):
+        if ask is None:
+            cells += ["none", "", ""]
+            continue
+        (median, mean), found = timed(ask, read, poses, seconds, unit)
+        wrong = int((found != own[: len(found)]).sum())
+        cells += [f"{median:.3g}", f"{mean:.3g}", f"{wrong} of {len(found)}"]
+    print(f"| {' | '.join(cells)} |", flush=True)
 
 
 def main():
@@ -133,44 +201,40 @@ def main():
     arguments.add_argument("mesh")
     arguments.add_argument("--poses", type=int, default=200)
     arguments.add_argument("--seed", type=int, default=1)
+    arguments.add_argument("--seconds", type=float, default=5.0, help="the most that one question about all poses may take")
     given = arguments.parse_args()
     exact = pf.Mesh(given.mesh)
     # Some peers know float32 only: all get the same mesh.
     mesh = pf.Mesh(exact.vertices.astype(np.float32), exact.faces)
     poses = random_poses(mesh, given.poses, given.seed)
     narrow = poses.astype(np.float32)
-    print(f"{mesh!r}, {len(poses)} poses\n\n| any | median, us | mean, us | other answers |\n|---|---|---|---|")
     with pf.using(threads=1):
-        own, truth = timed(lambda pose: pf.collides(mesh, mesh, pose), poses)
-        short, same = timed(lambda pose: pf.collides(mesh, mesh, pose), narrow)
-        line("pfront, float64 poses", own, 0)
-        line("pfront, float32 poses", short, (same != truth).sum())
-        both, as_given = timed(lambda pose: pf.collides(exact, exact, pose), poses)
-        line(f"pfront, the mesh as in the file, {exact.dtype}", both, (as_given != truth).sum())
-        for threads in (1, 2):
-            with pf.using(threads=threads):
-                many = np.tile(narrow, (1 + 1000 // len(narrow), 1, 1))[:1000]
-                spent = []
-                for _ in range(9):
-                    began = time.perf_counter()
-                    pf.collides(mesh, mesh, many)
-                    spent.append((time.perf_counter() - began) / len(many))
-                print(f"| pfront, a batch of 1,000, {threads} threads | | {1e6 * statistics.median(spent):.1f} | |")
-        spent, pairs = [], 0
-        for pose in narrow:
-            began = time.perf_counter()
-            pairs += len(pf.pairs(mesh, mesh, pose))
-            spent.append(time.perf_counter() - began)
-        print(f"| pfront, all pairs ({pairs / len(narrow):.0f} a pose) | {1e6 * statistics.median(spent):.0f} | {1e6 * statistics.mean(spent):.0f} | |")
+        truth, counts = pf.collides(mesh, mesh, narrow), pf.count(mesh, mesh, narrow)
+        print(f"{mesh!r}, {len(poses)} poses, of which {truth.sum()} meet; {counts.mean():.0f} pairs a pose\n")
+        print("| | any: median, µs | mean | other answers | all pairs: median, ms | mean | other counts |\n|---|---|---|---|---|---|---|")
+        for name, a, asked in (
+            ("pfront, float32 poses", mesh, narrow),
+            ("pfront, float64 poses", mesh, poses),
+            (f"pfront, vertices as in the file ({exact.dtype}), float64 poses", exact, poses),
+        ):
+            own = lambda pose: pf.collides(a, a, pose), lambda pose: pf.pairs(a, a, pose), len
+            row(name, own, asked, given.seconds, truth, counts)
     for name, make in PEERS.items():
         try:
-            ask = make(mesh)
+            peer = make(mesh)
         except ImportError:
-            print(f"| {name} | not installed | | |")
+            print(f"| {name} | not installed | | | | | |")
             continue
-        spent, found = timed(ask, poses)
-        line(name, spent, (found != truth).sum())
-    print(f"\n{truth.sum()} of {len(truth)} poses meet")
+        row(name, peer, poses, given.seconds, truth, counts)
+    many, spent = np.tile(narrow, (1 + 1000 // len(narrow), 1, 1))[:1000], {1: [], 2: []}
+    for _ in range(15):
+        for threads, times in spent.items():
+            with pf.using(threads=threads):
+                began = time.perf_counter()
+                pf.collides(mesh, mesh, many)
+                times.append(1e3 * (time.perf_counter() - began))
+    one, two = (np.median(times) for times in spent.values())
+    print(f"\n1,000 poses in one call: {one:.2f} µs a pose on one thread, {two:.2f} on two, {one / two:.2f} times as fast")
 
 
 if __name__ == "__main__":

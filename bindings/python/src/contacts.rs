@@ -1,13 +1,14 @@
 //! Where pairs meet.
 
 use crate::arrays::{list, pair_array, points};
+use crate::batch::Many;
 use crate::errors::exception;
 use crate::executor::Executor;
 use crate::model::Model;
-use crate::question::{Ask, Subject, listed};
+use crate::question::{About, Ask, Subject, listed};
 use pfront::pfront_core::bvtt::Query;
 use pfront::threads::rayon::prelude::*;
-use pfront::{Contact, Error, TrianglePair};
+use pfront::{AnyPose, Batch, Contact, Error, PairLists, TrianglePair};
 use pyo3::prelude::*;
 
 /// Contacts between two looks at signals.
@@ -16,11 +17,15 @@ const CONTACTS: usize = 1 << 13;
 /// The list of arrays that tell contacts: pairs, segments, normals and whether each is flat.
 type Arrays = (Py<PyAny>, Py<PyAny>, Py<PyAny>, Py<PyAny>);
 
+/// Pairs with their contacts.
+type Found<C> = Vec<(TrianglePair, C)>;
+
 /// Where pairs meet, in their order.
 struct Where<'s, C, F> {
     pairs: &'s [TrianglePair],
-    on: &'s Executor,
-    out: &'s mut Vec<(TrianglePair, C)>,
+    /// The threads, if the pairs are many.
+    on: Option<&'s Executor>,
+    out: &'s mut Found<C>,
     contact: F,
 }
 
@@ -50,8 +55,8 @@ impl<C: Send, F: Verb<C> + Copy + Sync> Ask<()> for Where<'_, C, F> {
     fn ask(self, query: &(impl Query + Sync)) -> Result<(), Error> {
         let verb = self.contact;
         let contact = |&pair: &TrianglePair| Some((pair, verb.contact(query, pair)?));
-        match self.on.pool() {
-            Some(pool) if self.pairs.len() >= CONTACTS => pool.install(|| {
+        match self.on.and_then(Executor::pool) {
+            Some(pool) => pool.install(|| {
                 self.out.par_extend(self.pairs.par_iter().with_min_len(512).filter_map(contact));
             }),
             _ => self.out.extend(self.pairs.iter().filter_map(contact)),
@@ -66,9 +71,10 @@ fn located<C: Send, F: Verb<C> + Copy + Send + Sync>(
     pairs: &[TrianglePair],
     on: &Executor,
     contact: F,
-) -> PyResult<Vec<(TrianglePair, C)>> {
+) -> PyResult<Found<C>> {
     let mut out = Vec::with_capacity(pairs.len());
     for pairs in pairs.chunks(CONTACTS) {
+        let on = (pairs.len() >= CONTACTS).then_some(on);
         let ask = Where { pairs, on, out: &mut out, contact };
         py.detach(|| subject.with(ask)).map_err(|error| exception(py, error, None))?;
         py.check_signals()?;
@@ -76,7 +82,52 @@ fn located<C: Send, F: Verb<C> + Copy + Send + Sync>(
     Ok(out)
 }
 
-/// Where pairs meet, and how they face.
+/// The contacts of many poses, and where those of each begin and end.
+fn swept<C: Send, F: Verb<C> + Copy + Send + Sync>(
+    py: Python<'_>,
+    many: &Many<'_>,
+    on: &Executor,
+    contact: F,
+) -> PyResult<(Found<C>, Vec<i64>)> {
+    let (mut out, mut offsets) = (Vec::new(), vec![0]);
+    let models = &many.models;
+    many.ask(py, on, Batch::all, |poses, lists: PairLists| {
+        let of_pose = |(&a_from_b, pairs): (&AnyPose, &[TrianglePair])| {
+            let subject = Subject::Pair { models: models.clone(), a_from_b };
+            let mut out = Vec::with_capacity(pairs.len());
+            subject.with(Where { pairs, on: None, out: &mut out, contact })?;
+            Ok(out)
+        };
+        let questions: Vec<_> = poses.iter().zip(lists.iter()).collect();
+        // A group has as many pairs as are located between two looks at signals, or one pose.
+        let mut rest = &questions[..];
+        while !rest.is_empty() {
+            let mut pairs = 0;
+            let count = rest.iter().take_while(|(_, list)| {
+                let is_in = pairs < CONTACTS;
+                pairs += list.len();
+                is_in
+            });
+            let (group, later) = rest.split_at(count.count());
+            rest = later;
+            let found: Result<Vec<_>, Error> = py.detach(|| match on.pool() {
+                Some(pool) if pairs >= CONTACTS && group.len() > 1 => {
+                    pool.install(|| group.par_iter().copied().map(of_pose).collect())
+                }
+                _ => group.iter().copied().map(of_pose).collect(),
+            });
+            for contacts in found.map_err(|error| exception(py, error, None))? {
+                out.extend(contacts);
+                offsets.push(out.len() as i64);
+            }
+            py.check_signals()?;
+        }
+        Ok(())
+    })?;
+    Ok((out, offsets))
+}
+
+/// Where pairs meet, and how they face. For many poses also where the contacts of each begin and end.
 #[pyfunction]
 pub fn contacts(
     py: Python<'_>,
@@ -84,19 +135,34 @@ pub fn contacts(
     b: Option<&Model>,
     pose: Option<Bound<'_, PyAny>>,
     on: &Executor,
-) -> PyResult<Arrays> {
-    let subject = Subject::new(a, b, pose.as_ref())?;
-    let pairs = listed(py, &subject, on, None)?;
-    if subject.is_f64() {
-        contact_arrays(py, located(py, &subject, &pairs, on, InF64)?)
-    } else {
-        contact_arrays(py, located(py, &subject, &pairs, on, InF32)?)
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(Arrays, Option<Py<PyAny>>)> {
+    match About::new(py, a, b, pose.as_ref(), progress)? {
+        About::One(subject) => {
+            let pairs = listed(py, &subject, on, None)?;
+            let arrays = if subject.is_f64() {
+                contact_arrays(py, located(py, &subject, &pairs, on, InF64)?)?
+            } else {
+                contact_arrays(py, located(py, &subject, &pairs, on, InF32)?)?
+            };
+            Ok((arrays, None))
+        }
+        About::Many(many) => {
+            let (arrays, offsets) = if many.is_f64() {
+                let (found, offsets) = swept(py, &many, on, InF64)?;
+                (contact_arrays(py, found)?, offsets)
+            } else {
+                let (found, offsets) = swept(py, &many, on, InF32)?;
+                (contact_arrays(py, found)?, offsets)
+            };
+            Ok((arrays, Some(list(py, offsets))))
+        }
     }
 }
 
 pub(crate) fn contact_arrays<C: numpy::Element + Copy>(
     py: Python<'_>,
-    found: Vec<(TrianglePair, Contact<C>)>,
+    found: Found<Contact<C>>,
 ) -> PyResult<Arrays> {
     Ok((
         pair_array(py, found.iter().map(|&(pair, _)| pair).collect())?,

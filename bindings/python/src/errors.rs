@@ -40,6 +40,11 @@ pub(crate) fn device(text: String) -> PyErr {
     python::DeviceError::new_err(text)
 }
 
+/// Poses that do not fit the question.
+pub(crate) fn poses(text: String) -> PyErr {
+    python::PoseError::new_err(text)
+}
+
 /// The name of what is at fault in a mesh, and its number.
 fn of_mesh(error: &MeshError) -> Option<(&'static str, usize)> {
     match *error {

@@ -1,12 +1,14 @@
 //! The compiled half of the Python package `pfront`: models, questions about one model, two or a scene, and the executors
 //! that answer them. Arrays that arrive here are aligned, in C order and of native dtypes, which the Python half sees to.
 //!
-//! Nothing here holds the interpreter while it traverses. Traversals on the calling thread go on in steps, and what other
-//! threads do is waited for in slices of time, so that a signal is heard within [`executor::PATIENCE`].
+//! Nothing here holds the interpreter while it traverses. Traversals on the calling thread go on in steps or are ended by
+//! [`watch`], and what other threads do is waited for in slices of time, so that a signal is heard within
+//! [`executor::PATIENCE`].
 
 #![expect(unreachable_pub, reason = "the macros of pyo3 write public items")]
 
 mod arrays;
+mod batch;
 mod contacts;
 mod errors;
 mod executor;
@@ -15,6 +17,7 @@ mod part;
 mod poses;
 mod question;
 mod scene;
+mod watch;
 
 use pyo3::prelude::*;
 
@@ -27,8 +30,6 @@ mod _pfront {
     use crate::executor::{Executor, adapters};
     #[pymodule_export]
     use crate::model::Model;
-    #[pymodule_export]
-    use crate::poses::{batch_all, batch_any, batch_count};
     #[pymodule_export]
     use crate::question::{all, any, count};
     #[pymodule_export]

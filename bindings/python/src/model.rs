@@ -41,13 +41,44 @@ impl Model {
     ) -> PyResult<Self> {
         let (positions, triangles) = (triples(&vertices)?, triples(&faces)?);
         drop((vertices, faces));
+        Self::made(py, || match narrowed(&positions) {
+            Some(narrow) => build(narrow, triangles, on),
+            None => pfront::Model::from_f64(positions, triangles),
+        })
+    }
+
+    /// The same faces with their vertices elsewhere, by a refit of the BVH of this one. One whose positions are in
+    /// float32 is built anew if those are not.
+    fn with_vertices(
+        &self,
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        on: &Executor,
+    ) -> PyResult<Self> {
+        let own = &self.0;
+        if let Ok(vertices) = vertices.extract::<PyReadonlyArrayDyn<'_, f32>>() {
+            let positions = triples(&vertices)?;
+            drop(vertices);
+            return Self::made(py, || {
+                if own.is_f64() {
+                    let wide: Vec<_> = positions.iter().map(|p| p.map(f64::from)).collect();
+                    return refit_f64(own, &wide);
+                }
+                refit(own, &positions, on)
+            });
+        }
+        let vertices = vertices.extract::<PyReadonlyArrayDyn<'_, f64>>()?;
+        let positions = triples(&vertices)?;
+        drop(vertices);
         Self::made(py, || {
-            let is_f32 = |x: &f64| f64::from(*x as f32).to_bits() == x.to_bits();
-            if positions.as_flattened().iter().all(is_f32) {
-                let narrow = positions.iter().map(|p| p.map(|x| x as f32)).collect();
-                return build(narrow, triangles, on);
+            if own.is_f64() {
+                return refit_f64(own, &positions);
             }
-            pfront::Model::from_f64(positions, triangles)
+            match narrowed(&positions) {
+                Some(narrow) => refit(own, &narrow, on),
+                // Its faces are checked against the new positions.
+                None => pfront::Model::from_f64(positions, own.mesh().triangles().to_vec()),
+            }
         })
     }
 
@@ -107,6 +138,34 @@ impl Model {
         let model = py.detach(make).map_err(|error| exception(py, error, None))?;
         Ok(Self(Arc::new(model)))
     }
+}
+
+/// Positions in float32, if that holds them all to the bit.
+fn narrowed(positions: &[[f64; 3]]) -> Option<Vec<[f32; 3]>> {
+    let is_f32 = |x: &f64| f64::from(*x as f32).to_bits() == x.to_bits();
+    let all = positions.as_flattened().iter().all(is_f32);
+    all.then(|| positions.iter().map(|p| p.map(|x| x as f32)).collect())
+}
+
+fn refit(
+    own: &pfront::Model,
+    positions: &[[f32; 3]],
+    on: &Executor,
+) -> Result<pfront::Model, Error> {
+    let mut model = own.clone();
+    match on.pool() {
+        Some(pool) if own.mesh().triangles().len() >= MANY => {
+            pool.install(|| model.set_positions_with_threads(positions))?;
+        }
+        _ => model.set_positions(positions)?,
+    }
+    Ok(model)
+}
+
+fn refit_f64(own: &pfront::Model, positions: &[[f64; 3]]) -> Result<pfront::Model, Error> {
+    let mut model = own.clone();
+    model.set_positions_f64(positions)?;
+    Ok(model)
 }
 
 fn build(

@@ -1,102 +1,84 @@
-//! Questions about two models in many poses.
+//! Poses out of whatever a user holds.
 
-use crate::arrays::{list, pair_array, poses};
-use crate::errors::exception;
-use crate::executor::Executor;
-use crate::model::Model;
-use crate::question::{together, wait};
-use numpy::PyUntypedArray;
-use pfront::{Batch, Error, Ticket};
+use crate::arrays::entries;
+use numpy::{
+    Element, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+};
+use pfront::{AnyPose, Pose, Pose64};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 
-/// Poses that are asked about in one submission.
-const CHUNK: usize = 1 << 14;
+/// One pose or many.
+pub(crate) enum Poses {
+    One(AnyPose),
+    Many(Vec<AnyPose>),
+}
 
-/// Asks about many poses, in chunks of which progress is told.
-fn many<T: Send>(
-    py: Python<'_>,
-    (a, b): (&Model, &Model),
-    array: &Bound<'_, PyUntypedArray>,
-    on: &Executor,
-    progress: Option<Bound<'_, PyAny>>,
-    verb: fn(&mut Batch, &pfront::Executor) -> Result<Ticket<T>, Error>,
-    mut read: impl FnMut(T),
-) -> PyResult<()> {
-    let poses = poses(array)?;
-    let executor = together(py, on)?;
-    let mut batch = Batch::new();
-    let mut done = 0;
-    for chunk in poses.chunks(CHUNK) {
-        let start = || {
-            batch.clear();
-            for (i, pose) in chunk.iter().enumerate() {
-                batch.pair(&a.0, &b.0, pose).map_err(|error| (error, Some(done + i)))?;
+impl Poses {
+    /// The poses of an object; without one, the identity.
+    pub(crate) fn new(py: Python<'_>, object: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let Some(object) = object else { return Ok(Self::One(AnyPose::F32(Pose::IDENTITY))) };
+        if let Some(pose) = plain(object) {
+            return Ok(Self::One(pose));
+        }
+        // All other objects are made an array of shape (3, 4) or (k, 3, 4) by the Python half, or refused.
+        static MATRIX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        let array = MATRIX.import(py, "pfront._poses", "matrix")?.call1((object,))?;
+        let is_one = array.cast::<PyUntypedArray>()?.ndim() == 2;
+        let mut poses = match array.extract::<PyReadonlyArrayDyn<'_, f64>>() {
+            Ok(array) => entries(&array)?.as_chunks().0.iter().map(of_f64).collect(),
+            Err(_) => {
+                let array = array.extract::<PyReadonlyArrayDyn<'_, f32>>()?;
+                entries(&array)?.as_chunks().0.iter().map(of_f32).collect::<Vec<_>>()
             }
-            verb(&mut batch, &executor).map_err(|error| (error, None))
         };
-        let ticket = py.detach(start).map_err(|(error, pose)| exception(py, error, pose))?;
-        read(wait(py, ticket)?);
-        done += chunk.len();
-        if let Some(progress) = &progress {
-            progress.call1((done, poses.len()))?;
+        match poses.pop() {
+            Some(pose) if is_one => Ok(Self::One(pose)),
+            last => {
+                poses.extend(last);
+                Ok(Self::Many(poses))
+            }
         }
     }
-    Ok(())
+
+    /// The poses in a list.
+    pub(crate) fn into_list(self) -> Vec<AnyPose> {
+        match self {
+            Self::One(pose) => vec![pose],
+            Self::Many(poses) => poses,
+        }
+    }
 }
 
-/// For each pose, whether some pair meets.
-#[pyfunction]
-pub fn batch_any(
-    py: Python<'_>,
-    a: &Model,
-    b: &Model,
-    poses: Bound<'_, PyUntypedArray>,
-    on: &Executor,
-    progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<Py<PyAny>> {
-    let mut found = Vec::<bool>::new();
-    many(py, (a, b), &poses, on, progress, Batch::any, |answers| {
-        found.extend(answers.iter().map(Option::is_some));
-    })?;
-    Ok(list(py, found))
+/// The pose of an array of shape (4, 4) that can be read as it is, as most can; `None` of any other object.
+fn plain(object: &Bound<'_, PyAny>) -> Option<AnyPose> {
+    if let Ok(array) = object.cast::<PyArray2<f64>>() {
+        rows(array).as_ref().map(of_f64)
+    } else {
+        rows(object.cast::<PyArray2<f32>>().ok()?).as_ref().map(of_f32)
+    }
 }
 
-/// For each pose, the number of pairs that meet.
-#[pyfunction]
-pub fn batch_count(
-    py: Python<'_>,
-    a: &Model,
-    b: &Model,
-    poses: Bound<'_, PyUntypedArray>,
-    on: &Executor,
-    progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<Py<PyAny>> {
-    let mut counts = Vec::<i64>::new();
-    many(py, (a, b), &poses, on, progress, Batch::count, |answers| {
-        counts.extend(answers.iter().map(|&count| count as i64));
-    })?;
-    Ok(list(py, counts))
+/// The first three rows of an aligned array in C order whose last row is that of a pose.
+fn rows<T: Element + Copy + From<u8> + PartialEq>(
+    array: &Bound<'_, PyArray2<T>>,
+) -> Option<[T; 12]> {
+    if array.shape() != [4, 4] || !array.is_c_contiguous() {
+        return None;
+    }
+    let entries = array.to_vec().ok()?;
+    let (rows, last) = entries.split_first_chunk()?;
+    (last == [0, 0, 0, 1].map(T::from)).then_some(*rows)
 }
 
-/// The pairs that meet for all poses, and where those of each begin and end.
-#[pyfunction]
-pub fn batch_all(
-    py: Python<'_>,
-    a: &Model,
-    b: &Model,
-    poses: Bound<'_, PyUntypedArray>,
-    on: &Executor,
-    progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<(Py<PyAny>, Py<PyAny>)> {
-    let (mut pairs, mut offsets) = (Vec::new(), vec![0_i64]);
-    many(py, (a, b), &poses, on, progress, Batch::all, |lists| {
-        let first = pairs.len();
-        let ends = lists.iter().scan(first, |end, list| {
-            *end += list.len();
-            Some(*end as i64)
-        });
-        offsets.extend(ends);
-        pairs.extend_from_slice(lists.pairs());
-    })?;
-    Ok((pair_array(py, pairs)?, list(py, offsets)))
+fn of_f32(entries: &[f32; 12]) -> AnyPose {
+    let [x, y, z] = [0, 4, 8].map(|row| [0, 1, 2, 3].map(|column| entries[row + column]));
+    AnyPose::F32(Pose::new([x, y, z]))
+}
+
+/// The identity moves nothing in either precision.
+fn of_f64(entries: &[f64; 12]) -> AnyPose {
+    let [x, y, z] = [0, 4, 8].map(|row| [0, 1, 2, 3].map(|column| entries[row + column]));
+    let pose = Pose64::new([x, y, z]);
+    if pose == Pose64::IDENTITY { AnyPose::F32(Pose::IDENTITY) } else { AnyPose::F64(pose) }
 }

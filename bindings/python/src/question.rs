@@ -1,13 +1,17 @@
 //! Questions about one model or two.
 
-use crate::arrays::{pair_array, pose};
+use crate::arrays::{list, pair_array};
+use crate::batch::Many;
 use crate::errors::exception;
 use crate::executor::{Backend, Device, Executor, PATIENCE};
 use crate::model::Model;
 use crate::part::starts;
+use crate::poses::Poses;
 use pfront::pfront_core::bvtt::{Cursor, Query, SelfBvtt};
 use pfront::{Adjacency, AnyPose, Batch, Error, Ticket, TrianglePair};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -24,17 +28,6 @@ pub(crate) enum Subject {
 }
 
 impl Subject {
-    pub(crate) fn new(
-        a: &Model,
-        b: Option<&Model>,
-        array: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        Ok(match b {
-            Some(b) => Self::Pair { models: [a.0.clone(), b.0.clone()], a_from_b: pose(array)? },
-            None => Self::Within { model: a.0.clone() },
-        })
-    }
-
     pub(crate) fn is_f64(&self) -> bool {
         match self {
             Self::Pair { models, a_from_b } => {
@@ -64,6 +57,34 @@ impl Subject {
                 ask.ask(&SelfBvtt::new(model.bvh()).with_certificates(model.certificates()))
             }
         }
+    }
+}
+
+/// What is asked about: one BVTT, or two models in many poses.
+pub(crate) enum About<'py> {
+    One(Subject),
+    Many(Many<'py>),
+}
+
+impl<'py> About<'py> {
+    pub(crate) fn new(
+        py: Python<'py>,
+        a: &Model,
+        b: Option<&Model>,
+        pose: Option<&Bound<'py, PyAny>>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let Some(b) = b else {
+            return match pose {
+                None => Ok(Self::One(Subject::Within { model: a.0.clone() })),
+                Some(_) => Err(PyTypeError::new_err("a mesh with itself takes no pose")),
+            };
+        };
+        let models = [a.0.clone(), b.0.clone()];
+        Ok(match Poses::new(py, pose)? {
+            Poses::One(a_from_b) => Self::One(Subject::Pair { models, a_from_b }),
+            Poses::Many(poses) => Self::Many(Many { models, poses, progress }),
+        })
     }
 }
 
@@ -176,22 +197,31 @@ pub fn any(
     b: Option<&Model>,
     pose: Option<Bound<'_, PyAny>>,
     on: &Executor,
-) -> PyResult<bool> {
-    let subject = Subject::new(a, b, pose.as_ref())?;
-    let mut found = false;
-    if on.device != Device::Gpu {
-        let visit = |_| {
-            found = true;
-            ControlFlow::Break(())
-        };
-        if alone(py, &subject, on, None, visit)? {
-            return Ok(found);
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Py<PyAny>> {
+    let subject = match About::new(py, a, b, pose.as_ref(), progress)? {
+        About::One(subject) => subject,
+        About::Many(many) => {
+            let mut found = Vec::<bool>::new();
+            many.ask(py, on, Batch::any, |_, answers| {
+                found.extend(answers.iter().map(Option::is_some));
+                Ok(())
+            })?;
+            return Ok(list(py, found));
         }
+    };
+    let mut found = false;
+    let visit = |_| {
+        found = true;
+        ControlFlow::Break(())
+    };
+    if on.device == Device::Gpu || !alone(py, &subject, on, None, visit)? {
+        found = submit(py, &subject, on, Batch::any)?.iter().any(Option::is_some);
     }
-    Ok(submit(py, &subject, on, Batch::any)?.iter().any(Option::is_some))
+    Ok(PyBool::new(py, found).to_owned().into_any().unbind())
 }
 
-/// The number of pairs that meet.
+/// The number of pairs that meet; of a part, if one is given.
 #[pyfunction]
 pub fn count(
     py: Python<'_>,
@@ -199,44 +229,54 @@ pub fn count(
     b: Option<&Model>,
     pose: Option<Bound<'_, PyAny>>,
     on: &Executor,
+    progress: Option<Bound<'_, PyAny>>,
     part: Option<(usize, usize)>,
-) -> PyResult<u64> {
-    let subject = Subject::new(a, b, pose.as_ref())?;
-    if on.device != Device::Gpu || part.is_some() {
-        let mut count = 0;
-        let visit = |_| {
-            count += 1;
-            ControlFlow::Continue(())
-        };
-        if alone(py, &subject, on, part, visit)? {
-            return Ok(count);
+) -> PyResult<Py<PyAny>> {
+    let subject = match (About::new(py, a, b, pose.as_ref(), progress)?, part) {
+        (About::One(subject), _) => subject,
+        (About::Many(_), Some(_)) => return Err(one_pose()),
+        (About::Many(many), None) => {
+            let mut counts = Vec::<i64>::new();
+            many.ask(py, on, Batch::count, |_, answers| {
+                counts.extend(answers.iter().map(|&count| count as i64));
+                Ok(())
+            })?;
+            return Ok(list(py, counts));
         }
+    };
+    let mut count = 0_u64;
+    let visit = |_| {
+        count += 1;
+        ControlFlow::Continue(())
+    };
+    let is_for_gpu = on.device == Device::Gpu && part.is_none();
+    if is_for_gpu || !alone(py, &subject, on, part, visit)? {
+        count = submit(py, &subject, on, Batch::count)?.iter().sum();
     }
-    Ok(submit(py, &subject, on, Batch::count)?.iter().sum())
+    Ok(count.into_pyobject(py)?.into_any().unbind())
 }
 
-/// The pairs that meet, sorted.
+/// The pairs that meet, sorted; of a part, if one is given.
 pub(crate) fn listed(
     py: Python<'_>,
     subject: &Subject,
     on: &Executor,
     part: Option<(usize, usize)>,
 ) -> PyResult<Vec<TrianglePair>> {
-    if on.device != Device::Gpu || part.is_some() {
-        let mut pairs = Vec::new();
-        let visit = |pair| {
-            pairs.push(pair);
-            ControlFlow::Continue(())
-        };
-        if alone(py, subject, on, part, visit)? {
-            py.detach(|| pairs.sort_unstable());
-            return Ok(pairs);
-        }
+    let mut pairs = Vec::new();
+    let visit = |pair| {
+        pairs.push(pair);
+        ControlFlow::Continue(())
+    };
+    let is_for_gpu = on.device == Device::Gpu && part.is_none();
+    if is_for_gpu || !alone(py, subject, on, part, visit)? {
+        return Ok(submit(py, subject, on, Batch::all)?.pairs().to_vec());
     }
-    Ok(submit(py, subject, on, Batch::all)?.pairs().to_vec())
+    py.detach(|| pairs.sort_unstable());
+    Ok(pairs)
 }
 
-/// All pairs that meet, sorted.
+/// All pairs that meet, sorted; of a part, if one is given. For many poses also where those of each begin and end.
 #[pyfunction]
 pub fn all(
     py: Python<'_>,
@@ -244,8 +284,29 @@ pub fn all(
     b: Option<&Model>,
     pose: Option<Bound<'_, PyAny>>,
     on: &Executor,
+    progress: Option<Bound<'_, PyAny>>,
     part: Option<(usize, usize)>,
-) -> PyResult<Py<PyAny>> {
-    let subject = Subject::new(a, b, pose.as_ref())?;
-    pair_array(py, listed(py, &subject, on, part)?)
+) -> PyResult<(Py<PyAny>, Option<Py<PyAny>>)> {
+    match (About::new(py, a, b, pose.as_ref(), progress)?, part) {
+        (About::One(subject), _) => Ok((pair_array(py, listed(py, &subject, on, part)?)?, None)),
+        (About::Many(_), Some(_)) => Err(one_pose()),
+        (About::Many(many), None) => {
+            let (mut pairs, mut offsets) = (Vec::new(), vec![0_i64]);
+            many.ask(py, on, Batch::all, |_, lists| {
+                let first = pairs.len();
+                let ends = lists.iter().scan(first, |end, list| {
+                    *end += list.len();
+                    Some(*end as i64)
+                });
+                offsets.extend(ends);
+                pairs.extend_from_slice(lists.pairs());
+                Ok(())
+            })?;
+            Ok((pair_array(py, pairs)?, Some(list(py, offsets))))
+        }
+    }
+}
+
+fn one_pose() -> PyErr {
+    PyTypeError::new_err("a part is of a question in one pose: sweeps divide poses")
 }

@@ -1,17 +1,20 @@
 //! Scenes: many bodies in the world.
 
-use crate::arrays::{list, numbers, pair_array, pose, poses, table};
+use crate::arrays::{list, numbers, pair_array, table};
 use crate::contacts::contact_arrays;
-use crate::errors::exception;
-use crate::executor::{Executor, PATIENCE, lock};
+use crate::errors::{self, exception};
+use crate::executor::{Device, Executor, PATIENCE, lock};
 use crate::model::Model;
-use numpy::{PyReadonlyArrayDyn, PyUntypedArray};
+use crate::poses::Poses;
+use crate::watch::{BRIEF, Watched};
+use numpy::PyReadonlyArrayDyn;
 use pfront::{BodyId, Contact, Error, SceneHit, SceneQuery, TrianglePair};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 use std::{process, thread};
 
 /// A query and whom it asks.
@@ -27,53 +30,77 @@ struct State {
 pub struct Scene {
     state: Arc<Mutex<State>>,
     cancel: Arc<AtomicBool>,
+    /// Whether the last question was long.
+    is_long: Arc<AtomicBool>,
 }
 
 #[pymethods]
 impl Scene {
     #[new]
     fn new() -> Self {
-        Self { state: Arc::default(), cancel: Arc::default() }
+        Self { state: Arc::default(), cancel: Arc::default(), is_long: Arc::default() }
     }
 
-    /// Adds a body and returns its id.
-    fn add(&self, py: Python<'_>, model: &Model, array: Option<Bound<'_, PyAny>>) -> PyResult<u64> {
-        let (model, pose) = (model.0.clone(), pose(array.as_ref())?);
-        self.edit(py, |query| Ok(query.add(model, pose)?.to_bits()), None)
-    }
-
-    /// Adds a body for each pose and returns their ids.
-    fn add_many(
+    /// Adds a body for each pose and returns their ids. There are as many user ids, or one for all.
+    fn add(
         &self,
         py: Python<'_>,
         model: &Model,
-        array: &Bound<'_, PyUntypedArray>,
+        pose: Option<Bound<'_, PyAny>>,
+        user_ids: Option<PyReadonlyArrayDyn<'_, i64>>,
     ) -> PyResult<Py<PyAny>> {
-        let (model, poses) = (model.0.clone(), poses(array)?);
+        let (model, poses) = (model.0.clone(), Poses::new(py, pose.as_ref())?);
+        let is_one = matches!(poses, Poses::One(_));
+        let poses = poses.into_list();
+        let user_ids = user_ids.as_ref().map(numbers).transpose()?;
+        if let Some(given) = user_ids.as_ref().map(Vec::len)
+            && given != 1
+            && given != poses.len()
+        {
+            let text = format!("{given} user ids were given for {} poses", poses.len());
+            return Err(errors::poses(text));
+        }
         let mut ids = Vec::with_capacity(poses.len());
-        let added = self.edit_each(py, |query, i| {
-            let Some(pose) = poses.get(i) else { return Ok(false) };
-            ids.push(query.add(model.clone(), pose)?.to_bits() as i64);
+        let added = self.edit_each(py, is_one, |query, i| {
+            let Some(&pose) = poses.get(i) else { return Ok(false) };
+            let id = query.add(model.clone(), pose)?;
+            ids.push(id.to_bits() as i64);
+            let user_id = user_ids.as_ref().and_then(|given| given.get(i).or(given.first()));
+            query.set_user_data(id, user_id.map_or(id.to_bits(), |&user_id| user_id as u64))?;
             Ok(true)
         });
         if let Err(error) = added {
             // All or none.
-            self.edit(
-                py,
-                |query| {
-                    ids.iter()
-                        .try_for_each(|&id| query.remove(BodyId::from_bits(id as u64)).map(drop))
-                },
-                None,
-            )?;
+            self.edit(py, |query| {
+                ids.iter().try_for_each(|&id| query.remove(BodyId::from_bits(id as u64)).map(drop))
+            })?;
             return Err(error);
         }
-        Ok(list(py, ids))
+        match ids.first() {
+            Some(id) if is_one => Ok(id.into_pyobject(py)?.into_any().unbind()),
+            _ => Ok(list(py, ids)),
+        }
+    }
+
+    /// The user ids of bodies.
+    fn user_ids(&self, py: Python<'_>, ids: PyReadonlyArrayDyn<'_, u64>) -> PyResult<Py<PyAny>> {
+        let ids = numbers(&ids)?;
+        let found = self.edit(py, |query| {
+            let user_id = |&id: &u64| Ok(query.body(BodyId::from_bits(id))?.user_data() as i64);
+            ids.iter().map(user_id).collect()
+        })?;
+        Ok(list(py, found))
+    }
+
+    /// Gives a body another model.
+    fn set_model(&self, py: Python<'_>, id: u64, model: &Model) -> PyResult<()> {
+        let model = model.0.clone();
+        self.edit(py, |query| query.set_model(BodyId::from_bits(id), model))
     }
 
     /// Takes a body out.
     fn remove(&self, py: Python<'_>, id: u64) -> PyResult<()> {
-        self.edit(py, |query| query.remove(BodyId::from_bits(id)).map(drop), None)
+        self.edit(py, |query| query.remove(BodyId::from_bits(id)).map(drop))
     }
 
     /// Moves bodies, one pose each.
@@ -81,12 +108,18 @@ impl Scene {
         &self,
         py: Python<'_>,
         ids: PyReadonlyArrayDyn<'_, u64>,
-        array: &Bound<'_, PyUntypedArray>,
+        poses: Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let (ids, poses) = (numbers(&ids)?, poses(array)?);
+        let (ids, poses) = (numbers(&ids)?, Poses::new(py, Some(&poses))?);
+        let is_one = matches!(poses, Poses::One(_));
+        let poses = poses.into_list();
+        if ids.len() != poses.len() {
+            let text = format!("{} poses were given for {} bodies", poses.len(), ids.len());
+            return Err(errors::poses(text));
+        }
         let ids: Vec<_> = ids.into_iter().map(BodyId::from_bits).collect();
-        self.edit_each(py, |query, i| match (ids.get(i), poses.get(i)) {
-            (Some(&id), Some(pose)) => query.set_pose(id, pose).map(|()| true),
+        self.edit_each(py, is_one, |query, i| match (ids.get(i), poses.get(i)) {
+            (Some(&id), Some(&pose)) => query.set_pose(id, pose).map(|()| true),
             _ => Ok(false),
         })
     }
@@ -94,7 +127,7 @@ impl Scene {
     /// Ignores two bodies, or no longer.
     fn ignore(&self, py: Python<'_>, a: u64, b: u64, ignored: bool) -> PyResult<()> {
         let [a, b] = [a, b].map(BodyId::from_bits);
-        self.edit(py, |query| query.ignore(a, b, ignored), None)
+        self.edit(py, |query| query.ignore(a, b, ignored))
     }
 
     /// The number of bodies.
@@ -180,16 +213,16 @@ impl Scene {
         &self,
         py: Python<'_>,
         edit: impl FnOnce(&mut SceneQuery) -> Result<T, Error> + Send,
-        index: Option<usize>,
     ) -> PyResult<T> {
         let edited = py.detach(|| edit(&mut lock(&self.state).query));
-        edited.map_err(|error| exception(py, error, index))
+        edited.map_err(|error| exception(py, error, None))
     }
 
-    /// Edits until there is nothing left to do; an error tells at which index.
+    /// Edits until there is nothing left to do; an error tells at which index, unless there is one only.
     fn edit_each(
         &self,
         py: Python<'_>,
+        is_one: bool,
         mut edit: impl FnMut(&mut SceneQuery, usize) -> Result<bool, Error> + Send,
     ) -> PyResult<()> {
         let edited = py.detach(|| {
@@ -201,42 +234,67 @@ impl Scene {
             }
             Ok(())
         });
-        edited.map_err(|(error, i)| exception(py, error, Some(i)))
+        edited.map_err(|(error, i)| exception(py, error, (!is_one).then_some(i)))
     }
 
-    /// Asks on a thread of its own, while this one hears signals; one that raises ends the question.
+    /// Asks on this thread; if that takes long, on a thread of its own while this one hears signals.
     fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
         on: &Bound<'_, Executor>,
-        ask: impl FnOnce(&mut SceneQuery) -> Result<T, Error> + Send + 'static,
+        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Copy + Send + Sync + 'static,
     ) -> PyResult<T> {
         let own = on.get();
-        let named = (process::id(), own.id);
         let executor = py.detach(|| own.on_device())?;
-        let (state, cancel) = (self.state.clone(), self.cancel.clone());
-        let (tell, told) = channel();
-        // Nobody else waits for it: the lock is for the compiler, which knows receivers of one thread only.
-        let told = Mutex::new(told);
-        let worker = move || {
-            let State { query, on } = &mut *lock(&state);
-            cancel.store(false, Relaxed);
-            if *on != Some(named) {
-                *query = std::mem::take(query).on(&executor.with_cancel(cancel));
-                *on = Some(named);
+        let asking = Asking {
+            id: (process::id(), own.id),
+            executor: executor.with_cancel(self.cancel.clone()),
+            cancel: self.cancel.clone(),
+        };
+        if own.device == Device::Cpu
+            && !self.is_long.load(Relaxed)
+            && let Some(watched) = Watched::new(&self.cancel)
+        {
+            let answered = py.detach(|| {
+                let state = &mut *self.state.try_lock().ok()?;
+                let answered = asking.ask(state, ask);
+                // The next question about the scene, which has the same flag, waits for the lock until then.
+                drop(watched);
+                (!matches!(answered.0, Err(Error::Cancelled))).then_some(answered)
+            });
+            match answered {
+                Some(answered) => return told(py, own, answered),
+                None => py.check_signals()?,
             }
-            let answer = ask(query);
+        }
+        self.ask_aside(py, own, asking, ask)
+    }
+
+    /// Asks on a thread of its own, while this one hears signals; one that raises ends the question.
+    fn ask_aside<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        own: &Executor,
+        asking: Asking,
+        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Send + 'static,
+    ) -> PyResult<T> {
+        let (state, is_long) = (self.state.clone(), self.is_long.clone());
+        let (tell, heard) = channel();
+        // Nobody else waits for it: the lock is for the compiler, which knows receivers of one thread only.
+        let heard = Mutex::new(heard);
+        let worker = move || {
+            let state = &mut *lock(&state);
+            let began = Instant::now();
+            let answered = asking.ask(state, ask);
+            is_long.store(began.elapsed() > BRIEF, Relaxed);
             // Nobody listens any more after a signal.
-            let _ = tell.send((answer, query.plan().map(ToString::to_string)));
+            let _ = tell.send(answered);
         };
         let started = thread::Builder::new().name("pfront scene".into()).spawn(worker);
         let worker = started.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
         loop {
-            match py.detach(|| lock(&told).recv_timeout(PATIENCE)) {
-                Ok((answer, plan)) => {
-                    own.note_plan(plan.unwrap_or_default());
-                    return answer.map_err(|error| exception(py, error, None));
-                }
+            match py.detach(|| lock(&heard).recv_timeout(PATIENCE)) {
+                Ok(answered) => return told(py, own, answered),
                 Err(RecvTimeoutError::Timeout) => {
                     if let Err(signal) = py.check_signals() {
                         self.cancel.store(true, Relaxed);
@@ -250,4 +308,36 @@ impl Scene {
             }
         }
     }
+}
+
+/// An answer, and who gave it.
+type Answered<T> = (Result<T, Error>, Option<String>);
+
+/// Who answers a question, and what ends it.
+struct Asking {
+    id: (u32, u64),
+    executor: pfront::Executor,
+    cancel: Arc<AtomicBool>,
+}
+
+impl Asking {
+    fn ask<T>(
+        &self,
+        state: &mut State,
+        ask: impl Fn(&mut SceneQuery) -> Result<T, Error>,
+    ) -> Answered<T> {
+        let State { query, on } = state;
+        self.cancel.store(false, Relaxed);
+        if *on != Some(self.id) {
+            *query = std::mem::take(query).on(&self.executor);
+            *on = Some(self.id);
+        }
+        let answer = ask(query);
+        (answer, query.plan().map(ToString::to_string))
+    }
+}
+
+fn told<T>(py: Python<'_>, own: &Executor, (answer, plan): Answered<T>) -> PyResult<T> {
+    own.note_plan(plan.unwrap_or_default());
+    answer.map_err(|error| exception(py, error, None))
 }

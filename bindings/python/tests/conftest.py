@@ -79,3 +79,20 @@ def poses(count, seed=0, spread=2.0, kind=np.float32):
     found = np.tile(np.eye(4), (count, 1, 1))
     found[:, :3, :3], found[:, :3, 3] = turns, rng.uniform(-spread, spread, (count, 3))
     return found.astype(kind)
+
+
+def layouts(array):
+    """The same numbers in every layout that NumPy has."""
+    yield "C", np.ascontiguousarray(array)
+    yield "F", np.asfortranarray(array)
+    yield "strided", np.repeat(array, 2, axis=0)[::2]
+    yield "reversed", array[::-1][::-1]
+    yield "big-endian", array.astype(array.dtype.newbyteorder(">"))
+    raw = np.empty(array.nbytes + 1, np.uint8)
+    misaligned = raw[1:].view(array.dtype).reshape(array.shape)
+    misaligned[...] = array
+    assert not misaligned.flags.aligned or array.itemsize == 1 or array.size == 0
+    yield "misaligned", misaligned
+    frozen = array.copy()
+    frozen.flags.writeable = False
+    yield "read-only", frozen

@@ -4,28 +4,11 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import ball, placed, poses
+from conftest import ball, layouts, placed, poses
 
 import pfront as pf
 
 POINTS, FACES = ball(12)
-
-
-def layouts(array):
-    """The same numbers in every layout that NumPy has."""
-    yield "C", np.ascontiguousarray(array)
-    yield "F", np.asfortranarray(array)
-    yield "strided", np.repeat(array, 2, axis=0)[::2]
-    yield "reversed", array[::-1][::-1]
-    yield "big-endian", array.astype(array.dtype.newbyteorder(">"))
-    raw = np.empty(array.nbytes + 1, np.uint8)
-    misaligned = raw[1:].view(array.dtype).reshape(array.shape)
-    misaligned[...] = array
-    assert not misaligned.flags.aligned
-    yield "misaligned", misaligned
-    frozen = array.copy()
-    frozen.flags.writeable = False
-    yield "read-only", frozen
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64])

@@ -4,8 +4,11 @@ import concurrent.futures
 import gc
 import multiprocessing
 import os
+import pathlib
 import resource
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -33,7 +36,7 @@ def test_children_answer(method):
     with pf.using(threads=2):
         pf.count(pf.Mesh(*heap(300)))
     scene = pf.Scene()
-    scene.add_many(BALL, many)
+    scene.add(BALL, many)
     scene.count()
     context = multiprocessing.get_context(method)
     with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
@@ -61,6 +64,20 @@ def test_sweep_on_a_pool():
     with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
         found = [hit for _, hit in pf.sweep(BALL, BALL, many, executor=pool, chunk=300, window=3)]
     assert found == pf.collides(BALL, BALL, many).tolist()
+
+
+@pytest.mark.parametrize("engine", ["dask", "ray"])
+def test_examples_on_two_local_workers(engine, tmp_path):
+    """The engine finds what the threads of one process find."""
+    BALL.save(tmp_path / "ball.pfb")
+    example = pathlib.Path(__file__).parents[1] / "examples" / f"on_{engine}.py"
+    environment = {**os.environ, "RAY_USAGE_STATS_ENABLED": "0"}
+    command = [sys.executable, example, tmp_path / "ball.pfb", "25000"]
+    ended = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
+    assert ended.returncode == 0, ended.stderr
+    found = [line.split(":")[1].split(";")[0] for line in ended.stdout.splitlines() if "poses meet" in line]
+    assert len(found) == 2 and found[0] == found[1], ended.stdout
+    assert 1000 < int(found[0].split()[0]) < 24000, ended.stdout
 
 
 def interrupted(call, threads, repeat=5):
@@ -107,7 +124,7 @@ def test_ctrl_c(threads):
 
 def test_threads_of_python_share_everything():
     many, scene = poses(200), pf.Scene()
-    ids = scene.add_many(BALL, many)
+    ids = scene.add(BALL, many)
     truth, hits = pf.count(BALL, BALL, many), scene.count()
 
     def ask(i):
@@ -119,6 +136,32 @@ def test_threads_of_python_share_everything():
 
     with concurrent.futures.ThreadPoolExecutor(8) as pool:
         assert list(pool.map(ask, range(16))) == truth[:16].tolist()
+
+
+def test_long_and_short_questions_of_scenes():
+    """A scene asks on the calling thread until that takes long, and starts again elsewhere then."""
+    with pf.using(threads=1):
+        scenes = []
+        for size in (200, 500, 700, 900, 3000):
+            soup, scene = pf.Mesh(*heap(size)), pf.Scene()
+            scene.add(soup)
+            moving = scene.add(soup, placed(1e-3))
+            scenes.append((scene, moving, pf.count(soup, soup, placed(1e-3))))
+
+    def ask(i):
+        with pf.using(threads=1):
+            for scene, moving, truth in scenes:
+                for _ in range(10 if truth < 1e6 else 1):
+                    assert scene.count() == truth
+                    assert scene.body_pairs().tolist() == [[0, 1]]
+
+    ask(0)
+    scene, moving, truth = scenes[-1]
+    scene.set_poses(moving, placed(1e9))
+    assert truth > 1e6 and scene.count() == 0 == scene.count()
+    scene.set_poses(moving, placed(1e-3))
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        list(pool.map(ask, range(4)))
 
 
 def test_the_interpreter_goes_on_meanwhile():
@@ -137,7 +180,7 @@ def test_the_interpreter_goes_on_meanwhile():
 
 
 def test_no_leak():
-    calls = int(os.environ.get("PFRONT_CALLS", "20000"))
+    calls = int(os.environ.get("PFRONT_CALLS", "100000"))
     pose, points, faces = placed(0.5), BALL.vertices[:60], BALL.faces[(BALL.faces < 60).all(1)]
     soup = pf.Mesh(points, faces)
 
@@ -154,7 +197,7 @@ def test_no_leak():
         if i % 100 == 0:
             pf.count(soup, soup, np.stack([pose] * 8))
             scene = pf.Scene()
-            scene.add_many(soup, np.stack([pose] * 3))
+            scene.add(soup, np.stack([pose] * 3))
             scene.pairs()
 
     def memory():

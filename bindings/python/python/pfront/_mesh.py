@@ -22,7 +22,7 @@ _unpickled: weakref.WeakValueDictionary[bytes, Mesh] = weakref.WeakValueDictiona
 
 
 class Mesh:
-    """A triangle mesh with its BVH, which is built here and never changes.
+    """A triangle mesh with its BVH, which is built here and never changes; `with_vertices` makes another of one that deforms.
 
     Parameters
     ----------
@@ -83,6 +83,29 @@ class Mesh:
     def nbytes(self) -> int:
         """Bytes of memory that the mesh and its BVH take, without `vertices` and `faces` if these were looked at."""
         return self._model.nbytes()
+
+    def with_vertices(self, vertices: npt.ArrayLike) -> Mesh:
+        """Return this mesh with its vertices elsewhere, as of a cloth a frame later: the BVH is refitted, not built.
+
+        Parameters
+        ----------
+        vertices : array_like, shape (n, 3)
+            As many as there are. A mesh of float32 becomes one of float64, once and by a new BVH, if some coordinate is not a
+            float32 number; one of float64 stays that.
+
+        Examples
+        --------
+        >>> import pfront as pf
+        >>> sheet = pf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> fallen = sheet.with_vertices(sheet.vertices - [0, 0, 2])
+        >>> fallen.vertices[0].tolist(), pf.collides(sheet, fallen)
+        ([0.0, 0.0, -2.0], False)
+        """
+        points = _points(vertices)
+        own = self._model.counts()[0]
+        if len(points) != own:
+            raise MeshError(f"{len(points)} vertices are not the {own} of this mesh")
+        return Mesh(self._model.with_vertices(points, current()))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the mesh and its BVH as a ``.pfb``, which `load` reads without building the BVH anew.
@@ -150,7 +173,8 @@ def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return array
 
 
-def _model(vertices: Any, faces: Any) -> _pfront.Model:
+def _points(vertices: Any) -> npt.NDArray[Any]:
+    """Vertices in an aligned array of float32 or float64, in C order."""
     points = np.asarray(vertices)
     if points.dtype.kind not in "fiub" or points.dtype.itemsize > 8:
         raise TypeError(f"vertices of dtype {points.dtype} are no real numbers of at most 64 bits")
@@ -159,10 +183,15 @@ def _model(vertices: Any, faces: Any) -> _pfront.Model:
     if points.dtype.kind in "iu" and points.dtype.itemsize == 8 and points.size:
         if max(abs(int(points.min())), abs(int(points.max()))) > 2**53:
             raise TypeError("vertices are integers beyond 2^53, which float64 does not hold")
+    kind = np.float32 if points.dtype.kind == "f" and points.dtype.itemsize <= 4 else np.float64
+    return np.require(points, kind, ("C", "A"))
+
+
+def _model(vertices: Any, faces: Any) -> _pfront.Model:
+    points = _points(vertices)
     corners = _corners(np.asarray(faces))
-    if points.dtype.kind == "f" and points.dtype.itemsize <= 4:
-        return _pfront.Model.from_f32(np.require(points, np.float32, ("C", "A")), corners, current())
-    return _pfront.Model.from_f64(np.require(points, np.float64, ("C", "A")), corners, current())
+    make = _pfront.Model.from_f32 if points.dtype == np.float32 else _pfront.Model.from_f64
+    return make(points, corners, current())
 
 
 def _corners(faces: npt.NDArray[Any]) -> npt.NDArray[np.uint32]:
@@ -206,8 +235,10 @@ def _parts(source: Any) -> tuple[Any, Any]:
         return np.asarray(source.vertices), np.asarray(source.triangles)
     if hasattr(source, "vertex") and hasattr(source, "triangle"):
         return source.vertex.positions.cpu().numpy(), source.triangle.indices.cpu().numpy()
+    if isinstance(source, np.ndarray):
+        raise TypeError(f"an array of shape {source.shape} is no mesh: give vertices and faces, as pf.Mesh(vertices, faces)")
     raise TypeError(
-        f"a {type(source).__name__} is no mesh: give (vertices, faces), a path, or a mesh of trimesh, pyvista, Open3D or meshio"
+        f"{type(source).__name__} is no mesh: give (vertices, faces), a path, or a mesh of trimesh, pyvista, Open3D or meshio"
     )
 
 

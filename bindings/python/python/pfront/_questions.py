@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -12,29 +12,41 @@ import numpy.typing as npt
 from . import _pfront
 from ._errors import PoseError
 from ._mesh import Mesh
+from ._poses import Pose, matrix
 from ._settings import current
 
 __all__ = ["collides", "pairs", "count", "contacts", "sweep", "part", "Part", "Ragged", "Contacts"]
 
-Pose = Any
 Progress = Callable[[int, int], Any]
-_LAST = [0.0, 0.0, 0.0, 1.0]
 
 
 class Ragged(Sequence[Any]):
-    """Arrays of different lengths: `values`, of which array i is ``values[offsets[i]:offsets[i + 1]]``.
+    """Lists of different lengths: `values`, of which list i is ``values[offsets[i]:offsets[i + 1]]``.
 
     Attributes
     ----------
-    values : ndarray
-        All arrays, one after the other.
+    values : ndarray or Contacts
+        All lists, one after the other.
     offsets : ndarray of int64
         Where each begins, and the end.
+
+    Examples
+    --------
+    >>> import numpy as np, pfront as pf
+    >>> floor = pf.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+    >>> blade = pf.Mesh([[1, 1, -1], [1, 2, -1], [1, 1, 1]], [[0, 1, 2]])
+    >>> poses = np.tile(np.eye(4), (3, 1, 1))
+    >>> poses[1, 2, 3] = 5  # the second is above the floor
+    >>> found = pf.pairs(floor, blade, poses)
+    >>> [len(pairs) for pairs in found]
+    [1, 0, 1]
+    >>> np.repeat(np.arange(3), np.diff(found.offsets))  # the pose of each row of found.values
+    array([0, 2])
     """
 
     __slots__ = ("values", "offsets")
 
-    def __init__(self, values: npt.NDArray[Any], offsets: npt.NDArray[np.int64]) -> None:
+    def __init__(self, values: Any, offsets: npt.NDArray[np.int64]) -> None:
         self.values = values
         self.offsets = offsets
 
@@ -42,18 +54,24 @@ class Ragged(Sequence[Any]):
         return len(self.offsets) - 1
 
     def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            first, end, step = index.indices(len(self))
+            if step != 1:
+                raise IndexError("a slice of lists has a step of 1")
+            offsets = self.offsets[first : max(first, end) + 1]
+            return Ragged(self.values[offsets[0] : offsets[-1]], offsets - offsets[0])
         i = int(index)
         if i < 0:
             i += len(self)
         if not 0 <= i < len(self):
-            raise IndexError(index)
+            raise IndexError(f"there is no list {index} of {len(self)}")
         return self.values[self.offsets[i] : self.offsets[i + 1]]
 
     def __repr__(self) -> str:
-        return f"Ragged({len(self)} arrays, {len(self.values)} rows)"
+        return f"Ragged({len(self)} lists, {len(self.values)} rows)"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Contacts:
     """Where pairs of triangles meet, in the frame of the first mesh; a struct of arrays, in the order of `pairs`.
 
@@ -76,6 +94,15 @@ class Contacts:
 
     def __len__(self) -> int:
         return len(self.pairs)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({len(self)} pairs, {self.segments.dtype})"
+
+    def __getitem__(self, index: Any) -> Any:
+        """The contacts that a slice, a mask or an array of indices selects, as ``found[~found.flat]``."""
+        if isinstance(index, (int, np.integer)):
+            raise TypeError(f"contacts are selected by slices, masks and arrays of indices: found[{index} : {index + 1}]")
+        return type(self)(*(getattr(self, field.name)[index] for field in fields(self)))
 
     def polylines(self) -> Ragged:
         """Chain the segments at end points that are equal to the bit.
@@ -132,59 +159,11 @@ class Contacts:
         return Ragged(points[np.concatenate(chains)], offsets)
 
 
-def _matrix(pose: Pose) -> npt.NDArray[Any]:
-    """A pose, or poses, as an aligned array of float32 or float64 in C order, whose last row has been looked at."""
-    array = np.asarray(pose.as_matrix() if hasattr(pose, "as_matrix") else pose)
-    if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8:
-        raise TypeError(f"a pose of dtype {array.dtype} is no matrix of real numbers of at most 64 bits")
-    if array.ndim < 2 or array.ndim > 3 or array.shape[-2:] not in ((3, 3), (3, 4), (4, 4)):
-        raise PoseError(f"a pose of shape {array.shape} is not (4, 4), (3, 4) or (3, 3), nor are these (k, ...)")
-    kind = np.float32 if array.dtype.kind == "f" and array.dtype.itemsize <= 4 else np.float64
-    if array.shape[-2] == 4:
-        wrong = (array[..., 3, :] != _LAST).any(axis=-1)
-        if wrong.any():
-            error = PoseError("the last row of a pose is not 0, 0, 0, 1")
-            error.row = 3
-            if array.ndim == 3:
-                error.pose = int(np.argmax(wrong))
-            raise error
-        if array.ndim == 3:
-            array = array[:, :3]
-    elif array.shape[-1] == 3:
-        array = np.concatenate([array, np.zeros((*array.shape[:-1], 1), array.dtype)], axis=-1)
-    return np.require(array, kind, ("C", "A"))
-
-
-def _pose(pose: Pose) -> npt.NDArray[Any] | None:
-    # What most callers have, without a look at anything else.
-    if pose is None or (
-        type(pose) is np.ndarray
-        and pose.shape == (4, 4)
-        and pose.dtype.char in "fd"
-        and pose.dtype.isnative
-        and pose.flags.carray
-        and pose[3].tolist() == _LAST
-    ):
-        return pose
-    return _matrix(pose)
-
-
 def _two(a: Any, b: Any) -> tuple[_pfront.Model, _pfront.Model | None]:
     first = a._model if type(a) is Mesh else Mesh(a)._model
     if b is None:
         return first, None
     return first, b._model if type(b) is Mesh else Mesh(b)._model
-
-
-def _about(
-    a: Any, b: Any, pose: Pose
-) -> tuple[_pfront.Model, _pfront.Model | None, npt.NDArray[Any] | None, bool]:
-    """Both models, the pose, and whether there are many."""
-    first, second = _two(a, b)
-    array = _pose(pose)
-    if second is None and array is not None:
-        raise TypeError("a mesh with itself takes no pose")
-    return first, second, array, array is not None and array.ndim == 3
 
 
 def collides(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
@@ -205,6 +184,11 @@ def collides(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | N
     bool or ndarray of bool
         One answer for each pose.
 
+    Notes
+    -----
+    If both meshes have a pose in the world, ask about ``np.linalg.inv(world_from_a) @ world_from_b``; or put them into a
+    `Scene`, which poses both into the world.
+
     Examples
     --------
     >>> import numpy as np, pfront as pf
@@ -217,11 +201,7 @@ def collides(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | N
     >>> pf.collides(box, box, pose)
     False
     """
-    first, second, array, many = _about(a, b, pose)
-    if many:
-        assert second is not None and array is not None
-        return _pfront.batch_any(first, second, array, current(), progress)
-    return _pfront.any(first, second, array, current())
+    return _pfront.any(*_two(a, b), pose, current(), progress)
 
 
 def count(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
@@ -246,11 +226,7 @@ def count(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None
     >>> pf.count(box, box, poses) > 0
     array([ True,  True, False])
     """
-    first, second, array, many = _about(a, b, pose)
-    if many:
-        assert second is not None and array is not None
-        return _pfront.batch_count(first, second, array, current(), progress)
-    return _pfront.count(first, second, array, current(), None)
+    return _pfront.count(*_two(a, b), pose, current(), progress, None)
 
 
 def pairs(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
@@ -276,25 +252,22 @@ def pairs(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None
     >>> pf.pairs(floor, blade)
     array([[0, 0]], dtype=uint32)
     """
-    first, second, array, many = _about(a, b, pose)
-    if many:
-        assert second is not None and array is not None
-        return Ragged(*_pfront.batch_all(first, second, array, current(), progress))
-    return _pfront.all(first, second, array, current(), None)
+    found, offsets = _pfront.all(*_two(a, b), pose, current(), progress, None)
+    return found if offsets is None else Ragged(found, offsets)
 
 
-def contacts(a: Any, b: Any = None, pose: Pose = None) -> Contacts:
+def contacts(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
     """Find where two meshes meet: a segment for each pair of triangles, and their normals.
 
     Parameters
     ----------
-    a, b, pose
-        As for `collides`; one pose.
+    a, b, pose, progress
+        As for `collides`.
 
     Returns
     -------
-    Contacts
-        A struct of arrays.
+    Contacts or Ragged
+        A struct of arrays; for many poses the contacts of each.
 
     Examples
     --------
@@ -304,10 +277,9 @@ def contacts(a: Any, b: Any = None, pose: Pose = None) -> Contacts:
     >>> pf.contacts(floor, blade).segments.tolist()
     [[[1.0, 1.5, 0.0], [1.0, 1.0, 0.0]]]
     """
-    first, second, array, many = _about(a, b, pose)
-    if many:
-        raise PoseError("contacts take one pose: ask for pairs first, and for contacts of the poses that matter")
-    return Contacts(*_pfront.contacts(first, second, array, current()))
+    arrays, offsets = _pfront.contacts(*_two(a, b), pose, current(), progress)
+    found = Contacts(*arrays)
+    return found if offsets is None else Ragged(found, offsets)
 
 
 @dataclass(frozen=True)
@@ -319,13 +291,13 @@ class Part:
 
     def pairs(self, a: Any, b: Any = None, pose: Pose = None) -> npt.NDArray[np.uint32]:
         """List the pairs of this part, sorted; the parts together list each pair of `pfront.pairs` once."""
-        first, second, array, _ = _about(a, b, pose)
-        return _pfront.all(first, second, array, current(), (self.i, self.n))
+        found: npt.NDArray[np.uint32] = _pfront.all(*_two(a, b), pose, current(), None, (self.i, self.n))[0]
+        return found
 
     def count(self, a: Any, b: Any = None, pose: Pose = None) -> int:
         """Count the pairs of this part."""
-        first, second, array, _ = _about(a, b, pose)
-        return _pfront.count(first, second, array, current(), (self.i, self.n))
+        found: int = _pfront.count(*_two(a, b), pose, current(), None, (self.i, self.n))
+        return found
 
 
 def part(i: int, n: int) -> Part:
@@ -350,7 +322,7 @@ def part(i: int, n: int) -> Part:
     return Part(int(i), int(n))
 
 
-_WHAT: dict[str, Callable[..., Any]] = {"collides": collides, "count": count, "pairs": pairs}
+_WHAT: dict[str, Callable[..., Any]] = {"collides": collides, "count": count, "pairs": pairs, "contacts": contacts}
 
 
 def _task(what: str, a: Mesh, b: Mesh, poses: npt.NDArray[Any]) -> Any:
@@ -377,7 +349,7 @@ def sweep(
         The meshes.
     poses : array_like, shape (k, 4, 4)
         As for `collides`.
-    what : {"collides", "count", "pairs"}
+    what : {"collides", "count", "pairs", "contacts"}
         The question.
     progress : callable, optional
         Called as ``progress(done, total)`` after each chunk; ``lambda done, total: bar.update(done - bar.n)`` for tqdm.
@@ -407,7 +379,7 @@ def sweep(
         raise ValueError("chunk and window are at least 1")
     first = a if isinstance(a, Mesh) else Mesh(a)
     second = b if isinstance(b, Mesh) else Mesh(b)
-    array = _matrix(poses)
+    array = matrix(poses)
     if array.ndim != 3:
         raise PoseError(f"poses of shape {array.shape} are not (k, 4, 4)")
     return _swept(first, second, array, what, progress, executor, chunk, window)

@@ -10,15 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
-from ._errors import PoseError, StaleBody
+from ._errors import StaleBody
 from ._mesh import Mesh
-from ._questions import Contacts, Pose, _matrix, _pose
+from ._poses import Pose
+from ._questions import Contacts
 from ._settings import current
 
 __all__ = ["Scene", "Hits", "SceneContacts"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Hits:
     """Pairs of triangles of different bodies that meet, sorted.
 
@@ -36,8 +37,11 @@ class Hits:
     def __len__(self) -> int:
         return len(self.pairs)
 
+    def __repr__(self) -> str:
+        return f"Hits({len(self)} pairs)"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class SceneContacts(Contacts):
     """Where bodies meet, in the world: `Contacts`, and the `bodies` of each.
 
@@ -77,31 +81,29 @@ class Scene:
         self._scene = _pfront.Scene()
         self._names: dict[int, Hashable] = {}
 
-    def add(self, mesh: Any, pose: Pose = None, *, name: Hashable = None) -> int:
-        """Add a body, or one for each of (k, 4, 4) poses by `add_many`, and return its id, which is never used again.
+    def add(self, mesh: Any, pose: Pose = None, *, name: Hashable = None, user_id: Any = None) -> Any:
+        """Add a body, or one for each of many poses.
 
         Parameters
         ----------
         mesh : Mesh
             Bodies may share one.
         pose : array_like, optional
-            ``world_from_body``, 4×4.
+            ``world_from_body``, as for `collides`: one pose, or (k, 4, 4).
         name : optional
             Anything; see `name`.
-        """
-        array = _pose(pose)
-        if array is not None and array.ndim == 3:
-            raise PoseError("a body has one pose: add_many adds one for each")
-        model = mesh if isinstance(mesh, Mesh) else Mesh(mesh)
-        body = self._scene.add(model._model, array)
-        if name is not None:
-            self._names[body] = name
-        return body
+        user_id : int, or array_like of k, optional
+            Numbers of your own; see `user_ids`.
 
-    def add_many(self, mesh: Any, poses: Pose) -> npt.NDArray[np.int64]:
-        """Add a body of one mesh for each of (k, 4, 4) poses, and return their ids."""
-        model = mesh if isinstance(mesh, Mesh) else Mesh(mesh)
-        return self._scene.add_many(model._model, self._many(poses))
+        Returns
+        -------
+        int or ndarray of int64
+            The id of each body: 0, 1, 2, ... in the order of adding; none is ever used again.
+        """
+        body = self._scene.add(_mesh(mesh), pose, None if user_id is None else _numbers(user_id, np.int64))
+        if name is not None:
+            self._names.update(dict.fromkeys(np.atleast_1d(body).tolist(), name))
+        return body
 
     def remove(self, body: int) -> None:
         """Take a body out; one that is not there raises `StaleBody`."""
@@ -112,6 +114,25 @@ class Scene:
         """The name of a body; None if it was given none."""
         return self._names.get(int(body))
 
+    def user_ids(self, bodies: npt.ArrayLike) -> npt.NDArray[np.int64]:
+        """Look up the numbers that `add` was given for bodies; by default a body has its id.
+
+        Parameters
+        ----------
+        bodies : int, or array_like of any shape
+            Ids, as those of `body_pairs` or of ``Hits.bodies``.
+
+        Examples
+        --------
+        >>> import numpy as np, pfront as pf
+        >>> scene, box = pf.Scene(), pf.Mesh(*pf._box())
+        >>> _ = scene.add(box, np.tile(np.eye(4), (2, 1, 1)), user_id=[70, 71])
+        >>> scene.user_ids(scene.body_pairs())
+        array([[70, 71]])
+        """
+        ids = _numbers(bodies, np.uint64)
+        return self._scene.user_ids(ids.reshape(-1)).reshape(np.shape(bodies))
+
     def set_poses(self, bodies: npt.ArrayLike, poses: Pose) -> None:
         """Move bodies; body ``bodies[i]`` to ``poses[i]``.
 
@@ -120,18 +141,25 @@ class Scene:
         StaleBody, PoseError
             With the index in ``.pose``; bodies before it have moved.
         """
-        ids = np.atleast_1d(np.asarray(bodies))
-        if ids.dtype.kind not in "iu" or (ids.dtype.kind == "i" and ids.size and ids.min() < 0):
-            raise StaleBody("ids are numbers of 0 and more")
-        array = self._many(poses)
-        if len(ids) != len(array):
-            raise PoseError(f"{len(array)} poses were given for {len(ids)} bodies")
-        self._scene.set_poses(np.require(ids, np.uint64, ("C", "A")), array)
+        self._scene.set_poses(_numbers(bodies, np.uint64), poses)
 
-    @staticmethod
-    def _many(poses: Pose) -> npt.NDArray[Any]:
-        array = _matrix(poses)
-        return array if array.ndim == 3 else np.require(array[None, :3], requirements=("C", "A"))
+    def set_mesh(self, body: int, mesh: Any) -> None:
+        """Give a body another mesh, as `Mesh.with_vertices` makes of one that deforms; it stays where it is.
+
+        Examples
+        --------
+        >>> import numpy as np, pfront as pf
+        >>> box, pose = pf.Mesh(*pf._box()), np.eye(4)
+        >>> pose[2, 3] = 1.5
+        >>> scene = pf.Scene()
+        >>> table, balloon = scene.add(box), scene.add(box, pose)
+        >>> scene.collides()
+        False
+        >>> scene.set_mesh(balloon, box.with_vertices(2 * box.vertices))
+        >>> scene.collides()
+        True
+        """
+        self._scene.set_model(body, _mesh(mesh))
 
     def ignore(self, a: int, b: int, ignored: bool = True) -> None:
         """Ignore what two bodies do to each other, as links of a joint that overlap by design; or no longer."""
@@ -139,6 +167,9 @@ class Scene:
 
     def __len__(self) -> int:
         return self._scene.len()
+
+    def __repr__(self) -> str:
+        return f"Scene({len(self)} bodies)"
 
     def pairs(self) -> Hits:
         """List the pairs of triangles of different bodies that meet."""
@@ -160,3 +191,19 @@ class Scene:
     def collides(self) -> bool:
         """Whether any two bodies meet."""
         return self._scene.any(current())
+
+
+def _mesh(mesh: Any) -> _pfront.Model:
+    return mesh._model if isinstance(mesh, Mesh) else Mesh(mesh)._model
+
+
+def _numbers(numbers: npt.ArrayLike, kind: Any) -> npt.NDArray[Any]:
+    """Integers, in an array that is aligned and in C order."""
+    array = np.atleast_1d(np.asarray(numbers))
+    if array.size == 0:
+        return np.empty(array.shape, kind)
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"ids of dtype {array.dtype} are no integers")
+    if kind == np.uint64 and array.min() < 0:
+        raise StaleBody("ids of bodies are 0 and more")
+    return np.require(array, kind, ("C", "A"))

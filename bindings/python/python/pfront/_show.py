@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from . import _questions
+from ._errors import PoseError
 from ._mesh import Mesh
-from ._questions import Contacts, Pose, Ragged, _matrix
+from ._poses import Pose, matrix
+from ._questions import Contacts, Ragged
 
 __all__ = ["show", "Accessor", "register"]
 
@@ -27,7 +29,7 @@ def show(a: Any, b: Any = None, pose: Pose = None, *, off_screen: bool = False, 
     Parameters
     ----------
     a, b, pose
-        As for `contacts`.
+        As for `contacts`; one pose.
     off_screen : bool
         Without a window.
     screenshot : path, optional
@@ -40,11 +42,13 @@ def show(a: Any, b: Any = None, pose: Pose = None, *, off_screen: bool = False, 
     """
     pyvista = _pyvista()
     found = _questions.contacts(a, b, pose)
+    if not isinstance(found, Contacts):
+        raise PoseError("a picture shows one pose")
     plotter = pyvista.Plotter(off_screen=off_screen)
-    matrix = np.eye(4)
+    a_from_b = np.eye(4)
     if pose is not None:
-        matrix[:3] = _matrix(pose)[:3]
-    for mesh, world, color in ((a, np.eye(4), "lightsteelblue"), (b, matrix, "wheat")):
+        a_from_b[:3] = matrix(pose)[:3]
+    for mesh, world, color in ((a, np.eye(4), "lightsteelblue"), (b, a_from_b, "wheat")):
         if mesh is not None:
             model = mesh if isinstance(mesh, Mesh) else Mesh(mesh)
             points = model.vertices @ world[:3, :3].T + world[:3, 3]
@@ -84,7 +88,7 @@ class Accessor:
         """As `pfront.pairs`."""
         return _questions.pairs(self.mesh, other, pose)
 
-    def contacts(self, other: Any = None, pose: Pose = None) -> Contacts:
+    def contacts(self, other: Any = None, pose: Pose = None) -> Any:
         """As `pfront.contacts`."""
         return _questions.contacts(self.mesh, other, pose)
 

@@ -5,15 +5,14 @@ Meshes are surfaces here, where trimesh takes convex ones for solids: a box insi
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ._mesh import Mesh
-from ._questions import Pose
-from ._scene import Scene
+from ._poses import Pose
+from ._scene import Scene, SceneContacts
 
 __all__ = ["CollisionManager", "ContactData"]
 
@@ -29,15 +28,38 @@ class ContactData:
         The middle of the segment in which they meet, and the normal of the first triangle.
     """
 
-    def __init__(self, names: tuple[str, str], faces: Iterable[int], point: npt.NDArray[Any], normal: npt.NDArray[Any]) -> None:
-        self.names = set(names)
-        self.point = point
-        self.normal = normal
-        self._faces = dict(zip(names, (int(face) for face in faces)))
+    __slots__ = ("_found", "_row", "_names")
+
+    def __init__(self, found: SceneContacts, row: int, names: tuple[str, str]) -> None:
+        self._found = found
+        self._row = row
+        self._names = names
+
+    @property
+    def names(self) -> set[str]:
+        return set(self._names)
+
+    @property
+    def point(self) -> npt.NDArray[Any]:
+        middle: npt.NDArray[Any] = self._found.segments[self._row].mean(axis=0)
+        return middle
+
+    @property
+    def normal(self) -> npt.NDArray[np.float32]:
+        normal: npt.NDArray[np.float32] = self._found.normals[self._row, 0]
+        return normal
 
     def index(self, name: str) -> int:
         """The face of the object of that name."""
-        return self._faces[name]
+        if name not in self._names:
+            raise KeyError(name)
+        return int(self._found.pairs[self._row, self._names.index(name)])
+
+
+def _data(found: SceneContacts, names: dict[tuple[int, int], tuple[str, str]]) -> list[ContactData]:
+    """The contacts of the pairs of bodies that have names."""
+    bodies = map(tuple, found.bodies.tolist())
+    return [ContactData(found, row, names[two]) for row, two in enumerate(bodies) if two in names]
 
 
 class CollisionManager:
@@ -86,16 +108,10 @@ class CollisionManager:
         """Whether any two objects meet; with their names, and with data of each pair of triangles."""
         if not (return_names or return_data):
             return self._scene.collides()
-        if return_data:
-            found = self._scene.contacts()
-            data = [
-                ContactData((self._name(a), self._name(b)), faces, segment.mean(axis=0), normals[0])
-                for (a, b), faces, segment, normals in zip(found.bodies, found.pairs, found.segments, found.normals)
-            ]
-            bodies: Any = np.unique(found.bodies, axis=0)
-        else:
-            bodies, data = self._scene.body_pairs(), []
-        names = {(min(two), max(two)) for two in ((self._name(a), self._name(b)) for a, b in bodies)}
+        found = self._scene.contacts() if return_data else None
+        pairs = {(a, b): (self._name(a), self._name(b)) for a, b in self._scene.body_pairs().tolist()}
+        data = [] if found is None else _data(found, pairs)
+        names = {(min(two), max(two)) for two in pairs.values()}
         return self._answer(bool(names), names, data, return_names, return_data)
 
     def in_collision_single(
@@ -115,17 +131,11 @@ class CollisionManager:
         both = Scene()
         own = {both.add(mesh, pose): name for name, (mesh, pose) in self._meshes.items()}
         other = {both.add(mesh, pose): name for name, (mesh, pose) in other_manager._meshes.items()}
-        data: list[ContactData] = []
-        bodies = [(int(a), int(b)) for a, b in both.body_pairs()]
-        across = [(a, b) for a, b in bodies if (a in own) != (b in own)]
-        names = {(own[a], other[b]) for a, b in across}
-        if return_data and across:
-            found = both.contacts()
-            for (a, b), faces, segment, normals in zip(
-                found.bodies.tolist(), found.pairs, found.segments, found.normals
-            ):
-                if (a in own) != (b in own):
-                    data.append(ContactData((own[a], other[b]), faces, segment.mean(axis=0), normals[0]))
+        across = [(a, b) for a, b in both.body_pairs().tolist() if (a in own) != (b in own)]
+        # The bodies of this manager were added first.
+        pairs = {(a, b): (own[a], other[b]) for a, b in across}
+        names = set(pairs.values())
+        data = _data(both.contacts(), pairs) if return_data and across else []
         return self._answer(bool(names), names, data, return_names, return_data)
 
     def _name(self, body: int) -> str:

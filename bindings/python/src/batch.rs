@@ -1,0 +1,55 @@
+//! Questions about two models in many poses.
+
+use crate::errors::exception;
+use crate::executor::Executor;
+use crate::question::{together, wait};
+use pfront::{AnyPose, Batch, Error, Model, Ticket};
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// Poses that are asked about in one submission.
+const CHUNK: usize = 1 << 14;
+
+/// Two models in many poses, and who is told how far the question has come.
+pub(crate) struct Many<'py> {
+    pub(crate) models: [Arc<Model>; 2],
+    pub(crate) poses: Vec<AnyPose>,
+    pub(crate) progress: Option<Bound<'py, PyAny>>,
+}
+
+impl Many<'_> {
+    /// Asks about all poses, in chunks whose answers are read in turn.
+    pub(crate) fn ask<T: Send>(
+        &self,
+        py: Python<'_>,
+        on: &Executor,
+        verb: fn(&mut Batch, &pfront::Executor) -> Result<Ticket<T>, Error>,
+        mut read: impl FnMut(&[AnyPose], T) -> PyResult<()>,
+    ) -> PyResult<()> {
+        let Self { models: [a, b], poses, progress } = self;
+        let executor = together(py, on)?;
+        let mut batch = Batch::new();
+        let mut done = 0;
+        for chunk in poses.chunks(CHUNK) {
+            let start = || {
+                batch.clear();
+                for (i, pose) in chunk.iter().enumerate() {
+                    batch.pair(a, b, *pose).map_err(|error| (error, Some(done + i)))?;
+                }
+                verb(&mut batch, &executor).map_err(|error| (error, None))
+            };
+            let ticket = py.detach(start).map_err(|(error, pose)| exception(py, error, pose))?;
+            read(chunk, wait(py, ticket)?)?;
+            done += chunk.len();
+            if let Some(progress) = progress {
+                progress.call1((done, poses.len()))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the question is in f64.
+    pub(crate) fn is_f64(&self) -> bool {
+        self.poses.iter().any(AnyPose::is_f64) || self.models.iter().any(|model| model.is_f64())
+    }
+}
