@@ -135,3 +135,37 @@ impl<const N: usize> Mul for Wide<N> {
         out.trimmed(self.len + other.len)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agrees_with_i128() {
+        let values = [0_i64, 1, -1, 7, -12_345, (1 << 24) - 1, -(1 << 24) + 1];
+        for x in values {
+            for y in values {
+                for shift in [0, 1, 31, 63] {
+                    let (wide, other, one) =
+                        (Wide::<14>::new(x, shift), Wide::<14>::new(y, 3), Wide::<14>::new(1, 0));
+                    let (x, y) = (i128::from(x) << shift, i128::from(y) << 3);
+                    assert_eq!((wide + other).sign(), (x + y).signum() as i32);
+                    assert_eq!((wide - other).sign(), (x - y).signum() as i32);
+                    assert_eq!((wide * other - one).sign(), (x * y - 1).signum() as i32);
+                    assert_eq!((wide * other).as_f64(14), (x * y) as f64);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn carries_run_through_every_limb() {
+        let (top, one) = (Wide::<14>::new(1, 800), Wide::<14>::new(1, 0));
+        assert_eq!((top - one + one - top).sign(), 0);
+        assert_eq!((top - one).sign(), 1);
+        assert_eq!((one - top + top - one).sign(), 0);
+        assert_eq!((Wide::<14>::new(-1, 400) * Wide::<14>::new(-1, 400) - top).sign(), 0);
+        assert_eq!(Wide::<14>::new(-3, 700).as_f64(14), -3.0 * 2f64.powi(700));
+        assert_eq!((top - one).as_f64(14), 2f64.powi(800));
+    }
+}

@@ -7,7 +7,7 @@
 
 use super::{Mesh, MeshError, check_environment};
 use crate::bvtt::F64;
-use crate::exact::predicate64;
+use crate::exact::LIMIT;
 use crate::index::at;
 use glam::DVec3;
 
@@ -128,8 +128,7 @@ impl<'a> Mesh<'a> {
     ) -> Result<Self, MeshError> {
         let mesh = Self::new(shadow, triangles)?.with_exact(positions, DVec3::from_array(origin));
         if positions.is_empty() {
-            let is_in_range =
-                |p: &[f32; 3]| p.iter().all(|x| f64::from(x.abs()) <= predicate64::LIMIT);
+            let is_in_range = |p: &[f32; 3]| p.iter().all(|x| f64::from(x.abs()) <= LIMIT);
             return match shadow.iter().position(|p| !is_in_range(p)) {
                 Some(vertex) => Err(MeshError::Range { vertex }),
                 None => Ok(mesh),
@@ -140,7 +139,7 @@ impl<'a> Mesh<'a> {
             return Err(MeshError::VertexCount { expected, found });
         }
         check_positions(positions)?;
-        let is_near = DVec3::from_array(origin).abs().cmple(DVec3::splat(predicate64::LIMIT)).all();
+        let is_near = DVec3::from_array(origin).abs().cmple(DVec3::splat(LIMIT)).all();
         let is_own = |(p, shadow): (&[f64; 3], &[f32; 3])| {
             is_near
                 && (DVec3::from_array(*p) - DVec3::from_array(origin)).as_vec3().to_array()
@@ -208,7 +207,7 @@ fn check_positions(positions: &[[f64; 3]]) -> Result<[DVec3; 2], MeshError> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for (vertex, &position) in positions.iter().enumerate() {
         let p = DVec3::from_array(position);
-        if !p.abs().cmple(DVec3::splat(predicate64::LIMIT)).all() {
+        if !p.abs().cmple(DVec3::splat(LIMIT)).all() {
             let is_finite = p.is_finite();
             return Err(if is_finite {
                 MeshError::Range { vertex }

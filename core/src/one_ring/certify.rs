@@ -12,8 +12,7 @@
 use super::{CERTIFIED, Certified, OneRing, OneRings, RING};
 use crate::Mesh;
 use crate::bvh::Join;
-use crate::exact::filter64::ERROR_2D;
-use crate::exact::predicate64::UNDERFLOW_2D;
+use crate::exact::filter64::{ERROR_2D, UNDERFLOW_2D};
 use crate::index::{at, at_mut, part, range, split};
 use crate::parallel::parts;
 use crate::vertex_set::{Moved, holds, holds_any, mark, moved_bound, number, vertices};

@@ -4,7 +4,7 @@
 //! which takes only the turns of points in a projection that keeps areas. A degenerate triangle is its
 //! segment or point, and a segment is a polygon of two edges, there and back.
 
-use crate::exact::{Coordinate, Orientation};
+use crate::exact::{Coordinate, Orientation, difference};
 
 /// Whether two triangles intersect that are coplanar or of which at least one is degenerate.
 #[cold]
@@ -51,7 +51,7 @@ pub(super) struct Projection {
 pub(super) fn projection<K: Orientation<C>, C: Coordinate>(
     t: &[[C; 3]; 3],
 ) -> Option<Option<Projection>> {
-    let normal = C::difference(&t[1], &t[0]).cross(C::difference(&t[2], &t[0]));
+    let normal = difference(&t[1], &t[0]).cross(difference(&t[2], &t[0]));
     // The largest area first: it nearly always decides.
     let largest = normal.abs().max_position();
     for axis in [largest, (largest + 1) % 3, (largest + 2) % 3] {

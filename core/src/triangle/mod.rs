@@ -40,8 +40,8 @@ pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
 use crate::exact::{
-    CertifiedF32, CertifiedF64, Coordinate, Exact, ExactF64, Fast, HAS_F64, Orientation, Point,
-    are_exact_in_f64, predicate64,
+    CertifiedF32, CertifiedF64, Coordinate, Exact, ExactF64, Fast, HAS_F64, LIMIT, Orientation,
+    Point, are_exact_in_f64,
 };
 use glam::Vec3A;
 
@@ -98,7 +98,7 @@ pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
 /// assert_eq!(intersects_f64(&floor, &tip(5e-324)), Ok(false));
 /// ```
 pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, RangeError> {
-    let is_in_range = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= predicate64::LIMIT);
+    let is_in_range = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= LIMIT);
     if let Some(corner) = a.iter().chain(b).position(|p| !is_in_range(p)) {
         return Err(RangeError { corner });
     }
