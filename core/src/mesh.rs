@@ -8,6 +8,7 @@ mod exact;
 mod tests;
 
 pub(crate) use exact::Positions64;
+use exact::same_length;
 
 use crate::aabb::Bounds;
 use crate::exact::environment;
@@ -105,10 +106,7 @@ impl<'a> Mesh<'a> {
     /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
     pub fn with_positions(self, positions: &'a [[f32; 3]]) -> Result<Self, MeshError> {
-        if positions.len() != self.positions.len() {
-            let (expected, found) = (self.positions.len(), positions.len());
-            return Err(MeshError::VertexCount { expected, found });
-        }
+        same_length(self.positions.len(), positions.len())?;
         if self.positions_f64().is_some() {
             return Err(MeshError::OtherPrecision);
         }

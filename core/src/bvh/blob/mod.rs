@@ -72,7 +72,7 @@ pub use header::{Counts, MAGIC};
 
 use crate::index::{part, part_mut, split};
 use crate::{Bvh, BvhError, CapacityError, Mesh, Node};
-use bytes::{borrow, copy_from, copy_points_from, copy_points_to, copy_to};
+use bytes::{borrow, copy_from, copy_to};
 use header::{Header, checksum};
 
 /// A value that begins at a multiple of 64 bytes, for a [`Blob`] to be borrowed.
@@ -231,7 +231,7 @@ impl<'a> Blob<'a> {
         let sections = self.sections()?;
         let [.., in_f64] = sections;
         let (origin, bytes) = origin_and_positions(in_f64);
-        let positions = copy_points_from(bytes, "positions_f64", positions)?;
+        let positions = copy_from::<8, _>(bytes, "positions_f64", positions)?;
         let (mesh, nodes, order) = copy_into(storage, sections)?;
         let mesh = Mesh::from_f64_parts(positions, mesh.positions(), origin, mesh.triangles())?;
         Ok(Bvh::new(mesh, nodes, order, scratch)?)
@@ -264,10 +264,10 @@ fn copy_into<'s>(
     storage: BlobStorage<'s>,
     [nodes, positions, triangles, order, _]: [&[u8]; 5],
 ) -> Result<(Mesh<'s>, &'s [Node], &'s [u32]), CapacityError> {
-    let positions = copy_from(positions, "positions", storage.positions)?;
-    let triangles = copy_from(triangles, "triangles", storage.triangles)?;
-    let nodes = copy_from(nodes, "nodes", storage.nodes)?;
-    let order = copy_from(order, "order", storage.order)?;
+    let positions = copy_from::<4, _>(positions, "positions", storage.positions)?;
+    let triangles = copy_from::<4, _>(triangles, "triangles", storage.triangles)?;
+    let nodes = copy_from::<4, _>(nodes, "nodes", storage.nodes)?;
+    let order = copy_from::<4, _>(order, "order", storage.order)?;
     Ok((Mesh::new_unchecked(positions, triangles), nodes, order))
 }
 
@@ -278,7 +278,7 @@ fn origin_and_positions(section: &[u8]) -> ([f64; 3], &[u8]) {
     };
     let mut point = [[0.0; 3]];
     // It has room for one.
-    let _ = copy_points_from(origin, "origin", &mut point);
+    let _ = copy_from::<8, _>(origin, "origin", &mut point);
     let [origin] = point;
     (origin, positions)
 }
@@ -307,13 +307,13 @@ pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BvhError>
     let [nodes, positions, triangles, order, in_f64] = counts.sections();
     if let Some(points) = mesh.positions_f64() {
         let (origin, rest) = split(part_mut(out, in_f64), size_of::<[f64; 3]>());
-        copy_points_to(&[mesh.origin()], origin);
-        copy_points_to(points, rest);
+        copy_to::<8, _>(&[mesh.origin()], origin);
+        copy_to::<8, _>(points, rest);
     }
-    copy_to(bvh.nodes(), part_mut(out, nodes));
-    copy_to(mesh.positions(), part_mut(out, positions));
-    copy_to(mesh.triangles(), part_mut(out, triangles));
-    copy_to(bvh.order(), part_mut(out, order));
+    copy_to::<4, _>(bvh.nodes(), part_mut(out, nodes));
+    copy_to::<4, _>(mesh.positions(), part_mut(out, positions));
+    copy_to::<4, _>(mesh.triangles(), part_mut(out, triangles));
+    copy_to::<4, _>(bvh.order(), part_mut(out, order));
     Header::new(counts, mesh.is_f64()).write(out);
     Ok(out)
 }
