@@ -30,6 +30,8 @@ pub(crate) const UNDERFLOW_2D: f64 = f64::from_bits(1 << 4);
 pub(crate) enum CertifiedF64 {}
 
 impl Orientation for CertifiedF64 {
+    type C = f32;
+
     #[inline]
     fn orient3d<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
         let signs = orient3d(plane, points);

@@ -3,6 +3,7 @@
 //! The triangle tests are written once over [`Orientation`]: what they promise is what its signs promise.
 
 use super::{Point, Point2, filter64, integer};
+use core::marker::PhantomData;
 use glam::{DVec3, Vec3};
 
 /// A coordinate of the points that predicates decide: a finite f32, or an f64 of at most [`LIMIT`].
@@ -27,19 +28,25 @@ impl Coordinate for f64 {
 pub(crate) const LIMIT: f64 = 42_535_295_865_117_307_932_921_825_928_971_026_432.0;
 
 /// Decides the orientation of points in space and in a plane. A sign that is not known is `None`.
-pub(crate) trait Orientation<C = f32> {
+pub(crate) trait Orientation {
+    /// The coordinates of the points.
+    type C: Coordinate;
+
     /// The sides of one plane, through three points, on which several points lie; `None` if one of them is not known.
-    fn orient3d<const N: usize>(plane: [&[C; 3]; 3], points: [&[C; 3]; N]) -> Option<[i32; N]>;
+    fn orient3d<const N: usize>(
+        plane: [&[Self::C; 3]; 3],
+        points: [&[Self::C; 3]; N],
+    ) -> Option<[i32; N]>;
 
     /// The turn of three points. Only sides that are known to be zero lead from space to a plane, and a filter never
     /// knows that: it is not asked.
-    fn orient2d(_: &[C; 2], _: &[C; 2], _: &[C; 2]) -> Option<i32> {
+    fn orient2d(_: &[Self::C; 2], _: &[Self::C; 2], _: &[Self::C; 2]) -> Option<i32> {
         None
     }
 }
 
 /// Every sign is exact.
-pub(crate) enum Exact {}
+pub(crate) struct Exact<C = f32>(PhantomData<C>);
 
 /// Plain f32: any sign may be wrong.
 pub(crate) enum Fast {}
@@ -72,7 +79,9 @@ pub(crate) fn orient2d<C: Coordinate>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32
     if turn == 0 { integer::orient2d(a, b, c) } else { turn }
 }
 
-impl<C: Coordinate> Orientation<C> for Exact {
+impl<C: Coordinate> Orientation for Exact<C> {
+    type C = C;
+
     #[inline(always)]
     fn orient3d<const N: usize>(plane: [&[C; 3]; 3], points: [&[C; 3]; N]) -> Option<[i32; N]> {
         Some(sides(plane, points))
@@ -85,6 +94,8 @@ impl<C: Coordinate> Orientation<C> for Exact {
 }
 
 impl Orientation for Fast {
+    type C = f32;
+
     #[inline]
     fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
         let edge = |p: &Point| Vec3::from_array(*p) - Vec3::from_array(*a);

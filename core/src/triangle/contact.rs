@@ -170,7 +170,7 @@ fn flat_chord<C: Coordinate>(
     b: &[[C; 3]; 3],
     are_coplanar: bool,
 ) -> Option<[[C; 3]; 2]> {
-    let meet = |p: &[[C; 3]; 3], t| triangles_intersect::<Exact, C>(p, t) == Some(true);
+    let meet = |p: &[[C; 3]; 3], t| triangles_intersect::<Exact<C>>(p, t) == Some(true);
     // 6 corners, and 9 crossings of edges or 2 of segments with triangles.
     let mut corners = [[C::from(0.0); 3]; 15];
     let mut free = corners.iter_mut();

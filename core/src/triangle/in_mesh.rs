@@ -60,11 +60,9 @@ pub fn intersects_in_mesh(
         None => intersects(&mesh.triangle(i), &mesh.triangle(j), accuracy),
         Some(_) if adjacency == Adjacency::SkipNeighbours => false,
         Some([a, b]) => match accuracy {
-            Accuracy::Exact => neighbours_intersect::<Exact, f32>(&a, &b) == Some(true),
-            Accuracy::Conservative => {
-                neighbours_intersect::<CertifiedF64, f32>(&a, &b).unwrap_or(true)
-            }
-            Accuracy::Fast => neighbours_intersect::<Fast, f32>(&a, &b) == Some(true),
+            Accuracy::Exact => neighbours_intersect::<Exact<f32>>(&a, &b) == Some(true),
+            Accuracy::Conservative => neighbours_intersect::<CertifiedF64>(&a, &b).unwrap_or(true),
+            Accuracy::Fast => neighbours_intersect::<Fast>(&a, &b) == Some(true),
         },
     }
 }
@@ -78,7 +76,7 @@ pub(crate) fn intersects_in_mesh_f64(
     match neighbours(mesh, [i, j], |vertex| mesh.position_f64(vertex)) {
         None => intersects_in_f64(&mesh.triangle_f64(i), &mesh.triangle_f64(j)),
         Some(_) if adjacency == Adjacency::SkipNeighbours => false,
-        Some([a, b]) => neighbours_intersect::<Exact, f64>(&a, &b) == Some(true),
+        Some([a, b]) => neighbours_intersect::<Exact<f64>>(&a, &b) == Some(true),
     }
 }
 
@@ -157,22 +155,16 @@ fn repeated_shared_first(triangle: &[u32; 3], is_shared: [bool; 3]) -> ([u32; 3]
     (vertices, distinct.min(usize::from(shared) + usize::from(other_shared)), distinct)
 }
 
-fn neighbours_intersect<K: Orientation<C>, C: Coordinate>(
-    a: &Neighbour<C>,
-    b: &Neighbour<C>,
-) -> Option<bool> {
+fn neighbours_intersect<K: Orientation>(a: &Neighbour<K::C>, b: &Neighbour<K::C>) -> Option<bool> {
     match a.shared {
         _ if [a.distinct, b.distinct] == [a.shared; 2] => Some(true),
-        2 => edge_rule::<K, C>(&a.corners, &b.corners),
-        _ => vertex_rule::<K, C>(a, b),
+        2 => edge_rule::<K>(&a.corners, &b.corners),
+        _ => vertex_rule::<K>(a, b),
     }
 }
 
 /// The rule for one shared vertex, the first of both.
-fn vertex_rule<K: Orientation<C>, C: Coordinate>(
-    a: &Neighbour<C>,
-    b: &Neighbour<C>,
-) -> Option<bool> {
+fn vertex_rule<K: Orientation>(a: &Neighbour<K::C>, b: &Neighbour<K::C>) -> Option<bool> {
     if separated_at_vertex(&a.corners, &b.corners) {
         return Some(false);
     }
@@ -187,7 +179,7 @@ fn vertex_rule<K: Orientation<C>, C: Coordinate>(
     }
     for (t, rest) in [(b, a.rest()), (a, b.rest())] {
         if let Some(rest) = rest
-            && segment_intersects::<K, C>(rest, &t.corners)?
+            && segment_intersects::<K>(rest, &t.corners)?
         {
             return Some(true);
         }
@@ -196,17 +188,17 @@ fn vertex_rule<K: Orientation<C>, C: Coordinate>(
 }
 
 /// The rule for a shared edge, the first two corners of both.
-fn edge_rule<K: Orientation<C>, C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<bool> {
+fn edge_rule<K: Orientation>(a: &[[K::C; 3]; 3], b: &[[K::C; 3]; 3]) -> Option<bool> {
     let ([e, f, c], d) = (*a, b[2]);
     if separated_at_edge(a, &d) || K::orient3d([&e, &f, &c], [&d])? != [0] {
         return Some(false);
     }
-    if let Some(p) = projection::<K, C>(&[e, f, c])? {
-        return Some(turn::<K, C>(&[e, f, d], p.axis)? == p.turn);
+    if let Some(p) = projection::<K>(&[e, f, c])? {
+        return Some(turn::<K>(&[e, f, d], p.axis)? == p.turn);
     }
     // The first lies on the line of the edge. If the second does not, they meet in the edge alone, and so do
     // two segments in different directions from an edge without length.
-    if projection::<K, C>(&[e, f, d])?.is_some() || projection::<K, C>(&[e, c, d])?.is_some() {
+    if projection::<K>(&[e, f, d])?.is_some() || projection::<K>(&[e, c, d])?.is_some() {
         return Some(false);
     }
     // All on one line: only past the same end of the edge do they have more in common.

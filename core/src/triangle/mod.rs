@@ -40,8 +40,8 @@ pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
 use crate::exact::{
-    CertifiedF32, CertifiedF64, Coordinate, Exact, ExactF64, Fast, HAS_F64, LIMIT, Orientation,
-    Point, are_exact_in_f64,
+    CertifiedF32, CertifiedF64, Exact, ExactF64, Fast, HAS_F64, LIMIT, Orientation, Point,
+    are_exact_in_f64,
 };
 use glam::Vec3A;
 
@@ -107,7 +107,7 @@ pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, Rang
 
 /// [`intersects_f64`] of coordinates that are in range.
 pub(crate) fn intersects_in_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> bool {
-    triangles_intersect::<Exact, f64>(a, b) == Some(true)
+    triangles_intersect::<Exact<f64>>(a, b) == Some(true)
 }
 
 /// A coordinate that [`intersects_f64`] does not take.
@@ -128,10 +128,10 @@ impl Accuracy {
         match self {
             Self::Exact => None,
             Self::Conservative => Some(|a, b| {
-                let certified = triangles_intersect::<CertifiedF32, f32>(a, b);
-                certified.or_else(|| triangles_intersect::<CertifiedF64, f32>(a, b)).unwrap_or(true)
+                let certified = triangles_intersect::<CertifiedF32>(a, b);
+                certified.or_else(|| triangles_intersect::<CertifiedF64>(a, b)).unwrap_or(true)
             }),
-            Self::Fast => Some(|a, b| triangles_intersect::<Fast, f32>(a, b) == Some(true)),
+            Self::Fast => Some(|a, b| triangles_intersect::<Fast>(a, b) == Some(true)),
         }
     }
 }
@@ -153,24 +153,21 @@ fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
     let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
     let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
     let is_flush = flush.any();
-    if !is_flush && let Some(hit) = triangles_intersect::<CertifiedF32, f32>(a, b) {
+    if !is_flush && let Some(hit) = triangles_intersect::<CertifiedF32>(a, b) {
         return hit;
     }
     let hit = match (is_flush, HAS_F64 && are_exact_in_f64(a, b)) {
-        (true, true) => coplanar_triangles_intersect::<ExactF64, f32>(a, b),
-        (true, false) => coplanar_triangles_intersect::<Exact, f32>(a, b),
-        (false, true) => triangles_intersect::<ExactF64, f32>(a, b),
-        (false, false) => triangles_intersect::<Exact, f32>(a, b),
+        (true, true) => coplanar_triangles_intersect::<ExactF64>(a, b),
+        (true, false) => coplanar_triangles_intersect::<Exact<f32>>(a, b),
+        (false, true) => triangles_intersect::<ExactF64>(a, b),
+        (false, false) => triangles_intersect::<Exact<f32>>(a, b),
     };
     hit == Some(true)
 }
 
 /// [`intersects`] by one kind of signs; `None` if a sign that decides is not known.
 #[inline]
-fn triangles_intersect<K: Orientation<C>, C: Coordinate>(
-    a: &[[C; 3]; 3],
-    b: &[[C; 3]; 3],
-) -> Option<bool> {
+fn triangles_intersect<K: Orientation>(a: &[[K::C; 3]; 3], b: &[[K::C; 3]; 3]) -> Option<bool> {
     // One plane with the other triangle on one side is enough, whatever is uncertain about the other plane.
     let a_sides = K::orient3d(b.each_ref(), a.each_ref());
     if a_sides.as_ref().is_some_and(one_sided) {
@@ -182,10 +179,10 @@ fn triangles_intersect<K: Orientation<C>, C: Coordinate>(
     }
     let (a_sides, b_sides) = (a_sides?, b_sides?);
     if a_sides == [0; 3] || b_sides == [0; 3] {
-        return coplanar_triangles_intersect::<K, C>(a, b);
+        return coplanar_triangles_intersect::<K>(a, b);
     }
     let (a, b, side) = arrange(a, &a_sides, b, &b_sides);
-    intervals_overlap::<K, C>(a, b, side)
+    intervals_overlap::<K>(a, b, side)
 }
 
 /// Whether all three corners are strictly on one side of a plane.
@@ -202,9 +199,9 @@ fn one_sided(sides: &[i32; 3]) -> bool {
 /// factor with the sign of −`side`; likewise for a0a2 and b0b2. The factor is never zero, since an apex is not on the
 /// side of the other two corners. So touching, where a determinant is zero, needs no case of its own.
 #[inline]
-fn intervals_overlap<K: Orientation<C>, C: Coordinate>(
-    [a0, a1, a2]: [&[C; 3]; 3],
-    [b0, b1, b2]: [&[C; 3]; 3],
+fn intervals_overlap<K: Orientation>(
+    [a0, a1, a2]: [&[K::C; 3]; 3],
+    [b0, b1, b2]: [&[K::C; 3]; 3],
     side: i32,
 ) -> Option<bool> {
     // Both are computed before either is looked at, so that a processor works on them side by side.
