@@ -49,9 +49,8 @@ pub(crate) fn orient3d_ratio<C: Coordinate>(
     q: &[C; 3],
 ) -> f64 {
     fn ratio<const L: usize>(axes: &[Axis<5>; 3]) -> f64 {
-        let axes = axes.each_ref().map(Axis::differences::<L>);
-        let d = determinant(axes.map(|[a, b, c, p, _]| [a, b, c, p]));
-        let e = determinant(axes.map(|[a, b, c, _, q]| [a, b, c, q]));
+        let axes = differences(axes);
+        let (d, e) = (determinant::<L, 5, 3>(&axes), determinant::<L, 5, 4>(&axes));
         let limbs = d.len().max(e.len());
         let (d, e) = (d.as_f64(limbs), e.as_f64(limbs));
         d / (d - e)
@@ -66,7 +65,7 @@ pub(crate) fn orient3d_ratio<C: Coordinate>(
 #[inline(never)]
 pub(crate) fn direction_of_normal<C: Coordinate>(t: [&[C; 3]; 3]) -> DVec3 {
     fn direction<const L: usize>(axes: &[Axis<3>; 3]) -> DVec3 {
-        let minors = normal(&axes.each_ref().map(Axis::differences::<L>));
+        let minors = normal::<L, 3>(&differences(axes));
         let limbs = minors.each_ref().map(Wide::len).into_iter().max().unwrap_or(0);
         DVec3::from_array(minors.map(|minor| minor.as_f64(limbs)))
     }
@@ -117,13 +116,27 @@ fn narrow_sign([x, y, z]: [[i64; 4]; 3]) -> i32 {
 
 #[inline(never)]
 fn wide_sign<const L: usize>(axes: &[Axis<4>; 3]) -> i32 {
-    determinant(axes.each_ref().map(Axis::differences::<L>)).sign()
+    determinant::<L, 4, 3>(&differences(axes)).sign()
 }
 
-/// The determinant of differences 1, 2 and 3.
-fn determinant<const L: usize>(differences: [[Wide<L>; 4]; 3]) -> Wide<L> {
-    let ([u, v, w], [x, y, z]) = (normal(&differences), differences);
-    x[3] * u + y[3] * v + z[3] * w
+/// Differences from coordinate 0 along each axis.
+#[inline(never)]
+fn differences<const L: usize, const N: usize>(axes: &[Axis<N>; 3]) -> [[Wide<L>; N]; 3] {
+    let mut out = [[Wide::new(0, 0); N]; 3];
+    for (out, Axis { significand, shift: shifts }) in out.iter_mut().zip(axes) {
+        for (out, (&value, &shift)) in out.iter_mut().zip(significand.iter().zip(shifts)) {
+            *out = Wide::new(value, shift) - Wide::new(significand[0], shifts[0]);
+        }
+    }
+    out
+}
+
+/// The determinant of differences 1, 2 and P.
+fn determinant<const L: usize, const N: usize, const P: usize>(
+    differences: &[[Wide<L>; N]; 3],
+) -> Wide<L> {
+    let ([u, v, w], [x, y, z]) = (normal(differences), differences);
+    x[P] * u + y[P] * v + z[P] * w
 }
 
 /// The components of (b − a) × (c − a), by the differences along each axis.
@@ -170,16 +183,6 @@ impl<const N: usize> Axis<N> {
         }
         let first = out[0];
         Some(out.map(|coordinate| coordinate - first))
-    }
-
-    /// Differences from coordinate 0.
-    fn differences<const L: usize>(&self) -> [Wide<L>; N] {
-        let first = Wide::new(self.significand[0], self.shift[0]);
-        let mut out = [first; N];
-        for ((out, significand), shift) in out.iter_mut().zip(self.significand).zip(self.shift) {
-            *out = Wide::new(significand, shift) - first;
-        }
-        out
     }
 }
 

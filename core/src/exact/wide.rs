@@ -1,6 +1,5 @@
 //! Integers of N limbs, for determinants of coordinates whose exponents lie far apart.
 
-use core::mem::swap;
 use core::ops::{Add, Mul, Sub};
 
 /// An integer by its sign and its magnitude, most of which are far shorter than the longest.
@@ -55,23 +54,20 @@ impl<const N: usize> Wide<N> {
 impl<const N: usize> Add for Wide<N> {
     type Output = Self;
     #[inline(never)]
-    fn add(mut self, mut other: Self) -> Self {
-        let mut flip = 0;
-        if self.is_negative != other.is_negative {
-            if self.limbs.iter().rev().lt(other.limbs.iter().rev()) {
-                swap(&mut self, &mut other);
-            }
-            // The identity !x = −x − 1 makes a sum of the difference of the magnitudes.
-            flip = u64::MAX;
-        }
+    fn add(self, other: Self) -> Self {
+        let differ = self.is_negative != other.is_negative;
+        let is_less = self.limbs.iter().rev().lt(other.limbs.iter().rev());
+        let (mut sum, other) = if differ && is_less { (other, &self) } else { (self, &other) };
+        // The identity !x = −x − 1 makes a sum of the difference of the magnitudes.
+        let flip = if differ { u64::MAX } else { 0 };
         let mut carry = false;
-        for (x, y) in self.limbs.iter_mut().zip(other.limbs) {
-            let (sum, first) = (*x ^ flip).overflowing_add(y);
-            let (sum, second) = sum.overflowing_add(u64::from(carry));
-            (*x, carry) = (sum ^ flip, first || second);
+        for (x, y) in sum.limbs.iter_mut().zip(other.limbs) {
+            let (next, first) = (*x ^ flip).overflowing_add(y);
+            let (next, second) = next.overflowing_add(u64::from(carry));
+            (*x, carry) = (next ^ flip, first || second);
         }
         debug_assert!(!carry, "a sum fits N limbs");
-        self
+        sum
     }
 }
 
