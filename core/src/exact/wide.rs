@@ -9,7 +9,7 @@ use core::ops::{Add, Mul, Sub};
 pub(super) struct Wide<const N: usize> {
     /// The magnitude, least significant limb first.
     limbs: [u64; N],
-    /// Of zero, it may be either.
+    /// The sign, which means nothing in zero.
     is_negative: bool,
 }
 
