@@ -7,8 +7,8 @@ mod exact;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use exact::Positions64;
-use exact::same_length;
+pub(crate) use exact::check_position;
+use exact::{Positions64, same_length};
 
 use crate::aabb::Bounds;
 use crate::exact::environment;

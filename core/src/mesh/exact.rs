@@ -123,8 +123,8 @@ impl<'a> Mesh<'a> {
             same_length(shadow.len(), positions.len())?;
         }
         for (vertex, &shadow) in shadow.iter().enumerate() {
-            let position = check(vertex, mesh.position_f64(vertex as u32))?;
-            let is_near = check(vertex, origin.to_array()).is_ok();
+            let position = check_position(vertex, mesh.position_f64(vertex as u32))?;
+            let is_near = check_position(vertex, origin.to_array()).is_ok();
             if !is_near || (position - origin).as_vec3() != Vec3::from_array(shadow) {
                 return Err(MeshError::Shadow { vertex });
             }
@@ -163,15 +163,6 @@ impl<'a> Mesh<'a> {
         }
     }
 
-    /// Whether both borrow the same positions in f64, or none.
-    pub(crate) fn has_exact_positions_of(self, other: Mesh<'_>) -> bool {
-        match (self.exact, other.exact) {
-            (None, None) => true,
-            (Some(own), Some(other)) => core::ptr::eq(own.positions, other.positions),
-            _ => false,
-        }
-    }
-
     /// What queries need for meshes in f64 only.
     pub(crate) fn f64(&self) -> Option<&'static F64> {
         self.exact.as_ref().map(|exact| exact.f64)
@@ -192,7 +183,7 @@ fn fill(
     same_length(positions.len(), shadow.len())?;
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for (vertex, &position) in positions.iter().enumerate() {
-        let p = check(vertex, position)?;
+        let p = check_position(vertex, position)?;
         (low, high) = (low.min(p), high.max(p));
     }
     let middle = if positions.is_empty() { DVec3::ZERO } else { low * 0.5 + high * 0.5 };
@@ -205,12 +196,14 @@ fn fill(
 }
 
 /// The position of a vertex, if it is in range.
-fn check(vertex: usize, position: [f64; 3]) -> Result<DVec3, MeshError> {
+pub(crate) fn check_position(vertex: usize, position: [f64; 3]) -> Result<DVec3, MeshError> {
     let p = DVec3::from_array(position);
-    match p.abs().max_element() {
-        _ if !p.is_finite() => Err(MeshError::NonFinite { vertex }),
-        largest if largest > LIMIT => Err(MeshError::Range { vertex }),
-        _ => Ok(p),
+    if p.abs().cmple(DVec3::splat(LIMIT)).all() {
+        Ok(p)
+    } else if p.is_finite() {
+        Err(MeshError::Range { vertex })
+    } else {
+        Err(MeshError::NonFinite { vertex })
     }
 }
 

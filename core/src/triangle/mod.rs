@@ -40,9 +40,10 @@ pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
 use crate::exact::{
-    CertifiedF32, CertifiedF64, Exact, ExactF64, Fast, HAS_F64, LIMIT, Orientation, Point,
+    CertifiedF32, CertifiedF64, Exact, ExactF64, Fast, HAS_F64, Orientation, Point,
     are_exact_in_f64,
 };
+use crate::mesh::{MeshError, check_position};
 use glam::Vec3A;
 
 /// The guarantee of an answer about triangles with f32 positions. Posed ones are taken as
@@ -84,7 +85,7 @@ pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
 /// Whether two closed triangles with f64 coordinates share a point, exactly: what [`intersects`] says for f32.
 ///
 /// # Errors
-/// [`RangeError`] names the first corner that has a coordinate which is NaN or beyond ±2^125.
+/// [`MeshError`] names the first of the six corners that has a coordinate which is NaN or beyond ±2^125.
 ///
 /// # Complexity
 /// O(1), no allocation, bounded stack.
@@ -97,10 +98,9 @@ pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
 /// assert_eq!(intersects_f64(&floor, &tip(0.0)), Ok(true));
 /// assert_eq!(intersects_f64(&floor, &tip(5e-324)), Ok(false));
 /// ```
-pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, RangeError> {
-    let is_in_range = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= LIMIT);
-    if let Some(corner) = a.iter().chain(b).position(|p| !is_in_range(p)) {
-        return Err(RangeError { corner });
+pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, MeshError> {
+    for (corner, p) in a.iter().chain(b).enumerate() {
+        check_position(corner, *p)?;
     }
     Ok(intersects_in_f64(a, b))
 }
@@ -108,14 +108,6 @@ pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, Rang
 /// [`intersects_f64`] of coordinates that are in range.
 pub(crate) fn intersects_in_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> bool {
     triangles_intersect::<Exact<f64>>(a, b) == Some(true)
-}
-
-/// A coordinate that [`intersects_f64`] does not take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("corner {corner} has a coordinate that is NaN or beyond ±2^125")]
-pub struct RangeError {
-    /// The corner: 0 to 2 of the first triangle, 3 to 5 of the second.
-    pub corner: usize,
 }
 
 /// [`intersects`] at another accuracy than `Exact`. A query holds it by pointer, so that firmware whose pair queries are
@@ -283,8 +275,8 @@ mod tests {
         assert_eq!(intersects_f64(&floor, &tip(1e6 + 1e-9)), Ok(false));
         assert_eq!(intersects_f64(&floor, &tip(1e6)), Ok(true));
         let out = [[0.0; 3], [0.0, f64::NAN, 0.0], [0.0; 3]];
-        assert_eq!(intersects_f64(&floor, &out), Err(RangeError { corner: 4 }));
-        assert_eq!(intersects_f64(&[[1e38; 3]; 3], &floor), Err(RangeError { corner: 0 }));
+        assert_eq!(intersects_f64(&floor, &out), Err(MeshError::NonFinite { vertex: 4 }));
+        assert_eq!(intersects_f64(&[[1e38; 3]; 3], &floor), Err(MeshError::Range { vertex: 0 }));
     }
 
     fn check(b: Triangle, expected: bool) {
