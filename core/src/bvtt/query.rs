@@ -88,7 +88,7 @@ pub trait Query {
     ) -> ControlFlow<()>;
 
     /// The segment in which two triangles intersect, in the frame of the query; `None` if they do not. In a self query,
-    /// it includes what neighbours share. If nothing is in f64, its coordinates are those of [`Query::contact`].
+    /// it includes what neighbours share. If nothing is in f64, f32 holds all its coordinates.
     ///
     /// # Panics
     /// If an index is out of range.
