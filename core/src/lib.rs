@@ -23,7 +23,7 @@
 //!
 //! # Guarantees
 //! - **Exact.** With [`triangle::Accuracy::Exact`], the default, a query finds the pairs of closed triangles that
-//!   intersect, no more and no fewer, for the f32 positions given. Touching counts.
+//!   intersect, no more and no fewer, for the positions given, in f32 or, by [`Mesh::from_f64`], in f64. Touching counts.
 //! - **No allocation.** Buffers are slices of the caller's. A `const fn` such as [`bvh::node_bound`] gives the length, and
 //!   [`CapacityError`] says how many elements a buffer lacks. Stack use is bounded: no query recurses.
 //! - **No `std`.** The crate is `no_std` and needs no allocator.
@@ -35,7 +35,7 @@
 //! # Floating-point environment
 //! Exact answers need IEEE 754's default environment on every thread that calls: rounding to nearest, and
 //! subnormal numbers kept (no FTZ or DAZ, so no `-ffast-math` start-up code of the host). Rust assumes
-//! that environment everywhere. [`Mesh::new`] and [`Mesh::with_positions`] check it and return
+//! that environment everywhere. [`Mesh::new`], [`Mesh::with_positions`] and their likes in f64 check it and return
 //! [`MeshError::FloatEnvironment`] in another one; queries do not check it again. The C API sets and restores it by
 //! itself.
 //!

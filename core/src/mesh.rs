@@ -7,7 +7,8 @@ mod exact;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use exact::Positions64;
+pub(crate) use exact::check_position;
+use exact::{Positions64, same_length};
 
 use crate::aabb::Bounds;
 use crate::exact::environment;
@@ -105,10 +106,7 @@ impl<'a> Mesh<'a> {
     /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
     pub fn with_positions(self, positions: &'a [[f32; 3]]) -> Result<Self, MeshError> {
-        if positions.len() != self.positions.len() {
-            let (expected, found) = (self.positions.len(), positions.len());
-            return Err(MeshError::VertexCount { expected, found });
-        }
+        same_length(self.positions.len(), positions.len())?;
         if self.positions_f64().is_some() {
             return Err(MeshError::OtherPrecision);
         }

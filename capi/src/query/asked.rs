@@ -61,7 +61,7 @@ impl Query for Asked<'_> {
         either!(self, query => query.step(cursor, budget, visit))
     }
 
-    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        either!(self, query => query.contact(pair))
+    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
+        either!(self, query => query.contact_f64(pair))
     }
 }

@@ -71,7 +71,7 @@ pub const fn node_bound(triangles: usize) -> usize {
 /// `N` is the [`Layout`] of its nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Bvh<'a, N: Layout = Node> {
-    mesh: Mesh<'a>,
+    pub(crate) mesh: Mesh<'a>,
     nodes: &'a [N],
     order: &'a [u32],
     grid: N::Grid,

@@ -146,20 +146,21 @@ impl TriangleBlock {
             if S::WIDTH < LANES && open == 0 {
                 continue;
             }
-            let (own, others) = (Planes::<S>::load(self, at), Planes::splat(other, j));
             let error = if S::WIDTH > 1 { error } else { None };
-            let of_others = own.heights(&others, error);
+            let (own, others) =
+                (Planes::<S>::load(self, at, error), Planes::splat(other, j, error));
+            let of_others = own.heights(&others);
             open &= !own.separates::<SELF>(&others, &of_others, neighbours);
             if open == 0 {
                 continue;
             }
-            let of_own = others.heights(&own, error);
+            let of_own = others.heights(&own);
             open &= !others.separates::<SELF>(&own, &of_own, neighbours);
             let mut distinct = open & !(neighbours >> at);
             let mut meet = [0; 2];
             // One lane alone gains nothing over the test of two triangles, and firmware has little room for code.
             if S::WIDTH > 1 && distinct != 0 {
-                let [met, apart] = own.decide(&others, &of_own, &of_others, error);
+                let [met, apart] = own.decide(&others, &of_own, &of_others);
                 meet[0] = distinct & met;
                 distinct &= !(met | apart);
             }

@@ -42,14 +42,14 @@ pub(crate) struct F64 {
 
 /// A mesh, the box of its shadow, and the poses of both.
 pub(super) struct Side<'s> {
-    pub(super) mesh: Mesh<'s>,
-    pub(super) bounds: Bounds,
+    pub(super) mesh: &'s Mesh<'s>,
+    pub(super) bounds: &'s Bounds,
     pub(super) pose: &'s mut Option<Affine>,
     pub(super) exact: &'s mut Option<Posed64>,
 }
 
 /// A mesh, and the pose of its positions unless it is the identity.
-pub(super) type PosedMesh<'m> = (Mesh<'m>, &'m Option<Posed64>);
+pub(super) type PosedMesh<'m> = (&'m Mesh<'m>, &'m Option<Posed64>);
 
 /// A pose in f64, and what a query in f64 calls.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +97,7 @@ fn pose_in_frame_of_first(sides: [Side<'_>; 2], box_poses: &mut [Option<Affine>;
     let [a, b] = sides;
     let (of_b, pose_a, pose_b) = (b.bounds, place(a, poses[0], zero), place(b, poses[1], zero));
     *box_poses = [Some(pose_a), Some(pose_b)];
-    view(box_poses, &of_b);
+    view(box_poses, of_b);
     // Boxes need all of the paddings, corners no more than 13/16 of each.
     pose_a.padding().max(pose_b.padding()) * 1.75
 }
@@ -105,7 +105,7 @@ fn pose_in_frame_of_first(sides: [Side<'_>; 2], box_poses: &mut [Option<Affine>;
 /// Poses positions, and their shadow in a frame whose origin is at `zero`. Returns the pose of the shadow.
 pub(super) fn place(side: Side<'_>, pose: Pose64, zero: DVec3) -> Affine {
     let origin = DVec3::from_array(side.mesh.origin());
-    let shadow = Affine::of_shadow(&pose, origin, &side.bounds, zero);
+    let shadow = Affine::of_shadow(&pose, origin, side.bounds, zero);
     *side.pose = Some(shadow);
     *side.exact = Some(Posed64 { pose, f64: &F64::METHODS });
     shadow

@@ -10,6 +10,8 @@ use crate::simd::point8::{abs, cross, difference, dot, highest, load, lowest, se
 
 /// A triangle in each lane, with its supporting plane.
 pub(super) struct Planes<S> {
+    /// How far differences of coordinates may be from those that corners stand for, if they are shadows.
+    error: Option<[S; 3]>,
     corners: [[S; 3]; 3],
     vertices: [S; 3],
     normal: [S; 3],
@@ -19,9 +21,10 @@ pub(super) struct Planes<S> {
 impl<S: Simd> Planes<S> {
     /// The triangles of a block in the lanes from `at` on.
     #[inline(always)]
-    pub(super) fn load(block: &TriangleBlock, at: usize) -> Self {
+    pub(super) fn load(block: &TriangleBlock, at: usize, error: Option<[S; 3]>) -> Self {
         let [p, q, r] = &block.corners;
         Self {
+            error,
             corners: [load(p, at), load(q, at), load(r, at)],
             vertices: load(&block.vertices, at),
             normal: load(&block.normal, at),
@@ -31,9 +34,10 @@ impl<S: Simd> Planes<S> {
 
     /// One triangle of a block in every lane.
     #[inline(always)]
-    pub(super) fn splat(block: &TriangleBlock, lane: usize) -> Self {
+    pub(super) fn splat(block: &TriangleBlock, lane: usize, error: Option<[S; 3]>) -> Self {
         let [p, q, r] = &block.corners;
         Self {
+            error,
             corners: [splat(p, lane), splat(q, lane), splat(r, lane)],
             vertices: splat(&block.vertices, lane),
             normal: splat(&block.normal, lane),
@@ -49,15 +53,14 @@ impl<S: Simd> Planes<S> {
         [u.eq(p) | u.eq(q) | u.eq(r), v.eq(p) | v.eq(q) | v.eq(r), w.eq(p) | w.eq(q) | w.eq(r)]
     }
 
-    /// The heights of the corners of `other` over this plane. Differences of coordinates may be off by `error`, if corners are
-    /// shadows of others in f64.
+    /// The heights of the corners of `other` over this plane.
     #[inline(always)]
-    pub(super) fn heights(&self, other: &Self, error: Option<[S; 3]>) -> Heights<S> {
+    pub(super) fn heights(&self, other: &Self) -> Heights<S> {
         let (base, [p, q, r]) = (self.corners[0], other.corners);
         let (p, q, r) = (difference(p, base), difference(q, base), difference(r, base));
         let extent = highest(highest(self.extent, abs(p)), highest(abs(q), abs(r)));
         let of = [dot(self.normal, p), dot(self.normal, q), dot(self.normal, r)];
-        Heights { of, bound: error_bound(extent, error) }
+        Heights { of, bound: error_bound(extent, self.error) }
     }
 
     /// Lanes in which this plane certainly has all corners of `other`, whose `heights` these are, strictly on one side. If
@@ -80,16 +83,10 @@ impl<S: Simd> Planes<S> {
     /// plane separates the two. `own` are the heights of this triangle over the plane of `other`, and `others` those of
     /// `other` over this plane.
     #[inline(always)]
-    pub(super) fn decide(
-        &self,
-        other: &Self,
-        own: &Heights<S>,
-        others: &Heights<S>,
-        error: Option<[S; 3]>,
-    ) -> [u32; 2] {
+    pub(super) fn decide(&self, other: &Self, own: &Heights<S>, others: &Heights<S>) -> [u32; 2] {
         let (own, others) = (own.signs(), others.signs());
         let known = S::bits(are_nonzero(own) & are_nonzero(others));
-        let [first, second] = self.ends(other, own, others, None, error);
+        let [first, second] = self.ends(other, own, others, None);
         let (one, minus_one) = (S::splat(1.0), S::splat(-1.0));
         let meet = S::bits(first.eq(minus_one) & second.eq(one));
         let apart = S::bits(first.eq(one) | second.eq(minus_one));
@@ -136,7 +133,7 @@ impl<S: Simd> Planes<S> {
         let (own, others) = (Heights { of: own.of, bound }, Heights { of: others.of, bound });
         let separated = own.between(own.of, own.of) | others.between(others.of, others.of);
         let (own, others) = (own.signs(), others.signs());
-        let [first, second] = self.ends(other, own, others, Some(bound), None);
+        let [first, second] = self.ends(other, own, others, Some(bound));
         let zero = S::splat(0.0);
         let cross = !S::bits(are_zero(own) | are_zero(others)) & !separated;
         let meet = S::bits(first.le(zero) & zero.le(second));
@@ -149,21 +146,14 @@ impl<S: Simd> Planes<S> {
     ///
     /// The proof is at `intervals_overlap` of [`crate::triangle`].
     #[inline(always)]
-    fn ends(
-        &self,
-        other: &Self,
-        own: [S; 3],
-        others: [S; 3],
-        on_grid: Option<S>,
-        error: Option<[S; 3]>,
-    ) -> [S; 2] {
+    fn ends(&self, other: &Self, own: [S; 3], others: [S; 3], on_grid: Option<S>) -> [S; 2] {
         let ([a0, a1, a2], delta) = arrange(self.corners, own);
         let ([b0, b1, b2], epsilon) = arrange(other.corners, others);
         let same_side = delta.eq(epsilon);
         let (b1, b2) = (select(&same_side, b1, b2), select(&same_side, b2, b1));
-        let (first, bound) = orientation(a0, a1, b0, b1, error);
+        let (first, bound) = orientation(a0, a1, b0, b1, self.error);
         let first = sign(first, on_grid.unwrap_or(bound)) * epsilon;
-        let (second, bound) = orientation(a0, a2, b0, b2, error);
+        let (second, bound) = orientation(a0, a2, b0, b2, self.error);
         [first, sign(second, on_grid.unwrap_or(bound)) * epsilon]
     }
 }

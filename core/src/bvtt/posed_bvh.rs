@@ -48,10 +48,10 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     /// miss pairs.
     #[must_use]
     pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
-        let mut new = Self::unposed(bvh);
+        let (mut new, bounds) = (Self::unposed(bvh), root_bounds(&bvh));
         match bvh.mesh().f64() {
-            None => new.pose = Affine::new(world_from_bvh, &root_bounds(&bvh)),
-            Some(f64) => (f64.pose)(new.side(), world_from_bvh),
+            None => new.pose = Affine::new(world_from_bvh, &bounds),
+            Some(f64) => (f64.pose)(new.side(&bounds), world_from_bvh),
         }
         new
     }
@@ -69,7 +69,7 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     #[must_use]
     pub fn in_f64_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose64) -> Self {
         let mut new = Self::unposed(bvh);
-        place(new.side(), *world_from_bvh, DVec3::ZERO);
+        place(new.side(&root_bounds(&bvh)), *world_from_bvh, DVec3::ZERO);
         new
     }
 
@@ -82,10 +82,10 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
         self.exact.as_ref().map(|exact| exact.f64).or(self.bvh.mesh().f64())
     }
 
-    /// This side of a query in f64.
-    pub(super) fn side(&mut self) -> Side<'_> {
+    /// This side of a query in f64, given the bounds of its shadow.
+    pub(super) fn side<'s>(&'s mut self, bounds: &'s Bounds) -> Side<'s> {
         let Self { bvh, pose, exact } = self;
-        Side { mesh: bvh.mesh(), bounds: root_bounds(bvh), pose, exact }
+        Side { mesh: &bvh.mesh, bounds, pose, exact }
     }
 
     /// A box that contains every posed vertex of every triangle, rounding included; `None` for an
@@ -109,7 +109,7 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     }
 }
 
-fn root_bounds<L: Layout>(bvh: &Bvh<'_, L>) -> Bounds {
+pub(super) fn root_bounds<L: Layout>(bvh: &Bvh<'_, L>) -> Bounds {
     bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root))
 }
 

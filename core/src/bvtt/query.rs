@@ -88,18 +88,18 @@ pub trait Query {
     ) -> ControlFlow<()>;
 
     /// The segment in which two triangles intersect, in the frame of the query; `None` if they do not. In a self query,
-    /// it includes what neighbours share.
+    /// it includes what neighbours share. If nothing is in f64, f32 holds all its coordinates.
     ///
     /// # Panics
     /// If an index is out of range.
-    fn contact(&self, pair: TrianglePair) -> Option<Contact>;
+    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>>;
 
-    /// [`Query::contact`] in f64: of meshes or poses in f64 it is not rounded to f32.
+    /// [`Query::contact_f64`], rounded to f32.
     ///
     /// # Panics
     /// If an index is out of range.
-    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
-        self.contact(pair).map(Contact::from)
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        self.contact_f64(pair).map(Contact::from)
     }
 
     /// Goes on from `cursor` into `out` and returns how many pairs it wrote. It stops when `out` is
@@ -184,10 +184,6 @@ impl<Q: Query> Query for &Q {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         Q::step(self, cursor, budget, visit)
-    }
-
-    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        Q::contact(self, pair)
     }
 
     fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {

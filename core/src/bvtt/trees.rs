@@ -6,7 +6,7 @@
 //! they share by index is left to [`Adjacency`], in the leaves.
 
 use super::in_f64::{F64, PosedMesh, Shadows};
-use super::posed_bvh::posed;
+use super::posed_bvh::{posed, root_bounds};
 use super::traversal::traverse;
 use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
 use crate::aabb::Bounds;
@@ -99,8 +99,8 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
         let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
         if let Some(f64) = a.f64().or(b.f64()) {
-            let Self { a, b, box_poses, .. } = &mut query;
-            let error = (f64.pose_in_frame_of_first)([a.side(), b.side()], box_poses);
+            let sides = [query.a.side(&of_a), query.b.side(&of_b)];
+            let error = (f64.pose_in_frame_of_first)(sides, &mut query.box_poses);
             query.in_f64 = Some(InF64 { error, f64 });
         } else {
             view(&mut query.box_poses, &of_b);
@@ -108,9 +108,9 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
         if VECTORS && let Some(pose_b) = &query.b.pose {
             let pose_a = query.a.pose.unwrap_or_else(|| Affine::identity(&of_a));
             query.first_seen = pose_a.seen_from(&of_a, pose_b).filter(Affine::is_turned);
-        }
-        if query.in_f64.is_some() && query.a.pose.is_some_and(|pose| pose.moves_nothing()) {
-            query.a.pose = None;
+            if pose_a.moves_nothing() {
+                query.a.pose = None;
+            }
         }
         let [own, other] = query.bounds(NodePair::ROOT);
         query.root = own.overlaps(&other).then_some(NodePair::ROOT);
@@ -136,7 +136,9 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     pub fn shadows(&self) -> Option<Shadows> {
         let InF64 { f64, .. } = self.in_f64.as_ref()?;
         let (mut a, mut b) = (self.a, self.b);
-        let error = (f64.pose_in_frame_of_first)([a.side(), b.side()], &mut [None; 2]).to_array();
+        let (of_a, of_b) = (root_bounds(&a.bvh), root_bounds(&b.bvh));
+        let sides = [a.side(&of_a), b.side(&of_b)];
+        let error = (f64.pose_in_frame_of_first)(sides, &mut [None; 2]).to_array();
         let shadows = [a.pose?, b.pose?];
         let padding = shadows.map(|pose| pose.padding().to_array());
         Some(Shadows { poses: shadows.map(Affine::to_pose), padding, error })
@@ -184,7 +186,7 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
         let side = PosedBvh::unposed(bvh);
         let query = Self { root: bvh.root().map(|_| NodePair::ROOT), ..Self::of_sides(side, side) };
         let Some(f64) = bvh.mesh().f64() else { return query };
-        let shadow = Affine::identity(&bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root)));
+        let shadow = Affine::identity(&root_bounds(&bvh));
         // Nothing is posed, so that corners are off by a sixteenth of the padding each.
         let in_f64 = Some(InF64 { error: shadow.padding() * 0.25, f64 });
         Self { in_f64, box_poses: [Some(shadow); 2], ..query }
@@ -278,7 +280,7 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
 
     /// Both sides, as what decides in f64 takes them.
     pub(super) fn posed_meshes(&self) -> [PosedMesh<'_>; 2] {
-        [(self.a.bvh.mesh(), &self.a.exact), (self.b.bvh.mesh(), &self.b.exact)]
+        [(&self.a.bvh.mesh, &self.a.exact), (&self.b.bvh.mesh, &self.b.exact)]
     }
 
     fn bounds(&self, n: NodePair) -> [Bounds; 2] {
@@ -337,13 +339,6 @@ impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         traverse(self, cursor, budget, &mut visit)
-    }
-
-    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        match &self.in_f64 {
-            None => contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b)),
-            Some(InF64 { f64, .. }) => Some((f64.contact)(self.posed_meshes(), pair)?.into()),
-        }
     }
 
     fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {

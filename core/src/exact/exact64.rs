@@ -48,6 +48,8 @@ pub(crate) fn are_exact_in_f64(a: &Triangle, b: &Triangle) -> bool {
 }
 
 impl Orientation for ExactF64 {
+    type C = f32;
+
     #[inline]
     fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
         let normal = difference(b, a).cross(difference(c, a));

@@ -27,6 +27,8 @@ pub(crate) const MAX_EXTENT: f32 = 1.099_511_6e12;
 pub(crate) enum CertifiedF32 {}
 
 impl Orientation for CertifiedF32 {
+    type C = f32;
+
     /// Up to four points side by side.
     #[inline]
     fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {

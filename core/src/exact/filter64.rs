@@ -1,4 +1,4 @@
-//! Signs that f64 certifies.
+//! Signs that f64 certifies, of points in f32 or f64.
 //!
 //! # The bound
 //! Let u = 2^-53. Each of the six products of three differences carries at most 1 rounding for each
@@ -6,21 +6,32 @@
 //! sum: its relative error is below (1+u)^8 − 1 < 8.01u. A product is at most mx·my·mz, the largest absolute
 //! differences per axis, so the determinant is off by less than 6 · 8.01u · mx·my·mz < 5.34e-15 · mx·my·mz.
 //! Likewise in the plane: 2 products, each within (1+u)^4 − 1 < 4.01u, give 8.91e-16 · mx·my. The constants
-//! have room for the roundings of the bounds themselves. Differences of finite f32 can neither overflow nor
-//! underflow f64 here (2^-447 … 2^387).
+//! have room for the roundings of the bounds themselves.
+//!
+//! Coordinates are at most 2^128, so that nothing overflows. Products of differences of f32, 2^-149 and more, do not
+//! underflow either; for those of f64, at most 2^126, [`UNDERFLOW_3D`] and [`UNDERFLOW_2D`] bound what it costs. The extents
+//! are multiplied first: a small one times the constant could underflow, and the bound with it, beside a large one.
 
-use super::{Orientation, Point, Point2};
-use glam::{DVec3, Vec3};
+use super::{Coordinate, Orientation, Point};
+use glam::DVec3;
 
 /// Bound of the error of a determinant of three differences, for extents of 1.
 pub(crate) const ERROR_3D: f64 = 5.4e-15;
 /// The same for two differences.
 pub(crate) const ERROR_2D: f64 = 9.0e-16;
 
+/// 2^-940: the underflow of six products of two differences costs a determinant 6 · 2^-1075 · 2^126 < 2^-946 at most; the
+/// bound loses as much by its own, and the last products less.
+pub(crate) const UNDERFLOW_3D: f64 = f64::from_bits((1023 - 940) << 52);
+/// 2^-1070: two products lose 2^-1075 each, and the bound as much.
+pub(crate) const UNDERFLOW_2D: f64 = f64::from_bits(1 << 4);
+
 /// Signs that f64 certifies, and `None` for the rest.
 pub(crate) enum CertifiedF64 {}
 
 impl Orientation for CertifiedF64 {
+    type C = f32;
+
     #[inline]
     fn orient3d<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
         let signs = orient3d(plane, points);
@@ -30,7 +41,10 @@ impl Orientation for CertifiedF64 {
 
 /// Signs of several points over one plane, 0 where f64 certifies none.
 #[inline]
-pub(super) fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> [i32; N] {
+pub(super) fn orient3d<C: Coordinate, const N: usize>(
+    [a, b, c]: [&[C; 3]; 3],
+    points: [&[C; 3]; N],
+) -> [i32; N] {
     let (u, v) = (difference(b, a), difference(c, a));
     let normal = u.cross(v);
     let mut extent = larger(u.abs(), v.abs());
@@ -40,7 +54,7 @@ pub(super) fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; 
         w[i] = difference(points[i], a);
         extent = larger(extent, w[i].abs());
     }
-    let bound = ERROR_3D * extent.x * extent.y * extent.z;
+    let bound = extent.x * extent.y * extent.z * ERROR_3D + UNDERFLOW_3D;
     let mut signs = [0; N];
     for i in 0..N {
         signs[i] = certified_sign(normal.dot(w[i]), bound);
@@ -50,12 +64,12 @@ pub(super) fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; 
 
 /// The sign of the turn of three points, 0 where f64 does not certify it.
 #[inline]
-pub(super) fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> i32 {
-    let edge = |p: &Point2, k: usize| f64::from(p[k]) - f64::from(a[k]);
+pub(super) fn orient2d<C: Coordinate>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32 {
+    let edge = |p: &[C; 2], k: usize| p[k].into() - a[k].into();
     let (ux, uy, vx, vy) = (edge(b, 0), edge(b, 1), edge(c, 0), edge(c, 1));
     let larger = |u: f64, v: f64| if u > v { u } else { v };
-    let bound = ERROR_2D * larger(ux.abs(), vx.abs()) * larger(uy.abs(), vy.abs());
-    certified_sign(ux * vy - uy * vx, bound)
+    let extents = larger(ux.abs(), vx.abs()) * larger(uy.abs(), vy.abs());
+    certified_sign(ux * vy - uy * vx, extents * ERROR_2D + UNDERFLOW_2D)
 }
 
 #[inline]
@@ -63,10 +77,10 @@ fn certified_sign(determinant: f64, bound: f64) -> i32 {
     i32::from(determinant > bound) - i32::from(determinant < -bound)
 }
 
-/// p − q.
-#[inline]
-pub(crate) fn difference(p: &Point, q: &Point) -> DVec3 {
-    Vec3::from_array(*p).as_dvec3() - Vec3::from_array(*q).as_dvec3()
+/// p − q, rounded at most once.
+#[inline(always)]
+pub(crate) fn difference<C: Coordinate>(p: &[C; 3], q: &[C; 3]) -> DVec3 {
+    DVec3::new(p[0].into() - q[0].into(), p[1].into() - q[1].into(), p[2].into() - q[2].into())
 }
 
 /// The larger of each coordinate, without `f64::max`'s care for NaN, which cannot occur here: one

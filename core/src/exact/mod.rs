@@ -1,4 +1,4 @@
-//! Exact signs of orientation determinants of f32 points: the only arithmetic that an answer depends on.
+//! Exact signs of orientation determinants: the only arithmetic that an answer depends on.
 //!
 //! A determinant is computed with a bound on its rounding error; a sign that the bound certifies is
 //! exact, and only the others cost more (Shewchuk, *Adaptive Precision Floating-Point Arithmetic and Fast
@@ -7,28 +7,25 @@
 //! - `CertifiedF32`: f32, certified signs only. Nearly all triangle pairs end here;
 //! - `CertifiedF64`: f64, certified signs only;
 //! - `ExactF64`: f64, exact for points whose coordinates are small multiples of a power of two;
-//! - `Exact`: what f64 does not certify is computed in `i128`, or in 896 bits where that is too narrow;
+//! - `Exact`, of points in f32 or f64: what f64 does not certify is computed in integers, of as many bits as it takes;
 //! - `Fast`: f32 without a bound.
 //!
 //! Two departures from Shewchuk: the bounds take the largest difference per axis in place of the permanent,
 //! as Devillers and Pion do (*Efficient Exact Geometric Predicates for Delaunay Triangulations*, 2003), and
-//! the exact stages are integers of fixed width instead of expansions. They need neither branches on
-//! exponents nor more than a few hundred bytes of stack, and cannot overflow.
+//! the exact stages are integers instead of expansions. They need no branches on exponents and cannot overflow.
 
 pub(crate) mod environment;
 mod exact64;
 pub(crate) mod filter32;
 pub(crate) mod filter64;
-mod int896;
-mod integer;
+pub(crate) mod integer;
 pub(crate) mod orientation;
-pub(crate) mod predicate64;
 mod wide;
 
 pub(crate) use exact64::{ExactF64, are_exact_in_f64};
 pub(crate) use filter32::CertifiedF32;
 pub(crate) use filter64::{CertifiedF64, difference};
-pub(crate) use orientation::{Coordinate, Exact, Fast, HAS_F64, Orientation};
+pub(crate) use orientation::{Coordinate, Exact, Fast, HAS_F64, LIMIT, Orientation};
 
 /// A point in space.
 pub(crate) type Point = [f32; 3];
@@ -36,21 +33,15 @@ pub(crate) type Point = [f32; 3];
 /// A point in a plane.
 pub(crate) type Point2 = [f32; 2];
 
-/// The side of the plane through `a`, `b`, `c` on which `d` lies: the exact sign of
-/// det(b − a, c − a, d − a).
-///
-/// 1 when a, b, c turn counter-clockwise seen from `d`'s side, −1 on the other side, 0 when the four points are
-/// coplanar. Coordinates must be finite.
-#[cfg(test)]
-pub(crate) fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
-    let [side] = orientation::sides([a, b, c], [d]);
-    side
-}
-
 #[cfg(test)]
 mod tests {
-    use super::orientation::orient2d;
+    use super::orientation::{orient2d, sides};
     use super::*;
+
+    fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> i32 {
+        let [side] = sides([a, b, c], [d]);
+        side
+    }
 
     /// Points whose determinant is known, in f32 that no f64 filter can decide.
     #[test]

@@ -2,77 +2,51 @@
 //!
 //! The triangle tests are written once over [`Orientation`]: what they promise is what its signs promise.
 
-use super::predicate64::{self, sides64, turn64};
-use super::{Point, Point2, difference, filter64, integer};
+use super::{Point, Point2, filter64, integer};
+use core::marker::PhantomData;
 use glam::{DVec3, Vec3};
 
-/// A coordinate of the points that predicates decide: f32 or f64.
-pub(crate) trait Coordinate: Copy + PartialOrd + From<f32> {
-    /// p − q, rounded at most once.
-    fn difference(p: &[Self; 3], q: &[Self; 3]) -> DVec3;
-
+/// A coordinate of the points that predicates decide: a finite f32, or an f64 of at most [`LIMIT`].
+pub(crate) trait Coordinate: Copy + PartialOrd + From<f32> + Into<f64> {
     /// The nearest point.
     fn point(p: DVec3) -> [Self; 3];
-
-    /// The normal of a triangle up to a positive factor, zero if and only if it is degenerate.
-    fn normal(t: [&[Self; 3]; 3]) -> DVec3;
-
-    /// d / (d − e) with d and e the determinants of `p` and `q` over a plane, which are not equal.
-    fn orient3d_ratio(plane: [&[Self; 3]; 3], p: &[Self; 3], q: &[Self; 3]) -> f64;
 }
 
 impl Coordinate for f32 {
-    #[inline(always)]
-    fn difference(p: &Point, q: &Point) -> DVec3 {
-        difference(p, q)
-    }
-
     fn point(p: DVec3) -> Point {
         p.as_vec3().to_array()
-    }
-
-    fn normal(t: [&Point; 3]) -> DVec3 {
-        integer::normal(t).into()
-    }
-
-    fn orient3d_ratio(plane: [&Point; 3], p: &Point, q: &Point) -> f64 {
-        integer::orient3d_ratio(plane, p, q)
     }
 }
 
 impl Coordinate for f64 {
-    #[inline(always)]
-    fn difference(p: &[Self; 3], q: &[Self; 3]) -> DVec3 {
-        DVec3::from_array(*p) - DVec3::from_array(*q)
-    }
-
     fn point(p: DVec3) -> [Self; 3] {
         p.to_array()
     }
-
-    fn normal(t: [&[Self; 3]; 3]) -> DVec3 {
-        predicate64::normal(t)
-    }
-
-    fn orient3d_ratio(plane: [&[Self; 3]; 3], p: &[Self; 3], q: &[Self; 3]) -> Self {
-        predicate64::orient3d_ratio(plane, p, q)
-    }
 }
 
+/// The largest f64 that is decided: 2^125, the limit of poses.
+pub(crate) const LIMIT: f64 = 42_535_295_865_117_307_932_921_825_928_971_026_432.0;
+
 /// Decides the orientation of points in space and in a plane. A sign that is not known is `None`.
-pub(crate) trait Orientation<C = f32> {
+pub(crate) trait Orientation {
+    /// The coordinates of the points.
+    type C: Coordinate;
+
     /// The sides of one plane, through three points, on which several points lie; `None` if one of them is not known.
-    fn orient3d<const N: usize>(plane: [&[C; 3]; 3], points: [&[C; 3]; N]) -> Option<[i32; N]>;
+    fn orient3d<const N: usize>(
+        plane: [&[Self::C; 3]; 3],
+        points: [&[Self::C; 3]; N],
+    ) -> Option<[i32; N]>;
 
     /// The turn of three points. Only sides that are known to be zero lead from space to a plane, and a filter never
     /// knows that: it is not asked.
-    fn orient2d(_: &[C; 2], _: &[C; 2], _: &[C; 2]) -> Option<i32> {
+    fn orient2d(_: &[Self::C; 2], _: &[Self::C; 2], _: &[Self::C; 2]) -> Option<i32> {
         None
     }
 }
 
 /// Every sign is exact.
-pub(crate) enum Exact {}
+pub(crate) struct Exact<C = f32>(PhantomData<C>);
 
 /// Plain f32: any sign may be wrong.
 pub(crate) enum Fast {}
@@ -81,9 +55,14 @@ pub(crate) enum Fast {}
 /// takes 2 KiB of machine code.
 pub(crate) const HAS_F64: bool = !cfg!(all(target_arch = "arm", target_os = "none"));
 
-/// The exact sides of the plane through three points on which several points lie.
+/// The exact sides of the plane through three points on which several points lie: the signs of det(b − a, c − a, d − a). One
+/// is 1 when a, b, c turn counter-clockwise seen from the side of d, −1 on the other side, 0 when the four points are
+/// coplanar.
 #[inline]
-pub(crate) fn sides<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> [i32; N] {
+pub(crate) fn sides<C: Coordinate, const N: usize>(
+    plane: [&[C; 3]; 3],
+    points: [&[C; 3]; N],
+) -> [i32; N] {
     let mut sides = if HAS_F64 { filter64::orient3d(plane, points) } else { [0; N] };
     for (side, point) in sides.iter_mut().zip(points) {
         if *side == 0 {
@@ -95,36 +74,28 @@ pub(crate) fn sides<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> 
 
 /// The exact turn of three points, the sign of det(b − a, c − a): 1 is counter-clockwise, −1 clockwise, 0 collinear.
 #[inline]
-pub(crate) fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> i32 {
+pub(crate) fn orient2d<C: Coordinate>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32 {
     let turn = if HAS_F64 { filter64::orient2d(a, b, c) } else { 0 };
     if turn == 0 { integer::orient2d(a, b, c) } else { turn }
 }
 
-impl Orientation for Exact {
+impl<C: Coordinate> Orientation for Exact<C> {
+    type C = C;
+
     #[inline(always)]
-    fn orient3d<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
+    fn orient3d<const N: usize>(plane: [&[C; 3]; 3], points: [&[C; 3]; N]) -> Option<[i32; N]> {
         Some(sides(plane, points))
     }
 
     #[inline(always)]
-    fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> Option<i32> {
+    fn orient2d(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> Option<i32> {
         Some(orient2d(a, b, c))
     }
 }
 
-impl Orientation<f64> for Exact {
-    #[inline(always)]
-    fn orient3d<const N: usize>(plane: [&[f64; 3]; 3], points: [&[f64; 3]; N]) -> Option<[i32; N]> {
-        Some(sides64(plane, points))
-    }
-
-    #[inline(always)]
-    fn orient2d(a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]) -> Option<i32> {
-        Some(turn64(a, b, c))
-    }
-}
-
 impl Orientation for Fast {
+    type C = f32;
+
     #[inline]
     fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
         let edge = |p: &Point| Vec3::from_array(*p) - Vec3::from_array(*a);

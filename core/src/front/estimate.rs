@@ -117,7 +117,7 @@ mod tests {
         ) -> ControlFlow<()> {
             ControlFlow::Continue(())
         }
-        fn contact(&self, _: TrianglePair) -> Option<Contact> {
+        fn contact_f64(&self, _: TrianglePair) -> Option<Contact<f64>> {
             None
         }
     }

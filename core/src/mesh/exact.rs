@@ -7,9 +7,9 @@
 
 use super::{Mesh, MeshError, check_environment};
 use crate::bvtt::F64;
-use crate::exact::predicate64;
+use crate::exact::LIMIT;
 use crate::index::at;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The positions that decide.
 #[derive(Clone, Copy, Debug)]
@@ -49,9 +49,7 @@ impl<'a> Mesh<'a> {
         triangles: &'a [[u32; 3]],
         shadow: &'a mut [[f32; 3]],
     ) -> Result<Self, MeshError> {
-        let [low, high] = check_positions(positions)?;
-        let origin = if low.x <= high.x { low * 0.5 + high * 0.5 } else { DVec3::ZERO };
-        cast(positions, origin, shadow)?;
+        let origin = fill(shadow, positions, None)?;
         Ok(Self::new(shadow, triangles)?.with_exact(positions, origin))
     }
 
@@ -80,15 +78,8 @@ impl<'a> Mesh<'a> {
         shadow: &'a mut [[f32; 3]],
     ) -> Result<Self, MeshError> {
         let Some(exact) = self.exact else { return Err(MeshError::OtherPrecision) };
-        if positions.len() != self.positions.len() {
-            let (expected, found) = (self.positions.len(), positions.len());
-            return Err(MeshError::VertexCount { expected, found });
-        }
-        let [low, high] = check_positions(positions)?;
-        let is_inside = exact.origin.cmpge(low).all() && exact.origin.cmple(high).all();
-        let origin =
-            if is_inside || low.x > high.x { exact.origin } else { low * 0.5 + high * 0.5 };
-        cast(positions, origin, shadow)?;
+        same_length(self.positions.len(), positions.len())?;
+        let origin = fill(shadow, positions, Some(exact.origin))?;
         Ok(Self::new_unchecked(shadow, self.triangles).with_exact(positions, origin))
     }
 
@@ -126,30 +117,19 @@ impl<'a> Mesh<'a> {
         origin: [f64; 3],
         triangles: &'a [[u32; 3]],
     ) -> Result<Self, MeshError> {
-        let mesh = Self::new(shadow, triangles)?.with_exact(positions, DVec3::from_array(origin));
-        if positions.is_empty() {
-            let is_in_range =
-                |p: &[f32; 3]| p.iter().all(|x| f64::from(x.abs()) <= predicate64::LIMIT);
-            return match shadow.iter().position(|p| !is_in_range(p)) {
-                Some(vertex) => Err(MeshError::Range { vertex }),
-                None => Ok(mesh),
-            };
+        let origin = DVec3::from_array(origin);
+        let mesh = Self::new(shadow, triangles)?.with_exact(positions, origin);
+        if !positions.is_empty() {
+            same_length(shadow.len(), positions.len())?;
         }
-        if positions.len() != shadow.len() {
-            let (expected, found) = (shadow.len(), positions.len());
-            return Err(MeshError::VertexCount { expected, found });
+        for (vertex, &shadow) in shadow.iter().enumerate() {
+            let position = check_position(vertex, mesh.position_f64(vertex as u32))?;
+            let is_near = check_position(vertex, origin.to_array()).is_ok();
+            if !is_near || (position - origin).as_vec3() != Vec3::from_array(shadow) {
+                return Err(MeshError::Shadow { vertex });
+            }
         }
-        check_positions(positions)?;
-        let is_near = DVec3::from_array(origin).abs().cmple(DVec3::splat(predicate64::LIMIT)).all();
-        let is_own = |(p, shadow): (&[f64; 3], &[f32; 3])| {
-            is_near
-                && (DVec3::from_array(*p) - DVec3::from_array(origin)).as_vec3().to_array()
-                    == *shadow
-        };
-        match positions.iter().zip(shadow).position(|both| !is_own(both)) {
-            Some(vertex) => Err(MeshError::Shadow { vertex }),
-            None => Ok(mesh),
-        }
+        Ok(mesh)
     }
 
     /// Whether it is in f64: posed and decided there, whatever the pose and the other mesh.
@@ -183,15 +163,6 @@ impl<'a> Mesh<'a> {
         }
     }
 
-    /// Whether both borrow the same positions in f64, or none.
-    pub(crate) fn has_exact_positions_of(self, other: Mesh<'_>) -> bool {
-        match (self.exact, other.exact) {
-            (None, None) => true,
-            (Some(own), Some(other)) => core::ptr::eq(own.positions, other.positions),
-            _ => false,
-        }
-    }
-
     /// What queries need for meshes in f64 only.
     pub(crate) fn f64(&self) -> Option<&'static F64> {
         self.exact.as_ref().map(|exact| exact.f64)
@@ -202,33 +173,40 @@ impl<'a> Mesh<'a> {
     }
 }
 
-/// The smallest and the largest coordinates of positions that are all in range.
-fn check_positions(positions: &[[f64; 3]]) -> Result<[DVec3; 2], MeshError> {
+/// Fills a shadow, and returns its origin: the one given, if it is in the box of the positions, else the middle of that box.
+fn fill(
+    shadow: &mut [[f32; 3]],
+    positions: &[[f64; 3]],
+    origin: Option<DVec3>,
+) -> Result<DVec3, MeshError> {
     check_environment()?;
+    same_length(positions.len(), shadow.len())?;
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for (vertex, &position) in positions.iter().enumerate() {
-        let p = DVec3::from_array(position);
-        if !p.abs().cmple(DVec3::splat(predicate64::LIMIT)).all() {
-            let is_finite = p.is_finite();
-            return Err(if is_finite {
-                MeshError::Range { vertex }
-            } else {
-                MeshError::NonFinite { vertex }
-            });
-        }
+        let p = check_position(vertex, position)?;
         (low, high) = (low.min(p), high.max(p));
     }
-    Ok([low, high])
-}
-
-/// Fills a shadow.
-fn cast(positions: &[[f64; 3]], origin: DVec3, shadow: &mut [[f32; 3]]) -> Result<(), MeshError> {
-    if positions.len() != shadow.len() {
-        let (expected, found) = (positions.len(), shadow.len());
-        return Err(MeshError::VertexCount { expected, found });
-    }
+    let middle = if positions.is_empty() { DVec3::ZERO } else { low * 0.5 + high * 0.5 };
+    let is_inside = |p: &DVec3| p.cmpge(low).all() && p.cmple(high).all();
+    let origin = origin.filter(is_inside).unwrap_or(middle);
     for (shadow, &position) in shadow.iter_mut().zip(positions) {
         *shadow = (DVec3::from_array(position) - origin).as_vec3().to_array();
     }
-    Ok(())
+    Ok(origin)
+}
+
+/// The position of a vertex, if it is in range.
+pub(crate) fn check_position(vertex: usize, position: [f64; 3]) -> Result<DVec3, MeshError> {
+    let p = DVec3::from_array(position);
+    if p.abs().cmple(DVec3::splat(LIMIT)).all() {
+        Ok(p)
+    } else if p.is_finite() {
+        Err(MeshError::Range { vertex })
+    } else {
+        Err(MeshError::NonFinite { vertex })
+    }
+}
+
+pub(super) fn same_length(expected: usize, found: usize) -> Result<(), MeshError> {
+    if found == expected { Ok(()) } else { Err(MeshError::VertexCount { expected, found }) }
 }

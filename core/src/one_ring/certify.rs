@@ -12,8 +12,7 @@
 use super::{CERTIFIED, Certified, OneRing, OneRings, RING};
 use crate::Mesh;
 use crate::bvh::Join;
-use crate::exact::filter64::ERROR_2D;
-use crate::exact::predicate64::UNDERFLOW_2D;
+use crate::exact::filter64::{ERROR_2D, UNDERFLOW_2D};
 use crate::index::{at, at_mut, part, range, split};
 use crate::parallel::parts;
 use crate::vertex_set::{Moved, holds, holds_any, mark, moved_bound, number, vertices};
@@ -220,14 +219,8 @@ fn add(turns: u32, t: &[u32; 3], rings: &mut [OneRing], due: impl Fn(u32) -> boo
 #[inline(always)]
 fn turns_of(positions: &[[f32; 3]], t: &[u32; 3]) -> u32 {
     let [p, q, r] = t.map(|vertex| Vec3A::from_array(*at(positions, vertex)));
-    let signs = uncertified_signs(q - p, r - p) << SIGNS;
-    let above = |x: Vec3A, y: Vec3A| x.cmpge(y).bitmask();
-    signs
-        | crossed([
-            [above(q, p), above(r, p)],
-            [above(r, q), above(p, q)],
-            [above(p, r), above(q, r)],
-        ])
+    let signs = uncertified_signs(q - p, r - p);
+    signs << SIGNS | crossed([p, q, r], |x, y| x.cmpge(y).bitmask())
 }
 
 /// [`turns_of`] a triangle of a mesh in f64.
@@ -237,21 +230,18 @@ pub(crate) fn turns_in_f64(mesh: Mesh<'_>, t: &[u32; 3]) -> u32 {
     let (extent, normal) = (u.abs().max(v.abs()), u.cross(v));
     let bound = extent.yzx() * extent.zxy() * ERROR_2D + DVec3::splat(UNDERFLOW_2D);
     let signs = normal.cmpgt(bound).bitmask() | normal.cmplt(-bound).bitmask() << 3;
-    let above = |x: DVec3, y: DVec3| x.cmpge(y).bitmask();
-    (!signs & 0x3f) << SIGNS
-        | crossed([
-            [above(q, p), above(r, p)],
-            [above(r, q), above(p, q)],
-            [above(p, r), above(q, r)],
-        ])
+    (!signs & 0x3f) << SIGNS | crossed([p, q, r], |x, y| x.cmpge(y).bitmask())
 }
 
-/// The planes that a triangle crosses around each corner, where it goes from the next corner to the one after: given which
-/// coordinates of these are not below those of the corner.
+/// The planes that a triangle crosses around each corner, where it goes from the next corner to the one after, by the bits
+/// that tell which coordinates of one point are not below those of another.
 #[inline(always)]
-fn crossed(corners: [[u32; 2]; 3]) -> u32 {
-    let [p, q, r] = corners.map(|[from, to]| !from & to & 7 | (from & !to & 7) << 3);
-    p | q << 6 | r << 12
+fn crossed<V: Copy>([p, q, r]: [V; 3], not_below: impl Fn(V, V) -> u32) -> u32 {
+    let around = |corner, next, after| {
+        let (from, to) = (not_below(next, corner), not_below(after, corner));
+        !from & to & 7 | (from & !to & 7) << 3
+    };
+    around(p, q, r) | around(q, r, p) << 6 | around(r, p, q) << 12
 }
 
 /// Each of three bits in a byte of its own, and in the upper half of a byte each of the three above.

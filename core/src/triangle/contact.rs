@@ -8,8 +8,9 @@
 use super::coplanar::{extremes, flat};
 use super::{arrange, one_sided, triangles_intersect};
 use crate::Triangle;
-use crate::exact::predicate64::{UNDERFLOW_2D, UNDERFLOW_3D};
-use crate::exact::{Coordinate, Exact, Orientation, filter64};
+use crate::exact::filter64::{ERROR_2D, ERROR_3D, UNDERFLOW_2D, UNDERFLOW_3D};
+use crate::exact::orientation::{orient2d, sides};
+use crate::exact::{Coordinate, Exact, difference, integer};
 use glam::{DVec3, Vec3Swizzles};
 
 /// 2^30: a value that exceeds its error bound by this factor is known within a relative 2^-30.
@@ -51,10 +52,7 @@ pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
 }
 
 /// [`contact`] of triangles with coordinates of either kind, which are in range.
-pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<Contact<C>>
-where
-    Exact: Orientation<C>,
-{
+pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<Contact<C>> {
     let a_sides = sides(b.each_ref(), a.each_ref());
     let b_sides = sides(a.each_ref(), b.each_ref());
     if one_sided(&a_sides) || one_sided(&b_sides) {
@@ -70,19 +68,7 @@ where
     Some(Contact { is_flat, segment, normals: [unit_normal(a), unit_normal(b)] })
 }
 
-/// The exact sides of a plane.
-fn sides<C: Coordinate, const N: usize>(plane: [&[C; 3]; 3], points: [&[C; 3]; N]) -> [i32; N]
-where
-    Exact: Orientation<C>,
-{
-    // Every sign is known.
-    <Exact as Orientation<C>>::orient3d(plane, points).unwrap_or([0; N])
-}
-
-fn orient3d<C: Coordinate>(a: &[C; 3], b: &[C; 3], c: &[C; 3], d: &[C; 3]) -> i32
-where
-    Exact: Orientation<C>,
-{
+fn orient3d<C: Coordinate>(a: &[C; 3], b: &[C; 3], c: &[C; 3], d: &[C; 3]) -> i32 {
     let [side] = sides([a, b, c], [d]);
     side
 }
@@ -105,12 +91,12 @@ impl From<Contact> for Contact<f64> {
 
 /// The unit normal of a triangle by the right-hand rule, or zero if it is degenerate.
 fn unit_normal<C: Coordinate>(t: &[[C; 3]; 3]) -> [f32; 3] {
-    let (u, v) = (C::difference(&t[1], &t[0]), C::difference(&t[2], &t[0]));
+    let (u, v) = (difference(&t[1], &t[0]), difference(&t[2], &t[0]));
     let (in_f64, extent) = (u.cross(v), u.abs().max(v.abs()));
     let largest = (extent.yzx() * extent.zxy()).max_element();
-    let bound = (largest * filter64::ERROR_2D + UNDERFLOW_2D) * TWO_30;
+    let bound = (largest * ERROR_2D + UNDERFLOW_2D) * TWO_30;
     let is_certain = in_f64.abs().max_element() > bound;
-    let normal = if is_certain { in_f64 } else { C::normal(t.each_ref()) };
+    let normal = if is_certain { in_f64 } else { integer::direction_of_normal(t.each_ref()) };
     // The squares of the largest f32 areas would overflow, those of the smallest vanish.
     let largest = normal.abs().max_element();
     if largest == 0.0 { [0.0; 3] } else { (normal / largest).normalize().as_vec3().to_array() }
@@ -122,10 +108,7 @@ fn crossing<C: Coordinate>(
     a_sides: &[i32; 3],
     b: &[[C; 3]; 3],
     b_sides: &[i32; 3],
-) -> Option<[[C; 3]; 2]>
-where
-    Exact: Orientation<C>,
-{
+) -> Option<[[C; 3]; 2]> {
     let ([a0, a1, a2], [b0, b1, b2], side) = arrange(a, a_sides, b, b_sides);
     if orient3d(a0, a1, b0, b1) == side || orient3d(a0, a2, b0, b2) == -side {
         return None;
@@ -158,7 +141,7 @@ fn edge_point<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] 
     let s = edge_parameter(p, q, t);
     // The parameter counts from the nearer end, so that an end in the plane is returned unchanged.
     let (end, part) = if s <= 0.5 { (p, s) } else { (q, s - 1.0) };
-    C::point(C::difference(end, &[C::from(0.0); 3]) + part * C::difference(q, p))
+    C::point(difference(end, &[C::from(0.0); 3]) + part * difference(q, p))
 }
 
 /// Two points, the one with the smaller first coordinate in which they differ first.
@@ -168,12 +151,16 @@ fn in_order<'p, C: Coordinate>(p: &'p [C; 3], q: &'p [C; 3]) -> (&'p [C; 3], &'p
 
 /// The parameter of that point along the edge, within 2^-28.
 fn edge_parameter<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: [&[C; 3]; 3]) -> f64 {
-    let (u, v) = (C::difference(t[1], t[0]), C::difference(t[2], t[0]));
-    let w = [p, q].map(|p| C::difference(p, t[0]));
+    let (u, v) = (difference(t[1], t[0]), difference(t[2], t[0]));
+    let w = [p, q].map(|p| difference(p, t[0]));
     let extent = u.abs().max(v.abs()).max(w[0].abs()).max(w[1].abs());
     let [d, e] = w.map(|w| u.cross(v).dot(w));
-    let bound = extent.x * extent.y * extent.z * filter64::ERROR_3D + UNDERFLOW_3D;
-    if d.abs().min(e.abs()) > bound * TWO_30 { d / (d - e) } else { C::orient3d_ratio(t, p, q) }
+    let bound = extent.x * extent.y * extent.z * ERROR_3D + UNDERFLOW_3D;
+    if d.abs().min(e.abs()) > bound * TWO_30 {
+        d / (d - e)
+    } else {
+        integer::orient3d_ratio(t, p, q)
+    }
 }
 
 /// The longest chord between corners of the intersection of triangles that are coplanar or of which one is
@@ -182,11 +169,8 @@ fn flat_chord<C: Coordinate>(
     a: &[[C; 3]; 3],
     b: &[[C; 3]; 3],
     are_coplanar: bool,
-) -> Option<[[C; 3]; 2]>
-where
-    Exact: Orientation<C>,
-{
-    let meet = |p: &[[C; 3]; 3], t| triangles_intersect::<Exact, C>(p, t) == Some(true);
+) -> Option<[[C; 3]; 2]> {
+    let meet = |p: &[[C; 3]; 3], t| triangles_intersect::<Exact<C>>(p, t) == Some(true);
     // 6 corners, and 9 crossings of edges or 2 of segments with triangles.
     let mut corners = [[C::from(0.0); 3]; 15];
     let mut free = corners.iter_mut();
@@ -217,12 +201,9 @@ where
 }
 
 /// The points in which an edge of one coplanar triangle crosses an edge of the other.
-fn edge_crossings<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], add: &mut impl FnMut([C; 3]))
-where
-    Exact: Orientation<C>,
-{
-    let turn = |p: &_, q: &_, r: &_| <Exact as Orientation<C>>::orient2d(p, q, r).unwrap_or(0);
-    let differ = |[p, q]: [[C; 2]; 2], [r, s]: [[C; 2]; 2]| turn(&p, &q, &r) * turn(&p, &q, &s) < 0;
+fn edge_crossings<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], add: &mut impl FnMut([C; 3])) {
+    let differ =
+        |[p, q]: [[C; 2]; 2], [r, s]: [[C; 2]; 2]| orient2d(&p, &q, &r) * orient2d(&p, &q, &s) < 0;
     for axis in 0..3 {
         let mut any = false;
         for (p, q) in edges(a) {
@@ -256,7 +237,7 @@ fn longest<'p, C: Coordinate + 'p>(
     let mut length = -1.0;
     for (i, p) in points.clone().enumerate() {
         for q in points.clone().skip(i) {
-            let squared = C::difference(p, q).length_squared();
+            let squared = difference(p, q).length_squared();
             if squared > length {
                 (length, best) = (squared, Some([*p, *q]));
             }

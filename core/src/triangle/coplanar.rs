@@ -4,38 +4,38 @@
 //! which takes only the turns of points in a projection that keeps areas. A degenerate triangle is its
 //! segment or point, and a segment is a polygon of two edges, there and back.
 
-use crate::exact::{Coordinate, Orientation};
+use crate::exact::{Coordinate, Orientation, difference};
 
 /// Whether two triangles intersect that are coplanar or of which at least one is degenerate.
 #[cold]
-pub(super) fn coplanar_triangles_intersect<K: Orientation<C>, C: Coordinate>(
-    a: &[[C; 3]; 3],
-    b: &[[C; 3]; 3],
+pub(super) fn coplanar_triangles_intersect<K: Orientation>(
+    a: &[[K::C; 3]; 3],
+    b: &[[K::C; 3]; 3],
 ) -> Option<bool> {
-    match (projection::<K, C>(a)?, projection::<K, C>(b)?) {
+    match (projection::<K>(a)?, projection::<K>(b)?) {
         (Some(p), Some(q)) => {
-            let turn = if p.axis == q.axis { q.turn } else { turn::<K, C>(b, p.axis)? };
-            polygons_intersect::<K, C>(&flat(a, p.axis), p.turn, &flat(b, p.axis), turn)
+            let turn = if p.axis == q.axis { q.turn } else { turn::<K>(b, p.axis)? };
+            polygons_intersect::<K>(&flat(a, p.axis), p.turn, &flat(b, p.axis), turn)
         }
-        (_, None) => segment_intersects::<K, C>(extremes(b), a),
-        (None, Some(_)) => segment_intersects::<K, C>(extremes(a), b),
+        (_, None) => segment_intersects::<K>(extremes(b), a),
+        (None, Some(_)) => segment_intersects::<K>(extremes(a), b),
     }
 }
 
 /// Whether the closed segment `s` meets the closed triangle `t`; either may be degenerate.
-pub(super) fn segment_intersects<K: Orientation<C>, C: Coordinate>(
-    s: [[C; 3]; 2],
-    t: &[[C; 3]; 3],
+pub(super) fn segment_intersects<K: Orientation>(
+    s: [[K::C; 3]; 2],
+    t: &[[K::C; 3]; 3],
 ) -> Option<bool> {
     match K::orient3d(t.each_ref(), s.each_ref())? {
         [x, y] if x * y > 0 => Some(false),
-        [0, 0] => match projection::<K, C>(t)? {
+        [0, 0] => match projection::<K>(t)? {
             Some(Projection { axis, turn }) => {
-                polygons_intersect::<K, C>(&flat(&s, axis), 1, &flat(t, axis), turn)
+                polygons_intersect::<K>(&flat(&s, axis), 1, &flat(t, axis), turn)
             }
-            None => segments_intersect::<K, C>(s, extremes(t)),
+            None => segments_intersect::<K>(s, extremes(t)),
         },
-        _ => pierces::<K, C>(&s, t),
+        _ => pierces::<K>(&s, t),
     }
 }
 
@@ -48,14 +48,12 @@ pub(super) struct Projection {
 }
 
 /// `None` if the triangle is degenerate.
-pub(super) fn projection<K: Orientation<C>, C: Coordinate>(
-    t: &[[C; 3]; 3],
-) -> Option<Option<Projection>> {
-    let normal = C::difference(&t[1], &t[0]).cross(C::difference(&t[2], &t[0]));
+pub(super) fn projection<K: Orientation>(t: &[[K::C; 3]; 3]) -> Option<Option<Projection>> {
+    let normal = difference(&t[1], &t[0]).cross(difference(&t[2], &t[0]));
     // The largest area first: it nearly always decides.
     let largest = normal.abs().max_position();
     for axis in [largest, (largest + 1) % 3, (largest + 2) % 3] {
-        let turn = turn::<K, C>(t, axis)?;
+        let turn = turn::<K>(t, axis)?;
         if turn != 0 {
             return Some(Some(Projection { axis, turn }));
         }
@@ -64,7 +62,7 @@ pub(super) fn projection<K: Orientation<C>, C: Coordinate>(
 }
 
 /// The turn of the corners in the projection along an axis.
-pub(super) fn turn<K: Orientation<C>, C: Coordinate>(t: &[[C; 3]; 3], axis: usize) -> Option<i32> {
+pub(super) fn turn<K: Orientation>(t: &[[K::C; 3]; 3], axis: usize) -> Option<i32> {
     let [p, q, r] = flat(t, axis);
     K::orient2d(&p, &q, &r)
 }
@@ -87,10 +85,7 @@ pub(super) fn extremes<C: Coordinate>(t: &[[C; 3]; 3]) -> [[C; 3]; 2] {
 
 /// Whether a segment that reaches the plane of `t` in one point does so within `t`: its line passes
 /// all three edges on the same side, or through one.
-fn pierces<K: Orientation<C>, C: Coordinate>(
-    [p, q]: &[[C; 3]; 2],
-    t: &[[C; 3]; 3],
-) -> Option<bool> {
+fn pierces<K: Orientation>([p, q]: &[[K::C; 3]; 2], t: &[[K::C; 3]; 3]) -> Option<bool> {
     let (mut left, mut right) = (false, false);
     let [a, b, c] = t;
     for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -104,10 +99,7 @@ fn pierces<K: Orientation<C>, C: Coordinate>(
     Some(true)
 }
 
-fn segments_intersect<K: Orientation<C>, C: Coordinate>(
-    s: [[C; 3]; 2],
-    r: [[C; 3]; 2],
-) -> Option<bool> {
+fn segments_intersect<K: Orientation>(s: [[K::C; 3]; 2], r: [[K::C; 3]; 2]) -> Option<bool> {
     // A common point is between the ends of both in lexicographic order.
     let [[p, q], [u, v]] = [s, r].map(|[p, q]| if p < q { [p, q] } else { [q, p] });
     if q < u || v < p || K::orient3d([&p, &q, &u], [&v])? != [0] {
@@ -115,7 +107,7 @@ fn segments_intersect<K: Orientation<C>, C: Coordinate>(
     }
     // In a projection of all four onto one line nothing separates them; in every other the answer is the true one.
     for axis in 0..3 {
-        if !polygons_intersect::<K, C>(&flat(&s, axis), 1, &flat(&r, axis), 1)? {
+        if !polygons_intersect::<K>(&flat(&s, axis), 1, &flat(&r, axis), 1)? {
             return Some(false);
         }
     }
@@ -123,21 +115,17 @@ fn segments_intersect<K: Orientation<C>, C: Coordinate>(
 }
 
 /// Whether two polygons in one plane intersect, by their corners and turns.
-fn polygons_intersect<K: Orientation<C>, C: Coordinate>(
-    p: &[[C; 2]],
+fn polygons_intersect<K: Orientation>(
+    p: &[[K::C; 2]],
     p_turn: i32,
-    q: &[[C; 2]],
+    q: &[[K::C; 2]],
     q_turn: i32,
 ) -> Option<bool> {
-    Some(!separates::<K, C>(p, p_turn, q)? && !separates::<K, C>(q, q_turn, p)?)
+    Some(!separates::<K>(p, p_turn, q)? && !separates::<K>(q, q_turn, p)?)
 }
 
 /// Whether the line of some edge of `p` has all of `q` strictly on its outer side.
-fn separates<K: Orientation<C>, C: Coordinate>(
-    p: &[[C; 2]],
-    turn: i32,
-    q: &[[C; 2]],
-) -> Option<bool> {
+fn separates<K: Orientation>(p: &[[K::C; 2]], turn: i32, q: &[[K::C; 2]]) -> Option<bool> {
     let ends = p.iter().skip(1).chain(p);
     for (from, to) in p.iter().zip(ends) {
         let mut outside = true;
@@ -168,7 +156,7 @@ mod tests {
                 p.rotate_right(turns);
                 p
             });
-            let found = projection::<Exact, _>(&t).unwrap().map(|p| (p.axis, p.turn != 0));
+            let found = projection::<Exact<_>>(&t).unwrap().map(|p| (p.axis, p.turn != 0));
             assert_eq!(found, Some(((1 + turns) % 3, true)));
         }
     }

@@ -15,8 +15,8 @@
 use super::coplanar::{projection, segment_intersects, turn};
 use super::{Accuracy, intersects, intersects_in_f64};
 use crate::Mesh;
-use crate::exact::predicate64::{UNDERFLOW_2D, UNDERFLOW_3D};
-use crate::exact::{CertifiedF64, Coordinate, Exact, Fast, Orientation};
+use crate::exact::filter64::{UNDERFLOW_2D, UNDERFLOW_3D};
+use crate::exact::{CertifiedF64, Coordinate, Exact, Fast, Orientation, difference};
 use crate::index::at;
 use glam::DVec3;
 
@@ -56,21 +56,14 @@ pub fn intersects_in_mesh(
     if let Some(f64) = mesh.f64() {
         return (f64.intersects_in_mesh)(mesh, [i, j], adjacency);
     }
-    let (a, b) = (at(mesh.triangles(), i), at(mesh.triangles(), j));
-    let shared = shared_with(b, a);
-    if shared == [false; 3] {
-        return intersects(&mesh.triangle(i), &mesh.triangle(j), accuracy);
-    }
-    if adjacency == Adjacency::SkipNeighbours {
-        return false;
-    }
-    let position = |vertex: u32| *at(mesh.positions(), vertex);
-    let [a, b] =
-        [Neighbour::new(position, a, shared), Neighbour::new(position, b, shared_with(a, b))];
-    match accuracy {
-        Accuracy::Exact => neighbours_intersect::<Exact, f32>(&a, &b) == Some(true),
-        Accuracy::Conservative => neighbours_intersect::<CertifiedF64, f32>(&a, &b).unwrap_or(true),
-        Accuracy::Fast => neighbours_intersect::<Fast, f32>(&a, &b) == Some(true),
+    match neighbours(mesh, [i, j], |vertex| *at(mesh.positions(), vertex)) {
+        None => intersects(&mesh.triangle(i), &mesh.triangle(j), accuracy),
+        Some(_) if adjacency == Adjacency::SkipNeighbours => false,
+        Some([a, b]) => match accuracy {
+            Accuracy::Exact => neighbours_intersect::<Exact<f32>>(&a, &b) == Some(true),
+            Accuracy::Conservative => neighbours_intersect::<CertifiedF64>(&a, &b).unwrap_or(true),
+            Accuracy::Fast => neighbours_intersect::<Fast>(&a, &b) == Some(true),
+        },
     }
 }
 
@@ -80,18 +73,25 @@ pub(crate) fn intersects_in_mesh_f64(
     [i, j]: [u32; 2],
     adjacency: Adjacency,
 ) -> bool {
-    let (a, b) = (at(mesh.triangles(), i), at(mesh.triangles(), j));
+    match neighbours(mesh, [i, j], |vertex| mesh.position_f64(vertex)) {
+        None => intersects_in_f64(&mesh.triangle_f64(i), &mesh.triangle_f64(j)),
+        Some(_) if adjacency == Adjacency::SkipNeighbours => false,
+        Some([a, b]) => neighbours_intersect::<Exact<f64>>(&a, &b) == Some(true),
+    }
+}
+
+/// Two triangles of a mesh, if they share a vertex.
+#[inline]
+fn neighbours<C: Coordinate>(
+    mesh: Mesh<'_>,
+    triangles: [u32; 2],
+    position: impl Fn(u32) -> [C; 3],
+) -> Option<[Neighbour<C>; 2]> {
+    let [a, b] = triangles.map(|triangle| at(mesh.triangles(), triangle));
     let shared = shared_with(b, a);
-    if shared == [false; 3] {
-        return intersects_in_f64(&mesh.triangle_f64(i), &mesh.triangle_f64(j));
-    }
-    if adjacency == Adjacency::SkipNeighbours {
-        return false;
-    }
-    let position = |vertex: u32| mesh.position_f64(vertex);
-    let [a, b] =
-        [Neighbour::new(position, a, shared), Neighbour::new(position, b, shared_with(a, b))];
-    neighbours_intersect::<Exact, f64>(&a, &b) == Some(true)
+    (shared != [false; 3]).then(|| {
+        [Neighbour::new(&position, a, shared), Neighbour::new(&position, b, shared_with(a, b))]
+    })
 }
 
 /// A triangle that shares a vertex with another one.
@@ -155,22 +155,16 @@ fn repeated_shared_first(triangle: &[u32; 3], is_shared: [bool; 3]) -> ([u32; 3]
     (vertices, distinct.min(usize::from(shared) + usize::from(other_shared)), distinct)
 }
 
-fn neighbours_intersect<K: Orientation<C>, C: Coordinate>(
-    a: &Neighbour<C>,
-    b: &Neighbour<C>,
-) -> Option<bool> {
+fn neighbours_intersect<K: Orientation>(a: &Neighbour<K::C>, b: &Neighbour<K::C>) -> Option<bool> {
     match a.shared {
         _ if [a.distinct, b.distinct] == [a.shared; 2] => Some(true),
-        2 => edge_rule::<K, C>(&a.corners, &b.corners),
-        _ => vertex_rule::<K, C>(a, b),
+        2 => edge_rule::<K>(&a.corners, &b.corners),
+        _ => vertex_rule::<K>(a, b),
     }
 }
 
 /// The rule for one shared vertex, the first of both.
-fn vertex_rule<K: Orientation<C>, C: Coordinate>(
-    a: &Neighbour<C>,
-    b: &Neighbour<C>,
-) -> Option<bool> {
+fn vertex_rule<K: Orientation>(a: &Neighbour<K::C>, b: &Neighbour<K::C>) -> Option<bool> {
     if separated_at_vertex(&a.corners, &b.corners) {
         return Some(false);
     }
@@ -185,7 +179,7 @@ fn vertex_rule<K: Orientation<C>, C: Coordinate>(
     }
     for (t, rest) in [(b, a.rest()), (a, b.rest())] {
         if let Some(rest) = rest
-            && segment_intersects::<K, C>(rest, &t.corners)?
+            && segment_intersects::<K>(rest, &t.corners)?
         {
             return Some(true);
         }
@@ -194,17 +188,17 @@ fn vertex_rule<K: Orientation<C>, C: Coordinate>(
 }
 
 /// The rule for a shared edge, the first two corners of both.
-fn edge_rule<K: Orientation<C>, C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<bool> {
+fn edge_rule<K: Orientation>(a: &[[K::C; 3]; 3], b: &[[K::C; 3]; 3]) -> Option<bool> {
     let ([e, f, c], d) = (*a, b[2]);
     if separated_at_edge(a, &d) || K::orient3d([&e, &f, &c], [&d])? != [0] {
         return Some(false);
     }
-    if let Some(p) = projection::<K, C>(&[e, f, c])? {
-        return Some(turn::<K, C>(&[e, f, d], p.axis)? == p.turn);
+    if let Some(p) = projection::<K>(&[e, f, c])? {
+        return Some(turn::<K>(&[e, f, d], p.axis)? == p.turn);
     }
     // The first lies on the line of the edge. If the second does not, they meet in the edge alone, and so do
     // two segments in different directions from an edge without length.
-    if projection::<K, C>(&[e, f, d])?.is_some() || projection::<K, C>(&[e, c, d])?.is_some() {
+    if projection::<K>(&[e, f, d])?.is_some() || projection::<K>(&[e, c, d])?.is_some() {
         return Some(false);
     }
     // All on one line: only past the same end of the edge do they have more in common.
@@ -220,7 +214,7 @@ fn edge_rule<K: Orientation<C>, C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3])
 /// over a corner is off by less than (1+u)^4 − 1 of the sum of the three products, u = 2^-53, and by 3 · 2^-1075 where they
 /// underflow; the bound loses as little.
 fn separated_at_vertex<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> bool {
-    let edges = [&a[1], &a[2], &b[1], &b[2]].map(|p| C::difference(p, &a[0]));
+    let edges = [&a[1], &a[2], &b[1], &b[2]].map(|p| difference(p, &a[0]));
     // An edge without length has the direction NaN, and nothing is above such a plane.
     let [p, q, r, s] = edges.map(|e| e / e.abs().element_sum());
     let normal = (p + q) - (r + s);
@@ -232,10 +226,10 @@ fn separated_at_vertex<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> bool 
 /// edge of `a` at a right angle to it, or as nearly so as comes out.
 ///
 /// The six products of det(f − e, normal, x − e) are off by less than (1+u)^7 − 1 each. Any normal will do. Where they
-/// underflow, the determinant loses 6 · 2^-1075 times the extent of x − e, and the bound as much, as in `predicate64`: so
+/// underflow, the determinant loses 6 · 2^-1075 times the extent of x − e, and the bound as much, as in `filter64`: so
 /// the extents are multiplied first there too.
 fn separated_at_edge<C: Coordinate>(a: &[[C; 3]; 3], d: &[C; 3]) -> bool {
-    let [edge, c, d] = [&a[1], &a[2], d].map(|p| C::difference(p, &a[0]));
+    let [edge, c, d] = [&a[1], &a[2], d].map(|p| difference(p, &a[0]));
     let normal = edge.cross(c);
     let across = edge.cross(normal);
     let extent = edge.abs().max_element() * normal.abs().max_element();

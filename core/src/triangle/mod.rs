@@ -40,9 +40,10 @@ pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
 use crate::exact::{
-    CertifiedF32, CertifiedF64, Coordinate, Exact, ExactF64, Fast, HAS_F64, Orientation, Point,
-    are_exact_in_f64, predicate64,
+    CertifiedF32, CertifiedF64, Exact, ExactF64, Fast, HAS_F64, Orientation, Point,
+    are_exact_in_f64,
 };
+use crate::mesh::{MeshError, check_position};
 use glam::Vec3A;
 
 /// The guarantee of an answer about triangles with f32 positions. Posed ones are taken as
@@ -84,7 +85,7 @@ pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
 /// Whether two closed triangles with f64 coordinates share a point, exactly: what [`intersects`] says for f32.
 ///
 /// # Errors
-/// [`RangeError`] names the first corner that has a coordinate which is NaN or beyond ±2^125.
+/// [`MeshError`] names the first of the six corners that has a coordinate which is NaN or beyond ±2^125.
 ///
 /// # Complexity
 /// O(1), no allocation, bounded stack.
@@ -97,25 +98,16 @@ pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
 /// assert_eq!(intersects_f64(&floor, &tip(0.0)), Ok(true));
 /// assert_eq!(intersects_f64(&floor, &tip(5e-324)), Ok(false));
 /// ```
-pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, RangeError> {
-    let is_in_range = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= predicate64::LIMIT);
-    if let Some(corner) = a.iter().chain(b).position(|p| !is_in_range(p)) {
-        return Err(RangeError { corner });
+pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, MeshError> {
+    for (corner, p) in a.iter().chain(b).enumerate() {
+        check_position(corner, *p)?;
     }
     Ok(intersects_in_f64(a, b))
 }
 
 /// [`intersects_f64`] of coordinates that are in range.
 pub(crate) fn intersects_in_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> bool {
-    triangles_intersect::<Exact, f64>(a, b) == Some(true)
-}
-
-/// A coordinate that [`intersects_f64`] does not take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("corner {corner} has a coordinate that is NaN or beyond ±2^125")]
-pub struct RangeError {
-    /// The corner: 0 to 2 of the first triangle, 3 to 5 of the second.
-    pub corner: usize,
+    triangles_intersect::<Exact<f64>>(a, b) == Some(true)
 }
 
 /// [`intersects`] at another accuracy than `Exact`. A query holds it by pointer, so that firmware whose pair queries are
@@ -128,10 +120,10 @@ impl Accuracy {
         match self {
             Self::Exact => None,
             Self::Conservative => Some(|a, b| {
-                let certified = triangles_intersect::<CertifiedF32, f32>(a, b);
-                certified.or_else(|| triangles_intersect::<CertifiedF64, f32>(a, b)).unwrap_or(true)
+                let certified = triangles_intersect::<CertifiedF32>(a, b);
+                certified.or_else(|| triangles_intersect::<CertifiedF64>(a, b)).unwrap_or(true)
             }),
-            Self::Fast => Some(|a, b| triangles_intersect::<Fast, f32>(a, b) == Some(true)),
+            Self::Fast => Some(|a, b| triangles_intersect::<Fast>(a, b) == Some(true)),
         }
     }
 }
@@ -153,24 +145,21 @@ fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
     let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
     let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
     let is_flush = flush.any();
-    if !is_flush && let Some(hit) = triangles_intersect::<CertifiedF32, f32>(a, b) {
+    if !is_flush && let Some(hit) = triangles_intersect::<CertifiedF32>(a, b) {
         return hit;
     }
     let hit = match (is_flush, HAS_F64 && are_exact_in_f64(a, b)) {
-        (true, true) => coplanar_triangles_intersect::<ExactF64, f32>(a, b),
-        (true, false) => coplanar_triangles_intersect::<Exact, f32>(a, b),
-        (false, true) => triangles_intersect::<ExactF64, f32>(a, b),
-        (false, false) => triangles_intersect::<Exact, f32>(a, b),
+        (true, true) => coplanar_triangles_intersect::<ExactF64>(a, b),
+        (true, false) => coplanar_triangles_intersect::<Exact<f32>>(a, b),
+        (false, true) => triangles_intersect::<ExactF64>(a, b),
+        (false, false) => triangles_intersect::<Exact<f32>>(a, b),
     };
     hit == Some(true)
 }
 
 /// [`intersects`] by one kind of signs; `None` if a sign that decides is not known.
 #[inline]
-fn triangles_intersect<K: Orientation<C>, C: Coordinate>(
-    a: &[[C; 3]; 3],
-    b: &[[C; 3]; 3],
-) -> Option<bool> {
+fn triangles_intersect<K: Orientation>(a: &[[K::C; 3]; 3], b: &[[K::C; 3]; 3]) -> Option<bool> {
     // One plane with the other triangle on one side is enough, whatever is uncertain about the other plane.
     let a_sides = K::orient3d(b.each_ref(), a.each_ref());
     if a_sides.as_ref().is_some_and(one_sided) {
@@ -182,10 +171,10 @@ fn triangles_intersect<K: Orientation<C>, C: Coordinate>(
     }
     let (a_sides, b_sides) = (a_sides?, b_sides?);
     if a_sides == [0; 3] || b_sides == [0; 3] {
-        return coplanar_triangles_intersect::<K, C>(a, b);
+        return coplanar_triangles_intersect::<K>(a, b);
     }
     let (a, b, side) = arrange(a, &a_sides, b, &b_sides);
-    intervals_overlap::<K, C>(a, b, side)
+    intervals_overlap::<K>(a, b, side)
 }
 
 /// Whether all three corners are strictly on one side of a plane.
@@ -202,9 +191,9 @@ fn one_sided(sides: &[i32; 3]) -> bool {
 /// factor with the sign of −`side`; likewise for a0a2 and b0b2. The factor is never zero, since an apex is not on the
 /// side of the other two corners. So touching, where a determinant is zero, needs no case of its own.
 #[inline]
-fn intervals_overlap<K: Orientation<C>, C: Coordinate>(
-    [a0, a1, a2]: [&[C; 3]; 3],
-    [b0, b1, b2]: [&[C; 3]; 3],
+fn intervals_overlap<K: Orientation>(
+    [a0, a1, a2]: [&[K::C; 3]; 3],
+    [b0, b1, b2]: [&[K::C; 3]; 3],
     side: i32,
 ) -> Option<bool> {
     // Both are computed before either is looked at, so that a processor works on them side by side.
@@ -286,8 +275,8 @@ mod tests {
         assert_eq!(intersects_f64(&floor, &tip(1e6 + 1e-9)), Ok(false));
         assert_eq!(intersects_f64(&floor, &tip(1e6)), Ok(true));
         let out = [[0.0; 3], [0.0, f64::NAN, 0.0], [0.0; 3]];
-        assert_eq!(intersects_f64(&floor, &out), Err(RangeError { corner: 4 }));
-        assert_eq!(intersects_f64(&[[1e38; 3]; 3], &floor), Err(RangeError { corner: 0 }));
+        assert_eq!(intersects_f64(&floor, &out), Err(MeshError::NonFinite { vertex: 4 }));
+        assert_eq!(intersects_f64(&[[1e38; 3]; 3], &floor), Err(MeshError::Range { vertex: 0 }));
     }
 
     fn check(b: Triangle, expected: bool) {

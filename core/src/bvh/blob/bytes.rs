@@ -1,4 +1,4 @@
-//! Conversion between little-endian bytes and elements that consist of 32-bit words, or points in f64.
+//! Conversion between little-endian bytes and elements that consist of words of so many bytes.
 
 use super::BlobError;
 use crate::CapacityError;
@@ -19,7 +19,7 @@ pub(super) fn borrow<T: Pod>(bytes: &[u8]) -> Result<&[T], BlobError> {
 }
 
 /// The elements, copied to the beginning of `to`.
-pub(super) fn copy_from<'s, T: Pod>(
+pub(super) fn copy_from<'s, const WORD: usize, T: Pod>(
     bytes: &[u8],
     buffer: &'static str,
     to: &'s mut [T],
@@ -27,33 +27,19 @@ pub(super) fn copy_from<'s, T: Pod>(
     let count = bytes.len() / size_of::<T>();
     CapacityError::check(buffer, count, to.len())?;
     let to = part_mut(to, ..count);
-    let words = bytemuck::must_cast_slice_mut::<T, u32>(to).iter_mut();
-    words.zip(bytes.as_chunks().0).for_each(|(to, from)| *to = u32::from_le_bytes(*from));
+    copy::<WORD>(bytes, bytemuck::must_cast_slice_mut(to));
     Ok(to)
 }
 
 /// Writes the elements to as many bytes as they take.
-pub(super) fn copy_to<T: Pod>(elements: &[T], out: &mut [u8]) {
-    let words = bytemuck::must_cast_slice::<T, u32>(elements).iter();
-    words.zip(out.as_chunks_mut().0).for_each(|(from, to)| *to = from.to_le_bytes());
+pub(super) fn copy_to<const WORD: usize, T: Pod>(elements: &[T], out: &mut [u8]) {
+    copy::<WORD>(bytemuck::must_cast_slice(elements), out);
 }
 
-/// Copies points in f64 to the beginning of `to`.
-pub(super) fn copy_points_from<'s>(
-    bytes: &[u8],
-    buffer: &'static str,
-    to: &'s mut [[f64; 3]],
-) -> Result<&'s [[f64; 3]], CapacityError> {
-    let count = bytes.len() / size_of::<[f64; 3]>();
-    CapacityError::check(buffer, count, to.len())?;
-    let to = part_mut(to, ..count);
-    let words = to.as_flattened_mut().iter_mut().zip(bytes.as_chunks().0);
-    words.for_each(|(to, from)| *to = f64::from_le_bytes(*from));
-    Ok(to)
-}
-
-/// Writes points in f64 to as many bytes as they take.
-pub(super) fn copy_points_to(points: &[[f64; 3]], out: &mut [u8]) {
-    let words = points.as_flattened().iter().zip(out.as_chunks_mut().0);
-    words.for_each(|(from, to)| *to = from.to_le_bytes());
+/// Copies words of this machine to little-endian ones, or back.
+fn copy<const WORD: usize>(from: &[u8], to: &mut [u8]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+    if cfg!(target_endian = "big") {
+        to.as_chunks_mut::<WORD>().0.iter_mut().for_each(|word| word.reverse());
+    }
 }

@@ -56,7 +56,7 @@ pub enum BlobError {
     #[error("a big-endian machine must copy a baked mesh by `Blob::read_into`")]
     BigEndian,
     /// The mesh is in f64, and this call reads only those in f32.
-    #[error("a baked mesh in f64: read it by `Blob::bvh_f64` or `Blob::read_into_f64`")]
+    #[error("a baked mesh in f64: read it by `Blob::read_into_f64`")]
     InF64,
     /// The checksum is right, but positions and triangles are not a mesh.
     #[error(transparent)]

@@ -30,9 +30,9 @@
 //! child, as [`Mesh::new`] and [`Bvh::new`] do.
 //!
 //! # Alignment
-//! To be borrowed, the bytes must begin at a multiple of 4, or of 8 with positions in f64; at one of 64 siblings share a
-//! cache line.
-//! `include_bytes!` promises neither, [`Aligned`] both. [`Blob::read_into`] copies from anywhere.
+//! To be borrowed, the bytes must begin at a multiple of 4; at one of 64 siblings share a cache line.
+//! `include_bytes!` promises neither, [`Aligned`] both. [`Blob::read_into`] copies from anywhere, and so does
+//! [`Blob::read_into_f64`] meshes in f64, which are not borrowed.
 //!
 //! # Endianness
 //! A big-endian machine writes and checks the same blobs, but cannot borrow them: [`Blob::bvh`] says so, and
@@ -72,7 +72,7 @@ pub use header::{Counts, MAGIC};
 
 use crate::index::{part, part_mut, split};
 use crate::{Bvh, BvhError, CapacityError, Mesh, Node};
-use bytes::{borrow, copy_from, copy_points_from, copy_points_to, copy_to};
+use bytes::{borrow, copy_from, copy_to};
 use header::{Header, checksum};
 
 /// A value that begins at a multiple of 64 bytes, for a [`Blob`] to be borrowed.
@@ -147,7 +147,8 @@ impl<'a> Blob<'a> {
     ///
     /// # Errors
     /// [`BlobError`] says what is at fault; [`BlobError::Misaligned`] and [`BlobError::BigEndian`] are about where the
-    /// bytes lie, not what they are. [`BlobError::InF64`] if the mesh is in f64, which [`Blob::bvh_f64`] borrows.
+    /// bytes lie, not what they are. [`BlobError::InF64`] if the mesh is in f64, which
+    /// [`Blob::read_into_f64`] copies.
     ///
     /// # Complexity
     /// O(bytes), beside what [`Bvh::new`] and [`Mesh::new`] take.
@@ -155,41 +156,6 @@ impl<'a> Blob<'a> {
         self.check_f32()?;
         let [nodes, positions, triangles, order, _] = self.sections()?;
         let mesh = Mesh::new(borrow(positions)?, borrow(triangles)?)?;
-        Ok(Bvh::new(mesh, borrow(nodes)?, borrow(order)?, scratch)?)
-    }
-
-    /// [`Blob::bvh`] for meshes of either kind. A program that has none in f64 need not link what it takes to ask about them.
-    ///
-    /// # Errors
-    /// As [`Blob::bvh`].
-    ///
-    /// # Complexity
-    /// As [`Blob::bvh`].
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront_core::{blob::{self, Aligned, Counts}, Blob, Bvh, Mesh, Node};
-    /// let (points, mut shadow) = ([[0.1, 0.2, 0.3]; 3], [[0.0; 3]; 3]);
-    /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
-    /// let nodes = [Node { min: [0.0; 3], first: 0, max: [0.0; 3], count: 1 }];
-    /// let bvh = Bvh::new(mesh, &nodes, &[0], &mut [0])?;
-    /// let mut baked = Aligned([0; 512]);
-    /// let bytes = blob::write(&bvh, &mut baked.0)?.len();
-    ///
-    /// let blob = Blob::new(&baked.0[..bytes])?;
-    /// # if cfg!(target_endian = "big") { return Ok(()) }
-    /// let borrowed = blob.bvh_f64(&mut [0; 1])?;
-    /// assert_eq!(borrowed.mesh().positions_f64(), Some(&points[..]));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn bvh_f64(&self, scratch: &mut [u32]) -> Result<Bvh<'a>, BlobError> {
-        if !self.is_f64() {
-            return self.bvh(scratch);
-        }
-        let [nodes, shadow, triangles, order, in_f64] = self.sections()?;
-        let (origin, positions) = origin_and_positions(in_f64);
-        let (shadow, triangles) = (borrow(shadow)?, borrow(triangles)?);
-        let mesh = Mesh::from_f64_parts(borrow(positions)?, shadow, origin, triangles)?;
         Ok(Bvh::new(mesh, borrow(nodes)?, borrow(order)?, scratch)?)
     }
 
@@ -212,13 +178,36 @@ impl<'a> Blob<'a> {
         Ok(Bvh::new(Mesh::new(mesh.positions(), mesh.triangles())?, nodes, order, scratch)?)
     }
 
-    /// [`Blob::read_into`] for meshes of either kind; `positions` must hold [`Counts::positions_f64`].
+    /// [`Blob::read_into`] for meshes of either kind, apart for programs that have none in f64 and link nothing of them;
+    /// `positions` must hold [`Counts::positions_f64`].
     ///
     /// # Errors
     /// As [`Blob::read_into`].
     ///
     /// # Complexity
     /// As [`Blob::bvh`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{blob::{self, BlobStorage}, Blob, Bvh, Mesh, Node};
+    /// let (points, mut shadow) = ([[0.1, 0.2, 0.3]; 3], [[0.0; 3]; 3]);
+    /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
+    /// let nodes = [Node { min: [0.0; 3], first: 0, max: [0.0; 3], count: 1 }];
+    /// let bvh = Bvh::new(mesh, &nodes, &[0], &mut [0])?;
+    /// let mut baked = [0; 512];
+    /// let blob = Blob::new(blob::write(&bvh, &mut baked)?)?;
+    ///
+    /// let mut positions_f64 = [[0.0; 3]; 3];
+    /// let storage = BlobStorage {
+    ///     nodes: &mut [Node::EMPTY; 1],
+    ///     positions: &mut [[0.0; 3]; 3],
+    ///     triangles: &mut [[0; 3]; 1],
+    ///     order: &mut [0; 1],
+    /// };
+    /// let copied = blob.read_into_f64(storage, &mut positions_f64, &mut [0; 1])?;
+    /// assert_eq!(copied.mesh().positions_f64(), Some(&points[..]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn read_into_f64<'s>(
         &self,
         storage: BlobStorage<'s>,
@@ -230,10 +219,13 @@ impl<'a> Blob<'a> {
         }
         let sections = self.sections()?;
         let [.., in_f64] = sections;
-        let (origin, bytes) = origin_and_positions(in_f64);
-        let positions = copy_points_from(bytes, "positions_f64", positions)?;
+        // Empty if the shadow has the positions.
+        let (first, rest) = in_f64.split_at_checked(size_of::<[f64; 3]>()).unwrap_or_default();
+        let mut origin = [[0.0; 3]];
+        copy_from::<8, _>(first, "origin", &mut origin)?;
+        let positions = copy_from::<8, _>(rest, "positions_f64", positions)?;
         let (mesh, nodes, order) = copy_into(storage, sections)?;
-        let mesh = Mesh::from_f64_parts(positions, mesh.positions(), origin, mesh.triangles())?;
+        let mesh = Mesh::from_f64_parts(positions, mesh.positions(), origin[0], mesh.triangles())?;
         Ok(Bvh::new(mesh, nodes, order, scratch)?)
     }
 
@@ -264,23 +256,11 @@ fn copy_into<'s>(
     storage: BlobStorage<'s>,
     [nodes, positions, triangles, order, _]: [&[u8]; 5],
 ) -> Result<(Mesh<'s>, &'s [Node], &'s [u32]), CapacityError> {
-    let positions = copy_from(positions, "positions", storage.positions)?;
-    let triangles = copy_from(triangles, "triangles", storage.triangles)?;
-    let nodes = copy_from(nodes, "nodes", storage.nodes)?;
-    let order = copy_from(order, "order", storage.order)?;
+    let positions = copy_from::<4, _>(positions, "positions", storage.positions)?;
+    let triangles = copy_from::<4, _>(triangles, "triangles", storage.triangles)?;
+    let nodes = copy_from::<4, _>(nodes, "nodes", storage.nodes)?;
+    let order = copy_from::<4, _>(order, "order", storage.order)?;
     Ok((Mesh::new_unchecked(positions, triangles), nodes, order))
-}
-
-/// Splits the section of the positions in f64, which is empty if there are none.
-fn origin_and_positions(section: &[u8]) -> ([f64; 3], &[u8]) {
-    let Some((origin, positions)) = section.split_first_chunk::<{ size_of::<[f64; 3]>() }>() else {
-        return ([0.0; 3], section);
-    };
-    let mut point = [[0.0; 3]];
-    // It has room for one.
-    let _ = copy_points_from(origin, "origin", &mut point);
-    let [origin] = point;
-    (origin, positions)
 }
 
 /// Writes a mesh and its BVH as a blob of [`Counts::bytes`] at the beginning of `out`, and returns these bytes.
@@ -307,13 +287,13 @@ pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BvhError>
     let [nodes, positions, triangles, order, in_f64] = counts.sections();
     if let Some(points) = mesh.positions_f64() {
         let (origin, rest) = split(part_mut(out, in_f64), size_of::<[f64; 3]>());
-        copy_points_to(&[mesh.origin()], origin);
-        copy_points_to(points, rest);
+        copy_to::<8, _>(&[mesh.origin()], origin);
+        copy_to::<8, _>(points, rest);
     }
-    copy_to(bvh.nodes(), part_mut(out, nodes));
-    copy_to(mesh.positions(), part_mut(out, positions));
-    copy_to(mesh.triangles(), part_mut(out, triangles));
-    copy_to(bvh.order(), part_mut(out, order));
+    copy_to::<4, _>(bvh.nodes(), part_mut(out, nodes));
+    copy_to::<4, _>(mesh.positions(), part_mut(out, positions));
+    copy_to::<4, _>(mesh.triangles(), part_mut(out, triangles));
+    copy_to::<4, _>(bvh.order(), part_mut(out, order));
     Header::new(counts, mesh.is_f64()).write(out);
     Ok(out)
 }

@@ -1,8 +1,10 @@
-//! Signs in f64 against integers of any length.
+//! Signs in f32 and f64 against integers of any length.
 
 extern crate std;
 
 use super::*;
+use crate::exact::filter64;
+use crate::exact::orientation::{LIMIT, orient2d, sides};
 use num_bigint::BigInt;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 
@@ -30,15 +32,15 @@ fn sign(x: &BigInt) -> i32 {
     i32::from(*x > BigInt::ZERO) - i32::from(*x < BigInt::ZERO)
 }
 
-fn true_side(p: &[Point64; 4]) -> i32 {
+fn true_side(p: &[[f64; 3]; 4]) -> i32 {
     let edge = |i: usize| [0, 1, 2].map(|k| integer(p[i][k]) - integer(p[0][k]));
     let [u, v, w] = [edge(1), edge(2), edge(3)];
     let minor = |i: usize, j: usize| &u[i] * &v[j] - &u[j] * &v[i];
     sign(&(&w[0] * minor(1, 2) + &w[1] * minor(2, 0) + &w[2] * minor(0, 1)))
 }
 
-fn true_turn([a, b, c]: [Point2In64; 3]) -> i32 {
-    let edge = |p: Point2In64, k: usize| integer(p[k]) - integer(a[k]);
+fn true_turn([a, b, c]: [[f64; 2]; 3]) -> i32 {
+    let edge = |p: [f64; 2], k: usize| integer(p[k]) - integer(a[k]);
     sign(&(edge(b, 0) * edge(c, 1) - edge(b, 1) * edge(c, 0)))
 }
 
@@ -56,8 +58,8 @@ fn any_bits(rng: &mut impl Rng) -> f64 {
 const FAMILIES: usize = 10;
 
 /// Four points of a family that is hard in its own way.
-fn points(family: usize, rng: &mut impl Rng) -> [Point64; 4] {
-    let lattice = |rng: &mut _, reach: i64| -> [Point64; 4] {
+fn points(family: usize, rng: &mut impl Rng) -> [[f64; 3]; 4] {
+    let lattice = |rng: &mut _, reach: i64| -> [[f64; 3]; 4] {
         [[0.0; 3]; 4].map(|p| p.map(|_| RngExt::random_range(rng, -reach..=reach) as f64))
     };
     let mut p = match family {
@@ -117,28 +119,27 @@ fn signs_are_those_of_long_integers() {
             let p = points(family, &mut rng);
             let [a, b, c, d] = &p;
             let truth = true_side(&p);
-            let [filtered] = filtered_sides([a, b, c], [d]);
+            let [filtered] = filter64::orient3d([a, b, c], [d]);
             assert!(filtered == 0 || filtered == truth, "{family}: {p:?}");
-            assert_eq!(sides64([a, b, c], [d]), [truth], "{family}: {p:?}");
+            assert_eq!(sides([a, b, c], [d]), [truth], "{family}: {p:?}");
             // Every later stage decides as well what an earlier one would have.
             let axes = [0, 1, 2].map(|k| Axis::new(p.map(|p| p[k])));
-            assert_eq!(wide_side::<57>(&axes), truth, "{family}: {p:?}");
+            assert_eq!(wide_sign::<LIMBS_IN_F64>(&axes), truth, "{family}: {p:?}");
             let narrow = axes.each_ref().map(Axis::narrow);
-            let bits: u32 = axes.iter().map(Axis::difference_bits).sum();
             seen[0] += usize::from(filtered != 0);
             if let [Some(x), Some(y), Some(z)] = narrow {
-                assert_eq!(narrow_side([x, y, z]), truth, "{family}: {p:?}");
+                assert_eq!(narrow_sign([x, y, z]), truth, "{family}: {p:?}");
                 seen[1] += 1;
             }
-            if bits + 3 <= 512 {
-                assert_eq!(wide_side::<8>(&axes), truth, "{family}: {p:?}");
+            if fit::<f64, _>(&axes) {
+                assert_eq!(wide_sign::<LIMBS>(&axes), truth, "{family}: {p:?}");
                 seen[2] += 1;
             } else {
                 seen[3] += 1;
             }
             seen[4] += usize::from(truth == 0);
             let flat = [p[0], p[1], p[2]].map(|[x, y, _]| [x, y]);
-            assert_eq!(turn64(&flat[0], &flat[1], &flat[2]), true_turn(flat), "{family}: {p:?}");
+            assert_eq!(orient2d(&flat[0], &flat[1], &flat[2]), true_turn(flat), "{family}: {p:?}");
         }
     }
     assert!(cfg!(miri) || seen.iter().all(|&count| count > rounds() / 50), "{seen:?}");
@@ -153,7 +154,7 @@ fn bounds_do_not_underflow_beside_large_extents() {
         let mut p = points(5, &mut rng);
         p.iter_mut().for_each(|p| (0..3).for_each(|k| p[k] *= scales[k]));
         let [a, b, c, d] = &p;
-        let [filtered] = filtered_sides([a, b, c], [d]);
+        let [filtered] = filter64::orient3d([a, b, c], [d]);
         assert!(filtered == 0 || filtered == true_side(&p), "{p:?}");
     }
 }
@@ -164,12 +165,50 @@ fn the_largest_determinants_keep_their_sign() {
     let least = power(-1074);
     let p = [[-LIMIT; 3], [LIMIT, least, -LIMIT], [-LIMIT, LIMIT, least], [least, least, LIMIT]];
     let [a, b, c, d] = &p;
-    assert_eq!(sides64([a, b, c], [d]), [true_side(&p)]);
-    assert_eq!(sides64([a, c, b], [d]), [-true_side(&p)]);
+    assert_eq!(sides([a, b, c], [d]), [true_side(&p)]);
+    assert_eq!(sides([a, c, b], [d]), [-true_side(&p)]);
     let [o, x, y] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     for (z, side) in [(least, 1), (0.0, 0), (-least, -1)] {
-        assert_eq!(sides64([&o, &x, &y], [&[0.25, 0.25, z]]), [side]);
+        assert_eq!(sides([&o, &x, &y], [&[0.25, 0.25, z]]), [side]);
     }
     let flat = [[-LIMIT; 2], [LIMIT, least], [least, LIMIT]];
-    assert_eq!(turn64(&flat[0], &flat[1], &flat[2]), true_turn(flat));
+    assert_eq!(orient2d(&flat[0], &flat[1], &flat[2]), true_turn(flat));
+}
+
+/// 7 MAX³ in units of the least f32 fills nearly all limbs.
+#[test]
+fn the_largest_determinants_in_f32_keep_their_sign() {
+    let (max, least) = (f32::MAX, f32::from_bits(1));
+    let (a, b) = ([-max; 3], [max, least, -max]);
+    let (c, d) = ([-max, max, least], [least, least, max]);
+    assert_eq!([orient3d([&a, &b, &c], &d), orient3d([&a, &c, &b], &d)], [1, -1]);
+}
+
+#[test]
+fn ratios_and_normals_of_any_size() {
+    for size in [2f32.powi(-148), 2f32.powi(-100), 2f32.powi(-20), 1.0, 2f32.powi(120)] {
+        ratio_and_normals(size);
+    }
+    for exponent in [-1073, -1000, -20, 0, 120] {
+        ratio_and_normals(power(exponent));
+    }
+}
+
+fn ratio_and_normals<C: Coordinate>(size: C) {
+    let zero = C::from(0.0);
+    let times = |x: f64| C::point(DVec3::splat(size.into() * x))[0];
+    let (o, x, y) = ([zero; 3], [size, zero, zero], [zero, size, zero]);
+    for (p, q) in [(1.0, -3.0), (-0.5, 1.5), (2.0, -6.0)] {
+        let [p, q] = [p, q].map(|z| [size, size, times(z)]);
+        assert_eq!(orient3d_ratio([&o, &x, &y], &p, &q), 0.25);
+    }
+    let normal = |t: [&[C; 3]; 3]| {
+        let normal = direction_of_normal(t);
+        normal / normal.abs().max_element()
+    };
+    let (z, far) = ([size, zero, size], [times(-1.0), zero, zero]);
+    assert_eq!(normal([&o, &x, &y]), DVec3::Z);
+    assert_eq!(normal([&x, &z, &[size; 3]]), DVec3::NEG_X);
+    assert_eq!(normal([&x, &far, &[zero, zero, size]]), DVec3::Y);
+    assert_eq!(direction_of_normal([&o, &x, &[times(2.0), zero, zero]]), DVec3::ZERO);
 }
