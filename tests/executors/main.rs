@@ -137,6 +137,39 @@ fn a_deforming_mesh_is_the_same() {
     }
 }
 
+/// Pairs of crossing triangles in a row, which change places: a tree is worn by that, and built anew.
+#[test]
+fn a_mesh_whose_parts_change_places_is_the_same() {
+    const PARTS: u32 = 600;
+    const CROSS: [[f32; 3]; 6] = [
+        [0.0, 0.0, 0.0],
+        [0.5, 0.0, 0.0],
+        [0.0, 0.5, 0.0],
+        [0.1, 0.1, -0.1],
+        [0.1, 0.1, 0.2],
+        [0.2, 0.3, 0.2],
+    ];
+    let shape = |stride: u32, shift: f32| -> Vec<[f32; 3]> {
+        let places = (0..PARTS).map(|part| (part * stride % PARTS) as f32 + shift);
+        places.flat_map(|place| CROSS.map(|[x, y, z]| [x + place, y, z])).collect()
+    };
+    let triangles: Vec<_> = (0..2 * PARTS).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    // The strides have no factor in common with the number of parts.
+    let frames = [(1, 0.0), (7, 0.0), (7, 0.5), (11, 0.0), (11, 0.25), (13, 0.0), (1, 0.0)];
+    for (name, executor) in EXECUTORS.iter() {
+        let mut own = Model::new(shape(1, 0.0), triangles.clone()).unwrap();
+        let mut query = SelfQuery::new().on(executor);
+        for (frame, &(stride, shift)) in frames.iter().enumerate() {
+            query.set_positions(&mut own, &shape(stride, shift)).unwrap();
+            let other = Model::new(shape(stride, shift), triangles.clone()).unwrap();
+            let mut truth = SelfQuery::new();
+            let mut truth = Within(&mut truth, &other);
+            let met = check(&mut Within(&mut query, &own), &mut truth, frame, name);
+            assert!(met >= PARTS as usize, "{name} {frame}: {met}");
+        }
+    }
+}
+
 /// A heap of balls, to which something happens each frame.
 struct Heap {
     ball: MeshData,
