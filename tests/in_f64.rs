@@ -141,6 +141,25 @@ fn self_collisions_while_deforming() {
     assert!(rounded.set_positions_f64(&[[0.0; 3]; 3]).is_err());
 }
 
+/// A query that is asked again after its models have moved.
+#[test]
+fn pairs_of_moving_meshes() {
+    let (start, b) = (sheet_in_f64(9, 0.0, 7), sheet_in_f64(8, 0.01, 8));
+    let identity = Pose64::IDENTITY;
+    for executor in executors() {
+        let (mut a, mut query, mut found) = (start.clone(), PairQuery::new().on(&executor), 0);
+        for frame in 0..4 {
+            let expected = brute(&a, &identity, &b, &identity);
+            assert_eq!(query.all(&a, &b, Pose::IDENTITY).unwrap(), expected, "{frame}");
+            found += expected.len();
+            let moved = a.mesh().positions_f64().unwrap();
+            let moved: Vec<_> = moved.iter().map(|&[x, y, z]| [x + 1e-3, y, z + 1e-9]).collect();
+            a.set_positions_f64(&moved).unwrap();
+        }
+        assert!(found > 0);
+    }
+}
+
 #[test]
 fn scenes_of_both_kinds() {
     let (a, b) = (sheet_in_f64(9, 0.0, 5), sheet_in_f64(8, 0.01, 6));

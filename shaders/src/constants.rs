@@ -29,8 +29,8 @@ constants! {
     /// Node pairs that a workgroup follows on each level while it looks for one hit: their children are one for
     /// each invocation.
     BEAM = GROUP / 4;
-    /// Leaf pairs that a workgroup gathers before it writes them out. With more than 12 KB of workgroup memory, fewer workgroups
-    /// run at a time: 512 did not all fit on an H100.
+    /// Leaf pairs that a workgroup gathers before it writes them out. So few leave `seed` and `expand` below 12 KB of workgroup
+    /// memory, which bounds how many workgroups run at a time.
     FOUND = 3 * GROUP;
     /// Counters of fronts, and so one more than passes in a run.
     FRONTS = 66;

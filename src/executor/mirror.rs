@@ -104,7 +104,8 @@ impl Mirror {
             }
             _ => {}
         }
-        let model = match moves || same_mesh {
+        // A device has the shadow of a mesh in f64 alone, which moves on the CPU.
+        let model = match (moves || same_mesh) && !model.is_f64() {
             true => {
                 let options = BuildOptions { leaf_size: Deforming::LEAF_SIZE, join: None };
                 Mirrored::Moving(Box::new(Deforming::build(&device.gpu, model.mesh(), &options)?))

@@ -303,7 +303,8 @@ impl Bodies {
         self.bodies[place].as_mut().ok_or(Error::StaleBody { id })
     }
 
-    fn regathered(&mut self) {
+    /// Bodies have come or gone, or have other meshes.
+    pub(super) fn regathered(&mut self) {
         self.time += 1;
         self.gathered = self.time;
     }

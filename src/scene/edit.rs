@@ -77,12 +77,17 @@ impl SceneQuery {
     /// ```
     pub fn set_model(&mut self, id: BodyId, model: impl Into<Arc<Model>>) -> Result<(), Error> {
         let model = model.into();
+        let is_other = self.bodies.get(id)?.model().stamp().mesh() != model.stamp().mesh();
         self.bodies.change(id, |body| {
             body.pose().check(model.bvh())?;
             body.model = model;
             body.reshaped();
             Ok(())
-        })
+        })?;
+        if is_other {
+            self.bodies.regathered();
+        }
+        Ok(())
     }
 
     /// Moves the vertices of a body, given in its own frame, as [`Model::set_positions`] does, or on the

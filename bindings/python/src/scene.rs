@@ -276,8 +276,24 @@ impl Scene {
         py: Python<'_>,
         own: &Executor,
         asking: Asking,
-        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Send + 'static,
+        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Copy + Send + 'static,
     ) -> PyResult<T> {
+        loop {
+            match self.ask_thread(py, asking.clone(), ask)? {
+                // By the watch of another thread, which had the same flag: nobody wants this one to end.
+                (Err(Error::Cancelled), _) => py.check_signals()?,
+                answered => return told(py, own, answered),
+            }
+        }
+    }
+
+    /// Asks on a thread of its own once.
+    fn ask_thread<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        asking: Asking,
+        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Send + 'static,
+    ) -> PyResult<Answered<T>> {
         let (state, is_long) = (self.state.clone(), self.is_long.clone());
         let (tell, heard) = channel();
         // Nobody else waits for it: the lock is for the compiler, which knows receivers of one thread only.
@@ -294,7 +310,7 @@ impl Scene {
         let worker = started.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
         loop {
             match py.detach(|| lock(&heard).recv_timeout(PATIENCE)) {
-                Ok(answered) => return told(py, own, answered),
+                Ok(answered) => return Ok(answered),
                 Err(RecvTimeoutError::Timeout) => {
                     if let Err(signal) = py.check_signals() {
                         self.cancel.store(true, Relaxed);
@@ -314,6 +330,7 @@ impl Scene {
 type Answered<T> = (Result<T, Error>, Option<String>);
 
 /// Who answers a question, and what ends it.
+#[derive(Clone)]
 struct Asking {
     id: (u32, u64),
     executor: pfront::Executor,

@@ -9,11 +9,11 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use std::{process, thread};
 
-/// A question that takes longer is long.
+/// How long a question may take on the thread that asks it.
 pub(crate) const BRIEF: Duration = Duration::from_millis(5);
 /// The time between two looks.
 const TICK: Duration = Duration::from_millis(2);
-/// Looks at nothing, after which the thread sleeps until there is a question.
+/// Looks that find no question, after which the thread sleeps until there is one.
 const IDLE: u32 = 200;
 
 /// The watch of this process. It is locked only by threads that hold the interpreter, as the one that forks does.

@@ -137,3 +137,9 @@ def test_arrays_of_a_mesh_are_read_only_and_its_own():
     assert np.array_equal(mesh.vertices, POINTS)
     with pytest.raises(ValueError):
         mesh.vertices[0] = 1
+
+
+def test_user_ids_fit():
+    """A user id beyond int64 is refused, not wrapped."""
+    with pytest.raises(ValueError, match="int64"):
+        pf.Scene().add(pf.Mesh(*pf._box()), user_id=2**63 + 5)

@@ -40,7 +40,7 @@ pub(super) fn orient2d<C: Coordinate>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32
 }
 
 /// d / (d − e) for the determinants d = det(b − a, c − a, p − a) and e, the same with `q`, of different signs: the parameter
-/// at which p–q cuts the plane. Within a relative 2^-48, however close to 0 both are.
+/// at which p–q cuts the plane. Within a relative 2^-48, however close to 0 both are; in f64 down to 2^-768.
 #[cold]
 #[inline(never)]
 pub(crate) fn orient3d_ratio<C: Coordinate>(

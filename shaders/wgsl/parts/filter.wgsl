@@ -2,8 +2,8 @@
 //
 // WGSL may round either way, fuse, reassociate and flush, so a sign counts only beyond
 // 2^-19 · permanent + 2^-117 · (1 + M)², M being the largest difference of coordinates: 16 ulp for each
-// product of three, and what flushing may cost. Above M = 1e12 nothing is sure, which also catches what
-// is not finite; it is read from the bits, since compilers may assume that there is none.
+// product of three, and what flushing may cost. Above M = 1e12 nothing is sure: beyond, products may overflow. Corners are
+// finite, posed ones too, and so are their differences.
 //
 // Differences of coordinates of shadows are off by `query.error`. A sign between shadows counts only beyond what
 // that can make of the determinant besides; the host decides what it leaves open.
@@ -160,7 +160,7 @@ fn filtered_neighbours(shared_corners: u32, a: Triangle, b: Triangle) -> u32 {
     return select(UNSURE, HIT, reach);
 }
 
-// Whether a plane through the shared vertex, the first corner, has the other corners of one triangle above it and those of the
+// Whether a plane through the shared vertex of neighbours, which are no shadows, the first corner, has the other corners of one triangle above it and those of the
 // other below: the core's `separated_at_vertex`. Any plane will do.
 fn separated_at_vertex(a: Triangle, b: Triangle) -> bool {
     let p = difference(a[1], a[0]);
@@ -179,7 +179,7 @@ fn direction(e: vec3f) -> vec3f {
     return e / max(abs(e.x) + abs(e.y) + abs(e.z), 1e-30);
 }
 
-// Whether dot(normal, e) is positive, by the bound of a determinant.
+// Whether dot(normal, e) is positive, for a normal of coordinates up to 4: it has four roundings, fewer than a determinant.
 fn is_above(normal: vec3f, e: vec3f) -> bool {
     let scale = 1.0 + bitcast<f32>(size_bits(e));
     return dot(normal, e) > RELATIVE * dot(abs(normal), abs(e)) + ABSOLUTE * scale * scale;

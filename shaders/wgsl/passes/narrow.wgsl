@@ -108,7 +108,7 @@ fn test_boxes(runs: vec2u, which: u32) {
         let bits = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), overlaps);
         found |= (bits.x | bits.y | bits.z | bits.w) << i;
     }
-    // Beyond the last triangle, it was tested again.
+    // Clears the bits beyond the last triangle, for which it was tested again.
     found &= (2u << last) - 1u;
     var place = atomicAdd(&waiting_count, countOneBits(found));
     while found != 0u {

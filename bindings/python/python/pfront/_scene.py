@@ -206,4 +206,6 @@ def _numbers(numbers: npt.ArrayLike, kind: Any) -> npt.NDArray[Any]:
         raise TypeError(f"ids of dtype {array.dtype} are no integers")
     if kind == np.uint64 and array.min() < 0:
         raise StaleBody("ids of bodies are 0 and more")
+    if kind == np.int64 and array.max() > np.iinfo(np.int64).max:
+        raise ValueError(f"user id {array.max()} does not fit in int64")
     return np.require(array, kind, ("C", "A"))
