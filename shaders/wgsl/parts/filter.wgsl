@@ -40,11 +40,7 @@ fn filtered_sides(t: Triangle, p: Triangle) -> vec3i {
     let s = u.zxy * v.yzx;
     let normal = r - s;
     let heights = vec3f(dot(normal, w[0]), dot(normal, w[1]), dot(normal, w[2]));
-    let scale = 1.0 + extent;
-    var bound = RELATIVE * dot(abs(r) + abs(s), of_p) + ABSOLUTE * scale * scale;
-    if SHADOWS == 1u {
-        bound += shadow_error(most) + ABSOLUTE * scale * scale;
-    }
+    let bound = error_bound(dot(abs(r) + abs(s), of_p), most);
     let above = select(vec3i(0), vec3i(1), heights > vec3f(bound));
     return above - select(vec3i(0), vec3i(1), heights < vec3f(-bound));
 }
@@ -58,12 +54,19 @@ fn filtered_sign(u: vec3f, v: vec3f, w: vec3f) -> i32 {
     let p = u.yzx * v.zxy;
     let q = u.zxy * v.yzx;
     let determinant = dot(p - q, w);
-    let scale = 1.0 + bitcast<f32>(extent);
-    var bound = RELATIVE * dot(abs(p) + abs(q), abs(w)) + ABSOLUTE * scale * scale;
-    if SHADOWS == 1u {
-        bound += shadow_error(max(max(abs(u), abs(v)), abs(w))) + ABSOLUTE * scale * scale;
-    }
+    let most = max(max(abs(u), abs(v)), abs(w));
+    let bound = error_bound(dot(abs(p) + abs(q), abs(w)), most);
     return select(0, 1, determinant > bound) - select(0, 1, determinant < -bound);
+}
+
+// How far a determinant may be off, by its permanent and the largest coordinates of its rows.
+fn error_bound(permanent: f32, most: vec3f) -> f32 {
+    let scale = 1.0 + max(max(most.x, most.y), most.z);
+    let bound = RELATIVE * permanent + ABSOLUTE * scale * scale;
+    if SHADOWS == 1u {
+        return bound + shadow_error(most) + ABSOLUTE * scale * scale;
+    }
+    return bound;
 }
 
 // What the error of coordinates can make of a determinant whose rows are within `most`: it is linear in each of them, and
