@@ -11,13 +11,13 @@ use std::sync::Arc;
 const CHUNK: usize = 1 << 14;
 
 /// Two models in many poses, and who is told how far the question has come.
-pub(crate) struct Many<'py> {
+pub(crate) struct PoseBatch<'py> {
     pub(crate) models: [Arc<Model>; 2],
     pub(crate) poses: Vec<AnyPose>,
     pub(crate) progress: Option<Bound<'py, PyAny>>,
 }
 
-impl Many<'_> {
+impl PoseBatch<'_> {
     /// Asks about all poses, in chunks whose answers are read in turn.
     pub(crate) fn ask<T: Send>(
         &self,

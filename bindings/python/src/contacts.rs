@@ -1,11 +1,11 @@
 //! Where pairs meet.
 
 use crate::arrays::{list, pair_array, points};
-use crate::batch::Many;
+use crate::batch::PoseBatch;
 use crate::errors::exception;
 use crate::executor::Executor;
 use crate::model::Model;
-use crate::question::{About, Ask, Subject, listed};
+use crate::question::{Ask, Question, Subject, listed};
 use pfront::pfront_core::bvtt::Query;
 use pfront::threads::rayon::prelude::*;
 use pfront::{AnyPose, Batch, Contact, Error, PairLists, TrianglePair};
@@ -85,7 +85,7 @@ fn located<C: Send, F: Verb<C> + Copy + Send + Sync>(
 /// The contacts of many poses, and where those of each begin and end.
 fn swept<C: Send, F: Verb<C> + Copy + Send + Sync>(
     py: Python<'_>,
-    many: &Many<'_>,
+    many: &PoseBatch<'_>,
     on: &Executor,
     contact: F,
 ) -> PyResult<(Found<C>, Vec<i64>)> {
@@ -137,8 +137,8 @@ pub fn contacts(
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Arrays, Option<Py<PyAny>>)> {
-    match About::new(py, a, b, pose.as_ref(), progress)? {
-        About::One(subject) => {
+    match Question::new(py, a, b, pose.as_ref(), progress)? {
+        Question::One(subject) => {
             let pairs = listed(py, &subject, on, None)?;
             let arrays = if subject.is_f64() {
                 contact_arrays(py, located(py, &subject, &pairs, on, InF64)?)?
@@ -147,7 +147,7 @@ pub fn contacts(
             };
             Ok((arrays, None))
         }
-        About::Many(many) => {
+        Question::Many(many) => {
             let (arrays, offsets) = if many.is_f64() {
                 let (found, offsets) = swept(py, &many, on, InF64)?;
                 (contact_arrays(py, found)?, offsets)

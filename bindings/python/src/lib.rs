@@ -2,7 +2,7 @@
 //! that answer them. Arrays that arrive here are aligned, in C order and of native dtypes, which the Python half sees to.
 //!
 //! Nothing here holds the interpreter while it traverses. Traversals on the calling thread go on in steps or are ended by
-//! [`watch`], and what other threads do is waited for in slices of time, so that a signal is heard within
+//! [`watchdog`], and what other threads do is waited for in slices of time, so that a signal is heard within
 //! [`executor::PATIENCE`].
 
 #![expect(unreachable_pub, reason = "the macros of pyo3 write public items")]
@@ -17,7 +17,7 @@ mod part;
 mod poses;
 mod question;
 mod scene;
-mod watch;
+mod watchdog;
 
 use pyo3::prelude::*;
 

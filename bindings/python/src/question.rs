@@ -1,7 +1,7 @@
 //! Questions about one model or two.
 
 use crate::arrays::{list, pair_array};
-use crate::batch::Many;
+use crate::batch::PoseBatch;
 use crate::errors::exception;
 use crate::executor::{Backend, Device, Executor, PATIENCE};
 use crate::model::Model;
@@ -60,13 +60,13 @@ impl Subject {
     }
 }
 
-/// What is asked about: one BVTT, or two models in many poses.
-pub(crate) enum About<'py> {
+/// A question about one BVTT, or about two models in many poses.
+pub(crate) enum Question<'py> {
     One(Subject),
-    Many(Many<'py>),
+    Many(PoseBatch<'py>),
 }
 
-impl<'py> About<'py> {
+impl<'py> Question<'py> {
     pub(crate) fn new(
         py: Python<'py>,
         a: &Model,
@@ -83,7 +83,7 @@ impl<'py> About<'py> {
         let models = [a.0.clone(), b.0.clone()];
         Ok(match Poses::new(py, pose)? {
             Poses::One(a_from_b) => Self::One(Subject::Pair { models, a_from_b }),
-            Poses::Many(poses) => Self::Many(Many { models, poses, progress }),
+            Poses::Many(poses) => Self::Many(PoseBatch { models, poses, progress }),
         })
     }
 }
@@ -199,9 +199,9 @@ pub fn any(
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Py<PyAny>> {
-    let subject = match About::new(py, a, b, pose.as_ref(), progress)? {
-        About::One(subject) => subject,
-        About::Many(many) => {
+    let subject = match Question::new(py, a, b, pose.as_ref(), progress)? {
+        Question::One(subject) => subject,
+        Question::Many(many) => {
             let mut found = Vec::<bool>::new();
             many.ask(py, on, Batch::any, |_, answers| {
                 found.extend(answers.iter().map(Option::is_some));
@@ -232,10 +232,10 @@ pub fn count(
     progress: Option<Bound<'_, PyAny>>,
     part: Option<(usize, usize)>,
 ) -> PyResult<Py<PyAny>> {
-    let subject = match (About::new(py, a, b, pose.as_ref(), progress)?, part) {
-        (About::One(subject), _) => subject,
-        (About::Many(_), Some(_)) => return Err(one_pose()),
-        (About::Many(many), None) => {
+    let subject = match (Question::new(py, a, b, pose.as_ref(), progress)?, part) {
+        (Question::One(subject), _) => subject,
+        (Question::Many(_), Some(_)) => return Err(one_pose()),
+        (Question::Many(many), None) => {
             let mut counts = Vec::<i64>::new();
             many.ask(py, on, Batch::count, |_, answers| {
                 counts.extend(answers.iter().map(|&count| count as i64));
@@ -287,10 +287,10 @@ pub fn all(
     progress: Option<Bound<'_, PyAny>>,
     part: Option<(usize, usize)>,
 ) -> PyResult<(Py<PyAny>, Option<Py<PyAny>>)> {
-    match (About::new(py, a, b, pose.as_ref(), progress)?, part) {
-        (About::One(subject), _) => Ok((pair_array(py, listed(py, &subject, on, part)?)?, None)),
-        (About::Many(_), Some(_)) => Err(one_pose()),
-        (About::Many(many), None) => {
+    match (Question::new(py, a, b, pose.as_ref(), progress)?, part) {
+        (Question::One(subject), _) => Ok((pair_array(py, listed(py, &subject, on, part)?)?, None)),
+        (Question::Many(_), Some(_)) => Err(one_pose()),
+        (Question::Many(many), None) => {
             let (mut pairs, mut offsets) = (Vec::new(), vec![0_i64]);
             many.ask(py, on, Batch::all, |_, lists| {
                 let first = pairs.len();

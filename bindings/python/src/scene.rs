@@ -6,7 +6,7 @@ use crate::errors::{self, exception};
 use crate::executor::{Device, Executor, PATIENCE, lock};
 use crate::model::Model;
 use crate::poses::Poses;
-use crate::watch::{BRIEF, Watched};
+use crate::watchdog::{BUDGET, WatchdogGuard};
 use numpy::PyReadonlyArrayDyn;
 use pfront::{BodyId, Contact, Error, SceneHit, SceneQuery, TrianglePair};
 use pyo3::exceptions::PyRuntimeError;
@@ -246,52 +246,52 @@ impl Scene {
     ) -> PyResult<T> {
         let own = on.get();
         let executor = py.detach(|| own.on_device())?;
-        let asking = Asking {
+        let attempt = Attempt {
             id: (process::id(), own.id),
             executor: executor.with_cancel(self.cancel.clone()),
             cancel: self.cancel.clone(),
         };
         if own.device == Device::Cpu
             && !self.is_long.load(Relaxed)
-            && let Some(watched) = Watched::new(&self.cancel)
+            && let Some(watched) = WatchdogGuard::new(&self.cancel)
         {
             let answered = py.detach(|| {
                 let state = &mut *self.state.try_lock().ok()?;
-                let answered = asking.ask(state, ask);
+                let answered = attempt.ask(state, ask);
                 // The next question about the scene, which has the same flag, waits for the lock until then.
                 drop(watched);
                 (!matches!(answered.0, Err(Error::Cancelled))).then_some(answered)
             });
             match answered {
-                Some(answered) => return told(py, own, answered),
+                Some(answered) => return into_result(py, own, answered),
                 None => py.check_signals()?,
             }
         }
-        self.ask_aside(py, own, asking, ask)
+        self.ask_on_thread(py, own, attempt, ask)
     }
 
     /// Asks on a thread of its own, while this one hears signals; one that raises ends the question.
-    fn ask_aside<T: Send + 'static>(
+    fn ask_on_thread<T: Send + 'static>(
         &self,
         py: Python<'_>,
         own: &Executor,
-        asking: Asking,
+        attempt: Attempt,
         ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Copy + Send + 'static,
     ) -> PyResult<T> {
         loop {
-            match self.ask_thread(py, asking.clone(), ask)? {
-                // By the watch of another thread, which had the same flag: nobody wants this one to end.
+            match self.try_on_thread(py, attempt.clone(), ask)? {
+                // By the watchdog, for another thread, which had the same flag: nobody wants this one to end.
                 (Err(Error::Cancelled), _) => py.check_signals()?,
-                answered => return told(py, own, answered),
+                answered => return into_result(py, own, answered),
             }
         }
     }
 
     /// Asks on a thread of its own once.
-    fn ask_thread<T: Send + 'static>(
+    fn try_on_thread<T: Send + 'static>(
         &self,
         py: Python<'_>,
-        asking: Asking,
+        attempt: Attempt,
         ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Send + 'static,
     ) -> PyResult<Answered<T>> {
         let (state, is_long) = (self.state.clone(), self.is_long.clone());
@@ -301,8 +301,8 @@ impl Scene {
         let worker = move || {
             let state = &mut *lock(&state);
             let began = Instant::now();
-            let answered = asking.ask(state, ask);
-            is_long.store(began.elapsed() > BRIEF, Relaxed);
+            let answered = attempt.ask(state, ask);
+            is_long.store(began.elapsed() > BUDGET, Relaxed);
             // Nobody listens any more after a signal.
             let _ = tell.send(answered);
         };
@@ -329,15 +329,15 @@ impl Scene {
 /// An answer, and who gave it.
 type Answered<T> = (Result<T, Error>, Option<String>);
 
-/// Who answers a question, and what ends it.
+/// One attempt at a question: who answers it, and what ends it.
 #[derive(Clone)]
-struct Asking {
+struct Attempt {
     id: (u32, u64),
     executor: pfront::Executor,
     cancel: Arc<AtomicBool>,
 }
 
-impl Asking {
+impl Attempt {
     fn ask<T>(
         &self,
         state: &mut State,
@@ -354,7 +354,7 @@ impl Asking {
     }
 }
 
-fn told<T>(py: Python<'_>, own: &Executor, (answer, plan): Answered<T>) -> PyResult<T> {
+fn into_result<T>(py: Python<'_>, own: &Executor, (answer, plan): Answered<T>) -> PyResult<T> {
     own.note_plan(plan.unwrap_or_default());
     answer.map_err(|error| exception(py, error, None))
 }

@@ -10,17 +10,17 @@ use std::time::{Duration, Instant};
 use std::{process, thread};
 
 /// How long a question may take on the thread that asks it.
-pub(crate) const BRIEF: Duration = Duration::from_millis(5);
+pub(crate) const BUDGET: Duration = Duration::from_millis(5);
 /// The time between two looks.
 const TICK: Duration = Duration::from_millis(2);
 /// Looks that find no question, after which the thread sleeps until there is one.
 const IDLE: u32 = 200;
 
-/// The watch of this process. It is locked only by threads that hold the interpreter, as the one that forks does.
-static OWN: Mutex<Option<(u32, Arc<Watch>)>> = Mutex::new(None);
+/// The watchdog of this process. It is locked only by threads that hold the interpreter, as the one that forks does.
+static OWN: Mutex<Option<(u32, Arc<Watchdog>)>> = Mutex::new(None);
 
 #[derive(Default)]
-struct Watch {
+struct Watchdog {
     questions: Mutex<Questions>,
     wake: Condvar,
 }
@@ -35,56 +35,56 @@ struct Questions {
 }
 
 /// A question that is watched until this is dropped.
-pub(crate) struct Watched {
+pub(crate) struct WatchdogGuard {
     id: u64,
-    watch: Arc<Watch>,
+    watchdog: Arc<Watchdog>,
 }
 
-impl Watched {
+impl WatchdogGuard {
     /// Watches a question that begins now; `None` if there is no thread to be had.
     pub(crate) fn new(cancel: &Arc<AtomicBool>) -> Option<Self> {
-        let watch = {
+        let watchdog = {
             let mut own = lock(&OWN);
             match &*own {
-                Some((process, watch)) if *process == process::id() => watch.clone(),
+                Some((process, watchdog)) if *process == process::id() => watchdog.clone(),
                 _ => {
-                    let watch = Arc::<Watch>::default();
-                    let watching = watch.clone();
-                    let thread = thread::Builder::new().name("pfront watch".into());
+                    let watchdog = Arc::<Watchdog>::default();
+                    let watching = watchdog.clone();
+                    let thread = thread::Builder::new().name("pfront watchdog".into());
                     thread.spawn(move || watching.look()).ok()?;
-                    // The watch of a parent is left as it is: its thread is not here.
-                    std::mem::forget(own.replace((process::id(), watch.clone())));
-                    watch
+                    // The watchdog of a parent is left as it is: its thread is not here.
+                    std::mem::forget(own.replace((process::id(), watchdog.clone())));
+                    watchdog
                 }
             }
         };
-        let mut questions = lock(&watch.questions);
+        let mut questions = lock(&watchdog.questions);
         let id = questions.next;
         questions.next += 1;
         questions.asked.push((id, Instant::now(), cancel.clone()));
         if std::mem::take(&mut questions.asleep) {
-            watch.wake.notify_one();
+            watchdog.wake.notify_one();
         }
         drop(questions);
-        Some(Self { id, watch })
+        Some(Self { id, watchdog })
     }
 }
 
 /// No flag is set from here on.
-impl Drop for Watched {
+impl Drop for WatchdogGuard {
     fn drop(&mut self) {
-        lock(&self.watch.questions).asked.retain(|&(id, ..)| id != self.id);
+        lock(&self.watchdog.questions).asked.retain(|&(id, ..)| id != self.id);
     }
 }
 
-impl Watch {
+impl Watchdog {
     fn look(&self) {
         let mut idle = 0;
         loop {
             thread::sleep(TICK);
             let mut questions = lock(&self.questions);
             for (_, since, cancel) in &questions.asked {
-                if since.elapsed() > BRIEF {
+                if since.elapsed() > BUDGET {
                     cancel.store(true, Relaxed);
                 }
             }
