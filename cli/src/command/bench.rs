@@ -4,6 +4,7 @@ use super::{check_files, model};
 use crate::args::Bench;
 use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
+use pfront::gpu::{Gpu, GpuModel, GpuQuery, GpuQuestion};
 use pfront::{AnyPose, Executor, Model, PairQuery, Pose, Pose64, TrianglePair};
 use pfront_cli::executor::{Backend, adapter_name, number, threads};
 use pfront_cli::memory;
@@ -38,6 +39,9 @@ struct Times {
     first_ms: f64,
     median_ms: f64,
     slowest_ms: f64,
+    /// The passes of the median frame on the device, which are a part of what a user waits for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    device_ms: Option<f64>,
 }
 
 /// Two models, and the pose of the second in each frame.
@@ -80,15 +84,21 @@ pub(crate) fn run(bench: &Bench) -> Result<bool> {
     if all > 1 {
         executors.push((format!("{all} threads"), threads(all)?));
     }
-    if let Some(gpu) = bench.backend.open()? {
+    let gpu = bench.backend.open()?;
+    if let Some(gpu) = &gpu {
         let name = adapter_name(&gpu.device().adapter_info());
-        executors.push((name, Executor::gpu(&gpu, gpu.settings())));
+        executors.push((name, Executor::gpu(gpu, gpu.settings())));
     }
-    let bar = ProgressBar::new((frames * executors.len()) as u64);
+    let turns = executors.len() + usize::from(gpu.is_some());
+    let bar = ProgressBar::new((frames * turns) as u64);
     bar.set_style(ProgressStyle::with_template("{bar:40} frame {pos} of {len}, {eta} left")?);
     let (mut answers, mut times) = (Vec::new(), Vec::new());
     for (name, executor) in executors {
         times.push(course.play(name, &executor, &mut answers, &bar)?);
+    }
+    let peak_bytes = memory::peak();
+    if let (Some(gpu), Some(of_gpu)) = (&gpu, times.last_mut()) {
+        of_gpu.device_ms = course.device_ms(gpu, &bar)?;
     }
     bar.finish_and_clear();
     let counts = || answers.iter().map(Vec::len);
@@ -98,7 +108,7 @@ pub(crate) fn run(bench: &Bench) -> Result<bool> {
         pairs: [counts().min(), counts().max()].map(Option::unwrap_or_default),
         build_ms: milliseconds(build),
         model_bytes: course.models.iter().map(Model::bytes).sum(),
-        peak_bytes: memory::peak(),
+        peak_bytes,
         executors: times,
         name: course.name,
     };
@@ -178,7 +188,33 @@ impl Course {
         times.sort_unstable();
         let [median, slowest] = [times[times.len() / 2], times[times.len() - 1]];
         let [first_ms, median_ms, slowest_ms] = [first, median, slowest].map(milliseconds);
-        Ok(Times { executor: name, first_ms, median_ms, slowest_ms })
+        Ok(Times { executor: name, first_ms, median_ms, slowest_ms, device_ms: None })
+    }
+
+    /// The milliseconds that the passes of the median frame take on a device; `None` if it cannot tell. In a turn of its own,
+    /// since a query that keeps time records nothing ahead, and a user waits longer.
+    fn device_ms(&self, gpu: &Gpu, bar: &ProgressBar) -> Result<Option<f64>> {
+        let [a, b] = &self.models;
+        let on_device = [GpuModel::new(gpu, a.bvh())?, GpuModel::new(gpu, b.bvh())?];
+        let mut query = GpuQuery::new(gpu)?.with_time()?;
+        let mut times = Vec::new();
+        for pose in &self.poses {
+            let [a_there, b_there] = &on_device;
+            let question = match (pose.pair([a.bvh(), b.bvh()])?.shadows(), pose) {
+                (Some(shadows), _) => GpuQuestion::shadows(a_there, b_there, &shadows),
+                (None, AnyPose::F32(a_from_b)) => GpuQuestion::pair(a_there, b_there, a_from_b),
+                // One of them is empty.
+                (None, AnyPose::F64(_)) => return Ok(None),
+            };
+            query.all(&question)?;
+            let passes = query.timings()?;
+            if !passes.is_empty() {
+                times.push(passes.iter().map(|pass| pass.time).sum());
+            }
+            bar.inc(1);
+        }
+        times.sort_unstable();
+        Ok(times.get(times.len() / 2).copied().map(milliseconds))
     }
 }
 
@@ -194,12 +230,22 @@ impl Record {
         let title = "ms per frame";
         let names = self.executors.iter().map(|times| times.executor.chars().count());
         let width = names.max().unwrap_or(0).max(title.len());
-        writeln!(out, "  {title:<width$} {:>9} {:>9} {:>9}", "median", "slowest", "first")?;
-        for Times { executor, first_ms, median_ms, slowest_ms } in &self.executors {
-            writeln!(
-                out,
-                "  {executor:<width$} {median_ms:>9.3} {slowest_ms:>9.3} {first_ms:>9.3}"
-            )?;
+        let row = |name: &str, cells: [&str; 3], on_device: Option<&str>| {
+            let [median, slowest, first] = cells;
+            let on_device = on_device.map_or(String::new(), |cell| format!(" {cell:>9}"));
+            format!("  {name:<width$} {median:>9} {slowest:>9} {first:>9}{on_device}")
+        };
+        // A column only where some device has told its time.
+        let has_device = self.executors.iter().any(|times| times.device_ms.is_some());
+        let title_cells = ["median", "slowest", "first"];
+        writeln!(out, "{}", row(title, title_cells, has_device.then_some("on device")))?;
+        for times in &self.executors {
+            let cell = |ms: f64| format!("{ms:.3}");
+            let [median, slowest, first] =
+                [times.median_ms, times.slowest_ms, times.first_ms].map(cell);
+            let on_device = times.device_ms.map_or("-".to_owned(), cell);
+            let on_device = has_device.then_some(on_device.as_str());
+            writeln!(out, "{}", row(&times.executor, [&median, &slowest, &first], on_device))?;
         }
         let [models, peak] = [self.model_bytes, self.peak_bytes].map(mib);
         writeln!(

@@ -82,6 +82,14 @@ fn executors_are_compared_on_meshes_of_ones_own() {
     let executors = record["executors"].as_array().unwrap();
     assert_eq!(executors.len(), 3);
     assert!(executors.iter().all(|times| times["median_ms"].as_f64().unwrap() > 0.0), "{record}");
+    // The passes of a GPU are a part of what a user waits for.
+    let has_device =
+        |times: &serde_json::Value| times["device_ms"].as_f64().is_some_and(|ms| ms > 0.0);
+    assert_eq!(
+        executors.iter().map(has_device).collect::<Vec<_>>(),
+        [false, false, true],
+        "{record}"
+    );
     assert_eq!(record["name"], "a.obj and b.obj");
     let table = out(folder.path(), "bench a.obj b.obj --frames 2 --threads 2 --backend gpu");
     let widths: Vec<_> = table.lines().skip(1).take(4).map(|row| row.chars().count()).collect();
