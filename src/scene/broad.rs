@@ -99,7 +99,8 @@ impl Broad {
             }
             ControlFlow::Continue(())
         });
-        self.pairs.sort_unstable();
+        // No pair of bodies that have moved is known by itself now, so its memory is free.
+        sort(&mut self.pairs, &mut self.found, self.places.last().map_or(0, |last| last + 1));
         Ok(())
     }
 
@@ -148,6 +149,30 @@ impl Broad {
             _ => self.found_since.is_some_and(|own| own == since).then_some(&self.found),
         }
     }
+}
+
+/// Sorts pairs of so many bodies: counting sorts by the second of each and then by the first, since comparing would take longer
+/// than it took to find them.
+///
+/// # Complexity
+/// O(bodies + pairs).
+fn sort(pairs: &mut Vec<Places>, scratch: &mut Vec<Places>, bodies: u32) {
+    for side in [1, 0] {
+        let mut starts = vec![0; bodies as usize + 1];
+        pairs.iter().for_each(|pair| starts[pair[side] as usize + 1] += 1);
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        scratch.clear();
+        scratch.resize(pairs.len(), Places::default());
+        for pair in &*pairs {
+            let start = &mut starts[pair[side] as usize];
+            scratch[*start] = *pair;
+            *start += 1;
+        }
+        std::mem::swap(pairs, scratch);
+    }
+    scratch.clear();
 }
 
 /// The boxes that overlap one, which is perhaps among them.

@@ -133,12 +133,13 @@ impl World {
     /// [`GpuError::NoMesh`]; [`GpuError::Pose`] if a pose is not finite or takes its body out of range; [`GpuError::Coordinate`].
     pub fn set_bodies(&mut self, bodies: &[(u32, Pose)]) -> Result<(), GpuError> {
         bodies.iter().try_for_each(|(mesh, pose)| self.check(*mesh, pose))?;
+        let placed = bodies.iter().map(|(mesh, pose)| Body::new(&self.arena, *mesh, pose));
         match Arc::get_mut(&mut self.bodies) {
             Some(own) => {
                 own.clear();
-                own.extend(bodies);
+                own.extend(placed);
             }
-            None => self.bodies = Arc::new(bodies.to_vec()),
+            None => self.bodies = Arc::new(placed.collect()),
         }
         Ok(())
     }
@@ -153,8 +154,10 @@ impl World {
     pub fn set_pose(&mut self, body: u32, world_from_body: Pose) -> Result<(), GpuError> {
         let bodies = self.bodies.len() as u32;
         let own = self.bodies.get(body as usize).ok_or(GpuError::NoBody { body, bodies })?;
-        self.check(own.0, &world_from_body)?;
-        Arc::make_mut(&mut self.bodies)[body as usize].1 = world_from_body;
+        let mesh = own.mesh;
+        self.check(mesh, &world_from_body)?;
+        let placed = Body::new(&self.arena, mesh, &world_from_body);
+        Arc::make_mut(&mut self.bodies)[body as usize] = placed;
         Ok(())
     }
 
@@ -166,7 +169,7 @@ impl World {
     /// [`GpuError::OutOfMemory`] the first time.
     ///
     /// # Complexity
-    /// O(vertices) on the host; the next question refits the tree of this mesh.
+    /// O(vertices + bodies) on the host; the next question refits the tree of this mesh.
     pub fn set_positions(&mut self, mesh: u32, positions: &[[f32; 3]]) -> Result<(), GpuError> {
         let meshes = self.arena.meshes.len() as u32;
         if mesh >= meshes {
@@ -174,7 +177,10 @@ impl World {
         }
         Mesh::new(positions, &[])?;
         self.question = None;
-        self.arena.set_positions(&self.answer.engine.gpu, mesh as usize, positions)
+        self.arena.set_positions(&self.answer.engine.gpu, mesh as usize, positions)?;
+        let bodies = Arc::make_mut(&mut self.bodies).iter_mut().filter(|body| body.mesh == mesh);
+        bodies.for_each(|body| *body = Body::new(&self.arena, mesh, &body.placed.pose));
+        Ok(())
     }
 
     /// All pairs of triangles of these pairs of bodies that meet, sorted; the first triangle is one of the first body.

@@ -17,8 +17,21 @@ use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Aabb, Pose};
 use std::sync::Arc;
 
-/// A body: the number of its mesh, and where it is.
-pub(super) type Body = (u32, Pose);
+/// A body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    /// The number of its mesh.
+    pub(super) mesh: u32,
+    /// Where it is, within the bounds that the mesh has by now.
+    pub(super) placed: Placed,
+}
+
+impl Body {
+    pub(super) fn new(arena: &Arena, mesh: u32, pose: &Pose) -> Self {
+        let bounds = arena.meshes[mesh as usize].bounds.unwrap_or(Aabb::EMPTY);
+        Self { mesh, placed: Placed::new(pose, &bounds) }
+    }
+}
 
 /// As many pairs as one run can tell apart.
 #[derive(Debug)]
@@ -89,7 +102,7 @@ impl Chunks {
         rows.clear();
         rows.reserve(pairs.len().min(start + *most) - start);
         let mut chunk = Chunk { rows, shift: *shift, first: start, front: Vec::new(), levels: 1 };
-        let mut first: Option<(u32, Placed, Option<Inverse>)> = None;
+        let mut first: Option<(u32, Option<Inverse>)> = None;
         for (number, pair) in pairs.iter().enumerate().skip(start) {
             let two = meshes(pair);
             let ids = ids(two);
@@ -101,23 +114,17 @@ impl Chunks {
                 *next = number;
                 break;
             }
-            let placed = |side: usize| {
-                let bounds = two[side].bounds.unwrap_or(Aabb::EMPTY);
-                Placed::new(&bodies[pair[side] as usize].1, &bounds)
-            };
-            let (_, a, inverse) = match &mut first {
+            let [a, b] = pair.map(|body| &bodies[body as usize].placed);
+            let (_, inverse) = match &mut first {
                 Some(known) if known.0 == pair[0] => known,
-                none => {
-                    let own = placed(0);
-                    none.insert((pair[0], own, own.inverse()))
-                }
+                none => none.insert((pair[0], a.inverse())),
             };
             let row = InstancePair {
                 number: (number - start) as u32,
                 first_id: (chunk.rows.len() as u32) << *shift,
                 first_node: two[0].first_node,
                 first_slot: two[0].first_slot,
-                ..place(a, inverse.as_ref(), &placed(1))
+                ..place(a, inverse.as_ref(), b)
             };
             chunk.rows.extend(std::iter::repeat_n(row, blocks));
         }
@@ -128,7 +135,7 @@ impl Chunks {
 
 /// The meshes of a pair of bodies.
 fn meshes<'a>(arena: &'a Arena, bodies: &[Body], pair: &Bodies) -> [&'a ArenaMesh; 2] {
-    pair.map(|body| &arena.meshes[bodies[body as usize].0 as usize])
+    pair.map(|body| &arena.meshes[bodies[body as usize].mesh as usize])
 }
 
 /// Ids that a pair takes: none if a mesh is empty.

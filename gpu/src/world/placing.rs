@@ -5,12 +5,9 @@
 //! only what has to be tested depends on it. A pose that cannot be inverted well enough leaves the world to compare in.
 
 use crate::layout::InstancePair;
+use glam::{DMat3, DVec3};
 use pfront_core::{Aabb, Pose};
 use pfront_shaders::constants::PADDING;
-
-/// A vector or matrix in f64.
-type Vector = [f64; 3];
-type Matrix = [Vector; 3];
 
 /// The error of rounding a posed coordinate relative to its reach, and of f64 roundings after it: 16 units.
 const ROUNDING: f64 = 16.0 / (1 << 24) as f64;
@@ -18,12 +15,13 @@ const ROUNDING: f64 = 16.0 / (1 << 24) as f64;
 /// A body with what its pairs ask of its pose.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
-    pose: Pose,
-    matrix: Matrix,
+    pub(super) pose: Pose,
+    matrix: DMat3,
+    translation: DVec3,
     /// The largest coordinates of the mesh.
-    far: Vector,
+    far: DVec3,
     /// The farthest that posed corners get from the origin.
-    reach: Vector,
+    reach: DVec3,
     /// The padding of boxes that are posed into the world.
     world_padding: [f32; 3],
 }
@@ -31,46 +29,56 @@ pub(super) struct Placed {
 /// The way back from the world.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inverse {
-    matrix: Matrix,
+    matrix: DMat3,
     /// A bound on the error of each entry.
     error: f64,
 }
 
 impl Placed {
     pub(super) fn new(pose: &Pose, bounds: &Aabb) -> Self {
-        let matrix = pose.rows.map(|[x, y, z, _]| [x, y, z].map(f64::from));
-        let far = [0, 1, 2].map(|k| f64::from(bounds.min[k].abs().max(bounds.max[k].abs())));
-        let reach =
-            [0, 1, 2].map(|k| dot(matrix[k].map(f64::abs), far) + f64::from(pose.rows[k][3]).abs());
-        let world_padding = padding(far, pose.rows.map(|row| f64::from(row[3])), [0.0; 3]);
-        Self { pose: *pose, matrix, far, reach, world_padding }
+        let rows = pose.rows.map(|row| row.map(f64::from));
+        let matrix = DMat3::from_cols_array_2d(&rows.map(|[x, y, z, _]| [x, y, z])).transpose();
+        let translation = DVec3::from_array(rows.map(|[.., translation]| translation));
+        let corner = |corner: [f32; 3]| DVec3::from_array(corner.map(f64::from)).abs();
+        let far = corner(bounds.min).max(corner(bounds.max));
+        let reach = magnitudes(matrix) * far + translation.abs();
+        let world_padding = padding(far, translation, DVec3::ZERO);
+        Self { pose: *pose, matrix, translation, far, reach, world_padding }
     }
 
     /// `None` if the pose flattens or stretches too much.
     pub(super) fn inverse(&self) -> Option<Inverse> {
         const LIMIT: f64 = (1 << 20) as f64;
-        let [x, y, z] = self.matrix;
-        let columns = [cross(y, z), cross(z, x), cross(x, y)];
-        let determinant = dot(x, columns[0]);
-        let size = (self.matrix.iter().flatten()).fold(0.0, |size, entry| entry.abs().max(size));
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.matrix.transpose();
+        let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+        let determinant = x.dot(cofactors.x_axis);
         // Cofactors and determinant are off by some 2^-51 of size^2 and 2^-49 of size^3.
-        let stretch = size.powi(3) / determinant.abs();
-        let matrix = [0, 1, 2].map(|k| columns.map(|column| column[k] / determinant));
-        let largest = (matrix.iter().flatten()).fold(0.0, |most, entry| entry.abs().max(most));
-        let error = stretch * largest * f64::exp2(-44.0);
+        let stretch = largest(self.matrix).powi(3) / determinant.abs();
+        let matrix = cofactors / determinant;
+        let error = stretch * largest(matrix) * f64::exp2(-44.0);
         (stretch <= LIMIT && error.is_finite()).then_some(Inverse { matrix, error })
     }
+}
+
+fn magnitudes(matrix: DMat3) -> DMat3 {
+    DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
+}
+
+/// The largest magnitude of an entry.
+fn largest(matrix: DMat3) -> f64 {
+    let DMat3 { x_axis, y_axis, z_axis } = magnitudes(matrix);
+    x_axis.max(y_axis).max(z_axis).max_element()
 }
 
 /// The padding of boxes of a mesh with coordinates up to `far` under a pose with this translation, beside the shaders'
 /// [`PADDING`] of the magnitudes that it turns: the same of the translation, what an adapter may flush of it, of entries of the
 /// matrix and of the results, and `more`.
-fn padding(far: Vector, translation: Vector, more: Vector) -> [f32; 3] {
-    let flushed = f64::exp2(-122.0) + f64::exp2(-123.0) * far.iter().sum::<f64>();
-    [0, 1, 2].map(|k| {
-        let padding = translation[k].abs() * f64::from(PADDING) + flushed + more[k];
-        (padding * (1.0 + ROUNDING)) as f32
-    })
+fn padding(far: DVec3, translation: DVec3, more: DVec3) -> [f32; 3] {
+    // 2^-122, and 2^-123 for each unit of the coordinates.
+    const FLUSHED: f64 = 16.0 * f32::MIN_POSITIVE as f64;
+    let flushed = FLUSHED + FLUSHED / 2.0 * far.element_sum();
+    let padding = translation.abs() * f64::from(PADDING) + DVec3::splat(flushed) + more;
+    (padding * (1.0 + ROUNDING)).to_array().map(|x| x as f32)
 }
 
 /// The poses of a pair and how its boxes are compared; the rest of the row is zero.
@@ -90,32 +98,26 @@ pub(super) fn place(a: &Placed, inverse: Option<&Inverse>, b: &Placed) -> Instan
 
 /// The second body seen from the first; `None` where f32 could not hold it.
 fn seen_from(a: &Placed, inverse: &Inverse, b: &Placed) -> Option<([[f32; 4]; 3], [f32; 3])> {
-    const LIMIT: f64 = 1e30;
-    // Some operations on numbers that may be subnormal.
-    let underflow = f64::exp2(-145.0);
-    let reach = [0, 1, 2].map(|k| (a.reach[k] + b.reach[k]) * ROUNDING + underflow);
-    let apart = [0, 1, 2].map(|k| f64::from(b.pose.rows[k][3]) - f64::from(a.pose.rows[k][3]));
-    let off = inverse.error * [a.reach, b.reach].iter().flatten().sum::<f64>();
-    let columns = [0, 1, 2].map(|k| b.matrix.map(|row| row[k]));
-    let turn = inverse.matrix.map(|row| columns.map(|column| dot(row, column)));
-    let offset = inverse.matrix.map(|row| dot(row, apart));
-    let error = inverse.matrix.map(|row| dot(row.map(f64::abs), reach) + off);
-    let is_held = |k: usize| {
-        let most = dot(turn[k].map(f64::abs), b.far) + offset[k].abs() + error[k];
-        most <= LIMIT && turn[k].iter().all(|entry| entry.abs() <= LIMIT)
-    };
-    (0..3).all(is_held).then(|| {
-        let row = |k: usize| [turn[k][0], turn[k][1], turn[k][2], offset[k]].map(|x| x as f32);
-        ([row(0), row(1), row(2)], padding(b.far, offset, error))
+    const LIMIT: DVec3 = DVec3::splat(1e30);
+    // 2^-145: some operations on numbers that may be subnormal.
+    const UNDERFLOW: f64 = f32::MIN_POSITIVE as f64 / (1 << 19) as f64;
+    let reach = a.reach + b.reach;
+    let off = inverse.error * reach.element_sum();
+    let turn = inverse.matrix * b.matrix;
+    let offset = inverse.matrix * (b.translation - a.translation);
+    let spread = magnitudes(inverse.matrix) * (reach * ROUNDING + DVec3::splat(UNDERFLOW));
+    let error = spread + DVec3::splat(off);
+    let sizes = magnitudes(turn);
+    let most = sizes * b.far + offset.abs() + error;
+    let is_held = [sizes.x_axis, sizes.y_axis, sizes.z_axis, most]
+        .iter()
+        .all(|magnitudes| magnitudes.cmple(LIMIT).all());
+    is_held.then(|| {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = turn.transpose();
+        let row = |row: DVec3, offset: f64| row.extend(offset).as_vec4().to_array();
+        let rows = [row(x, offset.x), row(y, offset.y), row(z, offset.z)];
+        (rows, padding(b.far, offset, error))
     })
-}
-
-fn dot([x, y, z]: Vector, [u, v, w]: Vector) -> f64 {
-    x * u + y * v + z * w
-}
-
-fn cross([x, y, z]: Vector, [u, v, w]: Vector) -> Vector {
-    [y * w - z * v, z * u - x * w, x * v - y * u]
 }
 
 #[cfg(test)]
@@ -139,17 +141,17 @@ mod tests {
                 let x = [(); 3].map(|()| random());
                 let (Some(inverse), Some(back)) = (a.inverse(), b.inverse()) else { continue };
                 let Some((rows, pad)) = seen_from(&a, &inverse, &b) else { continue };
-                let common = a.pose.apply(x);
-                let offset = [0, 1, 2].map(|k| f64::from(common[k]) - f64::from(b.pose.rows[k][3]));
-                let y = back.matrix.map(|row| dot(row, offset) as f32);
-                if y.iter().any(|y| y.abs() > 1.0) {
+                let common = DVec3::from_array(a.pose.apply(x).map(f64::from));
+                let y = (back.matrix * (common - b.translation)).as_vec3();
+                if y.abs().max_element() > 1.0 {
                     continue;
                 }
                 tried += 1;
                 for k in 0..3 {
-                    let row = rows[k].map(f64::from);
-                    let seen = dot([row[0], row[1], row[2]], y.map(f64::from)) + row[3];
-                    let turned = dot([row[0], row[1], row[2]].map(f64::abs), [1.0; 3]);
+                    let [turn @ .., offset] = rows[k].map(f64::from);
+                    let turn = DVec3::from_array(turn);
+                    let seen = turn.dot(y.as_dvec3()) + offset;
+                    let turned = turn.abs().element_sum();
                     let most = f64::from(pad[k]) + turned * f64::from(PADDING);
                     assert!(
                         (seen - f64::from(x[k])).abs() <= most,

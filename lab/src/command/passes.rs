@@ -1,7 +1,7 @@
 //! `pfront-lab passes`: where a GPU spends its time, and what a user waits for.
 //!
-//! Passes are timed on the device, with a timestamp after each, which makes it wait for the one before; then all of them
-//! together; then, without timestamps, what the host does. A GPU that waits for a CPU slows its clock down, so the first
+//! All passes are timed together on the device; then with a timestamp after each, which adds to the time of each, and as much is
+//! taken off again as the sum exceeds the time of all; then, without timestamps, what the host does. A GPU that waits for a CPU slows its clock down, so the first
 //! frame is played for half a second before it counts.
 
 use super::progress;
@@ -145,7 +145,11 @@ impl OnDevice {
 
 fn measure(name: &str, asked: &Passes, gpu: &Gpu, settings: GpuSettings) -> Result<()> {
     let play = |timed, verb| play(name, asked, gpu, settings, timed, verb);
-    let (objects, frames) = play(Timed::EachPass, GpuVerb::All)?;
+    let sum = |frame: &Played| frame.passes.iter().map(microseconds).sum();
+    let (_, frames) = play(Timed::AllPasses, GpuVerb::Count)?;
+    let unsorted = middle(&frames, sum);
+    let (objects, frames) = play(Timed::AllPasses, GpuVerb::All)?;
+    let all = middle(&frames, sum);
     let mut out = out();
     writeln!(
         out,
@@ -154,17 +158,23 @@ fn measure(name: &str, asked: &Passes, gpu: &Gpu, settings: GpuSettings) -> Resu
         frames.len(),
         middle(&frames, |frame| frame.pairs as f64)
     )?;
-    let sum = |frame: &Played| frame.passes.iter().map(microseconds).sum();
-    let each: Vec<_> = frames.into_iter().map(|frame| frame.passes).collect();
-    for (name, mut times) in by_pass(&each) {
-        writeln!(out, "  {name:<12} {:>9.3} µs", median(&mut times))?;
-    }
-    for (name, verb) in [("count", GpuVerb::Count), ("all", GpuVerb::All)] {
-        let (_, frames) = play(Timed::AllPasses, verb)?;
-        match frames.iter().map(sum).any(|sum: f64| sum > 0.0) {
-            true => writeln!(out, "  device, {name:<5} {:>7.1} µs", middle(&frames, sum))?,
-            false => writeln!(out, "  the device cannot tell the time of its passes")?,
+    if all > 0.0 {
+        writeln!(out, "  device, count {unsorted:>7.1} µs")?;
+        writeln!(out, "  device, all   {all:>7.1} µs")?;
+        let (_, frames) = play(Timed::EachPass, GpuVerb::All)?;
+        let each: Vec<_> = frames.into_iter().map(|frame| frame.passes).collect();
+        let passes: Vec<(String, f64)> = by_pass(&each)
+            .into_iter()
+            .map(|(pass, mut times)| (pass, median(&mut times)))
+            .collect();
+        let excess = passes.iter().map(|(_, time)| time).sum::<f64>() - all;
+        let timestamp = excess.max(0.0) / passes.len() as f64;
+        for (pass, time) in passes {
+            writeln!(out, "    {pass:<11} {:>7.1} µs", time - timestamp)?;
         }
+        writeln!(out, "    and {timestamp:.1} µs for the timestamp of each, taken off")?;
+    } else {
+        writeln!(out, "  the device cannot tell the time of its passes")?;
     }
     let (_, frames) = play(Timed::Host, GpuVerb::All)?;
     let micros = |time: Duration| 1e6 * time.as_secs_f64();
