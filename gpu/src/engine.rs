@@ -19,7 +19,9 @@ use crate::sequence::groups_for;
 use crate::staging::Staging;
 use crate::task::{Entry, Order, Start, Task};
 use crate::{GpuError, GpuModel, GpuSettings};
-use pfront_shaders::constants::{ANY_EACH, BEAM, BUCKETS, COUNT_EACH, FEW, FRONTS, GROUP, RANKERS};
+use pfront_shaders::constants::{
+    ANY_EACH, BEAM, BUCKETS, COUNT_EACH, FEW, FINER, FRONTS, GROUP, RANKERS,
+};
 use std::ops::Range;
 use std::sync::Arc;
 use wgpu::{Buffer, CommandBuffer, CommandEncoder, WriteOnly};
@@ -288,7 +290,8 @@ impl Engine {
             }
             Some(Order::Many) => {
                 let [sample, deal, settle] = &groups.sort;
-                dispatches.add(&shaders.sample, &[sample], BUCKETS * RANKERS / GROUP);
+                let ranked = FINER * BUCKETS;
+                dispatches.add(&shaders.sample, &[sample], ranked * RANKERS / GROUP);
                 dispatches.add(&shaders.deal, &[deal], *workgroups);
                 dispatches.add(&shaders.settle, &[settle], BUCKETS);
             }

@@ -33,13 +33,44 @@ fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
         }
         return;
     }
-    for (var i = lane; i < size; i += GROUP) {
-        ranked[i] = kept[group.x * room() + i];
+    let whole = 1u << bits_for(size);
+    for (var i = lane; i < whole; i += GROUP) {
+        if i < size {
+            ranked[i] = kept[group.x * room() + i];
+        } else {
+            // After any hit.
+            ranked[i] = vec2u(0xffffffffu);
+        }
     }
-    pad_ranked(lane, size);
     workgroupBarrier();
+    sort_ranked(lane, bits_for(size));
     for (var i = lane; i < size; i += GROUP) {
-        let own = ranked[i];
-        hits[start + rank_among(own, 0u, size)] = own;
+        hits[start + i] = ranked[i];
+    }
+}
+
+// The least power of two that is not below so many.
+fn bits_for(size: u32) -> u32 {
+    return select(32u - countLeadingZeros(size - 1u), 0u, size < 2u);
+}
+
+// Sorts 2^bits hits in workgroup memory: the bitonic network (Batcher 1968).
+fn sort_ranked(lane: u32, bits: u32) {
+    for (var run = 1u; run <= bits; run++) {
+        for (var step = run; step > 0u; step--) {
+            // Compares what lies 2^(step - 1) apart. Runs of 2^run ascend and descend in turn.
+            let apart = step - 1u;
+            for (var i = lane; i < (1u << bits) / 2u; i += GROUP) {
+                let low = ((i >> apart) << step) + (i & ((1u << apart) - 1u));
+                let high = low + (1u << apart);
+                let p = ranked[low];
+                let q = ranked[high];
+                if precedes(q, p) == (((low >> run) & 1u) == 0u) {
+                    ranked[low] = q;
+                    ranked[high] = p;
+                }
+            }
+            workgroupBarrier();
+        }
     }
 }
