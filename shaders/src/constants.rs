@@ -51,8 +51,8 @@ constants! {
     RESULTS = 512;
     /// Buckets of the sort of the hits, and hits of the sample that divides them.
     BUCKETS = 1024;
-    /// Beyond so many hits the sample is larger, since the largest bucket might be too large otherwise.
-    MANY = BUCKETS * BUCKET / 16;
+    /// Beyond so many hits the sample is larger: a bucket of ten times the mean size would not do.
+    MANY = BUCKETS * BUCKET / 10;
     /// How many times as large.
     FINER = 4;
     /// Hits that one dispatch puts in order, comparing each with all others: beyond, three dispatches take less time.

@@ -7,21 +7,22 @@ var<workgroup> ranks: array<atomic<u32>, GROUP / RANKERS>;
 fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) group: vec3u) {
     const MINE = GROUP / RANKERS;
     let count = hit_count(lane);
-    // Buckets between all of a sample are uneven, the largest of a thousand some seven times the mean one; between
-    // every fourth of a larger sample, three times.
+    // The buckets between all of a sample are uneven, the largest of a thousand being some seven times the mean one, and
+    // more than ten times in one of twenty samples; between each fourth of a larger sample, three times.
     let each = select(1u, FINER, count > MANY);
     let size = each * BUCKETS;
+    let bits = countTrailingZeros(size);
     let first = group.x * MINE;
     let mine = lane / RANKERS;
     let part = lane % RANKERS;
-    let own = sampled(first + mine, size, count);
+    let own = sampled(first + mine, bits, count);
     if part == 0u {
         atomicStore(&ranks[mine], 0u);
     }
     let tiles = tell(lane, select(each, 0u, first >= size));
     for (var tile = 0u; tile < tiles; tile++) {
         for (var i = lane; i < BUCKETS; i += GROUP) {
-            ranked[i] = sampled(tile * BUCKETS + i, size, count);
+            ranked[i] = sampled(tile * BUCKETS + i, bits, count);
         }
         workgroupBarrier();
         const PART = BUCKETS / RANKERS;
@@ -35,9 +36,10 @@ fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
     }
 }
 
-// One hit from each of as many equal stretches; few hits all, and then what is later than any.
-fn sampled(i: u32, size: u32, count: u32) -> vec2u {
-    let stretch = i * (count / size) + i * (count % size) / size;
+// Of 2^bits equal stretches, a hit from each; few hits all, and then what is later than any.
+fn sampled(i: u32, bits: u32, count: u32) -> vec2u {
+    let size = 1u << bits;
+    let stretch = i * (count >> bits) + ((i * (count & (size - 1u))) >> bits);
     let at = select(stretch, i, count < size);
     if at < count {
         return hits[at];
