@@ -413,6 +413,46 @@ fn answers_that_grow_and_shrink_are_in_order() {
     }
 }
 
+/// So many that the sample which divides them is a larger one; the device puts them in order by itself.
+#[test]
+fn very_many_hits_are_in_order_on_the_device() {
+    const SLATS: u32 = 400;
+    assert!(SLATS * SLATS > constants::MANY);
+    let triangles: Vec<_> = (0..SLATS).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let slats = |corners: fn(f32) -> [[f32; 3]; 3]| {
+        let positions: Vec<_> = (0..SLATS).flat_map(|i| corners(i as f32)).collect();
+        Both::new(&positions, &triangles, 8)
+    };
+    // Each of the first lies across all of the second, which stand upright.
+    let a = slats(|i| [[-9.0, i, 0.0], [999.0, i + 0.1, 0.0], [999.0, i + 0.3, 0.0]]);
+    let b = slats(|i| [[i + 0.5, -99.0, -1.0], [i + 0.5, 999.0, -1.0], [i + 0.5, 200.0, 5.0]]);
+    let mut query = GpuQuery::new(gpu()).unwrap();
+    let question = GpuQuestion::pair(&a.model, &b.model, &Pose::IDENTITY);
+    let truth = truth(&a, &b, &Pose::IDENTITY);
+    assert_eq!(truth.len(), (SLATS * SLATS) as usize);
+    // After the first answer so many are expected.
+    for _ in 0..2 {
+        assert_eq!(query.all(&question).unwrap(), truth);
+    }
+    let (device, queue) = (gpu().device(), gpu().queue());
+    let bytes = size_of_val(&truth[..]) as u64;
+    let copy = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: bytes,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(query.hits_buffer(), 0, &copy, 0, bytes);
+    queue.submit([encoder.finish()]);
+    copy.map_async(wgpu::MapMode::Read, .., |mapped| mapped.unwrap());
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let hits = copy.get_mapped_range(..).unwrap();
+    let truth: Vec<u32> = truth.iter().flat_map(|pair| [pair.a, pair.b]).collect();
+    let hits = hits.chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().unwrap()));
+    assert!(hits.eq(truth));
+}
+
 #[test]
 fn a_device_of_the_callers_will_do() {
     let own = Gpu::from_device(gpu().device().clone(), gpu().queue().clone()).unwrap();

@@ -36,28 +36,20 @@ fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
     }
 }
 
-// Of 2^bits equal stretches, a hit from each; few hits all, and then what is later than any.
+// Of 2^bits equal stretches, a hit from each, at a place that differs: hits come in runs of like ones, and places in step with
+// these would make for buckets of thirty times the mean size. Few hits all, and then what is later than any.
 fn sampled(i: u32, bits: u32, count: u32) -> vec2u {
-    let size = 1u << bits;
-    let stretch = i * (count >> bits) + ((i * (count & (size - 1u))) >> bits);
-    let at = select(stretch, i, count < size);
+    let start = stretch(i, bits, count);
+    // Multiples of the golden section spread evenly, and in step with nothing.
+    let part = (i * 0x9e3779b9u) >> 20u;
+    let inside = (part * (stretch(i + 1u, bits, count) - start)) >> 12u;
+    let at = select(start + inside, i, count < (1u << bits));
     if at < count {
         return hits[at];
     }
     return vec2u(0xffffffffu, i);
 }
 
-// How many of a stretch of hits precede one; the stretch begins at a multiple of 4.
-fn rank_among(own: vec2u, first: u32, end: u32) -> u32 {
-    var rank = vec4u(0u);
-    for (var i = first; i < end; i += 4u) {
-        let four = vec4<bool>(
-            precedes(ranked[i], own),
-            precedes(ranked[i + 1u], own),
-            precedes(ranked[i + 2u], own),
-            precedes(ranked[i + 3u], own),
-        );
-        rank += select(vec4u(0u), vec4u(1u), four);
-    }
-    return rank.x + rank.y + rank.z + rank.w;
+fn stretch(i: u32, bits: u32, count: u32) -> u32 {
+    return i * (count >> bits) + ((i * (count & ((1u << bits) - 1u))) >> bits);
 }

@@ -33,8 +33,8 @@ fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
         }
         return;
     }
-    let whole = 1u << bits_for(size);
-    for (var i = lane; i < whole; i += GROUP) {
+    let bits = bits_for(size);
+    for (var i = lane; i < max(1u << bits, 4u); i += GROUP) {
         if i < size {
             ranked[i] = kept[group.x * room() + i];
         } else {
@@ -43,13 +43,21 @@ fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
         }
     }
     workgroupBarrier();
-    sort_ranked(lane, bits_for(size));
+    if size <= GROUP {
+        // So few are ranked before a network has passed its barriers.
+        if lane < size {
+            let own = ranked[lane];
+            hits[start + rank_among(own, 0u, size)] = own;
+        }
+        return;
+    }
+    sort_ranked(lane, bits);
     for (var i = lane; i < size; i += GROUP) {
         hits[start + i] = ranked[i];
     }
 }
 
-// The least power of two that is not below so many.
+// The bits of the least power of two that is not below so many.
 fn bits_for(size: u32) -> u32 {
     return select(32u - countLeadingZeros(size - 1u), 0u, size < 2u);
 }
