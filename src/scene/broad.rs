@@ -31,6 +31,8 @@ pub(super) struct Broad {
     pairs: Vec<Places>,
     /// Pairs of bodies that have moved, and these.
     found: Vec<Places>,
+    /// Where the pairs of each body begin, while pairs are sorted.
+    starts: Vec<usize>,
     moved: Vec<u32>,
     /// The time since when the pairs of bodies that have changed are `found`, if they are.
     found_since: Option<u64>,
@@ -100,7 +102,8 @@ impl Broad {
             ControlFlow::Continue(())
         });
         // No pair of bodies that have moved is known by itself now, so its memory is free.
-        sort(&mut self.pairs, &mut self.found, self.places.last().map_or(0, |last| last + 1));
+        let bodies = self.places.last().map_or(0, |last| *last as usize + 1);
+        sort(&mut self.pairs, &mut self.found, &mut self.starts, bodies);
         Ok(())
     }
 
@@ -156,9 +159,15 @@ impl Broad {
 ///
 /// # Complexity
 /// O(bodies + pairs).
-fn sort(pairs: &mut Vec<Places>, scratch: &mut Vec<Places>, bodies: u32) {
+fn sort(
+    pairs: &mut Vec<Places>,
+    scratch: &mut Vec<Places>,
+    starts: &mut Vec<usize>,
+    bodies: usize,
+) {
     for side in [1, 0] {
-        let mut starts = vec![0; bodies as usize + 1];
+        starts.clear();
+        starts.resize(bodies + 1, 0);
         pairs.iter().for_each(|pair| starts[pair[side] as usize + 1] += 1);
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
