@@ -5,7 +5,8 @@ const RANKED = max(BUCKET, BUCKETS);
 // No hit is there twice.
 var<workgroup> ranked: array<vec2u, RANKED>;
 
-// How many of a stretch of hits precede one; the stretch begins at a multiple of 4.
+// How many of a stretch of hits precede one. The stretch begins at a multiple of 4, and what lies between its end and the next
+// multiple sorts after any hit.
 fn rank_among(own: vec2u, first: u32, end: u32) -> u32 {
     var rank = vec4u(0u);
     for (var i = first; i < end; i += 4u) {

@@ -1,4 +1,4 @@
-// Reads a sample of the hits, writes where buckets begin. Each workgroup ranks a few of the sample among
+// Reads a sample of the hits, writes where buckets begin and empties them. Each workgroup ranks a few of the sample among
 // all of it, RANKERS invocations each.
 
 var<workgroup> ranks: array<atomic<u32>, GROUP / RANKERS>;
@@ -7,8 +7,7 @@ var<workgroup> ranks: array<atomic<u32>, GROUP / RANKERS>;
 fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) group: vec3u) {
     const MINE = GROUP / RANKERS;
     let count = hit_count(lane);
-    // The buckets between all of a sample are uneven, the largest of a thousand being some seven times the mean one, and
-    // more than ten times in one of twenty samples; between each fourth of a larger sample, three times.
+    // With one sampled hit a bucket, the largest of 1,024 buckets is about seven times the mean; with four, three times.
     let each = select(1u, FINER, count > MANY);
     let size = each * BUCKETS;
     let bits = countTrailingZeros(size);
@@ -36,12 +35,14 @@ fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
     }
 }
 
-// Of 2^bits equal stretches, a hit from each, at a place that differs: hits come in runs of like ones, and places in step with
-// these would make for buckets of thirty times the mean size. Few hits all, and then what is later than any.
+// Takes a hit from each of 2^bits equal stretches, at a random place: like hits come in runs, and places in step with runs made
+// for buckets of thirty times the mean size. If there are fewer hits, takes them all, and then entries later than any hit.
 fn sampled(i: u32, bits: u32, count: u32) -> vec2u {
     let start = stretch(i, bits, count);
-    // Multiples of the golden section spread evenly, and in step with nothing.
-    let part = (i * 0x9e3779b9u) >> 20u;
+    // Bits without a pattern (PCG-RXS-M-XS, O'Neill 2014).
+    let state = i * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    let part = ((word >> 22u) ^ word) >> 20u;
     let inside = (part * (stretch(i + 1u, bits, count) - start)) >> 12u;
     let at = select(start + inside, i, count < (1u << bits));
     if at < count {
@@ -50,6 +51,7 @@ fn sampled(i: u32, bits: u32, count: u32) -> vec2u {
     return vec2u(0xffffffffu, i);
 }
 
+// Where a stretch begins.
 fn stretch(i: u32, bits: u32, count: u32) -> u32 {
     return i * (count >> bits) + ((i * (count & ((1u << bits) - 1u))) >> bits);
 }
