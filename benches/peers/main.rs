@@ -5,7 +5,7 @@
 //! frame, the mean over the frames of a workload; posing and refitting are part of it, except in "query
 //! alone", and building is not. Everybody makes a list of the hits; only pfront sorts it.
 //!
-//! What is measured:
+//! Measured are:
 //! - "two bodies": torus knots of so many triangles each, in random poses; "two dragons" likewise.
 //! - "sheet" and "cloth-ball": a mesh that deforms, with itself. Only pfront judges triangles that share
 //!   a vertex, and answers for them as well; the others leave them out. The sheet is folded. Dragons

@@ -1,4 +1,4 @@
-//! Which backends answered many frames.
+//! The backends that answered many frames, counted.
 
 use pfront::executor::{Backend, Plan};
 use std::fmt;

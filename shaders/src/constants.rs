@@ -49,11 +49,9 @@ constants! {
     TEAMS = GROUP / TEAM;
     /// Triangle pairs that a workgroup gathers before it writes them out.
     RESULTS = 512;
-    /// Buckets of the sort of the hits, and hits of the sample that divides them.
+    /// Buckets of the sort of the hits.
     BUCKETS = 1024;
-    /// Beyond so many hits the sample is larger: a bucket of ten times the mean size would not do.
-    MANY = BUCKETS * BUCKET / 10;
-    /// How many times as large.
+    /// Hits of the sample for each bucket, where the largest bucket might not have room else.
     FINER = 4;
     /// Hits that one dispatch puts in order, comparing each with all others: beyond, three dispatches take less time.
     FEW = 2 * BUCKETS;

@@ -1,4 +1,4 @@
-//! Which triangles of the bodies of a scene meet, and where.
+//! The triangles of the bodies of a scene that meet, and where.
 
 #![expect(
     unsafe_code,

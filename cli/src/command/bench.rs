@@ -39,7 +39,7 @@ struct Times {
     first_ms: f64,
     median_ms: f64,
     slowest_ms: f64,
-    /// The passes of the median frame on the device, which are a part of what a user waits for.
+    /// The median time of the passes on the device, which are a part of what a user waits for.
     #[serde(skip_serializing_if = "Option::is_none")]
     device_ms: Option<f64>,
 }
@@ -191,8 +191,8 @@ impl Course {
         Ok(Times { executor: name, first_ms, median_ms, slowest_ms, device_ms: None })
     }
 
-    /// The milliseconds that the passes of the median frame take on a device; `None` if it cannot tell. In a turn of its own,
-    /// since a query that keeps time records nothing ahead, and a user waits longer.
+    /// The median of the milliseconds that the passes of a frame take on a device; `None` if it cannot tell. In a turn of its
+    /// own, since a query that keeps time records nothing ahead, and a user waits longer.
     fn device_ms(&self, gpu: &Gpu, bar: &ProgressBar) -> Result<Option<f64>> {
         let [a, b] = &self.models;
         let on_device = [GpuModel::new(gpu, a.bvh())?, GpuModel::new(gpu, b.bvh())?];
@@ -208,13 +208,16 @@ impl Course {
             };
             query.all(&question)?;
             let passes = query.timings()?;
-            if !passes.is_empty() {
-                times.push(passes.iter().map(|pass| pass.time).sum());
+            if passes.is_empty() {
+                return Ok(None);
             }
+            // A frame that took several runs, of which the last alone is known, took longer than any of one run.
+            let is_whole = query.report().runs == 1;
+            times.push(is_whole.then(|| passes.iter().map(|pass| pass.time).sum()));
             bar.inc(1);
         }
-        times.sort_unstable();
-        Ok(times.get(times.len() / 2).copied().map(milliseconds))
+        times.sort_unstable_by_key(|time| time.unwrap_or(Duration::MAX));
+        Ok(times.get(times.len() / 2).copied().flatten().map(milliseconds))
     }
 }
 

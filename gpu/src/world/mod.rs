@@ -60,6 +60,8 @@ pub struct World {
     answer: Answer,
     arena: Arena,
     bodies: Arc<Vec<Body>>,
+    /// Whether a mesh has moved since its bodies were placed.
+    is_stale: bool,
     table: Option<Table>,
     /// Memory for rows.
     spare: Vec<InstancePair>,
@@ -98,6 +100,7 @@ impl World {
             answer: Answer::new(engine),
             arena: Arena::new(),
             bodies: Arc::default(),
+            is_stale: false,
             table: None,
             spare: Vec::new(),
             question: None,
@@ -141,6 +144,7 @@ impl World {
             }
             None => self.bodies = Arc::new(placed.collect()),
         }
+        self.is_stale = false;
         Ok(())
     }
 
@@ -169,7 +173,7 @@ impl World {
     /// [`GpuError::OutOfMemory`] the first time.
     ///
     /// # Complexity
-    /// O(vertices + bodies) on the host; the next question refits the tree of this mesh.
+    /// O(vertices) on the host; the next question refits the tree of this mesh, and looks at all bodies once.
     pub fn set_positions(&mut self, mesh: u32, positions: &[[f32; 3]]) -> Result<(), GpuError> {
         let meshes = self.arena.meshes.len() as u32;
         if mesh >= meshes {
@@ -177,10 +181,8 @@ impl World {
         }
         Mesh::new(positions, &[])?;
         self.question = None;
-        self.arena.set_positions(&self.answer.engine.gpu, mesh as usize, positions)?;
-        let bodies = Arc::make_mut(&mut self.bodies).iter_mut().filter(|body| body.mesh == mesh);
-        bodies.for_each(|body| *body = Body::new(&self.arena, mesh, &body.placed.pose));
-        Ok(())
+        self.is_stale = true;
+        self.arena.set_positions(&self.answer.engine.gpu, mesh as usize, positions)
     }
 
     /// All pairs of triangles of these pairs of bodies that meet, sorted; the first triangle is one of the first body.
@@ -250,6 +252,11 @@ impl World {
         let bodies = self.bodies.len() as u32;
         if let Some(&body) = pairs.iter().flatten().find(|&&body| body >= bodies) {
             return Err(GpuError::NoBody { body, bodies });
+        }
+        if std::mem::take(&mut self.is_stale) {
+            for body in Arc::make_mut(&mut self.bodies) {
+                *body = Body::new(&self.arena, body.mesh, &body.placed.pose);
+            }
         }
         let limits = self.answer.engine.gpu.device().limits();
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);

@@ -6,6 +6,7 @@ mod build;
 mod common;
 mod deforming;
 mod in_f64;
+mod order;
 mod pairs;
 mod scene;
 mod within;

@@ -1,8 +1,8 @@
 //! `pfront-lab passes`: where a GPU spends its time, and what a user waits for.
 //!
-//! All passes are timed together on the device; then with a timestamp after each, which adds to the time of each, and as much is
-//! taken off again as the sum exceeds the time of all; then, without timestamps, what the host does. A GPU that waits for a CPU slows its clock down, so the first
-//! frame is played for half a second before it counts.
+//! On the device, all passes are timed together, and then each with a timestamp after it. Timestamps take time themselves: the
+//! sum exceeds the time of all, and an equal part of the excess is taken off each pass. At last the host is timed, without
+//! timestamps. A GPU that waits for a CPU slows its clock down, so the first frame is played for half a second before it counts.
 
 use super::progress;
 use anyhow::{Context, Result, bail, ensure};
@@ -170,9 +170,9 @@ fn measure(name: &str, asked: &Passes, gpu: &Gpu, settings: GpuSettings) -> Resu
         let excess = passes.iter().map(|(_, time)| time).sum::<f64>() - all;
         let timestamp = excess.max(0.0) / passes.len() as f64;
         for (pass, time) in passes {
-            writeln!(out, "    {pass:<11} {:>7.1} µs", time - timestamp)?;
+            writeln!(out, "    {pass:<11} {:>7.1} µs", (time - timestamp).max(0.0))?;
         }
-        writeln!(out, "    and {timestamp:.1} µs for the timestamp of each, taken off")?;
+        writeln!(out, "    and about {timestamp:.1} µs for the timestamp of each, taken off")?;
     } else {
         writeln!(out, "  the device cannot tell the time of its passes")?;
     }

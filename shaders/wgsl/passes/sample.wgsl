@@ -7,8 +7,9 @@ var<workgroup> ranks: array<atomic<u32>, GROUP / RANKERS>;
 fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) group: vec3u) {
     const MINE = GROUP / RANKERS;
     let count = hit_count(lane);
-    // With one sampled hit a bucket, the largest of 1,024 buckets is about seven times the mean; with four, three times.
-    let each = select(1u, FINER, count > MANY);
+    // With one sampled hit a bucket, the largest of 1,024 buckets is about seven times the mean, and seldom ten times; with
+    // four, three times.
+    let each = select(1u, FINER, count > room() * (BUCKETS / 10u));
     let size = each * BUCKETS;
     let bits = countTrailingZeros(size);
     let first = group.x * MINE;
@@ -38,12 +39,12 @@ fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
 // Takes a hit from each of 2^bits equal stretches, at a random place: like hits come in runs, and places in step with runs made
 // for buckets of thirty times the mean size. If there are fewer hits, takes them all, and then entries later than any hit.
 fn sampled(i: u32, bits: u32, count: u32) -> vec2u {
-    let start = stretch(i, bits, count);
+    let start = stretch_start(i, bits, count);
     // Bits without a pattern (PCG-RXS-M-XS, O'Neill 2014).
     let state = i * 747796405u + 2891336453u;
     let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
     let part = ((word >> 22u) ^ word) >> 20u;
-    let inside = (part * (stretch(i + 1u, bits, count) - start)) >> 12u;
+    let inside = (part * (stretch_start(i + 1u, bits, count) - start)) >> 12u;
     let at = select(start + inside, i, count < (1u << bits));
     if at < count {
         return hits[at];
@@ -51,7 +52,7 @@ fn sampled(i: u32, bits: u32, count: u32) -> vec2u {
     return vec2u(0xffffffffu, i);
 }
 
-// Where a stretch begins.
-fn stretch(i: u32, bits: u32, count: u32) -> u32 {
+// The place at which a stretch begins.
+fn stretch_start(i: u32, bits: u32, count: u32) -> u32 {
     return i * (count >> bits) + ((i * (count & ((1u << bits) - 1u))) >> bits);
 }
