@@ -4,6 +4,7 @@ use crate::GpuError;
 use crate::gpu::Gpu;
 use crate::layout::Corner;
 use crate::memory::Usage;
+use crate::totals::count;
 use pfront_core::{Aabb, Bvh, Mesh, Node};
 use pfront_shaders::constants::{LEAF, LEAF_SHIFT};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -64,6 +65,7 @@ impl GpuModel {
         let corner = |vertex: u32| Corner { position: mesh.positions()[vertex as usize], vertex };
         let corners: Vec<Corner> = triangles.flat_map(|t| t.map(corner)).collect();
         let depth = bvh.depth() as u32;
+        count(&gpu.counted().uploads);
         Ok(Self {
             id: Self::next_id(),
             device: gpu.id(),

@@ -6,6 +6,7 @@ use crate::model::{below, reference};
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
 use crate::task::Entry;
+use crate::totals::count;
 use crate::{Gpu, GpuError, GpuModel};
 use bytemuck::Pod;
 use pfront_core::{Aabb, Bvh, MeshError, Node};
@@ -116,6 +117,7 @@ impl Arena {
             self.id = GpuModel::next_id();
             self.meshes.iter_mut().for_each(|mesh| mesh.motion = None);
         }
+        count(&gpu.counted().uploads);
         self.leaf_size = nodes.iter().map(|node| node.count).fold(self.leaf_size, u32::max);
         self.meshes.push(ArenaMesh {
             first_node,
