@@ -100,7 +100,7 @@ impl Deforming {
     pub fn build(gpu: &Gpu, mesh: Mesh<'_>, options: &BuildOptions) -> Result<Self, GpuError> {
         let source = Source::new(gpu, mesh)?;
         count(&gpu.counted().uploads);
-        let bounds = Aabb::of(mesh.positions());
+        let bounds = Aabb::of(mesh.shadow());
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
         let (gpu, build) = (gpu.clone(), Some(build));
         let options = BuildOptions { leaf_size: options.leaf_size, join: None };
