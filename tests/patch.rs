@@ -108,14 +108,14 @@ fn sheets_of_every_kind() {
         for time in 0..6 {
             if time % 3 == 0 {
                 // Patches are found after some refits.
-                let rest = model.mesh().positions().to_vec();
+                let rest = model.mesh().positions().unwrap().to_vec();
                 let mut moved = rest.clone();
                 for last in (0..10).map(|i| 0.01 * (i % 2) as f32) {
                     moved[0][0] = rest[0][0] + last;
                     model.set_positions(&moved).unwrap();
                 }
             }
-            let truth = self_pairs(model.mesh().positions(), &triangles);
+            let truth = self_pairs(model.mesh().positions().unwrap(), &triangles);
             let truth: Vec<_> = truth.iter().map(|&(a, b)| TrianglePair { a, b }).collect();
             assert_eq!(query.all(&model).unwrap(), truth, "round {round}: {model:?}");
             let of_model = model.patches();
@@ -126,7 +126,7 @@ fn sheets_of_every_kind() {
             // All vertices move, and then one.
             let mut moved = rounded(bent(size, &mut rng));
             if time % 3 == 1 {
-                moved.clone_from_slice(model.mesh().positions());
+                moved.clone_from_slice(model.mesh().positions().unwrap());
                 let vertex = rng.random_range(0..moved.len());
                 moved[vertex][rng.random_range(0..3)] += rng.random_range(-2.0..2.0);
             }
@@ -178,7 +178,7 @@ fn sheets_in_f64() {
                     (0..of_model.count()).filter(|&patch| of_model.is_certified(patch)).count();
                 patches += of_model.count() as usize;
                 met += truth.len();
-                let of_shadow = self_pairs(model.mesh().positions(), &triangles);
+                let of_shadow = self_pairs(model.mesh().shadow(), &triangles);
                 differs += usize::from(of_shadow.len() != truth.len());
             }
             points = placed(&mut rng);

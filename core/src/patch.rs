@@ -116,7 +116,7 @@ impl<'p> Patches<'p> {
         let (signs, rest) = split(state, tiles.len());
         let (certified, _) = split(rest, patches);
         let (mesh, join) = (bvh.mesh(), options.join);
-        let vertices = mesh.positions().len();
+        let vertices = mesh.vertex_count();
         let moved = options.moved.filter(|moved| moved.len() >= moved_bound(vertices));
         parts(join, 0, signs, &|first, signs| {
             for (&[start, count], signs) in part(tiles, first..).iter().zip(signs) {
@@ -173,7 +173,7 @@ impl<'m> CertifiedPatches<'m> {
 
     /// Whether these are patches of the very BVH. Both borrow their slices, so slices in the same place hold the same.
     pub(crate) fn are_of<L: Layout>(&self, bvh: &Bvh<'_, L>) -> bool {
-        core::ptr::eq(self.mesh.positions(), bvh.mesh().positions())
+        core::ptr::eq(self.mesh.shadow(), bvh.mesh().shadow())
             && core::ptr::eq(self.mesh.triangles(), bvh.mesh().triangles())
             && core::ptr::eq(self.order, bvh.order())
     }
@@ -235,7 +235,7 @@ impl Task for Certification<'_> {
                 let mut line = Line::new();
                 let [x, y] = [(direction + 1) % 3, (direction + 2) % 3];
                 for &vertex in part(members, tiles + 1..) {
-                    let position = at(mesh.positions(), vertex);
+                    let position = at(mesh.shadow(), vertex);
                     line.push([position[x as usize], position[y as usize]]);
                 }
                 line.close(mesh.is_f64());

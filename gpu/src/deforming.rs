@@ -98,7 +98,7 @@ impl Deforming {
     /// O(vertices + triangles) on the host, which waits for nothing, and on the device.
     pub fn build(gpu: &Gpu, mesh: Mesh<'_>, options: &BuildOptions) -> Result<Self, GpuError> {
         let source = Source::new(gpu, mesh)?;
-        let bounds = Aabb::of(mesh.positions());
+        let bounds = Aabb::of(mesh.shadow());
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
         let (gpu, build) = (gpu.clone(), Some(build));
         let options = BuildOptions { leaf_size: options.leaf_size, join: None };

@@ -61,7 +61,7 @@ impl GpuModel {
         let (level, seeds) = seeds(bvh.nodes());
         let mesh = bvh.mesh();
         let triangles = bvh.order().iter().map(|&t| mesh.triangles()[t as usize]);
-        let corner = |vertex: u32| Corner { position: mesh.positions()[vertex as usize], vertex };
+        let corner = |vertex: u32| Corner { position: mesh.shadow()[vertex as usize], vertex };
         let corners: Vec<Corner> = triangles.flat_map(|t| t.map(corner)).collect();
         let depth = bvh.depth() as u32;
         Ok(Self {

@@ -325,7 +325,7 @@ mod tests {
             let fold = 0.02 * frame as f32;
             let folded: Vec<_> = start
                 .mesh()
-                .positions()
+                .shadow()
                 .iter()
                 .map(|&[x, y, z]| [x, y, z * (1.0 - 3.0 * fold * x)])
                 .collect();

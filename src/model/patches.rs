@@ -44,7 +44,7 @@ impl OwnPatches {
         let mut moved = moves.few().filter(|_| !self.behind);
         let bvh = tree.bvh(mesh);
         if self.tree != Some(tree.id()) {
-            if tree.refits() < REFITS || mesh.positions().len() > MOST_VERTICES {
+            if tree.refits() < REFITS || mesh.vertex_count() > MOST_VERTICES {
                 return;
             }
             self.find(&bvh);
@@ -205,7 +205,7 @@ impl Neighbours {
             triangles(bvh, range).iter().for_each(|&t| tile_of[t as usize] = tile);
         }
         // The tiles around each vertex, by counting.
-        let mut ends = vec![0; mesh.positions().len() + 1];
+        let mut ends = vec![0; mesh.vertex_count() + 1];
         corners.iter().for_each(|&vertex| ends[vertex as usize + 1] += 1);
         let mut sum = 0;
         for end in &mut ends {

@@ -41,7 +41,7 @@ impl<'a> Mesh<'a> {
     /// let mut shadow = [[0.0; 3]; 3];
     /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
     /// assert_eq!(mesh.positions_f64(), Some(&points[..]));
-    /// assert!((mesh.positions()[1][0] - 0.5).abs() < 1e-6);
+    /// assert!((mesh.shadow()[1][0] - 0.5).abs() < 1e-6);
     /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
     pub fn from_f64(
@@ -78,7 +78,7 @@ impl<'a> Mesh<'a> {
         shadow: &'a mut [[f32; 3]],
     ) -> Result<Self, MeshError> {
         let Some(exact) = self.exact else { return Err(MeshError::OtherPrecision) };
-        same_length(self.positions.len(), positions.len())?;
+        same_length(self.vertex_count(), positions.len())?;
         let origin = fill(shadow, positions, Some(exact.origin))?;
         Ok(Self::new_unchecked(shadow, self.triangles).with_exact(positions, origin))
     }
@@ -96,7 +96,7 @@ impl<'a> Mesh<'a> {
     /// use pfront_core::Mesh;
     /// let (points, triangles) = ([[0.5_f32; 3]; 3], [[0, 1, 2]]);
     /// let mesh = Mesh::new(&points, &triangles)?;
-    /// let mesh = Mesh::from_f64_unchecked(&[], mesh.positions(), [0.0; 3], mesh.triangles());
+    /// let mesh = Mesh::from_f64_unchecked(&[], mesh.shadow(), [0.0; 3], mesh.triangles());
     /// assert!(mesh.is_f64() && mesh.positions_f64().is_none());
     /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
@@ -138,7 +138,7 @@ impl<'a> Mesh<'a> {
         self.exact.is_some()
     }
 
-    /// The positions in f64, if there are any.
+    /// The positions in f64, if there are any beside the shadow: `None` if f32 holds those that decide.
     #[must_use]
     pub fn positions_f64(self) -> Option<&'a [[f64; 3]]> {
         self.exact.map(|exact| exact.positions).filter(|positions| !positions.is_empty())
@@ -159,7 +159,7 @@ impl<'a> Mesh<'a> {
     pub(crate) fn position_f64(self, vertex: u32) -> [f64; 3] {
         match self.positions_f64() {
             Some(positions) => *at(positions, vertex),
-            None => at(self.positions, vertex).map(f64::from),
+            None => at(self.shadow, vertex).map(f64::from),
         }
     }
 

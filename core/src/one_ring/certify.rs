@@ -44,7 +44,7 @@ impl OneRings<'_> {
         mesh: Mesh<'m>,
         options: &CertifyOptions<'_>,
     ) -> Certified<'m> {
-        let positions = mesh.positions();
+        let positions = mesh.shadow();
         match mesh.f64() {
             None => self.certify_by(mesh, options, |t| turns_of(positions, t)),
             Some(f64) => self.certify_by(mesh, options, |t| (f64.turns)(mesh, t)),
@@ -58,7 +58,7 @@ impl OneRings<'_> {
         options: &CertifyOptions<'_>,
         turns: impl Fn(&[u32; 3]) -> u32 + Sync,
     ) -> Certified<'m> {
-        let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+        let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
         let Self { rings, spans, near, links, .. } = self;
         let same = core::ptr::eq(triangles, self.triangles) || triangles == self.triangles;
         if !same || rings.len() != vertices {
@@ -271,7 +271,7 @@ pub(crate) const MAX_DIFFERENCE: f32 = 1.152_921_5e18;
 pub(crate) fn uncertified_signs_of(mesh: Mesh<'_>, triangle: u32) -> u32 {
     match mesh.f64() {
         None => {
-            let [p, q, r] = mesh.triangle(triangle).map(Vec3A::from_array);
+            let [p, q, r] = mesh.shadow_triangle(triangle).map(Vec3A::from_array);
             uncertified_signs(q - p, r - p)
         }
         Some(f64) => (f64.turns)(mesh, at(mesh.triangles(), triangle)) >> SIGNS,

@@ -34,7 +34,7 @@ fn with_rings<R>(
 /// Whether each vertex is certified.
 fn certified(rings: &mut OneRings<'_>, mesh: Mesh<'_>, options: &CertifyOptions<'_>) -> Vec<bool> {
     let certified = rings.certify(mesh, options);
-    (0..mesh.positions().len() as u32).map(|vertex| certified.is_certified(vertex)).collect()
+    (0..mesh.vertex_count() as u32).map(|vertex| certified.is_certified(vertex)).collect()
 }
 
 /// Whether vertex 0 is certified.
@@ -290,7 +290,7 @@ fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
     let mut triangles: Vec<[u32; 3]> = (1..6).map(|k| [0, k, k + 1]).collect();
     triangles.push([7, 8, 9]);
     let certified = |mesh: Mesh<'_>| {
-        with_rings(mesh.positions().len(), &triangles, |rings| {
+        with_rings(mesh.vertex_count(), &triangles, |rings| {
             rings.certify(mesh, &CertifyOptions::default()).is_certified(0)
         })
     };
@@ -301,7 +301,7 @@ fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
         let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow).unwrap();
         let rule = Adjacency::SharedIndexRule;
         assert_eq!(intersects_in_mesh(mesh, 0, 4, rule, Accuracy::Exact), overlaps);
-        assert!(certified(Mesh::new(mesh.positions(), &triangles).unwrap()));
+        assert!(certified(Mesh::new(mesh.positions().unwrap(), &triangles).unwrap()));
         assert!(!(overlaps && certified(mesh)));
     }
     // A row that both certify.

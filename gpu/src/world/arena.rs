@@ -103,7 +103,7 @@ impl Arena {
         });
         let nodes: Vec<_> = shifted.collect();
         let mesh = bvh.mesh();
-        let corner = |vertex: u32| Corner { position: mesh.positions()[vertex as usize], vertex };
+        let corner = |vertex: u32| Corner { position: mesh.shadow()[vertex as usize], vertex };
         let triangles = bvh.order().iter().map(|&t| mesh.triangles()[t as usize]);
         let corners: Vec<_> = triangles.flat_map(|t| t.map(corner)).collect();
         // Every one of them, whichever grows.
@@ -122,7 +122,7 @@ impl Arena {
             first_slot,
             ids: nodes.len().max(bvh.order().len()) as u32,
             bounds: bvh.aabb(),
-            vertices: mesh.positions().len(),
+            vertices: mesh.vertex_count(),
             depth: bvh.depth() as u32,
             levels: levels(bvh.nodes(), first_node),
             schedule: Schedule::new(bvh.nodes()),
