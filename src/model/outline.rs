@@ -27,7 +27,8 @@ impl Model {
         let root = outline.0.get_or_init(|| {
             let corners = mesh.triangles().as_flattened().iter();
             let corner = |&vertex: &u32| mesh.shadow()[vertex as usize];
-            let ([mut min, mut max], at) = ([corner(&mesh.triangles()[0][0]); 2], corners.map(corner));
+            let ([mut min, mut max], at) =
+                ([corner(&mesh.triangles()[0][0]); 2], corners.map(corner));
             for p in at {
                 min = [0, 1, 2].map(|k| p[k].min(min[k]));
                 max = [0, 1, 2].map(|k| p[k].max(max[k]));
