@@ -134,7 +134,6 @@ impl About for OfOne<'_> {
             .with_accuracy(self.accuracy)
             .with_adjacency(self.adjacency)
             .with_certificates(model.certificates())
-            .with_patches(model.patches())
     }
 
     fn subject(&self) -> Subject {

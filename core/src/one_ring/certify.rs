@@ -261,22 +261,10 @@ const fn bytes(bits: u32) -> u32 {
 }
 
 /// Bound of the error of a 2×2 determinant, relative to the extents: see the module.
-pub(crate) const TURN_ERROR: f32 = 4.9e-7;
+const TURN_ERROR: f32 = 4.9e-7;
 
 /// 2^60: products of two differences stay far from overflow.
-pub(crate) const MAX_DIFFERENCE: f32 = 1.152_921_5e18;
-
-/// The [`uncertified_signs`] of a triangle of a mesh, in f32 or f64.
-#[inline]
-pub(crate) fn uncertified_signs_of(mesh: Mesh<'_>, triangle: u32) -> u32 {
-    match mesh.f64() {
-        None => {
-            let [p, q, r] = mesh.triangle(triangle).map(Vec3A::from_array);
-            uncertified_signs(q - p, r - p)
-        }
-        Some(f64) => (f64.turns)(mesh, at(mesh.triangles(), triangle)) >> SIGNS,
-    }
-}
+const MAX_DIFFERENCE: f32 = 1.152_921_5e18;
 
 /// Bit k is set if the coordinate k of the normal u × v is not certified to be positive, and bit k + 3 if it is not
 /// certified to be negative.

@@ -23,7 +23,7 @@
 //! Neighbours around a certified vertex are therefore no hits under any rule of
 //! [`Adjacency`](crate::triangle::Adjacency). Other vertices (sharp folds, several rings, more than 15 triangles) are
 //! not certified, and their pairs are tested as all others are. Both conditions are decided exactly, by certified signs and
-//! by comparisons. Larger pieces are certified by [`patch`](crate::patch).
+//! by comparisons.
 
 mod certify;
 mod link;
@@ -36,7 +36,7 @@ use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable, must_cast_slice, must_cast_slice_mut};
 pub use certify::CertifyOptions;
 use certify::Span;
-pub(crate) use certify::{MAX_DIFFERENCE, TURN_ERROR, turns_in_f64, uncertified_signs_of};
+pub(crate) use certify::turns_in_f64;
 pub use link::{link_scratch_bound, links_bound};
 
 /// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.
