@@ -127,9 +127,6 @@ impl Model {
         }
         if self.tree.fresh().is_some() {
             self.moves.clear();
-            if let Some(certificates) = self.certificates.stale_mut() {
-                certificates.fall_behind();
-            }
         }
         self.stamp.moved();
         self.tree.outdate();
@@ -141,18 +138,22 @@ impl Model {
         let mesh = Exact::mesh(self.exact.as_ref(), &self.positions, &self.triangles);
         let (moves, options) = (&self.moves, self.options);
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, parallel);
-        match (self.tree.stale_mut(), self.certificates.stale_mut()) {
+        // After few moves, certificates would take longer than the rest: they wait until they are asked for.
+        let few = moves.few().is_some();
+        match (self.tree.stale_mut(), self.certificates.stale_mut().filter(|_| !few)) {
             (Some(tree), Some(certificates)) => {
                 both(parallel, &mut || fit(tree), &mut || {
-                    certificates.renew(mesh, moves, if_four_threads(parallel));
+                    certificates.renew(mesh, if_four_threads(parallel));
                 });
             }
             (Some(tree), None) => fit(tree),
-            (None, Some(certificates)) => certificates.renew(mesh, moves, parallel),
+            (None, Some(certificates)) => certificates.renew(mesh, parallel),
             (None, None) => {}
         }
         self.tree.renewed();
-        self.certificates.renewed();
+        if !few {
+            self.certificates.renewed();
+        }
         if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
             tree.rebuild(mesh, options, parallel);
             self.stamp.rebuilt();

@@ -179,7 +179,7 @@ impl Model {
     #[must_use]
     pub fn certificates(&self) -> Certified<'_> {
         let mesh = self.mesh();
-        let renew = |stale: &mut Certificates| stale.renew(mesh, &self.moves, ONE_THREAD);
+        let renew = |stale: &mut Certificates| stale.renew(mesh, ONE_THREAD);
         self.certificates.get(renew, || Certificates::new(mesh)).certified(mesh)
     }
 

@@ -208,9 +208,9 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
     /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
     /// let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 2])?;
-    /// let (mut history, mut scratch) = ([0; history_bound(3, 1)], [0; link_scratch_bound(3, 1)]);
+    /// let (mut history, mut scratch) = ([0; history_bound(3)], [0; link_scratch_bound(3, 1)]);
     /// let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
-    /// let certified = rings.certify(mesh, &CertifyOptions::default());
+    /// let certified = rings.certify(mesh, None);
     /// assert_eq!(SelfBvtt::new(bvh).with_certificates(certified).count(), 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
