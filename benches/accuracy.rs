@@ -120,8 +120,8 @@ fn candidates(case: &Case) -> Vec<(Triangle, Triangle)> {
         }
         for ta in run(&a, pair.a) {
             for tb in run(&b, pair.b) {
-                let ta = a.mesh().triangle(ta);
-                let tb = b.mesh().triangle(tb).map(|p| case.a_from_b.apply(p));
+                let ta = a.mesh().shadow_triangle(ta);
+                let tb = b.mesh().shadow_triangle(tb).map(|p| case.a_from_b.apply(p));
                 if Aabb::of(&ta).overlaps(&Aabb::of(&tb)) {
                     found.push((ta, tb));
                 }

@@ -63,7 +63,7 @@ fn builds(c: &mut Criterion) {
         }
         let mut moving = model(case).clone();
         // In turns, since nothing is refitted to the positions that a model has.
-        let scaled = |by: f32| mesh.positions().iter().map(|p| p.map(|x| by * x)).collect();
+        let scaled = |by: f32| mesh.shadow().iter().map(|p| p.map(|x| by * x)).collect();
         let mut shapes: [Vec<[f32; 3]>; 2] = [scaled(1.001), scaled(0.999)];
         group.bench_function(BenchmarkId::new("refit", 1), |bench| {
             bench.iter(|| {

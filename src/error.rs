@@ -26,6 +26,12 @@ pub enum Error {
     /// A buffer of the core was too small.
     #[error(transparent)]
     Capacity(#[from] CapacityError),
+    /// An answer or a mesh does not fit into memory. Nothing has changed; the call can be made again.
+    #[error("no memory for a list of {needed} bytes")]
+    Memory {
+        /// The bytes of the list that could not grow.
+        needed: usize,
+    },
     /// A question about a model or a pose in f64 that only a CPU answers.
     #[error(
         "a model or a pose is in f64, about which a GPU answers for two models only: ask by another executor"

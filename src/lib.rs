@@ -54,6 +54,8 @@ pub mod executor;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod history;
+#[cfg_attr(not(test), expect(dead_code, reason = "the lists of queries are next"))]
+mod memory;
 mod model;
 mod pair;
 mod pose;

@@ -27,7 +27,7 @@ impl Sphere {
         let centre = [0, 1, 2].map(|k| bounds.min[k] * 0.5 + bounds.max[k] * 0.5);
         let (mesh, middle) = (bvh.mesh(), vector(&centre));
         let corners = mesh.triangles().iter().flatten();
-        let out = corners.map(|&v| vector(&mesh.positions()[v as usize]) - middle);
+        let out = corners.map(|&v| vector(&mesh.shadow()[v as usize]) - middle);
         let farther =
             |x: DVec3, y: DVec3| if x.length_squared() > y.length_squared() { x } else { y };
         let radius = upwards(out.fold(DVec3::ZERO, farther).length());

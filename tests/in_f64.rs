@@ -33,7 +33,7 @@ fn posed(model: &Model, pose: &Pose64) -> Vec<[[f64; 3]; 3]> {
     let mesh = model.mesh();
     let position = |v: &u32| match mesh.positions_f64() {
         Some(positions) => positions[*v as usize],
-        None => mesh.positions()[*v as usize].map(f64::from),
+        None => mesh.positions().unwrap()[*v as usize].map(f64::from),
     };
     mesh.triangles().iter().map(|t| t.each_ref().map(|v| pose.apply(position(v)))).collect()
 }
@@ -124,7 +124,7 @@ fn self_collisions_while_deforming() {
         for executor in executors() {
             assert_eq!(SelfQuery::new().on(&executor).all(&model).unwrap(), expected);
         }
-        let vertices = 0..model.mesh().positions().len() as u32;
+        let vertices = 0..model.mesh().vertex_count() as u32;
         certified += vertices.filter(|v| model.certificates().is_certified(*v)).count();
         found += expected.len();
         let mut moved = model.mesh().positions_f64().unwrap().to_vec();
@@ -290,7 +290,7 @@ fn blobs_of_models_in_f64() {
         let expected = brute(&model, &Pose64::IDENTITY, &again, &pose);
         assert_eq!(PairQuery::new().all(&model, &again, pose).unwrap(), expected);
         let moved: Vec<_> = posed(&model, &pose).concat();
-        let moved: Vec<_> = moved.iter().cycle().take(model.mesh().positions().len()).collect();
+        let moved: Vec<_> = moved.iter().cycle().take(model.mesh().vertex_count()).collect();
         let moved: Vec<[f64; 3]> = moved.into_iter().copied().collect();
         for model in [&mut model, &mut again] {
             model.set_positions_f64(&moved).unwrap();

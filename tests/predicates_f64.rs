@@ -40,7 +40,7 @@ fn two_triangles() {
                     Mesh::from_f64(&a, &[[0, 1, 2]], s).unwrap(),
                     Mesh::from_f64(&b, &[[0, 1, 2]], t).unwrap(),
                 ];
-                let leaves = mesh.map(|mesh| leaf(mesh.positions(), 1));
+                let leaves = mesh.map(|mesh| leaf(mesh.shadow(), 1));
                 let [s, t] = [0, 1].map(|i| Bvh::new_unchecked(mesh[i], &leaves[i], &[0]));
                 let query = PairBvtt::in_f64(s, t, &Pose64::IDENTITY).unwrap();
                 assert_eq!(query.count(), u64::from(truth), "{}", what());
@@ -67,7 +67,7 @@ fn two_triangles_of_one_mesh() {
                 let (mut shadow, triangles) = ([[0.0; 3]; 6], [a, b]);
                 let mesh = Mesh::from_f64(&points, &triangles, &mut shadow).unwrap();
                 let what = || format!("{family:?} {change:?} {points:?} {triangles:?}");
-                let leaf = leaf(mesh.positions(), 2);
+                let leaf = leaf(mesh.shadow(), 2);
                 let bvh = Bvh::new_unchecked(mesh, &leaf, &[0, 1]);
                 for (adjacency, truth) in [
                     (Adjacency::SharedIndexRule, truth),

@@ -275,7 +275,7 @@ fn models_that_change_while_a_ticket_is_in_flight_are_others() {
             let truth = PairQuery::new().count(&model, &model, aside(0.5)).unwrap();
             let ticket = batch.count(executor).unwrap();
             let grown: Vec<_> =
-                model.mesh().positions().iter().map(|p| p.map(|x| 1.1 * x)).collect();
+                model.mesh().positions().unwrap().iter().map(|p| p.map(|x| 1.1 * x)).collect();
             Arc::make_mut(&mut model).set_positions(&grown).unwrap();
             assert_eq!(ticket.read().unwrap(), [truth], "{name} {frame}");
         }

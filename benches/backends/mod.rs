@@ -37,7 +37,7 @@ impl Backend for Cpu<'_> {
     fn frame(&mut self, frame: usize) -> &[TrianglePair] {
         match (self.case, &mut self.moving) {
             (Case::Within { frames, .. }, Some(moving)) => {
-                let positions = frames[frame].mesh().positions();
+                let positions = frames[frame].mesh().shadow();
                 match self.threads {
                     true => moving.set_positions_with_threads(positions).unwrap(),
                     false => moving.set_positions(positions).unwrap(),
@@ -70,7 +70,7 @@ struct Within<'c> {
 
 impl Backend for Within<'_> {
     fn frame(&mut self, frame: usize) -> &[TrianglePair] {
-        self.moving.set_positions(self.frames[frame].mesh().positions()).unwrap();
+        self.moving.set_positions(self.frames[frame].mesh().shadow()).unwrap();
         self.query.all(&GpuQuestion::within(&self.moving)).unwrap()
     }
 }

@@ -101,8 +101,8 @@ pub unsafe extern "C" fn pfront_bvh_from_blob(
         // The caller's own pointer, further on.
         let at = |address| blob.with_addr(address);
         let mesh = pfront_mesh_t::made(
-            at(mesh.positions().as_ptr().addr()).cast(),
-            mesh.positions().len(),
+            at(mesh.shadow().as_ptr().addr()).cast(),
+            mesh.vertex_count(),
             at(mesh.triangles().as_ptr().addr()).cast(),
             mesh.triangles().len(),
         );

@@ -268,7 +268,7 @@ pub unsafe extern "C" fn pfront_mesh_from_buffers(
                 memory.cast_const().with_addr(address)
             }
         };
-        let (positions, triangles) = (checked.positions(), checked.triangles());
+        let (positions, triangles) = (checked.shadow(), checked.triangles());
         let pfront_buffers_t { positions: own_positions, triangles: own_triangles, .. } =
             buffers.buffers;
         out.set(pfront_mesh_t::made(

@@ -16,6 +16,7 @@ mod buffers;
 mod build;
 mod bvh;
 mod cursor;
+#[cfg(all(test, target_arch = "x86_64", not(miri)))]
 mod environment;
 mod front;
 mod memory;

@@ -12,7 +12,6 @@
 #[cfg(feature = "std")]
 mod handle;
 
-use crate::environment;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::ffi::{CStr, c_void};
@@ -23,6 +22,7 @@ use core::slice;
 pub(crate) use handle::Handle;
 use pfront_core::Node;
 use pfront_core::bvtt::TrianglePair;
+use pfront_core::environment;
 use pfront_core::front::{FrontNode, Part};
 
 /// What may be read from memory that C has written, whatever it wrote.

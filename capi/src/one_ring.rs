@@ -60,7 +60,7 @@ pub unsafe extern "C" fn pfront_one_rings_link(
         let scratch = call.write(c"scratch", scratch.cast::<u8>(), scratch_bytes)?;
         let (_, scratch, _) = bytemuck::pod_align_to_mut::<u8, u32>(scratch);
         let mesh = mesh.view(call, c"mesh")?;
-        OneRings::new(mesh.positions().len(), mesh.triangles(), history, scratch)?;
+        OneRings::new(mesh.vertex_count(), mesh.triangles(), history, scratch)?;
         Ok(())
     })
 }

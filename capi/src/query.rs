@@ -250,7 +250,7 @@ pub unsafe extern "C" fn pfront_query_self(
         query.asked(call)?;
         if !words.is_empty() {
             let mesh = bvh.view(call, c"bvh")?.mesh();
-            let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+            let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
             let mut rings = OneRings::new_unchecked(vertices, triangles, words);
             rings.certify(mesh, None);
             query.history = history;

@@ -250,12 +250,12 @@ impl Found<'_> {
 fn posed(mesh: Mesh<'_>, pose: &AnyPose, is_f64: bool) -> Vec<[f64; 3]> {
     match (pose, mesh.positions_f64()) {
         (AnyPose::F32(pose), None) if !is_f64 => {
-            mesh.positions().iter().map(|&p| pose.apply(p).map(f64::from)).collect()
+            mesh.shadow().iter().map(|&p| pose.apply(p).map(f64::from)).collect()
         }
         (pose, Some(positions)) => positions.iter().map(|&p| pose.to_f64().apply(p)).collect(),
         (pose, None) => {
             let pose = pose.to_f64();
-            mesh.positions().iter().map(|&p| pose.apply(p.map(f64::from))).collect()
+            mesh.shadow().iter().map(|&p| pose.apply(p.map(f64::from))).collect()
         }
     }
 }

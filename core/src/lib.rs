@@ -160,6 +160,7 @@ extern crate std;
 pub mod aabb;
 pub mod bvh;
 pub mod bvtt;
+pub mod environment;
 mod error;
 mod exact;
 pub mod front;

@@ -11,7 +11,7 @@ pub(crate) use exact::check_position;
 use exact::{Positions64, same_length};
 
 use crate::aabb::Bounds;
-use crate::exact::environment;
+use crate::environment;
 use crate::index::at;
 use glam::Vec3A;
 
@@ -31,12 +31,13 @@ pub const MAX_TRIANGLES: usize = (1 << 31) - 1;
 /// ```
 /// use pfront_core::Mesh;
 /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
-/// assert_eq!(mesh.triangle(0)[1], [1.0, 0.0, 0.0]);
+/// assert_eq!(mesh.shadow_triangle(0)[1], [1.0, 0.0, 0.0]);
 /// # Ok::<(), pfront_core::MeshError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Mesh<'a> {
-    positions: &'a [[f32; 3]],
+    /// The positions in f32, or the shadow of those in f64.
+    shadow: &'a [[f32; 3]],
     triangles: &'a [[u32; 3]],
     /// Set for a mesh in f64.
     exact: Option<Positions64<'a>>,
@@ -69,7 +70,7 @@ impl<'a> Mesh<'a> {
     /// let mesh = Mesh::new(flat.as_chunks().0, indices.as_chunks().0)?;
     /// let vectors = [Vec3::X, Vec3::Y, Vec3::Z];
     /// let mesh = Mesh::new(bytemuck::cast_slice(&vectors), mesh.triangles())?;
-    /// assert_eq!(mesh.triangle(0)[0], [1.0, 0.0, 0.0]);
+    /// assert_eq!(mesh.shadow_triangle(0)[0], [1.0, 0.0, 0.0]);
     /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
     pub fn new(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Result<Self, MeshError> {
@@ -102,16 +103,16 @@ impl<'a> Mesh<'a> {
     /// use pfront_core::Mesh;
     /// let mesh = Mesh::new(&[[0.0; 3]; 3], &[[0, 1, 2]])?;
     /// let moved = [[1.0; 3]; 3];
-    /// assert_eq!(mesh.with_positions(&moved)?.triangle(0)[0], [1.0; 3]);
+    /// assert_eq!(mesh.with_positions(&moved)?.shadow_triangle(0)[0], [1.0; 3]);
     /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
     pub fn with_positions(self, positions: &'a [[f32; 3]]) -> Result<Self, MeshError> {
-        same_length(self.positions.len(), positions.len())?;
+        same_length(self.vertex_count(), positions.len())?;
         if self.positions_f64().is_some() {
             return Err(MeshError::OtherPrecision);
         }
         check_positions(positions)?;
-        Ok(Self { positions, ..self })
+        Ok(Self { shadow: positions, ..self })
     }
 
     /// Makes a mesh of arrays that [`Mesh::new`] has accepted before, without checking them again.
@@ -126,13 +127,36 @@ impl<'a> Mesh<'a> {
     #[inline]
     #[must_use]
     pub fn new_unchecked(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
-        Self { positions, triangles, exact: None }
+        Self { shadow: positions, triangles, exact: None }
     }
 
-    /// The vertex positions; those of the shadow, if there are others in f64.
+    /// The vertex positions, if they are in f32: `None` if those that decide are
+    /// [in f64](Mesh::positions_f64).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Mesh;
+    /// let (points, mut shadow) = ([[0.1_f64; 3]; 3], [[0.0_f32; 3]; 3]);
+    /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
+    /// assert!(mesh.positions().is_none() && mesh.positions_f64().is_some());
+    /// # Ok::<(), pfront_core::MeshError>(())
+    /// ```
     #[must_use]
-    pub fn positions(self) -> &'a [[f32; 3]] {
-        self.positions
+    pub fn positions(self) -> Option<&'a [[f32; 3]]> {
+        self.positions_f64().is_none().then_some(self.shadow)
+    }
+
+    /// The shadow: the positions in f32, or, of positions in f64, these minus [`Mesh::origin`], rounded to f32. What only has
+    /// to be conservative reads it, such as builds and refits of a BVH. It decides nothing if there are positions in f64.
+    #[must_use]
+    pub fn shadow(self) -> &'a [[f32; 3]] {
+        self.shadow
+    }
+
+    /// The number of vertices.
+    #[must_use]
+    pub fn vertex_count(self) -> usize {
+        self.shadow.len()
     }
 
     /// The vertex indices of each triangle.
@@ -141,21 +165,21 @@ impl<'a> Mesh<'a> {
         self.triangles
     }
 
-    /// The corner positions of triangle `index`.
+    /// The corners of triangle `index` of the [shadow](Mesh::shadow): its corner positions, if these are in f32.
     ///
     /// # Panics
     /// If `index` is not below `self.triangles().len()`.
     #[inline]
     #[must_use]
-    pub fn triangle(self, index: u32) -> Triangle {
+    pub fn shadow_triangle(self, index: u32) -> Triangle {
         let [a, b, c] = *at(self.triangles, index);
-        [*at(self.positions, a), *at(self.positions, b), *at(self.positions, c)]
+        [*at(self.shadow, a), *at(self.shadow, b), *at(self.shadow, c)]
     }
 
-    /// The box of triangle `index`.
+    /// The box of triangle `index` of the shadow.
     #[inline]
     pub(crate) fn bounds(self, index: u32) -> Bounds {
-        let [a, b, c] = self.triangle(index).map(Vec3A::from_array);
+        let [a, b, c] = self.shadow_triangle(index).map(Vec3A::from_array);
         Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
     }
 }

@@ -6,7 +6,7 @@ use scene::{Memory, Pairs, beads, play, pose, torus};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let own =
-        |mesh: pfront::Mesh<'_>| Model::new(mesh.positions().to_vec(), mesh.triangles().to_vec());
+        |mesh: pfront::Mesh<'_>| Model::new(mesh.shadow().to_vec(), mesh.triangles().to_vec());
     let (a, b) = (own(torus()?)?, own(beads()?.mesh())?);
     let mut query = PairQuery::new();
     let mut frames = Vec::new();

@@ -60,7 +60,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     any::<Bvh<'_>>(Bvh::new_unchecked(mesh, some()?, some()?));
     baked(&bvh, slices.bytes);
     let moved = slices.moved;
-    any(mark_moved(positions, mesh.positions(), moved).is_ok());
+    any(mark_moved(positions, mesh.shadow(), moved).is_ok());
     let options = Refit { join: Some(join), table: slices.table, moved: Some(moved) };
     any(refit(mesh, others, some()?, options).ok()?);
     let mut rings = OneRings::new(some()?, triangles, slices.history, words).ok()?;
@@ -83,7 +83,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     asked(&PairBvtt::in_world(placed, PosedBvh::new(small, &some()?).ok()?), slices.page)?;
     any(intersects(&some()?, &some()?, some()?));
     any(intersects_in_mesh(mesh, some()?, some()?, some()?, some()?));
-    any((contact(&some()?, &some()?), mesh.triangle(some()?)));
+    any((contact(&some()?, &some()?), mesh.shadow_triangle(some()?)));
     Some(())
 }
 

@@ -99,5 +99,5 @@ fn check(bytes: &[u8], input: &Input) -> bool {
 }
 
 fn truth(mesh: Mesh<'_>) -> Vec<TrianglePair> {
-    as_pairs(&self_pairs(mesh.positions(), mesh.triangles()))
+    as_pairs(&self_pairs(mesh.positions().unwrap(), mesh.triangles()))
 }

@@ -25,8 +25,7 @@ struct Input {
 fuzz_target!(|input: Input| {
     let value = |pick: u8| f64::from_bits(input.values[pick as usize % 24]);
     let points = input.picks.map(|points| points.map(|p| p.map(value)));
-    let triangles =
-        input.triangles.map(|all| all.map(|t| t.map(|v| u32::from(v) % POINTS as u32)));
+    let triangles = input.triangles.map(|all| all.map(|t| t.map(|v| u32::from(v) % POINTS as u32)));
     let rows = input.pose.map(|rows| rows.map(|row| row.map(value)));
     let pose = rows.map_or(Pose64::IDENTITY, Pose64::new);
     let model = |i: usize| Model::from_f64(points[i].to_vec(), triangles[i].to_vec());

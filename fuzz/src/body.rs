@@ -111,7 +111,7 @@ impl Body {
             self.soup.positions = positions.to_vec();
         }
         for model in [&self.model, &threaded] {
-            assert_eq!(model.mesh().positions(), self.soup.positions);
+            assert_eq!(model.mesh().positions().unwrap(), self.soup.positions);
             model.bvh().assert_well_formed();
         }
         self.tree.refit(self.model.mesh());

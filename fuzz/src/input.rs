@@ -72,7 +72,11 @@ impl Palette {
 #[derive(Arbitrary, Clone, Debug)]
 pub enum Shape {
     /// Any triangles: without area, twice the same, sharing what they like.
-    MeshData { positions: Few<[u8; 3], 16>, triangles: Few<[u8; 3], MOST>, stray: Option<Option<u32>> },
+    MeshData {
+        positions: Few<[u8; 3], 16>,
+        triangles: Few<[u8; 3], MOST>,
+        stray: Option<Option<u32>>,
+    },
     /// A sheet over −1 ..= 1, stretched, at any heights, which are used over and over.
     Sheet { cells: u8, heights: Few<u8, 16>, size: u8 },
     /// Triangles about the first of some points.

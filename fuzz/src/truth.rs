@@ -1,9 +1,9 @@
 //! The truth, by the exact oracle in a loop over all pairs.
 
 use pfront::TrianglePair;
+use pfront_testkit::MeshData;
 use pfront_testkit::Point;
 use pfront_testkit::oracle::{intersect, self_hit, share_a_vertex};
-use pfront_testkit::MeshData;
 use std::collections::HashMap;
 
 /// The oracle, and what it has said: from step to step most triangles stay, and it takes its time.

@@ -199,9 +199,10 @@ impl World {
         for Piece { body: id, part, triangles, .. } in pieces {
             assert!(triangles.is_sorted() && triangles.iter().all(|&t| part_of(t) == part));
             let mesh = self.one.scene.body(id).unwrap().model().mesh();
-            let was = |&old: &u32| body.model.mesh().triangle(old);
-            assert!((0..).zip(&triangles).all(|(new, old)| mesh.triangle(new) == was(old)));
-            let (positions, triangles) = (mesh.positions().to_vec(), mesh.triangles().to_vec());
+            let was = |&old: &u32| body.model.mesh().shadow_triangle(old);
+            assert!((0..).zip(&triangles).all(|(new, old)| mesh.shadow_triangle(new) == was(old)));
+            let (positions, triangles) =
+                (mesh.positions().unwrap().to_vec(), mesh.triangles().to_vec());
             let build = Build { leaf_size: 1, builder: crate::Builder::Morton };
             let body = Body::new(MeshData { positions, triangles }, build).unwrap();
             self.bodies.push(Known { id, body, pose });

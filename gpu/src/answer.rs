@@ -298,6 +298,9 @@ impl Answer {
         start: Start<'_>,
         verb: GpuVerb,
     ) -> Result<Run, GpuError> {
+        if self.engine.is_cancelled() {
+            return Err(GpuError::Cancelled);
+        }
         let gpu = self.engine.gpu.clone();
         gpu.checked(|| {
             let mut encoder = self.engine.encoder();
@@ -359,19 +362,20 @@ impl Answer {
         let Found { counters, mut rest, .. } = found;
         let (device, queue) = (self.engine.gpu.device(), self.engine.gpu.queue());
         let again = || device.create_command_encoder(&Default::default());
-        let lists = &self.engine.lists;
+        let (lists, cancel) = (&self.engine.lists, self.engine.cancel.as_deref());
         let is_listed = matches!(verb, GpuVerb::All | GpuVerb::AnyEach);
         if is_listed && self.pairs.len() - before < counters.hits as usize {
             self.pairs.truncate(before);
-            let hits = read_now(device, queue, again(), &lists.hits, counters.hits as usize)?;
+            let count = counters.hits as usize;
+            let hits = read_now(device, queue, again(), &lists.hits, count, cancel)?;
             self.pairs.extend_from_slice(&hits);
         }
         if rest.len() < counters.rest as usize && (verb != GpuVerb::Any || counters.hits == 0) {
-            rest = read_now(device, queue, again(), &lists.rest, counters.rest as usize)?;
+            rest = read_now(device, queue, again(), &lists.rest, counters.rest as usize, cancel)?;
         }
         if let (GpuVerb::CountEach, Some(tallies)) = (verb, &self.engine.tallies) {
             let pairs = self.instances.last().map_or(0, |last| last.number as usize + 1);
-            let tallies: Vec<u32> = read_now(device, queue, again(), tallies, pairs)?;
+            let tallies: Vec<u32> = read_now(device, queue, again(), tallies, pairs, cancel)?;
             self.tallies.resize(pairs, 0);
             (self.tallies.iter_mut().zip(tallies)).for_each(|(sum, own)| *sum += u64::from(own));
         }

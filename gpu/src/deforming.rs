@@ -6,6 +6,7 @@ use crate::gpu::Gpu;
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
 use crate::staging::Staging;
+use crate::totals::count;
 use crate::{GpuError, GpuModel};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Bvh, Mesh, MeshError};
@@ -98,7 +99,8 @@ impl Deforming {
     /// O(vertices + triangles) on the host, which waits for nothing, and on the device.
     pub fn build(gpu: &Gpu, mesh: Mesh<'_>, options: &BuildOptions) -> Result<Self, GpuError> {
         let source = Source::new(gpu, mesh)?;
-        let bounds = Aabb::of(mesh.positions());
+        count(&gpu.counted().uploads);
+        let bounds = Aabb::of(mesh.shadow());
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
         let (gpu, build) = (gpu.clone(), Some(build));
         let options = BuildOptions { leaf_size: options.leaf_size, join: None };
@@ -191,6 +193,7 @@ impl Deforming {
     pub fn record_rebuild(&mut self, encoder: &mut CommandEncoder) -> Result<(), GpuError> {
         self.prepare_build()?;
         if let Some(build) = &self.build {
+            count(&self.gpu.counted().builds);
             build.run(encoder, self.clock.as_mut());
         }
         Ok(())

@@ -64,6 +64,12 @@ pub enum GpuError {
         /// The message of wgpu.
         reason: String,
     },
+    /// A buffer could not be mapped, and the device has not said that it is lost.
+    #[error("a buffer of the device could not be mapped: {reason}. Ask again")]
+    Map {
+        /// The message of wgpu.
+        reason: String,
+    },
     /// The device did something that it should not have.
     #[error("the device failed: {reason}. Update its driver, or choose another adapter")]
     Device {
@@ -84,6 +90,10 @@ pub enum GpuError {
          range. Take them from the query about the same meshes"
     )]
     Shadows,
+    /// The flag of [`GpuQuery::set_cancel`](crate::GpuQuery::set_cancel) or
+    /// [`World::set_cancel`](crate::World::set_cancel) was set.
+    #[error("the question was cancelled")]
+    Cancelled,
     /// The commands that were recorded have not been submitted.
     #[error("submit the encoder that the query was recorded into before reading its answer")]
     NotSubmitted,

@@ -4,6 +4,7 @@ use crate::GpuError;
 use crate::gpu::Gpu;
 use crate::layout::Corner;
 use crate::memory::Usage;
+use crate::totals::count;
 use pfront_core::{Aabb, Bvh, Mesh, Node};
 use pfront_shaders::constants::{LEAF, LEAF_SHIFT};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -61,9 +62,10 @@ impl GpuModel {
         let (level, seeds) = seeds(bvh.nodes());
         let mesh = bvh.mesh();
         let triangles = bvh.order().iter().map(|&t| mesh.triangles()[t as usize]);
-        let corner = |vertex: u32| Corner { position: mesh.positions()[vertex as usize], vertex };
+        let corner = |vertex: u32| Corner { position: mesh.shadow()[vertex as usize], vertex };
         let corners: Vec<Corner> = triangles.flat_map(|t| t.map(corner)).collect();
         let depth = bvh.depth() as u32;
+        count(&gpu.counted().uploads);
         Ok(Self {
             id: Self::next_id(),
             device: gpu.id(),

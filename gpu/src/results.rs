@@ -98,8 +98,9 @@ impl Engine {
         let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
         let (device, bytes) = (self.gpu.device(), end as u64);
         let begin = || Mapping::begin(device, &run.read_back, bytes, MapMode::Read);
-        let mapping = self.mapping.take().unwrap_or_else(begin);
-        let found = mapping.read(device, &run.read_back, bytes, |bytes| {
+        let mut mapping = self.mapping.take().unwrap_or_else(begin);
+        let cancel = self.cancel.as_deref();
+        let found = mapping.read(device, &run.read_back, bytes, cancel, |bytes| {
             let counters = &bytes[..size_of::<Counters>()];
             let counters: Counters = bytemuck::pod_read_unaligned(counters);
             // Too many to be put in order are all copied later.
@@ -124,6 +125,10 @@ impl Engine {
             }
         });
         self.gpu.check()?;
+        if matches!(found, Err(GpuError::Cancelled)) {
+            // The next run takes another buffer.
+            self.mapping = Some(mapping);
+        }
         let found = found?;
         if found.counters.ticket != run.ticket {
             return Err(GpuError::NotSubmitted);

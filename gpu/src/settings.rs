@@ -24,6 +24,16 @@ pub struct GpuSettings {
     pub groups: u32,
     /// Memory for fronts and lists.
     pub budget: Budget,
+    /// Bytes of device memory in which meshes stay that no query holds any more: a question about the same meshes does not
+    /// upload them again. Those that were asked about longest ago go first.
+    pub mesh_bytes: u64,
+}
+
+impl Default for GpuSettings {
+    /// Those of a large GPU, with 256 MiB for meshes. [`Gpu::settings`](crate::Gpu::settings) suits the device.
+    fn default() -> Self {
+        Self { depth: 7, groups: 512, budget: Budget::default(), mesh_bytes: 256 << 20 }
+    }
 }
 
 /// Device memory of a query: fronts, lists and results. When they are full, the query goes on in

@@ -138,7 +138,7 @@ impl Library<'_> {
         let garment = self.body(first)?;
         let path = self.folder.join(positions);
         let bytes = read(&path)?;
-        let size = 12 * garment.mesh().positions().len();
+        let size = 12 * garment.mesh().vertex_count();
         for frame in frames {
             let short = || format!("{} ends before frame {frame}", path.display());
             let bytes = bytes.get(frame * size..(frame + 1) * size).with_context(short)?;

@@ -2,10 +2,11 @@
 
 use super::gathered::Gathered;
 use super::measure::Line;
+use super::meshes::DeviceMeshes;
 use super::{Answer, Verb};
 use crate::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb};
-use crate::{Model, Stamp, TrianglePair};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use crate::{Model, TrianglePair};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 #[derive(Debug)]
 pub(crate) struct Device {
@@ -17,8 +18,8 @@ pub(crate) struct Device {
     idle: Mutex<Vec<GpuQuery>>,
     /// Worlds of batches of pairs, while no batch has them.
     gathered: Mutex<Vec<Gathered>>,
-    /// Models that do not move, for as long as some query has them.
-    models: Mutex<Vec<(Stamp, Weak<GpuModel>)>>,
+    /// Meshes that do not move.
+    meshes: Mutex<DeviceMeshes>,
 }
 
 impl Device {
@@ -29,22 +30,15 @@ impl Device {
             line,
             idle: Mutex::default(),
             gathered: Mutex::default(),
-            models: Mutex::default(),
+            meshes: Mutex::default(),
         }
     }
 
-    /// A model there, which is uploaded unless some query has it.
+    /// A model there, which is uploaded unless it is there already.
     pub(crate) fn model(&self, model: &Model) -> Result<Arc<GpuModel>, GpuError> {
-        let stamp = model.stamp();
-        let mut models = lock(&self.models);
-        models.retain(|(_, model)| model.strong_count() > 0);
-        let known = models.iter().find(|(known, _)| *known == stamp);
-        if let Some(model) = known.and_then(|(_, model)| model.upgrade()) {
-            return Ok(model);
-        }
-        let uploaded = Arc::new(GpuModel::new(&self.gpu, model.bvh())?);
-        models.push((stamp, Arc::downgrade(&uploaded)));
-        Ok(uploaded)
+        let mut meshes = lock(&self.meshes);
+        meshes.trim(self.settings.mesh_bytes);
+        meshes.get(&self.gpu, model)
     }
 
     /// Lists for one more question at a time.

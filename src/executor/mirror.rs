@@ -91,7 +91,7 @@ impl Mirror {
                 return Ok(());
             }
             Some(Self { stamp: before, model: Mirrored::Moving(mut moving) }) if same_mesh => {
-                let positions = model.mesh().positions();
+                let positions = model.mesh().shadow();
                 if before.tree() == stamp.tree() {
                     moving.set_positions(positions)?;
                 } else {

@@ -55,6 +55,8 @@ mod gathered;
 #[cfg(feature = "gpu")]
 mod measure;
 #[cfg(feature = "gpu")]
+mod meshes;
+#[cfg(feature = "gpu")]
 mod mirror;
 mod plan;
 mod run;
@@ -149,8 +151,9 @@ impl Executor {
     /// A GPU, which answers all questions, and exactly, whatever the [`Accuracy`](crate::Accuracy) of the query. Where it fails,
     /// the verb returns its error.
     ///
-    /// A query keeps the models of its last question there, and shares them with others that ask about the same. A query
-    /// that asks about other models each time uploads them each time: make one for each pair of models. A mesh that
+    /// A query keeps the models of its last question there, and shares them with others that ask about the same. Models that no
+    /// query or ticket holds any more stay there within [`GpuSettings::mesh_bytes`], the least recently used going first; so
+    /// the next question about them uploads nothing. All are given back when the executor goes. A mesh that
     /// deforms keeps its tree there until [`Model`](crate::Model) rebuilds it.
     ///
     /// Its lists take [`GpuSettings::budget`] of device memory for as many questions as were in flight at a time, of which a
@@ -177,7 +180,8 @@ impl Executor {
 
     /// The same CPU and a GPU, which answers where that pays. Measures both, which takes about two seconds.
     ///
-    /// After an error of the GPU, the CPU answers all later questions of that query; [`Plan::failure`] tells why.
+    /// After an error of the GPU, the CPU answers the next question of that query, and after each further error twice as many,
+    /// at most 1,024; then the GPU is asked again. After the loss of the device it is not. [`Plan::failure`] tells why.
     ///
     /// # Errors
     /// As [`crate::PairQuery::all`] on a GPU, while it is measured.
@@ -325,7 +329,7 @@ mod tests {
             let fold = 0.02 * frame as f32;
             let folded: Vec<_> = start
                 .mesh()
-                .positions()
+                .shadow()
                 .iter()
                 .map(|&[x, y, z]| [x, y, z * (1.0 - 3.0 * fold * x)])
                 .collect();

@@ -63,7 +63,7 @@ pub struct Plan {
     pub reason: Reason,
     /// The predicted times of the CPU and of the GPU, if there was a choice and an earlier frame.
     pub predicted: Option<[Duration; 2]>,
-    /// The error after which the GPU is not asked any more.
+    /// The last error of the GPU, if it has not answered since. It is asked again after a pause, unless the device is lost.
     pub failure: Option<String>,
 }
 

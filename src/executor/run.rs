@@ -2,9 +2,14 @@
 
 use super::{Backend, Executor, Plan, Reason, visit};
 #[cfg(feature = "gpu")]
-use super::{Device, choice::Choice};
+use super::{
+    Device,
+    choice::{Choice, Failure},
+};
 #[cfg(feature = "gpu")]
 use crate::Accuracy;
+#[cfg(feature = "gpu")]
+use crate::gpu::GpuError;
 #[cfg(feature = "threads")]
 use crate::threads::rayon::prelude::*;
 #[cfg(feature = "threads")]
@@ -107,9 +112,9 @@ pub(crate) struct Run {
     /// The time that it took to move vertices for the next frame.
     #[cfg(feature = "gpu")]
     moving: Duration,
-    /// Why the GPU is not asked any more.
+    /// The last failure of the GPU, which is not asked for a while.
     #[cfg(feature = "gpu")]
-    failure: Option<String>,
+    failure: Failure,
     last: Option<Plan>,
 }
 
@@ -252,7 +257,7 @@ impl Run {
 
     fn note(&mut self, backend: Backend, reason: Reason) {
         #[cfg(feature = "gpu")]
-        let failure = self.failure.clone();
+        let failure = self.failure.reason().map(str::to_owned);
         #[cfg(not(feature = "gpu"))]
         let failure = None;
         self.last = Some(Plan { backend, reason, predicted: None, failure });
@@ -267,7 +272,7 @@ impl Run {
         let is_only = |device: &Device| device.line.is_none();
         let is_chosen = || self.choices[self.last_verb as usize].is_on_gpu();
         let device = self.executor.device.as_deref();
-        self.failure.is_none() && device.is_some_and(|device| is_only(device) || is_chosen())
+        !self.failure.is_pausing() && device.is_some_and(|device| is_only(device) || is_chosen())
     }
 
     /// Whether the last frame on the CPU ended within its first few hundred tests, which the traversal does not time either.
@@ -294,7 +299,8 @@ impl Run {
             self.note(Backend::Gpu, Reason::NoChoice);
             return self.unless_cancelled(answer?);
         };
-        if self.failure.is_some() {
+        if self.failure.is_pausing() {
+            self.failure.passed();
             return self.on_cpu(question, verb, Reason::GpuFailed);
         }
         if question.accuracy() != Accuracy::Exact {
@@ -321,9 +327,10 @@ impl Run {
             false => self.on_cpu(question, verb, reason),
         };
         match answer {
-            // It can do no more: from now on the CPU answers, and the plan says why.
+            // For a while the CPU answers, and the plan says why.
             Err(Error::Gpu(error)) if by_gpu => {
-                self.failure = Some(error.to_string());
+                let is_lost = matches!(error, GpuError::DeviceLost { .. }) || device.gpu.is_lost();
+                self.failure.failed(error.to_string(), is_lost);
                 self.on_cpu(question, verb, Reason::GpuFailed)
             }
             Err(error) => Err(error),
@@ -332,6 +339,7 @@ impl Run {
                 self.choices[verb as usize].took(line, by_gpu, to_upload > 0, time);
                 self.choices[verb as usize].is_at_once = !by_gpu && self.was_at_once();
                 if by_gpu {
+                    self.failure.answered();
                     self.note(Backend::Gpu, reason);
                 }
                 self.last.iter_mut().for_each(|plan| plan.predicted = predicted);

@@ -17,7 +17,7 @@ pub(super) struct Certificates {
 
 impl Certificates {
     pub(super) fn new(mesh: Mesh<'_>) -> Self {
-        let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+        let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
         let mut history = vec![0; history_bound(vertices)];
         let mut scratch = vec![0; link_scratch_bound(vertices, triangles.len())];
         let linked = OneRings::new(vertices, triangles, &mut history, &mut scratch);
@@ -30,7 +30,7 @@ impl Certificates {
 
     /// Certifies the one-rings for positions that have changed.
     pub(super) fn renew(&mut self, mesh: Mesh<'_>, parallel: Parallel) {
-        let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+        let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
         let Self { history, links, .. } = self;
         if parallel.is_some() && links.is_empty() {
             links.resize(links_bound(vertices, triangles.len()), 0);

@@ -30,7 +30,7 @@ impl Model {
     /// # let mut model = pfront::Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?;
     /// assert!(model.set_positions(&[[0.0, f32::INFINITY, 0.0]; 3]).is_err());
     /// model.set_positions(&[[1.0; 3]; 3])?;
-    /// assert_eq!(model.mesh().positions()[2], [1.0; 3]);
+    /// assert_eq!(model.mesh().shadow()[2], [1.0; 3]);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {

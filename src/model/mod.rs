@@ -91,7 +91,7 @@ impl Model {
     /// let (triangles, rest) = indices.as_chunks::<3>();
     /// assert!(rest.is_empty());
     /// let model = Model::new(positions, triangles.iter().map(|t| t.map(u32::from)).collect())?;
-    /// # assert_eq!(model.mesh().triangle(0)[1], normal);
+    /// # assert_eq!(model.mesh().shadow_triangle(0)[1], normal);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     /// Flat arrays:

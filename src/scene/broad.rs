@@ -198,7 +198,7 @@ fn overlapping(boxes: &Model, aabb: &Aabb, mut visit: impl FnMut(usize)) {
         }
         if node.is_leaf() {
             for &i in &bvh.order()[node.first as usize..][..node.count as usize] {
-                if Aabb::of(&bvh.mesh().triangle(i)).overlaps(aabb) {
+                if Aabb::of(&bvh.mesh().shadow_triangle(i)).overlaps(aabb) {
                     visit(i as usize);
                 }
             }

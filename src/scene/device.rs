@@ -152,7 +152,7 @@ impl Scene {
                 .filter(|old| old.mesh() == stamp.mesh() && !used.contains_key(old));
             let number = match before.and_then(|old| self.meshes.remove(&old)) {
                 Some(number) => {
-                    self.world.set_positions(number, body.model().mesh().positions())?;
+                    self.world.set_positions(number, body.model().mesh().shadow())?;
                     number
                 }
                 None => {

@@ -19,7 +19,7 @@ pub(super) struct Cutter<'m> {
 
 impl<'m> Cutter<'m> {
     pub(super) fn new(model: &'m Model) -> Self {
-        Self { model, numbers: vec![None; model.mesh().positions().len()] }
+        Self { model, numbers: vec![None; model.mesh().vertex_count()] }
     }
 
     /// The model of `triangles`, in this order, with the vertices that they use, in order of first use.
@@ -36,7 +36,7 @@ impl<'m> Cutter<'m> {
         let renumbered = corners.map(|[u, v, w]| [number(u), number(v), number(w)]).collect();
         let positions = used.iter().map(|&vertex| {
             self.numbers[vertex as usize] = None;
-            mesh.positions()[vertex as usize]
+            mesh.shadow()[vertex as usize]
         });
         Model::with_options(positions.collect(), renumbered, self.model.options())
     }

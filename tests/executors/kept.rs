@@ -43,18 +43,20 @@ fn answers_about_two_models() {
         assert_kept!(query, name);
         // A model that is the same is no other, nor is one whose vertices are moved to where they are.
         let mut moved = b.clone();
-        moved.set_positions(b.mesh().positions()).unwrap();
+        moved.set_positions(b.mesh().positions().unwrap()).unwrap();
         assert_eq!(query.all(&a, &moved, poses[4]).unwrap(), first);
         assert_kept!(query, name);
 
-        let shifted: Vec<_> = b.mesh().positions().iter().map(|p| p.map(|x| x + 50.0)).collect();
+        let shifted: Vec<_> =
+            b.mesh().positions().unwrap().iter().map(|p| p.map(|x| x + 50.0)).collect();
         moved.set_positions(&shifted).unwrap();
         assert!(query.all(&a, &moved, poses[4]).unwrap().is_empty());
         assert_asked!(query, name);
         assert_eq!(query.all(&a, &b, poses[4]).unwrap(), first);
         assert_asked!(query, name);
         // A model that holds the same and was built by itself is another.
-        let (positions, triangles) = (b.mesh().positions().to_vec(), b.mesh().triangles().to_vec());
+        let (positions, triangles) =
+            (b.mesh().positions().unwrap().to_vec(), b.mesh().triangles().to_vec());
         let twin = Model::new(positions, triangles).unwrap();
         assert_eq!(query.all(&a, &twin, poses[4]).unwrap(), first);
         assert_asked!(query, name);

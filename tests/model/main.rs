@@ -24,7 +24,7 @@ fn assert_fits(model: &Model) {
     let mut nodes = bvh.nodes().to_vec();
     bvh::refit(bvh.mesh(), &mut nodes, bvh.order(), Refit::default()).unwrap();
     assert_eq!(nodes, bvh.nodes());
-    let (positions, triangles) = (model.mesh().positions(), model.mesh().triangles());
+    let (positions, triangles) = (model.mesh().positions().unwrap(), model.mesh().triangles());
     let fresh = Model::new(positions.to_vec(), triangles.to_vec()).unwrap();
     assert_eq!(certified(model), certified(&fresh));
     assert!(model.sphere().is_some_and(|sphere| {
@@ -35,7 +35,7 @@ fn assert_fits(model: &Model) {
 
 /// Whether each vertex is certified.
 fn certified(model: &Model) -> Vec<bool> {
-    let (certified, vertices) = (model.certificates(), model.mesh().positions().len() as u32);
+    let (certified, vertices) = (model.certificates(), model.mesh().vertex_count() as u32);
     (0..vertices).map(|vertex| certified.is_certified(vertex)).collect()
 }
 

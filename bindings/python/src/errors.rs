@@ -14,10 +14,14 @@ mod python {
 
 /// The exception that says the same; `pose` is the index of the pose at fault, if there are many.
 pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> PyErr {
-    let text = match pose {
-        Some(pose) => format!("pose {pose}: {error}"),
-        None => error.to_string(),
+    let text = match error {
+        // Nothing is split here.
+        Error::StaleBody { id } => {
+            format!("{id} is not in the scene: it was never added, or has been removed")
+        }
+        _ => error.to_string(),
     };
+    let text = pose.map_or(text.clone(), |pose| format!("pose {pose}: {text}"));
     let (raised, names) = match error {
         Error::Mesh(error) => (python::MeshError::new_err(text), of_mesh(&error)),
         Error::Pose(error) => (python::PoseError::new_err(text), of_pose(&error)),

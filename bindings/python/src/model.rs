@@ -101,7 +101,7 @@ impl Model {
         match mesh.positions_f64().filter(|_| self.0.is_f64()) {
             Some(positions) => table(py, positions.as_flattened().to_vec(), positions.len(), 3),
             None => {
-                let positions = mesh.positions();
+                let positions = mesh.shadow();
                 table(py, positions.as_flattened().to_vec(), positions.len(), 3)
             }
         }
@@ -116,7 +116,7 @@ impl Model {
     /// The numbers of vertices and faces.
     fn counts(&self) -> (usize, usize) {
         let mesh = self.0.mesh();
-        (mesh.positions().len(), mesh.triangles().len())
+        (mesh.vertex_count(), mesh.triangles().len())
     }
 
     /// Whether positions are in float64.

@@ -5,6 +5,7 @@ use numpy::{
     Element, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
 };
 use pfront::{AnyPose, Pose, Pose64};
+use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -50,8 +51,12 @@ impl Poses {
     }
 }
 
-/// The pose of an array of shape (4, 4) that can be read as it is, as most can; `None` of any other object.
+/// The pose of an array of shape (4, 4) that can be read as it is, as most can; `None` of any other object. Subclasses are
+/// looked at by the Python half: masked arrays are among them.
 fn plain(object: &Bound<'_, PyAny>) -> Option<AnyPose> {
+    if !object.get_type().is(PyUntypedArray::type_object(object.py())) {
+        return None;
+    }
     if let Ok(array) = object.cast::<PyArray2<f64>>() {
         rows(array).as_ref().map(of_f64)
     } else {

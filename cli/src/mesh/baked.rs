@@ -15,7 +15,7 @@ pub(super) fn file_mesh(model: &Model) -> FileMesh {
     let mesh = model.mesh();
     let positions = match mesh.positions_f64() {
         Some(positions) => positions.to_vec(),
-        None => mesh.positions().iter().map(|p| p.map(f64::from)).collect(),
+        None => mesh.shadow().iter().map(|p| p.map(f64::from)).collect(),
     };
     FileMesh { positions, triangles: mesh.triangles().to_vec() }
 }

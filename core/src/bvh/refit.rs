@@ -78,7 +78,7 @@ pub fn refit(
 ) -> Result<f32, CapacityError> {
     let Refit { join, table, moved } = options;
     if let Some(moved) = moved {
-        CapacityError::check("moved", moved_bound(mesh.positions().len()), moved.len())?;
+        CapacityError::check("moved", moved_bound(mesh.vertex_count()), moved.len())?;
     }
     if moved.is_some() || !table.is_empty() {
         CapacityError::check("table", nodes.len() / 2, table.len())?;

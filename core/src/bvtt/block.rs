@@ -79,7 +79,7 @@ impl TriangleBlock {
             self.triangles[lane] = triangle;
             let vertices = at(mesh.triangles(), triangle);
             for (k, &vertex) in vertices.iter().enumerate() {
-                let [x, y, z] = *at(mesh.positions(), vertex);
+                let [x, y, z] = *at(mesh.shadow(), vertex);
                 (corners[k][0][lane], corners[k][1][lane], corners[k][2][lane]) = (x, y, z);
                 if !SELF {
                     continue;

@@ -103,7 +103,7 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
 
     /// The posed corners of a triangle.
     pub(super) fn triangle(&self, triangle: u32) -> Triangle {
-        let corners = self.bvh.mesh().triangle(triangle);
+        let corners = self.bvh.mesh().shadow_triangle(triangle);
         let Some(pose) = self.pose else { return corners };
         corners.map(|p| pose.point(Vec3A::from_array(p)).to_array())
     }

@@ -14,7 +14,6 @@
 //! as Devillers and Pion do (*Efficient Exact Geometric Predicates for Delaunay Triangulations*, 2003), and
 //! the exact stages are integers instead of expansions. They need no branches on exponents and cannot overflow.
 
-pub(crate) mod environment;
 mod exact64;
 pub(crate) mod filter32;
 pub(crate) mod filter64;

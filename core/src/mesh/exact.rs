@@ -41,7 +41,7 @@ impl<'a> Mesh<'a> {
     /// let mut shadow = [[0.0; 3]; 3];
     /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
     /// assert_eq!(mesh.positions_f64(), Some(&points[..]));
-    /// assert!((mesh.positions()[1][0] - 0.5).abs() < 1e-6);
+    /// assert!((mesh.shadow()[1][0] - 0.5).abs() < 1e-6);
     /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
     pub fn from_f64(
@@ -78,7 +78,7 @@ impl<'a> Mesh<'a> {
         shadow: &'a mut [[f32; 3]],
     ) -> Result<Self, MeshError> {
         let Some(exact) = self.exact else { return Err(MeshError::OtherPrecision) };
-        same_length(self.positions.len(), positions.len())?;
+        same_length(self.vertex_count(), positions.len())?;
         let origin = fill(shadow, positions, Some(exact.origin))?;
         Ok(Self::new_unchecked(shadow, self.triangles).with_exact(Some(positions), origin))
     }
@@ -179,7 +179,7 @@ impl<'a> Mesh<'a> {
     pub(crate) fn position_f64(self, vertex: u32) -> [f64; 3] {
         match self.positions_f64() {
             Some(positions) => *at(positions, vertex),
-            None => at(self.positions, vertex).map(f64::from),
+            None => at(self.shadow, vertex).map(f64::from),
         }
     }
 

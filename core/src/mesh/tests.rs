@@ -11,7 +11,7 @@ fn a_shadow_is_near_its_positions_wherever_they_are() {
         let points = points.map(|p: [f64; 3]| p.map(|x| x + offset));
         let mut shadow = [[9.0; 3]; 3];
         let mesh = Mesh::from_f64(&points, &TRIANGLES, &mut shadow).unwrap();
-        for (p, s) in points.iter().zip(mesh.positions()) {
+        for (p, s) in points.iter().zip(mesh.shadow()) {
             for k in 0..3 {
                 let (back, extent) =
                     (f64::from(s[k]) + mesh.origin()[k], 9.0 + offset.abs() * 1e-9);

@@ -26,7 +26,7 @@ impl OneRings<'_> {
     /// # Complexity
     /// O(vertices + triangles).
     pub fn certify<'m>(&'m mut self, mesh: Mesh<'m>, join: Option<&Join<'_>>) -> Certified<'m> {
-        let positions = mesh.positions();
+        let positions = mesh.shadow();
         match mesh.f64() {
             None => self.certify_by(mesh, join, |t| turns_of(positions, t)),
             Some(f64) => self.certify_by(mesh, join, |t| (f64.turns)(mesh, t)),
@@ -40,7 +40,7 @@ impl OneRings<'_> {
         join: Option<&Join<'_>>,
         turns: impl Fn(&[u32; 3]) -> u32 + Sync,
     ) -> Certified<'m> {
-        let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+        let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
         let Self { rings, links, .. } = self;
         let same = core::ptr::eq(triangles, self.triangles) || triangles == self.triangles;
         if !same || rings.len() != vertices {

@@ -166,7 +166,7 @@ impl<'a> Certified<'a> {
     /// Nothing is checked: if the mesh has other triangles, or any other position, a query may miss pairs.
     #[must_use]
     pub fn new_unchecked(mesh: Mesh<'a>, history: &'a [u32]) -> Self {
-        let (rings, _) = history.split_at(mesh.positions().len().min(history.len()));
+        let (rings, _) = history.split_at(mesh.vertex_count().min(history.len()));
         Self { mesh, rings: must_cast_slice(rings) }
     }
 
@@ -181,7 +181,7 @@ impl<'a> Certified<'a> {
     /// Both borrow their slices, so slices in the same place hold the same.
     pub(crate) fn of_mesh(self, mesh: Mesh<'_>) -> &'a [OneRing] {
         let in_f64 = |mesh: Mesh<'_>| mesh.positions_f64().map(<[_]>::as_ptr);
-        let same = core::ptr::eq(self.mesh.positions(), mesh.positions())
+        let same = core::ptr::eq(self.mesh.shadow(), mesh.shadow())
             && in_f64(self.mesh) == in_f64(mesh)
             && core::ptr::eq(self.mesh.triangles(), mesh.triangles());
         if same { self.rings } else { &[] }

@@ -33,7 +33,7 @@ fn with_rings<R>(
 /// Whether each vertex is certified.
 fn certified(rings: &mut OneRings<'_>, mesh: Mesh<'_>, join: Option<&Join<'_>>) -> Vec<bool> {
     let certified = rings.certify(mesh, join);
-    (0..mesh.positions().len() as u32).map(|vertex| certified.is_certified(vertex)).collect()
+    (0..mesh.vertex_count() as u32).map(|vertex| certified.is_certified(vertex)).collect()
 }
 
 /// Whether vertex 0 is certified.
@@ -199,7 +199,7 @@ fn an_f64_mesh_that_moves_by_less_than_a_step_of_its_shadow_gives_the_true_pairs
     let (mut shadow, mut second) = (vec![[0.0; 3]; 10], vec![[0.0; 3]; 10]);
     let rest = Mesh::from_f64(&before, &triangles, &mut shadow).unwrap();
     let moved = rest.with_positions_f64(&after, &mut second).unwrap();
-    assert_eq!(rest.positions(), moved.positions(), "below a step");
+    assert_eq!(rest.shadow(), moved.shadow(), "below a step");
     let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(6)], vec![0; 6]);
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
     let bvh = morton(moved, &BuildOptions::default(), storage, &mut [0; 12]).unwrap();
@@ -281,7 +281,7 @@ fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
     let mut triangles: Vec<[u32; 3]> = (1..6).map(|k| [0, k, k + 1]).collect();
     triangles.push([7, 8, 9]);
     let certified = |mesh: Mesh<'_>| {
-        with_rings(mesh.positions().len(), &triangles, |rings| {
+        with_rings(mesh.vertex_count(), &triangles, |rings| {
             rings.certify(mesh, None).is_certified(0)
         })
     };
@@ -292,7 +292,7 @@ fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
         let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow).unwrap();
         let rule = Adjacency::SharedIndexRule;
         assert_eq!(intersects_in_mesh(mesh, 0, 4, rule, Accuracy::Exact), overlaps);
-        assert!(certified(Mesh::new(mesh.positions(), &triangles).unwrap()));
+        assert!(certified(Mesh::new(mesh.shadow(), &triangles).unwrap()));
         assert!(!(overlaps && certified(mesh)));
     }
     // A row that both certify.

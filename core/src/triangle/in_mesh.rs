@@ -56,8 +56,8 @@ pub fn intersects_in_mesh(
     if let Some(f64) = mesh.f64() {
         return (f64.intersects_in_mesh)(mesh, [i, j], adjacency);
     }
-    match neighbours(mesh, [i, j], |vertex| *at(mesh.positions(), vertex)) {
-        None => intersects(&mesh.triangle(i), &mesh.triangle(j), accuracy),
+    match neighbours(mesh, [i, j], |vertex| *at(mesh.shadow(), vertex)) {
+        None => intersects(&mesh.shadow_triangle(i), &mesh.shadow_triangle(j), accuracy),
         Some(_) if adjacency == Adjacency::SkipNeighbours => false,
         Some([a, b]) => match accuracy {
             Accuracy::Exact => neighbours_intersect::<Exact<f32>>(&a, &b) == Some(true),

@@ -47,7 +47,7 @@ pub(crate) struct Built {
 impl Source {
     pub(crate) fn new(gpu: &Gpu, mesh: Mesh<'_>) -> Result<Self, GpuError> {
         GpuModel::check_precision(mesh)?;
-        let (positions, triangles) = (mesh.positions(), mesh.triangles());
+        let (positions, triangles) = (mesh.shadow(), mesh.triangles());
         Ok(Self {
             vertices: positions.len(),
             count: triangles.len(),

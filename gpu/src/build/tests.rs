@@ -24,7 +24,7 @@ fn gpu() -> &'static Gpu {
 fn read<T: Pod>(buffer: &wgpu::Buffer, count: usize) -> Vec<T> {
     let (device, queue) = (gpu().device(), gpu().queue());
     let encoder = device.create_command_encoder(&Default::default());
-    read_now(device, queue, encoder, buffer, count).unwrap()
+    read_now(device, queue, encoder, buffer, count, None).unwrap()
 }
 
 fn run(sequence: &Sequence) {
@@ -78,11 +78,11 @@ fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: u32) -> Tree
     for (corners, &triangle) in corners.iter().zip(&order) {
         assert_eq!(corners.map(|corner| corner.vertex), triangles[triangle as usize]);
         // Compared as numbers: a box has no -0.
-        assert_eq!(corners.map(|corner| corner.position), mesh.triangle(triangle));
+        assert_eq!(corners.map(|corner| corner.position), mesh.shadow_triangle(triangle));
     }
     for node in nodes.iter().filter(|node| node.is_leaf()) {
         let run = &order[node.first as usize..][..node.count as usize];
-        let of = |bounds: Aabb, &t: &u32| bounds.union(&Aabb::of(&mesh.triangle(t)));
+        let of = |bounds: Aabb, &t: &u32| bounds.union(&Aabb::of(&mesh.shadow_triangle(t)));
         assert_eq!(node.aabb(), run.iter().fold(Aabb::EMPTY, of), "boxes are tight");
     }
     (nodes.to_vec(), order)

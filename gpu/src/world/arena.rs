@@ -6,6 +6,7 @@ use crate::model::{below, reference};
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
 use crate::task::Entry;
+use crate::totals::count;
 use crate::{Gpu, GpuError, GpuModel};
 use bytemuck::Pod;
 use pfront_core::{Aabb, Bvh, MeshError, Node};
@@ -103,7 +104,7 @@ impl Arena {
         });
         let nodes: Vec<_> = shifted.collect();
         let mesh = bvh.mesh();
-        let corner = |vertex: u32| Corner { position: mesh.positions()[vertex as usize], vertex };
+        let corner = |vertex: u32| Corner { position: mesh.shadow()[vertex as usize], vertex };
         let triangles = bvh.order().iter().map(|&t| mesh.triangles()[t as usize]);
         let corners: Vec<_> = triangles.flat_map(|t| t.map(corner)).collect();
         // Every one of them, whichever grows.
@@ -116,13 +117,14 @@ impl Arena {
             self.id = GpuModel::next_id();
             self.meshes.iter_mut().for_each(|mesh| mesh.motion = None);
         }
+        count(&gpu.counted().uploads);
         self.leaf_size = nodes.iter().map(|node| node.count).fold(self.leaf_size, u32::max);
         self.meshes.push(ArenaMesh {
             first_node,
             first_slot,
             ids: nodes.len().max(bvh.order().len()) as u32,
             bounds: bvh.aabb(),
-            vertices: mesh.positions().len(),
+            vertices: mesh.vertex_count(),
             depth: bvh.depth() as u32,
             levels: levels(bvh.nodes(), first_node),
             schedule: Schedule::new(bvh.nodes()),

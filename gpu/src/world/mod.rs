@@ -19,6 +19,7 @@ use pairs::{Body, Chunk, Chunks};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Bvh, Mesh, Pose};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use wgpu::{Buffer, CommandEncoder};
 
 /// Two different bodies by their numbers.
@@ -324,9 +325,18 @@ impl World {
             take(&mut self.found, &mut self.answer, &pairs, first, shift, verb);
             let is_over = verb == GpuVerb::Any && self.found.count != 0;
             let next = next.filter(|_| !is_over);
+            if next.is_some() && self.answer.engine.is_cancelled() {
+                return Err(GpuError::Cancelled);
+            }
             now = next.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
         }
         Ok((verb, pairs))
+    }
+
+    /// Has questions end early: once the flag is set, reading one waits for nothing, submits nothing more, and returns
+    /// [`GpuError::Cancelled`]. What has been submitted goes on.
+    pub fn set_cancel(&mut self, flag: Option<Arc<AtomicBool>>) {
+        self.answer.engine.cancel = flag;
     }
 
     /// Bytes of device memory that meshes and pairs take.

@@ -92,13 +92,13 @@ impl Scene {
 
 fn pairs(a: &Model, b: &Model, a_from_b: &Pose) -> Vec<TrianglePair> {
     let (a, b) = (a.mesh(), b.mesh());
-    let posed: Vec<_> = b.positions().iter().map(|&p| a_from_b.apply(p)).collect();
-    sorted(pfront_testkit::oracle::pairs(a.positions(), a.triangles(), &posed, b.triangles()))
+    let posed: Vec<_> = b.shadow().iter().map(|&p| a_from_b.apply(p)).collect();
+    sorted(pfront_testkit::oracle::pairs(a.shadow(), a.triangles(), &posed, b.triangles()))
 }
 
 fn self_pairs(model: &Model) -> Vec<TrianglePair> {
     let mesh = model.mesh();
-    sorted(pfront_testkit::oracle::self_pairs(mesh.positions(), mesh.triangles()))
+    sorted(pfront_testkit::oracle::self_pairs(mesh.shadow(), mesh.triangles()))
 }
 
 fn sorted(pairs: Vec<(u32, u32)>) -> Vec<TrianglePair> {

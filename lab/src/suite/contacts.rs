@@ -117,7 +117,7 @@ impl Site {
         let placed = |bvh: &Bvh<'_>, node: u32, pose: &Pose| -> Vec<(u32, Triangle, Aabb)> {
             let leaf = bvh.nodes()[node as usize];
             let run = &bvh.order()[leaf.first as usize..][..leaf.count as usize];
-            let triangle = |t: u32| bvh.mesh().triangle(t).map(|p| pose.apply(p));
+            let triangle = |t: u32| bvh.mesh().shadow_triangle(t).map(|p| pose.apply(p));
             run.iter().map(|&t| (t, triangle(t))).map(|(t, at)| (t, at, Aabb::of(&at))).collect()
         };
         let mut found = Vec::new();
@@ -161,8 +161,7 @@ impl Site {
             // A mesh that moves as a whole is rounded anew.
             Self::Within(body) => {
                 let by = Pose::from_translation(along(&aabb(body)));
-                let positions: Vec<_> =
-                    body.mesh().positions().iter().map(|&p| by.apply(p)).collect();
+                let positions: Vec<_> = body.mesh().shadow().iter().map(|&p| by.apply(p)).collect();
                 let mut moved = Model::clone(body);
                 let done = moved.set_positions(&positions);
                 if done.is_ok() { Self::Within(Arc::new(moved)) } else { self.clone() }

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ._arrays import array as as_array
 from ._errors import PoseError
 
 __all__ = ["Pose", "matrix"]
@@ -16,8 +17,11 @@ _LAST = [0.0, 0.0, 0.0, 1.0]
 
 
 def matrix(pose: Pose) -> npt.NDArray[Any]:
-    """A pose, or poses, as an aligned array of float32 or float64 in C order, whose last row has been looked at."""
-    array = np.asarray(pose.as_matrix() if hasattr(pose, "as_matrix") else pose)
+    """A pose, or poses, as an aligned array of float32 or float64 in C order, whose last row has been looked at.
+
+    This may be a view of what the caller holds.
+    """
+    array = as_array(pose.as_matrix() if hasattr(pose, "as_matrix") else pose, "a pose is")
     if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8:
         raise TypeError(f"a pose of dtype {array.dtype} is no matrix of real numbers of at most 64 bits")
     if array.ndim < 2 or array.ndim > 3 or array.shape[-2:] not in ((3, 3), (3, 4), (4, 4)):
@@ -26,10 +30,10 @@ def matrix(pose: Pose) -> npt.NDArray[Any]:
     if array.shape[-2] == 4:
         wrong = (array[..., 3, :] != _LAST).any(axis=-1)
         if wrong.any():
-            error = PoseError("the last row of a pose is not 0, 0, 0, 1")
+            at = int(np.argmax(wrong)) if array.ndim == 3 else None
+            error = PoseError(f"{'' if at is None else f'pose {at}: '}the last row of a pose, row 3, is not 0, 0, 0, 1")
             error.row = 3
-            if array.ndim == 3:
-                error.pose = int(np.argmax(wrong))
+            error.pose = at
             raise error
         if array.ndim == 3:
             array = array[:, :3]

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._mesh import Mesh
-from ._poses import Pose
+from ._poses import Pose, matrix
 from ._scene import Scene, SceneContacts
 
 __all__ = ["CollisionManager", "ContactData"]
@@ -87,7 +87,7 @@ class CollisionManager:
             self.remove_object(name)
         model = mesh if isinstance(mesh, Mesh) else Mesh(mesh)
         self._ids[name] = self._scene.add(model, transform, name=name)
-        self._meshes[name] = (model, transform)
+        self._meshes[name] = (model, None if transform is None else matrix(transform).copy())
         return self._ids[name]
 
     def remove_object(self, name: str) -> None:
@@ -102,7 +102,7 @@ class CollisionManager:
         if name not in self._ids:
             raise ValueError(f"{name} not in collision manager!")
         self._scene.set_poses([self._ids[name]], transform)
-        self._meshes[name] = (self._meshes[name][0], transform)
+        self._meshes[name] = (self._meshes[name][0], None if transform is None else matrix(transform).copy())
 
     def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> Any:
         """Whether any two objects meet; with their names, and with data of each pair of triangles."""
@@ -137,6 +137,9 @@ class CollisionManager:
         names = set(pairs.values())
         data = _data(both.contacts(), pairs) if return_data and across else []
         return self._answer(bool(names), names, data, return_names, return_data)
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise TypeError("a manager has a scene, and is neither copied nor pickled: add its objects to a new one")
 
     def _name(self, body: int) -> str:
         return str(self._scene.name(body))

@@ -136,7 +136,7 @@ impl Counts {
         let mesh = bvh.mesh();
         Self {
             nodes: bvh.nodes().len(),
-            vertices: mesh.positions().len(),
+            vertices: mesh.vertex_count(),
             triangles: mesh.triangles().len(),
             positions_f64: mesh.positions_f64().map_or(0, <[_]>::len),
         }

@@ -57,7 +57,7 @@
 //! let blob = Blob::new(&baked.0)?;
 //! # if cfg!(target_endian = "big") { return Ok(()) }
 //! let borrowed = blob.bvh(&mut [0; 1])?;
-//! assert_eq!(borrowed.mesh().triangle(0), mesh.triangle(0));
+//! assert_eq!(borrowed.mesh().shadow_triangle(0), mesh.shadow_triangle(0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -175,7 +175,7 @@ impl<'a> Blob<'a> {
     ) -> Result<Bvh<'s>, BlobError> {
         self.check_f32()?;
         let (mesh, nodes, order) = copy_into(storage, self.sections()?)?;
-        Ok(Bvh::new(Mesh::new(mesh.positions(), mesh.triangles())?, nodes, order, scratch)?)
+        Ok(Bvh::new(Mesh::new(mesh.shadow(), mesh.triangles())?, nodes, order, scratch)?)
     }
 
     /// [`Blob::read_into`] for meshes of either kind, apart for programs that have none in f64 and link nothing of them;
@@ -225,7 +225,7 @@ impl<'a> Blob<'a> {
         copy_from::<8, _>(first, "origin", &mut origin)?;
         let positions = copy_from::<8, _>(rest, "positions_f64", positions)?;
         let (mesh, nodes, order) = copy_into(storage, sections)?;
-        let mesh = Mesh::from_f64_parts(positions, mesh.positions(), origin[0], mesh.triangles())?;
+        let mesh = Mesh::from_f64_parts(positions, mesh.shadow(), origin[0], mesh.triangles())?;
         Ok(Bvh::new(mesh, nodes, order, scratch)?)
     }
 
@@ -291,7 +291,7 @@ pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BvhError>
         copy_to::<8, _>(points, rest);
     }
     copy_to::<4, _>(bvh.nodes(), part_mut(out, nodes));
-    copy_to::<4, _>(mesh.positions(), part_mut(out, positions));
+    copy_to::<4, _>(mesh.shadow(), part_mut(out, positions));
     copy_to::<4, _>(mesh.triangles(), part_mut(out, triangles));
     copy_to::<4, _>(bvh.order(), part_mut(out, order));
     Header::new(counts, mesh.is_f64()).write(out);

@@ -88,7 +88,7 @@ fn read(bytes: &[u8]) -> Owned {
     } else {
         let (bvh, copy) = (borrowed.unwrap(), own.bvh());
         assert_eq!((bvh.nodes(), bvh.order()), (copy.nodes(), copy.order()));
-        assert_eq!(bvh.mesh().positions(), copy.mesh().positions());
+        assert_eq!(bvh.mesh().positions().unwrap(), copy.mesh().positions().unwrap());
         assert_eq!(bvh.mesh().triangles(), copy.mesh().triangles());
     }
     own

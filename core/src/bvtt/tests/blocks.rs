@@ -35,7 +35,7 @@ impl Task for Two<'_> {
     fn run<S: Simd>(self) -> Found {
         let Self { mesh, leaves, rings } = self;
         let nodes = leaves.map(|triangles| {
-            let boxes = triangles.iter().map(|t| Aabb::of(&mesh.triangle(*t)));
+            let boxes = triangles.iter().map(|t| Aabb::of(&mesh.shadow_triangle(*t)));
             let Aabb { min, max } = boxes.fold(Aabb::EMPTY, |x, y| x.union(&y));
             [Node { min, first: 0, max, count: triangles.len() as u32 }]
         });
@@ -111,7 +111,7 @@ fn side_by_side_as_one_by_one() {
         for (j, &tb) in leaves[1].iter().enumerate() {
             for (i, &ta) in leaves[0].iter().enumerate() {
                 let is = |pairs: u64| pairs >> (LANES * j + i) & 1 != 0;
-                let [a, b] = [ta, tb].map(|t| mesh.triangle(t));
+                let [a, b] = [ta, tb].map(|t| mesh.shadow_triangle(t));
                 assert_eq!(is(found.boxes), Aabb::of(&a).overlaps(&Aabb::of(&b)));
                 assert_eq!([found.in_mesh.overlapping, found.apart.overlapping], [found.boxes; 2]);
                 if !is(found.boxes) {
@@ -203,7 +203,7 @@ fn corners_beside_planes_of_a_grid() {
         }
         let positions = [a, b, c, tip, d, e].map(|p| p.map(|x| x as f32 * unit));
         let mesh = Mesh::new(&positions, &[[0, 1, 2], [3, 4, 5]]).unwrap();
-        let [a, b] = [0, 1].map(|t| mesh.triangle(t));
+        let [a, b] = [0, 1].map(|t| mesh.shadow_triangle(t));
         let found = widest(Two { mesh, leaves: [&[0], &[1]], rings: &[] }).apart;
         let meet = intersects(&a, &b, Accuracy::Exact);
         assert!(found.undecided != 0 || (found.hits != 0) == meet, "{a:?} {b:?}");

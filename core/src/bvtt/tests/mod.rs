@@ -29,7 +29,7 @@ fn push(found: &mut Vec<TrianglePair>, pair: TrianglePair) -> ControlFlow<()> {
 
 /// Calls `test` with the certificates of a mesh.
 fn with_certificates(mesh: Mesh<'_>, test: impl FnOnce(Certified<'_>)) {
-    let (vertices, triangles) = (mesh.positions().len(), mesh.triangles());
+    let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
     let mut history = vec![0; history_bound(vertices)];
     let mut scratch = vec![0; link_scratch_bound(vertices, triangles.len())];
     let mut rings = OneRings::new(vertices, triangles, &mut history, &mut scratch).unwrap();

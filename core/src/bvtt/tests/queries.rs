@@ -177,8 +177,8 @@ fn two_meshes_as_the_oracle() {
                 let query = PairBvtt::new(of_a.bvh(), of_b.bvh(), pose).unwrap();
                 assert_eq!(sorted(visited(&query)), truth);
                 check_inexact(&query, &truth, |pair, accuracy| {
-                    let t = of_a.bvh().mesh().triangle(pair.a);
-                    let u = of_b.bvh().mesh().triangle(pair.b).map(|p| pose.apply(p));
+                    let t = of_a.bvh().mesh().shadow_triangle(pair.a);
+                    let u = of_b.bvh().mesh().shadow_triangle(pair.b).map(|p| pose.apply(p));
                     intersects(&t, &u, accuracy)
                 });
             }
@@ -222,7 +222,7 @@ fn one_mesh_as_the_oracle() {
 
             let every = || (0..n as u32).flat_map(|b| (0..b).map(move |a| TrianglePair { a, b }));
             let boxes = |p: &TrianglePair| {
-                let [t, u] = [p.a, p.b].map(|i| Aabb::of(&mesh.triangle(i)));
+                let [t, u] = [p.a, p.b].map(|i| Aabb::of(&mesh.shadow_triangle(i)));
                 t.overlaps(&u)
             };
             let overlapping: Vec<_> = every().filter(boxes).collect();
@@ -273,8 +273,8 @@ fn a_reference_to_a_query_is_that_query() {
     let pose = Pose { rows: pose_rows(0.2, &mut seeded(9)) };
     let query = PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap();
     let pair = query.any().unwrap();
-    let t = a.bvh().mesh().triangle(pair.a);
-    let u = b.bvh().mesh().triangle(pair.b).map(|p| pose.apply(p));
+    let t = a.bvh().mesh().shadow_triangle(pair.a);
+    let u = b.bvh().mesh().shadow_triangle(pair.b).map(|p| pose.apply(p));
     let edge = a.bvh().leaf_edge().max(b.bvh().leaf_edge());
     let expected = (Some(NodePair::ROOT), edge, contact(&t, &u));
     assert!(edge > 0.0 && expected.2.is_some());
