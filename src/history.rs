@@ -170,7 +170,6 @@ impl<'m> OfOne<'m> {
             .with_accuracy(self.accuracy)
             .with_adjacency(self.adjacency)
             .with_certificates(model.certificates())
-            .with_patches(model.patches())
     }
 }
 

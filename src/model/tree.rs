@@ -2,7 +2,6 @@
 
 use super::moves::Moves;
 use super::passes::Parallel;
-use super::stamp::next;
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
@@ -18,10 +17,6 @@ pub(super) struct Tree {
     /// The quality figure right after the last build, and as it is.
     built: f32,
     quality: f32,
-    /// A number of its own for each tree that is built; clones share it.
-    id: u64,
-    /// How often it has been refitted.
-    refits: u32,
 }
 
 impl Tree {
@@ -38,7 +33,7 @@ impl Tree {
         order: Vec<u32>,
         parallel: Parallel,
     ) -> Self {
-        let mut tree = Self { nodes, order, id: next(), ..Self::default() };
+        let mut tree = Self { nodes, order, ..Self::default() };
         tree.refit(mesh, Refit { join: parallel, ..Refit::default() });
         tree.built = tree.quality;
         tree
@@ -67,16 +62,6 @@ impl Tree {
         // Changes no box of a new tree.
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
-        (self.id, self.refits) = (next(), 0);
-    }
-
-    pub(super) fn id(&self) -> u64 {
-        self.id
-    }
-
-    /// How often it has been refitted since it was built.
-    pub(super) fn refits(&self) -> u32 {
-        self.refits
     }
 
     /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then.
@@ -107,7 +92,6 @@ impl Tree {
         // With a table of the right size it never fails.
         debug_assert!(fitted.is_ok(), "{fitted:?}");
         self.quality = fitted.unwrap_or(self.quality);
-        self.refits = self.refits.saturating_add(1);
     }
 
     /// Whether it is time to build the tree anew.
