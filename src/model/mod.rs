@@ -180,7 +180,9 @@ impl Model {
     pub fn certificates(&self) -> Certified<'_> {
         let mesh = self.mesh();
         let renew = |stale: &mut Certificates| stale.renew(mesh, ONE_THREAD);
-        self.certificates.get(renew, || Certificates::new(mesh)).certified(mesh)
+        let certificates = self.certificates.get(renew, || Certificates::new(mesh));
+        let certified = certificates.certified(mesh);
+        if certificates.has_fans() { self.tree().with_fans(certified, mesh) } else { certified }
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
