@@ -54,6 +54,7 @@ pub use ticket::Ticket;
 
 #[cfg(feature = "gpu")]
 use crate::Pose;
+use crate::environment::with_default;
 use crate::executor::Verb;
 use crate::history::{About, OfOne, OfTwo};
 use crate::{Accuracy, Adjacency, AnyPose, Error, Executor, Model, TrianglePair};
@@ -165,7 +166,7 @@ impl Batch {
         a_from_b: impl Into<AnyPose>,
     ) -> Result<(), Error> {
         let a_from_b = a_from_b.into();
-        a_from_b.check(b.bvh())?;
+        with_default(|| a_from_b.check(b.bvh()))?;
         self.add(Question::Pair { models: [a, b].map(Arc::clone), a_from_b });
         Ok(())
     }
@@ -296,7 +297,7 @@ impl Batch {
             && gpu::CAN_WAIT
             && !job.questions.iter().any(Question::is_f64)
         {
-            let (outcome, buffers) = gpu::submit(device, job, &mut self.uploads)?;
+            let (outcome, buffers) = with_default(|| gpu::submit(device, job, &mut self.uploads))?;
             return Ok(Ticket::new(outcome, None, answer).with_buffers(buffers));
         }
         #[cfg(feature = "threads")]

@@ -61,7 +61,7 @@ mod mirror;
 mod plan;
 mod run;
 
-pub(crate) use cancel::visit;
+pub(crate) use cancel::{list, visit};
 #[cfg(feature = "gpu")]
 pub(crate) use device::{Device, read};
 #[cfg(feature = "gpu")]
@@ -69,6 +69,8 @@ pub(crate) use mirror::Mirrors;
 pub use plan::{Backend, Plan, Reason};
 pub(crate) use run::{Answer, Question, Run, Verb};
 
+#[cfg(feature = "gpu")]
+use crate::environment::with_default;
 #[cfg(feature = "gpu")]
 use crate::gpu::{Gpu, GpuError, GpuSettings};
 #[cfg(feature = "threads")]
@@ -139,7 +141,7 @@ impl Executor {
         #[cfg(not(feature = "threads"))]
         let own = Self::sequential();
         #[cfg(feature = "gpu")]
-        if let Ok(gpu) = Gpu::new()
+        if let Ok(gpu) = with_default(Gpu::new)
             && gpu.device().adapter_info().device_type != crate::gpu::wgpu::DeviceType::Cpu
             && let Ok(both) = own.clone().and_gpu(&gpu, gpu.settings())
         {
@@ -187,7 +189,7 @@ impl Executor {
     /// As [`crate::PairQuery::all`] on a GPU, while it is measured.
     #[cfg(feature = "gpu")]
     pub fn and_gpu(self, gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
-        let line = measure::measure(&self, gpu)?;
+        let line = with_default(|| measure::measure(&self, gpu))?;
         Ok(self.with_line(gpu, settings, line))
     }
 

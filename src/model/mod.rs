@@ -5,14 +5,17 @@ mod certificates;
 mod deform;
 mod in_f64;
 mod moves;
+mod outline;
 mod passes;
 mod renewed;
 mod stamp;
 mod tree;
 
+pub(crate) use outline::Outline;
 pub use stamp::Stamp;
 
 use crate::Error;
+use crate::environment::with_default;
 use crate::sphere::Sphere;
 use certificates::Certificates;
 use in_f64::Exact;
@@ -137,8 +140,10 @@ impl Model {
         triangles: Vec<[u32; 3]>,
         options: BuildOptions<'static>,
     ) -> Result<Self, Error> {
-        let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel);
-        Ok(Self::of(positions, triangles, options, tree))
+        with_default(|| {
+            let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel);
+            Ok(Self::of(positions, triangles, options, tree))
+        })
     }
 
     /// A mesh that is checked, and its tree.
@@ -179,8 +184,9 @@ impl Model {
     #[must_use]
     pub fn certificates(&self) -> Certified<'_> {
         let mesh = self.mesh();
-        let renew = |stale: &mut Certificates| stale.renew(mesh, ONE_THREAD);
-        let certificates = self.certificates.get(renew, || Certificates::new(mesh));
+        let renew = |stale: &mut Certificates| with_default(|| stale.renew(mesh, ONE_THREAD));
+        let make = || with_default(|| Certificates::new(mesh));
+        let certificates = self.certificates.get(renew, make);
         let certified = certificates.certified(mesh);
         if certificates.has_fans() { self.tree().with_fans(certified, mesh) } else { certified }
     }
@@ -189,7 +195,7 @@ impl Model {
     /// changed, in O(n); `None` if there is no triangle.
     #[must_use]
     pub fn sphere(&self) -> Option<Sphere> {
-        *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))
+        *self.sphere.get_or_init(|| with_default(|| Sphere::of(&self.bvh())))
     }
 
     /// Numbers that tell this mesh, BVH and positions from all others: what is equal to an earlier stamp need not be
@@ -230,9 +236,9 @@ impl Model {
     fn fitted(&self) -> &Tree {
         let (mesh, options) = (self.mesh(), &self.options);
         self.tree.get(
-            |tree| tree.fit(mesh, *options, &self.moves, ONE_THREAD),
+            |tree| with_default(|| tree.fit(mesh, *options, &self.moves, ONE_THREAD)),
             // Lost by a thread that panicked.
-            || Tree::build(mesh, *options, ONE_THREAD),
+            || with_default(|| Tree::build(mesh, *options, ONE_THREAD)),
         )
     }
 }

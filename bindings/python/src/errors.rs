@@ -1,7 +1,7 @@
 //! Errors of the library as exceptions, which are written in Python: `pfront/_errors.py`.
 
 use pfront::{Error, MeshError, PoseError};
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 
 mod python {
@@ -10,6 +10,20 @@ mod python {
     pyo3::import_exception!(pfront._errors, BlobError);
     pyo3::import_exception!(pfront._errors, StaleBody);
     pyo3::import_exception!(pfront._errors, DeviceError);
+}
+
+/// Imports all exceptions.
+pub(crate) fn load(py: Python<'_>) -> PyResult<()> {
+    for error in [
+        python::MeshError::new_err(""),
+        python::PoseError::new_err(""),
+        python::BlobError::new_err(""),
+        python::StaleBody::new_err(""),
+        python::DeviceError::new_err(""),
+    ] {
+        error.value(py);
+    }
+    Ok(())
 }
 
 /// The exception that says the same; `pose` is the index of the pose at fault, if there are many.
@@ -29,6 +43,7 @@ pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> Py
         Error::StaleBody { .. } => (python::StaleBody::new_err(text), None),
         Error::InF64 => (python::DeviceError::new_err(text), None),
         Error::Gpu(_) => (python::DeviceError::new_err(text), None),
+        Error::Memory { .. } => (PyMemoryError::new_err(text), None),
         _ => (PyRuntimeError::new_err(text), None),
     };
     for (name, value) in names.into_iter().chain(pose.map(|pose| ("pose", pose))) {
@@ -37,6 +52,14 @@ pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> Py
         }
     }
     raised
+}
+
+/// What a parent's thread was using when this process was forked.
+pub(crate) fn forked() -> PyErr {
+    PyRuntimeError::new_err(
+        "another thread was using this scene when the process was forked, and may have left it half changed: make the scene \
+         again here, or start processes by multiprocessing's \"spawn\" or \"forkserver\"",
+    )
 }
 
 /// A device that cannot be had.

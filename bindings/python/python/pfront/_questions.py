@@ -124,11 +124,15 @@ class Contacts:
         >>> [bool((curve[0] == curve[-1]).all()) for curve in curves]
         [True]
         """
-        segments = self.segments.reshape(-1, 2, 3) + 0.0  # -0.0 is 0.0
-        segments = segments[(segments[:, 0] != segments[:, 1]).any(axis=1)]
-        if len(segments) == 0:
+        # Numbers are compared by their bits, since some environments take subnormal ones for zeros; -0.0 is 0.0.
+        kind = np.uint32 if self.segments.dtype == np.float32 else np.uint64
+        bits = np.array(self.segments).reshape(-1, 2, 3).view(kind)
+        bits[bits == kind(1) << kind(np.dtype(kind).itemsize * 8 - 1)] = 0
+        bits = bits[(bits[:, 0] != bits[:, 1]).any(axis=1)]
+        if len(bits) == 0:
             return Ragged(np.empty((0, 3), self.segments.dtype), np.zeros(1, np.int64))
-        points, ends = np.unique(segments.reshape(-1, 3), axis=0, return_inverse=True)
+        found, ends = np.unique(bits.reshape(-1, 3), axis=0, return_inverse=True)
+        points = found.view(self.segments.dtype)
         edges = np.unique(np.sort(ends.reshape(-1, 2), axis=1), axis=0)
         around: list[list[tuple[int, int]]] = [[] for _ in points]
         for edge, (u, v) in enumerate(edges.tolist()):

@@ -170,6 +170,12 @@ class Scene:
     def __len__(self) -> int:
         return self._scene.len()
 
+    def _across(self, other: Scene) -> Scene:
+        """A scene of the bodies of both in which only those of different scenes are asked about, with their ids as user ids."""
+        both = Scene()
+        both._scene = self._scene.across(other._scene)
+        return both
+
     def __reduce_ex__(self, protocol: Any) -> Any:
         raise TypeError("a scene is neither copied nor pickled: add its bodies to a new one")
 
