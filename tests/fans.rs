@@ -44,7 +44,7 @@ fn fans_of_every_kind() {
         let (mut points, mut triangles) = fan(rng.random_range(60..150), &mut rng);
         let is_second_at_the_same = rng.random_bool(0.3);
         if rng.random_bool(0.6) {
-            let (more, others) = fan(rng.random_range(3..120), &mut rng);
+            let (more, others) = fan(rng.random_range(10..120), &mut rng);
             let (first, aside) = (points.len() as u32, rng.random_range(-1.0..1.0));
             let at = |vertex| if is_second_at_the_same && vertex == 0 { 0 } else { first + vertex };
             points.extend(more.iter().map(|&[x, y, z]| [x + aside, y, z]));
