@@ -198,7 +198,8 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
         Self { adjacency, ..self }
     }
 
-    /// The same pairs, found sooner where many vertices are certified: see [`one_ring`](crate::one_ring).
+    /// The true pairs, found sooner where many vertices are certified: see [`one_ring`](crate::one_ring). Under
+    /// [`Accuracy::Exact`] they are those found without; inexact tests may invent pairs that a certificate rules out.
     ///
     /// Certificates of another mesh are not used: both must borrow the same positions and triangles.
     ///
