@@ -2,7 +2,8 @@
 //!
 //! A [`Batch`] holds questions: two models and a pose, or one model and itself. [`Batch::any`], [`Batch::count`] and
 //! [`Batch::all`] submit all of them to an [`Executor`] and return a [`Ticket`] at once; the ticket is read later, by
-//! polling, with a timeout, or as a future. Answers are those of [`crate::PairQuery`] and [`crate::SelfQuery`], to the bit.
+//! polling, with a timeout, or as a future. Lists and counts are those of [`crate::PairQuery`] and
+//! [`crate::SelfQuery`], to the bit; `any` is some true pair.
 //!
 //! ```
 //! use pfront::{Batch, Executor, Model, Pose};

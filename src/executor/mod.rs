@@ -2,7 +2,9 @@
 //!
 //! An [`Executor`] owns resources: a pool of threads, a GPU with its lists. It is made once and shared by any number of
 //! queries. A query owns its history: the front and the costs of its nodes, the models that the GPU has, the last answer.
-//! All executors give the same answers, to the bit.
+//! All executors give the same lists and counts, to the bit, under [`Accuracy::Exact`](crate::Accuracy::Exact). `any` names a
+//! true pair if there is one; which of them may differ between executors, and from call to call on threads. The inexact tests
+//! may differ, too: a GPU always decides exactly.
 //!
 //! - [`Executor::sequential`]: the calling thread.
 //! - [`Executor::threads`]: starts on the calling thread and calls others after as much work as calling them costs. The
@@ -24,7 +26,8 @@
 //!
 //! # When threads pay
 //! A frame whose cost is unknown, and any search for one hit, begins on the calling thread. After as much work as calling
-//! others costs, which is measured when the executor is made, its pending node pairs go to them; nothing is done twice.
+//! others costs, which is measured when the executor is made, its pending node pairs go to them; nothing is done twice. A search for one hit goes on in its order on the calling thread, and
+//! others take what would come last, so that it takes no longer than alone.
 //! `threads::Traversal::measured` states the bound.
 //!
 //! # When a GPU pays

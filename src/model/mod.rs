@@ -186,7 +186,9 @@ impl Model {
         let mesh = self.mesh();
         let renew = |stale: &mut Certificates| with_default(|| stale.renew(mesh, ONE_THREAD));
         let make = || with_default(|| Certificates::new(mesh));
-        self.certificates.get(renew, make).certified(mesh)
+        let certificates = self.certificates.get(renew, make);
+        let certified = certificates.certified(mesh);
+        if certificates.has_fans() { self.tree().with_fans(certified, mesh) } else { certified }
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has

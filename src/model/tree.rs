@@ -5,8 +5,10 @@ use super::passes::Parallel;
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
+use pfront_core::one_ring::{Certified, fan_bound};
 use pfront_core::{Bvh, Mesh, Node};
 use std::mem::take;
+use std::sync::OnceLock;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
@@ -17,6 +19,8 @@ pub(super) struct Tree {
     /// The quality figure right after the last build, and as it is.
     built: f32,
     quality: f32,
+    /// Marks of nodes around vertices of many triangles, made when they are first asked for.
+    fans: OnceLock<Vec<u32>>,
 }
 
 impl Tree {
@@ -62,6 +66,23 @@ impl Tree {
         // Changes no box of a new tree.
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
+        self.fans = OnceLock::new();
+    }
+
+    /// Adds to certificates the marks by which queries skip the fans around vertices of many triangles.
+    pub(super) fn with_fans<'a>(
+        &'a self,
+        certified: Certified<'a>,
+        mesh: Mesh<'a>,
+    ) -> Certified<'a> {
+        let bvh = self.bvh(mesh);
+        let fans = self.fans.get_or_init(|| {
+            let mut marks = vec![0; fan_bound(bvh.nodes().len())];
+            let is_marked = certified.with_fans(&bvh, &mut marks).is_ok();
+            debug_assert!(is_marked, "the marks have their size");
+            marks
+        });
+        certified.with_fans_unchecked(&bvh, fans)
     }
 
     /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then.
@@ -114,6 +135,7 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>()
             + self.order.capacity() * size_of::<u32>()
             + self.table.capacity() * size_of::<RefitRow>()
+            + self.fans.get().map_or(0, Vec::capacity) * size_of::<u32>()
     }
 }
 
