@@ -4,7 +4,7 @@
 #[cfg(feature = "gpu")]
 use crate::Pose;
 use crate::environment::{Environment, with_default};
-use crate::executor::{Answer, Executor, Plan, Question, Run, Verb, list, visit};
+use crate::executor::{Answer, Backend, Executor, Plan, Question, Run, Verb, list, visit};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
 #[cfg(feature = "gpu")]
@@ -246,6 +246,11 @@ impl History {
 
     pub(crate) fn plan(&self) -> Option<&Plan> {
         self.run.plan()
+    }
+
+    /// Takes note that the calling thread has visited pairs.
+    pub(crate) fn note_visit(&mut self) {
+        self.run.note_cpu(Backend::Sequential);
     }
 
     pub(crate) fn forget(&mut self) {
