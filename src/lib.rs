@@ -54,7 +54,10 @@ pub mod executor;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod history;
-#[cfg_attr(not(test), expect(dead_code, reason = "the lists of queries are next"))]
+#[cfg_attr(
+    not(any(test, feature = "threads", feature = "gpu")),
+    expect(dead_code, reason = "the lists of queries are next")
+)]
 mod memory;
 mod model;
 mod pair;
