@@ -49,15 +49,12 @@
 pub mod batch;
 #[doc = include_str!("../docs/embedding.md")]
 pub mod embedding {}
+mod environment;
 mod error;
 pub mod executor;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod history;
-#[cfg_attr(
-    not(any(test, feature = "threads", feature = "gpu")),
-    expect(dead_code, reason = "the lists of queries are next")
-)]
 mod memory;
 mod model;
 mod pair;

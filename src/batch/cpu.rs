@@ -42,10 +42,10 @@ impl Steps {
         while budget > 0 && !self.left.is_empty() {
             let spent = match &questions[self.left.start] {
                 Question::Pair { models: [a, b], a_from_b } => {
-                    self.ask(&OfTwo::new([a, b], *a_from_b, accuracy)?.query(), budget)?
+                    self.ask(&OfTwo::new([a, b], *a_from_b, accuracy)?.query()?, budget)?
                 }
                 Question::Within { model, adjacency } => {
-                    self.ask(&OfOne::new(model, *adjacency, accuracy).query(), budget)?
+                    self.ask(&OfOne::new(model, *adjacency, accuracy).query()?, budget)?
                 }
             };
             budget = budget.saturating_sub(spent);
@@ -156,11 +156,11 @@ mod pool {
             let answer = match question {
                 Question::Pair { models: [a, b], a_from_b } => {
                     let about = OfTwo::new([a, b], *a_from_b, job.accuracy)?;
-                    traverse(traversal, &about.query(), job.verb, &mut pairs)
+                    traverse(traversal, &about.query()?, job.verb, &mut pairs)?
                 }
                 Question::Within { model, adjacency } => {
                     let about = OfOne::new(model, *adjacency, job.accuracy);
-                    traverse(traversal, &about.query(), job.verb, &mut pairs)
+                    traverse(traversal, &about.query()?, job.verb, &mut pairs)?
                 }
             };
             push(&mut found.answers, answer)?;

@@ -57,6 +57,7 @@ mod ticket;
 pub use found::PairLists;
 pub use ticket::Ticket;
 
+use crate::environment::with_default;
 use crate::executor::{Backend, Reason, Verb};
 use crate::history::{About, OfOne, OfTwo};
 use crate::{Accuracy, Adjacency, AnyPose, Error, Executor, Model, TrianglePair};
@@ -143,7 +144,7 @@ impl Batch {
         a_from_b: impl Into<AnyPose>,
     ) -> Result<(), Error> {
         let a_from_b = a_from_b.into();
-        a_from_b.check(b.bvh())?;
+        with_default(|| a_from_b.check(b.bvh()))?;
         self.add(Question::Pair { models: [a, b].map(Arc::clone), a_from_b });
         Ok(())
     }
@@ -282,7 +283,7 @@ impl Batch {
             let numbered = job.questions.iter().enumerate();
             let on_cpu = numbered.filter(|(_, question)| question.is_for_cpu());
             planned.on_cpu.extend(on_cpu.map(|(number, _)| number));
-            let (outcome, seat) = gpu::submit(device, reader, job)?;
+            let (outcome, seat) = with_default(|| gpu::submit(device, reader, job))?;
             let mut ticket = Ticket::new(outcome, None, answer, planned);
             ticket.seat = seat;
             return Ok(ticket);

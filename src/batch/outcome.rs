@@ -3,6 +3,8 @@
 use super::found::Found;
 use crate::Error;
 #[cfg(any(feature = "threads", feature = "gpu"))]
+use crate::environment::with_default;
+#[cfg(any(feature = "threads", feature = "gpu"))]
 use std::panic::{AssertUnwindSafe, catch_unwind};
 #[cfg(feature = "gpu")]
 use std::sync::OnceLock;
@@ -57,11 +59,11 @@ impl Outcome {
         }
     }
 
-    /// Runs a part of the work, in which an error or a panic is the outcome.
+    /// Runs a part of the work in the default floating-point environment, in which an error or a panic is the outcome.
     #[cfg(any(feature = "threads", feature = "gpu"))]
     pub(super) fn guard<R>(&self, work: impl FnOnce() -> Result<R, Error>) -> Option<R> {
         // After a panic nobody looks at what the work has left.
-        match catch_unwind(AssertUnwindSafe(work)) {
+        match catch_unwind(AssertUnwindSafe(|| with_default(work))) {
             Ok(Ok(done)) => return Some(done),
             Ok(Err(error)) => self.set(Err(error)),
             Err(_) => self.set(Err(Error::Panicked)),

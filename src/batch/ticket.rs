@@ -4,6 +4,7 @@ use super::cpu::Steps;
 use super::found::Found;
 use super::outcome::Outcome;
 use crate::Error;
+use crate::environment::with_default;
 use crate::executor::{Backend, Plan, Reason};
 use std::fmt;
 use std::future::Future;
@@ -206,7 +207,7 @@ impl<T> Ticket<T> {
     /// Does a slice, if nobody else works.
     fn step(&mut self) {
         let Some(steps) = &mut self.steps else { return };
-        match steps.step() {
+        match with_default(|| steps.step()) {
             Ok(false) => return,
             Ok(true) => self.outcome.set(Ok(std::mem::take(&mut steps.found))),
             Err(error) => self.outcome.set(Err(error)),

@@ -1,6 +1,7 @@
 //! Traversals on the calling thread that a flag ends early.
 
 use crate::Error;
+use crate::memory::push;
 use pfront_core::bvtt::Query;
 use pfront_core::bvtt::TrianglePair;
 use std::ops::ControlFlow;
@@ -32,4 +33,25 @@ pub(crate) fn visit(
         }
     }
     Ok(())
+}
+
+/// Adds what `item` makes of each intersecting pair to a list.
+///
+/// # Errors
+/// As [`visit`]; [`Error::Memory`] if the list cannot grow, which then is empty and holds no memory.
+pub(crate) fn list<T>(
+    query: &impl Query,
+    flag: Option<&AtomicBool>,
+    items: &mut Vec<T>,
+    item: impl Fn(TrianglePair) -> T,
+) -> Result<(), Error> {
+    let mut pushed = Ok(());
+    visit(query, flag, |pair| {
+        pushed = push(items, item(pair));
+        if pushed.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    })?;
+    if pushed.is_err() {
+        *items = Vec::new();
+    }
+    pushed
 }

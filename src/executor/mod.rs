@@ -63,7 +63,7 @@ mod plan;
 mod reader;
 mod run;
 
-pub(crate) use cancel::visit;
+pub(crate) use cancel::{list, visit};
 #[cfg(feature = "gpu")]
 pub(crate) use device::{Device, Slot, merge_open, read};
 #[cfg(feature = "gpu")]
@@ -75,6 +75,8 @@ pub use plan::{Backend, Plan, Reason};
 pub(crate) use reader::{Reader, Seat, Work};
 pub(crate) use run::{Answer, Question, Run, Verb};
 
+#[cfg(feature = "gpu")]
+use crate::environment::with_default;
 #[cfg(feature = "gpu")]
 use crate::gpu::{Gpu, GpuError, GpuSettings};
 #[cfg(feature = "threads")]
@@ -148,7 +150,7 @@ impl Executor {
         #[cfg(not(feature = "threads"))]
         let own = Self::sequential();
         #[cfg(feature = "gpu")]
-        if let Ok(gpu) = Gpu::new()
+        if let Ok(gpu) = with_default(Gpu::new)
             && gpu.device().adapter_info().device_type != crate::gpu::wgpu::DeviceType::Cpu
             && let Ok(both) = own.clone().and_gpu(&gpu, gpu.settings())
         {
@@ -199,7 +201,7 @@ impl Executor {
     /// As [`crate::PairQuery::all`] on a GPU, while it is measured.
     #[cfg(feature = "gpu")]
     pub fn and_gpu(self, gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
-        let line = measure::measure(&self, gpu)?;
+        let line = with_default(|| measure::measure(&self, gpu))?;
         Ok(self.with_line(gpu, settings, line))
     }
 

@@ -5,6 +5,7 @@
 //! `exit`, which drops nothing, stops it as well, and waits a while for what the device works on.
 
 use crate::Error;
+use crate::environment::with_default;
 use crate::gpu::{Gpu, GpuError, wgpu};
 use std::collections::VecDeque;
 use std::fmt;
@@ -141,7 +142,8 @@ impl Shared {
         end::register(shared);
         let own = shared.clone();
         let thread = thread::Builder::new().name("pfront tickets".to_owned()).spawn(move || {
-            own.answer_all();
+            // A thread begins in the environment of the one that starts it.
+            with_default(|| own.answer_all());
             own.lock().is_running = false;
             own.changed.notify_all();
         });

@@ -10,26 +10,19 @@ use super::{
 use crate::Accuracy;
 #[cfg(feature = "gpu")]
 use crate::gpu::GpuError;
-#[cfg(feature = "threads")]
-use crate::threads::rayon::prelude::*;
+use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads::{Report, Traversal};
 use crate::{Error, Model, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
-use std::sync::atomic::AtomicBool;
-#[cfg(feature = "gpu")]
-use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 #[cfg(feature = "gpu")]
 use std::time::{Duration, Instant};
 
 /// A refit of fewer triangles takes less, at some 10 ns each, than to call another thread or a GPU.
 #[cfg(any(feature = "threads", feature = "gpu"))]
 const SMALL: usize = 1 << 11;
-
-/// To give away fewer searches for one hit, each of some 0.3 µs or more, would cost as much.
-#[cfg(feature = "threads")]
-const MEETING: usize = 64;
 
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -143,26 +136,45 @@ impl Run {
     }
 
     /// Adds to `out`, in order, where each of `pairs` meets, if it does.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
     pub(crate) fn contacts<C: Send>(
         &self,
         pairs: &[TrianglePair],
         contact: impl Fn(TrianglePair) -> Option<C> + Sync,
         out: &mut Vec<(TrianglePair, C)>,
-    ) {
+    ) -> Result<(), Error> {
+        self.filter_map(pairs, |&pair| Some((pair, contact(pair)?)), out)
+    }
+
+    /// Adds to `out`, in order, what `map` makes of some items, on the threads of the executor.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(crate) fn filter_map<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        map: impl Fn(&T) -> Option<R> + Sync,
+        out: &mut Vec<R>,
+    ) -> Result<(), Error> {
         #[cfg(feature = "threads")]
         if let Some(traversal) = &self.executor.traversal {
-            return traversal.contacts(pairs, contact, out);
+            return Ok(traversal.filter_map(items, map, out)?);
         }
-        out.extend(pairs.iter().filter_map(|&pair| Some((pair, contact(pair)?))));
+        items.iter().filter_map(map).try_for_each(|mapped| push(out, mapped))
     }
 
     /// The names of those `subjects` whose query finds something, in order.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] or [`Error::Memory`].
     pub(crate) fn meeting<S: Copy + Sync, N: Send, Q: Query>(
         &self,
         subjects: &[S],
         query: impl Fn(S) -> Option<(N, Q)> + Sync,
     ) -> Result<Vec<N>, Error> {
-        let flag = self.executor.cancel_flag();
+        let (flag, is_cancelled) = (self.executor.cancel_flag(), AtomicBool::new(false));
         let name = |&subject: &S| {
             let (name, query) = query(subject)?;
             let mut meet = false;
@@ -170,14 +182,14 @@ impl Run {
                 meet = true;
                 ControlFlow::Break(())
             });
-            end.map(|()| meet.then_some(name)).transpose()
+            if end.is_err() {
+                is_cancelled.store(true, Relaxed);
+            }
+            meet.then_some(name)
         };
-        #[cfg(feature = "threads")]
-        if let Some(traversal) = &self.executor.traversal {
-            let named = subjects.par_iter().with_min_len(MEETING).filter_map(name);
-            return traversal.install(|| named.collect());
-        }
-        subjects.iter().filter_map(name).collect()
+        let mut names = Vec::new();
+        self.filter_map(subjects, name, &mut names)?;
+        if is_cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(names) }
     }
 
     /// Moves the vertices of a model that will be asked about next.
@@ -214,6 +226,7 @@ impl Run {
         model.set_positions(positions)
     }
 
+    /// Answers in the floating-point environment of the calling thread, which is to be the default.
     pub(crate) fn ask<Q: Question>(
         &mut self,
         question: &mut Q,

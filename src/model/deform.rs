@@ -8,6 +8,7 @@ use super::passes::THREADS;
 use super::passes::{ONE_THREAD, Parallel, both, by_parts, if_four_threads};
 use super::tree::Tree;
 use crate::Error;
+use crate::environment::with_default;
 use pfront_core::{Mesh, MeshError};
 
 impl Model {
@@ -70,7 +71,7 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions_unfitted(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
-        self.store(positions, ONE_THREAD).map(drop)
+        with_default(|| self.store(positions, ONE_THREAD).map(drop))
     }
 
     /// Fits the BVH, and rebuilds it if that is due, after [`Model::set_positions_unfitted`].
@@ -78,20 +79,22 @@ impl Model {
     /// # Complexity
     /// As [`Model::set_positions`]; O(1) if the BVH fits.
     pub fn fit(&mut self) {
-        self.fit_by(ONE_THREAD);
+        with_default(|| self.fit_by(ONE_THREAD));
     }
 
     /// [`Model::fit`] in the rayon pool of whoever asks.
     #[cfg(feature = "threads")]
     pub fn fit_with_threads(&mut self) {
-        self.fit_by(THREADS);
+        with_default(|| self.fit_by(THREADS));
     }
 
     fn deform(&mut self, positions: &[[f32; 3]], parallel: Parallel) -> Result<(), Error> {
-        if self.store(positions, parallel)? {
-            self.fit_by(parallel);
-        }
-        Ok(())
+        with_default(|| {
+            if self.store(positions, parallel)? {
+                self.fit_by(parallel);
+            }
+            Ok(())
+        })
     }
 
     /// Takes other positions, after which nothing fits any more; returns whether they are others.

@@ -5,15 +5,18 @@ mod certificates;
 mod deform;
 mod in_f64;
 mod moves;
+mod outline;
 mod passes;
 mod patches;
 mod renewed;
 mod stamp;
 mod tree;
 
+pub(crate) use outline::Outline;
 pub use stamp::Stamp;
 
 use crate::Error;
+use crate::environment::with_default;
 use crate::sphere::Sphere;
 use certificates::Certificates;
 use in_f64::Exact;
@@ -141,8 +144,10 @@ impl Model {
         triangles: Vec<[u32; 3]>,
         options: BuildOptions<'static>,
     ) -> Result<Self, Error> {
-        let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel);
-        Ok(Self::of(positions, triangles, options, tree))
+        with_default(|| {
+            let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel);
+            Ok(Self::of(positions, triangles, options, tree))
+        })
     }
 
     /// A mesh that is checked, and its tree.
@@ -184,8 +189,11 @@ impl Model {
     #[must_use]
     pub fn certificates(&self) -> Certified<'_> {
         let mesh = self.mesh();
-        let renew = |stale: &mut Certificates| stale.renew(mesh, &self.moves, ONE_THREAD);
-        self.certificates.get(renew, || Certificates::new(mesh)).certified(mesh)
+        let renew = |stale: &mut Certificates| {
+            with_default(|| stale.renew(mesh, &self.moves, ONE_THREAD));
+        };
+        let make = || with_default(|| Certificates::new(mesh));
+        self.certificates.get(renew, make).certified(mesh)
     }
 
     /// The patch certificates that self-collision uses: found when the BVH has been refitted eight times, which takes as long
@@ -194,10 +202,12 @@ impl Model {
     #[must_use]
     pub fn patches(&self) -> CertifiedPatches<'_> {
         let (tree, mesh) = (self.tree(), self.mesh());
-        let renew = |own: &mut OwnPatches| own.renew(tree, mesh, &self.moves, ONE_THREAD);
+        let renew = |own: &mut OwnPatches| {
+            with_default(|| own.renew(tree, mesh, &self.moves, ONE_THREAD));
+        };
         let make = || {
             let mut own = OwnPatches::default();
-            own.renew(tree, mesh, &Moves::default(), ONE_THREAD);
+            with_default(|| own.renew(tree, mesh, &Moves::default(), ONE_THREAD));
             own
         };
         self.patches.get(renew, make).certified(tree, mesh)
@@ -207,7 +217,7 @@ impl Model {
     /// changed, in O(n); `None` if there is no triangle.
     #[must_use]
     pub fn sphere(&self) -> Option<Sphere> {
-        *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))
+        *self.sphere.get_or_init(|| with_default(|| Sphere::of(&self.bvh())))
     }
 
     /// Numbers that tell this mesh, BVH and positions from all others: what is equal to an earlier stamp need not be
@@ -249,9 +259,9 @@ impl Model {
     fn fitted(&self) -> &Tree {
         let (mesh, options) = (self.mesh(), &self.options);
         self.tree.get(
-            |tree| tree.fit(mesh, *options, &self.moves, ONE_THREAD),
+            |tree| with_default(|| tree.fit(mesh, *options, &self.moves, ONE_THREAD)),
             // Lost by a thread that panicked.
-            || Tree::build(mesh, *options, ONE_THREAD),
+            || with_default(|| Tree::build(mesh, *options, ONE_THREAD)),
         )
     }
 }

@@ -12,7 +12,7 @@ use super::frame::{Answer, Frame};
 use super::{Accuracy, Error, SceneHit};
 #[cfg(feature = "gpu")]
 use crate::executor::Device;
-use crate::executor::{Question, Verb, visit};
+use crate::executor::{Question, Verb, list, visit};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use std::ops::ControlFlow;
@@ -52,10 +52,7 @@ impl Question for Asking<'_> {
             Verb::All => {
                 for (bodies, query) in frame.queries() {
                     let first = self.hits.len();
-                    visit(&query, cancel, |pair| {
-                        self.hits.push(SceneHit { bodies, pair });
-                        ControlFlow::Continue(())
-                    })?;
+                    list(&query, cancel, self.hits, |pair| SceneHit { bodies, pair })?;
                     self.hits[first..].sort_unstable();
                 }
                 Answer::listed(self.hits)
@@ -90,7 +87,7 @@ impl Question for Asking<'_> {
     fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Answer, Error> {
         self.broad.update(self.bodies)?;
         let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
-        Ok(self.batches.ask(traversal, &frame, verb, self.hits))
+        self.batches.ask(traversal, &frame, verb, self.hits)
     }
 
     /// A scene stays itself, whichever bodies it has.

@@ -2,7 +2,9 @@
 
 use super::frame::{Answer, Frame};
 use super::{BodyId, SceneHit};
+use crate::Error;
 use crate::executor::Verb;
+use crate::memory::extend;
 use crate::threads::{Hit, Report, Traversal};
 use pfront_core::bvtt::PairBvtt;
 
@@ -30,26 +32,27 @@ impl Batches {
         frame: &Frame<'_>,
         verb: Verb,
         hits: &mut Vec<SceneHit>,
-    ) -> Answer {
+    ) -> Result<Answer, Error> {
         let hit = |asked: &[[BodyId; 2]], hit: Hit| SceneHit {
             bodies: asked[hit.query as usize],
             pair: hit.pair,
         };
-        match verb {
+        Ok(match verb {
             Verb::All => {
                 let mut found = std::mem::take(&mut self.found);
                 self.each_batch(traversal, frame, |traversal, asked, queries| {
-                    traversal.all(queries, &mut found);
-                    hits.extend(found.iter().map(|&found| hit(asked, found)));
-                });
+                    traversal.all(queries, &mut found)?;
+                    extend(hits, found.iter().map(|&found| hit(asked, found)))
+                })?;
                 self.found = found;
                 Answer::listed(hits)
             }
             Verb::Count => {
                 let mut count = 0;
                 self.each_batch(traversal, frame, |traversal, _, queries| {
-                    count += traversal.count(queries);
-                });
+                    count += traversal.count(queries)?;
+                    Ok(())
+                })?;
                 Answer::counted(count)
             }
             Verb::Any => {
@@ -66,14 +69,14 @@ impl Batches {
                     if queries.is_empty() {
                         break;
                     }
-                    first = traversal.any(&queries).map(|found| hit(&self.asking, found));
+                    first = traversal.any(&queries)?.map(|found| hit(&self.asking, found));
                     queries.clear();
                     size = (4 * size).min(BATCH);
                 }
                 self.queries = emptied(queries);
                 Answer::found(first)
             }
-        }
+        })
     }
 
     /// Asks the queries of a frame in batches of at most [`BATCH`], until time runs out or the flag is set. The report of the
@@ -82,8 +85,8 @@ impl Batches {
         &mut self,
         traversal: &mut Traversal,
         frame: &Frame<'_>,
-        mut ask: impl FnMut(&mut Traversal, &[[BodyId; 2]], &[PairBvtt<'_>]),
-    ) {
+        mut ask: impl FnMut(&mut Traversal, &[[BodyId; 2]], &[PairBvtt<'_>]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let mut queries: Vec<PairBvtt<'_>> = std::mem::take(&mut self.queries);
         let mut rest = frame.queries().peekable();
         let mut before: Option<Report> = None;
@@ -101,7 +104,7 @@ impl Batches {
                 traversal.forget();
                 std::mem::swap(&mut self.asked, &mut self.asking);
             }
-            ask(traversal, &self.asked, &queries);
+            ask(traversal, &self.asked, &queries)?;
             queries.clear();
             if let Some(mut report) = before.take() {
                 report.add(&traversal.report);
@@ -113,6 +116,7 @@ impl Batches {
             before = Some(traversal.report.clone());
         }
         self.queries = emptied(queries);
+        Ok(())
     }
 
     /// Makes the bodies of this frame those of the last, and keeps what is remembered of pairs that are in both.

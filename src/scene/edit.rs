@@ -3,6 +3,7 @@
 use super::SceneQuery;
 use super::bodies::{Body, BodyId, Groups};
 use super::split::{Cutter, parts};
+use crate::environment::with_default;
 use crate::{Aabb, AnyPose, Error, Model};
 use std::sync::Arc;
 
@@ -29,7 +30,8 @@ impl SceneQuery {
         model: impl Into<Arc<Model>>,
         world_from_body: impl Into<AnyPose>,
     ) -> Result<BodyId, Error> {
-        self.bodies.add(model.into(), world_from_body.into())
+        let (model, world_from_body) = (model.into(), world_from_body.into());
+        with_default(|| self.bodies.add(model, world_from_body))
     }
 
     /// Takes a body out and returns it.
@@ -53,10 +55,10 @@ impl SceneQuery {
         world_from_body: impl Into<AnyPose>,
     ) -> Result<(), Error> {
         let world_from_body = world_from_body.into();
-        if self.bodies.get(id)?.pose() == world_from_body {
-            return Ok(());
-        }
-        self.bodies.change(id, |body| body.set_pose(world_from_body))
+        with_default(|| match self.bodies.get(id)?.pose() == world_from_body {
+            true => Ok(()),
+            false => self.bodies.change(id, |body| body.set_pose(world_from_body)),
+        })
     }
 
     /// Gives a body another model, in the pose that it has.
@@ -78,11 +80,13 @@ impl SceneQuery {
     pub fn set_model(&mut self, id: BodyId, model: impl Into<Arc<Model>>) -> Result<(), Error> {
         let model = model.into();
         let is_other = self.bodies.get(id)?.model().stamp().mesh() != model.stamp().mesh();
-        self.bodies.change(id, |body| {
-            body.pose().check(model.bvh())?;
-            body.model = model;
-            body.reshaped();
-            Ok(())
+        with_default(|| {
+            self.bodies.change(id, |body| {
+                body.pose().check(model.bvh())?;
+                body.model = model;
+                body.reshaped();
+                Ok(())
+            })
         })?;
         if is_other {
             self.bodies.regathered();
@@ -102,13 +106,15 @@ impl SceneQuery {
     /// the number of vertices differs or the model is in f64, [`Error::Pose`] if its pose takes a vertex out of range.
     pub fn set_positions(&mut self, id: BodyId, positions: &[[f32; 3]]) -> Result<(), Error> {
         let run = &self.run;
-        self.bodies.change(id, |body| {
-            body.model().mesh().with_positions(positions)?;
-            body.pose().check_bounds(&Aabb::of(positions))?;
-            let model = Arc::make_mut(&mut body.model);
-            run.refit(model, positions)?;
-            body.reshaped();
-            Ok(())
+        with_default(|| {
+            self.bodies.change(id, |body| {
+                body.model().mesh().with_positions(positions)?;
+                body.pose().check_bounds(&Aabb::of(positions))?;
+                let model = Arc::make_mut(&mut body.model);
+                run.refit(model, positions)?;
+                body.reshaped();
+                Ok(())
+            })
         })
     }
 
@@ -127,12 +133,14 @@ impl SceneQuery {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions_f64(&mut self, id: BodyId, positions: &[[f64; 3]]) -> Result<(), Error> {
-        self.bodies.change(id, |body| {
-            let shadow = body.model().shadow_of(positions)?;
-            body.pose().check_bounds(&shadow.bounds())?;
-            Arc::make_mut(&mut body.model).set_shadowed(positions, shadow);
-            body.reshaped();
-            Ok(())
+        with_default(|| {
+            self.bodies.change(id, |body| {
+                let shadow = body.model().shadow_of(positions)?;
+                body.pose().check_bounds(&shadow.bounds())?;
+                Arc::make_mut(&mut body.model).set_shadowed(positions, shadow);
+                body.reshaped();
+                Ok(())
+            })
         })
     }
 
@@ -232,7 +240,7 @@ impl SceneQuery {
         self.bodies.remove(id)?;
         let pieces = parts.into_iter().zip(models).map(|((part, triangles), model)| {
             // A pose that suits the whole suits a part.
-            let body = self.bodies.add(model.into(), pose)?;
+            let body = with_default(|| self.bodies.add(model.into(), pose))?;
             let piece = self.bodies.get_mut(body)?;
             (piece.groups, piece.user_data) = (groups, user_data);
             Ok(Piece { body, part, triangles })

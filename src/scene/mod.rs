@@ -15,6 +15,7 @@ mod split;
 pub use bodies::{Body, BodyId, Groups};
 pub use edit::Piece;
 
+use crate::environment::{Environment, with_default};
 use crate::executor::{Plan, Run, Verb};
 #[cfg(feature = "threads")]
 use crate::threads;
@@ -261,13 +262,16 @@ impl SceneQuery {
             pairs.dedup();
             return Ok(pairs);
         }
-        self.broad.update(&mut self.bodies)?;
-        let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
-        self.run.meeting(&frame.pairs().collect::<Vec<_>>(), |places| frame.query(places))
+        with_default(|| {
+            self.broad.update(&mut self.bodies)?;
+            let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
+            self.run.meeting(&frame.pairs().collect::<Vec<_>>(), |places| frame.query(places))
+        })
     }
 
     /// Calls `visit` for each pair that meets, bodies in order and their triangles in none, until it
-    /// breaks. Uses only the calling thread, and what is kept only where nothing has changed.
+    /// breaks. Uses only the calling thread, and what is kept only where nothing has changed; `visit` runs in the caller's
+    /// floating-point environment.
     ///
     /// # Errors
     /// As [`SceneQuery::all`].
@@ -290,12 +294,15 @@ impl SceneQuery {
         if self.start() == self.bodies.time() {
             return Ok(self.hits.list().iter().try_for_each(|&hit| visit(hit)));
         }
-        self.broad.update(&mut self.bodies)?;
-        let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
-        let end = frame.queries().try_for_each(|(bodies, query)| {
-            query.visit(&mut query.start(), |pair| visit(SceneHit { bodies, pair }))
-        });
-        Ok(end)
+        let callers = Environment::current();
+        with_default(|| {
+            self.broad.update(&mut self.bodies)?;
+            let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
+            Ok(frame.queries().try_for_each(|(bodies, query)| {
+                let visit = |pair| callers.run(|| visit(SceneHit { bodies, pair }));
+                query.visit(&mut query.start(), visit)
+            }))
+        })
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals, in the world. A
@@ -325,9 +332,10 @@ impl SceneQuery {
             if self.bodies.changed([a, b]) <= self.contacts.at() {
                 continue;
             }
-            let query = meeting(self.bodies.get(a)?, self.bodies.get(b)?);
+            let (a, b) = (self.bodies.get(a)?, self.bodies.get(b)?);
+            let query = with_default(|| meeting(a, b));
             let found = of_two.iter().filter_map(|&hit| Some((hit, query.contact(hit.pair)?)));
-            self.new_contacts.extend(found);
+            with_default(|| self.new_contacts.extend(found));
         }
         self.contacts.complete(&mut self.new_contacts, &self.bodies);
         Ok(self.contacts.list())
@@ -351,9 +359,10 @@ impl SceneQuery {
         let mut contacts = Vec::with_capacity(self.hits().len());
         for of_two in self.hits().chunk_by(|x, y| x.bodies == y.bodies) {
             let [a, b] = of_two[0].bodies;
-            let query = meeting(self.bodies.get(a)?, self.bodies.get(b)?);
+            let (a, b) = (self.bodies.get(a)?, self.bodies.get(b)?);
+            let query = with_default(|| meeting(a, b));
             let found = of_two.iter().filter_map(|&hit| Some((hit, query.contact_f64(hit.pair)?)));
-            contacts.extend(found);
+            with_default(|| contacts.extend(found));
         }
         Ok(contacts)
     }
@@ -385,6 +394,6 @@ impl SceneQuery {
             #[cfg(feature = "gpu")]
             mirror: &mut self.mirror,
         };
-        self.run.ask(&mut asking, verb)
+        with_default(|| self.run.ask(&mut asking, verb))
     }
 }

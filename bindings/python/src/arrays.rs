@@ -1,5 +1,8 @@
 //! Arrays of NumPy, in and out.
 
+use crate::errors::exception;
+use crate::memory::copy;
+use bytemuck::Pod;
 use numpy::ndarray::{Array2, Array3};
 use numpy::{Element, IntoPyArray, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pfront::TrianglePair;
@@ -19,25 +22,29 @@ pub(crate) fn triples<T: Element + Copy>(
     array: &PyReadonlyArrayDyn<'_, T>,
 ) -> PyResult<Vec<[T; 3]>> {
     match array.shape() {
-        [_, 3] => Ok(entries(array)?.as_chunks::<3>().0.to_vec()),
+        [_, 3] => {
+            let rows = copy(entries(array)?.as_chunks::<3>().0);
+            rows.map_err(|error| exception(array.py(), error, None))
+        }
         shape => Err(PyValueError::new_err(format!("an array of shape {shape:?} is not (n, 3)"))),
     }
 }
 
 /// A copy of numbers.
 pub(crate) fn numbers<T: Element + Copy>(array: &PyReadonlyArrayDyn<'_, T>) -> PyResult<Vec<T>> {
-    Ok(entries(array)?.to_vec())
+    copy(entries(array)?).map_err(|error| exception(array.py(), error, None))
 }
 
 /// An (n, 2) array of pairs, in their memory.
 pub(crate) fn pair_array(py: Python<'_>, pairs: Vec<TrianglePair>) -> PyResult<Py<PyAny>> {
     let rows = pairs.len();
-    let flat = match bytemuck::allocation::try_cast_vec::<TrianglePair, u32>(pairs) {
-        Ok(flat) => flat,
-        // A capacity that does not fit, which has to be copied.
-        Err((_, pairs)) => pairs.iter().flat_map(|pair| [pair.a, pair.b]).collect(),
-    };
-    table(py, flat, rows, 2)
+    table::<u32>(py, flat(py, pairs)?, rows, 2)
+}
+
+/// A copy of rows of three.
+pub(crate) fn rows<T: Element + Pod>(py: Python<'_>, rows: &[[T; 3]]) -> PyResult<Py<PyAny>> {
+    let flat = copy(rows.as_flattened()).map_err(|error| exception(py, error, None))?;
+    table(py, flat, rows.len(), 3)
 }
 
 /// An array of `rows` by `columns`.
@@ -52,11 +59,12 @@ pub(crate) fn table<T: Element>(
     Ok(array.into_pyarray(py).into_any().unbind())
 }
 
-/// An array of two points a row.
-pub(crate) fn points<T: Element>(py: Python<'_>, rows: Vec<[[T; 3]; 2]>) -> PyResult<Py<PyAny>> {
-    let count = rows.len();
-    let flat: Vec<T> = rows.into_iter().flatten().flatten().collect();
-    let array = Array3::from_shape_vec((count, 2, 3), flat);
+/// An array of two points a row, in their memory.
+pub(crate) fn points<T: Element + Pod>(
+    py: Python<'_>,
+    rows: Vec<[[T; 3]; 2]>,
+) -> PyResult<Py<PyAny>> {
+    let array = Array3::from_shape_vec((rows.len(), 2, 3), flat::<_, T>(py, rows)?);
     let array = array.map_err(|error| PyValueError::new_err(error.to_string()))?;
     Ok(array.into_pyarray(py).into_any().unbind())
 }
@@ -64,4 +72,12 @@ pub(crate) fn points<T: Element>(py: Python<'_>, rows: Vec<[[T; 3]; 2]>) -> PyRe
 /// An array of one dimension.
 pub(crate) fn list<T: Element>(py: Python<'_>, list: Vec<T>) -> Py<PyAny> {
     list.into_pyarray(py).into_any().unbind()
+}
+
+/// The numbers of rows, in their memory.
+fn flat<R: Pod, T: Pod>(py: Python<'_>, rows: Vec<R>) -> PyResult<Vec<T>> {
+    bytemuck::allocation::try_cast_vec(rows).or_else(|(_, rows)| {
+        // A capacity that does not fit, which has to be copied.
+        copy(bytemuck::cast_slice(&rows)).map_err(|error| exception(py, error, None))
+    })
 }

@@ -2,10 +2,13 @@
 
 use crate::errors::exception;
 use crate::executor::Executor;
-use crate::question::{together, wait};
+use crate::question::{Submission, wait};
+use crate::threads::apart;
 use pfront::{AnyPose, Batch, Error, Model, Ticket};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::Arc;
+use std::{mem, process};
 
 /// Poses that are asked about in one submission.
 const CHUNK: usize = 1 << 14;
@@ -27,7 +30,8 @@ impl PoseBatch<'_> {
         mut read: impl FnMut(&[AnyPose], T) -> PyResult<()>,
     ) -> PyResult<()> {
         let Self { models: [a, b], poses, progress } = self;
-        let executor = together(py, on)?;
+        let to = Submission::new(py, on, self.is_f64())?;
+        let own = process::id();
         let mut batch = Batch::new();
         let mut done = 0;
         for chunk in poses.chunks(CHUNK) {
@@ -36,13 +40,21 @@ impl PoseBatch<'_> {
                 for (i, pose) in chunk.iter().enumerate() {
                     batch.pair(a, b, *pose).map_err(|error| (error, Some(done + i)))?;
                 }
-                verb(&mut batch, &executor).map_err(|error| (error, None))
+                verb(&mut batch, &to.executor).map_err(|error| (error, None))
             };
-            let ticket = py.detach(start).map_err(|(error, pose)| exception(py, error, pose))?;
+            let ticket = apart(py, start).map_err(|(error, pose)| exception(py, error, pose))?;
             read(chunk, wait(py, ticket)?)?;
             done += chunk.len();
+            on.note(to.answers.clone());
             if let Some(progress) = progress {
                 progress.call1((done, poses.len()))?;
+            }
+            if own != process::id() {
+                // The threads and the device of this question are not here.
+                mem::forget((batch, to));
+                return Err(PyRuntimeError::new_err(
+                    "the process was forked inside a question: ask again here",
+                ));
             }
         }
         Ok(())

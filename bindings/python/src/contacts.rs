@@ -4,9 +4,13 @@ use crate::arrays::{list, pair_array, points};
 use crate::batch::PoseBatch;
 use crate::errors::exception;
 use crate::executor::Executor;
+use crate::memory::{push, reserve};
 use crate::model::Model;
 use crate::question::{Ask, Question, Subject, listed};
+use crate::threads::apart;
+use bytemuck::Pod;
 use pfront::pfront_core::bvtt::Query;
+use pfront::threads::rayon::ThreadPool;
 use pfront::threads::rayon::prelude::*;
 use pfront::{AnyPose, Batch, Contact, Error, PairLists, TrianglePair};
 use pyo3::prelude::*;
@@ -15,23 +19,75 @@ use pyo3::prelude::*;
 const CONTACTS: usize = 1 << 13;
 
 /// The list of arrays that tell contacts: pairs, segments, normals and whether each is flat.
-type Arrays = (Py<PyAny>, Py<PyAny>, Py<PyAny>, Py<PyAny>);
+pub(crate) type Arrays = (Py<PyAny>, Py<PyAny>, Py<PyAny>, Py<PyAny>);
 
-/// Pairs with their contacts.
-type Found<C> = Vec<(TrianglePair, C)>;
+/// Contacts as a struct of arrays.
+pub(crate) struct Columns<C> {
+    pairs: Vec<TrianglePair>,
+    segments: Vec<[[C; 3]; 2]>,
+    normals: Vec<[[f32; 3]; 2]>,
+    flat: Vec<bool>,
+}
+
+impl<C> Default for Columns<C> {
+    fn default() -> Self {
+        Self { pairs: Vec::new(), segments: Vec::new(), normals: Vec::new(), flat: Vec::new() }
+    }
+}
+
+impl<C: Copy> Columns<C> {
+    pub(crate) fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Makes room for more contacts.
+    pub(crate) fn reserve(&mut self, more: usize) -> Result<(), Error> {
+        reserve(&mut self.pairs, more)?;
+        reserve(&mut self.segments, more)?;
+        reserve(&mut self.normals, more)?;
+        reserve(&mut self.flat, more)
+    }
+
+    pub(crate) fn push(&mut self, pair: TrianglePair, contact: &Contact<C>) -> Result<(), Error> {
+        push(&mut self.pairs, pair)?;
+        push(&mut self.segments, contact.segment)?;
+        push(&mut self.normals, contact.normals)?;
+        push(&mut self.flat, contact.is_flat)
+    }
+
+    fn extend(&mut self, found: &[Found<C>]) -> Result<(), Error> {
+        self.reserve(found.len())?;
+        found.iter().flatten().try_for_each(|(pair, contact)| self.push(*pair, contact))
+    }
+}
+
+impl<C: numpy::Element + Pod> Columns<C> {
+    pub(crate) fn into_arrays(self, py: Python<'_>) -> PyResult<Arrays> {
+        Ok((
+            pair_array(py, self.pairs)?,
+            points(py, self.segments)?,
+            points(py, self.normals)?,
+            list(py, self.flat),
+        ))
+    }
+}
+
+/// A pair and where it meets, if it does.
+type Found<C> = Option<(TrianglePair, Contact<C>)>;
 
 /// Where pairs meet, in their order.
 struct Where<'s, C, F> {
     pairs: &'s [TrianglePair],
     /// The threads, if the pairs are many.
-    on: Option<&'s Executor>,
-    out: &'s mut Found<C>,
+    pool: Option<&'s ThreadPool>,
+    /// Replaced.
+    out: &'s mut Vec<Found<C>>,
     contact: F,
 }
 
 /// Contacts in either precision.
 trait Verb<C> {
-    fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<C>;
+    fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<Contact<C>>;
 }
 
 #[derive(Clone, Copy)]
@@ -39,13 +95,13 @@ struct InF32;
 #[derive(Clone, Copy)]
 struct InF64;
 
-impl Verb<Contact> for InF32 {
+impl Verb<f32> for InF32 {
     fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<Contact> {
         query.contact(pair)
     }
 }
 
-impl Verb<Contact<f64>> for InF64 {
+impl Verb<f64> for InF64 {
     fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<Contact<f64>> {
         query.contact_f64(pair)
     }
@@ -53,49 +109,70 @@ impl Verb<Contact<f64>> for InF64 {
 
 impl<C: Send, F: Verb<C> + Copy + Sync> Ask<()> for Where<'_, C, F> {
     fn ask(self, query: &(impl Query + Sync)) -> Result<(), Error> {
-        let verb = self.contact;
+        let Self { pairs, pool, out, contact: verb } = self;
+        out.clear();
+        reserve(out, pairs.len())?;
         let contact = |&pair: &TrianglePair| Some((pair, verb.contact(query, pair)?));
-        match self.on.and_then(Executor::pool) {
+        match pool {
             Some(pool) => pool.install(|| {
-                self.out.par_extend(self.pairs.par_iter().with_min_len(512).filter_map(contact));
+                pairs.par_iter().with_min_len(512).map(contact).collect_into_vec(out);
             }),
-            _ => self.out.extend(self.pairs.iter().filter_map(contact)),
+            None => out.extend(pairs.iter().map(contact)),
         }
         Ok(())
     }
 }
 
-fn located<C: Send, F: Verb<C> + Copy + Send + Sync>(
+/// Adds the contacts of one subject, while signals are heard.
+fn locate<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
+    py: Python<'_>,
+    columns: &mut Columns<C>,
+    subject: &Subject,
+    pairs: &[TrianglePair],
+    pool: Option<&ThreadPool>,
+    contact: F,
+) -> PyResult<()> {
+    let mut out = Vec::new();
+    apart(py, || columns.reserve(pairs.len())).map_err(|error| exception(py, error, None))?;
+    for pairs in pairs.chunks(CONTACTS) {
+        let pool = pool.filter(|_| pairs.len() >= CONTACTS);
+        let locate = || {
+            subject.with(Where { pairs, pool, out: &mut out, contact })?;
+            columns.extend(&out)
+        };
+        apart(py, locate).map_err(|error| exception(py, error, None))?;
+        py.check_signals()?;
+    }
+    Ok(())
+}
+
+/// The contacts of one subject.
+fn located<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
     py: Python<'_>,
     subject: &Subject,
     pairs: &[TrianglePair],
     on: &Executor,
     contact: F,
-) -> PyResult<Found<C>> {
-    let mut out = Vec::with_capacity(pairs.len());
-    for pairs in pairs.chunks(CONTACTS) {
-        let on = (pairs.len() >= CONTACTS).then_some(on);
-        let ask = Where { pairs, on, out: &mut out, contact };
-        py.detach(|| subject.with(ask)).map_err(|error| exception(py, error, None))?;
-        py.check_signals()?;
-    }
-    Ok(out)
+) -> PyResult<Columns<C>> {
+    let mut columns = Columns::default();
+    locate(py, &mut columns, subject, pairs, on.made(py).pool.as_deref(), contact)?;
+    Ok(columns)
 }
 
 /// The contacts of many poses, and where those of each begin and end.
-fn swept<C: Send, F: Verb<C> + Copy + Send + Sync>(
+fn swept<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
     py: Python<'_>,
     many: &PoseBatch<'_>,
     on: &Executor,
     contact: F,
-) -> PyResult<(Found<C>, Vec<i64>)> {
-    let (mut out, mut offsets) = (Vec::new(), vec![0]);
-    let models = &many.models;
+) -> PyResult<(Columns<C>, Vec<i64>)> {
+    let (mut columns, mut offsets) = (Columns::default(), vec![0]);
+    let (models, pool) = (&many.models, on.made(py).pool);
     many.ask(py, on, Batch::all, |poses, lists: PairLists| {
         let of_pose = |(&a_from_b, pairs): (&AnyPose, &[TrianglePair])| {
             let subject = Subject::Pair { models: models.clone(), a_from_b };
-            let mut out = Vec::with_capacity(pairs.len());
-            subject.with(Where { pairs, on: None, out: &mut out, contact })?;
+            let mut out = Vec::new();
+            subject.with(Where { pairs, pool: None, out: &mut out, contact })?;
             Ok(out)
         };
         let questions: Vec<_> = poses.iter().zip(lists.iter()).collect();
@@ -110,21 +187,32 @@ fn swept<C: Send, F: Verb<C> + Copy + Send + Sync>(
             });
             let (group, later) = rest.split_at(count.count());
             rest = later;
-            let found: Result<Vec<_>, Error> = py.detach(|| match on.pool() {
-                Some(pool) if pairs >= CONTACTS && group.len() > 1 => {
-                    pool.install(|| group.par_iter().copied().map(of_pose).collect())
-                }
-                _ => group.iter().copied().map(of_pose).collect(),
-            });
-            for contacts in found.map_err(|error| exception(py, error, None))? {
-                out.extend(contacts);
-                offsets.push(out.len() as i64);
+            if let &[(&a_from_b, pairs)] = group {
+                let subject = Subject::Pair { models: models.clone(), a_from_b };
+                locate(py, &mut columns, &subject, pairs, pool.as_deref(), contact)?;
+                let ended = push(&mut offsets, columns.len() as i64);
+                ended.map_err(|error| exception(py, error, None))?;
+                continue;
             }
+            let group = || {
+                let found: Result<Vec<_>, Error> = match &pool {
+                    Some(pool) if pairs >= CONTACTS => {
+                        pool.install(|| group.par_iter().copied().map(of_pose).collect())
+                    }
+                    _ => group.iter().copied().map(of_pose).collect(),
+                };
+                for contacts in found? {
+                    columns.extend(&contacts)?;
+                    push(&mut offsets, columns.len() as i64)?;
+                }
+                Ok(())
+            };
+            apart(py, group).map_err(|error| exception(py, error, None))?;
             py.check_signals()?;
         }
         Ok(())
     })?;
-    Ok((out, offsets))
+    Ok((columns, offsets))
 }
 
 /// Where pairs meet, and how they face. For many poses also where the contacts of each begin and end.
@@ -141,33 +229,21 @@ pub fn contacts(
         Question::One(subject) => {
             let pairs = listed(py, &subject, on, None)?;
             let arrays = if subject.is_f64() {
-                contact_arrays(py, located(py, &subject, &pairs, on, InF64)?)?
+                located(py, &subject, &pairs, on, InF64)?.into_arrays(py)?
             } else {
-                contact_arrays(py, located(py, &subject, &pairs, on, InF32)?)?
+                located(py, &subject, &pairs, on, InF32)?.into_arrays(py)?
             };
             Ok((arrays, None))
         }
         Question::Many(many) => {
             let (arrays, offsets) = if many.is_f64() {
                 let (found, offsets) = swept(py, &many, on, InF64)?;
-                (contact_arrays(py, found)?, offsets)
+                (found.into_arrays(py)?, offsets)
             } else {
                 let (found, offsets) = swept(py, &many, on, InF32)?;
-                (contact_arrays(py, found)?, offsets)
+                (found.into_arrays(py)?, offsets)
             };
             Ok((arrays, Some(list(py, offsets))))
         }
     }
-}
-
-pub(crate) fn contact_arrays<C: numpy::Element + Copy>(
-    py: Python<'_>,
-    found: Found<Contact<C>>,
-) -> PyResult<Arrays> {
-    Ok((
-        pair_array(py, found.iter().map(|&(pair, _)| pair).collect())?,
-        points(py, found.iter().map(|(_, contact)| contact.segment).collect())?,
-        points(py, found.iter().map(|(_, contact)| contact.normals).collect())?,
-        list(py, found.iter().map(|(_, contact)| contact.is_flat).collect()),
-    ))
 }

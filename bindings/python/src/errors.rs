@@ -1,7 +1,7 @@
 //! Errors of the library as exceptions, which are written in Python: `pfront/_errors.py`.
 
 use pfront::{Error, MeshError, PoseError};
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 
 mod python {
@@ -12,18 +12,37 @@ mod python {
     pyo3::import_exception!(pfront._errors, DeviceError);
 }
 
+/// Imports all exceptions.
+pub(crate) fn load(py: Python<'_>) -> PyResult<()> {
+    for error in [
+        python::MeshError::new_err(""),
+        python::PoseError::new_err(""),
+        python::BlobError::new_err(""),
+        python::StaleBody::new_err(""),
+        python::DeviceError::new_err(""),
+    ] {
+        error.value(py);
+    }
+    Ok(())
+}
+
 /// The exception that says the same; `pose` is the index of the pose at fault, if there are many.
 pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> PyErr {
-    let text = match pose {
-        Some(pose) => format!("pose {pose}: {error}"),
-        None => error.to_string(),
+    let text = match error {
+        // Nothing is split here.
+        Error::StaleBody { id } => {
+            format!("{id} is not in the scene: it was never added, or has been removed")
+        }
+        _ => error.to_string(),
     };
+    let text = pose.map_or(text.clone(), |pose| format!("pose {pose}: {text}"));
     let (raised, names) = match error {
         Error::Mesh(error) => (python::MeshError::new_err(text), of_mesh(&error)),
         Error::Pose(error) => (python::PoseError::new_err(text), of_pose(&error)),
         Error::Blob(_) => (python::BlobError::new_err(text), None),
         Error::StaleBody { .. } => (python::StaleBody::new_err(text), None),
         Error::Gpu(_) => (python::DeviceError::new_err(text), None),
+        Error::Memory { .. } => (PyMemoryError::new_err(text), None),
         _ => (PyRuntimeError::new_err(text), None),
     };
     for (name, value) in names.into_iter().chain(pose.map(|pose| ("pose", pose))) {
@@ -32,6 +51,14 @@ pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> Py
         }
     }
     raised
+}
+
+/// What a parent's thread was using when this process was forked.
+pub(crate) fn forked() -> PyErr {
+    PyRuntimeError::new_err(
+        "another thread was using this scene when the process was forked, and may have left it half changed: make the scene \
+         again here, or start processes by multiprocessing's \"spawn\" or \"forkserver\"",
+    )
 }
 
 /// A device that cannot be had.

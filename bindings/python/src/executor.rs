@@ -1,21 +1,21 @@
 //! The threads and devices that answer, made once for each process.
 
 use crate::errors::device;
+use crate::mutex::lock;
+use crate::threads::{apart, heard};
 use pfront::gpu::{Gpu, wgpu};
 use pfront::threads::Traversal;
 use pfront::threads::rayon::{ThreadPool, ThreadPoolBuilder};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use std::process;
-use std::sync::atomic::{AtomicU8, AtomicU64, Ordering::Relaxed};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
-
-/// The time between two looks at signals while others work.
-pub(crate) const PATIENCE: Duration = Duration::from_millis(20);
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
+use std::sync::{Arc, Mutex};
+use std::{mem, process};
 
 /// The id of the next executor.
 static NEXT: AtomicU64 = AtomicU64::new(0);
+/// The process that has looked for a GPU first, or 0: its children have no driver.
+static DRIVEN: AtomicU32 = AtomicU32::new(0);
 
 /// Devices that answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,21 +25,13 @@ pub(crate) enum Device {
     Auto,
 }
 
-/// The backend that answered last.
-#[derive(Clone, Copy, Debug)]
-#[repr(u8)]
-pub(crate) enum Backend {
-    OneThread = 1,
-    Threads,
-    Gpu,
-    Scene,
-}
-
 /// What a process has made.
-struct Made {
+#[derive(Clone)]
+pub(crate) struct Made {
     process: u32,
-    pool: Option<Arc<ThreadPool>>,
-    cpu: pfront::Executor,
+    /// The threads, if there are several.
+    pub(crate) pool: Option<Arc<ThreadPool>>,
+    pub(crate) cpu: pfront::Executor,
     /// The executor of the device asked for.
     device: Option<pfront::Executor>,
 }
@@ -52,14 +44,14 @@ pub struct Executor {
     made: Mutex<Option<Made>>,
     /// Tells this executor from all others of the process.
     pub(crate) id: u64,
-    last: AtomicU8,
-    plan: Mutex<String>,
+    /// Who gave the last answer, in words.
+    answered: Mutex<String>,
 }
 
 #[pymethods]
 impl Executor {
     #[new]
-    fn new(threads: usize, device: Option<&str>) -> PyResult<Self> {
+    fn new(threads: i64, device: Option<&str>) -> PyResult<Self> {
         let device = match device {
             None | Some("cpu") => Device::Cpu,
             Some("gpu") => Device::Gpu,
@@ -72,93 +64,79 @@ impl Executor {
         if !(1..=1024).contains(&threads) {
             return Err(PyValueError::new_err(format!("{threads} threads are not 1 to 1024")));
         }
-        let (made, last) = (Mutex::new(None), AtomicU8::new(0));
-        let id = NEXT.fetch_add(1, Relaxed);
-        Ok(Self { threads, device, made, id, last, plan: Mutex::default() })
+        let (threads, id) = (threads as usize, NEXT.fetch_add(1, Relaxed));
+        let answered = Mutex::new("nothing was asked yet".into());
+        Ok(Self { threads, device, made: Mutex::new(None), id, answered })
     }
 
     /// Opens the device, if one is asked for.
     fn open(&self, py: Python<'_>) -> PyResult<()> {
         match self.device {
             Device::Cpu => Ok(()),
-            Device::Gpu | Device::Auto => py.detach(|| self.on_device()).map(drop),
+            Device::Gpu | Device::Auto => self.on_device(py).map(drop),
         }
     }
 
-    /// The backend of the last answer, in words.
+    /// Who gave the last answer, in words.
     fn explain(&self) -> String {
-        let last = self.last.load(Relaxed);
-        let is = |backend: Backend| last == backend as u8;
-        if is(Backend::OneThread) {
-            "one thread: the question ended before others were worth calling".into()
-        } else if is(Backend::Threads) {
-            format!("{} threads", self.threads)
-        } else if is(Backend::Gpu) {
-            "GPU".into()
-        } else if is(Backend::Scene) {
-            lock(&self.plan).clone()
-        } else {
-            "nothing was asked yet".into()
-        }
+        lock(&self.answered).clone()
     }
 }
 
 impl Executor {
-    /// Notes who answered.
-    pub(crate) fn note(&self, backend: Backend) {
-        self.last.store(backend as u8, Relaxed);
+    /// Notes who has answered.
+    pub(crate) fn note(&self, answered: String) {
+        *lock(&self.answered) = answered;
     }
 
-    /// Notes the plan of a scene.
-    pub(crate) fn note_plan(&self, plan: String) {
-        *lock(&self.plan) = plan;
-        self.note(Backend::Scene);
-    }
-
-    /// The threads of this process, if there are several.
-    pub(crate) fn pool(&self) -> Option<Arc<ThreadPool>> {
-        if self.threads < 2 {
-            return None;
+    /// What this process has, made if it is not there.
+    pub(crate) fn made(&self, py: Python<'_>) -> Made {
+        let process = process::id();
+        if let Some(made) = lock(&self.made).as_ref().filter(|made| made.process == process) {
+            return made.clone();
         }
-        self.made(|made| made.pool.clone())
-    }
-
-    /// The CPU of this process.
-    pub(crate) fn on_cpu(&self) -> pfront::Executor {
-        self.made(|made| made.cpu.clone())
+        let new = apart(py, || Made::new(self.threads, process));
+        self.keep(new)
     }
 
     /// The device of this process, opened if it is not.
-    pub(crate) fn on_device(&self) -> PyResult<pfront::Executor> {
+    pub(crate) fn on_device(&self, py: Python<'_>) -> PyResult<pfront::Executor> {
+        let made = self.made(py);
         if self.device == Device::Cpu {
-            return Ok(self.on_cpu());
+            return Ok(made.cpu);
         }
-        if let Some(device) = self.made(|made| made.device.clone()) {
+        if let Some(device) = made.device {
             return Ok(device);
         }
-        let cpu = self.on_cpu();
-        let opened = match (Gpu::new(), self.device) {
-            (Ok(gpu), Device::Gpu) => pfront::Executor::gpu(&gpu, gpu.settings()),
-            (Ok(gpu), _) if is_hardware(&gpu) => {
-                cpu.and_gpu(&gpu, gpu.settings()).map_err(|error| device(error.to_string()))?
-            }
-            (Err(error), Device::Gpu) => return Err(device(error.to_string())),
-            _ => cpu,
-        };
-        self.made(|made| made.device = Some(opened.clone()));
-        Ok(opened)
+        driver()?;
+        let (cpu, own) = (made.cpu.clone(), self.device);
+        let opened = heard(py, &Arc::default(), move || open(cpu, own))?.map_err(device)?;
+        let kept = self.keep(Made { device: Some(opened.clone()), ..made });
+        Ok(kept.device.unwrap_or(opened))
     }
 
-    fn made<T>(&self, read: impl FnOnce(&mut Made) -> T) -> T {
+    /// Keeps what was made, unless another thread of this process has kept the same meanwhile. Returns what is kept.
+    fn keep(&self, new: Made) -> Made {
         let mut made = lock(&self.made);
-        let process = process::id();
         match &mut *made {
-            Some(made) if made.process == process => read(made),
+            Some(kept) if kept.process == new.process => {
+                kept.device = kept.device.take().or(new.device);
+                kept.clone()
+            }
             other => {
                 // What a parent has made is left as it is: to drop it would wait for its threads.
-                std::mem::forget(other.take());
-                read(other.insert(Made::new(self.threads, process)))
+                mem::forget(other.take());
+                other.insert(new).clone()
             }
+        }
+    }
+}
+
+impl Drop for Executor {
+    fn drop(&mut self) {
+        let made = lock(&self.made).take();
+        if made.as_ref().is_some_and(|made| made.process != process::id()) {
+            mem::forget(made);
         }
     }
 }
@@ -178,9 +156,31 @@ impl Made {
     }
 }
 
-/// Nothing that is guarded here is left in pieces by a panic.
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+fn open(cpu: pfront::Executor, device: Device) -> Result<pfront::Executor, String> {
+    match (Gpu::new(), device) {
+        (Ok(gpu), Device::Gpu) => Ok(pfront::Executor::gpu(&gpu, gpu.settings())),
+        (Ok(gpu), _) if is_hardware(&gpu) => {
+            cpu.and_gpu(&gpu, gpu.settings()).map_err(|error| error.to_string())
+        }
+        (Err(error), Device::Gpu) => Err(error.to_string()),
+        _ => Ok(cpu),
+    }
+}
+
+/// Says that this process needs a driver.
+///
+/// # Errors
+/// A DeviceError in a child of a process that had one.
+fn driver() -> PyResult<()> {
+    let own = process::id();
+    match DRIVEN.compare_exchange(0, own, Relaxed, Relaxed) {
+        Err(first) if first != own => Err(device(
+            "no GPU can be used here: this process was forked from one that has used its driver. Start processes by \
+             multiprocessing's \"spawn\" or \"forkserver\", or ask threads, by pf.using(device=None)"
+                .into(),
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn is_hardware(gpu: &Gpu) -> bool {
@@ -189,8 +189,9 @@ fn is_hardware(gpu: &Gpu) -> bool {
 
 /// Name, kind and backend of the adapter that a GPU executor would use; empty if there is none.
 #[pyfunction]
-pub fn adapters(py: Python<'_>) -> Vec<(String, String, String)> {
-    py.detach(|| {
+pub fn adapters(py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
+    driver()?;
+    heard(py, &Arc::default(), || {
         let info = Gpu::new().ok().map(|gpu| gpu.device().adapter_info());
         let named = |info: wgpu::AdapterInfo| {
             (info.name, format!("{:?}", info.device_type), format!("{:?}", info.backend))

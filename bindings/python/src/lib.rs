@@ -2,8 +2,8 @@
 //! that answer them. Arrays that arrive here are aligned, in C order and of native dtypes, which the Python half sees to.
 //!
 //! Nothing here holds the interpreter while it traverses. Traversals on the calling thread go on in steps or are ended by
-//! [`watchdog`], and what other threads do is waited for in slices of time, so that a signal is heard within
-//! [`executor::PATIENCE`].
+//! [`watchdog`], and what other threads do is waited for in slices of time, so that a signal is heard within twice
+//! [`threads::PATIENCE`]. All arithmetic is done in the default floating-point environment: [`threads::apart`].
 
 #![expect(unreachable_pub, reason = "the macros of pyo3 write public items")]
 
@@ -12,18 +12,30 @@ mod batch;
 mod contacts;
 mod errors;
 mod executor;
+mod memory;
 mod model;
+mod mutex;
 mod part;
 mod poses;
 mod question;
 mod scene;
+mod threads;
 mod watchdog;
 
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
 /// The compiled half of the package.
 #[pymodule(gil_used = false)]
 mod _pfront {
+    use super::{PyModule, PyResult, load};
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        load(module.py())
+    }
+
     #[pymodule_export]
     use crate::contacts::contacts;
     #[pymodule_export]
@@ -34,4 +46,14 @@ mod _pfront {
     use crate::question::{all, any, count};
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::threads::join;
+}
+
+/// Loads now what is otherwise loaded when it is first used: a fork in the midst of that would leave the child waiting for it.
+fn load(py: Python<'_>) -> PyResult<()> {
+    errors::load(py)?;
+    poses::load(py)?;
+    PyArray1::<u8>::zeros(py, 1, false).readonly();
+    Ok(())
 }

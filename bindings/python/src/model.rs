@@ -1,16 +1,21 @@
 //! Models: meshes with their BVHs.
 
-use crate::arrays::{table, triples};
+use crate::arrays::{rows, triples};
 use crate::errors::exception;
 use crate::executor::Executor;
+use crate::memory;
+use crate::threads::{apart, heard};
 use numpy::PyReadonlyArrayDyn;
+use pfront::threads::rayon::ThreadPool;
 use pfront::{BuildOptions, Error};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
 
-/// From so many triangles on, threads pay for a build.
+/// From so many triangles on, threads pay for a build, and it takes longer than signals may wait.
 const MANY: usize = 50_000;
+/// Bytes of a blob that are read or written on a thread of their own.
+const LARGE: usize = 4 << 20;
 
 /// A mesh and its BVH, which never change.
 #[pyclass(frozen, module = "pfront._pfront")]
@@ -28,7 +33,8 @@ impl Model {
     ) -> PyResult<Self> {
         let (positions, triangles) = (triples(&vertices)?, triples(&faces)?);
         drop((vertices, faces));
-        Self::made(py, || build(positions, triangles, on))
+        let (is_long, pool) = (triangles.len() >= MANY, on.made(py).pool);
+        Self::made(py, is_long, move || build(positions, triangles, pool.as_deref()))
     }
 
     /// A model of float64 positions, or of the same in float32 if that holds them all.
@@ -41,8 +47,9 @@ impl Model {
     ) -> PyResult<Self> {
         let (positions, triangles) = (triples(&vertices)?, triples(&faces)?);
         drop((vertices, faces));
-        Self::made(py, || match narrowed(&positions) {
-            Some(narrow) => build(narrow, triangles, on),
+        let (is_long, pool) = (triangles.len() >= MANY, on.made(py).pool);
+        Self::made(py, is_long, move || match narrowed(&positions)? {
+            Some(narrow) => build(narrow, triangles, pool.as_deref()),
             None => pfront::Model::from_f64(positions, triangles),
         })
     }
@@ -55,29 +62,30 @@ impl Model {
         vertices: &Bound<'_, PyAny>,
         on: &Executor,
     ) -> PyResult<Self> {
-        let own = &self.0;
+        let (own, pool) = (self.0.clone(), on.made(py).pool);
+        let is_long = own.mesh().triangles().len() >= MANY;
         if let Ok(vertices) = vertices.extract::<PyReadonlyArrayDyn<'_, f32>>() {
             let positions = triples(&vertices)?;
             drop(vertices);
-            return Self::made(py, || {
+            return Self::made(py, is_long, move || {
                 if own.is_f64() {
-                    let wide: Vec<_> = positions.iter().map(|p| p.map(f64::from)).collect();
-                    return refit_f64(own, &wide);
+                    let wide = positions.iter().map(|p| p.map(f64::from));
+                    return refit_f64(&own, &memory::collect(wide)?);
                 }
-                refit(own, &positions, on)
+                refit(&own, &positions, pool.as_deref())
             });
         }
         let vertices = vertices.extract::<PyReadonlyArrayDyn<'_, f64>>()?;
         let positions = triples(&vertices)?;
         drop(vertices);
-        Self::made(py, || {
+        Self::made(py, is_long, move || {
             if own.is_f64() {
-                return refit_f64(own, &positions);
+                return refit_f64(&own, &positions);
             }
-            match narrowed(&positions) {
-                Some(narrow) => refit(own, &narrow, on),
+            match narrowed(&positions)? {
+                Some(narrow) => refit(&own, &narrow, pool.as_deref()),
                 // Its faces are checked against the new positions.
-                None => pfront::Model::from_f64(positions, own.mesh().triangles().to_vec()),
+                None => pfront::Model::from_f64(positions, memory::copy(own.mesh().triangles())?),
             }
         })
     }
@@ -86,31 +94,31 @@ impl Model {
     #[staticmethod]
     fn from_blob(py: Python<'_>, bytes: PyReadonlyArrayDyn<'_, u8>) -> PyResult<Self> {
         let bytes = crate::arrays::numbers(&bytes)?;
-        Self::made(py, || pfront::Model::from_blob(&bytes))
+        Self::made(py, bytes.len() > LARGE, move || pfront::Model::from_blob(&bytes))
     }
 
     /// The bytes of a `.pfb`.
     fn to_blob<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py.detach(|| self.0.to_blob()).map_err(|error| exception(py, error, None))?;
-        Ok(PyBytes::new(py, &bytes))
+        let model = self.0.clone();
+        let bytes = on_thread_if(py, model.bytes() > LARGE, move || model.to_blob())?;
+        PyBytes::new_with(py, bytes.len(), |out| {
+            out.copy_from_slice(&bytes);
+            Ok(())
+        })
     }
 
     /// A copy of the positions.
     fn vertices(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let mesh = self.0.mesh();
         match mesh.positions_f64().filter(|_| self.0.is_f64()) {
-            Some(positions) => table(py, positions.as_flattened().to_vec(), positions.len(), 3),
-            None => {
-                let positions = mesh.shadow();
-                table(py, positions.as_flattened().to_vec(), positions.len(), 3)
-            }
+            Some(positions) => rows(py, positions),
+            None => rows(py, mesh.shadow()),
         }
     }
 
     /// A copy of the corners of triangles.
     fn faces(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let triangles = self.0.mesh().triangles();
-        table(py, triangles.as_flattened().to_vec(), triangles.len(), 3)
+        rows(py, self.0.mesh().triangles())
     }
 
     /// The numbers of vertices and faces.
@@ -133,27 +141,37 @@ impl Model {
 impl Model {
     fn made(
         py: Python<'_>,
-        make: impl FnOnce() -> Result<pfront::Model, Error> + Send,
+        is_long: bool,
+        make: impl FnOnce() -> Result<pfront::Model, Error> + Send + 'static,
     ) -> PyResult<Self> {
-        let model = py.detach(make).map_err(|error| exception(py, error, None))?;
-        Ok(Self(Arc::new(model)))
+        Ok(Self(Arc::new(on_thread_if(py, is_long, make)?)))
     }
 }
 
+/// Calls a function, on a thread of its own if it takes longer than signals may wait.
+fn on_thread_if<T: Send + 'static>(
+    py: Python<'_>,
+    is_long: bool,
+    make: impl FnOnce() -> Result<T, Error> + Send + 'static,
+) -> PyResult<T> {
+    let made = if is_long { heard(py, &Arc::default(), make)? } else { apart(py, make) };
+    made.map_err(|error| exception(py, error, None))
+}
+
 /// Positions in float32, if that holds them all to the bit.
-fn narrowed(positions: &[[f64; 3]]) -> Option<Vec<[f32; 3]>> {
+fn narrowed(positions: &[[f64; 3]]) -> Result<Option<Vec<[f32; 3]>>, Error> {
     let is_f32 = |x: &f64| f64::from(*x as f32).to_bits() == x.to_bits();
     let all = positions.as_flattened().iter().all(is_f32);
-    all.then(|| positions.iter().map(|p| p.map(|x| x as f32)).collect())
+    all.then(|| memory::collect(positions.iter().map(|p| p.map(|x| x as f32)))).transpose()
 }
 
 fn refit(
     own: &pfront::Model,
     positions: &[[f32; 3]],
-    on: &Executor,
+    pool: Option<&ThreadPool>,
 ) -> Result<pfront::Model, Error> {
-    let mut model = own.clone();
-    match on.pool() {
+    let mut model = copied(own)?;
+    match pool {
         Some(pool) if own.mesh().triangles().len() >= MANY => {
             pool.install(|| model.set_positions_with_threads(positions))?;
         }
@@ -163,17 +181,21 @@ fn refit(
 }
 
 fn refit_f64(own: &pfront::Model, positions: &[[f64; 3]]) -> Result<pfront::Model, Error> {
-    let mut model = own.clone();
+    let mut model = copied(own)?;
     model.set_positions_f64(positions)?;
     Ok(model)
+}
+
+fn copied(model: &pfront::Model) -> Result<pfront::Model, Error> {
+    Ok(model.clone())
 }
 
 fn build(
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    on: &Executor,
+    pool: Option<&ThreadPool>,
 ) -> Result<pfront::Model, Error> {
-    match on.pool() {
+    match pool {
         Some(pool) if triangles.len() >= MANY => pool.install(|| {
             pfront::Model::new_with_threads(positions, triangles, BuildOptions::default())
         }),

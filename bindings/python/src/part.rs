@@ -1,6 +1,8 @@
 //! Part i of n of a question: a pure function of the question, so that parts may be answered anywhere, in any order and
 //! more than once, and together are the whole answer.
 
+use crate::memory::{push, reserve};
+use pfront::Error;
 use pfront::pfront_core::bvtt::{NodePair, Query};
 
 /// So many node pairs a part, if there are as many: parts are then about equally long.
@@ -8,10 +10,12 @@ const NODES: usize = 64;
 
 /// The node pairs of part `i` of `n`. The BVTT is descended level by level to a front of [`NODES`] node pairs a part; every
 /// n-th of these belongs to a part, so that no part gets one place alone.
-pub(crate) fn starts(query: &impl Query, i: usize, n: usize) -> Vec<NodePair> {
+pub(crate) fn starts(query: &impl Query, i: usize, n: usize) -> Result<Vec<NodePair>, Error> {
     let mut front: Vec<NodePair> = query.root().into_iter().collect();
     loop {
-        let mut next = Vec::with_capacity(4 * front.len());
+        // A node pair has at most four children.
+        let mut next = Vec::new();
+        reserve(&mut next, 4 * front.len())?;
         let mut is_deeper = false;
         for &node in &front {
             let before = next.len();
@@ -29,5 +33,7 @@ pub(crate) fn starts(query: &impl Query, i: usize, n: usize) -> Vec<NodePair> {
             break;
         }
     }
-    front.into_iter().skip(i).step_by(n).collect()
+    let mut own = Vec::new();
+    front.into_iter().skip(i).step_by(n).try_for_each(|node| push(&mut own, node))?;
+    Ok(own)
 }

@@ -1,12 +1,22 @@
 //! Poses out of whatever a user holds.
 
 use crate::arrays::entries;
+use crate::errors::exception;
+use crate::memory;
 use numpy::{
     Element, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
 };
+use pfront::pfront_core::environment::with_default;
 use pfront::{AnyPose, Pose, Pose64};
+use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+
+/// The function that makes an array of shape (3, 4) or (k, 3, 4) of any other object, or refuses it.
+pub(crate) fn load(py: Python<'_>) -> PyResult<&Bound<'_, PyAny>> {
+    static MATRIX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    MATRIX.import(py, "pfront._poses", "matrix")
+}
 
 /// One pose or many.
 pub(crate) enum Poses {
@@ -21,15 +31,13 @@ impl Poses {
         if let Some(pose) = plain(object) {
             return Ok(Self::One(pose));
         }
-        // All other objects are made an array of shape (3, 4) or (k, 3, 4) by the Python half, or refused.
-        static MATRIX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-        let array = MATRIX.import(py, "pfront._poses", "matrix")?.call1((object,))?;
+        let array = load(py)?.call1((object,))?;
         let is_one = array.cast::<PyUntypedArray>()?.ndim() == 2;
         let mut poses = match array.extract::<PyReadonlyArrayDyn<'_, f64>>() {
-            Ok(array) => entries(&array)?.as_chunks().0.iter().map(of_f64).collect(),
+            Ok(array) => collected(py, entries(&array)?, of_f64)?,
             Err(_) => {
                 let array = array.extract::<PyReadonlyArrayDyn<'_, f32>>()?;
-                entries(&array)?.as_chunks().0.iter().map(of_f32).collect::<Vec<_>>()
+                collected(py, entries(&array)?, of_f32)?
             }
         };
         match poses.pop() {
@@ -50,13 +58,30 @@ impl Poses {
     }
 }
 
-/// The pose of an array of shape (4, 4) that can be read as it is, as most can; `None` of any other object.
+/// The poses of twelve entries each.
+fn collected<T>(
+    py: Python<'_>,
+    entries: &[T],
+    pose: fn(&[T; 12]) -> AnyPose,
+) -> PyResult<Vec<AnyPose>> {
+    let poses = with_default(|| memory::collect(entries.as_chunks().0.iter().map(pose)));
+    poses.map_err(|error| exception(py, error, None))
+}
+
+/// The pose of an array of shape (4, 4) that can be read as it is, as most can; `None` of any other object. Subclasses are
+/// looked at by the Python half: masked arrays are among them.
 fn plain(object: &Bound<'_, PyAny>) -> Option<AnyPose> {
-    if let Ok(array) = object.cast::<PyArray2<f64>>() {
-        rows(array).as_ref().map(of_f64)
-    } else {
-        rows(object.cast::<PyArray2<f32>>().ok()?).as_ref().map(of_f32)
+    if !object.get_type().is(PyUntypedArray::type_object(object.py())) {
+        return None;
     }
+    // Subnormal numbers are no zeros, whatever the caller's environment says.
+    with_default(|| {
+        if let Ok(array) = object.cast::<PyArray2<f64>>() {
+            rows(array).as_ref().map(of_f64)
+        } else {
+            rows(object.cast::<PyArray2<f32>>().ok()?).as_ref().map(of_f32)
+        }
+    })
 }
 
 /// The first three rows of an aligned array in C order whose last row is that of a pose.

@@ -3,13 +3,15 @@
 use crate::arrays::{list, pair_array};
 use crate::batch::PoseBatch;
 use crate::errors::exception;
-use crate::executor::{Backend, Device, Executor, PATIENCE};
+use crate::executor::{Device, Executor};
+use crate::memory;
 use crate::model::Model;
 use crate::part::starts;
 use crate::poses::Poses;
-use pfront::pfront_core::bvtt::{Cursor, Query, SelfBvtt};
+use crate::threads::{PATIENCE, apart, heard};
+use pfront::pfront_core::bvtt::{Cursor, NodePair, Query, SelfBvtt};
 use pfront::{Adjacency, AnyPose, Batch, Error, Ticket, TrianglePair};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 use std::ops::ControlFlow;
@@ -19,6 +21,12 @@ use std::sync::Arc;
 const ALONE: u64 = 1 << 14;
 /// Tests between two looks at signals: about 5 ms.
 const STEP: u64 = 1 << 17;
+/// Pairs that are sorted on a thread of their own, since that takes longer than signals may wait.
+const SORTED: usize = 1 << 18;
+/// Parts whose node pairs are found on a thread of their own.
+const PARTS: usize = 1 << 10;
+/// Triangles whose one-rings are looked at on a thread of their own.
+const RINGS: usize = 1 << 19;
 
 /// The subject of a question.
 #[derive(Clone)]
@@ -34,6 +42,19 @@ impl Subject {
                 a_from_b.is_f64() || models.iter().any(|model| model.is_f64())
             }
             Self::Within { model } => model.is_f64(),
+        }
+    }
+
+    /// Makes what is made once for a model and takes long, while signals are heard.
+    fn prepare(&self, py: Python<'_>) -> PyResult<()> {
+        match self {
+            Self::Within { model } if model.mesh().triangles().len() > RINGS => {
+                let model = model.clone();
+                heard(py, &Arc::default(), move || {
+                    let _ = model.certificates();
+                })
+            }
+            _ => Ok(()),
         }
     }
 
@@ -93,10 +114,24 @@ pub(crate) trait Ask<R> {
     fn ask(self, query: &(impl Query + Sync)) -> Result<R, Error>;
 }
 
+/// The node pairs of a part, or the root.
+struct Starts {
+    part: Option<(usize, usize)>,
+}
+
+impl Ask<Vec<Cursor>> for Starts {
+    fn ask(self, query: &(impl Query + Sync)) -> Result<Vec<Cursor>, Error> {
+        let nodes: Vec<NodePair> = match self.part {
+            None => return memory::collect([query.start()].into_iter()),
+            Some((i, n)) => starts(query, i, n)?,
+        };
+        memory::collect(nodes.into_iter().map(Cursor::at))
+    }
+}
+
 /// One step of a traversal on the calling thread.
 struct Step<'s, V> {
-    progress: &'s mut Option<Vec<Cursor>>,
-    part: Option<(usize, usize)>,
+    cursors: &'s mut Vec<Cursor>,
     budget: u64,
     visit: &'s mut V,
 }
@@ -104,11 +139,7 @@ struct Step<'s, V> {
 impl<V: FnMut(TrianglePair) -> ControlFlow<()>> Ask<bool> for Step<'_, V> {
     /// Returns whether nothing is left.
     fn ask(self, query: &(impl Query + Sync)) -> Result<bool, Error> {
-        let Self { progress, part, budget, visit } = self;
-        let cursors = progress.get_or_insert_with(|| match part {
-            None => vec![query.start()],
-            Some((i, n)) => starts(query, i, n).into_iter().map(Cursor::at).collect(),
-        });
+        let Self { cursors, budget, visit } = self;
         let mut left = budget;
         while let Some(cursor) = cursors.last_mut() {
             let before = cursor.work.box_tests + cursor.work.triangle_tests;
@@ -135,13 +166,26 @@ fn alone(
     part: Option<(usize, usize)>,
     mut visit: impl FnMut(TrianglePair) -> ControlFlow<()> + Send,
 ) -> PyResult<bool> {
-    let (mut progress, is_alone) = (None, on.threads == 1 || part.is_some());
+    if let Some((i, n)) = part
+        && i >= n
+    {
+        return Err(PyValueError::new_err(format!("part {i} of {n} is none")));
+    }
+    subject.prepare(py)?;
+    let start = Starts { part };
+    let cursors = if part.is_some_and(|(_, n)| n > PARTS) {
+        let subject = subject.clone();
+        heard(py, &Arc::default(), move || subject.with(start))?
+    } else {
+        apart(py, || subject.with(start))
+    };
+    let mut cursors = cursors.map_err(|error| exception(py, error, None))?;
+    let is_alone = on.threads == 1 || part.is_some();
     loop {
         let budget = if is_alone { STEP } else { ALONE };
-        let step =
-            || subject.with(Step { progress: &mut progress, part, budget, visit: &mut visit });
-        if py.detach(step).map_err(|error| exception(py, error, None))? {
-            on.note(Backend::OneThread);
+        let step = || subject.with(Step { cursors: &mut cursors, budget, visit: &mut visit });
+        if apart(py, step).map_err(|error| exception(py, error, None))? {
+            on.note(BEGAN.into());
             return Ok(true);
         }
         py.check_signals()?;
@@ -151,10 +195,13 @@ fn alone(
     }
 }
 
+/// The answer to who has answered where the calling thread has.
+const BEGAN: &str = "one thread: the question ended before others were worth calling";
+
 /// Waits for a ticket, while signals are heard; a ticket that is dropped is cancelled.
 pub(crate) fn wait<T: Send>(py: Python<'_>, mut ticket: Ticket<T>) -> PyResult<T> {
     loop {
-        let answer = py.detach(|| ticket.wait(PATIENCE));
+        let answer = apart(py, || ticket.wait(PATIENCE));
         if let Some(answer) = answer.map_err(|error| exception(py, error, None))? {
             return Ok(answer);
         }
@@ -169,24 +216,43 @@ fn submit<T: Send>(
     on: &Executor,
     verb: fn(&mut Batch, &pfront::Executor) -> Result<Ticket<T>, Error>,
 ) -> PyResult<T> {
-    let executor = together(py, on)?;
+    let to = Submission::new(py, on, subject.is_f64())?;
     let mut batch = Batch::new();
     let mut start = || {
         subject.add_to(&mut batch)?;
-        verb(&mut batch, &executor)
+        verb(&mut batch, &to.executor)
     };
-    let ticket = py.detach(&mut start).map_err(|error| exception(py, error, None))?;
-    wait(py, ticket)
+    let ticket = apart(py, &mut start).map_err(|error| exception(py, error, None))?;
+    let answer = wait(py, ticket)?;
+    on.note(to.answers);
+    Ok(answer)
 }
 
-/// The executor of questions that are submitted. Without earlier frames, "auto" is the CPU.
-pub(crate) fn together(py: Python<'_>, on: &Executor) -> PyResult<pfront::Executor> {
-    if on.device == Device::Gpu {
-        on.note(Backend::Gpu);
-        return py.detach(|| on.on_device());
+/// Who answers questions that are submitted.
+pub(crate) struct Submission {
+    pub(crate) executor: pfront::Executor,
+    /// The same in words.
+    pub(crate) answers: String,
+}
+
+impl Submission {
+    /// A GPU answers what is in float32, if one was asked for; all else is for the threads. Without earlier frames, "auto" is
+    /// the CPU.
+    pub(crate) fn new(py: Python<'_>, on: &Executor, is_f64: bool) -> PyResult<Self> {
+        let is_for_gpu = on.device == Device::Gpu;
+        if is_for_gpu && !is_f64 {
+            return Ok(Self { executor: on.on_device(py)?, answers: "GPU".into() });
+        }
+        let made = on.made(py);
+        let mut answers = match &made.pool {
+            Some(pool) => format!("{} threads", pool.current_num_threads()),
+            None => "one thread".into(),
+        };
+        if is_for_gpu {
+            answers += ": the question is in float64, and a GPU answers what is in float32";
+        }
+        Ok(Self { executor: made.cpu, answers })
     }
-    on.note(if on.threads > 1 { Backend::Threads } else { Backend::OneThread });
-    Ok(py.detach(|| on.on_cpu()))
 }
 
 /// Whether some pair meets.
@@ -204,8 +270,8 @@ pub fn any(
         Question::Many(many) => {
             let mut found = Vec::<bool>::new();
             many.ask(py, on, Batch::any, |_, answers| {
-                found.extend(answers.iter().map(Option::is_some));
-                Ok(())
+                memory::extend(&mut found, answers.iter().map(Option::is_some))
+                    .map_err(|error| exception(py, error, None))
             })?;
             return Ok(list(py, found));
         }
@@ -238,8 +304,8 @@ pub fn count(
         (Question::Many(many), None) => {
             let mut counts = Vec::<i64>::new();
             many.ask(py, on, Batch::count, |_, answers| {
-                counts.extend(answers.iter().map(|&count| count as i64));
-                Ok(())
+                memory::extend(&mut counts, answers.iter().map(|&count| count as i64))
+                    .map_err(|error| exception(py, error, None))
             })?;
             return Ok(list(py, counts));
         }
@@ -263,16 +329,30 @@ pub(crate) fn listed(
     on: &Executor,
     part: Option<(usize, usize)>,
 ) -> PyResult<Vec<TrianglePair>> {
-    let mut pairs = Vec::new();
-    let visit = |pair| {
-        pairs.push(pair);
-        ControlFlow::Continue(())
+    let raised = |error| exception(py, error, None);
+    let (mut pairs, mut failed) = (Vec::new(), None);
+    let visit = |pair| match memory::push(&mut pairs, pair) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(error) => {
+            failed = Some(error);
+            ControlFlow::Break(())
+        }
     };
     let is_for_gpu = on.device == Device::Gpu && part.is_none();
     if is_for_gpu || !alone(py, subject, on, part, visit)? {
-        return Ok(submit(py, subject, on, Batch::all)?.pairs().to_vec());
+        let lists = submit(py, subject, on, Batch::all)?;
+        return apart(py, || memory::copy(lists.pairs())).map_err(raised);
     }
-    py.detach(|| pairs.sort_unstable());
+    if let Some(error) = failed {
+        return Err(raised(error));
+    }
+    if pairs.len() > SORTED {
+        return heard(py, &Arc::default(), move || {
+            pairs.sort_unstable();
+            pairs
+        });
+    }
+    apart(py, || pairs.sort_unstable());
     Ok(pairs)
 }
 
@@ -292,15 +372,17 @@ pub fn all(
         (Question::Many(_), Some(_)) => Err(one_pose()),
         (Question::Many(many), None) => {
             let (mut pairs, mut offsets) = (Vec::new(), vec![0_i64]);
-            many.ask(py, on, Batch::all, |_, lists| {
-                let first = pairs.len();
-                let ends = lists.iter().scan(first, |end, list| {
-                    *end += list.len();
-                    Some(*end as i64)
-                });
-                offsets.extend(ends);
-                pairs.extend_from_slice(lists.pairs());
-                Ok(())
+            many.ask(py, on, Batch::all, |poses, lists| {
+                let join = || {
+                    memory::reserve(&mut offsets, poses.len())?;
+                    let mut end = pairs.len();
+                    offsets.extend(lists.iter().map(|list| {
+                        end += list.len();
+                        end as i64
+                    }));
+                    memory::extend(&mut pairs, lists.pairs().iter().copied())
+                };
+                apart(py, join).map_err(|error| exception(py, error, None))
             })?;
             Ok((pair_array(py, pairs)?, Some(list(py, offsets))))
         }

@@ -1,21 +1,25 @@
 //! Scenes: many bodies in the world.
 
 use crate::arrays::{list, numbers, pair_array, table};
-use crate::contacts::contact_arrays;
+use crate::contacts::{Arrays, Columns};
 use crate::errors::{self, exception};
-use crate::executor::{Device, Executor, PATIENCE, lock};
+use crate::executor::{Device, Executor};
+use crate::memory;
 use crate::model::Model;
+use crate::mutex::{ProcessGuard, ProcessMutex};
 use crate::poses::Poses;
+use crate::threads::{apart, heard};
 use crate::watchdog::{BUDGET, WatchdogGuard};
 use numpy::PyReadonlyArrayDyn;
-use pfront::{BodyId, Contact, Error, SceneHit, SceneQuery, TrianglePair};
-use pyo3::exceptions::PyRuntimeError;
+use pfront::{Aabb, AnyPose, BodyId, Contact, Error, Groups, SceneHit, SceneQuery, TrianglePair};
 use pyo3::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex};
 use std::time::Instant;
-use std::{process, thread};
+use std::{mem, process};
+
+/// Edits between two looks at signals.
+const EDITS: usize = 1 << 12;
 
 /// A query and whom it asks.
 #[derive(Default)]
@@ -23,22 +27,39 @@ struct State {
     query: SceneQuery,
     /// The process and the id of the executor, as the query was told.
     on: Option<(u32, u64)>,
+    /// Whether the last question was long.
+    is_long: bool,
+}
+
+impl State {
+    /// Whether the threads and the device that it has asked are those of a parent.
+    fn is_of_parent(&self) -> bool {
+        self.on.is_some_and(|(process, _)| process != process::id())
+    }
+}
+
+/// What a parent has made is left as it is.
+impl Drop for State {
+    fn drop(&mut self) {
+        if self.is_of_parent() {
+            mem::forget(mem::take(&mut self.query));
+        }
+    }
 }
 
 /// Bodies in poses. One thread at a time uses it; others wait.
 #[pyclass(frozen, module = "pfront._pfront")]
 pub struct Scene {
-    state: Arc<Mutex<State>>,
+    state: Arc<ProcessMutex<State>>,
+    /// Ends the question of the thread that has locked the state, which alone sets and clears it.
     cancel: Arc<AtomicBool>,
-    /// Whether the last question was long.
-    is_long: Arc<AtomicBool>,
 }
 
 #[pymethods]
 impl Scene {
     #[new]
     fn new() -> Self {
-        Self { state: Arc::default(), cancel: Arc::default(), is_long: Arc::default() }
+        Self { state: Arc::default(), cancel: Arc::default() }
     }
 
     /// Adds a body for each pose and returns their ids. There are as many user ids, or one for all.
@@ -60,20 +81,20 @@ impl Scene {
             let text = format!("{given} user ids were given for {} poses", poses.len());
             return Err(errors::poses(text));
         }
-        let mut ids = Vec::with_capacity(poses.len());
-        let added = self.edit_each(py, is_one, |query, i| {
-            let Some(&pose) = poses.get(i) else { return Ok(false) };
-            let id = query.add(model.clone(), pose)?;
+        let mut ids = Vec::new();
+        memory::reserve(&mut ids, poses.len()).map_err(|error| exception(py, error, None))?;
+        let state = self.state.lock(py)?;
+        let added = edit_each(py, &state, poses.len(), is_one, |query, i| {
+            let id = query.add(model.clone(), poses[i])?;
             ids.push(id.to_bits() as i64);
             let user_id = user_ids.as_ref().and_then(|given| given.get(i).or(given.first()));
-            query.set_user_data(id, user_id.map_or(id.to_bits(), |&user_id| user_id as u64))?;
-            Ok(true)
+            query.set_user_data(id, user_id.map_or(id.to_bits(), |&user_id| user_id as u64))
         });
         if let Err(error) = added {
             // All or none.
-            self.edit(py, |query| {
-                ids.iter().try_for_each(|&id| query.remove(BodyId::from_bits(id as u64)).map(drop))
-            })?;
+            let remove = |&id: &i64| state.get().query.remove(BodyId::from_bits(id as u64));
+            let removed = apart(py, || ids.iter().try_for_each(|id| remove(id).map(drop)));
+            removed.map_err(|error| exception(py, error, None))?;
             return Err(error);
         }
         match ids.first() {
@@ -85,9 +106,12 @@ impl Scene {
     /// The user ids of bodies.
     fn user_ids(&self, py: Python<'_>, ids: PyReadonlyArrayDyn<'_, u64>) -> PyResult<Py<PyAny>> {
         let ids = numbers(&ids)?;
-        let found = self.edit(py, |query| {
-            let user_id = |&id: &u64| Ok(query.body(BodyId::from_bits(id))?.user_data() as i64);
-            ids.iter().map(user_id).collect()
+        let mut found = Vec::new();
+        memory::reserve(&mut found, ids.len()).map_err(|error| exception(py, error, None))?;
+        let state = self.state.lock(py)?;
+        edit_each(py, &state, ids.len(), true, |query, i| {
+            found.push(query.body(BodyId::from_bits(ids[i]))?.user_data() as i64);
+            Ok(())
         })?;
         Ok(list(py, found))
     }
@@ -117,10 +141,9 @@ impl Scene {
             let text = format!("{} poses were given for {} bodies", poses.len(), ids.len());
             return Err(errors::poses(text));
         }
-        let ids: Vec<_> = ids.into_iter().map(BodyId::from_bits).collect();
-        self.edit_each(py, is_one, |query, i| match (ids.get(i), poses.get(i)) {
-            (Some(&id), Some(&pose)) => query.set_pose(id, pose).map(|()| true),
-            _ => Ok(false),
+        let state = self.state.lock(py)?;
+        edit_each(py, &state, ids.len(), is_one, |query, i| {
+            query.set_pose(BodyId::from_bits(ids[i]), poses[i])
         })
     }
 
@@ -131,16 +154,39 @@ impl Scene {
     }
 
     /// The number of bodies.
-    fn len(&self, py: Python<'_>) -> usize {
-        py.detach(|| lock(&self.state).query.len())
+    fn len(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.state.lock(py)?.get().query.len())
+    }
+
+    /// A scene of the bodies of both that may meet one of the other scene, and in which only those of different scenes are
+    /// asked about: bodies of this one first, with their ids as user ids.
+    fn across(&self, py: Python<'_>, other: &Self) -> PyResult<Self> {
+        // One after the other, so that two threads that ask across the same scenes never wait for each other.
+        let theirs = other.placed(py, None)?;
+        let bounds = theirs.iter().map(|body| body.aabb).reduce(|x, y| x.union(&y));
+        let own = self.placed(py, bounds)?;
+        let both = Self::new();
+        let state = both.state.lock(py)?;
+        let add = |bodies: &[Placed], memberships, filter| {
+            edit_each(py, &state, bodies.len(), true, |query, i| {
+                let Placed { id, model, pose, .. } = &bodies[i];
+                let body = query.add(model.clone(), *pose)?;
+                query.set_groups(body, Groups { memberships, filter })?;
+                query.set_user_data(body, id.to_bits())
+            })
+        };
+        add(&own, 0b01, 0b10)?;
+        add(&theirs, 0b10, 0b01)?;
+        drop(state);
+        Ok(both)
     }
 
     /// Bodies of each pair of triangles that meets, and these.
     fn pairs(&self, py: Python<'_>, on: &Bound<'_, Executor>) -> PyResult<(Py<PyAny>, Py<PyAny>)> {
         let (bodies, pairs) = self.ask(py, on, |query| {
             let hits = query.all()?;
-            let bodies: Vec<i64> = hits.iter().flat_map(of_hit).collect();
-            Ok((bodies, hits.iter().map(|hit| hit.pair).collect::<Vec<TrianglePair>>()))
+            let pairs: Vec<TrianglePair> = memory::collect(hits.iter().map(|hit| hit.pair))?;
+            Ok((bodies_of(hits.iter())?, pairs))
         })?;
         Ok((table(py, bodies, pairs.len(), 2)?, pair_array(py, pairs)?))
     }
@@ -157,50 +203,62 @@ impl Scene {
 
     /// Bodies that meet.
     fn body_pairs(&self, py: Python<'_>, on: &Bound<'_, Executor>) -> PyResult<Py<PyAny>> {
-        let pairs = self.ask(py, on, SceneQuery::body_pairs)?;
-        let flat = pairs.iter().flatten().map(|id| id.to_bits() as i64).collect();
-        table(py, flat, pairs.len(), 2)
+        let flat = self.ask(py, on, |query| {
+            let pairs = query.body_pairs()?;
+            memory::collect(pairs.as_flattened().iter().map(|id| id.to_bits() as i64))
+        })?;
+        let rows = flat.len() / 2;
+        table(py, flat, rows, 2)
     }
 
     /// Bodies of each pair that meets, and where: see `contacts`.
-    #[expect(clippy::type_complexity, reason = "a tuple of five arrays")]
-    fn contacts(
-        &self,
-        py: Python<'_>,
-        on: &Bound<'_, Executor>,
-    ) -> PyResult<(Py<PyAny>, (Py<PyAny>, Py<PyAny>, Py<PyAny>, Py<PyAny>))> {
+    fn contacts(&self, py: Python<'_>, on: &Bound<'_, Executor>) -> PyResult<(Py<PyAny>, Arrays)> {
         let (bodies, found) = self.ask(py, on, |query| {
             let is_f64 = query.bodies().any(|body| body.model().is_f64() || body.pose().is_f64());
             Ok(if is_f64 {
                 let contacts = query.contacts_f64()?;
-                (bodies_of(&contacts), Found::F64(pairs_of(&contacts)))
+                (bodies_of(contacts.iter().map(|(hit, _)| hit))?, Found::F64(columns(&contacts)?))
             } else {
                 let contacts = query.contacts()?;
-                (bodies_of(contacts), Found::F32(pairs_of(contacts)))
+                (bodies_of(contacts.iter().map(|(hit, _)| hit))?, Found::F32(columns(contacts)?))
             })
         })?;
-        let bodies = table(py, bodies.0, bodies.1, 2)?;
+        let rows = bodies.len() / 2;
         let found = match found {
-            Found::F32(found) => contact_arrays(py, found)?,
-            Found::F64(found) => contact_arrays(py, found)?,
+            Found::F32(found) => found.into_arrays(py)?,
+            Found::F64(found) => found.into_arrays(py)?,
         };
-        Ok((bodies, found))
+        Ok((table(py, bodies, rows, 2)?, found))
     }
 }
 
 /// Contacts in the precision of the scene.
 enum Found {
-    F32(Vec<(TrianglePair, Contact)>),
-    F64(Vec<(TrianglePair, Contact<f64>)>),
+    F32(Columns<f32>),
+    F64(Columns<f64>),
 }
 
-/// The bodies of all hits in turn, and how many hits there are.
-fn bodies_of<C>(contacts: &[(SceneHit, C)]) -> (Vec<i64>, usize) {
-    (contacts.iter().flat_map(|(hit, _)| of_hit(hit)).collect(), contacts.len())
+fn columns<C: Copy>(contacts: &[(SceneHit, Contact<C>)]) -> Result<Columns<C>, Error> {
+    let mut columns = Columns::default();
+    columns.reserve(contacts.len())?;
+    contacts.iter().try_for_each(|(hit, contact)| columns.push(hit.pair, contact))?;
+    Ok(columns)
 }
 
-fn pairs_of<C: Copy>(contacts: &[(SceneHit, C)]) -> Vec<(TrianglePair, C)> {
-    contacts.iter().map(|&(hit, contact)| (hit.pair, contact)).collect()
+/// The bodies of all hits in turn.
+fn bodies_of<'h>(hits: impl ExactSizeIterator<Item = &'h SceneHit>) -> Result<Vec<i64>, Error> {
+    let mut bodies = Vec::new();
+    memory::reserve(&mut bodies, 2 * hits.len())?;
+    hits.for_each(|hit| bodies.extend(of_hit(hit)));
+    Ok(bodies)
+}
+
+/// A body with triangles.
+struct Placed {
+    id: BodyId,
+    model: Arc<pfront::Model>,
+    pose: AnyPose,
+    aabb: Aabb,
 }
 
 /// Ids as NumPy's own integers; none is ever as large as the sign.
@@ -214,27 +272,24 @@ impl Scene {
         py: Python<'_>,
         edit: impl FnOnce(&mut SceneQuery) -> Result<T, Error> + Send,
     ) -> PyResult<T> {
-        let edited = py.detach(|| edit(&mut lock(&self.state).query));
+        let state = self.state.lock(py)?;
+        let edited = apart(py, || edit(&mut state.get().query));
         edited.map_err(|error| exception(py, error, None))
     }
 
-    /// Edits until there is nothing left to do; an error tells at which index, unless there is one only.
-    fn edit_each(
-        &self,
-        py: Python<'_>,
-        is_one: bool,
-        mut edit: impl FnMut(&mut SceneQuery, usize) -> Result<bool, Error> + Send,
-    ) -> PyResult<()> {
-        let edited = py.detach(|| {
-            let query = &mut lock(&self.state).query;
-            for i in 0.. {
-                if !edit(query, i).map_err(|error| (error, i))? {
-                    break;
+    /// The bodies whose boxes overlap one, or all.
+    fn placed(&self, py: Python<'_>, bounds: Option<Aabb>) -> PyResult<Vec<Placed>> {
+        self.edit(py, |query| {
+            let mut placed = Vec::new();
+            for body in query.bodies() {
+                let Some(aabb) = body.aabb() else { continue };
+                if bounds.is_none_or(|bounds| bounds.overlaps(&aabb)) {
+                    let (id, model, pose) = (body.id(), body.model().clone(), body.pose());
+                    memory::push(&mut placed, Placed { id, model, pose, aabb })?;
                 }
             }
-            Ok(())
-        });
-        edited.map_err(|(error, i)| exception(py, error, (!is_one).then_some(i)))
+            Ok(placed)
+        })
     }
 
     /// Asks on this thread; if that takes long, on a thread of its own while this one hears signals.
@@ -245,116 +300,86 @@ impl Scene {
         ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Copy + Send + Sync + 'static,
     ) -> PyResult<T> {
         let own = on.get();
-        let executor = py.detach(|| own.on_device())?;
-        let attempt = Attempt {
-            id: (process::id(), own.id),
-            executor: executor.with_cancel(self.cancel.clone()),
-            cancel: self.cancel.clone(),
-        };
-        if own.device == Device::Cpu
-            && !self.is_long.load(Relaxed)
-            && let Some(watched) = WatchdogGuard::new(&self.cancel)
-        {
-            let answered = py.detach(|| {
-                let state = &mut *self.state.try_lock().ok()?;
-                let answered = attempt.ask(state, ask);
-                // The next question about the scene, which has the same flag, waits for the lock until then.
+        let executor = own.on_device(py)?;
+        let state = self.state.lock(py)?;
+        self.cancel.store(false, Relaxed);
+        let (id, executor) = ((process::id(), own.id), executor.with_cancel(self.cancel.clone()));
+        let attempt = Attempt { id, executor, state };
+        let is_short = own.device == Device::Cpu && !attempt.state.get().is_long;
+        if is_short && let Some(watched) = WatchdogGuard::new(&self.cancel) {
+            let answered = apart(py, || {
+                let answered = attempt.ask(ask);
+                // Before the flag is for another question.
                 drop(watched);
-                (!matches!(answered.0, Err(Error::Cancelled))).then_some(answered)
+                answered
             });
-            match answered {
-                Some(answered) => return into_result(py, own, answered),
-                None => py.check_signals()?,
+            if !matches!(answered.0, Err(Error::Cancelled)) {
+                return into_result(py, own, answered);
             }
+            self.cancel.store(false, Relaxed);
+            py.check_signals()?;
         }
-        self.ask_on_thread(py, own, attempt, ask)
-    }
-
-    /// Asks on a thread of its own, while this one hears signals; one that raises ends the question.
-    fn ask_on_thread<T: Send + 'static>(
-        &self,
-        py: Python<'_>,
-        own: &Executor,
-        attempt: Attempt,
-        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Copy + Send + 'static,
-    ) -> PyResult<T> {
-        loop {
-            match self.try_on_thread(py, attempt.clone(), ask)? {
-                // By the watchdog, for another thread, which had the same flag: nobody wants this one to end.
-                (Err(Error::Cancelled), _) => py.check_signals()?,
-                answered => return into_result(py, own, answered),
-            }
-        }
-    }
-
-    /// Asks on a thread of its own once.
-    fn try_on_thread<T: Send + 'static>(
-        &self,
-        py: Python<'_>,
-        attempt: Attempt,
-        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Send + 'static,
-    ) -> PyResult<Answered<T>> {
-        let (state, is_long) = (self.state.clone(), self.is_long.clone());
-        let (tell, heard) = channel();
-        // Nobody else waits for it: the lock is for the compiler, which knows receivers of one thread only.
-        let heard = Mutex::new(heard);
         let worker = move || {
-            let state = &mut *lock(&state);
             let began = Instant::now();
-            let answered = attempt.ask(state, ask);
-            is_long.store(began.elapsed() > BUDGET, Relaxed);
-            // Nobody listens any more after a signal.
-            let _ = tell.send(answered);
+            let answered = attempt.ask(ask);
+            attempt.state.get().is_long = began.elapsed() > BUDGET;
+            answered
         };
-        let started = thread::Builder::new().name("pfront scene".into()).spawn(worker);
-        let worker = started.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-        loop {
-            match py.detach(|| lock(&heard).recv_timeout(PATIENCE)) {
-                Ok(answered) => return Ok(answered),
-                Err(RecvTimeoutError::Timeout) => {
-                    if let Err(signal) = py.check_signals() {
-                        self.cancel.store(true, Relaxed);
-                        let _ = py.detach(|| worker.join());
-                        return Err(signal);
-                    }
-                }
-                Err(RecvTimeoutError::Disconnected) => {
-                    return Err(PyRuntimeError::new_err("a thread panicked while it answered"));
-                }
-            }
+        into_result(py, own, heard(py, &self.cancel, worker)?)
+    }
+}
+
+/// Edits so many times, while signals are heard; an error tells at which index, unless there is one only.
+fn edit_each(
+    py: Python<'_>,
+    state: &ProcessGuard<State>,
+    count: usize,
+    is_one: bool,
+    mut edit: impl FnMut(&mut SceneQuery, usize) -> Result<(), Error> + Send,
+) -> PyResult<()> {
+    for first in (0..count).step_by(EDITS) {
+        let edited = apart(py, || {
+            let query = &mut state.get().query;
+            (first..count.min(first + EDITS))
+                .try_for_each(|i| edit(query, i).map_err(|error| (error, i)))
+        });
+        edited.map_err(|(error, i)| exception(py, error, (!is_one).then_some(i)))?;
+        if count > EDITS {
+            py.check_signals()?;
         }
     }
+    Ok(())
 }
 
 /// An answer, and who gave it.
 type Answered<T> = (Result<T, Error>, Option<String>);
 
-/// One attempt at a question: who answers it, and what ends it.
-#[derive(Clone)]
+/// One attempt at a question: who answers it, and the scene, which is locked until then.
 struct Attempt {
     id: (u32, u64),
     executor: pfront::Executor,
-    cancel: Arc<AtomicBool>,
+    state: ProcessGuard<State>,
 }
 
 impl Attempt {
-    fn ask<T>(
-        &self,
-        state: &mut State,
-        ask: impl Fn(&mut SceneQuery) -> Result<T, Error>,
-    ) -> Answered<T> {
-        let State { query, on } = state;
-        self.cancel.store(false, Relaxed);
-        if *on != Some(self.id) {
-            *query = std::mem::take(query).on(&self.executor);
-            *on = Some(self.id);
+    fn ask<T>(&self, ask: impl Fn(&mut SceneQuery) -> Result<T, Error>) -> Answered<T> {
+        let mut state = self.state.get();
+        if state.is_of_parent() {
+            // A clone has what is known of the bodies, and nothing on a device.
+            let known = state.query.clone();
+            mem::forget(mem::replace(&mut state.query, known));
         }
-        let answer = ask(query);
-        (answer, query.plan().map(ToString::to_string))
+        if state.on != Some(self.id) {
+            state.query = mem::take(&mut state.query).on(&self.executor);
+            state.on = Some(self.id);
+        }
+        let answer = ask(&mut state.query);
+        (answer, state.query.plan().map(ToString::to_string))
     }
 }
 
 fn into_result<T>(py: Python<'_>, own: &Executor, (answer, plan): Answered<T>) -> PyResult<T> {
-    own.note_plan(plan.unwrap_or_default());
-    answer.map_err(|error| exception(py, error, None))
+    let answer = answer.map_err(|error| exception(py, error, None))?;
+    own.note(plan.unwrap_or_default());
+    Ok(answer)
 }

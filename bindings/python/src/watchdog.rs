@@ -3,11 +3,12 @@
 //! One thread of the process looks at all of them from time to time, so that a question costs two list entries and not a
 //! thread of its own.
 
-use crate::executor::lock;
+use crate::mutex::lock;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use std::{process, thread};
+use std::{mem, process, thread};
 
 /// How long a question may take on the thread that asks it.
 pub(crate) const BUDGET: Duration = Duration::from_millis(5);
@@ -16,8 +17,14 @@ const TICK: Duration = Duration::from_millis(2);
 /// Looks that find no question, after which the thread sleeps until there is one.
 const IDLE: u32 = 200;
 
-/// The watchdog of this process. It is locked only by threads that hold the interpreter, as the one that forks does.
-static OWN: Mutex<Option<(u32, Arc<Watchdog>)>> = Mutex::new(None);
+/// The watchdog of this process. It is locked only by threads that hold the interpreter.
+static OWN: Mutex<Option<Own>> = Mutex::new(None);
+
+struct Own {
+    process: u32,
+    watchdog: Arc<Watchdog>,
+    thread: JoinHandle<()>,
+}
 
 #[derive(Default)]
 struct Watchdog {
@@ -28,6 +35,8 @@ struct Watchdog {
 #[derive(Default)]
 struct Questions {
     asleep: bool,
+    /// Whether the process ends.
+    ended: bool,
     /// The id of the next question.
     next: u64,
     /// Questions by id, since when they are asked, and the flags that end them.
@@ -46,14 +55,15 @@ impl WatchdogGuard {
         let watchdog = {
             let mut own = lock(&OWN);
             match &*own {
-                Some((process, watchdog)) if *process == process::id() => watchdog.clone(),
+                Some(own) if own.process == process::id() => own.watchdog.clone(),
                 _ => {
                     let watchdog = Arc::<Watchdog>::default();
                     let watching = watchdog.clone();
                     let thread = thread::Builder::new().name("pfront watchdog".into());
-                    thread.spawn(move || watching.look()).ok()?;
+                    let thread = thread.spawn(move || watching.look()).ok()?;
+                    let new = Own { process: process::id(), watchdog: watchdog.clone(), thread };
                     // The watchdog of a parent is left as it is: its thread is not here.
-                    std::mem::forget(own.replace((process::id(), watchdog.clone())));
+                    mem::forget(own.replace(new));
                     watchdog
                 }
             }
@@ -62,7 +72,7 @@ impl WatchdogGuard {
         let id = questions.next;
         questions.next += 1;
         questions.asked.push((id, Instant::now(), cancel.clone()));
-        if std::mem::take(&mut questions.asleep) {
+        if mem::take(&mut questions.asleep) {
             watchdog.wake.notify_one();
         }
         drop(questions);
@@ -77,12 +87,31 @@ impl Drop for WatchdogGuard {
     }
 }
 
+/// Ends the thread and waits for that.
+pub(crate) fn end() {
+    let own = lock(&OWN).take();
+    if let Some(own) = own {
+        if own.process == process::id() {
+            let mut questions = lock(&own.watchdog.questions);
+            (questions.ended, questions.asleep) = (true, false);
+            own.watchdog.wake.notify_one();
+            drop(questions);
+            let _ = own.thread.join();
+        } else {
+            mem::forget(own);
+        }
+    }
+}
+
 impl Watchdog {
     fn look(&self) {
         let mut idle = 0;
         loop {
             thread::sleep(TICK);
             let mut questions = lock(&self.questions);
+            if questions.ended {
+                return;
+            }
             for (_, since, cancel) in &questions.asked {
                 if since.elapsed() > BUDGET {
                     cancel.store(true, Relaxed);

@@ -300,6 +300,7 @@ def outcome(points, faces, pose):
     return mesh.vertices.tolist(), mesh.faces.tolist(), listed.tolist()
 
 
+@pytest.mark.filterwarnings("ignore:a mesh without faces")
 @relaxed
 @given(
     hnp.arrays(st.sampled_from([np.float32, np.float64, np.float16, np.int64, np.int8]),

@@ -48,6 +48,7 @@ def test_float64_decides_where_float32_cannot():
     assert pf.collides(small, small, placed(x=1e-9)) != pf.collides(small, small, placed(x=1e-9, kind=np.float64))
 
 
+@pytest.mark.filterwarnings("ignore:a mesh without faces")
 def test_other_precisions_and_lists():
     assert pf.Mesh(POINTS.astype(np.float16), FACES).dtype == np.float32
     assert pf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [(0, 1, 2)]).dtype == np.float32
@@ -55,6 +56,7 @@ def test_other_precisions_and_lists():
     assert len(pf.pairs(pf.Mesh(np.empty((0, 3)), []), pf.Mesh(POINTS, FACES))) == 0
 
 
+@pytest.mark.filterwarnings("ignore:a mesh without faces")
 def test_errors_name_what_is_at_fault():
     def refused(kind, call, **names):
         with pytest.raises(kind) as caught:

@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
+import copy
+import errno
 import hashlib
 import os
 import pickle
+import secrets
+import stat
+import warnings
 import weakref
+from contextlib import suppress
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
+from ._arrays import array
 from ._errors import MeshError
 from ._settings import current
 
 __all__ = ["Mesh", "load"]
 
 _unpickled: weakref.WeakValueDictionary[bytes, Mesh] = weakref.WeakValueDictionary()
+_Kind = TypeVar("_Kind", bound="Mesh")
+# What is made of the model when it is first asked for.
+_CACHED = ("vertices", "faces", "_digest")
 
 
 class Mesh:
@@ -37,7 +47,12 @@ class Mesh:
     Arrays may be in C or Fortran order, strided, misaligned, read-only or of the other byte order; they are copied. A mesh is
     float64 if some coordinate is not a float32 number, so the numbers that you give are the numbers that are tested.
 
-    Threads and processes may share one: it is immutable, and pickles out of band (protocol 5).
+    Threads and processes may share one: it is immutable, and pickles out of band (protocol 5). Copies share the BVH.
+
+    Warns
+    -----
+    UserWarning
+        If there are no faces: such a mesh intersects nothing.
 
     Raises
     ------
@@ -63,6 +78,7 @@ class Mesh:
             self._model = source
         else:
             self._model = _model(source, faces)
+            _warn_if_empty(self._model)
 
     @cached_property
     def vertices(self) -> npt.NDArray[Any]:
@@ -113,29 +129,35 @@ class Mesh:
         Parameters
         ----------
         path : path
-            The file; one that is there is replaced.
+            The file; one that is there is replaced as soon as all is written, and stays as it is if that fails.
         """
-        with open(path, "wb") as file:
-            file.write(self._model.to_blob())
+        _replace(path, self._model.to_blob())
 
     def __repr__(self) -> str:
         vertices, faces = self._model.counts()
         return f"Mesh({vertices} vert{'ex' if vertices == 1 else 'ices'}, {faces} face{'' if faces == 1 else 's'}, {self.dtype})"
 
     def __reduce_ex__(self, protocol: Any) -> tuple[Any, ...]:
-        blob = self._blob
-        digest = self._digest
-        if protocol >= 5:
-            return _from_blob, (digest, pickle.PickleBuffer(blob))
-        return _from_blob, (digest, blob)
+        blob = self._model.to_blob()
+        # The digest is kept, the blob is not.
+        digest = self.__dict__.setdefault("_digest", hashlib.blake2b(blob, digest_size=16).digest())
+        state = self._state()
+        kind = type(self) if type(self) is not Mesh or state is not None else None
+        return _from_blob, (digest, pickle.PickleBuffer(blob) if protocol >= 5 else blob, kind), state
 
-    @cached_property
-    def _blob(self) -> bytes:
-        return self._model.to_blob()
+    def __copy__(self: _Kind) -> _Kind:
+        return _made(type(self), self._model, self._state())
 
-    @cached_property
-    def _digest(self) -> bytes:
-        return hashlib.blake2b(self._blob, digest_size=16).digest()
+    def __deepcopy__(self: _Kind, memo: dict[int, Any]) -> _Kind:
+        return _made(type(self), self._model, copy.deepcopy(self._state(), memo))
+
+    def _state(self) -> Any:
+        """The attributes that users or subclasses have added, as pickle knows them; None without any."""
+        state = super().__reduce_ex__(2)[2]
+        if not (isinstance(state, tuple) and len(state) == 2 and isinstance(state[1], dict)):
+            return state  # of a subclass that has __getstate__
+        own, slots = ({name: part[name] for name in part if name not in (*_CACHED, "_model")} for part in (state[0] or {}, state[1]))
+        return (own, slots) if own or slots else None
 
 
 def load(path: str | os.PathLike[str]) -> Mesh:
@@ -156,26 +178,74 @@ def load(path: str | os.PathLike[str]) -> Mesh:
     BlobError
         If the file is no .pfb, or has changed since it was written.
     """
-    return Mesh(_pfront.Model.from_blob(np.fromfile(path, np.uint8)))
+    model = _pfront.Model.from_blob(np.fromfile(path, np.uint8))
+    _warn_if_empty(model)
+    return Mesh(model)
 
 
-def _from_blob(digest: bytes, blob: Any) -> Mesh:
-    """A mesh out of a pickle; one that is still there is not read again."""
+def _warn_if_empty(model: _pfront.Model) -> None:
+    if model.counts()[1] == 0:
+        warnings.warn("a mesh without faces intersects nothing", stacklevel=3)
+
+
+def _from_blob(digest: bytes, blob: Any, kind: type[Mesh] | None = None) -> Mesh:
+    """A mesh out of a pickle; one that is still there is not read again. One of another kind, or with attributes, is a mesh of its own."""
     found = _unpickled.get(digest)
     if found is None:
         bytes_ = np.frombuffer(blob, np.uint8)
         found = _unpickled.setdefault(digest, Mesh(_pfront.Model.from_blob(np.require(bytes_, requirements=("C", "A")))))
-    return found
+    return found if kind is None else _made(kind, found._model, None)
+
+
+def _made(kind: type[_Kind], model: _pfront.Model, state: Any) -> _Kind:
+    """A mesh of a model that is there, with the attributes of another."""
+    mesh = kind.__new__(kind)
+    mesh._model = model
+    if state is not None and hasattr(mesh, "__setstate__"):
+        mesh.__setstate__(state)
+    elif state is not None:
+        own, slots = state if isinstance(state, tuple) else (state, {})
+        mesh.__dict__.update(own)
+        for name, value in slots.items():
+            setattr(mesh, name, value)
+    return mesh
+
+
+def _replace(path: str | os.PathLike[str], content: Any) -> None:
+    """Write a file aside and put it where it belongs once it is whole; without that, nothing is left behind."""
+    target = os.path.realpath(path)
+    if os.path.exists(target) and not os.path.isfile(target):
+        # A pipe or a device, which cannot be replaced.
+        with open(path, "wb") as file:
+            file.write(content)
+        return
+    is_there = os.path.exists(target)
+    if is_there and not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), os.fspath(path))
+    aside = os.path.join(os.path.dirname(target), f".pfront-{secrets.token_hex(8)}.tmp")
+    try:
+        with open(aside, "xb") as file:
+            file.write(content)
+        if is_there:
+            os.chmod(aside, stat.S_IMODE(os.stat(target).st_mode))
+        os.replace(aside, target)
+    except BaseException as error:
+        with suppress(OSError):
+            os.unlink(aside)
+        if isinstance(error, OSError):
+            raise OSError(error.errno, error.strerror, os.fspath(path)) from None
+        raise
 
 
 def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """A view that cannot be made writable again."""
     array.flags.writeable = False
-    return array
+    return array.view()
 
 
 def _points(vertices: Any) -> npt.NDArray[Any]:
     """Vertices in an aligned array of float32 or float64, in C order."""
-    points = np.asarray(vertices)
+    points = array(vertices, "vertices are")
     if points.dtype.kind not in "fiub" or points.dtype.itemsize > 8:
         raise TypeError(f"vertices of dtype {points.dtype} are no real numbers of at most 64 bits")
     if points.ndim != 2 or points.shape[1] != 3:
@@ -189,7 +259,7 @@ def _points(vertices: Any) -> npt.NDArray[Any]:
 
 def _model(vertices: Any, faces: Any) -> _pfront.Model:
     points = _points(vertices)
-    corners = _corners(np.asarray(faces))
+    corners = _corners(array(faces, "faces are"))
     make = _pfront.Model.from_f32 if points.dtype == np.float32 else _pfront.Model.from_f64
     return make(points, corners, current())
 
@@ -257,7 +327,7 @@ def _file(path: str) -> tuple[Any, Any]:
     if path.lower().endswith(".pfb"):
         return load(path)._model, None
     if not os.path.exists(path):
-        raise FileNotFoundError(path)
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), path)
     try:
         import trimesh
     except ImportError:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
+from ._arrays import integer
 from ._errors import PoseError
 from ._mesh import Mesh
 from ._poses import Pose, matrix
@@ -60,7 +61,7 @@ class Ragged(Sequence[Any]):
                 raise IndexError("a slice of lists has a step of 1")
             offsets = self.offsets[first : max(first, end) + 1]
             return Ragged(self.values[offsets[0] : offsets[-1]], offsets - offsets[0])
-        i = int(index)
+        i = integer(index, "the index of a list")
         if i < 0:
             i += len(self)
         if not 0 <= i < len(self):
@@ -123,11 +124,15 @@ class Contacts:
         >>> [bool((curve[0] == curve[-1]).all()) for curve in curves]
         [True]
         """
-        segments = self.segments.reshape(-1, 2, 3) + 0.0  # -0.0 is 0.0
-        segments = segments[(segments[:, 0] != segments[:, 1]).any(axis=1)]
-        if len(segments) == 0:
+        # Numbers are compared by their bits, since some environments take subnormal ones for zeros; -0.0 is 0.0.
+        kind = np.uint32 if self.segments.dtype == np.float32 else np.uint64
+        bits = np.array(self.segments).reshape(-1, 2, 3).view(kind)
+        bits[bits == kind(1) << kind(np.dtype(kind).itemsize * 8 - 1)] = 0
+        bits = bits[(bits[:, 0] != bits[:, 1]).any(axis=1)]
+        if len(bits) == 0:
             return Ragged(np.empty((0, 3), self.segments.dtype), np.zeros(1, np.int64))
-        points, ends = np.unique(segments.reshape(-1, 3), axis=0, return_inverse=True)
+        found, ends = np.unique(bits.reshape(-1, 3), axis=0, return_inverse=True)
+        points = found.view(self.segments.dtype)
         edges = np.unique(np.sort(ends.reshape(-1, 2), axis=1), axis=0)
         around: list[list[tuple[int, int]]] = [[] for _ in points]
         for edge, (u, v) in enumerate(edges.tolist()):
@@ -284,10 +289,16 @@ def contacts(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | N
 
 @dataclass(frozen=True)
 class Part:
-    """Part `i` of `n` of questions; see `part`."""
+    """Part `i` of `n` of questions, 0 ≤ i < n ≤ 65536; see `part`."""
 
     i: int
     n: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "i", integer(self.i, "i of a part"))
+        object.__setattr__(self, "n", integer(self.n, "n of a part"))
+        if not (0 <= self.i < self.n <= 65536):
+            raise ValueError(f"part {self.i} of {self.n} is not 0 ≤ i < n ≤ 65536")
 
     def pairs(self, a: Any, b: Any = None, pose: Pose = None) -> npt.NDArray[np.uint32]:
         """List the pairs of this part, sorted; the parts together list each pair of `pfront.pairs` once."""
@@ -317,17 +328,29 @@ def part(i: int, n: int) -> Part:
     >>> sum(pf.part(i, 3).count(box, box) for i in range(3)) == pf.count(box, box)
     True
     """
-    if not (0 <= i < n <= 65536):
-        raise ValueError(f"part {i} of {n} is not 0 ≤ i < n ≤ 65536")
-    return Part(int(i), int(n))
+    return Part(i, n)
 
 
 _WHAT: dict[str, Callable[..., Any]] = {"collides": collides, "count": count, "pairs": pairs, "contacts": contacts}
 
 
-def _task(what: str, a: Mesh, b: Mesh, poses: npt.NDArray[Any]) -> Any:
-    """One chunk of a sweep, as another process answers it."""
-    return _WHAT[what](a, b, poses)
+class _Sent:
+    """A mesh on its way to other processes, where it arrives as itself. Its blob is made once, and goes with this."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        self.mesh = mesh
+        self._reduced: dict[bool, tuple[Any, ...]] = {}
+
+    def __reduce_ex__(self, protocol: Any) -> tuple[Any, ...]:
+        is_out_of_band = protocol >= 5
+        if is_out_of_band not in self._reduced:
+            self._reduced[is_out_of_band] = self.mesh.__reduce_ex__(protocol)
+        return self._reduced[is_out_of_band]
+
+
+def _task(what: str, a: Mesh | _Sent, b: Mesh | _Sent, poses: npt.NDArray[Any]) -> Any:
+    """One chunk of a sweep, as another process answers it, or a thread of this one."""
+    return _WHAT[what](*(mesh.mesh if isinstance(mesh, _Sent) else mesh for mesh in (a, b)), poses)
 
 
 def sweep(
@@ -348,7 +371,7 @@ def sweep(
     a, b : Mesh
         The meshes.
     poses : array_like, shape (k, 4, 4)
-        As for `collides`.
+        As for `collides`; copied by the call, so that the array is free for other use at once.
     what : {"collides", "count", "pairs", "contacts"}
         The question.
     progress : callable, optional
@@ -375,6 +398,7 @@ def sweep(
     """
     if what not in _WHAT:
         raise ValueError(f"what={what!r} is none of {', '.join(_WHAT)}")
+    chunk, window = integer(chunk, "chunk"), integer(window, "window")
     if chunk < 1 or window < 1:
         raise ValueError("chunk and window are at least 1")
     first = a if isinstance(a, Mesh) else Mesh(a)
@@ -382,7 +406,7 @@ def sweep(
     array = matrix(poses)
     if array.ndim != 3:
         raise PoseError(f"poses of shape {array.shape} are not (k, 4, 4)")
-    return _swept(first, second, array, what, progress, executor, chunk, window)
+    return _swept(first, second, array.copy(), what, progress, executor, chunk, window)
 
 
 def _swept(
@@ -397,9 +421,10 @@ def _swept(
 ) -> Iterator[tuple[int, Any]]:
     starts = range(0, len(poses), chunk)
     flying: dict[int, Any] = {}
+    sent = [_Sent(a), _Sent(b)]
 
     def launch(start: int) -> None:
-        flying[start] = executor.submit(_task, what, a, b, poses[start : start + chunk])
+        flying[start] = executor.submit(_task, what, *sent, poses[start : start + chunk])
 
     try:
         ahead = iter(starts)

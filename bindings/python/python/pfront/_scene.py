@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
+from ._arrays import array, integer
 from ._errors import StaleBody
 from ._mesh import Mesh
 from ._poses import Pose
@@ -100,19 +101,20 @@ class Scene:
         int or ndarray of int64
             The id of each body: 0, 1, 2, ... in the order of adding; none is ever used again.
         """
-        body = self._scene.add(_mesh(mesh), pose, None if user_id is None else _numbers(user_id, np.int64))
+        body = self._scene.add(_mesh(mesh), pose, None if user_id is None else _user_ids(user_id))
         if name is not None:
             self._names.update(dict.fromkeys(np.atleast_1d(body).tolist(), name))
         return body
 
     def remove(self, body: int) -> None:
         """Take a body out; one that is not there raises `StaleBody`."""
-        self._scene.remove(body)
-        self._names.pop(body, None)
+        id = _id(body)
+        self._scene.remove(id)
+        self._names.pop(id, None)
 
     def name(self, body: int) -> Any:
         """The name of a body; None if it was given none."""
-        return self._names.get(int(body))
+        return self._names.get(integer(body, "a body"))
 
     def user_ids(self, bodies: npt.ArrayLike) -> npt.NDArray[np.int64]:
         """Look up the numbers that `add` was given for bodies; by default a body has its id.
@@ -130,7 +132,7 @@ class Scene:
         >>> scene.user_ids(scene.body_pairs())
         array([[70, 71]])
         """
-        ids = _numbers(bodies, np.uint64)
+        ids = _ids(bodies)
         return self._scene.user_ids(ids.reshape(-1)).reshape(np.shape(bodies))
 
     def set_poses(self, bodies: npt.ArrayLike, poses: Pose) -> None:
@@ -141,7 +143,7 @@ class Scene:
         StaleBody, PoseError
             With the index in ``.pose``; bodies before it have moved.
         """
-        self._scene.set_poses(_numbers(bodies, np.uint64), poses)
+        self._scene.set_poses(_ids(bodies), poses)
 
     def set_mesh(self, body: int, mesh: Any) -> None:
         """Give a body another mesh, as `Mesh.with_vertices` makes of one that deforms; it stays where it is.
@@ -159,14 +161,23 @@ class Scene:
         >>> scene.collides()
         True
         """
-        self._scene.set_model(body, _mesh(mesh))
+        self._scene.set_model(_id(body), _mesh(mesh))
 
     def ignore(self, a: int, b: int, ignored: bool = True) -> None:
         """Ignore what two bodies do to each other, as links of a joint that overlap by design; or no longer."""
-        self._scene.ignore(a, b, ignored)
+        self._scene.ignore(_id(a), _id(b), ignored)
 
     def __len__(self) -> int:
         return self._scene.len()
+
+    def _across(self, other: Scene) -> Scene:
+        """A scene of the bodies of both in which only those of different scenes are asked about, with their ids as user ids."""
+        both = Scene()
+        both._scene = self._scene.across(other._scene)
+        return both
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise TypeError("a scene is neither copied nor pickled: add its bodies to a new one")
 
     def __repr__(self) -> str:
         return f"Scene({len(self)} bodies)"
@@ -197,15 +208,53 @@ def _mesh(mesh: Any) -> _pfront.Model:
     return mesh._model if isinstance(mesh, Mesh) else Mesh(mesh)._model
 
 
-def _numbers(numbers: npt.ArrayLike, kind: Any) -> npt.NDArray[Any]:
-    """Integers, in an array that is aligned and in C order."""
-    array = np.atleast_1d(np.asarray(numbers))
-    if array.size == 0:
-        return np.empty(array.shape, kind)
-    if array.dtype.kind not in "iu":
-        raise TypeError(f"ids of dtype {array.dtype} are no integers")
-    if kind == np.uint64 and array.min() < 0:
-        raise StaleBody("ids of bodies are 0 and more")
-    if kind == np.int64 and array.max() > np.iinfo(np.int64).max:
-        raise ValueError(f"user id {array.max()} does not fit in int64")
-    return np.require(array, kind, ("C", "A"))
+def _stale(id: int, at: int | None = None) -> StaleBody:
+    """The error of an id that no body can have."""
+    error = StaleBody(f"body {id} is not in the scene: ids are 0 and more, in the order of adding")
+    error.pose = at
+    return error
+
+
+def _id(body: Any) -> int:
+    """The id of a body; one that none can have is refused as one that is not there."""
+    id = integer(body, "the id of a body")
+    if not 0 <= id < 2**63:
+        raise _stale(id)
+    return id
+
+
+def _integers(numbers: Any) -> npt.NDArray[Any]:
+    found = np.atleast_1d(array(numbers, "ids are"))
+    if found.size and found.dtype.kind not in "iu":
+        # A list of integers that no dtype holds becomes one of objects, or of float64.
+        exact = np.atleast_1d(np.array(numbers, object)) if isinstance(numbers, (int, list, tuple)) else found
+        if not all(isinstance(number, (int, np.integer)) and not isinstance(number, bool) for number in exact.flat):
+            raise TypeError(f"ids of dtype {found.dtype} are no integers")
+        return exact
+    return found
+
+
+def _beyond(numbers: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    """Which numbers are above int64. None that a signed dtype holds is, and no dtype compares with one that is."""
+    if numbers.dtype.kind in "if":
+        return np.zeros(numbers.shape, bool)
+    return numbers > (np.uint64(2**63 - 1) if numbers.dtype.kind == "u" else 2**63 - 1)
+
+
+def _ids(bodies: Any) -> npt.NDArray[np.uint64]:
+    """Ids of bodies, in an array that is aligned and in C order."""
+    found = _integers(bodies)
+    wrong = (found < 0) | _beyond(found)
+    if wrong.any():
+        at = int(np.argmax(wrong))
+        raise _stale(int(found.flat[at]), at)
+    return np.require(found, np.uint64, ("C", "A"))
+
+
+def _user_ids(numbers: Any) -> npt.NDArray[np.int64]:
+    """Numbers of the user's own, in an array that is aligned and in C order."""
+    found = _integers(numbers)
+    wrong = _beyond(found) | (found < -(2**63)) if found.dtype.kind == "O" else _beyond(found)
+    if wrong.any():
+        raise ValueError(f"user id {found.flat[int(np.argmax(wrong))]} does not fit in int64")
+    return np.require(found, np.int64, ("C", "A"))

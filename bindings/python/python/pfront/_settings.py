@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -33,6 +34,8 @@ def _executor(threads: int | None, device: str | None) -> _pfront.Executor:
     return found
 
 
+# Questions of other threads end here, and threads that a signal has left behind.
+atexit.register(_pfront.join)
 _default = _executor(None, None)
 _current: ContextVar[_pfront.Executor] = ContextVar("pfront", default=_default)
 current = _current.get

@@ -79,30 +79,26 @@ class CollisionManager:
     def __init__(self) -> None:
         self._scene = Scene()
         self._ids: dict[str, int] = {}
-        self._meshes: dict[str, tuple[Mesh, Any]] = {}
 
     def add_object(self, name: str, mesh: Any, transform: Pose = None) -> int:
         """Add an object; one of that name is replaced."""
+        body: int = self._scene.add(mesh if isinstance(mesh, Mesh) else Mesh(mesh), transform, name=name)
         if name in self._ids:
             self.remove_object(name)
-        model = mesh if isinstance(mesh, Mesh) else Mesh(mesh)
-        self._ids[name] = self._scene.add(model, transform, name=name)
-        self._meshes[name] = (model, transform)
-        return self._ids[name]
+        self._ids[name] = body
+        return body
 
     def remove_object(self, name: str) -> None:
         """Take an object out; ValueError if there is none."""
         if name not in self._ids:
             raise ValueError(f"{name} not in collision manager!")
         self._scene.remove(self._ids.pop(name))
-        del self._meshes[name]
 
     def set_transform(self, name: str, transform: Pose) -> None:
         """Move an object; ValueError if there is none."""
         if name not in self._ids:
             raise ValueError(f"{name} not in collision manager!")
         self._scene.set_poses([self._ids[name]], transform)
-        self._meshes[name] = (self._meshes[name][0], transform)
 
     def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> Any:
         """Whether any two objects meet; with their names, and with data of each pair of triangles."""
@@ -117,26 +113,29 @@ class CollisionManager:
     def in_collision_single(
         self, mesh: Any, transform: Pose = None, return_names: bool = False, return_data: bool = False
     ) -> Any:
-        """Whether a mesh meets any object; with the names of those, and with data."""
+        """Whether a mesh meets any object; with the names of those, and with data. Objects are not asked about each other."""
         other = CollisionManager()
         other.add_object("__external", mesh, transform)
-        found = self.in_collision_other(other, True, True) if return_data else self.in_collision_other(other, True)
+        found = self.in_collision_other(other, True, return_data)
         names = {name for name, _ in found[1]}
         return self._answer(found[0], names, found[2] if return_data else [], return_names, return_data)
 
     def in_collision_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
     ) -> Any:
-        """Whether an object meets one of another manager; with the names of both."""
-        both = Scene()
-        own = {both.add(mesh, pose): name for name, (mesh, pose) in self._meshes.items()}
-        other = {both.add(mesh, pose): name for name, (mesh, pose) in other_manager._meshes.items()}
-        across = [(a, b) for a, b in both.body_pairs().tolist() if (a in own) != (b in own)]
-        # The bodies of this manager were added first.
-        pairs = {(a, b): (own[a], other[b]) for a, b in across}
+        """Whether an object meets one of another manager; with the names of both. Objects of one manager are not asked about each other."""
+        both = self._scene._across(other_manager._scene)
+        if not (return_names or return_data):
+            return both.collides()
+        across = both.body_pairs()
+        owners = both.user_ids(across).tolist()
+        pairs = {(a, b): (self._name(i), other_manager._name(j)) for (a, b), (i, j) in zip(across.tolist(), owners)}
         names = set(pairs.values())
-        data = _data(both.contacts(), pairs) if return_data and across else []
+        data = _data(both.contacts(), pairs) if return_data and pairs else []
         return self._answer(bool(names), names, data, return_names, return_data)
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise TypeError("a manager has a scene, and is neither copied nor pickled: add its objects to a new one")
 
     def _name(self, body: int) -> str:
         return str(self._scene.name(body))
