@@ -148,7 +148,7 @@ impl About for OfTwo<'_> {
             (None, AnyPose::F64(_)) => GpuQuestion::pair(a, b, &Pose::IDENTITY),
         };
         let intersects = |pair| in_f64.as_ref().is_some_and(|query| query.intersects(pair));
-        Ok(device.ask(&question, verb, pairs, intersects)?)
+        device.ask(&question, verb, pairs, intersects)
     }
 }
 
@@ -216,7 +216,7 @@ impl About for OfOne<'_> {
     ) -> Result<Answer<TrianglePair>, Error> {
         let [model, _] = mirrors.bring(device, &self.models, true)?;
         let question = GpuQuestion::Within { model, adjacency: self.adjacency };
-        Ok(device.ask(&question, verb, pairs, |_| false)?)
+        device.ask(&question, verb, pairs, |_| false)
     }
 }
 

@@ -11,7 +11,7 @@ use std::time::Duration;
 pub enum Backend {
     /// The cache: nothing has changed since the last answer.
     Cached,
-    /// The calling thread.
+    /// One thread: the calling one; for a ticket of a GPU, the one that reads.
     Sequential,
     /// Several threads, after the calling one had begun or at once.
     Threads,
@@ -118,6 +118,13 @@ pub struct Plan {
     pub predicted: Option<[Duration; 2]>,
     /// The last error of the GPU, if it has not answered since. It is asked again after a pause, unless the device is lost.
     pub failure: Option<String>,
+}
+
+impl Plan {
+    /// One without predictions.
+    pub(crate) fn new(backend: Backend, reason: Reason) -> Self {
+        Self { backend, reason, predicted: None, failure: None }
+    }
 }
 
 impl fmt::Display for Backend {
