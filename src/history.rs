@@ -3,16 +3,19 @@
 
 #[cfg(feature = "gpu")]
 use crate::Pose;
-use crate::executor::{Answer, Executor, Plan, Question, Run, Verb, visit};
+use crate::environment::{Environment, with_default};
+use crate::executor::{Answer, Backend, Executor, Plan, Question, Run, Verb, list, visit};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
 #[cfg(feature = "gpu")]
 use crate::gpu::GpuQuestion;
-use crate::model::Stamp;
+use crate::memory::reserve;
+use crate::model::{Outline, Stamp};
 #[cfg(feature = "threads")]
 use crate::threads::{Report, Traversal};
 use crate::{Accuracy, Adjacency, AnyPose, Contact, Error, Model, TrianglePair};
-use pfront_core::bvtt::Query;
+use pfront_core::Bvh;
+use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt};
 use std::ops::ControlFlow;
 #[cfg(feature = "threads")]
 use std::slice::from_ref;
@@ -31,7 +34,16 @@ pub(crate) struct Subject {
 /// A question about one model or two.
 pub(crate) trait About {
     /// The BVTT that the CPU traverses. Fits the BVHs to the positions, if that has not been done.
-    fn query(&self) -> impl Query + Sync;
+    ///
+    /// # Errors
+    /// [`Error::Memory`] if there is no memory for what the traversal goes by.
+    fn query(&self) -> Result<impl Query + Sync, Error>;
+
+    /// The same for what looks at single triangles and at poses, and traverses nothing: BVHs that do not fit are left alone.
+    fn untraversed<'q>(
+        &'q self,
+        outlines: &'q [Outline; 2],
+    ) -> Result<impl Query + Sync + 'q, Error>;
 
     fn subject(&self) -> Subject;
 
@@ -56,24 +68,45 @@ pub(crate) trait About {
 pub(crate) struct OfTwo<'m> {
     models: [&'m Model; 2],
     a_from_b: AnyPose,
-    query: pfront_core::bvtt::PairBvtt<'m>,
     accuracy: Accuracy,
 }
 
 impl<'m> OfTwo<'m> {
+    /// Checks the pose. Fits no BVH, unless the second mesh may be out of range.
     pub(crate) fn new(
         models: [&'m Model; 2],
         a_from_b: AnyPose,
         accuracy: Accuracy,
     ) -> Result<Self, Error> {
-        let query = a_from_b.pair(models.map(Model::bvh))?.with_accuracy(accuracy);
-        Ok(Self { models, a_from_b, query, accuracy })
+        let [_, b] = models;
+        with_default(|| {
+            // Vertices that no triangle has are in the outline too.
+            let is_in_range = a_from_b.check(b.outline(&Outline::default())).is_ok();
+            if is_in_range { Ok(()) } else { a_from_b.check(b.bvh()) }
+        })?;
+        Ok(Self { models, a_from_b, accuracy })
+    }
+
+    fn between<'q>(&self, bvhs: [Bvh<'q>; 2]) -> Result<PairBvtt<'q>, Error> {
+        Ok(self.a_from_b.pair(bvhs)?.with_accuracy(self.accuracy))
+    }
+
+    fn outlined<'q>(&'q self, [of_a, of_b]: &'q [Outline; 2]) -> Result<PairBvtt<'q>, Error> {
+        let [a, b] = self.models;
+        self.between([a.outline(of_a), b.outline(of_b)])
     }
 }
 
 impl About for OfTwo<'_> {
-    fn query(&self) -> impl Query + Sync {
-        self.query
+    fn query(&self) -> Result<impl Query + Sync, Error> {
+        self.between(self.models.map(Model::bvh))
+    }
+
+    fn untraversed<'q>(
+        &'q self,
+        outlines: &'q [Outline; 2],
+    ) -> Result<impl Query + Sync + 'q, Error> {
+        self.outlined(outlines)
     }
 
     fn subject(&self) -> Subject {
@@ -104,13 +137,18 @@ impl About for OfTwo<'_> {
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Answer<TrianglePair>, Error> {
         let [a, b] = mirrors.bring(device, &self.models, false)?;
-        let question = match (self.query.shadows(), &self.a_from_b) {
+        let (outlines, models) = (Default::default(), &self.models);
+        let is_f64 = self.a_from_b.is_f64() || models.iter().any(|model| model.is_f64());
+        let in_f64 = if is_f64 { Some(self.outlined(&outlines)?) } else { None };
+        let shadows = in_f64.as_ref().and_then(PairBvtt::shadows);
+        let question = match (shadows, &self.a_from_b) {
             (Some(shadows), _) => GpuQuestion::shadows(a, b, &shadows),
             (None, AnyPose::F32(a_from_b)) => GpuQuestion::pair(a, b, a_from_b),
             // One of them is empty.
             (None, AnyPose::F64(_)) => GpuQuestion::pair(a, b, &Pose::IDENTITY),
         };
-        Ok(device.ask(&question, verb, pairs, |pair| self.query.intersects(pair))?)
+        let intersects = |pair| in_f64.as_ref().is_some_and(|query| query.intersects(pair));
+        device.ask(&question, verb, pairs, intersects)
     }
 }
 
@@ -125,16 +163,27 @@ impl<'m> OfOne<'m> {
     pub(crate) fn new(model: &'m Model, adjacency: Adjacency, accuracy: Accuracy) -> Self {
         Self { models: [model], adjacency, accuracy }
     }
-}
 
-impl About for OfOne<'_> {
-    fn query(&self) -> impl Query + Sync {
+    pub(crate) fn bvtt(&self) -> SelfBvtt<'m> {
         let [model] = self.models;
-        pfront_core::bvtt::SelfBvtt::new(model.bvh())
+        SelfBvtt::new(model.bvh())
             .with_accuracy(self.accuracy)
             .with_adjacency(self.adjacency)
             .with_certificates(model.certificates())
-            .with_patches(model.patches())
+    }
+}
+
+impl About for OfOne<'_> {
+    fn query(&self) -> Result<impl Query + Sync, Error> {
+        Ok(self.bvtt())
+    }
+
+    fn untraversed<'q>(
+        &'q self,
+        [outline, _]: &'q [Outline; 2],
+    ) -> Result<impl Query + Sync + 'q, Error> {
+        let [model] = self.models;
+        Ok(SelfBvtt::new(model.outline(outline)))
     }
 
     fn subject(&self) -> Subject {
@@ -167,7 +216,7 @@ impl About for OfOne<'_> {
     ) -> Result<Answer<TrianglePair>, Error> {
         let [model, _] = mirrors.bring(device, &self.models, true)?;
         let question = GpuQuestion::Within { model, adjacency: self.adjacency };
-        Ok(device.ask(&question, verb, pairs, |_| false)?)
+        device.ask(&question, verb, pairs, |_| false)
     }
 }
 
@@ -199,6 +248,11 @@ impl History {
         self.run.plan()
     }
 
+    /// Takes note that the calling thread has visited pairs.
+    pub(crate) fn note_visit(&mut self) {
+        self.run.note_cpu(Backend::Sequential);
+    }
+
     pub(crate) fn forget(&mut self) {
         (self.last, self.touched) = (None, None);
     }
@@ -213,18 +267,18 @@ impl History {
 
     /// All pairs, sorted. Allocates only when there are more than ever before.
     pub(crate) fn all(&mut self, about: &impl About) -> Result<&[TrianglePair], Error> {
-        self.ask(about, Verb::All)?;
+        with_default(|| self.ask(about, Verb::All))?;
         Ok(&self.pairs)
     }
 
     /// How many pairs meet.
     pub(crate) fn count(&mut self, about: &impl About) -> Result<u64, Error> {
-        Ok(self.ask(about, Verb::Count)?.count)
+        Ok(with_default(|| self.ask(about, Verb::Count))?.count)
     }
 
     /// Some pair that meets.
     pub(crate) fn any(&mut self, about: &impl About) -> Result<Option<TrianglePair>, Error> {
-        Ok(self.ask(about, Verb::Any)?.first)
+        Ok(with_default(|| self.ask(about, Verb::Any))?.first)
     }
 
     /// All pairs that meet, sorted, with where. A pair that only `Conservative` or `Fast` reports
@@ -233,17 +287,26 @@ impl History {
         &mut self,
         about: &impl About,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
+        with_default(|| self.find_contacts(about))?;
+        Ok(&self.contacts)
+    }
+
+    fn find_contacts(&mut self, about: &impl About) -> Result<(), Error> {
         self.ask(about, Verb::All)?;
         let subject = about.subject();
         if self.touched.take() != Some(subject) {
             let Self { run, pairs, contacts, .. } = self;
+            let outlines = Default::default();
+            let query = about.untraversed(&outlines)?;
             contacts.clear();
-            let query = about.query();
-            run.contacts(pairs, |pair| query.contact(pair), contacts);
+            // An error gives the list back.
+            let mut found = std::mem::take(contacts);
+            run.contacts(pairs, |pair| query.contact(pair), &mut found)?;
+            *contacts = found;
         }
-        // Not before: a visitor of the pool may panic.
+        // Not before: a thread may panic.
         self.touched = Some(subject);
-        Ok(&self.contacts)
+        Ok(())
     }
 
     /// [`History::contacts`] in f64, in a list of their own.
@@ -251,12 +314,17 @@ impl History {
         &mut self,
         about: &impl About,
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
-        self.ask(about, Verb::All)?;
-        let (query, mut contacts) = (about.query(), Vec::with_capacity(self.pairs.len()));
-        self.run.contacts(&self.pairs, |pair| query.contact_f64(pair), &mut contacts);
-        Ok(contacts)
+        with_default(|| {
+            self.ask(about, Verb::All)?;
+            let (outlines, mut contacts) = (Default::default(), Vec::new());
+            let query = about.untraversed(&outlines)?;
+            reserve(&mut contacts, self.pairs.len())?;
+            self.run.contacts(&self.pairs, |pair| query.contact_f64(pair), &mut contacts)?;
+            Ok(contacts)
+        })
     }
 
+    /// Answers in the default floating-point environment, in which it is called.
     fn ask(&mut self, about: &impl About, verb: Verb) -> Result<Answer<TrianglePair>, Error> {
         let subject = about.subject();
         match self.last {
@@ -284,6 +352,15 @@ impl History {
     }
 }
 
+/// Visits all pairs on the calling thread, in the floating-point environment of the caller, until `visit` breaks.
+pub(crate) fn visit_each(
+    query: &impl Query,
+    mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let callers = Environment::current();
+    with_default(|| query.visit(&mut query.start(), |pair| callers.run(|| visit(pair))))
+}
+
 /// Answers a question on threads; `pairs` are replaced under [`Verb::All`].
 #[cfg(feature = "threads")]
 pub(crate) fn traverse(
@@ -291,15 +368,15 @@ pub(crate) fn traverse(
     query: &(impl Query + Sync),
     verb: Verb,
     pairs: &mut Vec<TrianglePair>,
-) -> Answer<TrianglePair> {
-    match verb {
+) -> Result<Answer<TrianglePair>, Error> {
+    Ok(match verb {
         Verb::All => {
-            traversal.all(from_ref(query), pairs);
+            traversal.all(from_ref(query), pairs)?;
             Answer::listed(pairs)
         }
-        Verb::Count => Answer::counted(traversal.count(from_ref(query))),
-        Verb::Any => Answer::found(traversal.any(from_ref(query)).map(|hit| hit.pair)),
-    }
+        Verb::Count => Answer::counted(traversal.count(from_ref(query))?),
+        Verb::Any => Answer::found(traversal.any(from_ref(query))?.map(|hit| hit.pair)),
+    })
 }
 
 struct Asking<'a, A> {
@@ -327,14 +404,11 @@ impl<A: About> Question for Asking<'_, A> {
         verb: Verb,
         cancel: Option<&AtomicBool>,
     ) -> Result<Self::Answer, Error> {
-        let query = self.about.query();
+        let query = self.about.query()?;
         Ok(match verb {
             Verb::All => {
                 self.pairs.clear();
-                visit(&query, cancel, |pair| {
-                    self.pairs.push(pair);
-                    ControlFlow::Continue(())
-                })?;
+                list(&query, cancel, self.pairs, |pair| pair)?;
                 self.pairs.sort_unstable();
                 Answer::listed(self.pairs)
             }
@@ -359,7 +433,7 @@ impl<A: About> Question for Asking<'_, A> {
 
     #[cfg(feature = "threads")]
     fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Self::Answer, Error> {
-        Ok(traverse(traversal, &self.about.query(), verb, self.pairs))
+        traverse(traversal, &self.about.query()?, verb, self.pairs)
     }
 
     #[cfg(feature = "gpu")]
@@ -373,7 +447,12 @@ impl<A: About> Question for Asking<'_, A> {
     }
 
     #[cfg(feature = "gpu")]
-    fn on_gpu(&mut self, device: &Device, verb: Verb) -> Result<Self::Answer, Error> {
+    fn on_gpu(
+        &mut self,
+        device: &Device,
+        _: &mut Executor,
+        verb: Verb,
+    ) -> Result<Self::Answer, Error> {
         self.about.on_gpu(device, self.mirrors, verb, self.pairs)
     }
 }

@@ -27,6 +27,48 @@ pub(crate) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), Error> {
     Ok(())
 }
 
+/// Adds all items of an iterator that knows how many there are.
+///
+/// # Errors
+/// As [`reserve`].
+pub(crate) fn extend<T>(
+    list: &mut Vec<T>,
+    items: impl ExactSizeIterator<Item = T>,
+) -> Result<(), Error> {
+    reserve(list, items.len())?;
+    list.extend(items);
+    Ok(())
+}
+
+/// A list of so many items, all alike.
+///
+/// # Errors
+/// As [`reserve`].
+pub(crate) fn filled<T: Clone>(item: T, len: usize) -> Result<Vec<T>, Error> {
+    let mut list = Vec::new();
+    reserve(&mut list, len)?;
+    list.resize(len, item);
+    Ok(list)
+}
+
+/// A copy of a list.
+///
+/// # Errors
+/// As [`reserve`].
+pub(crate) fn copy<T: Copy>(items: &[T]) -> Result<Vec<T>, Error> {
+    let mut list = Vec::new();
+    reserve(&mut list, items.len())?;
+    list.extend_from_slice(items);
+    Ok(list)
+}
+
+#[cfg(feature = "threads")]
+impl From<crate::threads::MemoryError> for Error {
+    fn from(error: crate::threads::MemoryError) -> Self {
+        Self::Memory { needed: error.needed }
+    }
+}
+
 #[cold]
 fn grow<T>(list: &mut Vec<T>, additional: usize) -> Result<(), Error> {
     let needed = list.len().saturating_add(additional).saturating_mul(size_of::<T>());

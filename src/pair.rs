@@ -1,11 +1,11 @@
 //! Two models.
 
+use crate::environment::with_default;
 use crate::executor::Plan;
-use crate::history::{About, History, OfTwo};
+use crate::history::{About, History, OfTwo, visit_each};
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, AnyPose, Contact, Error, Executor, Model, TrianglePair};
-use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
 /// Asks which triangles of two models meet, the second in the pose `a_from_b`.
@@ -44,7 +44,7 @@ impl PairQuery {
         Self { accuracy, ..self }
     }
 
-    /// The same by an executor; a new query is sequential. The answers stay the same to the bit, and what was remembered
+    /// The same by an executor; a new query is sequential. Lists and counts stay the same to the bit, and what was remembered
     /// of earlier frames is forgotten.
     ///
     /// # Examples
@@ -122,7 +122,7 @@ impl PairQuery {
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
-    /// buffer at all and only the calling thread, whatever the executor.
+    /// buffer at all and only the calling thread, whatever the executor; `visit` runs in the caller's floating-point environment.
     ///
     /// # Errors
     /// As [`PairQuery::all`].
@@ -148,8 +148,9 @@ impl PairQuery {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
         let question = self.question(a, b, a_from_b)?;
-        let query = question.query();
-        Ok(query.visit(&mut query.start(), visit))
+        let query = with_default(|| question.query())?;
+        self.history.note_visit();
+        Ok(visit_each(&query, visit))
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals, in the

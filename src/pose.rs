@@ -1,5 +1,6 @@
 //! Poses of either precision.
 
+use crate::environment::with_default;
 use pfront_core::bvtt::{PairBvtt, PosedBvh};
 use pfront_core::pose::PoseError;
 use pfront_core::{Aabb, Bvh, Pose, Pose64};
@@ -43,10 +44,10 @@ impl AnyPose {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn pair<'m>(&self, [a, b]: [Bvh<'m>; 2]) -> Result<PairBvtt<'m>, PoseError> {
-        match self {
+        with_default(|| match self {
             Self::F32(pose) => PairBvtt::new(a, b, *pose),
             Self::F64(pose) => PairBvtt::in_f64(a, b, pose),
-        }
+        })
     }
 
     /// A mesh in this pose, which it is known to suit.
@@ -74,6 +75,21 @@ impl AnyPose {
         }
     }
 
+    /// Whether it is the same pose, to the bit.
+    pub(crate) fn same_bits(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::F32(own), Self::F32(other)) => {
+                own.rows.map(|row| row.map(f32::to_bits))
+                    == other.rows.map(|row| row.map(f32::to_bits))
+            }
+            (Self::F64(own), Self::F64(other)) => {
+                own.rows.map(|row| row.map(f64::to_bits))
+                    == other.rows.map(|row| row.map(f64::to_bits))
+            }
+            _ => false,
+        }
+    }
+
     /// Whether it is in f64.
     #[must_use]
     pub fn is_f64(&self) -> bool {
@@ -90,7 +106,7 @@ impl AnyPose {
     #[must_use]
     pub fn to_f64(&self) -> Pose64 {
         match self {
-            Self::F32(pose) => (*pose).into(),
+            Self::F32(pose) => with_default(|| (*pose).into()),
             Self::F64(pose) => *pose,
         }
     }

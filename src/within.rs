@@ -1,11 +1,11 @@
 //! One model with itself.
 
+use crate::environment::with_default;
 use crate::executor::Plan;
-use crate::history::{About, History, OfOne};
+use crate::history::{History, OfOne, visit_each};
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Adjacency, Contact, Error, Executor, Model, TrianglePair};
-use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with
@@ -126,15 +126,15 @@ impl SelfQuery {
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
-    /// buffer at all and only the calling thread, whatever the executor.
+    /// buffer at all and only the calling thread, whatever the executor; `visit` runs in the caller's floating-point environment.
     pub fn visit(
         &mut self,
         model: &Model,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let question = self.question(model);
-        let query = question.query();
-        query.visit(&mut query.start(), visit)
+        self.history.note_visit();
+        visit_each(&with_default(|| question.bvtt()), visit)
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals. For

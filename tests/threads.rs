@@ -67,7 +67,7 @@ fn counts_under_the_static_schedule_depend_on_no_machine() {
             scene.poses(frame, &mut poses);
             let pose = Pose::new(poses[1]);
             query.all(&a, &b, pose).unwrap();
-            alone.all(&[bvtt::PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap()], &mut pairs);
+            alone.all(&[bvtt::PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap()], &mut pairs).unwrap();
             let counts = |report: &Report| {
                 let shares: Vec<_> = report.shares.iter().map(|share| share.work).collect();
                 (report.nodes, report.alone, shares)
@@ -85,7 +85,7 @@ fn a_scene_takes_a_traversal_that_was_used() {
     let model = Arc::new(Model::new(mesh.positions, mesh.triangles).unwrap());
     let mut traversal = Traversal::new(3);
     let query = bvtt::PairBvtt::new(model.bvh(), model.bvh(), Pose::IDENTITY).unwrap();
-    let expected = traversal.count(&[query]);
+    let expected = traversal.count(&[query]).unwrap();
     assert!(traversal.report.nodes > 0);
     let mut scene = SceneQuery::new().on(&Executor::from(traversal));
     for _ in 0..2 {
@@ -134,22 +134,24 @@ fn compact_models() {
             scene.poses(frame, &mut poses);
             let pose = Pose::new(poses[1]);
             let query = bvtt::PairBvtt::new(small, least, pose).unwrap();
-            traversal.all(&[query], &mut found);
+            traversal.all(&[query], &mut found).unwrap();
             assert_eq!(found, PairQuery::new().all(&a, &b, pose).unwrap());
 
             let here = PosedBvh::new(a.bvh(), &aside).unwrap();
-            traversal.all(
-                &[bvtt::PairBvtt::in_world(here, PosedBvh::new(b.bvh(), &pose).unwrap())],
-                &mut truth,
-            );
+            traversal
+                .all(
+                    &[bvtt::PairBvtt::in_world(here, PosedBvh::new(b.bvh(), &pose).unwrap())],
+                    &mut truth,
+                )
+                .unwrap();
             let there = PosedBvh::new(least, &pose).unwrap();
-            traversal.all(&[bvtt::PairBvtt::in_world(here, there)], &mut found);
+            traversal.all(&[bvtt::PairBvtt::in_world(here, there)], &mut found).unwrap();
             assert_eq!(found, truth);
             let here = PosedBvh::new(small, &aside).unwrap();
-            traversal.all(&[bvtt::PairBvtt::in_world(here, there)], &mut found);
+            traversal.all(&[bvtt::PairBvtt::in_world(here, there)], &mut found).unwrap();
             assert!(found == truth && !truth.is_empty());
         }
-        traversal.all(&[bvtt::SelfBvtt::new(small)], &mut found);
+        traversal.all(&[bvtt::SelfBvtt::new(small)], &mut found).unwrap();
         assert_eq!(found, SelfQuery::new().all(&a).unwrap());
     }
 }

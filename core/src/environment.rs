@@ -27,18 +27,48 @@ use core::hint::black_box;
 /// assert!(with_default(is_default));
 /// ```
 pub fn with_default<T>(body: impl FnOnce() -> T) -> T {
-    /// A call of its own between two blocks of assembly that may change any memory: its operands are loaded after the first
-    /// and its results stored before the second, so that no arithmetic moves out.
-    #[inline(never)]
-    fn apart<T>(body: impl FnOnce() -> T) -> T {
-        body()
+    Environment::DEFAULT.run(body)
+}
+
+/// The floating-point environment of a thread, for a body in the default one that calls back.
+///
+/// # Examples
+/// ```
+/// use pfront_core::environment::{Environment, with_default};
+/// let callers = Environment::current();
+/// let visit = |number: f32| assert!(number < 1.0); // as the caller rounds and flushes
+/// with_default(|| callers.run(|| visit(0.5)));
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Environment(control::Register);
+
+impl Environment {
+    /// IEEE 754's default.
+    pub const DEFAULT: Self = Self(control::DEFAULT);
+
+    /// That of the calling thread.
+    #[inline]
+    #[must_use]
+    pub fn current() -> Self {
+        Self(read())
     }
-    let callers = read();
-    let _restore = (callers & control::SETTINGS != control::DEFAULT).then(|| {
-        write(control::DEFAULT);
-        Restore(callers)
-    });
-    apart(body)
+
+    /// Runs `body` in this environment, as [`with_default`] does in the default one.
+    #[inline]
+    pub fn run<T>(self, body: impl FnOnce() -> T) -> T {
+        /// A call of its own between two blocks of assembly that may change any memory: its operands are loaded after the first
+        /// and its results stored before the second, so that no arithmetic moves out.
+        #[inline(never)]
+        fn apart<T>(body: impl FnOnce() -> T) -> T {
+            body()
+        }
+        let callers = read();
+        let _restore = ((callers ^ self.0) & control::SETTINGS != 0).then(|| {
+            write(self.0);
+            Restore(callers)
+        });
+        apart(body)
+    }
 }
 
 /// Restores the control register of the caller when it is dropped.
@@ -161,6 +191,19 @@ mod tests {
             write(control::DEFAULT);
             assert!(seen.0 && seen.1 & control::SETTINGS == control::DEFAULT, "{callers:x}");
             assert_eq!(after & control::SETTINGS, callers & control::SETTINGS);
+        }
+    }
+
+    #[test]
+    fn a_body_calls_back_in_the_environment_of_its_caller() {
+        for callers in [0x1f80, 0x9fc0, 0x5f80, 0x0000] {
+            write(callers);
+            let own = Environment::current();
+            let seen = with_default(|| (own.run(read), is_default()));
+            let after = read();
+            write(control::DEFAULT);
+            assert!(seen.1);
+            assert_eq!([seen.0, after].map(|seen| seen & control::SETTINGS), [callers; 2]);
         }
     }
 

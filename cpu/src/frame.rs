@@ -2,14 +2,17 @@
 
 use crate::control::{Control, SLICE, tests};
 use crate::front::Start;
+use crate::memory::{push, reserve, resize};
 use crate::output::Output;
 use crate::report::sum;
+use crate::search::Search;
 use crate::workers::{Frame, awake};
-use crate::{Report, Schedule, Settings, Share, Traversal};
+use crate::{MemoryError, Report, Schedule, Settings, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
+use pfront_core::environment::{Environment, with_default};
 use pfront_core::front::estimate;
 use std::sync::atomic::Ordering::Relaxed;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Tests of both kinds that the calling thread does before it calls others, if nobody has measured what a call takes
 /// ([`Traversal::measured`]). A frame whose expected cost, in box tests, is lower than this begins there.
@@ -31,38 +34,86 @@ const FEWEST: u64 = 256;
 
 impl Traversal {
     /// A frame, into the first of `outputs` and others that are added as needed. Returns whether it came to the end.
+    ///
+    /// # Errors
+    /// [`MemoryError`] if an output or the front cannot grow. All threads have stopped then, and the memory of the last frames
+    /// is given back.
     pub(crate) fn run<Q: Query + Sync, O: Output>(
         &mut self,
         queries: &[Q],
         only_one_hit: bool,
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
-    ) -> bool {
+    ) -> Result<bool, MemoryError> {
+        let mut ended = self.try_run(queries, only_one_hit, outputs, new_output);
+        if let Some(failure) = outputs.iter().find_map(Output::failure) {
+            ended = Err(failure);
+        }
+        if ended.is_err() {
+            self.release();
+        }
+        ended
+    }
+
+    fn try_run<Q: Query + Sync, O: Output>(
+        &mut self,
+        queries: &[Q],
+        only_one_hit: bool,
+        outputs: &mut Vec<O>,
+        new_output: impl Fn() -> O,
+    ) -> Result<bool, MemoryError> {
         if outputs.is_empty() {
-            outputs.push(new_output());
+            push(outputs, new_output())?;
         }
         let mut shares = std::mem::take(&mut self.report.shares);
         shares.clear();
         self.report = Report { shares, ..Report::default() };
         let control = Control::new(self.deadline, self.cancel.clone());
+        outputs[0].begin(Environment::current());
+        let from_roots =
+            with_default(|| self.begin(queries, only_one_hit, &control, &mut outputs[0]))?;
+        let is_divided = !self.starts.is_empty() && !control.is_over();
+        let clock = is_divided.then(Instant::now);
+        if is_divided && only_one_hit {
+            self.search(queries, &control, outputs, new_output)?;
+        } else if is_divided {
+            self.divide(queries, from_roots, &control, outputs, new_output)?;
+        }
+        self.report.late = control.was_late();
+        self.report.cancelled = control.was_cancelled();
+        let is_complete = !control.has_stopped();
+        let time = clock.map(|clock| clock.elapsed());
+        with_default(|| self.learn(time, from_roots, is_complete && !only_one_hit));
+        Ok(is_complete)
+    }
+
+    /// Begins a frame on the calling thread, unless it is expected to be worth several from the start; returns whether it is.
+    fn begin<Q: Query>(
+        &mut self,
+        queries: &[Q],
+        only_one_hit: bool,
+        control: &Control,
+        output: &mut impl Output,
+    ) -> Result<bool, MemoryError> {
         let from_roots = self.p() > 1 && !only_one_hit && self.expects_much(queries);
         // Nearly as long as predicted is no reason to call others shortly before the end.
         let predicted = if only_one_hit { 0.0 } else { self.predicted() };
         let alone = self.call.map(|call| self.worth(call).max(2.0 * predicted));
-        self.begin(queries, from_roots, alone, &control, &mut outputs[0]);
-        if self.starts.is_empty() || control.is_over() {
-            self.overhead *= FADING;
-        } else {
-            let clock = Instant::now();
-            self.divide(queries, from_roots, &control, outputs, new_output);
+        self.traverse_alone(queries, from_roots, alone, control, output)?;
+        Ok(from_roots)
+    }
+
+    /// Takes note of what a frame took, for the next: the time that others worked on it, if they did, and the costs, if it
+    /// `is_whole`.
+    fn learn(&mut self, divided: Option<Duration>, from_roots: bool, is_whole: bool) {
+        if let Some(time) = divided {
             let work = self.report.work().cost() - self.report.alone.cost();
             let ideal = work * self.pace.unwrap_or_default() / self.p() as f64;
-            self.overhead = (clock.elapsed().as_secs_f64() - ideal).max(0.0);
+            self.overhead = (time.as_secs_f64() - ideal).max(0.0);
+        } else {
+            self.overhead *= FADING;
         }
-        self.report.late = control.was_late();
-        self.report.cancelled = control.was_cancelled();
-        let complete = !control.has_stopped();
-        if complete && !only_one_hit {
+        if is_whole {
             // A frame in which nothing overlapped says nothing about the cost of the next.
             self.last_cost = Some(self.report.work().cost()).filter(|&cost| cost > 0.0);
             if !from_roots {
@@ -71,7 +122,6 @@ impl Traversal {
                 self.front.forget();
             }
         }
-        complete
     }
 
     /// Whether a frame is worth several threads from the start: by the last one. If nobody has measured what a call takes, a
@@ -100,14 +150,14 @@ impl Traversal {
 
     /// Traverses the queries in turn on the calling thread, for so many seconds `alone` if they are known, unless the frame
     /// is to be divided `from_roots`; notes what is left.
-    fn begin<Q: Query>(
+    fn traverse_alone<Q: Query>(
         &mut self,
         queries: &[Q],
         from_roots: bool,
         alone: Option<f64>,
         control: &Control,
         output: &mut impl Output,
-    ) {
+    ) -> Result<(), MemoryError> {
         self.starts.clear();
         let (mut work, mut is_enough) = (Work::default(), from_roots);
         // The end of the first step, and the work until then.
@@ -115,7 +165,7 @@ impl Traversal {
         for (query, number) in queries.iter().zip(0..) {
             let Some(root) = query.root() else { continue };
             if is_enough {
-                self.starts.push(Start { query: number, pair: root });
+                push(&mut self.starts, Start { query: number, pair: root })?;
                 continue;
             }
             let mut cursor = Cursor::at(root);
@@ -132,6 +182,7 @@ impl Traversal {
                 }
             }
             let left = cursor.take_pending().iter().map(|&pair| Start { query: number, pair });
+            reserve(&mut self.starts, left.len())?;
             self.starts.extend(left);
             // The cursor is left with at most one leaf pair, which is visited to its end.
             control.traverse(query, number, &mut cursor, output, u64::MAX, &|| false);
@@ -146,6 +197,32 @@ impl Traversal {
                 self.pace = Some(self.report.alone_time.as_secs_f64() / cost);
             }
         }
+        Ok(())
+    }
+
+    /// Searches below the pending node pairs for one hit. A front would change the order: the dearest nodes would come first,
+    /// and a hit that is near for one thread might be far.
+    fn search<Q: Query + Sync, O: Output>(
+        &mut self,
+        queries: &[Q],
+        control: &Control,
+        outputs: &mut Vec<O>,
+        new_output: impl Fn() -> O,
+    ) -> Result<(), MemoryError> {
+        let (p, threads) = (self.p(), self.threads());
+        let Self { pool, starts, report, .. } = self;
+        // The last of the node pairs that were pending is the next; the roots of other queries follow as they are.
+        let query = starts.first().map(|start| start.query);
+        let pending = starts.iter().take_while(|start| Some(start.query) == query).count();
+        starts[..pending].reverse();
+        resize(&mut report.shares, p)?;
+        let more = threads.saturating_sub(outputs.len());
+        reserve(outputs, more)?;
+        outputs.resize_with(threads, new_output);
+        let clock = Instant::now();
+        Search { queries, starts, control }.run(pool.as_deref(), outputs, &mut report.shares)?;
+        report.traversal_time += clock.elapsed();
+        Ok(())
     }
 
     /// Divides the pending node pairs by a front. Costs are remembered for a front that begins at the roots.
@@ -156,32 +233,38 @@ impl Traversal {
         control: &Control,
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
-    ) {
+    ) -> Result<(), MemoryError> {
         let (p, threads, expected) = (self.p(), self.threads(), self.last_cost);
         let Self { settings, pool, front, starts, buffers, report, .. } = self;
-        report.shares.resize(p, Share::default());
+        resize(&mut report.shares, p)?;
+        let more = threads.saturating_sub(outputs.len());
+        reserve(outputs, more)?;
         outputs.resize_with(threads, new_output);
         let settings = Settings { coherence: settings.coherence && from_roots, ..*settings };
         // A thread of the pool may have other things to do than to wait for this front.
         let in_pool = rayon::current_thread_index().is_some();
         let waiting = if in_pool || settings.schedule == Schedule::Stealing { 1 } else { threads };
         awake(pool.as_deref(), waiting, |is_ready| {
-            front.divide(queries, starts, &settings, report);
+            let slice = with_default(|| {
+                front.divide(queries, starts, &settings, report)?;
+                let predicted = || report.shares.iter().map(|share| share.predicted).sum();
+                let mean = expected.unwrap_or_else(predicted) / threads as f64;
+                Ok(match settings.schedule {
+                    Schedule::Static => None,
+                    _ => Some(((mean * LATENESS) as u64).clamp(FEWEST, SLICE)),
+                })
+            })?;
             let clock = Instant::now();
-            let predicted = || report.shares.iter().map(|share| share.predicted).sum();
-            let mean = expected.unwrap_or_else(predicted) / threads as f64;
-            let slice = match settings.schedule {
-                Schedule::Static => None,
-                _ => Some(((mean * LATENESS) as u64).clamp(FEWEST, SLICE)),
-            };
             let frame = Frame { queries, nodes: front.nodes(), slice, control };
             is_ready.store(true, Relaxed);
             [report.waking_time, report.busy_time] =
-                buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares);
+                buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares)?;
             report.traversal_time += clock.elapsed();
-        });
+            Ok(())
+        })?;
         if from_roots && !control.has_stopped() {
-            front.remember(buffers.costs(), report.front.coherent);
+            with_default(|| front.remember(buffers.costs(), report.front.coherent));
         }
+        Ok(())
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! Memory is N nodes of 40 bytes and as much for those of the last frame: at most 80·N. At first
 //! N = max(1024, 16·p) and one for each node that the front starts from; while that is too little, N doubles, up to
-//! `max_nodes`, and then g is halved.
+//! `max_nodes` or as far as there is memory, and then g is halved.
 
-use crate::{Report, Schedule, Settings, Share};
+use crate::memory::resize;
+use crate::{MemoryError, Report, Schedule, Settings, Share};
 use pfront_core::bvtt::{NodePair, Query};
 use pfront_core::front::{Front, FrontNode, FrontReport, Part, RefineOptions};
 use std::time::Instant;
@@ -59,17 +60,21 @@ impl FrontMemory {
     }
 
     /// Generates a front for as many workers as `report` has shares, and assigns it to them.
+    ///
+    /// # Errors
+    /// [`MemoryError`] if there is no room for the nodes that it starts from.
     pub(crate) fn divide<Q: Query>(
         &mut self,
         queries: &[Q],
         starts: &[Start],
         settings: &Settings,
         report: &mut Report,
-    ) {
+    ) -> Result<(), MemoryError> {
         let clock = Instant::now();
         let workers = report.shares.len();
-        let most = settings.max_nodes.max(starts.len());
-        self.grow((FEWEST_NODES.max(NODES_PER_WORKER * workers) + starts.len()).min(most));
+        let mut most = settings.max_nodes.max(starts.len());
+        self.grow((FEWEST_NODES.max(NODES_PER_WORKER * workers) + starts.len()).min(most))?;
+        resize(&mut self.parts, workers)?;
         let mut options = options(settings, workers, self.is_coherent);
         let mut box_tests = 0;
         loop {
@@ -86,7 +91,9 @@ impl FrontMemory {
             box_tests += refined.box_tests;
             let can_coarsen = options.g > 1.0 || options.g_estimated > 1.0;
             if refined.full && capacity < most {
-                self.grow((2 * capacity).min(most));
+                if self.grow((2 * capacity).min(most)).is_err() {
+                    most = capacity;
+                }
             } else if refined.full && can_coarsen {
                 options.g = options.g.min(ESTIMATED * u32::MAX as f64) / 2.0;
                 options.g_estimated = options.g_estimated.min(ESTIMATED * u32::MAX as f64) / 2.0;
@@ -94,7 +101,6 @@ impl FrontMemory {
                 // Without refinement the certificate is that of one worker.
                 let epsilon = refined.epsilon * workers as f64 / options.workers as f64;
                 report.front = FrontReport { box_tests, epsilon, ..refined };
-                self.parts.resize(workers, Part::default());
                 self.len = front.partition(&mut self.parts).len();
                 break;
             }
@@ -106,14 +112,17 @@ impl FrontMemory {
         let held = self.nodes.capacity() + self.history.capacity();
         report.front_bytes = held * size_of::<FrontNode>();
         report.front_time = clock.elapsed();
+        Ok(())
     }
 
-    /// Keeps the measured costs of the nodes for the next frame, and whether those of the last one were used.
+    /// Keeps the measured costs of the nodes for the next frame, if there is memory, and whether those of the last one were used.
     pub(crate) fn remember(&mut self, costs: impl IntoIterator<Item = f32>, is_coherent: bool) {
-        self.is_coherent = is_coherent;
-        self.history.clear();
+        self.forget();
         // The capacity does not double, which would break the bound on memory.
-        self.history.reserve_exact(self.len);
+        if self.history.try_reserve_exact(self.len).is_err() {
+            return;
+        }
+        self.is_coherent = is_coherent;
         self.history.extend_from_slice(&self.nodes[..self.len]);
         for (node, cost) in self.history.iter_mut().zip(costs) {
             node.cost = cost;
@@ -135,9 +144,8 @@ impl FrontMemory {
         });
     }
 
-    fn grow(&mut self, to: usize) {
-        if self.nodes.len() < to {
-            self.nodes.resize(to, FrontNode::default());
-        }
+    fn grow(&mut self, to: usize) -> Result<(), MemoryError> {
+        let len = to.max(self.nodes.len());
+        resize(&mut self.nodes, len)
     }
 }

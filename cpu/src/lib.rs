@@ -22,7 +22,7 @@
 //! let mut pairs = Vec::<bvtt::TrianglePair>::new();
 //! for frame in 0..3 {
 //!     let pose = Pose::from_translation([0.1 * frame as f32, 0.0, 0.0]);
-//!     traversal.all(&[PairBvtt::new(bvh, bvh, pose)?], &mut pairs);
+//!     traversal.all(&[PairBvtt::new(bvh, bvh, pose)?], &mut pairs)?;
 //!     assert_eq!(pairs.len(), 1);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -35,18 +35,26 @@
 //!
 //! Threads are called before the front of a frame is made and wait for it awake, 1 ms at most, since waking up takes as
 //! long as a small frame. Between frames they sleep as the pool lets them.
+//!
+//! # Floating-point environment
+//! A thread of a pool has the floating-point environment of the thread that made the pool. All work of a frame runs in the
+//! default one, on every thread, and afterwards each thread has its own again; visitors run in that of their thread.
+//! [`Traversal::install`] and [`Traversal::spawn`] change nothing for the function that they run.
 
 mod build;
 mod control;
 mod frame;
 mod front;
+mod memory;
 mod output;
 mod report;
+mod search;
 mod settings;
 mod traversal;
 mod workers;
 
 pub use build::join;
+pub use memory::MemoryError;
 pub use output::Hit;
 pub use rayon;
 pub use report::{Report, Share};

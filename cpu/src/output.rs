@@ -1,10 +1,14 @@
 //! Outputs of the threads, one each so that no thread waits for a lock. Each thread sorts its own list while it is in its
 //! cache, and the sorted lists are merged by all threads.
 
+use crate::MemoryError;
+use crate::memory::{reserve, resize};
 use crate::workers::for_each;
 use pfront_core::bvtt::TrianglePair;
+use pfront_core::environment::Environment;
 use rayon::ThreadPool;
-use std::ops::ControlFlow;
+use std::mem::take;
+use std::ops::{ControlFlow, Range};
 
 /// An intersecting triangle pair of one query among many. Hits are ordered by `query`, then by `pair`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -17,52 +21,87 @@ pub struct Hit {
 
 /// The output of one thread.
 pub(crate) trait Output: Send {
+    /// Called by each thread that is about to fill it, with the thread's own floating-point environment.
+    fn begin(&mut self, _environment: Environment) {}
+
+    /// Ends the frame at a break.
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()>;
 
     /// Called by the first thread when it has no more of its own.
     fn finish(&mut self) {}
+
+    /// The error for which it ended the frame.
+    fn failure(&self) -> Option<MemoryError> {
+        None
+    }
 }
+
+/// The most sorted runs of a list.
+const RUNS: usize = 2;
 
 /// The list that one thread makes, or several one after the other: sorted runs, and what came after the last.
 #[derive(Clone, Debug, Default)]
 pub struct OutputBuffer<T> {
     items: Vec<T>,
-    /// The ends of the runs.
-    ends: Vec<usize>,
+    /// The ends of the first `runs` runs.
+    ends: [usize; RUNS],
+    runs: usize,
     scratch: Vec<T>,
+    failure: Option<MemoryError>,
 }
 
 impl<T> OutputBuffer<T> {
     pub(crate) fn clear(&mut self) {
         self.items.clear();
-        self.ends.clear();
+        (self.runs, self.failure) = (0, None);
+    }
+
+    fn ends(&self) -> &[usize] {
+        &self.ends[..self.runs]
     }
 
     fn is_finished(&self) -> bool {
-        self.ends.last().copied().unwrap_or(0) == self.items.len()
+        self.ends().last().copied().unwrap_or(0) == self.items.len()
     }
 
     /// The sorted runs, of which none is empty.
-    fn runs(&self) -> impl Iterator<Item = &[T]> {
-        let begins = std::iter::once(&0).chain(&self.ends);
-        begins.zip(&self.ends).map(|(&begin, &end)| &self.items[begin..end])
+    fn sorted(&self) -> impl Iterator<Item = &[T]> {
+        let begins = std::iter::once(&0).chain(self.ends());
+        begins.zip(self.ends()).map(|(&begin, &end)| &self.items[begin..end])
+    }
+
+    /// Makes room for one more item.
+    #[cold]
+    fn grow(&mut self) -> ControlFlow<()> {
+        self.failure = reserve(&mut self.items, 1).err();
+        if self.failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
 impl<T: Item> Output for OutputBuffer<T> {
     #[inline]
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
+        if self.items.len() == self.items.capacity() {
+            self.grow()?;
+        }
         self.items.push(T::new(query, pair));
         ControlFlow::Continue(())
     }
 
     fn finish(&mut self) {
-        let begin = self.ends.last().copied().unwrap_or(0);
-        let (end, run) = (self.items.len(), &mut self.items[begin..]);
-        if !run.is_empty() {
-            sort(run, &mut self.scratch);
-            self.ends.push(end);
+        if self.is_finished() {
+            return;
         }
+        // Where there is no place for another run, the last one becomes longer.
+        self.runs = self.runs.min(RUNS - 1);
+        let begin = self.ends().last().copied().unwrap_or(0);
+        sort(&mut self.items[begin..], &mut self.scratch);
+        self.ends[self.runs] = self.items.len();
+        self.runs += 1;
+    }
+
+    fn failure(&self) -> Option<MemoryError> {
+        self.failure
     }
 }
 
@@ -81,12 +120,25 @@ impl Output for Option<Hit> {
     }
 }
 
-/// Hands pairs to the caller.
-pub(crate) struct Visitor<'v, V>(pub(crate) &'v V);
+/// Hands pairs to the caller, in the floating-point environment of the thread that calls.
+pub(crate) struct Visitor<'v, V> {
+    visit: &'v V,
+    environment: Environment,
+}
+
+impl<'v, V> Visitor<'v, V> {
+    pub(crate) fn new(visit: &'v V) -> Self {
+        Self { visit, environment: Environment::DEFAULT }
+    }
+}
 
 impl<V: Fn(Hit) -> ControlFlow<()> + Sync> Output for Visitor<'_, V> {
+    fn begin(&mut self, environment: Environment) {
+        self.environment = environment;
+    }
+
     fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
-        (self.0)(Hit { query, pair })
+        self.environment.run(|| (self.visit)(Hit { query, pair }))
     }
 }
 
@@ -154,56 +206,131 @@ const SAMPLES: usize = 16;
 ///
 /// Each thread merges a range. The ranges come from regular samples of the runs, so that they are nearly alike
 /// (Shi & Schaeffer, *Parallel Sorting by Regular Sampling*, 1992).
+///
+/// # Errors
+/// [`MemoryError`] if `out` cannot grow.
 pub(crate) fn merge<T: Item>(
     lists: &mut [OutputBuffer<T>],
     threads: usize,
     pool: Option<&ThreadPool>,
     out: &mut Vec<T>,
-) {
+) -> Result<(), MemoryError> {
     let len: usize = lists.iter().map(|list| list.items.len()).sum();
     if len < SORTED_ALONE {
         out.clear();
+        reserve(out, len)?;
         lists.iter().for_each(|list| out.extend_from_slice(&list.items));
         lists.first_mut().into_iter().for_each(|list| sort(out, &mut list.scratch));
-        return;
+        return Ok(());
     }
     for_each(pool, lists.iter_mut().filter(|list| !list.is_finished()), Output::finish);
-    if let Some(only) = lists.iter_mut().find(|list| list.items.len() == len && list.ends.len() < 2)
-    {
+    if let Some(only) = lists.iter_mut().find(|list| list.items.len() == len && list.runs < 2) {
         std::mem::swap(out, &mut only.items);
-        return;
+        return Ok(());
     }
+    resize(out, len)?;
+    let mut scratch = lists.first_mut().map(|list| take(&mut list.scratch)).unwrap_or_default();
+    let merged = merge_lists(lists, threads, pool, out, &mut scratch);
+    lists.first_mut().into_iter().for_each(|list| list.scratch = take(&mut scratch));
+    merged
+}
+
+/// Merges the runs of finished lists into `out`, which is as long as all of them together.
+fn merge_lists<T: Item>(
+    lists: &[OutputBuffer<T>],
+    threads: usize,
+    pool: Option<&ThreadPool>,
+    out: &mut [T],
+    scratch: &mut Vec<T>,
+) -> Result<(), MemoryError> {
+    let len = out.len();
     let ranges = threads.clamp(1, len / RANGE);
-    let runs = || lists.iter().flat_map(OutputBuffer::runs);
+    let mut runs: Vec<&[T]> = Vec::new();
+    reserve(&mut runs, RUNS * lists.len())?;
+    runs.extend(lists.iter().flat_map(OutputBuffer::sorted));
     let step = (len / (ranges * SAMPLES)).max(1);
-    let mut samples: Vec<T> =
-        runs().flat_map(|items| items.iter().step_by(step)).copied().collect();
+    let mut samples: Vec<T> = Vec::new();
+    reserve(&mut samples, len / step + runs.len())?;
+    samples.extend(runs.iter().flat_map(|run| run.iter().step_by(step)));
     samples.sort_unstable();
     let first = |range: usize| samples[range * samples.len() / ranges];
-    // Each run with the ends of its part of each range.
-    let mut runs: Vec<(&[T], Vec<usize>)> = runs().map(|items| (items, Vec::new())).collect();
-    for_each(pool, &mut runs, |(items, ends)| {
-        ends.extend((1..ranges).map(|next| items.partition_point(|item| *item < first(next))));
-        ends.push(items.len());
-    });
-    out.resize(len, T::default());
-    let (mut rest, mut begin, mut chunks) = (&mut out[..], 0, Vec::with_capacity(ranges));
-    for range in 0..ranges {
-        let end: usize = runs.iter().map(|(_, ends)| ends[range]).sum();
-        let (chunk, others) = std::mem::take(&mut rest).split_at_mut(end - begin);
-        chunks.push((chunk, range));
-        (rest, begin) = (others, end);
-    }
-    for_each(pool, chunks, |(chunk, range)| {
-        let mut rest = &mut chunk[..];
-        for (items, ends) in &runs {
-            let from = range.checked_sub(1).map_or(0, |before| ends[before]);
-            let (own, others) = std::mem::take(&mut rest).split_at_mut(ends[range] - from);
-            own.copy_from_slice(&items[from..ends[range]]);
-            rest = others;
+    // For each run the ends of its part of each range.
+    let mut ends = Vec::new();
+    resize(&mut ends, ranges * runs.len())?;
+    for_each(pool, runs.iter().zip(ends.chunks_exact_mut(ranges)), |(run, ends)| {
+        for (range, end) in (1..ranges).zip(&mut *ends) {
+            *end = run.partition_point(|item| *item < first(range));
         }
-        chunk.sort();
+        ends[ranges - 1] = run.len();
     });
+    let part = |run: usize, range: usize| {
+        let ends = &ends[run * ranges..][..ranges];
+        &runs[run][range.checked_sub(1).map_or(0, |before| ends[before])..ends[range]]
+    };
+    // Without it, or where none is needed, as of two runs, ranges are merged or sorted in place.
+    if runs.len() > 2 {
+        let _ = resize(scratch, len.max(scratch.len()));
+    }
+    let (mut rest, mut rest_of_scratch) = (out, &mut scratch[..]);
+    let chunks = (0..ranges).map(|range| {
+        let size: usize = (0..runs.len()).map(|run| part(run, range).len()).sum();
+        let (chunk, others) = take(&mut rest).split_at_mut(size);
+        let own = size.min(rest_of_scratch.len());
+        let (scratch, more) = take(&mut rest_of_scratch).split_at_mut(own);
+        (rest, rest_of_scratch) = (others, more);
+        (chunk, scratch, range)
+    });
+    for_each(pool, chunks, |(chunk, scratch, range)| {
+        merge_runs(&|run| part(run, range), 0..runs.len(), chunk, scratch);
+    });
+    Ok(())
+}
+
+/// Merges sorted runs, two at a time, into `out`, which is as long as all of them together. Sorts in place where `scratch` is
+/// shorter than that.
+fn merge_runs<'r, T: Item + 'r>(
+    run: &impl Fn(usize) -> &'r [T],
+    numbers: Range<usize>,
+    out: &mut [T],
+    scratch: &mut [T],
+) {
+    let (begin, middle) = (numbers.start, numbers.start + numbers.len() / 2);
+    match numbers.len() {
+        0 => {}
+        1 => out.copy_from_slice(run(begin)),
+        2 => merge_two(run(begin), run(middle), out),
+        _ if scratch.len() < out.len() => {
+            let mut rest = &mut *out;
+            for number in numbers {
+                let (own, others) = take(&mut rest).split_at_mut(run(number).len());
+                own.copy_from_slice(run(number));
+                rest = others;
+            }
+            out.sort_unstable();
+        }
+        _ => {
+            let left: usize = (begin..middle).map(|number| run(number).len()).sum();
+            let (a, b) = scratch[..out.len()].split_at_mut(left);
+            let (scratch_a, scratch_b) = out.split_at_mut(left);
+            merge_runs(run, begin..middle, a, scratch_a);
+            merge_runs(run, middle..numbers.end, b, scratch_b);
+            merge_two(a, b, out);
+        }
+    }
+}
+
+/// Merges two sorted runs. The choice between two items is no branch, since it could not be predicted.
+fn merge_two<T: Item>(a: &[T], b: &[T], out: &mut [T]) {
+    let (mut i, mut j, mut slots) = (0, 0, out.iter_mut());
+    while let (Some(x), Some(y)) = (a.get(i), b.get(j))
+        && let Some(slot) = slots.next()
+    {
+        let is_second = y.key() < x.key();
+        *slot = if is_second { *y } else { *x };
+        i += usize::from(!is_second);
+        j += usize::from(is_second);
+    }
+    slots.into_slice().copy_from_slice(if i < a.len() { &a[i..] } else { &b[j..] });
 }
 
 /// Sorts a list that may be sorted already.
@@ -215,11 +342,14 @@ fn sort<T: Item>(items: &mut [T], scratch: &mut Vec<T>) {
     }
 }
 
-/// Sorts by one byte of the key after the other, from the least on, leaving out those in which all keys agree.
+/// Sorts by one byte of the key after the other, from the least on, leaving out those in which all keys agree; by comparison
+/// where there is no memory for `scratch`.
 fn radix_sort<T: Item>(items: &mut [T], scratch: &mut Vec<T>) {
     let bits = |(any, all), item: &T| (any | item.key(), all & item.key());
     let (any, all) = items.iter().fold((0, u128::MAX), bits);
-    scratch.resize(items.len(), T::default());
+    if resize(scratch, items.len()).is_err() {
+        return items.sort_unstable();
+    }
     let (mut from, mut to) = (items, &mut scratch[..]);
     let mut is_in_scratch = false;
     for shift in (0..128).step_by(8).filter(|shift| (any ^ all) >> shift & 255 != 0) {
@@ -290,8 +420,11 @@ mod tests {
                 expected.sort();
                 for threads in [1, 2, 16, 64] {
                     let mut out = vec![TrianglePair::default(); 3];
-                    merge(&mut made.clone(), threads, None, &mut out);
-                    assert!(out == expected, "{lists} lists, {most} each, {threads} threads");
+                    let merged = merge(&mut made.clone(), threads, None, &mut out);
+                    assert!(
+                        merged.is_ok() && out == expected,
+                        "{lists} lists, {most} each, {threads} threads"
+                    );
                 }
             }
         }

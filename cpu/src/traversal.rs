@@ -1,15 +1,16 @@
 //! Traversals of queries on p workers, with memory that is kept from frame to frame.
 
 use crate::front::{FrontMemory, Start};
+use crate::memory::{push, reserve};
 use crate::output::{self, Item, OutputBuffer, Storage, Visitor};
-use crate::workers::{Workers, in_scope};
-use crate::{Hit, Report, Settings};
+use crate::workers::{Workers, for_each, in_scope};
+use crate::{Hit, MemoryError, Report, Settings};
 use pfront_core::bvtt::{Query, TrianglePair};
+use pfront_core::environment::with_default;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
 /// The largest number of workers p.
@@ -17,6 +18,9 @@ pub const MAX_WORKERS: usize = 1 << 16;
 
 /// Contacts that take about as long as to call another thread: some 0.3 us each.
 const CONTACTS: usize = 64;
+
+/// Pieces of a list of contacts for each thread, so that no thread waits long for the last.
+const PIECES: usize = 8;
 
 /// Answers queries frame after frame with p workers.
 ///
@@ -28,7 +32,7 @@ const CONTACTS: usize = 64;
 /// A frame that is expected to be small, and any search for one hit, begins on the calling thread. After as much work as
 /// it takes to call others, the pending node pairs of its cursor start a front for them; nothing is done twice.
 ///
-/// After a break or a panic in a visitor it can be used as before.
+/// After a break or a panic in a visitor, or a [`MemoryError`], it can be used as before.
 #[derive(Clone, Debug)]
 pub struct Traversal {
     /// p, the number of parts that a front is divided into. A number below 1 or above [`MAX_WORKERS`] counts as that, since
@@ -126,7 +130,8 @@ impl Traversal {
         }
         times.sort_unstable();
         // A bound rather than a mean, but for the one time that something else may have come between.
-        Self { call: Some(times[times.len() - 2].as_secs_f64()), ..self }
+        let call = with_default(|| times[times.len() - 2].as_secs_f64());
+        Self { call: Some(call), ..self }
     }
 
     /// Forgets the costs of the last frame, for a next one that does not resemble it.
@@ -168,8 +173,7 @@ impl Traversal {
     /// The number of threads that may work on a frame: one for each worker, if the pool has as many.
     #[must_use]
     pub fn threads(&self) -> usize {
-        let pool = self.pool.as_ref();
-        self.p().min(pool.map_or_else(rayon::current_num_threads, |p| p.current_num_threads()))
+        self.p().min(self.pool_threads())
     }
 
     /// Renumbers the queries of the last frame, for a next frame that asks other ones: `number` returns the new number
@@ -188,60 +192,141 @@ impl Traversal {
 
     /// Replaces the contents of `out` by all intersecting pairs, sorted: by query and pair if these are [`Hit`]s; plain
     /// triangle pairs, for a single query, do not tell the query.
-    pub fn all<Q: Query + Sync, T: Item>(&mut self, queries: &[Q], out: &mut Vec<T>) {
+    ///
+    /// # Errors
+    /// [`MemoryError`] if they, or the front that divides the frame, do not fit into memory; `out` is empty then.
+    pub fn all<Q: Query + Sync, T: Item>(
+        &mut self,
+        queries: &[Q],
+        out: &mut Vec<T>,
+    ) -> Result<(), MemoryError> {
         let mut lists = std::mem::take(T::storage(&mut self.storage));
         lists.truncate(self.p());
         lists.iter_mut().for_each(OutputBuffer::clear);
-        self.run(queries, false, &mut lists, OutputBuffer::default);
-        let clock = (!self.report.shares.is_empty()).then(Instant::now);
-        output::merge(&mut lists, self.threads(), self.pool.as_deref(), out);
-        self.report.gather_time = clock.map_or(Duration::ZERO, |clock| clock.elapsed());
-        *T::storage(&mut self.storage) = lists;
+        let listed = self.run(queries, false, &mut lists, OutputBuffer::default).and_then(|_| {
+            let clock = (!self.report.shares.is_empty()).then(Instant::now);
+            output::merge(&mut lists, self.threads(), self.pool.as_deref(), out)?;
+            self.report.gather_time = clock.map_or(Duration::ZERO, |clock| clock.elapsed());
+            Ok(())
+        });
+        match listed {
+            Ok(()) => *T::storage(&mut self.storage) = lists,
+            // The lists are given back, and this one.
+            Err(_) => *out = Vec::new(),
+        }
+        listed
     }
 
     /// The number of intersecting pairs.
-    pub fn count<Q: Query + Sync>(&mut self, queries: &[Q]) -> u64 {
+    ///
+    /// # Errors
+    /// [`MemoryError`] if there is no memory for the front that divides the frame.
+    pub fn count<Q: Query + Sync>(&mut self, queries: &[Q]) -> Result<u64, MemoryError> {
         let mut counts = Vec::new();
-        self.run(queries, false, &mut counts, || 0);
-        counts.into_iter().sum()
+        self.run(queries, false, &mut counts, || 0)?;
+        Ok(counts.into_iter().sum())
     }
 
     /// Some intersecting pair, if there is one: the first that some worker finds, at which all stop. The pair may
     /// differ from call to call. Costs are neither used nor remembered.
-    pub fn any<Q: Query + Sync>(&mut self, queries: &[Q]) -> Option<Hit> {
+    ///
+    /// # Errors
+    /// As [`Traversal::count`].
+    pub fn any<Q: Query + Sync>(&mut self, queries: &[Q]) -> Result<Option<Hit>, MemoryError> {
         let mut found = Vec::new();
-        self.run(queries, true, &mut found, || None);
-        found.into_iter().flatten().min()
+        self.run(queries, true, &mut found, || None)?;
+        Ok(found.into_iter().flatten().min())
     }
 
     /// Calls `visit` from all workers for each intersecting pair, in no particular order, until one of the
     /// calls breaks; calls that others have begun by then still end. A `visit` that waits for tasks of the same pool may be
     /// called again on its thread before it returns, and so holds no lock meanwhile.
+    ///
+    /// # Errors
+    /// As [`Traversal::count`]; some pairs may have been visited.
     pub fn visit<Q: Query + Sync>(
         &mut self,
         queries: &[Q],
         visit: impl Fn(Hit) -> ControlFlow<()> + Sync,
-    ) -> ControlFlow<()> {
-        let complete = self.run(queries, false, &mut Vec::new(), || Visitor(&visit));
-        if complete { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    ) -> Result<ControlFlow<()>, MemoryError> {
+        let complete = self.run(queries, false, &mut Vec::new(), || Visitor::new(&visit))?;
+        Ok(if complete { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
     }
 
     /// Adds to `out`, in order, where each of `pairs` meets as `contact` says ([`Query::contact`] or
     /// [`Query::contact_f64`]), in the pool of this traversal. A pair that meets nowhere is left out.
+    ///
+    /// # Errors
+    /// [`MemoryError`] if they do not fit into memory; nothing is added then.
     pub fn contacts<C: Send>(
         &self,
         pairs: &[TrianglePair],
         contact: impl Fn(TrianglePair) -> Option<C> + Sync,
         out: &mut Vec<(TrianglePair, C)>,
-    ) {
-        let contact = |&pair: &TrianglePair| Some((pair, contact(pair)?));
-        if pairs.len() < CONTACTS {
-            out.extend(pairs.iter().filter_map(contact));
-        } else {
-            self.install(|| {
-                out.par_extend(pairs.par_iter().with_min_len(CONTACTS).filter_map(contact));
+    ) -> Result<(), MemoryError> {
+        self.filter_map(pairs, |&pair| Some((pair, contact(pair)?)), out)
+    }
+
+    /// Adds to `out`, in order, what `map` makes of some items, in the pool of this traversal. It takes the time of a contact or
+    /// more for each, and runs in the default floating-point environment.
+    ///
+    /// # Errors
+    /// [`MemoryError`] if that does not fit into memory; nothing is added then.
+    ///
+    /// # Examples
+    /// ```
+    /// let (traversal, mut out) = (pfront_cpu::Traversal::new(2), Vec::new());
+    /// traversal.filter_map(&[3, 5, 4], |&i| (i > 3).then_some(10 * i), &mut out)?;
+    /// assert_eq!(out, [50, 40]);
+    /// # Ok::<(), pfront_cpu::MemoryError>(())
+    /// ```
+    pub fn filter_map<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        map: impl Fn(&T) -> Option<R> + Sync,
+        out: &mut Vec<R>,
+    ) -> Result<(), MemoryError> {
+        let before = out.len();
+        if items.len() < 2 * CONTACTS {
+            let added = with_default(|| {
+                items.iter().filter_map(map).try_for_each(|mapped| push(out, mapped))
             });
+            if added.is_err() {
+                out.truncate(before);
+            }
+            return added;
         }
+        let size = items.len().div_ceil(PIECES * self.pool_threads()).max(CONTACTS);
+        let mut pieces: Vec<(&[T], Vec<R>, Result<(), MemoryError>)> = Vec::new();
+        reserve(&mut pieces, items.len().div_ceil(size))?;
+        pieces.extend(items.chunks(size).map(|items| (items, Vec::new(), Ok(()))));
+        let has_failed = AtomicBool::new(false);
+        for_each(self.pool.as_deref(), &mut pieces, |(items, list, added)| {
+            let mapped = items.iter().take_while(|_| !has_failed.load(Relaxed)).filter_map(&map);
+            *added = mapped.into_iter().try_for_each(|mapped| push(list, mapped));
+            if added.is_err() {
+                has_failed.store(true, Relaxed);
+                *list = Vec::new();
+            }
+        });
+        pieces.iter().try_for_each(|(_, _, added)| *added)?;
+        reserve(out, pieces.iter().map(|(_, list, _)| list.len()).sum())?;
+        pieces.iter_mut().for_each(|(_, list, _)| out.append(list));
+        Ok(())
+    }
+
+    /// Gives back the memory that is kept for the next frames, and what is remembered for them.
+    pub(crate) fn release(&mut self) {
+        self.forget();
+        self.front = FrontMemory::default();
+        (self.starts, self.buffers) = (Vec::new(), Workers::default());
+        self.storage = Storage::default();
+    }
+
+    /// The number of threads of the pool.
+    fn pool_threads(&self) -> usize {
+        let pool = self.pool.as_ref();
+        pool.map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads())
     }
 
     /// The number of workers.

@@ -7,10 +7,12 @@
 //! Nobody waits for work, so that a visitor may use the pool too. This is work stealing begun by who gives (Acar, Charguéraud
 //! & Rainey, *Scheduling Parallel Programs by Work Stealing with Private Deques*, 2013).
 
-use crate::Share;
 use crate::control::{Control, tests};
+use crate::memory::{push, reserve};
 use crate::output::Output;
+use crate::{MemoryError, Share};
 use pfront_core::bvtt::{Cursor, Query, Work};
+use pfront_core::environment::{Environment, with_default};
 use pfront_core::front::FrontNode;
 use rayon::{Scope, ThreadPool};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
@@ -74,23 +76,29 @@ pub(crate) struct Frame<'f, Q> {
 impl Workers {
     /// Traverses the nodes of `frame`, with a thread for each of `outputs`. Returns the mean times over the threads until
     /// they began, and in which they were busy.
+    ///
+    /// # Errors
+    /// [`MemoryError`] if there is no room for the parts.
     pub(crate) fn traverse<Q: Query + Sync, O: Output>(
         &mut self,
         frame: &Frame<'_, Q>,
         pool: Option<&ThreadPool>,
         outputs: &mut [O],
         shares: &mut [Share],
-    ) -> [Duration; 2] {
+    ) -> Result<[Duration; 2], MemoryError> {
         let called = Instant::now();
-        self.assign(frame.nodes, shares.len());
+        self.assign(frame.nodes, shares.len())?;
         let threads = outputs.len().max(1) as u64;
+        // Each output lies there once at a time.
+        let mut free = Vec::new();
+        reserve(&mut free, outputs.len())?;
         let run = Run {
             workers: self,
             frame,
             called,
             begun: AtomicUsize::new(0),
             idle: AtomicUsize::new(0),
-            free: Mutex::new(Vec::new()),
+            free: Mutex::new(free),
             waking: AtomicU64::new(0),
             busy: AtomicU64::new(0),
         };
@@ -98,18 +106,21 @@ impl Workers {
             let slot = |(worker, output)| OutputSlot { output, worker };
             let (run, mut slots) = (&run, outputs.iter_mut().enumerate().map(slot));
             let own = slots.next();
-            slots.for_each(|slot| scope.spawn(move |scope| run.take_parts(slot, scope)));
-            own.into_iter().for_each(|slot| run.take_parts(slot, scope));
+            slots.for_each(|slot| spawn(scope, move |scope, own| run.take_parts(slot, own, scope)));
+            let callers = Environment::current();
+            with_default(|| own.into_iter().for_each(|slot| run.take_parts(slot, callers, scope)));
         });
         let times = [run.waking, run.busy].map(AtomicU64::into_inner);
         for (share, part) in shares.iter_mut().zip(&self.parts) {
             share.work = part.done.work();
         }
-        times.map(|sum| Duration::from_nanos(sum / threads))
+        Ok(times.map(|sum| Duration::from_nanos(sum / threads)))
     }
 
     /// Assigns the nodes of a front to so many parts, of which nothing is done.
-    fn assign(&mut self, nodes: &[FrontNode], parts: usize) {
+    fn assign(&mut self, nodes: &[FrontNode], parts: usize) -> Result<(), MemoryError> {
+        let more = parts.saturating_sub(self.parts.len());
+        reserve(&mut self.parts, more)?;
         self.parts.resize_with(parts, PartOfFront::default);
         for part in &mut self.parts {
             let nodes = std::mem::take(&mut part.nodes);
@@ -117,10 +128,12 @@ impl Workers {
             part.nodes.clear();
         }
         for (node, position) in nodes.iter().zip(0..) {
-            self.parts[node.part as usize].nodes.push(position);
+            push(&mut self.parts[node.part as usize].nodes, position)?;
         }
         self.costs.clear();
+        reserve(&mut self.costs, nodes.len())?;
         self.costs.resize_with(nodes.len(), Tally::default);
+        Ok(())
     }
 
     /// The true cost of each node. Looking at it at all costs a test.
@@ -151,11 +164,17 @@ struct OutputSlot<'r, O> {
 }
 
 impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
-    /// Takes parts of which none is begun, and after the last nodes of any part.
-    fn take_parts<'s>(&'s self, mut slot: OutputSlot<'r, O>, scope: &Scope<'s>)
-    where
+    /// Takes parts of which none is begun, and after the last nodes of any part, on a thread whose own floating-point
+    /// environment is this one.
+    fn take_parts<'s>(
+        &'s self,
+        mut slot: OutputSlot<'r, O>,
+        environment: Environment,
+        scope: &Scope<'s>,
+    ) where
         'r: 's,
     {
+        slot.output.begin(environment);
         let (clock, parts) = (Instant::now(), &self.workers.parts);
         self.waking.fetch_add((clock - self.called).as_nanos() as u64, Relaxed);
         loop {
@@ -230,8 +249,9 @@ impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
         self.idle.store(free.len(), Relaxed);
         drop(free);
         match cursor.take_half() {
-            Some(half) => scope.spawn(move |scope| {
+            Some(half) => spawn(scope, move |scope, environment| {
                 let clock = Instant::now();
+                slot.output.begin(environment);
                 self.traverse_from(position, half, &mut slot, scope);
                 self.leave(slot, clock);
             }),
@@ -257,7 +277,17 @@ impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
     }
 }
 
-/// Runs a function on the calling thread, with a scope to call others.
+/// Spawns a job, which runs in the default floating-point environment; it is passed that of its thread, which is what the thread
+/// that made the pool had.
+pub(crate) fn spawn<'s>(scope: &Scope<'s>, job: impl FnOnce(&Scope<'s>, Environment) + Send + 's) {
+    scope.spawn(move |scope| {
+        let environment = Environment::current();
+        with_default(|| job(scope, environment));
+    });
+}
+
+/// Runs a function on the calling thread, with a scope to call others. The calling thread may do what others have left in the
+/// pool while it waits for these, so that only what runs in the scope is in the default floating-point environment.
 pub(crate) fn in_scope<'s, R>(pool: Option<&ThreadPool>, run: impl FnOnce(&Scope<'s>) -> R) -> R {
     match pool {
         Some(pool) => pool.in_place_scope(run),
@@ -265,7 +295,7 @@ pub(crate) fn in_scope<'s, R>(pool: Option<&ThreadPool>, run: impl FnOnce(&Scope
     }
 }
 
-/// Runs a function for each item, the first on the calling thread.
+/// Runs a function for each item, the first on the calling thread, in the default floating-point environment.
 pub(crate) fn for_each<T: Send>(
     pool: Option<&ThreadPool>,
     items: impl IntoIterator<Item = T>,
@@ -274,9 +304,9 @@ pub(crate) fn for_each<T: Send>(
     let (mut items, run) = (items.into_iter(), &run);
     let own = items.next();
     in_scope(pool, |scope| {
-        items.for_each(|item| scope.spawn(move |_| run(item)));
+        items.for_each(|item| spawn(scope, move |_, _| run(item)));
         if let Some(item) = own {
-            run(item);
+            with_default(|| run(item));
         }
     });
 }

@@ -114,9 +114,9 @@ impl Clock {
             return Ok(Vec::new());
         }
         let bytes = (marks.len() as u64 + 1) * u64::from(wgpu::QUERY_SIZE);
-        let mapping = Mapping::begin(gpu.device(), read_back, bytes, wgpu::MapMode::Read);
+        let mut mapping = Mapping::begin(gpu.device(), read_back, bytes, wgpu::MapMode::Read);
         let ticks: Vec<u64> =
-            mapping.read(gpu.device(), read_back, bytes, bytemuck::pod_collect_to_vec)?;
+            mapping.read(gpu.device(), read_back, bytes, None, bytemuck::pod_collect_to_vec)?;
         let time = |pair: &[u64]| {
             let nanoseconds = pair[1].saturating_sub(pair[0]) as f64 * f64::from(*period);
             Duration::from_nanos(nanoseconds as u64)

@@ -1,11 +1,12 @@
 //! A mesh that moves: positions are uploaded, everything else happens on the device.
 
-use crate::build::{Built, Source};
+use crate::build::{Built, Source, price};
 use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
 use crate::staging::Staging;
+use crate::totals::count;
 use crate::{GpuError, GpuModel};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Bvh, Mesh, MeshError};
@@ -98,6 +99,7 @@ impl Deforming {
     /// O(vertices + triangles) on the host, which waits for nothing, and on the device.
     pub fn build(gpu: &Gpu, mesh: Mesh<'_>, options: &BuildOptions) -> Result<Self, GpuError> {
         let source = Source::new(gpu, mesh)?;
+        count(&gpu.counted().uploads);
         let bounds = Aabb::of(mesh.shadow());
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
         let (gpu, build) = (gpu.clone(), Some(build));
@@ -183,6 +185,14 @@ impl Deforming {
         self.submit(Self::record_rebuild)
     }
 
+    /// Whether a rebuild has paid for itself: queries about the model have done more box tests than when its tree was new, and all
+    /// that they have done more are as many as a rebuild takes the time of. After a rebuild that has not halved
+    /// them it takes twice as many.
+    #[must_use]
+    pub fn is_worn(&self) -> bool {
+        self.model.wear.is_due(price(self.source.triangle_count(), self.options))
+    }
+
     /// The same in an encoder of the caller's, which has to be submitted before anything else is asked
     /// about the model.
     ///
@@ -191,6 +201,8 @@ impl Deforming {
     pub fn record_rebuild(&mut self, encoder: &mut CommandEncoder) -> Result<(), GpuError> {
         self.prepare_build()?;
         if let Some(build) = &self.build {
+            count(&self.gpu.counted().builds);
+            self.model.wear.rebuilt();
             build.run(encoder, self.clock.as_mut());
         }
         Ok(())
@@ -261,6 +273,8 @@ impl Deforming {
         if let (None, Some(bounds)) = (&self.build, &self.model.bounds) {
             let Built { model, build, refit } =
                 Built::new(&self.gpu, &self.source, bounds, self.options)?;
+            let wear = std::mem::take(&mut self.model.wear);
+            let model = GpuModel { wear, ..model };
             (self.model, self.build, self.refit) = (model, Some(build), refit);
             self.ahead = None;
         }

@@ -18,12 +18,15 @@ use crate::results::Run;
 use crate::sequence::groups_for;
 use crate::staging::Staging;
 use crate::task::{Entry, Order, Start, Task};
+use crate::totals::count;
+use crate::wear::Wear;
 use crate::{GpuError, GpuModel, GpuSettings};
 use pfront_shaders::constants::{
     ANY_EACH, BEAM, BUCKETS, COUNT_EACH, FEW, FINER, FRONTS, GROUP, RANKERS,
 };
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use wgpu::{Buffer, CommandBuffer, CommandEncoder, WriteOnly};
 
 /// Runs passes over the lists of one query.
@@ -48,6 +51,10 @@ pub(crate) struct Engine {
     pub(crate) ahead: Option<Ahead>,
     /// If times are wanted.
     pub(crate) clock: Option<Clock>,
+    /// The wear of the models that are bound.
+    pub(crate) wear: Option<[Arc<Wear>; 2]>,
+    /// Ends a question early once it is set.
+    pub(crate) cancel: Option<Arc<AtomicBool>>,
 }
 
 impl Engine {
@@ -77,6 +84,8 @@ impl Engine {
             mapping: None,
             ahead: None,
             clock: None,
+            wear: None,
+            cancel: None,
             lists,
         })
     }
@@ -85,6 +94,11 @@ impl Engine {
     pub(crate) fn keep_time(&mut self, each: bool) -> Result<(), GpuError> {
         (self.ahead, self.clock) = (None, Clock::new(&self.gpu, each)?);
         Ok(())
+    }
+
+    /// Whether the question is to end early.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.as_ref().is_some_and(|flag| flag.load(Relaxed))
     }
 
     /// Forgets the times of the last run: the last question took no pass.
@@ -114,6 +128,7 @@ impl Engine {
             ("seeds_a", &a.seeds),
             ("seeds_b", &b.seeds),
         ];
+        self.wear = Some([a.wear.clone(), b.wear.clone()]);
         self.bind_buffers([a.id, b.id], &buffers)
     }
 
@@ -349,6 +364,7 @@ impl Engine {
     /// Submits all that was recorded, and has buffers ready for the next run.
     pub(crate) fn submit(&mut self, commands: CommandBuffer) {
         self.gpu.queue().submit([commands]);
+        count(&self.gpu.counted().runs);
         self.staging.submitted(&self.gpu);
     }
 
@@ -368,11 +384,11 @@ impl Engine {
             let all = [&meshes.expand, &groups.lists.expand, &groups.refine];
             Dispatches::begin(&mut encoder, None).add(&descent.expand, &all, self.workgroups);
         }
-        let (device, queue) = (gpu.device(), gpu.queue());
-        let [counters]: [Counters; 1] = read_now(device, queue, encoder, &lists.counters, 1)?
-            .try_into()
-            .map_err(|_| GpuError::NotSubmitted)?;
+        let (device, queue, cancel) = (gpu.device(), gpu.queue(), self.cancel.as_deref());
+        let counters = read_now(device, queue, encoder, &lists.counters, 1, cancel)?;
+        let [counters]: [Counters; 1] = counters.try_into().map_err(|_| GpuError::NotSubmitted)?;
         let encoder = device.create_command_encoder(&Default::default());
-        read_now(device, queue, encoder, &lists.fronts[1], counters.fronts[1] as usize)
+        let length = counters.fronts[1] as usize;
+        read_now(device, queue, encoder, &lists.fronts[1], length, cancel)
     }
 }

@@ -56,11 +56,25 @@ pub enum GpuError {
         /// The size that was asked for.
         bytes: u64,
     },
+    /// The host has no memory left for a list.
+    #[error(
+        "no memory for a list of {needed} bytes: ask for counts, or about fewer pairs at a time"
+    )]
+    Memory {
+        /// The size of the list.
+        needed: usize,
+    },
     /// The device is gone, with everything on it.
     #[error(
         "the device is lost: {reason}. Make a new `Gpu`, upload the models again and ask again"
     )]
     DeviceLost {
+        /// The message of wgpu.
+        reason: String,
+    },
+    /// A buffer could not be mapped, and the device has not said that it is lost.
+    #[error("a buffer of the device could not be mapped: {reason}. Ask again")]
+    Map {
         /// The message of wgpu.
         reason: String,
     },
@@ -84,6 +98,10 @@ pub enum GpuError {
          range. Take them from the query about the same meshes"
     )]
     Shadows,
+    /// The flag of [`GpuQuery::set_cancel`](crate::GpuQuery::set_cancel) or
+    /// [`World::set_cancel`](crate::World::set_cancel) was set.
+    #[error("the question was cancelled")]
+    Cancelled,
     /// The commands that were recorded have not been submitted.
     #[error("submit the encoder that the query was recorded into before reading its answer")]
     NotSubmitted,

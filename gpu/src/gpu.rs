@@ -1,7 +1,8 @@
 //! A device with the passes compiled for it.
 
 use crate::pass::{Pass, Target};
-use crate::{Budget, GpuError, GpuSettings, clock, moving, probe};
+use crate::totals::Totals;
+use crate::{GpuError, GpuSettings, GpuTotals, clock, moving, probe};
 use pfront_shaders::{
     DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, NARROW, NARROW_INSTANCES,
     ORDER, SAMPLE, SEED, SETTLE,
@@ -35,6 +36,7 @@ struct Shared {
     moving: OnceLock<Result<Arc<moving::Passes>, GpuError>>,
     target: Target,
     failure: Failure,
+    totals: Arc<Totals>,
 }
 
 /// The loss of the device, once it has been told.
@@ -138,7 +140,7 @@ impl Gpu {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let id = NEXT.fetch_add(1, Ordering::Relaxed);
         let target = Target::new(&device, arithmetic);
-        Self::assemble(id, device, queue, target, failure)
+        Self::assemble(id, device, queue, target, failure, Arc::default())
     }
 
     fn assemble(
@@ -147,6 +149,7 @@ impl Gpu {
         queue: Queue,
         target: Target,
         failure: Failure,
+        totals: Arc<Totals>,
     ) -> Result<Self, GpuError> {
         let pass = |pass| Pass::new(&device, pass, target);
         let passes = Passes {
@@ -167,6 +170,7 @@ impl Gpu {
                 moving: OnceLock::new(),
                 target,
                 failure,
+                totals,
             }),
         };
         gpu.check()?;
@@ -184,8 +188,9 @@ impl Gpu {
 
     /// The same device, with passes compiled for another target.
     pub(crate) fn with_target(&self, target: Target) -> Result<Self, GpuError> {
-        let Shared { id, device, queue, failure, .. } = &*self.shared;
-        Self::assemble(*id, device.clone(), queue.clone(), target, failure.clone())
+        let Shared { id, device, queue, failure, totals, .. } = &*self.shared;
+        let (failure, totals) = (failure.clone(), totals.clone());
+        Self::assemble(*id, device.clone(), queue.clone(), target, failure, totals)
     }
 
     /// The device.
@@ -212,7 +217,23 @@ impl Gpu {
         let cpu = self.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
         // On a GPU, enough to fill the largest; on a CPU, a few for each core.
         let groups = if cpu { 64 } else { 512 };
-        GpuSettings { depth: 7, groups, budget: Budget::default() }
+        GpuSettings { depth: 7, groups, ..GpuSettings::default() }
+    }
+
+    /// Counts of what has been submitted through this `Gpu` and its copies.
+    #[must_use]
+    pub fn totals(&self) -> GpuTotals {
+        self.shared.totals.now()
+    }
+
+    pub(crate) fn counted(&self) -> &Totals {
+        &self.shared.totals
+    }
+
+    /// Whether the device is lost, with everything on it.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.check().is_err()
     }
 
     pub(crate) fn passes(&self) -> &Passes {

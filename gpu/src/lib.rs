@@ -43,6 +43,8 @@ mod staging;
 mod task;
 #[cfg(test)]
 mod tests;
+mod totals;
+mod wear;
 mod world;
 
 pub use answer::GpuVerb;
@@ -54,5 +56,6 @@ pub use model::GpuModel;
 pub use query::{GpuQuery, GpuQuestion};
 pub use report::GpuReport;
 pub use settings::{Budget, GpuSettings};
+pub use totals::GpuTotals;
 pub use wgpu;
 pub use world::{Bodies, World, WorldAnswer};

@@ -11,6 +11,8 @@ use pfront_core::Pose;
 use pfront_core::bvtt::{Shadows, TrianglePair};
 use pfront_core::triangle::Adjacency;
 use std::mem::offset_of;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use wgpu::{Buffer, CommandEncoder};
 
 /// The subject of a question.
@@ -283,6 +285,12 @@ impl GpuQuery {
         self.finish()?;
         std::mem::swap(&mut self.answer.pairs, pairs);
         Ok(self.answer.count)
+    }
+
+    /// Has questions end early: once the flag is set, reading one waits for nothing, submits nothing more, and returns
+    /// [`GpuError::Cancelled`]. What has been submitted goes on.
+    pub fn set_cancel(&mut self, flag: Option<Arc<AtomicBool>>) {
+        self.answer.engine.cancel = flag;
     }
 
     /// The triangle pairs that the device left open in the last answer, if that was about shadows: see [`GpuQuestion::shadows`].

@@ -2,8 +2,10 @@
 
 use crate::GpuError;
 use crate::gpu::checked;
+use crate::memory::append;
 use bytemuck::Pod;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -15,6 +17,9 @@ const PAUSE: u32 = 16;
 
 /// The shortest pause in which a thread sleeps, about what waking takes.
 const SLEEP: Duration = Duration::from_micros(50);
+
+/// The longest pause: a thread that is to stop hears it within this time.
+const LONGEST_PAUSE: Duration = Duration::from_millis(5);
 
 /// A buffer that is being mapped, which happens once all submissions that use it are done.
 #[derive(Debug)]
@@ -55,7 +60,7 @@ impl Mapping {
         }
         match self.told.get_mut().unwrap_or_else(PoisonError::into_inner).try_recv() {
             Ok(Ok(())) => self.is_done = true,
-            Ok(Err(error)) => return Err(GpuError::DeviceLost { reason: error.to_string() }),
+            Ok(Err(error)) => return Err(GpuError::Map { reason: error.to_string() }),
             // Or another thread polls, and is about to call back.
             Err(TryRecvError::Empty) => {}
             Err(error) => return Err(GpuError::Device { reason: error.to_string() }),
@@ -63,20 +68,25 @@ impl Mapping {
         Ok(self.is_done)
     }
 
-    /// Waits until it is mapped, and hands over what the buffer holds.
+    /// Waits until it is mapped, and hands over what the buffer holds. [`GpuError::Cancelled`] once the flag is set: it may be
+    /// waited for again.
     ///
     /// It polls, since wgpu lets no other thread present a surface while one waits, and waiting with a time limit
     /// panics where several threads do (wgpu 30).
     pub(crate) fn read<T>(
-        mut self,
+        &mut self,
         device: &Device,
         buffer: &Buffer,
         bytes: u64,
+        cancel: Option<&AtomicBool>,
         take: impl FnOnce(&[u8]) -> T,
     ) -> Result<T, GpuError> {
         let begin = Instant::now();
         while !self.is_done(device)? {
-            let pause = begin.elapsed() / PAUSE;
+            if cancel.is_some_and(|flag| flag.load(Relaxed)) {
+                return Err(GpuError::Cancelled);
+            }
+            let pause = (begin.elapsed() / PAUSE).min(LONGEST_PAUSE);
             if pause < SLEEP { std::thread::yield_now() } else { std::thread::sleep(pause) }
         }
         let view = buffer
@@ -107,6 +117,7 @@ pub(crate) fn read_now<T: Pod>(
     mut encoder: CommandEncoder,
     buffer: &Buffer,
     count: usize,
+    cancel: Option<&AtomicBool>,
 ) -> Result<Vec<T>, GpuError> {
     let bytes = (count * size_of::<T>()) as u64;
     if bytes == 0 {
@@ -130,6 +141,9 @@ pub(crate) fn read_now<T: Pod>(
         queue.submit([encoder.finish()]);
         Ok(())
     })?;
-    let mapping = Mapping::begin(device, &staging, bytes, MapMode::Read);
-    mapping.read(device, &staging, bytes, bytemuck::pod_collect_to_vec)
+    let mut mapping = Mapping::begin(device, &staging, bytes, MapMode::Read);
+    mapping.read(device, &staging, bytes, cancel, |bytes| {
+        let mut list = Vec::new();
+        append(&mut list, bytes).map(|()| list)
+    })?
 }

@@ -2,6 +2,7 @@
 
 use crate::GpuError;
 use crate::layout::{Query, Rest};
+use pfront_shaders::constants::{BUCKET, BUCKETS};
 
 /// How a query works on the device.
 ///
@@ -24,6 +25,16 @@ pub struct GpuSettings {
     pub groups: u32,
     /// Memory for fronts and lists.
     pub budget: Budget,
+    /// Bytes of device memory in which meshes stay that no query holds any more: a question about the same meshes does not
+    /// upload them again. Those that were asked about longest ago go first.
+    pub mesh_bytes: u64,
+}
+
+impl Default for GpuSettings {
+    /// Those of a large GPU, with 256 MiB for meshes. [`Gpu::settings`](crate::Gpu::settings) suits the device.
+    fn default() -> Self {
+        Self { depth: 7, groups: 512, budget: Budget::default(), mesh_bytes: 256 << 20 }
+    }
 }
 
 /// Device memory of a query: fronts, lists and results. When they are full, the query goes on in
@@ -74,6 +85,11 @@ impl Capacities {
         // Far more than any device binds, and counters still cannot wrap before they overflow.
         let n = (budget.bytes / UNIT).min(1 << 28) as u32;
         Ok(Self { front: n, leaves: 2 * n, hits: n, kept: 2 * n, rest: n / 16 })
+    }
+
+    /// So many hits the device surely puts in order: then the largest bucket, about three times the mean, has room.
+    pub(crate) fn ordered(&self) -> u64 {
+        u64::from(BUCKET.min(self.kept / BUCKETS) * BUCKETS / 4).max(1)
     }
 
     /// A query that knows them.

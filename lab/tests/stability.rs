@@ -73,7 +73,7 @@ fn the_grain_hardly_changes_the_work() {
             let settings = Settings { g: factor * usual.g, ..usual };
             let mut traversal = Traversal::new(workers).with_settings(settings);
             let mut pairs = Vec::<TrianglePair>::new();
-            (0..4).for_each(|_| traversal.all(std::slice::from_ref(&query), &mut pairs));
+            (0..4).for_each(|_| traversal.all(std::slice::from_ref(&query), &mut pairs).unwrap());
             traversal.report.work().cost()
         });
         for other in [halved, doubled] {

@@ -3,7 +3,11 @@
 use super::found::Found;
 use crate::Error;
 #[cfg(any(feature = "threads", feature = "gpu"))]
+use crate::environment::with_default;
+#[cfg(any(feature = "threads", feature = "gpu"))]
 use std::panic::{AssertUnwindSafe, catch_unwind};
+#[cfg(feature = "gpu")]
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::task::{Poll, Waker};
@@ -22,7 +26,7 @@ pub(super) struct Outcome {
     cancel: Arc<AtomicBool>,
     /// The lists of a GPU, whose buffers the ticket shows: others get them when this is dropped.
     #[cfg(feature = "gpu")]
-    pub(super) lists: Mutex<Option<super::gpu::Lists>>,
+    shown: OnceLock<super::gpu::Shown>,
 }
 
 #[derive(Debug)]
@@ -55,16 +59,37 @@ impl Outcome {
         }
     }
 
-    /// Runs a part of the work, in which an error or a panic is the outcome.
+    /// Runs a part of the work in the default floating-point environment, in which an error or a panic is the outcome.
     #[cfg(any(feature = "threads", feature = "gpu"))]
     pub(super) fn guard<R>(&self, work: impl FnOnce() -> Result<R, Error>) -> Option<R> {
         // After a panic nobody looks at what the work has left.
-        match catch_unwind(AssertUnwindSafe(work)) {
+        match catch_unwind(AssertUnwindSafe(|| with_default(work))) {
             Ok(Ok(done)) => return Some(done),
             Ok(Err(error)) => self.set(Err(error)),
             Err(_) => self.set(Err(Error::Panicked)),
         }
         None
+    }
+
+    /// Has the ticket show buffers of a GPU.
+    #[cfg(feature = "gpu")]
+    pub(super) fn show(&self, shown: super::gpu::Shown) {
+        let _ = self.shown.set(shown);
+    }
+
+    /// The buffers of hits and counters, if the ticket shows them.
+    #[cfg(feature = "gpu")]
+    pub(super) fn buffers(&self) -> Option<&[crate::gpu::wgpu::Buffer; 2]> {
+        self.shown.get().map(|shown| &shown.buffers)
+    }
+
+    /// Keeps the lists whose buffers the ticket shows; else returns them.
+    #[cfg(feature = "gpu")]
+    pub(super) fn keep(&self, lists: crate::gpu::GpuQuery) -> Option<crate::gpu::GpuQuery> {
+        match self.shown.get() {
+            Some(shown) => shown.keep(lists),
+            None => Some(lists),
+        }
     }
 
     /// Makes [`Error::Cancelled`] the outcome, unless it has been handed out.
@@ -83,7 +108,7 @@ impl Outcome {
     }
 
     /// The flag that says so.
-    #[cfg(feature = "threads")]
+    #[cfg(any(feature = "threads", feature = "gpu"))]
     pub(super) fn flag(&self) -> Arc<AtomicBool> {
         self.cancel.clone()
     }

@@ -113,6 +113,49 @@ impl Choice {
     }
 }
 
+/// The most frames for which a GPU that has failed is not asked.
+const LONGEST_PAUSE: u32 = 1 << 10;
+
+/// A failure of the GPU, after which the CPU answers for a while: one frame after the first, twice as many after each that
+/// follows, up to [`LONGEST_PAUSE`]. A device that is lost is never asked again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Failure {
+    reason: Option<String>,
+    /// Frames until the GPU may be asked again; `None` if it never is.
+    left: Option<u32>,
+    /// The frames of the last pause.
+    pause: u32,
+}
+
+impl Failure {
+    /// The error, as long as the GPU has not answered since.
+    pub(super) fn reason(&self) -> Option<&str> {
+        self.reason.as_deref()
+    }
+
+    /// Whether the GPU is not asked in the next frame.
+    pub(super) fn is_pausing(&self) -> bool {
+        self.reason.is_some() && self.left != Some(0)
+    }
+
+    /// Takes note of a frame in which the GPU was not asked since it is pausing.
+    pub(super) fn passed(&mut self) {
+        self.left = self.left.map(|left| left.saturating_sub(1));
+    }
+
+    /// Takes note of an error of the GPU.
+    pub(super) fn failed(&mut self, reason: String, is_lost: bool) {
+        self.pause = (2 * self.pause).clamp(1, LONGEST_PAUSE);
+        self.left = (!is_lost).then_some(self.pause);
+        self.reason = Some(reason);
+    }
+
+    /// Takes note of an answer of the GPU.
+    pub(super) fn answered(&mut self) {
+        *self = Self::default();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,6 +197,39 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The frames of so many in which a GPU is asked that answers from this frame on.
+    fn asked(frames: u32, heals_at: u32, is_lost: bool) -> Vec<u32> {
+        let (mut failure, mut asked) = (Failure::default(), Vec::new());
+        for frame in 0..frames {
+            if failure.is_pausing() {
+                failure.passed();
+                continue;
+            }
+            asked.push(frame);
+            match frame < heals_at {
+                true => failure.failed("a failure".to_owned(), is_lost),
+                false => failure.answered(),
+            }
+            assert_eq!(failure.reason().is_some(), frame < heals_at);
+        }
+        asked
+    }
+
+    #[test]
+    fn a_gpu_that_failed_is_asked_again_after_longer_and_longer_pauses() {
+        assert_eq!(asked(40, u32::MAX, false), [0, 2, 5, 10, 19, 36]);
+        let often = asked(10_000, u32::MAX, false);
+        assert!(often.windows(2).all(|two| two[1] - two[0] <= LONGEST_PAUSE + 1));
+        assert!(often.len() > 15, "{often:?}");
+        // As soon as it answers it is asked always, and a later failure is the first again.
+        assert_eq!(asked(14, 5, false), [0, 2, 5, 6, 7, 8, 9, 10, 11, 12, 13]);
+    }
+
+    #[test]
+    fn a_lost_gpu_is_never_asked_again() {
+        assert_eq!(asked(10_000, u32::MAX, true), [0]);
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! The backend that answered the last frame, and the reason.
 
 use std::fmt;
+use std::ptr;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
 /// The part of an executor that answers a frame.
@@ -9,12 +11,61 @@ use std::time::Duration;
 pub enum Backend {
     /// The cache: nothing has changed since the last answer.
     Cached,
-    /// The calling thread.
+    /// One thread: the calling one; for a ticket of a GPU, the one that reads.
     Sequential,
     /// Several threads, after the calling one had begun or at once.
     Threads,
     /// The GPU.
     Gpu,
+    /// The GPU, and the CPU for what only that answers: pairs of bodies in f64, and contacts.
+    GpuAndCpu,
+}
+
+impl Backend {
+    /// This and a part of the CPU.
+    pub(crate) fn and(self, cpu: Self) -> Self {
+        match (self, cpu) {
+            (Self::Gpu | Self::GpuAndCpu, _) => Self::GpuAndCpu,
+            (Self::Threads, _) | (_, Self::Threads) => Self::Threads,
+            _ => cpu,
+        }
+    }
+}
+
+/// Sees which part of the CPU works: the calling thread alone, or others.
+#[derive(Debug)]
+pub(crate) struct CpuPart {
+    caller: usize,
+    is_other: AtomicBool,
+}
+
+impl CpuPart {
+    /// Nobody has worked yet; the calling thread is this one.
+    pub(crate) fn new() -> Self {
+        Self { caller: this_thread(), is_other: AtomicBool::new(false) }
+    }
+
+    /// To be called by whoever works.
+    pub(crate) fn works(&self) {
+        if this_thread() != self.caller {
+            self.is_other.store(true, Relaxed);
+        }
+    }
+
+    pub(crate) fn backend(&self) -> Backend {
+        match self.is_other.load(Relaxed) {
+            true => Backend::Threads,
+            false => Backend::Sequential,
+        }
+    }
+}
+
+/// A number that no other thread has while this one runs.
+fn this_thread() -> usize {
+    thread_local! {
+        static OWN: u8 = const { 0 };
+    }
+    OWN.with(|own| ptr::from_ref(own).addr())
 }
 
 /// The reason for a choice of backend.
@@ -37,6 +88,8 @@ pub enum Reason {
     Inexact,
     /// A model or a pose is in f64, about which a GPU answers questions about two models only.
     InF64,
+    /// Only a CPU answers this: contacts, visits, and which bodies meet.
+    CpuOnly,
     /// The GPU has failed: see [`Plan::failure`].
     GpuFailed,
 }
@@ -63,8 +116,15 @@ pub struct Plan {
     pub reason: Reason,
     /// The predicted times of the CPU and of the GPU, if there was a choice and an earlier frame.
     pub predicted: Option<[Duration; 2]>,
-    /// The error after which the GPU is not asked any more.
+    /// The last error of the GPU, if it has not answered since. It is asked again after a pause, unless the device is lost.
     pub failure: Option<String>,
+}
+
+impl Plan {
+    /// One without predictions.
+    pub(crate) fn new(backend: Backend, reason: Reason) -> Self {
+        Self { backend, reason, predicted: None, failure: None }
+    }
 }
 
 impl fmt::Display for Backend {
@@ -74,6 +134,7 @@ impl fmt::Display for Backend {
             Self::Sequential => "one thread",
             Self::Threads => "threads",
             Self::Gpu => "GPU",
+            Self::GpuAndCpu => "GPU and CPU",
         })
     }
 }
@@ -89,6 +150,7 @@ impl fmt::Display for Reason {
             Self::Check => "to see whether the CPU has become faster",
             Self::Inexact => "a GPU answers exactly, and that was not asked for",
             Self::InF64 => "a GPU answers about f64 for two models only",
+            Self::CpuOnly => "only a CPU answers this",
             Self::GpuFailed => "the GPU has failed",
         })
     }

@@ -1,30 +1,28 @@
 //! One query on its executor, from frame to frame.
 
-use super::{Backend, Executor, Plan, Reason, visit};
+use super::{Backend, CpuPart, Executor, Plan, Reason, check, visit};
 #[cfg(feature = "gpu")]
-use super::{Device, choice::Choice};
+use super::{
+    Device,
+    choice::{Choice, Failure},
+};
 #[cfg(feature = "gpu")]
 use crate::Accuracy;
-#[cfg(feature = "threads")]
-use crate::threads::rayon::prelude::*;
+#[cfg(feature = "gpu")]
+use crate::gpu::GpuError;
+use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads::{Report, Traversal};
 use crate::{Error, Model, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
-use std::sync::atomic::AtomicBool;
-#[cfg(feature = "gpu")]
-use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 #[cfg(feature = "gpu")]
 use std::time::{Duration, Instant};
 
 /// A refit of fewer triangles takes less, at some 10 ns each, than to call another thread or a GPU.
 #[cfg(any(feature = "threads", feature = "gpu"))]
 const SMALL: usize = 1 << 11;
-
-/// To give away fewer searches for one hit, each of some 0.3 µs or more, would cost as much.
-#[cfg(feature = "threads")]
-const MEETING: usize = 64;
 
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,9 +85,14 @@ pub(crate) trait Question {
     #[cfg(feature = "gpu")]
     fn to_upload(&mut self) -> usize;
 
-    /// Brings the GPU what it lacks, and asks it.
+    /// Brings the GPU what it lacks, and asks it; about the rest, if it leaves any, the CPU of the executor.
     #[cfg(feature = "gpu")]
-    fn on_gpu(&mut self, device: &Device, verb: Verb) -> Result<Self::Answer, Error>;
+    fn on_gpu(
+        &mut self,
+        device: &Device,
+        cpu: &mut Executor,
+        verb: Verb,
+    ) -> Result<Self::Answer, Error>;
 }
 
 /// The history of a query on its executor.
@@ -107,9 +110,9 @@ pub(crate) struct Run {
     /// The time that it took to move vertices for the next frame.
     #[cfg(feature = "gpu")]
     moving: Duration,
-    /// Why the GPU is not asked any more.
+    /// The last failure of the GPU, which is not asked for a while.
     #[cfg(feature = "gpu")]
-    failure: Option<String>,
+    failure: Failure,
     last: Option<Plan>,
 }
 
@@ -137,27 +140,62 @@ impl Run {
         self.note(Backend::Cached, Reason::Unchanged);
     }
 
-    /// Adds to `out`, in order, where each of `pairs` meets, if it does.
+    /// Adds to `out`, in order, where each of `pairs` meets, if it does, and takes note of who has worked.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] or [`Error::Memory`].
     pub(crate) fn contacts<C: Send>(
-        &self,
+        &mut self,
         pairs: &[TrianglePair],
         contact: impl Fn(TrianglePair) -> Option<C> + Sync,
         out: &mut Vec<(TrianglePair, C)>,
-    ) {
+    ) -> Result<(), Error> {
+        if pairs.is_empty() {
+            return Ok(());
+        }
+        let (part, is_cancelled) = (CpuPart::new(), AtomicBool::new(false));
+        let flag = self.executor.cancel_flag();
+        let contact = |&pair: &TrianglePair| {
+            part.works();
+            if check(flag).is_err() {
+                is_cancelled.store(true, Relaxed);
+                return None;
+            }
+            Some((pair, contact(pair)?))
+        };
+        let listed = self.filter_map(pairs, contact, out);
+        self.note_also(part.backend());
+        listed?;
+        if is_cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(()) }
+    }
+
+    /// Adds to `out`, in order, what `map` makes of some items, on the threads of the executor.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(crate) fn filter_map<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        map: impl Fn(&T) -> Option<R> + Sync,
+        out: &mut Vec<R>,
+    ) -> Result<(), Error> {
         #[cfg(feature = "threads")]
         if let Some(traversal) = &self.executor.traversal {
-            return traversal.contacts(pairs, contact, out);
+            return Ok(traversal.filter_map(items, map, out)?);
         }
-        out.extend(pairs.iter().filter_map(|&pair| Some((pair, contact(pair)?))));
+        items.iter().filter_map(map).try_for_each(|mapped| push(out, mapped))
     }
 
     /// The names of those `subjects` whose query finds something, in order.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] or [`Error::Memory`].
     pub(crate) fn meeting<S: Copy + Sync, N: Send, Q: Query>(
         &self,
         subjects: &[S],
         query: impl Fn(S) -> Option<(N, Q)> + Sync,
     ) -> Result<Vec<N>, Error> {
-        let flag = self.executor.cancel_flag();
+        let (flag, is_cancelled) = (self.executor.cancel_flag(), AtomicBool::new(false));
         let name = |&subject: &S| {
             let (name, query) = query(subject)?;
             let mut meet = false;
@@ -165,14 +203,14 @@ impl Run {
                 meet = true;
                 ControlFlow::Break(())
             });
-            end.map(|()| meet.then_some(name)).transpose()
+            if end.is_err() {
+                is_cancelled.store(true, Relaxed);
+            }
+            meet.then_some(name)
         };
-        #[cfg(feature = "threads")]
-        if let Some(traversal) = &self.executor.traversal {
-            let named = subjects.par_iter().with_min_len(MEETING).filter_map(name);
-            return traversal.install(|| named.collect());
-        }
-        subjects.iter().filter_map(name).collect()
+        let mut names = Vec::new();
+        self.filter_map(subjects, name, &mut names)?;
+        if is_cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(names) }
     }
 
     /// Moves the vertices of a model that will be asked about next.
@@ -209,6 +247,7 @@ impl Run {
         model.set_positions(positions)
     }
 
+    /// Answers in the floating-point environment of the calling thread, which is to be the default.
     pub(crate) fn ask<Q: Question>(
         &mut self,
         question: &mut Q,
@@ -227,19 +266,8 @@ impl Run {
         verb: Verb,
         reason: Reason,
     ) -> Result<Q::Answer, Error> {
-        #[cfg(feature = "threads")]
-        if let Some(traversal) = &mut self.executor.traversal {
-            // A question that ends before it traverses anything leaves the report as it was.
-            traversal.report.cancelled = false;
-            let answer = question.on_threads(traversal, verb);
-            let (called, cancelled) =
-                (!traversal.report.shares.is_empty(), traversal.report.cancelled);
-            self.note(if called { Backend::Threads } else { Backend::Sequential }, reason);
-            return answer
-                .and_then(|answer| if cancelled { Err(Error::Cancelled) } else { Ok(answer) });
-        }
-        let answer = question.on_one_thread(verb, self.executor.cancel_flag());
-        self.note(Backend::Sequential, reason);
+        let (backend, answer) = self.executor.on_cpu(question, verb);
+        self.note(backend, reason);
         answer
     }
 
@@ -250,12 +278,64 @@ impl Run {
         if is_set { Err(Error::Cancelled) } else { Ok(answer) }
     }
 
+    /// Takes note that a part of the CPU has answered, whatever the executor has.
+    pub(crate) fn note_cpu(&mut self, backend: Backend) {
+        #[cfg(feature = "gpu")]
+        let reason = match self.executor.device.is_some() {
+            true => Reason::CpuOnly,
+            false => Reason::NoChoice,
+        };
+        #[cfg(not(feature = "gpu"))]
+        let reason = Reason::NoChoice;
+        self.note(backend, reason);
+    }
+
+    /// Takes note that a part of the CPU has answered too, after what is noted.
+    pub(crate) fn note_also(&mut self, backend: Backend) {
+        match &mut self.last {
+            Some(plan) if plan.backend != Backend::Cached => {
+                plan.backend = plan.backend.and(backend);
+            }
+            _ => self.note_cpu(backend),
+        }
+    }
+
+    /// The executor of the query.
+    pub(crate) fn executor(&self) -> &Executor {
+        &self.executor
+    }
+
     fn note(&mut self, backend: Backend, reason: Reason) {
         #[cfg(feature = "gpu")]
-        let failure = self.failure.clone();
+        let failure = self.failure.reason().map(str::to_owned);
         #[cfg(not(feature = "gpu"))]
         let failure = None;
         self.last = Some(Plan { backend, reason, predicted: None, failure });
+    }
+}
+
+impl Executor {
+    /// Answers on the CPU, and tells which part of it did.
+    pub(crate) fn on_cpu<Q: Question>(
+        &mut self,
+        question: &mut Q,
+        verb: Verb,
+    ) -> (Backend, Result<Q::Answer, Error>) {
+        #[cfg(feature = "threads")]
+        if let Some(traversal) = &mut self.traversal {
+            // A question that ends before it traverses anything leaves the report as it was.
+            traversal.report.cancelled = false;
+            traversal.report.shares.clear();
+            let answer = question.on_threads(traversal, verb);
+            let (called, cancelled) =
+                (!traversal.report.shares.is_empty(), traversal.report.cancelled);
+            let backend = if called { Backend::Threads } else { Backend::Sequential };
+            let answer = answer
+                .and_then(|answer| if cancelled { Err(Error::Cancelled) } else { Ok(answer) });
+            return (backend, answer);
+        }
+        let answer = question.on_one_thread(verb, self.cancel_flag());
+        (Backend::Sequential, answer)
     }
 }
 
@@ -267,7 +347,7 @@ impl Run {
         let is_only = |device: &Device| device.line.is_none();
         let is_chosen = || self.choices[self.last_verb as usize].is_on_gpu();
         let device = self.executor.device.as_deref();
-        self.failure.is_none() && device.is_some_and(|device| is_only(device) || is_chosen())
+        !self.failure.is_pausing() && device.is_some_and(|device| is_only(device) || is_chosen())
     }
 
     /// Whether the last frame on the CPU ended within its first few hundred tests, which the traversal does not time either.
@@ -290,11 +370,12 @@ impl Run {
             return self.on_cpu(question, verb, Reason::InF64);
         }
         let Some(line) = &device.line else {
-            let answer = question.on_gpu(device, verb);
+            let answer = question.on_gpu(device, &mut self.executor, verb);
             self.note(Backend::Gpu, Reason::NoChoice);
             return self.unless_cancelled(answer?);
         };
-        if self.failure.is_some() {
+        if self.failure.is_pausing() {
+            self.failure.passed();
             return self.on_cpu(question, verb, Reason::GpuFailed);
         }
         if question.accuracy() != Accuracy::Exact {
@@ -317,21 +398,30 @@ impl Run {
         let (by_gpu, reason) = choice.choose(line, line.upload(to_upload));
         let predicted = choice.predicted(line);
         let answer = match by_gpu {
-            true => question.on_gpu(device, verb).and_then(|answer| self.unless_cancelled(answer)),
+            true => question
+                .on_gpu(device, &mut self.executor, verb)
+                .and_then(|answer| self.unless_cancelled(answer)),
             false => self.on_cpu(question, verb, reason),
         };
         match answer {
-            // It can do no more: from now on the CPU answers, and the plan says why.
+            // For a while the CPU answers, and the plan says why.
             Err(Error::Gpu(error)) if by_gpu => {
-                self.failure = Some(error.to_string());
+                let is_lost = matches!(error, GpuError::DeviceLost { .. }) || device.gpu.is_lost();
+                self.failure.failed(error.to_string(), is_lost);
                 self.on_cpu(question, verb, Reason::GpuFailed)
             }
-            Err(error) => Err(error),
+            Err(error) => {
+                if by_gpu {
+                    self.note(Backend::Gpu, reason);
+                }
+                Err(error)
+            }
             Ok(answer) => {
                 let time = clock.elapsed() + moving;
                 self.choices[verb as usize].took(line, by_gpu, to_upload > 0, time);
                 self.choices[verb as usize].is_at_once = !by_gpu && self.was_at_once();
                 if by_gpu {
+                    self.failure.answered();
                     self.note(Backend::Gpu, reason);
                 }
                 self.last.iter_mut().for_each(|plan| plan.predicted = predicted);

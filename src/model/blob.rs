@@ -5,6 +5,8 @@ use super::in_f64::Exact;
 use super::passes::ONE_THREAD;
 use super::tree::Tree;
 use crate::Error;
+use crate::environment::with_default;
+use crate::memory::filled;
 use pfront_core::blob::{Blob, BlobStorage, Counts, write};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{BlobError, Node};
@@ -34,20 +36,24 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn from_blob(bytes: &[u8]) -> Result<Self, Error> {
+        with_default(|| Self::read_blob(bytes))
+    }
+
+    fn read_blob(bytes: &[u8]) -> Result<Self, Error> {
         let blob = Blob::new(bytes)?;
         let counts = blob.counts();
-        let mut nodes = vec![Node::EMPTY; counts.nodes];
-        let mut positions = vec![[0.0; 3]; counts.vertices];
-        let mut triangles = vec![[0; 3]; counts.triangles];
-        let mut order = vec![0; counts.triangles];
-        let mut positions_f64 = vec![[0.0; 3]; counts.positions_f64];
+        let mut nodes = filled(Node::EMPTY, counts.nodes)?;
+        let mut positions = filled([0.0; 3], counts.vertices)?;
+        let mut triangles = filled([0; 3], counts.triangles)?;
+        let mut order = filled(0, counts.triangles)?;
+        let mut positions_f64 = filled([0.0; 3], counts.positions_f64)?;
         let storage = BlobStorage {
             nodes: &mut nodes,
             positions: &mut positions,
             triangles: &mut triangles,
             order: &mut order,
         };
-        let mut scratch = vec![0; counts.triangles.div_ceil(32)];
+        let mut scratch = filled(0, counts.triangles.div_ceil(32))?;
         let bvh = blob.read_into_f64(storage, &mut positions_f64, &mut scratch)?;
         let (as_built, origin) = (bvh.is_depth_first(), bvh.mesh().origin());
         let exact = blob.is_f64().then_some(Exact { positions: positions_f64, origin });
@@ -70,8 +76,8 @@ impl Model {
     /// O(bytes); they are [`Counts::bytes`].
     pub fn to_blob(&self) -> Result<Vec<u8>, Error> {
         let bvh = self.bvh();
-        let mut bytes = vec![0; Counts::of(&bvh).bytes()];
-        write(&bvh, &mut bytes).map_err(BlobError::from)?;
+        let mut bytes = filled(0, Counts::of(&bvh).bytes())?;
+        with_default(|| write(&bvh, &mut bytes)).map_err(BlobError::from)?;
         Ok(bytes)
     }
 }

@@ -1,11 +1,8 @@
 //! The one-ring certificates of a model.
 
-use super::moves::Moves;
 use super::passes::Parallel;
 use pfront_core::Mesh;
-use pfront_core::one_ring::{
-    Certified, CertifyOptions, OneRings, history_bound, link_scratch_bound, links_bound,
-};
+use pfront_core::one_ring::{Certified, OneRings, history_bound, link_scratch_bound, links_bound};
 
 /// The history of the one-rings of one mesh, whose triangles never change.
 ///
@@ -16,29 +13,30 @@ pub(super) struct Certificates {
     history: Vec<u32>,
     /// See [`OneRings::with_links`]; empty until certification is divided.
     links: Vec<u32>,
-    /// More has moved since the last certification than since the tree fitted.
-    behind: bool,
+    /// Whether there are vertices of many triangles.
+    has_fans: bool,
 }
 
 impl Certificates {
     pub(super) fn new(mesh: Mesh<'_>) -> Self {
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
-        let mut history = vec![0; history_bound(vertices, triangles.len())];
+        let mut history = vec![0; history_bound(vertices)];
         let mut scratch = vec![0; link_scratch_bound(vertices, triangles.len())];
         let linked = OneRings::new(vertices, triangles, &mut history, &mut scratch);
         debug_assert!(linked.is_ok(), "the buffers have their sizes");
+        let mut has_fans = false;
         if let Ok(mut rings) = linked {
-            rings.certify(mesh, &CertifyOptions::default());
+            rings.certify(mesh, None);
+            has_fans = rings.has_fans();
         }
-        Self { history, links: Vec::new(), behind: false }
+        Self { history, links: Vec::new(), has_fans }
     }
 
     /// Certifies the one-rings for positions that have changed.
-    pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves, parallel: Parallel) {
-        let moved = moves.few().filter(|_| !self.behind);
+    pub(super) fn renew(&mut self, mesh: Mesh<'_>, parallel: Parallel) {
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
         let Self { history, links, .. } = self;
-        if parallel.is_some() && moved.is_none() && links.is_empty() {
+        if parallel.is_some() && links.is_empty() {
             links.resize(links_bound(vertices, triangles.len()), 0);
             let linked = OneRings::new(vertices, triangles, history, links);
             debug_assert!(linked.is_ok(), "the buffers have their sizes");
@@ -47,19 +45,18 @@ impl Certificates {
         let linked = if links.is_empty() { Ok(rings) } else { rings.with_links(links) };
         debug_assert!(linked.is_ok(), "the links have their size");
         if let Ok(mut rings) = linked {
-            rings.certify(mesh, &CertifyOptions { join: parallel, moved });
+            rings.certify(mesh, parallel);
         }
-        self.behind = false;
-    }
-
-    /// To be called when the tree fits and the certificates are not up to date, before anything moves.
-    pub(super) fn fall_behind(&mut self) {
-        self.behind = true;
     }
 
     /// The certificates, after [`Certificates::renew`] for the positions of `mesh`.
     pub(super) fn certified<'a>(&'a self, mesh: Mesh<'a>) -> Certified<'a> {
         Certified::new_unchecked(mesh, &self.history)
+    }
+
+    /// Whether the nodes around vertices of many triangles have to be marked.
+    pub(super) fn has_fans(&self) -> bool {
+        self.has_fans
     }
 
     pub(super) fn bytes(&self) -> usize {

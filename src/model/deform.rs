@@ -8,6 +8,7 @@ use super::passes::THREADS;
 use super::passes::{ONE_THREAD, Parallel, both, by_parts, if_four_threads};
 use super::tree::Tree;
 use crate::Error;
+use crate::environment::with_default;
 use pfront_core::{Mesh, MeshError};
 
 impl Model {
@@ -70,7 +71,7 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions_unfitted(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
-        self.store(positions, ONE_THREAD).map(drop)
+        with_default(|| self.store(positions, ONE_THREAD).map(drop))
     }
 
     /// Fits the BVH, and rebuilds it if that is due, after [`Model::set_positions_unfitted`].
@@ -78,20 +79,22 @@ impl Model {
     /// # Complexity
     /// As [`Model::set_positions`]; O(1) if the BVH fits.
     pub fn fit(&mut self) {
-        self.fit_by(ONE_THREAD);
+        with_default(|| self.fit_by(ONE_THREAD));
     }
 
     /// [`Model::fit`] in the rayon pool of whoever asks.
     #[cfg(feature = "threads")]
     pub fn fit_with_threads(&mut self) {
-        self.fit_by(THREADS);
+        with_default(|| self.fit_by(THREADS));
     }
 
     fn deform(&mut self, positions: &[[f32; 3]], parallel: Parallel) -> Result<(), Error> {
-        if self.store(positions, parallel)? {
-            self.fit_by(parallel);
-        }
-        Ok(())
+        with_default(|| {
+            if self.store(positions, parallel)? {
+                self.fit_by(parallel);
+            }
+            Ok(())
+        })
     }
 
     /// Takes other positions, after which nothing fits any more; returns whether they are others.
@@ -127,17 +130,10 @@ impl Model {
         }
         if self.tree.fresh().is_some() {
             self.moves.clear();
-            if let Some(certificates) = self.certificates.stale_mut() {
-                certificates.fall_behind();
-            }
-            if let Some(patches) = self.patches.stale_mut() {
-                patches.fall_behind();
-            }
         }
         self.stamp.moved();
         self.tree.outdate();
         self.certificates.outdate();
-        self.patches.outdate();
         self.sphere.take();
     }
 
@@ -145,27 +141,26 @@ impl Model {
         let mesh = Exact::mesh(self.exact.as_ref(), &self.positions, &self.triangles);
         let (moves, options) = (&self.moves, self.options);
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, parallel);
-        match (self.tree.stale_mut(), self.certificates.stale_mut()) {
+        // After few moves, certificates would take longer than the rest: they wait until they are asked for.
+        let few = moves.few().is_some();
+        match (self.tree.stale_mut(), self.certificates.stale_mut().filter(|_| !few)) {
             (Some(tree), Some(certificates)) => {
                 both(parallel, &mut || fit(tree), &mut || {
-                    certificates.renew(mesh, moves, if_four_threads(parallel));
+                    certificates.renew(mesh, if_four_threads(parallel));
                 });
             }
             (Some(tree), None) => fit(tree),
-            (None, Some(certificates)) => certificates.renew(mesh, moves, parallel),
+            (None, Some(certificates)) => certificates.renew(mesh, parallel),
             (None, None) => {}
         }
         self.tree.renewed();
-        self.certificates.renewed();
+        if !few {
+            self.certificates.renewed();
+        }
         if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
             tree.rebuild(mesh, options, parallel);
             self.stamp.rebuilt();
-            self.patches.outdate();
         }
-        if let (Some(tree), Some(patches)) = (self.tree.fresh(), self.patches.stale_mut()) {
-            patches.renew(tree, mesh, moves, parallel);
-        }
-        self.patches.renewed();
     }
 
     /// Makes room for what refits need that are of few vertices, so that not even the first allocates.
@@ -187,11 +182,6 @@ mod tests {
     fn a_fault_in_the_last_part_changes_nothing() {
         let ball = icosphere(40_000);
         let mut model = Model::new(ball.positions.clone(), ball.triangles).unwrap();
-        // Patches are found after some refits.
-        for scale in [1.5, 1.0].repeat(5) {
-            let moved: Vec<_> = ball.positions.iter().map(|p| p.map(|x| scale * x)).collect();
-            model.set_positions(&moved).unwrap();
-        }
         let certified = |model: &Model| -> Vec<bool> {
             let vertices = 0..model.positions.len() as u32;
             vertices.map(|vertex| model.certificates().is_certified(vertex)).collect()
@@ -215,12 +205,6 @@ mod tests {
         assert_eq!(model.positions, moved);
         assert_eq!(model.bvh().nodes(), alone.bvh().nodes());
         assert_eq!(certified(&model), certified(&alone));
-        let held = |model: &Model| -> Vec<bool> {
-            let patches = model.patches();
-            (0..patches.count()).map(|patch| patches.is_certified(patch)).collect()
-        };
-        assert_eq!(held(&model), held(&alone));
-        assert!(held(&model).contains(&true) && held(&model).contains(&false));
         assert_ne!(certified(&model), known);
     }
 

@@ -4,6 +4,7 @@ use super::Model;
 use super::passes::ONE_THREAD;
 use super::tree::Tree;
 use crate::Error;
+use crate::environment::with_default;
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Mesh};
 
@@ -39,6 +40,9 @@ impl Exact {
     ) -> Mesh<'m> {
         match exact {
             None => Mesh::new_unchecked(positions, triangles),
+            Some(Self { positions: exact, .. }) if exact.is_empty() => {
+                Mesh::new_unchecked(positions, triangles).widened()
+            }
             Some(Self { positions: exact, origin }) => {
                 Mesh::from_f64_unchecked(exact, positions, *origin, triangles)
             }
@@ -76,6 +80,23 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn from_f64(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        Self::from_f64_with_options(positions, triangles, BuildOptions::default())
+    }
+
+    /// [`Model::from_f64`] with other build options.
+    pub(crate) fn from_f64_with_options(
+        positions: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions<'static>,
+    ) -> Result<Self, Error> {
+        with_default(|| Self::built_from_f64(positions, triangles, options))
+    }
+
+    fn built_from_f64(
+        positions: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions<'static>,
+    ) -> Result<Self, Error> {
         let mut shadow = vec![[0.0; 3]; positions.len()];
         let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow)?;
         let widened =
@@ -87,7 +108,6 @@ impl Model {
             let origin = mesh.origin();
             Exact { positions, origin }
         };
-        let options = BuildOptions::default();
         let tree = Tree::build(Exact::mesh(Some(&exact), &shadow, &triangles), options, ONE_THREAD);
         Ok(Self { exact: Some(exact), ..Self::of(shadow, triangles, options, tree) })
     }
@@ -109,9 +129,11 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions_f64(&mut self, positions: &[[f64; 3]]) -> Result<(), Error> {
-        let shadow = self.shadow_of(positions)?;
-        self.set_shadowed(positions, shadow);
-        Ok(())
+        with_default(|| {
+            let shadow = self.shadow_of(positions)?;
+            self.set_shadowed(positions, shadow);
+            Ok(())
+        })
     }
 
     /// The shadow of other positions.

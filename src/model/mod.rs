@@ -5,15 +5,17 @@ mod certificates;
 mod deform;
 mod in_f64;
 mod moves;
+mod outline;
 mod passes;
-mod patches;
 mod renewed;
 mod stamp;
 mod tree;
 
+pub(crate) use outline::Outline;
 pub use stamp::Stamp;
 
 use crate::Error;
+use crate::environment::with_default;
 use crate::sphere::Sphere;
 use certificates::Certificates;
 use in_f64::Exact;
@@ -21,10 +23,8 @@ use moves::Moves;
 #[cfg(feature = "threads")]
 use passes::THREADS;
 use passes::{ONE_THREAD, Parallel};
-use patches::OwnPatches;
 use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
-use pfront_core::patch::CertifiedPatches;
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;
 use std::fmt;
@@ -59,7 +59,6 @@ pub struct Model {
     tree: Renewed<Tree>,
     /// Made when the mesh is first asked about itself.
     certificates: Renewed<Certificates>,
-    patches: Renewed<OwnPatches>,
     /// Made when a scene first asks for it.
     sphere: OnceLock<Option<Sphere>>,
 }
@@ -141,8 +140,10 @@ impl Model {
         triangles: Vec<[u32; 3]>,
         options: BuildOptions<'static>,
     ) -> Result<Self, Error> {
-        let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel);
-        Ok(Self::of(positions, triangles, options, tree))
+        with_default(|| {
+            let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel);
+            Ok(Self::of(positions, triangles, options, tree))
+        })
     }
 
     /// A mesh that is checked, and its tree.
@@ -161,7 +162,6 @@ impl Model {
             moves: Moves::default(),
             tree: Renewed::new(tree),
             certificates: Renewed::unmade(),
-            patches: Renewed::unmade(),
             sphere: OnceLock::new(),
         }
     }
@@ -184,30 +184,18 @@ impl Model {
     #[must_use]
     pub fn certificates(&self) -> Certified<'_> {
         let mesh = self.mesh();
-        let renew = |stale: &mut Certificates| stale.renew(mesh, &self.moves, ONE_THREAD);
-        self.certificates.get(renew, || Certificates::new(mesh)).certified(mesh)
-    }
-
-    /// The patch certificates that self-collision uses: found when the BVH has been refitted eight times, which takes as long
-    /// as one build to three, and kept up to date from then on, as the BVH is. Before there are none. Those of a regular
-    /// sheet take 12 bytes a triangle.
-    #[must_use]
-    pub fn patches(&self) -> CertifiedPatches<'_> {
-        let (tree, mesh) = (self.tree(), self.mesh());
-        let renew = |own: &mut OwnPatches| own.renew(tree, mesh, &self.moves, ONE_THREAD);
-        let make = || {
-            let mut own = OwnPatches::default();
-            own.renew(tree, mesh, &Moves::default(), ONE_THREAD);
-            own
-        };
-        self.patches.get(renew, make).certified(tree, mesh)
+        let renew = |stale: &mut Certificates| with_default(|| stale.renew(mesh, ONE_THREAD));
+        let make = || with_default(|| Certificates::new(mesh));
+        let certificates = self.certificates.get(renew, make);
+        let certified = certificates.certified(mesh);
+        if certificates.has_fans() { self.tree().with_fans(certified, mesh) } else { certified }
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
     /// changed, in O(n); `None` if there is no triangle.
     #[must_use]
     pub fn sphere(&self) -> Option<Sphere> {
-        *self.sphere.get_or_init(|| Sphere::of(&self.bvh()))
+        *self.sphere.get_or_init(|| with_default(|| Sphere::of(&self.bvh())))
     }
 
     /// Numbers that tell this mesh, BVH and positions from all others: what is equal to an earlier stamp need not be
@@ -235,7 +223,6 @@ impl Model {
             + self.moves.bytes()
             + self.tree.map(Tree::bytes).unwrap_or_else(|| self.tree().bytes())
             + self.certificates.map(Certificates::bytes).unwrap_or_default()
-            + self.patches.map(OwnPatches::bytes).unwrap_or_default()
     }
 
     /// The tree as it fits the positions.
@@ -249,9 +236,9 @@ impl Model {
     fn fitted(&self) -> &Tree {
         let (mesh, options) = (self.mesh(), &self.options);
         self.tree.get(
-            |tree| tree.fit(mesh, *options, &self.moves, ONE_THREAD),
+            |tree| with_default(|| tree.fit(mesh, *options, &self.moves, ONE_THREAD)),
             // Lost by a thread that panicked.
-            || Tree::build(mesh, *options, ONE_THREAD),
+            || with_default(|| Tree::build(mesh, *options, ONE_THREAD)),
         )
     }
 }
@@ -272,7 +259,6 @@ impl Clone for Model {
             moves: self.moves.clone(),
             tree,
             certificates: self.certificates.clone(),
-            patches: self.patches.clone(),
             sphere: self.sphere.clone(),
         }
     }

@@ -2,12 +2,13 @@
 
 use super::moves::Moves;
 use super::passes::Parallel;
-use super::stamp::next;
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
+use pfront_core::one_ring::{Certified, fan_bound};
 use pfront_core::{Bvh, Mesh, Node};
 use std::mem::take;
+use std::sync::OnceLock;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
@@ -18,10 +19,8 @@ pub(super) struct Tree {
     /// The quality figure right after the last build, and as it is.
     built: f32,
     quality: f32,
-    /// A number of its own for each tree that is built; clones share it.
-    id: u64,
-    /// How often it has been refitted.
-    refits: u32,
+    /// Marks of nodes around vertices of many triangles, made when they are first asked for.
+    fans: OnceLock<Vec<u32>>,
 }
 
 impl Tree {
@@ -38,7 +37,7 @@ impl Tree {
         order: Vec<u32>,
         parallel: Parallel,
     ) -> Self {
-        let mut tree = Self { nodes, order, id: next(), ..Self::default() };
+        let mut tree = Self { nodes, order, ..Self::default() };
         tree.refit(mesh, Refit { join: parallel, ..Refit::default() });
         tree.built = tree.quality;
         tree
@@ -67,16 +66,23 @@ impl Tree {
         // Changes no box of a new tree.
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
-        (self.id, self.refits) = (next(), 0);
+        self.fans = OnceLock::new();
     }
 
-    pub(super) fn id(&self) -> u64 {
-        self.id
-    }
-
-    /// How often it has been refitted since it was built.
-    pub(super) fn refits(&self) -> u32 {
-        self.refits
+    /// Adds to certificates the marks by which queries skip the fans around vertices of many triangles.
+    pub(super) fn with_fans<'a>(
+        &'a self,
+        certified: Certified<'a>,
+        mesh: Mesh<'a>,
+    ) -> Certified<'a> {
+        let bvh = self.bvh(mesh);
+        let fans = self.fans.get_or_init(|| {
+            let mut marks = vec![0; fan_bound(bvh.nodes().len())];
+            let is_marked = certified.with_fans(&bvh, &mut marks).is_ok();
+            debug_assert!(is_marked, "the marks have their size");
+            marks
+        });
+        certified.with_fans_unchecked(&bvh, fans)
     }
 
     /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then.
@@ -107,7 +113,6 @@ impl Tree {
         // With a table of the right size it never fails.
         debug_assert!(fitted.is_ok(), "{fitted:?}");
         self.quality = fitted.unwrap_or(self.quality);
-        self.refits = self.refits.saturating_add(1);
     }
 
     /// Whether it is time to build the tree anew.
@@ -130,6 +135,7 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>()
             + self.order.capacity() * size_of::<u32>()
             + self.table.capacity() * size_of::<RefitRow>()
+            + self.fans.get().map_or(0, Vec::capacity) * size_of::<u32>()
     }
 }
 

@@ -2,7 +2,9 @@
 
 use super::frame::{Answer, Frame};
 use super::{BodyId, SceneHit};
-use crate::executor::Verb;
+use crate::Error;
+use crate::executor::{BLOCK, Verb, check};
+use crate::memory::{extend, push, reserve};
 use crate::threads::{Hit, Report, Traversal};
 use pfront_core::bvtt::PairBvtt;
 
@@ -30,26 +32,30 @@ impl Batches {
         frame: &Frame<'_>,
         verb: Verb,
         hits: &mut Vec<SceneHit>,
-    ) -> Answer {
+    ) -> Result<Answer, Error> {
         let hit = |asked: &[[BodyId; 2]], hit: Hit| SceneHit {
             bodies: asked[hit.query as usize],
             pair: hit.pair,
         };
-        match verb {
+        Ok(match verb {
             Verb::All => {
                 let mut found = std::mem::take(&mut self.found);
                 self.each_batch(traversal, frame, |traversal, asked, queries| {
-                    traversal.all(queries, &mut found);
-                    hits.extend(found.iter().map(|&found| hit(asked, found)));
-                });
+                    traversal.all(queries, &mut found)?;
+                    found.chunks(BLOCK).try_for_each(|block| {
+                        check(traversal.cancel.as_deref())?;
+                        extend(hits, block.iter().map(|&found| hit(asked, found)))
+                    })
+                })?;
                 self.found = found;
                 Answer::listed(hits)
             }
             Verb::Count => {
                 let mut count = 0;
                 self.each_batch(traversal, frame, |traversal, _, queries| {
-                    count += traversal.count(queries);
-                });
+                    count += traversal.count(queries)?;
+                    Ok(())
+                })?;
                 Answer::counted(count)
             }
             Verb::Any => {
@@ -60,20 +66,20 @@ impl Batches {
                 while first.is_none() && !traversal.report.cancelled {
                     self.asking.clear();
                     for (bodies, query) in rest.by_ref().take(size) {
-                        self.asking.push(bodies);
-                        queries.push(query);
+                        push(&mut self.asking, bodies)?;
+                        push(&mut queries, query)?;
                     }
                     if queries.is_empty() {
                         break;
                     }
-                    first = traversal.any(&queries).map(|found| hit(&self.asking, found));
+                    first = traversal.any(&queries)?.map(|found| hit(&self.asking, found));
                     queries.clear();
                     size = (4 * size).min(BATCH);
                 }
                 self.queries = emptied(queries);
                 Answer::found(first)
             }
-        }
+        })
     }
 
     /// Asks the queries of a frame in batches of at most [`BATCH`], until time runs out or the flag is set. The report of the
@@ -82,26 +88,26 @@ impl Batches {
         &mut self,
         traversal: &mut Traversal,
         frame: &Frame<'_>,
-        mut ask: impl FnMut(&mut Traversal, &[[BodyId; 2]], &[PairBvtt<'_>]),
-    ) {
+        mut ask: impl FnMut(&mut Traversal, &[[BodyId; 2]], &[PairBvtt<'_>]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let mut queries: Vec<PairBvtt<'_>> = std::mem::take(&mut self.queries);
         let mut rest = frame.queries().peekable();
         let mut before: Option<Report> = None;
         loop {
             self.asking.clear();
             for (bodies, query) in rest.by_ref().take(BATCH) {
-                self.asking.push(bodies);
-                queries.push(query);
+                push(&mut self.asking, bodies)?;
+                push(&mut queries, query)?;
             }
             let is_last = rest.peek().is_none();
             if before.is_none() && is_last {
-                self.renumber(traversal);
+                self.renumber(traversal)?;
             } else {
                 // The costs of other pairs of bodies tell nothing of these.
                 traversal.forget();
                 std::mem::swap(&mut self.asked, &mut self.asking);
             }
-            ask(traversal, &self.asked, &queries);
+            ask(traversal, &self.asked, &queries)?;
             queries.clear();
             if let Some(mut report) = before.take() {
                 report.add(&traversal.report);
@@ -113,12 +119,13 @@ impl Batches {
             before = Some(traversal.report.clone());
         }
         self.queries = emptied(queries);
+        Ok(())
     }
 
     /// Makes the bodies of this frame those of the last, and keeps what is remembered of pairs that are in both.
-    fn renumber(&mut self, traversal: &mut Traversal) {
+    fn renumber(&mut self, traversal: &mut Traversal) -> Result<(), Error> {
         if self.asking == self.asked {
-            return;
+            return Ok(());
         }
         // Both ascend, so that one pass finds them all.
         let mut rest = (0..).zip(&self.asking).peekable();
@@ -126,9 +133,12 @@ impl Batches {
             while rest.next_if(|(_, new)| *new < bodies).is_some() {}
             rest.next_if(|(_, new)| *new == bodies).map(|(number, _)| number)
         };
-        let numbers: Vec<_> = self.asked.iter().map(number).collect();
+        let mut numbers = Vec::new();
+        reserve(&mut numbers, self.asked.len())?;
+        numbers.extend(self.asked.iter().map(number));
         traversal.renumber(|old| numbers[old as usize]);
         std::mem::swap(&mut self.asked, &mut self.asking);
+        Ok(())
     }
 }
 

@@ -10,7 +10,7 @@ pub(super) fn parts(triangles: u32, part_of: impl Fn(u32) -> u32) -> Vec<(u32, V
     runs.map(|run| (run[0].0, run.iter().map(|&(_, triangle)| triangle).collect())).collect()
 }
 
-/// Makes models of some triangles of another one.
+/// Makes models of some triangles of another one, in its precision.
 pub(super) struct Cutter<'m> {
     model: &'m Model,
     /// The new number of each vertex of the last piece.
@@ -34,10 +34,18 @@ impl<'m> Cutter<'m> {
         };
         let corners = triangles.iter().map(|&t| mesh.triangles()[t as usize]);
         let renumbered = corners.map(|[u, v, w]| [number(u), number(v), number(w)]).collect();
-        let positions = used.iter().map(|&vertex| {
-            self.numbers[vertex as usize] = None;
-            mesh.shadow()[vertex as usize]
-        });
-        Model::with_options(positions.collect(), renumbered, self.model.options())
+        used.iter().for_each(|&vertex| self.numbers[vertex as usize] = None);
+        let (model, options) = (self.model, self.model.options());
+        if !model.is_f64() {
+            let positions = used.iter().map(|&vertex| mesh.shadow()[vertex as usize]);
+            return Model::with_options(positions.collect(), renumbered, options);
+        }
+        let position = |&vertex: &u32| match mesh.positions_f64() {
+            Some(positions) => positions[vertex as usize],
+            // The shadow holds every coordinate.
+            None => mesh.shadow()[vertex as usize].map(f64::from),
+        };
+        let positions = used.iter().map(position).collect();
+        Model::from_f64_with_options(positions, renumbered, options)
     }
 }

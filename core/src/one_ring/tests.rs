@@ -1,10 +1,9 @@
-//! One-rings that intersect themselves and one-rings that do not; certificates in parts, after few moves, and of
-//! another mesh.
+//! One-rings that intersect themselves and one-rings that do not; certificates in parts, after moves, and of another mesh.
 
 extern crate std;
 
 use super::*;
-use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, mark_moved, morton, node_bound, refit};
+use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, morton, node_bound, refit};
 use crate::bvtt::{Query, SelfBvtt};
 use crate::parallel::FINE;
 use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
@@ -16,7 +15,8 @@ use pfront_testkit::shapes::sheet;
 use std::vec;
 use std::vec::Vec;
 
-const MAX: usize = OneRing::MAX_TRIANGLES;
+/// Numbers of triangles around a vertex: linked one by one or by sorting, and so many that they make fans.
+const SIZES: [usize; 12] = [3, 4, 5, 6, 14, 15, 16, 17, 63, 64, 65, 1000];
 
 /// Calls `test` with the one-rings of some triangles.
 fn with_rings<R>(
@@ -24,7 +24,7 @@ fn with_rings<R>(
     triangles: &[[u32; 3]],
     test: impl FnOnce(&mut OneRings<'_>) -> R,
 ) -> R {
-    let mut history = vec![!0; history_bound(vertices, triangles.len())];
+    let mut history = vec![!0; history_bound(vertices)];
     let mut links = vec![!0; links_bound(vertices, triangles.len())];
     OneRings::new(vertices, triangles, &mut history, &mut links).unwrap();
     let rings = OneRings::new_unchecked(vertices, triangles, &mut history);
@@ -32,16 +32,15 @@ fn with_rings<R>(
 }
 
 /// Whether each vertex is certified.
-fn certified(rings: &mut OneRings<'_>, mesh: Mesh<'_>, options: &CertifyOptions<'_>) -> Vec<bool> {
-    let certified = rings.certify(mesh, options);
+fn certified(rings: &mut OneRings<'_>, mesh: Mesh<'_>, join: Option<&Join<'_>>) -> Vec<bool> {
+    let certified = rings.certify(mesh, join);
     (0..mesh.vertex_count() as u32).map(|vertex| certified.is_certified(vertex)).collect()
 }
 
 /// Whether vertex 0 is certified.
 fn first_is_certified(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
     let mesh = Mesh::new(positions, triangles).unwrap();
-    let options = CertifyOptions::default();
-    with_rings(positions.len(), triangles, |rings| certified(rings, mesh, &options)[0])
+    with_rings(positions.len(), triangles, |rings| certified(rings, mesh, None)[0])
 }
 
 /// Whether the vertex at the origin is certified, with these points around it.
@@ -57,11 +56,12 @@ fn is_certified(around: &[[f32; 3]], closed: bool) -> bool {
     first_is_certified(&positions, &triangles.collect::<Vec<_>>())
 }
 
-fn circle(n: usize, turns: f32, height: impl Fn(usize) -> f32) -> [[f32; 3]; MAX + 1] {
-    core::array::from_fn(|i| {
+fn circle(n: usize, turns: f32, height: impl Fn(usize) -> f32) -> Vec<[f32; 3]> {
+    let point = |i| {
         let angle = 0.1 + turns * core::f32::consts::TAU * i as f32 / n as f32;
         [cos(angle), cos(angle - core::f32::consts::FRAC_PI_2), height(i)]
-    })
+    };
+    (0..=n).map(point).collect()
 }
 
 fn cos(x: f32) -> f32 {
@@ -70,18 +70,22 @@ fn cos(x: f32) -> f32 {
 
 #[test]
 fn rings_that_go_round_once_are_certified() {
-    for n in 3..=MAX {
+    for n in SIZES {
         assert!(is_certified(&circle(n, 1.0, |_| 0.0)[..n], true), "flat, {n}");
         assert!(is_certified(&circle(n, 1.0, |_| 0.5)[..n], true), "a cone, {n}");
     }
     assert!(is_certified(&circle(6, 1.0, |i| [0.3, -0.3][i % 2])[..6], true), "a saddle");
-    assert!(!is_certified(&circle(MAX + 1, 1.0, |_| 0.0), true), "too many to count");
 }
 
 #[test]
 fn rings_that_go_round_twice_or_fold_are_not() {
-    for n in 5..=MAX {
+    for n in SIZES.into_iter().filter(|&n| n >= 5) {
         assert!(!is_certified(&circle(n, 2.0, |i| i as f32 * 0.1)[..n], true), "{n}");
+    }
+    for n in SIZES.into_iter().filter(|&n| n > 6) {
+        let mut folded = circle(n, 1.0, |_| 0.0);
+        folded.swap(n / 2, n / 2 + 1);
+        assert!(!is_certified(&folded[..n], true), "two of {n} change places");
     }
     let mut folded = circle(6, 1.0, |_| 0.0);
     folded.swap(2, 3);
@@ -92,7 +96,7 @@ fn rings_that_go_round_twice_or_fold_are_not() {
 
 #[test]
 fn rows_are_certified_below_a_full_turn() {
-    for n in 2..=MAX {
+    for n in SIZES {
         assert!(is_certified(&circle(2 * n, 1.0, |_| 0.0)[..n], false), "half a turn, {n}");
     }
     assert!(!is_certified(&circle(12, 1.2, |_| 0.0)[..13], false), "more than a turn");
@@ -114,8 +118,26 @@ fn only_one_ring_or_one_row_is_certified() {
 }
 
 #[test]
+fn many_triangles_are_linked_as_few_are() {
+    let disc = circle(40, 1.0, |_| 0.0);
+    let points: Vec<_> = [[0.0; 3]].into_iter().chain(disc).chain([[0.0, 0.0, 9.0]]).collect();
+    let rim = |i: u32| [0, 1 + i % 40, 1 + (i + 1) % 40];
+    let some = |range: core::ops::Range<u32>| range.map(rim).collect::<Vec<_>>();
+    let certified = |triangles: &[[u32; 3]]| first_is_certified(&points, triangles);
+    assert!(certified(&some(0..40)) && certified(&some(7..40)) && certified(&some(30..65)));
+    assert!(!certified(&[some(0..20), some(21..40)].concat()), "two rows");
+    assert!(!certified(&[some(0..40), some(3..4)].concat()), "one twice");
+    assert!(!certified(&[some(0..40), vec![[0, 41, 5]]].concat()), "two on one side of an edge");
+    assert!(!certified(&[some(0..39), vec![[0, 1, 40]]].concat()), "turned over");
+    let pinched = [some(0..20), vec![[0, 21, 1]], some(22..39), vec![[0, 40, 23]]].concat();
+    assert!(!certified(&pinched), "two rings");
+    let tailed = [some(0..20), vec![[0, 21, 9]]].concat();
+    assert!(!certified(&tailed), "a row that ends in its middle");
+}
+
+#[test]
 fn buffers_one_short_are_errors_that_name_the_need() {
-    let (words, scratch_words) = (history_bound(5, 1), link_scratch_bound(5, 1));
+    let (words, scratch_words) = (history_bound(5), link_scratch_bound(5, 1));
     let error = |history: usize, scratch: usize| {
         let (mut history, mut scratch) = (vec![0; history], vec![0; scratch]);
         let error = OneRings::new(5, &[[0, 1, 2]], &mut history, &mut scratch).err()?;
@@ -168,9 +190,8 @@ fn parts_certify_what_the_whole_does() {
                 a();
             };
             with_rings(vertices, &triangles, |rings| {
-                let whole = certified(rings, mesh, &CertifyOptions::default());
-                let options = CertifyOptions { join: Some(join), ..Default::default() };
-                assert_eq!(certified(rings, mesh, &options), whole);
+                let whole = certified(rings, mesh, None);
+                assert_eq!(certified(rings, mesh, Some(join)), whole);
                 let some = whole.iter().filter(|&&is| is).count();
                 let range = vertices / 10..vertices * 9 / 10;
                 assert!(vertices < 8192 || range.contains(&some), "{some} of {vertices}");
@@ -184,37 +205,34 @@ fn parts_certify_what_the_whole_does() {
     }
 }
 
+/// A row that turns less than once, and more than once when its second vertex has moved by less than a step of the shadow,
+/// which a triangle far away makes coarse.
 #[test]
-fn what_has_moved_is_all_that_certification_needs() {
-    let MeshData { positions: rest, triangles } = crumpled(800);
-    let chosen: [&dyn Fn(usize) -> bool; 5] =
-        [&|_| false, &|i| i == 333, &|i| (300..340).contains(&i), &|i| i % 97 == 0, &|_| true];
-    let mesh = Mesh::new(&rest, &triangles).unwrap();
-    with_rings(800, &triangles, |rings| {
-        with_rings(800, &triangles, |fresh| {
-            let (mut before, mut changed) = (rest.clone(), 0);
-            let all = CertifyOptions::default();
-            certified(rings, mesh, &all);
-            for chosen in chosen.iter().cycle().take(10) {
-                let mut after = before.clone();
-                for (i, p) in after.iter_mut().enumerate().filter(|(i, _)| chosen(*i)) {
-                    *p = [p[0] + 0.7 * (i % 3) as f32 - 0.7, p[1] - 0.3, p[2]];
-                }
-                let mut moved = [Moved::default(); 25];
-                mark_moved(&before, &after, &mut moved).unwrap();
-                let mesh = mesh.with_positions(&after).unwrap();
-                let options = CertifyOptions { moved: Some(&moved), ..Default::default() };
-                let earlier = certified(fresh, mesh.with_positions(&before).unwrap(), &all);
-                let expected = certified(fresh, mesh, &all);
-                changed += usize::from(earlier != expected);
-                assert_eq!(certified(rings, mesh, &options), expected);
-                before = after;
-            }
-            assert!(changed >= 4, "{changed}");
-            let options = CertifyOptions { moved: Some(&[]), ..Default::default() };
-            let short = certified(rings, mesh, &options);
-            assert_eq!(short, certified(fresh, mesh, &all), "too short a set is not trusted");
-        });
+fn an_f64_mesh_that_moves_by_less_than_a_step_of_its_shadow_gives_the_true_pairs() {
+    let row =
+        [[0.0, 0.0], [0.5, 0.0], [0.0, 1.0], [-1.0, 0.5], [-1.0, -0.5], [0.0, -1.0], [20.0, -0.08]];
+    let at = |second: f64| -> Vec<[f64; 3]> {
+        let mut points: Vec<_> = row.iter().map(|p| [p[0], p[1] + 6e5, 0.0]).collect();
+        points[1][1] = 6e5 + second;
+        points.extend([[1e6; 3], [-1e6; 3], [1e6, 0.0, 0.0]]);
+        points
+    };
+    let mut triangles: Vec<[u32; 3]> = (1..6).map(|k| [0, k, k + 1]).collect();
+    triangles.push([7, 8, 9]);
+    let (before, after) = (at(0.02), at(-0.0025));
+    let (mut shadow, mut second) = (vec![[0.0; 3]; 10], vec![[0.0; 3]; 10]);
+    let rest = Mesh::from_f64(&before, &triangles, &mut shadow).unwrap();
+    let moved = rest.with_positions_f64(&after, &mut second).unwrap();
+    assert_eq!(rest.shadow(), moved.shadow(), "below a step");
+    let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(6)], vec![0; 6]);
+    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    let bvh = morton(moved, &BuildOptions::default(), storage, &mut [0; 12]).unwrap();
+    with_rings(10, &triangles, |rings| {
+        assert!(rings.certify(rest, None).is_certified(0));
+        let query = SelfBvtt::new(bvh);
+        assert!(query.count() > 0);
+        let certified = rings.certify(moved, None);
+        assert_eq!(query.with_certificates(certified).count(), query.count());
     });
 }
 
@@ -235,7 +253,7 @@ fn hits(certified_for: &[[f32; 3]], triangles: &[[u32; 3]]) -> u64 {
     let bvh = Bvh::new(folded, &nodes, &order, &mut [0; 8]).unwrap();
     with_rings(4, triangles, |rings| {
         let mesh = Mesh::new(certified_for, triangles).unwrap();
-        let certified = rings.certify(mesh, &CertifyOptions::default());
+        let certified = rings.certify(mesh, None);
         assert_eq!(certified.is_certified(0), certified_for == REST);
         SelfBvtt::new(bvh).with_certificates(certified).count()
     })
@@ -252,20 +270,17 @@ fn certificates_of_other_positions_lose_no_pair() {
 fn one_rings_of_other_triangles_certify_nothing() {
     let turned = [[0, 1, 2], [0, 3, 2]];
     with_rings(4, &HINGE, |rings| {
-        let options = CertifyOptions::default();
         let mesh = Mesh::new(&REST, &HINGE).unwrap();
-        assert!(certified(rings, mesh, &options)[0]);
+        assert!(certified(rings, mesh, None)[0]);
         let copy = HINGE.to_vec();
-        assert!(certified(rings, Mesh::new(&REST, &copy).unwrap(), &options)[0]);
+        assert!(certified(rings, Mesh::new(&REST, &copy).unwrap(), None)[0]);
         let other = Mesh::new(&REST, &turned).unwrap();
-        assert_eq!(certified(rings, other, &options), [false; 4]);
-        let moved = CertifyOptions { moved: Some(&[Moved::default()]), ..options };
-        assert_eq!(certified(rings, mesh, &moved), [false; 4], "nothing is left of before");
+        assert_eq!(certified(rings, other, None), [false; 4]);
     });
     let more = [REST.as_slice(), &[[9.0; 3]]].concat();
     with_rings(4, &HINGE, |rings| {
         let mesh = Mesh::new(&more, &HINGE).unwrap();
-        assert_eq!(certified(rings, mesh, &CertifyOptions::default()), [false; 5]);
+        assert_eq!(certified(rings, mesh, None), [false; 5]);
     });
 }
 
@@ -291,7 +306,7 @@ fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
     triangles.push([7, 8, 9]);
     let certified = |mesh: Mesh<'_>| {
         with_rings(mesh.vertex_count(), &triangles, |rings| {
-            rings.certify(mesh, &CertifyOptions::default()).is_certified(0)
+            rings.certify(mesh, None).is_certified(0)
         })
     };
     // The end beyond the beginning, and before it.
@@ -301,7 +316,7 @@ fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
         let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow).unwrap();
         let rule = Adjacency::SharedIndexRule;
         assert_eq!(intersects_in_mesh(mesh, 0, 4, rule, Accuracy::Exact), overlaps);
-        assert!(certified(Mesh::new(mesh.positions().unwrap(), &triangles).unwrap()));
+        assert!(certified(Mesh::new(mesh.shadow(), &triangles).unwrap()));
         assert!(!(overlaps && certified(mesh)));
     }
     // A row that both certify.

@@ -21,19 +21,21 @@ fn conforms<Q: Query + Sync>(traversals: &mut [Traversal], query: &Q) -> usize {
     let (queries, expected) = (std::slice::from_ref(query), sequential(query));
     let mut pairs = vec![TrianglePair { a: 7, b: 7 }; 3];
     for traversal in traversals {
-        traversal.all(queries, &mut pairs);
+        traversal.all(queries, &mut pairs).unwrap();
         let p = traversal.workers;
         assert!(pairs == expected, "p = {p}: {} pairs, not {}", pairs.len(), expected.len());
-        assert_eq!(traversal.count(queries), expected.len() as u64, "p = {p}");
-        match traversal.any(queries) {
+        assert_eq!(traversal.count(queries).unwrap(), expected.len() as u64, "p = {p}");
+        match traversal.any(queries).unwrap() {
             Some(hit) => assert!(expected.binary_search(&hit.pair).is_ok(), "p = {p}"),
             None => assert!(expected.is_empty(), "p = {p}"),
         }
         let visited = Mutex::new(Vec::new());
-        let end = traversal.visit(queries, |hit| {
-            visited.lock().unwrap().push(hit.pair);
-            ControlFlow::Continue(())
-        });
+        let end = traversal
+            .visit(queries, |hit| {
+                visited.lock().unwrap().push(hit.pair);
+                ControlFlow::Continue(())
+            })
+            .unwrap();
         let mut visited = visited.into_inner().unwrap();
         visited.sort_unstable();
         assert!(end.is_continue() && visited == expected, "p = {p}");
@@ -99,10 +101,10 @@ fn many_queries_at_once() {
         let one = |(query, q)| sequential(q).into_iter().map(move |pair| Hit { query, pair });
         let expected: Vec<_> = (0..).zip(&queries).flat_map(one).collect();
         for traversal in &mut traversals {
-            traversal.all(&queries, &mut hits);
+            traversal.all(&queries, &mut hits).unwrap();
             assert!(hits == expected, "p = {}", traversal.workers);
-            assert_eq!(traversal.count(&queries), expected.len() as u64);
-            assert_eq!(traversal.any(&queries).is_some(), !expected.is_empty());
+            assert_eq!(traversal.count(&queries).unwrap(), expected.len() as u64);
+            assert_eq!(traversal.any(&queries).unwrap().is_some(), !expected.is_empty());
         }
     }
 }
@@ -118,7 +120,7 @@ fn settings_change_no_answer() {
             let mut traversal = Traversal::new(13).with_settings(settings);
             for frame in 50..54 {
                 let query = frames.query(frame);
-                traversal.all(&[query], &mut pairs);
+                traversal.all(&[query], &mut pairs).unwrap();
                 assert!(pairs == sequential(&query), "{settings:?}");
                 assert!(traversal.report.nodes <= max_nodes.max(1));
             }
@@ -131,7 +133,7 @@ fn max_nodes_bounds_a_front_whose_memory_has_grown() {
     let (frames, mut traversal) = (Frames::named("spheres", 6_000), Traversal::new(64));
     for (max_nodes, expected) in [(1 << 20, 41..2000), (40, 1..41)] {
         traversal.settings.max_nodes = max_nodes;
-        assert_eq!(traversal.count(&[frames.query(50)]), frames.query(50).count());
+        assert_eq!(traversal.count(&[frames.query(50)]).unwrap(), frames.query(50).count());
         assert!(expected.contains(&traversal.report.nodes), "{}", traversal.report.nodes);
     }
 }
@@ -145,11 +147,11 @@ fn a_search_for_one_hit_leaves_costs_as_they_are() {
     let inner = Body::new(mesh);
     let queries = [PairBvtt::new(outer.bvh(), inner.bvh(), pfront_core::Pose::IDENTITY).unwrap()];
     let mut traversal = Traversal::new(4);
-    assert_eq!(traversal.count(&queries), 0);
+    assert_eq!(traversal.count(&queries).unwrap(), 0);
     for _ in 0..2 {
-        assert_eq!(traversal.count(&queries), 0);
+        assert_eq!(traversal.count(&queries).unwrap(), 0);
         assert!(traversal.report.front.coherent);
-        assert!(traversal.any(&queries).is_none());
+        assert!(traversal.any(&queries).unwrap().is_none());
         assert!(!traversal.report.shares.is_empty() && !traversal.report.front.coherent);
     }
 }
@@ -160,7 +162,7 @@ fn no_partition_is_less_even_than_its_certificate() {
     for schedule in SCHEDULES {
         let settings = Settings { schedule, ..Settings::default() };
         let mut traversal = Traversal::new(4).with_settings(settings);
-        traversal.count(&[frames.query(50)]);
+        traversal.count(&[frames.query(50)]).unwrap();
         let report = &traversal.report;
         let (predicted, bound) = (predicted_imbalance(report), 1.0 + report.front.epsilon);
         assert!(report.imbalance() >= 1.0 && predicted >= 1.0);
@@ -179,9 +181,9 @@ fn the_measured_price_of_a_call_changes_no_answer() {
         // Frames of nothing, of little and of much take turns.
         for frame in [0, 50, 20, 51, 52, 0, 53] {
             let query = frames.query(frame);
-            traversal.all(&[query], &mut pairs);
+            traversal.all(&[query], &mut pairs).unwrap();
             assert!(pairs == sequential(&query), "{schedule:?} {frame}");
-            assert_eq!(traversal.any(&[query]).is_some(), !pairs.is_empty());
+            assert_eq!(traversal.any(&[query]).unwrap().is_some(), !pairs.is_empty());
         }
     }
 }
@@ -202,21 +204,21 @@ fn what_outgrows_one_thread_is_handed_over() {
         let mut pairs = Vec::<TrianglePair>::new();
         for _ in 0..2 {
             // After a small frame, another is expected.
-            traversal.all(&[near], &mut pairs);
+            traversal.all(&[near], &mut pairs).unwrap();
             assert!(pairs == few);
-            traversal.all(&[near], &mut pairs);
+            traversal.all(&[near], &mut pairs).unwrap();
             assert!(pairs == few && traversal.report.shares.is_empty());
-            traversal.all(&[query], &mut pairs);
+            traversal.all(&[query], &mut pairs).unwrap();
             assert!(pairs == expected, "{schedule:?}");
             let report = &traversal.report;
             assert!(report.alone.box_tests > 0 && !report.shares.is_empty(), "{report:?}");
             // Then it is known to be worth several threads.
-            traversal.all(&[query], &mut pairs);
+            traversal.all(&[query], &mut pairs).unwrap();
             assert!(pairs == expected && traversal.report.alone.box_tests == 0);
-            assert!(traversal.any(&[query]).is_some());
+            assert!(traversal.any(&[query]).unwrap().is_some());
             assert!(traversal.report.alone.box_tests > 0, "any begins on the calling thread");
             // Where nothing overlaps, nothing is known.
-            traversal.all(&[far], &mut pairs);
+            traversal.all(&[far], &mut pairs).unwrap();
             assert!(pairs.is_empty() && traversal.report.shares.is_empty());
         }
     }
@@ -227,7 +229,37 @@ fn the_number_of_workers_is_bounded() {
     let (frames, mut traversal) = (Frames::named("spheres", 6_000), Traversal::new(0));
     for (workers, shares) in [(usize::MAX, MAX_WORKERS), (0, 0), (100_000, MAX_WORKERS)] {
         traversal.workers = workers;
-        assert_eq!(traversal.count(&[frames.query(60)]), frames.query(60).count());
+        assert_eq!(traversal.count(&[frames.query(60)]).unwrap(), frames.query(60).count());
         assert_eq!(traversal.report.shares.len(), shares);
     }
+}
+
+/// On one thread, so that nobody takes anything from the worker that calls.
+#[test]
+fn any_on_several_workers_searches_in_the_order_of_one() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let work = |workers: usize, queries: &[SelfBvtt<'_>]| {
+        let mut traversal = Traversal::new(workers);
+        let found = pool.install(|| traversal.any(queries)).unwrap();
+        (found, traversal.report.work(), traversal.report.shares.is_empty())
+    };
+    let scene = Scene::by_name("sheet", Some(20_000)).unwrap();
+    let (mut body, mut positions) = (Body::new(scene.meshes[0].clone()), Vec::new());
+    let flat = Body::new(scene.meshes[0].clone());
+    let mut divided = [0; 2];
+    for frame in (0..120).step_by(8) {
+        scene.positions(frame, &mut positions);
+        body.deform(&positions);
+        // One is asked after another that finds nothing, or as much.
+        let [own, other] = [&body, &flat].map(|body| SelfBvtt::new(body.bvh()));
+        for queries in [&[own][..], &[other, own, own]] {
+            let (found, expected, _) = work(1, queries);
+            for workers in [2, 7] {
+                let (again, tests, alone) = work(workers, queries);
+                assert_eq!((again, tests), (found, expected), "frame {frame}");
+                divided[usize::from(found.is_some())] += usize::from(!alone);
+            }
+        }
+    }
+    assert!(divided.iter().all(|&count| count > 0), "{divided:?}");
 }

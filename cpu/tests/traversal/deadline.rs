@@ -22,14 +22,14 @@ fn frames_end_at_their_deadline() {
         for p in [1, 2, 8] {
             let settings = Settings { schedule, ..Settings::default() };
             let mut traversal = Traversal::new(p).with_settings(settings);
-            let whole = traversal.count(&[query]);
+            let whole = traversal.count(&[query]).unwrap();
             assert!(whole > 1000 && !traversal.report.late);
             let all = traversal.report.work();
             let tests = all.box_tests + all.triangle_tests;
             assert!(tests > 50 * SLICE, "{tests}");
 
             traversal.deadline = Some(Instant::now());
-            assert_eq!(traversal.count(&[query]), 0);
+            assert_eq!(traversal.count(&[query]).unwrap(), 0);
             let report = &traversal.report;
             assert!(report.late && report.alone == Default::default(), "{report:?}");
             assert!(report.shares.iter().all(|share| share.work == Default::default()));
@@ -37,10 +37,12 @@ fn frames_end_at_their_deadline() {
             let deadline = Instant::now() + Duration::from_micros(300);
             traversal.deadline = Some(deadline);
             let after = AtomicU64::new(0);
-            let end = traversal.visit(&[query], |_| {
-                after.fetch_add(u64::from(Instant::now() > deadline), Relaxed);
-                ControlFlow::Continue(())
-            });
+            let end = traversal
+                .visit(&[query], |_| {
+                    after.fetch_add(u64::from(Instant::now() > deadline), Relaxed);
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
             assert!(end.is_break() && traversal.report.late, "{schedule:?} {p}");
             // Each hit takes a test.
             let after = after.into_inner();
@@ -48,7 +50,7 @@ fn frames_end_at_their_deadline() {
 
             // Nothing is left of it.
             traversal.deadline = None;
-            assert_eq!(traversal.count(&[query]), whole);
+            assert_eq!(traversal.count(&[query]).unwrap(), whole);
             assert!(!traversal.report.late);
         }
     }
@@ -63,24 +65,26 @@ fn frames_end_when_they_are_cancelled() {
         for p in [1, 2, 8] {
             let settings = Settings { schedule, ..Settings::default() };
             let mut traversal = Traversal::new(p).with_settings(settings);
-            let whole = traversal.count(&[query]);
+            let whole = traversal.count(&[query]).unwrap();
             let cancel = Arc::new(AtomicBool::new(false));
             traversal.cancel = Some(cancel.clone());
-            assert_eq!(traversal.count(&[query]), whole);
+            assert_eq!(traversal.count(&[query]).unwrap(), whole);
 
             let after = AtomicU64::new(0);
-            let end = traversal.visit(&[query], |_| {
-                after.fetch_add(u64::from(cancel.swap(true, Relaxed)), Relaxed);
-                ControlFlow::Continue(())
-            });
+            let end = traversal
+                .visit(&[query], |_| {
+                    after.fetch_add(u64::from(cancel.swap(true, Relaxed)), Relaxed);
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
             assert!(end.is_break() && !traversal.report.late, "{schedule:?} {p}");
             let after = after.into_inner();
             assert!(after <= p as u64 * SLICE, "{schedule:?} {p}: {after} hits after the flag");
 
             // It stays cancelled for as long as the caller wants it.
-            assert_eq!(traversal.count(&[query]), 0);
+            assert_eq!(traversal.count(&[query]).unwrap(), 0);
             cancel.store(false, Relaxed);
-            assert_eq!(traversal.count(&[query]), whole);
+            assert_eq!(traversal.count(&[query]).unwrap(), whole);
         }
     }
 }

@@ -20,7 +20,7 @@ fn a_dense_body_beside_outliers_is_divided_evenly() {
                 let mut traversal = Traversal::new(p).with_settings(settings);
                 let mut pairs = Vec::<TrianglePair>::new();
                 for frame in 0..6 {
-                    traversal.all(&[query], &mut pairs);
+                    traversal.all(&[query], &mut pairs).unwrap();
                     assert!(pairs == expected);
                     let report = &traversal.report;
                     let what = format!("{levels} {p} {:?} {}", report.front, report.imbalance());

@@ -27,15 +27,17 @@ fn a_break_stops_all_workers() {
         let mut traversal = traversal(4, schedule);
         for after in [1, 2, 10, expected.len()] {
             let seen = AtomicUsize::new(0);
-            let end = traversal.visit(&[query], |_| {
-                let last = seen.fetch_add(1, Relaxed) + 1 >= after;
-                if last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            });
+            let end = traversal
+                .visit(&[query], |_| {
+                    let last = seen.fetch_add(1, Relaxed) + 1 >= after;
+                    if last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                })
+                .unwrap();
             assert!(end.is_break());
             // Each other worker may have been in a call.
             assert!((after..after + 4).contains(&seen.into_inner()));
             let mut pairs = Vec::<TrianglePair>::new();
-            traversal.all(&[query], &mut pairs);
+            traversal.all(&[query], &mut pairs).unwrap();
             assert_eq!(pairs, expected);
         }
     }
@@ -51,16 +53,18 @@ fn a_panic_leaves_it_usable() {
         for _ in 0..3 {
             let seen = AtomicUsize::new(0);
             let panicked = catch_unwind(AssertUnwindSafe(|| {
-                traversal.visit(&[query], |_| {
-                    if seen.fetch_add(1, Relaxed) == 20 {
-                        resume_unwind(Box::new("visitor"));
-                    }
-                    ControlFlow::Continue(())
-                })
+                traversal
+                    .visit(&[query], |_| {
+                        if seen.fetch_add(1, Relaxed) == 20 {
+                            resume_unwind(Box::new("visitor"));
+                        }
+                        ControlFlow::Continue(())
+                    })
+                    .unwrap()
             }));
             assert!(panicked.is_err());
             let mut pairs = Vec::<TrianglePair>::new();
-            traversal.all(&[query], &mut pairs);
+            traversal.all(&[query], &mut pairs).unwrap();
             assert_eq!(pairs, expected);
         }
     }
@@ -78,11 +82,13 @@ fn a_visitor_may_use_the_same_pool() {
             let pool = traversal.clone();
             let inner = || (0..64).into_par_iter().sum::<u32>();
             let seen = AtomicUsize::new(0);
-            let _ = traversal.visit(&[query], |_| {
-                let sum = pool.install(inner);
-                seen.fetch_add((sum == 2016).into(), Relaxed);
-                ControlFlow::Continue(())
-            });
+            let _ = traversal
+                .visit(&[query], |_| {
+                    let sum = pool.install(inner);
+                    seen.fetch_add((sum == 2016).into(), Relaxed);
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
             assert_eq!(seen.into_inner(), expected, "{schedule:?}, {threads} threads");
         }
     }
@@ -97,13 +103,15 @@ fn others_take_what_a_slow_thread_has_left() {
         let mut traversal = traversal(3, schedule);
         let (own, all) = (std::thread::current().id(), AtomicUsize::new(0));
         let slow = AtomicUsize::new(0);
-        let _ = traversal.visit(&[query], |_| {
-            all.fetch_add(1, Relaxed);
-            if std::thread::current().id() == own && slow.fetch_add(1, Relaxed) > 0 {
-                std::thread::sleep(Duration::from_millis(1));
-            }
-            ControlFlow::Continue(())
-        });
+        let _ = traversal
+            .visit(&[query], |_| {
+                all.fetch_add(1, Relaxed);
+                if std::thread::current().id() == own && slow.fetch_add(1, Relaxed) > 0 {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                ControlFlow::Continue(())
+            })
+            .unwrap();
         assert_eq!(all.into_inner(), sequential(&query).len());
         // Work counts for the worker whose thread does it.
         let shares = traversal.report.shares.iter();
@@ -125,7 +133,7 @@ fn any_g_comes_to_an_end() {
             let mut traversal = Traversal::new(3 + i).with_settings(settings);
             for frame in [50, 51] {
                 let query = frames.query(frame);
-                assert_eq!(traversal.count(&[query]), query.count(), "{g}");
+                assert_eq!(traversal.count(&[query]).unwrap(), query.count(), "{g}");
             }
         }
     }
@@ -144,10 +152,12 @@ fn ten_thousand_frames() {
         let i = if jumps { rng.random_range(0..queries.len()) } else { frame % queries.len() };
         let traversal = &mut traversals[frame % 3];
         match rng.random_range(0..4) {
-            0 => assert_eq!(traversal.count(&[queries[i]]), expected[i].len() as u64),
-            1 => assert_eq!(traversal.any(&[queries[i]]).is_some(), !expected[i].is_empty()),
+            0 => assert_eq!(traversal.count(&[queries[i]]).unwrap(), expected[i].len() as u64),
+            1 => {
+                assert_eq!(traversal.any(&[queries[i]]).unwrap().is_some(), !expected[i].is_empty())
+            }
             _ => {
-                traversal.all(&[queries[i]], &mut pairs);
+                traversal.all(&[queries[i]], &mut pairs).unwrap();
                 assert!(pairs == expected[i], "frame {frame}");
             }
         }
@@ -163,7 +173,7 @@ fn threads_do_not_show_in_a_front() {
         let settings = Settings { schedule: Schedule::Static, max_nodes, ..Settings::default() };
         let mut traversal = Traversal::new(p).with_settings(settings);
         [40, 41, 42, 90, 91].map(|i| {
-            pool.install(|| traversal.count(&[frames.query(i)]));
+            pool.install(|| traversal.count(&[frames.query(i)]).unwrap());
             let report = &traversal.report;
             (report.front, report.nodes, report.imbalance(), report.shares.clone())
         })

@@ -24,7 +24,7 @@ fn gpu() -> &'static Gpu {
 fn read<T: Pod>(buffer: &wgpu::Buffer, count: usize) -> Vec<T> {
     let (device, queue) = (gpu().device(), gpu().queue());
     let encoder = device.create_command_encoder(&Default::default());
-    read_now(device, queue, encoder, buffer, count).unwrap()
+    read_now(device, queue, encoder, buffer, count, None).unwrap()
 }
 
 fn run(sequence: &Sequence) {
