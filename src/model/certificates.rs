@@ -2,6 +2,8 @@
 
 use super::moves::Moves;
 use super::passes::Parallel;
+use crate::Error;
+use crate::memory::{filled, reserve};
 use pfront_core::Mesh;
 use pfront_core::one_ring::{
     Certified, CertifyOptions, OneRings, history_bound, link_scratch_bound, links_bound,
@@ -11,7 +13,8 @@ use pfront_core::one_ring::{
 ///
 /// [`Renewed`](super::renewed::Renewed) holds it, and calls [`Certificates::renew`] after positions have changed
 /// before anybody reads it.
-#[derive(Clone, Debug)]
+/// The default has none, whatever moves.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Certificates {
     history: Vec<u32>,
     /// See [`OneRings::with_links`]; empty until certification is divided.
@@ -21,16 +24,18 @@ pub(super) struct Certificates {
 }
 
 impl Certificates {
-    pub(super) fn new(mesh: Mesh<'_>) -> Self {
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(super) fn new(mesh: Mesh<'_>) -> Result<Self, Error> {
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
-        let mut history = vec![0; history_bound(vertices, triangles.len())];
-        let mut scratch = vec![0; link_scratch_bound(vertices, triangles.len())];
+        let mut history = filled(0, history_bound(vertices, triangles.len()))?;
+        let mut scratch = filled(0, link_scratch_bound(vertices, triangles.len()))?;
         let linked = OneRings::new(vertices, triangles, &mut history, &mut scratch);
         debug_assert!(linked.is_ok(), "the buffers have their sizes");
         if let Ok(mut rings) = linked {
             rings.certify(mesh, &CertifyOptions::default());
         }
-        Self { history, links: Vec::new(), behind: false }
+        Ok(Self { history, links: Vec::new(), behind: false })
     }
 
     /// Certifies the one-rings for positions that have changed.
@@ -38,8 +43,14 @@ impl Certificates {
         let moved = moves.few().filter(|_| !self.behind);
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
         let Self { history, links, .. } = self;
-        if parallel.is_some() && moved.is_none() && links.is_empty() {
-            links.resize(links_bound(vertices, triangles.len()), 0);
+        if history.is_empty() {
+            return;
+        }
+        let bound = links_bound(vertices, triangles.len());
+        let is_divided = parallel.is_some() && moved.is_none() && links.is_empty();
+        // Without memory for them, one thread certifies.
+        if is_divided && reserve(links, bound).is_ok() {
+            links.resize(bound, 0);
             let linked = OneRings::new(vertices, triangles, history, links);
             debug_assert!(linked.is_ok(), "the buffers have their sizes");
         }

@@ -161,9 +161,11 @@ impl Model {
         self.tree.renewed();
         self.certificates.renewed();
         if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
-            tree.rebuild(mesh, options, parallel);
-            self.stamp.rebuilt();
-            self.patches.outdate();
+            // Without memory for another it stays, only slower, until the next positions.
+            if tree.rebuild(mesh, options, parallel).is_ok() {
+                self.stamp.rebuilt();
+                self.patches.outdate();
+            }
         }
         if let (Some(tree), Some(patches)) = (self.tree.fresh(), self.patches.stale_mut()) {
             patches.renew(tree, mesh, moves, parallel);

@@ -3,6 +3,8 @@
 use super::moves::Moves;
 use super::passes::Parallel;
 use super::tree::Tree;
+use crate::Error;
+use crate::memory::{extend, filled, push, reserve};
 use pfront_core::bvh::MAX_LEAF_SIZE;
 use pfront_core::one_ring::CertifyOptions;
 use pfront_core::patch::{CertifiedPatches, MAX_BOUNDARY, NO_TILE, Patches, patch_bound};
@@ -47,7 +49,11 @@ impl OwnPatches {
             if tree.refits() < REFITS || mesh.vertex_count() > MOST_VERTICES {
                 return;
             }
-            self.find(&bvh);
+            // There are none without memory for them.
+            if self.find(&bvh).is_err() {
+                *self = Self::default();
+                return;
+            }
             self.tree = Some(tree.id());
             moved = None;
         }
@@ -94,17 +100,20 @@ impl OwnPatches {
     }
 
     /// Finds tiles of a tree, and patches of them.
-    fn find(&mut self, bvh: &Bvh<'_>) {
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    fn find(&mut self, bvh: &Bvh<'_>) -> Result<(), Error> {
         // In case this does not come to its end.
         self.tree = None;
-        self.divide(bvh);
-        let near = Neighbours::new(bvh, &self.tiles);
-        let mut patch_of = vec![NO_PATCH; near.tiles.len()];
+        self.divide(bvh)?;
+        let near = Neighbours::new(bvh, &self.tiles)?;
+        let mut patch_of = filled(NO_PATCH, near.tiles.len())?;
         self.members.clear();
         self.patch_starts.clear();
-        self.patch_starts.push(0);
+        push(&mut self.patch_starts, 0)?;
         // The pairs around each tile that no patch holds, or more.
-        let mut most = vec![usize::MAX; self.tiles.len()];
+        let mut most = filled(usize::MAX, self.tiles.len())?;
         let (mut free, mut edges) = (Vec::new(), Vec::new());
         // Patches that hold many pairs come first, so that few are needed. Half of them are about as good as the best.
         for least in [16, 8, 4, 2, 1] {
@@ -128,33 +137,34 @@ impl OwnPatches {
                 if let Some(boundary) = boundary(bvh, triangles.flatten(), &mut edges) {
                     let patch = self.patch_starts.len() as u32 - 1;
                     free.iter().for_each(|&entry| patch_of[entry] = patch);
-                    self.members.push(tiles.len() as u32);
-                    self.members.extend(tiles);
-                    self.members.extend(boundary);
-                    self.patch_starts.push(self.members.len() as u32);
+                    push(&mut self.members, tiles.len() as u32)?;
+                    extend(&mut self.members, tiles.iter().copied())?;
+                    extend(&mut self.members, boundary.into_iter())?;
+                    push(&mut self.patch_starts, self.members.len() as u32)?;
                 }
             }
         }
         self.pairs.clear();
         self.pair_starts.clear();
-        self.pair_starts.push(0);
+        push(&mut self.pair_starts, 0)?;
         for entries in near.starts.windows(2) {
-            let held = (entries[0]..entries[1]).filter(|&entry| patch_of[entry] != NO_PATCH);
-            self.pairs.extend(held.map(|entry| [near.tiles[entry], patch_of[entry]]));
-            self.pair_starts.push(self.pairs.len() as u32);
+            for entry in (entries[0]..entries[1]).filter(|&entry| patch_of[entry] != NO_PATCH) {
+                push(&mut self.pairs, [near.tiles[entry], patch_of[entry]])?;
+            }
+            push(&mut self.pair_starts, self.pairs.len() as u32)?;
         }
         self.pairs.shrink_to_fit();
         self.patch_starts.shrink_to_fit();
         self.members.shrink_to_fit();
-        self.state.clear();
-        self.state.resize(patch_bound(self.tiles.len(), self.patch_starts.len() - 1), 0);
+        self.state = filled(0, patch_bound(self.tiles.len(), self.patch_starts.len() - 1))?;
+        Ok(())
     }
 
     /// Divides a tree into tiles: the largest subtrees of at most [`TILE`] triangles.
-    fn divide(&mut self, bvh: &Bvh<'_>) {
+    fn divide(&mut self, bvh: &Bvh<'_>) -> Result<(), Error> {
         let nodes = bvh.nodes();
         // The triangles below each node: children come after their parents.
-        let mut ranges = vec![[0, 0]; nodes.len()];
+        let mut ranges = filled([0, 0], nodes.len())?;
         for (index, node) in nodes.iter().enumerate().rev().filter(|&(index, _)| index != 1) {
             let first = node.first as usize;
             ranges[index] = if node.is_leaf() {
@@ -166,13 +176,14 @@ impl OwnPatches {
         }
         self.tiles.clear();
         self.tile_of.clear();
+        reserve(&mut self.tile_of, nodes.len())?;
         self.tile_of.resize(nodes.len(), NO_TILE);
         let mut stack: Vec<usize> = nodes.first().map(|_| 0).into_iter().collect();
         while let Some(index) = stack.pop() {
             let node = &nodes[index];
             if self.tile_of[index] == NO_TILE && (ranges[index][1] <= TILE || node.is_leaf()) {
                 self.tile_of[index] = self.tiles.len() as u32;
-                self.tiles.push(ranges[index]);
+                push(&mut self.tiles, ranges[index])?;
             }
             if !node.is_leaf() {
                 for child in [node.first as usize, node.first as usize + 1] {
@@ -181,6 +192,7 @@ impl OwnPatches {
                 }
             }
         }
+        Ok(())
     }
 }
 
@@ -197,22 +209,24 @@ struct Neighbours {
 }
 
 impl Neighbours {
-    fn new(bvh: &Bvh<'_>, tiles: &[[u32; 2]]) -> Self {
+    /// # Errors
+    /// [`Error::Memory`].
+    fn new(bvh: &Bvh<'_>, tiles: &[[u32; 2]]) -> Result<Self, Error> {
         let mesh = bvh.mesh();
         let corners = mesh.triangles().as_flattened();
-        let mut tile_of = vec![0; mesh.triangles().len()];
+        let mut tile_of = filled(0, mesh.triangles().len())?;
         for (tile, &range) in (0..).zip(tiles) {
             triangles(bvh, range).iter().for_each(|&t| tile_of[t as usize] = tile);
         }
         // The tiles around each vertex, by counting.
-        let mut ends = vec![0; mesh.vertex_count() + 1];
+        let mut ends = filled(0, mesh.vertex_count() + 1)?;
         corners.iter().for_each(|&vertex| ends[vertex as usize + 1] += 1);
         let mut sum = 0;
         for end in &mut ends {
             sum += *end;
             *end = sum;
         }
-        let mut around = vec![0; corners.len()];
+        let mut around = filled(0, corners.len())?;
         for (corner, &vertex) in corners.iter().enumerate() {
             let end = &mut ends[vertex as usize];
             around[*end] = tile_of[corner / 3];
@@ -220,9 +234,11 @@ impl Neighbours {
         }
         // Each end has moved to that of its vertex.
         let start_of = |vertex: usize| if vertex == 0 { 0 } else { ends[vertex - 1] };
-        let (mut starts, mut near) = (vec![0], Vec::new());
+        let (mut starts, mut near) = (Vec::new(), Vec::new());
+        reserve(&mut starts, tiles.len() + 1)?;
+        starts.push(0);
         // The last tile that each tile was found to be near to.
-        let mut last = vec![NO_TILE; tiles.len()];
+        let mut last = filled(NO_TILE, tiles.len())?;
         for (tile, &range) in (0..).zip(tiles) {
             let first = near.len();
             for vertex in triangles(bvh, range).iter().flat_map(|&t| mesh.triangles()[t as usize]) {
@@ -230,7 +246,7 @@ impl Neighbours {
                 let around = &around[start_of(vertex)..ends[vertex]];
                 for &other in around.iter().filter(|_| around.len() <= MAX_BOUNDARY) {
                     if std::mem::replace(&mut last[other as usize], tile) != tile {
-                        near.push(other);
+                        push(&mut near, other)?;
                     }
                 }
             }
@@ -240,7 +256,7 @@ impl Neighbours {
             near[first..].sort_unstable();
             starts.push(near.len());
         }
-        Self { starts, tiles: near }
+        Ok(Self { starts, tiles: near })
     }
 
     fn of(&self, tile: usize) -> &[u32] {

@@ -3,6 +3,8 @@
 use super::moves::Moves;
 use super::passes::Parallel;
 use super::stamp::next;
+use crate::Error;
+use crate::memory::{copy, filled, reserve};
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
@@ -25,10 +27,25 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    pub(super) fn build(mesh: Mesh<'_>, options: BuildOptions<'_>, parallel: Parallel) -> Self {
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(super) fn build(
+        mesh: Mesh<'_>,
+        options: BuildOptions<'_>,
+        parallel: Parallel,
+    ) -> Result<Self, Error> {
         let mut tree = Self::default();
-        tree.rebuild(mesh, options, parallel);
-        tree
+        tree.rebuild(mesh, options, parallel)?;
+        Ok(tree)
+    }
+
+    /// A copy, without the state of partial refits.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(super) fn try_clone(&self) -> Result<Self, Error> {
+        let (nodes, order) = (copy(&self.nodes)?, copy(&self.order)?);
+        Ok(Self { nodes, order, table: Vec::new(), ..*self })
     }
 
     /// Takes over a tree of these positions that was checked, and makes its boxes tight, as those of a build are.
@@ -45,17 +62,23 @@ impl Tree {
     }
 
     /// Builds the tree anew for these positions.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]; the tree is as it was.
     pub(super) fn rebuild(
         &mut self,
         mesh: Mesh<'_>,
         options: BuildOptions<'_>,
         parallel: Parallel,
-    ) {
+    ) -> Result<(), Error> {
         let n = mesh.triangles().len();
+        let [nodes, order] = [node_bound(n) - self.nodes.len(), n - self.order.len()];
+        let mut scratch = filled(Node::EMPTY, n)?;
+        reserve(&mut self.nodes, nodes)?;
+        reserve(&mut self.order, order)?;
         self.nodes.resize(node_bound(n), Node::EMPTY);
         self.order.resize(n, 0);
         self.table.clear();
-        let mut scratch = vec![Node::EMPTY; n];
         let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
         let options = BuildOptions { join: parallel, ..options };
         let built = bvh::sah(mesh, &options, storage, &mut scratch);
@@ -68,6 +91,7 @@ impl Tree {
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
         (self.id, self.refits) = (next(), 0);
+        Ok(())
     }
 
     pub(super) fn id(&self) -> u64 {
@@ -79,7 +103,7 @@ impl Tree {
         self.refits
     }
 
-    /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then.
+    /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then and there is memory.
     pub(super) fn fit(
         &mut self,
         mesh: Mesh<'_>,
@@ -87,10 +111,12 @@ impl Tree {
         moves: &Moves,
         parallel: Parallel,
     ) {
-        if self.is_worn() {
-            return self.rebuild(mesh, options, parallel);
+        if self.is_worn() && self.rebuild(mesh, options, parallel).is_ok() {
+            return;
         }
-        let Some(moved) = moves.few() else {
+        let rows = (self.nodes.len() / 2).saturating_sub(self.table.len());
+        let moved = moves.few().filter(|_| reserve(&mut self.table, rows).is_ok());
+        let Some(moved) = moved else {
             self.table.clear();
             return self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         };
@@ -123,7 +149,8 @@ impl Tree {
     /// Makes room for what a partial refit goes by, whatever tree a rebuild will make.
     pub(super) fn reserve(&mut self) {
         let rows = node_bound(self.order.len()) / 2;
-        self.table.reserve(rows - self.table.len());
+        // Without it, refits are whole ones.
+        let _ = self.table.try_reserve(rows - self.table.len());
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -144,7 +171,7 @@ mod tests {
         let ball = icosphere(2_000);
         let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
         let options = BuildOptions::default();
-        let mut tree = Tree::build(mesh, options, ONE_THREAD);
+        let mut tree = Tree::build(mesh, options, ONE_THREAD).unwrap();
         let mut before = ball.positions.clone();
         // Flatter from time to time, so that the figure changes but little.
         for (round, moving) in [9, 5, 1_000, 7, 0, 1_000, 1_000, 30].into_iter().enumerate() {
