@@ -98,7 +98,7 @@ fn a_pool_that_is_made_in_any_environment_answers_as_the_default_one() {
     let expected = questions::all(&questions::Subjects::new(), &Executor::sequential());
     for setting in SETTINGS {
         let executors = under(setting, executors);
-        for (number, executor) in executors.iter().enumerate() {
+        for (number, executor) in executors.iter().enumerate().skip(1) {
             let found = questions::all(&questions::Subjects::new(), executor);
             questions::compare(&found, &expected, &format!("{setting:x}, executor {number}"));
         }

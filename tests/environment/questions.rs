@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Triangles of a model: enough for a front, and few, since each operation on such small numbers takes long.
-const COUNT: u32 = 70;
+const COUNT: u32 = 50;
 
 /// The models that are asked about, made in the default environment, and positions that one of them is moved to.
 pub(crate) struct Subjects {
@@ -64,7 +64,8 @@ pub(crate) fn all(subjects: &Subjects, executor: &Executor) -> Named {
     let least_f64 = Pose64::from_translation([0.0, f64::from_bits(1), 0.0]);
     let poses = [AnyPose::F32(Pose::IDENTITY), AnyPose::F32(least), AnyPose::F64(least_f64)];
     for (kind, models) in [("f32", &subjects.models), ("f64", &subjects.in_f64)] {
-        for (number, pose) in poses.into_iter().enumerate() {
+        let (first, last) = if kind == "f32" { (0, 2) } else { (1, 3) };
+        for (number, &pose) in poses[first..last].iter().enumerate() {
             pairs(&mut named, &format!("{kind}, pose {number}, "), models, pose, executor);
         }
         within(&mut named, &format!("{kind}, "), &models[0], executor);
