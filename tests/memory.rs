@@ -167,7 +167,7 @@ fn pairs_that_do_not_fit_into_memory_are_refused() {
 #[test]
 fn pairs_within_a_model_that_do_not_fit_into_memory_are_refused() {
     let _alone = alone();
-    // Certificates and patches that are not made yet.
+    // Certificates that are not made yet.
     let subject = |executor: &Executor| (SelfQuery::new().on(executor), model(3));
     for (name, executor) in executors() {
         let subject = || subject(&executor);
@@ -232,17 +232,17 @@ fn models_move_with_the_memory_that_there_is() {
     let (moved, nudged) = (few(&positions), few(&scattered));
     let model = || {
         let model = Model::new(positions.clone(), triangles.clone()).unwrap();
-        let _ = (model.certificates(), model.patches());
+        let _ = model.certificates();
         model
     };
     let count = SelfQuery::new();
-    // Partial refits, whole ones, a rebuild, and patches after eight refits, without memory for tables and marks.
+    // Partial refits, whole ones, and a rebuild, without memory for tables and marks.
     let deform = |model: &mut Model| {
         for positions in [&moved, &positions, &scattered, &nudged, &positions].repeat(3) {
             model.set_positions(positions)?;
             model.fit();
         }
-        let _ = (model.certificates(), model.patches(), model.sphere());
+        let _ = (model.certificates(), model.sphere());
         count.clone().count(model)
     };
     with_each_failure("set_positions", model, deform);

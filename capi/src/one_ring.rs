@@ -27,7 +27,7 @@ pub extern "C" fn pfront_history_bound(vertex_count: usize, triangle_count: usiz
     if vertex_count > MOST || triangle_count > MAX_TRIANGLES.min(MOST) {
         return usize::MAX;
     }
-    history_bound(vertex_count, triangle_count)
+    history_bound(vertex_count)
 }
 
 /// How much scratch `pfront_one_rings_link` needs; SIZE_MAX if that cannot be.

@@ -22,7 +22,7 @@ use core::ffi::CStr;
 use core::ptr::null;
 use pfront_core::Bvh;
 use pfront_core::bvtt::{PairBvtt, PosedBvh, SelfBvtt};
-use pfront_core::one_ring::{Certified, CertifyOptions, OneRings};
+use pfront_core::one_ring::{Certified, OneRings};
 use pfront_core::triangle::{Accuracy, Adjacency};
 
 /// What an answer promises.
@@ -252,7 +252,7 @@ pub unsafe extern "C" fn pfront_query_self(
             let mesh = bvh.view(call, c"bvh")?.mesh();
             let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
             let mut rings = OneRings::new_unchecked(vertices, triangles, words);
-            rings.certify(mesh, &CertifyOptions::default());
+            rings.certify(mesh, None);
             query.history = history;
         }
         out.set(query);

@@ -19,7 +19,7 @@
 //! - [`bvh`]: builds, refits, checks and compact nodes of a BVH; [`blob`]: a BVH and its mesh as bytes;
 //! - [`bvtt`]: the traversal, its cursor, and the queries [`bvtt::PairBvtt`] and [`bvtt::SelfBvtt`];
 //! - [`front`]: fronts, their refinement, their partition, and the cost history from frame to frame;
-//! - [`one_ring`], [`patch`]: certificates that save a self query the tests of neighbours.
+//! - [`one_ring`]: certificates that save a self query the tests of neighbours.
 //!
 //! # Guarantees
 //! - **Exact.** With [`triangle::Accuracy::Exact`], the default, a query finds the pairs of closed triangles that
@@ -168,7 +168,6 @@ mod index;
 pub mod mesh;
 pub mod one_ring;
 mod parallel;
-pub mod patch;
 pub mod pose;
 mod simd;
 pub mod triangle;

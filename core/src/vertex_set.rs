@@ -4,7 +4,7 @@
 //! more than two words is empty if these numbers do not differ between its ends.
 
 use crate::CapacityError;
-use crate::index::{at, at_mut};
+use crate::index::at;
 use bytemuck::{Pod, Zeroable};
 
 /// The number of vertices in a word.
@@ -63,23 +63,13 @@ pub fn mark_moved(
     Ok(moved.iter().filter(|word| word.bits != 0).count())
 }
 
-/// Adds a vertex. [`number`] must follow before [`holds_any`].
-pub(crate) fn mark(set: &mut [Moved], vertex: u32) {
-    at_mut(set, vertex as usize / SHARE).bits |= 1 << (vertex as usize % SHARE);
-}
-
 /// Counts the vertices before each word anew.
-pub(crate) fn number(set: &mut [Moved]) {
+fn number(set: &mut [Moved]) {
     let mut count = 0;
     for word in set {
         word.before = count;
         count += word.bits.count_ones();
     }
-}
-
-#[inline(always)]
-pub(crate) fn holds(set: &[Moved], vertex: u32) -> bool {
-    at(set, vertex / SHARE as u32).bits >> (vertex as usize % SHARE) & 1 != 0
 }
 
 /// Whether the set holds any vertex from the first to the last.
@@ -94,11 +84,4 @@ pub(crate) fn holds_any(set: &[Moved], [first, last]: [u32; 2]) -> bool {
     low.bits & from_first != 0
         || high.bits & to_last != 0
         || high.before != low.before + low.bits.count_ones()
-}
-
-/// The vertices of the set, ascending.
-pub(crate) fn vertices(set: &[Moved]) -> impl Iterator<Item = usize> + '_ {
-    set.iter().enumerate().filter(|(_, word)| word.bits != 0).flat_map(|(index, word)| {
-        (0..SHARE).filter(|bit| word.bits >> bit & 1 != 0).map(move |bit| index * SHARE + bit)
-    })
 }

@@ -14,7 +14,7 @@ use pfront_core::bvh::*;
 use pfront_core::bvh::{CompactNode, compact};
 use pfront_core::bvtt::*;
 use pfront_core::front::*;
-use pfront_core::one_ring::{CertifyOptions, OneRings};
+use pfront_core::one_ring::OneRings;
 use pfront_core::triangle::*;
 use pfront_core::*;
 
@@ -64,7 +64,7 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let options = Refit { join: Some(join), table: slices.table, moved: Some(moved) };
     any(refit(mesh, others, some()?, options).ok()?);
     let mut rings = OneRings::new(some()?, triangles, slices.history, words).ok()?;
-    let certified = rings.certify(mesh, &CertifyOptions { join: Some(join), moved: Some(moved) });
+    let certified = rings.certify(mesh, Some(join));
     any(certified.is_certified(some()?));
     let within = SelfBvtt::new(bvh).with_certificates(certified).with_adjacency(some()?);
     asked(&within.with_accuracy(some()?).boxes_only(), slices.page)?;

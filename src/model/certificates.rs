@@ -1,13 +1,10 @@
 //! The one-ring certificates of a model.
 
-use super::moves::Moves;
 use super::passes::Parallel;
 use crate::Error;
 use crate::memory::{filled, reserve};
 use pfront_core::Mesh;
-use pfront_core::one_ring::{
-    Certified, CertifyOptions, OneRings, history_bound, link_scratch_bound, links_bound,
-};
+use pfront_core::one_ring::{Certified, OneRings, history_bound, link_scratch_bound, links_bound};
 
 /// The history of the one-rings of one mesh, whose triangles never change.
 ///
@@ -19,8 +16,6 @@ pub(super) struct Certificates {
     history: Vec<u32>,
     /// See [`OneRings::with_links`]; empty until certification is divided.
     links: Vec<u32>,
-    /// More has moved since the last certification than since the tree fitted.
-    behind: bool,
 }
 
 impl Certificates {
@@ -28,28 +23,26 @@ impl Certificates {
     /// [`Error::Memory`].
     pub(super) fn new(mesh: Mesh<'_>) -> Result<Self, Error> {
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
-        let mut history = filled(0, history_bound(vertices, triangles.len()))?;
+        let mut history = filled(0, history_bound(vertices))?;
         let mut scratch = filled(0, link_scratch_bound(vertices, triangles.len()))?;
         let linked = OneRings::new(vertices, triangles, &mut history, &mut scratch);
         debug_assert!(linked.is_ok(), "the buffers have their sizes");
         if let Ok(mut rings) = linked {
-            rings.certify(mesh, &CertifyOptions::default());
+            rings.certify(mesh, None);
         }
-        Ok(Self { history, links: Vec::new(), behind: false })
+        Ok(Self { history, links: Vec::new() })
     }
 
     /// Certifies the one-rings for positions that have changed.
-    pub(super) fn renew(&mut self, mesh: Mesh<'_>, moves: &Moves, parallel: Parallel) {
-        let moved = moves.few().filter(|_| !self.behind);
+    pub(super) fn renew(&mut self, mesh: Mesh<'_>, parallel: Parallel) {
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
         let Self { history, links, .. } = self;
         if history.is_empty() {
             return;
         }
         let bound = links_bound(vertices, triangles.len());
-        let is_divided = parallel.is_some() && moved.is_none() && links.is_empty();
         // Without memory for them, one thread certifies.
-        if is_divided && reserve(links, bound).is_ok() {
+        if parallel.is_some() && links.is_empty() && reserve(links, bound).is_ok() {
             links.resize(bound, 0);
             let linked = OneRings::new(vertices, triangles, history, links);
             debug_assert!(linked.is_ok(), "the buffers have their sizes");
@@ -58,14 +51,8 @@ impl Certificates {
         let linked = if links.is_empty() { Ok(rings) } else { rings.with_links(links) };
         debug_assert!(linked.is_ok(), "the links have their size");
         if let Ok(mut rings) = linked {
-            rings.certify(mesh, &CertifyOptions { join: parallel, moved });
+            rings.certify(mesh, parallel);
         }
-        self.behind = false;
-    }
-
-    /// To be called when the tree fits and the certificates are not up to date, before anything moves.
-    pub(super) fn fall_behind(&mut self) {
-        self.behind = true;
     }
 
     /// The certificates, after [`Certificates::renew`] for the positions of `mesh`.

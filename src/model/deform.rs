@@ -130,17 +130,10 @@ impl Model {
         }
         if self.tree.fresh().is_some() {
             self.moves.clear();
-            if let Some(certificates) = self.certificates.stale_mut() {
-                certificates.fall_behind();
-            }
-            if let Some(patches) = self.patches.stale_mut() {
-                patches.fall_behind();
-            }
         }
         self.stamp.moved();
         self.tree.outdate();
         self.certificates.outdate();
-        self.patches.outdate();
         self.sphere.take();
     }
 
@@ -148,29 +141,28 @@ impl Model {
         let mesh = Exact::mesh(self.exact.as_ref(), &self.positions, &self.triangles);
         let (moves, options) = (&self.moves, self.options);
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, parallel);
-        match (self.tree.stale_mut(), self.certificates.stale_mut()) {
+        // After few moves, certificates would take longer than the rest: they wait until they are asked for.
+        let few = moves.few().is_some();
+        match (self.tree.stale_mut(), self.certificates.stale_mut().filter(|_| !few)) {
             (Some(tree), Some(certificates)) => {
                 both(parallel, &mut || fit(tree), &mut || {
-                    certificates.renew(mesh, moves, if_four_threads(parallel));
+                    certificates.renew(mesh, if_four_threads(parallel));
                 });
             }
             (Some(tree), None) => fit(tree),
-            (None, Some(certificates)) => certificates.renew(mesh, moves, parallel),
+            (None, Some(certificates)) => certificates.renew(mesh, parallel),
             (None, None) => {}
         }
         self.tree.renewed();
-        self.certificates.renewed();
+        if !few {
+            self.certificates.renewed();
+        }
         if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
             // Without memory for another it stays, only slower, until the next positions.
             if tree.rebuild(mesh, options, parallel).is_ok() {
                 self.stamp.rebuilt();
-                self.patches.outdate();
             }
         }
-        if let (Some(tree), Some(patches)) = (self.tree.fresh(), self.patches.stale_mut()) {
-            patches.renew(tree, mesh, moves, parallel);
-        }
-        self.patches.renewed();
     }
 
     /// Makes room for what refits need that are of few vertices, so that not even the first allocates.
@@ -192,11 +184,6 @@ mod tests {
     fn a_fault_in_the_last_part_changes_nothing() {
         let ball = icosphere(40_000);
         let mut model = Model::new(ball.positions.clone(), ball.triangles).unwrap();
-        // Patches are found after some refits.
-        for scale in [1.5, 1.0].repeat(5) {
-            let moved: Vec<_> = ball.positions.iter().map(|p| p.map(|x| scale * x)).collect();
-            model.set_positions(&moved).unwrap();
-        }
         let certified = |model: &Model| -> Vec<bool> {
             let vertices = 0..model.positions.len() as u32;
             vertices.map(|vertex| model.certificates().is_certified(vertex)).collect()
@@ -220,12 +207,6 @@ mod tests {
         assert_eq!(model.positions, moved);
         assert_eq!(model.bvh().nodes(), alone.bvh().nodes());
         assert_eq!(certified(&model), certified(&alone));
-        let held = |model: &Model| -> Vec<bool> {
-            let patches = model.patches();
-            (0..patches.count()).map(|patch| patches.is_certified(patch)).collect()
-        };
-        assert_eq!(held(&model), held(&alone));
-        assert!(held(&model).contains(&true) && held(&model).contains(&false));
         assert_ne!(certified(&model), known);
     }
 

@@ -42,6 +42,9 @@ impl Exact {
     ) -> Mesh<'m> {
         match exact {
             None => Mesh::new_unchecked(positions, triangles),
+            Some(Self { positions: exact, .. }) if exact.is_empty() => {
+                Mesh::new_unchecked(positions, triangles).widened()
+            }
             Some(Self { positions: exact, origin }) => {
                 Mesh::from_f64_unchecked(exact, positions, *origin, triangles)
             }

@@ -7,7 +7,6 @@ mod in_f64;
 mod moves;
 mod outline;
 mod passes;
-mod patches;
 mod renewed;
 mod stamp;
 mod tree;
@@ -25,10 +24,8 @@ use moves::Moves;
 #[cfg(feature = "threads")]
 use passes::THREADS;
 use passes::{ONE_THREAD, Parallel};
-use patches::OwnPatches;
 use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
-use pfront_core::patch::CertifiedPatches;
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;
 use std::fmt;
@@ -64,7 +61,6 @@ pub struct Model {
     tree: Renewed<Tree>,
     /// Made when the mesh is first asked about itself.
     certificates: Renewed<Certificates>,
-    patches: Renewed<OwnPatches>,
     /// Made when a scene first asks for it.
     sphere: OnceLock<Option<Sphere>>,
 }
@@ -168,7 +164,6 @@ impl Model {
             moves: Moves::default(),
             tree: Renewed::new(tree),
             certificates: Renewed::unmade(),
-            patches: Renewed::unmade(),
             sphere: OnceLock::new(),
         }
     }
@@ -192,29 +187,10 @@ impl Model {
     #[must_use]
     pub fn certificates(&self) -> Certified<'_> {
         let mesh = self.mesh();
-        let renew = |stale: &mut Certificates| {
-            with_default(|| stale.renew(mesh, &self.moves, ONE_THREAD));
-        };
+        let renew = |stale: &mut Certificates| with_default(|| stale.renew(mesh, ONE_THREAD));
         let make = || with_default(|| Certificates::new(mesh)).ok();
         let own = self.certificates.try_get(renew, make);
         own.map_or_else(|| Certified::new_unchecked(mesh, &[]), |own| own.certified(mesh))
-    }
-
-    /// The patch certificates that self-collision uses: found when the BVH has been refitted eight times, which takes as long
-    /// as one build to three, and kept up to date from then on, as the BVH is. Before there are none. Those of a regular
-    /// sheet take 12 bytes a triangle.
-    #[must_use]
-    pub fn patches(&self) -> CertifiedPatches<'_> {
-        let (tree, mesh) = (self.tree(), self.mesh());
-        let renew = |own: &mut OwnPatches| {
-            with_default(|| own.renew(tree, mesh, &self.moves, ONE_THREAD));
-        };
-        let make = || {
-            let mut own = OwnPatches::default();
-            with_default(|| own.renew(tree, mesh, &Moves::default(), ONE_THREAD));
-            own
-        };
-        self.patches.get(renew, make).certified(tree, mesh)
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
@@ -249,7 +225,6 @@ impl Model {
             + self.moves.bytes()
             + self.tree.map(Tree::bytes).unwrap_or_else(|| self.tree().bytes())
             + self.certificates.map(Certificates::bytes).unwrap_or_default()
-            + self.patches.map(OwnPatches::bytes).unwrap_or_default()
     }
 
     /// The model of an [`Arc`], which is copied first, without what is made lazily, if others have it too.
@@ -309,7 +284,6 @@ impl Clone for Model {
             moves: self.moves.clone(),
             tree,
             certificates: self.certificates.clone(),
-            patches: self.patches.clone(),
             sphere: self.sphere.clone(),
         }
     }

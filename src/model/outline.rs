@@ -78,7 +78,7 @@ mod tests {
         let out: Result<(), PoseError> =
             AnyPose::F32(far).check(loose.outline(&Outline::default()));
         assert!(out.is_err() && query.count(&still, &loose, Pose::IDENTITY).is_ok());
-        let twice = Pose::from_scale_rotation_translation(2.0, [0.0, 0.0, 0.0, 1.0], [0.0; 3]);
+        let twice = Pose::new([[2.0, 0.0, 0.0, 0.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);
         assert!(query.count(&still, &loose, twice).is_ok());
     }
 

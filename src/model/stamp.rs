@@ -61,7 +61,7 @@ impl Stamp {
 }
 
 /// A number that this process has not used.
-pub(super) fn next() -> u64 {
+fn next() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     NEXT.fetch_add(1, Ordering::Relaxed)
 }

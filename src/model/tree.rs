@@ -2,7 +2,6 @@
 
 use super::moves::Moves;
 use super::passes::Parallel;
-use super::stamp::next;
 use crate::Error;
 use crate::memory::{copy, filled, reserve};
 use pfront_core::bvh::{
@@ -20,10 +19,6 @@ pub(super) struct Tree {
     /// The quality figure right after the last build, and as it is.
     built: f32,
     quality: f32,
-    /// A number of its own for each tree that is built; clones share it.
-    id: u64,
-    /// How often it has been refitted.
-    refits: u32,
 }
 
 impl Tree {
@@ -55,7 +50,7 @@ impl Tree {
         order: Vec<u32>,
         parallel: Parallel,
     ) -> Self {
-        let mut tree = Self { nodes, order, id: next(), ..Self::default() };
+        let mut tree = Self { nodes, order, ..Self::default() };
         tree.refit(mesh, Refit { join: parallel, ..Refit::default() });
         tree.built = tree.quality;
         tree
@@ -90,17 +85,7 @@ impl Tree {
         // Changes no box of a new tree.
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
-        (self.id, self.refits) = (next(), 0);
         Ok(())
-    }
-
-    pub(super) fn id(&self) -> u64 {
-        self.id
-    }
-
-    /// How often it has been refitted since it was built.
-    pub(super) fn refits(&self) -> u32 {
-        self.refits
     }
 
     /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then and there is memory.
@@ -133,7 +118,6 @@ impl Tree {
         // With a table of the right size it never fails.
         debug_assert!(fitted.is_ok(), "{fitted:?}");
         self.quality = fitted.unwrap_or(self.quality);
-        self.refits = self.refits.saturating_add(1);
     }
 
     /// Whether it is time to build the tree anew.

@@ -47,9 +47,8 @@ pub(crate) fn all(inputs: &Inputs) -> Vec<(&'static str, Model)> {
     };
     let mut in_f64 = soup.model_f64();
     in_f64.set_positions_f64(&moved.positions_f64).unwrap();
-    // Certificates, and patches after some refits.
     let mut folded = sheet.clone();
-    let _ = (folded.certificates(), folded.patches());
+    let _ = folded.certificates();
     for _ in 0..5 {
         folded.set_positions(bent).unwrap();
         folded.set_positions(sheet.mesh().shadow()).unwrap();
@@ -88,7 +87,7 @@ pub(crate) fn all(inputs: &Inputs) -> Vec<(&'static str, Model)> {
                 let _ = (model.bvh(), model.sphere(), model.bytes());
             }),
         ),
-        ("certificates, patches", folded),
+        ("certificates", folded),
     ]
 }
 
@@ -103,9 +102,4 @@ pub(crate) fn compare(made: &Model, expected: &Model, name: &str) {
         vertices.map(|vertex| model.certificates().is_certified(vertex)).collect()
     };
     assert_eq!(certified(made), certified(expected), "{name}");
-    let held = |model: &Model| -> Vec<bool> {
-        let patches = model.patches();
-        (0..patches.count()).map(|patch| patches.is_certified(patch)).collect()
-    };
-    assert_eq!(held(made), held(expected), "{name}");
 }

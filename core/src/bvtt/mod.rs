@@ -5,8 +5,7 @@
 //! two meshes ([`PairBvtt`]) and of one mesh with itself ([`SelfBvtt`]).
 //!
 //! # How a leaf pair is decided
-//! 1. `traversal` pops node pairs from a [`Cursor`] and tests the boxes of their descendants, up to a leaf pair. Within one
-//!    mesh it drops pairs that a certified [`patch`](crate::patch) holds.
+//! 1. `traversal` pops node pairs from a [`Cursor`] and tests the boxes of their descendants, up to a leaf pair.
 //! 2. `block` loads the triangles of both leaves into vector lanes, at most eight a side, and poses them.
 //! 3. `cull` compares their boxes, and rejects pairs that share a vertex whose one-ring is certified. Of the others, `planes`
 //!    tests eight at a time whether a supporting plane separates them and, if none does, whether they intersect.

@@ -62,9 +62,6 @@ impl<A: Layout, B: Layout, const SELF: bool, const F64: bool> Task
         while let Some(n) = cursor.pop() {
             if query.is_apart(n, cursor) {
                 // As the second mesh sees it.
-            } else if SELF && query.is_in_certified_patch(n, cursor) {
-                // To look it up takes as long as a box test.
-                cursor.spend_box_tests(1);
             } else if query.is_leaf_pair(n) {
                 let flow = query.visit_leaf_pair::<S, F64>(n, &mut blocks, cursor, visit);
                 if cursor.is_inside_leaf_pair() {
@@ -99,13 +96,6 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
         cursor.spend_box_tests(1);
         let (a, b) = (&self.a.bvh, &self.b.bvh);
         !first_seen.bounds(&a.bounds(a.node(n.a))).overlaps(&b.bounds(b.node(n.b)))
-    }
-
-    /// Whether a node pair is held by a certified patch.
-    #[inline(always)]
-    fn is_in_certified_patch(&self, n: NodePair, cursor: &Cursor) -> bool {
-        // A leaf pair that is taken up again is in none.
-        !cursor.is_inside_leaf_pair() && self.patches.is_some_and(|patches| patches.hold(n))
     }
 
     #[inline]

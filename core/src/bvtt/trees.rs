@@ -12,7 +12,6 @@ use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
 use crate::aabb::Bounds;
 use crate::bvh::Layout;
 use crate::one_ring::{Certified, OneRing};
-use crate::patch::CertifiedPatches;
 use crate::pose::{Affine, Pose64, PoseError};
 use crate::simd::VECTORS;
 use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact, intersects};
@@ -58,7 +57,6 @@ pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
     pub(super) inexact_test: Option<InexactTest>,
     pub(super) adjacency: Adjacency,
     pub(super) rings: &'a [OneRing],
-    pub(super) patches: Option<CertifiedPatches<'a>>,
     pub(super) boxes_only: bool,
     pub(super) in_f64: Option<InF64>,
     /// Computed once, as fronts ask for it often, like `leaf_edge`.
@@ -210,25 +208,15 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
     /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
     /// let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 2])?;
-    /// let (mut history, mut scratch) = ([0; history_bound(3, 1)], [0; link_scratch_bound(3, 1)]);
+    /// let (mut history, mut scratch) = ([0; history_bound(3)], [0; link_scratch_bound(3, 1)]);
     /// let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
-    /// let certified = rings.certify(mesh, &CertifyOptions::default());
+    /// let certified = rings.certify(mesh, None);
     /// assert_eq!(SelfBvtt::new(bvh).with_certificates(certified).count(), 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
     pub fn with_certificates(self, certified: Certified<'a>) -> Self {
         Self { rings: certified.of_mesh(self.a.bvh.mesh()), ..self }
-    }
-
-    /// The same pairs, found sooner where leaves are of one certified patch: see [`patch`](crate::patch).
-    ///
-    /// Patches of another BVH are not used: both must borrow the same positions, triangles and order. Queries for
-    /// [boxes](Self::boxes_only) use none.
-    #[must_use]
-    pub fn with_patches(self, certified: CertifiedPatches<'a>) -> Self {
-        let is_own = certified.are_of(&self.a.bvh);
-        Self { patches: (is_own && !self.boxes_only).then_some(certified), ..self }
     }
 
     /// Asks for all pairs of triangles whose boxes overlap, neighbours included. With each box of a set given
@@ -248,7 +236,7 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     /// ```
     #[must_use]
     pub fn boxes_only(self) -> Self {
-        Self { boxes_only: true, patches: None, ..self }
+        Self { boxes_only: true, ..self }
     }
 }
 
@@ -264,7 +252,6 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
             inexact_test: None,
             adjacency: Adjacency::SharedIndexRule,
             rings: &[],
-            patches: None,
             boxes_only: false,
             in_f64: None,
             root: None,

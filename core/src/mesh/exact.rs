@@ -14,8 +14,8 @@ use glam::{DVec3, Vec3};
 /// The positions that decide.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Positions64<'a> {
-    /// Empty if the positions of the shadow are the same.
-    positions: &'a [[f64; 3]],
+    /// `None` if f32 holds them: those of the shadow are the same, and its origin is zero.
+    positions: Option<&'a [[f64; 3]]>,
     /// Where the origin of the shadow is.
     origin: DVec3,
     /// What queries need for such meshes only.
@@ -50,7 +50,7 @@ impl<'a> Mesh<'a> {
         shadow: &'a mut [[f32; 3]],
     ) -> Result<Self, MeshError> {
         let origin = fill(shadow, positions, None)?;
-        Ok(Self::new(shadow, triangles)?.with_exact(positions, origin))
+        Ok(Self::new(shadow, triangles)?.with_exact(Some(positions), origin))
     }
 
     /// The same triangles over other positions in f64, as a deforming mesh has each frame. The origin of the shadow stays where
@@ -80,24 +80,37 @@ impl<'a> Mesh<'a> {
         let Some(exact) = self.exact else { return Err(MeshError::OtherPrecision) };
         same_length(self.vertex_count(), positions.len())?;
         let origin = fill(shadow, positions, Some(exact.origin))?;
-        Ok(Self::new_unchecked(shadow, self.triangles).with_exact(positions, origin))
+        Ok(Self::new_unchecked(shadow, self.triangles).with_exact(Some(positions), origin))
     }
 
-    /// Makes a mesh again of what [`Mesh::from_f64`] has checked and filled, and of its [`Mesh::origin`]. Without `positions` it
-    /// is a mesh in f64 whose positions are those of the shadow, which needs no origin and takes no memory for them.
-    ///
-    /// Not `unsafe`: memory safety never depends on the arrays.
-    ///
-    /// # Panics and wrong answers
-    /// With other arrays, queries may give wrong pairs or panic.
+    /// The same mesh in f64: posed and decided there. Its positions stay those in f32, and take no memory in f64.
     ///
     /// # Examples
     /// ```
     /// use pfront_core::Mesh;
-    /// let (points, triangles) = ([[0.5_f32; 3]; 3], [[0, 1, 2]]);
-    /// let mesh = Mesh::new(&points, &triangles)?;
-    /// let mesh = Mesh::from_f64_unchecked(&[], mesh.shadow(), [0.0; 3], mesh.triangles());
+    /// let mesh = Mesh::new(&[[0.5; 3]; 3], &[[0, 1, 2]])?.widened();
     /// assert!(mesh.is_f64() && mesh.positions_f64().is_none());
+    /// # Ok::<(), pfront_core::MeshError>(())
+    /// ```
+    #[must_use]
+    pub fn widened(self) -> Self {
+        if self.is_f64() { self } else { self.with_exact(None, DVec3::ZERO) }
+    }
+
+    /// Makes a mesh again of what [`Mesh::from_f64`] has checked and filled, and of its [`Mesh::origin`].
+    ///
+    /// Not `unsafe`: memory safety never depends on the arrays.
+    ///
+    /// # Panics and wrong answers
+    /// With other arrays, queries may give wrong pairs or panic; they panic where `positions` are too few.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Mesh;
+    /// let (points, triangles, mut shadow) = ([[0.1; 3]; 3], [[0, 1, 2]], [[0.0; 3]; 3]);
+    /// let origin = Mesh::from_f64(&points, &triangles, &mut shadow)?.origin();
+    /// let mesh = Mesh::from_f64_unchecked(&points, &shadow, origin, &triangles);
+    /// assert_eq!(mesh.positions_f64(), Some(&points[..]));
     /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
     #[must_use]
@@ -107,10 +120,16 @@ impl<'a> Mesh<'a> {
         origin: [f64; 3],
         triangles: &'a [[u32; 3]],
     ) -> Self {
-        Self::new_unchecked(shadow, triangles).with_exact(positions, DVec3::from_array(origin))
+        debug_assert_eq!(
+            positions.len(),
+            shadow.len(),
+            "one position in f64 for each of the shadow"
+        );
+        let origin = DVec3::from_array(origin);
+        Self::new_unchecked(shadow, triangles).with_exact(Some(positions), origin)
     }
 
-    /// [`Mesh::from_f64_unchecked`] of arrays that nobody has checked.
+    /// [`Mesh::from_f64_unchecked`] of arrays that nobody has checked; [`Mesh::widened`] without positions.
     pub(crate) fn from_f64_parts(
         positions: &'a [[f64; 3]],
         shadow: &'a [[f32; 3]],
@@ -118,10 +137,11 @@ impl<'a> Mesh<'a> {
         triangles: &'a [[u32; 3]],
     ) -> Result<Self, MeshError> {
         let origin = DVec3::from_array(origin);
-        let mesh = Self::new(shadow, triangles)?.with_exact(positions, origin);
-        if !positions.is_empty() {
+        let positions = Some(positions).filter(|positions| !positions.is_empty());
+        if let Some(positions) = positions {
             same_length(shadow.len(), positions.len())?;
         }
+        let mesh = Self::new(shadow, triangles)?.with_exact(positions, origin);
         for (vertex, &shadow) in shadow.iter().enumerate() {
             let position = check_position(vertex, mesh.position_f64(vertex as u32))?;
             let is_near = check_position(vertex, origin.to_array()).is_ok();
@@ -138,10 +158,10 @@ impl<'a> Mesh<'a> {
         self.exact.is_some()
     }
 
-    /// The positions in f64, if there are any beside the shadow: `None` if f32 holds those that decide.
+    /// The positions in f64; `None` if f32 holds them.
     #[must_use]
     pub fn positions_f64(self) -> Option<&'a [[f64; 3]]> {
-        self.exact.map(|exact| exact.positions).filter(|positions| !positions.is_empty())
+        self.exact?.positions
     }
 
     /// The position that the shadow has at zero; that is zero in a mesh without one.
@@ -168,7 +188,7 @@ impl<'a> Mesh<'a> {
         self.exact.as_ref().map(|exact| exact.f64)
     }
 
-    fn with_exact(self, positions: &'a [[f64; 3]], origin: DVec3) -> Self {
+    fn with_exact(self, positions: Option<&'a [[f64; 3]]>, origin: DVec3) -> Self {
         Self { exact: Some(Positions64 { positions, origin, f64: &F64::METHODS }), ..self }
     }
 }

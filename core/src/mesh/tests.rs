@@ -11,7 +11,7 @@ fn a_shadow_is_near_its_positions_wherever_they_are() {
         let points = points.map(|p: [f64; 3]| p.map(|x| x + offset));
         let mut shadow = [[9.0; 3]; 3];
         let mesh = Mesh::from_f64(&points, &TRIANGLES, &mut shadow).unwrap();
-        for (p, s) in points.iter().zip(mesh.positions().unwrap()) {
+        for (p, s) in points.iter().zip(mesh.shadow()) {
             for k in 0..3 {
                 let (back, extent) =
                     (f64::from(s[k]) + mesh.origin()[k], 9.0 + offset.abs() * 1e-9);
@@ -53,4 +53,22 @@ fn a_mesh_takes_positions_of_its_own_precision_only() {
     assert_eq!(exact.with_positions_f64(&moved, &mut other).unwrap().origin(), [0.1; 3]);
     let (away, mut other) = ([[7.0; 3]; 3], [[0.0; 3]; 3]);
     assert_eq!(exact.with_positions_f64(&away, &mut other).unwrap().origin(), [7.0; 3]);
+}
+
+#[test]
+fn a_mesh_in_f32_is_itself_when_it_is_widened() {
+    let points = [[0.5; 3], [1.5; 3], [-7.25; 3]];
+    let mesh = Mesh::new(&points, &TRIANGLES).unwrap().widened();
+    assert!(mesh.is_f64() && mesh.positions_f64().is_none());
+    assert_eq!((mesh.origin(), mesh.triangle_f64(0)), ([0.0; 3], points.map(|p| p.map(f64::from))));
+    let (exact, mut shadow) = ([[0.1; 3]; 3], [[0.0; 3]; 3]);
+    let exact = Mesh::from_f64(&exact, &TRIANGLES, &mut shadow).unwrap();
+    assert_eq!(exact.widened().positions_f64(), exact.positions_f64());
+}
+
+#[test]
+#[should_panic]
+fn positions_in_f64_that_are_missing_are_no_answer() {
+    let shadow = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    Mesh::from_f64_unchecked(&[], &shadow, [7.0; 3], &TRIANGLES).triangle_f64(0);
 }

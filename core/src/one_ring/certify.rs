@@ -15,39 +15,21 @@ use crate::bvh::Join;
 use crate::exact::filter64::{ERROR_2D, UNDERFLOW_2D};
 use crate::index::{at, at_mut, part, range, split};
 use crate::parallel::parts;
-use crate::vertex_set::{Moved, holds, holds_any, mark, moved_bound, number, vertices};
-use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3A, Vec3Swizzles};
 
-/// Options of [`OneRings::certify`].
-#[derive(Clone, Copy, Default)]
-pub struct CertifyOptions<'a> {
-    /// Runs parts of the pass side by side, as `rayon::join` does, if the one-rings have their
-    /// [links](OneRings::with_links) and all are certified anew. The certificates are the same.
-    pub join: Option<&'a Join<'a>>,
-    /// Certifies only the one-rings near these vertices anew. They must contain all that have moved since the last
-    /// certification, by [`mark_moved`](crate::bvh::mark_moved), else a query may miss pairs.
-    pub moved: Option<&'a [Moved]>,
-}
-
 impl OneRings<'_> {
-    /// Certifies the one-rings for the positions of a mesh.
+    /// Certifies the one-rings for the positions of a mesh. With `join`, and if they have their
+    /// [links](OneRings::with_links), parts of the pass run side by side; the certificates are the same.
     ///
     /// If the triangles of the mesh are not those of [`OneRings::new`], nothing is certified.
     ///
     /// # Complexity
-    /// O(vertices + triangles); with [`CertifyOptions::moved`],
-    /// O(m + vertices / 32 + triangles / 64) for m triangles in runs of 64 that hold a vertex which has moved, or a
-    /// neighbour of one.
-    pub fn certify<'m>(
-        &'m mut self,
-        mesh: Mesh<'m>,
-        options: &CertifyOptions<'_>,
-    ) -> Certified<'m> {
+    /// O(vertices + triangles).
+    pub fn certify<'m>(&'m mut self, mesh: Mesh<'m>, join: Option<&Join<'_>>) -> Certified<'m> {
         let positions = mesh.shadow();
         match mesh.f64() {
-            None => self.certify_by(mesh, options, |t| turns_of(positions, t)),
-            Some(f64) => self.certify_by(mesh, options, |t| (f64.turns)(mesh, t)),
+            None => self.certify_by(mesh, join, |t| turns_of(positions, t)),
+            Some(f64) => self.certify_by(mesh, join, |t| (f64.turns)(mesh, t)),
         }
     }
 
@@ -55,28 +37,22 @@ impl OneRings<'_> {
     fn certify_by<'m>(
         &'m mut self,
         mesh: Mesh<'m>,
-        options: &CertifyOptions<'_>,
+        join: Option<&Join<'_>>,
         turns: impl Fn(&[u32; 3]) -> u32 + Sync,
     ) -> Certified<'m> {
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
-        let Self { rings, spans, near, links, .. } = self;
+        let Self { rings, links, .. } = self;
         let same = core::ptr::eq(triangles, self.triangles) || triangles == self.triangles;
         if !same || rings.len() != vertices {
             rings.iter_mut().for_each(OneRing::clear);
             return Certified { mesh, rings: &[] };
         }
-        let run = Run { spans, triangles };
-        let is_set = |moved: &&[Moved]| moved.len() >= moved_bound(vertices);
-        match options.moved.filter(is_set) {
-            Some(moved) => run.certify_moved(&turns, moved, near, rings),
-            None if options.join.is_some() && !links.is_empty() => {
-                certify_in_parts(&turns, triangles, rings, links, options.join);
-            }
-            None => {
-                rings.iter_mut().for_each(OneRing::clear);
-                triangles.iter().for_each(|t| add(turns(t), t, rings, |_| true));
-                rings.iter_mut().for_each(OneRing::certify);
-            }
+        if join.is_some() && !links.is_empty() {
+            certify_in_parts(&turns, triangles, rings, links, join);
+        } else {
+            rings.iter_mut().for_each(OneRing::clear);
+            triangles.iter().for_each(|t| add(turns(t), t, rings));
+            rings.iter_mut().for_each(OneRing::certify);
         }
         Certified { mesh, rings }
     }
@@ -116,63 +92,6 @@ fn certify_in_parts(
     });
 }
 
-/// Consecutive triangles, with a span for each [`SPAN`] of them.
-#[derive(Clone, Copy)]
-struct Run<'r> {
-    spans: &'r [Span],
-    triangles: &'r [[u32; 3]],
-}
-
-impl Run<'_> {
-    /// Certifies the one-rings of vertices that share a triangle with one that has moved, or have moved.
-    fn certify_moved(
-        self,
-        turns_of: &impl Fn(&[u32; 3]) -> u32,
-        moved: &[Moved],
-        near: &mut [Moved],
-        rings: &mut [OneRing],
-    ) {
-        near.fill(Moved::default());
-        self.for_each_with(moved, |t| t.iter().for_each(|&vertex| mark(near, vertex)));
-        number(near);
-        vertices(near).for_each(|vertex| at_mut(rings, vertex).clear());
-        self.for_each_with(near, |t| add(turns_of(t), t, rings, |vertex| holds(near, vertex)));
-        vertices(near).for_each(|vertex| at_mut(rings, vertex).certify());
-    }
-
-    /// Calls `visit` for each triangle that has a vertex of the set.
-    #[inline(always)]
-    fn for_each_with(self, set: &[Moved], mut visit: impl FnMut(&[u32; 3])) {
-        let spans = self.spans.iter().zip(self.triangles.chunks(SPAN));
-        for (_, triangles) in spans.filter(|(span, _)| holds_any(set, span.0)) {
-            let any = |t: &&[u32; 3]| t.iter().any(|&vertex| holds(set, vertex));
-            triangles.iter().filter(any).for_each(&mut visit);
-        }
-    }
-}
-
-/// How many consecutive triangles have one [`Span`].
-const SPAN: usize = 64;
-
-/// Returns the number of spans of so many triangles.
-pub(super) const fn span_bound(triangles: usize) -> usize {
-    triangles.div_ceil(SPAN)
-}
-
-/// The smallest and the largest vertex index of some consecutive triangles.
-#[repr(transparent)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(super) struct Span([u32; 2]);
-
-impl Span {
-    pub(super) fn find(triangles: &[[u32; 3]], spans: &mut [Self]) {
-        for (span, triangles) in spans.iter_mut().zip(triangles.chunks(SPAN)) {
-            let all = triangles.as_flattened().iter();
-            span.0 = all.fold([u32::MAX, 0], |[first, last], &v| [first.min(v), last.max(v)]);
-        }
-    }
-}
-
 /// While a one-ring is being certified, six bits from here on say which signs are not certified for all of its
 /// triangles: those of [`uncertified_signs`]. Below, each coordinate has four bits for the times that the ring crosses
 /// the plane through the vertex upwards, and four for downwards.
@@ -203,12 +122,12 @@ impl OneRing {
     }
 }
 
-/// Adds a triangle, by its turns, to those one-rings of its corners that are `due`.
+/// Adds a triangle, by its turns, to the one-rings of its corners.
 #[inline(always)]
-fn add(turns: u32, t: &[u32; 3], rings: &mut [OneRing], due: impl Fn(u32) -> bool) {
+fn add(turns: u32, t: &[u32; 3], rings: &mut [OneRing]) {
     for (corner, &vertex) in (0..).zip(t) {
         let ring = at_mut(rings, vertex);
-        if ring.is_connected() && due(vertex) {
+        if ring.is_connected() {
             ring.add(turns, corner);
         }
     }
@@ -261,22 +180,10 @@ const fn bytes(bits: u32) -> u32 {
 }
 
 /// Bound of the error of a 2×2 determinant, relative to the extents: see the module.
-pub(crate) const TURN_ERROR: f32 = 4.9e-7;
+const TURN_ERROR: f32 = 4.9e-7;
 
 /// 2^60: products of two differences stay far from overflow.
-pub(crate) const MAX_DIFFERENCE: f32 = 1.152_921_5e18;
-
-/// The [`uncertified_signs`] of a triangle of a mesh, in f32 or f64.
-#[inline]
-pub(crate) fn uncertified_signs_of(mesh: Mesh<'_>, triangle: u32) -> u32 {
-    match mesh.f64() {
-        None => {
-            let [p, q, r] = mesh.shadow_triangle(triangle).map(Vec3A::from_array);
-            uncertified_signs(q - p, r - p)
-        }
-        Some(f64) => (f64.turns)(mesh, at(mesh.triangles(), triangle)) >> SIGNS,
-    }
-}
+const MAX_DIFFERENCE: f32 = 1.152_921_5e18;
 
 /// Bit k is set if the coordinate k of the normal u × v is not certified to be positive, and bit k + 3 if it is not
 /// certified to be negative.

@@ -1,6 +1,5 @@
 //! Connectivity of one-rings: which vertices have triangles that form one ring or one row.
 
-use super::certify::Span;
 use super::{OneRing, OneRings, RING, ROW};
 use crate::index::{at, at_mut, range, split};
 
@@ -21,7 +20,6 @@ impl OneRings<'_> {
     pub(super) fn link(&mut self, scratch: &mut [u32]) {
         let triangles = self.triangles;
         self.rings.fill(OneRing(0));
-        Span::find(triangles, self.spans);
         if triangles.len() > u32::MAX as usize / 3 {
             // Corners are numbered 3t + k in 32 bits.
             return;

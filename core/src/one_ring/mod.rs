@@ -23,7 +23,7 @@
 //! Neighbours around a certified vertex are therefore no hits under any rule of
 //! [`Adjacency`](crate::triangle::Adjacency). Other vertices (sharp folds, several rings, more than 15 triangles) are
 //! not certified, and their pairs are tested as all others are. Both conditions are decided exactly, by certified signs and
-//! by comparisons. Larger pieces are certified by [`patch`](crate::patch).
+//! by comparisons.
 
 mod certify;
 mod link;
@@ -31,12 +31,9 @@ mod link;
 mod tests;
 
 use crate::index::split;
-use crate::vertex_set::{Moved, moved_bound};
 use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable, must_cast_slice, must_cast_slice_mut};
-pub use certify::CertifyOptions;
-use certify::Span;
-pub(crate) use certify::{MAX_DIFFERENCE, TURN_ERROR, turns_in_f64, uncertified_signs_of};
+pub(crate) use certify::turns_in_f64;
 pub use link::{link_scratch_bound, links_bound};
 
 /// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.
@@ -47,14 +44,14 @@ pub use link::{link_scratch_bound, links_bound};
 /// # Examples
 /// ```
 /// use pfront_core::Mesh;
-/// use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, link_scratch_bound};
+/// use pfront_core::one_ring::{OneRings, history_bound, link_scratch_bound};
 /// let (mut positions, triangles) = ([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]]);
-/// let (mut history, mut scratch) = ([0; history_bound(3, 1)], [0; link_scratch_bound(3, 1)]);
+/// let (mut history, mut scratch) = ([0; history_bound(3)], [0; link_scratch_bound(3, 1)]);
 /// let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
 /// for height in [1.0, 0.0] {
 ///     positions[2][1] = height;
 ///     let mesh = Mesh::new(&positions, &triangles)?;
-///     let certified = rings.certify(mesh, &CertifyOptions::default());
+///     let certified = rings.certify(mesh, None);
 ///     assert_eq!(certified.is_certified(0), height > 0.0, "a triangle without area proves nothing");
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -63,18 +60,14 @@ pub use link::{link_scratch_bound, links_bound};
 pub struct OneRings<'a> {
     triangles: &'a [[u32; 3]],
     rings: &'a mut [OneRing],
-    /// The vertices that each run of triangles refers to.
-    spans: &'a mut [Span],
-    /// Scratch of partial certification: the neighbours of what has moved.
-    near: &'a mut [Moved],
     /// See [`OneRings::with_links`]; empty without.
     links: &'a mut [u32],
 }
 
-/// Returns the number of words in the history of the one-rings of a mesh.
+/// Returns the number of words in the history of the one-rings of a mesh: one a vertex.
 #[must_use]
-pub const fn history_bound(vertices: usize, triangles: usize) -> usize {
-    vertices + 2 * certify::span_bound(triangles) + 2 * moved_bound(vertices)
+pub const fn history_bound(vertices: usize) -> usize {
+    vertices
 }
 
 impl<'a> OneRings<'a> {
@@ -96,7 +89,7 @@ impl<'a> OneRings<'a> {
         history: &'a mut [u32],
         scratch: &mut [u32],
     ) -> Result<Self, CapacityError> {
-        let needed = history_bound(vertices, triangles.len());
+        let needed = history_bound(vertices);
         CapacityError::check("history", needed, history.len())?;
         let needed = link_scratch_bound(vertices, triangles.len());
         CapacityError::check("scratch", needed, scratch.len())?;
@@ -114,12 +107,8 @@ impl<'a> OneRings<'a> {
         triangles: &'a [[u32; 3]],
         history: &'a mut [u32],
     ) -> Self {
-        let (rings, rest) = split(history, vertices);
-        let (pairs, _) = rest.as_chunks_mut::<2>();
-        let (spans, near) = split(pairs, certify::span_bound(triangles.len()));
-        let (near, _) = split(near, moved_bound(vertices));
-        let (rings, spans) = (must_cast_slice_mut(rings), must_cast_slice_mut(spans));
-        Self { triangles, rings, spans, near: must_cast_slice_mut(near), links: &mut [] }
+        let (rings, _) = split(history, vertices);
+        Self { triangles, rings: must_cast_slice_mut(rings), links: &mut [] }
     }
 
     /// Takes memory with which all one-rings can be certified on several threads.
@@ -133,15 +122,14 @@ impl<'a> OneRings<'a> {
     /// # Examples
     /// ```
     /// use pfront_core::Mesh;
-    /// use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, links_bound};
+    /// use pfront_core::one_ring::{OneRings, history_bound, links_bound};
     /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
-    /// let (mut history, mut links) = ([0; history_bound(3, 1)], [0; links_bound(3, 1)]);
+    /// let (mut history, mut links) = ([0; history_bound(3)], [0; links_bound(3, 1)]);
     /// OneRings::new(3, mesh.triangles(), &mut history, &mut links)?;
     /// let rings = OneRings::new_unchecked(3, mesh.triangles(), &mut history);
     /// let mut rings = rings.with_links(&mut links)?;
     /// let in_turn = |a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)| (a(), b()).0;
-    /// let options = CertifyOptions { join: Some(&in_turn), moved: None };
-    /// assert!(rings.certify(mesh, &options).is_certified(0));
+    /// assert!(rings.certify(mesh, Some(&in_turn)).is_certified(0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_links(self, links: &'a mut [u32]) -> Result<Self, CapacityError> {
@@ -155,12 +143,12 @@ impl<'a> OneRings<'a> {
 ///
 /// It borrows the positions that it holds for, so that they cannot change while it is used:
 /// ```compile_fail,E0506
-/// # use pfront_core::{Mesh, one_ring::{CertifyOptions, OneRings}};
+/// # use pfront_core::{Mesh, one_ring::OneRings};
 /// # let (mut positions, triangles) = ([[0.0; 3]; 3], [[0, 1, 2]]);
 /// # let (mut history, mut scratch) = ([0; 9], [0; 9]);
 /// # let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
 /// let mesh = Mesh::new(&positions, &triangles)?;
-/// let certified = rings.certify(mesh, &CertifyOptions::default());
+/// let certified = rings.certify(mesh, None);
 /// positions[0] = [1.0; 3];
 /// certified.is_certified(0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,10 +1,9 @@
-//! One-rings that intersect themselves and one-rings that do not; certificates in parts, after few moves, and of
-//! another mesh.
+//! One-rings that intersect themselves and one-rings that do not; certificates in parts, after moves, and of another mesh.
 
 extern crate std;
 
 use super::*;
-use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, mark_moved, morton, node_bound, refit};
+use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, morton, node_bound, refit};
 use crate::bvtt::{Query, SelfBvtt};
 use crate::parallel::FINE;
 use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
@@ -24,7 +23,7 @@ fn with_rings<R>(
     triangles: &[[u32; 3]],
     test: impl FnOnce(&mut OneRings<'_>) -> R,
 ) -> R {
-    let mut history = vec![!0; history_bound(vertices, triangles.len())];
+    let mut history = vec![!0; history_bound(vertices)];
     let mut links = vec![!0; links_bound(vertices, triangles.len())];
     OneRings::new(vertices, triangles, &mut history, &mut links).unwrap();
     let rings = OneRings::new_unchecked(vertices, triangles, &mut history);
@@ -32,16 +31,15 @@ fn with_rings<R>(
 }
 
 /// Whether each vertex is certified.
-fn certified(rings: &mut OneRings<'_>, mesh: Mesh<'_>, options: &CertifyOptions<'_>) -> Vec<bool> {
-    let certified = rings.certify(mesh, options);
+fn certified(rings: &mut OneRings<'_>, mesh: Mesh<'_>, join: Option<&Join<'_>>) -> Vec<bool> {
+    let certified = rings.certify(mesh, join);
     (0..mesh.vertex_count() as u32).map(|vertex| certified.is_certified(vertex)).collect()
 }
 
 /// Whether vertex 0 is certified.
 fn first_is_certified(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
     let mesh = Mesh::new(positions, triangles).unwrap();
-    let options = CertifyOptions::default();
-    with_rings(positions.len(), triangles, |rings| certified(rings, mesh, &options)[0])
+    with_rings(positions.len(), triangles, |rings| certified(rings, mesh, None)[0])
 }
 
 /// Whether the vertex at the origin is certified, with these points around it.
@@ -115,7 +113,7 @@ fn only_one_ring_or_one_row_is_certified() {
 
 #[test]
 fn buffers_one_short_are_errors_that_name_the_need() {
-    let (words, scratch_words) = (history_bound(5, 1), link_scratch_bound(5, 1));
+    let (words, scratch_words) = (history_bound(5), link_scratch_bound(5, 1));
     let error = |history: usize, scratch: usize| {
         let (mut history, mut scratch) = (vec![0; history], vec![0; scratch]);
         let error = OneRings::new(5, &[[0, 1, 2]], &mut history, &mut scratch).err()?;
@@ -168,9 +166,8 @@ fn parts_certify_what_the_whole_does() {
                 a();
             };
             with_rings(vertices, &triangles, |rings| {
-                let whole = certified(rings, mesh, &CertifyOptions::default());
-                let options = CertifyOptions { join: Some(join), ..Default::default() };
-                assert_eq!(certified(rings, mesh, &options), whole);
+                let whole = certified(rings, mesh, None);
+                assert_eq!(certified(rings, mesh, Some(join)), whole);
                 let some = whole.iter().filter(|&&is| is).count();
                 let range = vertices / 10..vertices * 9 / 10;
                 assert!(vertices < 8192 || range.contains(&some), "{some} of {vertices}");
@@ -184,37 +181,34 @@ fn parts_certify_what_the_whole_does() {
     }
 }
 
+/// A row that turns less than once, and more than once when its second vertex has moved by less than a step of the shadow,
+/// which a triangle far away makes coarse.
 #[test]
-fn what_has_moved_is_all_that_certification_needs() {
-    let MeshData { positions: rest, triangles } = crumpled(800);
-    let chosen: [&dyn Fn(usize) -> bool; 5] =
-        [&|_| false, &|i| i == 333, &|i| (300..340).contains(&i), &|i| i % 97 == 0, &|_| true];
-    let mesh = Mesh::new(&rest, &triangles).unwrap();
-    with_rings(800, &triangles, |rings| {
-        with_rings(800, &triangles, |fresh| {
-            let (mut before, mut changed) = (rest.clone(), 0);
-            let all = CertifyOptions::default();
-            certified(rings, mesh, &all);
-            for chosen in chosen.iter().cycle().take(10) {
-                let mut after = before.clone();
-                for (i, p) in after.iter_mut().enumerate().filter(|(i, _)| chosen(*i)) {
-                    *p = [p[0] + 0.7 * (i % 3) as f32 - 0.7, p[1] - 0.3, p[2]];
-                }
-                let mut moved = [Moved::default(); 25];
-                mark_moved(&before, &after, &mut moved).unwrap();
-                let mesh = mesh.with_positions(&after).unwrap();
-                let options = CertifyOptions { moved: Some(&moved), ..Default::default() };
-                let earlier = certified(fresh, mesh.with_positions(&before).unwrap(), &all);
-                let expected = certified(fresh, mesh, &all);
-                changed += usize::from(earlier != expected);
-                assert_eq!(certified(rings, mesh, &options), expected);
-                before = after;
-            }
-            assert!(changed >= 4, "{changed}");
-            let options = CertifyOptions { moved: Some(&[]), ..Default::default() };
-            let short = certified(rings, mesh, &options);
-            assert_eq!(short, certified(fresh, mesh, &all), "too short a set is not trusted");
-        });
+fn an_f64_mesh_that_moves_by_less_than_a_step_of_its_shadow_gives_the_true_pairs() {
+    let row =
+        [[0.0, 0.0], [0.5, 0.0], [0.0, 1.0], [-1.0, 0.5], [-1.0, -0.5], [0.0, -1.0], [20.0, -0.08]];
+    let at = |second: f64| -> Vec<[f64; 3]> {
+        let mut points: Vec<_> = row.iter().map(|p| [p[0], p[1] + 6e5, 0.0]).collect();
+        points[1][1] = 6e5 + second;
+        points.extend([[1e6; 3], [-1e6; 3], [1e6, 0.0, 0.0]]);
+        points
+    };
+    let mut triangles: Vec<[u32; 3]> = (1..6).map(|k| [0, k, k + 1]).collect();
+    triangles.push([7, 8, 9]);
+    let (before, after) = (at(0.02), at(-0.0025));
+    let (mut shadow, mut second) = (vec![[0.0; 3]; 10], vec![[0.0; 3]; 10]);
+    let rest = Mesh::from_f64(&before, &triangles, &mut shadow).unwrap();
+    let moved = rest.with_positions_f64(&after, &mut second).unwrap();
+    assert_eq!(rest.shadow(), moved.shadow(), "below a step");
+    let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(6)], vec![0; 6]);
+    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    let bvh = morton(moved, &BuildOptions::default(), storage, &mut [0; 12]).unwrap();
+    with_rings(10, &triangles, |rings| {
+        assert!(rings.certify(rest, None).is_certified(0));
+        let query = SelfBvtt::new(bvh);
+        assert!(query.count() > 0);
+        let certified = rings.certify(moved, None);
+        assert_eq!(query.with_certificates(certified).count(), query.count());
     });
 }
 
@@ -235,7 +229,7 @@ fn hits(certified_for: &[[f32; 3]], triangles: &[[u32; 3]]) -> u64 {
     let bvh = Bvh::new(folded, &nodes, &order, &mut [0; 8]).unwrap();
     with_rings(4, triangles, |rings| {
         let mesh = Mesh::new(certified_for, triangles).unwrap();
-        let certified = rings.certify(mesh, &CertifyOptions::default());
+        let certified = rings.certify(mesh, None);
         assert_eq!(certified.is_certified(0), certified_for == REST);
         SelfBvtt::new(bvh).with_certificates(certified).count()
     })
@@ -252,20 +246,17 @@ fn certificates_of_other_positions_lose_no_pair() {
 fn one_rings_of_other_triangles_certify_nothing() {
     let turned = [[0, 1, 2], [0, 3, 2]];
     with_rings(4, &HINGE, |rings| {
-        let options = CertifyOptions::default();
         let mesh = Mesh::new(&REST, &HINGE).unwrap();
-        assert!(certified(rings, mesh, &options)[0]);
+        assert!(certified(rings, mesh, None)[0]);
         let copy = HINGE.to_vec();
-        assert!(certified(rings, Mesh::new(&REST, &copy).unwrap(), &options)[0]);
+        assert!(certified(rings, Mesh::new(&REST, &copy).unwrap(), None)[0]);
         let other = Mesh::new(&REST, &turned).unwrap();
-        assert_eq!(certified(rings, other, &options), [false; 4]);
-        let moved = CertifyOptions { moved: Some(&[Moved::default()]), ..options };
-        assert_eq!(certified(rings, mesh, &moved), [false; 4], "nothing is left of before");
+        assert_eq!(certified(rings, other, None), [false; 4]);
     });
     let more = [REST.as_slice(), &[[9.0; 3]]].concat();
     with_rings(4, &HINGE, |rings| {
         let mesh = Mesh::new(&more, &HINGE).unwrap();
-        assert_eq!(certified(rings, mesh, &CertifyOptions::default()), [false; 5]);
+        assert_eq!(certified(rings, mesh, None), [false; 5]);
     });
 }
 
@@ -291,7 +282,7 @@ fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
     triangles.push([7, 8, 9]);
     let certified = |mesh: Mesh<'_>| {
         with_rings(mesh.vertex_count(), &triangles, |rings| {
-            rings.certify(mesh, &CertifyOptions::default()).is_certified(0)
+            rings.certify(mesh, None).is_certified(0)
         })
     };
     // The end beyond the beginning, and before it.
@@ -301,7 +292,7 @@ fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
         let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow).unwrap();
         let rule = Adjacency::SharedIndexRule;
         assert_eq!(intersects_in_mesh(mesh, 0, 4, rule, Accuracy::Exact), overlaps);
-        assert!(certified(Mesh::new(mesh.positions().unwrap(), &triangles).unwrap()));
+        assert!(certified(Mesh::new(mesh.shadow(), &triangles).unwrap()));
         assert!(!(overlaps && certified(mesh)));
     }
     // A row that both certify.

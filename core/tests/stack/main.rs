@@ -13,7 +13,7 @@ use meter::stack_of;
 use pfront_core::bvh::*;
 use pfront_core::bvtt::*;
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
-use pfront_core::one_ring::{CertifyOptions, OneRings, history_bound, links_bound};
+use pfront_core::one_ring::{OneRings, history_bound, links_bound};
 use pfront_core::triangle::{Accuracy, intersects};
 use pfront_core::{Blob, Bvh, Mesh, Node, Pose, Pose64, blob};
 use pfront_testkit::MeshData;
@@ -244,20 +244,14 @@ fn one_rings() {
     let soup = sheets(128);
     let (mesh, vertices) = (mesh(&soup), soup.positions.len());
     let count = soup.triangles.len();
-    let mut history = vec![0; history_bound(vertices, count)];
+    let mut history = vec![0; history_bound(vertices)];
     let mut scratch = vec![0; links_bound(vertices, count)];
-    let mut moved = vec![Moved::default(); vertices.div_ceil(32)];
-    let after: Vec<_> = soup.positions.iter().map(|p| p.map(|x| 1.5 * x)).collect();
-    mark_moved(&soup.positions, &after, &mut moved).unwrap();
     check("OneRings::new", || {
         OneRings::new(vertices, &soup.triangles, &mut history, &mut scratch).unwrap();
     });
     let rings = OneRings::new_unchecked(vertices, &soup.triangles, &mut history);
     let mut rings = rings.with_links(&mut scratch).unwrap();
-    let mut certify = |join, moved| {
-        check("OneRings::certify", || _ = rings.certify(mesh, &CertifyOptions { join, moved }));
-    };
-    certify(None, None);
-    certify(Some(&one_after_the_other), None);
-    certify(None, Some(&moved));
+    let mut certify = |join| check("OneRings::certify", || _ = rings.certify(mesh, join));
+    certify(None);
+    certify(Some(&one_after_the_other));
 }

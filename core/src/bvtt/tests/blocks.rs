@@ -5,7 +5,7 @@ use super::super::block::BlockCache;
 use super::super::cull::PairSets;
 use crate::exact::difference;
 use crate::exact::orientation::sides;
-use crate::one_ring::{CertifyOptions, OneRing, OneRings, history_bound, link_scratch_bound};
+use crate::one_ring::{OneRing, OneRings, history_bound, link_scratch_bound};
 use crate::simd::{LANES, Portable, Simd, Task, widest};
 use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use crate::{Aabb, Bvh, Mesh, Node, Triangle};
@@ -87,13 +87,13 @@ fn side_by_side_as_one_by_one() {
         (0, 0, 0, 0, 0, 0);
     for round in 0..if cfg!(miri) { 4 } else { 20_000 } {
         let (positions, triangles) = random_mesh(&mut next);
-        let mut history = [0; history_bound(VERTICES, 2 * LANES)];
+        let mut history = [0; history_bound(VERTICES)];
         let mut scratch = [0; link_scratch_bound(VERTICES, 2 * LANES)];
         let mesh =
             Mesh::new(&positions, &triangles[..next(2 * LANES as u32) as usize + 1]).unwrap();
         let triangles = mesh.triangles();
         let mut rings = OneRings::new(VERTICES, triangles, &mut history, &mut scratch).unwrap();
-        let certified = rings.certify(mesh, &CertifyOptions::default());
+        let certified = rings.certify(mesh, None);
         let n = mesh.triangles().len() as u32;
         let ids: [u32; 2 * LANES] = core::array::from_fn(|i| i as u32 % n);
         let leaves = [&ids[..next(8) as usize + 1], &ids[8..][..next(8) as usize + 1]];

@@ -196,7 +196,7 @@ fn what_f32_holds_has_the_same_pairs_in_f64() {
         let [c, d] = [(&p, &t), (&q, &u)].map(|(p, t)| Owned::new(p.clone(), t.clone(), true));
         let expected = sorted(&PairBvtt::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap());
         assert!(!expected.is_empty());
-        let widened = Mesh::from_f64_unchecked(&[], &a.shadow, [0.0; 3], &a.triangles);
+        let widened = Mesh::new_unchecked(&a.shadow, &a.triangles).widened();
         let widened = Bvh::new_unchecked(widened, &a.nodes, &a.order);
         for query in [
             PairBvtt::in_f64(a.bvh(), b.bvh(), &Pose64::IDENTITY),

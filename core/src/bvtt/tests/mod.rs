@@ -9,7 +9,7 @@ mod steps;
 
 use super::{Query, TrianglePair, Work};
 use crate::Mesh;
-use crate::one_ring::{Certified, CertifyOptions, OneRings, history_bound, link_scratch_bound};
+use crate::one_ring::{Certified, OneRings, history_bound, link_scratch_bound};
 use core::ops::ControlFlow::{self, Continue};
 use std::vec;
 use std::vec::Vec;
@@ -30,8 +30,8 @@ fn push(found: &mut Vec<TrianglePair>, pair: TrianglePair) -> ControlFlow<()> {
 /// Calls `test` with the certificates of a mesh.
 fn with_certificates(mesh: Mesh<'_>, test: impl FnOnce(Certified<'_>)) {
     let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
-    let mut history = vec![0; history_bound(vertices, triangles.len())];
+    let mut history = vec![0; history_bound(vertices)];
     let mut scratch = vec![0; link_scratch_bound(vertices, triangles.len())];
     let mut rings = OneRings::new(vertices, triangles, &mut history, &mut scratch).unwrap();
-    test(rings.certify(mesh, &CertifyOptions::default()));
+    test(rings.certify(mesh, None));
 }

@@ -23,7 +23,11 @@ fn baked(is_far: bool) -> (Vec<[f64; 3]>, Vec<u8>) {
         low.zip(high).map_or(0.0, |(low, high)| low * 0.5 + high * 0.5)
     };
     let origin = [middle(0), middle(1), middle(2)];
-    let mesh = Mesh::from_f64_unchecked(&positions, &own.positions, origin, &triangles);
+    let mesh = if is_far {
+        Mesh::from_f64_unchecked(&positions, &own.positions, origin, &triangles)
+    } else {
+        Mesh::new_unchecked(&own.positions, &triangles).widened()
+    };
     let bvh = Bvh::new(mesh, &own.nodes, &own.order, &mut [0; 4]).unwrap();
     let mut out = vec![0xaa; Counts::of(&bvh).bytes()];
     write(&bvh, &mut out).unwrap();
