@@ -44,7 +44,7 @@ impl PairQuery {
         Self { accuracy, ..self }
     }
 
-    /// The same by an executor; a new query is sequential. The answers stay the same to the bit, and what was remembered
+    /// The same by an executor; a new query is sequential. Lists and counts stay the same to the bit, and what was remembered
     /// of earlier frames is forgotten.
     ///
     /// # Examples
@@ -149,6 +149,7 @@ impl PairQuery {
     ) -> Result<ControlFlow<()>, Error> {
         let question = self.question(a, b, a_from_b)?;
         let query = with_default(|| question.query())?;
+        self.history.note_visit();
         Ok(visit_each(&query, visit))
     }
 

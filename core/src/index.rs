@@ -30,6 +30,12 @@ pub(crate) fn range<T>(slice: &[T], first: u32, count: u32) -> &[T] {
     part(part(slice, first as usize..), ..count as usize)
 }
 
+/// The `count` elements from `first` on, to be changed.
+#[inline(always)]
+pub(crate) fn range_mut<T>(slice: &mut [T], first: u32, count: u32) -> &mut [T] {
+    part_mut(part_mut(slice, first as usize..), ..count as usize)
+}
+
 /// The elements in a range.
 #[inline(always)]
 pub(crate) fn part<T>(slice: &[T], range: impl SliceIndex<[T], Output = [T]>) -> &[T] {

@@ -170,6 +170,7 @@ pub mod one_ring;
 mod parallel;
 pub mod pose;
 mod simd;
+mod sort;
 pub mod triangle;
 mod vertex_set;
 

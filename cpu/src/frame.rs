@@ -5,6 +5,7 @@ use crate::front::Start;
 use crate::memory::{push, reserve, resize};
 use crate::output::Output;
 use crate::report::sum;
+use crate::search::Search;
 use crate::workers::{Frame, awake};
 use crate::{MemoryError, Report, Schedule, Settings, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
@@ -73,7 +74,9 @@ impl Traversal {
             with_default(|| self.begin(queries, only_one_hit, &control, &mut outputs[0]))?;
         let is_divided = !self.starts.is_empty() && !control.is_over();
         let clock = is_divided.then(Instant::now);
-        if is_divided {
+        if is_divided && only_one_hit {
+            self.search(queries, &control, outputs, new_output)?;
+        } else if is_divided {
             self.divide(queries, from_roots, &control, outputs, new_output)?;
         }
         self.report.late = control.was_late();
@@ -194,6 +197,31 @@ impl Traversal {
                 self.pace = Some(self.report.alone_time.as_secs_f64() / cost);
             }
         }
+        Ok(())
+    }
+
+    /// Searches below the pending node pairs for one hit. A front would change the order: the dearest nodes would come first,
+    /// and a hit that is near for one thread might be far.
+    fn search<Q: Query + Sync, O: Output>(
+        &mut self,
+        queries: &[Q],
+        control: &Control,
+        outputs: &mut Vec<O>,
+        new_output: impl Fn() -> O,
+    ) -> Result<(), MemoryError> {
+        let (p, threads) = (self.p(), self.threads());
+        let Self { pool, starts, report, .. } = self;
+        // The last of the node pairs that were pending is the next; the roots of other queries follow as they are.
+        let query = starts.first().map(|start| start.query);
+        let pending = starts.iter().take_while(|start| Some(start.query) == query).count();
+        starts[..pending].reverse();
+        resize(&mut report.shares, p)?;
+        let more = threads.saturating_sub(outputs.len());
+        reserve(outputs, more)?;
+        outputs.resize_with(threads, new_output);
+        let clock = Instant::now();
+        Search { queries, starts, control }.run(pool.as_deref(), outputs, &mut report.shares)?;
+        report.traversal_time += clock.elapsed();
         Ok(())
     }
 

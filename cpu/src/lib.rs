@@ -48,6 +48,7 @@ mod front;
 mod memory;
 mod output;
 mod report;
+mod search;
 mod settings;
 mod traversal;
 mod workers;

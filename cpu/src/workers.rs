@@ -279,7 +279,7 @@ impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
 
 /// Spawns a job, which runs in the default floating-point environment; it is passed that of its thread, which is what the thread
 /// that made the pool had.
-fn spawn<'s>(scope: &Scope<'s>, job: impl FnOnce(&Scope<'s>, Environment) + Send + 's) {
+pub(crate) fn spawn<'s>(scope: &Scope<'s>, job: impl FnOnce(&Scope<'s>, Environment) + Send + 's) {
     scope.spawn(move |scope| {
         let environment = Environment::current();
         with_default(|| job(scope, environment));

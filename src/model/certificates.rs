@@ -16,6 +16,8 @@ pub(super) struct Certificates {
     history: Vec<u32>,
     /// See [`OneRings::with_links`]; empty until certification is divided.
     links: Vec<u32>,
+    /// Whether there are vertices of many triangles.
+    has_fans: bool,
 }
 
 impl Certificates {
@@ -27,10 +29,12 @@ impl Certificates {
         let mut scratch = filled(0, link_scratch_bound(vertices, triangles.len()))?;
         let linked = OneRings::new(vertices, triangles, &mut history, &mut scratch);
         debug_assert!(linked.is_ok(), "the buffers have their sizes");
+        let mut has_fans = false;
         if let Ok(mut rings) = linked {
             rings.certify(mesh, None);
+            has_fans = rings.has_fans();
         }
-        Ok(Self { history, links: Vec::new() })
+        Ok(Self { history, links: Vec::new(), has_fans })
     }
 
     /// Certifies the one-rings for positions that have changed.
@@ -58,6 +62,11 @@ impl Certificates {
     /// The certificates, after [`Certificates::renew`] for the positions of `mesh`.
     pub(super) fn certified<'a>(&'a self, mesh: Mesh<'a>) -> Certified<'a> {
         Certified::new_unchecked(mesh, &self.history)
+    }
+
+    /// Whether the nodes around vertices of many triangles have to be marked.
+    pub(super) fn has_fans(&self) -> bool {
+        self.has_fans
     }
 
     pub(super) fn bytes(&self) -> usize {

@@ -189,8 +189,11 @@ impl Model {
         let mesh = self.mesh();
         let renew = |stale: &mut Certificates| with_default(|| stale.renew(mesh, ONE_THREAD));
         let make = || with_default(|| Certificates::new(mesh)).ok();
-        let own = self.certificates.try_get(renew, make);
-        own.map_or_else(|| Certified::new_unchecked(mesh, &[]), |own| own.certified(mesh))
+        let Some(certificates) = self.certificates.try_get(renew, make) else {
+            return Certified::new_unchecked(mesh, &[]);
+        };
+        let certified = certificates.certified(mesh);
+        if certificates.has_fans() { self.tree().with_fans(certified, mesh) } else { certified }
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has

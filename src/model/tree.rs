@@ -7,8 +7,10 @@ use crate::memory::{copy, filled, reserve};
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
+use pfront_core::one_ring::{Certified, fan_bound};
 use pfront_core::{Bvh, Mesh, Node};
 use std::mem::take;
+use std::sync::OnceLock;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
@@ -19,6 +21,8 @@ pub(super) struct Tree {
     /// The quality figure right after the last build, and as it is.
     built: f32,
     quality: f32,
+    /// Marks of nodes around vertices of many triangles, made when they are first asked for.
+    fans: OnceLock<Vec<u32>>,
 }
 
 impl Tree {
@@ -40,7 +44,7 @@ impl Tree {
     /// [`Error::Memory`].
     pub(super) fn try_clone(&self) -> Result<Self, Error> {
         let (nodes, order) = (copy(&self.nodes)?, copy(&self.order)?);
-        Ok(Self { nodes, order, table: Vec::new(), ..*self })
+        Ok(Self { nodes, order, table: Vec::new(), fans: OnceLock::new(), ..*self })
     }
 
     /// Takes over a tree of these positions that was checked, and makes its boxes tight, as those of a build are.
@@ -85,7 +89,25 @@ impl Tree {
         // Changes no box of a new tree.
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
+        self.fans = OnceLock::new();
         Ok(())
+    }
+
+    /// Adds to certificates the marks by which queries skip the fans around vertices of many triangles, if there is memory for
+    /// them.
+    pub(super) fn with_fans<'a>(
+        &'a self,
+        certified: Certified<'a>,
+        mesh: Mesh<'a>,
+    ) -> Certified<'a> {
+        let bvh = self.bvh(mesh);
+        if let Some(fans) = self.fans.get() {
+            return certified.with_fans_unchecked(&bvh, fans);
+        }
+        let Ok(mut marks) = filled(0, fan_bound(bvh.nodes().len())) else { return certified };
+        let is_marked = certified.with_fans(&bvh, &mut marks).is_ok();
+        debug_assert!(is_marked, "the marks have their size");
+        certified.with_fans_unchecked(&bvh, self.fans.get_or_init(|| marks))
     }
 
     /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then and there is memory.
@@ -141,6 +163,7 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>()
             + self.order.capacity() * size_of::<u32>()
             + self.table.capacity() * size_of::<RefitRow>()
+            + self.fans.get().map_or(0, Vec::capacity) * size_of::<u32>()
     }
 }
 

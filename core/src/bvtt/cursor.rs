@@ -110,6 +110,24 @@ impl Cursor {
         Some(other)
     }
 
+    /// Takes out the pending node pair that would be visited last, for another worker. `None` if there are not two, so that
+    /// this cursor keeps its order and the leaf pair in which the last step ended.
+    ///
+    /// # Complexity
+    /// O(pending node pairs).
+    pub fn take_last(&mut self) -> Option<NodePair> {
+        if self.len < 2 {
+            return None;
+        }
+        let last = *at(&self.stack, 0);
+        self.len -= 1;
+        for index in 0..self.len {
+            let n = *at(&self.stack, index + 1);
+            *at_mut(&mut self.stack, index) = n;
+        }
+        Some(last)
+    }
+
     #[inline]
     pub(super) fn push(&mut self, n: NodePair) {
         // There is room by the proof at STACK.

@@ -62,6 +62,8 @@ impl<A: Layout, B: Layout, const SELF: bool, const F64: bool> Task
         while let Some(n) = cursor.pop() {
             if query.is_apart(n, cursor) {
                 // As the second mesh sees it.
+            } else if query.is_in_certified_fan(n) {
+                cursor.spend_box_tests(1);
             } else if query.is_leaf_pair(n) {
                 let flow = query.visit_leaf_pair::<S, F64>(n, &mut blocks, cursor, visit);
                 if cursor.is_inside_leaf_pair() {

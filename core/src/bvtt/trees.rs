@@ -11,7 +11,7 @@ use super::traversal::traverse;
 use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
 use crate::aabb::Bounds;
 use crate::bvh::Layout;
-use crate::one_ring::{Certified, OneRing};
+use crate::one_ring::{Certified, OneRing, hub_of, is_marked};
 use crate::pose::{Affine, Pose64, PoseError};
 use crate::simd::VECTORS;
 use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact, intersects};
@@ -57,6 +57,8 @@ pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
     pub(super) inexact_test: Option<InexactTest>,
     pub(super) adjacency: Adjacency,
     pub(super) rings: &'a [OneRing],
+    /// Marks of the nodes below which all triangles share a vertex: see [`crate::one_ring`].
+    fans: &'a [u32],
     pub(super) boxes_only: bool,
     pub(super) in_f64: Option<InF64>,
     /// Computed once, as fronts ask for it often, like `leaf_edge`.
@@ -196,7 +198,8 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
         Self { adjacency, ..self }
     }
 
-    /// The same pairs, found sooner where many vertices are certified: see [`one_ring`](crate::one_ring).
+    /// The true pairs, found sooner where many vertices are certified: see [`one_ring`](crate::one_ring). Under
+    /// [`Accuracy::Exact`] they are those found without; inexact tests may invent pairs that a certificate rules out.
     ///
     /// Certificates of another mesh are not used: both must borrow the same positions and triangles.
     ///
@@ -216,7 +219,8 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     /// ```
     #[must_use]
     pub fn with_certificates(self, certified: Certified<'a>) -> Self {
-        Self { rings: certified.of_mesh(self.a.bvh.mesh()), ..self }
+        let (rings, fans) = (certified.of_mesh(self.a.bvh.mesh()), certified.fans_of(&self.a.bvh));
+        Self { rings, fans: if self.boxes_only { &[] } else { fans }, ..self }
     }
 
     /// Asks for all pairs of triangles whose boxes overlap, neighbours included. With each box of a set given
@@ -236,7 +240,7 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     /// ```
     #[must_use]
     pub fn boxes_only(self) -> Self {
-        Self { boxes_only: true, ..self }
+        Self { boxes_only: true, fans: &[], ..self }
     }
 }
 
@@ -252,6 +256,7 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
             inexact_test: None,
             adjacency: Adjacency::SharedIndexRule,
             rings: &[],
+            fans: &[],
             boxes_only: false,
             in_f64: None,
             root: None,
@@ -270,6 +275,25 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
         [(&self.a.bvh.mesh, &self.a.exact), (&self.b.bvh.mesh, &self.b.exact)]
     }
 
+    /// Whether all triangles below both nodes share a certified vertex, so that no two of them are a hit.
+    #[inline(always)]
+    pub(super) fn is_in_certified_fan(&self, n: NodePair) -> bool {
+        let is_marked = |node| is_marked(self.fans, node);
+        SELF && !self.fans.is_empty()
+            && is_marked(n.a)
+            && is_marked(n.b)
+            && self.share_certified_hub(n)
+    }
+
+    /// Whether the triangles below two nodes, of which each has one hub, have the same, and it is certified.
+    #[cold]
+    fn share_certified_hub(&self, n: NodePair) -> bool {
+        let [a, b] = [n.a, n.b].map(|node| hub_of(&self.a.bvh, self.rings, node));
+        let certified =
+            |hub: u32| self.rings.get(hub as usize).is_some_and(|ring| ring.is_certified());
+        a == b && a.is_some_and(certified)
+    }
+
     fn bounds(&self, n: NodePair) -> [Bounds; 2] {
         let Self { a, b, box_poses: [pose_a, pose_b], .. } = self;
         [
@@ -281,7 +305,7 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
 
 impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
     fn root(&self) -> Option<NodePair> {
-        self.root
+        self.root.filter(|&root| !self.is_in_certified_fan(root))
     }
 
     fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
@@ -299,7 +323,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
                 let child = NodePair { a, b };
                 tests += u32::from(!SELF || a != b);
                 let bounds = self.bounds(child);
-                if bounds[0].overlaps(&bounds[1]) {
+                if bounds[0].overlaps(&bounds[1]) && !self.is_in_certified_fan(child) {
                     push(child, bounds.map(Aabb::from));
                 }
             }

@@ -24,7 +24,8 @@ impl Coordinate for f64 {
     }
 }
 
-/// The largest f64 that is decided: 2^125, the limit of poses.
+/// The largest position in f64 that a mesh may have, and a pose may lead to: 2^125. Positions in f32 that are decided in f64,
+/// unposed, reach up to 2^128; filters and integers have room for them.
 pub(crate) const LIMIT: f64 = 42_535_295_865_117_307_932_921_825_928_971_026_432.0;
 
 /// Decides the orientation of points in space and in a plane. A sign that is not known is `None`.

@@ -4,8 +4,8 @@
 //! same O(N_p) memory, so that a frame refines by measured costs as far as the last one did.
 
 use super::FrontNode;
-use super::partition::sort;
 use crate::index::part;
+use crate::sort::sort;
 use bytemuck::{Pod, Zeroable};
 
 /// The nodes of the last front, sorted by query and path. None overlaps another, so those at and below a node follow each

@@ -7,7 +7,8 @@
 //! at most (1 + ε)·W/p for a front whose costs are all at most ε·W/p.
 
 use super::{Front, FrontNode};
-use crate::index::{at, at_mut, split};
+use crate::index::{at_mut, split};
+use crate::sort::{sift_down, sort};
 
 /// The part of a front that one worker gets. The caller's slice of these is the heap of the greedy partition.
 #[repr(C)]
@@ -56,45 +57,6 @@ fn clear(parts: &mut [Part]) {
     for (part, number) in parts.iter_mut().zip(0..) {
         *part = Part { cost: 0.0, number };
     }
-}
-
-/// Sorts nodes by a key. Without `std` a heap sort, which is slower, but small and free of panics.
-pub(super) fn sort<K: Ord>(nodes: &mut [FrontNode], key: impl Fn(&FrontNode) -> K) {
-    if cfg!(feature = "std") {
-        return nodes.sort_unstable_by_key(key);
-    }
-    // One copy serves all keys: firmware has little room for code.
-    let after: &dyn Fn(&FrontNode, &FrontNode) -> bool = &|x, y| key(x) > key(y);
-    for root in (0..nodes.len() / 2).rev() {
-        sift_down(nodes, root, after);
-    }
-    let mut rest = nodes;
-    while let Some((last, heap)) = rest.split_last_mut() {
-        if let Some(first) = heap.first_mut() {
-            core::mem::swap(first, last);
-        }
-        sift_down(heap, 0, after);
-        rest = heap;
-    }
-}
-
-/// Restores a heap, in which no item is `before` its parent, where only the item at `index` may have to move down.
-#[inline]
-fn sift_down<T: Copy>(heap: &mut [T], mut index: usize, before: impl Fn(&T, &T) -> bool) {
-    let Some(&moved) = heap.get(index) else { return };
-    while 2 * index + 1 < heap.len() {
-        let left = 2 * index + 1;
-        let right = (left + 1).min(heap.len() - 1);
-        // The choice takes no branch: which child is first is a coin toss to a predictor.
-        let child = left + usize::from(before(at(heap, right), at(heap, left)));
-        let risen = *at(heap, child);
-        if !before(&risen, &moved) {
-            break;
-        }
-        *at_mut(heap, index) = risen;
-        index = child;
-    }
-    *at_mut(heap, index) = moved;
 }
 
 #[cfg(test)]

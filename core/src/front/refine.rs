@@ -5,11 +5,11 @@
 
 use super::estimate::{costs_of_children, estimate};
 use super::history::CostHistory;
-use super::partition::sort;
 use super::{Front, FrontNode};
 use crate::Aabb;
 use crate::bvtt::{NodePair, Query};
 use crate::index::{at, at_mut, part_mut, range};
+use crate::sort::sort;
 
 /// The starting front is the first level of the BVTT with this many overlapping nodes, or the last.
 const STARTING_NODES: usize = 32;

@@ -45,7 +45,7 @@ impl OneRings<'_> {
         let same = core::ptr::eq(triangles, self.triangles) || triangles == self.triangles;
         if !same || rings.len() != vertices {
             rings.iter_mut().for_each(OneRing::clear);
-            return Certified { mesh, rings: &[] };
+            return Certified::new(mesh, &[]);
         }
         if join.is_some() && !links.is_empty() {
             certify_in_parts(&turns, triangles, rings, links, join);
@@ -54,7 +54,7 @@ impl OneRings<'_> {
             triangles.iter().for_each(|t| add(turns(t), t, rings));
             rings.iter_mut().for_each(OneRing::certify);
         }
-        Certified { mesh, rings }
+        Certified::new(mesh, rings)
     }
 }
 
@@ -92,27 +92,35 @@ fn certify_in_parts(
     });
 }
 
-/// While a one-ring is being certified, six bits from here on say which signs are not certified for all of its
-/// triangles: those of [`uncertified_signs`]. Below, each coordinate has four bits for the times that the ring crosses
-/// the plane through the vertex upwards, and four for downwards.
+/// From this bit on, the turns of a triangle hold its uncertified signs.
 const SIGNS: u32 = 24;
+
+/// While a one-ring is being certified, its six lowest bits say which planes through the vertex it crosses, upwards or
+/// downwards, as [`crossed`] has them; the six from here on, which of them more than once.
+const TWICE: u32 = 6;
+/// The six from here on say which signs are not certified for all of its triangles: those of [`uncertified_signs`].
+const UNCERTIFIED: u32 = 12;
+const SIX: u32 = 0x3f;
 
 impl OneRing {
     /// Adds a triangle, by [`turns_of`] it, at one of its corners.
     #[inline(always)]
     fn add(&mut self, turns: u32, corner: u32) {
-        let crossed = SPREAD[(turns >> (6 * corner)) as usize & 63];
-        self.0 = self.0.wrapping_add(crossed) | turns >> SIGNS << SIGNS;
+        let crossed = turns >> (6 * corner) & SIX;
+        self.0 |= (self.0 & crossed) << TWICE | crossed | turns >> SIGNS << UNCERTIFIED;
     }
 
     /// Applies the theorem, once all triangles are added.
     fn certify(&mut self) {
-        let turns_once = |coordinate: u32| {
-            let [up, down] = [0, 4].map(|shift| self.0 >> (8 * coordinate + shift) & 15);
-            if self.0 & RING != 0 { up == 1 } else { up + down <= 1 }
+        let [up, down] = [0, 3].map(|first| self.0 >> first & 7);
+        let [up_twice, down_twice] = [0, 3].map(|first| self.0 >> (TWICE + first) & 7);
+        // The planes that a ring crosses upwards once, and a row at most once either way.
+        let once = if self.0 & RING != 0 {
+            up & !up_twice
+        } else {
+            !(up & down | up_twice | down_twice) & 7
         };
-        let once = (0..3).fold(0, |bits, k| bits | u32::from(turns_once(k)) << k);
-        let uncertified = self.0 >> SIGNS;
+        let uncertified = self.0 >> UNCERTIFIED & SIX;
         let same_sign = !(uncertified & uncertified >> 3) & 7;
         // Turns about an axis are counted along either of the other two.
         let turned = (once << 1 | once >> 2) | (once << 2 | once >> 1);
@@ -161,22 +169,6 @@ fn crossed<V: Copy>([p, q, r]: [V; 3], not_below: impl Fn(V, V) -> u32) -> u32 {
         !from & to & 7 | (from & !to & 7) << 3
     };
     around(p, q, r) | around(q, r, p) << 6 | around(r, p, q) << 12
-}
-
-/// Each of three bits in a byte of its own, and in the upper half of a byte each of the three above.
-const SPREAD: [u32; 64] = {
-    let mut spread = [0; 64];
-    let mut bits = 0;
-    while bits < 64 {
-        spread[bits] = bytes(bits as u32 & 7) | bytes(bits as u32 >> 3) << 4;
-        bits += 1;
-    }
-    spread
-};
-
-/// Each of three bits in a byte of its own.
-const fn bytes(bits: u32) -> u32 {
-    (bits | bits << 7 | bits << 14) & 0x1_0101
 }
 
 /// Bound of the error of a 2×2 determinant, relative to the extents: see the module.

@@ -1,7 +1,8 @@
 //! Connectivity of one-rings: which vertices have triangles that form one ring or one row.
 
 use super::{OneRing, OneRings, RING, ROW};
-use crate::index::{at, at_mut, range, split};
+use crate::index::{at, at_mut, range_mut, split};
+use crate::sort::sort;
 
 /// Returns the number of words of scratch that [`OneRings::new`] needs.
 #[must_use]
@@ -44,23 +45,30 @@ impl OneRings<'_> {
         }
         let mut start = 0;
         for (ring, &end) in self.rings.iter_mut().zip(ends.iter()) {
-            *ring = linked(triangles, range(corners, start, end - start));
+            *ring = linked(triangles, range_mut(corners, start, end - start));
             start = end;
         }
     }
 }
 
-/// Links the triangles at the corners of one vertex.
-fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> OneRing {
-    let mut edges = [[0; 2]; OneRing::MAX_TRIANGLES];
+/// The most triangles that are linked by comparing all of them with each other.
+const FEW: usize = 15;
+
+/// The edge that faces a corner, from one vertex to another.
+fn edge(triangles: &[[u32; 3]], corner: u32) -> [u32; 2] {
+    let (t, k) = (at(triangles, corner / 3), corner as usize % 3);
+    [t[(k + 1) % 3], t[(k + 2) % 3]]
+}
+
+/// Links the triangles at the corners of one vertex, whose order may change.
+fn linked(triangles: &[[u32; 3]], corners: &mut [u32]) -> OneRing {
+    let mut edges = [[0; 2]; FEW];
     if corners.len() > edges.len() {
-        return OneRing(0);
+        return linked_by_sorting(triangles, corners);
     }
-    // The edges that face the vertex, each from one vertex to another.
     let (edges, _) = split(&mut edges, corners.len());
-    for (edge, corner) in edges.iter_mut().zip(corners) {
-        let (t, k) = (at(triangles, corner / 3), *corner as usize % 3);
-        *edge = [t[(k + 1) % 3], t[(k + 2) % 3]];
+    for (to, &corner) in edges.iter_mut().zip(&*corners) {
+        *to = edge(triangles, corner);
     }
     let repeats = |k: usize| {
         let others = |i: usize| edges.iter().skip(i + 1);
@@ -83,4 +91,46 @@ fn linked(triangles: &[[u32; 3]], corners: &[u32]) -> OneRing {
         (true, None) => OneRing(RING),
         (true, Some(_)) => OneRing(ROW),
     }
+}
+
+/// [`linked`] for any number of triangles, in O(n log n).
+#[cold]
+fn linked_by_sorting(triangles: &[[u32; 3]], corners: &mut [u32]) -> OneRing {
+    let from = |&corner: &u32| edge(triangles, corner)[0];
+    sort(corners, from);
+    let corners = &*corners;
+    if corners.iter().zip(corners.iter().skip(1)).any(|(one, other)| from(one) == from(other)) {
+        return OneRing(0);
+    }
+    let next = |vertex: u32| {
+        let found = corners.binary_search_by_key(&vertex, from).ok()?;
+        Some(edge(triangles, *at(corners, found))[1])
+    };
+    // Goes from edge to edge until no edge goes on, or there were as many as there are, or it is where it began. Since no two
+    // edges begin at one vertex, it goes through no edge twice unless it goes round.
+    let walk = |start: u32| {
+        let (mut end, mut edges) = (start, 0);
+        while edges < corners.len()
+            && let Some(after) = next(end)
+        {
+            (end, edges) = (after, edges + 1);
+            if end == start {
+                break;
+            }
+        }
+        (end, edges)
+    };
+    let Some(start) = corners.first().map(from) else { return OneRing(0) };
+    let size = OneRing::size(corners.len());
+    let (end, edges) = walk(start);
+    if end == start {
+        return if edges == corners.len() { OneRing(RING | size) } else { OneRing(0) };
+    }
+    // Of a row, all vertices are the end of one edge and the start of another, but the first and the last, which the walk has
+    // found if it is one.
+    let ends = corners.iter().map(|&corner| edge(triangles, corner));
+    let first = ends.fold(end, |all, [from, to]| all ^ from ^ to);
+    let (end, edges) = walk(first);
+    let is_row = edges == corners.len() && end != first && next(end).is_none();
+    if is_row { OneRing(ROW | size) } else { OneRing(0) }
 }

@@ -21,11 +21,12 @@
 //! common.
 //!
 //! Neighbours around a certified vertex are therefore no hits under any rule of
-//! [`Adjacency`](crate::triangle::Adjacency). Other vertices (sharp folds, several rings, more than 15 triangles) are
+//! [`Adjacency`](crate::triangle::Adjacency). Other vertices (sharp folds, several rings) are
 //! not certified, and their pairs are tested as all others are. Both conditions are decided exactly, by certified signs and
 //! by comparisons.
 
 mod certify;
+mod fan;
 mod link;
 #[cfg(test)]
 mod tests;
@@ -34,6 +35,9 @@ use crate::index::split;
 use crate::{CapacityError, Mesh};
 use bytemuck::{Pod, Zeroable, must_cast_slice, must_cast_slice_mut};
 pub(crate) use certify::turns_in_f64;
+pub use fan::fan_bound;
+use fan::{Fans, LARGE};
+pub(crate) use fan::{hub_of, is_marked};
 pub use link::{link_scratch_bound, links_bound};
 
 /// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.
@@ -158,16 +162,21 @@ pub struct Certified<'a> {
     mesh: Mesh<'a>,
     /// One for each vertex, or none at all.
     rings: &'a [OneRing],
+    fans: Fans<'a>,
 }
 
 impl<'a> Certified<'a> {
+    fn new(mesh: Mesh<'a>, rings: &'a [OneRing]) -> Self {
+        Self { mesh, rings, fans: Fans::NONE }
+    }
+
     /// Borrows again the certificates in a history that [`OneRings::certify`] has brought up to date.
     ///
     /// Nothing is checked: if the mesh has other triangles, or any other position, a query may miss pairs.
     #[must_use]
     pub fn new_unchecked(mesh: Mesh<'a>, history: &'a [u32]) -> Self {
         let (rings, _) = history.split_at(mesh.vertex_count().min(history.len()));
-        Self { mesh, rings: must_cast_slice(rings) }
+        Self::new(mesh, must_cast_slice(rings))
     }
 
     /// Whether no two triangles around the vertex intersect in more than what they share by index.
@@ -197,12 +206,16 @@ pub(crate) struct OneRing(u32);
 const RING: u32 = 1 << 31;
 /// They form a row that begins and ends at the boundary.
 const ROW: u32 = 1 << 30;
+/// How many triangles there are, to a power of two; 0 if they are fewer than [`LARGE`].
+const SIZE: u32 = 0x1f << 25;
 /// No two of the triangles intersect in more than what they share by index.
 const CERTIFIED: u32 = 1;
 
 impl OneRing {
-    /// The most triangles in a one-ring: their crossings are counted in four bits.
-    const MAX_TRIANGLES: usize = 15;
+    /// The bits of the size of a one-ring, which are there if it is large: to a power of two.
+    fn size(triangles: usize) -> u32 {
+        if triangles < LARGE { 0 } else { triangles.ilog2() << SIZE.trailing_zeros() }
+    }
 
     #[inline]
     pub(crate) fn is_certified(self) -> bool {
@@ -216,6 +229,6 @@ impl OneRing {
 
     /// Forgets all but how the triangles are connected.
     fn clear(&mut self) {
-        self.0 &= RING | ROW;
+        self.0 &= RING | ROW | SIZE;
     }
 }

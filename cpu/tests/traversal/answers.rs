@@ -233,3 +233,33 @@ fn the_number_of_workers_is_bounded() {
         assert_eq!(traversal.report.shares.len(), shares);
     }
 }
+
+/// On one thread, so that nobody takes anything from the worker that calls.
+#[test]
+fn any_on_several_workers_searches_in_the_order_of_one() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let work = |workers: usize, queries: &[SelfBvtt<'_>]| {
+        let mut traversal = Traversal::new(workers);
+        let found = pool.install(|| traversal.any(queries)).unwrap();
+        (found, traversal.report.work(), traversal.report.shares.is_empty())
+    };
+    let scene = Scene::by_name("sheet", Some(20_000)).unwrap();
+    let (mut body, mut positions) = (Body::new(scene.meshes[0].clone()), Vec::new());
+    let flat = Body::new(scene.meshes[0].clone());
+    let mut divided = [0; 2];
+    for frame in (0..120).step_by(8) {
+        scene.positions(frame, &mut positions);
+        body.deform(&positions);
+        // One is asked after another that finds nothing, or as much.
+        let [own, other] = [&body, &flat].map(|body| SelfBvtt::new(body.bvh()));
+        for queries in [&[own][..], &[other, own, own]] {
+            let (found, expected, _) = work(1, queries);
+            for workers in [2, 7] {
+                let (again, tests, alone) = work(workers, queries);
+                assert_eq!((again, tests), (found, expected), "frame {frame}");
+                divided[usize::from(found.is_some())] += usize::from(!alone);
+            }
+        }
+    }
+    assert!(divided.iter().all(|&count| count > 0), "{divided:?}");
+}
