@@ -21,7 +21,7 @@ const WAYS: [(&str, Option<i32>); 14] = [
     ("caught panic", Some(0)),
     ("exit", Some(7)),
     ("exit with a static executor", Some(7)),
-    ("interrupt", None),
+    ("terminate", None),
     ("ticket first", Some(0)),
     ("ticket last", Some(0)),
     ("gpu first", Some(0)),
@@ -58,7 +58,7 @@ fn is_as_said(status: ExitStatus, code: Option<i32>) -> bool {
     #[cfg(unix)]
     if code.is_none() {
         use std::os::unix::process::ExitStatusExt;
-        return status.signal() == Some(2);
+        return status.signal() == Some(15);
     }
     status.code() == code
 }
@@ -143,9 +143,10 @@ fn leave(way: &str) -> Result<(), Error> {
             assert!(caught.is_err());
         }
         "exit" | "exit with a static executor" => exit(7),
-        "interrupt" => {
+        "terminate" => {
             let id = std::process::id().to_string();
-            Command::new("kill").args(["-INT", &id]).status().unwrap();
+            // Whoever starts tests in the background has interrupts ignored.
+            Command::new("kill").args(["-TERM", &id]).status().unwrap();
             std::thread::sleep(Duration::from_secs(30));
         }
         "ticket first" => {

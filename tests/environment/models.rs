@@ -84,7 +84,7 @@ pub(crate) fn all(inputs: &Inputs) -> Vec<(&'static str, Model)> {
             "bvh",
             with(&|model| {
                 model.set_positions_unfitted(&moved.positions).unwrap();
-                let _ = (model.bvh(), model.sphere(), model.bytes());
+                let _ = (model.bvh(), model.sphere(), model.bytes(), model.try_clone().unwrap());
             }),
         ),
         ("certificates", folded),

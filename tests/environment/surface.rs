@@ -36,7 +36,7 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
         "Ticket",
         include_str!("../../src/batch/ticket.rs"),
         "is_ready try_read wait read",
-        "cancel hits_buffer count_buffer",
+        "cancel plan hits_buffer count_buffer",
     ),
     (
         "Model",
@@ -47,7 +47,7 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
             include_str!("../../src/model/blob.rs")
         ),
         "new with_options new_with_threads from_f64 from_blob to_blob set_positions set_positions_with_threads \
-         set_positions_unfitted set_positions_f64 fit fit_with_threads bvh certificates sphere bytes",
+         set_positions_unfitted set_positions_f64 fit fit_with_threads bvh certificates sphere bytes try_clone",
         "mesh stamp options is_f64",
     ),
     ("AnyPose", include_str!("../../src/pose.rs"), "pair to_f64", "is_f64"),
