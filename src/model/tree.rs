@@ -2,6 +2,8 @@
 
 use super::moves::Moves;
 use super::passes::Parallel;
+use crate::Error;
+use crate::memory::{copy, filled, reserve};
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
@@ -24,10 +26,25 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    pub(super) fn build(mesh: Mesh<'_>, options: BuildOptions<'_>, parallel: Parallel) -> Self {
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(super) fn build(
+        mesh: Mesh<'_>,
+        options: BuildOptions<'_>,
+        parallel: Parallel,
+    ) -> Result<Self, Error> {
         let mut tree = Self::default();
-        tree.rebuild(mesh, options, parallel);
-        tree
+        tree.rebuild(mesh, options, parallel)?;
+        Ok(tree)
+    }
+
+    /// A copy, without the state of partial refits.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(super) fn try_clone(&self) -> Result<Self, Error> {
+        let (nodes, order) = (copy(&self.nodes)?, copy(&self.order)?);
+        Ok(Self { nodes, order, table: Vec::new(), fans: OnceLock::new(), ..*self })
     }
 
     /// Takes over a tree of these positions that was checked, and makes its boxes tight, as those of a build are.
@@ -44,17 +61,23 @@ impl Tree {
     }
 
     /// Builds the tree anew for these positions.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]; the tree is as it was.
     pub(super) fn rebuild(
         &mut self,
         mesh: Mesh<'_>,
         options: BuildOptions<'_>,
         parallel: Parallel,
-    ) {
+    ) -> Result<(), Error> {
         let n = mesh.triangles().len();
+        let [nodes, order] = [node_bound(n) - self.nodes.len(), n - self.order.len()];
+        let mut scratch = filled(Node::EMPTY, n)?;
+        reserve(&mut self.nodes, nodes)?;
+        reserve(&mut self.order, order)?;
         self.nodes.resize(node_bound(n), Node::EMPTY);
         self.order.resize(n, 0);
         self.table.clear();
-        let mut scratch = vec![Node::EMPTY; n];
         let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
         let options = BuildOptions { join: parallel, ..options };
         let built = bvh::sah(mesh, &options, storage, &mut scratch);
@@ -67,25 +90,27 @@ impl Tree {
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
         self.fans = OnceLock::new();
+        Ok(())
     }
 
-    /// Adds to certificates the marks by which queries skip the fans around vertices of many triangles.
+    /// Adds to certificates the marks by which queries skip the fans around vertices of many triangles, if there is memory for
+    /// them.
     pub(super) fn with_fans<'a>(
         &'a self,
         certified: Certified<'a>,
         mesh: Mesh<'a>,
     ) -> Certified<'a> {
         let bvh = self.bvh(mesh);
-        let fans = self.fans.get_or_init(|| {
-            let mut marks = vec![0; fan_bound(bvh.nodes().len())];
-            let is_marked = certified.with_fans(&bvh, &mut marks).is_ok();
-            debug_assert!(is_marked, "the marks have their size");
-            marks
-        });
-        certified.with_fans_unchecked(&bvh, fans)
+        if let Some(fans) = self.fans.get() {
+            return certified.with_fans_unchecked(&bvh, fans);
+        }
+        let Ok(mut marks) = filled(0, fan_bound(bvh.nodes().len())) else { return certified };
+        let is_marked = certified.with_fans(&bvh, &mut marks).is_ok();
+        debug_assert!(is_marked, "the marks have their size");
+        certified.with_fans_unchecked(&bvh, self.fans.get_or_init(|| marks))
     }
 
-    /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then.
+    /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then and there is memory.
     pub(super) fn fit(
         &mut self,
         mesh: Mesh<'_>,
@@ -93,10 +118,12 @@ impl Tree {
         moves: &Moves,
         parallel: Parallel,
     ) {
-        if self.is_worn() {
-            return self.rebuild(mesh, options, parallel);
+        if self.is_worn() && self.rebuild(mesh, options, parallel).is_ok() {
+            return;
         }
-        let Some(moved) = moves.few() else {
+        let rows = (self.nodes.len() / 2).saturating_sub(self.table.len());
+        let moved = moves.few().filter(|_| reserve(&mut self.table, rows).is_ok());
+        let Some(moved) = moved else {
             self.table.clear();
             return self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         };
@@ -128,7 +155,8 @@ impl Tree {
     /// Makes room for what a partial refit goes by, whatever tree a rebuild will make.
     pub(super) fn reserve(&mut self) {
         let rows = node_bound(self.order.len()) / 2;
-        self.table.reserve(rows - self.table.len());
+        // Without it, refits are whole ones.
+        let _ = self.table.try_reserve(rows - self.table.len());
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -150,7 +178,7 @@ mod tests {
         let ball = icosphere(2_000);
         let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
         let options = BuildOptions::default();
-        let mut tree = Tree::build(mesh, options, ONE_THREAD);
+        let mut tree = Tree::build(mesh, options, ONE_THREAD).unwrap();
         let mut before = ball.positions.clone();
         // Flatter from time to time, so that the figure changes but little.
         for (round, moving) in [9, 5, 1_000, 7, 0, 1_000, 1_000, 30].into_iter().enumerate() {
