@@ -241,7 +241,22 @@ impl Model {
         Ok(Arc::make_mut(model))
     }
 
-    fn try_clone(&self) -> Result<Self, Error> {
+    /// A copy with the same [stamp](Model::stamp), without what is made lazily, as [`Clone`] makes it where memory may not be
+    /// missing.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    ///
+    /// # Complexity
+    /// O(vertices + triangles).
+    ///
+    /// # Examples
+    /// ```
+    /// # let model = pfront::Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?;
+    /// assert_eq!(model.try_clone()?.stamp(), model.stamp());
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn try_clone(&self) -> Result<Self, Error> {
         let (positions, triangles) = (copy(&self.positions)?, copy(&self.triangles)?);
         let exact = self.exact.as_ref().map(Exact::try_clone).transpose()?;
         let tree = self.tree().try_clone()?;

@@ -30,7 +30,7 @@ impl PoseBatch<'_> {
         mut read: impl FnMut(&[AnyPose], T) -> PyResult<()>,
     ) -> PyResult<()> {
         let Self { models: [a, b], poses, progress } = self;
-        let to = Submission::new(py, on, self.is_f64())?;
+        let to = Submission::new(py, on, false)?;
         let own = process::id();
         let mut batch = Batch::new();
         let mut done = 0;
@@ -43,9 +43,8 @@ impl PoseBatch<'_> {
                 verb(&mut batch, &to.executor).map_err(|error| (error, None))
             };
             let ticket = apart(py, start).map_err(|(error, pose)| exception(py, error, pose))?;
-            read(chunk, to.wait(py, ticket)?)?;
+            read(chunk, to.wait(py, on, ticket)?)?;
             done += chunk.len();
-            on.note(to.answers.clone());
             if let Some(progress) = progress {
                 progress.call1((done, poses.len()))?;
             }

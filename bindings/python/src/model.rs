@@ -177,7 +177,7 @@ fn refit(
     positions: &[[f32; 3]],
     pool: Option<&ThreadPool>,
 ) -> Result<pfront::Model, Error> {
-    let mut model = copied(own)?;
+    let mut model = own.try_clone()?;
     match pool {
         Some(pool) if own.mesh().triangles().len() >= MANY => {
             pool.install(|| model.set_positions_with_threads(positions))?;
@@ -188,13 +188,9 @@ fn refit(
 }
 
 fn refit_f64(own: &pfront::Model, positions: &[[f64; 3]]) -> Result<pfront::Model, Error> {
-    let mut model = copied(own)?;
+    let mut model = own.try_clone()?;
     model.set_positions_f64(positions)?;
     Ok(model)
-}
-
-fn copied(model: &pfront::Model) -> Result<pfront::Model, Error> {
-    Ok(model.clone())
 }
 
 fn build(

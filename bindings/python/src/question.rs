@@ -9,6 +9,7 @@ use crate::model::Model;
 use crate::part::starts;
 use crate::poses::Poses;
 use crate::threads::{PATIENCE, apart, heard};
+use pfront::executor::Backend;
 use pfront::pfront_core::bvtt::{Cursor, NodePair, Query, SelfBvtt};
 use pfront::{Adjacency, AnyPose, Batch, Error, Ticket, TrianglePair};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -46,6 +47,11 @@ impl Subject {
             }
             Self::Within { model } => model.is_f64(),
         }
+    }
+
+    /// Whether a GPU is not asked: about a model in float64 and itself.
+    fn is_for_cpu(&self) -> bool {
+        matches!(self, Self::Within { model } if model.is_f64())
     }
 
     /// Makes what is made once for a model and takes long, while signals are heard.
@@ -210,33 +216,48 @@ fn submit<T: Send>(
     on: &Executor,
     verb: fn(&mut Batch, &pfront::Executor) -> Result<Ticket<T>, Error>,
 ) -> PyResult<T> {
-    let to = Submission::new(py, on, subject.is_f64())?;
+    let to = Submission::new(py, on, subject.is_for_cpu())?;
     let mut batch = Batch::new();
     let mut start = || {
         subject.add_to(&mut batch)?;
         verb(&mut batch, &to.executor)
     };
     let ticket = apart(py, &mut start).map_err(|error| exception(py, error, None))?;
-    let answer = to.wait(py, ticket)?;
-    on.note(to.answers);
-    Ok(answer)
+    to.wait(py, on, ticket)
 }
 
-/// Who answers questions that are submitted.
+/// Who is to answer questions that are submitted.
 pub(crate) struct Submission {
     pub(crate) executor: pfront::Executor,
-    /// The same in words.
-    pub(crate) answers: String,
     made: Made,
+    /// Whether a GPU was asked for, and does not answer such a question.
+    is_for_cpu: bool,
 }
 
 impl Submission {
-    /// Waits for a ticket, while signals are heard; a ticket that is dropped is cancelled.
-    pub(crate) fn wait<T: Send>(&self, py: Python<'_>, mut ticket: Ticket<T>) -> PyResult<T> {
-        let work = self.made.use_pool();
+    /// A GPU answers about two models, and about one in float32, if one was asked for; all else is for the threads. Without
+    /// earlier frames, "auto" is the CPU.
+    pub(crate) fn new(py: Python<'_>, on: &Executor, is_for_cpu: bool) -> PyResult<Self> {
+        let is_for_gpu = on.device == Device::Gpu && !is_for_cpu;
+        let executor = if is_for_gpu { on.on_device(py)? } else { on.made(py).cpu };
+        let is_for_cpu = on.device == Device::Gpu && is_for_cpu;
+        Ok(Self { executor, made: on.made(py), is_for_cpu })
+    }
+
+    /// Waits for a ticket, while signals are heard, and notes who has answered; a ticket that is dropped is cancelled.
+    pub(crate) fn wait<T: Send>(
+        &self,
+        py: Python<'_>,
+        on: &Executor,
+        mut ticket: Ticket<T>,
+    ) -> PyResult<T> {
+        let (plan, work) = (ticket.plan(0), self.made.use_pool());
         loop {
             let answer = apart(py, || ticket.wait(PATIENCE));
             if let Some(answer) = answer.map_err(|error| exception(py, error, None))? {
+                if let Some(plan) = plan {
+                    on.note(self.in_words(plan.backend));
+                }
                 return Ok(answer);
             }
             if let Err(signal) = py.check_signals() {
@@ -247,23 +268,15 @@ impl Submission {
         }
     }
 
-    /// A GPU answers what is in float32, if one was asked for; all else is for the threads. Without earlier frames, "auto" is
-    /// the CPU.
-    pub(crate) fn new(py: Python<'_>, on: &Executor, is_f64: bool) -> PyResult<Self> {
-        let is_for_gpu = on.device == Device::Gpu;
-        if is_for_gpu && !is_f64 {
-            let (executor, made) = (on.on_device(py)?, on.made(py));
-            return Ok(Self { executor, answers: "GPU".into(), made });
-        }
-        let made = on.made(py);
-        let mut answers = match &made.pool {
-            Some(pool) => format!("{} threads", pool.current_num_threads()),
-            None => "one thread".into(),
+    fn in_words(&self, backend: Backend) -> String {
+        let mut words = match (backend, &self.made.pool) {
+            (Backend::Threads, Some(pool)) => format!("{} threads", pool.current_num_threads()),
+            _ => backend.to_string(),
         };
-        if is_for_gpu {
-            answers += ": the question is in float64, and a GPU answers what is in float32";
+        if self.is_for_cpu {
+            words += ": a GPU is not asked about one mesh in float64";
         }
-        Ok(Self { executor: made.cpu.clone(), answers, made })
+        words
     }
 }
 
