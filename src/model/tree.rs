@@ -1,7 +1,8 @@
 //! The BVH of a model, and when it is built anew.
 
 use super::moves::Moves;
-use super::passes::Parallel;
+use super::passes::{Parallel, threads};
+use super::rebuild::Rebuild;
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
@@ -9,6 +10,10 @@ use pfront_core::one_ring::{Certified, fan_bound};
 use pfront_core::{Bvh, Mesh, Node};
 use std::mem::take;
 use std::sync::OnceLock;
+
+/// The quality figure of a tree that is [worn out](Tree::is_worn_out), over that when it was built. A frame may take twice its
+/// best time, and there it does so without a build.
+const WORN_OUT: f32 = 2.0;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
@@ -19,6 +24,8 @@ pub(super) struct Tree {
     /// The quality figure right after the last build, and as it is.
     built: f32,
     quality: f32,
+    /// The tree that takes the place of this one when it is done, if this one is worn.
+    next: Option<Box<Rebuild>>,
     /// Marks of nodes around vertices of many triangles, made when they are first asked for.
     fans: OnceLock<Vec<u32>>,
 }
@@ -67,6 +74,12 @@ impl Tree {
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
         self.fans = OnceLock::new();
+        self.next = None;
+    }
+
+    /// Whether the next [`Tree::fit`] makes another tree of it.
+    pub(super) fn is_due(&self, mesh: Mesh<'_>) -> bool {
+        self.is_worn_out() || self.next.as_ref().is_some_and(|next| next.is_done(mesh))
     }
 
     /// Adds to certificates the marks by which queries skip the fans around vertices of many triangles.
@@ -85,7 +98,8 @@ impl Tree {
         certified.with_fans_unchecked(&bvh, fans)
     }
 
-    /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then.
+    /// Fits the tree to positions that have moved since it did. If it is [due](Tree::is_due), it is another one then; if it is
+    /// worn, a part of another one is built.
     pub(super) fn fit(
         &mut self,
         mesh: Mesh<'_>,
@@ -93,9 +107,27 @@ impl Tree {
         moves: &Moves,
         parallel: Parallel,
     ) {
-        if self.is_worn() {
+        if self.is_worn_out() {
             return self.rebuild(mesh, options, parallel);
         }
+        if let Some(next) = self.next.take_if(|next| next.is_done(mesh)) {
+            (self.nodes, self.order) = next.into_tree();
+            self.table.clear();
+            self.fans = OnceLock::new();
+            self.refit(mesh, Refit { join: parallel, ..Refit::default() });
+            self.built = self.quality;
+            return;
+        }
+        self.refit_moved(mesh, moves, parallel);
+        if self.next.is_none() && self.is_worn() {
+            self.next = Rebuild::new(mesh).map(Box::new);
+        }
+        if let Some(next) = &mut self.next {
+            next.advance(mesh, options, parallel, threads(parallel));
+        }
+    }
+
+    fn refit_moved(&mut self, mesh: Mesh<'_>, moves: &Moves, parallel: Parallel) {
         let Some(moved) = moves.few() else {
             self.table.clear();
             return self.refit(mesh, Refit { join: parallel, ..Refit::default() });
@@ -115,9 +147,14 @@ impl Tree {
         self.quality = fitted.unwrap_or(self.quality);
     }
 
-    /// Whether it is time to build the tree anew.
+    /// Whether it is time to build the tree anew, over some frames.
     pub(super) fn is_worn(&self) -> bool {
         self.quality > self.built * REBUILD_RATIO
+    }
+
+    /// Whether it is time to build the tree anew at once: it takes twice as many tests as it did.
+    pub(super) fn is_worn_out(&self) -> bool {
+        self.quality > self.built * WORN_OUT
     }
 
     #[inline]
@@ -135,6 +172,7 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>()
             + self.order.capacity() * size_of::<u32>()
             + self.table.capacity() * size_of::<RefitRow>()
+            + self.next.as_ref().map_or(0, |next| next.bytes())
             + self.fans.get().map_or(0, Vec::capacity) * size_of::<u32>()
     }
 }
