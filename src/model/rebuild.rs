@@ -55,7 +55,7 @@ impl Rebuild {
                 nodes.resize((nodes.len() + PART).max(steps.nodes() + 2), Node::EMPTY);
             }
             let storage = BvhStorage { nodes, order };
-            let gone = steps.advance(mesh, &options, storage, items);
+            let gone = steps.step(mesh, &options, storage, items);
             debug_assert!(gone.is_ok(), "there is room for a step");
             let Ok(gone) = gone else { break };
             match left.checked_sub(gone) {

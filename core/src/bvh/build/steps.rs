@@ -23,7 +23,7 @@ use crate::{Aabb, CapacityError, Mesh};
 /// let (mut steps, options) = (SahSteps::new(), BuildOptions::default());
 /// while !steps.is_done(mesh) {
 ///     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-///     steps.advance(mesh, &options, storage, &mut items)?;
+///     steps.step(mesh, &options, storage, &mut items)?;
 /// }
 /// let nodes = &mut nodes[..steps.nodes()];
 /// refit(mesh, nodes, &order, Refit::default())?;
@@ -53,7 +53,7 @@ struct Pending {
     centres: Bounds,
 }
 
-/// What is done next with the last pending run.
+/// The next step for the last pending run.
 #[derive(Clone, Copy, Debug)]
 enum Next {
     Find,
@@ -99,7 +99,7 @@ impl SahSteps {
     ///
     /// # Complexity
     /// O(triangles) at most; all steps together as [`sah`](super::sah()).
-    pub fn advance(
+    pub fn step(
         &mut self,
         mesh: Mesh<'_>,
         options: &BuildOptions<'_>,

@@ -24,7 +24,7 @@ fn steps_build_the_tree_of_the_whole() {
                 nodes.resize(steps.nodes() + 2, Node::EMPTY);
                 items.resize((items.len() + 100).min(n), Node::EMPTY);
                 let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-                let gone = steps.advance(mesh, &options, storage, &mut items).unwrap();
+                let gone = steps.step(mesh, &options, storage, &mut items).unwrap();
                 assert!(gone > 0, "{name}");
                 largest = largest.max(gone);
             }
@@ -45,7 +45,7 @@ fn a_step_without_room_is_an_error_and_can_be_done_again() {
     let mut advance = |nodes: usize, order: usize, items: usize| {
         let (mut nodes, mut order) = (vec![Node::EMPTY; nodes], vec![0; order]);
         let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
-        steps.advance(mesh, &options, storage, &mut vec![Node::EMPTY; items]).map_err(|e| e.buffer)
+        steps.step(mesh, &options, storage, &mut vec![Node::EMPTY; items]).map_err(|e| e.buffer)
     };
     assert_eq!(advance(2, 17, 18), Err("order"));
     assert_eq!(advance(1, 18, 18), Err("nodes"));
