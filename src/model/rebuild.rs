@@ -33,20 +33,20 @@ impl Rebuild {
         self.steps.is_done(mesh)
     }
 
-    /// Goes through as many triangles as the mesh has, which takes about half as long as to refit its tree: loading is one such
-    /// round, and each level of the tree two, in which runs of triangles are looked at and then divided. With several
-    /// threads, the refit takes them all, and this one: it goes through fewer.
+    /// Goes through so large a part of the triangles, one over `part`. To go through all of them takes about half as long as to
+    /// refit the tree: loading is one such round, and each level of the tree two, in which runs of triangles are looked at
+    /// and then divided. A refit on several threads or of few vertices takes less time, and then this has to, too.
     pub(super) fn advance(
         &mut self,
         mesh: Mesh<'_>,
         options: BuildOptions<'_>,
         parallel: Parallel,
-        threads: usize,
+        part: usize,
     ) {
         let n = mesh.triangles().len();
         let options = BuildOptions { join: parallel, ..options };
         let Self { steps, items, nodes, order } = self;
-        let mut left = n / threads.max(1);
+        let mut left = n / part.max(1);
         while !steps.is_done(mesh) {
             if items.len() < n {
                 items.resize((items.len() + PART).min(n), Node::EMPTY);

@@ -1,6 +1,6 @@
 //! The BVH of a model, and when it is built anew.
 
-use super::moves::Moves;
+use super::moves::{MANY, Moves};
 use super::passes::{Parallel, threads};
 use super::rebuild::Rebuild;
 use pfront_core::bvh::{
@@ -123,7 +123,9 @@ impl Tree {
             self.next = Rebuild::new(mesh).map(Box::new);
         }
         if let Some(next) = &mut self.next {
-            next.advance(mesh, options, parallel, threads(parallel));
+            // A refit of few vertices looks at a part of the tree.
+            let part = threads(parallel) * if moves.few().is_some() { MANY } else { 1 };
+            next.advance(mesh, options, parallel, part);
         }
     }
 
