@@ -52,7 +52,8 @@ impl Rebuild {
                 items.resize((items.len() + PART).min(n), Node::EMPTY);
             }
             if nodes.len() < steps.nodes() + 2 {
-                nodes.resize((nodes.len() + PART).max(steps.nodes() + 2), Node::EMPTY);
+                let room = (nodes.len() + PART).min(node_bound(n));
+                nodes.resize(room.max(steps.nodes() + 2), Node::EMPTY);
             }
             let storage = BvhStorage { nodes, order };
             let gone = steps.step(mesh, &options, storage, items);
