@@ -207,4 +207,38 @@ mod tests {
         }
         assert!(!tree.is_worn(), "never rebuilt");
     }
+
+    #[test]
+    fn a_worn_tree_is_replaced_after_some_fits() {
+        let ball = icosphere(2_000);
+        let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
+        let options = BuildOptions::default();
+        let mut tree = Tree::build(mesh, options, ONE_THREAD);
+        let first = tree.order.clone();
+        let mut moves = Moves::default();
+        moves.add_all();
+        let (mut turn, mut fits) = (0.0, 0);
+        while tree.order == first {
+            // A twist about an axis, until the tree is worn, and hardly any further then.
+            turn += if tree.next.is_none() { 0.1 } else { 1e-4 };
+            let twisted: Vec<_> = ball
+                .positions
+                .iter()
+                .map(|&[x, y, z]| {
+                    let (sin, cos) = f32::sin_cos(turn * z);
+                    [cos * x - sin * y, sin * x + cos * y, z]
+                })
+                .collect();
+            let mesh = mesh.with_positions(&twisted).unwrap();
+            let is_due = tree.is_due(mesh);
+            tree.fit(mesh, options, &moves, ONE_THREAD);
+            assert_eq!(tree.order != first, is_due, "foretold");
+            tree.bvh(mesh).assert_well_formed();
+            fits += usize::from(tree.next.is_some());
+            assert!(turn < 100.0 && !tree.is_worn_out());
+        }
+        // Loading takes one, and each of some eight levels or more two.
+        assert!((10..100).contains(&fits), "{fits}");
+        assert!(!tree.is_worn() && tree.next.is_none());
+    }
 }
