@@ -1,7 +1,7 @@
 //! The floating-point environment of the calls of this crate: the default, whatever that of the caller is.
 //!
 //! It is set where a caller or a thread comes in, and nowhere below:
-//! - [`Model`](crate::Model): where it is built, moved or read from a blob, and where a BVH, certificates, patches or a sphere are
+//! - [`Model`](crate::Model): where it is built, moved or read from a blob, and where a BVH, certificates or a sphere are
 //!   made that somebody asks for;
 //! - queries about one model or two: in [`History`](crate::history::History), which all their verbs call, where a pose is checked
 //!   ([`OfTwo`](crate::history::OfTwo)), and in `visit`;

@@ -442,7 +442,12 @@ impl<A: About> Question for Asking<'_, A> {
     }
 
     #[cfg(feature = "gpu")]
-    fn on_gpu(&mut self, device: &Device, verb: Verb) -> Result<Self::Answer, Error> {
+    fn on_gpu(
+        &mut self,
+        device: &Device,
+        _: &mut Executor,
+        verb: Verb,
+    ) -> Result<Self::Answer, Error> {
         self.about.on_gpu(device, self.mirrors, verb, self.pairs)
     }
 }

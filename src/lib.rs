@@ -34,6 +34,11 @@
 //! - Within one mesh, what two triangles share by index is no contact: see
 //!   [`pfront_core::triangle::intersects_in_mesh`].
 //!
+//! # Limits
+//! - Surfaces, not solids: a body that lies wholly inside another has no hit, from any query.
+//! - One instant, not a motion: what is on one side of a wall in one frame and on the other in the next has no hit in
+//!   either (tunnelling). There is no continuous collision detection.
+//!
 //! # Features
 //! - `threads` (default): the queries on several CPU threads.
 //! - `gpu`: the module `gpu`, the queries on any GPU, with the same answers.

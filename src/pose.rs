@@ -75,6 +75,21 @@ impl AnyPose {
         }
     }
 
+    /// Whether it is the same pose, to the bit.
+    pub(crate) fn same_bits(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::F32(own), Self::F32(other)) => {
+                own.rows.map(|row| row.map(f32::to_bits))
+                    == other.rows.map(|row| row.map(f32::to_bits))
+            }
+            (Self::F64(own), Self::F64(other)) => {
+                own.rows.map(|row| row.map(f64::to_bits))
+                    == other.rows.map(|row| row.map(f64::to_bits))
+            }
+            _ => false,
+        }
+    }
+
     /// Whether it is in f64.
     #[must_use]
     pub fn is_f64(&self) -> bool {

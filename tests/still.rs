@@ -2,7 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::{Body, Model, Pose, SceneHit, SceneQuery};
+use pfront::executor::Backend;
+use pfront::{AnyPose, Body, BodyId, Groups, Model, Pose, SceneHit, SceneQuery};
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::scenes::icosphere;
 use std::sync::Arc;
@@ -112,4 +113,76 @@ fn another_accuracy_forgets() {
     let mut scene = scene.with_accuracy(pfront::Accuracy::Conservative);
     assert_eq!(scene.all().unwrap().len(), 1);
     assert_eq!(scene.with_accuracy(pfront::Accuracy::Exact).count().unwrap(), 0);
+}
+
+/// What a body is set to that it is already changes nothing, so that nothing is asked again.
+#[test]
+fn what_is_there_already_changes_nothing() {
+    let ball = icosphere(80);
+    let in_f64 = |scale: f64| {
+        let positions = ball.positions.iter().map(|p| p.map(|x| f64::from(x) * scale));
+        Model::from_f64(positions.collect(), ball.triangles.clone()).unwrap()
+    };
+    let in_f32 = Arc::new(Model::new(ball.positions.clone(), ball.triangles.clone()).unwrap());
+    let mut scene = SceneQuery::new();
+    // The models in f32 are shared; f32 holds the positions of one in f64.
+    let mut add = |model: &Arc<Model>| scene.add(model.clone(), Pose::IDENTITY).unwrap();
+    let two = [add(&in_f32), add(&in_f32)];
+    let three = [1.1, 1.0, 1.0].map(|scale| add(&Arc::new(in_f64(scale))));
+    let all = [&two[..], &three[..]].concat();
+    scene.ignore(all[0], all[1], true).unwrap();
+    assert!(!scene.contacts().unwrap().is_empty());
+    let set: Vec<Box<dyn Fn(&mut SceneQuery, BodyId) -> Result<(), pfront::Error>>> = vec![
+        Box::new(|scene, id| scene.set_pose(id, Pose::IDENTITY)),
+        Box::new(|scene, id| {
+            let model = scene.body(id)?.model().clone();
+            scene.set_model(id, model)
+        }),
+        Box::new(|scene, id| {
+            let model = Model::clone(scene.body(id)?.model());
+            scene.set_model(id, model)
+        }),
+        Box::new(|scene, id| scene.set_groups(id, Groups::default())),
+        Box::new(|scene, id| {
+            let model = scene.body(id)?.model().clone();
+            let mesh = model.mesh();
+            match (mesh.positions_f64(), model.is_f64()) {
+                (Some(positions), _) => scene.set_positions_f64(id, positions),
+                (None, false) => scene.set_positions(id, mesh.shadow()),
+                (None, true) => {
+                    let widened = mesh.shadow().iter().map(|p| p.map(f64::from));
+                    scene.set_positions_f64(id, &widened.collect::<Vec<_>>())
+                }
+            }
+        }),
+        Box::new(|scene, id| scene.set_user_data(id, 7)),
+    ];
+    for set in set {
+        for &id in &all {
+            set(&mut scene, id).unwrap();
+            scene.contacts().unwrap();
+            assert_eq!(scene.plan().unwrap().backend, Backend::Cached);
+        }
+    }
+    scene.ignore(all[1], all[0], true).unwrap();
+    scene.ignore(all[2], all[3], false).unwrap();
+    scene.contacts().unwrap();
+    assert_eq!(scene.plan().unwrap().backend, Backend::Cached);
+    // A model that is shared is not copied for it.
+    let model = |id| Arc::as_ptr(scene.body(id).unwrap().model());
+    assert_ne!(model(all[0]), Arc::as_ptr(&in_f32), "of the clone above");
+    let before = model(all[0]);
+    let (kept, positions) = (scene.body(all[0]).unwrap().model().clone(), &ball.positions);
+    scene.set_positions(all[0], positions).unwrap();
+    assert_eq!(Arc::as_ptr(scene.body(all[0]).unwrap().model()), before);
+    drop(kept);
+    // A zero of the other sign is another number, in positions and in poses.
+    scene.set_pose(all[0], Pose::from_translation([-0.0, 0.0, 0.0])).unwrap();
+    scene.contacts().unwrap();
+    assert_ne!(scene.plan().unwrap().backend, Backend::Cached);
+    let bits = |pose: AnyPose| pose.to_f64().rows[0][3].to_bits();
+    assert_eq!(bits(scene.body(all[0]).unwrap().pose()), (-0.0_f64).to_bits());
+    // What cannot be set is refused as before.
+    assert!(scene.set_positions(all[2], &ball.positions).is_err());
+    assert!(scene.set_positions_f64(all[0], &[]).is_err());
 }

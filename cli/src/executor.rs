@@ -1,5 +1,6 @@
 //! The executor that answers, and how exactly: the options that all queries share.
 
+use crate::escape::escaped;
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use pfront::gpu::Gpu;
@@ -92,9 +93,9 @@ impl Backend {
         let is_a_gpu = |adapter: &Adapter| adapter.get_info().device_type != DeviceType::Cpu;
         match self {
             Self::Gpu => Ok(Some(Gpu::new()?)),
-            Self::Auto if adapters().iter().any(is_a_gpu) => {
-                Ok(Gpu::new().inspect_err(|error| eprintln!("without a GPU: {error}")).ok())
-            }
+            Self::Auto if adapters().iter().any(is_a_gpu) => Ok(Gpu::new()
+                .inspect_err(|error| eprintln!("without a GPU: {}", escaped(&error.to_string())))
+                .ok()),
             Self::Cpu | Self::Auto => Ok(None),
         }
     }

@@ -4,6 +4,7 @@ use crate::args::{Format, Listing};
 use crate::curve::Curves;
 use anyhow::{Context, Result};
 use pfront::{AnyPose, Contact, Mesh, TrianglePair};
+use pfront_cli::escape::{escaped, is_shown, json, shown_path, write_json};
 use pfront_cli::mesh::{PaintedMesh, Source, write_painted};
 use pfront_cli::output::{Draft, out};
 use serde::{Serialize, Serializer};
@@ -134,7 +135,7 @@ impl<'f> Found<'f> {
         let said = written.with_context(|| format!("cannot write {}", path.display()))?;
         file.finish()?;
         if let Some(said) = said {
-            writeln!(out(), "{said}; see {}", path.display())?;
+            writeln!(out(), "{said}; see {}", shown_path(path))?;
         }
         Ok(())
     }
@@ -192,7 +193,7 @@ impl<'f> Found<'f> {
         };
         if format == Format::Json {
             write!(to, "{{\"{}\":", if listing.contacts { "contacts" } else { "pairs" })?;
-            let mut json = serde_json::Serializer::new(&mut *to);
+            let mut json = json(&mut *to);
             if is_scene || listing.contacts || listing.source {
                 json.collect_seq(hits.map(row))?;
             } else {
@@ -225,7 +226,7 @@ impl Found<'_> {
         let rows = pairs.iter().map(|(two, pairs)| (two.map(name), *pairs));
         if format == Format::Json {
             let rows = rows.map(|(bodies, pairs)| json!({ "bodies": bodies, "pairs": pairs }));
-            writeln!(to, "{}", json!({ "bodies": rows.collect::<Vec<_>>() }))?;
+            write_json(to, &json!({ "bodies": rows.collect::<Vec<_>>() }))?;
             return to.flush();
         }
         let titles = [Cell::Name("body_a"), Cell::Name("body_b"), Cell::Title("pairs", 10)];
@@ -240,7 +241,7 @@ impl Found<'_> {
     }
 
     fn columns(&self, format: Format) -> Columns {
-        let width = self.origins.iter().map(|origin| origin.name.chars().count()).max();
+        let width = self.origins.iter().map(|origin| escaped(&origin.name).chars().count()).max();
         let width = width.unwrap_or(0).max("body_a".len());
         Columns { csv: format == Format::Csv, width }
     }
@@ -337,7 +338,7 @@ impl Columns {
                 Cell::Coordinate(Coordinate::F64(x)) if csv => write!(to, "{x}"),
                 Cell::Title(text, width) => write!(to, "{text:>width$}"),
                 Cell::Kind(kind) => write!(to, "{kind:<8}"),
-                Cell::Name(name) => write!(to, "{name:<width$}"),
+                Cell::Name(name) => write!(to, "{:<width$}", escaped(name)),
                 Cell::Index(index) => write!(to, "{index:>10}"),
                 Cell::Coordinate(Coordinate::F32(x)) => write!(to, "{x:>13.6e}"),
                 Cell::Coordinate(Coordinate::F64(x)) => write!(to, "{x:>13.6e}"),
@@ -347,8 +348,12 @@ impl Columns {
     }
 }
 
-/// A word as CSV has it.
+/// A word as CSV has it: ends of lines are quoted, and other characters that a terminal does not show are escaped.
 fn quoted(word: &str) -> Cow<'_, str> {
+    let is_kept = |character| is_shown(character) || matches!(character, '\n' | '\r' | '\t');
+    if !word.chars().all(is_kept) {
+        return Cow::Owned(quoted(&escaped(word)).into_owned());
+    }
     if word.contains([',', '"', '\n', '\r']) {
         return Cow::Owned(format!("\"{}\"", word.replace('"', "\"\"")));
     }

@@ -8,18 +8,30 @@ mod progress;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
+use pfront_cli::escape::{escaped, is_shown};
 use pfront_cli::executor::quieten_drivers;
-use pfront_cli::output::{out, remove_half_written_on_interrupt};
+use pfront_cli::output::{out, remove_half_written};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Exit codes that a script can tell apart; 2 is also what clap exits with.
 const NOTHING_MEETS: u8 = 1;
 const REFUSED: u8 = 2;
 
+/// Ends with what is wrong with the command line, which may name files.
+fn refuse(error: clap::Error) -> Cli {
+    let is_shown = |word: OsString| word.to_string_lossy().chars().all(is_shown);
+    if error.use_stderr() && !std::env::args_os().all(is_shown) {
+        eprintln!("{}", escaped(&error.render().to_string()));
+        std::process::exit(REFUSED.into());
+    }
+    error.exit()
+}
+
 fn main() -> ExitCode {
     quieten_drivers();
-    let command = Cli::parse().command;
-    let done = remove_half_written_on_interrupt().and_then(|()| match command {
+    let command = Cli::try_parse().unwrap_or_else(refuse).command;
+    let done = remove_half_written().and_then(|()| match command {
         None => command::bench::demo(),
         Some(Command::Pairs { meshes, listing, executor }) => {
             command::pairs::run(&meshes, &listing, &executor)
@@ -41,7 +53,7 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => NOTHING_MEETS.into(),
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", escaped(&format!("{error:#}")));
             REFUSED.into()
         }
     }

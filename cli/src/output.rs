@@ -52,11 +52,13 @@ static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// The exit code of a command that was interrupted, as shells have it.
 const INTERRUPTED: i32 = 130;
 
-/// Has an interrupt, as by Ctrl-C, remove what is half written before it ends the process, and say so.
+/// Has an interrupt, as by Ctrl-C, remove what is half written before it ends the process, and say so. A file that grows
+/// beyond what the system allows ends no process: writing fails, as on a full disk.
 ///
 /// # Errors
 /// If the system takes no handler.
-pub fn remove_half_written_on_interrupt() -> Result<()> {
+pub fn remove_half_written() -> Result<()> {
+    fail_beyond_size_limit();
     ctrlc::set_handler(|| {
         let files = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
         for file in files.iter() {
@@ -68,6 +70,18 @@ pub fn remove_half_written_on_interrupt() -> Result<()> {
     })?;
     Ok(())
 }
+
+#[cfg(unix)]
+fn fail_beyond_size_limit() {
+    #[expect(unsafe_code, reason = "the standard library ignores SIGPIPE, and not SIGXFSZ")]
+    // SAFETY: no handler is installed, and nobody else in this process has asked for this signal.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
+    }
+}
+
+#[cfg(not(unix))]
+fn fail_beyond_size_limit() {}
 
 /// A file being written. Until [`Draft::finish`] it has another name, so that whatever goes wrong, no half
 /// of it stands where a whole one is expected, or stood, or is still being read.
@@ -91,7 +105,7 @@ impl Draft {
     /// If nothing can be written there; so for [`Draft::finish`].
     pub fn new(path: &Path) -> Result<Self> {
         // A link stays one.
-        let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let path = &linked(path).with_context(|| format!("cannot write {}", path.display()))?;
         let special = path.metadata().is_ok_and(|found| !found.is_file());
         let target = if special {
             File::options().write(true).open(path).map(Target::Special)
@@ -116,6 +130,20 @@ impl Draft {
         });
         named.with_context(|| format!("cannot write {}", path.display()))
     }
+}
+
+/// The file that a link leads to, which need not be there; or the path itself.
+fn linked(path: &Path) -> io::Result<PathBuf> {
+    // As many links as Linux follows.
+    let mut path = path.to_owned();
+    for _ in 0..40 {
+        if let Ok(whole) = path.canonicalize() {
+            return Ok(whole);
+        }
+        let Ok(target) = path.read_link() else { return Ok(path) };
+        path = path.parent().unwrap_or(Path::new("")).join(target);
+    }
+    Err(io::Error::other("a link leads back to itself"))
 }
 
 /// The lock is held until the name is known, so that no interrupt comes between.

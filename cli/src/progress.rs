@@ -1,6 +1,7 @@
 //! A sign of life on a terminal.
 
 use indicatif::ProgressBar;
+use pfront_cli::escape::escaped;
 use std::io::{IsTerminal, stderr};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
@@ -19,7 +20,7 @@ pub(crate) fn shown<T>(what: String, work: impl FnOnce() -> T) -> T {
         let (done, waiting) = channel::<()>();
         scope.spawn(move || {
             if waiting.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
-                let spinner = ProgressBar::new_spinner().with_message(what);
+                let spinner = ProgressBar::new_spinner().with_message(escaped(&what).into_owned());
                 spinner.enable_steady_tick(TICK);
                 // Ends when `done` is dropped.
                 let _ = waiting.recv();

@@ -5,6 +5,8 @@
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod capped;
+#[path = "broken/large.rs"]
+mod large;
 
 use capped::{FEW, run, run_within};
 use pfront_testkit::rng::{Rng, seeded};

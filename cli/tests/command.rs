@@ -8,8 +8,12 @@ mod bake;
 mod gpu;
 #[path = "command/input.rs"]
 mod input;
+#[path = "command/names.rs"]
+mod names;
 #[path = "command/output.rs"]
 mod output;
+#[path = "command/outside.rs"]
+mod outside;
 #[path = "command/scene.rs"]
 mod scene;
 

@@ -64,11 +64,12 @@ mod mirror;
 mod plan;
 mod run;
 
-pub(crate) use cancel::{list, visit};
+pub(crate) use cancel::{BLOCK, check, list, sort, visit};
 #[cfg(feature = "gpu")]
 pub(crate) use device::{Device, read};
 #[cfg(feature = "gpu")]
 pub(crate) use mirror::Mirrors;
+pub(crate) use plan::CpuPart;
 pub use plan::{Backend, Plan, Reason};
 pub(crate) use run::{Answer, Question, Run, Verb};
 
@@ -197,8 +198,8 @@ impl Executor {
     }
 
     /// The same with a flag that ends its queries early: as soon as it is true they return [`Error::Cancelled`](crate::Error)
-    /// within some 0.1 ms of traversal, on one thread and on several, and keep nothing of that frame. What is not a traversal is
-    /// not interrupted: boxes of a scene, sorting, a GPU. Batches have tickets for that. Nobody but the caller clears the flag. One
+    /// within some 0.1 ms of traversal, on one thread and on several, and keep nothing of that frame. What is not interrupted: a
+    /// BVH that is built or refitted, and a GPU. Batches have tickets for that. Nobody but the caller clears the flag. One
     /// that is cleared before a traversal has seen it ends nothing; no query returns a part of an answer.
     ///
     /// # Examples

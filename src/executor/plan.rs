@@ -1,6 +1,8 @@
 //! The backend that answered the last frame, and the reason.
 
 use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::thread::{self, ThreadId};
 use std::time::Duration;
 
 /// The part of an executor that answers a frame.
@@ -15,6 +17,47 @@ pub enum Backend {
     Threads,
     /// The GPU.
     Gpu,
+    /// The GPU, and the CPU for what only that answers: pairs of bodies in f64, and contacts.
+    GpuAndCpu,
+}
+
+impl Backend {
+    /// This and a part of the CPU.
+    pub(crate) fn and(self, cpu: Self) -> Self {
+        match (self, cpu) {
+            (Self::Gpu | Self::GpuAndCpu, _) => Self::GpuAndCpu,
+            (Self::Threads, _) | (_, Self::Threads) => Self::Threads,
+            _ => cpu,
+        }
+    }
+}
+
+/// Sees which part of the CPU works: the calling thread alone, or others.
+#[derive(Debug)]
+pub(crate) struct CpuPart {
+    caller: ThreadId,
+    is_other: AtomicBool,
+}
+
+impl CpuPart {
+    /// Nobody has worked yet; the calling thread is this one.
+    pub(crate) fn new() -> Self {
+        Self { caller: thread::current().id(), is_other: AtomicBool::new(false) }
+    }
+
+    /// To be called by whoever works.
+    pub(crate) fn works(&self) {
+        if thread::current().id() != self.caller {
+            self.is_other.store(true, Relaxed);
+        }
+    }
+
+    pub(crate) fn backend(&self) -> Backend {
+        match self.is_other.load(Relaxed) {
+            true => Backend::Threads,
+            false => Backend::Sequential,
+        }
+    }
 }
 
 /// The reason for a choice of backend.
@@ -37,6 +80,8 @@ pub enum Reason {
     Inexact,
     /// A model or a pose is in f64, about which a GPU answers questions about two models only.
     InF64,
+    /// Only a CPU answers this: contacts, visits, and which bodies meet.
+    CpuOnly,
     /// The GPU has failed: see [`Plan::failure`].
     GpuFailed,
 }
@@ -74,6 +119,7 @@ impl fmt::Display for Backend {
             Self::Sequential => "one thread",
             Self::Threads => "threads",
             Self::Gpu => "GPU",
+            Self::GpuAndCpu => "GPU and CPU",
         })
     }
 }
@@ -89,6 +135,7 @@ impl fmt::Display for Reason {
             Self::Check => "to see whether the CPU has become faster",
             Self::Inexact => "a GPU answers exactly, and that was not asked for",
             Self::InF64 => "a GPU answers about f64 for two models only",
+            Self::CpuOnly => "only a CPU answers this",
             Self::GpuFailed => "the GPU has failed",
         })
     }

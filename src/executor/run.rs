@@ -85,9 +85,14 @@ pub(crate) trait Question {
     #[cfg(feature = "gpu")]
     fn to_upload(&mut self) -> usize;
 
-    /// Brings the GPU what it lacks, and asks it.
+    /// Brings the GPU what it lacks, and asks it; about the rest, if it leaves any, the CPU of the executor.
     #[cfg(feature = "gpu")]
-    fn on_gpu(&mut self, device: &Device, verb: Verb) -> Result<Self::Answer, Error>;
+    fn on_gpu(
+        &mut self,
+        device: &Device,
+        cpu: &mut Executor,
+        verb: Verb,
+    ) -> Result<Self::Answer, Error>;
 }
 
 /// The history of a query on its executor.
@@ -245,19 +250,8 @@ impl Run {
         verb: Verb,
         reason: Reason,
     ) -> Result<Q::Answer, Error> {
-        #[cfg(feature = "threads")]
-        if let Some(traversal) = &mut self.executor.traversal {
-            // A question that ends before it traverses anything leaves the report as it was.
-            traversal.report.cancelled = false;
-            let answer = question.on_threads(traversal, verb);
-            let (called, cancelled) =
-                (!traversal.report.shares.is_empty(), traversal.report.cancelled);
-            self.note(if called { Backend::Threads } else { Backend::Sequential }, reason);
-            return answer
-                .and_then(|answer| if cancelled { Err(Error::Cancelled) } else { Ok(answer) });
-        }
-        let answer = question.on_one_thread(verb, self.executor.cancel_flag());
-        self.note(Backend::Sequential, reason);
+        let (backend, answer) = self.executor.on_cpu(question, verb);
+        self.note(backend, reason);
         answer
     }
 
@@ -268,12 +262,64 @@ impl Run {
         if is_set { Err(Error::Cancelled) } else { Ok(answer) }
     }
 
+    /// Takes note that a part of the CPU has answered, whatever the executor has.
+    pub(crate) fn note_cpu(&mut self, backend: Backend) {
+        #[cfg(feature = "gpu")]
+        let reason = match self.executor.device.is_some() {
+            true => Reason::CpuOnly,
+            false => Reason::NoChoice,
+        };
+        #[cfg(not(feature = "gpu"))]
+        let reason = Reason::NoChoice;
+        self.note(backend, reason);
+    }
+
+    /// Takes note that a part of the CPU has answered too, after what is noted.
+    pub(crate) fn note_also(&mut self, backend: Backend) {
+        match &mut self.last {
+            Some(plan) if plan.backend != Backend::Cached => {
+                plan.backend = plan.backend.and(backend);
+            }
+            _ => self.note_cpu(backend),
+        }
+    }
+
+    /// The executor of the query.
+    pub(crate) fn executor(&self) -> &Executor {
+        &self.executor
+    }
+
     fn note(&mut self, backend: Backend, reason: Reason) {
         #[cfg(feature = "gpu")]
         let failure = self.failure.reason().map(str::to_owned);
         #[cfg(not(feature = "gpu"))]
         let failure = None;
         self.last = Some(Plan { backend, reason, predicted: None, failure });
+    }
+}
+
+impl Executor {
+    /// Answers on the CPU, and tells which part of it did.
+    pub(crate) fn on_cpu<Q: Question>(
+        &mut self,
+        question: &mut Q,
+        verb: Verb,
+    ) -> (Backend, Result<Q::Answer, Error>) {
+        #[cfg(feature = "threads")]
+        if let Some(traversal) = &mut self.traversal {
+            // A question that ends before it traverses anything leaves the report as it was.
+            traversal.report.cancelled = false;
+            traversal.report.shares.clear();
+            let answer = question.on_threads(traversal, verb);
+            let (called, cancelled) =
+                (!traversal.report.shares.is_empty(), traversal.report.cancelled);
+            let backend = if called { Backend::Threads } else { Backend::Sequential };
+            let answer = answer
+                .and_then(|answer| if cancelled { Err(Error::Cancelled) } else { Ok(answer) });
+            return (backend, answer);
+        }
+        let answer = question.on_one_thread(verb, self.cancel_flag());
+        (Backend::Sequential, answer)
     }
 }
 
@@ -308,7 +354,7 @@ impl Run {
             return self.on_cpu(question, verb, Reason::InF64);
         }
         let Some(line) = &device.line else {
-            let answer = question.on_gpu(device, verb);
+            let answer = question.on_gpu(device, &mut self.executor, verb);
             self.note(Backend::Gpu, Reason::NoChoice);
             return self.unless_cancelled(answer?);
         };
@@ -336,7 +382,9 @@ impl Run {
         let (by_gpu, reason) = choice.choose(line, line.upload(to_upload));
         let predicted = choice.predicted(line);
         let answer = match by_gpu {
-            true => question.on_gpu(device, verb).and_then(|answer| self.unless_cancelled(answer)),
+            true => question
+                .on_gpu(device, &mut self.executor, verb)
+                .and_then(|answer| self.unless_cancelled(answer)),
             false => self.on_cpu(question, verb, reason),
         };
         match answer {
@@ -346,7 +394,12 @@ impl Run {
                 self.failure.failed(error.to_string(), is_lost);
                 self.on_cpu(question, verb, Reason::GpuFailed)
             }
-            Err(error) => Err(error),
+            Err(error) => {
+                if by_gpu {
+                    self.note(Backend::Gpu, reason);
+                }
+                Err(error)
+            }
             Ok(answer) => {
                 let time = clock.elapsed() + moving;
                 self.choices[verb as usize].took(line, by_gpu, to_upload > 0, time);

@@ -2,34 +2,33 @@
 
 #[cfg(feature = "threads")]
 use super::batches::Batches;
-use super::bodies::Bodies;
 #[cfg(feature = "gpu")]
-use super::bodies::Body;
-use super::broad::Broad;
+use super::cache::merge;
 #[cfg(feature = "gpu")]
 use super::device::Mirror;
 use super::frame::{Answer, Frame};
-use super::{Accuracy, Error, SceneHit};
+use super::{Error, SceneHit};
 #[cfg(feature = "gpu")]
-use crate::executor::Device;
-use crate::executor::{Question, Verb, list, visit};
+use crate::Accuracy;
+#[cfg(feature = "gpu")]
+use crate::executor::{Backend, Device, Executor};
+use crate::executor::{Question, Verb, list, sort, visit};
 #[cfg(feature = "threads")]
 use crate::threads::Traversal;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
 pub(super) struct Asking<'s> {
-    pub(super) accuracy: Accuracy,
-    /// Hits are known of pairs of bodies that have not changed since then.
-    pub(super) since: u64,
-    pub(super) bodies: &'s mut Bodies,
-    pub(super) broad: &'s mut Broad,
+    pub(super) frame: Frame<'s>,
     /// New hits; empty.
     pub(super) hits: &'s mut Vec<SceneHit>,
     #[cfg(feature = "threads")]
     pub(super) batches: &'s mut Batches,
     #[cfg(feature = "gpu")]
     pub(super) mirror: &'s mut Mirror,
+    /// The part of the CPU that answered about pairs in f64, beside a GPU.
+    #[cfg(feature = "gpu")]
+    pub(super) beside: Option<Backend>,
 }
 
 impl Question for Asking<'_> {
@@ -37,25 +36,25 @@ impl Question for Asking<'_> {
 
     #[cfg(feature = "gpu")]
     fn accuracy(&self) -> Accuracy {
-        self.accuracy
+        self.frame.accuracy
     }
 
+    /// Where no pair is in f32 only.
     #[cfg(feature = "gpu")]
     fn is_for_cpu(&self) -> bool {
-        self.bodies.iter().any(Body::is_f64)
+        self.frame.bodies.in_f64() > 0 && self.frame.in_f64(false).pairs().next().is_none()
     }
 
     fn on_one_thread(&mut self, verb: Verb, cancel: Option<&AtomicBool>) -> Result<Answer, Error> {
-        self.broad.update(self.bodies)?;
-        let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
+        let Self { frame, hits, .. } = self;
         Ok(match verb {
             Verb::All => {
                 for (bodies, query) in frame.queries() {
-                    let first = self.hits.len();
-                    list(&query, cancel, self.hits, |pair| SceneHit { bodies, pair })?;
-                    self.hits[first..].sort_unstable();
+                    let first = hits.len();
+                    list(&query, cancel, hits, |pair| SceneHit { bodies, pair })?;
+                    sort(&mut hits[first..], cancel)?;
                 }
-                Answer::listed(self.hits)
+                Answer::listed(hits)
             }
             Verb::Count => {
                 let mut count = 0;
@@ -85,9 +84,7 @@ impl Question for Asking<'_> {
 
     #[cfg(feature = "threads")]
     fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Answer, Error> {
-        self.broad.update(self.bodies)?;
-        let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
-        self.batches.ask(traversal, &frame, verb, self.hits)
+        self.batches.ask(traversal, &self.frame, verb, self.hits)
     }
 
     /// A scene stays itself, whichever bodies it has.
@@ -98,13 +95,38 @@ impl Question for Asking<'_> {
 
     #[cfg(feature = "gpu")]
     fn to_upload(&mut self) -> usize {
-        self.mirror.lacks(self.bodies)
+        self.mirror.lacks(self.frame.bodies)
     }
 
+    /// Pairs with a body in f64 are asked about on the CPU beside, and both lists are merged.
     #[cfg(feature = "gpu")]
-    fn on_gpu(&mut self, device: &Device, verb: Verb) -> Result<Answer, Error> {
-        self.broad.update(self.bodies)?;
-        let frame = Frame::since(self.since, self.accuracy, self.bodies, self.broad);
-        Ok(self.mirror.ask(device, &frame, verb, self.hits)?)
+    fn on_gpu(&mut self, device: &Device, cpu: &mut Executor, verb: Verb) -> Result<Answer, Error> {
+        if self.frame.bodies.in_f64() == 0 {
+            return self.mirror.ask(device, &self.frame, verb, self.hits);
+        }
+        let whole = self.frame;
+        let own = self.mirror.ask(device, &whole.in_f64(false), verb, self.hits)?;
+        if own.first.is_some() && verb == Verb::Any {
+            return Ok(own);
+        }
+        let rest = whole.in_f64(true);
+        if rest.pairs().next().is_none() {
+            return Ok(own);
+        }
+        let found = std::mem::take(self.hits);
+        self.frame = rest;
+        let (backend, answer) = cpu.on_cpu(self, verb);
+        self.frame = whole;
+        self.beside = Some(backend);
+        let answer = answer?;
+        Ok(match verb {
+            Verb::All => {
+                let late = std::mem::replace(self.hits, found);
+                merge(self.hits, &late)?;
+                Answer::listed(self.hits)
+            }
+            Verb::Count => Answer::counted(own.count + answer.count),
+            Verb::Any => answer,
+        })
     }
 }

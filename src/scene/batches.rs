@@ -3,8 +3,8 @@
 use super::frame::{Answer, Frame};
 use super::{BodyId, SceneHit};
 use crate::Error;
-use crate::executor::Verb;
-use crate::memory::extend;
+use crate::executor::{BLOCK, Verb, check};
+use crate::memory::{extend, push, reserve};
 use crate::threads::{Hit, Report, Traversal};
 use pfront_core::bvtt::PairBvtt;
 
@@ -42,7 +42,10 @@ impl Batches {
                 let mut found = std::mem::take(&mut self.found);
                 self.each_batch(traversal, frame, |traversal, asked, queries| {
                     traversal.all(queries, &mut found)?;
-                    extend(hits, found.iter().map(|&found| hit(asked, found)))
+                    found.chunks(BLOCK).try_for_each(|block| {
+                        check(traversal.cancel.as_deref())?;
+                        extend(hits, block.iter().map(|&found| hit(asked, found)))
+                    })
                 })?;
                 self.found = found;
                 Answer::listed(hits)
@@ -63,8 +66,8 @@ impl Batches {
                 while first.is_none() && !traversal.report.cancelled {
                     self.asking.clear();
                     for (bodies, query) in rest.by_ref().take(size) {
-                        self.asking.push(bodies);
-                        queries.push(query);
+                        push(&mut self.asking, bodies)?;
+                        push(&mut queries, query)?;
                     }
                     if queries.is_empty() {
                         break;
@@ -93,12 +96,12 @@ impl Batches {
         loop {
             self.asking.clear();
             for (bodies, query) in rest.by_ref().take(BATCH) {
-                self.asking.push(bodies);
-                queries.push(query);
+                push(&mut self.asking, bodies)?;
+                push(&mut queries, query)?;
             }
             let is_last = rest.peek().is_none();
             if before.is_none() && is_last {
-                self.renumber(traversal);
+                self.renumber(traversal)?;
             } else {
                 // The costs of other pairs of bodies tell nothing of these.
                 traversal.forget();
@@ -120,9 +123,9 @@ impl Batches {
     }
 
     /// Makes the bodies of this frame those of the last, and keeps what is remembered of pairs that are in both.
-    fn renumber(&mut self, traversal: &mut Traversal) {
+    fn renumber(&mut self, traversal: &mut Traversal) -> Result<(), Error> {
         if self.asking == self.asked {
-            return;
+            return Ok(());
         }
         // Both ascend, so that one pass finds them all.
         let mut rest = (0..).zip(&self.asking).peekable();
@@ -130,9 +133,12 @@ impl Batches {
             while rest.next_if(|(_, new)| *new < bodies).is_some() {}
             rest.next_if(|(_, new)| *new == bodies).map(|(number, _)| number)
         };
-        let numbers: Vec<_> = self.asked.iter().map(number).collect();
+        let mut numbers = Vec::new();
+        reserve(&mut numbers, self.asked.len())?;
+        numbers.extend(self.asked.iter().map(number));
         traversal.renumber(|old| numbers[old as usize]);
         std::mem::swap(&mut self.asked, &mut self.asking);
+        Ok(())
     }
 }
 

@@ -1,11 +1,12 @@
 //! The bodies of a scene, in the order in which they were added.
 
+use crate::memory::reserve;
 use crate::sphere::Sphere;
 use crate::{Aabb, AnyPose, Error, Model};
 use pfront_core::bvtt::PosedBvh;
 use std::collections::BTreeSet;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Names a body of one scene for good: no id is ever used again. Ids ascend in the order of adding.
 ///
@@ -87,7 +88,11 @@ pub struct Body {
     id: BodyId,
     pub(super) model: Arc<Model>,
     pose: AnyPose,
-    bounds: Option<(Aabb, Sphere)>,
+    aabb: Option<Aabb>,
+    /// Made when a box of another body first overlaps that of this one.
+    sphere: OnceLock<Sphere>,
+    /// When it got the mesh that it has.
+    meshed: u64,
     pub(super) groups: Groups,
     pub(super) user_data: u64,
 }
@@ -127,16 +132,21 @@ impl Body {
     /// triangle.
     #[must_use]
     pub fn aabb(&self) -> Option<Aabb> {
-        Some(self.bounds?.0)
+        self.aabb
     }
 
-    /// The box of [`Self::aabb`], and a sphere that contains every posed vertex too.
-    pub(super) fn bounds(&self) -> Option<(Aabb, Sphere)> {
-        self.bounds
+    /// A sphere in the world that contains every posed vertex, rounding included.
+    ///
+    /// # Complexity
+    /// O(n) for a model of n triangles that no body has asked about since it changed, else O(1).
+    pub(super) fn sphere(&self) -> Sphere {
+        *self.sphere.get_or_init(|| match self.model.sphere() {
+            Some(sphere) => sphere.posed(&self.pose.to_f64()),
+            None => Sphere { centre: [0.0; 3], radius: f32::INFINITY },
+        })
     }
 
     /// Whether the model or the pose is in f64.
-    #[cfg(feature = "gpu")]
     pub(super) fn is_f64(&self) -> bool {
         self.pose.is_f64() || self.model.is_f64()
     }
@@ -150,9 +160,8 @@ impl Body {
 
     /// To be called when the shape has changed, within what the pose can take.
     pub(super) fn reshaped(&mut self) {
-        let aabb = self.placed().aabb();
-        self.bounds =
-            aabb.and_then(|aabb| Some((aabb, self.model.sphere()?.posed(&self.pose.to_f64()))));
+        self.aabb = self.placed().aabb();
+        self.sphere.take();
     }
 
     pub(super) fn placed(&self) -> PosedBvh<'_> {
@@ -160,30 +169,43 @@ impl Body {
     }
 }
 
-/// Bodies by ascending id. What is removed leaves a gap until the next frame.
+/// Bodies by ascending id. What is removed leaves a gap until the next frame, or until there are more gaps than bodies.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     /// The ids, and when each body has last changed, or [`GONE`]: apart, since far more is asked of these.
     known: Vec<(BodyId, u64)>,
     bodies: Vec<Option<Body>>,
     live: usize,
+    /// How many bodies are in f64.
+    in_f64: usize,
     next: u64,
     /// Counts changes.
     time: u64,
     /// When a body last came or went.
     gathered: u64,
+    /// When a body last went, or its mesh did.
+    lost: u64,
     /// The places of bodies that have changed, some twice; as soon as there are more than bodies, not of all.
     moved: Vec<u32>,
-    /// Pairs that are not asked about, the first id before the second.
+    /// Pairs that are not asked about, each in both orders, so that those of one body are together.
     ignored: BTreeSet<[BodyId; 2]>,
 }
 
 /// Later than any change.
 const GONE: u64 = u64::MAX;
 
+/// So many gaps are kept, however few bodies there are.
+const GAPS: usize = 32;
+
 impl Bodies {
     pub(super) fn len(&self) -> usize {
         self.live
+    }
+
+    /// How many bodies are in f64.
+    #[cfg(feature = "gpu")]
+    pub(super) fn in_f64(&self) -> usize {
+        self.in_f64
     }
 
     /// Time of the last change; 0 before any.
@@ -194,6 +216,16 @@ impl Bodies {
     /// When a body last came or went.
     pub(super) fn gathered(&self) -> u64 {
         self.gathered
+    }
+
+    /// When a body last went, or its mesh did.
+    pub(super) fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Whether two bodies are there, with the meshes that they had at this time.
+    pub(super) fn have_stayed(&self, two: [BodyId; 2], time: u64) -> bool {
+        two.iter().all(|&id| self.get(id).is_ok_and(|body| body.meshed <= time))
     }
 
     /// Whether every body has changed since then.
@@ -230,15 +262,25 @@ impl Bodies {
 
     pub(super) fn add(&mut self, model: Arc<Model>, pose: AnyPose) -> Result<BodyId, Error> {
         let id = BodyId(self.next);
-        let groups = Groups::default();
-        let mut body = Body { id, model, pose, bounds: None, groups, user_data: 0 };
+        let (groups, sphere) = (Groups::default(), OnceLock::new());
+        let meshed = self.time + 1;
+        let mut body = Body { id, model, pose, aabb: None, sphere, meshed, groups, user_data: 0 };
         body.set_pose(pose)?;
+        let is_f64 = body.is_f64();
+        self.reserve(1)?;
+        self.bodies.push(Some(body));
+        self.in_f64 += usize::from(is_f64);
         self.regathered();
         self.known.push((id, self.time));
-        self.bodies.push(Some(body));
         self.live += 1;
         self.next += 1;
         Ok(id)
+    }
+
+    /// Makes room for so many more bodies.
+    pub(super) fn reserve(&mut self, additional: usize) -> Result<(), Error> {
+        reserve(&mut self.known, additional)?;
+        reserve(&mut self.bodies, additional)
     }
 
     pub(super) fn get(&self, id: BodyId) -> Result<&Body, Error> {
@@ -253,42 +295,82 @@ impl Bodies {
         change: impl FnOnce(&mut Body) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let place = self.place(id).ok_or(Error::StaleBody { id })?;
-        change(self.bodies[place].as_mut().ok_or(Error::StaleBody { id })?)?;
+        let body = self.bodies[place].as_mut().ok_or(Error::StaleBody { id })?;
+        // With as many as that it no longer pays to know which.
+        let is_listed = self.moved.len() <= self.live;
+        if is_listed {
+            reserve(&mut self.moved, 1)?;
+        }
+        let was_f64 = body.is_f64();
+        change(body)?;
+        self.in_f64 = self.in_f64 + usize::from(body.is_f64()) - usize::from(was_f64);
         self.time += 1;
         self.known[place].1 = self.time;
-        // With as many as that it no longer pays to know which.
-        if self.moved.len() <= self.live {
+        if is_listed {
             self.moved.push(place as u32);
         }
         Ok(())
     }
 
+    /// Gives a body another mesh.
+    pub(super) fn set_mesh(&mut self, id: BodyId, model: Arc<Model>) -> Result<(), Error> {
+        let meshed = self.time + 1;
+        self.change(id, |body| {
+            body.pose.check(model.bvh())?;
+            (body.model, body.meshed) = (model, meshed);
+            body.reshaped();
+            Ok(())
+        })?;
+        self.regathered();
+        self.lost = self.time;
+        Ok(())
+    }
+
+    /// # Complexity
+    /// O(m log n) if m of n ignored pairs are of this body; amortised over the bodies that are removed.
     pub(super) fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
         let place = self.place(id).ok_or(Error::StaleBody { id })?;
         let body = self.bodies[place].take().ok_or(Error::StaleBody { id })?;
         self.known[place].1 = GONE;
         self.live -= 1;
+        self.in_f64 -= usize::from(body.is_f64());
         self.regathered();
-        self.ignored.retain(|two| !two.contains(&id));
+        self.lost = self.time;
+        let own = [id, BodyId(0)]..=[id, BodyId(u64::MAX)];
+        while let Some(&[_, other]) = self.ignored.range(own.clone()).next() {
+            self.ignored.remove(&[id, other]);
+            self.ignored.remove(&[other, id]);
+        }
+        if self.bodies.len() - self.live > self.live + GAPS {
+            self.compact();
+        }
         Ok(body)
     }
 
     /// Ignores two bodies, or no longer.
-    pub(super) fn ignore(&mut self, mut two: [BodyId; 2], ignored: bool) -> Result<(), Error> {
-        two.sort_unstable();
+    pub(super) fn ignore(&mut self, two: [BodyId; 2], ignored: bool) -> Result<(), Error> {
         for id in two {
             self.get(id)?;
         }
-        let is_new = if ignored { self.ignored.insert(two) } else { self.ignored.remove(&two) };
-        if is_new {
-            // Hits that are kept of the two are no longer true, or no longer all.
-            self.change(two[0], |_| Ok(()))?;
+        let [a, b] = two;
+        if self.ignored.contains(&[a, b]) == ignored {
+            return Ok(());
+        }
+        // Hits that are kept of the two are no longer true, or no longer all.
+        self.change(a, |_| Ok(()))?;
+        for pair in [[a, b], [b, a]] {
+            if ignored {
+                self.ignored.insert(pair)
+            } else {
+                self.ignored.remove(&pair)
+            };
         }
         Ok(())
     }
 
     pub(super) fn ignored(&self) -> impl Iterator<Item = [BodyId; 2]> {
-        self.ignored.iter().copied()
+        // A body may ignore itself, which means nothing.
+        self.ignored.iter().copied().filter(|[a, b]| a <= b)
     }
 
     /// Whether two bodies are asked about if their bounds overlap, by their places.
@@ -296,6 +378,11 @@ impl Bodies {
         let [Some(a), Some(b)] = two.map(|place| self.at(place)) else { return false };
         a.groups.meet(&b.groups)
             && (self.ignored.is_empty() || !self.ignored.contains(&[a.id, b.id]))
+    }
+
+    /// Whether one of two bodies is in f64, by their places.
+    pub(super) fn is_f64(&self, two: [u32; 2]) -> bool {
+        self.in_f64 > 0 && two.iter().any(|&place| self.at(place).is_some_and(Body::is_f64))
     }
 
     pub(super) fn get_mut(&mut self, id: BodyId) -> Result<&mut Body, Error> {

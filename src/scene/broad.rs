@@ -5,13 +5,16 @@
 //! that overlap are those of a self-query that looks at boxes only. Where few bodies have moved, only their
 //! boxes go down that BVH, and all other pairs are those of the last frame.
 
-use super::bodies::Bodies;
+use super::bodies::{Bodies, Body};
 use super::cache::merge;
+use crate::executor::{BLOCK, check, visit};
+use crate::memory::{copy, push, reserve};
 use crate::sphere::Sphere;
 use crate::{Aabb, BuildOptions, Error, Model};
 use pfront_core::bvh::MAX_DEPTH;
-use pfront_core::bvtt::{Query, SelfBvtt};
+use pfront_core::bvtt::SelfBvtt;
 use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 
 /// Two bodies by their places in the list.
 pub(super) type Places = [u32; 2];
@@ -25,7 +28,8 @@ pub(super) struct Broad {
     boxes: Option<Model>,
     /// Smallest and largest corner of each box.
     corners: Vec<[f32; 3]>,
-    spheres: Vec<Sphere>,
+    /// The sphere of each box that one of another body has overlapped.
+    spheres: Vec<Option<Sphere>>,
     /// The place of the body of each box: empty ones have none.
     places: Vec<u32>,
     pairs: Vec<Places>,
@@ -46,7 +50,14 @@ impl Broad {
     /// # Complexity
     /// O(n + pairs) for n bodies, O(n log n) when their number has changed. With m of them moving, the box
     /// tests are O(m log n + pairs).
-    pub(super) fn update(&mut self, bodies: &mut Bodies) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] once the flag is set, [`Error::Memory`]; [`Error::Mesh`] if there are more than 2^31 bodies.
+    pub(super) fn update(
+        &mut self,
+        bodies: &mut Bodies,
+        cancel: Option<&AtomicBool>,
+    ) -> Result<(), Error> {
         if self.at == bodies.time() {
             return Ok(());
         }
@@ -55,87 +66,103 @@ impl Broad {
         self.found_since = None;
         let known = bodies.take_moved(&mut self.moved) && bodies.gathered() <= at;
         if known && self.moved.len() < self.places.len() / MANY {
-            self.update_moved(bodies, at)?;
+            self.update_moved(bodies, at, cancel)?;
         } else {
-            self.update_all(bodies)?;
+            self.update_all(bodies, cancel)?;
         }
         self.at = bodies.time();
         Ok(())
     }
 
-    fn update_all(&mut self, bodies: &Bodies) -> Result<(), Error> {
+    fn update_all(&mut self, bodies: &Bodies, cancel: Option<&AtomicBool>) -> Result<(), Error> {
         self.corners.clear();
         self.spheres.clear();
         self.places.clear();
+        reserve(&mut self.corners, 2 * bodies.len())?;
+        reserve(&mut self.places, bodies.len())?;
+        reserve(&mut self.spheres, bodies.len())?;
         for (body, place) in bodies.iter().zip(0..) {
-            if let Some((aabb, sphere)) = body.bounds() {
+            if let Some(aabb) = body.aabb() {
                 self.corners.extend([aabb.min, aabb.max]);
-                self.spheres.push(sphere);
                 self.places.push(place);
             }
         }
+        self.spheres.resize(self.places.len(), None);
+        check(cancel)?;
         let boxes = match &mut self.boxes {
             Some(model) if model.mesh().triangles().len() == self.places.len() => {
                 model.set_positions(&self.corners)?;
                 model
             }
             _ => {
-                let diagonals =
-                    (0..self.places.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]);
-                let (corners, options) = (
-                    self.corners.clone(),
-                    BuildOptions { leaf_size: 2, ..BuildOptions::default() },
-                );
-                let model = Model::with_options(corners, diagonals.collect(), options)?;
+                let mut diagonals = Vec::new();
+                reserve(&mut diagonals, self.places.len())?;
+                let count = self.places.len() as u32;
+                diagonals.extend((0..count).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]));
+                let options = BuildOptions { leaf_size: 2, ..BuildOptions::default() };
+                let model = Model::with_options(copy(&self.corners)?, diagonals, options)?;
                 let model = self.boxes.insert(model);
                 model.reserve();
                 model
             }
         };
+        check(cancel)?;
         let query = SelfBvtt::new(boxes.bvh()).boxes_only();
-        self.pairs.clear();
-        let _ = query.visit(&mut query.start(), |pair| {
+        let Self { pairs, spheres, places, .. } = self;
+        pairs.clear();
+        let mut pushed = Ok(());
+        visit(&query, cancel, |pair| {
             let [a, b] = [pair.a, pair.b].map(|i| i as usize);
-            if self.spheres[a].overlaps(&self.spheres[b]) {
-                self.pairs.push([self.places[a], self.places[b]]);
+            if overlap(bodies, places, spheres, [a, b]) {
+                pushed = push(pairs, [places[a], places[b]]);
             }
-            ControlFlow::Continue(())
-        });
+            if pushed.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        })?;
+        pushed?;
         // No pair of bodies that have moved is known by itself now, so its memory is free.
         let bodies = self.places.last().map_or(0, |last| *last as usize + 1);
-        sort(&mut self.pairs, &mut self.found, &mut self.starts, bodies);
-        Ok(())
+        sort(&mut self.pairs, &mut self.found, &mut self.starts, bodies, cancel)
     }
 
     /// Where the bodies are those of the last frame, at the time `at`, and few have moved.
-    fn update_moved(&mut self, bodies: &Bodies, at: u64) -> Result<(), Error> {
+    fn update_moved(
+        &mut self,
+        bodies: &Bodies,
+        at: u64,
+        cancel: Option<&AtomicBool>,
+    ) -> Result<(), Error> {
         let Some(boxes) = &mut self.boxes else { return Ok(()) };
         for &place in &self.moved {
             let (Ok(i), Some(body)) = (self.places.binary_search(&place), bodies.at(place)) else {
                 continue;
             };
-            if let Some((aabb, sphere)) = body.bounds() {
+            if let Some(aabb) = body.aabb() {
                 self.corners[2 * i..][..2].copy_from_slice(&[aabb.min, aabb.max]);
-                self.spheres[i] = sphere;
+                self.spheres[i] = None;
             }
         }
         boxes.set_positions(&self.corners)?;
+        check(cancel)?;
         self.pairs.retain(|&pair| bodies.changed_at(pair) <= at);
-        self.found.clear();
+        let Self { found, spheres, places, .. } = self;
+        found.clear();
+        let mut pushed = Ok(());
         for &place in &self.moved {
-            let Ok(own) = self.places.binary_search(&place) else { continue };
+            check(cancel)?;
+            let Ok(own) = places.binary_search(&place) else { continue };
             let [min, max] = [self.corners[2 * own], self.corners[2 * own + 1]];
             overlapping(boxes, &Aabb { min, max }, |i| {
-                let other = self.places[i];
+                let other = places[i];
                 // If two have moved, the first finds the second.
                 let once = other > place || other < place && bodies.changed_at([other; 2]) <= at;
-                if once && self.spheres[own].overlaps(&self.spheres[i]) {
-                    self.found.push([place.min(other), place.max(other)]);
+                if once && pushed.is_ok() && overlap(bodies, places, spheres, [own, i]) {
+                    pushed = push(found, [place.min(other), place.max(other)]);
                 }
             });
         }
-        self.found.sort_unstable();
-        merge(&mut self.pairs, &self.found, |pair| *pair);
+        pushed?;
+        crate::executor::sort(&mut self.found, cancel)?;
+        merge(&mut self.pairs, &self.found)?;
         self.found_since = Some(at);
         Ok(())
     }
@@ -154,6 +181,24 @@ impl Broad {
     }
 }
 
+/// Whether the spheres of two bodies overlap, whose boxes do, by the numbers of these.
+fn overlap(
+    bodies: &Bodies,
+    places: &[u32],
+    spheres: &mut [Option<Sphere>],
+    two: [usize; 2],
+) -> bool {
+    let [a, b] = two.map(|i| match spheres[i] {
+        Some(sphere) => Some(sphere),
+        None => {
+            spheres[i] = bodies.at(places[i]).map(Body::sphere);
+            spheres[i]
+        }
+    });
+    let (Some(a), Some(b)) = (a, b) else { return false };
+    a.overlaps(&b)
+}
+
 /// Sorts pairs of so many bodies: counting sorts by the second of each and then by the first, since comparing would take longer
 /// than it took to find them.
 ///
@@ -164,24 +209,36 @@ fn sort(
     scratch: &mut Vec<Places>,
     starts: &mut Vec<usize>,
     bodies: usize,
-) {
+    cancel: Option<&AtomicBool>,
+) -> Result<(), Error> {
+    scratch.clear();
+    starts.clear();
+    reserve(scratch, pairs.len())?;
+    reserve(starts, bodies + 1)?;
     for side in [1, 0] {
         starts.clear();
         starts.resize(bodies + 1, 0);
-        pairs.iter().for_each(|pair| starts[pair[side] as usize + 1] += 1);
+        for block in pairs.chunks(BLOCK) {
+            check(cancel)?;
+            block.iter().for_each(|pair| starts[pair[side] as usize + 1] += 1);
+        }
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
         scratch.clear();
         scratch.resize(pairs.len(), Places::default());
-        for pair in &*pairs {
-            let start = &mut starts[pair[side] as usize];
-            scratch[*start] = *pair;
-            *start += 1;
+        for block in pairs.chunks(BLOCK) {
+            check(cancel)?;
+            for pair in block {
+                let start = &mut starts[pair[side] as usize];
+                scratch[*start] = *pair;
+                *start += 1;
+            }
         }
         std::mem::swap(pairs, scratch);
     }
     scratch.clear();
+    Ok(())
 }
 
 /// The boxes that overlap one, which is perhaps among them.

@@ -1,7 +1,11 @@
 //! Answers that outlive their frame: two bodies that have not changed are not asked again.
 
 use super::bodies::{Bodies, BodyId};
-use super::{Contact, SceneHit};
+use super::{Contact, Error, SceneHit};
+use crate::executor::{BLOCK, check};
+use crate::memory::reserve;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// An answer about two bodies.
 pub(super) trait OfTwo: Copy {
@@ -21,17 +25,26 @@ impl OfTwo for (SceneHit, Contact) {
 }
 
 /// A list in order of bodies, and when it was complete.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Cache<T> {
     list: Vec<T>,
     at: u64,
-    /// Memory for the next list: empty.
-    next: Vec<T>,
+    /// Memory for the next list, or for `alive`: empty, with room for `list`.
+    next: Mutex<Vec<T>>,
+    /// What is left of `list` where bodies or their meshes have gone since; made when somebody looks.
+    alive: OnceLock<Vec<T>>,
 }
 
 impl<T> Default for Cache<T> {
     fn default() -> Self {
-        Self { list: Vec::new(), at: 0, next: Vec::new() }
+        Self { list: Vec::new(), at: 0, next: Mutex::default(), alive: OnceLock::new() }
+    }
+}
+
+impl<T: Clone> Clone for Cache<T> {
+    fn clone(&self) -> Self {
+        let next = Mutex::new(Vec::with_capacity(self.list.len()));
+        Self { list: self.list.clone(), at: self.at, next, alive: self.alive.clone() }
     }
 }
 
@@ -41,11 +54,32 @@ impl<T: OfTwo> Cache<T> {
         self.at
     }
 
-    pub(super) fn list(&self) -> &[T] {
-        &self.list
+    /// The list, without what tells of bodies or meshes that have gone.
+    pub(super) fn list(&self, bodies: &Bodies) -> &[T] {
+        if bodies.lost() <= self.at {
+            return &self.list;
+        }
+        self.alive.get_or_init(|| {
+            let mut alive =
+                std::mem::take(&mut *self.next.lock().unwrap_or_else(PoisonError::into_inner));
+            for piece in self.list.chunk_by(|x, y| x.bodies() == y.bodies()) {
+                if bodies.have_stayed(piece[0].bodies(), self.at) {
+                    alive.extend_from_slice(piece);
+                }
+            }
+            alive
+        })
+    }
+
+    /// To be called before a body or its mesh goes: then [`Cache::list`] has the memory that it needs.
+    pub(super) fn before_loss(&mut self) -> Result<(), Error> {
+        self.drop_lost();
+        let len = self.list.len();
+        reserve(self.next(), len)
     }
 
     pub(super) fn forget(&mut self) {
+        self.drop_lost();
         self.list.clear();
         self.at = 0;
     }
@@ -58,48 +92,93 @@ impl<T: OfTwo> Cache<T> {
 
     /// Adds what is said of all others, likewise in order, as of now. Whole pieces are copied into another
     /// list, which takes half the time of closing gaps and opening others in place. Where every body has changed, `new` is the
-    /// list, and is replaced by memory for another.
-    pub(super) fn complete(&mut self, new: &mut Vec<T>, bodies: &Bodies) {
+    /// list, and is replaced by memory for another. On error nothing changes.
+    pub(super) fn complete(
+        &mut self,
+        new: &mut Vec<T>,
+        bodies: &Bodies,
+        cancel: Option<&AtomicBool>,
+    ) -> Result<(), Error> {
         if self.at == bodies.time() {
-            return;
+            return Ok(());
         }
+        self.drop_lost();
         if bodies.all_changed_since(self.at) {
+            reserve(self.next(), new.len())?;
             std::mem::swap(&mut self.list, new);
             new.clear();
-            new.reserve(self.list.len());
-            self.next.reserve(self.list.len());
+            // Memory that is missing later is told of then.
+            let _ = reserve(new, self.list.len());
             self.at = bodies.time();
-            return;
+            return Ok(());
         }
-        let mut rest = new.as_slice();
-        let mut next = std::mem::take(&mut self.next);
+        let mut next = std::mem::take(self.next());
+        let merged = self.merged(new, bodies, cancel, &mut next);
+        if merged.is_ok() {
+            std::mem::swap(&mut self.list, &mut next);
+            self.at = bodies.time();
+        }
+        next.clear();
+        // The next list is the other one, whose turn comes later.
+        let _ = reserve(&mut next, self.list.len());
+        *self.next() = next;
+        merged
+    }
+
+    /// Fills `next` with what is still true and what is new.
+    fn merged(
+        &self,
+        new: &[T],
+        bodies: &Bodies,
+        cancel: Option<&AtomicBool>,
+        next: &mut Vec<T>,
+    ) -> Result<(), Error> {
+        let mut rest = new;
+        let mut copy = |piece: &[T]| -> Result<(), Error> {
+            reserve(next, piece.len())?;
+            for block in piece.chunks(BLOCK) {
+                check(cancel)?;
+                next.extend_from_slice(block);
+            }
+            Ok(())
+        };
         for piece in self.still_true(bodies) {
             let before = |said: &&T| said.bodies() < piece[0].bodies();
             let (first, others) = rest.split_at(rest.iter().take_while(before).count());
-            next.extend_from_slice(first);
-            next.extend_from_slice(piece);
+            copy(first)?;
+            copy(piece)?;
             rest = others;
         }
-        next.extend_from_slice(rest);
-        self.next = std::mem::replace(&mut self.list, next);
-        // The next list is the other one, whose turn comes later.
-        self.next.clear();
-        self.next.reserve(self.list.len());
-        self.at = bodies.time();
+        copy(rest)
+    }
+
+    /// Makes the list that of what has stayed, if it is known.
+    fn drop_lost(&mut self) {
+        if let Some(alive) = self.alive.take() {
+            let mut all = std::mem::replace(&mut self.list, alive);
+            all.clear();
+            *self.next() = all;
+        }
+    }
+
+    fn next(&mut self) -> &mut Vec<T> {
+        self.next.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// Merges two ascending lists without a third, from their ends. Equal keys are not in both.
-pub(super) fn merge<T: Copy, K: Ord>(list: &mut Vec<T>, rest: &[T], key: impl Fn(&T) -> K) {
+pub(super) fn merge<T: Copy + Ord>(list: &mut Vec<T>, rest: &[T]) -> Result<(), Error> {
     let mut left = list.len();
+    reserve(list, rest.len())?;
     list.extend_from_slice(rest);
     for (waiting, last) in rest.iter().enumerate().rev() {
-        while left > 0 && key(&list[left - 1]) > key(last) {
+        while left > 0 && list[left - 1] > *last {
             left -= 1;
             list[left + waiting + 1] = list[left];
         }
         list[left + waiting] = *last;
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -110,7 +189,7 @@ mod tests {
     fn merging_sorts() {
         for mask in 0..1 << 10_u32 {
             let (mut list, rest): (Vec<u32>, Vec<u32>) = (0..10).partition(|i| mask >> i & 1 == 0);
-            merge(&mut list, &rest, |x| *x);
+            merge(&mut list, &rest).unwrap();
             assert!(list.into_iter().eq(0..10));
         }
     }

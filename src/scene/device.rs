@@ -6,7 +6,8 @@ use super::frame::{Answer, Frame};
 use super::{BodyId, SceneHit};
 use crate::executor::{Device, Verb};
 use crate::gpu::{GpuError, World};
-use crate::{AnyPose, Model, Pose, Stamp};
+use crate::memory::{extend, push};
+use crate::{AnyPose, Error, Model, Pose, Stamp};
 use pfront_core::bvtt::TrianglePair;
 use std::collections::{HashMap, HashSet};
 
@@ -37,8 +38,9 @@ struct Scene {
     meshes: HashMap<Stamp, u32>,
     /// Triangles of the meshes there.
     triangles: usize,
-    /// The bodies there and the models of their meshes.
-    bodies: Vec<(BodyId, Stamp)>,
+    /// The bodies there and the models of their meshes; none of a body in f64, in whose place another stands that nothing asks
+    /// about.
+    bodies: Vec<(BodyId, Option<Stamp>)>,
     /// The time of the last frame that was asked there; 0 before the first.
     at: u64,
     pairs: Vec<Places>,
@@ -59,20 +61,20 @@ impl Mirror {
         if lack.times.replace(times) != Some(times) {
             let mut known: HashSet<Stamp> =
                 scene.iter().flat_map(|scene| scene.meshes.keys().copied()).collect();
-            let new = bodies.iter().filter(|body| known.insert(body.model().stamp()));
+            let new = in_f32(bodies).filter(|body| known.insert(body.model().stamp()));
             lack.triangles = new.map(|body| triangles(body.model())).sum();
         }
         lack.triangles
     }
 
-    /// Asks about the pairs of bodies of a frame.
+    /// Asks about the pairs of bodies of a frame, of which none is in f64.
     pub(super) fn ask(
         &mut self,
         device: &Device,
         frame: &Frame<'_>,
         verb: Verb,
         hits: &mut Vec<SceneHit>,
-    ) -> Result<Answer, GpuError> {
+    ) -> Result<Answer, Error> {
         let scene = match &mut self.scene {
             Some(scene) => scene,
             none => none.insert(Scene {
@@ -87,7 +89,9 @@ impl Mirror {
         scene.bring(frame.bodies)?;
         let Scene { world, pairs, .. } = scene;
         pairs.clear();
-        pairs.extend(frame.pairs());
+        for pair in frame.pairs() {
+            push(pairs, pair)?;
+        }
         let ids = |places: Places| {
             let [a, b] = places.map(|place| frame.bodies.at(place));
             Some([a?.id(), b?.id()])
@@ -98,10 +102,15 @@ impl Mirror {
         Ok(match verb {
             Verb::All => {
                 // Pairs are in the order of bodies, and so of ids.
+                let mut listed = Ok(());
                 world.visit(pairs, |places, of_two| {
                     let Some(bodies) = ids(places) else { return };
-                    hits.extend(of_two.iter().map(|&pair| SceneHit { bodies, pair }));
+                    if listed.is_ok() {
+                        let found = of_two.iter().map(|&pair| SceneHit { bodies, pair });
+                        listed = extend(hits, found);
+                    }
                 })?;
+                listed?;
                 Answer::listed(hits)
             }
             Verb::Count => Answer::counted(world.count(pairs)?),
@@ -117,11 +126,14 @@ impl Scene {
         let at = std::mem::take(&mut self.at);
         let is_there = at > 0 && bodies.gathered() <= at;
         let is_same =
-            |((_, stamp), body): (&(BodyId, Stamp), &super::Body)| *stamp == body.model().stamp();
+            |((_, own), body): (&(BodyId, Option<Stamp>), &super::Body)| *own == stamp(body);
         if is_there && self.bodies.iter().zip(bodies.iter()).all(is_same) {
             for (body, number) in bodies.iter().zip(0..) {
-                if bodies.changed([body.id(); 2]) > at {
-                    self.world.set_pose(number, in_f32(body))?;
+                if bodies.changed([body.id(); 2]) > at
+                    && let AnyPose::F32(pose) = body.pose()
+                    && !body.model().is_f64()
+                {
+                    self.world.set_pose(number, pose)?;
                 }
             }
         } else {
@@ -134,13 +146,13 @@ impl Scene {
     /// Brings the meshes that are not there, and all bodies anew.
     fn gather(&mut self, bodies: &Bodies, is_lost: bool) -> Result<(), GpuError> {
         let used: HashMap<Stamp, &Model> =
-            bodies.iter().map(|body| (body.model().stamp(), &**body.model())).collect();
+            in_f32(bodies).map(|body| (body.model().stamp(), &**body.model())).collect();
         // Meshes that nothing has any more are kept until they are most of all.
         let in_use: usize = used.values().map(|model| triangles(model)).sum();
         if is_lost || self.triangles > 2 * in_use {
             self.clear();
         }
-        for body in bodies.iter() {
+        for body in in_f32(bodies) {
             let stamp = body.model().stamp();
             if self.meshes.contains_key(&stamp) {
                 continue;
@@ -148,7 +160,7 @@ impl Scene {
             // The mesh that the body had, if no other has it, takes the new shape.
             let before = self.bodies.binary_search_by_key(&body.id(), |(id, _)| *id).ok();
             let before = before
-                .map(|at| self.bodies[at].1)
+                .and_then(|at| self.bodies[at].1)
                 .filter(|old| old.mesh() == stamp.mesh() && !used.contains_key(old));
             let number = match before.and_then(|old| self.meshes.remove(&old)) {
                 Some(number) => {
@@ -163,10 +175,15 @@ impl Scene {
             self.meshes.insert(stamp, number);
         }
         self.bodies.clear();
-        self.bodies.extend(bodies.iter().map(|body| (body.id(), body.model().stamp())));
-        let number = |body: &super::Body| (self.meshes[&body.model().stamp()], in_f32(body));
-        let posed: Vec<(u32, Pose)> = bodies.iter().map(number).collect();
-        self.world.set_bodies(&posed)
+        self.bodies.extend(bodies.iter().map(|body| (body.id(), stamp(body))));
+        let posed = bodies.iter().map(|body| match body.pose() {
+            AnyPose::F32(pose) if !body.model().is_f64() => {
+                (self.meshes[&body.model().stamp()], pose)
+            }
+            // There is a mesh, since the pairs that are asked about have some.
+            _ => (0, Pose::IDENTITY),
+        });
+        self.world.set_bodies(&posed.collect::<Vec<_>>())
     }
 
     fn clear(&mut self) {
@@ -181,10 +198,12 @@ fn triangles(model: &Model) -> usize {
     model.mesh().triangles().len()
 }
 
-/// The pose of a body; nothing in f64 is asked here.
-fn in_f32(body: &super::Body) -> Pose {
-    match body.pose() {
-        AnyPose::F32(pose) => pose,
-        AnyPose::F64(_) => Pose::IDENTITY,
-    }
+/// What the mesh there was brought from, if there is one for this body.
+fn stamp(body: &super::Body) -> Option<Stamp> {
+    (!body.is_f64()).then(|| body.model().stamp())
+}
+
+/// The bodies that are there as themselves.
+fn in_f32(bodies: &Bodies) -> impl Iterator<Item = &super::Body> {
+    bodies.iter().filter(|body| !body.is_f64())
 }

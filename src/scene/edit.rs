@@ -34,15 +34,28 @@ impl SceneQuery {
         with_default(|| self.bodies.add(model, world_from_body))
     }
 
-    /// Takes a body out and returns it.
+    /// Takes a body out and returns it. [`SceneQuery::hits`] and [`SceneQuery::last_contacts`] list nothing of it any more.
     ///
     /// # Errors
     /// [`Error::StaleBody`] if it is not there.
+    ///
+    /// # Complexity
+    /// O(m log n) if m of n ignored pairs are of this body, amortised over the bodies that are removed. The next call of
+    /// [`SceneQuery::hits`] or [`SceneQuery::last_contacts`] looks through the list once.
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
+        self.bodies.get(id)?;
+        self.before_loss()?;
         self.bodies.remove(id)
     }
 
-    /// Moves a body to the pose `world_from_body`.
+    /// To be called before a body or its mesh goes, of which the kept lists tell.
+    fn before_loss(&mut self) -> Result<(), Error> {
+        self.hits.before_loss()?;
+        self.contacts.before_loss()
+    }
+
+    /// Moves a body to the pose `world_from_body`. In the pose that it has, to the bit, it does not move: a zero of the other
+    /// sign is another number, as it is to [`Model::set_positions`].
     ///
     /// # Errors
     /// [`Error::StaleBody`] if it is not there, [`Error::Pose`] as for [`SceneQuery::add`].
@@ -55,13 +68,15 @@ impl SceneQuery {
         world_from_body: impl Into<AnyPose>,
     ) -> Result<(), Error> {
         let world_from_body = world_from_body.into();
-        with_default(|| match self.bodies.get(id)?.pose() == world_from_body {
+        with_default(|| match self.bodies.get(id)?.pose().same_bits(&world_from_body) {
             true => Ok(()),
             false => self.bodies.change(id, |body| body.set_pose(world_from_body)),
         })
     }
 
-    /// Gives a body another model, in the pose that it has.
+    /// Gives a body another model, in the pose that it has. If the model holds what that of the body holds, as
+    /// [`Model::stamp`] tells, nothing has changed. If it has another mesh, [`SceneQuery::hits`] and
+    /// [`SceneQuery::last_contacts`] list nothing of the body any more until it is asked about again.
     ///
     /// # Errors
     /// [`Error::StaleBody`] if the body is not there, [`Error::Pose`] if its pose takes the model out of range.
@@ -79,7 +94,15 @@ impl SceneQuery {
     /// ```
     pub fn set_model(&mut self, id: BodyId, model: impl Into<Arc<Model>>) -> Result<(), Error> {
         let model = model.into();
-        let is_other = self.bodies.get(id)?.model().stamp().mesh() != model.stamp().mesh();
+        let (stamp, body) = (model.stamp(), self.bodies.get_mut(id)?);
+        if body.model().stamp() == stamp {
+            body.model = model;
+            return Ok(());
+        }
+        if body.model().stamp().mesh() != stamp.mesh() {
+            self.before_loss()?;
+            return with_default(|| self.bodies.set_mesh(id, model));
+        }
         with_default(|| {
             self.bodies.change(id, |body| {
                 body.pose().check(model.bvh())?;
@@ -87,15 +110,11 @@ impl SceneQuery {
                 body.reshaped();
                 Ok(())
             })
-        })?;
-        if is_other {
-            self.bodies.regathered();
-        }
-        Ok(())
+        })
     }
 
     /// Moves the vertices of a body, given in its own frame, as [`Model::set_positions`] does, or on the
-    /// threads of the executor; its bounding sphere follows on this one.
+    /// threads of the executor. Positions that the body has, to the bit, move nothing.
     ///
     /// If the model is shared, with another body or a caller that has kept an [`Arc`] of it, it is copied
     /// first, which takes as long as the refit and its [`Model::bytes`] of memory; from then on this body
@@ -105,6 +124,10 @@ impl SceneQuery {
     /// [`Error::StaleBody`] if the body is not there, [`Error::Mesh`] if a coordinate is not finite or
     /// the number of vertices differs or the model is in f64, [`Error::Pose`] if its pose takes a vertex out of range.
     pub fn set_positions(&mut self, id: BodyId, positions: &[[f32; 3]]) -> Result<(), Error> {
+        let mesh = self.bodies.get(id)?.model().mesh();
+        if !mesh.is_f64() && same_bits(mesh.shadow(), positions, f32::to_bits) {
+            return Ok(());
+        }
         let run = &self.run;
         with_default(|| {
             self.bodies.change(id, |body| {
@@ -133,6 +156,18 @@ impl SceneQuery {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn set_positions_f64(&mut self, id: BodyId, positions: &[[f64; 3]]) -> Result<(), Error> {
+        let mesh = self.bodies.get(id)?.model().mesh();
+        let is_same = match mesh.positions_f64() {
+            Some(own) => same_bits(own, positions, f64::to_bits),
+            // The shadow holds every coordinate.
+            None => {
+                let own = mesh.shadow().iter().map(|p| p.map(|x| f64::from(x).to_bits()));
+                mesh.is_f64() && own.eq(positions.iter().map(|p| p.map(f64::to_bits)))
+            }
+        };
+        if is_same {
+            return Ok(());
+        }
         with_default(|| {
             self.bodies.change(id, |body| {
                 let shadow = body.model().shadow_of(positions)?;
@@ -202,7 +237,7 @@ impl SceneQuery {
     }
 
     /// Breaks a body into one for each part, that is each value of `part_of` over its triangles. The
-    /// pieces stay where they are, in the same groups and with the same user data; their ids follow all others, in ascending
+    /// pieces stay where they are, in f32 or f64 as the body was, in the same groups and with the same user data; their ids follow all others, in ascending
     /// order of the parts. Nobody ignores them.
     ///
     /// The triangles of a piece keep their order and are numbered anew, as [`Piece::triangles`] tells;
@@ -237,9 +272,10 @@ impl SceneQuery {
         let parts = parts(model.mesh().triangles().len() as u32, part_of);
         let models = parts.iter().map(|(_, triangles)| cutter.cut(triangles));
         let models: Vec<Model> = models.collect::<Result<_, _>>()?;
-        self.bodies.remove(id)?;
+        models.iter().try_for_each(|model| with_default(|| pose.check(model.bvh())))?;
+        self.bodies.reserve(models.len())?;
+        self.remove(id)?;
         let pieces = parts.into_iter().zip(models).map(|((part, triangles), model)| {
-            // A pose that suits the whole suits a part.
             let body = with_default(|| self.bodies.add(model.into(), pose))?;
             let piece = self.bodies.get_mut(body)?;
             (piece.groups, piece.user_data) = (groups, user_data);
@@ -282,4 +318,9 @@ impl SceneQuery {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+/// Whether the same numbers are in both, zeros with their signs.
+fn same_bits<T: Copy, B: PartialEq>(a: &[[T; 3]], b: &[[T; 3]], bits: impl Fn(T) -> B) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(p, q)| p.map(&bits) == q.map(&bits))
 }

@@ -13,6 +13,8 @@ pub(super) struct Frame<'s> {
     pairs: &'s [Places],
     /// If there is a number, a pair of bodies that have both not changed since is not asked about.
     since: Option<u64>,
+    /// Only pairs with a body in f64, or only others, are asked about; all if there is nothing here.
+    in_f64: Option<bool>,
 }
 
 /// The answer to a question, beside the list.
@@ -29,14 +31,23 @@ impl<'s> Frame<'s> {
             Some(changed) => (changed, None),
             None => (broad.pairs(), Some(since)),
         };
-        Self { accuracy, bodies, pairs, since }
+        Self { accuracy, bodies, pairs, since, in_f64: None }
+    }
+
+    /// The pairs with a body in f64, or the others.
+    #[cfg(feature = "gpu")]
+    pub(super) fn in_f64(self, in_f64: bool) -> Self {
+        Self { in_f64: Some(in_f64), ..self }
     }
 
     /// Bodies that may meet and whose bounds overlap, by their places and in order.
     pub(super) fn pairs(&self) -> impl Iterator<Item = Places> + use<'s> {
-        let Self { bodies, pairs, since, .. } = *self;
+        let Self { bodies, pairs, since, in_f64, .. } = *self;
         let changed = move |two: &Places| since.is_none_or(|t| bodies.changed_at(*two) > t);
-        pairs.iter().copied().filter(changed).filter(|&two| bodies.may_meet(two))
+        let is_asked = move |two: &Places| {
+            bodies.may_meet(*two) && in_f64.is_none_or(|in_f64| bodies.is_f64(*two) == in_f64)
+        };
+        pairs.iter().copied().filter(changed).filter(is_asked)
     }
 
     /// The same as queries.

@@ -10,13 +10,15 @@ mod cache;
 mod device;
 mod edit;
 mod frame;
+mod segments;
 mod split;
 
 pub use bodies::{Body, BodyId, Groups};
 pub use edit::Piece;
 
 use crate::environment::{Environment, with_default};
-use crate::executor::{Plan, Run, Verb};
+use crate::executor::{Backend, CpuPart, Plan, Run, Verb, visit as search};
+use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Contact, Error, Executor, TrianglePair};
@@ -25,11 +27,11 @@ use asking::Asking;
 use batches::Batches;
 use bodies::Bodies;
 use broad::Broad;
-use cache::Cache;
+use cache::{Cache, merge};
 #[cfg(feature = "gpu")]
 use device::Mirror;
-use frame::{Answer, Frame, meeting};
-use pfront_core::bvtt::Query;
+use frame::{Answer, Frame};
+use pfront_core::bvtt::{PairBvtt, Query};
 use std::fmt;
 use std::ops::ControlFlow;
 
@@ -59,12 +61,17 @@ pub struct SceneHit {
 /// On [`Executor::threads`] all pairs of bodies that have to be asked are divided among the workers
 /// together, by one front under one bound (Zhang & Kim 2014, eq. 5). What a pair of bodies cost is
 /// remembered from one frame to the next in which it is asked. More pairs than 65,536 are asked in batches of as
-/// many, which bounds the memory; then nothing is remembered. Contacts are found on the calling thread.
+/// many, which bounds the memory; then nothing is remembered. Contacts, and which bodies meet, are found by the same threads.
+///
+/// # GPU
+/// On an executor with a GPU, pairs with a body in f64 are asked about on the CPU, all others by the GPU; contacts, visits and
+/// which bodies meet are found on the CPU. [`SceneQuery::plan`] tells.
 ///
 /// # Still bodies
 /// Hits that [`SceneQuery::all`] and [`SceneQuery::contacts`] find are kept: as long as neither of two bodies
-/// moves, deforms or is replaced, these do not ask them again, nor do [`SceneQuery::any`] and
-/// [`SceneQuery::count`], which keep nothing themselves. A body that is set to the pose it has does not move.
+/// moves, deforms or is replaced, these do not ask them again, nor do [`SceneQuery::any`], [`SceneQuery::count`],
+/// [`SceneQuery::body_pairs`] and [`SceneQuery::visit`], which keep nothing themselves. A body that is set to the pose, the
+/// positions, the model or the groups that it has, to the bit, does not change.
 ///
 /// # Complexity
 /// A frame takes O(n) for the boxes of n bodies, O(n log n) if one has come or gone; what those pairs take
@@ -161,7 +168,8 @@ impl SceneQuery {
         self.run.report()
     }
 
-    /// The backend that answered the last frame, and the reason; `None` before the first.
+    /// The backend that answered the last question, whatever it was and however it ended, and the reason; `None` before the
+    /// first. What is kept of still bodies is no backend's work, unless it is the whole answer.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
         self.run.plan()
@@ -172,14 +180,8 @@ impl SceneQuery {
     /// # Errors
     /// [`Error::Mesh`] if there are more than 2^31 bodies; `Error::Gpu` if a GPU fails that is to answer everything.
     pub fn all(&mut self) -> Result<&[SceneHit], Error> {
-        let since = self.start();
-        if since == self.bodies.time() {
-            self.run.keep();
-            return Ok(self.hits.list());
-        }
-        self.ask(since, Verb::All)?;
-        self.hits.complete(&mut self.new_hits, &self.bodies);
-        Ok(self.hits.list())
+        self.find_hits()?;
+        Ok(self.hits.list(&self.bodies))
     }
 
     /// Finds what [`SceneQuery::all`] finds, for [`SceneQuery::hits`], which leaves the scene free to be looked into.
@@ -198,14 +200,14 @@ impl SceneQuery {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn update(&mut self) -> Result<(), Error> {
-        self.all().map(drop)
+        self.find_hits()
     }
 
-    /// The list of the last [`SceneQuery::update`], [`SceneQuery::all`] or [`SceneQuery::contacts`], whatever has changed
-    /// since; empty before the first.
+    /// The list of the last [`SceneQuery::update`], [`SceneQuery::all`] or [`SceneQuery::contacts`], whatever has moved since,
+    /// but without bodies and meshes that have gone since; empty before the first.
     #[must_use]
     pub fn hits(&self) -> &[SceneHit] {
-        self.hits.list()
+        self.hits.list(&self.bodies)
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -241,7 +243,7 @@ impl SceneQuery {
 
     /// The pairs of bodies that meet, sorted, each with the body that was added first before the other: every two are asked
     /// until their first hit, so that this takes far less than [`SceneQuery::all`] where bodies share many hits. Several threads
-    /// divide the pairs of bodies; a GPU is not asked. Keeps nothing, and uses what is kept only where nothing has changed.
+    /// divide the pairs of bodies; a GPU is not asked. Keeps nothing.
     ///
     /// # Errors
     /// [`Error::Mesh`] if there are more than 2^31 bodies; [`Error::Cancelled`] by the flag of [`Executor::with_cancel`].
@@ -257,21 +259,33 @@ impl SceneQuery {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn body_pairs(&mut self) -> Result<Vec<[BodyId; 2]>, Error> {
-        if self.start() == self.bodies.time() {
-            let mut pairs: Vec<_> = self.hits.list().iter().map(|hit| hit.bodies).collect();
-            pairs.dedup();
+        let since = self.start();
+        let mut pairs = Vec::new();
+        for of_two in self.hits.still_true(&self.bodies) {
+            push(&mut pairs, of_two[0].bodies)?;
+        }
+        if since == self.bodies.time() {
+            self.run.keep();
             return Ok(pairs);
         }
         with_default(|| {
-            self.broad.update(&mut self.bodies)?;
-            let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
-            self.run.meeting(&frame.pairs().collect::<Vec<_>>(), |places| frame.query(places))
+            self.find_overlaps()?;
+            let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
+            let mut asked = Vec::new();
+            frame.pairs().try_for_each(|places| push(&mut asked, places))?;
+            let part = CpuPart::new();
+            let meeting = self.run.meeting(&asked, |places| {
+                part.works();
+                frame.query(places)
+            });
+            self.run.note_cpu(part.backend());
+            merge(&mut pairs, &meeting?)?;
+            Ok(pairs)
         })
     }
 
     /// Calls `visit` for each pair that meets, bodies in order and their triangles in none, until it
-    /// breaks. Uses only the calling thread, and what is kept only where nothing has changed; `visit` runs in the caller's
-    /// floating-point environment.
+    /// breaks. Uses only the calling thread; `visit` runs in the caller's floating-point environment.
     ///
     /// # Errors
     /// As [`SceneQuery::all`].
@@ -291,17 +305,37 @@ impl SceneQuery {
         &mut self,
         mut visit: impl FnMut(SceneHit) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
-        if self.start() == self.bodies.time() {
-            return Ok(self.hits.list().iter().try_for_each(|&hit| visit(hit)));
+        let since = self.start();
+        if since == self.bodies.time() {
+            self.run.keep();
+            return Ok(self.hits().iter().try_for_each(|&hit| visit(hit)));
         }
         let callers = Environment::current();
+        let mut tell = |hit| callers.run(|| visit(hit));
         with_default(|| {
-            self.broad.update(&mut self.bodies)?;
-            let frame = Frame::since(0, self.accuracy, &self.bodies, &self.broad);
-            Ok(frame.queries().try_for_each(|(bodies, query)| {
-                let visit = |pair| callers.run(|| visit(SceneHit { bodies, pair }));
-                query.visit(&mut query.start(), visit)
-            }))
+            self.find_overlaps()?;
+            self.run.note_cpu(Backend::Sequential);
+            let cancel = self.run.executor().cancel_flag();
+            let mut kept = self.hits.still_true(&self.bodies).peekable();
+            let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
+            for (bodies, query) in frame.queries() {
+                let mut end = ControlFlow::Continue(());
+                while end.is_continue()
+                    && let Some(of_two) = kept.next_if(|of_two| of_two[0].bodies < bodies)
+                {
+                    end = of_two.iter().try_for_each(|&hit| tell(hit));
+                }
+                if end.is_continue() {
+                    search(&query, cancel, |pair| {
+                        end = tell(SceneHit { bodies, pair });
+                        end
+                    })?;
+                }
+                if end.is_break() {
+                    return Ok(end);
+                }
+            }
+            Ok(kept.flatten().try_for_each(|&hit| tell(hit)))
         })
     }
 
@@ -322,23 +356,19 @@ impl SceneQuery {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn contacts(&mut self) -> Result<&[(SceneHit, Contact)], Error> {
-        self.all()?;
-        if self.contacts.at() == self.bodies.time() {
-            return Ok(self.contacts.list());
+        self.find_hits()?;
+        let Self { bodies, hits, contacts, new_contacts, run, .. } = self;
+        if contacts.at() != bodies.time() {
+            new_contacts.clear();
+            let (list, at) = (hits.list(bodies), contacts.at());
+            let has_changed = |two| bodies.changed(two) > at;
+            let contact = |query: &PairBvtt<'_>, pair| query.contact(pair);
+            with_default(|| {
+                segments::contacts(run, bodies, list, has_changed, contact, new_contacts)?;
+                contacts.complete(new_contacts, bodies, run.executor().cancel_flag())
+            })?;
         }
-        self.new_contacts.clear();
-        for of_two in self.hits.list().chunk_by(|x, y| x.bodies == y.bodies) {
-            let [a, b] = of_two[0].bodies;
-            if self.bodies.changed([a, b]) <= self.contacts.at() {
-                continue;
-            }
-            let (a, b) = (self.bodies.get(a)?, self.bodies.get(b)?);
-            let query = with_default(|| meeting(a, b));
-            let found = of_two.iter().filter_map(|&hit| Some((hit, query.contact(hit.pair)?)));
-            with_default(|| self.new_contacts.extend(found));
-        }
-        self.contacts.complete(&mut self.new_contacts, &self.bodies);
-        Ok(self.contacts.list())
+        Ok(contacts.list(bodies))
     }
 
     /// [`SceneQuery::contacts`] in f64, in a list of their own. Nothing of it is kept from frame to frame but the hits.
@@ -355,23 +385,19 @@ impl SceneQuery {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn contacts_f64(&mut self) -> Result<Vec<(SceneHit, Contact<f64>)>, Error> {
-        self.all()?;
-        let mut contacts = Vec::with_capacity(self.hits().len());
-        for of_two in self.hits().chunk_by(|x, y| x.bodies == y.bodies) {
-            let [a, b] = of_two[0].bodies;
-            let (a, b) = (self.bodies.get(a)?, self.bodies.get(b)?);
-            let query = with_default(|| meeting(a, b));
-            let found = of_two.iter().filter_map(|&hit| Some((hit, query.contact_f64(hit.pair)?)));
-            with_default(|| contacts.extend(found));
-        }
+        self.find_hits()?;
+        let Self { bodies, hits, run, .. } = self;
+        let (hits, mut contacts) = (hits.list(bodies), Vec::new());
+        let contact = |query: &PairBvtt<'_>, pair| query.contact_f64(pair);
+        with_default(|| segments::contacts(run, bodies, hits, |_| true, contact, &mut contacts))?;
         Ok(contacts)
     }
 
-    /// The list of the last [`SceneQuery::contacts`], whatever has changed since; empty before the first. The scene is free
-    /// to be looked into meanwhile.
+    /// The list of the last [`SceneQuery::contacts`], whatever has moved since, but without bodies and meshes that have gone
+    /// since; empty before the first. The scene is free to be looked into meanwhile.
     #[must_use]
     pub fn last_contacts(&self) -> &[(SceneHit, Contact)] {
-        self.contacts.list()
+        self.contacts.list(&self.bodies)
     }
 
     /// Begins a frame. Hits are known of the bodies that have not changed since the time that is returned.
@@ -380,20 +406,48 @@ impl SceneQuery {
         self.hits.at()
     }
 
+    /// Completes the list of hits.
+    fn find_hits(&mut self) -> Result<(), Error> {
+        let since = self.start();
+        if since == self.bodies.time() {
+            self.run.keep();
+            return Ok(());
+        }
+        self.ask(since, Verb::All)?;
+        let Self { bodies, hits, new_hits, run, .. } = self;
+        hits.complete(new_hits, bodies, run.executor().cancel_flag())
+    }
+
+    /// Finds which bodies may meet, on the calling thread.
+    fn find_overlaps(&mut self) -> Result<(), Error> {
+        let found = self.broad.update(&mut self.bodies, self.run.executor().cancel_flag());
+        if found.is_err() {
+            self.run.note_cpu(Backend::Sequential);
+        }
+        found
+    }
+
     /// Asks of the bodies that have changed since then; lists new hits if all are wanted.
     fn ask(&mut self, since: u64, verb: Verb) -> Result<Answer, Error> {
         self.new_hits.clear();
-        let mut asking = Asking {
-            accuracy: self.accuracy,
-            since,
-            bodies: &mut self.bodies,
-            broad: &mut self.broad,
-            hits: &mut self.new_hits,
-            #[cfg(feature = "threads")]
-            batches: &mut self.batches,
+        with_default(|| {
+            self.find_overlaps()?;
+            let mut asking = Asking {
+                frame: Frame::since(since, self.accuracy, &self.bodies, &self.broad),
+                hits: &mut self.new_hits,
+                #[cfg(feature = "threads")]
+                batches: &mut self.batches,
+                #[cfg(feature = "gpu")]
+                mirror: &mut self.mirror,
+                #[cfg(feature = "gpu")]
+                beside: None,
+            };
+            let answer = self.run.ask(&mut asking, verb);
             #[cfg(feature = "gpu")]
-            mirror: &mut self.mirror,
-        };
-        with_default(|| self.run.ask(&mut asking, verb))
+            if let Some(part) = asking.beside {
+                self.run.note_also(part);
+            }
+            answer
+        })
     }
 }

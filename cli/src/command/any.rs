@@ -4,6 +4,7 @@ use super::{explain, two};
 use crate::args::TwoMeshes;
 use anyhow::Result;
 use pfront::PairQuery;
+use pfront_cli::escape::write_json;
 use pfront_cli::executor::ExecutorArgs;
 use pfront_cli::output::out;
 use serde_json::json;
@@ -14,7 +15,7 @@ pub(crate) fn run(meshes: &TwoMeshes, executor: &ExecutorArgs, as_json: bool) ->
     let [(a, _), (b, _)] = two(meshes, None)?;
     let found = query.any(&a, &b, meshes.a_from_b())?;
     if as_json {
-        writeln!(out(), "{}", json!({ "pair": found.map(|p| [p.a, p.b]) }))?;
+        write_json(&mut out(), &json!({ "pair": found.map(|p| [p.a, p.b]) }))?;
     } else if let Some(pair) = found {
         writeln!(out(), "triangles {} and {} meet", pair.a, pair.b)?;
     } else {

@@ -7,6 +7,7 @@ use pfront::pfront_core::blob::{self, Counts};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
+use pfront_cli::escape::{shown_path, write_json};
 use pfront_cli::mesh::{self, FileMesh, beyond_f32};
 use pfront_cli::output::{Draft, out};
 use serde_json::json;
@@ -44,14 +45,15 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     if bake.json {
         let bytes: BTreeMap<_, _> = sections.into_iter().collect();
         let counts = json!({ "triangles": triangles, "vertices": vertices, "nodes": nodes });
-        writeln!(out, "{}", json!({ "file": path, "counts": counts, "bytes": bytes }))?;
+        let file = path.to_string_lossy();
+        write_json(&mut out, &json!({ "file": file, "counts": counts, "bytes": bytes }))?;
         return Ok(true);
     }
     writeln!(
         out,
         "{}: {triangles} triangles, {vertices} vertices, {nodes} nodes; see {}",
-        bake.mesh.display(),
-        path.display()
+        shown_path(&bake.mesh),
+        shown_path(&path)
     )?;
     for (section, bytes) in sections {
         let each = bytes as f64 / triangles as f64;

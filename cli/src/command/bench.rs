@@ -6,6 +6,7 @@ use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use pfront::gpu::{Gpu, GpuModel, GpuQuery, GpuQuestion};
 use pfront::{AnyPose, Executor, Model, PairQuery, Pose, Pose64, TrianglePair};
+use pfront_cli::escape::{escaped, write_json};
 use pfront_cli::executor::{Backend, adapter_name, number, threads};
 use pfront_cli::memory;
 use pfront_cli::mesh::ReadOptions;
@@ -86,7 +87,7 @@ pub(crate) fn run(bench: &Bench) -> Result<bool> {
     }
     let gpu = bench.backend.open()?;
     if let Some(gpu) = &gpu {
-        let name = adapter_name(&gpu.device().adapter_info());
+        let name = escaped(&adapter_name(&gpu.device().adapter_info())).into_owned();
         executors.push((name, Executor::gpu(gpu, gpu.settings())));
     }
     let turns = executors.len() + usize::from(gpu.is_some());
@@ -113,7 +114,7 @@ pub(crate) fn run(bench: &Bench) -> Result<bool> {
         name: course.name,
     };
     if bench.json {
-        writeln!(out(), "{}", serde_json::to_string(&record)?)?;
+        write_json(&mut out(), &record)?;
     } else {
         record.print()?;
     }
@@ -228,7 +229,8 @@ impl Record {
         let mut out = out();
         writeln!(
             out,
-            "{name}: {triangles} triangles, {frames} frames of {fewest} to {most} pairs"
+            "{}: {triangles} triangles, {frames} frames of {fewest} to {most} pairs",
+            escaped(name)
         )?;
         let title = "ms per frame";
         let names = self.executors.iter().map(|times| times.executor.chars().count());

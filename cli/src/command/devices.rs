@@ -3,6 +3,7 @@
 use anyhow::Result;
 use pfront::gpu::wgpu::{Adapter, DeviceDescriptor, DeviceType, Features};
 use pfront::gpu::{Arithmetic, Gpu};
+use pfront_cli::escape::{escaped, write_json};
 use pfront_cli::executor::adapters;
 use pfront_cli::output::out;
 use serde::Serialize;
@@ -41,8 +42,7 @@ pub(crate) fn run(json: bool) -> Result<bool> {
     let devices: Vec<Device> = adapters().iter().map(device).collect();
     let mut out = out();
     if json {
-        serde_json::to_writer(&mut out, &devices)?;
-        writeln!(out)?;
+        write_json(&mut out, &devices)?;
     } else {
         devices.iter().try_for_each(|device| device.print(&mut out))?;
     }
@@ -81,9 +81,14 @@ impl Device {
 
     fn print(&self, out: &mut impl Write) -> io::Result<()> {
         let mebibytes = |bytes: u64| bytes >> 20;
-        writeln!(out, "{}{}", self.name, if self.chosen { ", which queries take" } else { "" })?;
+        writeln!(
+            out,
+            "{}{}",
+            escaped(&self.name),
+            if self.chosen { ", which queries take" } else { "" }
+        )?;
         writeln!(out, "  type        {}", self.kind)?;
-        writeln!(out, "  driver      {}, through {}", self.driver, self.backend)?;
+        writeln!(out, "  driver      {}, through {}", escaped(&self.driver), self.backend)?;
         let [binding, buffer] = [self.max_binding_bytes, self.max_buffer_bytes].map(mebibytes);
         writeln!(out, "  memory      {binding} MiB in a binding, {buffer} MiB in a buffer")?;
         match self.subgroups {
@@ -94,7 +99,7 @@ impl Device {
         writeln!(out, "  timestamps  {}", if self.timestamps { "yes" } else { "no" })?;
         match &self.works {
             Works::Poses(arithmetic) => writeln!(out, "  poses       {arithmetic}"),
-            Works::Refused(why) => writeln!(out, "  refused     {why}"),
+            Works::Refused(why) => writeln!(out, "  refused     {}", escaped(why)),
         }
     }
 }

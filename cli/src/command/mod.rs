@@ -15,6 +15,7 @@ use anyhow::{Error, Result, ensure};
 use pfront::executor::{Plan, Reason};
 use pfront::pfront_core::bvtt::Query;
 use pfront::{Model, TrianglePair};
+use pfront_cli::escape::{escaped, shown_path};
 use pfront_cli::executor::ExecutorArgs;
 use pfront_cli::memory;
 use pfront_cli::mesh::{self, FileMesh, Loaded, ReadOptions, Source};
@@ -70,7 +71,7 @@ fn two(meshes: &TwoMeshes, out: Option<&Path>) -> Result<[(Model, Source); 2]> {
 fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
     let loaded = mesh::load(path, options)?;
     if let Loaded::Mesh(mesh, Source { rounded: rounded @ 1.., .. }) = &loaded {
-        let (path, all) = (path.display(), 3 * mesh.positions.len());
+        let (path, all) = (shown_path(path), 3 * mesh.positions.len());
         eprintln!(
             "{path}: {rounded} of {all} coordinates were rounded to f32; the answer is exact for what they became"
         );
@@ -144,7 +145,7 @@ fn explain(executor: &ExecutorArgs, plan: Option<&Plan>) {
     if let Some(plan) = plan.filter(|plan| executor.is_auto() || plan.reason == Reason::InF64) {
         match plan.reason {
             Reason::NoChoice => eprintln!("{}: there is no GPU to choose", plan.backend),
-            _ => eprintln!("{plan}"),
+            _ => eprintln!("{}", escaped(&plan.to_string())),
         }
     }
 }

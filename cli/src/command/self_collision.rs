@@ -7,6 +7,7 @@ use crate::progress::shown;
 use anyhow::Result;
 use pfront::pfront_core::bvtt::SelfBvtt;
 use pfront::{Adjacency, Pose, SelfQuery, TrianglePair};
+use pfront_cli::escape::shown_path;
 
 pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
     let SelfCollision { mesh: path, weld, skip_neighbours, reading, listing, executor } = asked;
@@ -23,7 +24,7 @@ pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
         (joined, vertices) = (mesh.unwelded(), mesh.positions.len());
     })?;
     if joined > 0 && !weld {
-        let path = path.display();
+        let path = shown_path(path);
         eprintln!(
             "{path}: no two triangles share a vertex, but {joined} of {vertices} vertices lie where another does, so \
              that neighbours meet: did you mean --weld?"

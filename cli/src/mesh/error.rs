@@ -1,6 +1,7 @@
 //! Why a file is no mesh.
 
 use super::FORMATS;
+use crate::escape::shown_path;
 use std::path::{Path, PathBuf};
 use std::{error, fmt, io};
 
@@ -24,6 +25,8 @@ pub(super) enum Fault {
     Byte(usize, String),
     /// The file is not what its extension says.
     Broken(String),
+    /// The file names another by this URI, which does not lie in its folder.
+    Outside(String),
 }
 
 impl Fault {
@@ -61,7 +64,7 @@ impl From<io::Error> for Fault {
 
 impl fmt::Display for ReadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let path = self.path.display();
+        let path = shown_path(&self.path);
         match &self.fault {
             Fault::Io(_) => write!(f, "cannot read {path}"),
             Fault::UnknownFormat => {
@@ -74,6 +77,10 @@ impl fmt::Display for ReadError {
             Fault::Line(line, what) => write!(f, "{path}, line {line}: {what}"),
             Fault::Byte(byte, what) => write!(f, "{path}, byte {byte}: {what}"),
             Fault::Broken(what) => write!(f, "{path}: {what}"),
+            Fault::Outside(uri) => write!(
+                f,
+                "{path}: names the file {uri}, which is not in its own folder: see --allow-outside-files"
+            ),
         }
     }
 }

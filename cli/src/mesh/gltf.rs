@@ -3,32 +3,30 @@
 //! passed over.
 
 mod checked;
+mod folder;
 
 use super::Import;
 use super::error::Fault;
 use checked::Buffers;
+pub(super) use folder::Folder;
 use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
 use gltf::mesh::{Mode, Semantic};
 use gltf::scene::Transform;
-use gltf::{Document, Node, Primitive, Scene};
-use std::path::Path;
+use gltf::{Document, Gltf, Node, Primitive, Scene};
 
-pub(super) fn parse(bytes: &[u8], folder: &Path, import: &mut Import) -> Result<(), Fault> {
-    let document = checked::document(bytes, import.memory)?;
-    let buffers = Buffers::load(&document, folder, import)?;
-    let document = &document.document;
+pub(super) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> Result<(), Fault> {
+    let Gltf { document, blob } = checked::document(bytes, &mut import.budget)?;
+    let buffers = Buffers::load(&document, blob, folder, &mut import.budget)?;
+    let document = &document;
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let scene = scene.ok_or_else(|| Fault::broken("there is no scene"))?;
 
     // A small file may place a mesh any number of times: what is asked for is counted before it is read.
     let mut bytes = 0;
-    let most = import.memory;
     walk(document, &scene, |node, _| {
         for primitive in primitives(node) {
             bytes = demand(&primitive).saturating_add(bytes);
-            if bytes > most {
-                return Err(Fault::memory(most));
-            }
+            import.budget.check(bytes)?;
         }
         Ok(())
     })?;

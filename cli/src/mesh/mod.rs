@@ -1,14 +1,16 @@
 //! Triangle meshes from files, and painted ones to look at.
 //!
-//! All readers keep the order of the file. A face of more than three corners becomes a fan of triangles around
-//! its first, so that triangles have the numbers of the file's faces where all of these are triangles,
-//! and count on through the fans where not. Coordinates are the nearest f64 to
+//! All readers keep the order of the file. A face of n corners becomes n − 2 triangles, so that triangles have the numbers of
+//! the file's faces where all of these are triangles, and count on through the other faces where not. Coordinates are the nearest f64 to
 //! what is written, or the nearest f32 if that is asked for. What is no number is refused; NaN is one, and left to [`pfront::Model::new`], which
 //! names the vertex.
 
 mod baked;
+mod budget;
 mod error;
 mod gltf;
+mod head;
+mod import;
 mod obj;
 mod off;
 mod painted;
@@ -16,13 +18,18 @@ mod ply;
 mod source;
 mod stl;
 mod text;
+mod triangulate;
 
 pub use error::ReadError;
 pub use painted::{PaintedMesh, write_painted};
 pub use source::{Source, name_apart};
 
+use crate::memory::available;
 use baked::file_mesh;
+use budget::Budget;
 use error::Fault;
+use gltf::Folder;
+use import::Import;
 use pfront::Model;
 use pfront::pfront_core::blob::MAGIC;
 use pfront_testkit::MeshData;
@@ -62,39 +69,6 @@ pub fn in_f32(mesh: FileMesh) -> MeshData {
     MeshData { positions, triangles: mesh.triangles }
 }
 
-/// A mesh that is being read.
-#[derive(Debug, Default)]
-struct Import {
-    mesh: FileMesh,
-    source: Source,
-    /// Bytes that reading may take.
-    memory: usize,
-}
-
-impl Import {
-    /// Adds a face, as a fan.
-    fn push_face(&mut self, corners: &[u32]) -> Result<(), Fault> {
-        self.source.faces.push(self.mesh.triangles.len() as u32);
-        self.mesh.push_fan(corners);
-        self.check_memory()
-    }
-
-    fn push_position(&mut self, position: [f64; 3]) -> Result<(), Fault> {
-        self.mesh.positions.push(position);
-        self.check_memory()
-    }
-
-    fn check_memory(&self) -> Result<(), Fault> {
-        let MeshData { positions, triangles } = &self.mesh;
-        let arrays = demand(positions.len(), triangles.len());
-        let faces = GROWTH * size_of::<u32>() * self.source.faces.len();
-        if arrays.saturating_add(faces) > self.memory {
-            return Err(Fault::memory(self.memory));
-        }
-        Ok(())
-    }
-}
-
 /// How meshes are read.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct ReadOptions {
@@ -108,6 +82,9 @@ pub struct ReadOptions {
     /// Round coordinates to f32, and compute poses there: faster, and what graphics do [default: in f64, as written]
     #[arg(long = "f32")]
     pub in_f32: bool,
+    /// Read files that a glTF names outside its own folder too [default: refused, since it may name any file]
+    #[arg(long)]
+    pub allow_outside_files: bool,
 }
 
 fn megabytes(text: &str) -> Result<usize, String> {
@@ -159,19 +136,20 @@ pub fn read(path: &Path) -> Result<MeshData, ReadError> {
 /// As [`read`].
 pub fn load(path: &Path, options: &ReadOptions) -> Result<Loaded, ReadError> {
     let loaded = if path == Path::new("-") {
-        load_from(stdin().lock(), true, path, options)
+        load_from(stdin().lock(), None, path, options)
     } else {
         File::open(path).map_err(Fault::from).and_then(|file| {
-            let streams = !file.metadata()?.is_file();
-            load_from(file, streams, path, options)
+            let found = file.metadata()?;
+            load_from(file, found.is_file().then_some(found.len()), path, options)
         })
     };
     loaded.map_err(|fault| fault.at(path))
 }
 
+/// Reads a mesh from a file whose length is known, or from a stream.
 fn load_from(
     mut from: impl Read,
-    streams: bool,
+    found: Option<u64>,
     path: &Path,
     options: &ReadOptions,
 ) -> Result<Loaded, Fault> {
@@ -186,59 +164,69 @@ fn load_from(
     let format = if bytes.starts_with(&MAGIC) {
         BAKED
     } else {
-        let told = options.input_format.as_deref().or(named).or_else(|| beginning(&bytes));
+        let told = options.input_format.as_deref().or(named).or_else(|| head::beginning(&bytes));
         told.ok_or(Fault::UnknownFormat)?
     };
-    let most = options.memory.unwrap_or(if streams { MOST_STREAMED } else { usize::MAX });
-    from.take((most as u64).saturating_add(1)).read_to_end(&mut bytes)?;
-    if bytes.len() > most {
-        return Err(Fault::broken(format!(
-            "goes on after {most} bytes; --memory lets more be read"
-        )));
+    from.by_ref().take(head::HEAD).read_to_end(&mut bytes)?;
+    let due = head::length(format, &bytes, found)?;
+    let free = || available().unwrap_or(usize::MAX);
+    let most = options.memory.unwrap_or_else(|| match found {
+        Some(_) => free(),
+        None => MOST_STREAMED.min(free()),
+    });
+    let endless =
+        || Fault::broken(format!("goes on after {most} bytes; --memory lets more be read"));
+    if found.or(due).is_some_and(|length| length > most as u64) {
+        return Err(endless());
     }
+    if let Some(length) = found {
+        let rest = (length as usize).saturating_sub(bytes.len()) + 1;
+        bytes.try_reserve_exact(rest).map_err(|_| Fault::memory(most))?;
+    }
+    // One more than there should be.
+    let length = due.unwrap_or(most as u64).saturating_add(1);
+    from.take(length.saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
+    let read = bytes.len();
+    match due {
+        Some(due) if due != read as u64 => {
+            return Err(head::other_length(format, due, read as u64));
+        }
+        None if read > most => return Err(endless()),
+        _ => {}
+    }
+    let mut budget = Budget::new(options.memory, read);
+    budget.take(read)?;
     if format == BAKED {
+        // As much again for the model.
+        budget.check(read)?;
         return baked::model(&bytes).map(|model| Loaded::Baked(Box::new(model)));
     }
-    let memory = options.memory.map_or_else(|| budget(bytes.len()), |most| most - bytes.len());
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let Import { mesh, source, .. } = parse(format, &bytes, folder, memory, options.in_f32)?;
+    let is_stream = path == Path::new("-");
+    let folder = Folder {
+        path: if is_stream { None } else { Some(path.parent().unwrap_or(Path::new(""))) },
+        allows_outside: options.allow_outside_files,
+    };
+    let Import { mesh, source, .. } = parse(format, &bytes, &folder, budget, options.in_f32)?;
     Ok(Loaded::Mesh(mesh, source))
-}
-
-/// The bytes that reading a file of so many may take.
-fn budget(file: usize) -> usize {
-    (64 << 20) + 16 * file
-}
-
-/// The format that a file without a name of its own begins like.
-fn beginning(bytes: &[u8]) -> Option<&'static str> {
-    let begins = |word: &str| bytes.starts_with(word.as_bytes());
-    match bytes.trim_ascii_start() {
-        _ if begins("ply") => Some("ply"),
-        _ if begins("solid") => Some("stl"),
-        _ if begins("glTF") => Some("glb"),
-        [b'{', ..] => Some("gltf"),
-        _ if bytes.windows(3).take(4).any(|word| word == b"OFF") => Some("off"),
-        _ if begins("v ") || begins("#") || begins("o ") || begins("mtllib ") => Some("obj"),
-        _ => None,
-    }
 }
 
 /// For fuzzing: [`read`] of bytes in one of [`FORMATS`], without files beside.
 #[doc(hidden)]
 pub fn read_bytes(format: &str, bytes: &[u8]) -> Option<MeshData> {
-    let import = parse(format, bytes, Path::new("/nowhere"), budget(bytes.len()), true).ok()?;
+    head::length(format, bytes, Some(bytes.len() as u64)).ok()?;
+    let folder = Folder { path: None, allows_outside: false };
+    let import = parse(format, bytes, &folder, Budget::new(None, bytes.len()), true).ok()?;
     Some(in_f32(import.mesh))
 }
 
 fn parse(
     format: &str,
     bytes: &[u8],
-    folder: &Path,
-    memory: usize,
+    folder: &Folder<'_>,
+    budget: Budget,
     in_f32: bool,
 ) -> Result<Import, Fault> {
-    let mut import = Import { memory, ..Import::default() };
+    let mut import = Import { budget, ..Import::default() };
     import.source.in_f32 = in_f32;
     match format {
         "obj" => obj::parse(bytes, &mut import),
@@ -251,5 +239,6 @@ fn parse(
     if import.mesh.triangles.is_empty() {
         return Err(Fault::no_triangle());
     }
+    import.triangulate_faces()?;
     Ok(import)
 }

@@ -12,7 +12,7 @@ const STATEMENTS: &str = "v vt vn vp f fo l p g s o mg usemtl mtllib usemap mapl
     trim hole scrv sp end con bevel c_interp d_interp lod shadow_obj trace_obj ctech stech call csh";
 
 pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
-    let joined = join_continued(bytes);
+    let joined = join_continued(bytes, import)?;
     let mut corners = Vec::new();
     // Faces may come before their vertices.
     let mut farthest = (0, 0);
@@ -28,7 +28,7 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
                 for word in words {
                     let corner = corner(&line, word, import.mesh.positions.len())?;
                     farthest = farthest.max((corner, line.number));
-                    corners.push(corner);
+                    import.push_corner(&mut corners, corner)?;
                 }
                 if corners.len() < 3 {
                     return Err(line.fault(format!("a face of {} corners", corners.len())));
@@ -71,10 +71,11 @@ fn corner(line: &Line<'_>, word: &[u8], vertices: usize) -> Result<u32, Fault> {
 
 /// Lines that end in a backslash go on in the next, but for comments, which may end in a Windows path;
 /// numbers of later lines stay right. `None` if there are no such lines.
-fn join_continued(bytes: &[u8]) -> Option<Vec<u8>> {
+fn join_continued(bytes: &[u8], import: &mut Import) -> Result<Option<Vec<u8>>, Fault> {
     if !bytes.windows(2).any(|w| w == b"\\\n" || w == b"\\\r") {
-        return None;
+        return Ok(None);
     }
+    import.budget.take(bytes.len())?;
     let mut joined = Vec::with_capacity(bytes.len());
     let mut owed = 0;
     for line in bytes.split(|&b| b == b'\n') {
@@ -89,5 +90,5 @@ fn join_continued(bytes: &[u8]) -> Option<Vec<u8>> {
             joined.extend(std::iter::repeat_n(b'\n', 1 + std::mem::take(&mut owed)));
         }
     }
-    Some(joined)
+    Ok(Some(joined))
 }

@@ -16,13 +16,13 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     if !letters.is_some_and(|letters| letters.iter().all(|b| b"STCN".contains(b))) {
         return Err(line.fault("an OFF file begins with OFF, or with ST, C and N before it"));
     }
-    let mut counts = words.collect::<Vec<_>>();
+    let mut counts = words.take(3).collect::<Vec<_>>();
     if counts.first() == Some(&&b"BINARY"[..]) {
         return Err(line.fault("binary OFF is not supported: convert it to text"));
     }
     if counts.is_empty() {
         line = next("its counts")?;
-        counts = line.words().collect();
+        counts = line.words().take(3).collect();
     }
     let count = |i: usize| -> Result<u32, Fault> { line.number(counts.get(i).copied()) };
     let (vertices, faces) = (count(0)?, count(1)?);
@@ -36,7 +36,7 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let mut corners = Vec::new();
     for _ in 0..faces {
         let line = next("its last face")?;
-        face(&line, vertices, &mut corners)?;
+        face(&line, vertices, &mut corners, import)?;
         import.push_face(&corners)?;
     }
     match lines.next() {
@@ -45,7 +45,12 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     }
 }
 
-fn face(line: &Line<'_>, vertices: u32, corners: &mut Vec<u32>) -> Result<(), Fault> {
+fn face(
+    line: &Line<'_>,
+    vertices: u32,
+    corners: &mut Vec<u32>,
+    import: &Import,
+) -> Result<(), Fault> {
     let mut words = line.words();
     let count: u32 = line.number(words.next())?;
     if count < 3 {
@@ -57,7 +62,7 @@ fn face(line: &Line<'_>, vertices: u32, corners: &mut Vec<u32>) -> Result<(), Fa
         if corner >= vertices {
             return Err(line.fault(format!("there is no vertex {corner} among {vertices}")));
         }
-        corners.push(corner);
+        import.push_corner(corners, corner)?;
     }
     Ok(())
 }

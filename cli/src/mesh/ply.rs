@@ -15,6 +15,7 @@ use record::{AXES, INDICES, Record};
 use std::io::ErrorKind;
 
 pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
+    check_lines(bytes)?;
     let parser = Parser::<Record>::new();
     let mut reader = Reader::new(bytes);
     let header = parser.read_header(&mut reader)?;
@@ -57,6 +58,23 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
                 ("face", _) => import.push_face(&record.corners)?,
                 _ => {}
             }
+        }
+    }
+    Ok(())
+}
+
+/// Longer lines have no place in a header.
+const LINE: usize = 4096;
+
+/// Checks the lines of the header, which `ply-rs-bw` copies.
+fn check_lines(bytes: &[u8]) -> Result<(), Fault> {
+    let lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r').zip(1..);
+    for (line, number) in lines {
+        if line.len() > LINE {
+            return Err(Fault::Line(number, "a line of the header is too long".to_owned()));
+        }
+        if line.starts_with(b"end_header") {
+            break;
         }
     }
     Ok(())

@@ -6,12 +6,9 @@
 //! area have.
 
 use super::error::{Fault, other_format};
+use super::head::{STL_HEADER as HEADER, STL_TRIANGLE as TRIANGLE};
 use super::text::{Line, lines, quote};
 use super::{FileMesh, Import, demand};
-
-/// Header and count of a binary file, and each of its triangles.
-const HEADER: usize = 84;
-const TRIANGLE: usize = 50;
 
 pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let count = bytes.first_chunk::<HEADER>().map(|header| {
@@ -21,9 +18,7 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     match count {
         // Text is never as long as its bytes 80 to 83 say: as a count they are 150 million at least.
         Some(n) if HEADER + n * TRIANGLE == bytes.len() => {
-            if demand(3 * n, n) > import.memory {
-                return Err(Fault::memory(import.memory));
-            }
+            import.budget.check(demand(3 * n, n))?;
             binary(bytes, &mut import.mesh);
             Ok(())
         }
@@ -41,7 +36,7 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
 }
 
 /// Binary files may begin with `solid` too, but have zeros.
-fn is_text(bytes: &[u8]) -> bool {
+pub(super) fn is_text(bytes: &[u8]) -> bool {
     let word = lines(bytes).next().and_then(|line| line.words().next());
     word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes.contains(&0)
 }

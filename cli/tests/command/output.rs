@@ -75,6 +75,56 @@ fn a_link_is_written_through() {
     assert_eq!(fs::read_to_string(at.join("real.csv")).unwrap(), "a,b\n0,0\n3,0\n");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_file_that_is_not_there_makes_it() {
+    let folder = folder();
+    let at = folder.path();
+    fs::create_dir(at.join("sub")).unwrap();
+    std::os::unix::fs::symlink("sub/real.csv", at.join("second.csv")).unwrap();
+    std::os::unix::fs::symlink("second.csv", at.join("link.csv")).unwrap();
+    out(at, "pairs a.obj b.obj --out link.csv");
+    assert!(at.join("link.csv").symlink_metadata().unwrap().is_symlink());
+    assert!(at.join("second.csv").symlink_metadata().unwrap().is_symlink());
+    assert_eq!(fs::read_to_string(at.join("sub/real.csv")).unwrap(), "a,b\n0,0\n3,0\n");
+    // Nor is a link replaced that leads nowhere, or to itself.
+    for (target, link) in [("no/such/folder.csv", "nowhere.csv"), ("loop.csv", "loop.csv")] {
+        std::os::unix::fs::symlink(target, at.join(link)).unwrap();
+        refused(at, &format!("pairs a.obj b.obj --out {link}"));
+        assert!(at.join(link).symlink_metadata().unwrap().is_symlink());
+    }
+}
+
+/// A limit on the size of files, as a quota is, fails what writes and ends no process.
+#[cfg(unix)]
+#[test]
+fn a_failed_write_leaves_nothing() {
+    let folder = folder();
+    let at = folder.path();
+    let faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned() + &"f 1 2 3\n".repeat(300);
+    fs::write(at.join("many.obj"), faces).unwrap();
+    let files = || fs::read_dir(at).unwrap().count();
+    let before = files();
+    for arguments in [
+        "pairs many.obj many.obj --out all.csv",
+        "pairs many.obj many.obj --out all.json",
+        "pairs many.obj many.obj --out all.ply",
+        "bake many.obj",
+    ] {
+        let caps = "ulimit -f 4 && exec \"$0\" \"$@\"";
+        let run = std::process::Command::new("sh")
+            .args(["-c", caps, env!("CARGO_BIN_EXE_pfront")])
+            .args(arguments.split(' '))
+            .current_dir(at)
+            .output()
+            .unwrap();
+        let error = String::from_utf8(run.stderr).unwrap();
+        let is_named = error.contains("cannot write") && error.contains("File too large");
+        assert!(run.status.code() == Some(2) && is_named, "{arguments}: {error}");
+        assert_eq!(files(), before, "{arguments}");
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_named() {

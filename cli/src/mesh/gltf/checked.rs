@@ -1,19 +1,23 @@
 //! What `gltf` takes for granted, checked before it does: else it panics, reads what is no position, or
 //! reads without end.
 
+use super::folder::Folder;
+use crate::escape::shown_path;
+use crate::mesh::budget::Budget;
 use crate::mesh::error::Fault;
-use crate::mesh::{Import, budget};
 use gltf::accessor::{Accessor, DataType, Dimensions};
 use gltf::buffer::{Buffer, Data, Source};
 use gltf::{Document, Gltf};
 use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Bytes that the least object of a document takes, rounded up.
 const OBJECT: usize = 512;
 
 /// A document and the buffer within its file.
-pub(super) fn document(bytes: &[u8], memory: usize) -> Result<Gltf, Fault> {
+pub(super) fn document(bytes: &[u8], budget: &mut Budget) -> Result<Gltf, Fault> {
     // A binary file has text from its byte 20 on, of the length that bytes 12 to 15 tell.
     let text = match *bytes {
         [b'g', b'l', b'T', b'F', _, _, _, _, _, _, _, _, a, b, c, d, _, _, _, _, ref rest @ ..] => {
@@ -22,20 +26,9 @@ pub(super) fn document(bytes: &[u8], memory: usize) -> Result<Gltf, Fault> {
         }
         _ => bytes,
     };
-    if OBJECT * text.iter().filter(|&&b| b == b'{').count() > memory {
-        return Err(Fault::memory(memory));
-    }
-    if bytes.is_empty() {
-        return Err(Fault::broken("is empty"));
-    }
-    if let [b'g', b'l', b'T', b'F', _, _, _, _, a, b, c, d, ..] = *bytes {
-        let (due, found) = (u32::from_le_bytes([a, b, c, d]), bytes.len());
-        if due as usize != found {
-            return Err(Fault::broken(format!(
-                "has {due} bytes by its header, but is {found} long"
-            )));
-        }
-    }
+    budget.check(OBJECT * text.iter().filter(|&&b| b == b'{').count())?;
+    // Its strings and its binary chunk are copied.
+    budget.take(bytes.len())?;
     let broken = |e: gltf::Error| Fault::broken(e.to_string());
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(broken)?;
     let root = document.into_json();
@@ -55,33 +48,43 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
-    /// Reads buffers: in the file, in its text, or in files beside, whose bytes count as the file's.
-    pub(super) fn load(document: &Gltf, folder: &Path, import: &mut Import) -> Result<Self, Fault> {
-        let mut blob = document.blob.clone();
-        let mut files: HashMap<PathBuf, usize> = HashMap::new();
+    /// Reads buffers: in the file, in its text, or in files beside, whose bytes count as the file's. No more of a file is read
+    /// than the longest of its buffers has.
+    pub(super) fn load(
+        document: &Document,
+        mut blob: Option<Vec<u8>>,
+        folder: &Folder<'_>,
+        budget: &mut Budget,
+    ) -> Result<Self, Fault> {
+        let mut paths: HashMap<&str, PathBuf> = HashMap::new();
+        let mut lengths: HashMap<PathBuf, usize> = HashMap::new();
+        for buffer in document.buffers() {
+            let Some(uri) = uri(&buffer) else { continue };
+            let path = match paths.get(uri) {
+                Some(path) => path.clone(),
+                None => folder.file(uri).map_err(|fault| in_buffer(&buffer, fault))?,
+            };
+            let longest = lengths.entry(path.clone()).or_default();
+            *longest = buffer.length().max(*longest);
+            paths.insert(uri, path);
+        }
+        let mut files: HashMap<&PathBuf, usize> = HashMap::new();
         let mut all = Self { numbers: Vec::new(), data: Vec::new() };
         for buffer in document.buffers() {
-            let fault = |what: String| Fault::broken(format!("buffer {}: {what}", buffer.index()));
-            let beside = beside(&buffer, folder);
-            let number = beside.as_ref().and_then(|file| files.get(file).copied());
-            all.numbers.push(number.unwrap_or(all.data.len()));
-            if number.is_some() {
+            let path = uri(&buffer).and_then(|uri| paths.get(uri));
+            let known = path.and_then(|path| files.get(path).copied());
+            all.numbers.push(known.unwrap_or(all.data.len()));
+            if known.is_some() {
                 continue;
             }
-            let Some(file) = beside else {
-                let data = Data::from_source_and_blob(buffer.source(), None, &mut blob);
-                all.data.push(data.map_err(|e| fault(e.to_string()))?);
-                continue;
+            let data = match path {
+                Some(path) => {
+                    files.insert(path, all.data.len());
+                    read(path, lengths[path], budget).map(Data)
+                }
+                None => inline(&buffer, &mut blob, budget),
             };
-            // A device may never end.
-            if !file.is_file() {
-                return Err(fault(format!("there is no file {}", file.display())));
-            }
-            let data =
-                std::fs::read(&file).map_err(|e| fault(format!("{}: {e}", file.display())))?;
-            import.memory = import.memory.saturating_add(budget(data.len()) - budget(0));
-            all.data.push(Data(data));
-            files.insert(file, all.numbers[all.numbers.len() - 1]);
+            all.data.push(data.map_err(|fault| in_buffer(&buffer, fault))?);
         }
         Ok(all)
     }
@@ -95,26 +98,51 @@ impl Buffers {
     }
 }
 
-/// The file that a buffer is in, unless that is the file of the document.
-fn beside(buffer: &Buffer<'_>, folder: &Path) -> Option<PathBuf> {
+/// Names the buffer that a fault is in.
+fn in_buffer(buffer: &Buffer<'_>, fault: Fault) -> Fault {
+    match fault {
+        Fault::Broken(what) => Fault::Broken(format!("buffer {}: {what}", buffer.index())),
+        fault => fault,
+    }
+}
+
+/// The name of the file that a buffer is in, unless that is the file of the document.
+fn uri<'d>(buffer: &Buffer<'d>) -> Option<&'d str> {
     match buffer.source() {
-        Source::Uri(uri) if !uri.contains(':') => {
-            Some(folder.join(unescaped(uri).unwrap_or_else(|| uri.into())))
-        }
+        Source::Uri(uri) if !uri.starts_with("data:") => Some(uri),
         _ => None,
     }
 }
 
-/// With the bytes that `%20` and the like stand for; nothing if they are no text.
-fn unescaped(uri: &str) -> Option<String> {
-    let mut parts = uri.split('%');
-    let mut bytes: Vec<u8> = parts.next()?.into();
-    for part in parts {
-        let (escaped, plain) = part.split_at_checked(2)?;
-        bytes.push(u8::from_str_radix(escaped, 16).ok()?);
-        bytes.extend(plain.bytes());
+/// A buffer in the file of the document or in its text.
+fn inline(
+    buffer: &Buffer<'_>,
+    blob: &mut Option<Vec<u8>>,
+    budget: &mut Budget,
+) -> Result<Data, Fault> {
+    if let Source::Uri(uri) = buffer.source() {
+        // Six bits a character.
+        budget.take(uri.len() - uri.len() / 4)?;
     }
-    String::from_utf8(bytes).ok()
+    let data = Data::from_source_and_blob(buffer.source(), None, blob);
+    data.map_err(|error| Fault::broken(error.to_string()))
+}
+
+/// The first `length` bytes of a file, which must have as many.
+fn read(path: &Path, length: usize, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+    let fault = |what: String| Fault::broken(format!("{}: {what}", shown_path(path)));
+    let io = |error: std::io::Error| fault(error.to_string());
+    let file = File::open(path).map_err(io)?;
+    let found = file.metadata().map_err(io)?.len();
+    if found < length as u64 {
+        return Err(fault(format!("has {found} bytes, and {length} by the document")));
+    }
+    budget.add_file(length);
+    budget.take(length)?;
+    let mut data = Vec::new();
+    data.try_reserve_exact(length + 1).map_err(|error| fault(error.to_string()))?;
+    file.take(length as u64).read_to_end(&mut data).map_err(io)?;
+    Ok(data)
 }
 
 pub(super) fn positions(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<(), Fault> {

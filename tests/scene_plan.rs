@@ -1,0 +1,189 @@
+//! [`SceneQuery::plan`] tells who answered the last question, for every verb and executor, however it ended.
+
+#![cfg(feature = "threads")]
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use pfront::executor::{Backend, Reason};
+use pfront::{BodyId, Error, Executor, Model, Pose, Pose64, SceneQuery};
+use pfront_testkit::scenes::icosphere;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+const VERBS: [&str; 8] =
+    ["all", "update", "any", "count", "contacts", "contacts_f64", "visit", "body_pairs"];
+
+fn ask(scene: &mut SceneQuery, verb: &str) -> Result<(), Error> {
+    match verb {
+        "all" => scene.all().map(drop),
+        "update" => scene.update(),
+        "any" => scene.any().map(drop),
+        "count" => scene.count().map(drop),
+        "contacts" => scene.contacts().map(drop),
+        "contacts_f64" => scene.contacts_f64().map(drop),
+        "body_pairs" => scene.body_pairs().map(drop),
+        _ => scene.visit(|_| ControlFlow::Continue(())).map(drop),
+    }
+}
+
+/// Bodies side by side, each of which meets its neighbours.
+fn scene(executor: &Executor, bodies: usize) -> (SceneQuery, Vec<BodyId>) {
+    let ball = icosphere(80);
+    let model = Arc::new(Model::new(ball.positions, ball.triangles).unwrap());
+    let mut scene = SceneQuery::new().on(executor);
+    let mut add = |i| scene.add(model.clone(), Pose::from_translation([1.1 * i as f32, 0.1, 0.0]));
+    let ids: Vec<_> = (0..bodies).map(|i| add(i).unwrap()).collect();
+    (scene, ids)
+}
+
+fn backend(scene: &SceneQuery) -> Backend {
+    scene.plan().unwrap().backend
+}
+
+/// Moves all bodies, so that nothing that is kept is true.
+fn step(scene: &mut SceneQuery, bodies: &[BodyId], frame: usize) {
+    for (i, &body) in bodies.iter().enumerate() {
+        let at = [1.1 * i as f32, 0.1, 0.01 * frame as f32 + 0.01];
+        scene.set_pose(body, Pose::from_translation(at)).unwrap();
+    }
+}
+
+#[test]
+fn on_one_thread() {
+    let (mut scene, ids) = scene(&Executor::sequential(), 5);
+    assert!(scene.plan().is_none());
+    for (frame, verb) in VERBS.into_iter().enumerate() {
+        step(&mut scene, &ids, frame);
+        ask(&mut scene, verb).unwrap();
+        assert_eq!(backend(&scene), Backend::Sequential, "{verb}");
+        scene.contacts().unwrap();
+        ask(&mut scene, verb).unwrap();
+        // Contacts in f64 are not kept.
+        let kept = if verb == "contacts_f64" { Backend::Sequential } else { Backend::Cached };
+        assert_eq!(backend(&scene), kept, "{verb}");
+        ask(&mut scene, "all").unwrap();
+        assert_eq!(backend(&scene), Backend::Cached, "after {verb}");
+    }
+}
+
+#[test]
+fn on_threads() {
+    let executor = Executor::threads(2);
+    for (frame, verb) in VERBS.into_iter().cycle().take(24).enumerate() {
+        // Few bodies and many.
+        let (mut scene, _) = scene(&executor, if frame < 8 { 3 } else { 700 });
+        ask(&mut scene, verb).unwrap();
+        let called = !scene.report().unwrap().shares.is_empty();
+        let expected = match verb {
+            "visit" => false,
+            "body_pairs" | "contacts" | "contacts_f64" => frame >= 8,
+            _ => called,
+        };
+        assert_eq!(backend(&scene) == Backend::Threads, expected, "{verb} {frame}");
+        scene.all().unwrap();
+        ask(&mut scene, verb).unwrap();
+        // After `all` segments are found, after a question for them only those in f64.
+        let is_kept = !verb.starts_with("contacts");
+        assert_eq!(backend(&scene) == Backend::Cached, is_kept || verb == "contacts", "{verb}");
+    }
+}
+
+#[test]
+fn a_question_that_was_cancelled_has_a_plan() {
+    let flag = Arc::new(AtomicBool::new(true));
+    for executor in [Executor::sequential(), Executor::threads(2)] {
+        let executor = executor.with_cancel(flag.clone());
+        for verb in VERBS {
+            let (mut scene, ids) = scene(&executor, 5);
+            assert_eq!(ask(&mut scene, verb), Err(Error::Cancelled), "{verb}");
+            assert_eq!(backend(&scene), Backend::Sequential, "{verb}");
+            flag.store(false, Relaxed);
+            scene.contacts().unwrap();
+            flag.store(true, Relaxed);
+            step(&mut scene, &ids, 1);
+            assert_eq!(ask(&mut scene, verb), Err(Error::Cancelled), "{verb}");
+            assert_eq!(backend(&scene), Backend::Sequential, "{verb}");
+        }
+    }
+}
+
+#[cfg(feature = "gpu")]
+mod on_gpu {
+    use super::*;
+    use pfront::gpu::Gpu;
+
+    fn executor() -> Executor {
+        let gpu = Gpu::new().unwrap();
+        Executor::gpu(&gpu, gpu.settings())
+    }
+
+    #[test]
+    fn alone_and_with_the_cpu_beside() {
+        let (mut scene, ids) = scene(&executor(), 5);
+        for (frame, verb) in VERBS.into_iter().enumerate() {
+            step(&mut scene, &ids, frame);
+            ask(&mut scene, verb).unwrap();
+            let expected = match verb {
+                "contacts" | "contacts_f64" => Backend::GpuAndCpu,
+                "visit" | "body_pairs" => Backend::Sequential,
+                _ => Backend::Gpu,
+            };
+            assert_eq!(backend(&scene), expected, "{verb}");
+            let is_cpu_only = scene.plan().unwrap().reason == Reason::CpuOnly;
+            assert_eq!(is_cpu_only, expected == Backend::Sequential, "{verb}");
+        }
+        step(&mut scene, &ids, 99);
+        scene.all().unwrap();
+        scene.contacts().unwrap();
+        let plan = scene.plan().unwrap();
+        assert_eq!((plan.backend, plan.reason), (Backend::Sequential, Reason::CpuOnly));
+        scene.contacts().unwrap();
+        assert_eq!(backend(&scene), Backend::Cached);
+    }
+
+    /// One body in f64 takes its own pairs to the CPU, and no others.
+    #[test]
+    fn beside_bodies_in_f64() {
+        for executor in [executor(), Executor::threads(2)] {
+            let is_gpu = executor_has_gpu(&executor);
+            let (mut scene, ids) = scene(&executor, 40);
+            let first = ids[0];
+            let model = scene.body(first).unwrap().model().clone();
+            let (mut truth, _) = super::scene(&Executor::sequential(), 40);
+            let add = |scene: &mut SceneQuery, x: f64| {
+                let pose = Pose64::from_translation([x + 1e-9, 0.3, 0.2]);
+                scene.add(model.clone(), pose).unwrap()
+            };
+            let far = add(&mut scene, 900.0);
+            assert_eq!(add(&mut truth, 900.0), far);
+            scene.all().unwrap();
+            assert_eq!(backend(&scene) == Backend::Gpu, is_gpu, "no pair is in f64");
+            for x in [3.3, 7.1, 900.0, 12.2] {
+                let near = Pose64::from_translation([x + 1e-9, 0.3, 0.2]);
+                for scene in [&mut scene, &mut truth] {
+                    scene.set_pose(far, near).unwrap();
+                    let moved = Pose::from_translation([0.001 * x as f32, 0.1, 0.0]);
+                    scene.set_pose(first, moved).unwrap();
+                }
+                let expected = if x < 100.0 { Backend::GpuAndCpu } else { Backend::Gpu };
+                assert_eq!(scene.count().unwrap(), truth.count().unwrap());
+                assert_eq!(backend(&scene) == expected, is_gpu);
+                assert_eq!(scene.any().unwrap().is_some(), truth.any().unwrap().is_some());
+                assert_eq!(scene.all().unwrap(), truth.all().unwrap());
+                assert_eq!(backend(&scene) == expected, is_gpu);
+            }
+            // Of the pairs that have changed, none is in f32.
+            let near = Pose64::from_translation([4.0, 0.3, 0.2]);
+            scene.set_pose(far, near).unwrap();
+            truth.set_pose(far, near).unwrap();
+            assert_eq!(scene.all().unwrap(), truth.all().unwrap());
+            let plan = scene.plan().unwrap();
+            assert!([Backend::Sequential, Backend::Threads].contains(&plan.backend));
+            assert_eq!(plan.reason == Reason::InF64, is_gpu);
+        }
+    }
+
+    fn executor_has_gpu(executor: &Executor) -> bool {
+        format!("{executor:?}").contains("has_gpu: true")
+    }
+}
