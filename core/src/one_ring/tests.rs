@@ -124,7 +124,7 @@ fn many_triangles_are_linked_as_few_are() {
     let rim = |i: u32| [0, 1 + i % 40, 1 + (i + 1) % 40];
     let some = |range: core::ops::Range<u32>| range.map(rim).collect::<Vec<_>>();
     let certified = |triangles: &[[u32; 3]]| first_is_certified(&points, triangles);
-    assert!(certified(&some(0..40)) && certified(&some(7..40)) && certified(&some(30..65)));
+    assert!(certified(&some(0..40)) && certified(&some(15..45)) && certified(&some(30..65)));
     assert!(!certified(&[some(0..20), some(21..40)].concat()), "two rows");
     assert!(!certified(&[some(0..40), some(3..4)].concat()), "one twice");
     assert!(!certified(&[some(0..40), vec![[0, 41, 5]]].concat()), "two on one side of an edge");
