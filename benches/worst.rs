@@ -70,6 +70,8 @@ impl Asker {
 /// Time since some moment: of this thread's processor where `/proc` has it and nobody else works, else of the wall.
 fn now(start: Instant, threads: usize) -> Duration {
     let on_processor = || {
+        // The kernel counts up to the last switch of threads.
+        std::thread::yield_now();
         let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
         Some(Duration::from_nanos(text.split(' ').next()?.parse().ok()?))
     };
