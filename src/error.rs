@@ -32,11 +32,6 @@ pub enum Error {
         /// The bytes of the list that could not grow.
         needed: usize,
     },
-    /// A question about a model or a pose in f64 that only a CPU answers.
-    #[error(
-        "a model or a pose is in f64, about which a GPU answers for two models only: ask by another executor"
-    )]
-    InF64,
     /// A ticket was cancelled, or the flag of [`Executor::with_cancel`](crate::Executor::with_cancel) was set.
     #[error("the ticket or the query was cancelled")]
     Cancelled,
@@ -49,7 +44,18 @@ pub enum Error {
     /// A GPU refused or failed.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
-    Gpu(#[from] crate::gpu::GpuError),
+    Gpu(crate::gpu::GpuError),
+}
+
+#[cfg(feature = "gpu")]
+impl From<crate::gpu::GpuError> for Error {
+    fn from(error: crate::gpu::GpuError) -> Self {
+        match error {
+            crate::gpu::GpuError::Memory { needed } => Self::Memory { needed },
+            crate::gpu::GpuError::Cancelled => Self::Cancelled,
+            error => Self::Gpu(error),
+        }
+    }
 }
 
 impl From<BlobError> for Error {

@@ -4,7 +4,7 @@
 #[cfg(feature = "gpu")]
 use crate::Pose;
 use crate::environment::{Environment, with_default};
-use crate::executor::{Answer, Executor, Plan, Question, Run, Verb, list, visit};
+use crate::executor::{Answer, Backend, Executor, Plan, Question, Run, Verb, list, visit};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
 #[cfg(feature = "gpu")]
@@ -148,7 +148,7 @@ impl About for OfTwo<'_> {
             (None, AnyPose::F64(_)) => GpuQuestion::pair(a, b, &Pose::IDENTITY),
         };
         let intersects = |pair| in_f64.as_ref().is_some_and(|query| query.intersects(pair));
-        Ok(device.ask(&question, verb, pairs, intersects)?)
+        device.ask(&question, verb, pairs, intersects)
     }
 }
 
@@ -216,7 +216,7 @@ impl About for OfOne<'_> {
     ) -> Result<Answer<TrianglePair>, Error> {
         let [model, _] = mirrors.bring(device, &self.models, true)?;
         let question = GpuQuestion::Within { model, adjacency: self.adjacency };
-        Ok(device.ask(&question, verb, pairs, |_| false)?)
+        device.ask(&question, verb, pairs, |_| false)
     }
 }
 
@@ -246,6 +246,11 @@ impl History {
 
     pub(crate) fn plan(&self) -> Option<&Plan> {
         self.run.plan()
+    }
+
+    /// Takes note that the calling thread has visited pairs.
+    pub(crate) fn note_visit(&mut self) {
+        self.run.note_cpu(Backend::Sequential);
     }
 
     pub(crate) fn forget(&mut self) {

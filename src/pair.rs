@@ -149,6 +149,7 @@ impl PairQuery {
     ) -> Result<ControlFlow<()>, Error> {
         let question = self.question(a, b, a_from_b)?;
         let query = with_default(|| question.query())?;
+        self.history.note_visit();
         Ok(visit_each(&query, visit))
     }
 

@@ -133,6 +133,7 @@ impl SelfQuery {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let question = self.question(model);
+        self.history.note_visit();
         visit_each(&with_default(|| question.bvtt()), visit)
     }
 

@@ -115,6 +115,8 @@ fn another_accuracy_forgets() {
     assert_eq!(scene.with_accuracy(pfront::Accuracy::Exact).count().unwrap(), 0);
 }
 
+type Set = Box<dyn Fn(&mut SceneQuery, BodyId) -> Result<(), pfront::Error>>;
+
 /// What a body is set to that it is already changes nothing, so that nothing is asked again.
 #[test]
 fn what_is_there_already_changes_nothing() {
@@ -132,7 +134,7 @@ fn what_is_there_already_changes_nothing() {
     let all = [&two[..], &three[..]].concat();
     scene.ignore(all[0], all[1], true).unwrap();
     assert!(!scene.contacts().unwrap().is_empty());
-    let set: Vec<Box<dyn Fn(&mut SceneQuery, BodyId) -> Result<(), pfront::Error>>> = vec![
+    let set: Vec<Set> = vec![
         Box::new(|scene, id| scene.set_pose(id, Pose::IDENTITY)),
         Box::new(|scene, id| {
             let model = scene.body(id)?.model().clone();

@@ -3,8 +3,10 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::{
-    Adjacency, Batch, Error, Executor, Model, PairQuery, Pose, SelfQuery, Ticket, TrianglePair,
+    Adjacency, Batch, Error, Executor, Model, PairLists, PairQuery, Pose, Pose64, SelfQuery,
+    Ticket, TrianglePair,
 };
+use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::scenes::{Scene, icosphere};
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
@@ -46,6 +48,13 @@ fn ball(triangles: usize) -> Arc<Model> {
     Arc::new(Model::new(ball.positions, ball.triangles).unwrap())
 }
 
+/// The same mesh in f64.
+fn in_f64(model: &Arc<Model>) -> Arc<Model> {
+    let mesh = model.mesh();
+    let positions = mesh.shadow().iter().map(|p| p.map(f64::from)).collect();
+    Arc::new(Model::from_f64(positions, mesh.triangles().to_vec()).unwrap())
+}
+
 /// A sheet in folds.
 fn sheet(triangles: usize) -> Arc<Model> {
     let scene = Scene::by_name("sheet", Some(triangles)).unwrap();
@@ -65,9 +74,21 @@ fn aside(x: f32) -> Pose {
 fn mixed(count: usize) -> (Batch, Vec<Vec<TrianglePair>>) {
     let (ball, sheet) = (ball(500), sheet(2_000));
     let bare = Arc::new(Model::new(vec![[0.0; 3]], vec![]).unwrap());
+    let [ball_f64, sheet_f64] = [&ball, &sheet].map(in_f64);
     let (mut batch, mut truth) = (Batch::new(), Vec::new());
     for i in 0..count {
         let pose = aside(0.1 + 0.3 * i as f32 % 2.5);
+        if i % 8 == 6 {
+            let pose = Pose64::from_translation([0.1 + 0.03 * i as f64, 1e-9, 0.02]);
+            batch.pair(&ball_f64, &sheet, pose).unwrap();
+            truth.push(PairQuery::new().all(&ball_f64, &sheet, pose).unwrap().to_vec());
+            continue;
+        }
+        if i % 8 == 7 {
+            batch.within(&sheet_f64, Adjacency::default());
+            truth.push(SelfQuery::new().all(&sheet_f64).unwrap().to_vec());
+            continue;
+        }
         if i % 5 == 3 {
             let adjacency = [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours][i / 5 % 2];
             batch.within(&sheet, adjacency);
@@ -316,13 +337,284 @@ fn tickets_go_from_thread_to_thread() {
     sent::<Batch>();
 }
 
+/// How often random tests go around: `PFRONT_ROUNDS`, or so often.
+fn rounds(few: u64) -> u64 {
+    std::env::var("PFRONT_ROUNDS").map_or(few, |rounds| rounds.parse().unwrap())
+}
+
+/// Tickets of all verbs that are read late, in any way and order, cancelled, dropped and forgotten while others are in flight.
+#[test]
+fn tickets_in_any_mix_bring_what_queries_do() {
+    enum Flying {
+        All(Ticket<PairLists>),
+        Count(Ticket<Vec<u64>>),
+        Any(Ticket<Vec<Option<TrianglePair>>>),
+    }
+    let mut rng = seeded(36);
+    let batches: Vec<_> = [0, 1, 2, 8, 9].map(small_mixed).into();
+    for (name, executor) in EXECUTORS.iter() {
+        let mut flying: Vec<(Flying, usize)> = Vec::new();
+        for round in 0..rounds(60) {
+            let at = rng.random_range(0..batches.len());
+            let mut batch = batches[at].0.clone();
+            flying.push(match rng.random_range(0..3) {
+                0 => (Flying::All(batch.all(executor).unwrap()), at),
+                1 => (Flying::Count(batch.count(executor).unwrap()), at),
+                _ => (Flying::Any(batch.any(executor).unwrap()), at),
+            });
+            while flying.len() > 6 || rng.random_bool(0.4) && !flying.is_empty() {
+                let (ticket, at) = flying.swap_remove(rng.random_range(0..flying.len()));
+                let (truth, way) = (&batches[at].1, rng.random_range(0..8));
+                macro_rules! read {
+                    ($ticket:expr) => {
+                        match way {
+                            0 => continue,
+                            1 if rng.random_bool(0.1) => {
+                                std::mem::forget($ticket);
+                                continue;
+                            }
+                            2 => {
+                                let mut ticket = $ticket;
+                                ticket.cancel();
+                                assert_eq!(ticket.read().err(), Some(Error::Cancelled));
+                                continue;
+                            }
+                            3 => polled($ticket),
+                            4 => pollster::block_on($ticket).unwrap(),
+                            _ => $ticket.read().unwrap(),
+                        }
+                    };
+                }
+                match ticket {
+                    Flying::All(ticket) => {
+                        let lists = read!(ticket);
+                        let is_same = lists.iter().eq(truth.iter().map(Vec::as_slice));
+                        assert!(is_same, "{name} {round}");
+                    }
+                    Flying::Count(ticket) => {
+                        let counts: Vec<_> = truth.iter().map(|all| all.len() as u64).collect();
+                        assert_eq!(read!(ticket), counts, "{name} {round}");
+                    }
+                    Flying::Any(ticket) => {
+                        let found = read!(ticket);
+                        assert_eq!(found.len(), truth.len());
+                        for (found, all) in found.iter().zip(truth) {
+                            let is_one = found.map_or(all.is_empty(), |pair| all.contains(&pair));
+                            assert!(is_one, "{name} {round}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// [`mixed`] about small meshes.
+fn small_mixed(count: usize) -> (Batch, Vec<Vec<TrianglePair>>) {
+    let (ball, sheet) = (ball(80), sheet(200));
+    let [ball_f64, sheet_f64] = [&ball, &sheet].map(in_f64);
+    let (mut batch, mut truth) = (Batch::new(), Vec::new());
+    for i in 0..count {
+        let pose = aside(0.2 * i as f32);
+        let pose_f64 = Pose64::from_translation([0.17 * i as f64, 1e-9, 0.02]);
+        let pairs = match i % 9 {
+            4 => {
+                batch.within(&sheet, Adjacency::default());
+                SelfQuery::new().all(&sheet).unwrap().to_vec()
+            }
+            5 => {
+                batch.within(&sheet_f64, Adjacency::default());
+                SelfQuery::new().all(&sheet_f64).unwrap().to_vec()
+            }
+            1 | 6 => {
+                batch.pair(&ball_f64, &sheet, pose_f64).unwrap();
+                PairQuery::new().all(&ball_f64, &sheet, pose_f64).unwrap().to_vec()
+            }
+            _ => {
+                batch.pair(&ball, &sheet, pose).unwrap();
+                PairQuery::new().all(&ball, &sheet, pose).unwrap().to_vec()
+            }
+        };
+        truth.push(pairs);
+    }
+    (batch, truth)
+}
+
 #[cfg(feature = "gpu")]
 mod on_a_gpu {
     use super::*;
+
+    /// Threads of this process that answer tickets, if the system tells.
+    fn readers() -> Option<usize> {
+        let tasks = std::fs::read_dir("/proc/self/task").ok()?;
+        let name = |task: std::io::Result<std::fs::DirEntry>| {
+            std::fs::read_to_string(task.ok()?.path().join("comm")).ok()
+        };
+        Some(tasks.filter_map(name).filter(|name| name.starts_with("pfront ticket")).count())
+    }
+
+    /// In a process of its own, since other tests have such threads.
+    #[test]
+    fn there_is_one_thread_for_all_tickets_and_none_after_them() {
+        const ALONE: &str = "PFRONT_ALONE";
+        if std::env::var_os(ALONE).is_none() {
+            let own = "on_a_gpu::there_is_one_thread_for_all_tickets_and_none_after_them";
+            let mut child = std::process::Command::new(std::env::current_exe().unwrap());
+            let child = child.args(["--exact", own, "--nocapture"]).env(ALONE, "1").output();
+            let child = child.unwrap();
+            assert!(child.status.success(), "{}", String::from_utf8_lossy(&child.stderr));
+            return;
+        }
+        let Some(before) = readers() else { return };
+        assert_eq!(before, 0);
+        let gpu = Gpu::new().unwrap();
+        let settings = GpuSettings { budget: Budget::LEAST, ..gpu.settings() };
+        let (batch, truth) = mixed(9);
+        for is_executor_first in [false, true] {
+            let executor = Executor::gpu(&gpu, settings);
+            let tickets: Vec<_> = (0..8).map(|_| batch.clone().count(&executor).unwrap()).collect();
+            assert_eq!(readers(), Some(1));
+            if is_executor_first {
+                drop(executor);
+                let mut tickets = tickets.into_iter();
+                let counts = tickets.next().unwrap().read().unwrap();
+                assert!(counts.into_iter().eq(truth.iter().map(|all| all.len() as u64)));
+                assert_eq!(readers(), Some(1));
+                drop(tickets);
+            } else {
+                drop(tickets);
+                drop(executor);
+            }
+            assert_eq!(readers(), Some(0), "{is_executor_first}");
+        }
+    }
+
+    /// Runs that are submitted after a batch is cancelled.
+    #[test]
+    fn a_cancelled_batch_submits_nothing_more() {
+        let gpu = Gpu::new().unwrap();
+        let settings = GpuSettings { budget: Budget { bytes: 1 << 18 }, ..gpu.settings() };
+        let executor = Executor::gpu(&gpu, settings);
+        let sheet = sheet(6_000);
+        let mut batch = endless(&sheet, 200);
+        let mut ticket = batch.count(&executor).unwrap();
+        // Some of many runs.
+        while gpu.totals().runs < 5 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        ticket.cancel();
+        let cancelled_at = gpu.totals().runs;
+        std::thread::sleep(Duration::from_millis(500));
+        let after = gpu.totals().runs;
+        assert!(after <= cancelled_at + 1, "{cancelled_at} {after}");
+        assert_eq!(ticket.read(), Err(Error::Cancelled));
+    }
+
+    #[test]
+    fn lists_of_tickets_are_few_however_many_are_in_flight() {
+        let gpu = Gpu::new().unwrap();
+        let bytes = 16 << 20;
+        let settings = GpuSettings { budget: Budget { bytes }, ..gpu.settings() };
+        let executor = Executor::gpu(&gpu, settings);
+        let (mut batch, truth) = mixed(1);
+        batch.count(&executor).unwrap().read().unwrap();
+        let taken =
+            || gpu.device().generate_allocator_report().map(|all| all.total_allocated_bytes);
+        let before = taken();
+        let mut tickets: Vec<_> = (0..20).map(|_| batch.all(&executor).unwrap()).collect();
+        let shown = tickets.iter().filter(|ticket| ticket.hits_buffer().is_some()).count();
+        assert_eq!(shown, 2);
+        // The last is answered while all others are there, read by nobody.
+        let last = tickets.pop().unwrap().read().unwrap();
+        assert_eq!(last[0], truth[0]);
+        if let (Some(before), Some(now)) = (before, taken()) {
+            assert!(now <= before + 5 * bytes, "{before} {now}");
+        }
+        for ticket in tickets {
+            assert_eq!(ticket.read().unwrap()[0], truth[0]);
+        }
+    }
+
+    #[test]
+    fn the_plan_of_a_ticket_is_true() {
+        let gpu = Gpu::new().unwrap();
+        let executor = Executor::gpu(&gpu, gpu.settings());
+        let ball = ball(500);
+        let ball_f64 = in_f64(&ball);
+        let pose = aside(0.1);
+        let pose_f64 = Pose64::from_translation([0.1, 0.01, 1e-9]);
+        let ask = |add: &dyn Fn(&mut Batch)| {
+            let mut batch = Batch::new();
+            add(&mut batch);
+            let before = gpu.totals().runs;
+            let ticket = batch.count(&executor).unwrap();
+            let plan = ticket.plan(0).unwrap();
+            ticket.read().unwrap();
+            (plan.backend, plan.reason, gpu.totals().runs > before)
+        };
+        let on_gpu = (Backend::Gpu, Reason::NoChoice, true);
+        assert_eq!(ask(&|batch| batch.pair(&ball, &ball, pose).unwrap()), on_gpu);
+        assert_eq!(ask(&|batch| batch.pair(&ball_f64, &ball, pose).unwrap()), on_gpu);
+        assert_eq!(ask(&|batch| batch.pair(&ball, &ball, pose_f64).unwrap()), on_gpu);
+        assert_eq!(ask(&|batch| batch.within(&ball, Adjacency::default())), on_gpu);
+        let on_cpu = (Backend::Sequential, Reason::InF64, false);
+        assert_eq!(ask(&|batch| batch.within(&ball_f64, Adjacency::default())), on_cpu);
+        // In one batch, each has its own.
+        let (mut batch, _) = mixed(9);
+        let ticket = batch.count(&executor).unwrap();
+        let on_cpu = |plan: Plan| (plan.backend == Backend::Sequential).then_some(plan.reason);
+        let reasons: Vec<_> = (0..9).map(|i| on_cpu(ticket.plan(i).unwrap())).collect();
+        assert!(
+            reasons.iter().enumerate().all(|(i, own)| (i == 7) == own.is_some()),
+            "{reasons:?}"
+        );
+        assert_eq!(ticket.plan(9), None);
+    }
+
+    /// Nobody polls.
+    #[test]
+    fn a_question_in_f64_does_not_keep_a_batch_from_being_answered() {
+        let gpu = Gpu::new().unwrap();
+        let executor = Executor::gpu(&gpu, gpu.settings());
+        let (mut batch, truth) = mixed(9);
+        let mut ticket = batch.count(&executor).unwrap();
+        let clock = std::time::Instant::now();
+        while !ticket.is_ready() {
+            assert!(clock.elapsed() < Duration::from_secs(60));
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        let counts = ticket.try_read().unwrap().unwrap();
+        assert!(counts.into_iter().eq(truth.iter().map(|all| all.len() as u64)));
+    }
+
+    #[test]
+    fn models_are_uploaded_once_though_batches_and_tickets_go() {
+        let gpu = Gpu::new().unwrap();
+        let executor = Executor::gpu(&gpu, gpu.settings());
+        let [a, b] = [ball(500), sheet(2_000)];
+        for i in 0..4 {
+            let mut batch = Batch::new();
+            batch.pair(&a, &b, aside(0.1 * i as f32)).unwrap();
+            batch.count(&executor).unwrap().read().unwrap();
+            assert_eq!(gpu.totals().uploads, 2);
+        }
+        PairQuery::new().on(&executor).count(&a, &b, aside(0.7)).unwrap();
+        assert_eq!(gpu.totals().uploads, 2);
+        // Without room for what nobody holds, each question uploads.
+        let executor = Executor::gpu(&gpu, GpuSettings { mesh_bytes: 0, ..gpu.settings() });
+        for i in 1..3 {
+            let mut batch = Batch::new();
+            batch.pair(&a, &b, aside(0.1)).unwrap();
+            batch.count(&executor).unwrap().read().unwrap();
+            assert_eq!(gpu.totals().uploads, 2 + 2 * i);
+        }
+    }
+
+    use pfront::executor::{Backend, Plan, Reason};
     use pfront::gpu::wgpu::{
         Buffer, BufferDescriptor, BufferUsages, MapMode, PollType, SubmissionIndex,
     };
-    use pfront::gpu::{Gpu, GpuQuery};
+    use pfront::gpu::{Budget, Gpu, GpuQuery, GpuSettings};
     use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 
     fn buffer(gpu: &Gpu, size: u64, usage: BufferUsages) -> Buffer {

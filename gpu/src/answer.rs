@@ -10,10 +10,11 @@
 
 use crate::engine::Engine;
 use crate::layout::{Counters, InstancePair, Query, Rest};
+use crate::memory::reserve;
 use crate::read::read_now;
 use crate::results::{Found, Run};
 use crate::task::{Entry, Start, Task};
-use crate::{GpuError, GpuReport};
+use crate::{GpuError, GpuReport, totals, wear};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
 use pfront_core::{Mesh, Pose};
@@ -234,7 +235,7 @@ impl Answer {
         loop {
             let before = self.pairs.len();
             let found = self.engine.read(&run, &mut self.pairs)?;
-            self.report.add(&found.counters);
+            self.report.add(&found.counters, task.query.leaf_size);
             let Counters { overflow, hits, rest, fronts, .. } = found.counters;
             let refused = match verb {
                 GpuVerb::All | GpuVerb::AnyEach => overflow,
@@ -277,14 +278,20 @@ impl Answer {
             }
             run = self.run(task, Start::Front(&part), verb)?;
         }
+        totals::add(&self.engine.gpu.counted().box_tests, self.report.box_tests);
+        if let Some(wear) = &self.engine.wear {
+            wear::add(wear, self.report.box_tests);
+        }
         if verb != GpuVerb::Any {
             let parts: Vec<_> = answered.into_iter().rev().map(|(part, _)| part).collect();
             let about = self.about(task);
             self.division = (parts.len() > 1).then_some(Division { about, parts });
         }
         if matches!(verb, GpuVerb::All | GpuVerb::Any) {
+            reserve(&mut self.pairs, self.late.len())?;
             self.put_in_order(in_order);
         } else {
+            reserve(&mut self.pairs, self.late.len())?;
             // Each is of a pair of bodies of its own, or stands for a number.
             self.pairs.append(&mut self.late);
         }
@@ -368,6 +375,7 @@ impl Answer {
             self.pairs.truncate(before);
             let count = counters.hits as usize;
             let hits = read_now(device, queue, again(), &lists.hits, count, cancel)?;
+            reserve(&mut self.pairs, hits.len())?;
             self.pairs.extend_from_slice(&hits);
         }
         if rest.len() < counters.rest as usize && (verb != GpuVerb::Any || counters.hits == 0) {
@@ -376,16 +384,20 @@ impl Answer {
         if let (GpuVerb::CountEach, Some(tallies)) = (verb, &self.engine.tallies) {
             let pairs = self.instances.last().map_or(0, |last| last.number as usize + 1);
             let tallies: Vec<u32> = read_now(device, queue, again(), tallies, pairs, cancel)?;
+            let more = pairs.saturating_sub(self.tallies.len());
+            reserve(&mut self.tallies, more)?;
             self.tallies.resize(pairs, 0);
             (self.tallies.iter_mut().zip(tallies)).for_each(|(sum, own)| *sum += u64::from(own));
         }
         if task.query.shadows != 0 {
             let pair = |rest: &Rest| TrianglePair { a: rest.pair[0], b: rest.pair[1] };
+            reserve(&mut self.open, rest.len())?;
             self.open.extend(rest.iter().map(pair));
             rest.clear();
         }
         let late = self.late.len();
         let instances = &self.instances;
+        reserve(&mut self.late, rest.len())?;
         self.late.extend(rest.iter().filter_map(|rest| meet(&task.query, instances, rest)));
         self.count += u64::from(counters.hits) + (self.late.len() - late) as u64;
         Ok(())
@@ -393,9 +405,11 @@ impl Answer {
 
     /// Sorts all pairs, of which those that the device decided may be `in_order`.
     fn put_in_order(&mut self, in_order: bool) {
-        let Self { pairs, late, .. } = self;
-        if !in_order {
-            pairs.sort();
+        let Self { pairs, late, report, .. } = self;
+        if !in_order && pairs.len() > 1 {
+            report.sorted_on_host = pairs.len() as u64;
+            // No hit is there twice, and runs of several parts are merged.
+            pairs.sort_by_key(|pair| (u64::from(pair.a) << 32) | u64::from(pair.b));
         }
         late.sort_unstable();
         // From the last on, so that each pair is moved once.

@@ -1,6 +1,6 @@
 //! A mesh that moves: positions are uploaded, everything else happens on the device.
 
-use crate::build::{Built, Source};
+use crate::build::{Built, Source, price};
 use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
 use crate::schedule::Schedule;
@@ -185,6 +185,14 @@ impl Deforming {
         self.submit(Self::record_rebuild)
     }
 
+    /// Whether a rebuild has paid for itself: queries about the model have done more box tests than when its tree was new, and all
+    /// that they have done more are as many as a rebuild takes the time of. After a rebuild that has not halved
+    /// them it takes twice as many.
+    #[must_use]
+    pub fn is_worn(&self) -> bool {
+        self.model.wear.is_due(price(self.source.triangle_count(), self.options))
+    }
+
     /// The same in an encoder of the caller's, which has to be submitted before anything else is asked
     /// about the model.
     ///
@@ -194,6 +202,7 @@ impl Deforming {
         self.prepare_build()?;
         if let Some(build) = &self.build {
             count(&self.gpu.counted().builds);
+            self.model.wear.rebuilt();
             build.run(encoder, self.clock.as_mut());
         }
         Ok(())
@@ -264,6 +273,8 @@ impl Deforming {
         if let (None, Some(bounds)) = (&self.build, &self.model.bounds) {
             let Built { model, build, refit } =
                 Built::new(&self.gpu, &self.source, bounds, self.options)?;
+            let wear = std::mem::take(&mut self.model.wear);
+            let model = GpuModel { wear, ..model };
             (self.model, self.build, self.refit) = (model, Some(build), refit);
             self.ahead = None;
         }

@@ -19,6 +19,7 @@ use crate::sequence::groups_for;
 use crate::staging::Staging;
 use crate::task::{Entry, Order, Start, Task};
 use crate::totals::count;
+use crate::wear::Wear;
 use crate::{GpuError, GpuModel, GpuSettings};
 use pfront_shaders::constants::{
     ANY_EACH, BEAM, BUCKETS, COUNT_EACH, FEW, FINER, FRONTS, GROUP, RANKERS,
@@ -50,6 +51,8 @@ pub(crate) struct Engine {
     pub(crate) ahead: Option<Ahead>,
     /// If times are wanted.
     pub(crate) clock: Option<Clock>,
+    /// The wear of the models that are bound.
+    pub(crate) wear: Option<[Arc<Wear>; 2]>,
     /// Ends a question early once it is set.
     pub(crate) cancel: Option<Arc<AtomicBool>>,
 }
@@ -81,6 +84,7 @@ impl Engine {
             mapping: None,
             ahead: None,
             clock: None,
+            wear: None,
             cancel: None,
             lists,
         })
@@ -124,6 +128,7 @@ impl Engine {
             ("seeds_a", &a.seeds),
             ("seeds_b", &b.seeds),
         ];
+        self.wear = Some([a.wear.clone(), b.wear.clone()]);
         self.bind_buffers([a.id, b.id], &buffers)
     }
 

@@ -56,6 +56,14 @@ pub enum GpuError {
         /// The size that was asked for.
         bytes: u64,
     },
+    /// The host has no memory left for a list.
+    #[error(
+        "no memory for a list of {needed} bytes: ask for counts, or about fewer pairs at a time"
+    )]
+    Memory {
+        /// The size of the list.
+        needed: usize,
+    },
     /// The device is gone, with everything on it.
     #[error(
         "the device is lost: {reason}. Make a new `Gpu`, upload the models again and ask again"

@@ -124,6 +124,7 @@ shared! {
         undecided: u32,
         rest: u32,
         unordered: u32,
+        node_pairs: u32,
         fronts: [u32; FRONTS as usize],
     }
 

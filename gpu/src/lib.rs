@@ -44,6 +44,7 @@ mod task;
 #[cfg(test)]
 mod tests;
 mod totals;
+mod wear;
 mod world;
 
 pub use answer::GpuVerb;

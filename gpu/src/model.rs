@@ -5,8 +5,10 @@ use crate::gpu::Gpu;
 use crate::layout::Corner;
 use crate::memory::Usage;
 use crate::totals::count;
+use crate::wear::Wear;
 use pfront_core::{Aabb, Bvh, Mesh, Node};
 use pfront_shaders::constants::{LEAF, LEAF_SHIFT};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The most nodes of one level that the first pass of a query pairs with those of the other tree: both
@@ -42,6 +44,8 @@ pub struct GpuModel {
     pub(crate) bounds: Option<Aabb>,
     /// Whether what is there is the shadow of a mesh in f64.
     pub(crate) is_shadow: bool,
+    /// Box tests of queries about it.
+    pub(crate) wear: Arc<Wear>,
 }
 
 impl GpuModel {
@@ -80,6 +84,7 @@ impl GpuModel {
             leaf_size: bvh.nodes().iter().map(|node| node.count).fold(1, u32::max),
             bounds: bvh.aabb(),
             is_shadow: mesh.is_f64(),
+            wear: Arc::default(),
         })
     }
 

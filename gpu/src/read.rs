@@ -2,6 +2,7 @@
 
 use crate::GpuError;
 use crate::gpu::checked;
+use crate::memory::append;
 use bytemuck::Pod;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -141,5 +142,8 @@ pub(crate) fn read_now<T: Pod>(
         Ok(())
     })?;
     let mut mapping = Mapping::begin(device, &staging, bytes, MapMode::Read);
-    mapping.read(device, &staging, bytes, cancel, bytemuck::pod_collect_to_vec)
+    mapping.read(device, &staging, bytes, cancel, |bytes| {
+        let mut list = Vec::new();
+        append(&mut list, bytes).map(|()| list)
+    })?
 }

@@ -19,11 +19,20 @@ pub struct GpuReport {
     pub undecided: u32,
     /// Triangle pairs that were left to the CPU.
     pub on_cpu: u32,
+    /// Node pairs whose children were tested, four box tests each at most, of all runs together.
+    pub node_pairs: u64,
+    /// Tests of boxes and of the triangles of leaves, of all runs together: what grows as trees wear.
+    pub box_tests: u64,
+    /// Hits that the host has put in order, since the device had no room for it.
+    pub sorted_on_host: u64,
 }
 
 impl GpuReport {
-    pub(crate) fn add(&mut self, counters: &Counters) {
+    pub(crate) fn add(&mut self, counters: &Counters, leaf_size: u32) {
         self.runs += 1;
+        let triangles = u64::from(leaf_size) * u64::from(leaf_size) * u64::from(counters.leaves);
+        self.node_pairs += u64::from(counters.node_pairs);
+        self.box_tests += 4 * u64::from(counters.node_pairs) + triangles;
         for (most, now) in [
             (&mut self.longest_front, counters.longest_front()),
             (&mut self.leaf_pairs, counters.leaves),
@@ -33,6 +42,22 @@ impl GpuReport {
         ] {
             *most = now.max(*most);
         }
+    }
+}
+
+impl GpuReport {
+    /// Adds that of another part of the same question.
+    pub(crate) fn join(&mut self, other: &Self) {
+        let most = |most: &mut u32, now: u32| *most = now.max(*most);
+        most(&mut self.longest_front, other.longest_front);
+        most(&mut self.leaf_pairs, other.leaf_pairs);
+        most(&mut self.triangle_pairs, other.triangle_pairs);
+        most(&mut self.undecided, other.undecided);
+        most(&mut self.on_cpu, other.on_cpu);
+        self.runs += other.runs;
+        self.node_pairs += other.node_pairs;
+        self.box_tests += other.box_tests;
+        self.sorted_on_host += other.sorted_on_host;
     }
 }
 

@@ -4,7 +4,7 @@ use crate::GpuError;
 use crate::engine::Engine;
 use crate::layout::{Counters, Rest};
 use crate::lists::{Lists, ORDERED_AT};
-use crate::memory::Usage;
+use crate::memory::{Usage, append};
 use crate::read::Mapping;
 use crate::task::Order;
 use pfront_core::bvtt::TrianglePair;
@@ -108,28 +108,21 @@ impl Engine {
             let hits = counters.hits.min(copied) as usize;
             let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
             let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
-            match bytemuck::try_cast_slice(copied) {
-                Ok(copied) => pairs.extend_from_slice(copied),
-                // Nothing says how mapped memory is aligned.
-                Err(_) => pairs.extend(bytemuck::pod_collect_to_vec::<_, TrianglePair>(copied)),
-            }
+            append(pairs, copied)?;
             let in_order = match run.order {
                 Order::None => false,
                 Order::Few => counters.hits <= run.most_hits,
                 Order::Many => counters.unordered == 0,
             };
-            Found {
-                counters,
-                in_order,
-                rest: bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]),
-            }
+            let rest = bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]);
+            Ok::<_, GpuError>(Found { counters, in_order, rest })
         });
         self.gpu.check()?;
         if matches!(found, Err(GpuError::Cancelled)) {
             // The next run takes another buffer.
             self.mapping = Some(mapping);
         }
-        let found = found?;
+        let found: Found = found??;
         if found.counters.ticket != run.ticket {
             return Err(GpuError::NotSubmitted);
         }

@@ -2,6 +2,7 @@
 
 use crate::GpuError;
 use crate::layout::{Query, Rest};
+use pfront_shaders::constants::{BUCKET, BUCKETS};
 
 /// How a query works on the device.
 ///
@@ -84,6 +85,11 @@ impl Capacities {
         // Far more than any device binds, and counters still cannot wrap before they overflow.
         let n = (budget.bytes / UNIT).min(1 << 28) as u32;
         Ok(Self { front: n, leaves: 2 * n, hits: n, kept: 2 * n, rest: n / 16 })
+    }
+
+    /// So many hits the device surely puts in order: then the largest bucket, about three times the mean, has room.
+    pub(crate) fn ordered(&self) -> u64 {
+        u64::from(BUCKET.min(self.kept / BUCKETS) * BUCKETS / 4).max(1)
     }
 
     /// A query that knows them.

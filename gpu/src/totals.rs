@@ -22,6 +22,8 @@ pub struct GpuTotals {
     pub uploads: u64,
     /// Trees that were built on the device.
     pub builds: u64,
+    /// Tests of boxes and of the triangles of leaves, of all runs that were read: see [`GpuReport`](crate::GpuReport).
+    pub box_tests: u64,
 }
 
 /// The same while they are counted.
@@ -30,17 +32,24 @@ pub(crate) struct Totals {
     pub(crate) runs: AtomicU64,
     pub(crate) uploads: AtomicU64,
     pub(crate) builds: AtomicU64,
+    pub(crate) box_tests: AtomicU64,
 }
 
 impl Totals {
     pub(crate) fn now(&self) -> GpuTotals {
-        let [runs, uploads, builds] =
-            [&self.runs, &self.uploads, &self.builds].map(|total| total.load(Relaxed));
-        GpuTotals { runs, uploads, builds }
+        let Self { runs, uploads, builds, box_tests } = self;
+        let [runs, uploads, builds, box_tests] =
+            [runs, uploads, builds, box_tests].map(|total| total.load(Relaxed));
+        GpuTotals { runs, uploads, builds, box_tests }
     }
 }
 
 /// Counts one more.
 pub(crate) fn count(total: &AtomicU64) {
-    total.fetch_add(1, Relaxed);
+    add(total, 1);
+}
+
+/// Counts so many more.
+pub(crate) fn add(total: &AtomicU64, more: u64) {
+    total.fetch_add(more, Relaxed);
 }

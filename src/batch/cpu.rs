@@ -3,6 +3,7 @@
 use super::found::Found;
 use super::{About, Job, OfOne, OfTwo, Question};
 use crate::executor::{Answer, Verb};
+use crate::memory::push;
 use crate::{Error, TrianglePair};
 use pfront_core::bvtt::{Cursor, Query, Work};
 use std::ops::{ControlFlow, Range};
@@ -29,7 +30,8 @@ impl Steps {
         Self::part(job, all)
     }
 
-    fn part(job: Job, left: Range<usize>) -> Self {
+    /// Some of them.
+    pub(super) fn part(job: Job, left: Range<usize>) -> Self {
         Self { job, left, cursor: None, answer: Answer::counted(0), found: Found::default() }
     }
 
@@ -40,10 +42,10 @@ impl Steps {
         while budget > 0 && !self.left.is_empty() {
             let spent = match &questions[self.left.start] {
                 Question::Pair { models: [a, b], a_from_b } => {
-                    self.ask(&OfTwo::new([a, b], *a_from_b, accuracy)?.query()?, budget)
+                    self.ask(&OfTwo::new([a, b], *a_from_b, accuracy)?.query()?, budget)?
                 }
                 Question::Within { model, adjacency } => {
-                    self.ask(&OfOne::new(model, *adjacency, accuracy).query()?, budget)
+                    self.ask(&OfOne::new(model, *adjacency, accuracy).query()?, budget)?
                 }
             };
             budget = budget.saturating_sub(spent);
@@ -52,14 +54,19 @@ impl Steps {
     }
 
     /// Goes on with a question, and returns the tests done, at least the budget if the question is not answered.
-    fn ask(&mut self, query: &impl Query, budget: u64) -> u64 {
+    fn ask(&mut self, query: &impl Query, budget: u64) -> Result<u64, Error> {
         let Self { job, cursor, answer, found, .. } = self;
         let cursor = cursor.get_or_insert_with(|| query.start());
-        let before = tests(cursor.work);
+        let (before, mut pushed) = (tests(cursor.work), Ok(()));
         let end = query.step(cursor, budget, |pair| {
             answer.count += 1;
             match job.verb {
-                Verb::All => found.pairs.push(pair),
+                Verb::All => {
+                    pushed = push(&mut found.pairs, pair);
+                    if pushed.is_err() {
+                        return ControlFlow::Break(());
+                    }
+                }
                 Verb::Count => {}
                 Verb::Any => {
                     answer.first = Some(pair);
@@ -68,17 +75,18 @@ impl Steps {
             }
             ControlFlow::Continue(())
         });
+        pushed?;
         if end.is_continue() && !cursor.is_done() {
-            return budget;
+            return Ok(budget);
         }
         let spent = tests(cursor.work) - before + BEGIN;
         let first =
             found.pairs.len() - if job.verb == Verb::All { answer.count as usize } else { 0 };
         found.pairs[first..].sort_unstable();
-        found.answers.push(std::mem::replace(answer, Answer::counted(0)));
+        push(&mut found.answers, std::mem::replace(answer, Answer::counted(0)))?;
         self.cursor = None;
         self.left.start += 1;
-        spent
+        Ok(spent)
     }
 }
 
@@ -95,6 +103,7 @@ mod pool {
     use super::super::outcome::Outcome;
     use super::*;
     use crate::history::traverse;
+    use crate::memory::reserve;
     use crate::threads::Traversal;
     use std::sync::atomic::{AtomicUsize, Ordering::AcqRel, Ordering::Relaxed};
     use std::sync::{Arc, Mutex, PoisonError};
@@ -154,7 +163,8 @@ mod pool {
                     traverse(traversal, &about.query()?, job.verb, &mut pairs)?
                 }
             };
-            found.answers.push(answer);
+            push(&mut found.answers, answer)?;
+            reserve(&mut found.pairs, pairs.len())?;
             found.pairs.append(&mut pairs);
         }
         Ok(found)
@@ -187,12 +197,15 @@ mod pool {
                     return Ok(());
                 }
                 let mut answered = self.answered.lock().unwrap_or_else(PoisonError::into_inner);
-                answered.push((first, steps.found));
+                push(&mut answered, (first, steps.found))?;
             }
             if self.at_work.fetch_sub(1, AcqRel) == 1 {
                 let mut answered = self.answered.lock().unwrap_or_else(PoisonError::into_inner);
                 answered.sort_unstable_by_key(|&(first, _)| first);
                 let mut all = Found::default();
+                let pairs = answered.iter().map(|(_, found)| found.pairs.len()).sum();
+                reserve(&mut all.answers, count)?;
+                reserve(&mut all.pairs, pairs)?;
                 for (_, mut found) in answered.drain(..) {
                     all.answers.append(&mut found.answers);
                     all.pairs.append(&mut found.pairs);

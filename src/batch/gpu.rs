@@ -1,186 +1,364 @@
-//! Answering a batch on a GPU, which submits without waiting, and a thread that reads.
+//! Answering a batch on a GPU, which submits without waiting; the thread of the executor reads.
+//!
+//! A batch goes there in parts: all pairs of models in f32 are one, as bodies of a world; a model with itself, a pair in
+//! f64, by its shadow, and a lone pair are one each. Two parts are submitted at a time, so that the device works on one while
+//! the other is read. A model in f64 with itself is a part that the thread answers by itself.
 
+use super::cpu::Steps;
 use super::found::Found;
 use super::outcome::Outcome;
 use super::{Job, Question};
-use crate::executor::{Device, Verb, read};
-use crate::gpu::{GpuError, GpuModel, GpuQuery, GpuQuestion, wgpu};
-use crate::{AnyPose, Error, Model, Pose, Stamp, TrianglePair};
+use crate::executor::{Device, Gathered, Reader, Seat, Slot, Verb, Work, merge_open, read};
+use crate::gpu::{GpuQuery, GpuQuestion, wgpu};
+use crate::memory::{push, reserve};
+use crate::{Accuracy, AnyPose, Error, Model, Pose};
 use std::collections::VecDeque;
-use std::collections::hash_map::{Entry, HashMap};
-use std::io;
-use std::sync::{Arc, PoisonError};
-#[cfg(not(target_arch = "wasm32"))]
-use std::thread;
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Whether a thread can wait for a GPU.
 pub(super) const CAN_WAIT: bool = cfg!(not(target_arch = "wasm32"));
 
-/// Questions of one ticket that are submitted at a time, so that the device works on one while another is read.
-const RING: usize = 2;
-
-/// Models on the device, by what they hold.
-pub(super) type Uploads = Arc<HashMap<Stamp, Arc<GpuModel>>>;
-
-/// Submits a batch, and returns the buffers of hits and counters of a single question. `uploads` are the models that the last
-/// submission needed, and become those that this one needs.
+/// Submits a batch. Returns the place of the ticket in the queue of the thread, unless there is no question.
 pub(super) fn submit(
     device: &Arc<Device>,
+    reader: &Reader,
     job: Job,
-    uploads: &mut Uploads,
-) -> Result<(Arc<Outcome>, Option<[wgpu::Buffer; 2]>), Error> {
-    let pairs: Option<Vec<_>> = job.questions.iter().map(Question::pair).collect();
-    if let Some(pairs) = pairs.filter(|pairs| pairs.len() > 1) {
-        return Ok((gathered(device, &job, &pairs)?, None));
-    }
-    *uploads = Arc::new(upload(device, &job, uploads)?);
-    let lists = Lists { device: device.clone(), own: VecDeque::new() };
-    let mut ring = Ring { lists, uploads: uploads.clone(), found: Found::default(), job };
-    let (outcome, count) = (Arc::<Outcome>::default(), ring.job.questions.len());
-    if count == 0 {
-        outcome.set(Ok(ring.found));
+) -> Result<(Arc<Outcome>, Option<Seat>), Error> {
+    let outcome = Arc::<Outcome>::default();
+    if job.questions.is_empty() {
+        outcome.set(Ok(Found::default()));
         return Ok((outcome, None));
     }
-    // Its place in the queue is before whatever the caller submits next.
-    ring.submit(0)?;
-    let only = ring.lists.own.front().filter(|_| count == 1);
-    let buffers = only.map(|lists| [lists.hits_buffer(), lists.count_buffer()].map(Clone::clone));
-    let own = outcome.clone();
-    let work = move || {
-        own.guard(|| {
-            if let Some(found) = ring.answer(&own)? {
-                own.set(Ok(found));
-            }
-            Ok(())
-        });
+    let answering = Answering {
+        device: device.clone(),
+        outcome: outcome.clone(),
+        parts: parts(&job).into(),
+        in_flight: VecDeque::new(),
+        found: Vec::new(),
+        failure: None,
+        // A GPU is exact.
+        job: Job { accuracy: Accuracy::Exact, ..job },
     };
-    spawn(work).map_err(|error| GpuError::Device { reason: error.to_string() })?;
-    Ok((outcome, buffers))
+    let seat = reader.add(Box::new(answering), outcome.flag())?;
+    Ok((outcome, Some(seat)))
 }
 
-/// Submits pairs of models as one.
-fn gathered(
-    device: &Arc<Device>,
-    job: &Job,
-    pairs: &[([&Model; 2], Pose)],
-) -> Result<Arc<Outcome>, Error> {
-    let (mut world, device) = (device.lend_gathered()?, device.clone());
-    let (outcome, verb, count) = (Arc::<Outcome>::default(), job.verb, pairs.len());
-    world.submit(pairs, verb)?;
-    let own = outcome.clone();
-    let work = move || {
-        own.guard(|| {
-            let mut found = Found::default();
-            world.read(count, verb, &mut found.answers, &mut found.pairs)?;
-            device.take_back_gathered(world);
-            own.set(Ok(found));
-            Ok(())
-        });
-    };
-    spawn(work).map_err(|error| GpuError::Device { reason: error.to_string() })?;
-    Ok(outcome)
-}
-
-/// Starts the thread that reads.
-#[cfg(not(target_arch = "wasm32"))]
-fn spawn(work: impl FnOnce() + Send + 'static) -> io::Result<()> {
-    thread::Builder::new().name("pfront ticket".to_owned()).spawn(work).map(drop)
-}
-
-/// There are no threads.
-#[cfg(target_arch = "wasm32")]
-fn spawn(_: impl FnOnce()) -> io::Result<()> {
-    Err(io::ErrorKind::Unsupported.into())
-}
-
-/// Brings each model of a batch there once.
-fn upload(
-    device: &Device,
-    job: &Job,
-    before: &Uploads,
-) -> Result<HashMap<Stamp, Arc<GpuModel>>, GpuError> {
-    let mut uploads = HashMap::new();
-    let mut bring = |model: &Model| -> Result<(), GpuError> {
-        if let Entry::Vacant(entry) = uploads.entry(model.stamp()) {
-            let known = before.get(entry.key()).filter(|model| model.is_on(&device.gpu)).cloned();
-            entry.insert(known.map_or_else(|| device.model(model), Ok)?);
-        }
-        Ok(())
-    };
-    for question in job.questions.iter() {
-        match question {
-            Question::Pair { models, .. } => models.iter().try_for_each(|model| bring(model))?,
-            Question::Within { model, .. } => bring(model)?,
-        }
-    }
-    Ok(uploads)
-}
-
-/// The lists of a ticket, the oldest submission first. They go back to the device when they are dropped.
+/// The questions of a batch that are submitted together.
 #[derive(Debug)]
-pub(super) struct Lists {
+enum Part {
+    /// Pairs of models in f32.
+    Pairs(Vec<usize>),
+    One(usize),
+    /// A model in f64 with itself, on the CPU.
+    OnCpu(usize),
+}
+
+fn parts(job: &Job) -> Vec<Part> {
+    let (mut pairs, mut others) = (Vec::new(), Vec::new());
+    for (number, question) in job.questions.iter().enumerate() {
+        if question.pair().is_some() {
+            pairs.push(number);
+        } else if question.is_for_cpu() {
+            others.push(Part::OnCpu(number));
+        } else {
+            others.push(Part::One(number));
+        }
+    }
+    match pairs[..] {
+        [] => {}
+        [only] => others.insert(0, Part::One(only)),
+        _ => others.insert(0, Part::Pairs(pairs)),
+    }
+    others
+}
+
+impl Part {
+    fn questions(&self) -> &[usize] {
+        match self {
+            Self::Pairs(numbers) => numbers,
+            Self::One(number) | Self::OnCpu(number) => std::slice::from_ref(number),
+        }
+    }
+}
+
+/// A part that has been submitted, with the lists that it was submitted into.
+struct InFlight {
+    part: Part,
+    lists: Submitted,
+    /// Dropped after the lists.
+    _slot: Option<Slot>,
+}
+
+enum Submitted {
+    World(Box<Gathered>),
+    Query(Box<GpuQuery>),
+    Nothing,
+}
+
+/// The lists of a single question, whose buffers its ticket shows. They go back to the device when this is dropped.
+#[derive(Debug)]
+pub(super) struct Shown {
     device: Arc<Device>,
-    own: VecDeque<GpuQuery>,
+    /// The buffers of hits and counters.
+    pub(super) buffers: [wgpu::Buffer; 2],
+    /// Once they are read.
+    lists: Mutex<Option<GpuQuery>>,
 }
 
-impl Drop for Lists {
+impl Shown {
+    /// Keeps the lists, unless some are kept already.
+    pub(super) fn keep(&self, lists: GpuQuery) -> Option<GpuQuery> {
+        let mut own = self.lists.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*own {
+            Some(_) => Some(lists),
+            None => own.replace(lists),
+        }
+    }
+}
+
+impl Drop for Shown {
     fn drop(&mut self) {
-        self.device.take_back(self.own.drain(..));
+        self.device.hide();
+        let lists = self.lists.get_mut().unwrap_or_else(PoisonError::into_inner);
+        self.device.take_back(lists.take());
     }
 }
 
-/// Questions that are submitted one after the other into the same few lists: one alone, or models with themselves.
-struct Ring {
+/// A batch while it is answered.
+struct Answering {
+    device: Arc<Device>,
     job: Job,
-    uploads: Uploads,
-    lists: Lists,
-    found: Found,
+    outcome: Arc<Outcome>,
+    /// Parts that are left to be submitted, the next one first.
+    parts: VecDeque<Part>,
+    /// Parts that have been, the oldest first.
+    in_flight: VecDeque<InFlight>,
+    /// Parts that have been answered.
+    found: Vec<(Part, Found)>,
+    /// Why the first part could not be submitted.
+    failure: Option<Error>,
 }
 
-impl Ring {
-    /// Reads what has been submitted and submits what is left, until all is answered; `None` if it is cancelled before.
-    fn answer(mut self, outcome: &Outcome) -> Result<Option<Found>, Error> {
-        for next in 1..self.job.questions.len() {
-            if outcome.is_over() {
-                return Ok(None);
-            }
-            self.submit(next)?;
-        }
-        for _ in 0..self.lists.own.len() {
-            let read = self.read()?;
-            self.lists.own.extend(read);
-        }
-        *outcome.lists.lock().unwrap_or_else(PoisonError::into_inner) = Some(self.lists);
-        Ok(Some(self.found))
+impl Work for Answering {
+    fn begin(&mut self) -> Result<bool, Error> {
+        let Some(slot) = self.device.slot() else { return Ok(false) };
+        self.submit(slot).inspect_err(|error| self.failure = Some(error.clone()))?;
+        Ok(true)
     }
 
-    /// Submits a question into new lists, or into those of the oldest submission, which is read before.
-    fn submit(&mut self, number: usize) -> Result<(), Error> {
-        let oldest = if self.lists.own.len() < RING { None } else { self.read()? };
-        let mut lists = oldest.map_or_else(|| self.lists.device.lend(), Ok)?;
-        let there = |model: &Model| self.uploads.get(&model.stamp()).ok_or(GpuError::OtherDevice);
-        let question = match &self.job.questions[number] {
-            Question::Pair { models: [a, b], a_from_b: AnyPose::F32(a_from_b) } => {
-                GpuQuestion::pair(there(a)?, there(b)?, a_from_b)
+    fn finish(mut self: Box<Self>) {
+        let outcome = self.outcome.clone();
+        outcome.guard(|| {
+            let found = self.answer()?;
+            outcome.set(Ok(found));
+            Ok(())
+        });
+    }
+}
+
+impl Answering {
+    fn answer(&mut self) -> Result<Found, Error> {
+        if let Some(failure) = self.failure.take() {
+            return Err(failure);
+        }
+        while !self.parts.is_empty() || !self.in_flight.is_empty() {
+            if self.outcome.is_over() {
+                return Err(Error::Cancelled);
             }
-            Question::Pair { .. } => return Err(Error::InF64),
-            Question::Within { model, adjacency } => {
-                GpuQuestion::Within { model: there(model)?, adjacency: *adjacency }
+            // The ticket whose turn it is never waits for those after it.
+            let slot = match self.in_flight.len() {
+                0 => Some(self.device.slot_at_once()),
+                1 if !self.parts.is_empty() => self.device.slot(),
+                _ => None,
+            };
+            match slot {
+                Some(slot) if !self.parts.is_empty() => self.submit(slot)?,
+                _ => self.read()?,
             }
+        }
+        self.merge()
+    }
+
+    /// Submits the next part.
+    fn submit(&mut self, slot: Slot) -> Result<(), Error> {
+        let Some(part) = self.parts.pop_front() else { return Ok(()) };
+        let lists = match &part {
+            Part::Pairs(numbers) => {
+                let pairs: Vec<_> =
+                    numbers.iter().filter_map(|&n| self.job.questions[n].pair()).collect();
+                let mut world = Box::new(self.device.lend_gathered()?);
+                world.set_cancel(Some(self.outcome.flag()));
+                world.submit(&pairs, self.job.verb)?;
+                Submitted::World(world)
+            }
+            &Part::One(number) => {
+                let mut lists = Box::new(self.device.lend()?);
+                lists.set_cancel(Some(self.outcome.flag()));
+                self.submit_one(number, &mut lists)?;
+                if self.job.questions.len() == 1 && self.device.show() {
+                    let buffers = [lists.hits_buffer(), lists.count_buffer()].map(Clone::clone);
+                    let shown =
+                        Shown { device: self.device.clone(), buffers, lists: Mutex::default() };
+                    self.outcome.show(shown);
+                }
+                Submitted::Query(lists)
+            }
+            Part::OnCpu(_) => Submitted::Nothing,
         };
-        lists.submit(&question, self.job.verb.into())?;
-        self.lists.own.push_back(lists);
+        let slot = (!matches!(lists, Submitted::Nothing)).then_some(slot);
+        self.in_flight.push_back(InFlight { part, lists, _slot: slot });
         Ok(())
     }
 
-    /// Reads the oldest submission, and returns its lists. After an error nobody uses them again.
-    fn read(&mut self) -> Result<Option<GpuQuery>, Error> {
-        let Some(mut lists) = self.lists.own.pop_front() else { return Ok(None) };
-        let mut pairs: Vec<TrianglePair> = Vec::new();
-        self.found.answers.push(read(&mut lists, self.job.verb, &mut pairs)?);
-        if self.job.verb == Verb::All {
-            self.found.pairs.append(&mut pairs);
+    fn submit_one(&self, number: usize, lists: &mut GpuQuery) -> Result<(), Error> {
+        let verb = self.job.verb.into();
+        match &self.job.questions[number] {
+            Question::Pair { models: [a, b], a_from_b } => {
+                let there = [self.device.model(a)?, self.device.model(b)?];
+                let query = a_from_b.pair([a.bvh(), b.bvh()])?;
+                let [a, b] = there.each_ref().map(|model| &**model);
+                let question = match (query.shadows(), a_from_b) {
+                    (Some(shadows), _) => GpuQuestion::shadows(a, b, &shadows),
+                    (None, AnyPose::F32(a_from_b)) => GpuQuestion::pair(a, b, a_from_b),
+                    // One of them is empty.
+                    (None, AnyPose::F64(_)) => GpuQuestion::pair(a, b, &Pose::IDENTITY),
+                };
+                lists.submit(&question, verb)?;
+            }
+            Question::Within { model, adjacency } => {
+                let model = self.device.model(model)?;
+                let question = GpuQuestion::Within { model: &model, adjacency: *adjacency };
+                lists.submit(&question, verb)?;
+            }
         }
-        Ok(Some(lists))
+        Ok(())
+    }
+
+    /// Reads the oldest part that has been submitted. After an error nobody uses its lists again.
+    fn read(&mut self) -> Result<(), Error> {
+        let Some(InFlight { part, mut lists, _slot }) = self.in_flight.pop_front() else {
+            return Ok(());
+        };
+        match self.read_part(&part, &mut lists) {
+            Ok(found) => {
+                self.give_back(lists);
+                self.found.push((part, found));
+                Ok(())
+            }
+            Err(error) => {
+                if error == Error::Cancelled {
+                    self.give_back(lists);
+                }
+                Err(error)
+            }
+        }
+    }
+
+    fn read_part(&self, part: &Part, lists: &mut Submitted) -> Result<Found, Error> {
+        let (mut found, verb) = (Found::default(), self.job.verb);
+        match (part, lists) {
+            (Part::Pairs(numbers), Submitted::World(world)) => {
+                world.read(numbers.len(), verb, &mut found.answers, &mut found.pairs)?;
+            }
+            (&Part::One(number), Submitted::Query(lists)) => {
+                let mut answer = read(lists, verb, &mut found.pairs)?;
+                if let Question::Pair { models: [a, b], a_from_b } = &self.job.questions[number]
+                    && !lists.open().is_empty()
+                {
+                    let query = a_from_b.pair([a.bvh(), b.bvh()])?;
+                    let intersects = |pair| query.intersects(pair);
+                    answer = merge_open(lists, verb, answer, &mut found.pairs, intersects)?;
+                }
+                if verb != Verb::All {
+                    found.pairs.clear();
+                }
+                push(&mut found.answers, answer)?;
+            }
+            _ => {
+                for &number in part.questions() {
+                    let mut steps = Steps::part(self.job.clone(), number..number + 1);
+                    while !steps.step()? {
+                        if self.outcome.is_over() {
+                            return Err(Error::Cancelled);
+                        }
+                    }
+                    found = steps.found;
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// Gives lists back to the device, or to the ticket that shows them.
+    fn give_back(&self, lists: Submitted) {
+        match lists {
+            Submitted::World(mut world) => {
+                world.set_cancel(None);
+                self.device.take_back_gathered(*world);
+            }
+            Submitted::Query(mut lists) => {
+                lists.set_cancel(None);
+                self.device.take_back(self.outcome.keep(*lists));
+            }
+            Submitted::Nothing => {}
+        }
+    }
+
+    /// The answers in the order of questions.
+    fn merge(&mut self) -> Result<Found, Error> {
+        if let [_] = self.found[..] {
+            return Ok(self.found.pop().map(|(_, found)| found).unwrap_or_default());
+        }
+        let questions = self.job.questions.len();
+        // The part of each question, its number there, and the place of its pairs.
+        let mut places: Vec<(usize, usize, Range<usize>)> = vec![(0, 0, 0..0); questions];
+        for (at, (part, found)) in self.found.iter().enumerate() {
+            let mut end = 0;
+            for (i, (&number, answer)) in part.questions().iter().zip(&found.answers).enumerate() {
+                let start = end;
+                if self.job.verb == Verb::All {
+                    end += answer.count as usize;
+                }
+                places[number] = (at, i, start..end);
+            }
+        }
+        let mut all = Found::default();
+        reserve(&mut all.answers, questions)?;
+        reserve(&mut all.pairs, self.found.iter().map(|(_, found)| found.pairs.len()).sum())?;
+        for (at, i, pairs) in places {
+            let (_, found) = &self.found[at];
+            all.answers.push(found.answers[i]);
+            all.pairs.extend_from_slice(&found.pairs[pairs]);
+        }
+        Ok(all)
+    }
+}
+
+/// What has been submitted goes on; its lists serve the next ticket, after it.
+impl Drop for Answering {
+    fn drop(&mut self) {
+        for InFlight { lists, _slot, .. } in std::mem::take(&mut self.in_flight) {
+            self.give_back(lists);
+        }
+    }
+}
+
+impl Question {
+    /// The models and the pose of a question about two, in f32.
+    fn pair(&self) -> Option<([&Model; 2], Pose)> {
+        match self {
+            Self::Pair { models, a_from_b: AnyPose::F32(a_from_b) }
+                if models.iter().all(|model| !model.is_f64()) =>
+            {
+                Some((models.each_ref().map(|model| &**model), *a_from_b))
+            }
+            Self::Pair { .. } | Self::Within { .. } => None,
+        }
+    }
+
+    /// Whether no GPU answers it.
+    pub(super) fn is_for_cpu(&self) -> bool {
+        matches!(self, Self::Within { model, .. } if model.is_f64())
     }
 }

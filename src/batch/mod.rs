@@ -32,12 +32,17 @@
 //!   few, and a question is answered by one thread, however large; otherwise all threads divide one question after the
 //!   other. Tickets are answered in about the order of submission.
 //! - **A GPU**: the call uploads models that are not there and submits, so that its place in the queue is before everything
-//!   submitted later. Pairs of models are one submission up to 65,535, and fewer of meshes that have more than 2³¹ triangles
-//!   or nodes in all: the next are prepared while the device works on the last. Models with themselves, or these among pairs, are
-//!   submitted two at a time. A helper thread, which lives until the ticket is answered, reads, and waits for no submission
-//!   but its own. Natively, wgpu calls back only if somebody polls, and this thread does, so a ticket needs no poll of
-//!   the caller's and a future no runtime. Each ticket in flight has lists of its own ([`Budget`](crate::gpu::Budget)), a
-//!   second set if it submits two at a time; the executor keeps them, and the models of batches of pairs, for the next.
+//!   submitted later. All pairs of models in f32 are one submission up to 65,535, and fewer of meshes that have more than 2³¹
+//!   triangles or nodes in all: the next are prepared while the device works on the last. A model with itself is a submission of its
+//!   own, and so is a pair of which a model or the pose is in f64: the device answers by shadows, and what it leaves open is decided
+//!   on the CPU. A model in f64 with itself is asked on the CPU. [`Ticket::plan`] tells who answers.
+//!
+//!   One thread of the executor reads all tickets, in the order of submission, and decides what is left to the CPU. It polls, as wgpu
+//!   calls back only if somebody does, so a ticket needs no poll of the caller's and a future no runtime. Two submissions are
+//!   in flight at a time, each with lists of its own ([`Budget`](crate::gpu::Budget)); whatever is more waits for its turn, and is
+//!   submitted as soon as one of them is read. Two tickets of one question each keep their lists until they are dropped, for
+//!   [`Ticket::hits_buffer`]. So tickets take at most six times the budget, however many there are. The thread ends when
+//!   the executor and all tickets have gone, and when the process exits, which waits for what is in flight for one second at most.
 //! - **A CPU and a GPU** ([`Executor::and_gpu`], [`Executor::auto`]): the CPU. A question of a batch has no earlier
 //!   frame from which its cost could be predicted.
 //!
@@ -53,20 +58,19 @@ mod ticket;
 pub use found::PairLists;
 pub use ticket::Ticket;
 
-#[cfg(feature = "gpu")]
-use crate::Pose;
 use crate::environment::with_default;
-use crate::executor::Verb;
+use crate::executor::{Backend, Reason, Verb};
 use crate::history::{About, OfOne, OfTwo};
 use crate::{Accuracy, Adjacency, AnyPose, Error, Executor, Model, TrianglePair};
 use found::Found;
 use std::fmt;
 use std::sync::Arc;
+use ticket::Planned;
 
 /// Questions for one submission. See [the module](crate::batch).
 ///
 /// It can be submitted again, with another verb or to another executor, and added to while tickets are in flight. Keep it
-/// from frame to frame, by [`Batch::clear`]: models that are asked about again, unchanged, stay on the GPU.
+/// from frame to frame, by [`Batch::clear`], for its memory.
 ///
 /// # Examples
 /// ```
@@ -83,9 +87,6 @@ use std::sync::Arc;
 #[derive(Clone, Default)]
 pub struct Batch {
     job: Job,
-    /// The models of the last submission.
-    #[cfg(feature = "gpu")]
-    uploads: gpu::Uploads,
 }
 
 /// Questions and what is asked about them.
@@ -101,29 +102,6 @@ struct Job {
 enum Question {
     Pair { models: [Arc<Model>; 2], a_from_b: AnyPose },
     Within { model: Arc<Model>, adjacency: Adjacency },
-}
-
-impl Question {
-    /// The models and the pose of a question about two, in f32.
-    #[cfg(feature = "gpu")]
-    fn pair(&self) -> Option<([&Model; 2], Pose)> {
-        match self {
-            Self::Pair { models, a_from_b: AnyPose::F32(a_from_b) } => {
-                Some((models.each_ref().map(|model| &**model), *a_from_b))
-            }
-            Self::Pair { .. } | Self::Within { .. } => None,
-        }
-    }
-
-    /// Whether a model or the pose is in f64.
-    #[cfg(feature = "gpu")]
-    fn is_f64(&self) -> bool {
-        match self {
-            Self::Pair { a_from_b: AnyPose::F64(_), .. } => true,
-            Self::Pair { models, .. } => models.iter().any(|model| model.is_f64()),
-            Self::Within { model, .. } => model.is_f64(),
-        }
-    }
 }
 
 impl Batch {
@@ -293,20 +271,31 @@ impl Batch {
         answer: fn(Found) -> T,
     ) -> Result<Ticket<T>, Error> {
         let job = Job { verb, ..self.job.clone() };
+        let reason = if executor.has_choice() { Reason::Unknown } else { Reason::NoChoice };
+        let planned = |backend| {
+            let questions = job.questions.len();
+            Planned { questions, backend, reason, on_cpu: Vec::new() }
+        };
         #[cfg(feature = "gpu")]
-        if let Some(device) = executor.only_device()
+        if let Some((device, reader)) = executor.only_device()
             && gpu::CAN_WAIT
-            && !job.questions.iter().any(Question::is_f64)
         {
-            let (outcome, buffers) = with_default(|| gpu::submit(device, job, &mut self.uploads))?;
-            return Ok(Ticket::new(outcome, None, answer).with_buffers(buffers));
+            let mut planned = planned(Backend::Gpu);
+            let numbered = job.questions.iter().enumerate();
+            let on_cpu = numbered.filter(|(_, question)| question.is_for_cpu());
+            planned.on_cpu.extend(on_cpu.map(|(number, _)| number));
+            let (outcome, seat) = with_default(|| gpu::submit(device, reader, job))?;
+            let mut ticket = Ticket::new(outcome, None, answer, planned);
+            ticket.seat = seat;
+            return Ok(ticket);
         }
         #[cfg(feature = "threads")]
         if let Some(traversal) = &executor.traversal {
-            return Ok(Ticket::new(cpu::submit(traversal, job), None, answer));
+            let planned = planned(Backend::Threads);
+            return Ok(Ticket::new(cpu::submit(traversal, job), None, answer, planned));
         }
-        let _ = executor;
-        Ok(Ticket::new(Arc::default(), Some(cpu::Steps::new(job)), answer))
+        let planned = planned(Backend::Sequential);
+        Ok(Ticket::new(Arc::default(), Some(cpu::Steps::new(job)), answer, planned))
     }
 }
 

@@ -6,6 +6,8 @@ use crate::Error;
 use crate::environment::with_default;
 #[cfg(any(feature = "threads", feature = "gpu"))]
 use std::panic::{AssertUnwindSafe, catch_unwind};
+#[cfg(feature = "gpu")]
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::task::{Poll, Waker};
@@ -24,7 +26,7 @@ pub(super) struct Outcome {
     cancel: Arc<AtomicBool>,
     /// The lists of a GPU, whose buffers the ticket shows: others get them when this is dropped.
     #[cfg(feature = "gpu")]
-    pub(super) lists: Mutex<Option<super::gpu::Lists>>,
+    shown: OnceLock<super::gpu::Shown>,
 }
 
 #[derive(Debug)]
@@ -69,6 +71,27 @@ impl Outcome {
         None
     }
 
+    /// Has the ticket show buffers of a GPU.
+    #[cfg(feature = "gpu")]
+    pub(super) fn show(&self, shown: super::gpu::Shown) {
+        let _ = self.shown.set(shown);
+    }
+
+    /// The buffers of hits and counters, if the ticket shows them.
+    #[cfg(feature = "gpu")]
+    pub(super) fn buffers(&self) -> Option<&[crate::gpu::wgpu::Buffer; 2]> {
+        self.shown.get().map(|shown| &shown.buffers)
+    }
+
+    /// Keeps the lists whose buffers the ticket shows; else returns them.
+    #[cfg(feature = "gpu")]
+    pub(super) fn keep(&self, lists: crate::gpu::GpuQuery) -> Option<crate::gpu::GpuQuery> {
+        match self.shown.get() {
+            Some(shown) => shown.keep(lists),
+            None => Some(lists),
+        }
+    }
+
     /// Makes [`Error::Cancelled`] the outcome, unless it has been handed out.
     pub(super) fn cancel(&self) {
         self.cancel.store(true, Relaxed);
@@ -85,7 +108,7 @@ impl Outcome {
     }
 
     /// The flag that says so.
-    #[cfg(feature = "threads")]
+    #[cfg(any(feature = "threads", feature = "gpu"))]
     pub(super) fn flag(&self) -> Arc<AtomicBool> {
         self.cancel.clone()
     }

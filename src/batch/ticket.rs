@@ -5,6 +5,7 @@ use super::found::Found;
 use super::outcome::Outcome;
 use crate::Error;
 use crate::environment::with_default;
+use crate::executor::{Backend, Plan, Reason};
 use std::fmt;
 use std::future::Future;
 use std::pin::Pin;
@@ -38,20 +39,65 @@ pub struct Ticket<T> {
     /// The work, if nobody else does it.
     steps: Option<Box<Steps>>,
     answer: fn(Found) -> T,
-    /// The buffers of hits and counters.
+    planned: Planned,
+    /// The place in the queue of a GPU.
     #[cfg(feature = "gpu")]
-    buffers: Option<[crate::gpu::wgpu::Buffer; 2]>,
+    pub(super) seat: Option<crate::executor::Seat>,
+}
+
+/// Who answers the questions of a ticket.
+#[derive(Clone, Debug)]
+pub(super) struct Planned {
+    pub(super) questions: usize,
+    pub(super) backend: Backend,
+    pub(super) reason: Reason,
+    /// Those that one thread answers in place of a GPU, in order.
+    pub(super) on_cpu: Vec<usize>,
 }
 
 impl<T> Ticket<T> {
-    pub(super) fn new(outcome: Arc<Outcome>, steps: Option<Steps>, answer: fn(Found) -> T) -> Self {
+    pub(super) fn new(
+        outcome: Arc<Outcome>,
+        steps: Option<Steps>,
+        answer: fn(Found) -> T,
+        planned: Planned,
+    ) -> Self {
         Self {
             outcome,
             steps: steps.map(Box::new),
             answer,
+            planned,
             #[cfg(feature = "gpu")]
-            buffers: None,
+            seat: None,
         }
+    }
+
+    /// The backend that answers a question, and the reason; `None` if there is no such question. It is known from the
+    /// submission on.
+    ///
+    /// # Complexity
+    /// O(log n) for n questions.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::executor::Backend;
+    /// use pfront::{Batch, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
+    /// let mut batch = Batch::new();
+    /// batch.pair(&model, &model, Pose::IDENTITY)?;
+    /// let ticket = batch.count(&Executor::sequential())?;
+    /// assert_eq!(ticket.plan(0).map(|plan| plan.backend), Some(Backend::Sequential));
+    /// assert_eq!(ticket.plan(1), None);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    #[must_use]
+    pub fn plan(&self, question: usize) -> Option<Plan> {
+        let Planned { questions, backend, reason, on_cpu } = &self.planned;
+        (question < *questions).then(|| match on_cpu.binary_search(&question) {
+            Ok(_) => Plan::new(Backend::Sequential, Reason::InF64),
+            Err(_) => Plan::new(*backend, *reason),
+        })
     }
 
     /// Whether reading would not wait: the answers are there, or an error is, which reading tells. Never waits.
@@ -74,8 +120,8 @@ impl<T> Ticket<T> {
     /// The answers, if they are there. Never waits.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; [`Error::AlreadyRead`]; [`Error::Panicked`]; `Error::Gpu` if a GPU fails that is to answer
-    /// everything.
+    /// [`Error::Cancelled`]; [`Error::AlreadyRead`]; [`Error::Panicked`]; [`Error::Memory`] if the answers do not fit into
+    /// memory; `Error::Gpu` if a GPU fails that is to answer everything.
     ///
     /// # Complexity
     /// As [`Ticket::is_ready`], and O(n) for n questions when they are answered.
@@ -143,8 +189,7 @@ impl<T> Ticket<T> {
     }
 
     /// Gives up the answers: reading the ticket returns [`Error::Cancelled`] from now on. Each thread stops within 4096 tests,
-    /// about 0.1 ms, and a GPU after what has been submitted: all pairs of models of the batch, or two questions. Does not wait for
-    /// them.
+    /// about 0.1 ms, and a GPU after what has been submitted, two runs at most; nothing more is. Does not wait for them.
     ///
     /// # Examples
     /// ```
@@ -174,13 +219,9 @@ impl<T> Ticket<T> {
 /// Results of a GPU, for a consumer on the same device.
 #[cfg(feature = "gpu")]
 impl<T> Ticket<T> {
-    pub(super) fn with_buffers(mut self, buffers: Option<[crate::gpu::wgpu::Buffer; 2]>) -> Self {
-        self.buffers = buffers;
-        self
-    }
-
-    /// The hits of a single question, on the device of an `Executor::gpu`; `None` if another executor answers or the batch
-    /// does not have just one question.
+    /// The hits of a single question, on the device of an `Executor::gpu`. `None` if another executor answers, or the batch
+    /// does not have just one question; while the ticket waits for its turn, since two others are in flight; and if two
+    /// other tickets show their buffers.
     ///
     /// `array<vec2<u32>>`: the triangles `(a, b)` of each hit, sorted for [`Batch::all`](super::Batch::all) unless they
     /// are far more than in the last answers, or very uneven; [`Ticket::read`] sorts them then. What is submitted to the queue after the ticket finds them there, without waiting, until the ticket is dropped or read by
@@ -207,7 +248,7 @@ impl<T> Ticket<T> {
     /// ```
     #[must_use]
     pub fn hits_buffer(&self) -> Option<&crate::gpu::wgpu::Buffer> {
-        self.buffers.as_ref().map(|[hits, _]| hits)
+        self.outcome.buffers().map(|[hits, _]| hits)
     }
 
     /// The counters of a single question, as [`Ticket::hits_buffer`].
@@ -219,7 +260,7 @@ impl<T> Ticket<T> {
     /// gets the answer, in parts, and what the buffers hold is not defined.
     #[must_use]
     pub fn count_buffer(&self) -> Option<&crate::gpu::wgpu::Buffer> {
-        self.buffers.as_ref().map(|[_, count]| count)
+        self.outcome.buffers().map(|[_, count]| count)
     }
 }
 
@@ -239,6 +280,10 @@ impl<T> Future for Ticket<T> {
 impl<T> Drop for Ticket<T> {
     fn drop(&mut self) {
         self.outcome.cancel();
+        #[cfg(feature = "gpu")]
+        if let Some(seat) = &self.seat {
+            seat.leave();
+        }
     }
 }
 

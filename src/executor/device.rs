@@ -5,8 +5,13 @@ use super::measure::Line;
 use super::meshes::DeviceMeshes;
 use super::{Answer, Verb};
 use crate::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb};
-use crate::{Model, TrianglePair};
+use crate::memory::push;
+use crate::{Error, Model, TrianglePair};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Parts of tickets that are submitted at a time, each into lists of its own: the device works on one while another is read.
+pub(crate) const IN_FLIGHT: usize = 2;
 
 #[derive(Debug)]
 pub(crate) struct Device {
@@ -20,6 +25,10 @@ pub(crate) struct Device {
     gathered: Mutex<Vec<Gathered>>,
     /// Meshes that do not move.
     meshes: Mutex<DeviceMeshes>,
+    /// Parts of tickets that are submitted and not read yet.
+    in_flight: AtomicUsize,
+    /// Tickets that show their buffers.
+    shown: AtomicUsize,
 }
 
 impl Device {
@@ -31,6 +40,8 @@ impl Device {
             idle: Mutex::default(),
             gathered: Mutex::default(),
             meshes: Mutex::default(),
+            in_flight: AtomicUsize::new(0),
+            shown: AtomicUsize::new(0),
         }
     }
 
@@ -52,6 +63,26 @@ impl Device {
         lock(&self.idle).extend(lists);
     }
 
+    /// Room for one more part of a ticket, if there is any.
+    pub(crate) fn slot(self: &Arc<Self>) -> Option<Slot> {
+        take_one(&self.in_flight, IN_FLIGHT).then(|| Slot(self.clone()))
+    }
+
+    /// The same in any case, for the ticket whose turn it is.
+    pub(crate) fn slot_at_once(self: &Arc<Self>) -> Slot {
+        self.in_flight.fetch_add(1, Relaxed);
+        Slot(self.clone())
+    }
+
+    /// Whether one more ticket may show its buffers; if so, until [`Device::hide`].
+    pub(crate) fn show(&self) -> bool {
+        take_one(&self.shown, IN_FLIGHT)
+    }
+
+    pub(crate) fn hide(&self) {
+        self.shown.fetch_sub(1, Relaxed);
+    }
+
     /// A world for one more batch of pairs.
     pub(crate) fn lend_gathered(&self) -> Result<Gathered, GpuError> {
         let idle = lock(&self.gathered).pop();
@@ -63,35 +94,65 @@ impl Device {
         lock(&self.gathered).push(gathered);
     }
 
-    /// Asks and waits; `pairs` is replaced, by the list under [`Verb::All`]. Of shadows, `meets` decides what is left open.
+    /// Asks and waits; `pairs` is replaced, by the list under [`Verb::All`]. Open pairs of shadows are decided by `intersects`.
     pub(crate) fn ask(
         &self,
         question: &GpuQuestion<'_>,
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
-        meets: impl Fn(TrianglePair) -> bool,
-    ) -> Result<Answer<TrianglePair>, GpuError> {
+        intersects: impl Fn(TrianglePair) -> bool,
+    ) -> Result<Answer<TrianglePair>, Error> {
         let mut query = self.lend()?;
         query.submit(question, verb.into())?;
         let answer = read(&mut query, verb, pairs)?;
-        let mut open = query.open().iter().copied().filter(|&pair| meets(pair));
-        let answer = match verb {
-            Verb::All => {
-                let mut late: Vec<_> = open.collect();
-                if !late.is_empty() {
-                    late.sort_unstable();
-                    pairs.append(&mut late);
-                    // Two sorted runs, which this sort merges.
-                    pairs.sort();
-                }
-                Answer::listed(pairs)
-            }
-            Verb::Count => Answer::counted(answer.count + open.count() as u64),
-            Verb::Any => Answer::found(answer.first.or_else(|| open.next())),
+        let answer = match query.open() {
+            [] => answer,
+            _ => merge_open(&query, verb, answer, pairs, intersects)?,
         };
         self.take_back([query]);
         Ok(answer)
     }
+}
+
+/// Room for a part of a ticket, until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Slot(Arc<Device>);
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        self.0.in_flight.fetch_sub(1, Relaxed);
+    }
+}
+
+/// Adds one, unless there are so many.
+fn take_one(taken: &AtomicUsize, most: usize) -> bool {
+    taken.fetch_update(Relaxed, Relaxed, |taken| (taken < most).then_some(taken + 1)).is_ok()
+}
+
+/// Adds the pairs of shadows that `intersects` finds among those that the device has left open to an answer, and to `pairs`
+/// under [`Verb::All`].
+pub(crate) fn merge_open(
+    query: &GpuQuery,
+    verb: Verb,
+    answer: Answer<TrianglePair>,
+    pairs: &mut Vec<TrianglePair>,
+    intersects: impl Fn(TrianglePair) -> bool,
+) -> Result<Answer<TrianglePair>, Error> {
+    let mut open = query.open().iter().copied().filter(|&pair| intersects(pair));
+    Ok(match verb {
+        Verb::All => {
+            let listed = pairs.len();
+            for pair in open {
+                push(pairs, pair)?;
+            }
+            pairs[listed..].sort_unstable();
+            // Two sorted runs, which this sort merges.
+            pairs.sort();
+            Answer::listed(pairs)
+        }
+        Verb::Count => Answer::counted(answer.count + open.count() as u64),
+        Verb::Any => Answer::found(answer.first.or_else(|| open.next())),
+    })
 }
 
 /// Waits for what has been submitted, and reads it; `pairs` is replaced, by the list under [`Verb::All`].

@@ -2,8 +2,11 @@
 
 use super::{Answer, Device, Verb};
 use crate::gpu::{GpuError, GpuVerb, World};
-use crate::{Model, Pose, Stamp, TrianglePair};
+use crate::memory::reserve;
+use crate::{Error, Model, Pose, Stamp, TrianglePair};
 use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// A world that questions are gathered in, and the meshes there by the models that they were brought from.
 #[derive(Debug)]
@@ -70,6 +73,11 @@ impl Gathered {
         self.world.submit(&of_two, verb)
     }
 
+    /// Has questions end early once a flag is set.
+    pub(crate) fn set_cancel(&mut self, flag: Option<Arc<AtomicBool>>) {
+        self.world.set_cancel(flag);
+    }
+
     /// Waits for the questions, and adds their answers in order; to `pairs` those of all questions, under [`Verb::All`].
     pub(crate) fn read(
         &mut self,
@@ -77,13 +85,15 @@ impl Gathered {
         verb: Verb,
         answers: &mut Vec<Answer<TrianglePair>>,
         pairs: &mut Vec<TrianglePair>,
-    ) -> Result<(), GpuError> {
+    ) -> Result<(), Error> {
         let found = self.world.read()?;
+        reserve(answers, count)?;
         match verb {
             Verb::Any => answers.extend(found.each.iter().map(|&first| Answer::found(first))),
             Verb::Count => answers.extend(found.counts.iter().map(|&own| Answer::counted(own))),
             Verb::All => {
                 // In order of the first bodies, and so not of questions; those of one question are together and in order.
+                reserve(pairs, found.hits.len())?;
                 let mut lists = vec![0..0; count];
                 let mut from = 0;
                 for own in found.hits.chunk_by(|x, y| x.0 == y.0) {

@@ -86,18 +86,21 @@ impl Mirror {
         let before = own.take();
         let same_mesh = before.as_ref().is_some_and(|own| own.stamp.mesh() == stamp.mesh());
         match before {
-            Some(before) if before.stamp == stamp => {
+            Some(mut before) if before.stamp == stamp => {
+                if let Mirrored::Moving(moving) = &mut before.model
+                    && moving.is_worn()
+                {
+                    moving.rebuild()?;
+                }
                 *own = Some(before);
                 return Ok(());
             }
-            Some(Self { stamp: before, model: Mirrored::Moving(mut moving) }) if same_mesh => {
+            Some(Self { model: Mirrored::Moving(mut moving), .. }) if same_mesh => {
                 let positions = model.mesh().shadow();
-                if before.tree() == stamp.tree() {
-                    moving.set_positions(positions)?;
-                } else {
-                    // A tree of the CPU that is due to be built is due in each frame until it is.
-                    let _ = model.bvh();
-                    moving.rebuild_at(positions)?;
+                // The tree of the CPU may be another, and worn or not.
+                match moving.is_worn() {
+                    true => moving.rebuild_at(positions)?,
+                    false => moving.set_positions(positions)?,
                 }
                 *own = Some(Self { stamp, model: Mirrored::Moving(moving) });
                 return Ok(());

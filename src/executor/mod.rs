@@ -62,15 +62,21 @@ mod meshes;
 #[cfg(feature = "gpu")]
 mod mirror;
 mod plan;
+#[cfg(feature = "gpu")]
+mod reader;
 mod run;
 
 pub(crate) use cancel::{BLOCK, check, list, sort, visit};
 #[cfg(feature = "gpu")]
-pub(crate) use device::{Device, read};
+pub(crate) use device::{Device, Slot, merge_open, read};
+#[cfg(feature = "gpu")]
+pub(crate) use gathered::Gathered;
 #[cfg(feature = "gpu")]
 pub(crate) use mirror::Mirrors;
 pub(crate) use plan::CpuPart;
 pub use plan::{Backend, Plan, Reason};
+#[cfg(feature = "gpu")]
+pub(crate) use reader::{Reader, Seat, Work};
 pub(crate) use run::{Answer, Question, Run, Verb};
 
 #[cfg(feature = "gpu")]
@@ -91,6 +97,9 @@ pub struct Executor {
     /// The threads, of which each query gets a copy for what it remembers; the calling thread alone if there are none.
     #[cfg(feature = "threads")]
     pub(crate) traversal: Option<Box<Traversal>>,
+    /// The thread that answers tickets of a GPU.
+    #[cfg(feature = "gpu")]
+    reader: Option<Arc<Reader>>,
     #[cfg(feature = "gpu")]
     device: Option<Arc<Device>>,
     /// Ends queries early as soon as it is true.
@@ -160,10 +169,12 @@ impl Executor {
     /// A query keeps the models of its last question there, and shares them with others that ask about the same. Models that no
     /// query or ticket holds any more stay there within [`GpuSettings::mesh_bytes`], the least recently used going first; so
     /// the next question about them uploads nothing. All are given back when the executor goes. A mesh that
-    /// deforms keeps its tree there until [`Model`](crate::Model) rebuilds it.
+    /// deforms has a tree of its own there, which is built anew as soon as the box tests beyond those of a new tree have taken as long as
+    /// a build does.
     ///
-    /// Its lists take [`GpuSettings::budget`] of device memory for as many questions as were in flight at a time, of which a
-    /// ticket may have two, for as many batches of pairs, and for each scene.
+    /// Lists take [`GpuSettings::budget`] of device memory each: as many as questions are asked at once by threads that wait
+    /// for them, one for each scene, and for tickets at most two for batches of pairs and four for others, however many
+    /// are in flight (see [`crate::batch`]).
     ///
     /// # Examples
     /// ```no_run
@@ -179,6 +190,7 @@ impl Executor {
         Self {
             #[cfg(feature = "threads")]
             traversal: None,
+            reader: Some(Arc::new(Reader::new(gpu))),
             device: Some(Arc::new(Device::new(gpu, settings, None))),
             cancel: None,
         }
@@ -229,10 +241,19 @@ impl Executor {
         self.cancel.as_deref()
     }
 
-    /// The GPU, if it answers all questions.
+    /// The GPU, if it answers all questions, and the thread for its tickets.
     #[cfg(feature = "gpu")]
-    pub(crate) fn only_device(&self) -> Option<&Arc<Device>> {
-        self.device.as_ref().filter(|device| device.line.is_none())
+    pub(crate) fn only_device(&self) -> Option<(&Arc<Device>, &Reader)> {
+        let device = self.device.as_ref().filter(|device| device.line.is_none())?;
+        Some((device, self.reader.as_deref()?))
+    }
+
+    /// Whether the GPU answers where that pays.
+    pub(crate) fn has_choice(&self) -> bool {
+        #[cfg(feature = "gpu")]
+        return self.device.as_ref().is_some_and(|device| device.line.is_some());
+        #[cfg(not(feature = "gpu"))]
+        false
     }
 
     #[cfg(feature = "gpu")]
@@ -255,6 +276,8 @@ impl From<Traversal> for Executor {
         }
         Self {
             traversal: Some(Box::new(traversal)),
+            #[cfg(feature = "gpu")]
+            reader: None,
             #[cfg(feature = "gpu")]
             device: None,
             cancel: None,
@@ -315,6 +338,30 @@ mod tests {
             [Backend::Sequential, Backend::Gpu].iter().all(|one| seen.contains(one)),
             "{seen:?}"
         );
+    }
+
+    /// A GPU does not pose coordinates of more than half the range of f32.
+    #[cfg(feature = "gpu")]
+    #[test]
+    fn a_gpu_that_failed_is_asked_again() {
+        use super::Reason;
+        let ball = pfront_testkit::scenes::icosphere(80);
+        let most = ball.positions.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs()));
+        let scaled = ball.positions.iter().map(|p| p.map(|x| x / most * 2e38)).collect();
+        let ball = Model::new(scaled, ball.triangles).unwrap();
+        let mut query = PairQuery::new().on(&promising());
+        let mut ask = |x: f32| {
+            query.forget();
+            query.count(&ball, &ball, Pose::from_translation([x, 0.0, 0.0])).unwrap();
+            let plan = query.plan().unwrap();
+            (plan.backend, plan.reason, plan.failure.is_some())
+        };
+        // Some frames on the CPU come first.
+        let failed = (Backend::Sequential, Reason::GpuFailed, true);
+        assert!((0..40).any(|_| ask(1e30) == failed));
+        assert_eq!(ask(0.0), failed);
+        let (backend, _, has_failed) = ask(0.0);
+        assert_eq!((backend, has_failed), (Backend::Gpu, false));
     }
 
     #[cfg(feature = "gpu")]

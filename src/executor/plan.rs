@@ -1,8 +1,8 @@
 //! The backend that answered the last frame, and the reason.
 
 use std::fmt;
+use std::ptr;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::thread::{self, ThreadId};
 use std::time::Duration;
 
 /// The part of an executor that answers a frame.
@@ -11,7 +11,7 @@ use std::time::Duration;
 pub enum Backend {
     /// The cache: nothing has changed since the last answer.
     Cached,
-    /// The calling thread.
+    /// One thread: the calling one; for a ticket of a GPU, the one that reads.
     Sequential,
     /// Several threads, after the calling one had begun or at once.
     Threads,
@@ -35,19 +35,19 @@ impl Backend {
 /// Sees which part of the CPU works: the calling thread alone, or others.
 #[derive(Debug)]
 pub(crate) struct CpuPart {
-    caller: ThreadId,
+    caller: usize,
     is_other: AtomicBool,
 }
 
 impl CpuPart {
     /// Nobody has worked yet; the calling thread is this one.
     pub(crate) fn new() -> Self {
-        Self { caller: thread::current().id(), is_other: AtomicBool::new(false) }
+        Self { caller: this_thread(), is_other: AtomicBool::new(false) }
     }
 
     /// To be called by whoever works.
     pub(crate) fn works(&self) {
-        if thread::current().id() != self.caller {
+        if this_thread() != self.caller {
             self.is_other.store(true, Relaxed);
         }
     }
@@ -58,6 +58,14 @@ impl CpuPart {
             false => Backend::Sequential,
         }
     }
+}
+
+/// A number that no other thread has while this one runs.
+fn this_thread() -> usize {
+    thread_local! {
+        static OWN: u8 = const { 0 };
+    }
+    OWN.with(|own| ptr::from_ref(own).addr())
 }
 
 /// The reason for a choice of backend.
@@ -110,6 +118,13 @@ pub struct Plan {
     pub predicted: Option<[Duration; 2]>,
     /// The last error of the GPU, if it has not answered since. It is asked again after a pause, unless the device is lost.
     pub failure: Option<String>,
+}
+
+impl Plan {
+    /// One without predictions.
+    pub(crate) fn new(backend: Backend, reason: Reason) -> Self {
+        Self { backend, reason, predicted: None, failure: None }
+    }
 }
 
 impl fmt::Display for Backend {

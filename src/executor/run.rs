@@ -1,6 +1,6 @@
 //! One query on its executor, from frame to frame.
 
-use super::{Backend, Executor, Plan, Reason, visit};
+use super::{Backend, CpuPart, Executor, Plan, Reason, check, visit};
 #[cfg(feature = "gpu")]
 use super::{
     Device,
@@ -140,17 +140,33 @@ impl Run {
         self.note(Backend::Cached, Reason::Unchanged);
     }
 
-    /// Adds to `out`, in order, where each of `pairs` meets, if it does.
+    /// Adds to `out`, in order, where each of `pairs` meets, if it does, and takes note of who has worked.
     ///
     /// # Errors
-    /// [`Error::Memory`].
+    /// [`Error::Cancelled`] or [`Error::Memory`].
     pub(crate) fn contacts<C: Send>(
-        &self,
+        &mut self,
         pairs: &[TrianglePair],
         contact: impl Fn(TrianglePair) -> Option<C> + Sync,
         out: &mut Vec<(TrianglePair, C)>,
     ) -> Result<(), Error> {
-        self.filter_map(pairs, |&pair| Some((pair, contact(pair)?)), out)
+        if pairs.is_empty() {
+            return Ok(());
+        }
+        let (part, is_cancelled) = (CpuPart::new(), AtomicBool::new(false));
+        let flag = self.executor.cancel_flag();
+        let contact = |&pair: &TrianglePair| {
+            part.works();
+            if check(flag).is_err() {
+                is_cancelled.store(true, Relaxed);
+                return None;
+            }
+            Some((pair, contact(pair)?))
+        };
+        let listed = self.filter_map(pairs, contact, out);
+        self.note_also(part.backend());
+        listed?;
+        if is_cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(()) }
     }
 
     /// Adds to `out`, in order, what `map` makes of some items, on the threads of the executor.

@@ -1,173 +1,10 @@
 //! The bodies of a scene, in the order in which they were added.
 
+use super::body::{Body, BodyId};
 use crate::memory::reserve;
-use crate::sphere::Sphere;
-use crate::{Aabb, AnyPose, Error, Model};
-use pfront_core::bvtt::PosedBvh;
+use crate::{AnyPose, Error, Model};
 use std::collections::BTreeSet;
-use std::fmt;
-use std::sync::{Arc, OnceLock};
-
-/// Names a body of one scene for good: no id is ever used again. Ids ascend in the order of adding.
-///
-/// It means nothing in another scene, nor in one that is filled again from a file: store [`Body::user_data`] there.
-#[repr(transparent)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct BodyId(u64);
-
-impl BodyId {
-    /// Returns the id as a number, for what knows numbers only, as other languages and files do.
-    ///
-    /// # Examples
-    /// ```
-    /// # use pfront::{BodyId, Model, Pose, SceneQuery};
-    /// # let tile = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
-    /// let mut scene = SceneQuery::new();
-    /// let body = scene.add(tile, Pose::IDENTITY)?;
-    /// assert_eq!(BodyId::from_bits(body.to_bits()), body);
-    /// assert!(scene.body(BodyId::from_bits(99)).is_err());
-    /// # Ok::<(), pfront::Error>(())
-    /// ```
-    #[must_use]
-    pub const fn to_bits(self) -> u64 {
-        self.0
-    }
-
-    /// The id that [`BodyId::to_bits`] makes this number of; any other number is the id of no body.
-    #[must_use]
-    pub const fn from_bits(bits: u64) -> Self {
-        Self(bits)
-    }
-}
-
-impl fmt::Display for BodyId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "body {}", self.0)
-    }
-}
-
-/// Groups of bodies: two bodies are asked about if each is a member of a group that the other's filter lets through. Rapier's
-/// `InteractionGroups` in the mode `And` are the same bits.
-///
-/// # Examples
-/// ```
-/// use pfront::Groups;
-/// let wheels = Groups { memberships: 0b01, filter: 0b10 };
-/// let ground = Groups { memberships: 0b10, filter: 0b11 };
-/// assert!(wheels.meet(&ground) && !wheels.meet(&wheels));
-/// assert!(ground.meet(&Groups::default()));
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Groups {
-    /// A bit for each group that the body is a member of.
-    pub memberships: u32,
-    /// A bit for each group whose members it may meet.
-    pub filter: u32,
-}
-
-impl Groups {
-    /// Whether members of both are asked about.
-    #[must_use]
-    pub const fn meet(&self, other: &Self) -> bool {
-        self.memberships & other.filter != 0 && other.memberships & self.filter != 0
-    }
-}
-
-/// Every body meets every other.
-impl Default for Groups {
-    fn default() -> Self {
-        Self { memberships: u32::MAX, filter: u32::MAX }
-    }
-}
-
-/// A model and where it is.
-#[derive(Clone, Debug)]
-pub struct Body {
-    id: BodyId,
-    pub(super) model: Arc<Model>,
-    pose: AnyPose,
-    aabb: Option<Aabb>,
-    /// Made when a box of another body first overlaps that of this one.
-    sphere: OnceLock<Sphere>,
-    /// When it got the mesh that it has.
-    meshed: u64,
-    pub(super) groups: Groups,
-    pub(super) user_data: u64,
-}
-
-impl Body {
-    /// The id.
-    #[must_use]
-    pub fn id(&self) -> BodyId {
-        self.id
-    }
-
-    /// The model, in its own frame.
-    #[must_use]
-    pub fn model(&self) -> &Arc<Model> {
-        &self.model
-    }
-
-    /// The pose `world_from_body`.
-    #[must_use]
-    pub fn pose(&self) -> AnyPose {
-        self.pose
-    }
-
-    /// The groups of [`crate::SceneQuery::set_groups`].
-    #[must_use]
-    pub fn groups(&self) -> Groups {
-        self.groups
-    }
-
-    /// The number of [`crate::SceneQuery::set_user_data`], 0 at first.
-    #[must_use]
-    pub fn user_data(&self) -> u64 {
-        self.user_data
-    }
-
-    /// A box in the world that contains every posed vertex, rounding included; `None` if there is no
-    /// triangle.
-    #[must_use]
-    pub fn aabb(&self) -> Option<Aabb> {
-        self.aabb
-    }
-
-    /// A sphere in the world that contains every posed vertex, rounding included.
-    ///
-    /// # Complexity
-    /// O(n) for a model of n triangles that no body has asked about since it changed, else O(1).
-    pub(super) fn sphere(&self) -> Sphere {
-        *self.sphere.get_or_init(|| match self.model.sphere() {
-            Some(sphere) => sphere.posed(&self.pose.to_f64()),
-            None => Sphere { centre: [0.0; 3], radius: f32::INFINITY },
-        })
-    }
-
-    /// Whether the model or the pose is in f64.
-    pub(super) fn is_f64(&self) -> bool {
-        self.pose.is_f64() || self.model.is_f64()
-    }
-
-    pub(super) fn set_pose(&mut self, pose: AnyPose) -> Result<(), Error> {
-        pose.check(self.model.bvh())?;
-        self.pose = pose;
-        self.reshaped();
-        Ok(())
-    }
-
-    /// To be called when the shape has changed, within what the pose can take.
-    pub(super) fn reshaped(&mut self) {
-        self.aabb = self.placed().aabb();
-        self.sphere.take();
-    }
-
-    pub(super) fn placed(&self) -> PosedBvh<'_> {
-        self.pose.place(self.model.bvh())
-    }
-}
+use std::sync::Arc;
 
 /// Bodies by ascending id. What is removed leaves a gap until the next frame, or until there are more gaps than bodies.
 #[derive(Clone, Debug, Default)]
@@ -262,10 +99,7 @@ impl Bodies {
 
     pub(super) fn add(&mut self, model: Arc<Model>, pose: AnyPose) -> Result<BodyId, Error> {
         let id = BodyId(self.next);
-        let (groups, sphere) = (Groups::default(), OnceLock::new());
-        let meshed = self.time + 1;
-        let mut body = Body { id, model, pose, aabb: None, sphere, meshed, groups, user_data: 0 };
-        body.set_pose(pose)?;
+        let body = Body::new(id, model, pose, self.time + 1)?;
         let is_f64 = body.is_f64();
         self.reserve(1)?;
         self.bodies.push(Some(body));

@@ -5,7 +5,8 @@
 //! that overlap are those of a self-query that looks at boxes only. Where few bodies have moved, only their
 //! boxes go down that BVH, and all other pairs are those of the last frame.
 
-use super::bodies::{Bodies, Body};
+use super::bodies::Bodies;
+use super::body::Body;
 use super::cache::merge;
 use crate::executor::{BLOCK, check, visit};
 use crate::memory::{copy, push, reserve};

@@ -1,6 +1,7 @@
 //! Answers that outlive their frame: two bodies that have not changed are not asked again.
 
-use super::bodies::{Bodies, BodyId};
+use super::bodies::Bodies;
+use super::body::BodyId;
 use super::{Contact, Error, SceneHit};
 use crate::executor::{BLOCK, check};
 use crate::memory::reserve;

@@ -162,9 +162,15 @@ impl Scene {
             let before = before
                 .and_then(|at| self.bodies[at].1)
                 .filter(|old| old.mesh() == stamp.mesh() && !used.contains_key(old));
-            let number = match before.and_then(|old| self.meshes.remove(&old)) {
-                Some(number) => {
-                    self.world.set_positions(number, body.model().mesh().shadow())?;
+            let before = before.and_then(|old| Some((old.tree(), self.meshes.remove(&old)?)));
+            let number = match before {
+                Some((tree, number)) => {
+                    // A tree of the CPU that was built anew is better there, too.
+                    if tree == stamp.tree() {
+                        self.world.set_positions(number, body.model().mesh().shadow())?;
+                    } else {
+                        self.world.set_mesh(number, body.model().bvh())?;
+                    }
                     number
                 }
                 None => {

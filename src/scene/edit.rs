@@ -1,7 +1,7 @@
 //! Changes to a scene between frames.
 
 use super::SceneQuery;
-use super::bodies::{Body, BodyId, Groups};
+use super::body::{Body, BodyId, Groups};
 use super::split::{Cutter, parts};
 use crate::environment::with_default;
 use crate::{Aabb, AnyPose, Error, Model};

@@ -1,6 +1,7 @@
 //! The pairs of bodies that have to be asked about in a frame.
 
-use super::bodies::{Bodies, Body, BodyId};
+use super::bodies::Bodies;
+use super::body::{Body, BodyId};
 use super::broad::{Broad, Places};
 use super::{Accuracy, SceneHit};
 use pfront_core::bvtt::PairBvtt;

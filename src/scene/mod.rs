@@ -4,6 +4,7 @@ mod asking;
 #[cfg(feature = "threads")]
 mod batches;
 mod bodies;
+mod body;
 mod broad;
 mod cache;
 #[cfg(feature = "gpu")]
@@ -13,7 +14,7 @@ mod frame;
 mod segments;
 mod split;
 
-pub use bodies::{Body, BodyId, Groups};
+pub use body::{Body, BodyId, Groups};
 pub use edit::Piece;
 
 use crate::environment::{Environment, with_default};

@@ -1,6 +1,7 @@
 //! Where the bodies of a scene meet: the segments of triangles that are known to.
 
-use super::bodies::{Bodies, BodyId};
+use super::bodies::Bodies;
+use super::body::BodyId;
 use super::frame::meeting;
 use super::{Error, SceneHit};
 use crate::TrianglePair;

@@ -2,7 +2,7 @@
 
 use crate::errors::exception;
 use crate::executor::Executor;
-use crate::question::{Submission, wait};
+use crate::question::Submission;
 use crate::threads::apart;
 use pfront::{AnyPose, Batch, Error, Model, Ticket};
 use pyo3::exceptions::PyRuntimeError;
@@ -43,7 +43,7 @@ impl PoseBatch<'_> {
                 verb(&mut batch, &to.executor).map_err(|error| (error, None))
             };
             let ticket = apart(py, start).map_err(|(error, pose)| exception(py, error, pose))?;
-            read(chunk, wait(py, ticket)?)?;
+            read(chunk, to.wait(py, ticket)?)?;
             done += chunk.len();
             on.note(to.answers.clone());
             if let Some(progress) = progress {

@@ -14,6 +14,7 @@ use pfront::threads::rayon::ThreadPool;
 use pfront::threads::rayon::prelude::*;
 use pfront::{AnyPose, Batch, Contact, Error, PairLists, TrianglePair};
 use pyo3::prelude::*;
+use std::sync::Arc;
 
 /// Contacts between two looks at signals.
 const CONTACTS: usize = 1 << 13;
@@ -146,6 +147,12 @@ fn locate<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
     Ok(())
 }
 
+/// The threads, unless they are at something long.
+fn pool(py: Python<'_>, on: &Executor) -> Option<Arc<ThreadPool>> {
+    let made = on.made(py);
+    if made.is_busy() { None } else { made.pool }
+}
+
 /// The contacts of one subject.
 fn located<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
     py: Python<'_>,
@@ -155,7 +162,7 @@ fn located<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
     contact: F,
 ) -> PyResult<Columns<C>> {
     let mut columns = Columns::default();
-    locate(py, &mut columns, subject, pairs, on.made(py).pool.as_deref(), contact)?;
+    locate(py, &mut columns, subject, pairs, pool(py, on).as_deref(), contact)?;
     Ok(columns)
 }
 
@@ -167,7 +174,7 @@ fn swept<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
     contact: F,
 ) -> PyResult<(Columns<C>, Vec<i64>)> {
     let (mut columns, mut offsets) = (Columns::default(), vec![0]);
-    let (models, pool) = (&many.models, on.made(py).pool);
+    let (models, pool) = (&many.models, pool(py, on));
     many.ask(py, on, Batch::all, |poses, lists: PairLists| {
         let of_pose = |(&a_from_b, pairs): (&AnyPose, &[TrianglePair])| {
             let subject = Subject::Pair { models: models.clone(), a_from_b };

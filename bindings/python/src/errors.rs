@@ -41,7 +41,6 @@ pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> Py
         Error::Pose(error) => (python::PoseError::new_err(text), of_pose(&error)),
         Error::Blob(_) => (python::BlobError::new_err(text), None),
         Error::StaleBody { .. } => (python::StaleBody::new_err(text), None),
-        Error::InF64 => (python::DeviceError::new_err(text), None),
         Error::Gpu(_) => (python::DeviceError::new_err(text), None),
         Error::Memory { .. } => (PyMemoryError::new_err(text), None),
         _ => (PyRuntimeError::new_err(text), None),

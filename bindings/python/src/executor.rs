@@ -8,7 +8,7 @@ use pfront::threads::Traversal;
 use pfront::threads::rayon::{ThreadPool, ThreadPoolBuilder};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, Mutex};
 use std::{mem, process};
 
@@ -34,6 +34,17 @@ pub(crate) struct Made {
     pub(crate) cpu: pfront::Executor,
     /// The executor of the device asked for.
     device: Option<pfront::Executor>,
+    /// The number of [`PoolUse`]s.
+    uses: Arc<AtomicUsize>,
+}
+
+/// Work in the pool that may take longer than signals may wait; it ends when this is dropped.
+pub(crate) struct PoolUse(Arc<AtomicUsize>);
+
+impl Drop for PoolUse {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Relaxed);
+    }
 }
 
 /// Threads and a device. A process that was forked makes its own threads: those of its parent are not there.
@@ -152,7 +163,27 @@ impl Made {
         let cpu = pool.clone().map_or_else(pfront::Executor::sequential, |pool| {
             pfront::Executor::from(Traversal::with_pool(pool))
         });
-        Self { process, pool, cpu, device: None }
+        Self { process, pool, cpu, device: None, uses: Arc::default() }
+    }
+
+    /// Begins work in the pool.
+    pub(crate) fn use_pool(&self) -> PoolUse {
+        self.uses.fetch_add(1, Relaxed);
+        PoolUse(self.uses.clone())
+    }
+
+    /// Whether threads of the pool may be at work on something long: what is put into the pool then may wait for its end.
+    pub(crate) fn is_busy(&self) -> bool {
+        self.pool.is_some() && self.uses.load(Relaxed) > 0
+    }
+
+    /// Leaves work in the pool to itself, which ends after every thread has ended what it is at.
+    pub(crate) fn leave(&self, work: PoolUse) {
+        if let Some(pool) = &self.pool {
+            pool.spawn_broadcast(move |_| {
+                let _ = &work;
+            });
+        }
     }
 }
 

@@ -34,7 +34,7 @@ impl Model {
         let (positions, triangles) = (triples(&vertices)?, triples(&faces)?);
         drop((vertices, faces));
         let (is_long, pool) = (triangles.len() >= MANY, on.made(py).pool);
-        Self::made(py, is_long, move || build(positions, triangles, pool.as_deref()))
+        Self::made(py, Some(on), is_long, move || build(positions, triangles, pool.as_deref()))
     }
 
     /// A model of float64 positions, or of the same in float32 if that holds them all.
@@ -48,7 +48,7 @@ impl Model {
         let (positions, triangles) = (triples(&vertices)?, triples(&faces)?);
         drop((vertices, faces));
         let (is_long, pool) = (triangles.len() >= MANY, on.made(py).pool);
-        Self::made(py, is_long, move || match narrowed(&positions)? {
+        Self::made(py, Some(on), is_long, move || match narrowed(&positions)? {
             Some(narrow) => build(narrow, triangles, pool.as_deref()),
             None => pfront::Model::from_f64(positions, triangles),
         })
@@ -67,7 +67,7 @@ impl Model {
         if let Ok(vertices) = vertices.extract::<PyReadonlyArrayDyn<'_, f32>>() {
             let positions = triples(&vertices)?;
             drop(vertices);
-            return Self::made(py, is_long, move || {
+            return Self::made(py, Some(on), is_long, move || {
                 if own.is_f64() {
                     let wide = positions.iter().map(|p| p.map(f64::from));
                     return refit_f64(&own, &memory::collect(wide)?);
@@ -78,7 +78,7 @@ impl Model {
         let vertices = vertices.extract::<PyReadonlyArrayDyn<'_, f64>>()?;
         let positions = triples(&vertices)?;
         drop(vertices);
-        Self::made(py, is_long, move || {
+        Self::made(py, Some(on), is_long, move || {
             if own.is_f64() {
                 return refit_f64(&own, &positions);
             }
@@ -94,7 +94,7 @@ impl Model {
     #[staticmethod]
     fn from_blob(py: Python<'_>, bytes: PyReadonlyArrayDyn<'_, u8>) -> PyResult<Self> {
         let bytes = crate::arrays::numbers(&bytes)?;
-        Self::made(py, bytes.len() > LARGE, move || pfront::Model::from_blob(&bytes))
+        Self::made(py, None, bytes.len() > LARGE, move || pfront::Model::from_blob(&bytes))
     }
 
     /// The bytes of a `.pfb`.
@@ -141,9 +141,16 @@ impl Model {
 impl Model {
     fn made(
         py: Python<'_>,
+        on: Option<&Executor>,
         is_long: bool,
         make: impl FnOnce() -> Result<pfront::Model, Error> + Send + 'static,
     ) -> PyResult<Self> {
+        let work = on.filter(|_| is_long).map(|on| on.made(py).use_pool());
+        let make = move || {
+            let made = make();
+            drop(work);
+            made
+        };
         Ok(Self(Arc::new(on_thread_if(py, is_long, make)?)))
     }
 }

@@ -3,7 +3,7 @@
 use crate::arrays::{list, pair_array};
 use crate::batch::PoseBatch;
 use crate::errors::exception;
-use crate::executor::{Device, Executor};
+use crate::executor::{Device, Executor, Made};
 use crate::memory;
 use crate::model::Model;
 use crate::part::starts;
@@ -16,11 +16,14 @@ use pyo3::prelude::*;
 use pyo3::types::PyBool;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// Tests that a question gets on the calling thread before other threads are called: about half a millisecond.
 const ALONE: u64 = 1 << 14;
-/// Tests between two looks at signals: about 5 ms.
-const STEP: u64 = 1 << 17;
+/// Tests between the first two looks at signals, and the fewest: less than a millisecond, of coplanar triangles some more.
+const STEP: u64 = 1 << 12;
+/// The time between two looks at signals, to which the number of tests follows.
+const PAUSE: Duration = Duration::from_millis(4);
 /// Pairs that are sorted on a thread of their own, since that takes longer than signals may wait.
 const SORTED: usize = 1 << 18;
 /// Parts whose node pairs are found on a thread of their own.
@@ -181,8 +184,9 @@ fn alone(
     };
     let mut cursors = cursors.map_err(|error| exception(py, error, None))?;
     let is_alone = on.threads == 1 || part.is_some();
+    let mut budget = if is_alone { STEP } else { ALONE };
     loop {
-        let budget = if is_alone { STEP } else { ALONE };
+        let began = Instant::now();
         let step = || subject.with(Step { cursors: &mut cursors, budget, visit: &mut visit });
         if apart(py, step).map_err(|error| exception(py, error, None))? {
             on.note(BEGAN.into());
@@ -192,22 +196,12 @@ fn alone(
         if !is_alone {
             return Ok(false);
         }
+        budget = if began.elapsed() < PAUSE { 2 * budget } else { (budget / 2).max(STEP) };
     }
 }
 
 /// The answer to who has answered where the calling thread has.
 const BEGAN: &str = "one thread: the question ended before others were worth calling";
-
-/// Waits for a ticket, while signals are heard; a ticket that is dropped is cancelled.
-pub(crate) fn wait<T: Send>(py: Python<'_>, mut ticket: Ticket<T>) -> PyResult<T> {
-    loop {
-        let answer = apart(py, || ticket.wait(PATIENCE));
-        if let Some(answer) = answer.map_err(|error| exception(py, error, None))? {
-            return Ok(answer);
-        }
-        py.check_signals()?;
-    }
-}
 
 /// Submits one question to threads or a GPU.
 fn submit<T: Send>(
@@ -223,7 +217,7 @@ fn submit<T: Send>(
         verb(&mut batch, &to.executor)
     };
     let ticket = apart(py, &mut start).map_err(|error| exception(py, error, None))?;
-    let answer = wait(py, ticket)?;
+    let answer = to.wait(py, ticket)?;
     on.note(to.answers);
     Ok(answer)
 }
@@ -233,15 +227,33 @@ pub(crate) struct Submission {
     pub(crate) executor: pfront::Executor,
     /// The same in words.
     pub(crate) answers: String,
+    made: Made,
 }
 
 impl Submission {
+    /// Waits for a ticket, while signals are heard; a ticket that is dropped is cancelled.
+    pub(crate) fn wait<T: Send>(&self, py: Python<'_>, mut ticket: Ticket<T>) -> PyResult<T> {
+        let work = self.made.use_pool();
+        loop {
+            let answer = apart(py, || ticket.wait(PATIENCE));
+            if let Some(answer) = answer.map_err(|error| exception(py, error, None))? {
+                return Ok(answer);
+            }
+            if let Err(signal) = py.check_signals() {
+                drop(ticket);
+                self.made.leave(work);
+                return Err(signal);
+            }
+        }
+    }
+
     /// A GPU answers what is in float32, if one was asked for; all else is for the threads. Without earlier frames, "auto" is
     /// the CPU.
     pub(crate) fn new(py: Python<'_>, on: &Executor, is_f64: bool) -> PyResult<Self> {
         let is_for_gpu = on.device == Device::Gpu;
         if is_for_gpu && !is_f64 {
-            return Ok(Self { executor: on.on_device(py)?, answers: "GPU".into() });
+            let (executor, made) = (on.on_device(py)?, on.made(py));
+            return Ok(Self { executor, answers: "GPU".into(), made });
         }
         let made = on.made(py);
         let mut answers = match &made.pool {
@@ -251,7 +263,7 @@ impl Submission {
         if is_for_gpu {
             answers += ": the question is in float64, and a GPU answers what is in float32";
         }
-        Ok(Self { executor: made.cpu, answers })
+        Ok(Self { executor: made.cpu.clone(), answers, made })
     }
 }
 

@@ -305,7 +305,8 @@ impl Scene {
         self.cancel.store(false, Relaxed);
         let (id, executor) = ((process::id(), own.id), executor.with_cancel(self.cancel.clone()));
         let attempt = Attempt { id, executor, state };
-        let is_short = own.device == Device::Cpu && !attempt.state.get().is_long;
+        let made = own.made(py);
+        let is_short = own.device == Device::Cpu && !made.is_busy() && !attempt.state.get().is_long;
         if is_short && let Some(watched) = WatchdogGuard::new(&self.cancel) {
             let answered = apart(py, || {
                 let answered = attempt.ask(ask);
@@ -319,7 +320,9 @@ impl Scene {
             self.cancel.store(false, Relaxed);
             py.check_signals()?;
         }
+        let work = made.use_pool();
         let worker = move || {
+            let _work = work;
             let began = Instant::now();
             let answered = attempt.ask(ask);
             attempt.state.get().is_long = began.elapsed() > BUDGET;

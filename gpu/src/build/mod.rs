@@ -25,6 +25,7 @@ use pfront_core::{Aabb, Mesh, Node};
 use pfront_shaders::constants::{CUT_BITS, LEAF};
 use shape::Balanced;
 use sort::Sort;
+use std::sync::Arc;
 use wgpu::Buffer;
 
 /// The mesh that a tree is built of.
@@ -54,6 +55,18 @@ impl Source {
             positions: gpu.upload("the positions", positions, Usage::Input)?,
             triangles: gpu.upload("the vertices of triangles", triangles, Usage::Input)?,
         })
+    }
+}
+
+/// The box tests that take about as long as a build: each of its passes visits all triangles.
+pub(crate) fn price(triangles: usize, options: BuildOptions<'_>) -> u64 {
+    let shape = Balanced::new(triangles as u32, options);
+    triangles as u64 * u64::from(shape.map_or(0, Balanced::passes))
+}
+
+impl Source {
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.count
     }
 }
 
@@ -149,5 +162,6 @@ fn model(gpu: &Gpu, shape: Option<Balanced>, bounds: &Aabb) -> Result<GpuModel, 
         leaf_size: shape.map_or(1, Balanced::leaf_size),
         bounds: shape.map(|_| *bounds),
         is_shadow: false,
+        wear: Arc::default(),
     })
 }

@@ -8,7 +8,7 @@ use crate::model::MOST_SEEDS;
 use bytemuck::Zeroable;
 use pfront_core::bvh::BuildOptions;
 use pfront_core::bvh::MAX_LEAF_SIZE;
-use pfront_shaders::constants::{BLOCK, JOB};
+use pfront_shaders::constants::{BLOCK, CUT_BITS, DIGITS, JOB};
 use std::ops::Range;
 
 /// The most levels that a sort divides nodes by, all across one axis. Fewer make better trees and more
@@ -68,6 +68,13 @@ impl Balanced {
         stages.rev().collect()
     }
 
+    /// Passes of a build: a round measures nodes and sorts by digits of 8 bits, three passes each.
+    pub(crate) fn passes(self) -> u32 {
+        let round = |round: Build| 1 + 3 * (CUT_BITS + round.top).div_ceil(DIGITS.ilog2());
+        let rounds: u32 = self.rounds().into_iter().map(round).sum();
+        rounds + 1 + self.stages().len() as u32
+    }
+
     fn levels(self, levels: Range<u32>) -> Build {
         let Self { triangles, depth } = self;
         let (bottom, top) = (levels.end - 1, levels.start);
@@ -84,7 +91,6 @@ fn even(levels: u32, most: u32) -> impl DoubleEndedIterator<Item = Range<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pfront_shaders::constants::CUT_BITS;
 
     /// Trees of all sizes.
     fn trees() -> impl Iterator<Item = (u32, Balanced)> {

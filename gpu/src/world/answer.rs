@@ -1,7 +1,9 @@
 //! The answer about many bodies.
 
 use super::{Bodies, pairs};
+use crate::GpuError;
 use crate::answer::{Answer, GpuVerb};
+use crate::memory::reserve;
 use pfront_core::bvtt::TrianglePair;
 
 /// The answer to a question.
@@ -38,14 +40,14 @@ impl WorldAnswer {
         first: usize,
         shift: u32,
         verb: GpuVerb,
-    ) {
+    ) -> Result<(), GpuError> {
         self.count += answer.count;
         if matches!(verb, GpuVerb::All | GpuVerb::Any) {
-            self.hits.reserve(answer.pairs.len());
+            reserve(&mut self.hits, answer.pairs.len())?;
             visit(answer, &pairs[first..], shift, |bodies, hits| {
                 self.hits.extend(hits.iter().map(|&hit| (bodies, hit)));
             });
-            return;
+            return Ok(());
         }
         let rows = &answer.instances;
         let hits = || answer.pairs.iter().map(|&hit| pairs::hit(rows, shift, hit));
@@ -60,6 +62,7 @@ impl WorldAnswer {
                 counts.for_each(|(count, own)| *count += own);
             }
         }
+        Ok(())
     }
 }
 

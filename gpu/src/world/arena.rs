@@ -43,6 +43,8 @@ pub(super) struct Array {
 pub(super) struct ArenaMesh {
     pub(super) first_node: u32,
     pub(super) first_slot: u32,
+    /// Nodes and slots that its runs have room for.
+    room: [u32; 2],
     /// Ids that it takes: as many as it has nodes or triangles.
     pub(super) ids: u32,
     /// `None` if it is empty.
@@ -83,8 +85,41 @@ impl Arena {
     /// # Complexity
     /// O(triangles), and where buffers grow, a copy of all on the device.
     pub(super) fn add(&mut self, gpu: &Gpu, bvh: &Bvh<'_>) -> Result<(), GpuError> {
-        // Where buffers grow, what refits the meshes that are there is lost.
-        if !self.moved.is_empty() {
+        let added = self.upload(gpu, bvh, None)?;
+        self.meshes.push(added);
+        Ok(())
+    }
+
+    /// Puts another tree or shape in the place of a mesh, or behind all others where it is larger. After an error the arena is
+    /// of no use.
+    ///
+    /// # Complexity
+    /// As [`Arena::add`].
+    pub(super) fn set_mesh(
+        &mut self,
+        gpu: &Gpu,
+        number: usize,
+        bvh: &Bvh<'_>,
+    ) -> Result<(), GpuError> {
+        self.moved.retain(|&moved| moved != number);
+        self.meshes[number] = self.upload(gpu, bvh, Some(number))?;
+        Ok(())
+    }
+
+    /// Uploads a mesh into the runs of another, if it fits there, or behind all.
+    fn upload(
+        &mut self,
+        gpu: &Gpu,
+        bvh: &Bvh<'_>,
+        old: Option<usize>,
+    ) -> Result<ArenaMesh, GpuError> {
+        GpuModel::check_precision(bvh.mesh())?;
+        let (node_count, slots) = (bvh.nodes().len() as u32, bvh.order().len() as u32);
+        let old = old.map(|number| &self.meshes[number]);
+        let place = old.filter(|old| node_count <= old.room[0] && slots <= old.room[1]);
+        let place = place.map(|old| (old.first_node, old.first_slot, old.room));
+        if place.is_none() && !self.moved.is_empty() {
+            // Where buffers grow, what refits the meshes that are there is lost.
             gpu.checked(|| {
                 let mut encoder = gpu.device().create_command_encoder(&Default::default());
                 self.record_refits(&mut encoder);
@@ -93,11 +128,15 @@ impl Arena {
             })?;
             self.moved.clear();
         }
-        let first_node = self.nodes.used / size_of::<Node>() as u64;
-        let first_slot = self.order.used / size_of::<u32>() as u64;
-        GpuModel::check_size(first_slot as usize + bvh.order().len())?;
-        GpuModel::check_precision(bvh.mesh())?;
-        let (first_node, first_slot) = (first_node as u32, first_slot as u32);
+        let (first_node, first_slot, room) = match place {
+            Some(place) => place,
+            None => {
+                let first_node = self.nodes.used / size_of::<Node>() as u64;
+                let first_slot = self.order.used / size_of::<u32>() as u64;
+                GpuModel::check_size(first_slot as usize + bvh.order().len())?;
+                (first_node as u32, first_slot as u32, [node_count, slots])
+            }
+        };
         let shifted = bvh.nodes().iter().map(|node| {
             let shift = if node.is_leaf() { first_slot } else { first_node };
             Node { first: node.first + shift, ..*node }
@@ -107,30 +146,36 @@ impl Arena {
         let corner = |vertex: u32| Corner { position: mesh.shadow()[vertex as usize], vertex };
         let triangles = bvh.order().iter().map(|&t| mesh.triangles()[t as usize]);
         let corners: Vec<_> = triangles.flat_map(|t| t.map(corner)).collect();
-        // Every one of them, whichever grows.
-        let grown = [
-            self.nodes.append(gpu, &nodes)?,
-            self.corners.append(gpu, &corners)?,
-            self.order.append(gpu, bvh.order())?,
-        ];
-        if grown.contains(&true) {
-            self.id = GpuModel::next_id();
-            self.meshes.iter_mut().for_each(|mesh| mesh.motion = None);
+        if place.is_some() {
+            self.nodes.write(gpu, first_node, &nodes);
+            self.corners.write(gpu, 3 * first_slot, &corners);
+            self.order.write(gpu, first_slot, bvh.order());
+        } else {
+            // Every one of them, whichever grows.
+            let grown = [
+                self.nodes.append(gpu, &nodes)?,
+                self.corners.append(gpu, &corners)?,
+                self.order.append(gpu, bvh.order())?,
+            ];
+            if grown.contains(&true) {
+                self.id = GpuModel::next_id();
+                self.meshes.iter_mut().for_each(|mesh| mesh.motion = None);
+            }
         }
         count(&gpu.counted().uploads);
         self.leaf_size = nodes.iter().map(|node| node.count).fold(self.leaf_size, u32::max);
-        self.meshes.push(ArenaMesh {
+        Ok(ArenaMesh {
             first_node,
             first_slot,
+            room,
             ids: nodes.len().max(bvh.order().len()) as u32,
             bounds: bvh.aabb(),
-            vertices: mesh.vertex_count(),
+            vertices: mesh.shadow().len(),
             depth: bvh.depth() as u32,
             levels: levels(bvh.nodes(), first_node),
             schedule: Schedule::new(bvh.nodes()),
             motion: None,
-        });
-        Ok(())
+        })
     }
 
     /// Bytes of device memory.
@@ -187,6 +232,16 @@ impl Array {
     /// The buffer, if it has any contents.
     pub(super) fn buffer(&self) -> Option<&Buffer> {
         self.buffer.as_ref()
+    }
+
+    /// Writes elements over others, from the one of this number on, with the next submission.
+    fn write<T: Pod>(&self, gpu: &Gpu, first: u32, contents: &[T]) {
+        if let Some(buffer) = &self.buffer
+            && !contents.is_empty()
+        {
+            let at = u64::from(first) * size_of::<T>() as u64;
+            gpu.queue().write_buffer(buffer, at, bytemuck::cast_slice(contents));
+        }
     }
 
     /// Adds elements with the next submission; returns whether they are in another buffer now.

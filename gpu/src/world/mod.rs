@@ -8,10 +8,10 @@ mod placing;
 use crate::answer::{Answer, Asked, GpuVerb};
 use crate::engine::Engine;
 use crate::layout::{InstancePair, Query, check_pose};
-use crate::memory::Usage;
+use crate::memory::{Usage, reserve};
 use crate::report::reports;
 use crate::task::Task;
-use crate::{Gpu, GpuError, GpuModel, GpuSettings};
+use crate::{Gpu, GpuError, GpuModel, GpuReport, GpuSettings};
 pub use answer::WorldAnswer;
 use arena::Arena;
 use bytemuck::Zeroable;
@@ -68,6 +68,8 @@ pub struct World {
     spare: Vec<InstancePair>,
     question: Option<WorldQuestion>,
     found: WorldAnswer,
+    /// Chunks of the next question for all hits, at least.
+    chunks: u64,
 }
 
 /// Buffers for the rows of pairs.
@@ -106,6 +108,7 @@ impl World {
             spare: Vec::new(),
             question: None,
             found: WorldAnswer::default(),
+            chunks: 1,
         })
     }
 
@@ -186,6 +189,24 @@ impl World {
         self.arena.set_positions(&self.answer.engine.gpu, mesh as usize, positions)
     }
 
+    /// Gives a mesh another tree or another shape, for all bodies that have it. Their poses have to be such that do not take them
+    /// out of range. An answer that has not been read is lost. After an error there are no bodies and no meshes.
+    ///
+    /// # Errors
+    /// [`GpuError::NoMesh`]; as [`World::add_mesh`].
+    ///
+    /// # Complexity
+    /// O(triangles), but for the growth of buffers; the next question looks at all bodies once.
+    pub fn set_mesh(&mut self, mesh: u32, bvh: Bvh<'_>) -> Result<(), GpuError> {
+        let meshes = self.arena.meshes.len() as u32;
+        if mesh >= meshes {
+            return Err(GpuError::NoMesh { mesh, meshes });
+        }
+        (self.question, self.is_stale) = (None, true);
+        let gpu = self.answer.engine.gpu.clone();
+        self.arena.set_mesh(&gpu, mesh as usize, &bvh).inspect_err(|_| self.clear())
+    }
+
     /// All pairs of triangles of these pairs of bodies that meet, sorted; the first triangle is one of the first body.
     ///
     /// # Errors
@@ -207,6 +228,7 @@ impl World {
         self.submit(pairs, GpuVerb::All)?;
         self.finish(|_, answer, pairs, first, shift, _| {
             answer::visit(answer, &pairs[first..], shift, &mut visit);
+            Ok(())
         })
         .map(drop)
     }
@@ -263,7 +285,12 @@ impl World {
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let most_rows = (bytes / size_of::<InstancePair>() as u64) as usize;
         let is_each = verb == GpuVerb::AnyEach;
-        let mut chunks = Chunks::new(&self.arena, self.bodies.clone(), pairs, most_rows, is_each);
+        let most_pairs = match verb {
+            GpuVerb::All => pairs.len().div_ceil(self.chunks as usize),
+            _ => pairs.len(),
+        };
+        let most = [most_rows, most_pairs.max(1)];
+        let mut chunks = Chunks::new(&self.arena, self.bodies.clone(), pairs, most, is_each);
         let first = chunks.next(&self.arena, pairs, std::mem::take(&mut self.spare));
         let later = (!chunks.is_over(pairs)).then_some(chunks);
         let now = first.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
@@ -304,31 +331,58 @@ impl World {
     /// with the pairs of bodies, the number of the first of the chunk, and the bits of an id within a block.
     fn finish(
         &mut self,
-        mut take: impl FnMut(&mut WorldAnswer, &mut Answer, &[Bodies], usize, u32, GpuVerb),
+        mut take: impl FnMut(
+            &mut WorldAnswer,
+            &mut Answer,
+            &[Bodies],
+            usize,
+            u32,
+            GpuVerb,
+        ) -> Result<(), GpuError>,
     ) -> Result<(GpuVerb, Vec<Bodies>), GpuError> {
         let WorldQuestion { verb, pairs, mut later, mut now } =
             self.question.take().ok_or(GpuError::NotSubmitted)?;
         self.found.clear();
         match verb {
-            GpuVerb::AnyEach => self.found.each.resize(pairs.len(), None),
-            GpuVerb::CountEach => self.found.counts.resize(pairs.len(), 0),
+            GpuVerb::AnyEach => {
+                reserve(&mut self.found.each, pairs.len())?;
+                self.found.each.resize(pairs.len(), None);
+            }
+            GpuVerb::CountEach => {
+                reserve(&mut self.found.counts, pairs.len())?;
+                self.found.counts.resize(pairs.len(), 0);
+            }
             GpuVerb::All | GpuVerb::Any | GpuVerb::Count => {}
         }
         if now.is_none() {
             self.answer.clear();
         }
+        let (mut report, mut hits, mut most_hits) = (GpuReport::default(), 0, 0);
         while let Some((asked, first)) = now {
             let shift = asked.task.query.pair_shift;
             let rows = std::mem::take(&mut self.spare);
             let next = later.as_mut().and_then(|later| later.next(&self.arena, &pairs, rows));
             self.answer.finish(asked, verb)?;
-            take(&mut self.found, &mut self.answer, &pairs, first, shift, verb);
+            report.join(&self.answer.report);
+            (hits, most_hits) = (hits + self.answer.count, most_hits.max(self.answer.count));
+            take(&mut self.found, &mut self.answer, &pairs, first, shift, verb)?;
             let is_over = verb == GpuVerb::Any && self.found.count != 0;
             let next = next.filter(|_| !is_over);
             if next.is_some() && self.answer.engine.is_cancelled() {
                 return Err(GpuError::Cancelled);
             }
             now = next.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
+        }
+        self.answer.report = report;
+        if verb == GpuVerb::All {
+            // As many as have the hits of each put in order by the device, at least if pairs are alike.
+            let most = self.answer.engine.lists.capacities.ordered();
+            let needed = (hits + hits / 4).div_ceil(most).max(1);
+            self.chunks = match most_hits > most {
+                true => (2 * self.chunks).min(2 * needed).max(needed),
+                false if needed == 1 => 1,
+                false => self.chunks.min(2 * needed).max(needed),
+            };
         }
         Ok((verb, pairs))
     }

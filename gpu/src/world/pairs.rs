@@ -53,15 +53,16 @@ pub(super) struct Chunks {
     /// The bodies as they were when the question was asked.
     bodies: Arc<Vec<Body>>,
     shift: u32,
-    /// The most rows of a chunk.
+    /// The most rows of a chunk, and the most pairs.
     most: usize,
+    most_pairs: usize,
     is_each: bool,
     /// The number of the first pair that is left.
     next: usize,
 }
 
 impl Chunks {
-    /// Divides pairs into chunks of at most so many rows and 2^31 ids, and no more than a dispatch has workgroups: the rows of
+    /// Divides pairs into chunks of at most so many rows, so many pairs and 2^31 ids, and no more than a dispatch has workgroups: the rows of
     /// one are made while the device works on another.
     ///
     /// With `is_each`, node pairs are roots; else a first front has work for many workgroups, however few the pairs are.
@@ -69,7 +70,7 @@ impl Chunks {
         arena: &Arena,
         bodies: Arc<Vec<Body>>,
         pairs: &[Bodies],
-        most_rows: usize,
+        [most_rows, most_pairs]: [usize; 2],
         is_each: bool,
     ) -> Self {
         let count = |(asked, sum): (u64, u64), pair| match ids(meshes(arena, &bodies, pair)) {
@@ -80,7 +81,7 @@ impl Chunks {
         // At most one block a pair on average and one more, most of which are in use.
         let shift = sum.div_ceil(asked.max(1)).max(1).next_power_of_two().ilog2();
         let most = most_rows.min(1 << (31 - shift)).min(groups_for(u32::MAX) as usize);
-        Self { bodies, shift, most, is_each, next: 0 }
+        Self { bodies, shift, most, most_pairs, is_each, next: 0 }
     }
 
     /// Whether all pairs are in chunks.
@@ -95,12 +96,12 @@ impl Chunks {
         pairs: &[Bodies],
         mut rows: Vec<InstancePair>,
     ) -> Option<Chunk> {
-        let Self { bodies, shift, most, is_each, next } = self;
+        let Self { bodies, shift, most, most_pairs, is_each, next } = self;
         let meshes = |pair: &Bodies| meshes(arena, bodies, pair);
         let left = std::mem::replace(next, pairs.len());
         let start = left + pairs[left..].iter().position(|pair| ids(meshes(pair)) != 0)?;
         rows.clear();
-        rows.reserve(pairs.len().min(start + *most) - start);
+        rows.reserve((pairs.len() - start).min(*most).min(*most_pairs));
         let mut chunk = Chunk { rows, shift: *shift, first: start, front: Vec::new(), levels: 1 };
         let mut first: Option<(u32, Option<Inverse>)> = None;
         for (number, pair) in pairs.iter().enumerate().skip(start) {
@@ -110,7 +111,8 @@ impl Chunks {
                 continue;
             }
             let blocks = ids.div_ceil(1 << *shift) as usize;
-            if !chunk.rows.is_empty() && chunk.rows.len() + blocks > *most {
+            let is_full = chunk.rows.len() + blocks > *most || number - start >= *most_pairs;
+            if !chunk.rows.is_empty() && is_full {
                 *next = number;
                 break;
             }

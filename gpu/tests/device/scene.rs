@@ -266,6 +266,71 @@ fn bodies_that_deform() {
     assert_eq!(hits.iter().find(|(bodies, _)| bodies.contains(&1)), None);
 }
 
+/// More hits than one run surely puts in order: from the second answer on the device orders them, in as few runs as it takes.
+#[test]
+fn very_many_hits_are_in_order_on_the_device() {
+    const SLATS: u32 = 16;
+    let triangles: Vec<_> = (0..SLATS).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let slats = |corners: fn(f32) -> [[f32; 3]; 3]| {
+        let positions: Vec<_> = (0..SLATS).flat_map(|i| corners(i as f32)).collect();
+        Both::new(&positions, &triangles, 8)
+    };
+    // Each of the first lies across all of the second, which stand upright.
+    let a = slats(|i| [[-9.0, i, 0.0], [99.0, i + 0.1, 0.0], [99.0, i + 0.3, 0.0]]);
+    let b = slats(|i| [[i + 0.5, -99.0, -1.0], [i + 0.5, 99.0, -1.0], [i + 0.5, 20.0, 5.0]]);
+    let mut world = world();
+    let meshes = [world.add_mesh(a.bvh()).unwrap(), world.add_mesh(b.bvh()).unwrap()];
+    const BODIES: u32 = 1_600;
+    let at = |i: u32| Pose::from_translation([0.0, 0.0, 100.0 * (i / 2) as f32]);
+    let bodies: Vec<_> = (0..2 * BODIES).map(|i| (meshes[i as usize % 2], at(i))).collect();
+    world.set_bodies(&bodies).unwrap();
+    let pairs: Vec<Bodies> = (0..BODIES).map(|i| [2 * i, 2 * i + 1]).collect();
+    let hits = u64::from(BODIES * SLATS * SLATS);
+    assert!(hits > 400_000);
+    for frame in 0..3 {
+        let found = world.all(&pairs).unwrap();
+        assert_eq!(found.len() as u64, hits);
+        assert!(found.is_sorted());
+        let report = world.report();
+        if frame > 0 {
+            assert_eq!((report.sorted_on_host, report.runs), (0, 2), "{frame}");
+        }
+    }
+    // Few again: one run.
+    for frame in 0..2 {
+        world.all(&pairs[..9]).unwrap();
+        assert!(frame == 0 || world.report().runs == 1);
+    }
+}
+
+/// A mesh takes another tree, which is larger or smaller, while others stay.
+#[test]
+fn meshes_take_other_trees() {
+    let (ball, base) = (part(&sphere(8)), sheet(10, |x, y| 0.2 * x * y));
+    let trees =
+        [4, 1, 8, 2].map(|leaf_size| Both::new(&base.positions, &base.triangles, leaf_size));
+    let larger = part(&sphere(12));
+    let mut world = world();
+    for part in [&trees[0], &ball] {
+        world.add_mesh(part.bvh()).unwrap();
+    }
+    let places = [Pose::IDENTITY, Pose::new(pose_rows(0.2, &mut seeded(34)))];
+    world.set_bodies(&[(0, places[0]), (1, places[1])]).unwrap();
+    for (frame, tree) in
+        [&trees[1], &trees[2], &trees[3], &larger, &trees[0]].into_iter().enumerate()
+    {
+        if frame == 2 {
+            world.set_positions(1, &sphere(8).positions).unwrap();
+        }
+        world.set_mesh(0, tree.bvh()).unwrap();
+        let parts = [tree, &ball];
+        let mut scene = Scene { world, bodies: parts.into_iter().zip(places).collect() };
+        assert!(scene.check() > 0, "{frame}");
+        world = scene.world;
+    }
+    assert!(matches!(world.set_mesh(7, ball.bvh()), Err(GpuError::NoMesh { mesh: 7, meshes: 2 })));
+}
+
 #[test]
 fn passes_are_timed_if_the_device_can_tell() {
     let ball = part(&sphere(8));

@@ -14,6 +14,8 @@ var<workgroup> queue: array<vec2u, 2 * QUEUE>;
 var<workgroup> queued: array<atomic<u32>, 2>;
 var<workgroup> found: array<vec2u, FOUND>;
 var<workgroup> found_count: atomic<u32>;
+// Node pairs whose children were tested, until they are counted.
+var<private> tested: u32;
 
 fn clear_queues(lane: u32) {
     if lane == 0u {
@@ -134,6 +136,7 @@ fn descend_some_levels(lane: u32) {
         if lane == 0u {
             atomicStore(&queued[half], 0u);
         }
+        tested += pairs;
         for (var i = lane; i < 4u * pairs; i += GROUP) {
             visit_children(queue[half * QUEUE + i / 4u], i % 4u, 1u - half, QUEUE);
         }
@@ -178,6 +181,7 @@ fn finish(lane: u32, before: u32) -> u32 {
 // Tests the children of at most so many pairs on top of a stack of this size.
 fn visit_top(lane: u32, size: u32, most: u32) {
     let taken = clamp((2u * QUEUE - size) / 3u, 1u, min(size, most));
+    tested += taken;
     var pairs: array<vec2u, 4>;
     for (var i = 0u; i < 4u; i++) {
         pairs[i] = queue[size - taken + min((lane + i * GROUP) / 4u, taken - 1u)];
@@ -211,6 +215,10 @@ fn hand_on(lane: u32, half: u32, size: u32) {
 }
 
 fn write_leaf_pairs(lane: u32) {
+    if lane == 0u && tested != 0u {
+        atomicAdd(&counters.node_pairs, tested);
+    }
+    tested = 0u;
     let leaf_pairs = tell(lane, min(atomicLoad(&found_count), FOUND));
     if leaf_pairs != 0u {
         var base = 0u;

@@ -77,6 +77,8 @@ struct Counters {
     rest: atomic<u32>,
     // Not 0 if there were too many hits in a bucket to sort them.
     unordered: atomic<u32>,
+    // Node pairs whose children were tested.
+    node_pairs: atomic<u32>,
     fronts: array<atomic<u32>, FRONTS>,
 }
 

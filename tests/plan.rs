@@ -1,10 +1,10 @@
-//! [`SceneQuery::plan`] tells who answered the last question, for every verb and executor, however it ended.
+//! The plan of a query tells who answered the last question, for every verb and executor, however it ended.
 
 #![cfg(feature = "threads")]
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::executor::{Backend, Reason};
-use pfront::{BodyId, Error, Executor, Model, Pose, Pose64, SceneQuery};
+use pfront::{BodyId, Error, Executor, Model, PairQuery, Pose, Pose64, SceneQuery, SelfQuery};
 use pfront_testkit::scenes::icosphere;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -104,6 +104,41 @@ fn a_question_that_was_cancelled_has_a_plan() {
             assert_eq!(ask(&mut scene, verb), Err(Error::Cancelled), "{verb}");
             assert_eq!(backend(&scene), Backend::Sequential, "{verb}");
         }
+    }
+}
+
+#[test]
+fn of_queries_about_one_model_or_two() {
+    let ball = icosphere(80);
+    let model = Model::new(ball.positions, ball.triangles).unwrap();
+    let flag = Arc::new(AtomicBool::new(false));
+    for executor in [Executor::sequential(), Executor::threads(2)] {
+        let executor = executor.with_cancel(flag.clone());
+        let mut query = PairQuery::new().on(&executor);
+        query.all(&model, &model, Pose::IDENTITY).unwrap();
+        query.all(&model, &model, Pose::IDENTITY).unwrap();
+        assert_eq!(query.plan().unwrap().backend, Backend::Cached);
+        query.contacts(&model, &model, Pose::IDENTITY).unwrap();
+        assert_ne!(query.plan().unwrap().backend, Backend::Cached);
+        query.contacts(&model, &model, Pose::IDENTITY).unwrap();
+        assert_eq!(query.plan().unwrap().backend, Backend::Cached);
+        let _ = query.visit(&model, &model, Pose::IDENTITY, |_| ControlFlow::Break(())).unwrap();
+        assert_eq!(query.plan().unwrap().backend, Backend::Sequential);
+        // Segments hear the flag, and the next answer is complete.
+        flag.store(true, Relaxed);
+        let contacts = query.contacts_f64(&model, &model, Pose::IDENTITY);
+        assert_eq!(contacts.map(|list| list.len()), Err(Error::Cancelled));
+        flag.store(false, Relaxed);
+        let hits = query.count(&model, &model, Pose::IDENTITY).unwrap() as usize;
+        let contacts = query.contacts_f64(&model, &model, Pose::IDENTITY).unwrap();
+        assert!(contacts.len() == hits && hits > 0);
+
+        let mut query = SelfQuery::new().on(&executor);
+        query.all(&model).unwrap();
+        query.all(&model).unwrap();
+        assert_eq!(query.plan().unwrap().backend, Backend::Cached);
+        let _ = query.visit(&model, |_| ControlFlow::Break(()));
+        assert_eq!(query.plan().unwrap().backend, Backend::Sequential);
     }
 }
 
