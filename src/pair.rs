@@ -193,7 +193,7 @@ impl PairQuery {
         self.history.contacts_f64(&question)
     }
 
-    fn question<'m>(
+    pub(crate) fn question<'m>(
         &self,
         a: &'m Model,
         b: &'m Model,

@@ -23,6 +23,13 @@
 //
 // Models and scenes need the library with Rust's standard library, which it has unless it is built without.
 //
+// Models and scenes: freed by a function each, and PFRONT_NOT_MADE if they are freed again, as far as their memory tells, or are
+// copied byte by byte; PFRONT_BUSY if a thread calls a function that takes one not const, or frees one, while another is inside
+// a call with it; PFRONT_FORKED for a scene with threads in a child of fork, which may use all else. What a scene hands out is
+// good until the same function is called again. capi/README.md has a table of it.
+//
+// An answer is about surfaces, not solids: a body wholly inside another has no hit. It is for one instant, not a motion.
+//
 // Whatever a function takes by a pointer to const, any number of threads may use at once; but the arrays that a
 // pfront_bvh_memory_t names are for one call at a time.
 //
@@ -111,7 +118,7 @@ enum pfront_status_t
   PFRONT_FLOAT_ENVIRONMENT = 26,
   // The pose `what` is flat or not finite, so that it has no inverse.
   PFRONT_NO_INVERSE = 27,
-  // The allocator `what` does not have `needed` bytes.
+  // The allocator `what` does not have `needed` bytes. Nothing has changed.
   PFRONT_OUT_OF_MEMORY = 28,
   // Body `index` is not in the scene: it was removed, or never added.
   PFRONT_STALE_BODY = 29,
@@ -121,6 +128,12 @@ enum pfront_status_t
   PFRONT_OTHER_PRECISION = 31,
   // The position in f32 of vertex `index` of a blob is not that in f64 minus the origin.
   PFRONT_SHADOW = 32,
+  // Another thread is inside a call with `what`, which is for one thread at a time, or is to be freed.
+  PFRONT_BUSY = 33,
+  // `what` has threads, which a child of fork has not: this process did not make it.
+  PFRONT_FORKED = 34,
+  // The quaternion `what` is no rotation: the square of its length is not within 1/1024 of 1, or is NaN.
+  PFRONT_NOT_UNIT = 35,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -218,6 +231,7 @@ typedef uint32_t pfront_contact_kind_t;
 typedef struct pfront_model_t pfront_model_t;
 
 // Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
+// Another one is refused: PFRONT_BUSY.
 typedef struct pfront_scene_t pfront_scene_t;
 
 // A pose: three rows of a matrix, and in the last column the translation. Meant to be rigid; any finite affine map
@@ -522,7 +536,9 @@ pfront_status_t pfront_pose_from_cols_array(const float *matrix,
                                             struct pfront_pose_t *pose,
                                             struct pfront_error_t *error);
 
-// Makes a pose from a rotation, a unit quaternion of 4 floats (x, y, z, w), and a translation of 3 that comes after it.
+// Makes a pose from a rotation, a unit quaternion of 4 floats (x, y, z, w), and a translation of 3 that comes after it. A
+// quaternion the square of whose length differs from 1 by more than 1/1024, or is NaN, is PFRONT_NOT_UNIT: normalise it first.
+// One within that is taken as it is.
 pfront_status_t pfront_pose_from_rotation_translation(const float *rotation,
                                                       const float *translation,
                                                       struct pfront_pose_t *pose,
@@ -845,23 +861,28 @@ pfront_status_t pfront_model_from_blob(const void *blob,
                                        struct pfront_model_t **model,
                                        struct pfront_error_t *error);
 
-// Frees a model; null is fine. Bodies that were made of it stay as they are.
-pfront_status_t pfront_model_free(struct pfront_model_t *model, struct pfront_error_t *error);
+// Frees a model; null is fine. Bodies that were made of it stay as they are. PFRONT_BUSY if another thread is inside a call
+// with it.
+pfront_status_t pfront_model_free(struct pfront_model_t *model,
+                                  struct pfront_error_t *error);
 
 // Makes a scene without bodies. `accuracy` is a `pfront_accuracy_t`. With `workers` above 1, which needs a library
 // that was built with threads, a frame that is worth it is divided into as many parts, for as many threads as the
 // machine has cores; else each call works on its own thread, and more than 1 is
 // PFRONT_OUT_OF_RANGE. 0 counts as 1.
 //
-// A scene takes memory by malloc, and ends the program if there is none left. After PFRONT_DAMAGED it can only be
-// freed.
+// A scene takes memory by malloc. PFRONT_OUT_OF_MEMORY if an answer or a mesh does not fit: then nothing has changed, and the
+// call can be made again. After PFRONT_DAMAGED a scene can only be freed. A child of fork may use a scene that has one worker; one
+// with threads, which stay behind, is PFRONT_FORKED there, and can only be freed.
 pfront_status_t pfront_scene_create(uint32_t accuracy,
                                     uint32_t workers,
                                     struct pfront_scene_t **scene,
                                     struct pfront_error_t *error);
 
-// Frees a scene and all that it has handed out; null is fine. Models stay.
-pfront_status_t pfront_scene_free(struct pfront_scene_t *scene, struct pfront_error_t *error);
+// Frees a scene and all that it has handed out; null is fine. Models stay. PFRONT_BUSY if another thread is inside a call with
+// it.
+pfront_status_t pfront_scene_free(struct pfront_scene_t *scene,
+                                  struct pfront_error_t *error);
 
 // Adds a body: a model, which many bodies may share, in the pose `world_from_body`. `body` names it for good: no
 // number is ever used again, and they ascend in the order of adding.
@@ -935,7 +956,7 @@ pfront_status_t pfront_scene_user_data(const struct pfront_scene_t *scene,
                                        struct pfront_error_t *error);
 
 // Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
-// triangles. They belong to the scene and are good until this or `pfront_scene_contacts` is called again. What is known
+// triangles. They belong to the scene and are good until this is called again, or the scene is freed. What is known
 // of bodies that stand still is kept, so that a frame costs what the others do.
 pfront_status_t pfront_scene_update(struct pfront_scene_t *scene,
                                     const struct pfront_scene_hit_t **hits,
@@ -943,13 +964,15 @@ pfront_status_t pfront_scene_update(struct pfront_scene_t *scene,
                                     struct pfront_error_t *error);
 
 // `pfront_scene_update` that also tells where they meet. A pair that only PFRONT_CONSERVATIVE or PFRONT_FAST reports
-// meets nowhere and is left out. `contacts` belongs to the scene and is good until this is called again.
+// meets nowhere and is left out. `contacts` belongs to the scene and is good until this is called again, or the scene
+// is freed.
 pfront_status_t pfront_scene_contacts(struct pfront_scene_t *scene,
                                       const struct pfront_scene_contact_t **contacts,
                                       size_t *count,
                                       struct pfront_error_t *error);
 
-// `pfront_scene_contacts` in f64: of bodies in f64 not rounded. Only the hits are kept from frame to frame.
+// `pfront_scene_contacts` in f64: of bodies in f64 not rounded. Only the hits are kept from frame to frame. `contacts` is good
+// until this is called again, or the scene is freed.
 pfront_status_t pfront_scene_contacts_f64(struct pfront_scene_t *scene,
                                           const struct pfront_scene_contact64_t **contacts,
                                           size_t *count,
@@ -980,7 +1003,7 @@ pfront_status_t pfront_scene_count(struct pfront_scene_t *scene,
 #define PFRONT_MORTON_SCRATCH_BYTES(n) (16 * (size_t)(n) + 7)
 #define PFRONT_SAH_SCRATCH_BYTES(n) (32 * (size_t)(n) + 3)
 #define PFRONT_ADOPT_SCRATCH_BYTES(n) (4 * ((size_t)(n) > 32 ? ((size_t)(n) + 31) / 32 : 1) + 3)
-#define PFRONT_HISTORY_BOUND(v, n) ((size_t)(v) + 2 * (((size_t)(n) + 63) / 64) + 2 * (((size_t)(v) + 31) / 32))
+#define PFRONT_HISTORY_BOUND(v, n) ((size_t)(v))
 #define PFRONT_LINK_SCRATCH_BYTES(v, n) (4 * (size_t)(v) + 12 * (size_t)(n) + 7)
 
 // A compiler that lays out structures in another way than the library expects refuses these.

@@ -88,7 +88,13 @@ impl Caller {
         if !error.is_aligned() {
             return PFRONT_MISALIGNED;
         }
-        let mut call = Call { claims: [Claim::NONE; 6], count: 0, lifetime: PhantomData };
+        let mut call = Call {
+            claims: [Claim::NONE; 6],
+            count: 0,
+            #[cfg(feature = "std")]
+            inside: [const { None }; 2],
+            lifetime: PhantomData,
+        };
         let fault = match environment::with_default(|| guarded(|| body(&mut call))) {
             Ok(()) => Fault::new(PFRONT_OK),
             Err(fault) => fault,
@@ -133,6 +139,9 @@ impl Claim {
 pub(crate) struct Call<'c> {
     claims: [Claim; 6],
     count: usize,
+    /// The structures that nobody else may free or change until the call ends.
+    #[cfg(feature = "std")]
+    inside: [Option<handle::Use>; 2],
     lifetime: PhantomData<&'c mut ()>,
 }
 

@@ -10,31 +10,19 @@
 )]
 
 use crate::buffers::{NAMES, pfront_buffers_t};
-use crate::memory::{Caller, Handle};
+use crate::memory::{Call, Caller, Handle};
 use crate::status::pfront_error_t;
 use crate::status::pfront_status_t;
 use core::ffi::c_void;
-use core::mem::offset_of;
 use pfront::Model;
 use std::sync::Arc;
 
 /// A mesh and its BVH, for the bodies of scenes. Any number of threads and scenes may use one at once.
-pub struct pfront_model_t {
-    seal: u32,
-    pub(crate) model: Arc<Model>,
-}
+pub struct pfront_model_t(());
 
-// SAFETY: a model is made below, with its seal.
-unsafe impl Handle for pfront_model_t {
+impl Handle for pfront_model_t {
+    type Value = Arc<Model>;
     const SEAL: u32 = u32::from_be_bytes(*b"modl");
-    const SEAL_AT: usize = offset_of!(Self, seal);
-}
-
-impl pfront_model_t {
-    /// A pointer for C, which frees it by [`pfront_model_free`].
-    fn boxed(model: Model) -> *mut Self {
-        Box::into_raw(Box::new(Self { seal: Self::SEAL, model: Arc::new(model) }))
-    }
 }
 
 /// Makes a model of a vertex buffer and an index buffer, which are copied, and builds its BVH by the surface area
@@ -50,7 +38,7 @@ pub unsafe extern "C" fn pfront_model_create(
         let out = call.out(c"model", model)?;
         let (positions, triangles) =
             call.get(c"buffers", buffers)?.checked(&NAMES)?.copies(call)?;
-        out.set(pfront_model_t::boxed(Model::new(positions, triangles)?));
+        out.set(Call::boxed(Arc::new(Model::new(positions, triangles)?))?);
         Ok(())
     })
 }
@@ -69,7 +57,7 @@ pub unsafe extern "C" fn pfront_model_create_f64(
         let out = call.out(c"model", model)?;
         let (positions, triangles) =
             call.get(c"buffers", buffers)?.checked(&NAMES)?.copies(call)?;
-        out.set(pfront_model_t::boxed(Model::from_f64(positions, triangles)?));
+        out.set(Call::boxed(Arc::new(Model::from_f64(positions, triangles)?))?);
         Ok(())
     })
 }
@@ -87,12 +75,13 @@ pub unsafe extern "C" fn pfront_model_from_blob(
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"model", model)?;
         let bytes = call.read(c"blob", blob.cast::<u8>(), blob_bytes)?;
-        out.set(pfront_model_t::boxed(Model::from_blob(bytes)?));
+        out.set(Call::boxed(Arc::new(Model::from_blob(bytes)?))?);
         Ok(())
     })
 }
 
-/// Frees a model; null is fine. Bodies that were made of it stay as they are.
+/// Frees a model; null is fine. Bodies that were made of it stay as they are. PFRONT_BUSY if another thread is inside a call
+/// with it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_model_free(
     model: *mut pfront_model_t,

@@ -10,7 +10,7 @@
 )]
 
 use crate::memory::Caller;
-use crate::status::pfront_status_t::{self, PFRONT_NO_INVERSE};
+use crate::status::pfront_status_t::{self, PFRONT_NO_INVERSE, PFRONT_NOT_UNIT};
 use crate::status::{Fault, pfront_error_t};
 use pfront_core::Pose;
 
@@ -67,7 +67,14 @@ pub unsafe extern "C" fn pfront_pose_from_cols_array(
     })
 }
 
-/// Makes a pose from a rotation, a unit quaternion of 4 floats (x, y, z, w), and a translation of 3 that comes after it.
+/// How far from 1 the square of the length of a quaternion may be. Rounding in f32 takes it some 10^-6 away, and what engines
+/// integrate from frame to frame a few times as much; a pose of one that is this far from it moves a point by a thousandth of its
+/// distance from where the rotation does.
+const OFF_UNIT: f64 = 1.0 / 1024.0;
+
+/// Makes a pose from a rotation, a unit quaternion of 4 floats (x, y, z, w), and a translation of 3 that comes after it. A
+/// quaternion the square of whose length differs from 1 by more than 1/1024, or is NaN, is PFRONT_NOT_UNIT: normalise it first.
+/// One within that is taken as it is.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_pose_from_rotation_translation(
     rotation: *const f32,
@@ -80,6 +87,12 @@ pub unsafe extern "C" fn pfront_pose_from_rotation_translation(
         let out = call.out(c"pose", pose)?;
         let rotation: [f32; 4] = call.get(c"rotation", rotation.cast())?;
         let translation: [f32; 3] = call.get(c"translation", translation.cast())?;
+        let square: f64 = rotation.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
+        // Nor is NaN within it.
+        let is_unit = (square - 1.0).abs() <= OFF_UNIT;
+        if !is_unit {
+            return Err(Fault::of(PFRONT_NOT_UNIT, c"rotation"));
+        }
         out.set(Pose::from_rotation_translation(rotation, translation).into());
         Ok(())
     })

@@ -16,32 +16,63 @@
 mod hits;
 
 use crate::buffers::{NAMES, pfront_buffers_t, resize};
-use crate::memory::{Caller, Handle};
+use crate::memory::{Call, Caller, Handle};
 use crate::model::pfront_model_t;
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::accuracy_of;
-use crate::status::{Fault, pfront_error_t, pfront_status_t};
+use crate::status::pfront_status_t::{self, PFRONT_FORKED};
+use crate::status::{Fault, pfront_error_t};
 use core::ffi::c_void;
-use core::mem::offset_of;
+use core::num::NonZero;
 use core::ptr::null;
+use core::sync::atomic::AtomicU32;
+use core::sync::atomic::Ordering::Relaxed;
 pub use hits::*;
 use pfront::{BodyId, Executor, Groups, Pose64, SceneQuery};
 
 /// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
-pub struct pfront_scene_t {
-    seal: u32,
+/// Another one is refused: PFRONT_BUSY.
+pub struct pfront_scene_t(());
+
+/// A scene, and what it has handed out.
+pub(crate) struct Scene {
     query: SceneQuery,
+    /// The process whose threads the scene asks, if it has some.
+    threads_of: Option<NonZero<u32>>,
     /// What was handed out last.
+    hits: Vec<pfront_scene_hit_t>,
     contacts: Vec<pfront_scene_contact_t>,
     contacts_f64: Vec<pfront_scene_contact64_t>,
     /// A copy of positions that are not packed.
     positions: Vec<[f32; 3]>,
 }
 
-// SAFETY: a scene is made below, with its seal.
-unsafe impl Handle for pfront_scene_t {
+impl Handle for pfront_scene_t {
+    type Value = Scene;
     const SEAL: u32 = u32::from_be_bytes(*b"scen");
-    const SEAL_AT: usize = offset_of!(Self, seal);
+}
+
+/// The process that has made the first scene with threads: they are all of one pool, which a child of `fork` has not.
+static THREADS_OF: AtomicU32 = AtomicU32::new(0);
+
+/// Checks that the pool of threads is of this process, or becomes so.
+fn own_threads() -> Result<Option<NonZero<u32>>, Fault> {
+    let own = std::process::id();
+    match THREADS_OF.compare_exchange(0, own, Relaxed, Relaxed) {
+        Err(other) if other != own => Err(Fault::of(PFRONT_FORKED, c"workers")),
+        _ => Ok(NonZero::new(own)),
+    }
+}
+
+/// A scene to ask or to change, in the process whose threads it has.
+fn usable<'c>(call: &mut Call<'c>, scene: *mut pfront_scene_t) -> Result<&'c mut Scene, Fault> {
+    let scene = call.owned(c"scene", scene)?;
+    match scene.threads_of {
+        Some(process) if process.get() != std::process::id() => {
+            Err(Fault::of(PFRONT_FORKED, c"scene"))
+        }
+        _ => Ok(scene),
+    }
 }
 
 /// The most workers.
@@ -61,8 +92,9 @@ fn executor(workers: u32) -> Executor {
 /// machine has cores; else each call works on its own thread, and more than 1 is
 /// PFRONT_OUT_OF_RANGE. 0 counts as 1.
 ///
-/// A scene takes memory by malloc, and ends the program if there is none left. After PFRONT_DAMAGED it can only be
-/// freed.
+/// A scene takes memory by malloc. PFRONT_OUT_OF_MEMORY if an answer or a mesh does not fit: then nothing has changed, and the
+/// call can be made again. After PFRONT_DAMAGED a scene can only be freed. A child of fork may use a scene that has one worker; one
+/// with threads, which stay behind, is PFRONT_FORKED there, and can only be freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_create(
     accuracy: u32,
@@ -75,19 +107,22 @@ pub unsafe extern "C" fn pfront_scene_create(
         let out = call.out(c"scene", scene)?;
         let accuracy = accuracy_of(accuracy)?;
         Fault::below(c"workers", workers as usize, WORKERS.saturating_add(1))?;
+        let threads_of = if workers > 1 { own_threads()? } else { None };
         let query = SceneQuery::new().with_accuracy(accuracy).on(&executor(workers));
-        out.set(Box::into_raw(Box::new(pfront_scene_t {
-            seal: pfront_scene_t::SEAL,
+        out.set(Call::boxed(Scene {
             query,
+            threads_of,
+            hits: Vec::new(),
             contacts: Vec::new(),
             contacts_f64: Vec::new(),
             positions: Vec::new(),
-        })));
+        })?);
         Ok(())
     })
 }
 
-/// Frees a scene and all that it has handed out; null is fine. Models stay.
+/// Frees a scene and all that it has handed out; null is fine. Models stay. PFRONT_BUSY if another thread is inside a call with
+/// it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_free(
     scene: *mut pfront_scene_t,
@@ -109,8 +144,8 @@ pub unsafe extern "C" fn pfront_scene_add(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, scene) = (call.out(c"body", body)?, call.owned(c"scene", scene)?);
-        let model = call.shared(c"model", model)?.model.clone();
+        let (out, scene) = (call.out(c"body", body)?, usable(call, scene)?);
+        let model = call.shared(c"model", model)?.clone();
         let pose = call.get(c"world_from_body", world_from_body)?.pose();
         out.set(scene.query.add(model, pose)?.to_bits());
         Ok(())
@@ -126,7 +161,7 @@ pub unsafe extern "C" fn pfront_scene_remove(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        call.owned(c"scene", scene)?.query.remove(BodyId::from_bits(body))?;
+        usable(call, scene)?.query.remove(BodyId::from_bits(body))?;
         Ok(())
     })
 }
@@ -142,7 +177,7 @@ pub unsafe extern "C" fn pfront_scene_set_pose(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let scene = call.owned(c"scene", scene)?;
+        let scene = usable(call, scene)?;
         let pose = call.get(c"world_from_body", world_from_body)?.pose();
         Ok(scene.query.set_pose(BodyId::from_bits(body), pose)?)
     })
@@ -159,7 +194,7 @@ pub unsafe extern "C" fn pfront_scene_set_pose_f64(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let scene = call.owned(c"scene", scene)?;
+        let scene = usable(call, scene)?;
         let pose = Pose64::new(call.get(c"world_from_body", world_from_body)?.rows);
         Ok(scene.query.set_pose(BodyId::from_bits(body), pose)?)
     })
@@ -178,7 +213,7 @@ pub unsafe extern "C" fn pfront_scene_set_positions(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let scene = call.owned(c"scene", scene)?;
+        let scene = usable(call, scene)?;
         let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
         resize(&mut scene.positions, buffers.words()?[0] / 3)?;
         let positions = buffers.positions(call, &mut scene.positions)?;
@@ -198,7 +233,7 @@ pub unsafe extern "C" fn pfront_scene_set_positions_f64(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let scene = call.owned(c"scene", scene)?;
+        let scene = usable(call, scene)?;
         let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
         let (positions, _) = buffers.copies(call)?;
         Ok(scene.query.set_positions_f64(BodyId::from_bits(body), &positions)?)
@@ -229,7 +264,7 @@ pub unsafe extern "C" fn pfront_scene_set_groups(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let query = &mut call.owned(c"scene", scene)?.query;
+        let query = &mut usable(call, scene)?.query;
         Ok(query.set_groups(BodyId::from_bits(body), Groups { memberships, filter })?)
     })
 }
@@ -245,7 +280,7 @@ pub unsafe extern "C" fn pfront_scene_ignore(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let query = &mut call.owned(c"scene", scene)?.query;
+        let query = &mut usable(call, scene)?.query;
         Ok(query.ignore(BodyId::from_bits(a), BodyId::from_bits(b), ignored != 0)?)
     })
 }
@@ -260,7 +295,7 @@ pub unsafe extern "C" fn pfront_scene_set_user_data(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let query = &mut call.owned(c"scene", scene)?.query;
+        let query = &mut usable(call, scene)?.query;
         Ok(query.set_user_data(BodyId::from_bits(body), user_data)?)
     })
 }

@@ -69,7 +69,7 @@ pub enum pfront_status_t {
     PFRONT_FLOAT_ENVIRONMENT = 26,
     /// The pose `what` is flat or not finite, so that it has no inverse.
     PFRONT_NO_INVERSE = 27,
-    /// The allocator `what` does not have `needed` bytes.
+    /// The allocator `what` does not have `needed` bytes. Nothing has changed.
     PFRONT_OUT_OF_MEMORY = 28,
     /// Body `index` is not in the scene: it was removed, or never added.
     PFRONT_STALE_BODY = 29,
@@ -79,6 +79,12 @@ pub enum pfront_status_t {
     PFRONT_OTHER_PRECISION = 31,
     /// The position in f32 of vertex `index` of a blob is not that in f64 minus the origin.
     PFRONT_SHADOW = 32,
+    /// Another thread is inside a call with `what`, which is for one thread at a time, or is to be freed.
+    PFRONT_BUSY = 33,
+    /// `what` has threads, which a child of fork has not: this process did not make it.
+    PFRONT_FORKED = 34,
+    /// The quaternion `what` is no rotation: the square of its length is not within 1/1024 of 1, or is NaN.
+    PFRONT_NOT_UNIT = 35,
 }
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
@@ -102,7 +108,7 @@ pub struct pfront_error_t {
 #[unsafe(no_mangle)]
 #[expect(unsafe_code, reason = "C finds functions by name")]
 pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 33] = [
+    const TEXTS: [&CStr; 36] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
@@ -136,6 +142,9 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"a coordinate in f64 is beyond 2^125",
         c"positions are in f64 and not in f32, or in f32 and not in f64",
         c"a position in f32 of a blob is not that in f64 minus the origin",
+        c"another thread is inside a call with a structure that is for one at a time",
+        c"a structure has threads of the process that this one was forked from",
+        c"a quaternion is not of length 1",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

@@ -197,8 +197,30 @@ static void poses(void)
     THAT(same(&pose, &rows));
 }
 
+// A quaternion is a rotation if it is of length 1, but for what rounding and drift do to it.
+static void quaternions(void)
+{
+    static const float none[][4] = {{0, 0, 0, 0},      {0, 0, 0, 2},       {0, 0, 0, NAN},       {NAN, 0, 0, 1},
+                                    {INFINITY, 0, 0, 1}, {1e-40f, 0, 0, 0}, {0, 0, 0, 1.001f},    {0, 0, 0, 0.999f},
+                                    {1e30f, 0, 0, 1},  {0.5f, 0.5f, 0, 0}, {0, 0, -INFINITY, 0}};
+    static const float some[][4] = {{0, 0, 0, 1}, {0, 0, 0, -1}, {0.6f, 0, 0, 0.8f}, {0, 0, 1e-40f, 1},
+                                    {0, 0, 0, 1.0004f}, {0.5f, -0.5f, 0.5f, 0.4999f}};
+    static const float translation[3] = {1, 2, 3};
+    pfront_pose_t pose = still;
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        EXPECT(PFRONT_NOT_UNIT, "rotation",
+               pfront_pose_from_rotation_translation(none[i], translation, &pose, &error));
+        THAT(memcmp(&pose, &still, sizeof pose) == 0);
+    }
+    for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
+        OK(pfront_pose_from_rotation_translation(some[i], translation, &pose, &error));
+        THAT(pose.rows[0][3] == 1);
+    }
+}
+
 int main(void)
 {
+    quaternions();
     layouts();
     mistakes();
     poses();

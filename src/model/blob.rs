@@ -62,7 +62,7 @@ impl Model {
         let tree = if as_built {
             Tree::adopt(mesh, nodes, order, ONE_THREAD)
         } else {
-            Tree::build(mesh, options, ONE_THREAD)
+            Tree::build(mesh, options, ONE_THREAD)?
         };
         Ok(Self { exact, ..Self::of(positions, triangles, options, tree) })
     }

@@ -1,6 +1,8 @@
 //! The one-ring certificates of a model.
 
 use super::passes::Parallel;
+use crate::Error;
+use crate::memory::{filled, reserve};
 use pfront_core::Mesh;
 use pfront_core::one_ring::{Certified, OneRings, history_bound, link_scratch_bound, links_bound};
 
@@ -8,7 +10,8 @@ use pfront_core::one_ring::{Certified, OneRings, history_bound, link_scratch_bou
 ///
 /// [`Renewed`](super::renewed::Renewed) holds it, and calls [`Certificates::renew`] after positions have changed
 /// before anybody reads it.
-#[derive(Clone, Debug)]
+/// The default has none, whatever moves.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Certificates {
     history: Vec<u32>,
     /// See [`OneRings::with_links`]; empty until certification is divided.
@@ -18,10 +21,12 @@ pub(super) struct Certificates {
 }
 
 impl Certificates {
-    pub(super) fn new(mesh: Mesh<'_>) -> Self {
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(super) fn new(mesh: Mesh<'_>) -> Result<Self, Error> {
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
-        let mut history = vec![0; history_bound(vertices)];
-        let mut scratch = vec![0; link_scratch_bound(vertices, triangles.len())];
+        let mut history = filled(0, history_bound(vertices))?;
+        let mut scratch = filled(0, link_scratch_bound(vertices, triangles.len()))?;
         let linked = OneRings::new(vertices, triangles, &mut history, &mut scratch);
         debug_assert!(linked.is_ok(), "the buffers have their sizes");
         let mut has_fans = false;
@@ -29,15 +34,20 @@ impl Certificates {
             rings.certify(mesh, None);
             has_fans = rings.has_fans();
         }
-        Self { history, links: Vec::new(), has_fans }
+        Ok(Self { history, links: Vec::new(), has_fans })
     }
 
     /// Certifies the one-rings for positions that have changed.
     pub(super) fn renew(&mut self, mesh: Mesh<'_>, parallel: Parallel) {
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
         let Self { history, links, .. } = self;
-        if parallel.is_some() && links.is_empty() {
-            links.resize(links_bound(vertices, triangles.len()), 0);
+        if history.is_empty() {
+            return;
+        }
+        let bound = links_bound(vertices, triangles.len());
+        // Without memory for them, one thread certifies.
+        if parallel.is_some() && links.is_empty() && reserve(links, bound).is_ok() {
+            links.resize(bound, 0);
             let linked = OneRings::new(vertices, triangles, history, links);
             debug_assert!(linked.is_ok(), "the buffers have their sizes");
         }

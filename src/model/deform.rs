@@ -160,8 +160,10 @@ impl Model {
             self.certificates.renewed();
         }
         if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn_out()) {
-            tree.rebuild(mesh, options, parallel);
-            self.stamp.rebuilt();
+            // Without memory for another it stays, only slower, until the next positions.
+            if tree.rebuild(mesh, options, parallel).is_ok() {
+                self.stamp.rebuilt();
+            }
         }
     }
 

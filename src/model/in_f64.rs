@@ -5,6 +5,7 @@ use super::passes::ONE_THREAD;
 use super::tree::Tree;
 use crate::Error;
 use crate::environment::with_default;
+use crate::memory::{copy, filled};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Mesh};
 
@@ -16,8 +17,9 @@ pub(super) struct Exact {
     pub(super) origin: [f64; 3],
 }
 
-/// The shadow of a mesh in f64, see [`Mesh::from_f64`], and where its origin is.
+/// Positions in f64, their shadow, see [`Mesh::from_f64`], and where its origin is.
 pub(crate) struct Shadow {
+    exact: Vec<[f64; 3]>,
     positions: Vec<[f32; 3]>,
     origin: [f64; 3],
 }
@@ -47,6 +49,10 @@ impl Exact {
                 Mesh::from_f64_unchecked(exact, positions, *origin, triangles)
             }
         }
+    }
+
+    pub(super) fn try_clone(&self) -> Result<Self, Error> {
+        Ok(Self { positions: copy(&self.positions)?, origin: self.origin })
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -97,18 +103,20 @@ impl Model {
         triangles: Vec<[u32; 3]>,
         options: BuildOptions<'static>,
     ) -> Result<Self, Error> {
-        let mut shadow = vec![[0.0; 3]; positions.len()];
+        let mut shadow = filled([0.0; 3], positions.len())?;
         let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow)?;
         let widened =
             |p: &[f64; 3]| p.iter().all(|x| f64::from(*x as f32).to_bits() == x.to_bits());
         let exact = if positions.iter().all(widened) {
-            shadow = positions.iter().map(|p| p.map(|x| x as f32)).collect();
+            let narrowed = positions.iter().map(|p| p.map(|x| x as f32));
+            shadow.iter_mut().zip(narrowed).for_each(|(own, p)| *own = p);
             Exact { positions: Vec::new(), origin: [0.0; 3] }
         } else {
             let origin = mesh.origin();
             Exact { positions, origin }
         };
-        let tree = Tree::build(Exact::mesh(Some(&exact), &shadow, &triangles), options, ONE_THREAD);
+        let mesh = Exact::mesh(Some(&exact), &shadow, &triangles);
+        let tree = Tree::build(mesh, options, ONE_THREAD)?;
         Ok(Self { exact: Some(exact), ..Self::of(shadow, triangles, options, tree) })
     }
 
@@ -131,31 +139,32 @@ impl Model {
     pub fn set_positions_f64(&mut self, positions: &[[f64; 3]]) -> Result<(), Error> {
         with_default(|| {
             let shadow = self.shadow_of(positions)?;
-            self.set_shadowed(positions, shadow);
+            self.set_shadowed(shadow);
             Ok(())
         })
     }
 
     /// The shadow of other positions.
     pub(crate) fn shadow_of(&self, positions: &[[f64; 3]]) -> Result<Shadow, Error> {
-        let mut shadow = vec![[0.0; 3]; positions.len()];
+        let mut shadow = filled([0.0; 3], positions.len())?;
         let origin = self.mesh().with_positions_f64(positions, &mut shadow)?.origin();
-        Ok(Shadow { positions: shadow, origin })
+        Ok(Shadow { exact: copy(positions)?, positions: shadow, origin })
     }
 
-    /// Moves the vertices of a model in f64 to positions that have this shadow.
-    pub(crate) fn set_shadowed(&mut self, positions: &[[f64; 3]], shadow: Shadow) {
+    /// Moves the vertices of a model in f64 to the positions that have this shadow.
+    pub(crate) fn set_shadowed(&mut self, shadow: Shadow) {
+        let Shadow { exact: positions, positions: shadow, origin } = shadow;
         let is_same = |(p, q): (&[f64; 3], &[f64; 3])| p.map(f64::to_bits) == q.map(f64::to_bits);
         if let Some(exact) = &self.exact
             && exact.positions.len() == positions.len()
-            && exact.positions.iter().zip(positions).all(is_same)
+            && exact.positions.iter().zip(&positions).all(is_same)
         {
             return;
         }
         self.outdate();
         self.moves.add_all();
-        self.positions = shadow.positions;
-        self.exact = Some(Exact { positions: positions.to_vec(), origin: shadow.origin });
+        self.positions = shadow;
+        self.exact = Some(Exact { positions, origin });
         self.fit_by(ONE_THREAD);
     }
 

@@ -17,6 +17,7 @@ pub use stamp::Stamp;
 
 use crate::Error;
 use crate::environment::with_default;
+use crate::memory::copy;
 use crate::sphere::Sphere;
 use certificates::Certificates;
 use in_f64::Exact;
@@ -29,7 +30,8 @@ use pfront_core::one_ring::Certified;
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;
 use std::fmt;
-use std::sync::OnceLock;
+use std::panic::resume_unwind;
+use std::sync::{Arc, OnceLock};
 use tree::Tree;
 
 /// A triangle mesh with the BVH that queries traverse. Scenes and batches share it in an [`Arc`](std::sync::Arc); pair and
@@ -142,7 +144,7 @@ impl Model {
         options: BuildOptions<'static>,
     ) -> Result<Self, Error> {
         with_default(|| {
-            let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel);
+            let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel)?;
             Ok(Self::of(positions, triangles, options, tree))
         })
     }
@@ -181,13 +183,16 @@ impl Model {
     }
 
     /// The one-ring certificates that self-collision uses: made at the first call, which takes as long as a
-    /// refit or two, and kept up to date from then on, as the BVH is.
+    /// refit or two, and kept up to date from then on, as the BVH is. None, and another try at the next call, if there is no
+    /// memory for them.
     #[must_use]
     pub fn certificates(&self) -> Certified<'_> {
         let mesh = self.mesh();
         let renew = |stale: &mut Certificates| with_default(|| stale.renew(mesh, ONE_THREAD));
-        let make = || with_default(|| Certificates::new(mesh));
-        let certificates = self.certificates.get(renew, make);
+        let make = || with_default(|| Certificates::new(mesh)).ok();
+        let Some(certificates) = self.certificates.try_get(renew, make) else {
+            return Certified::new_unchecked(mesh, &[]);
+        };
         let certified = certificates.certified(mesh);
         if certificates.has_fans() { self.tree().with_fans(certified, mesh) } else { certified }
     }
@@ -226,6 +231,26 @@ impl Model {
             + self.certificates.map(Certificates::bytes).unwrap_or_default()
     }
 
+    /// The model of an [`Arc`], which is copied first, without what is made lazily, if others have it too.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(crate) fn make_mut(model: &mut Arc<Self>) -> Result<&mut Self, Error> {
+        if Arc::get_mut(model).is_none() {
+            *model = Arc::new(model.try_clone()?);
+        }
+        Ok(Arc::make_mut(model))
+    }
+
+    fn try_clone(&self) -> Result<Self, Error> {
+        let (positions, triangles) = (copy(&self.positions)?, copy(&self.triangles)?);
+        let exact = self.exact.as_ref().map(Exact::try_clone).transpose()?;
+        let tree = self.tree().try_clone()?;
+        let (stamp, sphere) = (self.stamp, self.sphere.clone());
+        let new = Self::of(positions, triangles, self.options, tree);
+        Ok(Self { exact, stamp, sphere, ..new })
+    }
+
     /// The tree as it fits the positions.
     #[inline]
     fn tree(&self) -> &Tree {
@@ -238,8 +263,11 @@ impl Model {
         let (mesh, options) = (self.mesh(), &self.options);
         self.tree.get(
             |tree| with_default(|| tree.fit(mesh, *options, &self.moves, ONE_THREAD)),
-            // Lost by a thread that panicked.
-            || with_default(|| Tree::build(mesh, *options, ONE_THREAD)),
+            // Lost by a thread that panicked: where there is no memory for another, that panic goes on here.
+            || {
+                let built = with_default(|| Tree::build(mesh, *options, ONE_THREAD));
+                built.unwrap_or_else(|error| resume_unwind(Box::new(error)))
+            },
         )
     }
 }

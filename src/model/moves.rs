@@ -1,5 +1,6 @@
 //! The vertices that have moved, as long as these are few.
 
+use crate::memory::reserve;
 use pfront_core::bvh::{Moved, mark_moved};
 
 /// Vertices that have moved since the tree fitted. Too many are never wrong, only slower.
@@ -25,7 +26,12 @@ impl Moves {
     pub(super) fn add(&mut self, before: &[[f32; 3]], after: &[[f32; 3]]) {
         self.many = self.many || many_differ(before, after);
         if !self.many {
-            self.marks.resize(after.len().div_ceil(32), Moved::default());
+            let words = after.len().div_ceil(32);
+            let more = words.saturating_sub(self.marks.len());
+            if reserve(&mut self.marks, more).is_err() {
+                return self.add_all();
+            }
+            self.marks.resize(words, Moved::default());
             let words = mark_moved(before, after, &mut self.marks);
             self.many = words.is_ok_and(|words| words > self.marks.len() / MANY);
         }
@@ -38,7 +44,8 @@ impl Moves {
 
     /// Makes room to mark so many vertices.
     pub(super) fn reserve(&mut self, vertices: usize) {
-        self.marks.reserve(vertices.div_ceil(32) - self.marks.len());
+        // Without it, all vertices count as moved.
+        let _ = self.marks.try_reserve(vertices.div_ceil(32) - self.marks.len());
     }
 
     pub(super) fn clear(&mut self) {

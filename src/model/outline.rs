@@ -44,3 +44,98 @@ impl Model {
         self.tree.fresh().is_some()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{AnyPose, PairQuery, Pose, Pose64, PoseError};
+    use pfront_testkit::scenes::icosphere;
+
+    fn ball(scale: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+        let ball = icosphere(500);
+        (ball.positions.iter().map(|p| p.map(|x| scale * x)).collect(), ball.triangles)
+    }
+
+    fn model() -> Model {
+        let (positions, triangles) = ball(1.0);
+        Model::new(positions, triangles).unwrap()
+    }
+
+    #[test]
+    fn a_pose_is_checked_without_a_fit() {
+        let (still, mut moving, mut query) = (model(), model(), PairQuery::new());
+        moving.set_positions_unfitted(&ball(2.0).0).unwrap();
+        let far = Pose::from_translation([3.0e38, 0.0, 0.0]);
+        assert!(query.question(&still, &moving, Pose::IDENTITY).is_ok());
+        assert!(!moving.is_fitted());
+        assert!(query.count(&still, &moving, far).is_err());
+        // Vertices that no triangle has may be anywhere.
+        let (mut positions, triangles) = ball(1.0);
+        positions.push([2.0e38; 3]);
+        let mut loose = Model::new(positions.clone(), triangles).unwrap();
+        positions[0][0] += 0.1;
+        loose.set_positions_unfitted(&positions).unwrap();
+        let out: Result<(), PoseError> =
+            AnyPose::F32(far).check(loose.outline(&Outline::default()));
+        assert!(out.is_err() && query.count(&still, &loose, Pose::IDENTITY).is_ok());
+        let twice = Pose::new([[2.0, 0.0, 0.0, 0.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);
+        assert!(query.count(&still, &loose, twice).is_ok());
+    }
+
+    #[test]
+    fn an_outline_decides_as_the_bvh_does() {
+        let (mut moving, still) = (model(), model());
+        moving.set_positions_unfitted(&ball(1.01).0).unwrap();
+        let mut fitted = moving.clone();
+        fitted.fit();
+        let poses = [
+            AnyPose::F32(Pose::from_translation([0.3, 0.1, 0.0])),
+            AnyPose::F64(Pose64::from_translation([0.3, 0.1, 0.0])),
+        ];
+        for pose in poses {
+            let contacts = PairQuery::new().contacts_f64(&fitted, &still, pose).unwrap();
+            assert!(contacts.len() > 20);
+            let outline = Outline::default();
+            let query = pose.pair([moving.outline(&outline), still.bvh()]).unwrap();
+            for (pair, contact) in contacts {
+                use pfront_core::bvtt::Query;
+                assert!(query.intersects(pair));
+                assert_eq!(query.contact_f64(pair), Some(contact));
+            }
+        }
+        assert!(!moving.is_fitted());
+    }
+
+    #[cfg(feature = "gpu")]
+    #[test]
+    fn queries_on_a_gpu_fit_no_bvh_and_make_no_certificates() {
+        use crate::{Executor, SelfQuery};
+        let gpu = crate::gpu::Gpu::new().unwrap();
+        let executor = Executor::gpu(&gpu, gpu.settings());
+        let (still, mut moving) = (model(), model());
+        let (mut query, mut within) =
+            (PairQuery::new().on(&executor), SelfQuery::new().on(&executor));
+        // The first question brings the BVH there.
+        query.count(&still, &moving, Pose::IDENTITY).unwrap();
+        for frame in 1..4 {
+            moving.set_positions_unfitted(&ball(1.0 + 0.01 * frame as f32).0).unwrap();
+            let mut fitted = moving.clone();
+            fitted.fit();
+            let bytes = moving.bytes();
+            for pose in [
+                AnyPose::F32(Pose::from_translation([0.3, 0.1, 0.0])),
+                AnyPose::F64(Pose64::from_translation([0.3, 0.1, 0.0])),
+            ] {
+                let mut truth = PairQuery::new();
+                let expected = truth.contacts(&still, &fitted, pose).unwrap();
+                assert!(!expected.is_empty());
+                assert_eq!(query.contacts(&still, &moving, pose).unwrap(), expected);
+                assert!(query.any(&still, &moving, pose).unwrap().is_some());
+                query.forget();
+                assert_eq!(query.count(&still, &moving, pose).unwrap(), expected.len() as u64);
+            }
+            assert!(within.contacts(&moving).unwrap().is_empty());
+            assert!(!moving.is_fitted() && moving.bytes() == bytes, "frame {frame}");
+        }
+    }
+}

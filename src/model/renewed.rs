@@ -45,6 +45,24 @@ impl<T> Renewed<T> {
         })
     }
 
+    /// [`Renewed::get`] of a value that cannot always be made: `None` if `make` returns it, which is called again then whenever
+    /// somebody asks.
+    pub(super) fn try_get(
+        &self,
+        renew: impl FnOnce(&mut T),
+        make: impl FnOnce() -> Option<T>,
+    ) -> Option<&T>
+    where
+        T: Default,
+    {
+        if let Some(fresh) = self.fresh() {
+            return Some(fresh);
+        }
+        // Another thread may be at it, which is then waited for.
+        let made = if self.map(|_| ()).is_some() { T::default() } else { make()? };
+        Some(self.get(renew, || made))
+    }
+
     /// The result of `f` for the value, up to date or not; `None` if it is not made or somebody is at it.
     pub(super) fn map<R>(&self, f: impl Fn(&T) -> R) -> Option<R> {
         let of_stale = self.stale().as_deref().map(&f);

@@ -3,6 +3,8 @@
 use super::moves::{MANY, Moves};
 use super::passes::{Parallel, threads};
 use super::rebuild::Rebuild;
+use crate::Error;
+use crate::memory::{copy, filled, reserve};
 use pfront_core::bvh::{
     self, BuildOptions, BvhStorage, REBUILD_RATIO, Refit, RefitRow, node_bound,
 };
@@ -31,10 +33,26 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    pub(super) fn build(mesh: Mesh<'_>, options: BuildOptions<'_>, parallel: Parallel) -> Self {
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(super) fn build(
+        mesh: Mesh<'_>,
+        options: BuildOptions<'_>,
+        parallel: Parallel,
+    ) -> Result<Self, Error> {
         let mut tree = Self::default();
-        tree.rebuild(mesh, options, parallel);
-        tree
+        tree.rebuild(mesh, options, parallel)?;
+        Ok(tree)
+    }
+
+    /// A copy, without the state of partial refits.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(super) fn try_clone(&self) -> Result<Self, Error> {
+        let (nodes, order) = (copy(&self.nodes)?, copy(&self.order)?);
+        let (table, fans, next) = (Vec::new(), OnceLock::new(), None);
+        Ok(Self { nodes, order, table, fans, next, ..*self })
     }
 
     /// Takes over a tree of these positions that was checked, and makes its boxes tight, as those of a build are.
@@ -51,17 +69,23 @@ impl Tree {
     }
 
     /// Builds the tree anew for these positions.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]; the tree is as it was.
     pub(super) fn rebuild(
         &mut self,
         mesh: Mesh<'_>,
         options: BuildOptions<'_>,
         parallel: Parallel,
-    ) {
+    ) -> Result<(), Error> {
         let n = mesh.triangles().len();
+        let [nodes, order] = [node_bound(n) - self.nodes.len(), n - self.order.len()];
+        let mut scratch = filled(Node::EMPTY, n)?;
+        reserve(&mut self.nodes, nodes)?;
+        reserve(&mut self.order, order)?;
         self.nodes.resize(node_bound(n), Node::EMPTY);
         self.order.resize(n, 0);
         self.table.clear();
-        let mut scratch = vec![Node::EMPTY; n];
         let storage = BvhStorage { nodes: &mut self.nodes, order: &mut self.order };
         let options = BuildOptions { join: parallel, ..options };
         let built = bvh::sah(mesh, &options, storage, &mut scratch);
@@ -75,31 +99,33 @@ impl Tree {
         self.built = self.quality;
         self.fans = OnceLock::new();
         self.next = None;
+        Ok(())
     }
 
-    /// Whether the next [`Tree::fit`] makes another tree of it.
+    /// Whether the next [`Tree::fit`] makes another tree of it, if there is memory.
     pub(super) fn is_due(&self, mesh: Mesh<'_>) -> bool {
         self.is_worn_out() || self.next.as_ref().is_some_and(|next| next.is_done(mesh))
     }
 
-    /// Adds to certificates the marks by which queries skip the fans around vertices of many triangles.
+    /// Adds to certificates the marks by which queries skip the fans around vertices of many triangles, if there is memory for
+    /// them.
     pub(super) fn with_fans<'a>(
         &'a self,
         certified: Certified<'a>,
         mesh: Mesh<'a>,
     ) -> Certified<'a> {
         let bvh = self.bvh(mesh);
-        let fans = self.fans.get_or_init(|| {
-            let mut marks = vec![0; fan_bound(bvh.nodes().len())];
-            let is_marked = certified.with_fans(&bvh, &mut marks).is_ok();
-            debug_assert!(is_marked, "the marks have their size");
-            marks
-        });
-        certified.with_fans_unchecked(&bvh, fans)
+        if let Some(fans) = self.fans.get() {
+            return certified.with_fans_unchecked(&bvh, fans);
+        }
+        let Ok(mut marks) = filled(0, fan_bound(bvh.nodes().len())) else { return certified };
+        let is_marked = certified.with_fans(&bvh, &mut marks).is_ok();
+        debug_assert!(is_marked, "the marks have their size");
+        certified.with_fans_unchecked(&bvh, self.fans.get_or_init(|| marks))
     }
 
     /// Fits the tree to positions that have moved since it did. If it is [due](Tree::is_due), it is another one then; if it is
-    /// worn, a part of another one is built.
+    /// worn, a part of another one is built. Without memory for another one it stays, only slower.
     pub(super) fn fit(
         &mut self,
         mesh: Mesh<'_>,
@@ -107,8 +133,8 @@ impl Tree {
         moves: &Moves,
         parallel: Parallel,
     ) {
-        if self.is_worn_out() {
-            return self.rebuild(mesh, options, parallel);
+        if self.is_worn_out() && self.rebuild(mesh, options, parallel).is_ok() {
+            return;
         }
         if let Some(next) = self.next.take_if(|next| next.is_done(mesh)) {
             (self.nodes, self.order) = next.into_tree();
@@ -130,7 +156,9 @@ impl Tree {
     }
 
     fn refit_moved(&mut self, mesh: Mesh<'_>, moves: &Moves, parallel: Parallel) {
-        let Some(moved) = moves.few() else {
+        let rows = (self.nodes.len() / 2).saturating_sub(self.table.len());
+        let moved = moves.few().filter(|_| reserve(&mut self.table, rows).is_ok());
+        let Some(moved) = moved else {
             self.table.clear();
             return self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         };
@@ -167,7 +195,8 @@ impl Tree {
     /// Makes room for what a partial refit goes by, whatever tree a rebuild will make.
     pub(super) fn reserve(&mut self) {
         let rows = node_bound(self.order.len()) / 2;
-        self.table.reserve(rows - self.table.len());
+        // Without it, refits are whole ones.
+        let _ = self.table.try_reserve(rows - self.table.len());
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -190,7 +219,7 @@ mod tests {
         let ball = icosphere(2_000);
         let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
         let options = BuildOptions::default();
-        let mut tree = Tree::build(mesh, options, ONE_THREAD);
+        let mut tree = Tree::build(mesh, options, ONE_THREAD).unwrap();
         let mut before = ball.positions.clone();
         // Flatter from time to time, so that the figure changes but little.
         for (round, moving) in [9, 5, 1_000, 7, 0, 1_000, 1_000, 30].into_iter().enumerate() {
@@ -213,7 +242,7 @@ mod tests {
         let ball = icosphere(2_000);
         let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
         let options = BuildOptions::default();
-        let mut tree = Tree::build(mesh, options, ONE_THREAD);
+        let mut tree = Tree::build(mesh, options, ONE_THREAD).unwrap();
         let first = tree.order.clone();
         let mut moves = Moves::default();
         moves.add_all();

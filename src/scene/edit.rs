@@ -133,7 +133,7 @@ impl SceneQuery {
             self.bodies.change(id, |body| {
                 body.model().mesh().with_positions(positions)?;
                 body.pose().check_bounds(&Aabb::of(positions))?;
-                let model = Arc::make_mut(&mut body.model);
+                let model = Model::make_mut(&mut body.model)?;
                 run.refit(model, positions)?;
                 body.reshaped();
                 Ok(())
@@ -172,7 +172,7 @@ impl SceneQuery {
             self.bodies.change(id, |body| {
                 let shadow = body.model().shadow_of(positions)?;
                 body.pose().check_bounds(&shadow.bounds())?;
-                Arc::make_mut(&mut body.model).set_shadowed(positions, shadow);
+                Model::make_mut(&mut body.model)?.set_shadowed(shadow);
                 body.reshaped();
                 Ok(())
             })

@@ -9,11 +9,11 @@
     reason = "the header has the contract, once for all functions"
 )]
 
-use super::pfront_scene_t;
+use super::{Scene, pfront_scene_t, usable};
 use crate::memory::Caller;
-use crate::status::{pfront_error_t, pfront_status_t};
+use crate::status::pfront_status_t::{self, PFRONT_OUT_OF_MEMORY};
+use crate::status::{Fault, pfront_error_t};
 use crate::verbs::{pfront_contact_t, pfront_pair_t};
-use core::mem::offset_of;
 use pfront::{BodyId, Contact, SceneHit, TrianglePair};
 
 /// Two triangles of different bodies that meet.
@@ -25,12 +25,6 @@ pub struct pfront_scene_hit_t {
     /// A triangle of the first body and one of the second.
     pub pair: pfront_pair_t,
 }
-
-const _: () = {
-    assert!(size_of::<pfront_scene_hit_t>() == size_of::<SceneHit>());
-    assert!(align_of::<pfront_scene_hit_t>() == align_of::<SceneHit>());
-    assert!(offset_of!(pfront_scene_hit_t, pair) == offset_of!(SceneHit, pair));
-};
 
 impl From<SceneHit> for pfront_scene_hit_t {
     fn from(SceneHit { bodies, pair: TrianglePair { a, b } }: SceneHit) -> Self {
@@ -63,8 +57,18 @@ pub struct pfront_scene_contact64_t {
     pub normals: [[f32; 3]; 2],
 }
 
+/// Replaces what was handed out by so many others.
+fn replace<T>(list: &mut Vec<T>, count: usize, with: impl Iterator<Item = T>) -> Result<(), Fault> {
+    list.clear();
+    let bytes = count.saturating_mul(size_of::<T>());
+    let fault = Fault::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(bytes, 0);
+    list.try_reserve(count).map_err(|_| fault)?;
+    list.extend(with);
+    Ok(())
+}
+
 /// Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
-/// triangles. They belong to the scene and are good until this or `pfront_scene_contacts` is called again. What is known
+/// triangles. They belong to the scene and are good until this is called again, or the scene is freed. What is known
 /// of bodies that stand still is kept, so that a frame costs what the others do.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_update(
@@ -76,15 +80,18 @@ pub unsafe extern "C" fn pfront_scene_update(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, out_count) = (call.out(c"hits", hits)?, call.out(c"count", count)?);
-        let found = call.owned(c"scene", scene)?.query.all()?;
-        out.set(found.as_ptr().cast());
-        out_count.set(found.len());
+        let Scene { query, hits, .. } = usable(call, scene)?;
+        let found = query.all()?;
+        replace(hits, found.len(), found.iter().map(|&hit| hit.into()))?;
+        out.set(hits.as_ptr());
+        out_count.set(hits.len());
         Ok(())
     })
 }
 
 /// `pfront_scene_update` that also tells where they meet. A pair that only PFRONT_CONSERVATIVE or PFRONT_FAST reports
-/// meets nowhere and is left out. `contacts` belongs to the scene and is good until this is called again.
+/// meets nowhere and is left out. `contacts` belongs to the scene and is good until this is called again, or the scene
+/// is freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_contacts(
     scene: *mut pfront_scene_t,
@@ -95,19 +102,21 @@ pub unsafe extern "C" fn pfront_scene_contacts(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, out_count) = (call.out(c"contacts", contacts)?, call.out(c"count", count)?);
-        let pfront_scene_t { query, contacts, .. } = call.owned(c"scene", scene)?;
-        contacts.clear();
-        contacts.extend(query.contacts()?.iter().map(|&(hit, contact)| pfront_scene_contact_t {
+        let Scene { query, contacts, .. } = usable(call, scene)?;
+        let found = query.contacts()?;
+        let for_c = |&(hit, contact): &(SceneHit, Contact)| pfront_scene_contact_t {
             hit: hit.into(),
             contact: Some(contact).into(),
-        }));
+        };
+        replace(contacts, found.len(), found.iter().map(for_c))?;
         out.set(contacts.as_ptr());
         out_count.set(contacts.len());
         Ok(())
     })
 }
 
-/// `pfront_scene_contacts` in f64: of bodies in f64 not rounded. Only the hits are kept from frame to frame.
+/// `pfront_scene_contacts` in f64: of bodies in f64 not rounded. Only the hits are kept from frame to frame. `contacts` is good
+/// until this is called again, or the scene is freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_contacts_f64(
     scene: *mut pfront_scene_t,
@@ -118,12 +127,13 @@ pub unsafe extern "C" fn pfront_scene_contacts_f64(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, out_count) = (call.out(c"contacts", contacts)?, call.out(c"count", count)?);
-        let pfront_scene_t { query, contacts_f64, .. } = call.owned(c"scene", scene)?;
-        contacts_f64.clear();
-        contacts_f64.extend(query.contacts_f64()?.iter().map(|&(hit, contact)| {
+        let Scene { query, contacts_f64, .. } = usable(call, scene)?;
+        let found = query.contacts_f64()?;
+        let for_c = |&(hit, contact): &(SceneHit, Contact<f64>)| {
             let Contact { is_flat, segment, normals } = contact;
             pfront_scene_contact64_t { hit: hit.into(), is_flat: is_flat.into(), segment, normals }
-        }));
+        };
+        replace(contacts_f64, found.len(), found.iter().map(for_c))?;
         out.set(contacts_f64.as_ptr());
         out_count.set(contacts_f64.len());
         Ok(())
@@ -142,7 +152,7 @@ pub unsafe extern "C" fn pfront_scene_any(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, is_found) = (call.out(c"hit", hit)?, call.out(c"found", found)?);
-        let some = call.owned(c"scene", scene)?.query.any()?;
+        let some = usable(call, scene)?.query.any()?;
         is_found.set(some.is_some().into());
         if let Some(hit) = some {
             out.set(hit.into());
@@ -161,7 +171,7 @@ pub unsafe extern "C" fn pfront_scene_count(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"count", count)?;
-        out.set(call.owned(c"scene", scene)?.query.count()?);
+        out.set(usable(call, scene)?.query.count()?);
         Ok(())
     })
 }

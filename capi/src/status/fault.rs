@@ -156,6 +156,9 @@ impl From<pfront::Error> for Fault {
             Error::Blob(error) => error.into(),
             Error::Capacity(error) => error.into(),
             Error::Pose(error) => Self::pose(c"world_from_body")(error),
+            Error::Memory { needed } => {
+                Self::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(needed, 0)
+            }
             Error::StaleBody { id } => {
                 Self::of(PFRONT_STALE_BODY, c"body").at(id.to_bits() as usize)
             }

@@ -51,9 +51,9 @@ fn projected(corners: &[u32], positions: &[[f64; 3]]) -> Option<Vec<Point>> {
     let mut normal = [0.0; 3];
     for edge in points.windows(2) {
         let [a, b] = [&edge[0], &edge[1]].map(from_first);
-        for k in 0..3 {
+        for (k, component) in normal.iter_mut().enumerate() {
             let [i, j] = [(k + 1) % 3, (k + 2) % 3];
-            normal[k] += a[i] * b[j] - a[j] * b[i];
+            *component += a[i] * b[j] - a[j] * b[i];
         }
     }
     let nearest = (0..3).max_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs()))?;

@@ -158,3 +158,24 @@ fn fronts_are_balanced_and_passes_are_timed() {
     }
     assert!(refused(at, "passes sheet --budget 100").contains("minimum"));
 }
+
+/// Which hides the page of the kernel that tells the time.
+#[cfg(target_os = "linux")]
+#[test]
+fn replays_run_under_valgrind() {
+    let folder = folder();
+    let at = folder.path();
+    out(at, "record sheet w.tcw --size 200 --frames 1");
+    let replay = command(at, "replay w.tcw --threads 1");
+    let run = std::process::Command::new("valgrind")
+        .args(["-q", "--tool=none"])
+        .arg(replay.get_program())
+        .args(replay.get_args())
+        .current_dir(at)
+        .output();
+    // Without valgrind: .ci/capi installs it.
+    let run = run.unwrap();
+    let error = String::from_utf8(run.stderr).unwrap();
+    assert!(run.status.success(), "{error}");
+    assert!(String::from_utf8(run.stdout).unwrap().contains("FRAME\t0"), "{error}");
+}

@@ -1,6 +1,7 @@
 """Every intersecting triangle pair of two meshes, or within one: exact, sorted, fast.
 
-Meshes are surfaces: a box inside another does not touch it, and does not collide. Touching counts, and there is no tolerance.
+Meshes are surfaces, not solids: a box inside another does not touch it, and does not collide. A question is about one instant, not
+about a motion. Touching counts, and there is no tolerance.
 
 >>> import numpy as np
 >>> import pfront as pf

@@ -366,6 +366,8 @@ def sweep(
 ) -> Iterator[tuple[int, Any]]:
     """Ask about many poses, and yield each index with its answer, in order, while later ones are on their way.
 
+    Each pose is an instant: nothing is asked about the motion from one to the next.
+
     Parameters
     ----------
     a, b : Mesh

@@ -51,7 +51,7 @@ def using(threads: int | None = None, device: str | None = None) -> Iterator[Non
         The number of threads, 1 to 1024; by default ``OMP_NUM_THREADS`` if that is set, else every processor. A question
         begins on the calling thread, and calls others where that pays.
     device : {None, "cpu", "gpu", "auto"}
-        None and "cpu": threads. "gpu": a GPU answers what is in float32; the rest may go to the CPU. "auto": scenes go to a GPU where that is
+        None and "cpu": threads. "gpu": a GPU answers what is in float32, and threads the rest. "auto": scenes go to a GPU where that is
         predicted to pay; all else stays on threads.
 
     Raises

@@ -1,0 +1,256 @@
+//! Every verb of every query.
+
+use super::{Soup, read};
+use pfront::pfront_core::bvtt::Query;
+use pfront::threads::Traversal;
+use pfront::*;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// Triangles of a model: enough for a front, and few, since each operation on such small numbers takes long.
+const COUNT: u32 = 50;
+
+/// The models that are asked about, made in the default environment, and positions that one of them is moved to.
+pub(crate) struct Subjects {
+    models: [Arc<Model>; 2],
+    in_f64: [Arc<Model>; 2],
+    other: Soup,
+}
+
+impl Subjects {
+    pub(crate) fn new() -> Self {
+        let soups = [Soup::new(1, COUNT), Soup::new(2, COUNT)];
+        Self {
+            models: soups.each_ref().map(|soup| Arc::new(soup.model())),
+            in_f64: soups.each_ref().map(|soup| Arc::new(soup.model_f64())),
+            other: Soup::new(3, COUNT),
+        }
+    }
+}
+
+/// An answer to any verb.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Answer {
+    Found(bool),
+    Count(u64),
+    Pairs(Vec<TrianglePair>),
+    Contacts(Vec<(TrianglePair, Contact)>),
+    ContactsF64(Vec<(TrianglePair, Contact<f64>)>),
+    /// Bodies by the order in which they were added.
+    Hits(Vec<([usize; 2], TrianglePair)>),
+}
+
+impl<T> From<Option<T>> for Answer {
+    fn from(found: Option<T>) -> Self {
+        Self::Found(found.is_some())
+    }
+}
+
+pub(crate) type Named = Vec<(String, Answer)>;
+
+pub(crate) fn compare(found: &Named, expected: &Named, place: &str) {
+    assert_eq!(found.len(), expected.len());
+    for ((name, found), (_, expected)) in found.iter().zip(expected) {
+        assert!(found == expected, "{name}, {place}");
+    }
+}
+
+/// The answers to all of them by an executor, with their names.
+pub(crate) fn all(subjects: &Subjects, executor: &Executor) -> Named {
+    let mut named = Vec::new();
+    let least = Pose::from_translation([0.0, 0.0, f32::from_bits(1)]);
+    let least_f64 = Pose64::from_translation([0.0, f64::from_bits(1), 0.0]);
+    let poses = [AnyPose::F32(Pose::IDENTITY), AnyPose::F32(least), AnyPose::F64(least_f64)];
+    for (kind, models) in [("f32", &subjects.models), ("f64", &subjects.in_f64)] {
+        let (first, last) = if kind == "f32" { (0, 2) } else { (1, 3) };
+        for (number, &pose) in poses[first..last].iter().enumerate() {
+            pairs(&mut named, &format!("{kind}, pose {number}, "), models, pose, executor);
+        }
+        within(&mut named, &format!("{kind}, "), &models[0], executor);
+        batch(&mut named, &format!("{kind}, "), models, &poses, executor);
+    }
+    deforming(&mut named, subjects, executor);
+    scene(&mut named, subjects, executor);
+    named
+}
+
+fn pairs(named: &mut Named, kind: &str, [a, b]: &[Arc<Model>; 2], pose: AnyPose, on: &Executor) {
+    let mut query = PairQuery::new().on(on);
+    let mut add = |verb: &str, answer| named.push((format!("PairQuery::{verb}, {kind}"), answer));
+    add("any", query.any(a, b, pose).unwrap().into());
+    add("count", Answer::Count(query.count(a, b, pose).unwrap()));
+    add("all", Answer::Pairs(query.all(a, b, pose).unwrap().to_vec()));
+    add("contacts", Answer::Contacts(query.contacts(a, b, pose).unwrap().to_vec()));
+    add("contacts_f64", Answer::ContactsF64(query.contacts_f64(a, b, pose).unwrap()));
+    let mut count = 0;
+    let visited = query.visit(a, b, pose, |_| {
+        count += 1;
+        ControlFlow::Continue(())
+    });
+    assert!(visited.unwrap().is_continue());
+    add("visit", Answer::Count(count));
+    add(
+        "AnyPose::pair",
+        Answer::Count(
+            pose.pair([a.bvh(), b.bvh()])
+                .map_or(0, |query| pfront_core::environment::with_default(|| query.count())),
+        ),
+    );
+    let to_f64 = pose.to_f64().rows.map(|row| row.map(f64::to_bits));
+    add("AnyPose::to_f64", Answer::Count(to_f64.as_flattened().iter().fold(0, |x, y| x ^ y)));
+}
+
+fn within(named: &mut Named, kind: &str, model: &Model, on: &Executor) {
+    // Certificates are made by the question.
+    let model = &model.clone();
+    let mut query = SelfQuery::new().on(on);
+    let mut add = |verb: &str, answer| named.push((format!("SelfQuery::{verb}, {kind}"), answer));
+    add("any", query.any(model).unwrap().into());
+    add("count", Answer::Count(query.count(model).unwrap()));
+    add("all", Answer::Pairs(query.all(model).unwrap().to_vec()));
+    add("contacts", Answer::Contacts(query.contacts(model).unwrap().to_vec()));
+    add("contacts_f64", Answer::ContactsF64(query.contacts_f64(model).unwrap()));
+    let mut count = 0;
+    assert!(
+        SelfQuery::new()
+            .visit(model, |_| {
+                count += 1;
+                ControlFlow::Continue(())
+            })
+            .is_continue()
+    );
+    add("visit", Answer::Count(count));
+}
+
+/// Positions that the query sets.
+fn deforming(named: &mut Named, subjects: &Subjects, on: &Executor) {
+    let (mut model, mut query) = ((*subjects.models[0]).clone(), SelfQuery::new().on(on));
+    query.count(&model).unwrap();
+    query.set_positions(&mut model, &subjects.other.positions).unwrap();
+    let moved = query.all(&model).unwrap().to_vec();
+    named.push(("SelfQuery::set_positions".to_owned(), Answer::Pairs(moved)));
+}
+
+fn batch(
+    named: &mut Named,
+    kind: &str,
+    models: &[Arc<Model>; 2],
+    poses: &[AnyPose],
+    on: &Executor,
+) {
+    let mut batch = Batch::new();
+    for &pose in poses {
+        batch.pair(&models[0], &models[1], pose).unwrap();
+    }
+    batch.within(&models[0], Adjacency::default());
+    let mut add = |verb: &str, answer| named.push((format!("Batch::{verb}, {kind}"), answer));
+    let mut ticket = batch.count(on).unwrap();
+    while !ticket.is_ready() {
+        std::thread::yield_now();
+    }
+    let counts = ticket.try_read().unwrap().unwrap();
+    counts.iter().for_each(|&count| add("count", Answer::Count(count)));
+    let found = batch.any(on).unwrap().read().unwrap();
+    found.into_iter().for_each(|found| add("any", found.into()));
+    let lists = batch.all(on).unwrap().read().unwrap();
+    lists.iter().for_each(|list| add("all", Answer::Pairs(list.to_vec())));
+    // A single question, which all threads divide, awaited in slices.
+    let mut single = Batch::new();
+    single.pair(&models[0], &models[1], poses[0]).unwrap();
+    let mut ticket = single.all(on).unwrap();
+    let list = loop {
+        if let Some(lists) = ticket.wait(std::time::Duration::from_millis(2)).unwrap() {
+            break lists[0].to_vec();
+        }
+    };
+    add("all of one", Answer::Pairs(list));
+}
+
+fn scene(named: &mut Named, subjects: &Subjects, on: &Executor) {
+    let [a, b] = &subjects.models;
+    let mut scene = SceneQuery::new().on(on);
+    let mut bodies: Vec<BodyId> = Vec::new();
+    let unit = |x: u32| Pose::from_translation([f32::from_bits(x), 0.0, 0.0]);
+    for (model, pose) in [(a, unit(0)), (b, unit(40)), (&subjects.in_f64[0], unit(3))] {
+        bodies.push(scene.add(model.clone(), pose).unwrap());
+    }
+    each_verb(named, "add", &mut scene, &bodies);
+    scene.set_pose(bodies[1], unit(60)).unwrap();
+    scene.set_positions(bodies[0], &subjects.other.positions).unwrap();
+    scene.set_positions_f64(bodies[2], &subjects.other.positions_f64).unwrap();
+    each_verb(named, "set_pose, set_positions, set_positions_f64", &mut scene, &bodies);
+    scene.set_model(bodies[1], a.clone()).unwrap();
+    let pieces = scene.split(bodies[1], |triangle| triangle % 3).unwrap();
+    bodies.extend(pieces.iter().map(|piece| piece.body));
+    each_verb(named, "set_model, split", &mut scene, &bodies);
+    scene.remove(bodies[0]).unwrap();
+    each_verb(named, "remove", &mut scene, &bodies);
+}
+
+fn each_verb(named: &mut Named, change: &str, scene: &mut SceneQuery, bodies: &[BodyId]) {
+    let mut add =
+        |verb: &str, answer| named.push((format!("SceneQuery::{verb} after {change}"), answer));
+    let number = |two: [BodyId; 2]| two.map(|id| bodies.iter().position(|&own| own == id).unwrap());
+    let count = scene.count().unwrap();
+    add("count", Answer::Count(count));
+    add("any", scene.any().unwrap().into());
+    let mut visited = 0;
+    assert!(
+        scene
+            .visit(|_| {
+                visited += 1;
+                ControlFlow::Continue(())
+            })
+            .unwrap()
+            .is_continue()
+    );
+    add("visit", Answer::Count(visited));
+    let met =
+        scene.body_pairs().unwrap().into_iter().map(|two| (number(two), TrianglePair::default()));
+    add("body_pairs", Answer::Hits(met.collect()));
+    scene.update().unwrap();
+    let hits = scene.all().unwrap().iter().map(|hit| (number(hit.bodies), hit.pair));
+    add("all", Answer::Hits(hits.collect()));
+    let contacts = scene.contacts().unwrap().iter().map(|&(hit, contact)| (hit.pair, contact));
+    add("contacts", Answer::Contacts(contacts.collect()));
+    let contacts =
+        scene.contacts_f64().unwrap().into_iter().map(|(hit, contact)| (hit.pair, contact));
+    add("contacts_f64", Answer::ContactsF64(contacts.collect()));
+}
+
+/// The control registers that visitors see, and how often each was called: of pairs, of one model, of a scene, and on threads,
+/// whose pool is made here.
+pub(crate) fn seen_by_visitors(subjects: &Subjects) -> ([u32; 4], [u32; 4]) {
+    let [a, b] = &subjects.models;
+    let seen = [0; 4].map(|_| AtomicU32::new(u32::MAX));
+    let calls = [0; 4].map(|_| AtomicU32::new(0));
+    let visit = |number: usize| {
+        // Whichever differs from the first is kept.
+        let register = read() & !super::FLAGS;
+        if calls[number].fetch_add(1, Relaxed) == 0 || register == super::DEFAULT {
+            seen[number].store(register, Relaxed);
+        }
+        ControlFlow::Continue(())
+    };
+    let _ = PairQuery::new().visit(a, b, Pose::IDENTITY, |_| visit(0)).unwrap();
+    let _ = SelfQuery::new().visit(a, |_| visit(1));
+    let mut scene = SceneQuery::new();
+    for model in [a, b] {
+        scene.add(model.clone(), Pose::IDENTITY).unwrap();
+    }
+    let _ = scene.visit(|_| visit(2)).unwrap();
+    let pool = threads::rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let pair = AnyPose::F32(Pose::IDENTITY).pair([a.bvh(), b.bvh()]).unwrap();
+    let _ = Traversal::with_pool(Arc::new(pool)).visit(&[pair], |_| visit(3)).unwrap();
+    (seen.map(AtomicU32::into_inner), calls.map(AtomicU32::into_inner))
+}
+
+pub(crate) fn panics_in_a_visitor(subjects: &Subjects) -> bool {
+    let [a, b] = &subjects.models;
+    let visit = AssertUnwindSafe(|| {
+        let _ = PairQuery::new().visit(a, b, Pose::IDENTITY, |_| resume_unwind(Box::new(0)));
+    });
+    catch_unwind(visit).is_err()
+}

@@ -1,0 +1,72 @@
+//! No public method is forgotten: each is asked in every environment by these tests, or computes nothing in floats.
+
+/// The sources of what computes, the methods that these tests ask, and those that compute nothing.
+const SURFACE: [(&str, &str, &str, &str); 8] = [
+    (
+        "PairQuery",
+        include_str!("../../src/pair.rs"),
+        "all any count visit contacts contacts_f64",
+        "new with_accuracy on report forget plan",
+    ),
+    (
+        "SelfQuery",
+        include_str!("../../src/within.rs"),
+        "all any count visit contacts contacts_f64 set_positions",
+        "new with_accuracy with_adjacency on report forget plan",
+    ),
+    (
+        "SceneQuery",
+        include_str!("../../src/scene/mod.rs"),
+        "all update any count body_pairs visit contacts contacts_f64",
+        "new with_accuracy on report plan hits last_contacts",
+    ),
+    (
+        "SceneQuery's bodies",
+        include_str!("../../src/scene/edit.rs"),
+        "add remove set_pose set_model set_positions set_positions_f64 split",
+        "set_groups ignore ignored body set_user_data bodies len is_empty",
+    ),
+    (
+        "Batch",
+        include_str!("../../src/batch/mod.rs"),
+        "pair within any count all",
+        "new with_accuracy len is_empty clear",
+    ),
+    (
+        "Ticket",
+        include_str!("../../src/batch/ticket.rs"),
+        "is_ready try_read wait read",
+        "cancel hits_buffer count_buffer",
+    ),
+    (
+        "Model",
+        concat!(
+            include_str!("../../src/model/mod.rs"),
+            include_str!("../../src/model/deform.rs"),
+            include_str!("../../src/model/in_f64.rs"),
+            include_str!("../../src/model/blob.rs")
+        ),
+        "new with_options new_with_threads from_f64 from_blob to_blob set_positions set_positions_with_threads \
+         set_positions_unfitted set_positions_f64 fit fit_with_threads bvh certificates sphere bytes",
+        "mesh stamp options is_f64",
+    ),
+    ("AnyPose", include_str!("../../src/pose.rs"), "pair to_f64", "is_f64"),
+];
+
+#[test]
+fn every_public_method_is_asked_in_every_environment_or_computes_nothing() {
+    for (kind, source, asked, plain) in SURFACE {
+        let mut declared: Vec<&str> = source
+            .lines()
+            .filter_map(|line| {
+                line.strip_prefix("    pub fn ").or(line.strip_prefix("    pub const fn "))
+            })
+            .filter_map(|rest| rest.split(['(', '<']).next())
+            .collect();
+        let mut known: Vec<&str> =
+            asked.split_whitespace().chain(plain.split_whitespace()).collect();
+        declared.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(declared, known, "{kind}: name new methods here, and ask those that compute");
+    }
+}
