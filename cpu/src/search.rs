@@ -19,7 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Tests between two looks at whether a thread has nothing to do.
 const STEP: u64 = 512;
 
-/// What is to be searched, as all threads see it.
+/// The question, as all threads see it.
 pub(crate) struct Search<'s, Q> {
     pub(crate) queries: &'s [Q],
     /// Node pairs that nobody has begun, in the order of the search.

@@ -12,8 +12,9 @@ use crate::environment::with_default;
 use pfront_core::{Mesh, MeshError};
 
 impl Model {
-    /// Moves the vertices of a deforming mesh and refits the BVH; rebuilds it when its quality
-    /// figure has grown by [`REBUILD_RATIO`](pfront_core::bvh::REBUILD_RATIO) since the last build.
+    /// Moves the vertices of a deforming mesh and refits the BVH. When its quality figure has grown by
+    /// [`REBUILD_RATIO`](pfront_core::bvh::REBUILD_RATIO) since the last build, another one is built over the next calls, a
+    /// part with each that takes about half as long as the refit; when it has doubled, at once.
     ///
     /// On error nothing has changed, nor if the positions are the present ones to the bit: the
     /// [`Model::stamp`] stays. Where few vertices have moved, only the BVH near these is looked at.
@@ -23,7 +24,7 @@ impl Model {
     ///
     /// # Complexity
     /// O(vertices + triangles); O(vertices) if few have moved that are near one another. A rebuild is
-    /// O(n log n) and allocates 32 bytes a triangle while it runs. A refit allocates nothing, but for the
+    /// O(n log n) in all and holds up to 100 bytes a triangle while it is under way. A refit allocates nothing, but for the
     /// first of few vertices: see [`Model`].
     ///
     /// # Examples
@@ -125,7 +126,8 @@ impl Model {
     /// Takes note, before positions change, that nothing will fit them.
     pub(super) fn outdate(&mut self) {
         // It will be built for these positions.
-        if self.tree.map(Tree::is_worn) == Some(true) {
+        let mesh = Exact::mesh(self.exact.as_ref(), &self.positions, &self.triangles);
+        if self.tree.map(|tree| tree.is_due(mesh)) == Some(true) {
             self.stamp.rebuilt();
         }
         if self.tree.fresh().is_some() {
@@ -157,7 +159,7 @@ impl Model {
         if !few {
             self.certificates.renewed();
         }
-        if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn()) {
+        if let Some(tree) = self.tree.fresh_mut().filter(|tree| tree.is_worn_out()) {
             // Without memory for another it stays, only slower, until the next positions.
             if tree.rebuild(mesh, options, parallel).is_ok() {
                 self.stamp.rebuilt();

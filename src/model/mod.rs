@@ -7,6 +7,7 @@ mod in_f64;
 mod moves;
 mod outline;
 mod passes;
+mod rebuild;
 mod renewed;
 mod stamp;
 mod tree;
@@ -328,7 +329,7 @@ mod tests {
         let triangles = (0..count).flat_map(|k| island.triangles.iter().map(name(k))).collect();
         let mut model = Model::new(thrown(0.0), triangles).unwrap();
         model.set_positions_unfitted(&thrown(60.0)).unwrap();
-        assert!(model.tree().is_worn(), "to be built at the next positions");
+        assert!(model.tree().is_worn_out(), "to be built at the next positions");
         model.set_positions_unfitted(&thrown(60.0)).unwrap();
         let mut copy = model.clone();
         copy.set_positions(&thrown(60.0)).unwrap();

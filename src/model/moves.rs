@@ -16,7 +16,7 @@ pub(super) struct Moves {
 /// moved lie together, a quarter of the words are those of a fifth of the vertices, for which a partial
 /// refit takes 0.4 to 0.6 of the time of a whole one; where they are scattered, those of a hundredth, for
 /// which it takes 0.9. The same holds for certificates.
-const MANY: usize = 4;
+pub(super) const MANY: usize = 4;
 
 /// How many vertices are compared before all are.
 const SAMPLE: usize = 64;

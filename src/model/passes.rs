@@ -18,6 +18,17 @@ pub(super) fn if_four_threads(parallel: Parallel) -> Parallel {
     parallel
 }
 
+/// The number of threads that passes run on.
+pub(super) fn threads(parallel: Parallel) -> usize {
+    #[cfg(feature = "threads")]
+    if parallel.is_some() {
+        return crate::threads::rayon::current_num_threads();
+    }
+    #[cfg(not(feature = "threads"))]
+    let _ = parallel;
+    1
+}
+
 /// Does two things, side by side if it can.
 pub(super) fn both(
     parallel: Parallel,

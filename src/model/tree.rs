@@ -1,7 +1,8 @@
 //! The BVH of a model, and when it is built anew.
 
-use super::moves::Moves;
-use super::passes::Parallel;
+use super::moves::{MANY, Moves};
+use super::passes::{Parallel, threads};
+use super::rebuild::Rebuild;
 use crate::Error;
 use crate::memory::{copy, filled, reserve};
 use pfront_core::bvh::{
@@ -12,6 +13,10 @@ use pfront_core::{Bvh, Mesh, Node};
 use std::mem::take;
 use std::sync::OnceLock;
 
+/// The quality figure of a tree that is [worn out](Tree::is_worn_out), over that when it was built. A frame may take twice its
+/// best time, and there it does so without a build.
+const WORN_OUT: f32 = 2.0;
+
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
@@ -21,6 +26,8 @@ pub(super) struct Tree {
     /// The quality figure right after the last build, and as it is.
     built: f32,
     quality: f32,
+    /// The tree that takes the place of this one when it is done, if this one is worn.
+    next: Option<Box<Rebuild>>,
     /// Marks of nodes around vertices of many triangles, made when they are first asked for.
     fans: OnceLock<Vec<u32>>,
 }
@@ -44,7 +51,8 @@ impl Tree {
     /// [`Error::Memory`].
     pub(super) fn try_clone(&self) -> Result<Self, Error> {
         let (nodes, order) = (copy(&self.nodes)?, copy(&self.order)?);
-        Ok(Self { nodes, order, table: Vec::new(), fans: OnceLock::new(), ..*self })
+        let (table, fans, next) = (Vec::new(), OnceLock::new(), None);
+        Ok(Self { nodes, order, table, fans, next, ..*self })
     }
 
     /// Takes over a tree of these positions that was checked, and makes its boxes tight, as those of a build are.
@@ -90,7 +98,13 @@ impl Tree {
         self.refit(mesh, Refit { join: parallel, ..Refit::default() });
         self.built = self.quality;
         self.fans = OnceLock::new();
+        self.next = None;
         Ok(())
+    }
+
+    /// Whether the next [`Tree::fit`] makes another tree of it, if there is memory.
+    pub(super) fn is_due(&self, mesh: Mesh<'_>) -> bool {
+        self.is_worn_out() || self.next.as_ref().is_some_and(|next| next.is_done(mesh))
     }
 
     /// Adds to certificates the marks by which queries skip the fans around vertices of many triangles, if there is memory for
@@ -110,7 +124,8 @@ impl Tree {
         certified.with_fans_unchecked(&bvh, self.fans.get_or_init(|| marks))
     }
 
-    /// Fits the tree to positions that have moved since it did; builds it anew if it was worn then and there is memory.
+    /// Fits the tree to positions that have moved since it did. If it is [due](Tree::is_due), it is another one then; if it is
+    /// worn, a part of another one is built. Without memory for another one it stays, only slower.
     pub(super) fn fit(
         &mut self,
         mesh: Mesh<'_>,
@@ -118,9 +133,29 @@ impl Tree {
         moves: &Moves,
         parallel: Parallel,
     ) {
-        if self.is_worn() && self.rebuild(mesh, options, parallel).is_ok() {
+        if self.is_worn_out() && self.rebuild(mesh, options, parallel).is_ok() {
             return;
         }
+        if let Some(next) = self.next.take_if(|next| next.is_done(mesh)) {
+            (self.nodes, self.order) = next.into_tree();
+            self.table.clear();
+            self.fans = OnceLock::new();
+            self.refit(mesh, Refit { join: parallel, ..Refit::default() });
+            self.built = self.quality;
+            return;
+        }
+        self.refit_moved(mesh, moves, parallel);
+        if self.next.is_none() && self.is_worn() {
+            self.next = Rebuild::new(mesh).map(Box::new);
+        }
+        if let Some(next) = &mut self.next {
+            // A refit of few vertices looks at a part of the tree.
+            let part = threads(parallel) * if moves.few().is_some() { MANY } else { 1 };
+            next.advance(mesh, options, parallel, part);
+        }
+    }
+
+    fn refit_moved(&mut self, mesh: Mesh<'_>, moves: &Moves, parallel: Parallel) {
         let rows = (self.nodes.len() / 2).saturating_sub(self.table.len());
         let moved = moves.few().filter(|_| reserve(&mut self.table, rows).is_ok());
         let Some(moved) = moved else {
@@ -142,9 +177,14 @@ impl Tree {
         self.quality = fitted.unwrap_or(self.quality);
     }
 
-    /// Whether it is time to build the tree anew.
+    /// Whether it is time to build the tree anew, over some frames.
     pub(super) fn is_worn(&self) -> bool {
         self.quality > self.built * REBUILD_RATIO
+    }
+
+    /// Whether it is time to build the tree anew at once: it takes twice as many tests as it did.
+    pub(super) fn is_worn_out(&self) -> bool {
+        self.quality > self.built * WORN_OUT
     }
 
     #[inline]
@@ -163,6 +203,7 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>()
             + self.order.capacity() * size_of::<u32>()
             + self.table.capacity() * size_of::<RefitRow>()
+            + self.next.as_ref().map_or(0, |next| next.bytes())
             + self.fans.get().map_or(0, Vec::capacity) * size_of::<u32>()
     }
 }
@@ -194,5 +235,39 @@ mod tests {
             before = after;
         }
         assert!(!tree.is_worn(), "never rebuilt");
+    }
+
+    #[test]
+    fn a_worn_tree_is_replaced_after_some_fits() {
+        let ball = icosphere(2_000);
+        let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
+        let options = BuildOptions::default();
+        let mut tree = Tree::build(mesh, options, ONE_THREAD).unwrap();
+        let first = tree.order.clone();
+        let mut moves = Moves::default();
+        moves.add_all();
+        let (mut turn, mut fits) = (0.0, 0);
+        while tree.order == first {
+            // A twist about an axis, until the tree is worn, and hardly any further then.
+            turn += if tree.next.is_none() { 0.1 } else { 1e-4 };
+            let twisted: Vec<_> = ball
+                .positions
+                .iter()
+                .map(|&[x, y, z]| {
+                    let (sin, cos) = f32::sin_cos(turn * z);
+                    [cos * x - sin * y, sin * x + cos * y, z]
+                })
+                .collect();
+            let mesh = mesh.with_positions(&twisted).unwrap();
+            let is_due = tree.is_due(mesh);
+            tree.fit(mesh, options, &moves, ONE_THREAD);
+            assert_eq!(tree.order != first, is_due, "foretold");
+            tree.bvh(mesh).assert_well_formed();
+            fits += usize::from(tree.next.is_some());
+            assert!(turn < 100.0 && !tree.is_worn_out());
+        }
+        // Loading takes one, and each of some eight levels or more two.
+        assert!((10..100).contains(&fits), "{fits}");
+        assert!(!tree.is_worn() && tree.next.is_none());
     }
 }

@@ -19,7 +19,7 @@ mod refit;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use build::{BuildOptions, BvhStorage, morton, sah};
+pub use build::{BuildOptions, BvhStorage, SahSteps, morton, sah};
 pub use check::BvhError;
 pub use compact::{CompactNode, compact};
 pub use layout::{Layout, Node};

@@ -124,7 +124,7 @@ fn many_triangles_are_linked_as_few_are() {
     let rim = |i: u32| [0, 1 + i % 40, 1 + (i + 1) % 40];
     let some = |range: core::ops::Range<u32>| range.map(rim).collect::<Vec<_>>();
     let certified = |triangles: &[[u32; 3]]| first_is_certified(&points, triangles);
-    assert!(certified(&some(0..40)) && certified(&some(7..40)) && certified(&some(30..65)));
+    assert!(certified(&some(0..40)) && certified(&some(15..45)) && certified(&some(30..65)));
     assert!(!certified(&[some(0..20), some(21..40)].concat()), "two rows");
     assert!(!certified(&[some(0..40), some(3..4)].concat()), "one twice");
     assert!(!certified(&[some(0..40), vec![[0, 41, 5]]].concat()), "two on one side of an edge");
@@ -233,6 +233,55 @@ fn an_f64_mesh_that_moves_by_less_than_a_step_of_its_shadow_gives_the_true_pairs
         assert!(query.count() > 0);
         let certified = rings.certify(moved, None);
         assert_eq!(query.with_certificates(certified).count(), query.count());
+    });
+}
+
+#[test]
+fn fans_are_used_for_their_own_tree_and_not_for_boxes() {
+    let disc = circle(100, 1.0, |_| 0.0);
+    let points: Vec<_> = [[0.0; 3]].into_iter().chain(disc).collect();
+    let triangles: Vec<_> = (0..100).map(|i| [0, 1 + i, 1 + (i + 1) % 100]).collect();
+    let mesh = Mesh::new(&points, &triangles).unwrap();
+    let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(100)], vec![0; 100]);
+    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 200]).unwrap();
+    let (nodes, order) = (bvh.nodes().to_vec(), bvh.order().to_vec());
+    let words = fan_bound(nodes.len());
+    with_rings(points.len(), &triangles, |rings| {
+        assert!(rings.has_fans());
+        let certified = rings.certify(mesh, None);
+        let mut marks = vec![!0; words];
+        let short = certified.with_fans(&bvh, &mut marks[1..]).unwrap_err();
+        assert_eq!((short.buffer, short.needed, short.capacity), ("marks", words, words - 1));
+        let fans = certified.with_fans(&bvh, &mut marks).unwrap();
+        let query = SelfBvtt::new(bvh);
+        assert!(query.with_certificates(fans).start().is_done());
+        assert!(!query.with_certificates(certified).start().is_done());
+        let boxes = query.boxes_only().count();
+        assert!(boxes > 0);
+        assert_eq!(query.with_certificates(fans).boxes_only().count(), boxes);
+        assert_eq!(query.boxes_only().with_certificates(fans).count(), boxes);
+        // The same tree in other memory.
+        for other in [
+            Bvh::new_unchecked(mesh, &nodes, bvh.order()),
+            Bvh::new_unchecked(mesh, bvh.nodes(), &order),
+        ] {
+            assert!(!SelfBvtt::new(other).with_certificates(fans).start().is_done());
+        }
+    });
+    // A hub that moves away from its disc is not certified, and its fans are not skipped.
+    let mut folded = points.clone();
+    folded[0] = [3.0, 0.0, 0.1];
+    let folded = mesh.with_positions(&folded).unwrap();
+    let mut refitted = nodes.clone();
+    refit(folded, &mut refitted, &order, Refit::default()).unwrap();
+    let bvh = Bvh::new_unchecked(folded, &refitted, &order);
+    with_rings(points.len(), &triangles, |rings| {
+        let mut marks = vec![!0; words];
+        let fans = rings.certify(folded, None).with_fans(&bvh, &mut marks).unwrap();
+        let query = SelfBvtt::new(bvh);
+        assert!(query.count() > 0);
+        assert_eq!(query.with_certificates(fans).count(), query.count());
     });
 }
 

@@ -12,7 +12,7 @@ use glam::Vec3A;
 const MAX_BINS: usize = 16;
 
 /// Maps centres to bins.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Binning {
     origin: Vec3A,
     /// 0 on axes across which no plane is sought.

@@ -8,6 +8,7 @@ use crate::bvh::TO_BITS;
 use crate::parallel::{GRAIN, Join, both, halves};
 
 /// A plane between two bins.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
     binning: Binning,
     /// Across the plane.

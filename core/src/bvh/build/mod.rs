@@ -13,12 +13,14 @@ mod item;
 mod morton;
 mod radix;
 mod sah;
+mod steps;
 #[cfg(test)]
 mod tests;
 mod tree;
 
 pub use morton::morton;
 pub use sah::sah;
+pub use steps::SahSteps;
 
 use crate::bvh::{MAX_LEAF_SIZE, Node};
 use crate::parallel::Join;

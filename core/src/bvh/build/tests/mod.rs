@@ -3,6 +3,7 @@
 extern crate std;
 
 mod in_parts;
+mod in_steps;
 mod moved;
 mod outliers;
 
