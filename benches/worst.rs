@@ -30,8 +30,8 @@ struct Play {
 
 /// Those who ask.
 enum Asker {
-    Within(Box<Model>, SelfQuery),
-    Scene(SceneQuery, Vec<BodyId>),
+    Within(Box<Model>, Box<SelfQuery>),
+    Scene(Box<SceneQuery>, Vec<BodyId>),
 }
 
 impl Asker {
@@ -39,7 +39,7 @@ impl Asker {
         let model =
             |mesh: &MeshData| Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap();
         if let [mesh] = &play.meshes[..] {
-            return Self::Within(Box::new(model(mesh)), SelfQuery::new().on(executor));
+            return Self::Within(Box::new(model(mesh)), Box::new(SelfQuery::new().on(executor)));
         }
         let mut query = SceneQuery::new().on(executor);
         let place = |i: usize| [i % 5, i / 5 % 5, i / 25].map(|i| 1.9 * i as f32);
@@ -47,7 +47,7 @@ impl Asker {
         let added = bodies
             .map(|(i, mesh)| query.add(model(mesh), Pose::from_translation(place(i))).unwrap());
         let bodies = added.collect();
-        Self::Scene(query, bodies)
+        Self::Scene(Box::new(query), bodies)
     }
 
     /// A frame; returns how many pairs there are.

@@ -1,5 +1,7 @@
 //! Self-collision around vertices of many triangles: the true pairs, and as few tests as elsewhere.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use pfront::pfront_core::bvtt::{Query, SelfBvtt};
 use pfront::{Adjacency, Model, SelfQuery, TrianglePair};
 use pfront_testkit::oracle::{self_hit, self_pairs};

@@ -3,6 +3,7 @@
 //! like, which do not grow with an answer, are not refused.
 
 #![expect(unsafe_code, reason = "an allocator")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use pfront::*;
 use std::alloc::{GlobalAlloc, Layout, System};

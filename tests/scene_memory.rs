@@ -107,7 +107,8 @@ fn lists_that_do_not_fit_are_errors_and_later_answers_are_right() {
             for body in scene.bodies() {
                 fresh.add(body.model().clone(), body.pose()).unwrap();
             }
-            let verbs: [fn(&mut SceneQuery) -> Result<usize, Error>; 5] = [
+            type Verb = fn(&mut SceneQuery) -> Result<usize, Error>;
+            let verbs: [Verb; 5] = [
                 |scene| scene.all().map(<[_]>::len),
                 |scene| scene.contacts().map(<[_]>::len),
                 |scene| scene.contacts_f64().map(|list| list.len()),

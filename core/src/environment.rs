@@ -46,7 +46,7 @@ impl Environment {
     /// IEEE 754's default.
     pub const DEFAULT: Self = Self(control::DEFAULT);
 
-    /// That of the calling thread.
+    /// The environment of the calling thread.
     #[inline]
     #[must_use]
     pub fn current() -> Self {

@@ -297,11 +297,17 @@ impl Traversal {
             return added;
         }
         let size = items.len().div_ceil(PIECES * self.pool_threads()).max(CONTACTS);
-        let mut pieces: Vec<(&[T], Vec<R>, Result<(), MemoryError>)> = Vec::new();
+        struct Piece<'t, T, R> {
+            items: &'t [T],
+            list: Vec<R>,
+            added: Result<(), MemoryError>,
+        }
+        let mut pieces = Vec::new();
         reserve(&mut pieces, items.len().div_ceil(size))?;
-        pieces.extend(items.chunks(size).map(|items| (items, Vec::new(), Ok(()))));
+        let piece = |items| Piece { items, list: Vec::new(), added: Ok(()) };
+        pieces.extend(items.chunks(size).map(piece));
         let has_failed = AtomicBool::new(false);
-        for_each(self.pool.as_deref(), &mut pieces, |(items, list, added)| {
+        for_each(self.pool.as_deref(), &mut pieces, |Piece { items, list, added }| {
             let mapped = items.iter().take_while(|_| !has_failed.load(Relaxed)).filter_map(&map);
             *added = mapped.into_iter().try_for_each(|mapped| push(list, mapped));
             if added.is_err() {
@@ -309,9 +315,9 @@ impl Traversal {
                 *list = Vec::new();
             }
         });
-        pieces.iter().try_for_each(|(_, _, added)| *added)?;
-        reserve(out, pieces.iter().map(|(_, list, _)| list.len()).sum())?;
-        pieces.iter_mut().for_each(|(_, list, _)| out.append(list));
+        pieces.iter().try_for_each(|piece| piece.added)?;
+        reserve(out, pieces.iter().map(|piece| piece.list.len()).sum())?;
+        pieces.iter_mut().for_each(|piece| out.append(&mut piece.list));
         Ok(())
     }
 

@@ -31,7 +31,7 @@ pub struct GpuSettings {
 }
 
 impl Default for GpuSettings {
-    /// Those of a large GPU, with 256 MiB for meshes. [`Gpu::settings`](crate::Gpu::settings) suits the device.
+    /// Settings for a large GPU, with 256 MiB for meshes. [`Gpu::settings`](crate::Gpu::settings) suits the device.
     fn default() -> Self {
         Self { depth: 7, groups: 512, budget: Budget::default(), mesh_bytes: 256 << 20 }
     }

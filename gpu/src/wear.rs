@@ -16,10 +16,10 @@ pub(crate) struct Wear(Mutex<Tests>);
 struct Tests {
     /// The fewest of a query since the tree was built.
     fewest: Option<u64>,
-    /// Those beyond, of all queries since.
+    /// The tests beyond these, of all queries since.
     excess: u64,
     last: u64,
-    /// Those of the last query before the last rebuild.
+    /// The tests of the last query before the last rebuild.
     before: Option<u64>,
     /// Rebuilds in turn that were of no use.
     useless: u32,

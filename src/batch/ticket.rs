@@ -51,7 +51,7 @@ pub(super) struct Planned {
     pub(super) questions: usize,
     pub(super) backend: Backend,
     pub(super) reason: Reason,
-    /// Those that one thread answers in place of a GPU, in order.
+    /// The questions that one thread answers in place of a GPU, in order.
     pub(super) on_cpu: Vec<usize>,
 }
 

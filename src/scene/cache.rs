@@ -32,7 +32,7 @@ pub(super) struct Cache<T> {
     at: u64,
     /// Memory for the next list, or for `alive`: empty, with room for `list`.
     next: Mutex<Vec<T>>,
-    /// What is left of `list` where bodies or their meshes have gone since; made when somebody looks.
+    /// The rest of `list` where bodies or their meshes have gone since; made when somebody looks.
     alive: OnceLock<Vec<T>>,
 }
 

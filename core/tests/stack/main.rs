@@ -117,7 +117,7 @@ fn checks_and_conversions() {
     assert_eq!(bvh.depth(), MAX_DEPTH);
     let scratch = &mut [0; (MAX_DEPTH + 1).div_ceil(32)];
     check("Mesh::new", || {
-        _ = black_box(Mesh::new(mesh.positions().unwrap(), mesh.triangles())).unwrap()
+        _ = black_box(Mesh::new(mesh.positions().unwrap(), mesh.triangles())).unwrap();
     });
     check("Bvh::new", || _ = black_box(Bvh::new(mesh, &tree.nodes, &tree.order, scratch)).unwrap());
     let mut nodes = vec![CompactNode::default(); tree.nodes.len()];

@@ -154,7 +154,10 @@ fn ten_thousand_frames() {
         match rng.random_range(0..4) {
             0 => assert_eq!(traversal.count(&[queries[i]]).unwrap(), expected[i].len() as u64),
             1 => {
-                assert_eq!(traversal.any(&[queries[i]]).unwrap().is_some(), !expected[i].is_empty())
+                assert_eq!(
+                    traversal.any(&[queries[i]]).unwrap().is_some(),
+                    !expected[i].is_empty()
+                );
             }
             _ => {
                 traversal.all(&[queries[i]], &mut pairs).unwrap();
