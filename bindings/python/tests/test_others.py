@@ -32,6 +32,26 @@ def test_the_manager_answers_as_trimesh_is_used():
         manager.set_transform("b", placed())
 
 
+def test_objects_of_one_manager_are_not_asked_about_each_other():
+    mesh = pf.Mesh(*ball(12))
+    manager, other = pf.compat.CollisionManager(), pf.compat.CollisionManager()
+    for i in range(4):
+        manager.add_object(f"own {i}", mesh, placed(0.1 * i))
+        other.add_object(f"other {i}", mesh, placed(0.1 * i + 1.7))
+    across = manager._scene._across(other._scene)
+    owners = across.user_ids(across.body_pairs()).tolist()
+    assert manager.in_collision_internal() and other.in_collision_internal() and owners
+    found = manager.in_collision_other(other, return_names=True)
+    expected = {
+        (f"own {i}", f"other {j}")
+        for i in range(4)
+        for j in range(4)
+        if pf.collides(mesh, mesh, placed(0.1 * j + 1.7 - 0.1 * i))
+    }
+    assert found == (True, expected) and len(owners) == len(expected) < 16
+    assert manager.in_collision_single(mesh, placed(9)) is False
+
+
 def test_a_picture_has_red_pixels_where_meshes_meet(tmp_path):
     from matplotlib import image
 
