@@ -1,6 +1,7 @@
 //! A device with the passes compiled for it.
 
 use crate::pass::{Pass, Target};
+use crate::read::poll;
 use crate::totals::Totals;
 use crate::{GpuError, GpuSettings, GpuTotals, clock, moving, probe};
 use pfront_shaders::{
@@ -295,6 +296,15 @@ impl Gpu {
     pub(crate) fn check(&self) -> Result<(), GpuError> {
         let failure = self.shared.failure.lock().unwrap_or_else(PoisonError::into_inner);
         failure.clone().map_or(Ok(()), Err)
+    }
+
+    /// The loss of the device, if that is what an error comes from, else the error.
+    pub(crate) fn cause_of(&self, error: GpuError) -> GpuError {
+        if let GpuError::Map { .. } = error {
+            // The loss is told by a poll.
+            let _ = poll(self.device());
+        }
+        self.check().err().unwrap_or(error)
     }
 
     /// Makes calls of wgpu, and returns the error that they report, if any.

@@ -86,7 +86,8 @@ impl Engine {
         let Self { gpu, mapping, .. } = self;
         let [.., end] = offsets(run.copied);
         let begin = || Mapping::begin(gpu.device(), &run.read_back, end, MapMode::Read);
-        mapping.get_or_insert_with(begin).is_done(gpu.device())
+        let done = mapping.get_or_insert_with(begin).is_done(gpu.device());
+        done.map_err(|error| gpu.cause_of(error))
     }
 
     /// Waits for a run, and for nothing that was submitted later; adds the hits to `pairs`.
@@ -122,7 +123,7 @@ impl Engine {
             // The next run takes another buffer.
             self.mapping = Some(mapping);
         }
-        let found: Found = found??;
+        let found: Found = found.map_err(|error| self.gpu.cause_of(error))??;
         if found.counters.ticket != run.ticket {
             return Err(GpuError::NotSubmitted);
         }

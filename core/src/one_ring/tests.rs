@@ -271,7 +271,7 @@ fn fans_are_used_for_their_own_tree_and_not_for_boxes() {
     });
     // A hub that moves away from its disc is not certified, and its fans are not skipped.
     let mut folded = points.clone();
-    folded[0] = [3.0, 0.0, 0.1];
+    folded[0] = [3.0, 0.0, 0.0];
     let folded = mesh.with_positions(&folded).unwrap();
     let mut refitted = nodes.clone();
     refit(folded, &mut refitted, &order, Refit::default()).unwrap();
