@@ -8,7 +8,7 @@ mod exact;
 mod tests;
 
 pub(crate) use exact::check_position;
-use exact::{Positions64, same_length};
+use exact::{Shadowed, same_length};
 
 use crate::aabb::Bounds;
 use crate::environment;
@@ -39,8 +39,10 @@ pub struct Mesh<'a> {
     /// The positions in f32, or the shadow of those in f64.
     shadow: &'a [[f32; 3]],
     triangles: &'a [[u32; 3]],
+    /// The positions in f64, if the shadow has others.
+    positions_f64: Option<&'a [[f64; 3]]>,
     /// Set for a mesh in f64.
-    exact: Option<Positions64<'a>>,
+    shadowed: Option<Shadowed>,
 }
 
 impl<'a> Mesh<'a> {
@@ -127,7 +129,7 @@ impl<'a> Mesh<'a> {
     #[inline]
     #[must_use]
     pub fn new_unchecked(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
-        Self { shadow: positions, triangles, exact: None }
+        Self { shadow: positions, triangles, positions_f64: None, shadowed: None }
     }
 
     /// The vertex positions, if they are in f32: `None` if those that decide are

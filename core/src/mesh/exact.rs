@@ -11,12 +11,10 @@ use crate::exact::LIMIT;
 use crate::index::at;
 use glam::{DVec3, Vec3};
 
-/// The positions that decide.
+/// What a mesh in f64 has beside its positions.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Positions64<'a> {
-    /// `None` if f32 holds them: those of the shadow are the same, and its origin is zero.
-    positions: Option<&'a [[f64; 3]]>,
-    /// Where the origin of the shadow is.
+pub(crate) struct Shadowed {
+    /// Where the origin of the shadow is; zero if f32 holds the positions.
     origin: DVec3,
     /// What queries need for such meshes only.
     f64: &'static F64,
@@ -77,9 +75,9 @@ impl<'a> Mesh<'a> {
         positions: &'a [[f64; 3]],
         shadow: &'a mut [[f32; 3]],
     ) -> Result<Self, MeshError> {
-        let Some(exact) = self.exact else { return Err(MeshError::OtherPrecision) };
+        let Some(before) = self.shadowed else { return Err(MeshError::OtherPrecision) };
         same_length(self.vertex_count(), positions.len())?;
-        let origin = fill(shadow, positions, Some(exact.origin))?;
+        let origin = fill(shadow, positions, Some(before.origin))?;
         Ok(Self::new_unchecked(shadow, self.triangles).with_exact(Some(positions), origin))
     }
 
@@ -155,19 +153,19 @@ impl<'a> Mesh<'a> {
     /// Whether it is in f64: posed and decided there, whatever the pose and the other mesh.
     #[must_use]
     pub fn is_f64(self) -> bool {
-        self.exact.is_some()
+        self.shadowed.is_some()
     }
 
     /// The positions in f64; `None` if f32 holds them.
     #[must_use]
     pub fn positions_f64(self) -> Option<&'a [[f64; 3]]> {
-        self.exact?.positions
+        self.positions_f64
     }
 
     /// The position that the shadow has at zero; that is zero in a mesh without one.
     #[must_use]
     pub fn origin(self) -> [f64; 3] {
-        self.exact.map_or([0.0; 3], |exact| exact.origin.to_array())
+        self.shadowed.map_or([0.0; 3], |shadowed| shadowed.origin.to_array())
     }
 
     /// The corners of a triangle in f64, exact in a mesh of either kind.
@@ -185,11 +183,12 @@ impl<'a> Mesh<'a> {
 
     /// What queries need for meshes in f64 only.
     pub(crate) fn f64(&self) -> Option<&'static F64> {
-        self.exact.as_ref().map(|exact| exact.f64)
+        self.shadowed.as_ref().map(|shadowed| shadowed.f64)
     }
 
-    fn with_exact(self, positions: Option<&'a [[f64; 3]]>, origin: DVec3) -> Self {
-        Self { exact: Some(Positions64 { positions, origin, f64: &F64::METHODS }), ..self }
+    fn with_exact(self, positions_f64: Option<&'a [[f64; 3]]>, origin: DVec3) -> Self {
+        let shadowed = Some(Shadowed { origin, f64: &F64::METHODS });
+        Self { positions_f64, shadowed, ..self }
     }
 }
 
