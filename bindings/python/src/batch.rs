@@ -1,5 +1,6 @@
 //! Questions about two models in many poses.
 
+use crate::ending::Inside;
 use crate::errors::exception;
 use crate::executor::Executor;
 use crate::question::Submission;
@@ -46,6 +47,7 @@ impl PoseBatch<'_> {
             read(chunk, to.wait(py, on, ticket)?)?;
             done += chunk.len();
             if let Some(progress) = progress {
+                let _inside = Inside::enter();
                 progress.call1((done, poses.len()))?;
             }
             if own != process::id() {

@@ -10,6 +10,7 @@
 mod arrays;
 mod batch;
 mod contacts;
+mod ending;
 mod errors;
 mod executor;
 mod memory;
@@ -38,6 +39,8 @@ mod _pfront {
 
     #[pymodule_export]
     use crate::contacts::contacts;
+    #[pymodule_export]
+    use crate::ending::forked;
     #[pymodule_export]
     use crate::executor::{Executor, adapters};
     #[pymodule_export]

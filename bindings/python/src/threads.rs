@@ -3,6 +3,7 @@
 //! A thread that a signal leaves behind goes on until it sees its flag, or to its end: it has all that it needs, and nobody
 //! waits for what it makes. All threads are listed here, so that [`join`] can wait for them before the process ends.
 
+use crate::ending::{self, Inside, stop_if_ending};
 use crate::mutex::lock;
 use crate::watchdog;
 use pfront::pfront_core::environment::with_default;
@@ -34,7 +35,13 @@ struct Worker {
 
 /// Calls a function without the interpreter, in the default floating-point environment.
 pub(crate) fn apart<T: Send>(py: Python<'_>, call: impl FnOnce() -> T + Send) -> T {
-    py.detach(|| with_default(call))
+    let _inside = Inside::enter();
+    py.detach(|| {
+        stop_if_ending();
+        let answer = with_default(call);
+        stop_if_ending();
+        answer
+    })
 }
 
 /// Calls a function on a thread of its own, while this one hears signals. A signal that raises sets the flag, and leaves the
@@ -56,7 +63,7 @@ pub(crate) fn heard<T: Send + 'static>(
     let id = NEXT.fetch_add(1, Relaxed);
     let process = process::id();
     lock(&RUNNING).push(Worker { id, process, cancel: cancel.clone(), thread });
-    let wait = || py.detach(|| lock(&answer).recv_timeout(PATIENCE));
+    let wait = || apart(py, || lock(&answer).recv_timeout(PATIENCE));
     let heard = loop {
         match wait() {
             Ok(answer) => break Ok(answer),
@@ -75,7 +82,7 @@ pub(crate) fn heard<T: Send + 'static>(
     let is_answered = heard.is_ok();
     for worker in take(|worker| worker.id == id && is_answered || worker.thread.is_finished()) {
         // It has told its answer, and has nothing left to do.
-        let _ = py.detach(|| worker.thread.join());
+        let _ = apart(py, || worker.thread.join());
     }
     heard
 }
@@ -96,6 +103,7 @@ fn take(mut is_taken: impl FnMut(&Worker) -> bool) -> Vec<Worker> {
 /// Others that are still at work after [`LAST`] end with the process.
 #[pyfunction]
 pub fn join(py: Python<'_>) {
+    ending::begin();
     watchdog::end();
     let workers = take(|_| true);
     workers.iter().for_each(|worker| worker.cancel.store(true, Relaxed));
@@ -109,5 +117,6 @@ pub fn join(py: Python<'_>) {
                 let _ = worker.thread.join();
             }
         }
+        ending::wait(began + LAST);
     });
 }

@@ -71,7 +71,7 @@ def test_a_fork_while_other_threads_ask(what):
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_scene_in_use_when_the_process_is_forked_says_so(threads):
-    soup, scene = pf.Mesh(*heap(6000)), pf.Scene()
+    soup, scene = pf.Mesh(*heap(12000)), pf.Scene()
     ids = scene.add(soup, np.stack([placed(), placed(1e-3)]))
     done = []
 

@@ -36,6 +36,8 @@ def _executor(threads: int | None, device: str | None) -> _pfront.Executor:
 
 # Questions of other threads end here, and threads that a signal has left behind.
 atexit.register(_pfront.join)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_pfront.forked)
 _default = _executor(None, None)
 _current: ContextVar[_pfront.Executor] = ContextVar("pfront", default=_default)
 current = _current.get
