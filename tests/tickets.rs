@@ -337,9 +337,13 @@ fn tickets_go_from_thread_to_thread() {
     sent::<Batch>();
 }
 
+fn from_environment(name: &str) -> Option<u64> {
+    std::env::var(name).ok()?.parse().ok()
+}
+
 /// How often random tests go around: `PFRONT_ROUNDS`, or so often.
 fn rounds(few: u64) -> u64 {
-    std::env::var("PFRONT_ROUNDS").map_or(few, |rounds| rounds.parse().unwrap())
+    from_environment("PFRONT_ROUNDS").unwrap_or(few)
 }
 
 /// Tickets of all verbs that are read late, in any way and order, cancelled, dropped and forgotten while others are in flight.
@@ -350,7 +354,7 @@ fn tickets_in_any_mix_bring_what_queries_do() {
         Count(Ticket<Vec<u64>>),
         Any(Ticket<Vec<Option<TrianglePair>>>),
     }
-    let mut rng = seeded(36);
+    let mut rng = seeded(from_environment("PFRONT_SEED").unwrap_or(36));
     let batches: Vec<_> = [0, 1, 2, 8, 9].map(small_mixed).into();
     for (name, executor) in EXECUTORS.iter() {
         let mut flying: Vec<(Flying, usize)> = Vec::new();

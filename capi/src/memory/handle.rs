@@ -19,6 +19,8 @@ pub(crate) trait Handle {
     const SEAL: u32;
 }
 
+/// The seal lies first, whatever the value is, so that one of another kind is told.
+#[repr(C)]
 struct Sealed<T> {
     seal: AtomicU32,
     /// Calls that read the value, or [`WRITER`].
