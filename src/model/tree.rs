@@ -240,31 +240,31 @@ mod tests {
     #[test]
     fn a_worn_tree_is_replaced_after_some_fits() {
         let ball = icosphere(2_000);
-        let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
+        let corners = ball.triangles.as_flattened().iter().map(|&v| ball.positions[v as usize]);
+        let corners: Vec<_> = corners.collect();
+        let triangles: Vec<_> = (0..2_000).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let mesh = Mesh::new(&corners, &triangles).unwrap();
         let options = BuildOptions::default();
         let mut tree = Tree::build(mesh, options, ONE_THREAD).unwrap();
         let first = tree.order.clone();
         let mut moves = Moves::default();
         moves.add_all();
-        let (mut turn, mut fits) = (0.0, 0);
+        let (mut apart, mut fits) = (0.0, 0);
         while tree.order == first {
-            // A twist about an axis, until the tree is worn, and hardly any further then.
-            turn += if tree.next.is_none() { 0.1 } else { 1e-4 };
-            let twisted: Vec<_> = ball
-                .positions
-                .iter()
-                .map(|&[x, y, z]| {
-                    let (sin, cos) = f32::sin_cos(turn * z);
-                    [cos * x - sin * y, sin * x + cos * y, z]
-                })
-                .collect();
-            let mesh = mesh.with_positions(&twisted).unwrap();
+            // Triangles fly apart until the tree is worn, and hardly any further then.
+            apart += if tree.next.is_none() { 1e-4 } else { 1e-7 };
+            let flown = corners.iter().enumerate().map(|(i, p)| {
+                let way = [1, 7, 13].map(|by| (i / 3 * by * 37 % 101) as f32);
+                [0, 1, 2].map(|k| p[k] + apart * way[k])
+            });
+            let flown: Vec<_> = flown.collect();
+            let mesh = mesh.with_positions(&flown).unwrap();
             let is_due = tree.is_due(mesh);
             tree.fit(mesh, options, &moves, ONE_THREAD);
             assert_eq!(tree.order != first, is_due, "foretold");
             tree.bvh(mesh).assert_well_formed();
             fits += usize::from(tree.next.is_some());
-            assert!(turn < 100.0 && !tree.is_worn_out());
+            assert!(apart < 1.0 && !tree.is_worn_out());
         }
         // Loading takes one, and each of some eight levels or more two.
         assert!((10..100).contains(&fits), "{fits}");
