@@ -7,13 +7,12 @@
 use pyo3::prelude::*;
 use std::cell::Cell;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
-/// The thread that ends the process.
+/// The thread that ends the process, once it does.
 static LAST: OnceLock<ThreadId> = OnceLock::new();
-static IS_ENDING: AtomicBool = AtomicBool::new(false);
 /// Threads that are here without the interpreter or in a function of the caller's, and those of them that have stopped.
 static INSIDE: AtomicUsize = AtomicUsize::new(0);
 static STOPPED: AtomicUsize = AtomicUsize::new(0);
@@ -49,7 +48,7 @@ impl Drop for Inside {
 
 /// Does not return on other threads than the one that ends the process, once it does. Called without the interpreter.
 pub(crate) fn stop_if_ending() {
-    if IS_ENDING.load(Relaxed) && LAST.get() != Some(&thread::current().id()) {
+    if LAST.get().is_some_and(|last| *last != thread::current().id()) {
         STOPPED.fetch_add(1, Relaxed);
         loop {
             thread::park();
@@ -60,7 +59,6 @@ pub(crate) fn stop_if_ending() {
 /// Takes note that this thread ends the process.
 pub(crate) fn begin() {
     LAST.get_or_init(|| thread::current().id());
-    IS_ENDING.store(true, Relaxed);
 }
 
 /// Waits until all other threads have stopped or are in Python, or for an instant. Called without the interpreter.
