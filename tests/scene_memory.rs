@@ -94,8 +94,8 @@ fn lists_that_do_not_fit_are_errors_and_later_answers_are_right() {
     let _alone = alone();
     let model = heap(200);
     let moved = |x: f32| Pose::from_translation([1e-3 * x, 0.0, 0.0]);
-    let mut errors = 0;
     for executor in executors() {
+        let mut errors = 0;
         let mut scene = SceneQuery::new().on(&executor);
         let [_, b, _] = [0.0, 1.0, 2.0].map(|x| scene.add(model.clone(), moved(x)).unwrap());
         for (frame, limit) in (16..=21).map(|bits| 1 << bits).enumerate() {
@@ -132,8 +132,9 @@ fn lists_that_do_not_fit_are_errors_and_later_answers_are_right() {
             assert_eq!(scene.contacts().unwrap(), fresh.contacts().unwrap());
             assert_eq!(scene.hits(), fresh.all().unwrap());
         }
+        // How many depends on which thread found how much.
+        assert!(errors >= 5, "{errors}");
     }
-    assert!(errors > 20, "{errors}");
 }
 
 #[test]
