@@ -157,15 +157,23 @@ fn nasty_meshes_with_themselves() {
     }
 }
 
-/// 48,184,455 pairs of overlapping boxes for 1,239 pairs that meet, which is more than lists hold.
+/// 48,184,455 pairs of overlapping boxes for 1,239 pairs that meet, which is more than lists hold. A fourth of the triangles
+/// of each mesh, which have a sixteenth of that, are asked about within a sixteenth of the memory.
 #[test]
 fn twin_in_bounded_memory() {
-    let [a, b] = ["left", "right"]
-        .map(|side| Both::file(format!("nasty/Generic_Twin_7081.1.t0_{side}.obj")));
     let all = gpu().settings().budget.bytes;
-    for bytes in if full() { vec![all, all / 16] } else { vec![all] } {
+    let cases = if full() { vec![(1, all), (1, all / 16)] } else { vec![(4, all / 16)] };
+    for (every, bytes) in cases {
+        let [a, b] = ["left", "right"].map(|side| {
+            let file = format!("nasty/Generic_Twin_7081.1.t0_{side}.obj");
+            let mut soup = mesh(&file);
+            soup.triangles = soup.triangles.into_iter().step_by(every).collect();
+            Both::new(soup)
+        });
         let mut asker = Asker::new(GpuSettings { budget: Budget { bytes }, ..gpu().settings() });
-        assert_eq!(asker.found("twin", &a, &b, &Pose::IDENTITY).len(), 1239);
+        let found = asker.found("twin", &a, &b, &Pose::IDENTITY).len();
+        assert!(if every == 1 { found == 1239 } else { found > 20 }, "{found}");
+        assert!(asker.gpu.report().runs > 1);
     }
 }
 
