@@ -1,224 +1,17 @@
-//! The history of a query about one model or two: lists whose memory is used again, and the last question, whose
-//! answer is that to the next if nothing has changed.
+//! The history of a query subject one subject: lists whose memory is used again, and the last question, whose answer is
+//! that to the next if nothing has changed.
 
-#[cfg(feature = "gpu")]
-use crate::Pose;
 use crate::environment::{Environment, with_default};
-use crate::executor::{Answer, Backend, Executor, Plan, Question, Run, Verb, list, visit};
+use crate::executor::{Answer, Backend, Executor, Frame, Plan, Run, Verb};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
-#[cfg(feature = "gpu")]
-use crate::gpu::GpuQuestion;
 use crate::memory::reserve;
-use crate::model::{Outline, Stamp};
+use crate::subject::{Key, Subject, Tree};
 #[cfg(feature = "threads")]
-use crate::threads::{Report, Traversal};
-use crate::{Accuracy, Adjacency, AnyPose, Contact, Error, Model, TrianglePair};
-use pfront_core::Bvh;
-use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt};
+use crate::threads::Report;
+use crate::{Accuracy, Contact, Error, Model, TrianglePair};
+use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
-#[cfg(feature = "threads")]
-use std::slice::from_ref;
-use std::sync::atomic::AtomicBool;
-
-/// The subject of an answer: the same answer is true of an equal subject.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Subject {
-    models: [Stamp; 2],
-    /// None within one mesh.
-    a_from_b: Option<AnyPose>,
-    accuracy: Accuracy,
-    adjacency: Adjacency,
-}
-
-/// A question about one model or two.
-pub(crate) trait About {
-    /// The BVTT that the CPU traverses. Fits the BVHs to the positions, if that has not been done.
-    ///
-    /// # Errors
-    /// [`Error::Memory`] if there is no memory for what the traversal goes by.
-    fn query(&self) -> Result<impl Query + Sync, Error>;
-
-    /// The same for what looks at single triangles and at poses, and traverses nothing: BVHs that do not fit are left alone.
-    fn untraversed<'q>(
-        &'q self,
-        outlines: &'q [Outline; 2],
-    ) -> Result<impl Query + Sync + 'q, Error>;
-
-    fn subject(&self) -> Subject;
-
-    #[cfg(feature = "gpu")]
-    fn models(&self) -> &[&Model];
-
-    /// Whether only a CPU answers it.
-    #[cfg(feature = "gpu")]
-    fn is_for_cpu(&self) -> bool;
-
-    #[cfg(feature = "gpu")]
-    fn on_gpu(
-        &self,
-        device: &Device,
-        mirrors: &mut Mirrors,
-        verb: Verb,
-        pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Answer<TrianglePair>, Error>;
-}
-
-/// Two models.
-pub(crate) struct OfTwo<'m> {
-    models: [&'m Model; 2],
-    a_from_b: AnyPose,
-    accuracy: Accuracy,
-}
-
-impl<'m> OfTwo<'m> {
-    /// Checks the pose. Fits no BVH, unless the second mesh may be out of range.
-    pub(crate) fn new(
-        models: [&'m Model; 2],
-        a_from_b: AnyPose,
-        accuracy: Accuracy,
-    ) -> Result<Self, Error> {
-        let [_, b] = models;
-        with_default(|| {
-            // Vertices that no triangle has are in the outline too.
-            let is_in_range = a_from_b.check(b.outline(&Outline::default())).is_ok();
-            if is_in_range { Ok(()) } else { a_from_b.check(b.bvh()) }
-        })?;
-        Ok(Self { models, a_from_b, accuracy })
-    }
-
-    fn between<'q>(&self, bvhs: [Bvh<'q>; 2]) -> Result<PairBvtt<'q>, Error> {
-        Ok(self.a_from_b.pair(bvhs)?.with_accuracy(self.accuracy))
-    }
-
-    fn outlined<'q>(&'q self, [of_a, of_b]: &'q [Outline; 2]) -> Result<PairBvtt<'q>, Error> {
-        let [a, b] = self.models;
-        self.between([a.outline(of_a), b.outline(of_b)])
-    }
-}
-
-impl About for OfTwo<'_> {
-    fn query(&self) -> Result<impl Query + Sync, Error> {
-        self.between(self.models.map(Model::bvh))
-    }
-
-    fn untraversed<'q>(
-        &'q self,
-        outlines: &'q [Outline; 2],
-    ) -> Result<impl Query + Sync + 'q, Error> {
-        self.outlined(outlines)
-    }
-
-    fn subject(&self) -> Subject {
-        Subject {
-            models: self.models.map(Model::stamp),
-            a_from_b: Some(self.a_from_b),
-            accuracy: self.accuracy,
-            adjacency: Adjacency::default(),
-        }
-    }
-
-    #[cfg(feature = "gpu")]
-    fn models(&self) -> &[&Model] {
-        &self.models
-    }
-
-    #[cfg(feature = "gpu")]
-    fn is_for_cpu(&self) -> bool {
-        false
-    }
-
-    #[cfg(feature = "gpu")]
-    fn on_gpu(
-        &self,
-        device: &Device,
-        mirrors: &mut Mirrors,
-        verb: Verb,
-        pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Answer<TrianglePair>, Error> {
-        let [a, b] = mirrors.bring(device, &self.models, false)?;
-        let (outlines, models) = (Default::default(), &self.models);
-        let is_f64 = self.a_from_b.is_f64() || models.iter().any(|model| model.is_f64());
-        let in_f64 = if is_f64 { Some(self.outlined(&outlines)?) } else { None };
-        let shadows = in_f64.as_ref().and_then(PairBvtt::shadows);
-        let question = match (shadows, &self.a_from_b) {
-            (Some(shadows), _) => GpuQuestion::shadows(a, b, &shadows),
-            (None, AnyPose::F32(a_from_b)) => GpuQuestion::pair(a, b, a_from_b),
-            // One of them is empty.
-            (None, AnyPose::F64(_)) => GpuQuestion::pair(a, b, &Pose::IDENTITY),
-        };
-        let intersects = |pair| in_f64.as_ref().is_some_and(|query| query.intersects(pair));
-        device.ask(&question, verb, pairs, intersects)
-    }
-}
-
-/// A model and itself.
-pub(crate) struct OfOne<'m> {
-    models: [&'m Model; 1],
-    adjacency: Adjacency,
-    accuracy: Accuracy,
-}
-
-impl<'m> OfOne<'m> {
-    pub(crate) fn new(model: &'m Model, adjacency: Adjacency, accuracy: Accuracy) -> Self {
-        Self { models: [model], adjacency, accuracy }
-    }
-
-    pub(crate) fn bvtt(&self) -> SelfBvtt<'m> {
-        let [model] = self.models;
-        SelfBvtt::new(model.bvh())
-            .with_accuracy(self.accuracy)
-            .with_adjacency(self.adjacency)
-            .with_certificates(model.certificates())
-    }
-}
-
-impl About for OfOne<'_> {
-    fn query(&self) -> Result<impl Query + Sync, Error> {
-        Ok(self.bvtt())
-    }
-
-    fn untraversed<'q>(
-        &'q self,
-        [outline, _]: &'q [Outline; 2],
-    ) -> Result<impl Query + Sync + 'q, Error> {
-        let [model] = self.models;
-        Ok(SelfBvtt::new(model.outline(outline)))
-    }
-
-    fn subject(&self) -> Subject {
-        Subject {
-            models: [self.models[0].stamp(); 2],
-            a_from_b: None,
-            accuracy: self.accuracy,
-            adjacency: self.adjacency,
-        }
-    }
-
-    #[cfg(feature = "gpu")]
-    fn models(&self) -> &[&Model] {
-        &self.models
-    }
-
-    #[cfg(feature = "gpu")]
-    fn is_for_cpu(&self) -> bool {
-        let [model] = self.models;
-        model.is_f64()
-    }
-
-    #[cfg(feature = "gpu")]
-    fn on_gpu(
-        &self,
-        device: &Device,
-        mirrors: &mut Mirrors,
-        verb: Verb,
-        pairs: &mut Vec<TrianglePair>,
-    ) -> Result<Answer<TrianglePair>, Error> {
-        let [model, _] = mirrors.bring(device, &self.models, true)?;
-        let question = GpuQuestion::Within { model, adjacency: self.adjacency };
-        device.ask(&question, verb, pairs, |_| false)
-    }
-}
 
 /// The memory of a query.
 #[derive(Clone, Debug, Default)]
@@ -226,17 +19,28 @@ pub(crate) struct History {
     run: Run,
     #[cfg(feature = "gpu")]
     mirrors: Mirrors,
+    accuracy: Accuracy,
     pairs: Vec<TrianglePair>,
     contacts: Vec<(TrianglePair, Contact)>,
     /// The last question, and its answer; that to [`Verb::All`] is `pairs`.
-    last: Option<(Subject, Verb, Answer<TrianglePair>)>,
+    last: Option<(Key, Verb, Answer<TrianglePair>)>,
     /// The subject of `contacts`.
-    touched: Option<Subject>,
+    touched: Option<Key>,
 }
 
 impl History {
-    pub(crate) fn on(executor: &Executor) -> Self {
-        Self { run: Run::on(executor), ..Self::default() }
+    /// A history of its own, on another executor.
+    pub(crate) fn on(&self, executor: &Executor) -> Self {
+        Self { run: Run::on(executor), accuracy: self.accuracy, ..Self::default() }
+    }
+
+    /// The accuracy of all questions.
+    pub(crate) fn accuracy(&self) -> Accuracy {
+        self.accuracy
+    }
+
+    pub(crate) fn set_accuracy(&mut self, accuracy: Accuracy) {
+        self.accuracy = accuracy;
     }
 
     #[cfg(feature = "threads")]
@@ -246,11 +50,6 @@ impl History {
 
     pub(crate) fn plan(&self) -> Option<&Plan> {
         self.run.plan()
-    }
-
-    /// Takes note that the calling thread has visited pairs.
-    pub(crate) fn note_visit(&mut self) {
-        self.run.note_cpu(Backend::Sequential);
     }
 
     pub(crate) fn forget(&mut self) {
@@ -266,38 +65,38 @@ impl History {
     }
 
     /// All pairs, sorted. Allocates only when there are more than ever before.
-    pub(crate) fn all(&mut self, about: &impl About) -> Result<&[TrianglePair], Error> {
-        with_default(|| self.ask(about, Verb::All))?;
+    pub(crate) fn all(&mut self, subject: &Subject<&Model>) -> Result<&[TrianglePair], Error> {
+        with_default(|| self.ask(subject, Verb::All))?;
         Ok(&self.pairs)
     }
 
     /// How many pairs meet.
-    pub(crate) fn count(&mut self, about: &impl About) -> Result<u64, Error> {
-        Ok(with_default(|| self.ask(about, Verb::Count))?.count)
+    pub(crate) fn count(&mut self, subject: &Subject<&Model>) -> Result<u64, Error> {
+        Ok(with_default(|| self.ask(subject, Verb::Count))?.count)
     }
 
     /// Some pair that meets.
-    pub(crate) fn any(&mut self, about: &impl About) -> Result<Option<TrianglePair>, Error> {
-        Ok(with_default(|| self.ask(about, Verb::Any))?.first)
+    pub(crate) fn any(&mut self, subject: &Subject<&Model>) -> Result<Option<TrianglePair>, Error> {
+        Ok(with_default(|| self.ask(subject, Verb::Any))?.first)
     }
 
     /// All pairs that meet, sorted, with where. A pair that only `Conservative` or `Fast` reports
     /// meets nowhere and is left out.
     pub(crate) fn contacts(
         &mut self,
-        about: &impl About,
+        subject: &Subject<&Model>,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
-        with_default(|| self.find_contacts(about))?;
+        with_default(|| self.find_contacts(subject))?;
         Ok(&self.contacts)
     }
 
-    fn find_contacts(&mut self, about: &impl About) -> Result<(), Error> {
-        self.ask(about, Verb::All)?;
-        let subject = about.subject();
-        if self.touched.take() != Some(subject) {
+    fn find_contacts(&mut self, subject: &Subject<&Model>) -> Result<(), Error> {
+        self.ask(subject, Verb::All)?;
+        let key = subject.key(self.accuracy);
+        if self.touched.take() != Some(key) {
             let Self { run, pairs, contacts, .. } = self;
             let outlines = Default::default();
-            let query = about.untraversed(&outlines)?;
+            let query = subject.untraversed(&outlines, self.accuracy)?;
             contacts.clear();
             // An error gives the list back.
             let mut found = std::mem::take(contacts);
@@ -305,19 +104,19 @@ impl History {
             *contacts = found;
         }
         // Not before: a thread may panic.
-        self.touched = Some(subject);
+        self.touched = Some(key);
         Ok(())
     }
 
     /// [`History::contacts`] in f64, in a list of their own.
     pub(crate) fn contacts_f64(
         &mut self,
-        about: &impl About,
+        subject: &Subject<&Model>,
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
         with_default(|| {
-            self.ask(about, Verb::All)?;
+            self.ask(subject, Verb::All)?;
             let (outlines, mut contacts) = (Default::default(), Vec::new());
-            let query = about.untraversed(&outlines)?;
+            let query = subject.untraversed(&outlines, self.accuracy)?;
             reserve(&mut contacts, self.pairs.len())?;
             self.run.contacts(&self.pairs, |pair| query.contact_f64(pair), &mut contacts)?;
             Ok(contacts)
@@ -325,125 +124,91 @@ impl History {
     }
 
     /// Answers in the default floating-point environment, in which it is called.
-    fn ask(&mut self, about: &impl About, verb: Verb) -> Result<Answer<TrianglePair>, Error> {
-        let subject = about.subject();
+    fn ask(
+        &mut self,
+        subject: &Subject<&Model>,
+        verb: Verb,
+    ) -> Result<Answer<TrianglePair>, Error> {
+        let key = subject.key(self.accuracy);
         match self.last {
             // From a list follows everything else.
-            Some((asked, Verb::All, given)) if asked == subject => {
+            Some((asked, Verb::All, given)) if asked == key => {
                 self.run.keep();
                 return Ok(given);
             }
-            Some((asked, answered, given)) if asked == subject && answered == verb => {
+            Some((asked, answered, given)) if asked == key && answered == verb => {
                 self.run.keep();
                 return Ok(given);
             }
             _ => self.last = None,
         }
-        let Self { run, pairs, .. } = self;
-        let mut asking = Asking {
-            about,
+        let Self { run, pairs, accuracy, .. } = self;
+        let mut frame = SubjectFrame {
+            subject,
+            accuracy: *accuracy,
             pairs,
             #[cfg(feature = "gpu")]
             mirrors: &mut self.mirrors,
         };
-        let given = run.ask(&mut asking, verb)?;
-        self.last = Some((subject, verb, given));
+        let given = run.ask(&mut frame, verb)?;
+        self.last = Some((key, verb, given));
         Ok(given)
+    }
+
+    /// Visits all pairs on the calling thread, in the floating-point environment of the caller, until `visit` breaks.
+    pub(crate) fn visit(
+        &mut self,
+        tree: &Tree<'_>,
+        mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.run.note_cpu(Backend::Sequential);
+        let callers = Environment::current();
+        with_default(|| tree.visit(&mut tree.start(), |pair| callers.run(|| visit(pair))))
     }
 }
 
-/// Visits all pairs on the calling thread, in the floating-point environment of the caller, until `visit` breaks.
-pub(crate) fn visit_each(
-    query: &impl Query,
-    mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-) -> ControlFlow<()> {
-    let callers = Environment::current();
-    with_default(|| query.visit(&mut query.start(), |pair| callers.run(|| visit(pair))))
-}
-
-/// Answers a question on threads; `pairs` are replaced under [`Verb::All`].
-#[cfg(feature = "threads")]
-pub(crate) fn traverse(
-    traversal: &mut Traversal,
-    query: &(impl Query + Sync),
-    verb: Verb,
-    pairs: &mut Vec<TrianglePair>,
-) -> Result<Answer<TrianglePair>, Error> {
-    Ok(match verb {
-        Verb::All => {
-            traversal.all(from_ref(query), pairs)?;
-            Answer::listed(pairs)
-        }
-        Verb::Count => Answer::counted(traversal.count(from_ref(query))?),
-        Verb::Any => Answer::found(traversal.any(from_ref(query))?.map(|hit| hit.pair)),
-    })
-}
-
-struct Asking<'a, A> {
-    about: &'a A,
+/// A frame of one subject, as its executor answers it.
+struct SubjectFrame<'a, 'm> {
+    subject: &'a Subject<&'m Model>,
+    accuracy: Accuracy,
     pairs: &'a mut Vec<TrianglePair>,
     #[cfg(feature = "gpu")]
     mirrors: &'a mut Mirrors,
 }
 
-impl<A: About> Question for Asking<'_, A> {
-    type Answer = Answer<TrianglePair>;
+impl Frame for SubjectFrame<'_, '_> {
+    type Hit = TrianglePair;
+
+    fn on_cpu(
+        &mut self,
+        executor: &mut Executor,
+        verb: Verb,
+    ) -> (Backend, Result<Answer<TrianglePair>, Error>) {
+        // A tree is some 1,300 bytes, which are not to be moved about.
+        match &self.subject.tree(self.accuracy) {
+            Ok(tree) => executor.on_cpu((), tree, verb, self.pairs),
+            Err(error) => (Backend::Sequential, Err(error.clone())),
+        }
+    }
 
     #[cfg(feature = "gpu")]
     fn accuracy(&self) -> Accuracy {
-        self.about.subject().accuracy
+        self.accuracy
     }
 
     #[cfg(feature = "gpu")]
     fn is_for_cpu(&self) -> bool {
-        self.about.is_for_cpu()
-    }
-
-    fn on_one_thread(
-        &mut self,
-        verb: Verb,
-        cancel: Option<&AtomicBool>,
-    ) -> Result<Self::Answer, Error> {
-        let query = self.about.query()?;
-        Ok(match verb {
-            Verb::All => {
-                self.pairs.clear();
-                list(&query, cancel, self.pairs, |pair| pair)?;
-                self.pairs.sort_unstable();
-                Answer::listed(self.pairs)
-            }
-            Verb::Count => {
-                let mut count = 0;
-                visit(&query, cancel, |_| {
-                    count += 1;
-                    ControlFlow::Continue(())
-                })?;
-                Answer::counted(count)
-            }
-            Verb::Any => {
-                let mut first = None;
-                visit(&query, cancel, |pair| {
-                    first = Some(pair);
-                    ControlFlow::Break(())
-                })?;
-                Answer::found(first)
-            }
-        })
-    }
-
-    #[cfg(feature = "threads")]
-    fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Self::Answer, Error> {
-        traverse(traversal, &self.about.query()?, verb, self.pairs)
+        self.subject.is_for_cpu()
     }
 
     #[cfg(feature = "gpu")]
     fn meshes(&self) -> [u64; 2] {
-        self.about.subject().models.map(Stamp::mesh)
+        self.subject.key(self.accuracy).meshes()
     }
 
     #[cfg(feature = "gpu")]
     fn to_upload(&mut self) -> usize {
-        self.mirrors.lack(self.about.models())
+        self.mirrors.lack(self.subject.models())
     }
 
     #[cfg(feature = "gpu")]
@@ -452,7 +217,14 @@ impl<A: About> Question for Asking<'_, A> {
         device: &Device,
         _: &mut Executor,
         verb: Verb,
-    ) -> Result<Self::Answer, Error> {
-        self.about.on_gpu(device, self.mirrors, verb, self.pairs)
+    ) -> Result<Answer<TrianglePair>, Error> {
+        let Self { subject, mirrors, pairs, .. } = self;
+        let is_within = matches!(subject, Subject::Within { .. });
+        let models = mirrors.bring(device, subject.models(), is_within)?;
+        let outlines = Default::default();
+        let in_f64 = subject.in_f64(&outlines)?;
+        let question = subject.question(models, in_f64.as_ref());
+        let intersects = |pair| in_f64.as_ref().is_some_and(|tree| tree.intersects(pair));
+        device.ask(&question, verb, pairs, intersects)
     }
 }

@@ -66,6 +66,7 @@ mod pair;
 mod pose;
 mod scene;
 mod sphere;
+mod subject;
 mod within;
 
 pub use batch::{Batch, PairLists, Ticket};

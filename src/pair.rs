@@ -2,7 +2,8 @@
 
 use crate::environment::with_default;
 use crate::executor::Plan;
-use crate::history::{About, History, OfTwo, visit_each};
+use crate::history::History;
+use crate::subject::Subject;
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, AnyPose, Contact, Error, Executor, Model, TrianglePair};
@@ -27,7 +28,6 @@ use std::ops::ControlFlow;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct PairQuery {
-    accuracy: Accuracy,
     history: History,
 }
 
@@ -40,8 +40,9 @@ impl PairQuery {
 
     /// The same with another [`Accuracy`].
     #[must_use]
-    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
-        Self { accuracy, ..self }
+    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
+        self.history.set_accuracy(accuracy);
+        self
     }
 
     /// The same by an executor; a new query is sequential. Lists and counts stay the same to the bit, and what was remembered
@@ -57,7 +58,7 @@ impl PairQuery {
     /// ```
     #[must_use]
     pub fn on(self, executor: &Executor) -> Self {
-        Self { history: History::on(executor), ..self }
+        Self { history: self.history.on(executor) }
     }
 
     /// Counts and times of the last frame on threads; see [`threads::Report`].
@@ -89,8 +90,8 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<&[TrianglePair], Error> {
-        let question = self.question(a, b, a_from_b)?;
-        self.history.all(&question)
+        let subject = subject(a, b, a_from_b)?;
+        self.history.all(&subject)
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -103,8 +104,8 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<Option<TrianglePair>, Error> {
-        let question = self.question(a, b, a_from_b)?;
-        self.history.any(&question)
+        let subject = subject(a, b, a_from_b)?;
+        self.history.any(&subject)
     }
 
     /// How many pairs meet.
@@ -117,8 +118,8 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<u64, Error> {
-        let question = self.question(a, b, a_from_b)?;
-        self.history.count(&question)
+        let subject = subject(a, b, a_from_b)?;
+        self.history.count(&subject)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
@@ -147,10 +148,9 @@ impl PairQuery {
         a_from_b: impl Into<AnyPose>,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
-        let question = self.question(a, b, a_from_b)?;
-        let query = with_default(|| question.query())?;
-        self.history.note_visit();
-        Ok(visit_each(&query, visit))
+        let subject = subject(a, b, a_from_b)?;
+        let tree = with_default(|| subject.tree(self.history.accuracy()))?;
+        Ok(self.history.visit(&tree, visit))
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals, in the
@@ -164,8 +164,8 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
-        let question = self.question(a, b, a_from_b)?;
-        self.history.contacts(&question)
+        let subject = subject(a, b, a_from_b)?;
+        self.history.contacts(&subject)
     }
 
     /// [`PairQuery::contacts`] in f64, in a list of their own.
@@ -189,16 +189,15 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
-        let question = self.question(a, b, a_from_b)?;
-        self.history.contacts_f64(&question)
+        let subject = subject(a, b, a_from_b)?;
+        self.history.contacts_f64(&subject)
     }
+}
 
-    pub(crate) fn question<'m>(
-        &self,
-        a: &'m Model,
-        b: &'m Model,
-        a_from_b: impl Into<AnyPose>,
-    ) -> Result<OfTwo<'m>, Error> {
-        OfTwo::new([a, b], a_from_b.into(), self.accuracy)
-    }
+fn subject<'m>(
+    a: &'m Model,
+    b: &'m Model,
+    a_from_b: impl Into<AnyPose>,
+) -> Result<Subject<&'m Model>, Error> {
+    with_default(|| Subject::pair([a, b], a_from_b.into()))
 }

@@ -2,7 +2,8 @@
 
 use crate::environment::with_default;
 use crate::executor::Plan;
-use crate::history::{History, OfOne, visit_each};
+use crate::history::History;
+use crate::subject::{Subject, Tree};
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Adjacency, Contact, Error, Executor, Model, TrianglePair};
@@ -27,7 +28,6 @@ use std::ops::ControlFlow;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct SelfQuery {
-    accuracy: Accuracy,
     adjacency: Adjacency,
     history: History,
 }
@@ -41,8 +41,9 @@ impl SelfQuery {
 
     /// The same with another [`Accuracy`].
     #[must_use]
-    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
-        Self { accuracy, ..self }
+    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
+        self.history.set_accuracy(accuracy);
+        self
     }
 
     /// The same with another rule for triangles that share a vertex.
@@ -54,7 +55,7 @@ impl SelfQuery {
     /// The same by an executor; see [`crate::PairQuery::on`].
     #[must_use]
     pub fn on(self, executor: &Executor) -> Self {
-        Self { history: History::on(executor), ..self }
+        Self { history: self.history.on(executor), ..self }
     }
 
     /// Counts and times of the last frame on threads; see [`threads::Report`].
@@ -103,8 +104,8 @@ impl SelfQuery {
     /// # Errors
     /// `Error::Gpu` if a GPU fails that is to answer everything; on CPU threads there is none.
     pub fn all(&mut self, model: &Model) -> Result<&[TrianglePair], Error> {
-        let question = self.question(model);
-        self.history.all(&question)
+        let subject = self.subject(model);
+        self.history.all(&subject)
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -112,8 +113,8 @@ impl SelfQuery {
     /// # Errors
     /// As [`SelfQuery::all`].
     pub fn any(&mut self, model: &Model) -> Result<Option<TrianglePair>, Error> {
-        let question = self.question(model);
-        self.history.any(&question)
+        let subject = self.subject(model);
+        self.history.any(&subject)
     }
 
     /// How many pairs meet.
@@ -121,8 +122,8 @@ impl SelfQuery {
     /// # Errors
     /// As [`SelfQuery::all`].
     pub fn count(&mut self, model: &Model) -> Result<u64, Error> {
-        let question = self.question(model);
-        self.history.count(&question)
+        let subject = self.subject(model);
+        self.history.count(&subject)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
@@ -132,9 +133,9 @@ impl SelfQuery {
         model: &Model,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let question = self.question(model);
-        self.history.note_visit();
-        visit_each(&with_default(|| question.bvtt()), visit)
+        let accuracy = self.history.accuracy();
+        let tree = with_default(|| Tree::within(model, self.adjacency, accuracy));
+        self.history.visit(&tree, visit)
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals. For
@@ -143,8 +144,8 @@ impl SelfQuery {
     /// # Errors
     /// As [`SelfQuery::all`].
     pub fn contacts(&mut self, model: &Model) -> Result<&[(TrianglePair, Contact)], Error> {
-        let question = self.question(model);
-        self.history.contacts(&question)
+        let subject = self.subject(model);
+        self.history.contacts(&subject)
     }
 
     /// [`SelfQuery::contacts`] in f64, in a list of their own.
@@ -166,11 +167,11 @@ impl SelfQuery {
         &mut self,
         model: &Model,
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
-        let question = self.question(model);
-        self.history.contacts_f64(&question)
+        let subject = self.subject(model);
+        self.history.contacts_f64(&subject)
     }
 
-    fn question<'m>(&self, model: &'m Model) -> OfOne<'m> {
-        OfOne::new(model, self.adjacency, self.accuracy)
+    fn subject<'m>(&self, model: &'m Model) -> Subject<&'m Model> {
+        Subject::Within { models: [model], adjacency: self.adjacency }
     }
 }

@@ -1,15 +1,13 @@
 //! Answering a batch on the CPU: in slices on one thread, or on a pool.
 
+use super::Job;
 use super::found::Found;
-use super::{About, Job, OfOne, OfTwo, Question};
-use crate::executor::{Answer, Verb};
+use crate::executor::{Answer, SLICE, Verb, step};
 use crate::memory::push;
 use crate::{Error, TrianglePair};
 use pfront_core::bvtt::{Cursor, Query, Work};
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
-/// Tests between two looks at whether the ticket is cancelled, and those of one poll: about 0.1 ms.
-const SLICE: u64 = 4096;
 /// To begin a question costs as much as so many tests.
 const BEGIN: u64 = 16;
 
@@ -18,8 +16,7 @@ pub(super) struct Steps {
     job: Job,
     left: Range<usize>,
     /// The progress of the first question that is left, if it has been begun.
-    cursor: Option<Cursor>,
-    answer: Answer<TrianglePair>,
+    begun: Option<(Cursor, Answer<TrianglePair>)>,
     pub(super) found: Found,
 }
 
@@ -32,61 +29,29 @@ impl Steps {
 
     /// Some of them.
     pub(super) fn part(job: Job, left: Range<usize>) -> Self {
-        Self { job, left, cursor: None, answer: Answer::counted(0), found: Found::default() }
+        Self { job, left, begun: None, found: Found::default() }
     }
 
     /// Goes on for about [`SLICE`] tests. Returns whether nothing is left.
     pub(super) fn step(&mut self) -> Result<bool, Error> {
-        let (questions, accuracy) = (self.job.questions.clone(), self.job.accuracy);
+        let Self { job: Job { questions, accuracy, verb }, left, begun, found } = self;
         let mut budget = SLICE;
-        while budget > 0 && !self.left.is_empty() {
-            let spent = match &questions[self.left.start] {
-                Question::Pair { models: [a, b], a_from_b } => {
-                    self.ask(&OfTwo::new([a, b], *a_from_b, accuracy)?.query()?, budget)?
-                }
-                Question::Within { model, adjacency } => {
-                    self.ask(&OfOne::new(model, *adjacency, accuracy).query()?, budget)?
-                }
-            };
-            budget = budget.saturating_sub(spent);
-        }
-        Ok(self.left.is_empty())
-    }
-
-    /// Goes on with a question, and returns the tests done, at least the budget if the question is not answered.
-    fn ask(&mut self, query: &impl Query, budget: u64) -> Result<u64, Error> {
-        let Self { job, cursor, answer, found, .. } = self;
-        let cursor = cursor.get_or_insert_with(|| query.start());
-        let (before, mut pushed) = (tests(cursor.work), Ok(()));
-        let end = query.step(cursor, budget, |pair| {
-            answer.count += 1;
-            match job.verb {
-                Verb::All => {
-                    pushed = push(&mut found.pairs, pair);
-                    if pushed.is_err() {
-                        return ControlFlow::Break(());
-                    }
-                }
-                Verb::Count => {}
-                Verb::Any => {
-                    answer.first = Some(pair);
-                    return ControlFlow::Break(());
-                }
+        while budget > 0 && !Range::is_empty(left) {
+            let tree = questions[left.start].tree(*accuracy)?;
+            let (cursor, answer) = begun.get_or_insert_with(|| (tree.start(), Answer::counted(0)));
+            let before = tests(cursor.work);
+            if !step(((), &tree), cursor, budget, *verb, answer, &mut found.pairs)? {
+                break;
             }
-            ControlFlow::Continue(())
-        });
-        pushed?;
-        if end.is_continue() && !cursor.is_done() {
-            return Ok(budget);
+            budget = budget.saturating_sub(tests(cursor.work) - before + BEGIN);
+            let listed = if *verb == Verb::All { answer.count as usize } else { 0 };
+            let first = found.pairs.len() - listed;
+            found.pairs[first..].sort_unstable();
+            push(&mut found.answers, *answer)?;
+            *begun = None;
+            left.start += 1;
         }
-        let spent = tests(cursor.work) - before + BEGIN;
-        let first =
-            found.pairs.len() - if job.verb == Verb::All { answer.count as usize } else { 0 };
-        found.pairs[first..].sort_unstable();
-        push(&mut found.answers, std::mem::replace(answer, Answer::counted(0)))?;
-        self.cursor = None;
-        self.left.start += 1;
-        Ok(spent)
+        Ok(Range::is_empty(left))
     }
 }
 
@@ -102,7 +67,7 @@ pub(super) use pool::submit;
 mod pool {
     use super::super::outcome::Outcome;
     use super::*;
-    use crate::history::traverse;
+    use crate::Executor;
     use crate::memory::reserve;
     use crate::threads::Traversal;
     use std::sync::atomic::{AtomicUsize, Ordering::AcqRel, Ordering::Relaxed};
@@ -113,16 +78,20 @@ mod pool {
     /// With fewer, it takes so few that each thread takes at least so often.
     const TURNS: usize = 16;
 
-    /// Submits a batch to the pool of a traversal.
-    pub(in super::super) fn submit(traversal: &Traversal, job: Job) -> Arc<Outcome> {
+    /// Submits a batch to the pool of an executor.
+    pub(in super::super) fn submit(
+        executor: &Executor,
+        traversal: &Traversal,
+        job: Job,
+    ) -> Arc<Outcome> {
         let (outcome, threads) = (Arc::<Outcome>::default(), traversal.threads());
         let count = job.questions.len();
         if count < threads {
-            let (mut own_traversal, own) = (traversal.clone(), outcome.clone());
-            own_traversal.cancel = Some(outcome.flag());
+            let mut own_executor = executor.clone().with_cancel(outcome.flag());
+            let own = outcome.clone();
             traversal.spawn(move || {
                 own.guard(|| {
-                    let found = together(&mut own_traversal, &job)?;
+                    let found = together(&mut own_executor, &job)?;
                     // If it is cancelled, the outcome is known.
                     own.set(Ok(found));
                     Ok(())
@@ -148,22 +117,14 @@ mod pool {
     }
 
     /// Answers one question after the other, each by all threads.
-    fn together(traversal: &mut Traversal, job: &Job) -> Result<Found, Error> {
+    fn together(executor: &mut Executor, job: &Job) -> Result<Found, Error> {
         let (mut found, mut pairs) = (Found::default(), Vec::new());
         for question in job.questions.iter() {
             // The next question does not resemble the last.
-            traversal.forget();
-            let answer = match question {
-                Question::Pair { models: [a, b], a_from_b } => {
-                    let about = OfTwo::new([a, b], *a_from_b, job.accuracy)?;
-                    traverse(traversal, &about.query()?, job.verb, &mut pairs)?
-                }
-                Question::Within { model, adjacency } => {
-                    let about = OfOne::new(model, *adjacency, job.accuracy);
-                    traverse(traversal, &about.query()?, job.verb, &mut pairs)?
-                }
-            };
-            push(&mut found.answers, answer)?;
+            executor.forget();
+            let tree = question.tree(job.accuracy)?;
+            let (_, answer) = executor.on_cpu((), &tree, job.verb, &mut pairs);
+            push(&mut found.answers, answer?)?;
             reserve(&mut found.pairs, pairs.len())?;
             found.pairs.append(&mut pairs);
         }

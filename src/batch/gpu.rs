@@ -4,14 +4,14 @@
 //! f64, by its shadow, and a lone pair are one each. Two parts are submitted at a time, so that the device works on one while
 //! the other is read. A model in f64 with itself is a part that the thread answers by itself.
 
+use super::Job;
 use super::cpu::Steps;
 use super::found::Found;
 use super::outcome::Outcome;
-use super::{Job, Question};
 use crate::executor::{Device, Gathered, Reader, Seat, Slot, Verb, Work, merge_open, read};
-use crate::gpu::{GpuQuery, GpuQuestion, wgpu};
+use crate::gpu::{GpuQuery, wgpu};
 use crate::memory::{push, reserve};
-use crate::{Accuracy, AnyPose, Error, Model, Pose};
+use crate::{Accuracy, Error};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -57,7 +57,7 @@ enum Part {
 fn parts(job: &Job) -> Vec<Part> {
     let (mut pairs, mut others) = (Vec::new(), Vec::new());
     for (number, question) in job.questions.iter().enumerate() {
-        if question.pair().is_some() {
+        if question.pair_in_f32().is_some() {
             pairs.push(number);
         } else if question.is_for_cpu() {
             others.push(Part::OnCpu(number));
@@ -186,7 +186,7 @@ impl Answering {
         let lists = match &part {
             Part::Pairs(numbers) => {
                 let pairs: Vec<_> =
-                    numbers.iter().filter_map(|&n| self.job.questions[n].pair()).collect();
+                    numbers.iter().filter_map(|&n| self.job.questions[n].pair_in_f32()).collect();
                 let mut world = Box::new(self.device.lend_gathered()?);
                 world.set_cancel(Some(self.outcome.flag()));
                 world.submit(&pairs, self.job.verb)?;
@@ -212,26 +212,17 @@ impl Answering {
     }
 
     fn submit_one(&self, number: usize, lists: &mut GpuQuery) -> Result<(), Error> {
-        let verb = self.job.verb.into();
-        match &self.job.questions[number] {
-            Question::Pair { models: [a, b], a_from_b } => {
-                let there = [self.device.model(a)?, self.device.model(b)?];
-                let query = a_from_b.pair([a.bvh(), b.bvh()])?;
-                let [a, b] = there.each_ref().map(|model| &**model);
-                let question = match (query.shadows(), a_from_b) {
-                    (Some(shadows), _) => GpuQuestion::shadows(a, b, &shadows),
-                    (None, AnyPose::F32(a_from_b)) => GpuQuestion::pair(a, b, a_from_b),
-                    // One of them is empty.
-                    (None, AnyPose::F64(_)) => GpuQuestion::pair(a, b, &Pose::IDENTITY),
-                };
-                lists.submit(&question, verb)?;
-            }
-            Question::Within { model, adjacency } => {
-                let model = self.device.model(model)?;
-                let question = GpuQuestion::Within { model: &model, adjacency: *adjacency };
-                lists.submit(&question, verb)?;
-            }
-        }
+        let subject = &self.job.questions[number];
+        let (first, last) = match &subject.models() {
+            [] => return Ok(()),
+            [model] => (model, model),
+            [a, .., b] => (a, b),
+        };
+        let there = [self.device.model(first)?, self.device.model(last)?];
+        let outlines = Default::default();
+        let in_f64 = subject.in_f64(&outlines)?;
+        let question = subject.question(there.each_ref().map(|model| &**model), in_f64.as_ref());
+        lists.submit(&question, self.job.verb.into())?;
         Ok(())
     }
 
@@ -263,11 +254,11 @@ impl Answering {
             }
             (&Part::One(number), Submitted::Query(lists)) => {
                 let mut answer = read(lists, verb, &mut found.pairs)?;
-                if let Question::Pair { models: [a, b], a_from_b } = &self.job.questions[number]
-                    && !lists.open().is_empty()
+                let outlines = Default::default();
+                if !lists.open().is_empty()
+                    && let Some(tree) = self.job.questions[number].in_f64(&outlines)?
                 {
-                    let query = a_from_b.pair([a.bvh(), b.bvh()])?;
-                    let intersects = |pair| query.intersects(pair);
+                    let intersects = |pair| tree.intersects(pair);
                     answer = merge_open(lists, verb, answer, &mut found.pairs, intersects)?;
                 }
                 if verb != Verb::All {
@@ -341,24 +332,5 @@ impl Drop for Answering {
         for InFlight { lists, _slot, .. } in std::mem::take(&mut self.in_flight) {
             self.give_back(lists);
         }
-    }
-}
-
-impl Question {
-    /// The models and the pose of a question about two, in f32.
-    fn pair(&self) -> Option<([&Model; 2], Pose)> {
-        match self {
-            Self::Pair { models, a_from_b: AnyPose::F32(a_from_b) }
-                if models.iter().all(|model| !model.is_f64()) =>
-            {
-                Some((models.each_ref().map(|model| &**model), *a_from_b))
-            }
-            Self::Pair { .. } | Self::Within { .. } => None,
-        }
-    }
-
-    /// Whether no GPU answers it.
-    pub(super) fn is_for_cpu(&self) -> bool {
-        matches!(self, Self::Within { model, .. } if model.is_f64())
     }
 }

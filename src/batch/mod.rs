@@ -60,7 +60,7 @@ pub use ticket::Ticket;
 
 use crate::environment::with_default;
 use crate::executor::{Backend, Reason, Verb};
-use crate::history::{About, OfOne, OfTwo};
+use crate::subject::Subject;
 use crate::{Accuracy, Adjacency, AnyPose, Error, Executor, Model, TrianglePair};
 use found::Found;
 use std::fmt;
@@ -92,16 +92,9 @@ pub struct Batch {
 /// Questions and what is asked about them.
 #[derive(Clone, Default)]
 struct Job {
-    questions: Arc<Vec<Question>>,
+    questions: Arc<Vec<Subject<Arc<Model>>>>,
     accuracy: Accuracy,
     verb: Verb,
-}
-
-/// The subject of a question.
-#[derive(Clone)]
-enum Question {
-    Pair { models: [Arc<Model>; 2], a_from_b: AnyPose },
-    Within { model: Arc<Model>, adjacency: Adjacency },
 }
 
 impl Batch {
@@ -146,7 +139,7 @@ impl Batch {
     ) -> Result<(), Error> {
         let a_from_b = a_from_b.into();
         with_default(|| a_from_b.check(b.bvh()))?;
-        self.add(Question::Pair { models: [a, b].map(Arc::clone), a_from_b });
+        self.add(Subject::Pair { models: [a, b].map(Arc::clone), a_from_b });
         Ok(())
     }
 
@@ -163,7 +156,7 @@ impl Batch {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn within(&mut self, model: &Arc<Model>, adjacency: Adjacency) {
-        self.add(Question::Within { model: model.clone(), adjacency });
+        self.add(Subject::Within { models: [model.clone()], adjacency });
     }
 
     /// The number of questions.
@@ -260,7 +253,7 @@ impl Batch {
         self.submit(executor, Verb::All, PairLists::from)
     }
 
-    fn add(&mut self, question: Question) {
+    fn add(&mut self, question: Subject<Arc<Model>>) {
         Arc::make_mut(&mut self.job.questions).push(question);
     }
 
@@ -292,7 +285,7 @@ impl Batch {
         #[cfg(feature = "threads")]
         if let Some(traversal) = &executor.traversal {
             let planned = planned(Backend::Threads);
-            return Ok(Ticket::new(cpu::submit(traversal, job), None, answer, planned));
+            return Ok(Ticket::new(cpu::submit(executor, traversal, job), None, answer, planned));
         }
         let planned = planned(Backend::Sequential);
         Ok(Ticket::new(Arc::default(), Some(cpu::Steps::new(job)), answer, planned))

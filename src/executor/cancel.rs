@@ -1,14 +1,12 @@
 //! Traversals and sorting on the calling thread that a flag ends early.
 
+use super::cpu::SLICE;
 use crate::Error;
-use crate::memory::{push, reserve};
+use crate::memory::reserve;
 use pfront_core::bvtt::Query;
 use pfront_core::bvtt::TrianglePair;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-
-/// Tests between two looks at the flag: about 0.1 ms.
-const SLICE: u64 = 4096;
 
 /// Items between two looks at the flag where they are copied, counted or sorted: at most some 5 ms.
 pub(crate) const BLOCK: usize = 1 << 16;
@@ -45,27 +43,6 @@ pub(crate) fn visit(
         }
     }
     Ok(())
-}
-
-/// Adds what `item` makes of each intersecting pair to a list.
-///
-/// # Errors
-/// As [`visit`]; [`Error::Memory`] if the list cannot grow, which then is empty and holds no memory.
-pub(crate) fn list<T>(
-    query: &impl Query,
-    flag: Option<&AtomicBool>,
-    items: &mut Vec<T>,
-    item: impl Fn(TrianglePair) -> T,
-) -> Result<(), Error> {
-    let mut pushed = Ok(());
-    visit(query, flag, |pair| {
-        pushed = push(items, item(pair));
-        if pushed.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-    })?;
-    if pushed.is_err() {
-        *items = Vec::new();
-    }
-    pushed
 }
 
 /// Sorts a list. Long ones are sorted in blocks, which are then merged, two at a time.

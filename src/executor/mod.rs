@@ -51,6 +51,7 @@
 mod cancel;
 #[cfg(feature = "gpu")]
 mod choice;
+mod cpu;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
@@ -66,7 +67,8 @@ mod plan;
 mod reader;
 mod run;
 
-pub(crate) use cancel::{BLOCK, check, list, sort, visit};
+pub(crate) use cancel::{BLOCK, check, sort, visit};
+pub(crate) use cpu::{CpuHistory, Named, SLICE, step};
 #[cfg(feature = "gpu")]
 pub(crate) use device::{Device, Slot, merge_open, read};
 #[cfg(feature = "gpu")]
@@ -77,7 +79,7 @@ pub(crate) use plan::CpuPart;
 pub use plan::{Backend, Plan, Reason};
 #[cfg(feature = "gpu")]
 pub(crate) use reader::{Reader, Seat, Work};
-pub(crate) use run::{Answer, Question, Run, Verb};
+pub(crate) use run::{Answer, Frame, Run, Verb};
 
 #[cfg(feature = "gpu")]
 use crate::environment::with_default;
@@ -234,6 +236,12 @@ impl Executor {
         }
         self.cancel = Some(flag);
         self
+    }
+
+    /// Forgets what the last frame on threads took.
+    #[cfg(feature = "threads")]
+    pub(crate) fn forget(&mut self) {
+        self.traversal.iter_mut().for_each(|traversal| traversal.forget());
     }
 
     /// The flag of [`Executor::with_cancel`].

@@ -1,6 +1,6 @@
 //! One query on its executor, from frame to frame.
 
-use super::{Backend, CpuPart, Executor, Plan, Reason, check, visit};
+use super::{Backend, CpuPart, Executor, Named, Plan, Reason, check, visit};
 #[cfg(feature = "gpu")]
 use super::{
     Device,
@@ -12,7 +12,7 @@ use crate::Accuracy;
 use crate::gpu::GpuError;
 use crate::memory::push;
 #[cfg(feature = "threads")]
-use crate::threads::{Report, Traversal};
+use crate::threads::Report;
 use crate::{Error, Model, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
@@ -33,7 +33,7 @@ pub(crate) enum Verb {
     Any,
 }
 
-/// The answer to a question, beside the list.
+/// The answer to a frame, beside the list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Answer<T> {
     pub(crate) count: u64,
@@ -50,32 +50,39 @@ impl<T: Copy> Answer<T> {
         Self { count, first: None }
     }
 
+    /// This and the answer about further subjects.
+    pub(crate) fn and(self, more: Self) -> Self {
+        Self { count: self.count + more.count, first: self.first.or(more.first) }
+    }
+
+    /// The same with the list, if there is one.
+    pub(crate) fn with(self, verb: Verb, list: &[T]) -> Self {
+        if verb == Verb::All { Self::listed(list) } else { self }
+    }
+
     /// The answer to `any`: a pair found.
     pub(crate) fn found(first: Option<T>) -> Self {
         Self { count: u64::from(first.is_some()), first }
     }
 }
 
-/// A question, as each kind of executor answers it.
-pub(crate) trait Question {
-    type Answer;
+/// The subjects of a query in a frame, as each kind of executor answers about them.
+pub(crate) trait Frame {
+    type Hit: Named;
+
+    /// Answers on the CPU of an executor, and tells which part of it did.
+    fn on_cpu(
+        &mut self,
+        executor: &mut Executor,
+        verb: Verb,
+    ) -> (Backend, Result<Answer<Self::Hit>, Error>);
 
     #[cfg(feature = "gpu")]
     fn accuracy(&self) -> Accuracy;
 
-    /// Whether only a CPU answers it, since a model or a pose is in f64.
+    /// Whether only a CPU answers, since a model or a pose is in f64.
     #[cfg(feature = "gpu")]
     fn is_for_cpu(&self) -> bool;
-
-    /// [`Error::Cancelled`] once the flag is set.
-    fn on_one_thread(
-        &mut self,
-        verb: Verb,
-        cancel: Option<&AtomicBool>,
-    ) -> Result<Self::Answer, Error>;
-
-    #[cfg(feature = "threads")]
-    fn on_threads(&mut self, traversal: &mut Traversal, verb: Verb) -> Result<Self::Answer, Error>;
 
     /// The numbers of the meshes that it is about.
     #[cfg(feature = "gpu")]
@@ -92,7 +99,7 @@ pub(crate) trait Question {
         device: &Device,
         cpu: &mut Executor,
         verb: Verb,
-    ) -> Result<Self::Answer, Error>;
+    ) -> Result<Answer<Self::Hit>, Error>;
 }
 
 /// The history of a query on its executor.
@@ -248,25 +255,25 @@ impl Run {
     }
 
     /// Answers in the floating-point environment of the calling thread, which is to be the default.
-    pub(crate) fn ask<Q: Question>(
+    pub(crate) fn ask<F: Frame>(
         &mut self,
-        question: &mut Q,
+        frame: &mut F,
         verb: Verb,
-    ) -> Result<Q::Answer, Error> {
+    ) -> Result<Answer<F::Hit>, Error> {
         #[cfg(feature = "gpu")]
         if let Some(device) = self.executor.device.clone() {
-            return self.ask_either(&device, question, verb);
+            return self.ask_either(&device, frame, verb);
         }
-        self.on_cpu(question, verb, Reason::NoChoice)
+        self.on_cpu(frame, verb, Reason::NoChoice)
     }
 
-    fn on_cpu<Q: Question>(
+    fn on_cpu<F: Frame>(
         &mut self,
-        question: &mut Q,
+        frame: &mut F,
         verb: Verb,
         reason: Reason,
-    ) -> Result<Q::Answer, Error> {
-        let (backend, answer) = self.executor.on_cpu(question, verb);
+    ) -> Result<Answer<F::Hit>, Error> {
+        let (backend, answer) = frame.on_cpu(&mut self.executor, verb);
         self.note(backend, reason);
         answer
     }
@@ -314,31 +321,6 @@ impl Run {
     }
 }
 
-impl Executor {
-    /// Answers on the CPU, and tells which part of it did.
-    pub(crate) fn on_cpu<Q: Question>(
-        &mut self,
-        question: &mut Q,
-        verb: Verb,
-    ) -> (Backend, Result<Q::Answer, Error>) {
-        #[cfg(feature = "threads")]
-        if let Some(traversal) = &mut self.traversal {
-            // A question that ends before it traverses anything leaves the report as it was.
-            traversal.report.cancelled = false;
-            traversal.report.shares.clear();
-            let answer = question.on_threads(traversal, verb);
-            let (called, cancelled) =
-                (!traversal.report.shares.is_empty(), traversal.report.cancelled);
-            let backend = if called { Backend::Threads } else { Backend::Sequential };
-            let answer = answer
-                .and_then(|answer| if cancelled { Err(Error::Cancelled) } else { Ok(answer) });
-            return (backend, answer);
-        }
-        let answer = question.on_one_thread(verb, self.cancel_flag());
-        (Backend::Sequential, answer)
-    }
-}
-
 /// Choosing between the CPU and a GPU.
 #[cfg(feature = "gpu")]
 impl Run {
@@ -359,56 +341,56 @@ impl Run {
         false
     }
 
-    fn ask_either<Q: Question>(
+    fn ask_either<F: Frame>(
         &mut self,
         device: &Device,
-        question: &mut Q,
+        frame: &mut F,
         verb: Verb,
-    ) -> Result<Q::Answer, Error> {
+    ) -> Result<Answer<F::Hit>, Error> {
         let moving = std::mem::take(&mut self.moving);
-        if question.is_for_cpu() {
-            return self.on_cpu(question, verb, Reason::InF64);
+        if frame.is_for_cpu() {
+            return self.on_cpu(frame, verb, Reason::InF64);
         }
         let Some(line) = &device.line else {
-            let answer = question.on_gpu(device, &mut self.executor, verb);
+            let answer = frame.on_gpu(device, &mut self.executor, verb);
             self.note(Backend::Gpu, Reason::NoChoice);
             return self.unless_cancelled(answer?);
         };
         if self.failure.is_pausing() {
             self.failure.passed();
-            return self.on_cpu(question, verb, Reason::GpuFailed);
+            return self.on_cpu(frame, verb, Reason::GpuFailed);
         }
-        if question.accuracy() != Accuracy::Exact {
-            return self.on_cpu(question, verb, Reason::Inexact);
+        if frame.accuracy() != Accuracy::Exact {
+            return self.on_cpu(frame, verb, Reason::Inexact);
         }
         // Choices for other models tell nothing of these.
-        let meshes = question.meshes();
+        let meshes = frame.meshes();
         if self.meshes.replace(meshes) != Some(meshes) {
             self.choices = Default::default();
         }
         self.last_verb = verb;
         // A look at the clock costs as much as such a frame, and no GPU answers sooner.
         if self.choices[verb as usize].is_at_once && moving.is_zero() {
-            let answer = self.on_cpu(question, verb, Reason::Faster);
+            let answer = self.on_cpu(frame, verb, Reason::Faster);
             self.choices[verb as usize].is_at_once = self.was_at_once();
             return answer;
         }
-        let (to_upload, clock) = (question.to_upload(), Instant::now());
+        let (to_upload, clock) = (frame.to_upload(), Instant::now());
         let choice = &mut self.choices[verb as usize];
         let (by_gpu, reason) = choice.choose(line, line.upload(to_upload));
         let predicted = choice.predicted(line);
         let answer = match by_gpu {
-            true => question
+            true => frame
                 .on_gpu(device, &mut self.executor, verb)
                 .and_then(|answer| self.unless_cancelled(answer)),
-            false => self.on_cpu(question, verb, reason),
+            false => self.on_cpu(frame, verb, reason),
         };
         match answer {
             // For a while the CPU answers, and the plan says why.
             Err(Error::Gpu(error)) if by_gpu => {
                 let is_lost = matches!(error, GpuError::DeviceLost { .. }) || device.gpu.is_lost();
                 self.failure.failed(error.to_string(), is_lost);
-                self.on_cpu(question, verb, Reason::GpuFailed)
+                self.on_cpu(frame, verb, Reason::GpuFailed)
             }
             Err(error) => {
                 if by_gpu {

@@ -48,6 +48,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::subject::Subject;
     use crate::{AnyPose, PairQuery, Pose, Pose64, PoseError};
     use pfront_testkit::scenes::icosphere;
 
@@ -66,7 +67,7 @@ mod tests {
         let (still, mut moving, mut query) = (model(), model(), PairQuery::new());
         moving.set_positions_unfitted(&ball(2.0).0).unwrap();
         let far = Pose::from_translation([3.0e38, 0.0, 0.0]);
-        assert!(query.question(&still, &moving, Pose::IDENTITY).is_ok());
+        assert!(Subject::pair([&still, &moving], Pose::IDENTITY.into()).is_ok());
         assert!(!moving.is_fitted());
         assert!(query.count(&still, &moving, far).is_err());
         // Vertices that no triangle has may be anywhere.

@@ -2,9 +2,9 @@
 
 use super::bodies::Bodies;
 use super::broad::Places;
-use super::frame::{Answer, Frame};
+use super::pairs::BodyPairs;
 use super::{BodyId, SceneHit};
-use crate::executor::{Device, Verb};
+use crate::executor::{Answer, Device, Verb};
 use crate::gpu::{GpuError, World};
 use crate::memory::{extend, push};
 use crate::{AnyPose, Error, Model, Pose, Stamp};
@@ -71,10 +71,10 @@ impl Mirror {
     pub(super) fn ask(
         &mut self,
         device: &Device,
-        frame: &Frame<'_>,
+        frame: &BodyPairs<'_>,
         verb: Verb,
         hits: &mut Vec<SceneHit>,
-    ) -> Result<Answer, Error> {
+    ) -> Result<Answer<SceneHit>, Error> {
         let scene = match &mut self.scene {
             Some(scene) => scene,
             none => none.insert(Scene {

@@ -1,71 +1,121 @@
-//! The pairs of bodies that have to be asked about in a frame.
+//! A frame of a scene, as its executor answers it.
 
-use super::bodies::Bodies;
-use super::body::{Body, BodyId};
-use super::broad::{Broad, Places};
-use super::{Accuracy, SceneHit};
-use pfront_core::bvtt::PairBvtt;
+use super::pairs::BodyPairs;
+use super::{BodyId, Error, SceneHit};
+#[cfg(feature = "gpu")]
+use super::{cache::merge, device::Mirror};
+#[cfg(feature = "gpu")]
+use crate::Accuracy;
+use crate::TrianglePair;
+#[cfg(feature = "gpu")]
+use crate::executor::Device;
+use crate::executor::{Answer, Backend, CpuHistory, Executor, Frame, Named, Verb};
+use crate::subject::Tree;
 
-/// The bodies of a frame, and which of them may meet.
-#[derive(Clone, Copy)]
-pub(super) struct Frame<'s> {
-    pub(super) accuracy: Accuracy,
-    pub(super) bodies: &'s Bodies,
-    pairs: &'s [Places],
-    /// If there is a number, a pair of bodies that have both not changed since is not asked about.
-    since: Option<u64>,
-    /// Only pairs with a body in f64, or only others, are asked about; all if there is nothing here.
-    in_f64: Option<bool>,
-}
-
-/// The answer to a question, beside the list.
-pub(super) type Answer = crate::executor::Answer<SceneHit>;
-
-impl<'s> Frame<'s> {
-    pub(super) fn since(
-        since: u64,
-        accuracy: Accuracy,
-        bodies: &'s Bodies,
-        broad: &'s Broad,
-    ) -> Self {
-        let (pairs, since) = match broad.changed_since(since) {
-            Some(changed) => (changed, None),
-            None => (broad.pairs(), Some(since)),
-        };
-        Self { accuracy, bodies, pairs, since, in_f64: None }
-    }
-
-    /// The pairs with a body in f64, or the others.
+pub(super) struct SceneFrame<'s> {
+    pub(super) pairs: BodyPairs<'s>,
+    /// New hits; empty.
+    pub(super) hits: &'s mut Vec<SceneHit>,
+    pub(super) cpu: &'s mut CpuHistory<[BodyId; 2]>,
     #[cfg(feature = "gpu")]
-    pub(super) fn in_f64(self, in_f64: bool) -> Self {
-        Self { in_f64: Some(in_f64), ..self }
+    pub(super) mirror: &'s mut Mirror,
+    /// The part of the CPU that answered about pairs in f64, beside a GPU.
+    #[cfg(feature = "gpu")]
+    pub(super) beside: Option<Backend>,
+}
+
+impl Named for SceneHit {
+    type Name = [BodyId; 2];
+
+    fn new(bodies: [BodyId; 2], pair: TrianglePair) -> Self {
+        Self { bodies, pair }
     }
 
-    /// Bodies that may meet and whose bounds overlap, by their places and in order.
-    pub(super) fn pairs(&self) -> impl Iterator<Item = Places> + use<'s> {
-        let Self { bodies, pairs, since, in_f64, .. } = *self;
-        let changed = move |two: &Places| since.is_none_or(|t| bodies.changed_at(*two) > t);
-        let is_asked = move |two: &Places| {
-            bodies.may_meet(*two) && in_f64.is_none_or(|in_f64| bodies.is_f64(*two) == in_f64)
-        };
-        pairs.iter().copied().filter(changed).filter(is_asked)
-    }
-
-    /// The same as queries.
-    pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairBvtt<'s>)> {
-        let frame = *self;
-        self.pairs().filter_map(move |places| frame.query(places))
-    }
-
-    /// The query about two bodies by their places.
-    pub(super) fn query(&self, [a, b]: Places) -> Option<([BodyId; 2], PairBvtt<'s>)> {
-        // Always there: the places are those of this frame.
-        let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
-        Some(([a.id(), b.id()], meeting(a, b).with_accuracy(self.accuracy)))
+    #[cfg(feature = "threads")]
+    fn list(
+        traversal: &mut crate::threads::Traversal,
+        names: &[[BodyId; 2]],
+        trees: &[Tree<'_>],
+        numbered: &mut Vec<crate::threads::Hit>,
+        list: &mut Vec<Self>,
+    ) -> Result<(), Error> {
+        traversal.all(trees, numbered)?;
+        numbered.chunks(crate::executor::BLOCK).try_for_each(|block| {
+            crate::executor::check(traversal.cancel.as_deref())?;
+            let named = block.iter().map(|hit| Self::new(names[hit.query as usize], hit.pair));
+            crate::memory::extend(list, named)
+        })
     }
 }
 
-/// Whether two bodies meet in the world.
-pub(super) fn meeting<'s>(a: &'s Body, b: &'s Body) -> PairBvtt<'s> {
-    PairBvtt::in_world(a.placed(), b.placed())
+impl Frame for SceneFrame<'_> {
+    type Hit = SceneHit;
+
+    fn on_cpu(
+        &mut self,
+        executor: &mut Executor,
+        verb: Verb,
+    ) -> (Backend, Result<Answer<SceneHit>, Error>) {
+        let trees = self.pairs.queries().map(|(bodies, query)| (bodies, Tree::Pair(query)));
+        executor.on_cpu_in_turn(self.cpu, trees, verb, self.hits)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn accuracy(&self) -> Accuracy {
+        self.pairs.accuracy
+    }
+
+    /// Where no pair is in f32 only.
+    #[cfg(feature = "gpu")]
+    fn is_for_cpu(&self) -> bool {
+        self.pairs.bodies.in_f64() > 0 && self.pairs.in_f64(false).pairs().next().is_none()
+    }
+
+    /// A scene stays itself, whichever bodies it has.
+    #[cfg(feature = "gpu")]
+    fn meshes(&self) -> [u64; 2] {
+        [0; 2]
+    }
+
+    #[cfg(feature = "gpu")]
+    fn to_upload(&mut self) -> usize {
+        self.mirror.lacks(self.pairs.bodies)
+    }
+
+    /// Pairs with a body in f64 are asked about on the CPU beside, and both lists are merged.
+    #[cfg(feature = "gpu")]
+    fn on_gpu(
+        &mut self,
+        device: &Device,
+        cpu: &mut Executor,
+        verb: Verb,
+    ) -> Result<Answer<SceneHit>, Error> {
+        if self.pairs.bodies.in_f64() == 0 {
+            return self.mirror.ask(device, &self.pairs, verb, self.hits);
+        }
+        let whole = self.pairs;
+        let own = self.mirror.ask(device, &whole.in_f64(false), verb, self.hits)?;
+        if own.first.is_some() && verb == Verb::Any {
+            return Ok(own);
+        }
+        let rest = whole.in_f64(true);
+        if rest.pairs().next().is_none() {
+            return Ok(own);
+        }
+        let found = std::mem::take(self.hits);
+        self.pairs = rest;
+        let (backend, answer) = self.on_cpu(cpu, verb);
+        self.pairs = whole;
+        self.beside = Some(backend);
+        let answer = answer?;
+        Ok(match verb {
+            Verb::All => {
+                let late = std::mem::replace(self.hits, found);
+                merge(self.hits, &late)?;
+                Answer::listed(self.hits)
+            }
+            Verb::Count => Answer::counted(own.count + answer.count),
+            Verb::Any => answer,
+        })
+    }
 }

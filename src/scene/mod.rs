@@ -1,8 +1,5 @@
 //! Many posed models.
 
-mod asking;
-#[cfg(feature = "threads")]
-mod batches;
 mod bodies;
 mod body;
 mod broad;
@@ -11,6 +8,7 @@ mod cache;
 mod device;
 mod edit;
 mod frame;
+mod pairs;
 mod segments;
 mod split;
 
@@ -18,20 +16,18 @@ pub use body::{Body, BodyId, Groups};
 pub use edit::Piece;
 
 use crate::environment::{Environment, with_default};
-use crate::executor::{Backend, CpuPart, Plan, Run, Verb, visit as search};
+use crate::executor::{Answer, Backend, CpuHistory, CpuPart, Plan, Run, Verb, visit as search};
 use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Contact, Error, Executor, TrianglePair};
-use asking::Asking;
-#[cfg(feature = "threads")]
-use batches::Batches;
 use bodies::Bodies;
 use broad::Broad;
 use cache::{Cache, merge};
 #[cfg(feature = "gpu")]
 use device::Mirror;
-use frame::{Answer, Frame};
+use frame::SceneFrame;
+use pairs::BodyPairs;
 use pfront_core::bvtt::{PairBvtt, Query};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -115,8 +111,7 @@ pub struct SceneQuery {
     new_hits: Vec<SceneHit>,
     new_contacts: Vec<(SceneHit, Contact)>,
     run: Run,
-    #[cfg(feature = "threads")]
-    batches: Batches,
+    cpu: CpuHistory<[BodyId; 2]>,
     #[cfg(feature = "gpu")]
     mirror: Mirror,
 }
@@ -151,10 +146,7 @@ impl SceneQuery {
     #[must_use]
     pub fn on(mut self, executor: &Executor) -> Self {
         self.run = Run::on(executor);
-        #[cfg(feature = "threads")]
-        {
-            self.batches = Batches::default();
-        }
+        self.cpu = CpuHistory::default();
         #[cfg(feature = "gpu")]
         {
             self.mirror = Mirror::default();
@@ -271,13 +263,13 @@ impl SceneQuery {
         }
         with_default(|| {
             self.find_overlaps()?;
-            let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
+            let candidates = BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad);
             let mut asked = Vec::new();
-            frame.pairs().try_for_each(|places| push(&mut asked, places))?;
+            candidates.pairs().try_for_each(|places| push(&mut asked, places))?;
             let part = CpuPart::new();
             let meeting = self.run.meeting(&asked, |places| {
                 part.works();
-                frame.query(places)
+                candidates.query(places)
             });
             self.run.note_cpu(part.backend());
             merge(&mut pairs, &meeting?)?;
@@ -318,8 +310,8 @@ impl SceneQuery {
             self.run.note_cpu(Backend::Sequential);
             let cancel = self.run.executor().cancel_flag();
             let mut kept = self.hits.still_true(&self.bodies).peekable();
-            let frame = Frame::since(since, self.accuracy, &self.bodies, &self.broad);
-            for (bodies, query) in frame.queries() {
+            let candidates = BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad);
+            for (bodies, query) in candidates.queries() {
                 let mut end = ControlFlow::Continue(());
                 while end.is_continue()
                     && let Some(of_two) = kept.next_if(|of_two| of_two[0].bodies < bodies)
@@ -429,23 +421,22 @@ impl SceneQuery {
     }
 
     /// Asks of the bodies that have changed since then; lists new hits if all are wanted.
-    fn ask(&mut self, since: u64, verb: Verb) -> Result<Answer, Error> {
+    fn ask(&mut self, since: u64, verb: Verb) -> Result<Answer<SceneHit>, Error> {
         self.new_hits.clear();
         with_default(|| {
             self.find_overlaps()?;
-            let mut asking = Asking {
-                frame: Frame::since(since, self.accuracy, &self.bodies, &self.broad),
+            let mut frame = SceneFrame {
+                pairs: BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad),
                 hits: &mut self.new_hits,
-                #[cfg(feature = "threads")]
-                batches: &mut self.batches,
+                cpu: &mut self.cpu,
                 #[cfg(feature = "gpu")]
                 mirror: &mut self.mirror,
                 #[cfg(feature = "gpu")]
                 beside: None,
             };
-            let answer = self.run.ask(&mut asking, verb);
+            let answer = self.run.ask(&mut frame, verb);
             #[cfg(feature = "gpu")]
-            if let Some(part) = asking.beside {
+            if let Some(part) = frame.beside {
                 self.run.note_also(part);
             }
             answer

@@ -2,7 +2,7 @@
 
 use super::bodies::Bodies;
 use super::body::BodyId;
-use super::frame::meeting;
+use super::pairs::meeting;
 use super::{Error, SceneHit};
 use crate::TrianglePair;
 use crate::executor::{CpuPart, Run, check};

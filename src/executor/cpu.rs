@@ -1,0 +1,349 @@
+//! Every verb on the CPU, once for all queries: in steps on the calling thread, or on several threads.
+
+use super::{Answer, Backend, Executor, Verb, check, sort};
+use crate::memory::push;
+use crate::subject::Tree;
+use crate::{Error, TrianglePair};
+use pfront_core::bvtt::{Cursor, Query};
+use std::ops::ControlFlow;
+#[cfg(feature = "threads")]
+use std::slice::from_ref;
+use std::sync::atomic::AtomicBool;
+
+#[cfg(feature = "threads")]
+pub(crate) use several::CpuHistory;
+
+/// One thread remembers nothing.
+#[cfg(not(feature = "threads"))]
+pub(crate) type CpuHistory<N> = std::marker::PhantomData<N>;
+
+/// Tests between two looks at whether a question is cancelled: about 0.1 ms.
+pub(crate) const SLICE: u64 = 4096;
+
+/// An intersecting triangle pair, as a query shows it.
+pub(crate) trait Named: Copy + Ord + Send {
+    /// What tells its subject from the others of a frame.
+    type Name: Copy + Ord;
+
+    fn new(name: Self::Name, pair: TrianglePair) -> Self;
+
+    /// Adds all pairs of some trees to a list, sorted. One subject without a name has an empty list.
+    #[cfg(feature = "threads")]
+    fn list(
+        traversal: &mut crate::threads::Traversal,
+        names: &[Self::Name],
+        trees: &[Tree<'_>],
+        numbered: &mut Vec<crate::threads::Hit>,
+        list: &mut Vec<Self>,
+    ) -> Result<(), Error>;
+}
+
+/// The pairs of a single subject.
+impl Named for TrianglePair {
+    type Name = ();
+
+    fn new((): (), pair: TrianglePair) -> Self {
+        pair
+    }
+
+    #[cfg(feature = "threads")]
+    fn list(
+        traversal: &mut crate::threads::Traversal,
+        _: &[()],
+        trees: &[Tree<'_>],
+        _: &mut Vec<crate::threads::Hit>,
+        list: &mut Vec<Self>,
+    ) -> Result<(), Error> {
+        Ok(traversal.all(trees, list)?)
+    }
+}
+
+/// Goes on with a question about one subject on the calling thread, for at most about so many tests. Under [`Verb::All`] the
+/// pairs are added to a list, in the order in which they are found. Returns whether nothing is left.
+///
+/// # Errors
+/// [`Error::Memory`] if the list cannot grow, which then is empty and holds no memory.
+pub(crate) fn step<F: Named>(
+    (name, tree): (F::Name, &impl Query),
+    cursor: &mut Cursor,
+    budget: u64,
+    verb: Verb,
+    answer: &mut Answer<F>,
+    list: &mut Vec<F>,
+) -> Result<bool, Error> {
+    let mut failure = None;
+    let end = tree.step(cursor, budget, |pair| match verb {
+        Verb::All => {
+            if let Err(error) = push(list, F::new(name, pair)) {
+                failure = Some(error);
+                return ControlFlow::Break(());
+            }
+            answer.count += 1;
+            ControlFlow::Continue(())
+        }
+        Verb::Count => {
+            answer.count += 1;
+            ControlFlow::Continue(())
+        }
+        Verb::Any => {
+            *answer = Answer::found(Some(F::new(name, pair)));
+            ControlFlow::Break(())
+        }
+    });
+    if let Some(error) = failure {
+        *list = Vec::new();
+        return Err(error);
+    }
+    Ok(end.is_break() || cursor.is_done())
+}
+
+/// Answers about one subject on the calling thread, until the flag is set.
+fn on_one_thread<F: Named>(
+    named: (F::Name, &impl Query),
+    verb: Verb,
+    cancel: Option<&AtomicBool>,
+    list: &mut Vec<F>,
+) -> Result<Answer<F>, Error> {
+    let budget = if cancel.is_some() { SLICE } else { u64::MAX };
+    let (first, mut answer, mut cursor) = (list.len(), Answer::counted(0), named.1.start());
+    let mut is_over = cursor.is_done();
+    while !is_over {
+        check(cancel)?;
+        is_over = step(named, &mut cursor, budget, verb, &mut answer, list)?;
+    }
+    sort(&mut list[first..], cancel)?;
+    Ok(answer)
+}
+
+impl Executor {
+    /// Answers about one subject on the CPU, and tells which part of it did. The list is replaced, under [`Verb::All`] by all
+    /// pairs, sorted.
+    pub(crate) fn on_cpu<F: Named>(
+        &mut self,
+        name: F::Name,
+        tree: &Tree<'_>,
+        verb: Verb,
+        list: &mut Vec<F>,
+    ) -> (Backend, Result<Answer<F>, Error>) {
+        list.clear();
+        #[cfg(feature = "threads")]
+        if let Some(traversal) = &mut self.traversal {
+            return several::reported(traversal, |traversal| {
+                let (names, trees) = (from_ref(&name), from_ref(tree));
+                let answer = several::ask(traversal, names, trees, verb, &mut Vec::new(), list)?;
+                Ok(answer.with(verb, list))
+            });
+        }
+        let answer = on_one_thread((name, tree), verb, self.cancel_flag(), list);
+        (Backend::Sequential, answer.map(|answer| answer.with(verb, list)))
+    }
+
+    /// The same about many subjects, in the order of their names.
+    pub(crate) fn on_cpu_in_turn<'q, F: Named>(
+        &mut self,
+        history: &mut CpuHistory<F::Name>,
+        trees: impl Iterator<Item = (F::Name, Tree<'q>)>,
+        verb: Verb,
+        list: &mut Vec<F>,
+    ) -> (Backend, Result<Answer<F>, Error>) {
+        list.clear();
+        #[cfg(feature = "threads")]
+        if let Some(traversal) = &mut self.traversal {
+            return several::reported(traversal, |traversal| {
+                Ok(history.ask(traversal, trees, verb, list)?.with(verb, list))
+            });
+        }
+        #[cfg(not(feature = "threads"))]
+        let _ = history;
+        let mut whole = Answer::counted(0);
+        for (name, tree) in trees {
+            match on_one_thread((name, &tree), verb, self.cancel_flag(), list) {
+                Ok(answer) => whole = whole.and(answer),
+                Err(error) => return (Backend::Sequential, Err(error)),
+            }
+            if whole.first.is_some() {
+                break;
+            }
+        }
+        (Backend::Sequential, Ok(whole.with(verb, list)))
+    }
+}
+
+#[cfg(feature = "threads")]
+mod several {
+    use super::*;
+    use crate::memory::reserve;
+    use crate::threads::{Hit, Report, Traversal};
+    use std::mem::take;
+
+    /// The most trees that are asked at once. Each takes some 1,300 bytes with its node of the front, so that all of them take
+    /// 85 MiB at most, however many pairs a frame has.
+    const BATCH: usize = 1 << 16;
+
+    /// What a query remembers of its frames on several threads, beside the costs in its traversal.
+    #[derive(Clone, Debug)]
+    pub(crate) struct CpuHistory<N> {
+        /// The names of the trees of the last batch: what each cost is remembered by its number.
+        asked: Vec<N>,
+        /// The names of the trees of this batch.
+        asking: Vec<N>,
+        /// Empty, to use its memory again.
+        trees: Vec<Tree<'static>>,
+        numbered: Vec<Hit>,
+    }
+
+    impl<N> Default for CpuHistory<N> {
+        fn default() -> Self {
+            Self { asked: Vec::new(), asking: Vec::new(), trees: Vec::new(), numbered: Vec::new() }
+        }
+    }
+
+    /// Runs a question, and tells which part of the CPU answered.
+    pub(super) fn reported<A>(
+        traversal: &mut Traversal,
+        ask: impl FnOnce(&mut Traversal) -> Result<A, Error>,
+    ) -> (Backend, Result<A, Error>) {
+        // A question that ends before it traverses anything leaves the report as it was.
+        traversal.report.cancelled = false;
+        traversal.report.shares.clear();
+        let answer = ask(traversal);
+        let Report { shares, cancelled, .. } = &traversal.report;
+        let part = if shares.is_empty() { Backend::Sequential } else { Backend::Threads };
+        let answer =
+            answer.and_then(|answer| if *cancelled { Err(Error::Cancelled) } else { Ok(answer) });
+        (part, answer)
+    }
+
+    /// Every verb, about some trees by their names. Pairs are added to the list.
+    pub(super) fn ask<F: Named>(
+        traversal: &mut Traversal,
+        names: &[F::Name],
+        trees: &[Tree<'_>],
+        verb: Verb,
+        numbered: &mut Vec<Hit>,
+        list: &mut Vec<F>,
+    ) -> Result<Answer<F>, Error> {
+        Ok(match verb {
+            Verb::All => {
+                let before = list.len();
+                F::list(traversal, names, trees, numbered, list)?;
+                Answer::counted((list.len() - before) as u64)
+            }
+            Verb::Count => Answer::counted(traversal.count(trees)?),
+            Verb::Any => {
+                let hit = traversal.any(trees)?;
+                Answer::found(hit.map(|hit| F::new(names[hit.query as usize], hit.pair)))
+            }
+        })
+    }
+
+    impl<N: Copy + Ord> CpuHistory<N> {
+        pub(super) fn ask<'q, F: Named<Name = N>>(
+            &mut self,
+            traversal: &mut Traversal,
+            trees: impl Iterator<Item = (N, Tree<'q>)>,
+            verb: Verb,
+            list: &mut Vec<F>,
+        ) -> Result<Answer<F>, Error> {
+            let (mut whole, mut numbered) = (Answer::counted(0), take(&mut self.numbered));
+            let mut ask_some = |traversal: &mut Traversal, names: &[N], trees: &[Tree<'_>]| {
+                whole = whole.and(ask(traversal, names, trees, verb, &mut numbered, list)?);
+                Ok(whole.first.is_some())
+            };
+            match verb {
+                Verb::Any => self.each_until_found(traversal, trees, &mut ask_some)?,
+                Verb::All | Verb::Count => self.each_batch(traversal, trees, &mut ask_some)?,
+            }
+            self.numbered = numbered;
+            Ok(whole)
+        }
+
+        /// Asks about trees, of which nothing is remembered, until one is found that has a pair.
+        fn each_until_found<'q>(
+            &mut self,
+            traversal: &mut Traversal,
+            mut rest: impl Iterator<Item = (N, Tree<'q>)>,
+            ask: &mut impl FnMut(&mut Traversal, &[N], &[Tree<'_>]) -> Result<bool, Error>,
+        ) -> Result<(), Error> {
+            let mut batch: Vec<Tree<'_>> = take(&mut self.trees);
+            // Batches grow, so that not much more is prepared than is asked.
+            let (mut is_over, mut size) = (false, 1);
+            while !is_over && !traversal.report.cancelled {
+                self.asking.clear();
+                for (name, tree) in rest.by_ref().take(size) {
+                    push(&mut self.asking, name)?;
+                    push(&mut batch, tree)?;
+                }
+                is_over = batch.is_empty() || ask(traversal, &self.asking, &batch)?;
+                batch.clear();
+                size = (4 * size).min(BATCH);
+            }
+            self.trees = emptied(batch);
+            Ok(())
+        }
+
+        /// Asks about trees in batches of at most [`BATCH`], until time runs out or the flag is set. The report of the traversal is
+        /// then that of all batches together.
+        fn each_batch<'q>(
+            &mut self,
+            traversal: &mut Traversal,
+            trees: impl Iterator<Item = (N, Tree<'q>)>,
+            ask: &mut impl FnMut(&mut Traversal, &[N], &[Tree<'_>]) -> Result<bool, Error>,
+        ) -> Result<(), Error> {
+            let mut batch: Vec<Tree<'_>> = take(&mut self.trees);
+            let mut rest = trees.peekable();
+            let mut before: Option<Report> = None;
+            loop {
+                self.asking.clear();
+                for (name, tree) in rest.by_ref().take(BATCH) {
+                    push(&mut self.asking, name)?;
+                    push(&mut batch, tree)?;
+                }
+                let is_last = rest.peek().is_none();
+                if before.is_none() && is_last {
+                    self.renumber(traversal)?;
+                } else {
+                    // The costs of other trees tell nothing of these.
+                    traversal.forget();
+                    std::mem::swap(&mut self.asked, &mut self.asking);
+                }
+                ask(traversal, &self.asked, &batch)?;
+                batch.clear();
+                if let Some(mut report) = before.take() {
+                    report.add(&traversal.report);
+                    traversal.report = report;
+                }
+                if is_last || traversal.report.late || traversal.report.cancelled {
+                    break;
+                }
+                before = Some(traversal.report.clone());
+            }
+            self.trees = emptied(batch);
+            Ok(())
+        }
+
+        /// Makes the names of this frame those of the last, and keeps what is remembered of trees that are in both.
+        fn renumber(&mut self, traversal: &mut Traversal) -> Result<(), Error> {
+            if self.asking == self.asked {
+                return Ok(());
+            }
+            // Both ascend, so that one pass finds them all.
+            let mut rest = (0..).zip(&self.asking).peekable();
+            let number = |name: &N| {
+                while rest.next_if(|(_, new)| *new < name).is_some() {}
+                rest.next_if(|(_, new)| *new == name).map(|(number, _)| number)
+            };
+            let mut numbers = Vec::new();
+            reserve(&mut numbers, self.asked.len())?;
+            numbers.extend(self.asked.iter().map(number));
+            traversal.renumber(|old| numbers[old as usize]);
+            std::mem::swap(&mut self.asked, &mut self.asking);
+            Ok(())
+        }
+    }
+
+    /// An empty vector of one lifetime becomes one of another, in place.
+    fn emptied(trees: Vec<Tree<'_>>) -> Vec<Tree<'static>> {
+        trees.into_iter().map_while(|_| None).collect()
+    }
+}

@@ -1,0 +1,259 @@
+//! What a query asks about: two models, or one and itself.
+
+#[cfg(feature = "gpu")]
+use crate::Pose;
+#[cfg(feature = "gpu")]
+use crate::gpu::{GpuModel, GpuQuestion};
+use crate::model::{Outline, Stamp};
+use crate::{Accuracy, Adjacency, AnyPose, Contact, Error, Model};
+use pfront_core::bvtt::{Cursor, NodePair, PairBvtt, Query, SelfBvtt, TrianglePair};
+use pfront_core::{Aabb, Bvh};
+use std::borrow::Borrow;
+use std::ops::ControlFlow;
+
+/// A subject of a frame, which borrows its models or shares them.
+#[derive(Clone, Debug)]
+pub(crate) enum Subject<M> {
+    /// Two models, the second in a pose that suits it.
+    Pair { models: [M; 2], a_from_b: AnyPose },
+    /// A model and itself.
+    Within { models: [M; 1], adjacency: Adjacency },
+}
+
+/// All that an answer about a subject depends on: of equal keys the same answer is true.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Key {
+    models: [Stamp; 2],
+    /// None within one mesh.
+    a_from_b: Option<AnyPose>,
+    adjacency: Adjacency,
+    accuracy: Accuracy,
+}
+
+#[cfg(feature = "gpu")]
+impl Key {
+    /// The numbers of the meshes.
+    pub(crate) fn meshes(&self) -> [u64; 2] {
+        self.models.map(Stamp::mesh)
+    }
+}
+
+impl<'m> Subject<&'m Model> {
+    /// Two models. Fits no BVH, unless the second mesh may be out of range.
+    ///
+    /// # Errors
+    /// [`Error::Pose`] if the pose does not suit the second.
+    pub(crate) fn pair(models: [&'m Model; 2], a_from_b: AnyPose) -> Result<Self, Error> {
+        let [_, b] = models;
+        // Vertices that no triangle has are in the outline too.
+        if a_from_b.check(b.outline(&Outline::default())).is_err() {
+            a_from_b.check(b.bvh())?;
+        }
+        Ok(Self::Pair { models, a_from_b })
+    }
+}
+
+impl<M: Borrow<Model>> Subject<M> {
+    pub(crate) fn key(&self, accuracy: Accuracy) -> Key {
+        match self {
+            Self::Pair { models, a_from_b } => Key {
+                models: models.each_ref().map(|model| model.borrow().stamp()),
+                a_from_b: Some(*a_from_b),
+                adjacency: Adjacency::default(),
+                accuracy,
+            },
+            Self::Within { models: [model], adjacency } => Key {
+                models: [model.borrow().stamp(); 2],
+                a_from_b: None,
+                adjacency: *adjacency,
+                accuracy,
+            },
+        }
+    }
+
+    /// The tree that the CPU traverses. Fits the BVHs to the positions, if that has not been done.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] if there is no memory for what the traversal goes by.
+    pub(crate) fn tree(&self, accuracy: Accuracy) -> Result<Tree<'_>, Error> {
+        match self {
+            Self::Pair { models, a_from_b } => {
+                let bvhs = models.each_ref().map(|model| model.borrow().bvh());
+                Ok(Tree::Pair(pair(a_from_b, bvhs, accuracy)?))
+            }
+            Self::Within { models: [model], adjacency } => {
+                Ok(Tree::within(model.borrow(), *adjacency, accuracy))
+            }
+        }
+    }
+
+    /// The same for what looks at single triangles and at poses, and traverses nothing: BVHs that do not fit are left alone.
+    pub(crate) fn untraversed<'q>(
+        &'q self,
+        [of_a, of_b]: &'q [Outline; 2],
+        accuracy: Accuracy,
+    ) -> Result<Tree<'q>, Error> {
+        Ok(match self {
+            Self::Pair { models: [a, b], a_from_b } => {
+                let bvhs = [a.borrow().outline(of_a), b.borrow().outline(of_b)];
+                Tree::Pair(pair(a_from_b, bvhs, accuracy)?)
+            }
+            Self::Within { models: [model], .. } => {
+                Tree::Within(SelfBvtt::new(model.borrow().outline(of_a)))
+            }
+        })
+    }
+}
+
+/// What a GPU is asked.
+#[cfg(feature = "gpu")]
+impl<M: Borrow<Model>> Subject<M> {
+    pub(crate) fn models(&self) -> &[M] {
+        match self {
+            Self::Pair { models, .. } => models,
+            Self::Within { models, .. } => models,
+        }
+    }
+
+    /// Whether no GPU answers: about a model in f64 and itself.
+    pub(crate) fn is_for_cpu(&self) -> bool {
+        matches!(self, Self::Within { models: [model], .. } if model.borrow().is_f64())
+    }
+
+    /// The models and the pose of two in f32.
+    pub(crate) fn pair_in_f32(&self) -> Option<([&Model; 2], Pose)> {
+        match self {
+            Self::Pair { models, a_from_b: AnyPose::F32(a_from_b) } => {
+                let models = models.each_ref().map(|model| model.borrow());
+                models.iter().all(|model| !model.is_f64()).then_some((models, *a_from_b))
+            }
+            _ => None,
+        }
+    }
+
+    /// The tree of two of which a model or the pose is in f64: a GPU goes by its shadows, and it decides what they leave open.
+    pub(crate) fn in_f64<'q>(
+        &'q self,
+        outlines: &'q [Outline; 2],
+    ) -> Result<Option<PairBvtt<'q>>, Error> {
+        if self.pair_in_f32().is_some() {
+            return Ok(None);
+        }
+        Ok(match self.untraversed(outlines, Accuracy::Exact)? {
+            Tree::Pair(tree) => Some(tree),
+            Tree::Within(_) => None,
+        })
+    }
+
+    /// The question for a GPU that has the models, of which a lone one counts twice.
+    pub(crate) fn question<'q>(
+        &self,
+        [a, b]: [&'q GpuModel; 2],
+        in_f64: Option<&PairBvtt<'_>>,
+    ) -> GpuQuestion<'q> {
+        match (self, in_f64.and_then(PairBvtt::shadows)) {
+            (Self::Within { adjacency, .. }, _) => {
+                GpuQuestion::Within { model: a, adjacency: *adjacency }
+            }
+            (_, Some(shadows)) => GpuQuestion::shadows(a, b, &shadows),
+            (Self::Pair { a_from_b: AnyPose::F32(a_from_b), .. }, None) => {
+                GpuQuestion::pair(a, b, a_from_b)
+            }
+            // One of them is empty.
+            (Self::Pair { a_from_b: AnyPose::F64(_), .. }, None) => {
+                GpuQuestion::pair(a, b, &Pose::IDENTITY)
+            }
+        }
+    }
+}
+
+fn pair<'q>(
+    a_from_b: &AnyPose,
+    bvhs: [Bvh<'q>; 2],
+    accuracy: Accuracy,
+) -> Result<PairBvtt<'q>, Error> {
+    Ok(a_from_b.pair(bvhs)?.with_accuracy(accuracy))
+}
+
+/// The BVTT of a subject, or of two bodies.
+#[derive(Clone, Debug)]
+pub(crate) enum Tree<'q> {
+    Pair(PairBvtt<'q>),
+    Within(SelfBvtt<'q>),
+}
+
+impl<'m> Tree<'m> {
+    /// The tree of a model and itself. Fits its BVH and its certificates, if that has not been done.
+    pub(crate) fn within(model: &'m Model, adjacency: Adjacency, accuracy: Accuracy) -> Self {
+        let tree = SelfBvtt::new(model.bvh())
+            .with_accuracy(accuracy)
+            .with_adjacency(adjacency)
+            .with_certificates(model.certificates());
+        Self::Within(tree)
+    }
+}
+
+impl Query for Tree<'_> {
+    #[inline]
+    fn root(&self) -> Option<NodePair> {
+        match self {
+            Self::Pair(tree) => tree.root(),
+            Self::Within(tree) => tree.root(),
+        }
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        match self {
+            Self::Pair(tree) => tree.children(n, push),
+            Self::Within(tree) => tree.children(n, push),
+        }
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        match self {
+            Self::Pair(tree) => tree.boxes(n),
+            Self::Within(tree) => tree.boxes(n),
+        }
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        match self {
+            Self::Pair(tree) => tree.triangles_below(n),
+            Self::Within(tree) => tree.triangles_below(n),
+        }
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        match self {
+            Self::Pair(tree) => tree.leaf_edge(),
+            Self::Within(tree) => tree.leaf_edge(),
+        }
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        match self {
+            Self::Pair(tree) => tree.step(cursor, budget, visit),
+            Self::Within(tree) => tree.step(cursor, budget, visit),
+        }
+    }
+
+    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
+        match self {
+            Self::Pair(tree) => tree.contact_f64(pair),
+            Self::Within(tree) => tree.contact_f64(pair),
+        }
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        match self {
+            Self::Pair(tree) => tree.contact(pair),
+            Self::Within(tree) => tree.contact(pair),
+        }
+    }
+}
