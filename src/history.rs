@@ -6,7 +6,7 @@ use crate::executor::{Answer, Backend, Executor, Frame, Plan, Run, Verb};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
 use crate::memory::reserve;
-use crate::subject::{Key, Subject, Tree};
+use crate::subject::{AnyBvtt, Key, Subject};
 #[cfg(feature = "threads")]
 use crate::threads::Report;
 use crate::{Accuracy, Contact, Error, Model, TrianglePair};
@@ -158,7 +158,7 @@ impl History {
     /// Visits all pairs on the calling thread, in the floating-point environment of the caller, until `visit` breaks.
     pub(crate) fn visit(
         &mut self,
-        tree: &Tree<'_>,
+        tree: &AnyBvtt<'_>,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         self.run.note_cpu(Backend::Sequential);

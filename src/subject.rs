@@ -75,14 +75,14 @@ impl<M: Borrow<Model>> Subject<M> {
     ///
     /// # Errors
     /// [`Error::Memory`] if there is no memory for what the traversal goes by.
-    pub(crate) fn tree(&self, accuracy: Accuracy) -> Result<Tree<'_>, Error> {
+    pub(crate) fn tree(&self, accuracy: Accuracy) -> Result<AnyBvtt<'_>, Error> {
         match self {
             Self::Pair { models, a_from_b } => {
                 let bvhs = models.each_ref().map(|model| model.borrow().bvh());
-                Ok(Tree::Pair(pair(a_from_b, bvhs, accuracy)?))
+                Ok(AnyBvtt::Pair(pair(a_from_b, bvhs, accuracy)?))
             }
             Self::Within { models: [model], adjacency } => {
-                Ok(Tree::within(model.borrow(), *adjacency, accuracy))
+                Ok(AnyBvtt::within(model.borrow(), *adjacency, accuracy))
             }
         }
     }
@@ -92,14 +92,14 @@ impl<M: Borrow<Model>> Subject<M> {
         &'q self,
         [of_a, of_b]: &'q [Outline; 2],
         accuracy: Accuracy,
-    ) -> Result<Tree<'q>, Error> {
+    ) -> Result<AnyBvtt<'q>, Error> {
         Ok(match self {
             Self::Pair { models: [a, b], a_from_b } => {
                 let bvhs = [a.borrow().outline(of_a), b.borrow().outline(of_b)];
-                Tree::Pair(pair(a_from_b, bvhs, accuracy)?)
+                AnyBvtt::Pair(pair(a_from_b, bvhs, accuracy)?)
             }
             Self::Within { models: [model], .. } => {
-                Tree::Within(SelfBvtt::new(model.borrow().outline(of_a)))
+                AnyBvtt::Within(SelfBvtt::new(model.borrow().outline(of_a)))
             }
         })
     }
@@ -140,8 +140,8 @@ impl<M: Borrow<Model>> Subject<M> {
             return Ok(None);
         }
         Ok(match self.untraversed(outlines, Accuracy::Exact)? {
-            Tree::Pair(tree) => Some(tree),
-            Tree::Within(_) => None,
+            AnyBvtt::Pair(tree) => Some(tree),
+            AnyBvtt::Within(_) => None,
         })
     }
 
@@ -177,12 +177,12 @@ fn pair<'q>(
 
 /// The BVTT of a subject, or of two bodies.
 #[derive(Clone, Debug)]
-pub(crate) enum Tree<'q> {
+pub(crate) enum AnyBvtt<'q> {
     Pair(PairBvtt<'q>),
     Within(SelfBvtt<'q>),
 }
 
-impl<'m> Tree<'m> {
+impl<'m> AnyBvtt<'m> {
     /// The tree of a model and itself. Fits its BVH and its certificates, if that has not been done.
     pub(crate) fn within(model: &'m Model, adjacency: Adjacency, accuracy: Accuracy) -> Self {
         let tree = SelfBvtt::new(model.bvh())
@@ -193,7 +193,7 @@ impl<'m> Tree<'m> {
     }
 }
 
-impl Query for Tree<'_> {
+impl Query for AnyBvtt<'_> {
     #[inline]
     fn root(&self) -> Option<NodePair> {
         match self {

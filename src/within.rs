@@ -3,7 +3,7 @@
 use crate::environment::with_default;
 use crate::executor::Plan;
 use crate::history::History;
-use crate::subject::{Subject, Tree};
+use crate::subject::{AnyBvtt, Subject};
 #[cfg(feature = "threads")]
 use crate::threads;
 use crate::{Accuracy, Adjacency, Contact, Error, Executor, Model, TrianglePair};
@@ -134,7 +134,7 @@ impl SelfQuery {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let accuracy = self.history.accuracy();
-        let tree = with_default(|| Tree::within(model, self.adjacency, accuracy));
+        let tree = with_default(|| AnyBvtt::within(model, self.adjacency, accuracy));
         self.history.visit(&tree, visit)
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Answer, Backend, Executor, Verb, check, sort};
 use crate::memory::push;
-use crate::subject::Tree;
+use crate::subject::AnyBvtt;
 use crate::{Error, TrianglePair};
 use pfront_core::bvtt::{Cursor, Query};
 use std::ops::ControlFlow;
@@ -32,7 +32,7 @@ pub(crate) trait Named: Copy + Ord + Send {
     fn list(
         traversal: &mut crate::threads::Traversal,
         names: &[Self::Name],
-        trees: &[Tree<'_>],
+        trees: &[AnyBvtt<'_>],
         numbered: &mut Vec<crate::threads::Hit>,
         list: &mut Vec<Self>,
     ) -> Result<(), Error>;
@@ -50,7 +50,7 @@ impl Named for TrianglePair {
     fn list(
         traversal: &mut crate::threads::Traversal,
         _: &[()],
-        trees: &[Tree<'_>],
+        trees: &[AnyBvtt<'_>],
         _: &mut Vec<crate::threads::Hit>,
         list: &mut Vec<Self>,
     ) -> Result<(), Error> {
@@ -121,7 +121,7 @@ impl Executor {
     pub(crate) fn on_cpu<F: Named>(
         &mut self,
         name: F::Name,
-        tree: &Tree<'_>,
+        tree: &AnyBvtt<'_>,
         verb: Verb,
         list: &mut Vec<F>,
     ) -> (Backend, Result<Answer<F>, Error>) {
@@ -142,7 +142,7 @@ impl Executor {
     pub(crate) fn on_cpu_in_turn<'q, F: Named>(
         &mut self,
         history: &mut CpuHistory<F::Name>,
-        trees: impl Iterator<Item = (F::Name, Tree<'q>)>,
+        trees: impl Iterator<Item = (F::Name, AnyBvtt<'q>)>,
         verb: Verb,
         list: &mut Vec<F>,
     ) -> (Backend, Result<Answer<F>, Error>) {
@@ -188,7 +188,7 @@ mod several {
         /// The names of the trees of this batch.
         asking: Vec<N>,
         /// Empty, to use its memory again.
-        trees: Vec<Tree<'static>>,
+        trees: Vec<AnyBvtt<'static>>,
         numbered: Vec<Hit>,
     }
 
@@ -218,7 +218,7 @@ mod several {
     pub(super) fn ask<F: Named>(
         traversal: &mut Traversal,
         names: &[F::Name],
-        trees: &[Tree<'_>],
+        trees: &[AnyBvtt<'_>],
         verb: Verb,
         numbered: &mut Vec<Hit>,
         list: &mut Vec<F>,
@@ -241,12 +241,12 @@ mod several {
         pub(super) fn ask<'q, F: Named<Name = N>>(
             &mut self,
             traversal: &mut Traversal,
-            trees: impl Iterator<Item = (N, Tree<'q>)>,
+            trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
             verb: Verb,
             list: &mut Vec<F>,
         ) -> Result<Answer<F>, Error> {
             let (mut whole, mut numbered) = (Answer::counted(0), take(&mut self.numbered));
-            let mut ask_some = |traversal: &mut Traversal, names: &[N], trees: &[Tree<'_>]| {
+            let mut ask_some = |traversal: &mut Traversal, names: &[N], trees: &[AnyBvtt<'_>]| {
                 whole = whole.and(ask(traversal, names, trees, verb, &mut numbered, list)?);
                 Ok(whole.first.is_some())
             };
@@ -262,10 +262,10 @@ mod several {
         fn each_until_found<'q>(
             &mut self,
             traversal: &mut Traversal,
-            mut rest: impl Iterator<Item = (N, Tree<'q>)>,
-            ask: &mut impl FnMut(&mut Traversal, &[N], &[Tree<'_>]) -> Result<bool, Error>,
+            mut rest: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+            ask: &mut impl FnMut(&mut Traversal, &[N], &[AnyBvtt<'_>]) -> Result<bool, Error>,
         ) -> Result<(), Error> {
-            let mut batch: Vec<Tree<'_>> = take(&mut self.trees);
+            let mut batch: Vec<AnyBvtt<'_>> = take(&mut self.trees);
             // Batches grow, so that not much more is prepared than is asked.
             let (mut is_over, mut size) = (false, 1);
             while !is_over && !traversal.report.cancelled {
@@ -287,10 +287,10 @@ mod several {
         fn each_batch<'q>(
             &mut self,
             traversal: &mut Traversal,
-            trees: impl Iterator<Item = (N, Tree<'q>)>,
-            ask: &mut impl FnMut(&mut Traversal, &[N], &[Tree<'_>]) -> Result<bool, Error>,
+            trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+            ask: &mut impl FnMut(&mut Traversal, &[N], &[AnyBvtt<'_>]) -> Result<bool, Error>,
         ) -> Result<(), Error> {
-            let mut batch: Vec<Tree<'_>> = take(&mut self.trees);
+            let mut batch: Vec<AnyBvtt<'_>> = take(&mut self.trees);
             let mut rest = trees.peekable();
             let mut before: Option<Report> = None;
             loop {
@@ -343,7 +343,7 @@ mod several {
     }
 
     /// An empty vector of one lifetime becomes one of another, in place.
-    fn emptied(trees: Vec<Tree<'_>>) -> Vec<Tree<'static>> {
+    fn emptied(trees: Vec<AnyBvtt<'_>>) -> Vec<AnyBvtt<'static>> {
         trees.into_iter().map_while(|_| None).collect()
     }
 }

@@ -10,7 +10,7 @@ use crate::TrianglePair;
 #[cfg(feature = "gpu")]
 use crate::executor::Device;
 use crate::executor::{Answer, Backend, CpuHistory, Executor, Frame, Named, Verb};
-use crate::subject::Tree;
+use crate::subject::AnyBvtt;
 
 pub(super) struct SceneFrame<'s> {
     pub(super) pairs: BodyPairs<'s>,
@@ -35,7 +35,7 @@ impl Named for SceneHit {
     fn list(
         traversal: &mut crate::threads::Traversal,
         names: &[[BodyId; 2]],
-        trees: &[Tree<'_>],
+        trees: &[AnyBvtt<'_>],
         numbered: &mut Vec<crate::threads::Hit>,
         list: &mut Vec<Self>,
     ) -> Result<(), Error> {
@@ -56,7 +56,7 @@ impl Frame for SceneFrame<'_> {
         executor: &mut Executor,
         verb: Verb,
     ) -> (Backend, Result<Answer<SceneHit>, Error>) {
-        let trees = self.pairs.queries().map(|(bodies, query)| (bodies, Tree::Pair(query)));
+        let trees = self.pairs.queries().map(|(bodies, query)| (bodies, AnyBvtt::Pair(query)));
         executor.on_cpu_in_turn(self.cpu, trees, verb, self.hits)
     }
 
