@@ -8,8 +8,9 @@ use layouts::Compact;
 use pfront::threads::{Report, Schedule, Settings, Traversal};
 use pfront::{BuildOptions, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use pfront_core::bvtt;
-use pfront_core::bvtt::PosedBvh;
-use pfront_testkit::scenes::Scene;
+use pfront_core::bvtt::{PosedBvh, Query};
+use pfront_testkit::scenes::{Scene, icosphere};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 fn traversals() -> impl Iterator<Item = Traversal> {
@@ -47,6 +48,40 @@ fn two_models() {
         }
         assert!(many.report().is_some() && one.report().is_none());
     }
+}
+
+/// Nested spheres of which one vertex of the inner sticks out: the first pair comes anywhere in the traversal.
+#[test]
+fn a_search_takes_the_calling_thread_no_longer_than_alone() {
+    let outer = icosphere(5_000);
+    let inner = outer.clone().map(|p| p.map(|x| 0.999 * x));
+    let a = Model::new(outer.positions, outer.triangles).unwrap();
+    let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
+    let mut late = 0;
+    for vertex in (0..inner.positions.len()).step_by(inner.positions.len() / 12) {
+        let mut positions = inner.positions.clone();
+        positions[vertex] = positions[vertex].map(|x| 1.01 * x);
+        let b = Model::new(positions, inner.triangles.clone()).unwrap();
+        let tree = bvtt::PairBvtt::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
+        let mut cursor = tree.start();
+        assert!(tree.visit(&mut cursor, |_| ControlFlow::Break(())).is_break());
+        let alone = cursor.work.box_tests + cursor.work.triangle_tests;
+        late += u32::from(alone > 20_000);
+        // A thread that has come to its end gives its place in the report to another, which counts there too: the fewest
+        // tests of some searches are those of the calling thread.
+        let tests = (0..5).map(|_| {
+            let mut many = PairQuery::new().on(&Traversal::new(2).with_settings(settings).into());
+            assert!(many.any(&a, &b, Pose::IDENTITY).unwrap().is_some());
+            let report = many.report().unwrap();
+            let own = report.shares.first().map(|share| share.work).unwrap_or_default();
+            let works = [report.alone, own];
+            works.iter().map(|work| work.box_tests + work.triangle_tests).sum::<u64>()
+        });
+        let fewest = tests.min().unwrap();
+        // Threads look at each other every 512 tests, which end at a whole node pair.
+        assert!(fewest <= alone + 600, "{vertex}: {fewest} tests, {alone} alone");
+    }
+    assert!(late > 3, "{late}");
 }
 
 /// No clock decides what a query does under the static schedule: its counts are those of the traversal by itself.
