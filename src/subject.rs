@@ -54,21 +54,21 @@ impl<'m> Subject<&'m Model> {
 }
 
 impl<M: Borrow<Model>> Subject<M> {
-    pub(crate) fn key(&self, accuracy: Accuracy) -> Key {
+    /// The models, of which a lone one counts twice.
+    pub(crate) fn both(&self) -> [&M; 2] {
         match self {
-            Self::Pair { models, a_from_b } => Key {
-                models: models.each_ref().map(|model| model.borrow().stamp()),
-                a_from_b: Some(*a_from_b),
-                adjacency: Adjacency::default(),
-                accuracy,
-            },
-            Self::Within { models: [model], adjacency } => Key {
-                models: [model.borrow().stamp(); 2],
-                a_from_b: None,
-                adjacency: *adjacency,
-                accuracy,
-            },
+            Self::Pair { models: [a, b], .. } => [a, b],
+            Self::Within { models: [model], .. } => [model; 2],
         }
+    }
+
+    pub(crate) fn key(&self, accuracy: Accuracy) -> Key {
+        let (a_from_b, adjacency) = match self {
+            Self::Pair { a_from_b, .. } => (Some(*a_from_b), Adjacency::default()),
+            Self::Within { adjacency, .. } => (None, *adjacency),
+        };
+        let models = self.both().map(|model| model.borrow().stamp());
+        Key { models, a_from_b, adjacency, accuracy }
     }
 
     /// The tree that the CPU traverses. Fits the BVHs to the positions, if that has not been done.
@@ -145,7 +145,7 @@ impl<M: Borrow<Model>> Subject<M> {
         })
     }
 
-    /// The question for a GPU that has the models, of which a lone one counts twice.
+    /// The question for a GPU that has [`Subject::both`] models.
     pub(crate) fn question<'q>(
         &self,
         [a, b]: [&'q GpuModel; 2],

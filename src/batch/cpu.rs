@@ -87,7 +87,8 @@ mod pool {
         let (outcome, threads) = (Arc::<Outcome>::default(), traversal.threads());
         let count = job.questions.len();
         if count < threads {
-            let mut own_executor = executor.clone().with_cancel(outcome.flag());
+            // A thread of the pool is not to be the last that holds a device.
+            let mut own_executor = executor.without_gpu().with_cancel(outcome.flag());
             let own = outcome.clone();
             traversal.spawn(move || {
                 own.guard(|| {

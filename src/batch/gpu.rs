@@ -213,12 +213,8 @@ impl Answering {
 
     fn submit_one(&self, number: usize, lists: &mut GpuQuery) -> Result<(), Error> {
         let subject = &self.job.questions[number];
-        let (first, last) = match &subject.models() {
-            [] => return Ok(()),
-            [model] => (model, model),
-            [a, .., b] => (a, b),
-        };
-        let there = [self.device.model(first)?, self.device.model(last)?];
+        let [a, b] = subject.both();
+        let there = [self.device.model(a)?, self.device.model(b)?];
         let outlines = Default::default();
         let in_f64 = subject.in_f64(&outlines)?;
         let question = subject.question(there.each_ref().map(|model| &**model), in_f64.as_ref());

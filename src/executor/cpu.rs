@@ -27,7 +27,7 @@ pub(crate) trait Named: Copy + Ord + Send {
 
     fn new(name: Self::Name, pair: TrianglePair) -> Self;
 
-    /// Adds all pairs of some trees to a list, sorted. One subject without a name has an empty list.
+    /// Adds all pairs of some trees to a list, sorted. That of a subject without a name is replaced.
     #[cfg(feature = "threads")]
     fn list(
         traversal: &mut crate::threads::Traversal,

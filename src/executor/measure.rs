@@ -35,9 +35,7 @@ impl Line {
 pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> {
     // Else the first deforming mesh would wait for that.
     gpu.warm_up()?;
-    let mut cpu = executor.clone();
-    cpu.device = None;
-    let mut on_cpu = PairQuery::new().on(&cpu);
+    let mut on_cpu = PairQuery::new().on(&executor.without_gpu());
     let mut on_gpu = GpuQuery::new(gpu)?;
     let (mut cpu, mut there, mut uploads) = ([0.0; 2], [0.0; 2], [0.0; 2]);
     let sheets = [sheet(SIDES[0])?, sheet(SIDES[1])?];

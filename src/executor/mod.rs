@@ -238,6 +238,18 @@ impl Executor {
         self
     }
 
+    /// The same CPU alone.
+    #[cfg(any(feature = "threads", feature = "gpu"))]
+    pub(crate) fn without_gpu(&self) -> Self {
+        Self {
+            #[cfg(feature = "gpu")]
+            reader: None,
+            #[cfg(feature = "gpu")]
+            device: None,
+            ..self.clone()
+        }
+    }
+
     /// Forgets what the last frame on threads took.
     #[cfg(feature = "threads")]
     pub(crate) fn forget(&mut self) {
