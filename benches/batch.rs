@@ -13,7 +13,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use parry3d::math::{Mat3, Pose as Isometry, Rotation, Vec3};
 use parry3d::query::intersection_test;
 use parry3d::shape::TriMesh as ParryMesh;
-use pfront::threads::Traversal;
+use pfront::threads::Pool;
 use pfront::{Batch, Executor, Model, PairQuery, Pose};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::{Scene, torus_knot};
@@ -39,7 +39,7 @@ fn mesh() -> (&'static str, MeshData) {
 
 fn pool(threads: usize) -> Executor {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    Traversal::with_pool(Arc::new(pool)).into()
+    Pool::from(Arc::new(pool)).into()
 }
 
 fn executors() -> Vec<(String, Executor)> {

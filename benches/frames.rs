@@ -9,7 +9,7 @@
 
 mod cases;
 
-use cases::{Asker, CASES, Case, FRAMES, all_threads, traversal, turn};
+use cases::{Asker, CASES, Case, FRAMES, all_threads, pool, turn};
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use pfront::threads::Schedule;
 use pfront::{BuildOptions, Model, Node};
@@ -98,7 +98,7 @@ fn frames(c: &mut Criterion) {
         });
         for schedule in SCHEDULES {
             for threads in thread_counts() {
-                let mut query = Asker::on(&traversal(threads, schedule));
+                let mut query = Asker::on(&pool(threads, schedule));
                 for (frame, truth) in truth.iter().enumerate() {
                     assert_eq!(case.found(&mut query, frame), truth, "{schedule:?} {threads}");
                 }
@@ -121,7 +121,7 @@ fn first_frames(c: &mut Criterion) {
         let mut group = c.benchmark_group(format!("first frame/{}", case.name()));
         group.sample_size(10);
         for schedule in SCHEDULES {
-            let fresh = Asker::on(&traversal(threads, schedule));
+            let fresh = Asker::on(&pool(threads, schedule));
             group.bench_function(BenchmarkId::new(format!("{schedule:?}"), threads), |bench| {
                 bench.iter_batched_ref(
                     || fresh.clone(),

@@ -2,7 +2,7 @@
 //! that to the next if nothing has changed.
 
 use crate::environment::{Environment, with_default};
-use crate::executor::{Answer, Backend, Executor, Frame, Plan, Run, Verb};
+use crate::executor::{Answer, Backend, CpuHistory, Executor, Frame, Plan, Run, Verb};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
 use crate::memory::reserve;
@@ -16,7 +16,7 @@ use std::ops::ControlFlow;
 /// The memory of a query.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct History {
-    run: Run,
+    run: Run<()>,
     #[cfg(feature = "gpu")]
     mirrors: Mirrors,
     accuracy: Accuracy,
@@ -181,12 +181,12 @@ impl Frame for SubjectFrame<'_, '_> {
 
     fn on_cpu(
         &mut self,
-        executor: &mut Executor,
+        cpu: &mut CpuHistory<()>,
         verb: Verb,
     ) -> (Backend, Result<Answer<TrianglePair>, Error>) {
         // A tree is some 1,300 bytes, which are not to be moved about.
         match &self.subject.tree(self.accuracy) {
-            Ok(tree) => executor.on_cpu((), tree, verb, self.pairs),
+            Ok(tree) => cpu.ask((), tree, verb, self.pairs),
             Err(error) => (Backend::Sequential, Err(error.clone())),
         }
     }
@@ -215,7 +215,7 @@ impl Frame for SubjectFrame<'_, '_> {
     fn on_gpu(
         &mut self,
         device: &Device,
-        _: &mut Executor,
+        _: &mut CpuHistory<()>,
         verb: Verb,
     ) -> Result<Answer<TrianglePair>, Error> {
         let Self { subject, mirrors, pairs, .. } = self;

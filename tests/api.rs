@@ -29,7 +29,7 @@ fn everything_owned_is_send_sync_and_unpin() {
     holds::<(Batch, Ticket<PairLists>, Ticket<Vec<u64>>, Ticket<Vec<Option<TrianglePair>>>)>();
     holds::<(Error, SceneHit, Contact)>();
     #[cfg(feature = "threads")]
-    holds::<(pfront::threads::Traversal, pfront::threads::Report)>();
+    holds::<(pfront::threads::Pool, pfront::threads::Traversal, pfront::threads::Report)>();
     #[cfg(feature = "gpu")]
     {
         use pfront::gpu::{Deforming, Gpu, GpuError, GpuModel, GpuQuery, World};

@@ -113,7 +113,7 @@ fn executors() -> Vec<(&'static str, Executor)> {
     let threads = [];
     #[cfg(feature = "threads")]
     let threads = {
-        use pfront::threads::{Schedule, Settings, Traversal, rayon};
+        use pfront::threads::{Pool, Schedule, Settings, rayon};
         let schedules = [
             ("static", Schedule::Static),
             ("hybrid", Schedule::Hybrid),
@@ -121,11 +121,11 @@ fn executors() -> Vec<(&'static str, Executor)> {
         ];
         schedules.map(|(name, schedule)| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-            let mut traversal = Traversal::with_pool(std::sync::Arc::new(pool));
+            let mut pool = Pool::from(std::sync::Arc::new(pool));
             let settings = Settings { schedule, ..Settings::default() };
             // Many workers, so that parts and fronts are large lists.
-            traversal.workers = 300;
-            (name, traversal.with_settings(settings).into())
+            pool.workers = 300;
+            (name, pool.with_settings(settings).into())
         })
     };
     [("one thread", Executor::sequential())].into_iter().chain(threads).collect()

@@ -20,15 +20,15 @@ use std::sync::Arc;
 fn scenes() -> Vec<SceneQuery> {
     #[cfg(feature = "threads")]
     {
-        use pfront::threads::{Schedule, Settings, Traversal};
+        use pfront::threads::{Pool, Schedule, Settings};
         let schedules = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
         let threaded = [1, 2, 3, 7, 64].into_iter().flat_map(|workers| {
             schedules.map(|schedule| {
                 // The three make up for each other in what they leave at the default.
                 let max_nodes = if schedule == Schedule::Static { 1 } else { 1 << 20 };
                 let settings = Settings { schedule, max_nodes, ..Settings::default() };
-                let traversal = Traversal::new(workers).with_settings(settings);
-                SceneQuery::new().on(&traversal.into())
+                let pool = Pool::new(workers).with_settings(settings);
+                SceneQuery::new().on(&pool.into())
             })
         });
         [SceneQuery::new()].into_iter().chain(threaded).collect()

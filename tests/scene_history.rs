@@ -297,10 +297,10 @@ fn a_scene_with_a_history_answers_as_a_fresh_one() {
     let mut histories = vec![History::new("one thread", Executor::sequential())];
     #[cfg(feature = "threads")]
     {
-        use pfront::threads::{Schedule, Settings, Traversal};
+        use pfront::threads::{Pool, Schedule, Settings};
         let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
         histories.push(History::new("threads", Executor::threads(2)));
-        histories.push(History::new("static", Traversal::new(3).with_settings(settings).into()));
+        histories.push(History::new("static", Pool::new(3).with_settings(settings).into()));
     }
     run(histories, from_environment("PFRONT_ROUNDS").unwrap_or(2_000));
 }

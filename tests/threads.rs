@@ -5,20 +5,20 @@
 mod layouts;
 
 use layouts::Compact;
-use pfront::threads::{Report, Schedule, Settings, Traversal};
-use pfront::{BuildOptions, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
+use pfront::threads::{Pool, Report, Schedule, Settings, Traversal};
+use pfront::{BuildOptions, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use pfront_core::bvtt;
 use pfront_core::bvtt::{PosedBvh, Query};
 use pfront_testkit::scenes::{Scene, icosphere};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-fn traversals() -> impl Iterator<Item = Traversal> {
+fn pools() -> impl Iterator<Item = Pool> {
     let schedules = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
     [1, 3, 64].into_iter().flat_map(move |workers| {
         schedules.map(|schedule| {
             let settings = Settings { schedule, ..Settings::default() };
-            Traversal::new(workers).with_settings(settings)
+            Pool::new(workers).with_settings(settings)
         })
     })
 }
@@ -33,8 +33,8 @@ fn two_models() {
         .collect();
     let [a, b] = [0, 1].map(|i| &models[scene.objects[i]]);
     let mut one = PairQuery::new();
-    for traversal in traversals() {
-        let mut many = PairQuery::new().on(&traversal.into());
+    for pool in pools() {
+        let mut many = PairQuery::new().on(&pool.into());
         let mut poses = Vec::new();
         for frame in 0..4 {
             scene.poses(frame, &mut poses);
@@ -70,7 +70,7 @@ fn a_search_takes_the_calling_thread_no_longer_than_alone() {
         // A thread that has come to its end gives its place in the report to another, which counts there too: the fewest
         // tests of some searches are those of the calling thread.
         let tests = (0..5).map(|_| {
-            let mut many = PairQuery::new().on(&Traversal::new(2).with_settings(settings).into());
+            let mut many = PairQuery::new().on(&Pool::new(2).with_settings(settings).into());
             assert!(many.any(&a, &b, Pose::IDENTITY).unwrap().is_some());
             let report = many.report().unwrap();
             let own = report.shares.first().map(|share| share.work).unwrap_or_default();
@@ -95,8 +95,9 @@ fn counts_under_the_static_schedule_depend_on_no_machine() {
     let [a, b] = [0, 1].map(model);
     for workers in [2, 64, 1024] {
         let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
-        let mut alone = Traversal::new(workers).with_settings(settings);
-        let mut query = PairQuery::new().on(&alone.clone().into());
+        let pool = Pool::new(workers).with_settings(settings);
+        let mut alone = Traversal::new(&pool);
+        let mut query = PairQuery::new().on(&pool.into());
         let (mut poses, mut pairs) = (Vec::new(), Vec::<TrianglePair>::new());
         for frame in 0..4 {
             scene.poses(frame, &mut poses);
@@ -113,30 +114,14 @@ fn counts_under_the_static_schedule_depend_on_no_machine() {
     }
 }
 
-/// The history of a traversal with other queries neither helps a scene nor harms it.
-#[test]
-fn a_scene_takes_a_traversal_that_was_used() {
-    let mesh = Scene::by_name("sheet", Some(4_000)).unwrap().meshes[0].clone();
-    let model = Arc::new(Model::new(mesh.positions, mesh.triangles).unwrap());
-    let mut traversal = Traversal::new(3);
-    let query = bvtt::PairBvtt::new(model.bvh(), model.bvh(), Pose::IDENTITY).unwrap();
-    let expected = traversal.count(&[query]).unwrap();
-    assert!(traversal.report.nodes > 0);
-    let mut scene = SceneQuery::new().on(&Executor::from(traversal));
-    for _ in 0..2 {
-        scene.add(model.clone(), Pose::IDENTITY).unwrap();
-    }
-    assert_eq!(scene.count().unwrap(), expected);
-}
-
 #[test]
 fn one_model() {
     let scene = Scene::by_name("sheet", Some(4_000)).unwrap();
     let mesh = &scene.meshes[0];
     let mut model = Model::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap();
     let (mut one, mut positions) = (SelfQuery::new(), Vec::new());
-    for traversal in traversals() {
-        let mut many = SelfQuery::new().on(&traversal.into());
+    for pool in pools() {
+        let mut many = SelfQuery::new().on(&pool.into());
         for frame in 50..53 {
             scene.positions(frame, &mut positions);
             model.set_positions(&positions).unwrap();
@@ -164,7 +149,8 @@ fn compact_models() {
     let (mut poses, mut found, mut truth) =
         (Vec::new(), Vec::<bvtt::TrianglePair>::new(), Vec::new());
     let aside = Pose::new([[0.6, -0.8, 0.0, 0.3], [0.8, 0.6, 0.0, -2.0], [0.0, 0.0, 1.0, 0.1]]);
-    for mut traversal in traversals() {
+    for pool in pools() {
+        let mut traversal = Traversal::new(&pool);
         for frame in 0..3 {
             scene.poses(frame, &mut poses);
             let pose = Pose::new(poses[1]);
@@ -202,8 +188,8 @@ fn many_models() {
         objects.map(|&m| scene.add(models[m].clone(), Pose::IDENTITY).unwrap()).collect::<Vec<_>>()
     };
     let ids = add(&mut one);
-    for traversal in traversals() {
-        let mut many = SceneQuery::new().on(&traversal.into());
+    for pool in pools() {
+        let mut many = SceneQuery::new().on(&pool.into());
         assert_eq!(add(&mut many), ids);
         for frame in [3, 4] {
             train.poses(frame, &mut poses);

@@ -15,7 +15,7 @@ static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
     let mut all = vec![("sequential", Executor::sequential())];
     #[cfg(feature = "threads")]
     {
-        use pfront::threads::{Schedule, Settings, Traversal};
+        use pfront::threads::{Pool, Schedule, Settings};
         all.extend([("1 thread", Executor::threads(1)), ("2 threads", Executor::threads(2))]);
         for (name, schedule) in [
             ("static", Schedule::Static),
@@ -24,8 +24,8 @@ static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
         ] {
             let settings = Settings { schedule, ..Settings::default() };
             let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
-            let traversal = Traversal::with_pool(Arc::new(pool)).with_settings(settings);
-            all.push((name, traversal.into()));
+            let pool = Pool::from(Arc::new(pool)).with_settings(settings);
+            all.push((name, pool.into()));
         }
     }
     #[cfg(feature = "gpu")]
@@ -267,7 +267,7 @@ fn executors_and_batches_may_go_before_their_tickets() {
         #[cfg(feature = "threads")]
         ("pool", {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-            pfront::threads::Traversal::with_pool(Arc::new(pool)).into()
+            pfront::threads::Pool::from(Arc::new(pool)).into()
         }),
         #[cfg(feature = "gpu")]
         ("gpu", {

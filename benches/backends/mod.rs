@@ -1,6 +1,6 @@
 //! Backends that find the pairs of a frame: threads of the CPU, or the GPU.
 
-use crate::cases::{Asker, Case, all_threads, traversal};
+use crate::cases::{Asker, Case, all_threads, pool};
 use pfront::gpu::{Deforming, Gpu, GpuModel, GpuQuery, GpuQuestion};
 use pfront::threads::Schedule;
 use pfront::{Model, Pose, TrianglePair};
@@ -26,7 +26,7 @@ impl<'c> Cpu<'c> {
             Case::Within { model, .. } => Some(model.clone()),
         };
         let asker = match threads {
-            true => Asker::on(&traversal(all_threads(), Schedule::Hybrid)),
+            true => Asker::on(&pool(all_threads(), Schedule::Hybrid)),
             false => Asker::default(),
         };
         Self { case, asker, moving, threads }

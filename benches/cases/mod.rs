@@ -1,6 +1,6 @@
 //! The frames that benches run, and who runs them on the CPU.
 
-use pfront::threads::{Schedule, Settings, Traversal};
+use pfront::threads::{Pool, Schedule, Settings};
 use pfront::{Executor, Model, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_testkit::scenes::{Kind, Scene};
 use rayon::ThreadPoolBuilder;
@@ -97,17 +97,17 @@ pub(crate) struct Asker {
 }
 
 impl Asker {
-    pub(crate) fn on(traversal: &Traversal) -> Self {
-        let executor = Executor::from(traversal.clone());
+    pub(crate) fn on(pool: &Pool) -> Self {
+        let executor = Executor::from(pool.clone());
         Self { pair: PairQuery::new().on(&executor), within: SelfQuery::new().on(&executor) }
     }
 }
 
 /// A pool of `threads`, and a worker for each.
-pub(crate) fn traversal(threads: usize, schedule: Schedule) -> Traversal {
+pub(crate) fn pool(threads: usize, schedule: Schedule) -> Pool {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let settings = Settings { schedule, ..Settings::default() };
-    Traversal::with_pool(Arc::new(pool)).with_settings(settings)
+    Pool::from(Arc::new(pool)).with_settings(settings)
 }
 
 /// Threads of this machine.

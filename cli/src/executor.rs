@@ -5,7 +5,7 @@ use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use pfront::gpu::Gpu;
 use pfront::gpu::wgpu::{Adapter, AdapterInfo, Backends, DeviceType, Instance, InstanceDescriptor};
-use pfront::threads::Traversal;
+use pfront::threads::Pool;
 use pfront::{Accuracy, Executor};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
@@ -166,5 +166,5 @@ pub fn threads(threads: usize) -> Result<Executor> {
     }
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.with_context(|| format!("no pool of {threads} threads"))?;
-    Ok(Executor::from(Traversal::with_pool(Arc::new(pool))))
+    Ok(Executor::from(Pool::from(Arc::new(pool))))
 }

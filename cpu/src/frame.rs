@@ -6,8 +6,8 @@ use crate::memory::{push, reserve, resize};
 use crate::output::Output;
 use crate::report::sum;
 use crate::search::Search;
-use crate::workers::{Frame, awake};
-use crate::{MemoryError, Report, Schedule, Settings, Traversal};
+use crate::workers::Frame;
+use crate::{MemoryError, Report, Schedule, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
 use pfront_core::environment::{Environment, with_default};
 use pfront_core::front::estimate;
@@ -15,7 +15,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
 /// Tests of both kinds that the calling thread does before it calls others, if nobody has measured what a call takes
-/// ([`Traversal::measured`]). A frame whose expected cost, in box tests, is lower than this begins there.
+/// ([`Pool::measured`](crate::Pool::measured)). A frame whose expected cost, in box tests, is lower than this begins there.
 const ALONE: u64 = 2048;
 
 /// Tests between two looks at the clock while others may be called. A frame that ends sooner is not timed: that would take
@@ -95,10 +95,10 @@ impl Traversal {
         control: &Control,
         output: &mut impl Output,
     ) -> Result<bool, MemoryError> {
-        let from_roots = self.p() > 1 && !only_one_hit && self.expects_much(queries);
+        let from_roots = self.pool.p() > 1 && !only_one_hit && self.expects_much(queries);
         // Nearly as long as predicted is no reason to call others shortly before the end.
         let predicted = if only_one_hit { 0.0 } else { self.predicted() };
-        let alone = self.call.map(|call| self.worth(call).max(2.0 * predicted));
+        let alone = self.pool.call.map(|call| self.worth(call).max(2.0 * predicted));
         self.traverse_alone(queries, from_roots, alone, control, output)?;
         Ok(from_roots)
     }
@@ -108,7 +108,7 @@ impl Traversal {
     fn learn(&mut self, divided: Option<Duration>, from_roots: bool, is_whole: bool) {
         if let Some(time) = divided {
             let work = self.report.work().cost() - self.report.alone.cost();
-            let ideal = work * self.pace.unwrap_or_default() / self.p() as f64;
+            let ideal = work * self.pace.unwrap_or_default() / self.pool.p() as f64;
             self.overhead = (time.as_secs_f64() - ideal).max(0.0);
         } else {
             self.overhead *= FADING;
@@ -127,7 +127,7 @@ impl Traversal {
     /// Whether a frame is worth several threads from the start: by the last one. If nobody has measured what a call takes, a
     /// first frame goes by an estimate; else nothing is expected of it, since estimates are often too high.
     fn expects_much<Q: Query>(&self, queries: &[Q]) -> bool {
-        if let Some(call) = self.call {
+        if let Some(call) = self.pool.call {
             return self.last_cost.is_some()
                 && self.predicted() >= self.worth(call.max(self.overhead));
         }
@@ -145,7 +145,7 @@ impl Traversal {
 
     /// The seconds from which on p workers are faster than one, if it takes `overhead` to call them: W p / (p - 1).
     fn worth(&self, overhead: f64) -> f64 {
-        overhead * self.p() as f64 / (self.p() as f64 - 1.0)
+        overhead * self.pool.p() as f64 / (self.pool.p() as f64 - 1.0)
     }
 
     /// Traverses the queries in turn on the calling thread, for so many seconds `alone` if they are known, unless the frame
@@ -170,10 +170,10 @@ impl Traversal {
             }
             let mut cursor = Cursor::at(root);
             while !cursor.is_done() && !is_enough && !control.is_over() {
-                let next = if self.p() == 1 { u64::MAX } else { tests(cursor.work) + STEP };
+                let next = if self.pool.p() == 1 { u64::MAX } else { tests(cursor.work) + STEP };
                 control.traverse(query, number, &mut cursor, output, next, &|| false);
                 let done = sum(work, cursor.work);
-                if self.p() > 1 && tests(done) >= STEP {
+                if self.pool.p() > 1 && tests(done) >= STEP {
                     let (clock, _) = clock.get_or_insert_with(|| (Instant::now(), done.cost()));
                     is_enough = match alone {
                         Some(alone) => clock.elapsed().as_secs_f64() >= alone,
@@ -209,7 +209,7 @@ impl Traversal {
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
     ) -> Result<(), MemoryError> {
-        let (p, threads) = (self.p(), self.threads());
+        let (p, threads) = (self.pool.p(), self.pool.threads());
         let Self { pool, starts, report, .. } = self;
         // The last of the node pairs that were pending is the next; the roots of other queries follow as they are.
         let query = starts.first().map(|start| start.query);
@@ -220,7 +220,7 @@ impl Traversal {
         reserve(outputs, more)?;
         outputs.resize_with(threads, new_output);
         let clock = Instant::now();
-        Search { queries, starts, control }.run(pool.as_deref(), outputs, &mut report.shares)?;
+        Search { queries, starts, control }.run(pool, outputs, &mut report.shares)?;
         report.traversal_time += clock.elapsed();
         Ok(())
     }
@@ -234,17 +234,18 @@ impl Traversal {
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
     ) -> Result<(), MemoryError> {
-        let (p, threads, expected) = (self.p(), self.threads(), self.last_cost);
-        let Self { settings, pool, front, starts, buffers, report, .. } = self;
+        let (p, threads, expected) = (self.pool.p(), self.pool.threads(), self.last_cost);
+        let Self { pool, front, starts, buffers, report, .. } = self;
         resize(&mut report.shares, p)?;
         let more = threads.saturating_sub(outputs.len());
         reserve(outputs, more)?;
         outputs.resize_with(threads, new_output);
-        let settings = Settings { coherence: settings.coherence && from_roots, ..*settings };
+        let mut settings = pool.settings;
+        settings.coherence &= from_roots;
         // A thread of the pool may have other things to do than to wait for this front.
         let in_pool = rayon::current_thread_index().is_some();
         let waiting = if in_pool || settings.schedule == Schedule::Stealing { 1 } else { threads };
-        awake(pool.as_deref(), waiting, |is_ready| {
+        pool.awake(waiting, |is_ready| {
             let slice = with_default(|| {
                 front.divide(queries, starts, &settings, report)?;
                 let predicted = || report.shares.iter().map(|share| share.predicted).sum();
@@ -258,7 +259,7 @@ impl Traversal {
             let frame = Frame { queries, nodes: front.nodes(), slice, control };
             is_ready.store(true, Relaxed);
             [report.waking_time, report.busy_time] =
-                buffers.traverse(&frame, pool.as_deref(), outputs, &mut report.shares)?;
+                buffers.traverse(&frame, pool, outputs, &mut report.shares)?;
             report.traversal_time += clock.elapsed();
             Ok(())
         })?;

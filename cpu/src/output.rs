@@ -1,12 +1,10 @@
 //! Outputs of the threads, one each so that no thread waits for a lock. Each thread sorts its own list while it is in its
 //! cache, and the sorted lists are merged by all threads.
 
-use crate::MemoryError;
 use crate::memory::{reserve, resize};
-use crate::workers::for_each;
+use crate::{MemoryError, Pool};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::environment::Environment;
-use rayon::ThreadPool;
 use std::mem::take;
 use std::ops::{ControlFlow, Range};
 
@@ -212,7 +210,7 @@ const SAMPLES: usize = 16;
 pub(crate) fn merge<T: Item>(
     lists: &mut [OutputBuffer<T>],
     threads: usize,
-    pool: Option<&ThreadPool>,
+    pool: &Pool,
     out: &mut Vec<T>,
 ) -> Result<(), MemoryError> {
     let len: usize = lists.iter().map(|list| list.items.len()).sum();
@@ -223,7 +221,7 @@ pub(crate) fn merge<T: Item>(
         lists.first_mut().into_iter().for_each(|list| sort(out, &mut list.scratch));
         return Ok(());
     }
-    for_each(pool, lists.iter_mut().filter(|list| !list.is_finished()), Output::finish);
+    pool.for_each(lists.iter_mut().filter(|list| !list.is_finished()), Output::finish);
     if let Some(only) = lists.iter_mut().find(|list| list.items.len() == len && list.runs < 2) {
         std::mem::swap(out, &mut only.items);
         return Ok(());
@@ -239,7 +237,7 @@ pub(crate) fn merge<T: Item>(
 fn merge_lists<T: Item>(
     lists: &[OutputBuffer<T>],
     threads: usize,
-    pool: Option<&ThreadPool>,
+    pool: &Pool,
     out: &mut [T],
     scratch: &mut Vec<T>,
 ) -> Result<(), MemoryError> {
@@ -257,7 +255,7 @@ fn merge_lists<T: Item>(
     // For each run the ends of its part of each range.
     let mut ends = Vec::new();
     resize(&mut ends, ranges * runs.len())?;
-    for_each(pool, runs.iter().zip(ends.chunks_exact_mut(ranges)), |(run, ends)| {
+    pool.for_each(runs.iter().zip(ends.chunks_exact_mut(ranges)), |(run, ends)| {
         for (range, end) in (1..ranges).zip(&mut *ends) {
             *end = run.partition_point(|item| *item < first(range));
         }
@@ -280,7 +278,7 @@ fn merge_lists<T: Item>(
         (rest, rest_of_scratch) = (others, more);
         (chunk, scratch, range)
     });
-    for_each(pool, chunks, |(chunk, scratch, range)| {
+    pool.for_each(chunks, |(chunk, scratch, range)| {
         merge_runs(&|run| part(run, range), 0..runs.len(), chunk, scratch);
     });
     Ok(())
@@ -420,7 +418,7 @@ mod tests {
                 expected.sort();
                 for threads in [1, 2, 16, 64] {
                     let mut out = vec![TrianglePair::default(); 3];
-                    let merged = merge(&mut made.clone(), threads, None, &mut out);
+                    let merged = merge(&mut made.clone(), threads, &Pool::new(1), &mut out);
                     assert!(
                         merged.is_ok() && out == expected,
                         "{lists} lists, {most} each, {threads} threads"

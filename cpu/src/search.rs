@@ -7,12 +7,12 @@ use crate::control::{Control, tests};
 use crate::front::Start;
 use crate::memory::reserve;
 use crate::output::Output;
+use crate::pool::spawn;
 use crate::report::sum;
-use crate::workers::{in_scope, spawn};
-use crate::{MemoryError, Share};
+use crate::{MemoryError, Pool, Share};
 use pfront_core::bvtt::{Cursor, Query};
 use pfront_core::environment::{Environment, with_default};
-use rayon::{Scope, ThreadPool};
+use rayon::Scope;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -34,7 +34,7 @@ impl<Q: Query + Sync> Search<'_, Q> {
     /// [`MemoryError`] if there is no room to note threads that have nothing to do.
     pub(crate) fn run<O: Output>(
         &self,
-        pool: Option<&ThreadPool>,
+        pool: &Pool,
         outputs: &mut [O],
         shares: &mut [Share],
     ) -> Result<(), MemoryError> {
@@ -43,7 +43,7 @@ impl<Q: Query + Sync> Search<'_, Q> {
         reserve(&mut free, outputs.len())?;
         let [taken, from_back, idle] = [0; 3].map(AtomicUsize::new);
         let run = Run { search: self, taken, from_back, idle, free: Mutex::new(free) };
-        in_scope(pool, |scope| {
+        pool.in_scope(|scope| {
             let slot = |(output, share)| Slot { output, share };
             let (run, mut slots) = (&run, outputs.iter_mut().zip(shares).map(slot));
             let own = slots.next();

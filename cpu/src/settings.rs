@@ -1,4 +1,4 @@
-//! Settings of a traversal. None of them changes an answer.
+//! Settings of a pool. None of them changes an answer.
 
 /// The way in which the nodes of a frame are assigned to workers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -15,13 +15,13 @@ pub enum Schedule {
     Hybrid,
 }
 
-/// Settings of a [`Traversal`](crate::Traversal).
+/// Settings of a [`Pool`](crate::Pool).
 ///
 /// # Examples
 /// ```
-/// use pfront_cpu::{Schedule, Settings, Traversal};
+/// use pfront_cpu::{Pool, Schedule, Settings};
 /// let settings = Settings { schedule: Schedule::Static, g: 2.0, ..Settings::default() };
-/// let traversal = Traversal::new(16).with_settings(settings);
+/// let pool = Pool::new(16).with_settings(settings);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {

@@ -10,12 +10,13 @@
 use crate::control::{Control, tests};
 use crate::memory::{push, reserve};
 use crate::output::Output;
-use crate::{MemoryError, Share};
+use crate::pool::spawn;
+use crate::{MemoryError, Pool, Share};
 use pfront_core::bvtt::{Cursor, Query, Work};
 use pfront_core::environment::{Environment, with_default};
 use pfront_core::front::FrontNode;
-use rayon::{Scope, ThreadPool};
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
+use rayon::Scope;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -82,7 +83,7 @@ impl Workers {
     pub(crate) fn traverse<Q: Query + Sync, O: Output>(
         &mut self,
         frame: &Frame<'_, Q>,
-        pool: Option<&ThreadPool>,
+        pool: &Pool,
         outputs: &mut [O],
         shares: &mut [Share],
     ) -> Result<[Duration; 2], MemoryError> {
@@ -102,7 +103,7 @@ impl Workers {
             waking: AtomicU64::new(0),
             busy: AtomicU64::new(0),
         };
-        in_scope(pool, |scope| {
+        pool.in_scope(|scope| {
             let slot = |(worker, output)| OutputSlot { output, worker };
             let (run, mut slots) = (&run, outputs.iter_mut().enumerate().map(slot));
             let own = slots.next();
@@ -275,61 +276,4 @@ impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
         // Nothing is ever half done under this lock.
         self.free.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// Spawns a job, which runs in the default floating-point environment; it is passed that of its thread, which is what the thread
-/// that made the pool had.
-pub(crate) fn spawn<'s>(scope: &Scope<'s>, job: impl FnOnce(&Scope<'s>, Environment) + Send + 's) {
-    scope.spawn(move |scope| {
-        let environment = Environment::current();
-        with_default(|| job(scope, environment));
-    });
-}
-
-/// Runs a function on the calling thread, with a scope to call others. The calling thread may do what others have left in the
-/// pool while it waits for these, so that only what runs in the scope is in the default floating-point environment.
-pub(crate) fn in_scope<'s, R>(pool: Option<&ThreadPool>, run: impl FnOnce(&Scope<'s>) -> R) -> R {
-    match pool {
-        Some(pool) => pool.in_place_scope(run),
-        None => rayon::in_place_scope(run),
-    }
-}
-
-/// Runs a function for each item, the first on the calling thread, in the default floating-point environment.
-pub(crate) fn for_each<T: Send>(
-    pool: Option<&ThreadPool>,
-    items: impl IntoIterator<Item = T>,
-    run: impl Fn(T) + Sync,
-) {
-    let (mut items, run) = (items.into_iter(), &run);
-    let own = items.next();
-    in_scope(pool, |scope| {
-        items.for_each(|item| spawn(scope, move |_, _| run(item)));
-        if let Some(item) = own {
-            with_default(|| run(item));
-        }
-    });
-}
-
-/// The longest time for which threads are kept awake.
-const AWAKE: Duration = Duration::from_millis(1);
-
-/// Runs a function that first does what one thread does, and then sets the flag and calls others. These wake up meanwhile.
-pub(crate) fn awake<R>(
-    pool: Option<&ThreadPool>,
-    threads: usize,
-    run: impl FnOnce(&AtomicBool) -> R,
-) -> R {
-    let is_ready = AtomicBool::new(false);
-    in_scope(pool, |scope| {
-        for _ in 1..threads {
-            scope.spawn(|_| {
-                let clock = Instant::now();
-                while !is_ready.load(Relaxed) && clock.elapsed() < AWAKE {
-                    std::thread::yield_now();
-                }
-            });
-        }
-        run(&is_ready)
-    })
 }

@@ -3,7 +3,7 @@
 use crate::World;
 use crate::body::Builder;
 use arbitrary::{Arbitrary, Result, Unstructured};
-use pfront::threads::{Schedule, Settings, Traversal};
+use pfront::threads::{Schedule, Settings, Pool};
 use pfront::{Accuracy, Adjacency, Pose};
 use pfront_testkit::MeshData;
 use pfront_testkit::shapes::sheet;
@@ -260,7 +260,7 @@ pub struct Crew {
 }
 
 impl Crew {
-    pub(crate) fn traversal(self) -> Traversal {
+    pub(crate) fn pool(self) -> Pool {
         let schedules = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
         let mut settings = Settings {
             schedule: schedules[usize::from(self.schedule % 3)],
@@ -270,6 +270,6 @@ impl Crew {
         if let Some(most) = self.max_nodes {
             settings.max_nodes = most.into();
         }
-        Traversal::new(usize::from(self.workers % 65)).with_settings(settings)
+        Pool::new(usize::from(self.workers % 65)).with_settings(settings)
     }
 }

@@ -210,7 +210,7 @@ impl World {
     }
 
     fn divide(&mut self, crew: Crew) {
-        self.many = take(&mut self.many).on(&crew.traversal().into());
+        self.many = take(&mut self.many).on(&crew.pool().into());
     }
 }
 

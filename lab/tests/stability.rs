@@ -4,7 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::pfront_core::bvtt::PairBvtt;
-use pfront::threads::{Schedule, Settings, Traversal};
+use pfront::threads::{Pool, Schedule, Settings, Traversal};
 use pfront::{Model, Pose, TrianglePair};
 use pfront_lab::stability::Method::{Ours, Printed};
 use pfront_lab::stability::{Finding, ROWS};
@@ -71,7 +71,7 @@ fn the_grain_hardly_changes_the_work() {
         let [usual, halved, doubled] = [1.0, 0.5, 2.0].map(|factor| {
             let usual = Settings { schedule: Schedule::Static, ..Settings::default() };
             let settings = Settings { g: factor * usual.g, ..usual };
-            let mut traversal = Traversal::new(workers).with_settings(settings);
+            let mut traversal = Traversal::new(&Pool::new(workers).with_settings(settings));
             let mut pairs = Vec::<TrianglePair>::new();
             (0..4).for_each(|_| traversal.all(std::slice::from_ref(&query), &mut pairs).unwrap());
             traversal.report.work().cost()

@@ -68,8 +68,9 @@ mod pool {
     use super::super::outcome::Outcome;
     use super::*;
     use crate::Executor;
+    use crate::executor::CpuHistory;
     use crate::memory::reserve;
-    use crate::threads::Traversal;
+    use crate::threads::Pool;
     use std::sync::atomic::{AtomicUsize, Ordering::AcqRel, Ordering::Relaxed};
     use std::sync::{Arc, Mutex, PoisonError};
 
@@ -79,20 +80,15 @@ mod pool {
     const TURNS: usize = 16;
 
     /// Submits a batch to the pool of an executor.
-    pub(in super::super) fn submit(
-        executor: &Executor,
-        traversal: &Traversal,
-        job: Job,
-    ) -> Arc<Outcome> {
-        let (outcome, threads) = (Arc::<Outcome>::default(), traversal.threads());
+    pub(in super::super) fn submit(executor: &Executor, pool: &Pool, job: Job) -> Arc<Outcome> {
+        let (outcome, threads) = (Arc::<Outcome>::default(), pool.threads());
         let count = job.questions.len();
         if count < threads {
-            // A thread of the pool is not to be the last that holds a device.
-            let mut own_executor = executor.without_gpu().with_cancel(outcome.flag());
+            let mut cpu = CpuHistory::new(&executor.clone().with_cancel(outcome.flag()));
             let own = outcome.clone();
-            traversal.spawn(move || {
+            pool.spawn(move || {
                 own.guard(|| {
-                    let found = together(&mut own_executor, &job)?;
+                    let found = together(&mut cpu, &job)?;
                     // If it is cancelled, the outcome is known.
                     own.set(Ok(found));
                     Ok(())
@@ -110,7 +106,7 @@ mod pool {
         });
         for _ in 0..threads {
             let blocks = blocks.clone();
-            traversal.spawn(move || {
+            pool.spawn(move || {
                 blocks.outcome.guard(|| blocks.work());
             });
         }
@@ -118,13 +114,13 @@ mod pool {
     }
 
     /// Answers one question after the other, each by all threads.
-    fn together(executor: &mut Executor, job: &Job) -> Result<Found, Error> {
+    fn together(cpu: &mut CpuHistory<()>, job: &Job) -> Result<Found, Error> {
         let (mut found, mut pairs) = (Found::default(), Vec::new());
         for question in job.questions.iter() {
             // The next question does not resemble the last.
-            executor.forget();
+            cpu.forget();
             let tree = question.tree(job.accuracy)?;
-            let (_, answer) = executor.on_cpu((), &tree, job.verb, &mut pairs);
+            let (_, answer) = cpu.ask((), &tree, job.verb, &mut pairs);
             push(&mut found.answers, answer?)?;
             reserve(&mut found.pairs, pairs.len())?;
             found.pairs.append(&mut pairs);

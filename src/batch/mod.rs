@@ -283,9 +283,9 @@ impl Batch {
             return Ok(ticket);
         }
         #[cfg(feature = "threads")]
-        if let Some(traversal) = &executor.traversal {
+        if let Some(pool) = &executor.pool {
             let planned = planned(Backend::Threads);
-            return Ok(Ticket::new(cpu::submit(executor, traversal, job), None, answer, planned));
+            return Ok(Ticket::new(cpu::submit(executor, pool, job), None, answer, planned));
         }
         let planned = planned(Backend::Sequential);
         Ok(Ticket::new(Arc::default(), Some(cpu::Steps::new(job)), answer, planned))

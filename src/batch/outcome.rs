@@ -202,7 +202,7 @@ mod tests {
     fn a_panic_of_a_thread_is_an_error_of_the_ticket() {
         let outcome = Arc::<Outcome>::default();
         let own = outcome.clone();
-        crate::threads::Traversal::new(2).spawn(move || {
+        crate::threads::Pool::new(2).spawn(move || {
             own.guard(|| -> Result<(), _> { resume_unwind(Box::new(0)) });
         });
         outcome.wait(None);

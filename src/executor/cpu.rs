@@ -8,14 +8,8 @@ use pfront_core::bvtt::{Cursor, Query};
 use std::ops::ControlFlow;
 #[cfg(feature = "threads")]
 use std::slice::from_ref;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-
-#[cfg(feature = "threads")]
-pub(crate) use several::CpuHistory;
-
-/// One thread remembers nothing.
-#[cfg(not(feature = "threads"))]
-pub(crate) type CpuHistory<N> = std::marker::PhantomData<N>;
 
 /// Tests between two looks at whether a question is cancelled: about 0.1 ms.
 pub(crate) const SLICE: u64 = 4096;
@@ -115,49 +109,83 @@ fn on_one_thread<F: Named>(
     Ok(answer)
 }
 
-impl Executor {
-    /// Answers about one subject on the CPU, and tells which part of it did. The list is replaced, under [`Verb::All`] by all
+/// A query on the CPU of an executor, and what it remembers from frame to frame.
+#[derive(Clone, Debug)]
+pub(crate) struct CpuHistory<N> {
+    cancel: Option<Arc<AtomicBool>>,
+    /// One thread remembers nothing.
+    #[cfg(feature = "threads")]
+    threads: Option<Box<several::ThreadsHistory<N>>>,
+    #[cfg(not(feature = "threads"))]
+    names: std::marker::PhantomData<N>,
+}
+
+impl<N: Copy + Ord> CpuHistory<N> {
+    /// A history without frames.
+    pub(crate) fn new(executor: &Executor) -> Self {
+        Self {
+            cancel: executor.cancel.clone(),
+            #[cfg(feature = "threads")]
+            threads: executor
+                .pool
+                .as_ref()
+                .map(|pool| Box::new(several::ThreadsHistory::new(pool, executor.cancel.clone()))),
+            #[cfg(not(feature = "threads"))]
+            names: std::marker::PhantomData,
+        }
+    }
+
+    /// Counts and times of the last frame on threads.
+    #[cfg(feature = "threads")]
+    pub(crate) fn report(&self) -> Option<&crate::threads::Report> {
+        Some(&self.threads.as_ref()?.traversal.report)
+    }
+
+    /// Forgets what the last frame took, for a next one that does not resemble it.
+    #[cfg(feature = "threads")]
+    pub(crate) fn forget(&mut self) {
+        self.threads.iter_mut().for_each(|threads| threads.traversal.forget());
+    }
+
+    /// Answers about one subject, and tells which part of the CPU did. The list is replaced, under [`Verb::All`] by all
     /// pairs, sorted.
-    pub(crate) fn on_cpu<F: Named>(
+    pub(crate) fn ask<F: Named<Name = N>>(
         &mut self,
-        name: F::Name,
+        name: N,
         tree: &AnyBvtt<'_>,
         verb: Verb,
         list: &mut Vec<F>,
     ) -> (Backend, Result<Answer<F>, Error>) {
         list.clear();
         #[cfg(feature = "threads")]
-        if let Some(traversal) = &mut self.traversal {
-            return several::reported(traversal, |traversal| {
+        if let Some(threads) = &mut self.threads {
+            return threads.reported(|threads| {
                 let (names, trees) = (from_ref(&name), from_ref(tree));
+                let traversal = &mut threads.traversal;
                 let answer = several::ask(traversal, names, trees, verb, &mut Vec::new(), list)?;
                 Ok(answer.with(verb, list))
             });
         }
-        let answer = on_one_thread((name, tree), verb, self.cancel_flag(), list);
+        let answer = on_one_thread((name, tree), verb, self.cancel.as_deref(), list);
         (Backend::Sequential, answer.map(|answer| answer.with(verb, list)))
     }
 
     /// The same about many subjects, in the order of their names.
-    pub(crate) fn on_cpu_in_turn<'q, F: Named>(
+    pub(crate) fn ask_in_turn<'q, F: Named<Name = N>>(
         &mut self,
-        history: &mut CpuHistory<F::Name>,
-        trees: impl Iterator<Item = (F::Name, AnyBvtt<'q>)>,
+        trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
         verb: Verb,
         list: &mut Vec<F>,
     ) -> (Backend, Result<Answer<F>, Error>) {
         list.clear();
         #[cfg(feature = "threads")]
-        if let Some(traversal) = &mut self.traversal {
-            return several::reported(traversal, |traversal| {
-                Ok(history.ask(traversal, trees, verb, list)?.with(verb, list))
-            });
+        if let Some(threads) = &mut self.threads {
+            return threads
+                .reported(|threads| Ok(threads.ask(trees, verb, list)?.with(verb, list)));
         }
-        #[cfg(not(feature = "threads"))]
-        let _ = history;
         let mut whole = Answer::counted(0);
         for (name, tree) in trees {
-            match on_one_thread((name, &tree), verb, self.cancel_flag(), list) {
+            match on_one_thread((name, &tree), verb, self.cancel.as_deref(), list) {
                 Ok(answer) => whole = whole.and(answer),
                 Err(error) => return (Backend::Sequential, Err(error)),
             }
@@ -173,16 +201,17 @@ impl Executor {
 mod several {
     use super::*;
     use crate::memory::reserve;
-    use crate::threads::{Hit, Report, Traversal};
+    use crate::threads::{Hit, Pool, Report, Traversal};
     use std::mem::take;
 
     /// The most trees that are asked at once. Each takes some 1,300 bytes with its node of the front, so that all of them take
     /// 85 MiB at most, however many pairs a frame has.
     const BATCH: usize = 1 << 16;
 
-    /// What a query remembers of its frames on several threads, beside the costs in its traversal.
+    /// A query on the threads of a pool.
     #[derive(Clone, Debug)]
-    pub(crate) struct CpuHistory<N> {
+    pub(super) struct ThreadsHistory<N> {
+        pub(super) traversal: Traversal,
         /// The names of the trees of the last batch: what each cost is remembered by its number.
         asked: Vec<N>,
         /// The names of the trees of this batch.
@@ -190,28 +219,6 @@ mod several {
         /// Empty, to use its memory again.
         trees: Vec<AnyBvtt<'static>>,
         numbered: Vec<Hit>,
-    }
-
-    impl<N> Default for CpuHistory<N> {
-        fn default() -> Self {
-            Self { asked: Vec::new(), asking: Vec::new(), trees: Vec::new(), numbered: Vec::new() }
-        }
-    }
-
-    /// Runs a question, and tells which part of the CPU answered.
-    pub(super) fn reported<A>(
-        traversal: &mut Traversal,
-        ask: impl FnOnce(&mut Traversal) -> Result<A, Error>,
-    ) -> (Backend, Result<A, Error>) {
-        // A question that ends before it traverses anything leaves the report as it was.
-        traversal.report.cancelled = false;
-        traversal.report.shares.clear();
-        let answer = ask(traversal);
-        let Report { shares, cancelled, .. } = &traversal.report;
-        let part = if shares.is_empty() { Backend::Sequential } else { Backend::Threads };
-        let answer =
-            answer.and_then(|answer| if *cancelled { Err(Error::Cancelled) } else { Ok(answer) });
-        (part, answer)
     }
 
     /// Every verb, about some trees by their names. Pairs are added to the list.
@@ -237,10 +244,32 @@ mod several {
         })
     }
 
-    impl<N: Copy + Ord> CpuHistory<N> {
+    impl<N: Copy + Ord> ThreadsHistory<N> {
+        pub(super) fn new(pool: &Pool, cancel: Option<Arc<AtomicBool>>) -> Self {
+            let mut traversal = Traversal::new(pool);
+            traversal.cancel = cancel;
+            let (asked, asking, trees) = (Vec::new(), Vec::new(), Vec::new());
+            Self { traversal, asked, asking, trees, numbered: Vec::new() }
+        }
+
+        /// Runs a question, and tells which part of the CPU answered.
+        pub(super) fn reported<A>(
+            &mut self,
+            ask: impl FnOnce(&mut Self) -> Result<A, Error>,
+        ) -> (Backend, Result<A, Error>) {
+            // A question that ends before it traverses anything leaves the report as it was.
+            self.traversal.report.cancelled = false;
+            self.traversal.report.shares.clear();
+            let answer = ask(self);
+            let Report { shares, cancelled, .. } = &self.traversal.report;
+            let part = if shares.is_empty() { Backend::Sequential } else { Backend::Threads };
+            let unless_cancelled =
+                |answer| if *cancelled { Err(Error::Cancelled) } else { Ok(answer) };
+            (part, answer.and_then(unless_cancelled))
+        }
+
         pub(super) fn ask<'q, F: Named<Name = N>>(
             &mut self,
-            traversal: &mut Traversal,
             trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
             verb: Verb,
             list: &mut Vec<F>,
@@ -251,8 +280,8 @@ mod several {
                 Ok(whole.first.is_some())
             };
             match verb {
-                Verb::Any => self.each_until_found(traversal, trees, &mut ask_some)?,
-                Verb::All | Verb::Count => self.each_batch(traversal, trees, &mut ask_some)?,
+                Verb::Any => self.each_until_found(trees, &mut ask_some)?,
+                Verb::All | Verb::Count => self.each_batch(trees, &mut ask_some)?,
             }
             self.numbered = numbered;
             Ok(whole)
@@ -261,20 +290,19 @@ mod several {
         /// Asks about trees, of which nothing is remembered, until one is found that has a pair.
         fn each_until_found<'q>(
             &mut self,
-            traversal: &mut Traversal,
             mut rest: impl Iterator<Item = (N, AnyBvtt<'q>)>,
             ask: &mut impl FnMut(&mut Traversal, &[N], &[AnyBvtt<'_>]) -> Result<bool, Error>,
         ) -> Result<(), Error> {
             let mut batch: Vec<AnyBvtt<'_>> = take(&mut self.trees);
             // Batches grow, so that not much more is prepared than is asked.
             let (mut is_over, mut size) = (false, 1);
-            while !is_over && !traversal.report.cancelled {
+            while !is_over && !self.traversal.report.cancelled {
                 self.asking.clear();
                 for (name, tree) in rest.by_ref().take(size) {
                     push(&mut self.asking, name)?;
                     push(&mut batch, tree)?;
                 }
-                is_over = batch.is_empty() || ask(traversal, &self.asking, &batch)?;
+                is_over = batch.is_empty() || ask(&mut self.traversal, &self.asking, &batch)?;
                 batch.clear();
                 size = (4 * size).min(BATCH);
             }
@@ -286,7 +314,6 @@ mod several {
         /// then that of all batches together.
         fn each_batch<'q>(
             &mut self,
-            traversal: &mut Traversal,
             trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
             ask: &mut impl FnMut(&mut Traversal, &[N], &[AnyBvtt<'_>]) -> Result<bool, Error>,
         ) -> Result<(), Error> {
@@ -301,29 +328,29 @@ mod several {
                 }
                 let is_last = rest.peek().is_none();
                 if before.is_none() && is_last {
-                    self.renumber(traversal)?;
+                    self.renumber()?;
                 } else {
                     // The costs of other trees tell nothing of these.
-                    traversal.forget();
+                    self.traversal.forget();
                     std::mem::swap(&mut self.asked, &mut self.asking);
                 }
-                ask(traversal, &self.asked, &batch)?;
+                ask(&mut self.traversal, &self.asked, &batch)?;
                 batch.clear();
                 if let Some(mut report) = before.take() {
-                    report.add(&traversal.report);
-                    traversal.report = report;
+                    report.add(&self.traversal.report);
+                    self.traversal.report = report;
                 }
-                if is_last || traversal.report.late || traversal.report.cancelled {
+                if is_last || self.traversal.report.late || self.traversal.report.cancelled {
                     break;
                 }
-                before = Some(traversal.report.clone());
+                before = Some(self.traversal.report.clone());
             }
             self.trees = emptied(batch);
             Ok(())
         }
 
         /// Makes the names of this frame those of the last, and keeps what is remembered of trees that are in both.
-        fn renumber(&mut self, traversal: &mut Traversal) -> Result<(), Error> {
+        fn renumber(&mut self) -> Result<(), Error> {
             if self.asking == self.asked {
                 return Ok(());
             }
@@ -336,7 +363,7 @@ mod several {
             let mut numbers = Vec::new();
             reserve(&mut numbers, self.asked.len())?;
             numbers.extend(self.asked.iter().map(number));
-            traversal.renumber(|old| numbers[old as usize]);
+            self.traversal.renumber(|old| numbers[old as usize]);
             std::mem::swap(&mut self.asked, &mut self.asking);
             Ok(())
         }

@@ -1,7 +1,7 @@
 //! Executors: the threads or the GPU that answer queries.
 //!
 //! An [`Executor`] owns resources: a pool of threads, a GPU with its lists. It is made once and shared by any number of
-//! queries. A query owns its history: the front and the costs of its nodes, the models that the GPU has, the last answer.
+//! queries, and remembers nothing of them. A query owns its history: the front and the costs of its nodes, the models that the GPU has, the last answer.
 //! All executors give the same lists and counts, to the bit, under [`Accuracy::Exact`](crate::Accuracy::Exact). `any` names a
 //! true pair if there is one; which of them may differ between executors, and from call to call on threads. The inexact tests
 //! may differ, too: a GPU always decides exactly.
@@ -28,7 +28,7 @@
 //! A frame whose cost is unknown, and any search for one hit, begins on the calling thread. After as much work as calling
 //! others costs, which is measured when the executor is made, its pending node pairs go to them; nothing is done twice. A search for one hit goes on in its order on the calling thread, and
 //! others take what would come last, so that it takes no longer than alone.
-//! `threads::Traversal::measured` states the bound.
+//! `threads::Pool::measured` states the bound.
 //!
 //! # When a GPU pays
 //! A GPU has to have the models before it can answer, and the number of frames to come is unknown: the ski rental problem. A
@@ -86,7 +86,7 @@ use crate::environment::with_default;
 #[cfg(feature = "gpu")]
 use crate::gpu::{Gpu, GpuError, GpuSettings};
 #[cfg(feature = "threads")]
-use crate::threads::{Schedule, Traversal};
+use crate::threads::{Pool, Schedule};
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -96,9 +96,9 @@ use std::sync::atomic::AtomicBool;
 /// Copies share the pool and the GPU.
 #[derive(Clone, Default)]
 pub struct Executor {
-    /// The threads, of which each query gets a copy for what it remembers; the calling thread alone if there are none.
+    /// The threads; the calling thread alone if there are none.
     #[cfg(feature = "threads")]
-    pub(crate) traversal: Option<Box<Traversal>>,
+    pub(crate) pool: Option<Pool>,
     /// The thread that answers tickets of a GPU.
     #[cfg(feature = "gpu")]
     reader: Option<Arc<Reader>>,
@@ -113,7 +113,7 @@ impl fmt::Debug for Executor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut text = f.debug_struct("Executor");
         #[cfg(feature = "threads")]
-        text.field("workers", &self.traversal.as_ref().map_or(1, |traversal| traversal.workers));
+        text.field("workers", &self.pool.as_ref().map_or(1, |pool| pool.workers));
         #[cfg(feature = "gpu")]
         text.field("has_gpu", &self.device.is_some());
         text.finish_non_exhaustive()
@@ -128,21 +128,21 @@ impl Executor {
     }
 
     /// Several threads: each frame that is worth it is divided into `workers` parts, which run in the rayon pool of whoever
-    /// asks. A number beyond what [`Traversal::new`] takes is lowered to that. A pool and settings of your own:
-    /// `Executor::from(traversal)`.
+    /// asks. A number beyond [`MAX_WORKERS`](crate::threads::MAX_WORKERS) is lowered to that. A rayon pool and settings
+    /// of your own: `Executor::from(pool)`.
     ///
     /// # Examples
     /// ```
-    /// use pfront::threads::{Schedule, Settings, Traversal};
+    /// use pfront::threads::{Pool, Schedule, Settings};
     /// use pfront::{Executor, PairQuery};
     /// let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
-    /// let executor = Executor::from(Traversal::new(8).with_settings(settings));
+    /// let executor = Executor::from(Pool::new(8).with_settings(settings));
     /// let query = PairQuery::new().on(&executor);
     /// ```
     #[cfg(feature = "threads")]
     #[must_use]
     pub fn threads(workers: usize) -> Self {
-        Traversal::new(workers).into()
+        Pool::new(workers).into()
     }
 
     /// All threads of the rayon pool of the caller, and the best GPU if there is one that does not compute on the CPU. A GPU
@@ -152,7 +152,7 @@ impl Executor {
     #[must_use]
     pub fn auto() -> Self {
         #[cfg(feature = "threads")]
-        let own = Self::from(Traversal::default());
+        let own = Self::from(Pool::default());
         #[cfg(not(feature = "threads"))]
         let own = Self::sequential();
         #[cfg(feature = "gpu")]
@@ -191,7 +191,7 @@ impl Executor {
     pub fn gpu(gpu: &Gpu, settings: GpuSettings) -> Self {
         Self {
             #[cfg(feature = "threads")]
-            traversal: None,
+            pool: None,
             reader: Some(Arc::new(Reader::new(gpu))),
             device: Some(Arc::new(Device::new(gpu, settings, None))),
             cancel: None,
@@ -230,30 +230,14 @@ impl Executor {
     /// ```
     #[must_use]
     pub fn with_cancel(mut self, flag: Arc<AtomicBool>) -> Self {
-        #[cfg(feature = "threads")]
-        if let Some(traversal) = &mut self.traversal {
-            traversal.cancel = Some(flag.clone());
-        }
         self.cancel = Some(flag);
         self
     }
 
     /// The same CPU alone.
-    #[cfg(any(feature = "threads", feature = "gpu"))]
+    #[cfg(feature = "gpu")]
     pub(crate) fn without_gpu(&self) -> Self {
-        Self {
-            #[cfg(feature = "gpu")]
-            reader: None,
-            #[cfg(feature = "gpu")]
-            device: None,
-            ..self.clone()
-        }
-    }
-
-    /// Forgets what the last frame on threads took.
-    #[cfg(feature = "threads")]
-    pub(crate) fn forget(&mut self) {
-        self.traversal.iter_mut().for_each(|traversal| traversal.forget());
+        Self { reader: None, device: None, ..self.clone() }
     }
 
     /// The flag of [`Executor::with_cancel`].
@@ -284,18 +268,13 @@ impl Executor {
 }
 
 #[cfg(feature = "threads")]
-impl From<Traversal> for Executor {
-    /// Several threads, with the pool and the settings of `traversal`. What it remembers is forgotten, and so are its deadline and
-    /// its cancel flag: an answer that ended there would be kept as if it were complete. What it takes to call others is measured, except
-    /// under [`Schedule::Static`], whose counts are to be the same on every machine.
-    fn from(mut traversal: Traversal) -> Self {
-        traversal.forget();
-        (traversal.deadline, traversal.cancel) = (None, None);
-        if traversal.settings.schedule != Schedule::Static {
-            traversal = traversal.measured();
-        }
+impl From<Pool> for Executor {
+    /// Several threads. What it takes to call others is measured, except under [`Schedule::Static`], whose counts are to be the
+    /// same on every machine.
+    fn from(pool: Pool) -> Self {
+        let is_static = pool.settings.schedule == Schedule::Static;
         Self {
-            traversal: Some(Box::new(traversal)),
+            pool: Some(if is_static { pool } else { pool.measured() }),
             #[cfg(feature = "gpu")]
             reader: None,
             #[cfg(feature = "gpu")]

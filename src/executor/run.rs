@@ -1,6 +1,6 @@
 //! One query on its executor, from frame to frame.
 
-use super::{Backend, CpuPart, Executor, Named, Plan, Reason, check, visit};
+use super::{Backend, CpuHistory, CpuPart, Executor, Named, Plan, Reason, check, visit};
 #[cfg(feature = "gpu")]
 use super::{
     Device,
@@ -70,10 +70,10 @@ impl<T: Copy> Answer<T> {
 pub(crate) trait Frame {
     type Hit: Named;
 
-    /// Answers on the CPU of an executor, and tells which part of it did.
+    /// Answers on the CPU, and tells which part of it did.
     fn on_cpu(
         &mut self,
-        executor: &mut Executor,
+        cpu: &mut CpuHistory<Name<Self>>,
         verb: Verb,
     ) -> (Backend, Result<Answer<Self::Hit>, Error>);
 
@@ -92,20 +92,24 @@ pub(crate) trait Frame {
     #[cfg(feature = "gpu")]
     fn to_upload(&mut self) -> usize;
 
-    /// Brings the GPU what it lacks, and asks it; about the rest, if it leaves any, the CPU of the executor.
+    /// Brings the GPU what it lacks, and asks it; about the rest, if it leaves any, the CPU.
     #[cfg(feature = "gpu")]
     fn on_gpu(
         &mut self,
         device: &Device,
-        cpu: &mut Executor,
+        cpu: &mut CpuHistory<Name<Self>>,
         verb: Verb,
     ) -> Result<Answer<Self::Hit>, Error>;
 }
 
-/// The history of a query on its executor.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Run {
+/// The names of the subjects of a frame.
+pub(crate) type Name<F> = <<F as Frame>::Hit as Named>::Name;
+
+/// The history of a query on its executor, with the names of its subjects.
+#[derive(Clone, Debug)]
+pub(crate) struct Run<N> {
     executor: Executor,
+    cpu: CpuHistory<N>,
     /// One for each verb.
     #[cfg(feature = "gpu")]
     choices: [Choice; 3],
@@ -123,15 +127,35 @@ pub(crate) struct Run {
     last: Option<Plan>,
 }
 
-impl Run {
+impl<N: Copy + Ord> Default for Run<N> {
+    fn default() -> Self {
+        Self::on(&Executor::default())
+    }
+}
+
+impl<N: Copy + Ord> Run<N> {
     pub(crate) fn on(executor: &Executor) -> Self {
-        Self { executor: executor.clone(), ..Self::default() }
+        Self {
+            executor: executor.clone(),
+            cpu: CpuHistory::new(executor),
+            #[cfg(feature = "gpu")]
+            choices: Default::default(),
+            #[cfg(feature = "gpu")]
+            meshes: None,
+            #[cfg(feature = "gpu")]
+            last_verb: Verb::default(),
+            #[cfg(feature = "gpu")]
+            moving: Duration::ZERO,
+            #[cfg(feature = "gpu")]
+            failure: Failure::default(),
+            last: None,
+        }
     }
 
     /// Counts and times of the last frame on threads.
     #[cfg(feature = "threads")]
     pub(crate) fn report(&self) -> Option<&Report> {
-        Some(&self.executor.traversal.as_ref()?.report)
+        self.cpu.report()
     }
 
     pub(crate) fn plan(&self) -> Option<&Plan> {
@@ -187,8 +211,8 @@ impl Run {
         out: &mut Vec<R>,
     ) -> Result<(), Error> {
         #[cfg(feature = "threads")]
-        if let Some(traversal) = &self.executor.traversal {
-            return Ok(traversal.filter_map(items, map, out)?);
+        if let Some(pool) = &self.executor.pool {
+            return Ok(pool.filter_map(items, map, out)?);
         }
         items.iter().filter_map(map).try_for_each(|mapped| push(out, mapped))
     }
@@ -197,11 +221,11 @@ impl Run {
     ///
     /// # Errors
     /// [`Error::Cancelled`] or [`Error::Memory`].
-    pub(crate) fn meeting<S: Copy + Sync, N: Send, Q: Query>(
+    pub(crate) fn meeting<S: Copy + Sync, T: Send, Q: Query>(
         &self,
         subjects: &[S],
-        query: impl Fn(S) -> Option<(N, Q)> + Sync,
-    ) -> Result<Vec<N>, Error> {
+        query: impl Fn(S) -> Option<(T, Q)> + Sync,
+    ) -> Result<Vec<T>, Error> {
         let (flag, is_cancelled) = (self.executor.cancel_flag(), AtomicBool::new(false));
         let name = |&subject: &S| {
             let (name, query) = query(subject)?;
@@ -246,16 +270,16 @@ impl Run {
     /// The same for a model whose box is needed at once.
     pub(crate) fn refit(&self, model: &mut Model, positions: &[[f32; 3]]) -> Result<(), Error> {
         #[cfg(feature = "threads")]
-        if let Some(traversal) = &self.executor.traversal
+        if let Some(pool) = &self.executor.pool
             && model.mesh().triangles().len() >= SMALL
         {
-            return traversal.install(|| model.set_positions_with_threads(positions));
+            return pool.install(|| model.set_positions_with_threads(positions));
         }
         model.set_positions(positions)
     }
 
     /// Answers in the floating-point environment of the calling thread, which is to be the default.
-    pub(crate) fn ask<F: Frame>(
+    pub(crate) fn ask<F: Frame<Hit: Named<Name = N>>>(
         &mut self,
         frame: &mut F,
         verb: Verb,
@@ -267,13 +291,13 @@ impl Run {
         self.on_cpu(frame, verb, Reason::NoChoice)
     }
 
-    fn on_cpu<F: Frame>(
+    fn on_cpu<F: Frame<Hit: Named<Name = N>>>(
         &mut self,
         frame: &mut F,
         verb: Verb,
         reason: Reason,
     ) -> Result<Answer<F::Hit>, Error> {
-        let (backend, answer) = frame.on_cpu(&mut self.executor, verb);
+        let (backend, answer) = frame.on_cpu(&mut self.cpu, verb);
         self.note(backend, reason);
         answer
     }
@@ -323,7 +347,7 @@ impl Run {
 
 /// Choosing between the CPU and a GPU.
 #[cfg(feature = "gpu")]
-impl Run {
+impl<N: Copy + Ord> Run<N> {
     /// Whether the GPU will answer the next frame, as far as that is known.
     fn is_on_gpu(&self) -> bool {
         let is_only = |device: &Device| device.line.is_none();
@@ -341,7 +365,7 @@ impl Run {
         false
     }
 
-    fn ask_either<F: Frame>(
+    fn ask_either<F: Frame<Hit: Named<Name = N>>>(
         &mut self,
         device: &Device,
         frame: &mut F,
@@ -352,7 +376,7 @@ impl Run {
             return self.on_cpu(frame, verb, Reason::InF64);
         }
         let Some(line) = &device.line else {
-            let answer = frame.on_gpu(device, &mut self.executor, verb);
+            let answer = frame.on_gpu(device, &mut self.cpu, verb);
             self.note(Backend::Gpu, Reason::NoChoice);
             return self.unless_cancelled(answer?);
         };
@@ -381,7 +405,7 @@ impl Run {
         let predicted = choice.predicted(line);
         let answer = match by_gpu {
             true => frame
-                .on_gpu(device, &mut self.executor, verb)
+                .on_gpu(device, &mut self.cpu, verb)
                 .and_then(|answer| self.unless_cancelled(answer)),
             false => self.on_cpu(frame, verb, reason),
         };

@@ -9,14 +9,13 @@ use crate::Accuracy;
 use crate::TrianglePair;
 #[cfg(feature = "gpu")]
 use crate::executor::Device;
-use crate::executor::{Answer, Backend, CpuHistory, Executor, Frame, Named, Verb};
+use crate::executor::{Answer, Backend, CpuHistory, Frame, Named, Verb};
 use crate::subject::AnyBvtt;
 
 pub(super) struct SceneFrame<'s> {
     pub(super) pairs: BodyPairs<'s>,
     /// New hits; empty.
     pub(super) hits: &'s mut Vec<SceneHit>,
-    pub(super) cpu: &'s mut CpuHistory<[BodyId; 2]>,
     #[cfg(feature = "gpu")]
     pub(super) mirror: &'s mut Mirror,
     /// The part of the CPU that answered about pairs in f64, beside a GPU.
@@ -53,11 +52,11 @@ impl Frame for SceneFrame<'_> {
 
     fn on_cpu(
         &mut self,
-        executor: &mut Executor,
+        cpu: &mut CpuHistory<[BodyId; 2]>,
         verb: Verb,
     ) -> (Backend, Result<Answer<SceneHit>, Error>) {
         let trees = self.pairs.queries().map(|(bodies, query)| (bodies, AnyBvtt::Pair(query)));
-        executor.on_cpu_in_turn(self.cpu, trees, verb, self.hits)
+        cpu.ask_in_turn(trees, verb, self.hits)
     }
 
     #[cfg(feature = "gpu")]
@@ -87,7 +86,7 @@ impl Frame for SceneFrame<'_> {
     fn on_gpu(
         &mut self,
         device: &Device,
-        cpu: &mut Executor,
+        cpu: &mut CpuHistory<[BodyId; 2]>,
         verb: Verb,
     ) -> Result<Answer<SceneHit>, Error> {
         if self.pairs.bodies.in_f64() == 0 {

@@ -16,7 +16,7 @@ pub use body::{Body, BodyId, Groups};
 pub use edit::Piece;
 
 use crate::environment::{Environment, with_default};
-use crate::executor::{Answer, Backend, CpuHistory, CpuPart, Plan, Run, Verb, visit as search};
+use crate::executor::{Answer, Backend, CpuPart, Plan, Run, Verb, visit as search};
 use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads;
@@ -110,8 +110,7 @@ pub struct SceneQuery {
     /// Hits and contacts of the bodies that have changed.
     new_hits: Vec<SceneHit>,
     new_contacts: Vec<(SceneHit, Contact)>,
-    run: Run,
-    cpu: CpuHistory<[BodyId; 2]>,
+    run: Run<[BodyId; 2]>,
     #[cfg(feature = "gpu")]
     mirror: Mirror,
 }
@@ -146,7 +145,6 @@ impl SceneQuery {
     #[must_use]
     pub fn on(mut self, executor: &Executor) -> Self {
         self.run = Run::on(executor);
-        self.cpu = CpuHistory::default();
         #[cfg(feature = "gpu")]
         {
             self.mirror = Mirror::default();
@@ -428,7 +426,6 @@ impl SceneQuery {
             let mut frame = SceneFrame {
                 pairs: BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad),
                 hits: &mut self.new_hits,
-                cpu: &mut self.cpu,
                 #[cfg(feature = "gpu")]
                 mirror: &mut self.mirror,
                 #[cfg(feature = "gpu")]

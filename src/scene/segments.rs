@@ -22,7 +22,7 @@ const PIECE: usize = 16;
 /// # Errors
 /// [`Error::Cancelled`] once the flag of the executor is set, [`Error::Memory`].
 pub(super) fn contacts<C: Send>(
-    run: &mut Run,
+    run: &mut Run<[BodyId; 2]>,
     bodies: &Bodies,
     hits: &[SceneHit],
     is_asked: impl Fn([BodyId; 2]) -> bool,
@@ -49,7 +49,7 @@ pub(super) fn contacts<C: Send>(
         Ok(())
     };
     #[cfg(feature = "threads")]
-    let listed = match run.executor().traversal {
+    let listed = match run.executor().pool {
         Some(_) => listed_by_pieces(run, asked.flat_map(|of_two| of_two.chunks(PIECE)), list, out),
         None => asked.try_for_each(|of_two| list(of_two, out)),
     };
@@ -62,7 +62,7 @@ pub(super) fn contacts<C: Send>(
 /// Lists each piece by itself, on any thread, and then all in order.
 #[cfg(feature = "threads")]
 fn listed_by_pieces<'h, C: Send>(
-    run: &Run,
+    run: &Run<[BodyId; 2]>,
     pieces: impl Iterator<Item = &'h [SceneHit]>,
     list: impl Fn(&[SceneHit], &mut Vec<(SceneHit, C)>) -> Result<(), Error> + Sync,
     out: &mut Vec<(SceneHit, C)>,

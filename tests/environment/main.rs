@@ -9,7 +9,7 @@ mod models;
 mod questions;
 mod surface;
 
-use pfront::threads::{Schedule, Settings, Traversal, rayon};
+use pfront::threads::{Pool, Schedule, Settings, rayon};
 use pfront::{Executor, Model};
 use std::arch::asm;
 use std::sync::Arc;
@@ -85,7 +85,7 @@ impl Soup {
 fn threads(schedule: Schedule) -> Executor {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let settings = Settings { schedule, ..Settings::default() };
-    Traversal::with_pool(Arc::new(pool)).with_settings(settings).into()
+    Pool::from(Arc::new(pool)).with_settings(settings).into()
 }
 
 /// An executor of each kind, made in the environment of the thread that calls.

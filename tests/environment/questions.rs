@@ -2,7 +2,7 @@
 
 use super::{Soup, read};
 use pfront::pfront_core::bvtt::Query;
-use pfront::threads::Traversal;
+use pfront::threads::{Pool, Traversal};
 use pfront::*;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -243,7 +243,8 @@ pub(crate) fn seen_by_visitors(subjects: &Subjects) -> ([u32; 4], [u32; 4]) {
     let _ = scene.visit(|_| visit(2)).unwrap();
     let pool = threads::rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let pair = AnyPose::F32(Pose::IDENTITY).pair([a.bvh(), b.bvh()]).unwrap();
-    let _ = Traversal::with_pool(Arc::new(pool)).visit(&[pair], |_| visit(3)).unwrap();
+    let mut traversal = Traversal::new(&Pool::from(Arc::new(pool)));
+    let _ = traversal.visit(&[pair], |_| visit(3)).unwrap();
     (seen.map(AtomicU32::into_inner), calls.map(AtomicU32::into_inner))
 }
 

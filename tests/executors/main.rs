@@ -18,7 +18,7 @@ static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
     let mut all = vec![("sequential", Executor::sequential())];
     #[cfg(feature = "threads")]
     {
-        use pfront::threads::{Schedule, Settings, Traversal};
+        use pfront::threads::{Pool, Schedule, Settings};
         all.extend([
             ("1 thread", Executor::threads(1)),
             ("2 threads", Executor::threads(2)),
@@ -26,8 +26,8 @@ static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
         ]);
         let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
-        let traversal = Traversal::with_pool(Arc::new(pool)).with_settings(settings);
-        all.push(("static", traversal.into()));
+        let pool = Pool::from(Arc::new(pool)).with_settings(settings);
+        all.push(("static", pool.into()));
     }
     #[cfg(feature = "gpu")]
     {
@@ -373,19 +373,6 @@ fn any_number_of_workers_will_do() {
         let mut query = PairQuery::new().on(&Executor::threads(workers));
         assert_eq!(query.all(&a, &b, poses[0]).unwrap(), truth, "{workers}");
     }
-}
-
-/// An answer that ended at an instant would be kept as if it were complete.
-#[cfg(feature = "threads")]
-#[test]
-fn the_deadline_of_a_traversal_is_none_of_an_executor() {
-    use pfront::threads::Traversal;
-    let (sheet, _) = folds();
-    let truth = PairQuery::new().count(&sheet, &sheet, Pose::IDENTITY).unwrap();
-    let mut traversal = Traversal::new(2);
-    traversal.deadline = Some(std::time::Instant::now());
-    let mut query = PairQuery::new().on(&traversal.into());
-    assert_eq!(query.count(&sheet, &sheet, Pose::IDENTITY).unwrap(), truth);
 }
 
 /// A frame that was divided among workers or sent to a GPU says so.

@@ -4,7 +4,7 @@ use crate::errors::device;
 use crate::mutex::lock;
 use crate::threads::{apart, heard};
 use pfront::gpu::{Gpu, wgpu};
-use pfront::threads::Traversal;
+use pfront::threads::Pool;
 use pfront::threads::rayon::{ThreadPool, ThreadPoolBuilder};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -161,7 +161,7 @@ impl Made {
             .map(Arc::new);
         // Where there are no more threads to be had, the calling one answers.
         let cpu = pool.clone().map_or_else(pfront::Executor::sequential, |pool| {
-            pfront::Executor::from(Traversal::with_pool(pool))
+            pfront::Executor::from(Pool::from(pool))
         });
         Self { process, pool, cpu, device: None, uses: Arc::default() }
     }

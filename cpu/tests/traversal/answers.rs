@@ -2,7 +2,7 @@
 
 use crate::common::{Body, Frames, SCHEDULES, predicted_imbalance, sequential};
 use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt, TrianglePair};
-use pfront_cpu::{Hit, MAX_WORKERS, Settings, Traversal};
+use pfront_cpu::{Hit, MAX_WORKERS, Pool, Settings, Traversal};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::{Scene, icosphere};
 use std::ops::ControlFlow;
@@ -13,7 +13,8 @@ const WORKERS: [usize; 7] = [1, 2, 3, 7, 16, 64, 1024];
 fn traversals() -> Vec<Traversal> {
     let settings = |schedule| Settings { schedule, ..Settings::default() };
     let all = WORKERS.iter().flat_map(|&p| SCHEDULES.map(|s| (p, s)));
-    all.map(|(p, schedule)| Traversal::new(p).with_settings(settings(schedule))).collect()
+    all.map(|(p, schedule)| Traversal::new(&Pool::new(p).with_settings(settings(schedule))))
+        .collect()
 }
 
 /// Asks everything of one query, of all traversals.
@@ -22,7 +23,7 @@ fn conforms<Q: Query + Sync>(traversals: &mut [Traversal], query: &Q) -> usize {
     let mut pairs = vec![TrianglePair { a: 7, b: 7 }; 3];
     for traversal in traversals {
         traversal.all(queries, &mut pairs).unwrap();
-        let p = traversal.workers;
+        let p = traversal.pool.workers;
         assert!(pairs == expected, "p = {p}: {} pairs, not {}", pairs.len(), expected.len());
         assert_eq!(traversal.count(queries).unwrap(), expected.len() as u64, "p = {p}");
         match traversal.any(queries).unwrap() {
@@ -102,7 +103,7 @@ fn many_queries_at_once() {
         let expected: Vec<_> = (0..).zip(&queries).flat_map(one).collect();
         for traversal in &mut traversals {
             traversal.all(&queries, &mut hits).unwrap();
-            assert!(hits == expected, "p = {}", traversal.workers);
+            assert!(hits == expected, "p = {}", traversal.pool.workers);
             assert_eq!(traversal.count(&queries).unwrap(), expected.len() as u64);
             assert_eq!(traversal.any(&queries).unwrap().is_some(), !expected.is_empty());
         }
@@ -117,7 +118,7 @@ fn settings_change_no_answer() {
     for g in [0.1, 1.0, 2.0, 100.0] {
         for (coherence, max_nodes) in [(true, 1), (false, 5), (true, 33), (true, 1 << 20)] {
             let settings = Settings { g, coherence, max_nodes, ..default };
-            let mut traversal = Traversal::new(13).with_settings(settings);
+            let mut traversal = Traversal::new(&Pool::new(13).with_settings(settings));
             for frame in 50..54 {
                 let query = frames.query(frame);
                 traversal.all(&[query], &mut pairs).unwrap();
@@ -130,9 +131,9 @@ fn settings_change_no_answer() {
 
 #[test]
 fn max_nodes_bounds_a_front_whose_memory_has_grown() {
-    let (frames, mut traversal) = (Frames::named("spheres", 6_000), Traversal::new(64));
+    let (frames, mut traversal) = (Frames::named("spheres", 6_000), Traversal::new(&Pool::new(64)));
     for (max_nodes, expected) in [(1 << 20, 41..2000), (40, 1..41)] {
-        traversal.settings.max_nodes = max_nodes;
+        traversal.pool.settings.max_nodes = max_nodes;
         assert_eq!(traversal.count(&[frames.query(50)]).unwrap(), frames.query(50).count());
         assert!(expected.contains(&traversal.report.nodes), "{}", traversal.report.nodes);
     }
@@ -146,7 +147,7 @@ fn a_search_for_one_hit_leaves_costs_as_they_are() {
     mesh.positions.iter_mut().flatten().for_each(|x| *x *= 0.999);
     let inner = Body::new(mesh);
     let queries = [PairBvtt::new(outer.bvh(), inner.bvh(), pfront_core::Pose::IDENTITY).unwrap()];
-    let mut traversal = Traversal::new(4);
+    let mut traversal = Traversal::new(&Pool::new(4));
     assert_eq!(traversal.count(&queries).unwrap(), 0);
     for _ in 0..2 {
         assert_eq!(traversal.count(&queries).unwrap(), 0);
@@ -161,7 +162,7 @@ fn no_partition_is_less_even_than_its_certificate() {
     let frames = Frames::named("spheres", 2_000);
     for schedule in SCHEDULES {
         let settings = Settings { schedule, ..Settings::default() };
-        let mut traversal = Traversal::new(4).with_settings(settings);
+        let mut traversal = Traversal::new(&Pool::new(4).with_settings(settings));
         traversal.count(&[frames.query(50)]).unwrap();
         let report = &traversal.report;
         let (predicted, bound) = (predicted_imbalance(report), 1.0 + report.front.epsilon);
@@ -176,7 +177,7 @@ fn the_measured_price_of_a_call_changes_no_answer() {
     let frames = Frames::named("spheres", 6_000);
     for schedule in SCHEDULES {
         let settings = Settings { schedule, ..Settings::default() };
-        let mut traversal = Traversal::new(4).with_settings(settings).measured();
+        let mut traversal = Traversal::new(&Pool::new(4).with_settings(settings).measured());
         let mut pairs = Vec::<TrianglePair>::new();
         // Frames of nothing, of little and of much take turns.
         for frame in [0, 50, 20, 51, 52, 0, 53] {
@@ -200,7 +201,7 @@ fn what_outgrows_one_thread_is_handed_over() {
     let (few, expected) = (sequential(&near), sequential(&query));
     for schedule in SCHEDULES {
         let settings = Settings { schedule, ..Settings::default() };
-        let mut traversal = Traversal::new(4).with_settings(settings);
+        let mut traversal = Traversal::new(&Pool::new(4).with_settings(settings));
         let mut pairs = Vec::<TrianglePair>::new();
         for _ in 0..2 {
             // After a small frame, another is expected.
@@ -226,9 +227,9 @@ fn what_outgrows_one_thread_is_handed_over() {
 
 #[test]
 fn the_number_of_workers_is_bounded() {
-    let (frames, mut traversal) = (Frames::named("spheres", 6_000), Traversal::new(0));
+    let (frames, mut traversal) = (Frames::named("spheres", 6_000), Traversal::new(&Pool::new(0)));
     for (workers, shares) in [(usize::MAX, MAX_WORKERS), (0, 0), (100_000, MAX_WORKERS)] {
-        traversal.workers = workers;
+        traversal.pool.workers = workers;
         assert_eq!(traversal.count(&[frames.query(60)]).unwrap(), frames.query(60).count());
         assert_eq!(traversal.report.shares.len(), shares);
     }
@@ -239,7 +240,7 @@ fn the_number_of_workers_is_bounded() {
 fn any_on_several_workers_searches_in_the_order_of_one() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let work = |workers: usize, queries: &[SelfBvtt<'_>]| {
-        let mut traversal = Traversal::new(workers);
+        let mut traversal = Traversal::new(&Pool::new(workers));
         let found = pool.install(|| traversal.any(queries)).unwrap();
         (found, traversal.report.work(), traversal.report.shares.is_empty())
     };

@@ -3,7 +3,7 @@
 use crate::common::{Body, SCHEDULES};
 use pfront_core::Pose;
 use pfront_core::bvtt::PairBvtt;
-use pfront_cpu::{Settings, Traversal};
+use pfront_cpu::{Pool, Settings, Traversal};
 use pfront_testkit::scenes::icosphere;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ fn frames_end_at_their_deadline() {
     for schedule in SCHEDULES {
         for p in [1, 2, 8] {
             let settings = Settings { schedule, ..Settings::default() };
-            let mut traversal = Traversal::new(p).with_settings(settings);
+            let mut traversal = Traversal::new(&Pool::new(p).with_settings(settings));
             let whole = traversal.count(&[query]).unwrap();
             assert!(whole > 1000 && !traversal.report.late);
             let all = traversal.report.work();
@@ -64,7 +64,7 @@ fn frames_end_when_they_are_cancelled() {
     for schedule in SCHEDULES {
         for p in [1, 2, 8] {
             let settings = Settings { schedule, ..Settings::default() };
-            let mut traversal = Traversal::new(p).with_settings(settings);
+            let mut traversal = Traversal::new(&Pool::new(p).with_settings(settings));
             let whole = traversal.count(&[query]).unwrap();
             let cancel = Arc::new(AtomicBool::new(false));
             traversal.cancel = Some(cancel.clone());

@@ -3,7 +3,7 @@
 use crate::common::{Body, predicted_imbalance, sequential};
 use pfront_core::Pose;
 use pfront_core::bvtt::{PairBvtt, TrianglePair};
-use pfront_cpu::{Schedule, Settings, Traversal};
+use pfront_cpu::{Pool, Schedule, Settings, Traversal};
 use pfront_testkit::scenes::icosphere;
 
 #[test]
@@ -17,7 +17,7 @@ fn a_dense_body_beside_outliers_is_divided_evenly() {
         for schedule in [Schedule::Static, Schedule::Hybrid] {
             for p in [2, 8] {
                 let settings = Settings { schedule, ..Settings::default() };
-                let mut traversal = Traversal::new(p).with_settings(settings);
+                let mut traversal = Traversal::new(&Pool::new(p).with_settings(settings));
                 let mut pairs = Vec::<TrianglePair>::new();
                 for frame in 0..6 {
                     traversal.all(&[query], &mut pairs).unwrap();

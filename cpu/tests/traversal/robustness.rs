@@ -2,7 +2,7 @@
 
 use crate::common::{Frames, SCHEDULES, sequential};
 use pfront_core::bvtt::{Query, TrianglePair};
-use pfront_cpu::{Schedule, Settings, Traversal};
+use pfront_cpu::{Pool, Schedule, Settings, Traversal};
 use pfront_testkit::rng::{RngExt, seeded};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -15,7 +15,7 @@ use std::time::Duration;
 fn traversal(threads: usize, schedule: Schedule) -> Traversal {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let settings = Settings { schedule, ..Settings::default() };
-    Traversal::with_pool(Arc::new(pool)).with_settings(settings)
+    Traversal::new(&Pool::from(Arc::new(pool)).with_settings(settings))
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn a_visitor_may_use_the_same_pool() {
     for schedule in SCHEDULES {
         for threads in [1, 2, 5] {
             let mut traversal = traversal(threads, schedule);
-            let pool = traversal.clone();
+            let pool = traversal.pool.clone();
             let inner = || (0..64).into_par_iter().sum::<u32>();
             let seen = AtomicUsize::new(0);
             let _ = traversal
@@ -130,7 +130,7 @@ fn any_g_comes_to_an_end() {
     for (i, schedule) in SCHEDULES.into_iter().enumerate() {
         for (g, max_nodes) in odd.iter().flat_map(|&g| [(g, 1 << 20), (g, 100)]) {
             let settings = Settings { schedule, g, max_nodes, ..Settings::default() };
-            let mut traversal = Traversal::new(3 + i).with_settings(settings);
+            let mut traversal = Traversal::new(&Pool::new(3 + i).with_settings(settings));
             for frame in [50, 51] {
                 let query = frames.query(frame);
                 assert_eq!(traversal.count(&[query]).unwrap(), query.count(), "{g}");
@@ -174,7 +174,7 @@ fn threads_do_not_show_in_a_front() {
     let reports = |threads, p, max_nodes| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let settings = Settings { schedule: Schedule::Static, max_nodes, ..Settings::default() };
-        let mut traversal = Traversal::new(p).with_settings(settings);
+        let mut traversal = Traversal::new(&Pool::new(p).with_settings(settings));
         [40, 41, 42, 90, 91].map(|i| {
             pool.install(|| traversal.count(&[frames.query(i)]).unwrap());
             let report = &traversal.report;

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use pfront::Executor;
-use pfront::threads::{Report, Schedule, Settings, Share, Traversal};
+use pfront::threads::{Pool, Report, Schedule, Settings, Share};
 use pfront_cli::output::{Draft, out};
 use pfront_lab::player::{Objects, Player};
 use pfront_lab::plot::{self, Axis, Figure, Panel, Scale, Style};
@@ -168,7 +168,7 @@ fn series(balance: &Balance, size: Option<usize>, workers: usize) -> Result<Seri
         ..Settings::default()
     };
     let (count, bar) = (header.frames, progress(header.frames.into(), "frame"));
-    let executor = Executor::from(Traversal::new(workers).with_settings(settings));
+    let executor = Executor::from(Pool::new(workers).with_settings(settings));
     let objects = Objects::new(header).with_context(|| balance.scene.clone())?;
     let triangles = objects.triangles();
     let mut player = Player::new(objects, &(&executor).into())?;

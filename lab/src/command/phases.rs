@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use pfront::Executor;
-use pfront::threads::{Report, Schedule, Settings, Traversal};
+use pfront::threads::{Pool, Report, Schedule, Settings};
 use pfront_cli::output::{Draft, out};
 use pfront_lab::player::{Objects, Player};
 use pfront_lab::plot::{Axis, Figure, Panel, Scale, Series, Style};
@@ -115,7 +115,7 @@ pub(crate) fn run(phases: &Phases) -> Result<bool> {
 fn played(phases: &Phases, scene: &str, schedule: Schedule, p: usize) -> Result<Times> {
     let pool = Arc::new(ThreadPoolBuilder::new().num_threads(p).build()?);
     let settings = Settings { schedule, ..Settings::default() };
-    let executor = Executor::from(Traversal::with_pool(pool).with_settings(settings).measured());
+    let executor = Executor::from(Pool::from(pool).with_settings(settings).measured());
     let (header, mut recording) = Recording::open(scene, phases.size, phases.frames)?;
     let bar = progress(header.frames.into(), "frame");
     let mut player = Player::new(Objects::new(header)?, &(&executor).into())?;

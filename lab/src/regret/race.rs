@@ -21,7 +21,7 @@ use anyhow::{Result, ensure};
 use pfront::Executor;
 #[cfg(feature = "gpu")]
 use pfront::gpu::Gpu;
-use pfront::threads::Traversal;
+use pfront::threads::Pool;
 use pfront_testkit::rng::{seeded, seq::SliceRandom};
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ impl Field {
         let powers = (1..).map(|i| 1 << i).take_while(|&p| p < threads);
         for p in powers.chain((threads > 1).then_some(threads)) {
             let pool = Arc::new(ThreadPoolBuilder::new().num_threads(p).build()?);
-            chooser = Executor::from(Traversal::with_pool(pool));
+            chooser = Executor::from(Pool::from(pool));
             fixed.push((format!("{p} threads"), chooser.clone()));
         }
         Ok(Self { fixed, chooser, threads })
@@ -279,7 +279,7 @@ mod tests {
         let case = recipes(3, 1)[0].build(&Scale::QUICK).unwrap();
         let mut rehearsal = Rehearsal { case: &case, digests: Vec::new() };
         rehearsal.play("first", &Executor::sequential(), f64::INFINITY).unwrap();
-        let threads = Executor::from(Traversal::new(2));
+        let threads = Executor::from(Pool::new(2));
         assert_eq!(rehearsal.play("second", &threads, 0.0).unwrap(), None);
         rehearsal.digests[0] ^= 1;
         let error = rehearsal.play("second", &threads, f64::INFINITY).unwrap_err();

@@ -6,7 +6,7 @@ use super::scene::{Scene, Step};
 use anyhow::Result;
 use pfront::TrianglePair;
 use pfront::pfront_core::bvtt::Query;
-use pfront::threads::{Report, Schedule, Settings, Traversal};
+use pfront::threads::{Pool, Report, Schedule, Settings, Traversal};
 use std::ops::ControlFlow;
 
 /// What the oracle looks at: no more triangle tests than it does in about a second.
@@ -48,7 +48,9 @@ impl Divider {
     fn new(method: Method, workers: usize) -> Self {
         let settings = Settings { schedule: Schedule::Static, g: GRAIN, ..Settings::default() };
         match method {
-            Method::Ours => Self::Ours(Box::new(Traversal::new(workers).with_settings(settings))),
+            Method::Ours => {
+                Self::Ours(Box::new(Traversal::new(&Pool::new(workers).with_settings(settings))))
+            }
             Method::Printed => Self::Plain(Box::new(Plain::new(workers, 2.0))),
         }
     }
