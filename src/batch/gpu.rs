@@ -4,17 +4,18 @@
 //! f64, by its shadow, and a lone pair are one each. Two parts are submitted at a time, so that the device works on one while
 //! the other is read. A model in f64 with itself is a part that the thread answers by itself.
 
-use super::Job;
 use super::cpu::Steps;
 use super::found::Found;
+use super::job::Job;
 use super::outcome::Outcome;
+use super::shown::Shown;
 use crate::executor::{Device, Gathered, Reader, Seat, Slot, Verb, Work, merge_open, read};
-use crate::gpu::{GpuQuery, wgpu};
+use crate::gpu::GpuQuery;
 use crate::memory::{push, reserve};
 use crate::{Accuracy, Error};
 use std::collections::VecDeque;
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// Whether a thread can wait for a GPU.
 pub(super) const CAN_WAIT: bool = cfg!(not(target_arch = "wasm32"));
@@ -94,35 +95,6 @@ enum Submitted {
     World(Box<Gathered>),
     Query(Box<GpuQuery>),
     Nothing,
-}
-
-/// The lists of a single question, whose buffers its ticket shows. They go back to the device when this is dropped.
-#[derive(Debug)]
-pub(super) struct Shown {
-    device: Arc<Device>,
-    /// The buffers of hits and counters.
-    pub(super) buffers: [wgpu::Buffer; 2],
-    /// Once they are read.
-    lists: Mutex<Option<GpuQuery>>,
-}
-
-impl Shown {
-    /// Keeps the lists, unless some are kept already.
-    pub(super) fn keep(&self, lists: GpuQuery) -> Option<GpuQuery> {
-        let mut own = self.lists.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*own {
-            Some(_) => Some(lists),
-            None => own.replace(lists),
-        }
-    }
-}
-
-impl Drop for Shown {
-    fn drop(&mut self) {
-        self.device.hide();
-        let lists = self.lists.get_mut().unwrap_or_else(PoisonError::into_inner);
-        self.device.take_back(lists.take());
-    }
 }
 
 /// A batch while it is answered.

@@ -52,7 +52,12 @@ mod cpu;
 mod found;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod job;
 mod outcome;
+#[cfg(feature = "threads")]
+mod pool;
+#[cfg(feature = "gpu")]
+mod shown;
 mod ticket;
 
 pub use found::PairLists;
@@ -63,6 +68,7 @@ use crate::executor::{Backend, Reason, Verb};
 use crate::subject::Subject;
 use crate::{Accuracy, Adjacency, AnyPose, Error, Executor, Model, TrianglePair};
 use found::Found;
+use job::Job;
 use std::fmt;
 use std::sync::Arc;
 use ticket::Planned;
@@ -87,14 +93,6 @@ use ticket::Planned;
 #[derive(Clone, Default)]
 pub struct Batch {
     job: Job,
-}
-
-/// Questions and what is asked about them.
-#[derive(Clone, Default)]
-struct Job {
-    questions: Arc<Vec<Subject<Arc<Model>>>>,
-    accuracy: Accuracy,
-    verb: Verb,
 }
 
 impl Batch {
@@ -285,7 +283,7 @@ impl Batch {
         #[cfg(feature = "threads")]
         if let Some(pool) = &executor.pool {
             let planned = planned(Backend::Threads);
-            return Ok(Ticket::new(cpu::submit(executor, pool, job), None, answer, planned));
+            return Ok(Ticket::new(pool::submit(executor, pool, job), None, answer, planned));
         }
         let planned = planned(Backend::Sequential);
         Ok(Ticket::new(Arc::default(), Some(cpu::Steps::new(job)), answer, planned))

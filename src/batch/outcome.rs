@@ -26,7 +26,7 @@ pub(super) struct Outcome {
     cancel: Arc<AtomicBool>,
     /// The lists of a GPU, whose buffers the ticket shows: others get them when this is dropped.
     #[cfg(feature = "gpu")]
-    shown: OnceLock<super::gpu::Shown>,
+    shown: OnceLock<super::shown::Shown>,
 }
 
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl Outcome {
 
     /// Has the ticket show buffers of a GPU.
     #[cfg(feature = "gpu")]
-    pub(super) fn show(&self, shown: super::gpu::Shown) {
+    pub(super) fn show(&self, shown: super::shown::Shown) {
         let _ = self.shown.set(shown);
     }
 
@@ -177,8 +177,10 @@ impl Outcome {
     }
 }
 
-#[cfg(all(test, feature = "threads"))]
+#[cfg(test)]
 mod tests {
+    #![cfg(feature = "threads")]
+
     use super::*;
     use std::panic::resume_unwind;
 

@@ -1,12 +1,14 @@
 //! Traversals and sorting on the calling thread that a flag ends early.
 
-use super::cpu::SLICE;
 use crate::Error;
 use crate::memory::reserve;
 use pfront_core::bvtt::Query;
 use pfront_core::bvtt::TrianglePair;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Tests between two looks at whether a question is cancelled: about 0.1 ms.
+pub(crate) const SLICE: u64 = 4096;
 
 /// Items between two looks at the flag where they are copied, counted or sorted: at most some 5 ms.
 pub(crate) const BLOCK: usize = 1 << 16;

@@ -1,6 +1,6 @@
 //! Every verb on the CPU, once for all queries: in steps on the calling thread, or on several threads.
 
-use super::{Answer, Backend, Executor, Verb, check, sort};
+use super::{Answer, Backend, Executor, SLICE, Verb, check, sort};
 use crate::memory::push;
 use crate::subject::AnyBvtt;
 use crate::{Error, TrianglePair};
@@ -10,9 +10,6 @@ use std::ops::ControlFlow;
 use std::slice::from_ref;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-
-/// Tests between two looks at whether a question is cancelled: about 0.1 ms.
-pub(crate) const SLICE: u64 = 4096;
 
 /// An intersecting triangle pair, as a query shows it.
 pub(crate) trait Named: Copy + Ord + Send {

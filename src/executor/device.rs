@@ -86,7 +86,7 @@ impl Device {
     /// A world for one more batch of pairs.
     pub(crate) fn lend_gathered(&self) -> Result<Gathered, GpuError> {
         let idle = lock(&self.gathered).pop();
-        idle.map_or_else(|| Gathered::new(self), Ok)
+        idle.map_or_else(|| Gathered::new(&self.gpu, self.settings), Ok)
     }
 
     /// Takes it back.

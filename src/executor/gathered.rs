@@ -1,7 +1,7 @@
 //! Many pairs of models in one submission to a GPU, which has each model once and a body for each pair.
 
-use super::{Answer, Device, Verb};
-use crate::gpu::{GpuError, GpuVerb, World};
+use super::{Answer, Verb};
+use crate::gpu::{Gpu, GpuError, GpuSettings, GpuVerb, World};
 use crate::memory::reserve;
 use crate::{Error, Model, Pose, Stamp, TrianglePair};
 use std::collections::HashMap;
@@ -20,8 +20,8 @@ pub(crate) struct Gathered {
 }
 
 impl Gathered {
-    pub(super) fn new(device: &Device) -> Result<Self, GpuError> {
-        let world = World::new(&device.gpu, device.settings)?;
+    pub(super) fn new(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
+        let world = World::new(gpu, settings)?;
         Ok(Self { world, meshes: HashMap::new(), triangles: 0, firsts: 0 })
     }
 

@@ -1,8 +1,9 @@
 //! A line from the time of a question on the CPU to that on a GPU: a short and a long one are asked of both.
 
-use super::Executor;
+use super::{CpuHistory, Executor, Verb};
 use crate::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion};
-use crate::{Model, PairQuery, Pose};
+use crate::subject::Subject;
+use crate::{Accuracy, Model, Pose, TrianglePair};
 use std::time::Instant;
 
 /// Cells along a side of the sheets that are asked about, two triangles each: few enough that the GPU takes its latency, and
@@ -35,7 +36,7 @@ impl Line {
 pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> {
     // Else the first deforming mesh would wait for that.
     gpu.warm_up()?;
-    let mut on_cpu = PairQuery::new().on(&executor.without_gpu());
+    let (mut on_cpu, mut pairs) = (CpuHistory::new(executor), Vec::<TrianglePair>::new());
     let mut on_gpu = GpuQuery::new(gpu)?;
     let (mut cpu, mut there, mut uploads) = ([0.0; 2], [0.0; 2], [0.0; 2]);
     let sheets = [sheet(SIDES[0])?, sheet(SIDES[1])?];
@@ -49,7 +50,12 @@ pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> 
             let mut ask = |pose| on_gpu.all(&GpuQuestion::pair(&model, &model, &pose)).map(drop);
             there[i] = median(&mut ask)?;
             uploads[i] = (first - there[i]).max(0.0);
-            cpu[i] = median(|pose| on_cpu.all(sheet, sheet, pose).map(drop).map_err(refused))?;
+            cpu[i] = median(|pose| {
+                let subject = Subject::Pair { models: [sheet; 2], a_from_b: pose.into() };
+                let tree = subject.tree(Accuracy::Exact).map_err(refused)?;
+                let (_, answer) = on_cpu.ask((), &tree, Verb::All, &mut pairs);
+                answer.map(drop).map_err(refused)
+            })?;
         }
     }
     let triangles = sheets.map(|sheet| sheet.mesh().triangles().len() as f64);

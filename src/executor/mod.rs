@@ -48,6 +48,7 @@
 //! Frames that are not alike have no such bound: the tests of `choice.rs` play frames that shrink, jump, bring new models or
 //! are interrupted.
 
+mod answer;
 mod cancel;
 #[cfg(feature = "gpu")]
 mod choice;
@@ -67,8 +68,9 @@ mod plan;
 mod reader;
 mod run;
 
-pub(crate) use cancel::{BLOCK, check, sort, visit};
-pub(crate) use cpu::{CpuHistory, Named, SLICE, step};
+pub(crate) use answer::{Answer, Verb};
+pub(crate) use cancel::{BLOCK, SLICE, check, sort, visit};
+pub(crate) use cpu::{CpuHistory, Named, step};
 #[cfg(feature = "gpu")]
 pub(crate) use device::{Device, Slot, merge_open, read};
 #[cfg(feature = "gpu")]
@@ -79,7 +81,7 @@ pub(crate) use plan::CpuPart;
 pub use plan::{Backend, Plan, Reason};
 #[cfg(feature = "gpu")]
 pub(crate) use reader::{Reader, Seat, Work};
-pub(crate) use run::{Answer, Frame, Run, Verb};
+pub(crate) use run::{Frame, Run};
 
 #[cfg(feature = "gpu")]
 use crate::environment::with_default;
@@ -232,12 +234,6 @@ impl Executor {
     pub fn with_cancel(mut self, flag: Arc<AtomicBool>) -> Self {
         self.cancel = Some(flag);
         self
-    }
-
-    /// The same CPU alone.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn without_gpu(&self) -> Self {
-        Self { reader: None, device: None, ..self.clone() }
     }
 
     /// The flag of [`Executor::with_cancel`].

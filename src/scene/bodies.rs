@@ -1,6 +1,7 @@
 //! The bodies of a scene, in the order in which they were added.
 
-use super::body::{Body, BodyId};
+use super::body::Body;
+use super::id::BodyId;
 use crate::memory::reserve;
 use crate::{AnyPose, Error, Model};
 use std::collections::BTreeSet;

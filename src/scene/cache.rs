@@ -1,10 +1,11 @@
 //! Answers that outlive their frame: two bodies that have not changed are not asked again.
 
 use super::bodies::Bodies;
-use super::body::BodyId;
-use super::{Contact, Error, SceneHit};
+use super::hit::SceneHit;
+use super::id::BodyId;
 use crate::executor::{BLOCK, check};
 use crate::memory::reserve;
+use crate::{Contact, Error};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock, PoisonError};
 

@@ -1,9 +1,11 @@
 //! The bodies of a scene on a GPU: each mesh is brought there when a body first has it, and kept up to date from then on.
 
 use super::bodies::Bodies;
+use super::body::Body;
 use super::broad::Places;
+use super::hit::SceneHit;
+use super::id::BodyId;
 use super::pairs::BodyPairs;
-use super::{BodyId, SceneHit};
 use crate::executor::{Answer, Device, Verb};
 use crate::gpu::{GpuError, World};
 use crate::memory::{extend, push};
@@ -12,7 +14,7 @@ use pfront_core::bvtt::TrianglePair;
 use std::collections::{HashMap, HashSet};
 
 #[derive(Debug, Default)]
-pub(super) struct Mirror {
+pub(super) struct DeviceScene {
     scene: Option<Scene>,
     lack: Lack,
 }
@@ -25,7 +27,7 @@ struct Lack {
 }
 
 /// A clone has to bring its bodies there by itself.
-impl Clone for Mirror {
+impl Clone for DeviceScene {
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -46,7 +48,7 @@ struct Scene {
     pairs: Vec<Places>,
 }
 
-impl Mirror {
+impl DeviceScene {
     /// Triangles to upload: those of meshes that no body there has.
     ///
     /// # Complexity
@@ -125,8 +127,7 @@ impl Scene {
         // After an error nothing is known of what is there.
         let at = std::mem::take(&mut self.at);
         let is_there = at > 0 && bodies.gathered() <= at;
-        let is_same =
-            |((_, own), body): (&(BodyId, Option<Stamp>), &super::Body)| *own == stamp(body);
+        let is_same = |((_, own), body): (&(BodyId, Option<Stamp>), &Body)| *own == stamp(body);
         if is_there && self.bodies.iter().zip(bodies.iter()).all(is_same) {
             for (body, number) in bodies.iter().zip(0..) {
                 if bodies.changed([body.id(); 2]) > at
@@ -205,11 +206,11 @@ fn triangles(model: &Model) -> usize {
 }
 
 /// What the mesh there was brought from, if there is one for this body.
-fn stamp(body: &super::Body) -> Option<Stamp> {
+fn stamp(body: &Body) -> Option<Stamp> {
     (!body.is_f64()).then(|| body.model().stamp())
 }
 
 /// The bodies that are there as themselves.
-fn in_f32(bodies: &Bodies) -> impl Iterator<Item = &super::Body> {
+fn in_f32(bodies: &Bodies) -> impl Iterator<Item = &Body> {
     bodies.iter().filter(|body| !body.is_f64())
 }

@@ -1,7 +1,8 @@
 //! Changes to a scene between frames.
 
 use super::SceneQuery;
-use super::body::{Body, BodyId, Groups};
+use super::body::{Body, Groups};
+use super::id::BodyId;
 use super::split::{Cutter, parts};
 use crate::environment::with_default;
 use crate::{Aabb, AnyPose, Error, Model};

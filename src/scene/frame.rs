@@ -1,23 +1,24 @@
 //! A frame of a scene, as its executor answers it.
 
+use super::hit::SceneHit;
+use super::id::BodyId;
 use super::pairs::BodyPairs;
-use super::{BodyId, Error, SceneHit};
 #[cfg(feature = "gpu")]
-use super::{cache::merge, device::Mirror};
+use super::{cache::merge, device::DeviceScene};
 #[cfg(feature = "gpu")]
 use crate::Accuracy;
-use crate::TrianglePair;
 #[cfg(feature = "gpu")]
 use crate::executor::Device;
 use crate::executor::{Answer, Backend, CpuHistory, Frame, Named, Verb};
 use crate::subject::AnyBvtt;
+use crate::{Error, TrianglePair};
 
 pub(super) struct SceneFrame<'s> {
     pub(super) pairs: BodyPairs<'s>,
     /// New hits; empty.
     pub(super) hits: &'s mut Vec<SceneHit>,
     #[cfg(feature = "gpu")]
-    pub(super) mirror: &'s mut Mirror,
+    pub(super) device: &'s mut DeviceScene,
     /// The part of the CPU that answered about pairs in f64, beside a GPU.
     #[cfg(feature = "gpu")]
     pub(super) beside: Option<Backend>,
@@ -78,7 +79,7 @@ impl Frame for SceneFrame<'_> {
 
     #[cfg(feature = "gpu")]
     fn to_upload(&mut self) -> usize {
-        self.mirror.lacks(self.pairs.bodies)
+        self.device.lacks(self.pairs.bodies)
     }
 
     /// Pairs with a body in f64 are asked about on the CPU beside, and both lists are merged.
@@ -90,10 +91,10 @@ impl Frame for SceneFrame<'_> {
         verb: Verb,
     ) -> Result<Answer<SceneHit>, Error> {
         if self.pairs.bodies.in_f64() == 0 {
-            return self.mirror.ask(device, &self.pairs, verb, self.hits);
+            return self.device.ask(device, &self.pairs, verb, self.hits);
         }
         let whole = self.pairs;
-        let own = self.mirror.ask(device, &whole.in_f64(false), verb, self.hits)?;
+        let own = self.device.ask(device, &whole.in_f64(false), verb, self.hits)?;
         if own.first.is_some() && verb == Verb::Any {
             return Ok(own);
         }

@@ -8,40 +8,33 @@ mod cache;
 mod device;
 mod edit;
 mod frame;
+mod hit;
+mod id;
 mod pairs;
 mod segments;
 mod split;
 
-pub use body::{Body, BodyId, Groups};
+pub use body::{Body, Groups};
 pub use edit::Piece;
+pub use hit::SceneHit;
+pub use id::BodyId;
 
 use crate::environment::{Environment, with_default};
 use crate::executor::{Answer, Backend, CpuPart, Plan, Run, Verb, visit as search};
 use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Contact, Error, Executor, TrianglePair};
+use crate::{Accuracy, Contact, Error, Executor};
 use bodies::Bodies;
 use broad::Broad;
 use cache::{Cache, merge};
 #[cfg(feature = "gpu")]
-use device::Mirror;
+use device::DeviceScene;
 use frame::SceneFrame;
 use pairs::BodyPairs;
 use pfront_core::bvtt::{PairBvtt, Query};
 use std::fmt;
 use std::ops::ControlFlow;
-
-/// Two triangles of different bodies that meet. The order is that of `bodies`, then `pair`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SceneHit {
-    /// The bodies, the one that was added first before the other.
-    pub bodies: [BodyId; 2],
-    /// A triangle of the first body and one of the second.
-    pub pair: TrianglePair,
-}
 
 /// Asks which triangles of many bodies meet, each body against each.
 ///
@@ -112,7 +105,7 @@ pub struct SceneQuery {
     new_contacts: Vec<(SceneHit, Contact)>,
     run: Run<[BodyId; 2]>,
     #[cfg(feature = "gpu")]
-    mirror: Mirror,
+    device: DeviceScene,
 }
 
 /// Without the bodies, which may be many.
@@ -147,7 +140,7 @@ impl SceneQuery {
         self.run = Run::on(executor);
         #[cfg(feature = "gpu")]
         {
-            self.mirror = Mirror::default();
+            self.device = DeviceScene::default();
         }
         self
     }
@@ -427,7 +420,7 @@ impl SceneQuery {
                 pairs: BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad),
                 hits: &mut self.new_hits,
                 #[cfg(feature = "gpu")]
-                mirror: &mut self.mirror,
+                device: &mut self.device,
                 #[cfg(feature = "gpu")]
                 beside: None,
             };

@@ -1,9 +1,10 @@
 //! The pairs of bodies that have to be asked about in a frame.
 
-use super::Accuracy;
 use super::bodies::Bodies;
-use super::body::{Body, BodyId};
+use super::body::Body;
 use super::broad::{Broad, Places};
+use super::id::BodyId;
+use crate::Accuracy;
 use pfront_core::bvtt::PairBvtt;
 
 /// The bodies of a frame, and which of them may meet.

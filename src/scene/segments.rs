@@ -1,12 +1,12 @@
 //! Where the bodies of a scene meet: the segments of triangles that are known to.
 
 use super::bodies::Bodies;
-use super::body::BodyId;
+use super::hit::SceneHit;
+use super::id::BodyId;
 use super::pairs::meeting;
-use super::{Error, SceneHit};
-use crate::TrianglePair;
 use crate::executor::{CpuPart, Run, check};
 use crate::memory::reserve;
+use crate::{Error, TrianglePair};
 use pfront_core::bvtt::PairBvtt;
 
 /// Contacts between two looks at the flag of the executor: some 0.1 ms.
