@@ -9,33 +9,14 @@
     reason = "the header has the contract, once for all functions"
 )]
 
-use crate::bvh::{pfront_bvh_t, pfront_node_t};
+use crate::bvh::{pfront_bvh_memory_t, pfront_bvh_t};
 use crate::memory::{Call, Caller};
 use crate::mesh::pfront_mesh_t;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
-use core::ffi::c_void;
 use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton, sah};
 use pfront_core::mesh::MAX_TRIANGLES;
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
-
-/// Memory for one build at a time, which need not be initialised; or what is to be adopted.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pfront_bvh_memory_t {
-    /// Becomes part of the BVH.
-    pub nodes: *mut pfront_node_t,
-    /// `pfront_node_bound` nodes always are enough.
-    pub node_capacity: usize,
-    /// Becomes part of the BVH.
-    pub order: *mut u32,
-    /// One entry a triangle.
-    pub order_capacity: usize,
-    /// Free again after the build; of any alignment.
-    pub scratch: *mut c_void,
-    /// In bytes: `pfront_morton_scratch_bytes` or `pfront_sah_scratch_bytes`.
-    pub scratch_bytes: usize,
-}
 
 /// Bytes for `count` elements at any address, if there can be so many.
 const fn bytes<T>(count: usize) -> usize {

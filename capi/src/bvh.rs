@@ -9,13 +9,12 @@
     reason = "the header has the contract, once for all functions"
 )]
 
-use crate::build::pfront_bvh_memory_t;
 use crate::memory::{Call, Caller};
 use crate::mesh::{pfront_aabb_t, pfront_mesh_t};
 use crate::pose::pfront_pose_t;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
-use core::ffi::CStr;
+use core::ffi::{CStr, c_void};
 use core::mem::offset_of;
 use pfront_core::bvh::{Refit, quality, refit};
 use pfront_core::bvtt::PosedBvh;
@@ -61,6 +60,24 @@ pub struct pfront_bvh_t {
     pub node_count: usize,
     /// The triangles, leaf by leaf; one entry a triangle.
     pub order: *const u32,
+}
+
+/// Memory for one build at a time, which need not be initialised; or what is to be adopted.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_bvh_memory_t {
+    /// Becomes part of the BVH.
+    pub nodes: *mut pfront_node_t,
+    /// `pfront_node_bound` nodes always are enough.
+    pub node_capacity: usize,
+    /// Becomes part of the BVH.
+    pub order: *mut u32,
+    /// One entry a triangle.
+    pub order_capacity: usize,
+    /// Free again after the build; of any alignment.
+    pub scratch: *mut c_void,
+    /// In bytes: `pfront_morton_scratch_bytes` or `pfront_sah_scratch_bytes`.
+    pub scratch_bytes: usize,
 }
 
 const SEAL: u32 = u32::from_be_bytes(*b"bvh ");

@@ -1,12 +1,29 @@
-//! Segments of contacts, joined to polylines.
+//! Contacts, and their segments joined to polylines.
 
-use crate::listing::AnyContact;
+use pfront::Contact;
 use std::collections::HashMap;
 use std::io::{self, Write};
 
 /// Ends of segments that are nearer than this, as a part of the largest coordinate, are one point: neighbouring
 /// contacts compute it from different triangles. In f64, it is a part of how far they reach.
 const NEAR: f64 = 1e-6;
+
+/// A contact in the precision of the query.
+#[derive(Clone, Copy)]
+pub(crate) enum AnyContact {
+    F32(Contact),
+    F64(Contact<f64>),
+}
+
+impl AnyContact {
+    /// In f64, to which every f32 widens.
+    pub(crate) fn widened(self) -> Contact<f64> {
+        match self {
+            Self::F32(contact) => contact.into(),
+            Self::F64(contact) => contact,
+        }
+    }
+}
 
 /// Points, and the indices of those along each polyline, the first again at the end of one that is closed.
 pub(crate) struct Curves {

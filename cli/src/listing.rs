@@ -1,7 +1,7 @@
 //! Writing hits: as text, as a picture, as curves.
 
 use crate::args::{Format, Listing};
-use crate::curve::Curves;
+use crate::curve::{AnyContact, Curves};
 use anyhow::{Context, Result};
 use pfront::{AnyPose, Contact, Mesh, TrianglePair};
 use pfront_cli::escape::{escaped, is_shown, json, shown_path, write_json};
@@ -38,23 +38,6 @@ pub(crate) struct Hit {
     pub(crate) origins: [usize; 2],
     pub(crate) pair: TrianglePair,
     pub(crate) contact: Option<AnyContact>,
-}
-
-/// A contact in the precision of the query.
-#[derive(Clone, Copy)]
-pub(crate) enum AnyContact {
-    F32(Contact),
-    F64(Contact<f64>),
-}
-
-impl AnyContact {
-    /// In f64, to which every f32 widens.
-    pub(crate) fn widened(self) -> Contact<f64> {
-        match self {
-            Self::F32(contact) => contact.into(),
-            Self::F64(contact) => contact,
-        }
-    }
 }
 
 /// What rows tell.

@@ -4,6 +4,6 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pfront_fuzz::input::Calls;
+use pfront_fuzz::Calls;
 
 fuzz_target!(|calls: Calls| calls.run());

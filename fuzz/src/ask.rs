@@ -1,6 +1,6 @@
 //! The questions: each of every backend, in all verbs, against brute force.
 
-use crate::answers::{Answers, first_few, of_core};
+use crate::answers::{Answers, first_few, of_core, pages};
 use crate::input::{Ask, Placing, adjacency};
 use crate::truth::overlapping;
 use crate::world::{World, placed};
@@ -70,7 +70,7 @@ impl World {
                 .with_adjacency(adjacency(skip));
             of_core(&query, ask).check(&truth, ask);
             of_core(&query.with_certificates(body.model.certificates()), ask).check(&truth, ask);
-            let boxes = crate::pages(&query.boxes_only(), ask.page());
+            let boxes = pages(&query.boxes_only(), ask.page());
             assert_eq!(boxes, overlapping(&body.soup));
         }
     }

@@ -1,25 +1,11 @@
 //! A mesh, what is known of it, and its BVHs.
 
-use crate::input::Build;
-use arbitrary::Arbitrary;
+use crate::input::{Build, Builder};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BvhStorage, Join, Refit};
 use pfront::pfront_core::mesh::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
 use pfront_testkit::MeshData;
-
-/// The builder of a tree.
-#[derive(Arbitrary, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Builder {
-    /// By surface area.
-    Sah,
-    /// The same, on threads.
-    SahThreads,
-    /// Along a Morton curve.
-    Morton,
-    /// The same, on threads.
-    MortonThreads,
-}
 
 /// The nodes and order of a BVH, without its mesh.
 #[derive(Clone, Debug)]

@@ -1,36 +1,10 @@
-//! Meshes, poses and calls, as they are made from bytes.
+//! Meshes, poses and steps, as they are made from bytes.
 
-use crate::World;
-use crate::body::Builder;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use pfront::threads::{Schedule, Settings, Pool};
 use pfront::{Accuracy, Adjacency, Pose};
 use pfront_testkit::MeshData;
 use pfront_testkit::shapes::sheet;
-
-/// Two bodies, at most 16 steps, and how everything is asked at the end.
-#[derive(Arbitrary, Debug)]
-pub struct Calls {
-    palette: Palette,
-    first: [(Shape, Placing, Build); 2],
-    last: Ask,
-    steps: Vec<Step>,
-}
-
-impl Calls {
-    /// Makes them in an empty world.
-    ///
-    /// # Panics
-    /// If an answer is wrong, or two of them differ.
-    pub fn run(&self) {
-        let mut world = World::new(self.palette);
-        for (shape, placing, build) in &self.first {
-            world.add(shape, *placing, *build);
-        }
-        self.steps.iter().take(16).for_each(|step| world.step(step));
-        world.ask_everything(self.last);
-    }
-}
 
 /// Up to `N` of something. The number comes first, so that many are as likely as few.
 #[derive(Clone, Debug)]
@@ -218,6 +192,19 @@ pub enum Question {
 pub struct Build {
     pub(crate) leaf_size: u8,
     pub(crate) builder: Builder,
+}
+
+/// The builder of a tree.
+#[derive(Arbitrary, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Builder {
+    /// By surface area.
+    Sah,
+    /// The same, on threads.
+    SahThreads,
+    /// Along a Morton curve.
+    Morton,
+    /// The same, on threads.
+    MortonThreads,
 }
 
 /// How a question is asked.

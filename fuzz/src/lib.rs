@@ -1,16 +1,17 @@
 //! What the fuzz targets have in common, and a world in which any sequence of calls is checked.
 //!
-//! [`input`] turns bytes into meshes, poses and calls. A world makes the calls, on every backend at
+//! [`input`] turns bytes into meshes, poses and steps. A world makes the [`Calls`], on every backend at
 //! once, and compares all answers with each other and with the exact oracle's loop over all pairs.
 
 mod answers;
 mod ask;
 mod body;
+mod calls;
 pub mod input;
 mod truth;
 mod world;
 
-use world::World;
-
 pub use answers::{as_pairs, pages};
-pub use body::{Builder, Tree};
+pub use body::Tree;
+pub use calls::Calls;
+pub use input::Builder;

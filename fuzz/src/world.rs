@@ -1,7 +1,7 @@
 //! Bodies that come, go, move, deform and break, as two scenes are told and as they are known to be.
 
 use crate::body::Body;
-use crate::input::{Build, Change, Crew, Few, Palette, Placing, Question, Shape, Step};
+use crate::input::{Build, Builder, Change, Crew, Few, Palette, Placing, Question, Shape, Step};
 use crate::truth::Truth;
 use pfront::pfront_core::bvtt::PosedBvh;
 use pfront::{BodyId, Bvh, Error, Executor, PairQuery, Piece, Pose, SceneQuery, SelfQuery};
@@ -203,7 +203,7 @@ impl World {
             assert!((0..).zip(&triangles).all(|(new, old)| mesh.shadow_triangle(new) == was(old)));
             let (positions, triangles) =
                 (mesh.positions().unwrap().to_vec(), mesh.triangles().to_vec());
-            let build = Build { leaf_size: 1, builder: crate::Builder::Morton };
+            let build = Build { leaf_size: 1, builder: Builder::Morton };
             let body = Body::new(MeshData { positions, triangles }, build).unwrap();
             self.bodies.push(Known { id, body, pose });
         }

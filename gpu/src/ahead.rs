@@ -5,11 +5,10 @@
 //! and wait for their parameters.
 
 use crate::GpuError;
-use crate::answer::GpuVerb;
 use crate::engine::Engine;
 use crate::layout::Query;
 use crate::results::Run;
-use crate::task::{Start, Task};
+use crate::task::{GpuVerb, Start, Task};
 use wgpu::{Buffer, CommandBuffer, WriteOnly};
 
 /// What the commands of a run from the seeds depend on, but for the copies for the host.
@@ -32,53 +31,49 @@ pub(crate) struct Ahead {
     run: Run,
 }
 
-impl Engine {
+impl Subject {
+    fn new(engine: &Engine, task: &Task, verb: GpuVerb) -> Self {
+        let Query { seeds, shadows, .. } = task.query;
+        Self { bound: engine.bound(), levels: task.levels_below_seeds, seeds, shadows, verb }
+    }
+}
+
+impl Ahead {
     /// Records a run from the seeds for a question that may come, while the host would only wait.
-    pub(crate) fn record_ahead(
-        &mut self,
+    pub(crate) fn record(
+        engine: &mut Engine,
         task: &Task,
         copies: [u32; 2],
         verb: GpuVerb,
-    ) -> Result<(), GpuError> {
-        // Times are those of the last run that was recorded.
-        if self.ahead.is_some() || self.clock.is_some() {
-            return Ok(());
-        }
-        let bytes = self.parameters(task, Start::Seeds, verb).len() as u64;
-        let source = self.staging.take(&self.gpu, bytes)?;
-        let mut encoder = self.encoder();
-        let run = self.record_commands(&mut encoder, &source, task, Start::Seeds, copies, verb)?;
-        let (subject, commands) = (self.subject(task, verb), encoder.finish());
-        self.ahead = Some(Ahead { subject, commands, source, run });
-        Ok(())
+    ) -> Result<Self, GpuError> {
+        let bytes = engine.parameters(task, Start::Seeds, verb).len() as u64;
+        let source = engine.staging.take(&engine.gpu, bytes)?;
+        let mut encoder = engine.encoder();
+        let run =
+            engine.record_commands(&mut encoder, &source, task, Start::Seeds, copies, verb)?;
+        let (subject, commands) = (Subject::new(engine, task, verb), encoder.finish());
+        Ok(Self { subject, commands, source, run })
     }
 
-    /// The commands that were recorded ahead, if they answer this question and copy so much at least, with its parameters.
-    pub(crate) fn take_ahead(
-        &mut self,
+    /// The commands with the parameters of a question, if they answer it and copy so much at least.
+    pub(crate) fn take(
+        self,
+        engine: &mut Engine,
         task: &Task,
         copies: [u32; 2],
         verb: GpuVerb,
     ) -> Result<Option<(CommandBuffer, Run)>, GpuError> {
-        let subject = self.subject(task, verb);
-        // A buffer that the host still maps is no place for copies.
-        let Some(Ahead { subject: own, commands, source, mut run }) =
-            self.ahead.take().filter(|_| self.mapping.is_none())
-        else {
-            return Ok(None);
-        };
-        if own != subject || !run.copies_at_least(copies) {
+        let Self { subject, commands, source, mut run } = self;
+        // A buffer that the host still maps is no place for copies, and these commands keep no time.
+        let is_in_use = engine.read_back.is_pending() || engine.clock.is_some();
+        let suits = subject == Subject::new(engine, task, verb) && run.copies_at_least(copies);
+        if is_in_use || !suits {
             return Ok(None);
         }
-        let parameters = self.parameters(task, Start::Seeds, verb);
+        let parameters = engine.parameters(task, Start::Seeds, verb);
         let fill = |mut view: WriteOnly<'_, [u8]>| view.copy_from_slice(&parameters);
-        self.staging.write_into(&self.gpu, source, parameters.len() as u64, fill)?;
-        run.ticket = self.ticket;
+        engine.staging.write_into(&engine.gpu, source, parameters.len() as u64, fill)?;
+        run.ticket = engine.ticket;
         Ok(Some((commands, run)))
-    }
-
-    fn subject(&self, task: &Task, verb: GpuVerb) -> Subject {
-        let Query { seeds, shadows, .. } = task.query;
-        Subject { bound: self.bound(), levels: task.levels_below_seeds, seeds, shadows, verb }
     }
 }

@@ -8,12 +8,13 @@
 //!
 //! [`Budget::LEAST`]: crate::Budget::LEAST
 
+use crate::ahead::Ahead;
 use crate::engine::Engine;
 use crate::layout::{Counters, InstancePair, Query, Rest};
 use crate::memory::reserve;
 use crate::read::read_now;
 use crate::results::{Found, Run};
-use crate::task::{Entry, Start, Task};
+use crate::task::{Entry, GpuVerb, Start, Task};
 use crate::{GpuError, GpuReport, totals, wear};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
@@ -24,26 +25,12 @@ use wgpu::CommandEncoder;
 /// A front this long is split rather than refined. Its children fit in the least front.
 const LONG: usize = 64;
 
-/// The verbs of a query.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum GpuVerb {
-    /// Every pair.
-    All,
-    /// One pair, if there is any.
-    Any,
-    /// How many pairs.
-    Count,
-    /// One pair for each pair of bodies, if there is any.
-    AnyEach,
-    /// How many pairs for each pair of bodies.
-    CountEach,
-}
-
 /// An engine, and the answer that it brings.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) engine: Engine,
+    /// Commands for the next question, if they are recorded.
+    ahead: Option<Ahead>,
     /// The pairs found so far, if they are wanted.
     pub(crate) pairs: Vec<TrianglePair>,
     /// Pairs that the CPU decided, until they join `pairs`.
@@ -92,6 +79,7 @@ impl Answer {
     pub(crate) fn new(engine: Engine) -> Self {
         Self {
             engine,
+            ahead: None,
             pairs: Vec::new(),
             late: Vec::new(),
             open: Vec::new(),
@@ -131,6 +119,10 @@ impl Answer {
             (GpuVerb::AnyEach, Start::Front(front)) => [front.len() as u32, self.expected[1]],
             _ => copies(verb, self.likely()),
         };
+        if self.engine.read_back.is_pending() {
+            // What is recorded ahead copies into a buffer that this run replaces.
+            self.ahead = None;
+        }
         self.engine.record(encoder, task, start, copies, verb)
     }
 
@@ -143,11 +135,10 @@ impl Answer {
     pub(crate) fn submit(&mut self, task: Task, verb: GpuVerb) -> Result<Asked, GpuError> {
         self.engine.forget_recorded();
         let may_repeat = self.parts_of(&task, verb).is_none();
-        let ahead = match may_repeat {
-            true => self.engine.take_ahead(&task, copies(verb, self.expected), verb)?,
-            false => None,
-        };
-        let (commands, asked) = match ahead {
+        let copies = copies(verb, self.expected);
+        let ahead = self.ahead.take_if(|_| may_repeat);
+        let ahead = ahead.map(|ahead| ahead.take(&mut self.engine, &task, copies, verb));
+        let (commands, asked) = match ahead.transpose()?.flatten() {
             Some((commands, run)) => (commands, Asked::whole(task, run)),
             None => {
                 let mut encoder = self.engine.encoder();
@@ -161,12 +152,17 @@ impl Answer {
 
     /// Records the commands of a question again while it is on the device.
     fn record_ahead(&mut self, asked: &Asked, verb: GpuVerb) -> Result<(), GpuError> {
-        if !asked.may_repeat || self.engine.is_done(&asked.run)? {
+        if !asked.may_repeat || self.engine.read_back.is_done(&asked.run)? {
+            return Ok(());
+        }
+        // Times are those of the last run that was recorded.
+        if self.ahead.is_some() || self.engine.clock.is_some() {
             return Ok(());
         }
         let (gpu, copies) = (self.engine.gpu.clone(), copies(verb, self.likely()));
         // Without memory for it, the next question is recorded when it is asked.
-        let _ = gpu.checked(|| self.engine.record_ahead(&asked.task, copies, verb));
+        let ahead = gpu.checked(|| Ahead::record(&mut self.engine, &asked.task, copies, verb));
+        self.ahead = ahead.ok();
         Ok(())
     }
 
@@ -234,7 +230,8 @@ impl Answer {
         let mut in_order = true;
         loop {
             let before = self.pairs.len();
-            let found = self.engine.read(&run, &mut self.pairs)?;
+            let Engine { read_back, cancel, .. } = &mut self.engine;
+            let found = read_back.read(&run, &mut self.pairs, cancel.as_deref())?;
             self.report.add(&found.counters, task.query.leaf_size);
             let Counters { overflow, hits, rest, fronts, .. } = found.counters;
             let refused = match verb {

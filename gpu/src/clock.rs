@@ -1,18 +1,13 @@
 //! Device time of each pass, by timestamps.
 
 use crate::GpuError;
-use crate::gpu::Gpu;
-use crate::memory::Usage;
+use crate::buffer::Usage;
+use crate::gpu::{Gpu, TIMESTAMPS};
 use crate::read::Mapping;
 use std::time::Duration;
 use wgpu::{
-    Buffer, BufferUsages, CommandEncoder, ComputePass, ComputePassTimestampWrites, Features,
-    QuerySet,
+    Buffer, BufferUsages, CommandEncoder, ComputePass, ComputePassTimestampWrites, QuerySet,
 };
-
-/// Features that a device needs to keep time.
-pub(crate) const FEATURES: Features =
-    Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_PASSES);
 
 /// Timestamps of a run.
 const MOST: u32 = 128;
@@ -47,7 +42,7 @@ impl Clock {
     /// A clock for each pass, or for all of them together. `None` if the device cannot keep time.
     pub(crate) fn new(gpu: &Gpu, each: bool) -> Result<Option<Self>, GpuError> {
         let device = gpu.device();
-        if !device.features().contains(FEATURES) {
+        if !device.features().contains(TIMESTAMPS) {
             return Ok(None);
         }
         let bytes = u64::from(MOST * wgpu::QUERY_SIZE);

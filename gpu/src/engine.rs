@@ -4,20 +4,17 @@
 //! get to the bottom. What a pass works on is counted on the device, so a run is one submission with
 //! nothing read back in between.
 
-use crate::ahead::Ahead;
-use crate::answer::GpuVerb;
 use crate::clock::{Clock, Timing};
 use crate::gpu::{Descent, Gpu, OfShadows};
 use crate::groups::{Dispatches, Groups, Meshes};
 use crate::layout::{Counters, Query};
 use crate::lists::Lists;
-use crate::memory::Usage;
 use crate::pass::Named;
-use crate::read::{Mapping, read_now};
-use crate::results::Run;
+use crate::read::read_now;
+use crate::results::{ReadBack, Run};
 use crate::sequence::groups_for;
 use crate::staging::Staging;
-use crate::task::{Entry, Order, Start, Task};
+use crate::task::{Entry, GpuVerb, Order, Start, Task};
 use crate::totals::count;
 use crate::wear::Wear;
 use crate::{GpuError, GpuModel, GpuSettings};
@@ -45,10 +42,7 @@ pub(crate) struct Engine {
     pub(crate) tallies: Option<Buffer>,
     pub(crate) ticket: u32,
     pub(crate) staging: Staging,
-    pub(crate) read_back: Buffer,
-    /// If the host has begun to read.
-    pub(crate) mapping: Option<Mapping>,
-    pub(crate) ahead: Option<Ahead>,
+    pub(crate) read_back: ReadBack,
     /// If times are wanted.
     pub(crate) clock: Option<Clock>,
     /// The wear of the models that are bound.
@@ -80,9 +74,7 @@ impl Engine {
             tallies: None,
             ticket: 0,
             staging: Staging::default(),
-            read_back: gpu.buffer("the read-back", 4096, Usage::ReadBack)?,
-            mapping: None,
-            ahead: None,
+            read_back: ReadBack::new(gpu)?,
             clock: None,
             wear: None,
             cancel: None,
@@ -92,7 +84,7 @@ impl Engine {
 
     /// Keeps time from now on, if the device can: of each pass, or of all together.
     pub(crate) fn keep_time(&mut self, each: bool) -> Result<(), GpuError> {
-        (self.ahead, self.clock) = (None, Clock::new(&self.gpu, each)?);
+        self.clock = Clock::new(&self.gpu, each)?;
         Ok(())
     }
 
@@ -166,13 +158,7 @@ impl Engine {
         copies: [u32; 2],
         verb: GpuVerb,
     ) -> Result<Run, GpuError> {
-        // A run that nobody has read to the end leaves a buffer that wgpu 30 may map once that run is done, even if it was
-        // unmapped and is to be mapped after this one.
-        if self.mapping.take().is_some() {
-            self.ahead = None;
-            self.read_back =
-                self.gpu.buffer("the read-back", self.read_back.size(), Usage::ReadBack)?;
-        }
+        self.read_back.forget()?;
         let parameters = self.parameters(task, start, verb);
         let fill = |mut view: WriteOnly<'_, [u8]>| view.copy_from_slice(&parameters);
         let source = self.staging.write(&self.gpu, parameters.len() as u64, fill)?;
@@ -255,7 +241,7 @@ impl Engine {
         if let Some(clock) = &self.clock {
             clock.finish(encoder);
         }
-        self.copy(encoder, copies, order, last_front)
+        self.read_back.copy(encoder, &self.lists, copies, order, self.ticket, last_front)
     }
 
     /// Records the passes of a run. Without a verb, it is one whose time does not count.

@@ -1,16 +1,21 @@
 //! A device with the passes compiled for it.
 
-use crate::pass::{Pass, Target};
-use crate::read::poll;
+use crate::device::{checked, poll};
+use crate::moving::MovingPasses;
+use crate::pass::{Arithmetic, Pass, Target};
 use crate::totals::Totals;
-use crate::{GpuError, GpuSettings, GpuTotals, clock, moving, probe};
+use crate::{GpuError, GpuSettings, GpuTotals, probe};
 use pfront_shaders::{
     DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, NARROW, NARROW_INSTANCES,
     ORDER, SAMPLE, SEED, SETTLE,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use wgpu::{Device, Queue};
+use wgpu::{Device, Features, Queue};
+
+/// Features that a device needs to keep time.
+pub(crate) const TIMESTAMPS: Features =
+    Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_PASSES);
 
 /// A device, its queue, and the passes compiled for it. Copying is free and shares them.
 ///
@@ -34,7 +39,7 @@ struct Shared {
     passes: Passes,
     shadows: OnceLock<Result<Arc<OfShadows>, GpuError>>,
     instances: OnceLock<Result<Arc<Descent>, GpuError>>,
-    moving: OnceLock<Result<Arc<moving::Passes>, GpuError>>,
+    moving: OnceLock<Result<Arc<MovingPasses>, GpuError>>,
     target: Target,
     failure: Failure,
     totals: Arc<Totals>,
@@ -82,18 +87,6 @@ impl Descent {
     }
 }
 
-/// The arithmetic that computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
-/// same to the bit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arithmetic {
-    /// The adapter's f32 units, which round as they should.
-    Hardware,
-    /// The same, and integers for what may have been subnormal: the adapter flushes such numbers.
-    Flushing,
-    /// Integers: the adapter rounds in another way.
-    Integer,
-}
-
 impl Gpu {
     /// The best adapter of this machine: a discrete GPU before an integrated one, and what runs on
     /// the CPU last. WGPU_BACKEND and WGPU_ADAPTER_NAME choose another.
@@ -108,7 +101,7 @@ impl Gpu {
             label: Some("pfront"),
             // All the memory that there is; everything else stays within the defaults.
             required_limits: adapter.limits(),
-            required_features: adapter.features() & clock::FEATURES,
+            required_features: adapter.features() & TIMESTAMPS,
             ..Default::default()
         };
         let (device, queue) =
@@ -279,9 +272,9 @@ impl Gpu {
     }
 
     /// The passes for meshes that move, compiled when the first of them is made.
-    pub(crate) fn moving(&self) -> Result<Arc<moving::Passes>, GpuError> {
+    pub(crate) fn moving(&self) -> Result<Arc<MovingPasses>, GpuError> {
         let compile = || {
-            let passes = moving::Passes::new(self.device(), self.shared.target)?;
+            let passes = MovingPasses::new(self.device(), self.shared.target)?;
             self.check().map(|()| Arc::new(passes))
         };
         self.shared.moving.get_or_init(compile).clone()
@@ -313,23 +306,6 @@ impl Gpu {
         call: impl FnOnce() -> Result<T, GpuError>,
     ) -> Result<T, GpuError> {
         checked(self.device(), call)
-    }
-}
-
-/// Makes calls of wgpu, and returns the error that they report, if any. Such errors would go to the handler
-/// of the device otherwise, which is the caller's.
-pub(crate) fn checked<T>(
-    device: &Device,
-    call: impl FnOnce() -> Result<T, GpuError>,
-) -> Result<T, GpuError> {
-    let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
-    let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let result = call();
-    // The inner scope ends first.
-    let validation = pollster::block_on(validation.pop());
-    match (pollster::block_on(internal.pop()).or(validation), result) {
-        (None, result) | (Some(_), result @ Err(GpuError::DeviceLost { .. })) => result,
-        (Some(error), _) => Err(GpuError::Device { reason: error.to_string() }),
     }
 }
 

@@ -17,9 +17,12 @@
 
 mod ahead;
 mod answer;
+mod buffer;
 mod build;
+mod check;
 mod clock;
 mod deforming;
+mod device;
 mod engine;
 mod error;
 mod gpu;
@@ -47,15 +50,16 @@ mod totals;
 mod wear;
 mod world;
 
-pub use answer::GpuVerb;
 pub use clock::Timing;
 pub use deforming::Deforming;
 pub use error::GpuError;
-pub use gpu::{Arithmetic, Gpu};
+pub use gpu::Gpu;
 pub use model::GpuModel;
+pub use pass::Arithmetic;
 pub use query::{GpuQuery, GpuQuestion};
 pub use report::GpuReport;
 pub use settings::{Budget, GpuSettings};
+pub use task::GpuVerb;
 pub use totals::GpuTotals;
 pub use wgpu;
 pub use world::{Bodies, World, WorldAnswer};

@@ -1,8 +1,8 @@
 //! The buffers of a query: fronts, lists, counters, parameters.
 
+use crate::buffer::Usage;
 use crate::gpu::Gpu;
 use crate::layout::{Counters, Query, Rest, Step};
-use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::pass::Pass;
 use crate::settings::Capacities;

@@ -1,9 +1,9 @@
 //! A mesh and its BVH on the device.
 
 use crate::GpuError;
+use crate::buffer::Usage;
 use crate::gpu::Gpu;
 use crate::layout::Corner;
-use crate::memory::Usage;
 use crate::totals::count;
 use crate::wear::Wear;
 use pfront_core::{Aabb, Bvh, Mesh, Node};

@@ -7,7 +7,7 @@ use wgpu::Device;
 
 /// Each of them, compiled.
 #[derive(Debug)]
-pub(crate) struct Passes {
+pub(crate) struct MovingPasses {
     pub(crate) refit: Pass,
     pub(crate) survey: Pass,
     pub(crate) keys: Pass,
@@ -18,7 +18,7 @@ pub(crate) struct Passes {
     pub(crate) fit: Pass,
 }
 
-impl Passes {
+impl MovingPasses {
     pub(crate) fn new(device: &Device, target: Target) -> Result<Self, GpuError> {
         let pass = |pass| Pass::new(device, pass, target);
         Ok(Self {

@@ -1,6 +1,6 @@
 //! Parameters that never change, one set for each dispatch of a sequence.
 
-use crate::memory::Usage;
+use crate::buffer::Usage;
 use crate::{Gpu, GpuError};
 use bytemuck::Pod;
 use std::marker::PhantomData;

@@ -3,8 +3,8 @@
 //! Rust names the buffers and nothing else: which of them a pass binds, where, and whether it writes
 //! them, is what the WGSL says.
 
-use crate::gpu::checked;
-use crate::{Arithmetic, GpuError};
+use crate::GpuError;
+use crate::device::checked;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, GlobalVariable, Module, StorageAccess};
 use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, Device, ShaderRuntimeChecks};
@@ -25,6 +25,18 @@ pub(crate) struct Pass {
 struct Group {
     layout: wgpu::BindGroupLayout,
     names: Vec<(u32, String)>,
+}
+
+/// The arithmetic that computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
+/// same to the bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arithmetic {
+    /// The adapter's f32 units, which round as they should.
+    Hardware,
+    /// The same, and integers for what may have been subnormal: the adapter flushes such numbers.
+    Flushing,
+    /// Integers: the adapter rounds in another way.
+    Integer,
 }
 
 /// The target that passes are compiled for: the values of their overrides.

@@ -6,9 +6,8 @@
 //! wrong. If it does, the passes pose in integers, which are tried likewise.
 
 use crate::GpuError;
-use crate::gpu::Arithmetic;
 use crate::layout::Trial;
-use crate::pass::{Pass, Target};
+use crate::pass::{Arithmetic, Pass, Target};
 use crate::read::read_now;
 use bytemuck::Zeroable;
 use pfront_core::Pose;

@@ -1,10 +1,11 @@
 //! One question at a time about two models, or one: asked and waited for, or submitted now and read later.
 
-use crate::answer::{Answer, Asked, GpuVerb};
+use crate::answer::{Answer, Asked};
+use crate::check::{check_pose, check_shadows};
 use crate::engine::Engine;
-use crate::layout::{Counters, Placement, Query, check_pose, check_shadows};
+use crate::layout::{Counters, Placement, Query};
 use crate::report::reports;
-use crate::task::Task;
+use crate::task::{GpuVerb, Task};
 use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
 use pfront_core::Pose;
@@ -270,7 +271,7 @@ impl GpuQuery {
     /// [`GpuError::Device`], [`GpuError::DeviceLost`].
     pub fn is_ready(&mut self) -> Result<bool, GpuError> {
         match &self.asked {
-            Some(asked) => self.answer.engine.is_done(&asked.run),
+            Some(asked) => self.answer.engine.read_back.is_done(&asked.run),
             None => Ok(true),
         }
     }

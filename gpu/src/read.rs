@@ -1,10 +1,9 @@
 //! Bringing bytes back to the host.
 
 use crate::GpuError;
-use crate::gpu::checked;
+use crate::device::{checked, poll};
 use crate::memory::append;
 use bytemuck::Pod;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Mutex, PoisonError};
@@ -96,16 +95,6 @@ impl Mapping {
         drop(view);
         buffer.unmap();
         Ok(taken)
-    }
-}
-
-/// Has wgpu look at what is done, and call back. Does not wait.
-pub(crate) fn poll(device: &Device) -> Result<(), GpuError> {
-    // wgpu panics where it finds that the device is lost.
-    match catch_unwind(AssertUnwindSafe(|| device.poll(wgpu::PollType::Poll))) {
-        Ok(Ok(_)) => Ok(()),
-        Ok(Err(error)) => Err(GpuError::Device { reason: error.to_string() }),
-        Err(_) => Err(GpuError::DeviceLost { reason: "it was lost while busy".to_owned() }),
     }
 }
 

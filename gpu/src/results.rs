@@ -1,14 +1,15 @@
 //! What a run found, brought to the host.
 
-use crate::GpuError;
-use crate::engine::Engine;
+use crate::buffer::Usage;
 use crate::layout::{Counters, Rest};
 use crate::lists::{Lists, ORDERED_AT};
-use crate::memory::{Usage, append};
+use crate::memory::append;
 use crate::read::Mapping;
 use crate::task::Order;
+use crate::{Gpu, GpuError};
 use pfront_core::bvtt::TrianglePair;
 use pfront_shaders::constants::FEW;
+use std::sync::atomic::AtomicBool;
 use wgpu::{Buffer, CommandEncoder, MapMode};
 
 /// A run that has been recorded.
@@ -35,6 +36,15 @@ pub(crate) struct Found {
     pub(crate) in_order: bool,
 }
 
+/// The buffer in which results come to the host.
+#[derive(Debug)]
+pub(crate) struct ReadBack {
+    gpu: Gpu,
+    buffer: Buffer,
+    /// If the host has begun to read.
+    mapping: Option<Mapping>,
+}
+
 impl Run {
     /// Whether so many hits, and so many of the rest, are copied as far as there are any.
     pub(crate) fn copies_at_least(&self, [hits, rest]: [u32; 2]) -> bool {
@@ -42,43 +52,62 @@ impl Run {
     }
 }
 
-impl Engine {
-    /// Records that counters and results are copied for the host, after the last pass.
+impl ReadBack {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let buffer = gpu.buffer("the read-back", 4096, Usage::ReadBack)?;
+        Ok(Self { gpu: gpu.clone(), buffer, mapping: None })
+    }
+
+    /// Whether the host has begun to read a run, and not read it to the end.
+    pub(crate) fn is_pending(&self) -> bool {
+        self.mapping.is_some()
+    }
+
+    /// Forgets a run that nobody has read to the end. It leaves a buffer that wgpu 30 may map once that run is done, even if
+    /// it was unmapped and is to be mapped after a later one.
+    pub(crate) fn forget(&mut self) -> Result<(), GpuError> {
+        if self.mapping.take().is_some() {
+            self.buffer = self.gpu.buffer("the read-back", self.buffer.size(), Usage::ReadBack)?;
+        }
+        Ok(())
+    }
+
+    /// Records that counters and results are copied for the host, after the last pass of the run of this ticket.
     pub(crate) fn copy(
         &mut self,
         encoder: &mut CommandEncoder,
+        lists: &Lists,
         most: [u32; 2],
         order: Order,
+        ticket: u32,
         last_front: u32,
     ) -> Result<Run, GpuError> {
-        let capacities = &self.lists.capacities;
+        let capacities = &lists.capacities;
         let copied = [most[0].min(capacities.hits), most[1].min(capacities.rest)];
         let [hits_at, rest_at, end] = offsets(copied);
-        if self.read_back.size() < end {
+        if self.buffer.size() < end {
             // Half as much again, so that answers that grow do not replace it each time.
-            self.read_back = self.gpu.buffer("the read-back", end + end / 2, Usage::ReadBack)?;
+            self.buffer = self.gpu.buffer("the read-back", end + end / 2, Usage::ReadBack)?;
         }
         let mut copy = |from: &Buffer, at: u64, bytes: u64| {
             if bytes != 0 {
-                encoder.copy_buffer_to_buffer(from, 0, &self.read_back, at, bytes);
+                encoder.copy_buffer_to_buffer(from, 0, &self.buffer, at, bytes);
             }
         };
         let few = FEW.min(capacities.hits);
         if order == Order::Few {
-            copy(&self.lists.counters, 0, rest_at);
+            copy(&lists.counters, 0, rest_at);
         } else {
-            copy(&self.lists.counters, 0, size_of::<Counters>() as u64);
-            copy(&self.lists.hits, hits_at, rest_at - hits_at);
+            copy(&lists.counters, 0, size_of::<Counters>() as u64);
+            copy(&lists.hits, hits_at, rest_at - hits_at);
         }
-        copy(&self.lists.rest, rest_at, end - rest_at);
+        copy(&lists.rest, rest_at, end - rest_at);
         if order == Order::Few {
             let bytes = u64::from(few) * size_of::<TrianglePair>() as u64;
-            let Lists { counters, hits, .. } = &self.lists;
-            encoder.copy_buffer_to_buffer(counters, ORDERED_AT, hits, 0, bytes);
+            encoder.copy_buffer_to_buffer(&lists.counters, ORDERED_AT, &lists.hits, 0, bytes);
         }
         let most_hits = if order == Order::Few { few } else { u32::MAX };
-        let (ticket, read_back) = (self.ticket, self.read_back.clone());
-        Ok(Run { ticket, last_front, copied, order, most_hits, read_back })
+        Ok(Run { ticket, last_front, copied, order, most_hits, read_back: self.buffer.clone() })
     }
 
     /// Whether a run is done, which must have been submitted.
@@ -95,12 +124,12 @@ impl Engine {
         &mut self,
         run: &Run,
         pairs: &mut Vec<TrianglePair>,
+        cancel: Option<&AtomicBool>,
     ) -> Result<Found, GpuError> {
         let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
         let (device, bytes) = (self.gpu.device(), end as u64);
         let begin = || Mapping::begin(device, &run.read_back, bytes, MapMode::Read);
         let mut mapping = self.mapping.take().unwrap_or_else(begin);
-        let cancel = self.cancel.as_deref();
         let found = mapping.read(device, &run.read_back, bytes, cancel, |bytes| {
             let counters = &bytes[..size_of::<Counters>()];
             let counters: Counters = bytemuck::pod_read_unaligned(counters);

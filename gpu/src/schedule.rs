@@ -6,8 +6,8 @@
 //! them are a tree some hundred times smaller, and make the jobs of the next stage: two or three stages
 //! refit millions of triangles.
 
+use crate::buffer::Usage;
 use crate::layout::Stage;
-use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
 use crate::{Gpu, GpuError};

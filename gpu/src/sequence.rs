@@ -4,13 +4,13 @@ use crate::GpuError;
 use crate::clock::Clock;
 use crate::gpu::Gpu;
 use crate::groups::Dispatches;
-use crate::moving::Passes;
+use crate::moving::MovingPasses;
 use crate::pass::{Named, Pass};
 use std::sync::Arc;
 use wgpu::{BindGroup, BindingResource, CommandEncoder};
 
 /// Chooses the pass of a dispatch.
-type Which = fn(&Passes) -> &Pass;
+type Which = fn(&MovingPasses) -> &Pass;
 
 /// Workgroups for so many jobs that do not touch each other: one each, as far as a dispatch goes.
 pub(crate) fn groups_for(jobs: u32) -> u32 {
@@ -20,7 +20,7 @@ pub(crate) fn groups_for(jobs: u32) -> u32 {
 /// Dispatches in order.
 #[derive(Debug)]
 pub(crate) struct Sequence {
-    passes: Arc<Passes>,
+    passes: Arc<MovingPasses>,
     dispatches: Vec<(Which, [BindGroup; 2], u32)>,
 }
 

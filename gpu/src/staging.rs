@@ -1,6 +1,6 @@
 //! Staging buffers: mapped memory that the host writes and a submission copies.
 
-use crate::memory::Usage;
+use crate::buffer::Usage;
 use crate::read::Mapping;
 use crate::{Gpu, GpuError};
 use wgpu::{Buffer, WriteOnly};

@@ -1,10 +1,25 @@
-//! What a run is to do, and what it starts from.
+//! What a run is to do: its verb, its subject, and what it starts from.
 
-use crate::answer::GpuVerb;
 use crate::layout::{Counters, Query};
 use bytemuck::Zeroable;
 use pfront_shaders::constants::FEW;
 use std::mem::offset_of;
+
+/// The verbs of a query.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GpuVerb {
+    /// Every pair.
+    All,
+    /// One pair, if there is any.
+    Any,
+    /// How many pairs.
+    Count,
+    /// One pair for each pair of bodies, if there is any.
+    AnyEach,
+    /// How many pairs for each pair of bodies.
+    CountEach,
+}
 
 /// A node pair as fronts hold it.
 pub(crate) type Entry = [u32; 2];

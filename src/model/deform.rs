@@ -1,7 +1,7 @@
 //! Moving the vertices of a model, and updating its tree and certificates.
 
 use super::Model;
-use super::in_f64::Exact;
+use super::in_f64::{Exact, Shadow};
 use super::moves::same_bits;
 #[cfg(feature = "threads")]
 use super::passes::THREADS;
@@ -9,6 +9,7 @@ use super::passes::{ONE_THREAD, Parallel, both, by_parts, if_four_threads};
 use super::tree::Tree;
 use crate::Error;
 use crate::environment::with_default;
+use crate::memory::{copy, filled};
 use pfront_core::{Mesh, MeshError};
 
 impl Model {
@@ -48,6 +49,54 @@ impl Model {
     #[cfg(feature = "threads")]
     pub fn set_positions_with_threads(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
         self.deform(positions, THREADS)
+    }
+
+    /// [`Model::set_positions`] of a model in f64.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] if a coordinate is not finite or beyond 2^125, if the number of vertices differs, or if the model is in
+    /// f32.
+    ///
+    /// # Complexity
+    /// As [`Model::set_positions`], but that all positions count as moved; allocates 36 bytes a vertex.
+    ///
+    /// # Examples
+    /// ```
+    /// # let mut model = pfront::Model::from_f64(vec![[0.1; 3]; 3], vec![[0, 1, 2]])?;
+    /// model.set_positions_f64(&[[0.3; 3]; 3])?;
+    /// assert_eq!(model.mesh().positions_f64(), Some(&[[0.3; 3]; 3][..]));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn set_positions_f64(&mut self, positions: &[[f64; 3]]) -> Result<(), Error> {
+        with_default(|| {
+            let shadow = self.shadow_of(positions)?;
+            self.set_shadowed(shadow);
+            Ok(())
+        })
+    }
+
+    /// The shadow of other positions.
+    pub(crate) fn shadow_of(&self, positions: &[[f64; 3]]) -> Result<Shadow, Error> {
+        let mut shadow = filled([0.0; 3], positions.len())?;
+        let origin = self.mesh().with_positions_f64(positions, &mut shadow)?.origin();
+        Ok(Shadow { exact: copy(positions)?, positions: shadow, origin })
+    }
+
+    /// Moves the vertices of a model in f64 to the positions that have this shadow.
+    pub(crate) fn set_shadowed(&mut self, shadow: Shadow) {
+        let Shadow { exact: positions, positions: shadow, origin } = shadow;
+        let is_same = |(p, q): (&[f64; 3], &[f64; 3])| p.map(f64::to_bits) == q.map(f64::to_bits);
+        if let Some(exact) = &self.exact
+            && exact.positions.len() == positions.len()
+            && exact.positions.iter().zip(&positions).all(is_same)
+        {
+            return;
+        }
+        self.outdate();
+        self.moves.add_all();
+        self.positions = shadow;
+        self.exact = Some(Exact { positions, origin });
+        self.fit_by(ONE_THREAD);
     }
 
     /// [`Model::set_positions`] that leaves the BVH alone until it is asked for, as a query on a GPU never

@@ -17,7 +17,7 @@ pub use stamp::Stamp;
 
 use crate::Error;
 use crate::environment::with_default;
-use crate::memory::copy;
+use crate::memory::{copy, filled};
 use crate::sphere::Sphere;
 use certificates::Certificates;
 use in_f64::Exact;
@@ -149,6 +149,65 @@ impl Model {
         })
     }
 
+    /// [`Model::new`] with positions in f64: queries pose and decide them there, exactly, whatever the other model and the
+    /// pose.
+    ///
+    /// Takes 24 bytes a vertex more, unless f32 holds every coordinate. A GPU answers about two such models by their shadows,
+    /// and leaves to the CPU what these do not tell; everything else about them only a CPU answers.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] names the first vertex or triangle at fault; coordinates are at most 2^125.
+    ///
+    /// # Complexity
+    /// As [`Model::new`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose};
+    /// // A square metre in a coordinate system of the earth, and one a micrometre above it: f32 tells neither apart.
+    /// let square = |z| {
+    ///     let corner = |x, y| [500_000.0 + x, 5_000_000.0 + y, 1_000.0 + z];
+    ///     Model::from_f64(vec![corner(0.1, 0.1), corner(1.1, 0.1), corner(0.1, 1.1)], vec![[0, 1, 2]])
+    /// };
+    /// let (floor, above) = (square(0.0)?, square(1e-6)?);
+    /// assert_eq!(PairQuery::new().count(&floor, &above, Pose::IDENTITY)?, 0);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn from_f64(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        Self::from_f64_with_options(positions, triangles, BuildOptions::default())
+    }
+
+    /// [`Model::from_f64`] with other build options.
+    pub(crate) fn from_f64_with_options(
+        positions: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions<'static>,
+    ) -> Result<Self, Error> {
+        with_default(|| Self::built_from_f64(positions, triangles, options))
+    }
+
+    fn built_from_f64(
+        positions: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+        options: BuildOptions<'static>,
+    ) -> Result<Self, Error> {
+        let mut shadow = filled([0.0; 3], positions.len())?;
+        let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow)?;
+        let widened =
+            |p: &[f64; 3]| p.iter().all(|x| f64::from(*x as f32).to_bits() == x.to_bits());
+        let exact = if positions.iter().all(widened) {
+            let narrowed = positions.iter().map(|p| p.map(|x| x as f32));
+            shadow.iter_mut().zip(narrowed).for_each(|(own, p)| *own = p);
+            Exact { positions: Vec::new(), origin: [0.0; 3] }
+        } else {
+            let origin = mesh.origin();
+            Exact { positions, origin }
+        };
+        let mesh = Exact::mesh(Some(&exact), &shadow, &triangles);
+        let tree = Tree::build(mesh, options, ONE_THREAD)?;
+        Ok(Self { exact: Some(exact), ..Self::of(shadow, triangles, options, tree) })
+    }
+
     /// A mesh that is checked, and its tree.
     fn of(
         positions: Vec<[f32; 3]>,
@@ -167,6 +226,12 @@ impl Model {
             certificates: Renewed::unmade(),
             sphere: OnceLock::new(),
         }
+    }
+
+    /// Whether positions are in f64: the model is one of [`Model::from_f64`].
+    #[must_use]
+    pub fn is_f64(&self) -> bool {
+        self.exact.is_some()
     }
 
     /// The mesh.

@@ -3,7 +3,7 @@
 use crate::ending::Inside;
 use crate::errors::exception;
 use crate::executor::Executor;
-use crate::question::Submission;
+use crate::submission::Submission;
 use crate::threads::apart;
 use pfront::{AnyPose, Batch, Error, Model, Ticket};
 use pyo3::exceptions::PyRuntimeError;

@@ -1,7 +1,7 @@
 //! The threads and devices that answer, made once for each process.
 
 use crate::errors::device;
-use crate::mutex::lock;
+use crate::lock::lock;
 use crate::threads::{apart, heard};
 use pfront::gpu::{Gpu, wgpu};
 use pfront::threads::Pool;

@@ -13,6 +13,7 @@ mod contacts;
 mod ending;
 mod errors;
 mod executor;
+mod lock;
 mod memory;
 mod model;
 mod mutex;
@@ -20,6 +21,7 @@ mod part;
 mod poses;
 mod question;
 mod scene;
+mod submission;
 mod threads;
 mod watchdog;
 

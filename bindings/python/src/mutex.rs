@@ -4,13 +4,14 @@
 //! guards may be half changed: the child is told so, where the mutex of the standard library would wait for ever.
 
 use crate::errors::forked;
+use crate::lock::lock;
 use crate::threads::{PATIENCE, apart};
 use pyo3::prelude::*;
 use std::sync::atomic::{
     AtomicU32,
     Ordering::{Acquire, Relaxed, Release},
 };
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 use std::{process, thread};
 
@@ -66,12 +67,4 @@ impl<T> Drop for ProcessGuard<T> {
     fn drop(&mut self) {
         self.of.holder.store(0, Release);
     }
-}
-
-/// Nothing that is guarded here is left in pieces by a panic.
-///
-/// Threads lock a mutex of the process only while they hold the interpreter, as a thread that forks does: no fork catches it
-/// locked.
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -4,7 +4,7 @@
 //! waits for what it makes. All threads are listed here, so that [`join`] can wait for them before the process ends.
 
 use crate::ending::{self, Inside, stop_if_ending};
-use crate::mutex::lock;
+use crate::lock::lock;
 use crate::watchdog;
 use pfront::pfront_core::environment::with_default;
 use pyo3::exceptions::PyRuntimeError;

@@ -3,7 +3,7 @@
 //! One thread of the process looks at all of them from time to time, so that a question costs two list entries and not a
 //! thread of its own.
 
-use crate::mutex::lock;
+use crate::lock::lock;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;

@@ -9,7 +9,8 @@ pub(crate) mod scene;
 pub(crate) mod self_collision;
 
 use crate::args::TwoMeshes;
-use crate::listing::{AnyContact, Hit};
+use crate::curve::AnyContact;
+use crate::listing::Hit;
 use crate::progress::shown;
 use anyhow::{Error, Result, ensure};
 use pfront::executor::{Plan, Reason};

@@ -2,7 +2,8 @@
 
 use super::{built, check_files, explain, list_fits, read};
 use crate::args::Scene;
-use crate::listing::{AnyContact, Found, Hit, Kind, Origin};
+use crate::curve::AnyContact;
+use crate::listing::{Found, Hit, Kind, Origin};
 use crate::progress::shown;
 use anyhow::{Context, Result, bail, ensure};
 use pfront::{Model, Pose, SceneHit, SceneQuery};

@@ -1,7 +1,7 @@
 //! Baked meshes: blobs of a mesh and its BVH, see [`pfront::pfront_core::blob`].
 
-use super::FileMesh;
 use super::error::Fault;
+use super::file_mesh::FileMesh;
 use pfront::Model;
 
 /// The mesh with its BVH.
@@ -11,7 +11,7 @@ pub(super) fn model(bytes: &[u8]) -> Result<Model, Fault> {
 }
 
 /// The mesh without its BVH.
-pub(super) fn file_mesh(model: &Model) -> FileMesh {
+pub(super) fn mesh(model: &Model) -> FileMesh {
     let mesh = model.mesh();
     let positions = match mesh.positions_f64() {
         Some(positions) => positions.to_vec(),

@@ -1,11 +1,23 @@
 //! The memory that reading a mesh may take.
 
 use super::error::Fault;
-use super::{FileMesh, GROWTH, MeshData};
+use super::file_mesh::FileMesh;
+use pfront_testkit::MeshData;
 
 /// Bytes that a file may take while it is read, unless more are allowed: as many for each of its own, and a constant.
 const FACTOR: usize = 16;
 const CONSTANT: usize = 64 << 20;
+
+/// A list grows to twice what it holds, and moves meanwhile.
+const GROWTH: usize = 3;
+
+/// The bytes that so many vertices and triangles take while they are read.
+pub(super) fn demand(vertices: usize, triangles: usize) -> usize {
+    let arrays = size_of::<[f64; 3]>()
+        .saturating_mul(vertices)
+        .saturating_add(size_of::<[u32; 3]>().saturating_mul(triangles));
+    GROWTH.saturating_mul(arrays)
+}
 
 /// The bytes that reading a mesh may take, and those that are left.
 #[derive(Debug, Default)]
@@ -58,7 +70,7 @@ impl Budget {
         more: usize,
     ) -> Result<(), Fault> {
         let MeshData { positions, triangles } = mesh;
-        let arrays = super::demand(positions.len(), triangles.len().saturating_add(more));
+        let arrays = demand(positions.len(), triangles.len().saturating_add(more));
         self.check(arrays.saturating_add(GROWTH * size_of_val(faces)))
     }
 }

@@ -1,6 +1,6 @@
 //! Why a file is no mesh.
 
-use super::FORMATS;
+use super::format::FORMATS;
 use crate::escape::shown_path;
 use std::path::{Path, PathBuf};
 use std::{error, fmt, io};

@@ -3,12 +3,12 @@
 //! passed over.
 
 mod checked;
-mod folder;
 
-use super::Import;
+use super::budget;
 use super::error::Fault;
+use super::folder::Folder;
+use super::import::Import;
 use checked::Buffers;
-pub(super) use folder::Folder;
 use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
 use gltf::mesh::{Mode, Semantic};
 use gltf::scene::Transform;
@@ -72,7 +72,7 @@ fn demand(primitive: &Primitive<'_>) -> usize {
     let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
     let corners = primitive.indices().map_or(vertices, |indices| indices.count());
     let triangles = if primitive.mode() == Mode::Triangles { corners / 3 } else { corners };
-    super::demand(vertices, triangles)
+    budget::demand(vertices, triangles)
 }
 
 fn transform(node: &Node<'_>) -> DMat4 {

@@ -2,16 +2,13 @@
 //! these, before the rest is read.
 
 use super::error::{Fault, other_format};
-use super::{BAKED, stl};
+use super::format::BAKED;
+use super::stl;
 use pfront::BlobError;
 use pfront::pfront_core::blob::MAGIC;
 
 /// As many bytes of a file are looked at before the rest is read.
 pub(super) const HEAD: u64 = 1 << 16;
-
-/// Header and count of a binary STL file, and each of its triangles.
-pub(super) const STL_HEADER: usize = 84;
-pub(super) const STL_TRIANGLE: usize = 50;
 
 /// The format that a file without a name of its own begins like.
 pub(super) fn beginning(head: &[u8]) -> Option<&'static str> {
@@ -49,8 +46,8 @@ pub(super) fn length(format: &str, head: &[u8], found: Option<u64>) -> Result<Op
         }
         "ply" => (None, !head.windows(10).any(|word| word == b"end_header")),
         "stl" => {
-            let count = number(STL_HEADER - 4);
-            let due = count.map(|n| STL_HEADER as u64 + STL_TRIANGLE as u64 * n);
+            let count = number(stl::HEADER - 4);
+            let due = count.map(|n| stl::HEADER as u64 + stl::TRIANGLE as u64 * n);
             // Text is never as long as its bytes 80 to 83 say: as a count they are 150 million at least.
             (due.filter(|_| due == found || !stl::is_text(head)), false)
         }
@@ -72,7 +69,7 @@ pub(super) fn other_length(format: &str, due: u64, found: u64) -> Fault {
     Fault::broken(match format {
         BAKED => BlobError::Length { needed: due, found: found as usize }.to_string(),
         "stl" => {
-            let triangles = (due - STL_HEADER as u64) / STL_TRIANGLE as u64;
+            let triangles = (due - stl::HEADER as u64) / stl::TRIANGLE as u64;
             other_format(format!(
                 "a binary STL of {triangles} triangles has {due} bytes, not {found}"
             ))

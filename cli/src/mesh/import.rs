@@ -2,8 +2,9 @@
 
 use super::budget::Budget;
 use super::error::Fault;
+use super::file_mesh::FileMesh;
+use super::source::Source;
 use super::triangulate::{SCRATCH, triangulate};
-use super::{FileMesh, Source};
 
 /// A mesh that is being read, where it comes from, and what reading may take.
 #[derive(Debug, Default)]

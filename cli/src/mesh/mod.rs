@@ -8,6 +8,9 @@
 mod baked;
 mod budget;
 mod error;
+mod file_mesh;
+mod folder;
+mod format;
 mod gltf;
 mod head;
 mod import;
@@ -21,14 +24,16 @@ mod text;
 mod triangulate;
 
 pub use error::ReadError;
+pub use file_mesh::{FileMesh, beyond_f32, in_f32};
+pub use format::FORMATS;
 pub use painted::{PaintedMesh, write_painted};
 pub use source::{Source, name_apart};
 
 use crate::memory::available;
-use baked::file_mesh;
 use budget::Budget;
 use error::Fault;
-use gltf::Folder;
+use folder::Folder;
+use format::BAKED;
 use import::Import;
 use pfront::Model;
 use pfront::pfront_core::blob::MAGIC;
@@ -36,38 +41,6 @@ use pfront_testkit::MeshData;
 use std::fs::File;
 use std::io::{Read, stdin};
 use std::path::Path;
-
-/// The extensions that [`read`] knows.
-pub const FORMATS: [&str; 7] = ["obj", "ply", "stl", "off", "gltf", "glb", BAKED];
-
-/// The extension of what `pfront bake` writes.
-const BAKED: &str = "pfb";
-
-/// A list grows to twice what it holds, and moves meanwhile.
-const GROWTH: usize = 3;
-
-/// The bytes that so many vertices and triangles take while they are read.
-fn demand(vertices: usize, triangles: usize) -> usize {
-    let arrays = size_of::<[f64; 3]>()
-        .saturating_mul(vertices)
-        .saturating_add(size_of::<[u32; 3]>().saturating_mul(triangles));
-    GROWTH.saturating_mul(arrays)
-}
-
-/// A mesh as a file has it.
-pub type FileMesh = MeshData<[f64; 3]>;
-
-/// How many coordinates of a mesh no f32 is equal to. If there is none, it may as well be one in f32.
-pub fn beyond_f32(mesh: &FileMesh) -> usize {
-    let is_beyond = |x: &&f64| !x.is_nan() && f64::from(**x as f32).to_bits() != x.to_bits();
-    mesh.positions.as_flattened().iter().filter(is_beyond).count()
-}
-
-/// A mesh with the f32 nearest to each coordinate.
-pub fn in_f32(mesh: FileMesh) -> MeshData {
-    let positions = mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect();
-    MeshData { positions, triangles: mesh.triangles }
-}
 
 /// How meshes are read.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -109,7 +82,7 @@ impl Loaded {
     pub fn into_mesh(self) -> (FileMesh, Source) {
         match self {
             Self::Mesh(mesh, source) => (mesh, source),
-            Self::Baked(model) => (file_mesh(&model), Source::default()),
+            Self::Baked(model) => (baked::mesh(&model), Source::default()),
         }
     }
 }
@@ -233,7 +206,7 @@ fn parse(
         "ply" => ply::parse(bytes, &mut import),
         "stl" => stl::parse(bytes, &mut import),
         "off" => off::parse(bytes, &mut import),
-        BAKED => baked::model(bytes).map(|model| import.mesh = file_mesh(&model)),
+        BAKED => baked::model(bytes).map(|model| import.mesh = baked::mesh(&model)),
         _ => gltf::parse(bytes, folder, &mut import),
     }?;
     if import.mesh.triangles.is_empty() {

@@ -3,8 +3,8 @@
 //! By hand: `tobj` renumbers vertices group by group, so that faces of two groups share none, and `obj-rs`
 //! panics on statements it does not know.
 
-use super::Import;
 use super::error::{Fault, other_format};
+use super::import::Import;
 use super::text::{Line, lines, quote};
 
 /// The statements of the specification, of which three are read.

@@ -1,7 +1,7 @@
 //! OFF in text: `OFF`, `COFF`, `NOFF` and the like, one vertex or face a line. No kept crate reads it.
 
-use super::Import;
 use super::error::Fault;
+use super::import::Import;
 use super::text::{Line, lines};
 
 pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {

@@ -4,19 +4,19 @@
 //! `ply-rs-bw` reads the header and binary elements. Not those in text: it knows no `nan` and no `.5`
 //! there, and rounds doubles twice.
 
-mod record;
+mod element;
 
-use super::Import;
 use super::error::Fault;
+use super::import::Import;
 use super::text::{Line, lines};
+use element::{AXES, Element, INDICES};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType};
-use record::{AXES, INDICES, Record};
 use std::io::ErrorKind;
 
 pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     check_lines(bytes)?;
-    let parser = Parser::<Record>::new();
+    let parser = Parser::<Element>::new();
     let mut reader = Reader::new(bytes);
     let header = parser.read_header(&mut reader)?;
     let first = reader.line();
@@ -30,7 +30,7 @@ pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
             let fault = |e| binary_fault(&e, at, element, number);
             let record = match header.encoding {
                 Encoding::Ascii => match lines.next() {
-                    Some(line) => Record::from_text(&line, element, &mut import.source),
+                    Some(line) => Element::from_text(&line, element, &mut import.source),
                     None => Err(Fault::broken(ends_in(element, number))),
                 },
                 Encoding::BinaryLittleEndian => {
@@ -117,7 +117,7 @@ fn ends_in(element: &ElementDef, number: usize) -> String {
 fn binary_fault(e: &ParseError, at: usize, element: &ElementDef, number: usize) -> Fault {
     let what = match e.kind() {
         ErrorKind::UnexpectedEof => ends_in(element, number),
-        // `Record` does not take every type.
+        // `Element` does not take every type.
         ErrorKind::InvalidData => {
             format!("the indices of {} {number} are no natural numbers", element.name)
         }

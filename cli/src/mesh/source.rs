@@ -7,7 +7,7 @@ use std::collections::{HashMap, HashSet};
 pub struct Source {
     /// The first triangle of each face, if faces may have more than one.
     pub(super) faces: Vec<u32>,
-    nodes: Vec<Node>,
+    nodes: Vec<GltfNode>,
     /// Whether coordinates are rounded to f32.
     pub(super) in_f32: bool,
     /// If they are, those with more digits than the nearest f32 has.
@@ -18,7 +18,7 @@ pub struct Source {
 
 /// A glTF node and the first triangle that it placed.
 #[derive(Clone, Debug)]
-struct Node {
+struct GltfNode {
     name: String,
     triangle: u32,
 }
@@ -41,7 +41,7 @@ impl Source {
         let triangle = triangles as u32;
         // A node without triangles is none.
         self.nodes.pop_if(|last| last.triangle == triangle);
-        self.nodes.push(Node { name, triangle });
+        self.nodes.push(GltfNode { name, triangle });
     }
 
     pub(super) fn end_nodes(&mut self, triangles: usize) {
@@ -62,7 +62,7 @@ impl Source {
         self.node_of(triangle).map(|node| &node.name[..])
     }
 
-    fn node_of(&self, triangle: u32) -> Option<&Node> {
+    fn node_of(&self, triangle: u32) -> Option<&GltfNode> {
         let after = self.nodes.partition_point(|node| node.triangle <= triangle);
         self.nodes.get(after.checked_sub(1)?)
     }

@@ -5,10 +5,15 @@
 //! and binary that begins with `solid` for text, and it refuses the NaN normals that triangles without
 //! area have.
 
+use super::budget::demand;
 use super::error::{Fault, other_format};
-use super::head::{STL_HEADER as HEADER, STL_TRIANGLE as TRIANGLE};
+use super::file_mesh::FileMesh;
+use super::import::Import;
 use super::text::{Line, lines, quote};
-use super::{FileMesh, Import, demand};
+
+/// Header and count of a binary STL file, and each of its triangles.
+pub(super) const HEADER: usize = 84;
+pub(super) const TRIANGLE: usize = 50;
 
 pub(super) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let count = bytes.first_chunk::<HEADER>().map(|header| {

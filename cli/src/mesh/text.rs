@@ -1,7 +1,7 @@
 //! Lines of words, as OBJ, OFF and the texts of PLY and STL have them.
 
-use super::Source;
 use super::error::Fault;
+use super::source::Source;
 use std::str::FromStr;
 
 /// A line that has words, without its comment.

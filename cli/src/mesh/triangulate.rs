@@ -8,8 +8,7 @@
 
 mod blockers;
 
-use blockers::Blockers;
-use robust::{Coord, orient2d};
+use blockers::{Blockers, Point, area};
 
 /// Bytes for each corner of the face that is triangulated, at most.
 pub(super) const SCRATCH: usize = 160;
@@ -19,14 +18,6 @@ const SMALL: usize = 8;
 
 /// Ears that may be tried for each corner: a bound for faces that are made to be slow.
 const TRIES: usize = 64;
-
-type Point = [f64; 2];
-
-/// The sign of the area of a triangle, exactly.
-fn area(a: Point, b: Point, c: Point) -> f64 {
-    let [a, b, c] = [a, b, c].map(|[x, y]| Coord { x, y });
-    orient2d(a, b, c)
-}
 
 /// Triangulates a face, in place of its fan around the first corner.
 pub(super) fn triangulate(corners: &[u32], positions: &[[f64; 3]], fan: &mut [[u32; 3]]) {

@@ -15,8 +15,8 @@ mod sort;
 #[cfg(test)]
 mod tests;
 
+use crate::buffer::Usage;
 use crate::layout::{Corner, Cut};
-use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
 use crate::{Gpu, GpuError, GpuModel};

@@ -5,8 +5,8 @@
 //! scatters its run. Three dispatches a digit and none that waits for another workgroup, which newer
 //! sorts do (decoupled look-back) and WebGPU does not promise to end.
 
+use crate::buffer::Usage;
 use crate::layout::Build;
-use crate::memory::Usage;
 use crate::parameters::Parameters;
 use crate::pass::Named;
 use crate::sequence::Sequence;

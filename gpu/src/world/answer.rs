@@ -1,9 +1,10 @@
 //! The answer about many bodies.
 
-use super::{Bodies, pairs};
+use super::pairs::{self, Bodies};
 use crate::GpuError;
-use crate::answer::{Answer, GpuVerb};
+use crate::answer::Answer;
 use crate::memory::reserve;
+use crate::task::GpuVerb;
 use pfront_core::bvtt::TrianglePair;
 
 /// The answer to a question.

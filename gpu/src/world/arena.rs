@@ -1,7 +1,7 @@
 //! The meshes of a world in shared buffers, each once, however many bodies have it.
 
+use crate::buffer::Usage;
 use crate::layout::Corner;
-use crate::memory::Usage;
 use crate::model::{below, reference};
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;

@@ -5,25 +5,25 @@ mod arena;
 mod pairs;
 mod placing;
 
-use crate::answer::{Answer, Asked, GpuVerb};
+use crate::answer::{Answer, Asked};
+use crate::buffer::Usage;
+use crate::check::check_pose;
 use crate::engine::Engine;
-use crate::layout::{InstancePair, Query, check_pose};
-use crate::memory::{Usage, reserve};
+use crate::layout::{InstancePair, Query};
+use crate::memory::reserve;
 use crate::report::reports;
-use crate::task::Task;
+use crate::task::{GpuVerb, Task};
 use crate::{Gpu, GpuError, GpuModel, GpuReport, GpuSettings};
 pub use answer::WorldAnswer;
 use arena::Arena;
 use bytemuck::Zeroable;
+pub use pairs::Bodies;
 use pairs::{Body, Chunk, Chunks};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Bvh, Mesh, Pose};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use wgpu::{Buffer, CommandEncoder};
-
-/// Two different bodies by their numbers.
-pub type Bodies = [u32; 2];
 
 /// Many bodies, of which pairs are asked whether they meet in the world. The answer is the same, to the bit, as that of the
 /// CPU: every vertex is posed into the world by [`Pose::apply`], whatever the other body is.
@@ -306,7 +306,7 @@ impl World {
     pub fn is_ready(&mut self) -> Result<bool, GpuError> {
         let question = self.question.as_ref().ok_or(GpuError::NotSubmitted)?;
         match &question.now {
-            Some((asked, _)) => self.answer.engine.is_done(&asked.run),
+            Some((asked, _)) => self.answer.engine.read_back.is_done(&asked.run),
             None => Ok(true),
         }
     }

@@ -7,7 +7,6 @@
 //! prefix sums would take a dozen loads that wait for each other. Rows hold the poses, and not where these are: one load
 //! less, and a body that moves costs the device nothing, since rows are written for each question anyway.
 
-use super::Bodies;
 use super::arena::{Arena, ArenaMesh, MOST_PAIRS, entries};
 use super::placing::{Inverse, Placed, place};
 use crate::layout::InstancePair;
@@ -16,6 +15,9 @@ use crate::task::Entry;
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Aabb, Pose};
 use std::sync::Arc;
+
+/// Two different bodies by their numbers.
+pub type Bodies = [u32; 2];
 
 /// A body.
 #[derive(Clone, Copy, Debug)]

@@ -44,6 +44,13 @@ pub struct Case {
     pub(super) frames: Vec<Moved>,
 }
 
+/// A case without a name and a question, as the makers of cases return it.
+pub(super) struct Built {
+    pub(super) class: String,
+    pub(super) objects: Objects,
+    pub(super) frames: Vec<Moved>,
+}
+
 impl Case {
     /// The first `frames` frames of a workload, each asked for all pairs; a file is played to and fro where it is shorter.
     ///

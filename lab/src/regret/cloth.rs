@@ -1,7 +1,7 @@
 //! Cases of a mesh that deforms and is asked about itself: the folded sheet of [`pfront_testkit::scenes`].
 
-use super::case::Moved;
-use super::recipe::{Built, Scale, by_factors};
+use super::case::{Built, Moved};
+use super::scale::{Scale, by_factors};
 use super::shapes::model;
 use crate::player::Objects;
 use anyhow::Result;

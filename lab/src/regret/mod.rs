@@ -15,9 +15,11 @@ mod pair;
 mod race;
 mod recipe;
 mod row;
+mod scale;
 mod shapes;
 
 pub use case::{Case, Verb};
 pub use race::{Effort, Field, race};
-pub use recipe::{Recipe, Scale, recipes};
+pub use recipe::{Recipe, recipes};
 pub use row::{Lane, Row, summary, write_csv};
+pub use scale::Scale;

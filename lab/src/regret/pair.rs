@@ -1,7 +1,7 @@
 //! Cases of two rigid bodies.
 
-use super::case::Moved;
-use super::recipe::{Built, Scale, by_factors};
+use super::case::{Built, Moved};
+use super::scale::{Scale, by_factors};
 use super::shapes::{Shape, direction, gears, model, pose, turn};
 use crate::player::Objects;
 use anyhow::Result;

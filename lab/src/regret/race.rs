@@ -10,10 +10,11 @@
 //! how far it is from itself is how far figures can be trusted.
 
 use super::case::Case;
-use super::recipe::{Scale, samples};
+use super::recipe::samples;
 #[cfg(feature = "gpu")]
 use super::row::GPU;
-use super::row::{Lane, Row};
+use super::row::{HOPELESS, Lane, Row};
+use super::scale::Scale;
 use crate::median;
 use crate::player::Player;
 use crate::tally::Tally;
@@ -106,9 +107,6 @@ pub struct Effort {
 
 /// Times the rounds asked for.
 const MOST: usize = 40;
-
-/// A fixed plan that takes so many times as long as the best is not played again.
-pub(super) const HOPELESS: f64 = 20.0;
 
 /// Plays a case.
 ///

@@ -4,32 +4,13 @@
 //! Variables*, Technometrics 1979): of n cases, one lies in each of n equal parts of every variable's range, so that a
 //! few dozen cover all of them evenly, whatever the seed.
 
-use super::case::{Case, Moved, Verb};
+use super::case::{Built, Case, Verb};
 use super::cloth::{self, Cloth};
 use super::crowd::{self, Crowd};
 use super::pair::{self, Pair};
-use crate::player::Objects;
+use super::scale::Scale;
 use anyhow::Result;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded, seq::SliceRandom};
-
-/// How large cases may be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
-    /// Triangles of all bodies, more or less.
-    pub triangles: usize,
-    /// Bodies of a scene.
-    pub bodies: usize,
-    /// What all frames may take one thread, at a guess; one frame may take more. It bounds what frames take of
-    /// memory, too: 2 seconds are some 200 MB.
-    pub seconds: f64,
-}
-
-impl Scale {
-    /// For the record: up to 3 million triangles and 10,000 bodies.
-    pub const FULL: Self = Self { triangles: 3_000_000, bodies: 10_000, seconds: 2.0 };
-    /// To see that it works.
-    pub const QUICK: Self = Self { triangles: 10_000, bodies: 100, seconds: 0.01 };
-}
 
 /// A case to be: little, unlike the case itself, which is built, run and dropped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,12 +90,6 @@ fn deal<T: Copy>(values: &[T], n: usize, random: &mut ChaCha8Rng) -> Vec<T> {
     all
 }
 
-/// From `least` to `most` as `share` goes from 0 to 1, by equal factors for equal steps.
-pub(super) fn by_factors(least: usize, most: usize, share: f64) -> usize {
-    let [low, high] = [least, most.max(least)].map(|n| (n as f64).ln());
-    ((low + (high - low) * share).exp().round() as usize).clamp(least, most.max(least))
-}
-
 /// A little of each kind, for whoever has to get ready.
 pub(super) fn samples() -> [Recipe; 3] {
     let actors = [
@@ -123,13 +98,6 @@ pub(super) fn samples() -> [Recipe; 3] {
         Actors::Crowd(Crowd { motion: crowd::Motion::All, count: 0.5, size: 0.8, density: 0.5 }),
     ];
     actors.map(|actors| Recipe { number: 0, actors, frames: [1, 4], verb: Verb::All, seed: 0 })
-}
-
-/// What the makers of cases return.
-pub(super) struct Built {
-    pub(super) class: String,
-    pub(super) objects: Objects,
-    pub(super) frames: Vec<Moved>,
 }
 
 impl Recipe {
@@ -169,6 +137,7 @@ impl Recipe {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::regret::scale::by_factors;
     use std::collections::HashSet;
 
     #[test]

@@ -1,7 +1,6 @@
 //! What a case came to, and what all cases did.
 
 use super::case::Verb;
-use super::race::HOPELESS;
 use crate::tally::Tally;
 use std::fmt;
 use std::io::Write;
@@ -16,6 +15,9 @@ pub struct Lane {
     /// The time of the chooser over that of this plan in the same round, or 0.
     pub chooser: f64,
 }
+
+/// A fixed plan that takes so many times as long as the best is not played again.
+pub(super) const HOPELESS: f64 = 20.0;
 
 /// The name of the plan of a GPU.
 pub(super) const GPU: &str = "GPU";

@@ -1,7 +1,6 @@
 //! Meshes of any size, from a single triangle on.
 
-use super::case::Moved;
-use super::recipe::Built;
+use super::case::{Built, Moved};
 use crate::player::Objects;
 use anyhow::Result;
 use glam::{DAffine3, DQuat, DVec3};

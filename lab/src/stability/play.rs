@@ -2,11 +2,11 @@
 
 use super::limit::{Bound, Census, Hardness, THIN};
 use super::plain::Plain;
-use super::scene::{Scene, Step};
+use super::scene::{Actors, Scene, Step};
 use anyhow::Result;
-use pfront::TrianglePair;
-use pfront::pfront_core::bvtt::Query;
+use pfront::pfront_core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront::threads::{Pool, Report, Schedule, Settings, Traversal};
+use pfront::{Model, Pose, TrianglePair};
 use std::ops::ControlFlow;
 
 /// What the oracle looks at: no more triangle tests than it does in about a second.
@@ -153,11 +153,11 @@ pub fn play(
     }
     let mut player =
         Player { series, dividers, by_oracle: 0, census: Census::default(), last: "", tick };
-    scene.play(&mut player)?;
+    player.play(scene)?;
     Ok((player.series, player.by_oracle))
 }
 
-pub(super) struct Player<'t> {
+struct Player<'t> {
     series: Vec<Series>,
     dividers: Vec<Divider>,
     by_oracle: usize,
@@ -168,8 +168,31 @@ pub(super) struct Player<'t> {
 }
 
 impl Player<'_> {
+    /// Judges every frame of a scene.
+    ///
+    /// # Errors
+    /// If a pose or a shape is refused, which those of the matrix are not.
+    fn play(&mut self, scene: &mut Scene) -> Result<()> {
+        for (index, step) in scene.steps.iter().enumerate() {
+            match &mut scene.actors {
+                Actors::Two(models) => {
+                    let [a, b] = &**models;
+                    let query = PairBvtt::new(a.bvh(), b.bvh(), step.a_from_b)?;
+                    self.frame(step, &query, || pairs(a, b, &step.a_from_b));
+                }
+                Actors::Sheet(model, sheet, first) => {
+                    let mut positions = Vec::new();
+                    sheet.positions(*first + index, &mut positions);
+                    model.set_positions(&positions)?;
+                    self.frame(step, &SelfBvtt::new(model.bvh()), || self_pairs(model));
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Judges a frame; `oracle` finds the true pairs by brute force, sorted.
-    pub(super) fn frame<Q: Query + Sync>(
+    fn frame<Q: Query + Sync>(
         &mut self,
         step: &Step,
         query: &Q,
@@ -192,6 +215,21 @@ impl Player<'_> {
         }
         (self.tick)();
     }
+}
+
+fn pairs(a: &Model, b: &Model, a_from_b: &Pose) -> Vec<TrianglePair> {
+    let (a, b) = (a.mesh(), b.mesh());
+    let posed: Vec<_> = b.shadow().iter().map(|&p| a_from_b.apply(p)).collect();
+    sorted(pfront_testkit::oracle::pairs(a.shadow(), a.triangles(), &posed, b.triangles()))
+}
+
+fn self_pairs(model: &Model) -> Vec<TrianglePair> {
+    let mesh = model.mesh();
+    sorted(pfront_testkit::oracle::self_pairs(mesh.shadow(), mesh.triangles()))
+}
+
+fn sorted(pairs: Vec<(u32, u32)>) -> Vec<TrianglePair> {
+    pairs.into_iter().map(|(a, b)| TrianglePair { a, b }).collect()
 }
 
 /// What one core finds, sorted, and its triangle tests.

@@ -1,10 +1,8 @@
 //! A scene of the matrix: what moves, how, and what is asked of each frame.
 
 use super::limit::Bound;
-use super::play::Player;
 use anyhow::Result;
-use pfront::pfront_core::bvtt::{PairBvtt, SelfBvtt};
-use pfront::{Model, Pose, TrianglePair};
+use pfront::{Model, Pose};
 use pfront_testkit::MeshData;
 
 /// One frame to come.
@@ -23,12 +21,12 @@ pub struct Step {
 pub struct Scene {
     /// The name, without spaces.
     pub name: &'static str,
-    actors: Actors,
-    steps: Vec<Step>,
+    pub(super) actors: Actors,
+    pub(super) steps: Vec<Step>,
 }
 
 #[derive(Debug)]
-enum Actors {
+pub(super) enum Actors {
     Two(Box<[Model; 2]>),
     /// A sheet against itself, from some frame of its own on.
     Sheet(Box<Model>, pfront_testkit::scenes::Scene, usize),
@@ -65,42 +63,4 @@ impl Scene {
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
-
-    /// Shows every frame to a player.
-    ///
-    /// # Errors
-    /// If a pose or a shape is refused, which those of the matrix are not.
-    pub(super) fn play(&mut self, player: &mut Player<'_>) -> Result<()> {
-        for (index, step) in self.steps.iter().enumerate() {
-            match &mut self.actors {
-                Actors::Two(models) => {
-                    let [a, b] = &**models;
-                    let query = PairBvtt::new(a.bvh(), b.bvh(), step.a_from_b)?;
-                    player.frame(step, &query, || pairs(a, b, &step.a_from_b));
-                }
-                Actors::Sheet(model, sheet, first) => {
-                    let mut positions = Vec::new();
-                    sheet.positions(*first + index, &mut positions);
-                    model.set_positions(&positions)?;
-                    player.frame(step, &SelfBvtt::new(model.bvh()), || self_pairs(model));
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-fn pairs(a: &Model, b: &Model, a_from_b: &Pose) -> Vec<TrianglePair> {
-    let (a, b) = (a.mesh(), b.mesh());
-    let posed: Vec<_> = b.shadow().iter().map(|&p| a_from_b.apply(p)).collect();
-    sorted(pfront_testkit::oracle::pairs(a.shadow(), a.triangles(), &posed, b.triangles()))
-}
-
-fn self_pairs(model: &Model) -> Vec<TrianglePair> {
-    let mesh = model.mesh();
-    sorted(pfront_testkit::oracle::self_pairs(mesh.shadow(), mesh.triangles()))
-}
-
-fn sorted(pairs: Vec<(u32, u32)>) -> Vec<TrianglePair> {
-    pairs.into_iter().map(|(a, b)| TrianglePair { a, b }).collect()
 }

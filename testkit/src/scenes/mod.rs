@@ -28,6 +28,7 @@ mod epicyclic;
 mod gear;
 mod knot;
 mod mesh;
+mod named;
 mod passing;
 mod pose;
 mod scene;
@@ -38,6 +39,7 @@ mod worm;
 
 pub use knot::torus_knot;
 pub(crate) use mesh::grid_triangles;
+pub use named::SceneError;
 pub use pose::round;
-pub use scene::{Kind, Scene, SceneError};
+pub use scene::{Kind, Scene};
 pub use sphere::icosphere;

@@ -1,20 +1,15 @@
-//! What a scene is, and the list of those that have a name.
+//! What a scene is.
 
 use std::fmt;
 
 use glam::DAffine3;
-use thiserror::Error;
 
 use super::pose::round;
-use super::{epicyclic, knot, passing, sheet, worm};
 use crate::MeshData;
 use crate::Rows;
 
 /// Frames of a scene that names no other number.
 pub(crate) const FRAMES: usize = 120;
-/// Far more than any benchmark needs, and far below what 32-bit indices can number.
-const MOST_TRIANGLES: usize = 100_000_000;
-
 /// Meshes, the objects made of them, and how these move.
 pub struct Scene {
     /// The name, one of [`Scene::NAMES`].
@@ -38,23 +33,6 @@ pub enum Kind {
     Many,
 }
 
-/// Why there is no such scene.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum SceneError {
-    /// No scene has this name.
-    #[error("no scene is called '{name}'; there are {}", Scene::NAMES.join(", "))]
-    UnknownName {
-        /// The name asked for.
-        name: String,
-    },
-    /// The scene would have too many triangles.
-    #[error("{size} triangles are too many for a scene; ask for at most {MOST_TRIANGLES}")]
-    TooLarge {
-        /// The number of triangles asked for.
-        size: usize,
-    },
-}
-
 type PairMotion = dyn Fn(usize) -> DAffine3 + Send + Sync;
 type ManyMotion = dyn Fn(usize, &mut Vec<Rows>) + Send + Sync;
 type Deformation = dyn Fn(usize, &mut Vec<[f32; 3]>) + Send + Sync;
@@ -67,36 +45,6 @@ pub(crate) enum Motion {
 }
 
 impl Scene {
-    /// The names that [`Scene::by_name`] knows.
-    pub const NAMES: [&'static str; 6] =
-        ["worm-gear", "epicyclic", "sheet", "torus-knots", "spheres", "course"];
-
-    /// The scene called `name` in about `size` triangles, all objects together.
-    ///
-    /// Without a size: as many as in the paper (worm-gear 64K, epicyclic 149K, sheet 92K, course
-    /// 2 × 58K), 2 × 50K for the others. A size below what the shape needs gives the coarsest one,
-    /// which has 61,248 triangles for epicyclic, 7,552 for worm-gear, 768 or fewer for the others.
-    ///
-    /// # Errors
-    /// [`SceneError`] for a name not in [`Scene::NAMES`] or a size above 100 million.
-    pub fn by_name(name: &str, size: Option<usize>) -> Result<Self, SceneError> {
-        if let Some(size) = size.filter(|&size| size > MOST_TRIANGLES) {
-            return Err(SceneError::TooLarge { size });
-        }
-        Ok(match name {
-            "worm-gear" => worm::scene(size.unwrap_or(worm::TRIANGLES)),
-            "epicyclic" => epicyclic::scene(size.unwrap_or(epicyclic::TRIANGLES)),
-            "sheet" => sheet::scene(size.unwrap_or(sheet::TRIANGLES)),
-            "torus-knots" => passing::torus_knots(size.unwrap_or(100_000)),
-            "spheres" => passing::spheres(size.unwrap_or(100_000)),
-            "course" => {
-                let body = knot::torus_knot(size.unwrap_or(116_000) / 2);
-                Self::course(body.clone(), body, FRAMES, 0)
-            }
-            _ => return Err(SceneError::UnknownName { name: name.to_owned() }),
-        })
-    }
-
     /// The kind of question that the scene asks.
     pub fn kind(&self) -> Kind {
         match self.motion {

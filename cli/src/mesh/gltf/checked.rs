@@ -1,10 +1,10 @@
 //! What `gltf` takes for granted, checked before it does: else it panics, reads what is no position, or
 //! reads without end.
 
-use super::folder::Folder;
 use crate::escape::shown_path;
 use crate::mesh::budget::Budget;
 use crate::mesh::error::Fault;
+use crate::mesh::folder::Folder;
 use gltf::accessor::{Accessor, DataType, Dimensions};
 use gltf::buffer::{Buffer, Data, Source};
 use gltf::{Document, Gltf};

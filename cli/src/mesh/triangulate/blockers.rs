@@ -1,10 +1,18 @@
 //! Points of the plane in a k-d tree, from which they are removed: which of them lie in a triangle?
 
-use super::{Point, area};
+use robust::{Coord, orient2d};
 
 /// A leaf has no more points.
 const LEAF: usize = 8;
 const NONE: u32 = u32::MAX;
+
+pub(super) type Point = [f64; 2];
+
+/// The sign of the area of a triangle, exactly.
+pub(super) fn area(a: Point, b: Point, c: Point) -> f64 {
+    let [a, b, c] = [a, b, c].map(|[x, y]| Coord { x, y });
+    orient2d(a, b, c)
+}
 
 /// Points that are numbered.
 #[derive(Debug, Default)]

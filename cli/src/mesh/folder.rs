@@ -1,7 +1,7 @@
 //! The files that a document may name: those in its own folder.
 
+use super::error::Fault;
 use crate::escape::{escaped, shown_path};
-use crate::mesh::error::Fault;
 use std::path::{Component, Path, PathBuf};
 
 /// The most characters of a URI that an error shows.
@@ -9,11 +9,11 @@ const MOST_SHOWN: usize = 200;
 
 /// The folder of a document, and whether its files may lie elsewhere.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::mesh) struct Folder<'p> {
+pub(super) struct Folder<'p> {
     /// `None` if the document has none, as standard input.
-    pub(in crate::mesh) path: Option<&'p Path>,
+    pub(super) path: Option<&'p Path>,
     /// Whether files outside of it are read too.
-    pub(in crate::mesh) allows_outside: bool,
+    pub(super) allows_outside: bool,
 }
 
 impl Folder<'_> {

@@ -9,19 +9,19 @@ pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 #[derive(Default)]
-pub(super) struct Record {
+pub(super) struct Element {
     pub(super) position: [f64; 3],
     pub(super) corners: Vec<u32>,
 }
 
-impl Record {
+impl Element {
     /// Straight to f32 or f64 whatever the type is, so that all is rounded once.
     pub(super) fn from_text(
         line: &Line<'_>,
         element: &ElementDef,
         source: &mut Source,
     ) -> Result<Self, Fault> {
-        let mut record = Self::default();
+        let mut read = Self::default();
         let mut words = line.words();
         for (name, property) in &element.properties {
             let word = line.word(words.next())?;
@@ -30,20 +30,20 @@ impl Record {
                 let mut list = (0..count).map(|_| line.word(words.next()));
                 if INDICES.contains(&&name[..]) {
                     let corners = list.map(|word| line.number(Some(word?)));
-                    record.corners = corners.collect::<Result<_, _>>()?;
+                    read.corners = corners.collect::<Result<_, _>>()?;
                 } else {
                     list.try_for_each(|word| word.map(drop))?;
                 }
             } else if let Some(k) = axis(name) {
-                record.position[k] = line.coordinate(Some(word), source)?;
+                read.position[k] = line.coordinate(Some(word), source)?;
             }
         }
-        Ok(record)
+        Ok(read)
     }
 }
 
 /// For what is binary.
-impl PropertyAccess for Record {
+impl PropertyAccess for Element {
     fn new() -> Self {
         Self::default()
     }
