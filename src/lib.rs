@@ -24,6 +24,8 @@
 //! # Ok(()) }
 //! ```
 //!
+//! All that can be asked, on one page, and who answers: [`questions`].
+//!
 //! # What the answer is
 //! - Triangles are closed sets: touching counts, and a triangle without area is a segment or a point.
 //! - [`Accuracy::Exact`], the default, reports the true set for the posed f32 positions. The posed
@@ -54,6 +56,8 @@
 pub mod batch;
 #[doc = include_str!("../docs/embedding.md")]
 pub mod embedding {}
+#[doc = include_str!("../docs/questions.md")]
+pub mod questions {}
 mod environment;
 mod error;
 pub mod executor;
@@ -62,6 +66,7 @@ pub mod gpu;
 mod history;
 mod memory;
 mod model;
+mod once;
 mod pair;
 mod pose;
 mod scene;
@@ -73,6 +78,7 @@ pub use batch::{Batch, PairLists, Ticket};
 pub use error::Error;
 pub use executor::Executor;
 pub use model::{Model, Stamp};
+pub use once::{any, count, pairs, self_pairs};
 pub use pair::PairQuery;
 pub use pose::AnyPose;
 pub use scene::{Body, BodyId, Groups, Piece, SceneHit, SceneQuery};

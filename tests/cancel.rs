@@ -58,12 +58,12 @@ fn a_cancelled_query_returns_soon_and_the_next_one_is_complete() {
         assert_eq!(pairs.all(&model, &model, Pose::IDENTITY), Err(Error::Cancelled));
         assert_eq!(own.all(&model), Err(Error::Cancelled));
         assert_eq!(scene.all().map(<[_]>::len), Err(Error::Cancelled));
-        assert_eq!(scene.body_pairs(), Err(Error::Cancelled));
+        assert_eq!(scene.intersecting_bodies(), Err(Error::Cancelled));
         flag.store(false, Relaxed);
         assert_eq!(pairs.count(&model, &model, Pose::IDENTITY), Ok(count));
         assert_eq!(own.count(&model), SelfQuery::new().count(&model));
         assert_eq!(scene.count(), Ok(count));
-        assert_eq!(scene.body_pairs(), Ok(vec![ids]));
+        assert_eq!(scene.intersecting_bodies(), Ok(vec![ids]));
     }
 }
 
@@ -106,7 +106,7 @@ fn a_flag_that_is_cleared_early_leaves_no_part_of_an_answer() {
 }
 
 #[test]
-fn body_pairs_are_those_of_the_hits() {
+fn intersecting_bodies_are_those_of_the_hits() {
     let ball = icosphere(300);
     let ball = Arc::new(Model::new(ball.positions, ball.triangles).unwrap());
     for executor in executors() {
@@ -119,12 +119,12 @@ fn body_pairs_are_those_of_the_hits() {
                 scene.set_pose(*id, place()).unwrap();
             }
             scene.ignore(ids[0], ids[frame + 1], true).unwrap();
-            let before = scene.body_pairs().unwrap();
+            let before = scene.intersecting_bodies().unwrap();
             let mut truth: Vec<_> = scene.all().unwrap().iter().map(|hit| hit.bodies).collect();
             truth.dedup();
             assert!(truth.len() > 20, "{}", truth.len());
             assert_eq!(before, truth);
-            assert_eq!(scene.body_pairs().unwrap(), truth);
+            assert_eq!(scene.intersecting_bodies().unwrap(), truth);
         }
     }
 }

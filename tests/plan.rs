@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 const VERBS: [&str; 8] =
-    ["all", "update", "any", "count", "contacts", "contacts_f64", "visit", "body_pairs"];
+    ["all", "update", "any", "count", "contacts", "contacts_f64", "visit", "intersecting_bodies"];
 
 fn ask(scene: &mut SceneQuery, verb: &str) -> Result<(), Error> {
     match verb {
@@ -21,7 +21,7 @@ fn ask(scene: &mut SceneQuery, verb: &str) -> Result<(), Error> {
         "count" => scene.count().map(drop),
         "contacts" => scene.contacts().map(drop),
         "contacts_f64" => scene.contacts_f64().map(drop),
-        "body_pairs" => scene.body_pairs().map(drop),
+        "intersecting_bodies" => scene.intersecting_bodies().map(drop),
         _ => scene.visit(|_| ControlFlow::Continue(())).map(drop),
     }
 }
@@ -76,7 +76,7 @@ fn on_threads() {
         let called = !scene.report().unwrap().shares.is_empty();
         let expected = match verb {
             "visit" => false,
-            "body_pairs" | "contacts" | "contacts_f64" => frame >= 8,
+            "intersecting_bodies" | "contacts" | "contacts_f64" => frame >= 8,
             _ => called,
         };
         assert_eq!(backend(&scene) == Backend::Threads, expected, "{verb} {frame}");
@@ -160,7 +160,7 @@ mod on_gpu {
             ask(&mut scene, verb).unwrap();
             let expected = match verb {
                 "contacts" | "contacts_f64" => Backend::GpuAndCpu,
-                "visit" | "body_pairs" => Backend::Sequential,
+                "visit" | "intersecting_bodies" => Backend::Sequential,
                 _ => Backend::Gpu,
             };
             assert_eq!(backend(&scene), expected, "{verb}");

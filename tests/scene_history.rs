@@ -208,7 +208,7 @@ impl History {
                 let mut pairs: Vec<_> =
                     expected.iter().map(|(two, _)| two.map(|i| ids[i])).collect();
                 pairs.dedup();
-                assert_eq!(self.scene.body_pairs().unwrap(), pairs);
+                assert_eq!(self.scene.intersecting_bodies().unwrap(), pairs);
             }
             3 => {
                 let of = |contacts: &[(SceneHit, Contact)]| -> (Vec<_>, Vec<_>) {

@@ -112,7 +112,7 @@ fn lists_that_do_not_fit_are_errors_and_later_answers_are_right() {
                 |scene| scene.all().map(<[_]>::len),
                 |scene| scene.contacts().map(<[_]>::len),
                 |scene| scene.contacts_f64().map(|list| list.len()),
-                |scene| scene.body_pairs().map(|list| list.len()),
+                |scene| scene.intersecting_bodies().map(|list| list.len()),
                 |scene| scene.count().map(|count| count as usize),
             ];
             for verb in verbs {
@@ -149,12 +149,12 @@ fn a_broad_phase_that_does_not_fit_is_an_error() {
         // 8 bytes for each of some 400,000 pairs of bodies.
         let count = limited(1 << 20, || scene.count());
         assert!(matches!(count, Err(Error::Memory { .. })), "{count:?}");
-        let pairs = limited(1 << 20, || scene.body_pairs());
+        let pairs = limited(1 << 20, || scene.intersecting_bodies());
         assert!(matches!(pairs, Err(Error::Memory { .. })), "{pairs:?}");
         let end = limited(1 << 20, || scene.visit(|_| ControlFlow::Continue(())));
         assert!(matches!(end, Err(Error::Memory { .. })), "{end:?}");
         assert_eq!(scene.count(), Ok(0));
-        assert_eq!(scene.body_pairs(), Ok(Vec::new()));
+        assert_eq!(scene.intersecting_bodies(), Ok(Vec::new()));
     }
 }
 

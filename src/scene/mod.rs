@@ -60,7 +60,7 @@ use std::ops::ControlFlow;
 /// # Still bodies
 /// Hits that [`SceneQuery::all`] and [`SceneQuery::contacts`] find are kept: as long as neither of two bodies
 /// moves, deforms or is replaced, these do not ask them again, nor do [`SceneQuery::any`], [`SceneQuery::count`],
-/// [`SceneQuery::body_pairs`] and [`SceneQuery::visit`], which keep nothing themselves. A body that is set to the pose, the
+/// [`SceneQuery::intersecting_bodies`] and [`SceneQuery::visit`], which keep nothing themselves. A body that is set to the pose, the
 /// positions, the model or the groups that it has, to the bit, does not change.
 ///
 /// # Complexity
@@ -239,10 +239,10 @@ impl SceneQuery {
     /// # let tile = std::sync::Arc::new(tile);
     /// let mut scene = SceneQuery::new();
     /// let (a, b) = (scene.add(tile.clone(), Pose::IDENTITY)?, scene.add(tile, Pose::IDENTITY)?);
-    /// assert_eq!(scene.body_pairs()?, [[a, b]]);
+    /// assert_eq!(scene.intersecting_bodies()?, [[a, b]]);
     /// # Ok::<(), pfront::Error>(())
     /// ```
-    pub fn body_pairs(&mut self) -> Result<Vec<[BodyId; 2]>, Error> {
+    pub fn intersecting_bodies(&mut self) -> Result<Vec<[BodyId; 2]>, Error> {
         let since = self.start();
         let mut pairs = Vec::new();
         for of_two in self.hits.still_true(&self.bodies) {

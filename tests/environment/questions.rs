@@ -207,9 +207,12 @@ fn each_verb(named: &mut Named, change: &str, scene: &mut SceneQuery, bodies: &[
             .is_continue()
     );
     add("visit", Answer::Count(visited));
-    let met =
-        scene.body_pairs().unwrap().into_iter().map(|two| (number(two), TrianglePair::default()));
-    add("body_pairs", Answer::Hits(met.collect()));
+    let met = scene
+        .intersecting_bodies()
+        .unwrap()
+        .into_iter()
+        .map(|two| (number(two), TrianglePair::default()));
+    add("intersecting_bodies", Answer::Hits(met.collect()));
     scene.update().unwrap();
     let hits = scene.all().unwrap().iter().map(|hit| (number(hit.bodies), hit.pair));
     add("all", Answer::Hits(hits.collect()));

@@ -17,7 +17,7 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
     (
         "SceneQuery",
         include_str!("../../src/scene/mod.rs"),
-        "all update any count body_pairs visit contacts contacts_f64",
+        "all update any count intersecting_bodies visit contacts contacts_f64",
         "new with_accuracy on report plan hits last_contacts",
     ),
     (

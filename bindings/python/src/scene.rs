@@ -202,9 +202,9 @@ impl Scene {
     }
 
     /// Bodies that meet.
-    fn body_pairs(&self, py: Python<'_>, on: &Bound<'_, Executor>) -> PyResult<Py<PyAny>> {
+    fn intersecting_bodies(&self, py: Python<'_>, on: &Bound<'_, Executor>) -> PyResult<Py<PyAny>> {
         let flat = self.ask(py, on, |query| {
-            let pairs = query.body_pairs()?;
+            let pairs = query.intersecting_bodies()?;
             memory::collect(pairs.as_flattened().iter().map(|id| id.to_bits() as i64))
         })?;
         let rows = flat.len() / 2;

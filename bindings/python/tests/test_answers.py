@@ -165,7 +165,7 @@ def test_meshes_of_bodies_change(device):
             scene.set_mesh(ids[1], grown)
             assert scene.count() == 0
             scene.set_mesh(ids[2], grown)
-            assert scene.body_pairs().tolist() == [[1, 2]]
+            assert scene.intersecting_bodies().tolist() == [[1, 2]]
             truth = pf.Scene()
             truth.add(grown, np.stack([placed(3), placed(6)]))
             assert np.array_equal(scene.pairs().pairs, truth.pairs().pairs) and len(scene.contacts()) == scene.count() > 0
@@ -201,22 +201,22 @@ def test_scene():
     assert scene.name(last) == "copy" and scene.name(int(ids[0])) is None and len(scene) == 61
     hits = scene.pairs()
     bodies = np.unique(hits.bodies, axis=0)
-    assert len(bodies) > 10 and np.array_equal(bodies, scene.body_pairs()) and scene.count() == len(hits) and scene.collides()
+    assert len(bodies) > 10 and np.array_equal(bodies, scene.intersecting_bodies()) and scene.count() == len(hits) and scene.collides()
     found = scene.contacts()
     assert np.array_equal(found.pairs, hits.pairs) and np.array_equal(found.bodies, hits.bodies)
     assert found.segments.dtype == np.float32
     scene.set_poses(ids[:1], many[:1].astype(np.float64))
     assert scene.contacts().segments.dtype == np.float64 and len(scene.contacts()) == scene.count()
     scene.ignore(int(ids[0]), last)
-    assert not (scene.body_pairs() == [ids[0], last]).all(1).any()
+    assert not (scene.intersecting_bodies() == [ids[0], last]).all(1).any()
     shifted = many.copy()
     shifted[:, 0, 3] += 100 * (ids % 2)
     scene.set_poses(ids, shifted)
     scene.remove(last)
-    moved = scene.body_pairs()
+    moved = scene.intersecting_bodies()
     assert (moved[:, 0] % 2 == moved[:, 1] % 2).all()
     with pf.using(threads=2):
-        assert np.array_equal(scene.body_pairs(), moved)
+        assert np.array_equal(scene.intersecting_bodies(), moved)
         assert np.array_equal(np.unique(scene.pairs().bodies, axis=0), moved)
         assert pf.explain()
     with pytest.raises(pf.StaleBody):

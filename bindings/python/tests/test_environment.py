@@ -56,7 +56,7 @@ def answers(meshes=None, threads=1):
                 found.append(len(pf.contacts(floor, blade).polylines()))
             scene = pf.Scene()
             scene.add(floor), scene.add(blades[0]), scene.add(blades[1]), scene.add(blades[0], TINY)
-            found += [scene.pairs().pairs.tolist(), scene.body_pairs().tolist(), scene.count(), scene.collides(), len(scene.contacts())]
+            found += [scene.pairs().pairs.tolist(), scene.intersecting_bodies().tolist(), scene.count(), scene.collides(), len(scene.contacts())]
             found.append(floor.with_vertices(arrays[1]).vertices.view(np.uint32).tolist())
         grid = (meshes or {}).get("grid") or pf.Mesh(GRID, np.arange(900).reshape(-1, 3))
         found += [pf.count(grid), pf.pairs(grid, grid, THIRD).tolist(), pf.count(grid, grid, np.stack([THIRD] * 40)).tolist()]

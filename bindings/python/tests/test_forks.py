@@ -47,7 +47,7 @@ MANY = poses(6)
 ASKED = {
     "many": lambda scene: pf.count(BALL, BALL, MANY[:2]),
     "one": lambda scene: (pf.pairs(BALL, BALL, MANY[0]), pf.contacts(BALL, BALL, MANY[0].astype(float))),
-    "scene": lambda scene: (scene.set_poses([0], MANY[1:2]), scene.count(), scene.set_poses([0], MANY[:1]), scene.body_pairs()),
+    "scene": lambda scene: (scene.set_poses([0], MANY[1:2]), scene.count(), scene.set_poses([0], MANY[:1]), scene.intersecting_bodies()),
     "mesh": lambda scene: pf.Mesh(*ball(8)).with_vertices(ball(8)[0] * 2).faces,
 }
 

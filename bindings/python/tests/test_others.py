@@ -39,7 +39,7 @@ def test_objects_of_one_manager_are_not_asked_about_each_other():
         manager.add_object(f"own {i}", mesh, placed(0.1 * i))
         other.add_object(f"other {i}", mesh, placed(0.1 * i + 1.7))
     across = manager._scene._across(other._scene)
-    owners = across.user_ids(across.body_pairs()).tolist()
+    owners = across.user_ids(across.intersecting_bodies()).tolist()
     assert manager.in_collision_internal() and other.in_collision_internal() and owners
     found = manager.in_collision_other(other, return_names=True)
     expected = {

@@ -153,7 +153,7 @@ def test_long_and_short_questions_of_scenes():
             for scene, moving, truth in scenes:
                 for _ in range(10 if truth < 1e6 else 1):
                     assert scene.count() == truth
-                    assert scene.body_pairs().tolist() == [[0, 1]]
+                    assert scene.intersecting_bodies().tolist() == [[0, 1]]
 
     ask(0)
     scene, moving, truth = scenes[-1]

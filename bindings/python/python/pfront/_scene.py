@@ -69,7 +69,7 @@ class Scene:
     >>> table = scene.add(box, name="table")
     >>> pose[2, 3] = 1  # stands on it
     >>> cup = scene.add(box, pose, name="cup")
-    >>> [[scene.name(i) for i in two] for two in scene.body_pairs()]
+    >>> [[scene.name(i) for i in two] for two in scene.intersecting_bodies()]
     [['table', 'cup']]
     >>> scene.ignore(table, cup)
     >>> scene.collides()
@@ -122,14 +122,14 @@ class Scene:
         Parameters
         ----------
         bodies : int, or array_like of any shape
-            Ids, as those of `body_pairs` or of ``Hits.bodies``.
+            Ids, as those of `intersecting_bodies` or of ``Hits.bodies``.
 
         Examples
         --------
         >>> import numpy as np, pfront as pf
         >>> scene, box = pf.Scene(), pf.Mesh(*pf._box())
         >>> _ = scene.add(box, np.tile(np.eye(4), (2, 1, 1)), user_id=[70, 71])
-        >>> scene.user_ids(scene.body_pairs())
+        >>> scene.user_ids(scene.intersecting_bodies())
         array([[70, 71]])
         """
         ids = _ids(bodies)
@@ -186,9 +186,9 @@ class Scene:
         """List the pairs of triangles of different bodies that meet."""
         return Hits(*self._scene.pairs(current()))
 
-    def body_pairs(self) -> npt.NDArray[np.int64]:
+    def intersecting_bodies(self) -> npt.NDArray[np.int64]:
         """List the pairs of bodies that meet, (n, 2); each two are asked until their first hit, which takes far less."""
-        return self._scene.body_pairs(current())
+        return self._scene.intersecting_bodies(current())
 
     def contacts(self) -> SceneContacts:
         """Find where bodies meet, in the world: in float64 if some body is, else in float32."""

@@ -105,7 +105,7 @@ class CollisionManager:
         if not (return_names or return_data):
             return self._scene.collides()
         found = self._scene.contacts() if return_data else None
-        pairs = {(a, b): (self._name(a), self._name(b)) for a, b in self._scene.body_pairs().tolist()}
+        pairs = {(a, b): (self._name(a), self._name(b)) for a, b in self._scene.intersecting_bodies().tolist()}
         data = [] if found is None else _data(found, pairs)
         names = {(min(two), max(two)) for two in pairs.values()}
         return self._answer(bool(names), names, data, return_names, return_data)
@@ -127,7 +127,7 @@ class CollisionManager:
         both = self._scene._across(other_manager._scene)
         if not (return_names or return_data):
             return both.collides()
-        across = both.body_pairs()
+        across = both.intersecting_bodies()
         owners = both.user_ids(across).tolist()
         pairs = {(a, b): (self._name(i), other_manager._name(j)) for (a, b), (i, j) in zip(across.tolist(), owners)}
         names = set(pairs.values())
