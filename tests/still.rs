@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::executor::Backend;
-use pfront::{AnyPose, Body, BodyId, Groups, Model, Pose, SceneHit, SceneQuery};
+use pfront::{Aabb, AnyPose, Body, BodyId, Groups, Model, Pose, SceneHit, SceneQuery};
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::scenes::icosphere;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ fn run(mut scene: SceneQuery, seed: u64) {
     for _ in 0..BODIES {
         scene.add(model.clone(), somewhere(&mut rng)).unwrap();
     }
-    let mut met = 0;
+    let (mut met, mut in_boxes) = (0, 0);
     for frame in 0..60 {
         let ids: Vec<_> = scene.bodies().map(Body::id).collect();
         let mut any = || ids[rng.random_range(0..ids.len())];
@@ -78,6 +78,12 @@ fn run(mut scene: SceneQuery, seed: u64) {
             assert_eq!(by_place(&scene, &hits), expected, "frame {frame}");
             assert!(fresh.contacts().unwrap().iter().map(|(_, c)| *c).eq(contacts));
         }
+        let corner = [0; 3].map(|_| rng.random_range(-4.0..4.0f32));
+        let aabb = Aabb { min: corner, max: corner.map(|x| x + frame as f32 * 0.1) };
+        let lies_in = |body: &&Body| body.aabb().is_some_and(|own| own.overlaps(&aabb));
+        let expected_in: Vec<_> = scene.bodies().filter(lies_in).map(Body::id).collect();
+        in_boxes += expected_in.len();
+        assert_eq!(scene.bodies_in(aabb).unwrap(), expected_in, "frame {frame}");
         let mut visited = Vec::new();
         let _ = scene.visit(|hit| {
             visited.push(hit);
@@ -86,7 +92,7 @@ fn run(mut scene: SceneQuery, seed: u64) {
         visited.sort_unstable();
         assert_eq!(by_place(&scene, &visited), expected, "frame {frame}");
     }
-    assert!(met > 1_000);
+    assert!(met > 1_000 && in_boxes > 100, "{in_boxes}");
 }
 
 #[test]

@@ -173,6 +173,13 @@ impl Broad {
         &self.pairs
     }
 
+    /// The places of the bodies whose box overlaps one, in no order.
+    pub(super) fn in_box(&self, aabb: &Aabb, mut visit: impl FnMut(u32)) {
+        if let Some(boxes) = &self.boxes {
+            overlapping(boxes, aabb, |i| visit(self.places[i]));
+        }
+    }
+
     /// Pairs with a body that has changed since, if they are a list of their own.
     pub(super) fn changed_since(&self, since: u64) -> Option<&[Places]> {
         match since {

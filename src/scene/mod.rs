@@ -24,7 +24,7 @@ use crate::executor::{Answer, Backend, CpuPart, Plan, Run, Verb, visit as search
 use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Contact, Error, Executor};
+use crate::{Aabb, Accuracy, Contact, Error, Executor};
 use bodies::Bodies;
 use broad::Broad;
 use cache::{Cache, merge};
@@ -265,6 +265,43 @@ impl SceneQuery {
             self.run.note_cpu(part.backend());
             merge(&mut pairs, &meeting?)?;
             Ok(pairs)
+        })
+    }
+
+    /// The bodies whose box in the world, [`Body::aabb`], overlaps this one, sorted; touching counts. Every body is among them of
+    /// which a point lies in the box. On the calling thread.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::intersecting_bodies`], and [`Error::Memory`].
+    ///
+    /// # Complexity
+    /// For the first question after a change, which bodies may meet is found, as for any verb; then O(log n + found) for n bodies.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Aabb, Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let tile = std::sync::Arc::new(tile);
+    /// let mut scene = SceneQuery::new();
+    /// let near = scene.add(tile.clone(), Pose::IDENTITY)?;
+    /// scene.add(tile, Pose::from_translation([9.0, 0.0, 0.0]))?;
+    /// assert_eq!(scene.bodies_in(Aabb { min: [0.0; 3], max: [2.0; 3] })?, [near]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn bodies_in(&mut self, aabb: Aabb) -> Result<Vec<BodyId>, Error> {
+        self.start();
+        with_default(|| {
+            self.find_overlaps()?;
+            self.run.note_cpu(Backend::Sequential);
+            let (mut found, mut pushed) = (Vec::new(), Ok(()));
+            self.broad.in_box(&aabb, |place| {
+                if let (Ok(()), Some(body)) = (&pushed, self.bodies.at(place)) {
+                    pushed = push(&mut found, body.id());
+                }
+            });
+            pushed?;
+            found.sort_unstable();
+            Ok(found)
         })
     }
 
