@@ -11,8 +11,8 @@ mod cases;
 
 use cases::{Asker, CASES, Case, FRAMES, all_threads, pool, turn};
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
-use pfront::threads::Schedule;
-use pfront::{BuildOptions, Model, Node};
+use pfront::threads::{Pool, Schedule};
+use pfront::{BuildOptions, Executor, Model, Node};
 use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{self, BvhStorage};
 use std::hint::black_box;
@@ -71,10 +71,11 @@ fn builds(c: &mut Criterion) {
                 moving.set_positions(black_box(&shapes[0])).unwrap();
             });
         });
+        let executor = Executor::from(Pool::default());
         group.bench_function(BenchmarkId::new("refit", threads), |bench| {
             bench.iter(|| {
                 shapes.swap(0, 1);
-                moving.set_positions_with_threads(black_box(&shapes[0])).unwrap();
+                executor.refit(&mut moving, black_box(&shapes[0])).unwrap();
             });
         });
         group.finish();

@@ -9,7 +9,7 @@ use crate::memory::reserve;
 use crate::subject::{AnyBvtt, Key, Subject};
 #[cfg(feature = "threads")]
 use crate::threads::Report;
-use crate::{Accuracy, Contact, Error, Model, TrianglePair};
+use crate::{Accuracy, Contact, Error, Model, Scalar, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
@@ -56,10 +56,10 @@ impl History {
         (self.last, self.touched) = (None, None);
     }
 
-    pub(crate) fn set_positions(
+    pub(crate) fn set_positions<S: Scalar>(
         &mut self,
         model: &mut Model,
-        positions: &[[f32; 3]],
+        positions: &[[S; 3]],
     ) -> Result<(), Error> {
         self.run.set_positions(model, positions)
     }

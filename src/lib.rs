@@ -77,7 +77,7 @@ mod within;
 pub use batch::{Batch, PairLists, Ticket};
 pub use error::Error;
 pub use executor::Executor;
-pub use model::{Model, Stamp};
+pub use model::{Model, Scalar, Stamp};
 pub use once::{any, count, pairs, self_pairs};
 pub use pair::PairQuery;
 pub use pose::AnyPose;

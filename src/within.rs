@@ -6,7 +6,7 @@ use crate::history::History;
 use crate::subject::{AnyBvtt, Subject};
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Adjacency, Contact, Error, Executor, Model, TrianglePair};
+use crate::{Accuracy, Adjacency, Contact, Error, Executor, Model, Scalar, TrianglePair};
 use std::ops::ControlFlow;
 
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with
@@ -87,14 +87,14 @@ impl SelfQuery {
     /// # use pfront::{Model, SelfQuery};
     /// let mut cloth = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
     /// let mut query = SelfQuery::new();
-    /// query.set_positions(&mut cloth, &[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]])?;
+    /// query.set_positions(&mut cloth, &[[0.0_f32; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]])?;
     /// assert_eq!(query.count(&cloth)?, 0);
     /// # Ok::<(), pfront::Error>(())
     /// ```
-    pub fn set_positions(
+    pub fn set_positions<S: Scalar>(
         &mut self,
         model: &mut Model,
-        positions: &[[f32; 3]],
+        positions: &[[S; 3]],
     ) -> Result<(), Error> {
         self.history.set_positions(model, positions)
     }

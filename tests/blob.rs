@@ -3,7 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::{Blob, BlobError, Bvh, Error, Model, Node, SelfQuery};
+use pfront::{Blob, BlobError, Bvh, Error, Executor, Model, Node, SelfQuery};
 use pfront_core::blob::{self, Counts};
 use pfront_core::bvh::BvhError;
 use pfront_testkit::MeshData;
@@ -62,7 +62,7 @@ fn what_was_a_blob_deforms_as_if_built() {
             p[v % 3] += 0.02 * (round as f32 - 5.0) * (v as f32).sin();
         }
         built.set_positions(&positions).unwrap();
-        read.set_positions_with_threads(&positions).unwrap();
+        Executor::threads(2).refit(&mut read, &positions).unwrap();
         read.bvh().assert_well_formed();
         assert_eq!(pairs(&read), pairs(&built), "round {round}");
     }
@@ -96,7 +96,7 @@ fn a_tree_that_no_build_has_laid_out_is_built_anew() {
     let mut read = Model::from_blob(&bytes).unwrap();
     assert!(read.bvh().is_depth_first());
     // A foreign tree would not survive these.
-    read.set_positions_with_threads(&vec![[1.0; 3]; ball.positions.len()]).unwrap();
+    read.set_positions(&vec![[1.0_f32; 3]; ball.positions.len()]).unwrap();
     read.bvh().assert_well_formed();
 }
 

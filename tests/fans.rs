@@ -84,7 +84,7 @@ fn fans_of_every_kind() {
             if is_f64 {
                 let mut points = model.mesh().positions_f64().unwrap().to_vec();
                 points[0] = [0.1 + f64::from(to), 0.1, 0.1];
-                model.set_positions_f64(&points).unwrap();
+                model.set_positions(&points).unwrap();
             } else {
                 points[0] = [to, 0.0, 0.0];
                 model.set_positions(&points).unwrap();

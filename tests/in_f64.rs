@@ -133,12 +133,12 @@ fn self_collisions_while_deforming() {
         for p in moved.iter_mut().take(count) {
             *p = p.map(|x| x + rng.random_range(-0.15..0.15) + if frame == 7 { far } else { 0.0 });
         }
-        model.set_positions_f64(&moved).unwrap();
+        model.set_positions(&moved).unwrap();
     }
     assert!(found > 200 && certified > 200, "{found} {certified}");
     assert!(model.set_positions(&[[0.0; 3]; 3]).is_err());
     let mut rounded = Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
-    assert!(rounded.set_positions_f64(&[[0.0; 3]; 3]).is_err());
+    assert!(rounded.set_positions(&[[0.0_f64; 3]; 3]).is_err());
 }
 
 /// A query that is asked again after its models have moved.
@@ -154,7 +154,7 @@ fn pairs_of_moving_meshes() {
             found += expected.len();
             let moved = a.mesh().positions_f64().unwrap();
             let moved: Vec<_> = moved.iter().map(|&[x, y, z]| [x + 1e-3, y, z + 1e-9]).collect();
-            a.set_positions_f64(&moved).unwrap();
+            a.set_positions(&moved).unwrap();
         }
         assert!(found > 0);
     }
@@ -187,10 +187,10 @@ fn scenes_of_both_kinds() {
             if frame == 2 {
                 let lowered: Vec<_> = models[0].mesh().positions_f64().unwrap().to_vec();
                 let lowered: Vec<_> = lowered.iter().map(|p| [p[0], p[1], p[2] - 1e-3]).collect();
-                scene.set_positions_f64(ids[0], &lowered).unwrap();
-                assert!(scene.set_positions(ids[0], &[[0.0; 3]; 100]).is_err());
-                assert!(scene.set_positions_f64(ids[2], &lowered).is_err());
-                assert!(scene.set_positions_f64(ids[0], &lowered[1..]).is_err());
+                scene.set_positions(ids[0], &lowered).unwrap();
+                assert!(scene.set_positions(ids[0], &[[0.0_f32; 3]; 100]).is_err());
+                assert!(scene.set_positions(ids[2], &lowered).is_err());
+                assert!(scene.set_positions(ids[0], &lowered[1..]).is_err());
             }
             let hits = scene.all().unwrap().to_vec();
             let contacts = scene.contacts_f64().unwrap();
@@ -293,7 +293,7 @@ fn blobs_of_models_in_f64() {
         let moved: Vec<_> = moved.iter().cycle().take(model.mesh().vertex_count()).collect();
         let moved: Vec<[f64; 3]> = moved.into_iter().copied().collect();
         for model in [&mut model, &mut again] {
-            model.set_positions_f64(&moved).unwrap();
+            model.set_positions(&moved).unwrap();
         }
         let [of_model, of_again] =
             [&model, &again].map(|model| SelfQuery::new().all(model).unwrap().to_vec());

@@ -253,8 +253,8 @@ fn models_move_with_the_memory_that_there_is() {
     let (start, end) = (wide(&positions), wide(&scattered));
     let in_f64 = || Model::from_f64(start.clone(), triangles.clone()).unwrap();
     let deform = |model: &mut Model| {
-        model.set_positions_f64(&end)?;
+        model.set_positions(&end)?;
         count.clone().count(model)
     };
-    assert!(with_each_failure("set_positions_f64", in_f64, deform) > 1);
+    assert!(with_each_failure("set_positions", in_f64, deform) > 1);
 }

@@ -230,7 +230,7 @@ fn sheets_in_f64() {
             let of_shadow = self_pairs(model.mesh().shadow(), &triangles);
             differs += usize::from(of_shadow.len() != truth.len());
             points = placed(&mut rng);
-            model.set_positions_f64(&points).unwrap();
+            model.set_positions(&points).unwrap();
         }
     }
     let [certified, vertices] = counts;

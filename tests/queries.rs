@@ -7,8 +7,8 @@ mod layouts;
 
 use layouts::Compact;
 use pfront::{
-    Accuracy, Adjacency, BuildOptions, Model, Node, PairQuery, Pose, SceneQuery, SelfQuery,
-    TrianglePair,
+    Accuracy, Adjacency, BuildOptions, Executor, Model, Node, PairQuery, Pose, SceneQuery,
+    SelfQuery, TrianglePair,
 };
 use pfront_core::bvh::{self, BvhStorage};
 use pfront_core::bvh::{MAX_LEAF_SIZE, node_bound};
@@ -288,7 +288,7 @@ fn models(soup: &MeshData) -> Vec<Model> {
     let build = |leaf_size| {
         let options = BuildOptions { leaf_size, ..BuildOptions::default() };
         let (positions, triangles) = (soup.positions.clone(), soup.triangles.clone());
-        let model = Model::with_options(positions, triangles, options).unwrap();
+        let model = Executor::sequential().build(positions, triangles, options).unwrap();
         model.bvh().assert_well_formed();
         model
     };

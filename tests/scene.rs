@@ -295,7 +295,7 @@ fn refuses_what_it_cannot_do_and_changes_nothing() {
     trial.remove(0);
     let stale = Some(Error::StaleBody { id: gone });
     assert_eq!(trial.tell(|scene| scene.set_pose(gone, Pose::IDENTITY).err()), stale);
-    assert_eq!(trial.tell(|scene| scene.set_positions(gone, &[]).err()), stale);
+    assert_eq!(trial.tell(|scene| scene.set_positions::<f32>(gone, &[]).err()), stale);
     assert_eq!(trial.tell(|scene| scene.split(gone, |_| 0).err()), stale);
     assert_eq!(trial.tell(|scene| scene.body(gone).map(Body::id).err()), stale);
     let told = Error::StaleBody { id: gone }.to_string();

@@ -165,10 +165,10 @@ impl History {
         let mesh = model.mesh();
         if let Some(positions) = mesh.positions_f64() {
             let scaled: Vec<_> = positions.iter().map(|p| p.map(|x| x * scale)).collect();
-            self.scene.set_positions_f64(id, &scaled).unwrap();
+            self.scene.set_positions(id, &scaled).unwrap();
         } else if model.is_f64() {
             let scaled = mesh.shadow().iter().map(|p| p.map(|x| f64::from(x) * scale));
-            self.scene.set_positions_f64(id, &scaled.collect::<Vec<_>>()).unwrap();
+            self.scene.set_positions(id, &scaled.collect::<Vec<_>>()).unwrap();
         } else {
             let scaled = mesh.shadow().iter().map(|p| p.map(|x| x * scale as f32));
             self.scene.set_positions(id, &scaled.collect::<Vec<_>>()).unwrap();

@@ -3,7 +3,9 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::pfront_core::triangle::intersects_f64;
-use pfront::{AnyPose, Body, BodyId, BuildOptions, Model, Pose, Pose64, SceneHit, SceneQuery};
+use pfront::{
+    AnyPose, Body, BodyId, BuildOptions, Executor, Model, Pose, Pose64, SceneHit, SceneQuery,
+};
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::shapes::{sheet, sphere};
 
@@ -117,7 +119,8 @@ fn pieces_meet_what_the_whole_body_met() {
 fn pieces_keep_the_precision_and_the_options_of_the_whole() {
     let shape = sphere(5);
     let options = BuildOptions { leaf_size: 2, ..BuildOptions::default() };
-    let fine = Model::with_options(shape.positions.clone(), shape.triangles.clone(), options);
+    let fine =
+        Executor::sequential().build(shape.positions.clone(), shape.triangles.clone(), options);
     let in_f64 = |scale: f64| {
         let positions = shape.positions.iter().map(|p| p.map(|x| f64::from(x) * scale + 1.0));
         Model::from_f64(positions.collect(), shape.triangles.clone()).unwrap()

@@ -155,11 +155,11 @@ fn what_is_there_already_changes_nothing() {
             let model = scene.body(id)?.model().clone();
             let mesh = model.mesh();
             match (mesh.positions_f64(), model.is_f64()) {
-                (Some(positions), _) => scene.set_positions_f64(id, positions),
+                (Some(positions), _) => scene.set_positions(id, positions),
                 (None, false) => scene.set_positions(id, mesh.shadow()),
                 (None, true) => {
                     let widened = mesh.shadow().iter().map(|p| p.map(f64::from));
-                    scene.set_positions_f64(id, &widened.collect::<Vec<_>>())
+                    scene.set_positions(id, &widened.collect::<Vec<_>>())
                 }
             }
         }),
@@ -192,5 +192,5 @@ fn what_is_there_already_changes_nothing() {
     assert_eq!(bits(scene.body(all[0]).unwrap().pose()), (-0.0_f64).to_bits());
     // What cannot be set is refused as before.
     assert!(scene.set_positions(all[2], &ball.positions).is_err());
-    assert!(scene.set_positions_f64(all[0], &[]).is_err());
+    assert!(scene.set_positions::<f64>(all[0], &[]).is_err());
 }

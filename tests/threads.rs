@@ -6,7 +6,7 @@ mod layouts;
 
 use layouts::Compact;
 use pfront::threads::{Pool, Report, Schedule, Settings, Traversal};
-use pfront::{BuildOptions, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
+use pfront::{BuildOptions, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use pfront_core::bvtt;
 use pfront_core::bvtt::{PosedBvh, Query};
 use pfront_testkit::scenes::{Scene, icosphere};
@@ -141,7 +141,9 @@ fn compact_models() {
     let options = BuildOptions { leaf_size: 4, ..BuildOptions::default() };
     let model = |i: usize| {
         let mesh = &scene.meshes[scene.objects[i]];
-        Model::with_options(mesh.positions.clone(), mesh.triangles.clone(), options).unwrap()
+        Executor::sequential()
+            .build(mesh.positions.clone(), mesh.triangles.clone(), options)
+            .unwrap()
     };
     let (a, b) = (model(0), model(1));
     let (small, least) = (Compact::of(a.bvh()), Compact::of(b.bvh()));
@@ -217,8 +219,9 @@ fn a_model_and_its_rebuild() {
     let moved: Vec<_> = (0..count).flat_map(|i| corners(i * 7919 % count)).collect();
     let triangles: Vec<_> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let options = BuildOptions { leaf_size: 3, ..BuildOptions::default() };
-    let mut one = Model::with_options(positions.clone(), triangles.clone(), options).unwrap();
-    let mut many = Model::new_with_threads(positions, triangles, options).unwrap();
+    let (alone, threads) = (Executor::sequential(), Executor::threads(4));
+    let mut one = alone.build(positions.clone(), triangles.clone(), options).unwrap();
+    let mut many = threads.build(positions, triangles, options).unwrap();
     let same = |one: &Model, many: &Model| {
         let (one, many) = (one.bvh(), many.bvh());
         one.nodes() == many.nodes() && one.order() == many.order()
@@ -226,6 +229,6 @@ fn a_model_and_its_rebuild() {
     assert!(same(&one, &many));
     let before = one.bvh().order().to_vec();
     one.set_positions(&moved).unwrap();
-    many.set_positions_with_threads(&moved).unwrap();
+    threads.refit(&mut many, &moved).unwrap();
     assert!(same(&one, &many) && one.bvh().order() != before);
 }

@@ -16,7 +16,6 @@ pub(crate) struct Cpu<'c> {
     asker: Asker,
     /// The model that deforms.
     moving: Option<Model>,
-    threads: bool,
 }
 
 impl<'c> Cpu<'c> {
@@ -29,7 +28,7 @@ impl<'c> Cpu<'c> {
             true => Asker::on(&pool(all_threads(), Schedule::Hybrid)),
             false => Asker::default(),
         };
-        Self { case, asker, moving, threads }
+        Self { case, asker, moving }
     }
 }
 
@@ -38,10 +37,7 @@ impl Backend for Cpu<'_> {
         match (self.case, &mut self.moving) {
             (Case::Within { frames, .. }, Some(moving)) => {
                 let positions = frames[frame].mesh().shadow();
-                match self.threads {
-                    true => moving.set_positions_with_threads(positions).unwrap(),
-                    false => moving.set_positions(positions).unwrap(),
-                }
+                self.asker.within.set_positions(moving, positions).unwrap();
                 self.asker.within.all(moving).unwrap()
             }
             _ => self.case.found(&mut self.asker, frame),

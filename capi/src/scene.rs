@@ -236,7 +236,7 @@ pub unsafe extern "C" fn pfront_scene_set_positions_f64(
         let scene = usable(call, scene)?;
         let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
         let (positions, _) = buffers.copies(call)?;
-        Ok(scene.query.set_positions_f64(BodyId::from_bits(body), &positions)?)
+        Ok(scene.query.set_positions::<f64>(BodyId::from_bits(body), &positions)?)
     })
 }
 

@@ -91,7 +91,7 @@ fn check(bytes: &[u8], input: &Input) -> bool {
     let Ok(mut model) = model else { return false };
     assert_eq!(SelfQuery::new().all(&model).unwrap(), truth(model.mesh()));
     let moved = input.palette.points(&input.moved);
-    if model.set_positions_with_threads(&moved).is_ok() {
+    if model.set_positions(&moved).is_ok() {
         model.bvh().assert_well_formed();
         assert_eq!(SelfQuery::new().all(&model).unwrap(), truth(model.mesh()));
     }

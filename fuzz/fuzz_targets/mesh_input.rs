@@ -5,7 +5,7 @@
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
 use pfront::pfront_core::bvtt::{self, Query};
-use pfront::{BuildOptions, Bvh, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair};
+use pfront::{BuildOptions, Bvh, Executor, Model, Node, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_fuzz::input::Palette;
 use pfront_fuzz::{Builder, Tree, as_pairs};
 use pfront_testkit::oracle::{pairs, self_pairs};
@@ -39,7 +39,7 @@ fuzz_target!(|input: Input| {
     let finite = positions.iter().flatten().all(|x| x.is_finite());
     let in_range = triangles.iter().flatten().all(|&v| (v as usize) < positions.len());
     let options = BuildOptions { leaf_size: input.leaf_size.into(), ..BuildOptions::default() };
-    let model = Model::with_options(positions, triangles, options);
+    let model = Executor::sequential().build(positions, triangles, options);
     assert_eq!(model.is_ok(), finite && in_range);
     let Ok(mut model) = model else { return };
     check(&model, &input);

@@ -4,7 +4,7 @@ use crate::input::{Build, Builder};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BvhStorage, Join, Refit};
 use pfront::pfront_core::mesh::MeshError;
-use pfront::{BuildOptions, Bvh, Error, Mesh, Model, Node, threads};
+use pfront::{BuildOptions, Bvh, Error, Executor, Mesh, Model, Node, threads};
 use pfront_testkit::MeshData;
 
 /// The nodes and order of a BVH, without its mesh.
@@ -71,11 +71,10 @@ impl Body {
     pub(crate) fn new(soup: MeshData, build: Build) -> Result<Self, Error> {
         let options = BuildOptions { leaf_size: build.leaf_size.into(), ..BuildOptions::default() };
         let MeshData { positions, triangles } = soup.clone();
-        let model = Model::with_options(positions.clone(), triangles.clone(), options);
-        let threaded = Model::new_with_threads(positions.clone(), triangles.clone(), options);
+        let alone = Executor::sequential();
+        let model = alone.build(positions.clone(), triangles.clone(), options);
         let error = mesh_error(&soup).map(Error::Mesh);
         assert_eq!(Mesh::new(&positions, &triangles).err().map(Error::Mesh), error);
-        assert_eq!(threaded.err(), error);
         assert_eq!(model.as_ref().err(), error.as_ref());
         let model = model?;
         let tree = Tree::new(model.mesh(), build.leaf_size.into(), build.builder);
@@ -90,13 +89,13 @@ impl Body {
     /// Moves the vertices, or says what is wrong with them, and then changes nothing.
     pub(crate) fn deform(&mut self, positions: &[[f32; 3]]) -> Result<(), Error> {
         let error = position_error(positions, self.soup.positions.len()).map(Error::Mesh);
-        let mut threaded = self.model.clone();
-        assert_eq!(threaded.set_positions_with_threads(positions).err(), error);
+        let mut later = self.model.clone();
+        assert_eq!(later.set_positions_unfitted(positions).err(), error);
         assert_eq!(self.model.set_positions(positions).err(), error);
         if error.is_none() {
             self.soup.positions = positions.to_vec();
         }
-        for model in [&self.model, &threaded] {
+        for model in [&self.model, &later] {
             assert_eq!(model.mesh().positions().unwrap(), self.soup.positions);
             model.bvh().assert_well_formed();
         }

@@ -1,7 +1,7 @@
 //! Meshes, poses and steps, as they are made from bytes.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
-use pfront::threads::{Schedule, Settings, Pool};
+use pfront::threads::{Pool, Schedule, Settings};
 use pfront::{Accuracy, Adjacency, Pose};
 use pfront_testkit::MeshData;
 use pfront_testkit::shapes::sheet;

@@ -150,7 +150,7 @@ impl World {
         let stale = Some(Error::StaleBody { id });
         assert_eq!(self.tell(|scene| scene.remove(id).err()), stale);
         assert_eq!(self.tell(|scene| scene.set_pose(id, Pose::IDENTITY).err()), stale);
-        assert_eq!(self.tell(|scene| scene.set_positions(id, &[]).err()), stale);
+        assert_eq!(self.tell(|scene| scene.set_positions::<f32>(id, &[]).err()), stale);
         assert_eq!(self.tell(|scene| scene.split(id, |_| 0).err()), stale);
     }
 

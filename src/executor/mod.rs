@@ -63,6 +63,7 @@ mod measure;
 mod meshes;
 #[cfg(feature = "gpu")]
 mod mirror;
+mod models;
 mod plan;
 #[cfg(feature = "gpu")]
 mod reader;

@@ -15,16 +15,12 @@ use crate::gpu::GpuError;
 use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads::Report;
-use crate::{Error, Model, TrianglePair};
+use crate::{Error, Model, Scalar, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 #[cfg(feature = "gpu")]
 use std::time::{Duration, Instant};
-
-/// A refit of fewer triangles takes less, at some 10 ns each, than to call another thread or a GPU.
-#[cfg(any(feature = "threads", feature = "gpu"))]
-const SMALL: usize = 1 << 11;
 
 /// The subjects of a query in a frame, as each kind of executor answers about them.
 pub(crate) trait Frame {
@@ -205,13 +201,13 @@ impl<N: Copy + Ord> Run<N> {
     }
 
     /// Moves the vertices of a model that will be asked about next.
-    pub(crate) fn set_positions(
+    pub(crate) fn set_positions<S: Scalar>(
         &mut self,
         model: &mut Model,
-        positions: &[[f32; 3]],
+        positions: &[[S; 3]],
     ) -> Result<(), Error> {
         #[cfg(feature = "gpu")]
-        let is_at_once = model.mesh().triangles().len() < SMALL
+        let is_at_once = model.mesh().triangles().len() < super::models::SMALL
             && self.choices[self.last_verb as usize].is_at_once;
         #[cfg(feature = "gpu")]
         if self.executor.device.is_some() && !is_at_once {
@@ -219,23 +215,12 @@ impl<N: Copy + Ord> Run<N> {
             let moved = match self.is_on_gpu() {
                 // The GPU refits by itself.
                 true => model.set_positions_unfitted(positions),
-                false => self.refit(model, positions),
+                false => self.executor.refit(model, positions),
             };
             self.moving += clock.elapsed();
             return moved;
         }
-        self.refit(model, positions)
-    }
-
-    /// The same for a model whose box is needed at once.
-    pub(crate) fn refit(&self, model: &mut Model, positions: &[[f32; 3]]) -> Result<(), Error> {
-        #[cfg(feature = "threads")]
-        if let Some(pool) = &self.executor.pool
-            && model.mesh().triangles().len() >= SMALL
-        {
-            return pool.install(|| model.set_positions_with_threads(positions));
-        }
-        model.set_positions(positions)
+        self.executor.refit(model, positions)
     }
 
     /// Answers in the floating-point environment of the calling thread, which is to be the default.

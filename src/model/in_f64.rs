@@ -13,7 +13,7 @@ pub(super) struct Exact {
 }
 
 /// Positions in f64, their shadow, see [`Mesh::from_f64`], and where its origin is.
-pub(crate) struct Shadow {
+pub struct Shadow {
     pub(super) exact: Vec<[f64; 3]>,
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) origin: [f64; 3],

@@ -12,6 +12,7 @@ mod renewed;
 mod stamp;
 mod tree;
 
+pub use deform::Scalar;
 pub(crate) use outline::Outline;
 pub use stamp::Stamp;
 
@@ -23,8 +24,8 @@ use certificates::Certificates;
 use in_f64::Exact;
 use moves::Moves;
 #[cfg(feature = "threads")]
-use passes::THREADS;
-use passes::{ONE_THREAD, Parallel};
+pub(crate) use passes::THREADS;
+pub(crate) use passes::{ONE_THREAD, Parallel};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
 use pfront_core::{Bvh, Mesh};
@@ -77,7 +78,10 @@ impl fmt::Debug for Model {
 }
 
 impl Model {
-    /// Checks the mesh and builds its BVH with the surface area heuristic.
+    /// Checks the mesh and builds its BVH with the surface area heuristic. With options, on threads:
+    /// [`Executor::build`](crate::Executor::build).
+    ///
+    /// Positions in f64 have a name of their own, [`Model::from_f64`], since Rust takes numbers like `0.1` for f64 where both do.
     ///
     /// # Errors
     /// [`Error::Mesh`] names the first vertex or triangle at fault.
@@ -108,45 +112,26 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
-        Self::with_options(positions, triangles, BuildOptions::default())
+        Self::build(positions, triangles, BuildOptions::default(), ONE_THREAD)
     }
 
-    /// [`Model::new`] with other build options. They change speed and memory, never an answer.
-    ///
-    /// # Errors
-    /// As [`Model::new`].
-    pub fn with_options(
-        positions: Vec<[f32; 3]>,
+    pub(crate) fn build<S: Scalar>(
+        positions: Vec<[S; 3]>,
         triangles: Vec<[u32; 3]>,
         options: BuildOptions<'static>,
-    ) -> Result<Self, Error> {
-        Self::built_by(ONE_THREAD, positions, triangles, options)
-    }
-
-    /// [`Model::with_options`] in the rayon pool of whoever asks; worth it from some 50,000 triangles
-    /// on. The BVH is the same.
-    ///
-    /// # Errors
-    /// As [`Model::new`].
-    #[cfg(feature = "threads")]
-    pub fn new_with_threads(
-        positions: Vec<[f32; 3]>,
-        triangles: Vec<[u32; 3]>,
-        options: BuildOptions<'static>,
-    ) -> Result<Self, Error> {
-        Self::built_by(THREADS, positions, triangles, options)
-    }
-
-    fn built_by(
         parallel: Parallel,
+    ) -> Result<Self, Error> {
+        with_default(|| S::build(positions, triangles, options, parallel))
+    }
+
+    fn built(
         positions: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
         options: BuildOptions<'static>,
+        parallel: Parallel,
     ) -> Result<Self, Error> {
-        with_default(|| {
-            let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel)?;
-            Ok(Self::of(positions, triangles, options, tree))
-        })
+        let tree = Tree::build(Mesh::new(&positions, &triangles)?, options, parallel)?;
+        Ok(Self::of(positions, triangles, options, tree))
     }
 
     /// [`Model::new`] with positions in f64: queries pose and decide them there, exactly, whatever the other model and the
@@ -174,22 +159,14 @@ impl Model {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn from_f64(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
-        Self::from_f64_with_options(positions, triangles, BuildOptions::default())
-    }
-
-    /// [`Model::from_f64`] with other build options.
-    pub(crate) fn from_f64_with_options(
-        positions: Vec<[f64; 3]>,
-        triangles: Vec<[u32; 3]>,
-        options: BuildOptions<'static>,
-    ) -> Result<Self, Error> {
-        with_default(|| Self::built_from_f64(positions, triangles, options))
+        Self::build(positions, triangles, BuildOptions::default(), ONE_THREAD)
     }
 
     fn built_from_f64(
         positions: Vec<[f64; 3]>,
         triangles: Vec<[u32; 3]>,
         options: BuildOptions<'static>,
+        parallel: Parallel,
     ) -> Result<Self, Error> {
         let mut shadow = filled([0.0; 3], positions.len())?;
         let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow)?;
@@ -204,7 +181,7 @@ impl Model {
             Exact { positions, origin }
         };
         let mesh = Exact::mesh(Some(&exact), &shadow, &triangles);
-        let tree = Tree::build(mesh, options, ONE_THREAD)?;
+        let tree = Tree::build(mesh, options, parallel)?;
         Ok(Self { exact: Some(exact), ..Self::of(shadow, triangles, options, tree) })
     }
 

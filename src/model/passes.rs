@@ -4,12 +4,12 @@ use pfront_core::bvh::Join;
 
 type Positions = [[f32; 3]];
 
-pub(super) type Parallel = Option<&'static Join<'static>>;
+pub(crate) type Parallel = Option<&'static Join<'static>>;
 
-pub(super) const ONE_THREAD: Parallel = None;
+pub(crate) const ONE_THREAD: Parallel = None;
 
 #[cfg(feature = "threads")]
-pub(super) const THREADS: Parallel = Some(&crate::threads::join);
+pub(crate) const THREADS: Parallel = Some(&crate::threads::join);
 
 /// `parallel` if the pool has at least four threads: the divided pass does half as much work again.
 pub(super) fn if_four_threads(parallel: Parallel) -> Parallel {
@@ -45,19 +45,29 @@ pub(super) fn both(
 /// Positions that one task takes: some ten microseconds.
 const PART: usize = 1 << 14;
 
-/// Calls `pass` on matching parts of two lists, side by side if it can; returns whether it returns `true` for all.
-pub(super) fn by_parts(
+/// Whether `check` holds for all parts of a list, side by side if it can.
+pub(super) fn all_parts(
     parallel: Parallel,
-    from: &Positions,
-    to: &mut Positions,
-    pass: &(dyn Fn(&Positions, &mut Positions) -> bool + Sync),
+    list: &Positions,
+    check: &(dyn Fn(&Positions) -> bool + Sync),
 ) -> bool {
-    let Some(join) = parallel.filter(|_| from.len() > PART) else { return pass(from, to) };
-    let (from, right_from) = from.split_at(from.len() / 2);
-    let (to, right_to) = to.split_at_mut(from.len());
+    let Some(join) = parallel.filter(|_| list.len() > PART) else { return check(list) };
+    let (list, rest) = list.split_at(list.len() / 2);
     let (mut left, mut right) = (true, true);
-    join(&mut || left = by_parts(parallel, from, to, pass), &mut || {
-        right = by_parts(parallel, right_from, right_to, pass);
+    join(&mut || left = all_parts(parallel, list, check), &mut || {
+        right = all_parts(parallel, rest, check);
     });
     left && right
+}
+
+/// Copies a list over another one of that length, parts side by side if it can.
+pub(super) fn copy_parts(parallel: Parallel, from: &Positions, to: &mut Positions) {
+    let Some(join) = parallel.filter(|_| from.len() > PART) else {
+        return to.copy_from_slice(from);
+    };
+    let (from, right_from) = from.split_at(from.len() / 2);
+    let (to, right_to) = to.split_at_mut(from.len());
+    join(&mut || copy_parts(parallel, from, to), &mut || {
+        copy_parts(parallel, right_from, right_to);
+    });
 }

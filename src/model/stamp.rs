@@ -12,9 +12,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// ```
 /// let mut model = pfront::Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?;
 /// let (before, copy) = (model.stamp(), model.clone());
-/// model.set_positions(&[[0.0; 3]; 3])?;
+/// model.set_positions(&[[0.0_f32; 3]; 3])?;
 /// assert_eq!(model.stamp(), before);
-/// model.set_positions(&[[1.0; 3]; 3])?;
+/// model.set_positions(&[[1.0_f32; 3]; 3])?;
 /// assert_ne!(model.stamp(), before);
 /// assert_eq!(model.stamp().tree(), before.tree());
 /// assert_eq!(copy.stamp(), before);

@@ -10,6 +10,7 @@ use super::body::Body;
 use super::cache::merge;
 use crate::executor::{BLOCK, check, visit};
 use crate::memory::{copy, push, reserve};
+use crate::model::ONE_THREAD;
 use crate::sphere::Sphere;
 use crate::{Aabb, BuildOptions, Error, Model};
 use pfront_core::bvh::MAX_DEPTH;
@@ -101,7 +102,7 @@ impl Broad {
                 let count = self.places.len() as u32;
                 diagonals.extend((0..count).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]));
                 let options = BuildOptions { leaf_size: 2, ..BuildOptions::default() };
-                let model = Model::with_options(copy(&self.corners)?, diagonals, options)?;
+                let model = Model::build(copy(&self.corners)?, diagonals, options, ONE_THREAD)?;
                 let model = self.boxes.insert(model);
                 model.reserve();
                 model

@@ -5,7 +5,8 @@ use super::body::{Body, Groups};
 use super::id::BodyId;
 use super::split::{Cutter, parts};
 use crate::environment::with_default;
-use crate::{Aabb, AnyPose, Error, Model};
+use crate::model::ONE_THREAD;
+use crate::{AnyPose, Error, Model, Scalar};
 use std::sync::Arc;
 
 /// A body that [`SceneQuery::split`] makes of one part of another.
@@ -123,57 +124,23 @@ impl SceneQuery {
     ///
     /// # Errors
     /// [`Error::StaleBody`] if the body is not there, [`Error::Mesh`] if a coordinate is not finite or
-    /// the number of vertices differs or the model is in f64, [`Error::Pose`] if its pose takes a vertex out of range.
-    pub fn set_positions(&mut self, id: BodyId, positions: &[[f32; 3]]) -> Result<(), Error> {
-        let mesh = self.bodies.get(id)?.model().mesh();
-        if !mesh.is_f64() && same_bits(mesh.shadow(), positions, f32::to_bits) {
+    /// the number of vertices differs or they are not in the precision of the model, [`Error::Pose`] if its pose takes a vertex out of range.
+    pub fn set_positions<S: Scalar>(
+        &mut self,
+        id: BodyId,
+        positions: &[[S; 3]],
+    ) -> Result<(), Error> {
+        if S::is_same(self.bodies.get(id)?.model(), positions) {
             return Ok(());
         }
-        let run = &self.run;
+        let executor = self.run.executor();
         with_default(|| {
             self.bodies.change(id, |body| {
-                body.model().mesh().with_positions(positions)?;
-                body.pose().check_bounds(&Aabb::of(positions))?;
+                let checked = S::check(body.model(), positions, ONE_THREAD)?;
+                body.pose().check_bounds(&S::bounds(positions, &checked))?;
                 let model = Model::make_mut(&mut body.model)?;
-                run.refit(model, positions)?;
-                body.reshaped();
-                Ok(())
-            })
-        })
-    }
-
-    /// [`SceneQuery::set_positions`] of a body whose model is in f64, on this thread.
-    ///
-    /// # Errors
-    /// As [`SceneQuery::set_positions`]; [`Error::Mesh`] also if a coordinate is beyond 2^125 or the model is in f32.
-    ///
-    /// # Examples
-    /// ```
-    /// # use pfront::{Model, Pose, SceneQuery};
-    /// let mut scene = SceneQuery::new();
-    /// let body = scene.add(Model::from_f64(vec![[0.1; 3]; 3], vec![[0, 1, 2]])?, Pose::IDENTITY)?;
-    /// scene.set_positions_f64(body, &[[0.3; 3]; 3])?;
-    /// assert_eq!(scene.body(body)?.model().mesh().positions_f64(), Some(&[[0.3; 3]; 3][..]));
-    /// # Ok::<(), pfront::Error>(())
-    /// ```
-    pub fn set_positions_f64(&mut self, id: BodyId, positions: &[[f64; 3]]) -> Result<(), Error> {
-        let mesh = self.bodies.get(id)?.model().mesh();
-        let is_same = match mesh.positions_f64() {
-            Some(own) => same_bits(own, positions, f64::to_bits),
-            // The shadow holds every coordinate.
-            None => {
-                let own = mesh.shadow().iter().map(|p| p.map(|x| f64::from(x).to_bits()));
-                mesh.is_f64() && own.eq(positions.iter().map(|p| p.map(f64::to_bits)))
-            }
-        };
-        if is_same {
-            return Ok(());
-        }
-        with_default(|| {
-            self.bodies.change(id, |body| {
-                let shadow = body.model().shadow_of(positions)?;
-                body.pose().check_bounds(&shadow.bounds())?;
-                Model::make_mut(&mut body.model)?.set_shadowed(shadow);
+                S::store(model, positions, checked, ONE_THREAD);
+                executor.fit(model);
                 body.reshaped();
                 Ok(())
             })
@@ -319,9 +286,4 @@ impl SceneQuery {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-}
-
-/// Whether the same numbers are in both, zeros with their signs.
-fn same_bits<T: Copy, B: PartialEq>(a: &[[T; 3]], b: &[[T; 3]], bits: impl Fn(T) -> B) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(p, q)| p.map(&bits) == q.map(&bits))
 }

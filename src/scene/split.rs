@@ -1,5 +1,6 @@
 //! Breaking a model into pieces.
 
+use crate::model::ONE_THREAD;
 use crate::{Error, Model};
 
 /// The triangles of each part, by ascending number of the part; within a part in their old order.
@@ -38,7 +39,7 @@ impl<'m> Cutter<'m> {
         let (model, options) = (self.model, self.model.options());
         if !model.is_f64() {
             let positions = used.iter().map(|&vertex| mesh.shadow()[vertex as usize]);
-            return Model::with_options(positions.collect(), renumbered, options);
+            return Model::build::<f32>(positions.collect(), renumbered, options, ONE_THREAD);
         }
         let position = |&vertex: &u32| match mesh.positions_f64() {
             Some(positions) => positions[vertex as usize],
@@ -46,6 +47,6 @@ impl<'m> Cutter<'m> {
             None => mesh.shadow()[vertex as usize].map(f64::from),
         };
         let positions = used.iter().map(position).collect();
-        Model::from_f64_with_options(positions, renumbered, options)
+        Model::build(positions, renumbered, options, ONE_THREAD)
     }
 }

@@ -1,8 +1,9 @@
 //! Everything that makes, moves or reads a model.
 
 use super::Soup;
-use pfront::threads::rayon;
-use pfront::{BuildOptions, Model};
+use pfront::threads::{Pool, rayon};
+use pfront::{BuildOptions, Executor, Model};
+use std::sync::Arc;
 
 pub(crate) struct Inputs {
     soup: Soup,
@@ -12,17 +13,18 @@ pub(crate) struct Inputs {
     sheet: Model,
     bent: Vec<[f32; 3]>,
     blob: Vec<u8>,
-    pool: rayon::ThreadPool,
+    pool: Arc<rayon::ThreadPool>,
 }
 
 impl Inputs {
     pub(crate) fn new() -> Self {
         let (soup, moved) = (Soup::new(5, 100), Soup::new(6, 100));
-        let (side, least) = (30, |units: usize| f32::from_bits(units as u32));
+        // So many triangles that threads take part.
+        let (side, least) = (40, |units: usize| f32::from_bits(units as u32));
         let at = |i: usize, up: usize| [least(i % side * 5), least(i / side * 7), least(up)];
         let flat = (0..side * side).map(|i| at(i, 0)).collect();
         let cells = (0..side - 1).flat_map(|j| (0..side - 1).map(move |i| (j * side + i) as u32));
-        let corners = |k: u32| [[k, k + 1, k + 30], [k + 1, k + 31, k + 30]];
+        let corners = |k: u32| [[k, k + 1, k + 40], [k + 1, k + 41, k + 40]];
         let sheet = Model::new(flat, cells.flat_map(corners).collect()).unwrap();
         Self {
             blob: soup.model().to_blob().unwrap(),
@@ -30,7 +32,7 @@ impl Inputs {
             soup,
             moved,
             sheet,
-            pool: rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap(),
+            pool: Arc::new(rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap()),
         }
     }
 }
@@ -38,7 +40,6 @@ impl Inputs {
 /// A model for each way to make one.
 pub(crate) fn all(inputs: &Inputs) -> Vec<(&'static str, Model)> {
     let Inputs { soup, moved, sheet, bent, blob, pool } = inputs;
-    let (positions, triangles) = (|| soup.positions.clone(), || soup.triangles.clone());
     let options = BuildOptions::default();
     let with = |change: &dyn Fn(&mut Model)| {
         let mut model = soup.model();
@@ -46,7 +47,7 @@ pub(crate) fn all(inputs: &Inputs) -> Vec<(&'static str, Model)> {
         model
     };
     let mut in_f64 = soup.model_f64();
-    in_f64.set_positions_f64(&moved.positions_f64).unwrap();
+    in_f64.set_positions(&moved.positions_f64).unwrap();
     let mut folded = sheet.clone();
     let _ = folded.certificates();
     for _ in 0..5 {
@@ -54,24 +55,20 @@ pub(crate) fn all(inputs: &Inputs) -> Vec<(&'static str, Model)> {
         folded.set_positions(sheet.mesh().shadow()).unwrap();
     }
     folded.set_positions(bent).unwrap();
-    let in_pool = || Model::new_with_threads(positions(), triangles(), options).unwrap();
-    let moved_in_pool = |model: &mut Model| {
-        pool.install(|| model.set_positions_with_threads(&moved.positions)).unwrap();
-    };
-    let fitted_in_pool = |model: &mut Model| {
-        model.set_positions_unfitted(&moved.positions).unwrap();
-        pool.install(|| model.fit_with_threads());
-    };
+    let executor = Executor::from(Pool::from(pool.clone()));
+    let mesh = sheet.mesh();
+    let (flat, cells) = (mesh.shadow().to_vec(), mesh.triangles().to_vec());
+    let mut refitted = sheet.clone();
+    executor.refit(&mut refitted, bent).unwrap();
     vec![
         ("new", soup.model()),
-        ("with_options", Model::with_options(positions(), triangles(), options).unwrap()),
-        ("new_with_threads", pool.install(in_pool)),
+        ("build", executor.build(flat, cells, options).unwrap()),
         ("from_f64", soup.model_f64()),
         ("from_blob", Model::from_blob(blob).unwrap()),
         ("to_blob", Model::from_blob(&soup.model().to_blob().unwrap()).unwrap()),
         ("set_positions", with(&|model| model.set_positions(&moved.positions).unwrap())),
-        ("set_positions_with_threads", with(&moved_in_pool)),
-        ("set_positions_f64", in_f64),
+        ("refit", refitted),
+        ("set_positions", in_f64),
         (
             "set_positions_unfitted, fit",
             with(&|model| {
@@ -79,7 +76,6 @@ pub(crate) fn all(inputs: &Inputs) -> Vec<(&'static str, Model)> {
                 model.fit();
             }),
         ),
-        ("fit_with_threads", with(&fitted_in_pool)),
         (
             "bvh",
             with(&|model| {

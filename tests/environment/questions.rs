@@ -179,8 +179,8 @@ fn scene(named: &mut Named, subjects: &Subjects, on: &Executor) {
     each_verb(named, "add", &mut scene, &bodies);
     scene.set_pose(bodies[1], unit(60)).unwrap();
     scene.set_positions(bodies[0], &subjects.other.positions).unwrap();
-    scene.set_positions_f64(bodies[2], &subjects.other.positions_f64).unwrap();
-    each_verb(named, "set_pose, set_positions, set_positions_f64", &mut scene, &bodies);
+    scene.set_positions(bodies[2], &subjects.other.positions_f64).unwrap();
+    each_verb(named, "set_pose, set_positions", &mut scene, &bodies);
     scene.set_model(bodies[1], a.clone()).unwrap();
     let pieces = scene.split(bodies[1], |triangle| triangle % 3).unwrap();
     bodies.extend(pieces.iter().map(|piece| piece.body));

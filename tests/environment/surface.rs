@@ -17,13 +17,13 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
     (
         "SceneQuery",
         include_str!("../../src/scene/mod.rs"),
-        "all update any count intersecting_bodies visit contacts contacts_f64",
+        "all update any count intersecting_bodies bodies_in visit contacts contacts_f64",
         "new with_accuracy on report plan hits last_contacts",
     ),
     (
         "SceneQuery's bodies",
         include_str!("../../src/scene/edit.rs"),
-        "add remove set_pose set_model set_positions set_positions_f64 split",
+        "add remove set_pose set_model set_positions split",
         "set_groups ignore ignored body set_user_data bodies len is_empty",
     ),
     (
@@ -46,8 +46,8 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
             include_str!("../../src/model/in_f64.rs"),
             include_str!("../../src/model/blob.rs")
         ),
-        "new with_options new_with_threads from_f64 from_blob to_blob set_positions set_positions_with_threads \
-         set_positions_unfitted set_positions_f64 fit fit_with_threads bvh certificates sphere bytes try_clone",
+        "new from_f64 from_blob to_blob set_positions set_positions_unfitted fit bvh certificates sphere bytes \
+         try_clone",
         "mesh stamp options is_f64",
     ),
     ("AnyPose", include_str!("../../src/pose.rs"), "pair to_f64", "is_f64"),

@@ -1,8 +1,15 @@
 //! Any sequence of moves, fits, questions and clones.
 
 use super::{SIDE, assert_fits, bumpy, model};
+#[cfg(feature = "threads")]
+use pfront::Executor;
 use pfront::{Model, SelfQuery};
 use proptest::prelude::*;
+#[cfg(feature = "threads")]
+use std::sync::LazyLock;
+
+#[cfg(feature = "threads")]
+static EXECUTOR: LazyLock<Executor> = LazyLock::new(|| Executor::threads(4));
 
 /// A change to a model.
 #[derive(Clone, Debug)]
@@ -58,7 +65,7 @@ fn happen(model: &mut Model, event: &Event) {
             match how {
                 How::Unfitted => model.set_positions_unfitted(&positions),
                 #[cfg(feature = "threads")]
-                How::Threads => model.set_positions_with_threads(&positions),
+                How::Threads => EXECUTOR.refit(model, &positions),
                 _ => model.set_positions(&positions),
             }
             .unwrap();
@@ -68,8 +75,6 @@ fn happen(model: &mut Model, event: &Event) {
             assert_eq!(model.stamp().mesh(), before.mesh());
         }
         Event::Fit(How::Unfitted) => {}
-        #[cfg(feature = "threads")]
-        Event::Fit(How::Threads) => model.fit_with_threads(),
         Event::Fit(_) => model.fit(),
         Event::AskTree => model.bvh().assert_well_formed(),
         Event::AskCertificates => _ = model.certificates(),

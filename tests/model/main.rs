@@ -6,7 +6,7 @@
 mod history;
 mod together;
 
-use pfront::{BuildOptions, Model};
+use pfront::{BuildOptions, Executor, Model};
 use pfront_core::bvh::{self, Refit};
 use pfront_testkit::MeshData;
 use pfront_testkit::shapes::bumpy;
@@ -15,7 +15,7 @@ const SIDE: u32 = 24;
 
 fn model(soup: &MeshData) -> Model {
     let options = BuildOptions { leaf_size: 3, ..BuildOptions::default() };
-    Model::with_options(soup.positions.clone(), soup.triangles.clone(), options).unwrap()
+    Executor::sequential().build(soup.positions.clone(), soup.triangles.clone(), options).unwrap()
 }
 
 /// Everything that the model keeps is equal to the same computed anew.

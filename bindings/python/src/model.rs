@@ -6,13 +6,12 @@ use crate::executor::Executor;
 use crate::memory;
 use crate::threads::{apart, heard};
 use numpy::PyReadonlyArrayDyn;
-use pfront::threads::rayon::ThreadPool;
-use pfront::{BuildOptions, Error};
+use pfront::{BuildOptions, Error, Scalar};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
 
-/// From so many triangles on, threads pay for a build, and it takes longer than signals may wait.
+/// From so many triangles on, a build takes longer than signals may wait.
 const MANY: usize = 50_000;
 /// Bytes of a blob that are read or written on a thread of their own.
 const LARGE: usize = 4 << 20;
@@ -33,8 +32,10 @@ impl Model {
     ) -> PyResult<Self> {
         let (positions, triangles) = (triples(&vertices)?, triples(&faces)?);
         drop((vertices, faces));
-        let (is_long, pool) = (triangles.len() >= MANY, on.made(py).pool);
-        Self::made(py, Some(on), is_long, move || build(positions, triangles, pool.as_deref()))
+        let (is_long, cpu) = on.cpu_for(py, triangles.len());
+        Self::made(py, Some(on), is_long, move || {
+            cpu.build(positions, triangles, BuildOptions::default())
+        })
     }
 
     /// A model of float64 positions, or of the same in float32 if that holds them all.
@@ -47,10 +48,10 @@ impl Model {
     ) -> PyResult<Self> {
         let (positions, triangles) = (triples(&vertices)?, triples(&faces)?);
         drop((vertices, faces));
-        let (is_long, pool) = (triangles.len() >= MANY, on.made(py).pool);
+        let (is_long, cpu) = on.cpu_for(py, triangles.len());
         Self::made(py, Some(on), is_long, move || match narrowed(&positions)? {
-            Some(narrow) => build(narrow, triangles, pool.as_deref()),
-            None => pfront::Model::from_f64(positions, triangles),
+            Some(narrow) => cpu.build(narrow, triangles, BuildOptions::default()),
+            None => cpu.build(positions, triangles, BuildOptions::default()),
         })
     }
 
@@ -62,17 +63,17 @@ impl Model {
         vertices: &Bound<'_, PyAny>,
         on: &Executor,
     ) -> PyResult<Self> {
-        let (own, pool) = (self.0.clone(), on.made(py).pool);
-        let is_long = own.mesh().triangles().len() >= MANY;
+        let own = self.0.clone();
+        let (is_long, cpu) = on.cpu_for(py, own.mesh().triangles().len());
         if let Ok(vertices) = vertices.extract::<PyReadonlyArrayDyn<'_, f32>>() {
             let positions = triples(&vertices)?;
             drop(vertices);
             return Self::made(py, Some(on), is_long, move || {
                 if own.is_f64() {
                     let wide = positions.iter().map(|p| p.map(f64::from));
-                    return refit_f64(&own, &memory::collect(wide)?);
+                    return refitted(&own, &memory::collect(wide)?, &cpu);
                 }
-                refit(&own, &positions, pool.as_deref())
+                refitted(&own, &positions, &cpu)
             });
         }
         let vertices = vertices.extract::<PyReadonlyArrayDyn<'_, f64>>()?;
@@ -80,10 +81,10 @@ impl Model {
         drop(vertices);
         Self::made(py, Some(on), is_long, move || {
             if own.is_f64() {
-                return refit_f64(&own, &positions);
+                return refitted(&own, &positions, &cpu);
             }
             match narrowed(&positions)? {
-                Some(narrow) => refit(&own, &narrow, pool.as_deref()),
+                Some(narrow) => refitted(&own, &narrow, &cpu),
                 // Its faces are checked against the new positions.
                 None => pfront::Model::from_f64(positions, memory::copy(own.mesh().triangles())?),
             }
@@ -172,36 +173,22 @@ fn narrowed(positions: &[[f64; 3]]) -> Result<Option<Vec<[f32; 3]>>, Error> {
     all.then(|| memory::collect(positions.iter().map(|p| p.map(|x| x as f32)))).transpose()
 }
 
-fn refit(
+fn refitted<S: Scalar>(
     own: &pfront::Model,
-    positions: &[[f32; 3]],
-    pool: Option<&ThreadPool>,
+    positions: &[[S; 3]],
+    cpu: &pfront::Executor,
 ) -> Result<pfront::Model, Error> {
     let mut model = own.try_clone()?;
-    match pool {
-        Some(pool) if own.mesh().triangles().len() >= MANY => {
-            pool.install(|| model.set_positions_with_threads(positions))?;
+    cpu.refit(&mut model, positions)?;
+    Ok(model)
+}
+
+impl Executor {
+    /// Whether a mesh of so many triangles takes longer than signals may wait, and the executor for it: all threads only then.
+    fn cpu_for(&self, py: Python<'_>, triangles: usize) -> (bool, pfront::Executor) {
+        match triangles >= MANY {
+            true => (true, self.made(py).cpu),
+            false => (false, pfront::Executor::sequential()),
         }
-        _ => model.set_positions(positions)?,
-    }
-    Ok(model)
-}
-
-fn refit_f64(own: &pfront::Model, positions: &[[f64; 3]]) -> Result<pfront::Model, Error> {
-    let mut model = own.try_clone()?;
-    model.set_positions_f64(positions)?;
-    Ok(model)
-}
-
-fn build(
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-    pool: Option<&ThreadPool>,
-) -> Result<pfront::Model, Error> {
-    match pool {
-        Some(pool) if triangles.len() >= MANY => pool.install(|| {
-            pfront::Model::new_with_threads(positions, triangles, BuildOptions::default())
-        }),
-        _ => pfront::Model::new(positions, triangles),
     }
 }

@@ -4,7 +4,8 @@ use super::case::{Built, Moved};
 use crate::player::Objects;
 use anyhow::Result;
 use glam::{DAffine3, DQuat, DVec3};
-use pfront::{BuildOptions, Model, Pose};
+use pfront::threads::Pool;
+use pfront::{BuildOptions, Executor, Model, Pose};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt};
 use pfront_testkit::scenes::{Scene, icosphere, round, torus_knot};
@@ -78,7 +79,11 @@ impl Shape {
 
 /// Builds a mesh's BVH on all threads.
 pub(super) fn model(mesh: MeshData) -> Result<Arc<Model>> {
-    let model = Model::new_with_threads(mesh.positions, mesh.triangles, BuildOptions::default())?;
+    let model = Executor::from(Pool::default()).build(
+        mesh.positions,
+        mesh.triangles,
+        BuildOptions::default(),
+    )?;
     // Found at the first question otherwise, by whichever plan comes first.
     let _ = model.sphere();
     Ok(Arc::new(model))
