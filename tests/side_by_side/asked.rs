@@ -127,7 +127,7 @@ impl Asked for SceneQuery {
     fn check_bodies(&mut self, hits: &[SceneHit]) -> Result<(), Error> {
         let mut pairs: Vec<[BodyId; 2]> = hits.iter().map(|hit| hit.bodies).collect();
         pairs.dedup();
-        assert_eq!(self.body_pairs()?, pairs);
+        assert_eq!(self.intersecting_bodies()?, pairs);
         Ok(())
     }
 }

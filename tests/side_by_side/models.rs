@@ -1,6 +1,6 @@
 //! Small models that touch, overlap and deform, each with a twin that was just built.
 
-use pfront::{AnyPose, Model, Pose, Pose64};
+use pfront::{AnyPose, Executor, Model, Pose, Pose64};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::scenes::icosphere;
@@ -125,7 +125,7 @@ impl Shape {
         let points = self.fresh.deformed(rng);
         let model = Arc::make_mut(&mut self.model);
         match &points {
-            Points::F64(points) => model.set_positions_f64(points).unwrap(),
+            Points::F64(points) => model.set_positions(points).unwrap(),
             Points::F32(points) => {
                 if rng.random_range(0..20) == 0 {
                     let refused = model.set_positions(&vec![[f32::NAN; 3]; points.len()]);
@@ -146,8 +146,7 @@ pub(crate) fn set_positions(way: u8) -> impl FnOnce(&mut Model, &[[f32; 3]]) {
             model.set_positions_unfitted(points).unwrap();
             model.fit();
         }
-        #[cfg(feature = "threads")]
-        2 => model.set_positions_with_threads(points).unwrap(),
+        2 => Executor::sequential().refit(model, points).unwrap(),
         _ => model.set_positions(points).unwrap(),
     }
 }

@@ -148,7 +148,7 @@ impl Stage {
         let points = fresh.deformed(rng);
         match &points {
             Points::F32(points) => self.scene.set_positions(*id, points).unwrap(),
-            Points::F64(points) => self.scene.set_positions_f64(*id, points).unwrap(),
+            Points::F64(points) => self.scene.set_positions(*id, points).unwrap(),
         }
         self.known[at] = Known::new(*id, fresh.with(points), *pose, *groups);
     }
