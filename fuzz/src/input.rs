@@ -4,7 +4,7 @@ use crate::World;
 use crate::body::Builder;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use pfront::threads::{Schedule, Settings, Traversal};
-use pfront::{Accuracy, Adjacency, Pose};
+use pfront::{Adjacency, Pose};
 use pfront_testkit::MeshData;
 use pfront_testkit::shapes::sheet;
 
@@ -223,18 +223,11 @@ pub struct Build {
 /// How a question is asked.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 pub struct Ask {
-    accuracy: u8,
     page: u8,
     stop: u8,
 }
 
 impl Ask {
-    pub(crate) fn accuracy(self) -> Accuracy {
-        // Mostly what promises most.
-        [Accuracy::Exact, Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast]
-            [usize::from(self.accuracy % 4)]
-    }
-
     /// How many pairs a page holds.
     pub(crate) fn page(self) -> usize {
         usize::from(self.page).max(1)

@@ -34,10 +34,10 @@ impl Steps {
 
     /// Goes on for about [`SLICE`] tests. Returns whether nothing is left.
     pub(super) fn step(&mut self) -> Result<bool, Error> {
-        let Self { job: Job { questions, accuracy, verb }, left, begun, found } = self;
+        let Self { job: Job { questions, verb }, left, begun, found } = self;
         let mut budget = SLICE;
         while budget > 0 && !Range::is_empty(left) {
-            let tree = questions[left.start].tree(*accuracy)?;
+            let tree = questions[left.start].tree()?;
             let (cursor, answer) = begun.get_or_insert_with(|| (tree.start(), Answer::counted(0)));
             let before = tests(cursor.work);
             if !step(((), &tree), cursor, budget, *verb, answer, &mut found.pairs)? {
@@ -123,7 +123,7 @@ mod pool {
         for question in job.questions.iter() {
             // The next question does not resemble the last.
             executor.forget();
-            let tree = question.tree(job.accuracy)?;
+            let tree = question.tree()?;
             let (_, answer) = executor.on_cpu((), &tree, job.verb, &mut pairs);
             push(&mut found.answers, answer?)?;
             reserve(&mut found.pairs, pairs.len())?;

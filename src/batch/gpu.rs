@@ -8,10 +8,10 @@ use super::Job;
 use super::cpu::Steps;
 use super::found::Found;
 use super::outcome::Outcome;
+use crate::Error;
 use crate::executor::{Device, Gathered, Reader, Seat, Slot, Verb, Work, merge_open, read};
 use crate::gpu::{GpuQuery, wgpu};
 use crate::memory::{push, reserve};
-use crate::{Accuracy, Error};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -37,8 +37,7 @@ pub(super) fn submit(
         in_flight: VecDeque::new(),
         found: Vec::new(),
         failure: None,
-        // A GPU is exact.
-        job: Job { accuracy: Accuracy::Exact, ..job },
+        job,
     };
     let seat = reader.add(Box::new(answering), outcome.flag())?;
     Ok((outcome, Some(seat)))

@@ -7,7 +7,6 @@ use super::{
     choice::{Choice, Failure},
 };
 #[cfg(feature = "gpu")]
-use crate::Accuracy;
 #[cfg(feature = "gpu")]
 use crate::gpu::GpuError;
 use crate::memory::push;
@@ -76,9 +75,6 @@ pub(crate) trait Frame {
         executor: &mut Executor,
         verb: Verb,
     ) -> (Backend, Result<Answer<Self::Hit>, Error>);
-
-    #[cfg(feature = "gpu")]
-    fn accuracy(&self) -> Accuracy;
 
     /// Whether only a CPU answers, since a model or a pose is in f64.
     #[cfg(feature = "gpu")]
@@ -359,9 +355,6 @@ impl Run {
         if self.failure.is_pausing() {
             self.failure.passed();
             return self.on_cpu(frame, verb, Reason::GpuFailed);
-        }
-        if frame.accuracy() != Accuracy::Exact {
-            return self.on_cpu(frame, verb, Reason::Inexact);
         }
         // Choices for other models tell nothing of these.
         let meshes = frame.meshes();

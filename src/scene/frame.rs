@@ -4,8 +4,6 @@ use super::pairs::BodyPairs;
 use super::{BodyId, Error, SceneHit};
 #[cfg(feature = "gpu")]
 use super::{cache::merge, device::Mirror};
-#[cfg(feature = "gpu")]
-use crate::Accuracy;
 use crate::TrianglePair;
 #[cfg(feature = "gpu")]
 use crate::executor::Device;
@@ -58,11 +56,6 @@ impl Frame for SceneFrame<'_> {
     ) -> (Backend, Result<Answer<SceneHit>, Error>) {
         let trees = self.pairs.queries().map(|(bodies, query)| (bodies, AnyBvtt::Pair(query)));
         executor.on_cpu_in_turn(self.cpu, trees, verb, self.hits)
-    }
-
-    #[cfg(feature = "gpu")]
-    fn accuracy(&self) -> Accuracy {
-        self.pairs.accuracy
     }
 
     /// Where no pair is in f32 only.

@@ -20,7 +20,7 @@ use crate::executor::{Answer, Backend, CpuHistory, CpuPart, Plan, Run, Verb, vis
 use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Contact, Error, Executor, TrianglePair};
+use crate::{Contact, Error, Executor, TrianglePair};
 use bodies::Bodies;
 use broad::Broad;
 use cache::{Cache, merge};
@@ -102,7 +102,6 @@ pub struct SceneHit {
 /// ```
 #[derive(Clone, Default)]
 pub struct SceneQuery {
-    accuracy: Accuracy,
     bodies: Bodies,
     broad: Broad,
     hits: Cache<SceneHit>,
@@ -131,15 +130,6 @@ impl SceneQuery {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// The same with another [`Accuracy`].
-    #[must_use]
-    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
-        self.accuracy = accuracy;
-        self.hits.forget();
-        self.contacts.forget();
-        self
     }
 
     /// The same by an executor; see [`crate::PairQuery::on`]. Bodies, and what is known of those that stay, are kept.
@@ -263,7 +253,7 @@ impl SceneQuery {
         }
         with_default(|| {
             self.find_overlaps()?;
-            let candidates = BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad);
+            let candidates = BodyPairs::since(since, &self.bodies, &self.broad);
             let mut asked = Vec::new();
             candidates.pairs().try_for_each(|places| push(&mut asked, places))?;
             let part = CpuPart::new();
@@ -310,7 +300,7 @@ impl SceneQuery {
             self.run.note_cpu(Backend::Sequential);
             let cancel = self.run.executor().cancel_flag();
             let mut kept = self.hits.still_true(&self.bodies).peekable();
-            let candidates = BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad);
+            let candidates = BodyPairs::since(since, &self.bodies, &self.broad);
             for (bodies, query) in candidates.queries() {
                 let mut end = ControlFlow::Continue(());
                 while end.is_continue()
@@ -426,7 +416,7 @@ impl SceneQuery {
         with_default(|| {
             self.find_overlaps()?;
             let mut frame = SceneFrame {
-                pairs: BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad),
+                pairs: BodyPairs::since(since, &self.bodies, &self.broad),
                 hits: &mut self.new_hits,
                 cpu: &mut self.cpu,
                 #[cfg(feature = "gpu")]
