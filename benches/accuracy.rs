@@ -1,4 +1,4 @@
-//! The cost of exactness: the three accuracies on whole queries and on single triangle pairs.
+//! The cost of exactness: the exact test of two triangles beside inexact ones, and the contacts of a query.
 //!
 //! `cargo bench --bench accuracy`. With recorded data (`PFRONT_DATA`, see test.sh) the two bunnies of
 //! the oracles are added to the generated scenes. Answers are checked before anything is timed.
@@ -6,15 +6,19 @@
 #![expect(clippy::panic, reason = "a bench fails by panicking")]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use pfront::{Aabb, Accuracy, Model, PairQuery, Pose};
+use pfront::{Aabb, Model, PairQuery, Pose};
 use pfront_core::Triangle;
 use pfront_core::bvtt::{self, Query, TrianglePair};
 use pfront_core::triangle::intersects;
+use pfront_testkit::inexact;
 use pfront_testkit::scenes::Scene;
 use std::hint::black_box;
 use std::sync::LazyLock;
 
-const ACCURACIES: [Accuracy; 3] = [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast];
+type Test = fn(&Triangle, &Triangle) -> bool;
+
+const TESTS: [(&str, Test); 3] =
+    [("Exact", intersects), ("Conservative", inexact::conservative), ("Fast", inexact::fast)];
 
 struct Case {
     name: &'static str,
@@ -61,28 +65,6 @@ fn bunnies() -> Option<Case> {
     Some(Case { name: "bunnies", a: model.clone(), b: model, a_from_b })
 }
 
-fn queries(c: &mut Criterion) {
-    let mut group = c.benchmark_group("query");
-    for Case { name, a, b, a_from_b } in CASES.iter() {
-        let truth = all(&mut PairQuery::new(), a, b, a_from_b).to_vec();
-        for accuracy in ACCURACIES {
-            let mut query = PairQuery::new().with_accuracy(accuracy);
-            let found = all(&mut query, a, b, a_from_b);
-            let missed = truth.iter().filter(|pair| found.binary_search(pair).is_err()).count();
-            assert!(missed == 0 || accuracy == Accuracy::Fast, "{name}: {missed} missed");
-            assert!(found.len() == truth.len() || accuracy != Accuracy::Exact, "{name}");
-            let id = BenchmarkId::new(*name, format!("{accuracy:?}"));
-            group.bench_function(id, |bench| {
-                bench.iter(|| {
-                    query.forget();
-                    all(&mut query, a, b, a_from_b).len()
-                });
-            });
-        }
-    }
-    group.finish();
-}
-
 fn all<'q>(query: &'q mut PairQuery, a: &Model, b: &Model, pose: &Pose) -> &'q [TrianglePair] {
     query.all(a, b, pose).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -92,10 +74,10 @@ fn triangle_pairs(c: &mut Criterion) {
     for case in CASES.iter() {
         let pairs = candidates(case);
         group.throughput(Throughput::Elements(pairs.len() as u64));
-        for accuracy in ACCURACIES {
-            group.bench_function(BenchmarkId::new(case.name, format!("{accuracy:?}")), |bench| {
+        for (name, test) in TESTS {
+            group.bench_function(BenchmarkId::new(case.name, name), |bench| {
                 bench.iter(|| {
-                    let hit = |(a, b): &&(Triangle, Triangle)| intersects(a, b, accuracy);
+                    let hit = |(a, b): &&(Triangle, Triangle)| test(a, b);
                     black_box(&pairs).iter().filter(hit).count()
                 });
             });
@@ -128,7 +110,7 @@ fn candidates(case: &Case) -> Vec<(Triangle, Triangle)> {
             }
         }
     }
-    let hits = found.iter().filter(|(a, b)| intersects(a, b, Accuracy::Exact)).count();
+    let hits = found.iter().filter(|(a, b)| intersects(a, b)).count();
     assert_eq!(hits as u64, query.count(), "{}: not all candidates", case.name);
     found
 }
@@ -150,5 +132,5 @@ fn contacts(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, queries, triangle_pairs, contacts);
+criterion_group!(benches, triangle_pairs, contacts);
 criterion_main!(benches);

@@ -9,7 +9,7 @@ use crate::memory::reserve;
 use crate::subject::{AnyBvtt, Key, Subject};
 #[cfg(feature = "threads")]
 use crate::threads::Report;
-use crate::{Accuracy, Contact, Error, Model, Scalar, TrianglePair};
+use crate::{Contact, Error, Model, Scalar, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
@@ -19,7 +19,6 @@ pub(crate) struct History {
     run: Run<()>,
     #[cfg(feature = "gpu")]
     mirrors: Mirrors,
-    accuracy: Accuracy,
     pairs: Vec<TrianglePair>,
     contacts: Vec<(TrianglePair, Contact)>,
     /// The last question, and its answer; that to [`Verb::All`] is `pairs`.
@@ -31,16 +30,7 @@ pub(crate) struct History {
 impl History {
     /// A history of its own, on another executor.
     pub(crate) fn on(&self, executor: &Executor) -> Self {
-        Self { run: Run::on(executor), accuracy: self.accuracy, ..Self::default() }
-    }
-
-    /// The accuracy of all questions.
-    pub(crate) fn accuracy(&self) -> Accuracy {
-        self.accuracy
-    }
-
-    pub(crate) fn set_accuracy(&mut self, accuracy: Accuracy) {
-        self.accuracy = accuracy;
+        Self { run: Run::on(executor), ..Self::default() }
     }
 
     #[cfg(feature = "threads")]
@@ -80,8 +70,7 @@ impl History {
         Ok(with_default(|| self.ask(subject, Verb::Any))?.first)
     }
 
-    /// All pairs that meet, sorted, with where. A pair that only `Conservative` or `Fast` reports
-    /// meets nowhere and is left out.
+    /// All pairs that meet, sorted, with where.
     pub(crate) fn contacts(
         &mut self,
         subject: &Subject<&Model>,
@@ -92,11 +81,11 @@ impl History {
 
     fn find_contacts(&mut self, subject: &Subject<&Model>) -> Result<(), Error> {
         self.ask(subject, Verb::All)?;
-        let key = subject.key(self.accuracy);
+        let key = subject.key();
         if self.touched.take() != Some(key) {
             let Self { run, pairs, contacts, .. } = self;
             let outlines = Default::default();
-            let query = subject.untraversed(&outlines, self.accuracy)?;
+            let query = subject.untraversed(&outlines)?;
             contacts.clear();
             // An error gives the list back.
             let mut found = std::mem::take(contacts);
@@ -116,7 +105,7 @@ impl History {
         with_default(|| {
             self.ask(subject, Verb::All)?;
             let (outlines, mut contacts) = (Default::default(), Vec::new());
-            let query = subject.untraversed(&outlines, self.accuracy)?;
+            let query = subject.untraversed(&outlines)?;
             reserve(&mut contacts, self.pairs.len())?;
             self.run.contacts(&self.pairs, |pair| query.contact_f64(pair), &mut contacts)?;
             Ok(contacts)
@@ -129,7 +118,7 @@ impl History {
         subject: &Subject<&Model>,
         verb: Verb,
     ) -> Result<Answer<TrianglePair>, Error> {
-        let key = subject.key(self.accuracy);
+        let key = subject.key();
         match self.last {
             // From a list follows everything else.
             Some((asked, Verb::All, given)) if asked == key => {
@@ -142,10 +131,9 @@ impl History {
             }
             _ => self.last = None,
         }
-        let Self { run, pairs, accuracy, .. } = self;
+        let Self { run, pairs, .. } = self;
         let mut frame = SubjectFrame {
             subject,
-            accuracy: *accuracy,
             pairs,
             #[cfg(feature = "gpu")]
             mirrors: &mut self.mirrors,
@@ -170,7 +158,6 @@ impl History {
 /// A frame of one subject, as its executor answers it.
 struct SubjectFrame<'a, 'm> {
     subject: &'a Subject<&'m Model>,
-    accuracy: Accuracy,
     pairs: &'a mut Vec<TrianglePair>,
     #[cfg(feature = "gpu")]
     mirrors: &'a mut Mirrors,
@@ -185,15 +172,10 @@ impl Frame for SubjectFrame<'_, '_> {
         verb: Verb,
     ) -> (Backend, Result<Answer<TrianglePair>, Error>) {
         // A tree is some 1,300 bytes, which are not to be moved about.
-        match &self.subject.tree(self.accuracy) {
+        match &self.subject.tree() {
             Ok(tree) => cpu.ask((), tree, verb, self.pairs),
             Err(error) => (Backend::Sequential, Err(error.clone())),
         }
-    }
-
-    #[cfg(feature = "gpu")]
-    fn accuracy(&self) -> Accuracy {
-        self.accuracy
     }
 
     #[cfg(feature = "gpu")]
@@ -203,7 +185,7 @@ impl Frame for SubjectFrame<'_, '_> {
 
     #[cfg(feature = "gpu")]
     fn meshes(&self) -> [u64; 2] {
-        self.subject.key(self.accuracy).meshes()
+        self.subject.key().meshes()
     }
 
     #[cfg(feature = "gpu")]

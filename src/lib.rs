@@ -28,8 +28,7 @@
 //!
 //! # What the answer is
 //! - Triangles are closed sets: touching counts, and a triangle without area is a segment or a point.
-//! - [`Accuracy::Exact`], the default, reports the true set for the posed f32 positions. The posed
-//!   position of a vertex is fixed to the bit by [`Pose::apply`]; a pair query poses the second
+//! - The pairs reported are the true set for the posed f32 positions. The posed position of a vertex is fixed to the bit by [`Pose::apply`]; a pair query poses the second
 //!   mesh into the frame of the first, a scene poses every body into the world.
 //! - Positions in f64 ([`Model::from_f64`]) and poses in f64 ([`Pose64`]) are decided in f64, exactly: see
 //!   [`Mesh::from_f64`].
@@ -46,7 +45,7 @@
 //! - `gpu`: the module `gpu`, the queries on any GPU, with the same answers.
 //! - `glam033`, `glam034`: poses from and into the types of bevy and rapier; see [`pfront_core::pose`].
 //! - `serde`: `Serialize` and `Deserialize` for what is stored: [`Pose`], [`Aabb`], [`TrianglePair`], [`Contact`],
-//!   [`SceneHit`], [`BodyId`], [`Groups`], [`Accuracy`], [`Adjacency`] and [`BuildOptions`].
+//!   [`SceneHit`], [`BodyId`], [`Groups`], [`Adjacency`] and [`BuildOptions`].
 //!
 //! The heart of it, [`pfront_core`], needs neither an allocator nor std. How to put any of it into an engine or into
 //! firmware, how large every buffer has to be, and the worst case of every call: [`embedding`].
@@ -89,7 +88,7 @@ pub use pfront_core;
 pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::TrianglePair;
 pub use pfront_core::pose::PoseError;
-pub use pfront_core::triangle::{Accuracy, Adjacency, Contact};
+pub use pfront_core::triangle::{Adjacency, Contact};
 pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose, Pose64};
 /// The backend on several CPU threads, and what can be chosen about it.
 #[cfg(feature = "threads")]

@@ -6,7 +6,7 @@ use crate::history::History;
 use crate::subject::Subject;
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, AnyPose, Contact, Error, Executor, Model, TrianglePair};
+use crate::{AnyPose, Contact, Error, Executor, Model, TrianglePair};
 use std::ops::ControlFlow;
 
 /// Asks which triangles of two models meet, the second in the pose `a_from_b`.
@@ -32,17 +32,10 @@ pub struct PairQuery {
 }
 
 impl PairQuery {
-    /// An exact query with empty buffers.
+    /// A query with empty buffers.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// The same with another [`Accuracy`].
-    #[must_use]
-    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
-        self.history.set_accuracy(accuracy);
-        self
     }
 
     /// The same by an executor; a new query is sequential. Lists and counts stay the same to the bit, and what was remembered
@@ -149,7 +142,7 @@ impl PairQuery {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
         let subject = subject(a, b, a_from_b)?;
-        let tree = with_default(|| subject.tree(self.history.accuracy()))?;
+        let tree = with_default(|| subject.tree())?;
         Ok(self.history.visit(&tree, visit))
     }
 

@@ -5,9 +5,9 @@ use crate::Pose;
 #[cfg(feature = "gpu")]
 use crate::gpu::{GpuModel, GpuQuestion};
 use crate::model::{Outline, Stamp};
-use crate::{Accuracy, Adjacency, AnyPose, Contact, Error, Model};
+use crate::{Adjacency, AnyPose, Contact, Error, Model};
+use pfront_core::Aabb;
 use pfront_core::bvtt::{Cursor, NodePair, PairBvtt, Query, SelfBvtt, TrianglePair};
-use pfront_core::{Aabb, Bvh};
 use std::borrow::Borrow;
 use std::ops::ControlFlow;
 
@@ -27,7 +27,6 @@ pub(crate) struct Key {
     /// None within one mesh.
     a_from_b: Option<AnyPose>,
     adjacency: Adjacency,
-    accuracy: Accuracy,
 }
 
 #[cfg(feature = "gpu")]
@@ -62,27 +61,27 @@ impl<M: Borrow<Model>> Subject<M> {
         }
     }
 
-    pub(crate) fn key(&self, accuracy: Accuracy) -> Key {
+    pub(crate) fn key(&self) -> Key {
         let (a_from_b, adjacency) = match self {
             Self::Pair { a_from_b, .. } => (Some(*a_from_b), Adjacency::default()),
             Self::Within { adjacency, .. } => (None, *adjacency),
         };
         let models = self.both().map(|model| model.borrow().stamp());
-        Key { models, a_from_b, adjacency, accuracy }
+        Key { models, a_from_b, adjacency }
     }
 
     /// The tree that the CPU traverses. Fits the BVHs to the positions, if that has not been done.
     ///
     /// # Errors
     /// [`Error::Memory`] if there is no memory for what the traversal goes by.
-    pub(crate) fn tree(&self, accuracy: Accuracy) -> Result<AnyBvtt<'_>, Error> {
+    pub(crate) fn tree(&self) -> Result<AnyBvtt<'_>, Error> {
         match self {
             Self::Pair { models, a_from_b } => {
                 let bvhs = models.each_ref().map(|model| model.borrow().bvh());
-                Ok(AnyBvtt::Pair(pair(a_from_b, bvhs, accuracy)?))
+                Ok(AnyBvtt::Pair(a_from_b.pair(bvhs)?))
             }
             Self::Within { models: [model], adjacency } => {
-                Ok(AnyBvtt::within(model.borrow(), *adjacency, accuracy))
+                Ok(AnyBvtt::within(model.borrow(), *adjacency))
             }
         }
     }
@@ -91,12 +90,11 @@ impl<M: Borrow<Model>> Subject<M> {
     pub(crate) fn untraversed<'q>(
         &'q self,
         [of_a, of_b]: &'q [Outline; 2],
-        accuracy: Accuracy,
     ) -> Result<AnyBvtt<'q>, Error> {
         Ok(match self {
             Self::Pair { models: [a, b], a_from_b } => {
                 let bvhs = [a.borrow().outline(of_a), b.borrow().outline(of_b)];
-                AnyBvtt::Pair(pair(a_from_b, bvhs, accuracy)?)
+                AnyBvtt::Pair(a_from_b.pair(bvhs)?)
             }
             Self::Within { models: [model], .. } => {
                 AnyBvtt::Within(SelfBvtt::new(model.borrow().outline(of_a)))
@@ -139,7 +137,7 @@ impl<M: Borrow<Model>> Subject<M> {
         if self.pair_in_f32().is_some() {
             return Ok(None);
         }
-        Ok(match self.untraversed(outlines, Accuracy::Exact)? {
+        Ok(match self.untraversed(outlines)? {
             AnyBvtt::Pair(tree) => Some(tree),
             AnyBvtt::Within(_) => None,
         })
@@ -167,14 +165,6 @@ impl<M: Borrow<Model>> Subject<M> {
     }
 }
 
-fn pair<'q>(
-    a_from_b: &AnyPose,
-    bvhs: [Bvh<'q>; 2],
-    accuracy: Accuracy,
-) -> Result<PairBvtt<'q>, Error> {
-    Ok(a_from_b.pair(bvhs)?.with_accuracy(accuracy))
-}
-
 /// The BVTT of a subject, or of two bodies.
 #[derive(Clone, Debug)]
 pub(crate) enum AnyBvtt<'q> {
@@ -184,9 +174,8 @@ pub(crate) enum AnyBvtt<'q> {
 
 impl<'m> AnyBvtt<'m> {
     /// The tree of a model and itself. Fits its BVH and its certificates, if that has not been done.
-    pub(crate) fn within(model: &'m Model, adjacency: Adjacency, accuracy: Accuracy) -> Self {
+    pub(crate) fn within(model: &'m Model, adjacency: Adjacency) -> Self {
         let tree = SelfBvtt::new(model.bvh())
-            .with_accuracy(accuracy)
             .with_adjacency(adjacency)
             .with_certificates(model.certificates());
         Self::Within(tree)

@@ -6,7 +6,7 @@ use crate::history::History;
 use crate::subject::{AnyBvtt, Subject};
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Accuracy, Adjacency, Contact, Error, Executor, Model, Scalar, TrianglePair};
+use crate::{Adjacency, Contact, Error, Executor, Model, Scalar, TrianglePair};
 use std::ops::ControlFlow;
 
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with
@@ -33,17 +33,10 @@ pub struct SelfQuery {
 }
 
 impl SelfQuery {
-    /// An exact query under the shared-index rule, with empty buffers.
+    /// A query under the shared-index rule, with empty buffers.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// The same with another [`Accuracy`].
-    #[must_use]
-    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
-        self.history.set_accuracy(accuracy);
-        self
     }
 
     /// The same with another rule for triangles that share a vertex.
@@ -133,8 +126,7 @@ impl SelfQuery {
         model: &Model,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let accuracy = self.history.accuracy();
-        let tree = with_default(|| AnyBvtt::within(model, self.adjacency, accuracy));
+        let tree = with_default(|| AnyBvtt::within(model, self.adjacency));
         self.history.visit(&tree, visit)
     }
 

@@ -3,8 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::{
-    Accuracy, Adjacency, BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SceneQuery,
-    SelfQuery, TrianglePair,
+    Adjacency, BuildOptions, Bvh, Mesh, Model, Node, PairQuery, Pose, SceneQuery, SelfQuery,
+    TrianglePair,
 };
 use pfront_core::bvh::{self, BvhStorage, Refit};
 use pfront_core::bvh::{CompactNode, compact, node_bound};
@@ -158,18 +158,14 @@ fn the_core_allocates_nothing() {
 
 fn ask_everything<N: bvh::Layout>(bvh: Bvh<'_, N>, pose: Pose) {
     bvh.assert_well_formed();
-    for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
-        for pose in [pose, Pose::IDENTITY] {
-            let pair = bvtt::PairBvtt::new(bvh, bvh, pose).unwrap();
-            assert!(verbs(&pair.with_accuracy(accuracy)) > 0);
-        }
-        for adjacency in [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours] {
-            let own = bvtt::SelfBvtt::new(bvh).with_adjacency(adjacency);
-            verbs(&own.with_accuracy(accuracy));
-        }
+    for pose in [pose, Pose::IDENTITY] {
+        assert!(verbs(&bvtt::PairBvtt::new(bvh, bvh, pose).unwrap()) > 0);
+    }
+    for adjacency in [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours] {
+        verbs(&bvtt::SelfBvtt::new(bvh).with_adjacency(adjacency));
     }
     let [a, b] = [0, 1].map(|i| bvh.mesh().shadow_triangle(i));
-    assert_eq!(intersects(&a, &b, Accuracy::Exact), contact(&a, &b).is_some());
+    assert_eq!(intersects(&a, &b), contact(&a, &b).is_some());
 }
 
 fn verbs(query: &impl Query) -> u64 {

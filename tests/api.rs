@@ -44,7 +44,7 @@ fn everything_owned_is_send_sync_and_unpin() {
 #[cfg(feature = "serde")]
 #[test]
 fn what_is_stored_comes_back() -> Result<(), Box<dyn std::error::Error>> {
-    use pfront::{Accuracy, Adjacency, BuildOptions, Groups, Model, Pose, SceneQuery};
+    use pfront::{Adjacency, BuildOptions, Groups, Model, Pose, SceneQuery};
     use serde::{Serialize, de::DeserializeOwned};
     use std::fmt::Debug;
 
@@ -61,7 +61,7 @@ fn what_is_stored_comes_back() -> Result<(), Box<dyn std::error::Error>> {
     assert_eq!(contacts.len(), 1);
     again(contacts);
     again((pose, body, triangle()?.bvh().aabb(), scene.hits().to_vec()));
-    again((Groups::default(), Accuracy::Conservative, Adjacency::SkipNeighbours));
+    again((Groups::default(), Adjacency::SkipNeighbours));
 
     // A build runs in parts by whoever builds, not by what was stored.
     let options = BuildOptions { leaf_size: 3, ..BuildOptions::default() };

@@ -3,7 +3,7 @@
 #![expect(clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::executor::Backend;
-use pfront::pfront_core::triangle::{Accuracy, Adjacency, intersects_f64, intersects_in_mesh};
+use pfront::pfront_core::triangle::{Adjacency, intersects_f64, intersects_in_mesh};
 use pfront::{
     AnyPose, Batch, Executor, Model, PairQuery, Pose, Pose64, SceneQuery, SelfQuery, TrianglePair,
 };
@@ -116,9 +116,7 @@ fn self_collisions_while_deforming() {
         let expected: Vec<_> = {
             let (mesh, n) = (model.mesh(), model.mesh().triangles().len() as u32);
             let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| TrianglePair { a: i, b: j }));
-            let meet = |p: &TrianglePair| {
-                intersects_in_mesh(mesh, p.a, p.b, Adjacency::default(), Accuracy::Exact)
-            };
+            let meet = |p: &TrianglePair| intersects_in_mesh(mesh, p.a, p.b, Adjacency::default());
             pairs.filter(meet).collect()
         };
         for executor in executors() {

@@ -3,7 +3,7 @@
 //!
 //! `PFRONT_ROUNDS` sets how many pairs of each family are asked about in each way.
 
-use pfront::{Accuracy, Adjacency, Bvh, Mesh, Node, Pose64};
+use pfront::{Adjacency, Bvh, Mesh, Node, Pose64};
 use pfront_core::bvtt::{PairBvtt, Query, SelfBvtt};
 use pfront_core::triangle::{intersects_f64, intersects_in_mesh};
 use pfront_testkit::families::{Family, InF64};
@@ -75,7 +75,7 @@ fn two_triangles_of_one_mesh() {
                 ] {
                     seen[usize::from(truth)] += 1;
                     for (i, j) in [(0, 1), (1, 0)] {
-                        let hit = intersects_in_mesh(mesh, i, j, adjacency, Accuracy::Exact);
+                        let hit = intersects_in_mesh(mesh, i, j, adjacency);
                         assert_eq!(hit, truth, "{}", what());
                     }
                     let query = SelfBvtt::new(bvh).with_adjacency(adjacency);

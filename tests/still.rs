@@ -106,21 +106,6 @@ fn likewise_on_threads() {
     (4..8).for_each(|seed| run(SceneQuery::new().on(&pfront::Executor::threads(3)), seed));
 }
 
-#[test]
-fn another_accuracy_forgets() {
-    // Two triangles in one plane, each beyond the longest edge of the other: no filter knows.
-    let half = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let model = Arc::new(Model::new(half, vec![[0, 1, 2]]).unwrap());
-    let mut scene = SceneQuery::new();
-    scene.add(model.clone(), Pose::IDENTITY).unwrap();
-    let half_turn = [[-1.0, 0.0, 0.0, 1.1], [0.0, -1.0, 0.0, 1.1], [0.0, 0.0, 1.0, 0.0]];
-    scene.add(model, Pose::new(half_turn)).unwrap();
-    assert!(scene.all().unwrap().is_empty());
-    let mut scene = scene.with_accuracy(pfront::Accuracy::Conservative);
-    assert_eq!(scene.all().unwrap().len(), 1);
-    assert_eq!(scene.with_accuracy(pfront::Accuracy::Exact).count().unwrap(), 0);
-}
-
 type Set = Box<dyn Fn(&mut SceneQuery, BodyId) -> Result<(), pfront::Error>>;
 
 /// What a body is set to that it is already changes nothing, so that nothing is asked again.

@@ -7,9 +7,9 @@
 #![expect(unsafe_code, reason = "Embree is a C library")]
 
 use super::work::{Finder, Hit, Work};
-use pfront::{Aabb, Accuracy, TrianglePair};
+use pfront::{Aabb, TrianglePair};
 use pfront_core::Triangle;
-use pfront_core::triangle::intersects;
+use pfront_testkit::inexact;
 use std::cell::Cell;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::sync::Mutex;
@@ -172,7 +172,7 @@ impl Narrow<'_> {
         }
         let [a, b] = [of_a.triangle(a), of_b.triangle(b)];
         // Embree tests boxes of leaves only, and these hold several triangles.
-        Aabb::of(&a).overlaps(&Aabb::of(&b)) && intersects(&a, &b, Accuracy::Fast)
+        Aabb::of(&a).overlaps(&Aabb::of(&b)) && inexact::fast(&a, &b)
     }
 }
 

@@ -16,7 +16,7 @@
 //! - "first hit": whether two bodies meet, and "no hit": the same where they miss each other narrowly.
 //!
 //! Who is measured: "parry" tests two triangles by parry's own GJK. Each "+ fast test" is parry's or
-//! Embree's BVH under the same plain f32 test, pfront's [`pfront::Accuracy::Fast`], so that the trees are
+//! Embree's BVH under the same plain f32 test, [`pfront_testkit::inexact::fast`], so that the trees are
 //! compared. A "posed" tree is not refitted: boxes and triangles are posed as they are met, by a
 //! quaternion, which rounds, so that flush contact is missed.
 //!

@@ -13,8 +13,8 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
 use parry3d::query::details::intersection_test_support_map_support_map as gjk;
 use parry3d::query::intersection_test;
 use parry3d::shape::{TriMesh, Triangle};
-use pfront::{Accuracy, TrianglePair};
-use pfront_core::triangle::intersects;
+use pfront::TrianglePair;
+use pfront_testkit::inexact;
 
 /// parry's own test of two triangles, which is GJK, as for all its convex shapes.
 pub(crate) fn own(a: &Triangle, b: &Triangle) -> bool {
@@ -24,7 +24,7 @@ pub(crate) fn own(a: &Triangle, b: &Triangle) -> bool {
 /// A plain test in f32.
 pub(crate) fn fast(a: &Triangle, b: &Triangle) -> bool {
     let corners = |t: &Triangle| [t.a, t.b, t.c].map(|p| p.to_array());
-    intersects(&corners(a), &corners(b), Accuracy::Fast)
+    inexact::fast(&corners(a), &corners(b))
 }
 
 /// All hits by a test of two triangles. Triangles that share a vertex of one mesh are left out: a

@@ -1,6 +1,6 @@
 //! The same task for every library: bodies that move, and which of their triangles meet.
 
-use pfront::{Accuracy, Model, PairQuery, Pose, TrianglePair};
+use pfront::{Model, PairQuery, Pose, TrianglePair};
 use pfront_core::triangle::intersects;
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
@@ -202,9 +202,7 @@ impl Work {
             let of = &self.meshes[body as usize].triangles[triangle as usize];
             of.map(|vertex| positions[body as usize][vertex as usize])
         };
-        candidates.retain(|&([a, b], pair)| {
-            intersects(&triangle(a, pair.a), &triangle(b, pair.b), Accuracy::Exact)
-        });
+        candidates.retain(|&([a, b], pair)| intersects(&triangle(a, pair.a), &triangle(b, pair.b)));
         candidates
     }
 }

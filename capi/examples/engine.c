@@ -113,7 +113,7 @@ static pfront_scene_t *new_scene(const pfront_buffers_t *a, const void *blob, si
     pfront_scene_t *scene;
     pfront_model_t *models[3];
     pfront_error_t error;
-    check(pfront_scene_create(PFRONT_EXACT, WORKERS_OF_SCENE, &scene, &error), &error);
+    check(pfront_scene_create(WORKERS_OF_SCENE, &scene, &error), &error);
     check(pfront_model_create(a, &models[0], &error), &error);
     check(pfront_model_from_blob(blob, blob_bytes, &models[1], &error), &error);
     check(pfront_model_create(sheet, &models[2], &error), &error);
@@ -215,7 +215,7 @@ int main(void)
         // Two meshes, one of them posed.
         pfront_query_t query;
         pfront_pose_t a_from_b = pose(frame);
-        check(pfront_query_pair(&model_a.bvh, &model_b.bvh, &a_from_b, PFRONT_EXACT, &query, &error),
+        check(pfront_query_pair(&model_a.bvh, &model_b.bvh, &a_from_b, &query, &error),
               &error);
         in_pages(&query, &list);
         uint32_t hash = fingerprint(&list);
@@ -223,7 +223,7 @@ int main(void)
         uint32_t where = segments(&query, &list);
         in_steps(&query, &list);
         same(hash, fingerprint(&list), "steps");
-        check(pfront_query_pair(&model_a.bvh, &from_blob, &a_from_b, PFRONT_EXACT, &query, &error),
+        check(pfront_query_pair(&model_a.bvh, &from_blob, &a_from_b, &query, &error),
               &error);
         in_pages(&query, &list);
         same(hash, fingerprint(&list), "a blob");
@@ -256,7 +256,7 @@ int main(void)
             check(pfront_bvh_quality(&sheet.bvh, &as_built, &error), &error);
             rebuilt++;
         }
-        check(pfront_query_self(&sheet.bvh, history, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query,
+        check(pfront_query_self(&sheet.bvh, history, PFRONT_SHARED_INDEX, &query,
                                 &error),
               &error);
         in_pages(&query, &list);

@@ -88,7 +88,7 @@ int main(void)
     int wrong = 0;
     for (unsigned frame = 0; frame < FRAMES; frame++) {
         pfront_pose_t a_from_b = pose(frame);
-        check(pfront_query_pair(&model_a.bvh, &model_b.bvh, &a_from_b, PFRONT_EXACT, &query, &error),
+        check(pfront_query_pair(&model_a.bvh, &model_b.bvh, &a_from_b, &query, &error),
               &error);
         on_threads(ask, tasks);
         uint32_t hash = fingerprint(&tasks[0].list);

@@ -162,27 +162,6 @@ typedef uint32_t pfront_index_type_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What an answer promises.
-enum pfront_accuracy_t
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint32_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-  // The true answer for the f32 positions given. Touching counts.
-  PFRONT_EXACT = 0,
-  // Never misses; what a filter in f64 leaves open counts as a hit.
-  PFRONT_CONSERVATIVE = 1,
-  // Plain f32: no promise.
-  PFRONT_FAST = 2,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum pfront_accuracy_t pfront_accuracy_t;
-#else
-typedef uint32_t pfront_accuracy_t;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
 // The rule by which pairs of triangles of one mesh count.
 enum pfront_rule_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -346,8 +325,6 @@ typedef struct pfront_aabb_t {
 typedef struct pfront_query_t {
   // For pfront to know that it has made it, and what of.
   uint32_t seal;
-  // A `pfront_accuracy_t`; may be changed.
-  uint32_t accuracy;
   // A `pfront_rule_t`, for one BVH; may be changed.
   uint32_t rule;
   // The first BVH.
@@ -698,32 +675,28 @@ pfront_status_t pfront_one_rings_link(const struct pfront_mesh_t *mesh,
                                       struct pfront_error_t *error);
 
 // Asks which triangles of `a` meet which of `b`, posed by `a_from_b`. The frame is that of a, and so are contacts.
-// `accuracy` is a `pfront_accuracy_t`.
 pfront_status_t pfront_query_pair(const struct pfront_bvh_t *a,
                                   const struct pfront_bvh_t *b,
                                   const struct pfront_pose_t *a_from_b,
-                                  uint32_t accuracy,
                                   struct pfront_query_t *query,
                                   struct pfront_error_t *error);
 
 // Asks which triangles of `a` meet which of `b`, both posed into a third frame. The choice of a frame changes how
-// vertices are rounded, and so what is found. `accuracy` is a `pfront_accuracy_t`.
+// vertices are rounded, and so what is found.
 pfront_status_t pfront_query_world(const struct pfront_bvh_t *a,
                                    const struct pfront_pose_t *world_from_a,
                                    const struct pfront_bvh_t *b,
                                    const struct pfront_pose_t *world_from_b,
-                                   uint32_t accuracy,
                                    struct pfront_query_t *query,
                                    struct pfront_error_t *error);
 
 // Asks which triangles of one mesh meet each other, each unordered pair once. `history`, which may be null, is that of
 // `pfront_one_rings_link` for the same triangles, with `PFRONT_HISTORY_BOUND` words. It changes no answer but makes most
 // neighbours cheap: it is certified for the positions of the mesh here, in O(vertices + triangles), and must last as
-// long as the query. `rule` is a `pfront_rule_t` and `accuracy` a `pfront_accuracy_t`.
+// long as the query. `rule` is a `pfront_rule_t`.
 pfront_status_t pfront_query_self(const struct pfront_bvh_t *bvh,
                                   uint32_t *history,
                                   uint32_t rule,
-                                  uint32_t accuracy,
                                   struct pfront_query_t *query,
                                   struct pfront_error_t *error);
 
@@ -866,7 +839,7 @@ pfront_status_t pfront_model_from_blob(const void *blob,
 pfront_status_t pfront_model_free(struct pfront_model_t *model,
                                   struct pfront_error_t *error);
 
-// Makes a scene without bodies. `accuracy` is a `pfront_accuracy_t`. With `workers` above 1, which needs a library
+// Makes a scene without bodies. With `workers` above 1, which needs a library
 // that was built with threads, a frame that is worth it is divided into as many parts, for as many threads as the
 // machine has cores; else each call works on its own thread, and more than 1 is
 // PFRONT_OUT_OF_RANGE. 0 counts as 1.
@@ -874,8 +847,7 @@ pfront_status_t pfront_model_free(struct pfront_model_t *model,
 // A scene takes memory by malloc. PFRONT_OUT_OF_MEMORY if an answer or a mesh does not fit: then nothing has changed, and the
 // call can be made again. After PFRONT_DAMAGED a scene can only be freed. A child of fork may use a scene that has one worker; one
 // with threads, which stay behind, is PFRONT_FORKED there, and can only be freed.
-pfront_status_t pfront_scene_create(uint32_t accuracy,
-                                    uint32_t workers,
+pfront_status_t pfront_scene_create(uint32_t workers,
                                     struct pfront_scene_t **scene,
                                     struct pfront_error_t *error);
 
@@ -963,9 +935,8 @@ pfront_status_t pfront_scene_update(struct pfront_scene_t *scene,
                                     size_t *count,
                                     struct pfront_error_t *error);
 
-// `pfront_scene_update` that also tells where they meet. A pair that only PFRONT_CONSERVATIVE or PFRONT_FAST reports
-// meets nowhere and is left out. `contacts` belongs to the scene and is good until this is called again, or the scene
-// is freed.
+// `pfront_scene_update` that also tells where they meet. `contacts` belongs to the scene and is good until this is called
+// again, or the scene is freed.
 pfront_status_t pfront_scene_contacts(struct pfront_scene_t *scene,
                                       const struct pfront_scene_contact_t **contacts,
                                       size_t *count,

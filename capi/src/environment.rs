@@ -6,7 +6,6 @@
     reason = "only machine code reaches the control register, and C knows only pointers"
 )]
 
-use crate::pfront_accuracy_t::PFRONT_EXACT;
 use crate::pfront_status_t::PFRONT_OK;
 use crate::*;
 use core::arch::asm;
@@ -47,11 +46,11 @@ fn pairs_by_way_of_c() -> ([[u32; 2]; 8], usize) {
             scratch_bytes: scratch.len(),
         };
         let (points, corners) = (POINTS.as_ptr().cast(), CORNERS.as_ptr().cast());
-        let (error, exact, all) = (null_mut(), PFRONT_EXACT as u32, u64::MAX);
+        let (error, all) = (null_mut(), u64::MAX);
         let statuses = [
             pfront_mesh_check(points, POINTS.len(), corners, CORNERS.len(), &mut mesh, error),
             pfront_bvh_build_morton(&mesh, 1, &memory, &mut bvh, error),
-            pfront_query_self(&bvh, null_mut(), 0, exact, &mut query, error),
+            pfront_query_self(&bvh, null_mut(), 0, &mut query, error),
             pfront_cursor_start(&query, &mut cursor, error),
             pfront_query_step(&query, &mut cursor, all, page.as_mut_ptr(), 8, &mut count, error),
         ];

@@ -23,19 +23,7 @@ use core::ptr::null;
 use pfront_core::Bvh;
 use pfront_core::bvtt::{PairBvtt, PosedBvh, SelfBvtt};
 use pfront_core::one_ring::{Certified, OneRings};
-use pfront_core::triangle::{Accuracy, Adjacency};
-
-/// What an answer promises.
-#[repr(u32)]
-#[derive(Clone, Copy)]
-pub enum pfront_accuracy_t {
-    /// The true answer for the f32 positions given. Touching counts.
-    PFRONT_EXACT = 0,
-    /// Never misses; what a filter in f64 leaves open counts as a hit.
-    PFRONT_CONSERVATIVE = 1,
-    /// Plain f32: no promise.
-    PFRONT_FAST = 2,
-}
+use pfront_core::triangle::Adjacency;
 
 /// The rule by which pairs of triangles of one mesh count.
 #[repr(u32)]
@@ -57,8 +45,6 @@ pub enum pfront_rule_t {
 pub struct pfront_query_t {
     /// For pfront to know that it has made it, and what of.
     pub seal: u32,
-    /// A `pfront_accuracy_t`; may be changed.
-    pub accuracy: u32,
     /// A `pfront_rule_t`, for one BVH; may be changed.
     pub rule: u32,
     /// The first BVH.
@@ -79,15 +65,14 @@ const SELF: u32 = u32::from_be_bytes(*b"self");
 impl pfront_query_t {
     /// What C asks.
     pub(crate) fn asked<'c>(&self, call: &Call<'c>) -> Result<Asked<'c>, Fault> {
-        let accuracy = accuracy_of(self.accuracy)?;
         match self.seal {
             PAIR => {
                 let (a, b) = (self.a.view(call, c"a")?, self.b.view(call, c"b")?);
                 let a = PosedBvh::new_unchecked(a, &self.frame_from_a.pose());
                 let b = PosedBvh::new_unchecked(b, &self.frame_from_b.pose());
-                Ok(Asked::Pair(PairBvtt::in_world(a, b).with_accuracy(accuracy)))
+                Ok(Asked::Pair(PairBvtt::in_world(a, b)))
             }
-            SELF => Ok(Asked::Within(self.within(self.a.view(call, c"bvh")?, accuracy, call)?)),
+            SELF => Ok(Asked::Within(self.within(self.a.view(call, c"bvh")?, call)?)),
             _ => Err(Fault::of(PFRONT_NOT_MADE, c"query")),
         }
     }
@@ -97,13 +82,8 @@ impl pfront_query_t {
         [self.a.node_count as u64, self.b.node_count as u64]
     }
 
-    fn within<'c>(
-        &self,
-        bvh: Bvh<'c>,
-        accuracy: Accuracy,
-        call: &Call<'c>,
-    ) -> Result<SelfBvtt<'c>, Fault> {
-        let query = SelfBvtt::new(bvh).with_accuracy(accuracy);
+    fn within<'c>(&self, bvh: Bvh<'c>, call: &Call<'c>) -> Result<SelfBvtt<'c>, Fault> {
+        let query = SelfBvtt::new(bvh);
         let query = match self.rule {
             0 => query,
             1 => query.with_adjacency(Adjacency::SkipNeighbours),
@@ -115,16 +95,6 @@ impl pfront_query_t {
         }
         let history = call.read(c"history", self.history, self.a.mesh.vertex_count)?;
         Ok(query.with_certificates(Certified::new_unchecked(bvh.mesh(), history)))
-    }
-}
-
-/// What a `pfront_accuracy_t` stands for.
-pub(crate) fn accuracy_of(accuracy: u32) -> Result<Accuracy, Fault> {
-    match accuracy {
-        0 => Ok(Accuracy::Exact),
-        1 => Ok(Accuracy::Conservative),
-        2 => Ok(Accuracy::Fast),
-        other => Err(out_of_range(c"accuracy", other)),
     }
 }
 
@@ -152,7 +122,6 @@ impl Side {
     /// The query of two of them.
     fn ask(
         [a, b]: [Self; 2],
-        accuracy: u32,
         query: *mut pfront_query_t,
         call: &mut Call<'_>,
     ) -> Result<(), Fault> {
@@ -160,16 +129,7 @@ impl Side {
         let ((a, frame_from_a), (b, frame_from_b)) = (a.placed(call)?, b.placed(call)?);
         let rule = pfront_rule_t::PFRONT_SHARED_INDEX as u32;
         let history = null();
-        let query = pfront_query_t {
-            seal: PAIR,
-            accuracy,
-            rule,
-            a,
-            b,
-            frame_from_a,
-            frame_from_b,
-            history,
-        };
+        let query = pfront_query_t { seal: PAIR, rule, a, b, frame_from_a, frame_from_b, history };
         query.asked(call)?;
         out.set(query);
         Ok(())
@@ -177,13 +137,11 @@ impl Side {
 }
 
 /// Asks which triangles of `a` meet which of `b`, posed by `a_from_b`. The frame is that of a, and so are contacts.
-/// `accuracy` is a `pfront_accuracy_t`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_query_pair(
     a: *const pfront_bvh_t,
     b: *const pfront_bvh_t,
     a_from_b: *const pfront_pose_t,
-    accuracy: u32,
     query: *mut pfront_query_t,
     error: *mut pfront_error_t,
 ) -> pfront_status_t {
@@ -191,19 +149,18 @@ pub unsafe extern "C" fn pfront_query_pair(
     unsafe { Caller::trusted() }.call(error, |call| {
         let a = Side { bvh: a, pose: &pfront_pose_t::IDENTITY, names: [c"a"; 2] };
         let b = Side { bvh: b, pose: a_from_b, names: [c"b", c"a_from_b"] };
-        Side::ask([a, b], accuracy, query, call)
+        Side::ask([a, b], query, call)
     })
 }
 
 /// Asks which triangles of `a` meet which of `b`, both posed into a third frame. The choice of a frame changes how
-/// vertices are rounded, and so what is found. `accuracy` is a `pfront_accuracy_t`.
+/// vertices are rounded, and so what is found.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_query_world(
     a: *const pfront_bvh_t,
     world_from_a: *const pfront_pose_t,
     b: *const pfront_bvh_t,
     world_from_b: *const pfront_pose_t,
-    accuracy: u32,
     query: *mut pfront_query_t,
     error: *mut pfront_error_t,
 ) -> pfront_status_t {
@@ -211,20 +168,19 @@ pub unsafe extern "C" fn pfront_query_world(
     unsafe { Caller::trusted() }.call(error, |call| {
         let a = Side { bvh: a, pose: world_from_a, names: [c"a", c"world_from_a"] };
         let b = Side { bvh: b, pose: world_from_b, names: [c"b", c"world_from_b"] };
-        Side::ask([a, b], accuracy, query, call)
+        Side::ask([a, b], query, call)
     })
 }
 
 /// Asks which triangles of one mesh meet each other, each unordered pair once. `history`, which may be null, is that of
 /// `pfront_one_rings_link` for the same triangles, with `PFRONT_HISTORY_BOUND` words. It changes no answer but makes most
 /// neighbours cheap: it is certified for the positions of the mesh here, in O(vertices + triangles), and must last as
-/// long as the query. `rule` is a `pfront_rule_t` and `accuracy` a `pfront_accuracy_t`.
+/// long as the query. `rule` is a `pfront_rule_t`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_query_self(
     bvh: *const pfront_bvh_t,
     history: *mut u32,
     rule: u32,
-    accuracy: u32,
     query: *mut pfront_query_t,
     error: *mut pfront_error_t,
 ) -> pfront_status_t {
@@ -239,7 +195,6 @@ pub unsafe extern "C" fn pfront_query_self(
         let words = call.write(c"history", history, words)?;
         let mut query = pfront_query_t {
             seal: SELF,
-            accuracy,
             rule,
             a: bvh,
             b: bvh,

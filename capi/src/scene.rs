@@ -19,7 +19,6 @@ use crate::buffers::{NAMES, pfront_buffers_t, resize};
 use crate::memory::{Call, Caller, Handle};
 use crate::model::pfront_model_t;
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
-use crate::query::accuracy_of;
 use crate::status::pfront_status_t::{self, PFRONT_FORKED};
 use crate::status::{Fault, pfront_error_t};
 use core::ffi::c_void;
@@ -87,7 +86,7 @@ fn executor(workers: u32) -> Executor {
     Executor::sequential()
 }
 
-/// Makes a scene without bodies. `accuracy` is a `pfront_accuracy_t`. With `workers` above 1, which needs a library
+/// Makes a scene without bodies. With `workers` above 1, which needs a library
 /// that was built with threads, a frame that is worth it is divided into as many parts, for as many threads as the
 /// machine has cores; else each call works on its own thread, and more than 1 is
 /// PFRONT_OUT_OF_RANGE. 0 counts as 1.
@@ -97,7 +96,6 @@ fn executor(workers: u32) -> Executor {
 /// with threads, which stay behind, is PFRONT_FORKED there, and can only be freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_create(
-    accuracy: u32,
     workers: u32,
     scene: *mut *mut pfront_scene_t,
     error: *mut pfront_error_t,
@@ -105,10 +103,9 @@ pub unsafe extern "C" fn pfront_scene_create(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"scene", scene)?;
-        let accuracy = accuracy_of(accuracy)?;
         Fault::below(c"workers", workers as usize, WORKERS.saturating_add(1))?;
         let threads_of = if workers > 1 { own_threads()? } else { None };
-        let query = SceneQuery::new().with_accuracy(accuracy).on(&executor(workers));
+        let query = SceneQuery::new().on(&executor(workers));
         out.set(Call::boxed(Scene {
             query,
             threads_of,

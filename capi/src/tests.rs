@@ -3,7 +3,6 @@
 
 #![expect(unsafe_code, reason = "it is C's part that is played here")]
 
-use crate::pfront_accuracy_t::PFRONT_EXACT;
 use crate::pfront_status_t::*;
 use crate::*;
 use core::mem::MaybeUninit;
@@ -107,7 +106,6 @@ fn a_frame_and_the_next() {
         scratch: scratch.as_mut_ptr().cast(),
         scratch_bytes: scratch.len(),
     };
-    let exact = PFRONT_EXACT as u32;
     let mut history = [MaybeUninit::<u32>::uninit(); 64];
     let (history, words): (*mut u32, _) = (history.as_mut_ptr().cast(), history.len());
     let mut part = [MaybeUninit::<pfront_front_node_t>::uninit(); 16];
@@ -141,8 +139,8 @@ fn a_frame_and_the_next() {
             pfront_bvh_refit(&mut bvh, points, vertices, null_mut(), null_mut())
         };
         assert_eq!(status, PFRONT_OK);
-        let within: pfront_query_t = made!(pfront_query_self(&bvh, history, 0, exact));
-        let pair: pfront_query_t = made!(pfront_query_pair(&bvh, &bvh, &a_from_b, exact));
+        let within: pfront_query_t = made!(pfront_query_self(&bvh, history, 0));
+        let pair: pfront_query_t = made!(pfront_query_pair(&bvh, &bvh, &a_from_b));
         let own = checked(&bvh);
         let other = PairBvtt::new(own, own, Pose::new(a_from_b.rows)).unwrap();
         let expected = [truth(&SelfBvtt::new(own)), truth(&other)];
@@ -190,7 +188,7 @@ fn a_blob_is_borrowed() {
     let borrowed: pfront_bvh_t = made!(pfront_bvh_from_blob(blob, bytes, free, least));
     assert_eq!(checked(&borrowed).nodes(), checked(&built).nodes());
     let [own, other] = [built, borrowed].map(|bvh| {
-        let query = made!(pfront_query_self(&bvh, null_mut(), 0, PFRONT_EXACT as u32));
+        let query = made!(pfront_query_self(&bvh, null_mut(), 0));
         pages(&query, made!(pfront_cursor_start(&query)))
     });
     assert!(own == other && !own.is_empty());
@@ -267,7 +265,7 @@ fn bodies_of_a_scene() {
         triangle_count: TRIANGLES,
         index_type: pfront_index_type_t::PFRONT_INDEX_U32 as u32,
     };
-    let scene: *mut pfront_scene_t = made!(pfront_scene_create(PFRONT_EXACT as u32, 1));
+    let scene: *mut pfront_scene_t = made!(pfront_scene_create(1));
     let model: *mut pfront_model_t = made!(pfront_model_create(&buffers));
     let still = pfront_pose_t::IDENTITY;
     let bodies: [u64; 2] = [0; 2].map(|_| made!(pfront_scene_add(scene, model, &still)));

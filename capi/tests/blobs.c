@@ -66,9 +66,9 @@ static void round_trip(void)
     THAT(borrowed.mesh.positions == (const float *)(room + 16 + 8 * bvh.node_count));
     OK(pfront_blob_size(&borrowed, &bytes, &error));
     THAT(bytes == blob_bytes);
-    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, &query, &error));
     OK(pfront_query_count(&query, &expected, &error));
-    OK(pfront_query_self(&borrowed, NULL, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_self(&borrowed, NULL, PFRONT_SHARED_INDEX, &query, &error));
     OK(pfront_query_count(&query, &found, &error));
     THAT(found == expected && found > 0);
     EXPECT(PFRONT_READ_ONLY, "bvh", pfront_bvh_refit(&borrowed, points, VERTICES, NULL, &error));
@@ -93,7 +93,7 @@ static void empty(void)
     OK(pfront_bvh_build_sah(&none, 0, &memory, &built, &error));
     OK(pfront_blob_write(&built, bad, 64, &error));
     OK(pfront_bvh_from_blob(bad, 64, scratch, 7, &borrowed, &error));
-    OK(pfront_query_self(&borrowed, NULL, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_self(&borrowed, NULL, PFRONT_SHARED_INDEX, &query, &error));
     OK(pfront_query_count(&query, &count, &error));
     THAT(borrowed.node_count == 0 && count == 0);
 }

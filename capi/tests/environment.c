@@ -108,14 +108,12 @@ static void ask_everything(void)
     IN(pfront_bvh_bounds(&one, &pose, &bounds, NULL));
     tell(&bounds, sizeof bounds);
     IN(pfront_one_rings_link(&surface, history, PFRONT_HISTORY_BOUND(9, 4), scratch, sizeof scratch, NULL));
-    IN(pfront_query_self(&one, history, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, NULL));
+    IN(pfront_query_self(&one, history, PFRONT_SHARED_INDEX, &query, NULL));
     ask_query(&query);
-    for (uint32_t accuracy = PFRONT_EXACT; accuracy <= PFRONT_FAST; accuracy++) {
-        IN(pfront_query_pair(&one, &other, &pose, accuracy, &query, NULL));
-        ask_query(&query);
-        IN(pfront_query_world(&one, &pose, &other, &still, accuracy, &query, NULL));
-        ask_query(&query);
-    }
+    IN(pfront_query_pair(&one, &other, &pose, &query, NULL));
+    ask_query(&query);
+    IN(pfront_query_world(&one, &pose, &other, &still, &query, NULL));
+    ask_query(&query);
     IN(pfront_blob_size(&one, &bytes, NULL));
     IN(pfront_blob_write(&one, blob, sizeof blob, NULL));
     IN(pfront_bvh_from_blob(blob, bytes, scratch, sizeof scratch, &borrowed, NULL));
@@ -128,7 +126,7 @@ static void ask_everything(void)
     IN(pfront_model_create(&soup, &model, NULL));
     IN(pfront_model_create_f64(&in_doubles, &doubles, NULL));
     IN(pfront_model_from_blob(blob, bytes, &baked, NULL));
-    IN(pfront_scene_create(PFRONT_EXACT, 1, &scene, NULL));
+    IN(pfront_scene_create(1, &scene, NULL));
     IN(pfront_scene_add(scene, model, &pose, &bodies[0], NULL));
     IN(pfront_scene_add(scene, doubles, &still, &bodies[1], NULL));
     IN(pfront_scene_add(scene, baked, &still, &bodies[2], NULL));

@@ -68,7 +68,7 @@ static void same_as_pages(void)
     pfront_pair_list_t list;
     size_t count, found = 0;
     make();
-    OK(pfront_query_pair(&bvh, &bvh, &still, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_pair(&bvh, &bvh, &still, &query, &error));
     OK(pfront_cursor_start(&query, &cursor, &error));
     OK(pfront_query_page(&query, &cursor, page, TRIANGLES * TRIANGLES, &count, &error));
     OK(pfront_all(&tetrahedra, &tetrahedra, &still, NULL, &list, &error));

@@ -27,7 +27,7 @@ static pfront_pose_t at(float x)
 static pfront_scene_t *two(pfront_model_t **model, uint64_t bodies[2], uint32_t workers)
 {
     pfront_scene_t *scene;
-    OK(pfront_scene_create(PFRONT_EXACT, workers, &scene, &error));
+    OK(pfront_scene_create(workers, &scene, &error));
     OK(pfront_model_create(&tetrahedra, model, &error));
     for (int i = 0; i < 2; i++) {
         const pfront_pose_t pose = at((float)i * 1.5f);
@@ -59,7 +59,7 @@ static void everything(int reversed)
     size_t bytes, count;
     pfront_scene_t *scene = two(&model, bodies, WORKERS);
     make();
-    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, &query, &error));
     OK(pfront_cursor_start(&query, &cursor, &error));
     OK(pfront_query_page(&query, &cursor, page, 256, &count, &error));
     OK(pfront_blob_size(&bvh, &bytes, &error));
@@ -146,7 +146,7 @@ static void copies_of_plain_data(void)
     pfront_pair_t first[256], second[256];
     size_t count, again;
     make();
-    OK(pfront_query_self(&bvh, NULL, PFRONT_BOXES_ONLY, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_self(&bvh, NULL, PFRONT_BOXES_ONLY, &query, &error));
     OK(pfront_cursor_start(&query, &cursor, &error));
     memcpy(&moved, &query, sizeof query);
     memset(&query, 0, sizeof query);
@@ -222,11 +222,11 @@ static void forked(void)
         THAT(hits_of(scene) > 0);
 #if WORKERS > 1
         EXPECT(PFRONT_FORKED, "scene", pfront_scene_count(threaded, &many, &error));
-        EXPECT(PFRONT_FORKED, "workers", pfront_scene_create(PFRONT_EXACT, WORKERS, &another, &error));
+        EXPECT(PFRONT_FORKED, "workers", pfront_scene_create(WORKERS, &another, &error));
 #else
         OK(pfront_scene_count(threaded, &many, &error));
         THAT(many == count);
-        OK(pfront_scene_create(PFRONT_EXACT, WORKERS, &another, &error));
+        OK(pfront_scene_create(WORKERS, &another, &error));
         OK(pfront_scene_free(another, &error));
 #endif
         OK(pfront_scene_free(threaded, &error));
@@ -273,8 +273,7 @@ int main(int count, char **arguments)
     if (strcmp(way, "exit") == 0) {
         exit(wrong);
     } else if (strcmp(way, "error") == 0) {
-        pfront_scene_t *scene = NULL;
-        EXPECT(PFRONT_OUT_OF_RANGE, "accuracy", pfront_scene_create(9, 1, &scene, &error));
+        EXPECT(PFRONT_NULL, "scene", pfront_scene_create(1, NULL, &error));
         return wrong;
     } else if (strcmp(way, "thread") == 0) {
         pthread_t thread;

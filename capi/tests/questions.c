@@ -8,23 +8,22 @@ static void queries(void)
     pfront_pose_t pose = still;
     uint64_t many;
     memset(&zero, 0, sizeof zero);
-    EXPECT(PFRONT_NULL, "b", pfront_query_pair(&bvh, NULL, &still, PFRONT_EXACT, &query, &error));
-    EXPECT(PFRONT_NULL, "a_from_b", pfront_query_pair(&bvh, &bvh, NULL, 0, &query, &error));
-    EXPECT(PFRONT_OUT_OF_RANGE, "accuracy", pfront_query_pair(&bvh, &bvh, &still, 3, &query, &error));
-    EXPECT(PFRONT_OUT_OF_RANGE, "rule", pfront_query_self(&bvh, NULL, 3, 0, &query, &error));
+    EXPECT(PFRONT_NULL, "b", pfront_query_pair(&bvh, NULL, &still, &query, &error));
+    EXPECT(PFRONT_NULL, "a_from_b", pfront_query_pair(&bvh, &bvh, NULL, &query, &error));
+    EXPECT(PFRONT_OUT_OF_RANGE, "rule", pfront_query_self(&bvh, NULL, 3, &query, &error));
     pose.rows[1][2] = NAN;
     EXPECT(PFRONT_POSE_NOT_FINITE, "a_from_b",
-           pfront_query_pair(&bvh, &bvh, &pose, PFRONT_EXACT, &query, &error));
+           pfront_query_pair(&bvh, &bvh, &pose, &query, &error));
     THAT(error.index == 6);
     pose.rows[1][2] = 1e38f;
     EXPECT(PFRONT_POSE_RANGE, "world_from_a",
-           pfront_query_world(&bvh, &pose, &bvh, &still, PFRONT_EXACT, &query, &error));
+           pfront_query_world(&bvh, &pose, &bvh, &still, &query, &error));
     THAT(error.index == 1);
     EXPECT(PFRONT_NOT_MADE, "query", pfront_query_count(&zero, &many, &error));
-    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error));
-    query.accuracy = 77;
-    EXPECT(PFRONT_OUT_OF_RANGE, "accuracy", pfront_query_count(&query, &many, &error));
-    query.accuracy = PFRONT_EXACT;
+    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, &query, &error));
+    query.rule = 77;
+    EXPECT(PFRONT_OUT_OF_RANGE, "rule", pfront_query_count(&query, &many, &error));
+    query.rule = PFRONT_SHARED_INDEX;
     EXPECT(PFRONT_NULL, "count", pfront_query_count(&query, NULL, &error));
     OK(pfront_query_count(&query, &many, &error));
     THAT(many > 0);
@@ -46,8 +45,8 @@ static void walks(void)
     memset(&cursor, 0, sizeof cursor);
     OK(pfront_mesh_check(points, 4, corners, 4, &half, &error));
     OK(pfront_bvh_build_morton(&half, 1, &memory, &small, &error));
-    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error));
-    OK(pfront_query_pair(&small, &bvh, &still, PFRONT_EXACT, &other, &error));
+    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, &query, &error));
+    OK(pfront_query_pair(&small, &bvh, &still, &other, &error));
     EXPECT(PFRONT_NOT_MADE, "cursor", pfront_query_page(&query, &cursor, page, 4, &count, &error));
     EXPECT(PFRONT_NULL, "cursor", pfront_cursor_start(&query, NULL, &error));
     OK(pfront_cursor_start(&query, &cursor, &error));
@@ -86,7 +85,7 @@ static void fronts(void)
     pfront_part_t parts[2];
     const uint32_t gone = UINT32_MAX;
     memset(&front, 0, sizeof front);
-    OK(pfront_query_pair(&bvh, &bvh, &still, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_pair(&bvh, &bvh, &still, &query, &error));
     EXPECT(PFRONT_NOT_MADE, "front", pfront_front_divide(&front, &query, 1, parts, 2, &error));
     EXPECT(PFRONT_NULL, "nodes", pfront_front_init(&front, NULL, 16, history, 16, &error));
     EXPECT(PFRONT_OVERLAP, "history",
@@ -124,7 +123,7 @@ static void damage(void)
 {
     pfront_query_t query;
     uint64_t count;
-    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_self(&bvh, NULL, PFRONT_SHARED_INDEX, &query, &error));
     nodes[0].first = 0x7ffffff0;
     EXPECT(PFRONT_DAMAGED, "", pfront_query_count(&query, &count, &error));
 }

@@ -21,7 +21,7 @@ static pfront_scene_t *row(uint64_t bodies[BODIES])
 {
     pfront_scene_t *scene;
     pfront_model_t *model;
-    OK(pfront_scene_create(PFRONT_EXACT, WORKERS, &scene, &error));
+    OK(pfront_scene_create(WORKERS, &scene, &error));
     OK(pfront_model_create(&tetrahedra, &model, &error));
     for (int i = 0; i < BODIES; i++) {
         const pfront_pose_t pose = at((float)i * 1.5f);
@@ -81,7 +81,7 @@ static void frames(void)
     const pfront_pose_t here = at(0), there = at(1.5f);
     pfront_query_t query;
     make();
-    OK(pfront_query_world(&bvh, &here, &bvh, &there, PFRONT_EXACT, &query, &error));
+    OK(pfront_query_world(&bvh, &here, &bvh, &there, &query, &error));
     OK(pfront_query_count(&query, &many, &error));
     THAT(many == first);
     OK(pfront_scene_count(scene, &many, &error));
@@ -191,7 +191,7 @@ static void blobs(void)
     THAT(bytes <= sizeof blob);
     OK(pfront_blob_write(&bvh, blob, sizeof blob, &error));
     OK(pfront_model_from_blob(blob, bytes, &model, &error));
-    OK(pfront_scene_create(PFRONT_CONSERVATIVE, WORKERS, &scene, &error));
+    OK(pfront_scene_create(WORKERS, &scene, &error));
     OK(pfront_scene_add(scene, model, &still, &bodies[0], &error));
     OK(pfront_scene_add(scene, model, &still, &bodies[1], &error));
     THAT(meeting(scene, bodies[0], bodies[1]) > TRIANGLES);
@@ -224,7 +224,7 @@ static void in_f64(void)
         strided[i / 3 * 4 + 3] = NAN;
     }
     OK(pfront_model_create_f64(&buffers, &model, &error));
-    OK(pfront_scene_create(PFRONT_EXACT, WORKERS, &scene, &error));
+    OK(pfront_scene_create(WORKERS, &scene, &error));
     for (int i = 0; i < 2; i++) {
         OK(pfront_scene_add(scene, model, &still, &bodies[i], &error));
     }
@@ -317,13 +317,12 @@ static void mistakes(void)
     THAT(model == NULL);
     OK(pfront_model_create(&tetrahedra, &model, &error));
 
-    EXPECT(PFRONT_OUT_OF_RANGE, "accuracy", pfront_scene_create(3, 1, &scene, &error));
-    EXPECT(PFRONT_NULL, "scene", pfront_scene_create(0, 1, NULL, &error));
+    EXPECT(PFRONT_NULL, "scene", pfront_scene_create(1, NULL, &error));
 #if WORKERS == 1
-    EXPECT(PFRONT_OUT_OF_RANGE, "workers", pfront_scene_create(0, 2, &scene, &error));
+    EXPECT(PFRONT_OUT_OF_RANGE, "workers", pfront_scene_create(2, &scene, &error));
 #endif
     THAT(scene == NULL);
-    OK(pfront_scene_create(PFRONT_EXACT, 0, &scene, &error));
+    OK(pfront_scene_create(0, &scene, &error));
     EXPECT(PFRONT_NULL, "scene", pfront_scene_add(NULL, model, &still, &body, &error));
     EXPECT(PFRONT_NULL, "model", pfront_scene_add(scene, NULL, &still, &body, &error));
     EXPECT(PFRONT_NULL, "world_from_body", pfront_scene_add(scene, model, NULL, &body, &error));

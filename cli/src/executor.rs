@@ -1,40 +1,27 @@
-//! The executor that answers, and how exactly: the options that all queries share.
+//! The executor that answers: the options that all queries share.
 
 use crate::escape::escaped;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
+use pfront::Executor;
 use pfront::gpu::Gpu;
 use pfront::gpu::wgpu::{Adapter, AdapterInfo, Backends, DeviceType, Instance, InstanceDescriptor};
 use pfront::threads::Pool;
-use pfront::{Accuracy, Executor};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
 use std::path::Path;
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
-/// Options that choose an executor and an accuracy.
+/// Options that choose an executor.
 #[derive(Debug, Args)]
 pub struct ExecutorArgs {
-    /// Accuracy guarantee
-    #[arg(long, value_enum, default_value_t = Guarantee::Exact)]
-    accuracy: Guarantee,
     /// CPU threads [default: all]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<NonZero<usize>>,
     /// What to run on
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     backend: Backend,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Guarantee {
-    /// The true set
-    Exact,
-    /// No pair is missed; some may not meet
-    Conservative,
-    /// Plain f32: none
-    Fast,
 }
 
 /// What may answer.
@@ -55,10 +42,6 @@ impl ExecutorArgs {
     /// If there is no adapter, none that could do it, or no pool of as many threads.
     pub fn open(&self) -> Result<Executor> {
         if self.backend == Backend::Gpu {
-            ensure!(
-                self.accuracy == Guarantee::Exact,
-                "every answer of a GPU is exact: leave out --accuracy, or --backend"
-            );
             let gpu = Gpu::new()?;
             return Ok(Executor::gpu(&gpu, gpu.settings()));
         }
@@ -66,15 +49,6 @@ impl ExecutorArgs {
         match self.backend.open()? {
             Some(gpu) => Ok(cpu.and_gpu(&gpu, gpu.settings())?),
             None => Ok(cpu),
-        }
-    }
-
-    /// Returns the accuracy.
-    pub fn accuracy(&self) -> Accuracy {
-        match self.accuracy {
-            Guarantee::Exact => Accuracy::Exact,
-            Guarantee::Conservative => Accuracy::Conservative,
-            Guarantee::Fast => Accuracy::Fast,
         }
     }
 

@@ -104,10 +104,6 @@ fn pairs_in_every_format() {
         let found = out(at, &format!("pairs a.obj b.obj --csv --threads {threads}"));
         assert_eq!(found, "a,b\n0,0\n3,0\n");
     }
-    for accuracy in ["exact", "conservative", "fast"] {
-        let found = out(at, &format!("pairs a.obj b.obj --csv --accuracy {accuracy}"));
-        assert_eq!(found, "a,b\n0,0\n3,0\n");
-    }
 }
 
 #[test]
@@ -205,7 +201,6 @@ fn refusals_say_what_and_where() {
         ("pairs a.obj nan.obj", vec!["nan.obj, line 3", "vertex 2"]),
         ("pairs a.obj bad.obj", vec!["bad.obj", "line 4"]),
         ("pairs a.obj short.tcw", vec!["short.tcw", "obj"]),
-        ("pairs a.obj b.obj --backend gpu --accuracy fast", vec!["exact", "--backend"]),
         ("pairs a.obj b.obj --threads 0", vec!["--threads", "must be 1 to", "at once"]),
         ("pairs a.obj b.obj --threads 100000", vec!["--threads", "must be 1 to", "at once"]),
         ("pairs a.obj b.obj --threads 99999999999999999999", vec!["must be 1 to"]),

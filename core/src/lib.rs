@@ -22,15 +22,15 @@
 //! - [`one_ring`]: certificates that save a self query the tests of neighbours.
 //!
 //! # Guarantees
-//! - **Exact.** With [`triangle::Accuracy::Exact`], the default, a query finds the pairs of closed triangles that
-//!   intersect, no more and no fewer, for the positions given, in f32 or, by [`Mesh::from_f64`], in f64. Touching counts.
+//! - **Exact.** A query finds the pairs of closed triangles that intersect, no more and no fewer, for the positions given, in
+//!   f32 or, by [`Mesh::from_f64`], in f64. Touching counts.
 //! - **No allocation.** Buffers are slices of the caller's. A `const fn` such as [`bvh::node_bound`] gives the length, and
 //!   [`CapacityError`] says how many elements a buffer lacks. Stack use is bounded: no query recurses.
 //! - **No `std`.** The crate is `no_std` and needs no allocator.
 //! - **Additive features.** `std` switches on run-time detection of AVX2 and the float functions of the standard library;
 //!   it changes no answer and no type. `glam033` and `glam034` convert [poses](pose) from and into what engines keep;
 //!   `serde` implements `Serialize` and `Deserialize` for [`Pose`], [`Aabb`], [`bvtt::TrianglePair`],
-//!   [`triangle::Contact`], [`triangle::Accuracy`], [`triangle::Adjacency`] and [`bvh::BuildOptions`].
+//!   [`triangle::Contact`], [`triangle::Adjacency`] and [`bvh::BuildOptions`].
 //!
 //! # Floating-point environment
 //! Exact answers need IEEE 754's default environment on every thread that calls: rounding to nearest, and

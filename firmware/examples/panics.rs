@@ -67,10 +67,10 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let certified = rings.certify(mesh, Some(join));
     any(certified.is_certified(some()?));
     let within = SelfBvtt::new(bvh).with_certificates(certified).with_adjacency(some()?);
-    asked(&within.with_accuracy(some()?).boxes_only(), slices.page)?;
+    asked(&within.boxes_only(), slices.page)?;
     let placed: PosedBvh<'_> = PosedBvh::new(bvh, &some()?).ok()?;
     any((placed.aabb(), PairBvtt::new(bvh, bvh, some()?).ok()?));
-    let pair: PairBvtt<'_> = PairBvtt::in_world(placed, some()?).with_accuracy(some()?);
+    let pair: PairBvtt<'_> = PairBvtt::in_world(placed, some()?);
     asked(&pair, slices.page)?;
     let mut front = Front::new(slices.front);
     front.add(some()?, some()?).ok()?;

@@ -1,5 +1,5 @@
-//! Six points of any finite bit pattern, as two triangles and as two triangles of one mesh: Exact
-//! against the oracle, Conservative as a superset, in two orders.
+//! Six points of any finite bit pattern, as two triangles and as two triangles of one mesh, against the
+//! oracle, in two orders.
 //!
 //! Coordinates are picked from a short list in the input, since independent ones never coincide.
 
@@ -8,7 +8,7 @@
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
 use pfront::pfront_core::triangle::{contact, intersects, intersects_in_mesh};
-use pfront::{Accuracy, Adjacency, Mesh};
+use pfront::{Adjacency, Mesh};
 use pfront_testkit::oracle::{intersect, self_hit, share_a_vertex};
 
 #[derive(Arbitrary, Debug)]
@@ -34,9 +34,7 @@ fn closed(a: &[[f32; 3]; 3], b: &[[f32; 3]; 3]) {
     let truth = intersect(a, b);
     let turned = [a[2], a[0], a[1]];
     for (a, b) in [(a, b), (b, a), (&turned, b), (b, &turned)] {
-        assert_eq!(intersects(a, b, Accuracy::Exact), truth, "{a:?} {b:?}");
-        assert!(intersects(a, b, Accuracy::Conservative) || !truth, "{a:?} {b:?}");
-        let _ = intersects(a, b, Accuracy::Fast);
+        assert_eq!(intersects(a, b), truth, "{a:?} {b:?}");
         let found = contact(a, b);
         assert_eq!(found.is_some(), truth, "{a:?} {b:?}");
         for x in found.iter().flat_map(|c| c.segment.iter().chain(&c.normals)).flatten() {
@@ -54,10 +52,8 @@ fn within(points: &[[f32; 3]], triangles: [[u32; 3]; 2]) {
             (Adjacency::SharedIndexRule, truth),
             (Adjacency::SkipNeighbours, truth && !share_a_vertex(a, b)),
         ] {
-            let hit = |accuracy| intersects_in_mesh(mesh, i, j, adjacency, accuracy);
-            assert_eq!(hit(Accuracy::Exact), truth, "{triangles:?} of {points:?}");
-            assert!(hit(Accuracy::Conservative) || !truth, "{triangles:?} of {points:?}");
-            let _ = hit(Accuracy::Fast);
+            let hit = intersects_in_mesh(mesh, i, j, adjacency);
+            assert_eq!(hit, truth, "{triangles:?} of {points:?}");
         }
     }
 }

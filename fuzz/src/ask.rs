@@ -23,7 +23,7 @@ impl World {
         let pose = placing.pose(&self.palette);
         let [a, b] = two.map(|place| &self.bodies[place].body);
         let core = bvtt::PairBvtt::new(a.bvh(), b.bvh(), pose)
-            .map(|query| of_core(&query.with_accuracy(ask.accuracy()), ask));
+            .map(|query| of_core(&query, ask));
         let said = [&mut self.one, &mut self.many]
             .map(|queries| of_two(&mut queries.pair, &a.model, &b.model, &pose, ask));
         match (core, said) {
@@ -49,7 +49,7 @@ impl World {
             (a.body.model.bvh(), b.body.model.bvh()),
         ] {
             let [s, t] = [(s, a), (t, b)].map(|(bvh, it)| PosedBvh::new(bvh, &it.pose).unwrap());
-            let query = bvtt::PairBvtt::in_world(s, t).with_accuracy(ask.accuracy());
+            let query = bvtt::PairBvtt::in_world(s, t);
             of_core(&query, ask).check(&truth, ask);
         }
     }
@@ -58,16 +58,13 @@ impl World {
         let body = &self.bodies[place].body;
         let truth = self.truth.within(&body.soup, skip);
         let [one, many] = [&mut self.one, &mut self.many].map(|queries| {
-            let query = take(&mut queries.within).with_accuracy(ask.accuracy());
-            queries.within = query.with_adjacency(adjacency(skip));
+            queries.within = take(&mut queries.within).with_adjacency(adjacency(skip));
             of_one(&mut queries.within, &body.model, ask).unwrap()
         });
         one.same(&many);
         [one, many].iter().for_each(|answers| answers.check(&truth, ask));
         for bvh in [body.bvh(), body.model.bvh()] {
-            let query = bvtt::SelfBvtt::new(bvh)
-                .with_accuracy(ask.accuracy())
-                .with_adjacency(adjacency(skip));
+            let query = bvtt::SelfBvtt::new(bvh).with_adjacency(adjacency(skip));
             of_core(&query, ask).check(&truth, ask);
             of_core(&query.with_certificates(body.model.certificates()), ask).check(&truth, ask);
             let boxes = pages(&query.boxes_only(), ask.page());
@@ -85,7 +82,6 @@ impl World {
             }
         }
         let [one, many] = [&mut self.one, &mut self.many].map(|queries| {
-            queries.scene = take(&mut queries.scene).with_accuracy(ask.accuracy());
             assert_eq!(queries.scene.len(), worlds.len());
             assert!(queries.scene.bodies().map(|body| body.id()).eq(worlds.iter().map(|w| w.0)));
             of_many(&mut queries.scene, ask).unwrap()
@@ -103,7 +99,6 @@ fn of_two(
     pose: &Pose,
     ask: Ask,
 ) -> Result<Answers<TrianglePair>, Error> {
-    *query = take(query).with_accuracy(ask.accuracy());
     let mut visited = Vec::new();
     let visit = query.visit(a, b, pose, first_few(&mut visited, ask));
     let any = query.any(a, b, pose);

@@ -2,7 +2,7 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use pfront::threads::{Pool, Schedule, Settings};
-use pfront::{Accuracy, Adjacency, Pose};
+use pfront::{Adjacency, Pose};
 use pfront_testkit::MeshData;
 use pfront_testkit::shapes::sheet;
 
@@ -210,18 +210,11 @@ pub enum Builder {
 /// How a question is asked.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 pub struct Ask {
-    accuracy: u8,
     page: u8,
     stop: u8,
 }
 
 impl Ask {
-    pub(crate) fn accuracy(self) -> Accuracy {
-        // Mostly what promises most.
-        [Accuracy::Exact, Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast]
-            [usize::from(self.accuracy % 4)]
-    }
-
     /// How many pairs a page holds.
     pub(crate) fn page(self) -> usize {
         usize::from(self.page).max(1)

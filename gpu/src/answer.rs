@@ -17,7 +17,7 @@ use crate::results::{Found, Run};
 use crate::task::{Entry, GpuVerb, Start, Task};
 use crate::{GpuError, GpuReport, totals, wear};
 use pfront_core::bvtt::TrianglePair;
-use pfront_core::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
+use pfront_core::triangle::{Adjacency, intersects, intersects_in_mesh};
 use pfront_core::{Mesh, Pose};
 use pfront_shaders::constants::{HIT_OVERFLOW, LEAF};
 use wgpu::CommandEncoder;
@@ -445,7 +445,7 @@ fn meet(query: &Query, instances: &[InstancePair], rest: &Rest) -> Option<Triang
     }
     let meet = if query.within == 0 {
         let [p, q, r, u, v, w] = positions;
-        intersects(&[p, q, r], &[u, v, w], Accuracy::Exact)
+        intersects(&[p, q, r], &[u, v, w])
     } else {
         // A mesh of two triangles, whose corners are the same vertex where they were.
         let first = |vertex| rest.corners.iter().position(|c| c.vertex == vertex).unwrap_or(0);
@@ -456,7 +456,7 @@ fn meet(query: &Query, instances: &[InstancePair], rest: &Rest) -> Option<Triang
             0 => Adjacency::SharedIndexRule,
             _ => Adjacency::SkipNeighbours,
         };
-        intersects_in_mesh(mesh, 0, 1, adjacency, Accuracy::Exact)
+        intersects_in_mesh(mesh, 0, 1, adjacency)
     };
     let in_order = query.within == 0 || a < b;
     let pair = if in_order { TrianglePair { a, b } } else { TrianglePair { a: b, b: a } };

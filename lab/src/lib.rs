@@ -4,7 +4,7 @@
 //! - [`recorded`]: recorded meshes in contact.
 //! - [`suite`]: triangle pairs with their truth, generated from a seed or harvested from real contacts, as a
 //!   file that any implementation can be judged by.
-//! - [`chart`]: speed against accuracy of all that pfront offers and of the textbook.
+//! - [`chart`]: speed against accuracy of the test of pfront, of inexact ones and of the textbook.
 //! - [`judge`]: how many answers of whom are wrong.
 //! - [`textbook`]: the triangle tests of the literature, as printed, to compare with.
 //! - [`player`]: a query about a workload, whatever moves in it.

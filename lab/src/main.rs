@@ -49,7 +49,7 @@ enum Command {
     /// Without a file, pairs are generated: random, nearly touching, coplanar, degenerate, of every scale, and
     /// harvested from meshes in contact. A million pairs take about a minute on two cores.
     Judge(Judge),
-    /// Chart speed against accuracy of tests of two triangles, pfront's and those of the literature
+    /// Chart speed against accuracy of tests of two triangles, pfront's, inexact ones and those of the literature
     ///
     /// Writes pareto.svg and pareto.csv, and prints what Exact costs. With the meshes of the folder that PFRONT_DATA
     /// names, if it does. Takes about three minutes on two cores; --quick, some seconds.

@@ -7,8 +7,7 @@ use pfront::executor::Plan;
 use pfront::pfront_core::bvtt::{PairBvtt, SelfBvtt};
 use pfront::threads::Report;
 use pfront::{
-    Accuracy, Adjacency, BodyId, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery,
-    TrianglePair,
+    Adjacency, BodyId, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair,
 };
 use pfront_testkit::scenes::Kind;
 use std::sync::Arc;
@@ -46,8 +45,6 @@ impl Objects {
 /// How a question is asked.
 #[derive(Clone, Debug, Default)]
 pub struct Asked {
-    /// The accuracy guarantee.
-    pub accuracy: Accuracy,
     /// What counts within one mesh.
     pub adjacency: Adjacency,
     /// The executor that answers.
@@ -90,20 +87,20 @@ impl Player {
     /// # Errors
     /// If there are more triangles than u32 can number, or a scene refuses a body.
     pub fn new(objects: Objects, asked: &Asked) -> Result<Self> {
-        let Asked { accuracy, adjacency, executor } = asked;
+        let Asked { adjacency, executor } = asked;
         let Objects { kind, mut models } = objects;
         Ok(Self(match (kind, &models[..]) {
             (Kind::Pair, [a, b]) => Subject::Pair {
                 models: [a.clone(), b.clone()],
                 a_from_b: Pose::IDENTITY,
-                query: PairQuery::new().with_accuracy(*accuracy).on(executor),
+                query: PairQuery::new().on(executor),
             },
             (Kind::SelfMesh, [_]) => {
-                let query = SelfQuery::new().with_accuracy(*accuracy).with_adjacency(*adjacency);
+                let query = SelfQuery::new().with_adjacency(*adjacency);
                 Subject::SelfMesh { model: models.remove(0), query: query.on(executor) }
             }
             _ => {
-                let mut query = SceneQuery::new().with_accuracy(*accuracy).on(executor);
+                let mut query = SceneQuery::new().on(executor);
                 let (mut bodies, mut first) = (Vec::new(), 0_u32);
                 for model in models {
                     let triangles = u32::try_from(model.mesh().triangles().len())?;

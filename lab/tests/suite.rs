@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront_lab::judge::{Judge, OURS, Tally, Test};
+use pfront_lab::judge::{INEXACT, Judge, OURS, Tally, Test};
 use pfront_lab::suite::{BLOCK, Block, Case, Reader, Suite, Writer, answers};
 use pfront_lab::textbook;
 use pfront_lab::workload::FormatError;
@@ -138,7 +138,7 @@ fn answers_are_as_many_as_pairs() {
 fn ours_keep_their_promises_and_a_liar_is_caught() {
     let suite = Suite::generated(3, Some(8_000)).unwrap();
     let all = blocks(&suite, 33_000);
-    let mut tests = OURS.to_vec();
+    let mut tests = [OURS, INEXACT].concat();
     tests.push(Test { name: "always", meets: |_, _| true });
     tests.push(Test { name: "never", meets: |_, _| false });
     let mut judge = Judge::new(&tests, suite.sets().len());

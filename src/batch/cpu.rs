@@ -34,10 +34,10 @@ impl Steps {
 
     /// Goes on for about [`SLICE`] tests. Returns whether nothing is left.
     pub(super) fn step(&mut self) -> Result<bool, Error> {
-        let Self { job: Job { questions, accuracy, verb }, left, begun, found } = self;
+        let Self { job: Job { questions, verb }, left, begun, found } = self;
         let mut budget = SLICE;
         while budget > 0 && !Range::is_empty(left) {
-            let tree = questions[left.start].tree(*accuracy)?;
+            let tree = questions[left.start].tree()?;
             let (cursor, answer) = begun.get_or_insert_with(|| (tree.start(), Answer::counted(0)));
             let before = tests(cursor.work);
             if !step(((), &tree), cursor, budget, *verb, answer, &mut found.pairs)? {

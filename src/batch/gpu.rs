@@ -9,10 +9,10 @@ use super::found::Found;
 use super::job::Job;
 use super::outcome::Outcome;
 use super::shown::Shown;
+use crate::Error;
 use crate::executor::{Device, Gathered, Reader, Seat, Slot, Verb, Work, merge_open, read};
 use crate::gpu::GpuQuery;
 use crate::memory::{push, reserve};
-use crate::{Accuracy, Error};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
@@ -38,8 +38,7 @@ pub(super) fn submit(
         in_flight: VecDeque::new(),
         found: Vec::new(),
         failure: None,
-        // A GPU is exact.
-        job: Job { accuracy: Accuracy::Exact, ..job },
+        job,
     };
     let seat = reader.add(Box::new(answering), outcome.flag())?;
     Ok((outcome, Some(seat)))

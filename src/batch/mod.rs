@@ -66,7 +66,7 @@ pub use ticket::Ticket;
 use crate::environment::with_default;
 use crate::executor::{Backend, Reason, Verb};
 use crate::subject::Subject;
-use crate::{Accuracy, Adjacency, AnyPose, Error, Executor, Model, TrianglePair};
+use crate::{Adjacency, AnyPose, Error, Executor, Model, TrianglePair};
 use found::Found;
 use job::Job;
 use std::fmt;
@@ -96,17 +96,10 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// A batch without questions, which are exact.
+    /// A batch without questions.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// The same with another [`Accuracy`] for all questions. A GPU that answers alone is exact whatever it is.
-    #[must_use]
-    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
-        self.job.accuracy = accuracy;
-        self
     }
 
     /// Adds a question about two models, the second in the pose `a_from_b`. Answers have the order of questions.

@@ -56,7 +56,7 @@ fn together(cpu: &mut CpuHistory<()>, job: &Job) -> Result<Found, Error> {
     for question in job.questions.iter() {
         // The next question does not resemble the last.
         cpu.forget();
-        let tree = question.tree(job.accuracy)?;
+        let tree = question.tree()?;
         let (_, answer) = cpu.ask((), &tree, job.verb, &mut pairs);
         push(&mut found.answers, answer?)?;
         reserve(&mut found.pairs, pairs.len())?;

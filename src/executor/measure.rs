@@ -3,7 +3,7 @@
 use super::{CpuHistory, Executor, Verb};
 use crate::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion};
 use crate::subject::Subject;
-use crate::{Accuracy, Model, Pose, TrianglePair};
+use crate::{Model, Pose, TrianglePair};
 use std::time::Instant;
 
 /// Cells along a side of the sheets that are asked about, two triangles each: few enough that the GPU takes its latency, and
@@ -52,7 +52,7 @@ pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> 
             uploads[i] = (first - there[i]).max(0.0);
             cpu[i] = median(|pose| {
                 let subject = Subject::Pair { models: [sheet; 2], a_from_b: pose.into() };
-                let tree = subject.tree(Accuracy::Exact).map_err(refused)?;
+                let tree = subject.tree().map_err(refused)?;
                 let (_, answer) = on_cpu.ask((), &tree, Verb::All, &mut pairs);
                 answer.map(drop).map_err(refused)
             })?;

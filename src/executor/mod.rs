@@ -2,9 +2,8 @@
 //!
 //! An [`Executor`] owns resources: a pool of threads, a GPU with its lists. It is made once and shared by any number of
 //! queries, and remembers nothing of them. A query owns its history: the front and the costs of its nodes, the models that the GPU has, the last answer.
-//! All executors give the same lists and counts, to the bit, under [`Accuracy::Exact`](crate::Accuracy::Exact). `any` names a
-//! true pair if there is one; which of them may differ between executors, and from call to call on threads. The inexact tests
-//! may differ, too: a GPU always decides exactly.
+//! All executors give the same lists and counts, to the bit. `any` names a true pair if there is one; which of them may differ
+//! between executors, and from call to call on threads.
 //!
 //! - [`Executor::sequential`]: the calling thread.
 //! - [`Executor::threads`]: starts on the calling thread and calls others after as much work as calling them costs. The
@@ -168,8 +167,7 @@ impl Executor {
         own
     }
 
-    /// A GPU, which answers all questions, and exactly, whatever the [`Accuracy`](crate::Accuracy) of the query. Where it fails,
-    /// the verb returns its error.
+    /// A GPU, which answers all questions. Where it fails, the verb returns its error.
     ///
     /// A query keeps the models of its last question there, and shares them with others that ask about the same. Models that no
     /// query or ticket holds any more stay there within [`GpuSettings::mesh_bytes`], the least recently used going first; so

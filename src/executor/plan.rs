@@ -84,8 +84,6 @@ pub enum Reason {
     NotWorthChanging,
     /// The CPU answers one frame of many, in case it has become faster than the GPU.
     Check,
-    /// The GPU answers exactly, and something else was asked for.
-    Inexact,
     /// A model or a pose is in f64, about which a GPU answers questions about two models only.
     InF64,
     /// Only a CPU answers this: contacts, visits, and which bodies meet.
@@ -148,7 +146,6 @@ impl fmt::Display for Reason {
             Self::Faster => "predicted to be as fast as the other or faster",
             Self::NotWorthChanging => "the other has not yet saved the price of a change",
             Self::Check => "to see whether the CPU has become faster",
-            Self::Inexact => "a GPU answers exactly, and that was not asked for",
             Self::InF64 => "a GPU answers about f64 for two models only",
             Self::CpuOnly => "only a CPU answers this",
             Self::GpuFailed => "the GPU has failed",

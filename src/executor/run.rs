@@ -9,7 +9,6 @@ use super::{
     choice::{Choice, Failure},
 };
 #[cfg(feature = "gpu")]
-use crate::Accuracy;
 #[cfg(feature = "gpu")]
 use crate::gpu::GpuError;
 use crate::memory::push;
@@ -32,9 +31,6 @@ pub(crate) trait Frame {
         cpu: &mut CpuHistory<Name<Self>>,
         verb: Verb,
     ) -> (Backend, Result<Answer<Self::Hit>, Error>);
-
-    #[cfg(feature = "gpu")]
-    fn accuracy(&self) -> Accuracy;
 
     /// Whether only a CPU answers, since a model or a pose is in f64.
     #[cfg(feature = "gpu")]
@@ -328,9 +324,6 @@ impl<N: Copy + Ord> Run<N> {
         if self.failure.is_pausing() {
             self.failure.passed();
             return self.on_cpu(frame, verb, Reason::GpuFailed);
-        }
-        if frame.accuracy() != Accuracy::Exact {
-            return self.on_cpu(frame, verb, Reason::Inexact);
         }
         // Choices for other models tell nothing of these.
         let meshes = frame.meshes();

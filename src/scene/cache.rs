@@ -80,12 +80,6 @@ impl<T: OfTwo> Cache<T> {
         reserve(self.next(), len)
     }
 
-    pub(super) fn forget(&mut self) {
-        self.drop_lost();
-        self.list.clear();
-        self.at = 0;
-    }
-
     /// Answers about bodies that are there and have not changed since, a piece for each two.
     pub(super) fn still_true(&self, bodies: &Bodies) -> impl Iterator<Item = &[T]> {
         let pieces = self.list.chunk_by(|x, y| x.bodies() == y.bodies());

@@ -6,8 +6,6 @@ use super::pairs::BodyPairs;
 #[cfg(feature = "gpu")]
 use super::{cache::merge, device::DeviceScene};
 #[cfg(feature = "gpu")]
-use crate::Accuracy;
-#[cfg(feature = "gpu")]
 use crate::executor::Device;
 use crate::executor::{Answer, Backend, CpuHistory, Frame, Named, Verb};
 use crate::subject::AnyBvtt;
@@ -58,11 +56,6 @@ impl Frame for SceneFrame<'_> {
     ) -> (Backend, Result<Answer<SceneHit>, Error>) {
         let trees = self.pairs.queries().map(|(bodies, query)| (bodies, AnyBvtt::Pair(query)));
         cpu.ask_in_turn(trees, verb, self.hits)
-    }
-
-    #[cfg(feature = "gpu")]
-    fn accuracy(&self) -> Accuracy {
-        self.pairs.accuracy
     }
 
     /// Where no pair is in f32 only.

@@ -24,7 +24,7 @@ use crate::executor::{Answer, Backend, CpuPart, Plan, Run, Verb, visit as search
 use crate::memory::push;
 #[cfg(feature = "threads")]
 use crate::threads;
-use crate::{Aabb, Accuracy, Contact, Error, Executor};
+use crate::{Aabb, Contact, Error, Executor};
 use bodies::Bodies;
 use broad::Broad;
 use cache::{Cache, merge};
@@ -95,7 +95,6 @@ use std::ops::ControlFlow;
 /// ```
 #[derive(Clone, Default)]
 pub struct SceneQuery {
-    accuracy: Accuracy,
     bodies: Bodies,
     broad: Broad,
     hits: Cache<SceneHit>,
@@ -123,15 +122,6 @@ impl SceneQuery {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// The same with another [`Accuracy`].
-    #[must_use]
-    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
-        self.accuracy = accuracy;
-        self.hits.forget();
-        self.contacts.forget();
-        self
     }
 
     /// The same by an executor; see [`crate::PairQuery::on`]. Bodies, and what is known of those that stay, are kept.
@@ -254,7 +244,7 @@ impl SceneQuery {
         }
         with_default(|| {
             self.find_overlaps()?;
-            let candidates = BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad);
+            let candidates = BodyPairs::since(since, &self.bodies, &self.broad);
             let mut asked = Vec::new();
             candidates.pairs().try_for_each(|places| push(&mut asked, places))?;
             let part = CpuPart::new();
@@ -338,7 +328,7 @@ impl SceneQuery {
             self.run.note_cpu(Backend::Sequential);
             let cancel = self.run.executor().cancel_flag();
             let mut kept = self.hits.still_true(&self.bodies).peekable();
-            let candidates = BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad);
+            let candidates = BodyPairs::since(since, &self.bodies, &self.broad);
             for (bodies, query) in candidates.queries() {
                 let mut end = ControlFlow::Continue(());
                 while end.is_continue()
@@ -454,7 +444,7 @@ impl SceneQuery {
         with_default(|| {
             self.find_overlaps()?;
             let mut frame = SceneFrame {
-                pairs: BodyPairs::since(since, self.accuracy, &self.bodies, &self.broad),
+                pairs: BodyPairs::since(since, &self.bodies, &self.broad),
                 hits: &mut self.new_hits,
                 #[cfg(feature = "gpu")]
                 device: &mut self.device,

@@ -4,13 +4,11 @@ use super::bodies::Bodies;
 use super::body::Body;
 use super::broad::{Broad, Places};
 use super::id::BodyId;
-use crate::Accuracy;
 use pfront_core::bvtt::PairBvtt;
 
 /// The bodies of a frame, and which of them may meet.
 #[derive(Clone, Copy)]
 pub(super) struct BodyPairs<'s> {
-    pub(super) accuracy: Accuracy,
     pub(super) bodies: &'s Bodies,
     pairs: &'s [Places],
     /// If there is a number, a pair of bodies that have both not changed since is not asked about.
@@ -20,17 +18,12 @@ pub(super) struct BodyPairs<'s> {
 }
 
 impl<'s> BodyPairs<'s> {
-    pub(super) fn since(
-        since: u64,
-        accuracy: Accuracy,
-        bodies: &'s Bodies,
-        broad: &'s Broad,
-    ) -> Self {
+    pub(super) fn since(since: u64, bodies: &'s Bodies, broad: &'s Broad) -> Self {
         let (pairs, since) = match broad.changed_since(since) {
             Some(changed) => (changed, None),
             None => (broad.pairs(), Some(since)),
         };
-        Self { accuracy, bodies, pairs, since, in_f64: None }
+        Self { bodies, pairs, since, in_f64: None }
     }
 
     /// The pairs with a body in f64, or the others.
@@ -59,7 +52,7 @@ impl<'s> BodyPairs<'s> {
     pub(super) fn query(&self, [a, b]: Places) -> Option<([BodyId; 2], PairBvtt<'s>)> {
         // Always there: the places are those of this frame.
         let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
-        Some(([a.id(), b.id()], meeting(a, b).with_accuracy(self.accuracy)))
+        Some(([a.id(), b.id()], meeting(a, b)))
     }
 }
 

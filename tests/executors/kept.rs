@@ -5,10 +5,9 @@ use super::model;
 use super::{EXECUTORS, Heap, folds, forgetful, worm};
 use crate::verbs::{Between, Within, check};
 use pfront::executor::{Backend, Reason};
-use pfront::{Accuracy, Adjacency, Body, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
+use pfront::{Adjacency, Body, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 #[cfg(feature = "gpu")]
 use pfront_testkit::scenes::icosphere;
-use std::mem::take;
 
 /// Asserts who answered a query last: what is kept, or somebody.
 macro_rules! assert_kept {
@@ -68,9 +67,6 @@ fn answers_about_two_models() {
         // In the other order.
         query.all(&twin, &a, poses[5]).unwrap();
         assert_asked!(query, name);
-        let mut query = query.with_accuracy(Accuracy::Conservative);
-        query.all(&twin, &a, poses[5]).unwrap();
-        assert_asked!(query, name);
         query.all(&twin, &a, poses[5]).unwrap();
         assert_kept!(query, name);
         query.forget();
@@ -126,9 +122,6 @@ fn answers_about_one_model() {
         let apart = query.all(&sheet).unwrap().to_vec();
         assert_asked!(query, name);
         assert!(apart.iter().all(|pair| second.contains(pair)), "{name}");
-        let mut query = query.with_accuracy(Accuracy::Fast);
-        query.all(&sheet).unwrap();
-        assert_asked!(query, name);
         query.all(&sheet).unwrap();
         assert_kept!(query, name);
         query.forget();
@@ -136,8 +129,7 @@ fn answers_about_one_model() {
         assert_asked!(query, name);
         // There and back is another stamp.
         sheet.set_positions(&shapes[2]).unwrap();
-        let mut query =
-            query.with_accuracy(Accuracy::Exact).with_adjacency(Adjacency::SharedIndexRule);
+        let mut query = query.with_adjacency(Adjacency::SharedIndexRule);
         assert_eq!(query.all(&sheet).unwrap(), first);
         assert_asked!(query, name);
     }
@@ -192,9 +184,6 @@ fn answers_about_a_scene() {
         asked(&mut scene);
         scene.split(ids[3], |triangle| triangle % 2).unwrap();
         asked(&mut scene);
-        scene = scene.with_accuracy(Accuracy::Conservative);
-        scene.all().unwrap();
-        assert_asked!(scene, name);
     }
 }
 
@@ -239,43 +228,6 @@ fn clones_go_their_own_way() {
             heap.happen(&mut scenes[i], frame);
             let mut truth = forgetful(&scenes[i]);
             check(&mut scenes[i], &mut truth, frame, name);
-        }
-    }
-}
-
-/// A GPU that is there in any case is exact; one beside a CPU leaves to it what is to be less.
-#[test]
-fn other_accuracies() {
-    let (a, b, poses) = worm();
-    let heap = Heap::new();
-    for accuracy in [Accuracy::Conservative, Accuracy::Fast] {
-        for (name, executor) in EXECUTORS.iter() {
-            let expected = if *name == "gpu" { Accuracy::Exact } else { accuracy };
-            let mut query = PairQuery::new().on(executor).with_accuracy(accuracy);
-            let mut truth = PairQuery::new().with_accuracy(expected);
-            let reason = match *name {
-                name if name.contains("and gpu") => Reason::Inexact,
-                _ => Reason::NoChoice,
-            };
-            for pose in &poses[..4] {
-                assert_eq!(query.count(&a, &b, pose), truth.count(&a, &b, pose), "{name}");
-                assert_eq!(query.all(&a, &b, pose), truth.all(&a, &b, pose), "{name}");
-                let plan = query.plan().unwrap();
-                assert_eq!((plan.backend == Backend::Gpu, plan.reason), (*name == "gpu", reason));
-            }
-            let mut query = SelfQuery::new().on(executor).with_accuracy(accuracy);
-            let mut truth = SelfQuery::new().with_accuracy(expected);
-            assert_eq!(query.all(&a), truth.all(&a), "{name}");
-            assert_eq!(query.plan().unwrap().reason, reason);
-            let mut scene = SceneQuery::new().on(executor).with_accuracy(accuracy);
-            heap.fill(&mut scene);
-            let mut truth = scene.clone().on(&Executor::sequential()).with_accuracy(expected);
-            assert_eq!(scene.all(), truth.all(), "{name}");
-            assert_eq!(scene.plan().unwrap().reason, reason);
-            // Back to exact answers.
-            scene = take(&mut scene).with_accuracy(Accuracy::Exact);
-            let mut truth = forgetful(&scene);
-            check(&mut scene, &mut truth, 2, name);
         }
     }
 }

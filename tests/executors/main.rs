@@ -6,7 +6,7 @@
 mod kept;
 mod verbs;
 
-use pfront::{Accuracy, BodyId, Error, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
+use pfront::{BodyId, Error, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::{Scene, icosphere};
 use std::sync::{Arc, Barrier, LazyLock};
@@ -224,7 +224,7 @@ impl Heap {
 
 /// The same bodies, of which nothing is known.
 fn forgetful(scene: &SceneQuery) -> SceneQuery {
-    scene.clone().with_accuracy(Accuracy::Exact).on(&Executor::sequential())
+    scene.clone().on(&Executor::sequential())
 }
 
 #[test]

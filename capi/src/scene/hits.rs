@@ -89,9 +89,8 @@ pub unsafe extern "C" fn pfront_scene_update(
     })
 }
 
-/// `pfront_scene_update` that also tells where they meet. A pair that only PFRONT_CONSERVATIVE or PFRONT_FAST reports
-/// meets nowhere and is left out. `contacts` belongs to the scene and is good until this is called again, or the scene
-/// is freed.
+/// `pfront_scene_update` that also tells where they meet. `contacts` belongs to the scene and is good until this is called
+/// again, or the scene is freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_contacts(
     scene: *mut pfront_scene_t,

@@ -11,7 +11,7 @@ use serde_json::json;
 use std::io::Write;
 
 pub(crate) fn run(meshes: &TwoMeshes, executor: &ExecutorArgs, as_json: bool) -> Result<bool> {
-    let mut query = PairQuery::new().with_accuracy(executor.accuracy()).on(&executor.open()?);
+    let mut query = PairQuery::new().on(&executor.open()?);
     let [(a, _), (b, _)] = two(meshes, None)?;
     let found = query.any(&a, &b, meshes.a_from_b())?;
     if as_json {

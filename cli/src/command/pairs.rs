@@ -10,7 +10,7 @@ use pfront_cli::executor::ExecutorArgs;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs) -> Result<bool> {
     let contacts = listing.needs_contacts()?;
-    let mut query = PairQuery::new().with_accuracy(executor.accuracy()).on(&executor.open()?);
+    let mut query = PairQuery::new().on(&executor.open()?);
     let [(a, source_a), (b, source_b)] = two(meshes, listing.file())?;
     let a_from_b = meshes.a_from_b();
     let pairs = shown("asking which triangles meet".to_owned(), || {

@@ -28,7 +28,7 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
         ensure!(!format.is_drawn(), "--bodies is text: leave it out, or write .json or .csv");
     }
     check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), listing.file())?;
-    let mut scene = SceneQuery::new().with_accuracy(executor.accuracy()).on(&executor.open()?);
+    let mut scene = SceneQuery::new().on(&executor.open()?);
     let (mut parts, mut sources) = (Vec::new(), Vec::new());
     for path in meshes {
         let loaded = shown(format!("reading {}", path.display()), || read(path, reading))?;

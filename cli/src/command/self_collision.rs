@@ -17,7 +17,7 @@ pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
         true => Adjacency::SkipNeighbours,
         false => Adjacency::SharedIndexRule,
     };
-    let query = SelfQuery::new().with_accuracy(executor.accuracy()).with_adjacency(adjacency);
+    let query = SelfQuery::new().with_adjacency(adjacency);
     let mut query = query.on(&executor.open()?);
     let (mut joined, mut vertices) = (0, 0);
     let (model, source) = model(path, *weld, reading, |mesh| {

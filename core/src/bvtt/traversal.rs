@@ -6,7 +6,7 @@ use super::wide_node::WideNode;
 use super::{Bvtt, Cursor, NodePair, TrianglePair};
 use crate::bvh::Layout;
 use crate::simd::{LANES, Simd, Task, VECTORS, widest};
-use crate::triangle::{intersects_by, intersects_in_mesh};
+use crate::triangle::{intersects, intersects_in_mesh};
 use core::ops::ControlFlow;
 
 /// The visitor of hits. A trait object, so that there is one traversal in machine code per kind of query.
@@ -146,11 +146,11 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
                 true
             } else if SELF && pairs.may_share_vertex >> bit & 1 != 0 {
                 let mesh = self.a.bvh.mesh();
-                intersects_in_mesh(mesh, pair.a, pair.b, self.adjacency, self.accuracy)
+                intersects_in_mesh(mesh, pair.a, pair.b, self.adjacency)
             } else if let Some(InF64 { f64, .. }) = in_f64 {
                 (f64.intersects)(self.posed_meshes(), pair)
             } else {
-                intersects_by(self.inexact_test, &a.triangle(i), &b.triangle(j))
+                intersects(&a.triangle(i), &b.triangle(j))
             };
             if is_hit { visit(pair) } else { ControlFlow::Continue(()) }
         })

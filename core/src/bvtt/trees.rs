@@ -14,7 +14,7 @@ use crate::bvh::Layout;
 use crate::one_ring::{Certified, OneRing, hub_of, is_marked};
 use crate::pose::{Affine, Pose64, PoseError};
 use crate::simd::VECTORS;
-use crate::triangle::{Accuracy, Adjacency, Contact, InexactTest, contact, intersects};
+use crate::triangle::{Adjacency, Contact, contact, intersects};
 use crate::{Aabb, Bvh, Node, Pose};
 use core::ops::{ControlFlow, Range};
 use glam::Vec3A;
@@ -52,9 +52,6 @@ pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
     /// frame are often apart in the other. These are the face axes of both boxes in the test of Gottschalk et al.
     /// (*OBBTree*, 1996). Without vectors, to pose a box takes as long as it saves.
     pub(super) first_seen: Option<Affine>,
-    pub(super) accuracy: Accuracy,
-    /// The test of triangles that share no vertex, unless it is the exact one.
-    pub(super) inexact_test: Option<InexactTest>,
     pub(super) adjacency: Adjacency,
     pub(super) rings: &'a [OneRing],
     /// Marks of the nodes below which all triangles share a vertex: see [`crate::one_ring`].
@@ -163,7 +160,7 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     #[must_use]
     pub fn intersects(&self, pair: TrianglePair) -> bool {
         match &self.in_f64 {
-            None => intersects(&self.a.triangle(pair.a), &self.b.triangle(pair.b), Accuracy::Exact),
+            None => intersects(&self.a.triangle(pair.a), &self.b.triangle(pair.b)),
             Some(InF64 { f64, .. }) => (f64.intersects)(self.posed_meshes(), pair),
         }
     }
@@ -198,8 +195,7 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
         Self { adjacency, ..self }
     }
 
-    /// The true pairs, found sooner where many vertices are certified: see [`one_ring`](crate::one_ring). Under
-    /// [`Accuracy::Exact`] they are those found without; inexact tests may invent pairs that a certificate rules out.
+    /// The true pairs, found sooner where many vertices are certified: see [`one_ring`](crate::one_ring).
     ///
     /// Certificates of another mesh are not used: both must borrow the same positions and triangles.
     ///
@@ -252,8 +248,6 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
             b,
             box_poses: [a.pose, b.pose],
             first_seen: None,
-            accuracy: Accuracy::Exact,
-            inexact_test: None,
             adjacency: Adjacency::SharedIndexRule,
             rings: &[],
             fans: &[],
@@ -262,12 +256,6 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
             root: None,
             leaf_edge: a.bvh.leaf_edge().max(b.bvh.leaf_edge()),
         }
-    }
-
-    /// The same with another [`Accuracy`].
-    #[must_use]
-    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
-        Self { accuracy, inexact_test: accuracy.inexact_test(), ..self }
     }
 
     /// Both sides, as what decides in f64 takes them.

@@ -12,7 +12,7 @@
 //! underflow either; for those of f64, at most 2^126, [`UNDERFLOW_3D`] and [`UNDERFLOW_2D`] bound what it costs. The extents
 //! are multiplied first: a small one times the constant could underflow, and the bound with it, beside a large one.
 
-use super::{Coordinate, Orientation, Point};
+use super::Coordinate;
 use glam::DVec3;
 
 /// Bound of the error of a determinant of three differences, for extents of 1.
@@ -25,19 +25,6 @@ pub(crate) const ERROR_2D: f64 = 9.0e-16;
 pub(crate) const UNDERFLOW_3D: f64 = f64::from_bits((1023 - 940) << 52);
 /// 2^-1070: two products lose 2^-1075 each, and the bound as much.
 pub(crate) const UNDERFLOW_2D: f64 = f64::from_bits(1 << 4);
-
-/// Signs that f64 certifies, and `None` for the rest.
-pub(crate) enum CertifiedF64 {}
-
-impl Orientation for CertifiedF64 {
-    type C = f32;
-
-    #[inline]
-    fn orient3d<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
-        let signs = orient3d(plane, points);
-        if signs.contains(&0) { None } else { Some(signs) }
-    }
-}
 
 /// Signs of several points over one plane, 0 where f64 certifies none.
 #[inline]

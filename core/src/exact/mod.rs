@@ -5,10 +5,8 @@
 //! Robust Geometric Predicates*, 1997). An `Orientation` is one way to decide:
 //!
 //! - `CertifiedF32`: f32, certified signs only. Nearly all triangle pairs end here;
-//! - `CertifiedF64`: f64, certified signs only;
 //! - `ExactF64`: f64, exact for points whose coordinates are small multiples of a power of two;
-//! - `Exact`, of points in f32 or f64: what f64 does not certify is computed in integers, of as many bits as it takes;
-//! - `Fast`: f32 without a bound.
+//! - `Exact`, of points in f32 or f64: what f64 does not certify is computed in integers, of as many bits as it takes.
 //!
 //! Two departures from Shewchuk: the bounds take the largest difference per axis in place of the permanent,
 //! as Devillers and Pion do (*Efficient Exact Geometric Predicates for Delaunay Triangulations*, 2003), and
@@ -23,8 +21,8 @@ mod wide;
 
 pub(crate) use exact64::{ExactF64, are_exact_in_f64};
 pub(crate) use filter32::CertifiedF32;
-pub(crate) use filter64::{CertifiedF64, difference};
-pub(crate) use orientation::{Coordinate, Exact, Fast, HAS_F64, LIMIT, Orientation};
+pub(crate) use filter64::difference;
+pub(crate) use orientation::{Coordinate, Exact, HAS_F64, LIMIT, Orientation};
 
 /// A point in space.
 pub(crate) type Point = [f32; 3];

@@ -2,9 +2,9 @@
 //!
 //! The triangle tests are written once over [`Orientation`]: what they promise is what its signs promise.
 
-use super::{Point, Point2, filter64, integer};
+use super::{Point, filter64, integer};
 use core::marker::PhantomData;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// A coordinate of the points that predicates decide: a finite f32, or an f64 of at most [`LIMIT`].
 pub(crate) trait Coordinate: Copy + PartialOrd + From<f32> + Into<f64> {
@@ -49,9 +49,6 @@ pub(crate) trait Orientation {
 /// Every sign is exact.
 pub(crate) struct Exact<C = f32>(PhantomData<C>);
 
-/// Plain f32: any sign may be wrong.
-pub(crate) enum Fast {}
-
 /// Whether f64 comes before integers. Bare ARM computes f64 by integers too, so that it saves no time there and
 /// takes 2 KiB of machine code.
 pub(crate) const HAS_F64: bool = !cfg!(all(target_arch = "arm", target_os = "none"));
@@ -91,45 +88,5 @@ impl<C: Coordinate> Orientation for Exact<C> {
     #[inline(always)]
     fn orient2d(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> Option<i32> {
         Some(orient2d(a, b, c))
-    }
-}
-
-impl Orientation for Fast {
-    type C = f32;
-
-    #[inline]
-    fn orient3d<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
-        let edge = |p: &Point| Vec3::from_array(*p) - Vec3::from_array(*a);
-        let normal = edge(b).cross(edge(c));
-        Some(points.map(|p| sign(normal.dot(edge(p)))))
-    }
-
-    #[inline]
-    fn orient2d(a: &Point2, b: &Point2, c: &Point2) -> Option<i32> {
-        Some(sign((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])))
-    }
-}
-
-/// Zero for zero and for NaN.
-fn sign(x: f32) -> i32 {
-    i32::from(x > 0.0) - i32::from(x < 0.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use pfront_testkit::rng::{RngExt, seeded};
-
-    /// In small whole coordinates f32 makes no error.
-    #[test]
-    fn plain_f32_is_right_where_it_is_exact() {
-        let mut rng = seeded(2);
-        for _ in 0..2_000 {
-            let [a, b, c, d]: [Point; 4] =
-                [[0; 3]; 4].map(|p| p.map(|_| f32::from(rng.random_range(-9..=9_i8))));
-            assert_eq!(Fast::orient3d([&a, &b, &c], [&d]), Some(sides([&a, &b, &c], [&d])));
-            let [a, b, c] = [a, b, c].map(|[x, y, _]| [x, y]);
-            assert_eq!(Fast::orient2d(&a, &b, &c), Some(orient2d(&a, &b, &c)));
-        }
     }
 }

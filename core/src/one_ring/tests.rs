@@ -6,7 +6,7 @@ use super::*;
 use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, morton, node_bound, refit};
 use crate::bvtt::{Query, SelfBvtt};
 use crate::parallel::FINE;
-use crate::triangle::{Accuracy, Adjacency, intersects_in_mesh};
+use crate::triangle::{Adjacency, intersects_in_mesh};
 use crate::{Bvh, Node};
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use pfront_testkit::MeshData;
@@ -364,7 +364,7 @@ fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
         let mut shadow = vec![[0.0; 3]; positions.len()];
         let mesh = Mesh::from_f64(&positions, &triangles, &mut shadow).unwrap();
         let rule = Adjacency::SharedIndexRule;
-        assert_eq!(intersects_in_mesh(mesh, 0, 4, rule, Accuracy::Exact), overlaps);
+        assert_eq!(intersects_in_mesh(mesh, 0, 4, rule), overlaps);
         assert!(certified(Mesh::new(mesh.shadow(), &triangles).unwrap()));
         assert!(!(overlaps && certified(mesh)));
     }

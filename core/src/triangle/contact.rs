@@ -32,8 +32,7 @@ pub struct Contact<C = f32> {
     pub normals: [[f32; 3]; 2],
 }
 
-/// The segment in which two closed triangles meet, or `None` if they do not: `Some` exactly when [`intersects`](super::intersects) says so
-/// at the accuracy `Exact`.
+/// The segment in which two closed triangles meet, or `None` if they do not: `Some` exactly when [`intersects`](super::intersects) says so.
 ///
 /// # Complexity
 /// O(1), no allocation.

@@ -13,10 +13,10 @@
 //! with an error bound of its own: see [`separated_at_vertex`] and [`separated_at_edge`].
 
 use super::coplanar::{projection, segment_intersects, turn};
-use super::{Accuracy, intersects, intersects_in_f64};
+use super::{intersects, intersects_in_f64};
 use crate::Mesh;
 use crate::exact::filter64::{UNDERFLOW_2D, UNDERFLOW_3D};
-use crate::exact::{CertifiedF64, Coordinate, Exact, Fast, Orientation, difference};
+use crate::exact::{Coordinate, Exact, Orientation, difference};
 use crate::index::at;
 use glam::DVec3;
 
@@ -31,43 +31,33 @@ pub enum Adjacency {
     SkipNeighbours,
 }
 
-/// Whether triangles `i` and `j` of one mesh collide.
+/// Whether triangles `i` and `j` of one mesh collide, exactly.
 ///
 /// # Panics
 /// If `i` or `j` is not a triangle of `mesh`.
 ///
 /// # Examples
 /// ```
-/// use pfront_core::{Mesh, triangle::{Accuracy, Adjacency, intersects_in_mesh}};
+/// use pfront_core::{Mesh, triangle::{Adjacency, intersects_in_mesh}};
 /// // Two faces of a fold: they share an edge and nothing else.
 /// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let fold = Mesh::new(&points, &[[0, 1, 2], [1, 0, 3]])?;
-/// assert!(!intersects_in_mesh(fold, 0, 1, Adjacency::SharedIndexRule, Accuracy::Exact));
+/// assert!(!intersects_in_mesh(fold, 0, 1, Adjacency::SharedIndexRule));
 /// # Ok::<(), pfront_core::MeshError>(())
 /// ```
 #[must_use]
-pub fn intersects_in_mesh(
-    mesh: Mesh<'_>,
-    i: u32,
-    j: u32,
-    adjacency: Adjacency,
-    accuracy: Accuracy,
-) -> bool {
+pub fn intersects_in_mesh(mesh: Mesh<'_>, i: u32, j: u32, adjacency: Adjacency) -> bool {
     if let Some(f64) = mesh.f64() {
         return (f64.intersects_in_mesh)(mesh, [i, j], adjacency);
     }
     match neighbours(mesh, [i, j], |vertex| *at(mesh.shadow(), vertex)) {
-        None => intersects(&mesh.shadow_triangle(i), &mesh.shadow_triangle(j), accuracy),
+        None => intersects(&mesh.shadow_triangle(i), &mesh.shadow_triangle(j)),
         Some(_) if adjacency == Adjacency::SkipNeighbours => false,
-        Some([a, b]) => match accuracy {
-            Accuracy::Exact => neighbours_intersect::<Exact<f32>>(&a, &b) == Some(true),
-            Accuracy::Conservative => neighbours_intersect::<CertifiedF64>(&a, &b).unwrap_or(true),
-            Accuracy::Fast => neighbours_intersect::<Fast>(&a, &b) == Some(true),
-        },
+        Some([a, b]) => neighbours_intersect::<Exact<f32>>(&a, &b) == Some(true),
     }
 }
 
-/// [`intersects_in_mesh`], exactly, of a mesh whose positions are in f64.
+/// [`intersects_in_mesh`] of a mesh whose positions are in f64.
 pub(crate) fn intersects_in_mesh_f64(
     mesh: Mesh<'_>,
     [i, j]: [u32; 2],
@@ -257,15 +247,14 @@ mod tests {
                 let (positions, a, b) = family.indexed(&mut rng);
                 let triangles = [a, b];
                 let mesh = Mesh::new(&positions, &triangles).unwrap();
-                let hits = |accuracy| intersects_in_mesh(mesh, 0, 1, RULE, accuracy);
+                let found = intersects_in_mesh(mesh, 0, 1, RULE);
                 let truth = self_hit(a, b, &positions);
-                assert_eq!(hits(Accuracy::Exact), truth, "{family:?} {positions:?} {triangles:?}");
-                assert!(hits(Accuracy::Conservative) || !truth);
+                assert_eq!(found, truth, "{family:?} {positions:?} {triangles:?}");
             }
         }
     }
 
-    /// All six corners on one line, in whole numbers, so that f32 makes no error.
+    /// All six corners on one line.
     #[test]
     fn segments_on_one_line_as_the_oracle() {
         let mut rng = seeded(13);
@@ -278,10 +267,8 @@ mod tests {
             let triangles = [0; 2].map(|_| [0; 3].map(|_| rng.random_range(0..6)));
             let mesh = Mesh::new(&positions, &triangles).unwrap();
             let truth = self_hit(triangles[0], triangles[1], &positions);
-            for accuracy in [Accuracy::Exact, Accuracy::Fast] {
-                let found = intersects_in_mesh(mesh, 0, 1, RULE, accuracy);
-                assert_eq!(found, truth, "{accuracy:?} {positions:?} {triangles:?}");
-            }
+            let found = intersects_in_mesh(mesh, 0, 1, RULE);
+            assert_eq!(found, truth, "{positions:?} {triangles:?}");
         }
     }
 

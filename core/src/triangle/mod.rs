@@ -13,13 +13,8 @@
 //! If all three signs of a step are zero, the planes coincide or a triangle is degenerate: see `coplanar`.
 //!
 //! # Where signs come from
-//! The test is written once over `Orientation` and run with one kind of signs after the other. [`Accuracy`]
-//! chooses the kinds:
-//!
-//! - exact: signs that f32 certifies; if one is uncertain, the whole test anew with exact signs, those of f64 for corners
-//!   on a grid;
-//! - conservative: f32, then f64, both certified; if one is uncertain still, the pair counts as a hit;
-//! - fast: plain f32.
+//! The test is written once over `Orientation` and run with signs that f32 certifies; if one is uncertain, the whole test
+//! anew with exact signs, those of f64 for corners on a grid.
 //!
 //! # Where we depart
 //! The paper permutes corners case by case. Here one rule finds the corner that is alone on its side
@@ -39,29 +34,12 @@ pub(crate) use in_mesh::intersects_in_mesh_f64;
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
-use crate::exact::{
-    CertifiedF32, CertifiedF64, Exact, ExactF64, Fast, HAS_F64, Orientation, Point,
-    are_exact_in_f64,
-};
+use crate::exact::{CertifiedF32, Exact, ExactF64, HAS_F64, Orientation, Point, are_exact_in_f64};
 use crate::mesh::{MeshError, check_position};
 use glam::Vec3A;
 
-/// The guarantee of an answer about triangles with f32 positions. Posed ones are taken as
-/// [`Pose::apply`](crate::Pose::apply) rounds them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Accuracy {
-    /// The true answer.
-    #[default]
-    Exact,
-    /// Never misses; a pair that the f64 filter leaves open counts as a hit.
-    Conservative,
-    /// Plain f32: no promise.
-    Fast,
-}
-
-/// Whether two closed triangles share a point. Touching counts; a triangle without area is its
-/// segment or point. Swapping the triangles or permuting corners changes no `Exact` answer.
+/// Whether two closed triangles share a point, exactly. Touching counts; a triangle without area is its
+/// segment or point.
 ///
 /// Coordinates must be finite.
 ///
@@ -70,16 +48,30 @@ pub enum Accuracy {
 ///
 /// # Examples
 /// ```
-/// use pfront_core::triangle::{Accuracy, intersects};
+/// use pfront_core::triangle::intersects;
 /// let floor = [[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
 /// let tip = |z| [[1.0, 1.0, z], [1.0, 2.0, 3.0], [2.0, 1.0, 3.0]];
-/// assert!(intersects(&floor, &tip(0.0), Accuracy::Exact));
-/// assert!(!intersects(&floor, &tip(1e-45), Accuracy::Exact));
+/// assert!(intersects(&floor, &tip(0.0)));
+/// assert!(!intersects(&floor, &tip(1e-45)));
 /// ```
-#[inline]
+#[cfg_attr(not(target_os = "none"), inline)]
+#[cfg_attr(target_os = "none", inline(never))] // Firmware has little room for code.
 #[must_use]
-pub fn intersects(a: &Triangle, b: &Triangle, accuracy: Accuracy) -> bool {
-    intersects_by(accuracy.inexact_test(), a, b)
+pub fn intersects(a: &Triangle, b: &Triangle) -> bool {
+    // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
+    let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
+    let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
+    let is_flush = flush.any();
+    if !is_flush && let Some(hit) = triangles_intersect::<CertifiedF32>(a, b) {
+        return hit;
+    }
+    let hit = match (is_flush, HAS_F64 && are_exact_in_f64(a, b)) {
+        (true, true) => coplanar_triangles_intersect::<ExactF64>(a, b),
+        (true, false) => coplanar_triangles_intersect::<Exact<f32>>(a, b),
+        (false, true) => triangles_intersect::<ExactF64>(a, b),
+        (false, false) => triangles_intersect::<Exact<f32>>(a, b),
+    };
+    hit == Some(true)
 }
 
 /// Whether two closed triangles with f64 coordinates share a point, exactly: what [`intersects`] says for f32.
@@ -108,53 +100,6 @@ pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, Mesh
 /// [`intersects_f64`] of coordinates that are in range.
 pub(crate) fn intersects_in_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> bool {
     triangles_intersect::<Exact<f64>>(a, b) == Some(true)
-}
-
-/// [`intersects`] at another accuracy than `Exact`. A query holds it by pointer, so that firmware whose pair queries are
-/// exact links no other test.
-pub(crate) type InexactTest = fn(&Triangle, &Triangle) -> bool;
-
-impl Accuracy {
-    /// `None` is the exact test.
-    pub(crate) fn inexact_test(self) -> Option<InexactTest> {
-        match self {
-            Self::Exact => None,
-            Self::Conservative => Some(|a, b| {
-                let certified = triangles_intersect::<CertifiedF32>(a, b);
-                certified.or_else(|| triangles_intersect::<CertifiedF64>(a, b)).unwrap_or(true)
-            }),
-            Self::Fast => Some(|a, b| triangles_intersect::<Fast>(a, b) == Some(true)),
-        }
-    }
-}
-
-/// [`intersects`] by another test than the exact one, if there is one.
-#[inline(always)]
-pub(crate) fn intersects_by(test: Option<InexactTest>, a: &Triangle, b: &Triangle) -> bool {
-    match test {
-        None => intersects_exactly(a, b),
-        Some(test) => test(a, b),
-    }
-}
-
-/// [`intersects`] at the accuracy `Exact`.
-#[cfg_attr(not(target_os = "none"), inline)]
-#[cfg_attr(target_os = "none", inline(never))] // Firmware has little room for code.
-fn intersects_exactly(a: &Triangle, b: &Triangle) -> bool {
-    // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
-    let level = |p: &Point| Vec3A::from_array(*p).cmpeq(Vec3A::from_array(a[0]));
-    let flush = level(&b[0]) & level(&a[1]) & level(&a[2]) & level(&b[1]) & level(&b[2]);
-    let is_flush = flush.any();
-    if !is_flush && let Some(hit) = triangles_intersect::<CertifiedF32>(a, b) {
-        return hit;
-    }
-    let hit = match (is_flush, HAS_F64 && are_exact_in_f64(a, b)) {
-        (true, true) => coplanar_triangles_intersect::<ExactF64>(a, b),
-        (true, false) => coplanar_triangles_intersect::<Exact<f32>>(a, b),
-        (false, true) => triangles_intersect::<ExactF64>(a, b),
-        (false, false) => triangles_intersect::<Exact<f32>>(a, b),
-    };
-    hit == Some(true)
 }
 
 /// [`intersects`] by one kind of signs; `None` if a sign that decides is not known.
@@ -283,8 +228,7 @@ mod tests {
         for (first, second) in [(&FLOOR, &b), (&b, &FLOOR)] {
             for p in permutations(first) {
                 for q in permutations(second) {
-                    assert_eq!(intersects(&p, &q, Accuracy::Exact), expected, "{p:?} {q:?}");
-                    assert!(!expected || intersects(&p, &q, Accuracy::Conservative));
+                    assert_eq!(intersects(&p, &q), expected, "{p:?} {q:?}");
                 }
             }
         }
@@ -327,19 +271,6 @@ mod tests {
         check([[1.0, 1.0, 0.0]; 3], true);
         check([[1.0, 1.0, 1e-45]; 3], false);
         check([[-1.0, 1.0, 0.0]; 3], false);
-    }
-
-    #[test]
-    fn each_accuracy_keeps_its_own_promise() {
-        let hits = |a, b| {
-            [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast].map(|x| intersects(a, b, x))
-        };
-        // No bound certifies that sides are zero.
-        let beside = [[3.0, 3.0, 0.0], [9.0, 3.0, 0.0], [3.0, 9.0, 0.0]];
-        assert_eq!(hits(&FLOOR, &beside), [false, true, false]);
-        // Determinants of 1e-50 are zero in f32.
-        let small = |z: f32| FLOOR.map(|[x, y, _]| [1e-20 * x, 1e-20 * y, z]);
-        assert_eq!(hits(&small(0.0), &small(1e-10)), [false, false, true]);
     }
 
     #[test]

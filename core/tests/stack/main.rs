@@ -14,7 +14,7 @@ use pfront_core::bvh::*;
 use pfront_core::bvtt::*;
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::one_ring::{OneRings, history_bound, links_bound};
-use pfront_core::triangle::{Accuracy, intersects};
+use pfront_core::triangle::intersects;
 use pfront_core::{Blob, Bvh, Mesh, Node, Pose, Pose64, blob};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
@@ -147,15 +147,13 @@ fn queries() {
         let (mesh, bvh) = (mesh(soup), tree.bvh(mesh(soup)));
         let mut nodes = vec![CompactNode::default(); tree.nodes.len()];
         let small = compact(mesh, &tree.nodes, &tree.order, &mut nodes).unwrap();
-        for accuracy in [Accuracy::Exact, Accuracy::Conservative, Accuracy::Fast] {
-            let standard = PosedBvh::new(bvh, &turned()).unwrap();
-            let compact = PosedBvh::new(small, &turned()).unwrap();
-            walk(&SelfBvtt::new(bvh).with_accuracy(accuracy));
-            walk(&SelfBvtt::new(small).with_accuracy(accuracy));
-            walk(&PairBvtt::new(bvh, bvh, turned()).unwrap().with_accuracy(accuracy));
-            walk(&PairBvtt::in_world(standard, standard).with_accuracy(accuracy));
-            walk(&PairBvtt::in_world(compact, standard).with_accuracy(accuracy));
-        }
+        let standard = PosedBvh::new(bvh, &turned()).unwrap();
+        let compact = PosedBvh::new(small, &turned()).unwrap();
+        walk(&SelfBvtt::new(bvh));
+        walk(&SelfBvtt::new(small));
+        walk(&PairBvtt::new(bvh, bvh, turned()).unwrap());
+        walk(&PairBvtt::in_world(standard, standard));
+        walk(&PairBvtt::in_world(compact, standard));
         let query = PairBvtt::new(bvh, bvh, turned()).unwrap();
         let mut page = vec![TrianglePair::default(); 1000];
         check("PairBvtt::new", || _ = black_box(PairBvtt::new(bvh, bvh, turned())).unwrap());
@@ -164,7 +162,7 @@ fn queries() {
         check("contact", || page.iter().for_each(|p| _ = black_box(query.contact(*p))));
         check("intersects", || {
             for [a, b] in page.iter().map(|p| [p.a, p.b].map(|t| mesh.shadow_triangle(t))) {
-                black_box(intersects(&a, &b, Accuracy::Exact));
+                black_box(intersects(&a, &b));
             }
         });
     }

@@ -97,7 +97,7 @@ pub fn summary(sets: &[Vec<Point>]) -> String {
             .to_owned();
     for set in sets.iter().filter(|set| is_of(Source::Contact, set)) {
         let find = |name: &str| set.iter().find(|p| p.test == name);
-        let (Some(exact), Some(fast)) = (find("pfront Exact"), find("pfront Fast")) else {
+        let (Some(exact), Some(fast)) = (find("pfront Exact"), find("Fast")) else {
             continue;
         };
         let rate = |p: &Point| p.tally.per_million(p.tally.wrong());

@@ -5,7 +5,9 @@ use anyhow::{Context, Result};
 use clap::Args;
 use indicatif::ProgressBar;
 use pfront_cli::output::{Draft, out};
-use pfront_lab::judge::{IN_F64, Judge as Counter, OURS, OnGpu, Tally, Test, tallies_in_f64};
+use pfront_lab::judge::{
+    IN_F64, INEXACT, Judge as Counter, OURS, OnGpu, Tally, Test, tallies_in_f64,
+};
 use pfront_lab::recorded;
 use pfront_lab::suite::{Block, Reader, Writer, answers};
 use pfront_testkit::families::InF64;
@@ -69,10 +71,16 @@ struct Ours {
     bar: ProgressBar,
 }
 
+/// All tests that are judged.
+fn tests() -> [Test; 4] {
+    let ([exact, query], [conservative, fast]) = (OURS, INEXACT);
+    [exact, query, conservative, fast]
+}
+
 impl Ours {
     fn new(sets: usize, pairs: u64, on_gpu: bool) -> Result<Self> {
         let gpu = if on_gpu { Some((OnGpu::new()?, vec![Tally::default(); sets])) } else { None };
-        Ok(Self { cpu: Counter::new(&OURS, sets), gpu, bar: progress(pairs, "pair") })
+        Ok(Self { cpu: Counter::new(&tests(), sets), gpu, bar: progress(pairs, "pair") })
     }
 
     fn add(&mut self, blocks: &[Block]) -> Result<()> {
@@ -90,10 +98,8 @@ impl Ours {
         self.bar.finish_and_clear();
         let of_test = |i: usize| self.cpu.scores().iter().map(|score| score[i]).collect();
         let promises = [[true; 2], [true; 2], [true, false], [false; 2]];
-        let columns = OURS.iter().zip(promises).enumerate().map(|(i, (test, promises))| Column {
-            name: test.name.to_owned(),
-            promises,
-            tallies: of_test(i),
+        let columns = tests().into_iter().zip(promises).enumerate().map(|(i, (test, promises))| {
+            Column { name: test.name.to_owned(), promises, tallies: of_test(i) }
         });
         let gpu = self.gpu.map(|(gpu, tallies)| {
             let name = format!("{}, {} left to the CPU", gpu.name(), gpu.left_to_cpu());

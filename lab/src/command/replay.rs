@@ -90,10 +90,10 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         true => Adjacency::SkipNeighbours,
         false => Adjacency::SharedIndexRule,
     };
-    let (accuracy, executor) = (replay.executor.accuracy(), replay.executor.open()?);
+    let executor = replay.executor.open()?;
     let start = Clock::now();
     let objects = Objects::new(header).with_context(file)?;
-    let mut player = Player::new(objects, &Asked { accuracy, adjacency, executor })?;
+    let mut player = Player::new(objects, &Asked { adjacency, executor })?;
     let [build, build_cpu] = Clock::now().since(start);
 
     let mut pairs = match &replay.pairs {

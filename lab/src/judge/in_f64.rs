@@ -3,7 +3,6 @@
 use super::{Tally, Test};
 use crate::suite::{BLOCK, Case};
 use crate::textbook;
-use pfront::Accuracy;
 use pfront::pfront_core::triangle::{intersects, intersects_f64};
 use pfront_testkit::families::{Family, InF64, Triangle64};
 use pfront_testkit::oracle::intersect;
@@ -19,7 +18,7 @@ pub const IN_F64: [Test<Triangle64>; 3] = [
 
 fn rounded(a: &Triangle64, b: &Triangle64) -> bool {
     let [a, b] = [a, b].map(|t| t.map(|p| p.map(|x| x as f32)));
-    intersects(&a, &b, Accuracy::Exact)
+    intersects(&a, &b)
 }
 
 /// About `pairs` pairs of all families, made f64 in one way, in blocks; by the rayon pool of the caller. Those with a

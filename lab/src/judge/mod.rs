@@ -12,6 +12,7 @@ pub use ours::OURS;
 
 use crate::suite::{Block, Case};
 use pfront::pfront_core::Triangle;
+use pfront_testkit::inexact;
 use rayon::prelude::*;
 
 /// A way to tell whether two triangles meet.
@@ -22,6 +23,12 @@ pub struct Test<T = Triangle> {
     /// The test.
     pub meets: fn(&T, &T) -> bool,
 }
+
+/// The test of pfront by signs that may be wrong: see [`inexact`].
+pub const INEXACT: [Test; 2] = [
+    Test { name: "Conservative", meets: inexact::conservative },
+    Test { name: "Fast", meets: inexact::fast },
+];
 
 /// How some answers compare with the truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

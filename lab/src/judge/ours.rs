@@ -4,15 +4,13 @@ use super::Test;
 use pfront::pfront_core::bvtt::{PairBvtt, Query};
 use pfront::pfront_core::triangle::intersects;
 use pfront::pfront_core::{Aabb, Triangle};
-use pfront::{Accuracy, Bvh, Mesh, Node, Pose};
+use pfront::{Bvh, Mesh, Node, Pose};
 
-/// Ours: the triangle test at each accuracy, and what a query makes of the pair, which decides what it can
-/// by certified tests in f32 vectors first.
-pub const OURS: [Test; 4] = [
-    Test { name: "Exact", meets: |a, b| intersects(a, b, Accuracy::Exact) },
+/// The triangle test, and what a query makes of the pair, which decides what it can by certified tests in f32 vectors
+/// first.
+pub const OURS: [Test; 2] = [
+    Test { name: "Exact", meets: intersects },
     Test { name: "Exact, in a query", meets: in_query },
-    Test { name: "Conservative", meets: |a, b| intersects(a, b, Accuracy::Conservative) },
-    Test { name: "Fast", meets: |a, b| intersects(a, b, Accuracy::Fast) },
 ];
 
 /// Asks a query about two meshes of one triangle each.

@@ -7,7 +7,7 @@ use crate::exact::difference;
 use crate::exact::orientation::sides;
 use crate::one_ring::{OneRing, OneRings, history_bound, link_scratch_bound};
 use crate::simd::{LANES, Portable, Simd, Task, widest};
-use crate::triangle::{Accuracy, Adjacency, intersects, intersects_in_mesh};
+use crate::triangle::{Adjacency, intersects, intersects_in_mesh};
 use crate::{Aabb, Bvh, Mesh, Node, Triangle};
 use pfront_testkit::rng::{RngExt, seeded};
 
@@ -117,7 +117,7 @@ fn side_by_side_as_one_by_one() {
                 if !is(found.boxes) {
                     continue;
                 }
-                let meet = intersects(&a, &b, Accuracy::Exact);
+                let meet = intersects(&a, &b);
                 assert!(is(found.apart.undecided) || is(found.apart.hits) == meet);
                 hits += u32::from(is(found.apart.hits));
                 let is_known = !is(found.apart.undecided);
@@ -130,8 +130,7 @@ fn side_by_side_as_one_by_one() {
                 if ta == tb {
                     continue;
                 }
-                let (rule, exact) = (Adjacency::SharedIndexRule, Accuracy::Exact);
-                let collide = intersects_in_mesh(mesh, ta, tb, rule, exact);
+                let collide = intersects_in_mesh(mesh, ta, tb, Adjacency::SharedIndexRule);
                 let is_known = !is(found.in_mesh.undecided);
                 assert!(!is_known || is(found.in_mesh.hits) == collide, "{ta} and {tb}");
                 let [t, u] = [ta, tb].map(|t| mesh.triangles()[t as usize]);
@@ -205,7 +204,7 @@ fn corners_beside_planes_of_a_grid() {
         let mesh = Mesh::new(&positions, &[[0, 1, 2], [3, 4, 5]]).unwrap();
         let [a, b] = [0, 1].map(|t| mesh.shadow_triangle(t));
         let found = widest(Two { mesh, leaves: [&[0], &[1]], rings: &[] }).apart;
-        let meet = intersects(&a, &b, Accuracy::Exact);
+        let meet = intersects(&a, &b);
         assert!(found.undecided != 0 || (found.hits != 0) == meet, "{a:?} {b:?}");
         open += found.undecided;
         if wanted == 0 {
