@@ -350,9 +350,8 @@ impl SceneQuery {
         })
     }
 
-    /// All pairs that meet, sorted, with the segment in which they do and their normals, in the world. A
-    /// pair that only `Conservative` or `Fast` reports meets nowhere and is left out. Finds the hits too, for
-    /// [`SceneQuery::hits`].
+    /// All pairs that meet, sorted, with the segment in which they do and their normals, in the world. Finds the hits
+    /// too, for [`SceneQuery::hits`].
     ///
     /// # Errors
     /// As [`SceneQuery::all`].
