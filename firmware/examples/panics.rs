@@ -81,8 +81,8 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     asked(&SelfBvtt::new(small), slices.page)?;
     asked(&PairBvtt::new(small, small, some()?).ok()?, slices.page)?;
     asked(&PairBvtt::in_world(placed, PosedBvh::new(small, &some()?).ok()?), slices.page)?;
-    any(intersects(&some()?, &some()?, some()?));
-    any(intersects_in_mesh(mesh, some()?, some()?, some()?, some()?));
+    any(intersects(&some()?, &some()?));
+    any(intersects_in_mesh(mesh, some()?, some()?, some()?));
     any((contact(&some()?, &some()?), mesh.shadow_triangle(some()?)));
     Some(())
 }
