@@ -162,8 +162,8 @@ static void one_rings(void)
            pfront_one_rings_link(&mesh, history, words, scratch, bytes - 1, &error));
     OK(pfront_one_rings_link(&mesh, history, words, scratch, bytes, &error));
     EXPECT(PFRONT_OVERLAP, "history",
-           pfront_query_self(&bvh, (uint32_t *)(void *)&query, 0, 0, &query, &error));
-    OK(pfront_query_self(&bvh, history, 0, 0, &query, &error));
+           pfront_query_self(&bvh, (uint32_t *)(void *)&query, 0, &query, &error));
+    OK(pfront_query_self(&bvh, history, 0, &query, &error));
 }
 
 int main(void)

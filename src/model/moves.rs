@@ -72,6 +72,9 @@ fn many_differ(before: &[[f32; 3]], after: &[[f32; 3]]) -> bool {
 
 /// Whether the same numbers are in both, zeros with their signs.
 pub(super) fn same_bits(a: &[[f32; 3]], b: &[[f32; 3]]) -> bool {
+    if a.len() != b.len() {
+        return false;
+    }
     // Chunks without a branch compile to vector instructions.
     let mut chunks = a.as_flattened().chunks(64).zip(b.as_flattened().chunks(64));
     chunks.all(|(a, b)| a.iter().zip(b).fold(0, |x, (a, b)| x | (a.to_bits() ^ b.to_bits())) == 0)
