@@ -40,7 +40,7 @@ CASES = {
     "bodies": "P = np.broadcast_to(spread(1), (4_000_000, 4, 4)); s = pf.Scene(); ask = lambda: s.add(small, P); limit(500)",
     "blob": "m = pf.Mesh(*random(500_000, np.float64)); ask = lambda: pickle.dumps(m); limit(50)",
     "vertices": "m = pf.Mesh(*random(1_500_000, np.float64)); ask = lambda: m.vertices; limit(20)",
-    "with_vertices": "V, F = random(500_000, np.float64); m = pf.Mesh(V, F); V *= 2; ask = lambda: m.with_vertices(V); limit(60)",
+    "with_vertices": "V, F = random(1_000_000, np.float64); m = pf.Mesh(V, F); V *= 2; ask = lambda: m.with_vertices(V); limit(20)",
 }
 
 
