@@ -178,7 +178,7 @@ fn what_is_there_already_changes_nothing() {
     // What cannot be set is refused as before.
     assert!(scene.set_positions(all[2], &ball.positions).is_err());
     assert!(scene.set_positions::<f64>(all[0], &[]).is_err());
-    // Those that it has, but for the last one.
+    // Its own positions without the first or the last are too few.
     let own = scene.body(all[0]).unwrap().model().mesh().shadow().to_vec();
     assert!(scene.set_positions(all[0], &own[1..]).is_err());
     assert!(scene.set_positions(all[0], &own[..own.len() - 1]).is_err());

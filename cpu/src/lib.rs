@@ -2,8 +2,9 @@
 //! workers and every schedule.
 //!
 //! A [`Pool`] is p workers and their threads, which any number of traversals share. A [`Traversal`] keeps what a frame leaves
-//! for the next: the measured cost of each node of its p-partition front, and every buffer. Each frame it generates a front, partitions it over p workers, lets
-//! each traverse from its nodes, and gathers what they found (Zhang & Kim 2014, sections 3 and 3.4). Under
+//! for the next: the measured cost of each node of its p-partition front, and every buffer. Each frame it generates a front,
+//! partitions it over p workers, lets each traverse from its nodes, and gathers what they found (Zhang & Kim 2014, sections 3
+//! and 3.4). Under
 //! [`Schedule::Static`] that is all, as in the paper; by default a worker that is done takes nodes that others
 //! have not begun, and then halves of what they have begun ([`Schedule::Hybrid`]). A small frame ends on the calling
 //! thread. Costs are counted in box and triangle tests, not timed, so that those in the [`Report`] of a frame mean the

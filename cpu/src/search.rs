@@ -42,7 +42,7 @@ impl<Q: Query + Sync> Search<'_, Q> {
         let mut free = Vec::new();
         reserve(&mut free, outputs.len())?;
         let [taken, from_back, idle] = [0; 3].map(AtomicUsize::new);
-        let run = Run { search: self, taken, from_back, idle, free: Mutex::new(free) };
+        let run = SharedSearch { search: self, taken, from_back, idle, free: Mutex::new(free) };
         pool.in_scope(|scope| {
             let slot = |(output, share)| Slot { output, share };
             let (run, mut slots) = (&run, outputs.iter_mut().zip(shares).map(slot));
@@ -59,8 +59,8 @@ impl<Q: Query + Sync> Search<'_, Q> {
     }
 }
 
-/// A search under way.
-struct Run<'r, Q, O> {
+/// A search under way, as its threads share it.
+struct SharedSearch<'r, Q, O> {
     search: &'r Search<'r, Q>,
     /// How many starts have been taken, and how many of them from the back.
     taken: AtomicUsize,
@@ -76,7 +76,7 @@ struct Slot<'r, O> {
     share: &'r mut Share,
 }
 
-impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
+impl<'r, Q: Query + Sync, O: Output> SharedSearch<'r, Q, O> {
     /// Searches from the first start on, on a thread whose own floating-point environment is this one.
     fn take_from_front<'s>(&'s self, mut slot: Slot<'r, O>, thread: Environment, scope: &Scope<'s>)
     where

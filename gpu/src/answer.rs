@@ -120,7 +120,7 @@ impl Answer {
             _ => copies(verb, self.likely()),
         };
         if self.engine.read_back.is_pending() {
-            // What is recorded ahead copies into a buffer that this run replaces.
+            // Commands recorded ahead copy into a buffer that this run replaces.
             self.ahead = None;
         }
         self.engine.record(encoder, task, start, copies, verb)

@@ -4,8 +4,8 @@ use crate::GpuError;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use wgpu::Device;
 
-/// Makes calls of wgpu, and returns the error that they report, if any. Such errors would go to the handler
-/// of the device otherwise, which is the caller's.
+/// Makes calls of wgpu, and returns the error that they report, if any. Otherwise the handler of the device, which
+/// is the caller's, would get them.
 pub(crate) fn checked<T>(
     device: &Device,
     call: impl FnOnce() -> Result<T, GpuError>,

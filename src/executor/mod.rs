@@ -1,7 +1,8 @@
 //! Executors: the threads or the GPU that answer queries.
 //!
 //! An [`Executor`] owns resources: a pool of threads, a GPU with its lists. It is made once and shared by any number of
-//! queries, and remembers nothing of them. A query owns its history: the front and the costs of its nodes, the models that the GPU has, the last answer.
+//! queries, and remembers nothing of them. A query owns its history: the front and the costs of its nodes, the models that the
+//! GPU has, the last answer.
 //! All executors give the same lists and counts, to the bit. `any` names a true pair if there is one; which of them may differ
 //! between executors, and from call to call on threads.
 //!

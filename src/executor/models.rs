@@ -58,10 +58,17 @@ impl Executor {
         self.passes(count, |parallel| model.deform(positions, parallel))
     }
 
-    /// [`Model::fit`] on the threads of the executor.
-    pub(crate) fn fit(&self, model: &mut Model) {
+    /// [`Executor::refit`] where the box is needed at once, to positions that are checked.
+    pub(crate) fn refit_checked<S: Scalar>(
+        &self,
+        model: &mut Model,
+        positions: &[[S; 3]],
+        checked: S::Checked,
+    ) {
         let count = model.mesh().triangles().len();
-        self.passes(count, |parallel| with_default(|| model.fit_by(parallel)));
+        self.passes(count, |parallel| {
+            with_default(|| model.deform_checked(positions, checked, parallel));
+        });
     }
 
     /// Runs passes over a model of so many triangles, on threads if that pays.

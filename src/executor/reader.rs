@@ -38,7 +38,7 @@ pub(crate) struct Seat(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
-    state: Mutex<State>,
+    state: Mutex<ReaderState>,
     changed: Condvar,
     gpu: Gpu,
     /// The process that the thread belongs to. A child of `fork` has no such thread.
@@ -46,7 +46,7 @@ struct Shared {
 }
 
 #[derive(Debug, Default)]
-struct State {
+struct ReaderState {
     waiting: VecDeque<Waiting>,
     /// The flag of the ticket that is being answered.
     current: Option<Arc<AtomicBool>>,
@@ -125,7 +125,7 @@ impl Seat {
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, ReaderState> {
         // Nothing is half done under this lock.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -135,7 +135,7 @@ impl Shared {
     }
 
     /// Starts the thread, if it does not run.
-    fn start(shared: &Arc<Self>, state: &mut State) -> Result<(), GpuError> {
+    fn start(shared: &Arc<Self>, state: &mut ReaderState) -> Result<(), GpuError> {
         if state.is_running {
             return Ok(());
         }

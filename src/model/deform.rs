@@ -89,11 +89,21 @@ impl Model {
     ) -> Result<(), Error> {
         with_default(|| {
             let checked = S::check(self, positions, parallel)?;
-            if S::store(self, positions, checked, parallel) {
-                self.fit_by(parallel);
-            }
+            self.deform_checked(positions, checked, parallel);
             Ok(())
         })
+    }
+
+    /// Takes positions that are checked, and fits the BVH to them.
+    pub(crate) fn deform_checked<S: Scalar>(
+        &mut self,
+        positions: &[[S; 3]],
+        checked: S::Checked,
+        parallel: Parallel,
+    ) {
+        if S::store(self, positions, checked, parallel) {
+            self.fit_by(parallel);
+        }
     }
 
     /// Takes note, before positions change, that nothing will fit them.
@@ -112,7 +122,7 @@ impl Model {
         self.sphere.take();
     }
 
-    pub(crate) fn fit_by(&mut self, parallel: Parallel) {
+    pub(super) fn fit_by(&mut self, parallel: Parallel) {
         let mesh = Exact::mesh(self.exact.as_ref(), &self.positions, &self.triangles);
         let (moves, options) = (&self.moves, self.options);
         let fit = |tree: &mut Tree| tree.fit(mesh, options, moves, parallel);
@@ -158,7 +168,7 @@ impl Scalar for f64 {}
 /// Positions of one precision. Nobody else implements it.
 pub trait Positions: Copy + Send + Sync + 'static {
     /// The result of a check: the shadow in f64, nothing in f32.
-    type Checked;
+    type Checked: Send;
 
     fn build(
         positions: Vec<[Self; 3]>,

@@ -139,8 +139,7 @@ impl SceneQuery {
                 let checked = S::check(body.model(), positions, ONE_THREAD)?;
                 body.pose().check_bounds(&S::bounds(positions, &checked))?;
                 let model = Model::make_mut(&mut body.model)?;
-                S::store(model, positions, checked, ONE_THREAD);
-                executor.fit(model);
+                executor.refit_checked(model, positions, checked);
                 body.reshaped();
                 Ok(())
             })

@@ -58,7 +58,7 @@ pub(crate) trait Asked {
             }
             Verb::Contacts => assert_eq!(self.contacts()?, contacts),
             Verb::ContactsF64 => assert_eq!(&self.contacts_f64()?, contacts_f64),
-            Verb::BodyPairs => self.check_bodies(hits)?,
+            Verb::IntersectingBodies => self.check_bodies(hits)?,
         }
         Ok(())
     }

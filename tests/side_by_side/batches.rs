@@ -1,6 +1,6 @@
 //! A batch that is submitted again and again, and its tickets, which are read late, cancelled or dropped.
 
-use crate::homes::{Homes, Seat};
+use crate::executors::{Executors, QueryExecutor};
 use crate::models::{Shape, somewhere};
 use crate::truth::{Answer, Answers};
 use pfront::{Adjacency, Batch, Error, PairLists, Ticket, TrianglePair};
@@ -18,28 +18,28 @@ enum Flying {
 }
 
 /// A batch, the answers to its questions, and those to the questions of its tickets.
-pub(crate) struct Post {
-    pub(crate) seat: Seat,
+pub(crate) struct BatchPlayer {
+    pub(crate) seat: QueryExecutor,
     batch: Batch,
     asked: Vec<Rc<Answer>>,
     flying: Vec<(Flying, Vec<Rc<Answer>>)>,
 }
 
-impl Post {
-    pub(crate) fn new(seat: Seat) -> Self {
+impl BatchPlayer {
+    pub(crate) fn new(seat: QueryExecutor) -> Self {
         Self { seat, batch: Batch::new(), asked: Vec::new(), flying: Vec::new() }
     }
 
     /// Submits a batch or reads a ticket.
     pub(crate) fn play(
         &mut self,
-        homes: &Homes,
+        executors: &Executors,
         shapes: &[Shape],
         answers: &mut Answers,
         rng: &mut impl Rng,
     ) {
         if self.flying.len() < FLYING && (self.flying.is_empty() || rng.random()) {
-            self.submit(homes, shapes, answers, rng);
+            self.submit(executors, shapes, answers, rng);
         } else {
             let (ticket, truth) = self.flying.swap_remove(rng.random_range(0..self.flying.len()));
             read(ticket, &truth, rng);
@@ -48,7 +48,7 @@ impl Post {
 
     fn submit(
         &mut self,
-        homes: &Homes,
+        executors: &Executors,
         shapes: &[Shape],
         answers: &mut Answers,
         rng: &mut impl Rng,
@@ -70,7 +70,7 @@ impl Post {
                 self.asked.push(answers.pair([&a.fresh, &b.fresh], &pose));
             }
         }
-        let executor = homes.executor(self.seat);
+        let executor = executors.executor(self.seat);
         let ticket = match rng.random_range(0..3) {
             0 => Flying::All(self.batch.all(executor).unwrap()),
             1 => Flying::Count(self.batch.count(executor).unwrap()),

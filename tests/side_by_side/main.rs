@@ -11,19 +11,19 @@
 
 mod asked;
 mod batches;
-mod homes;
+mod executors;
 mod models;
 mod scenes;
 mod truth;
 
 use asked::{Asked, Between, Within};
-use batches::Post;
-use homes::{Homes, Seat};
+use batches::BatchPlayer;
+use executors::{Executors, QueryExecutor};
 use models::{Shape, set_positions, shapes, somewhere};
 use pfront::executor::{Backend, Plan};
 use pfront::{Adjacency, AnyPose, PairQuery, SelfQuery};
 use pfront_testkit::rng::{Rng, RngExt, seeded};
-use scenes::Stage;
+use scenes::ScenePlayer;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use truth::{Answers, Truth};
 
@@ -35,39 +35,40 @@ const SCENES: usize = 2;
 #[derive(Clone)]
 struct Pair {
     query: PairQuery,
-    seat: Seat,
+    seat: QueryExecutor,
     models: [usize; 2],
     pose: AnyPose,
 }
 
 #[derive(Clone)]
-struct Lone {
+struct SelfPlayer {
     query: SelfQuery,
     adjacency: Adjacency,
-    seat: Seat,
+    seat: QueryExecutor,
     model: usize,
 }
 
 /// All that is played with.
 struct Game {
-    homes: Homes,
+    executors: Executors,
     shapes: Vec<Shape>,
     answers: Answers,
     pairs: Vec<Pair>,
-    selves: Vec<Lone>,
-    stages: Vec<Stage>,
-    posts: Vec<Post>,
+    selves: Vec<SelfPlayer>,
+    stages: Vec<ScenePlayer>,
+    posts: Vec<BatchPlayer>,
     /// Questions with a hit, and questions that several threads have answered, on each executor.
     figures: Vec<[u64; 2]>,
 }
 
 impl Game {
     fn new(rng: &mut impl Rng) -> Self {
-        let (homes, shapes) = (Homes::new(), shapes());
+        let (executors, shapes) = (Executors::new(), shapes());
         let mut some = || rng.random_range(0..shapes.len());
-        let seats = |each| (0..homes.all.len() * each).map(move |i| Seat::at(i / each));
+        let seats =
+            |each| (0..executors.all.len() * each).map(move |i| QueryExecutor::at(i / each));
         let pairs = seats(PAIRS).map(|seat| {
-            let query = PairQuery::new().on(homes.executor(seat));
+            let query = PairQuery::new().on(executors.executor(seat));
             Pair { query, seat, models: [some(), some()], pose: pfront::Pose::IDENTITY.into() }
         });
         let pairs = pairs.collect();
@@ -76,14 +77,14 @@ impl Game {
                 0 => Adjacency::SkipNeighbours,
                 _ => Adjacency::default(),
             };
-            let query = SelfQuery::new().with_adjacency(adjacency).on(homes.executor(seat));
-            Lone { query, adjacency, seat, model: some() }
+            let query = SelfQuery::new().with_adjacency(adjacency).on(executors.executor(seat));
+            SelfPlayer { query, adjacency, seat, model: some() }
         });
         let selves = selves.collect();
-        let stages = seats(SCENES).map(|seat| Stage::new(seat, &homes)).collect();
-        let posts = seats(1).map(Post::new).collect();
-        let (answers, figures) = (Answers::default(), vec![[0; 2]; homes.all.len()]);
-        Self { homes, shapes, answers, pairs, selves, stages, posts, figures }
+        let stages = seats(SCENES).map(|seat| ScenePlayer::new(seat, &executors)).collect();
+        let posts = seats(1).map(BatchPlayer::new).collect();
+        let (answers, figures) = (Answers::default(), vec![[0; 2]; executors.all.len()]);
+        Self { executors, shapes, answers, pairs, selves, stages, posts, figures }
     }
 
     /// A frame: some changes and a question.
@@ -105,21 +106,21 @@ impl Game {
             12..17 => self.ask_scene(rng),
             _ => {
                 let at = rng.random_range(0..self.posts.len());
-                self.posts[at].play(&self.homes, &self.shapes, &mut self.answers, rng);
+                self.posts[at].play(&self.executors, &self.shapes, &mut self.answers, rng);
             }
         }
     }
 
     fn ask_pair(&mut self, rng: &mut impl Rng) {
-        let Self { homes, shapes, answers, pairs, .. } = self;
+        let Self { executors, shapes, answers, pairs, .. } = self;
         let at = rng.random_range(0..pairs.len());
         match rng.random_range(0..64) {
             0 => pairs[at].query.forget(),
             1 => pairs[at] = pairs[rng.random_range(0..pairs.len())].clone(),
             2 | 3 => {
-                pairs[at].seat = homes.elsewhere(rng);
+                pairs[at].seat = executors.elsewhere(rng);
                 let query = std::mem::take(&mut pairs[at].query);
-                pairs[at].query = query.on(homes.executor(pairs[at].seat));
+                pairs[at].query = query.on(executors.executor(pairs[at].seat));
             }
             4..7 => pairs[at].models[rng.random_range(0..2)] = rng.random_range(0..shapes.len()),
             7 | 8 => pairs[at].models.swap(0, 1),
@@ -130,52 +131,52 @@ impl Game {
         let [a, b] = models.map(|model| &shapes[model]);
         let answer = answers.pair([&a.fresh, &b.fresh], pose);
         let mut asked = Between(query, [&a.model, &b.model], *pose);
-        homes.ask(rng, *seat, |verb, most| {
+        executors.ask(rng, *seat, |verb, most| {
             let mut truth = Truth::default();
             truth.add(&answer, verb, |pair| pair);
             asked.check(&truth, verb, most)
         });
-        let (home, has_hit) = (seat.home, !answer.pairs.is_empty());
+        let (executor, has_hit) = (seat.executor, !answer.pairs.is_empty());
         let is_divided = is_divided(query.plan());
-        self.note(home, has_hit, is_divided);
+        self.note(executor, has_hit, is_divided);
     }
 
     fn ask_self(&mut self, rng: &mut impl Rng) {
-        let Self { homes, shapes, answers, selves, .. } = self;
+        let Self { executors, shapes, answers, selves, .. } = self;
         let at = rng.random_range(0..selves.len());
         match rng.random_range(0..48) {
             0 => selves[at].query.forget(),
             1 => selves[at] = selves[rng.random_range(0..selves.len())].clone(),
             2 | 3 => {
-                selves[at].seat = homes.elsewhere(rng);
+                selves[at].seat = executors.elsewhere(rng);
                 let query = std::mem::take(&mut selves[at].query);
-                selves[at].query = query.on(homes.executor(selves[at].seat));
+                selves[at].query = query.on(executors.executor(selves[at].seat));
             }
             4..14 => selves[at].model = rng.random_range(0..shapes.len()),
             _ => {}
         }
-        let Lone { query, adjacency, seat, model } = &mut selves[at];
+        let SelfPlayer { query, adjacency, seat, model } = &mut selves[at];
         let shape = &shapes[*model];
         let answer = answers.within(&shape.fresh, *adjacency);
         let mut asked = Within(query, &shape.model);
-        homes.ask(rng, *seat, |verb, most| {
+        executors.ask(rng, *seat, |verb, most| {
             let mut truth = Truth::default();
             truth.add(&answer, verb, |pair| pair);
             asked.check(&truth, verb, most)
         });
-        let (home, is_divided) = (seat.home, is_divided(query.plan()));
-        self.note(home, !answer.pairs.is_empty(), is_divided);
+        let (executor, is_divided) = (seat.executor, is_divided(query.plan()));
+        self.note(executor, !answer.pairs.is_empty(), is_divided);
     }
 
     fn ask_scene(&mut self, rng: &mut impl Rng) {
-        let Self { homes, shapes, answers, stages, .. } = self;
+        let Self { executors, shapes, answers, stages, .. } = self;
         let at = rng.random_range(0..stages.len());
         match rng.random_range(0..100) {
             0 => stages[at] = stages[rng.random_range(0..stages.len())].clone(),
             1 | 2 => {
-                stages[at].seat = homes.elsewhere(rng);
+                stages[at].seat = executors.elsewhere(rng);
                 let scene = std::mem::take(&mut stages[at].scene);
-                stages[at].scene = scene.on(homes.executor(stages[at].seat));
+                stages[at].scene = scene.on(executors.executor(stages[at].seat));
             }
             _ => {}
         }
@@ -184,17 +185,17 @@ impl Game {
         }
         let stage = &mut stages[at];
         let (seat, mut has_hit) = (stage.seat, false);
-        homes.ask(rng, seat, |verb, most| {
+        executors.ask(rng, seat, |verb, most| {
             let truth = stage.truth(answers, verb);
             has_hit = !truth.hits.is_empty();
             stage.scene.check(&truth, verb, most)
         });
         let is_divided = is_divided(stage.scene.plan());
-        self.note(seat.home, has_hit, is_divided);
+        self.note(seat.executor, has_hit, is_divided);
     }
 
-    fn note(&mut self, home: usize, has_hit: bool, is_divided: bool) {
-        let [hits, divided] = &mut self.figures[home];
+    fn note(&mut self, executor: usize, has_hit: bool, is_divided: bool) {
+        let [hits, divided] = &mut self.figures[executor];
         *hits += u64::from(has_hit);
         *divided += u64::from(is_divided);
     }
@@ -222,12 +223,12 @@ fn queries_side_by_side_answer_as_fresh_ones() {
             resume_unwind(panic)
         });
     }
-    println!("{frames} frames, {} questions cancelled", game.homes.cancelled);
-    for (home, [hits, divided]) in game.homes.all.iter().zip(&game.figures) {
-        println!("{}: {hits} questions with hits, {divided} divided", home.name);
+    println!("{frames} frames, {} questions cancelled", game.executors.cancelled);
+    for (executor, [hits, divided]) in game.executors.all.iter().zip(&game.figures) {
+        println!("{}: {hits} questions with hits, {divided} divided", executor.name);
         assert!(frames < 1_000 || hits * 20 > frames / game.figures.len() as u64);
         // The others go by what they measure.
-        assert!(frames < 1_000 || home.name != "static" || divided * 200 > frames);
+        assert!(frames < 1_000 || executor.name != "static" || divided * 200 > frames);
     }
-    assert!(frames < 1_000 || game.homes.cancelled * 200 > frames);
+    assert!(frames < 1_000 || game.executors.cancelled * 200 > frames);
 }

@@ -1,6 +1,6 @@
 //! A scene, and what is in it as far as the player knows.
 
-use crate::homes::{Homes, Seat};
+use crate::executors::{Executors, QueryExecutor};
 use crate::models::{Fresh, Points, Shape, somewhere};
 use crate::truth::{Answers, Truth, Verb};
 use pfront::{AnyPose, Body, BodyId, Error, Groups, Pose, SceneHit, SceneQuery};
@@ -12,9 +12,9 @@ use std::rc::Rc;
 /// The most bodies of a scene.
 const BODIES: usize = 8;
 
-/// What is known of a body.
+/// A body as it should be in the scene.
 #[derive(Clone)]
-struct Known {
+struct KnownBody {
     id: BodyId,
     fresh: Rc<Fresh>,
     pose: AnyPose,
@@ -23,7 +23,7 @@ struct Known {
     placed: [OnceCell<Rc<Fresh>>; 2],
 }
 
-impl Known {
+impl KnownBody {
     fn new(id: BodyId, fresh: Rc<Fresh>, pose: AnyPose, groups: Groups) -> Self {
         Self { id, fresh, pose, groups, placed: Default::default() }
     }
@@ -42,16 +42,16 @@ impl Known {
 
 /// A scene, its executor and its bodies in the order of their ids.
 #[derive(Clone)]
-pub(crate) struct Stage {
+pub(crate) struct ScenePlayer {
     pub(crate) scene: SceneQuery,
-    pub(crate) seat: Seat,
-    known: Vec<Known>,
+    pub(crate) seat: QueryExecutor,
+    known: Vec<KnownBody>,
     ignored: BTreeSet<[BodyId; 2]>,
 }
 
-impl Stage {
-    pub(crate) fn new(seat: Seat, homes: &Homes) -> Self {
-        let scene = SceneQuery::new().on(homes.executor(seat));
+impl ScenePlayer {
+    pub(crate) fn new(seat: QueryExecutor, executors: &Executors) -> Self {
+        let scene = SceneQuery::new().on(executors.executor(seat));
         Self { scene, seat, known: Vec::new(), ignored: BTreeSet::new() }
     }
 
@@ -90,7 +90,7 @@ impl Stage {
             3 | 4 => {
                 self.scene.set_model(id, shape.model.clone()).unwrap();
                 let groups = self.known[at].groups;
-                self.known[at] = Known::new(id, shape.fresh.clone(), pose, groups);
+                self.known[at] = KnownBody::new(id, shape.fresh.clone(), pose, groups);
             }
             5 => {
                 let mut bits = || 1 << rng.random_range(0..2) | 1 << rng.random_range(0..2);
@@ -116,8 +116,8 @@ impl Stage {
             _ => {
                 let pose = somewhere(rng);
                 self.scene.set_pose(id, pose).unwrap();
-                let Known { fresh, groups, .. } = &self.known[at];
-                self.known[at] = Known::new(id, fresh.clone(), pose, *groups);
+                let KnownBody { fresh, groups, .. } = &self.known[at];
+                self.known[at] = KnownBody::new(id, fresh.clone(), pose, *groups);
             }
         }
         while self.known.len() > BODIES {
@@ -129,7 +129,7 @@ impl Stage {
     fn add(&mut self, shape: &Shape, rng: &mut impl Rng) {
         let pose = somewhere(rng);
         let id = self.scene.add(shape.model.clone(), pose).unwrap();
-        self.known.push(Known::new(id, shape.fresh.clone(), pose, Groups::default()));
+        self.known.push(KnownBody::new(id, shape.fresh.clone(), pose, Groups::default()));
     }
 
     fn remove(&mut self, at: usize) {
@@ -144,18 +144,18 @@ impl Stage {
     }
 
     fn deform(&mut self, at: usize, rng: &mut impl Rng) {
-        let Known { id, fresh, pose, groups, .. } = &self.known[at];
+        let KnownBody { id, fresh, pose, groups, .. } = &self.known[at];
         let points = fresh.deformed(rng);
         match &points {
             Points::F32(points) => self.scene.set_positions(*id, points).unwrap(),
             Points::F64(points) => self.scene.set_positions(*id, points).unwrap(),
         }
-        self.known[at] = Known::new(*id, fresh.with(points), *pose, *groups);
+        self.known[at] = KnownBody::new(*id, fresh.with(points), *pose, *groups);
     }
 
     /// Splits a body, whose pieces have the triangles that it had.
     fn split(&mut self, at: usize, rng: &mut impl Rng) {
-        let Known { id, fresh, pose, groups, .. } = self.known.remove(at);
+        let KnownBody { id, fresh, pose, groups, .. } = self.known.remove(at);
         let parts = rng.random_range(1..4);
         for piece in self.scene.split(id, |triangle| triangle % parts).unwrap() {
             let model = self.scene.body(piece.body).unwrap().model();
@@ -168,7 +168,7 @@ impl Stage {
                 assert!(model.is_f64() || own == whole);
             }
             let fresh = Fresh::new(Points::of(model), triangles);
-            self.known.push(Known::new(piece.body, fresh, pose, groups));
+            self.known.push(KnownBody::new(piece.body, fresh, pose, groups));
         }
         self.forget(id);
     }

@@ -129,7 +129,7 @@ impl<H> Truth<H> {
     }
 }
 
-/// What is asked.
+/// A question of any query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verb {
     All,
@@ -138,8 +138,8 @@ pub(crate) enum Verb {
     Visit,
     Contacts,
     ContactsF64,
-    /// Of scenes; all, of others.
-    BodyPairs,
+    /// Scenes alone have this verb; other queries are asked for all pairs.
+    IntersectingBodies,
 }
 
 impl Verb {
@@ -150,6 +150,6 @@ impl Verb {
         Self::Visit,
         Self::Contacts,
         Self::ContactsF64,
-        Self::BodyPairs,
+        Self::IntersectingBodies,
     ];
 }

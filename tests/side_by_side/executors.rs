@@ -9,14 +9,14 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
 /// An executor, with a flag and without.
-pub(crate) struct Home {
+pub(crate) struct FlaggedExecutor {
     pub(crate) name: &'static str,
     plain: Executor,
     flagged: Executor,
     flag: Arc<AtomicBool>,
 }
 
-impl Home {
+impl FlaggedExecutor {
     fn new(name: &'static str, plain: Executor) -> Self {
         let flag = Arc::new(AtomicBool::new(false));
         Self { name, flagged: plain.clone().with_cancel(flag.clone()), plain, flag }
@@ -25,14 +25,14 @@ impl Home {
 
 /// The executor of a query.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Seat {
-    pub(crate) home: usize,
+pub(crate) struct QueryExecutor {
+    pub(crate) executor: usize,
     is_flagged: bool,
 }
 
-impl Seat {
-    pub(crate) fn at(home: usize) -> Self {
-        Self { home, is_flagged: true }
+impl QueryExecutor {
+    pub(crate) fn at(executor: usize) -> Self {
+        Self { executor, is_flagged: true }
     }
 }
 
@@ -61,16 +61,16 @@ impl Canceller {
 }
 
 /// All executors.
-pub(crate) struct Homes {
-    pub(crate) all: Vec<Home>,
+pub(crate) struct Executors {
+    pub(crate) all: Vec<FlaggedExecutor>,
     canceller: Canceller,
     /// Questions that were cancelled.
     pub(crate) cancelled: u64,
 }
 
-impl Homes {
+impl Executors {
     pub(crate) fn new() -> Self {
-        let mut all = vec![Home::new("sequential", Executor::sequential())];
+        let mut all = vec![FlaggedExecutor::new("sequential", Executor::sequential())];
         #[cfg(feature = "threads")]
         {
             use pfront::threads::{Pool, Schedule, Settings};
@@ -79,28 +79,31 @@ impl Homes {
                 let settings = Settings { schedule, max_nodes, ..Settings::default() };
                 Executor::from(Pool::from(Arc::new(pool)).with_settings(settings))
             };
-            all.push(Home::new("hybrid", threads(2, Schedule::Hybrid, 1 << 20)));
-            all.push(Home::new("static", threads(3, Schedule::Static, 12)));
-            all.push(Home::new("stealing", threads(2, Schedule::Stealing, 64)));
+            all.push(FlaggedExecutor::new("hybrid", threads(2, Schedule::Hybrid, 1 << 20)));
+            all.push(FlaggedExecutor::new("static", threads(3, Schedule::Static, 12)));
+            all.push(FlaggedExecutor::new("stealing", threads(2, Schedule::Stealing, 64)));
         }
         Self { all, canceller: Canceller::new(), cancelled: 0 }
     }
 
     /// Another executor for a query.
-    pub(crate) fn elsewhere(&self, rng: &mut impl Rng) -> Seat {
-        Seat { home: rng.random_range(0..self.all.len()), is_flagged: rng.random_range(0..4) > 0 }
+    pub(crate) fn elsewhere(&self, rng: &mut impl Rng) -> QueryExecutor {
+        QueryExecutor {
+            executor: rng.random_range(0..self.all.len()),
+            is_flagged: rng.random_range(0..4) > 0,
+        }
     }
 
-    pub(crate) fn executor(&self, seat: Seat) -> &Executor {
-        let home = &self.all[seat.home];
-        if seat.is_flagged { &home.flagged } else { &home.plain }
+    pub(crate) fn executor(&self, seat: QueryExecutor) -> &Executor {
+        let executor = &self.all[seat.executor];
+        if seat.is_flagged { &executor.flagged } else { &executor.plain }
     }
 
     /// Asks a question, some of them under a flag that is set, and then again, as a rule with another verb.
     pub(crate) fn ask(
         &mut self,
         rng: &mut impl Rng,
-        seat: Seat,
+        seat: QueryExecutor,
         mut question: impl FnMut(Verb, usize) -> Result<(), Error>,
     ) {
         let mut verb = || {
@@ -110,7 +113,7 @@ impl Homes {
         let [(first, most), (then, most_then)] = [verb(), verb()];
         let (flag_of, way) = match rng.random_range(0..3) {
             0 => (rng.random_range(0..self.all.len()), rng.random_range(0..12)),
-            _ => (seat.home, rng.random_range(0..12)),
+            _ => (seat.executor, rng.random_range(0..12)),
         };
         let delay = Duration::from_micros(rng.random_range(0..120));
         let flag = &self.all[flag_of].flag;
@@ -126,7 +129,10 @@ impl Homes {
         flag.store(false, Relaxed);
         if let Err(error) = answer {
             assert_eq!(error, Error::Cancelled);
-            assert!(seat.is_flagged && seat.home == flag_of, "cancelled by the flag of another");
+            assert!(
+                seat.is_flagged && seat.executor == flag_of,
+                "cancelled by the flag of another"
+            );
             self.cancelled += 1;
         }
         question(then, most_then).unwrap();
