@@ -86,7 +86,7 @@ const [page, count] = [memory(8 * PAGE), memory(4)];
 for (let frame = 0; frame < FRAMES; frame++) {
   const [x, y] = onCircle(frame, 4 * FRAMES);
   floats(pose, 12).set([x, 0, y, 0.5, 0, 1, 0, 0.25, -y, 0, x, 1 - 0.125 * frame]);
-  check(pfront.pfront_query_pair(a, b, pose, 0, query, 0));
+  check(pfront.pfront_query_pair(a, b, pose, query, 0));
   check(pfront.pfront_cursor_start(query, cursor, 0));
   let pairs = 0;
   while (words(cursor, 2)[1] === 0) {
