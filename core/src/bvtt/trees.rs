@@ -346,6 +346,13 @@ impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
             Some(InF64 { f64, .. }) => (f64.contact)(self.posed_meshes(), pair),
         }
     }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        match &self.in_f64 {
+            None => contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b)),
+            Some(_) => self.contact_f64(pair).map(Contact::from),
+        }
+    }
 }
 
 /// The children of a node, or a leaf itself.

@@ -73,7 +73,7 @@ pub(crate) fn difference<C: Coordinate>(p: &[C; 3], q: &[C; 3]) -> DVec3 {
 /// The larger of each coordinate, without `f64::max`'s care for NaN, which cannot occur here: one
 /// instruction each.
 #[inline]
-fn larger(u: DVec3, v: DVec3) -> DVec3 {
+pub(crate) fn larger(u: DVec3, v: DVec3) -> DVec3 {
     let pick = |x, y| if x > y { x } else { y };
     DVec3::new(pick(u.x, v.x), pick(u.y, v.y), pick(u.z, v.z))
 }

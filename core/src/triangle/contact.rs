@@ -8,13 +8,17 @@
 use super::coplanar::{extremes, flat};
 use super::{arrange, one_sided, triangles_intersect};
 use crate::Triangle;
-use crate::exact::filter64::{ERROR_2D, ERROR_3D, UNDERFLOW_2D, UNDERFLOW_3D};
+use crate::exact::filter64::{ERROR_2D, ERROR_3D, UNDERFLOW_2D, UNDERFLOW_3D, larger};
 use crate::exact::orientation::{orient2d, sides};
 use crate::exact::{Coordinate, Exact, difference, integer};
+use core::ops::Range;
 use glam::{DVec3, Vec3Swizzles};
 
 /// 2^30: a value that exceeds its error bound by this factor is known within a relative 2^-30.
 const TWO_30: f64 = 1_073_741_824.0;
+
+/// 2^-900 to 2^900: squares of lengths that are exact to a few roundings.
+const SQUARES: Range<f64> = f64::from_bits((1023 - 900) << 52)..f64::from_bits((1023 + 900) << 52);
 
 /// The segment in which two triangles meet, and how they face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,8 +56,9 @@ pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
 
 /// [`contact`] of triangles with coordinates of either kind, which are in range.
 pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<Contact<C>> {
-    let a_sides = sides(b.each_ref(), a.each_ref());
-    let b_sides = sides(a.each_ref(), b.each_ref());
+    let [of_a, of_b] = [Plane::of(a), Plane::of(b)];
+    let (over_b, over_a) = (Over::new(a, &of_b), Over::new(b, &of_a));
+    let (a_sides, b_sides) = (over_b.sides(), over_a.sides());
     if one_sided(&a_sides) || one_sided(&b_sides) {
         return None;
     }
@@ -62,9 +67,109 @@ pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Opt
     let segment = if is_flat {
         flat_chord(a, b, are_flat == [true; 2])?
     } else {
-        crossing(a, &a_sides, b, &b_sides)?
+        crossing(&over_b, &a_sides, &over_a, &b_sides)?
     };
-    Some(Contact { is_flat, segment, normals: [unit_normal(a), unit_normal(b)] })
+    Some(Contact { is_flat, segment, normals: [of_a.unit_normal(), of_b.unit_normal()] })
+}
+
+/// The plane of a triangle.
+struct Plane<'t, C> {
+    triangle: &'t [[C; 3]; 3],
+    /// The edges from the first corner.
+    edges: [DVec3; 2],
+    /// Their cross product, rounded.
+    normal: DVec3,
+}
+
+impl<'t, C: Coordinate> Plane<'t, C> {
+    #[inline]
+    fn of(triangle: &'t [[C; 3]; 3]) -> Self {
+        let [a, b, c] = triangle;
+        let edges = [difference(b, a), difference(c, a)];
+        Self { triangle, edges, normal: edges[0].cross(edges[1]) }
+    }
+
+    /// A bound of the errors of heights; see [`crate::exact::filter64`].
+    #[inline]
+    fn bound<const N: usize>(&self, offsets: &[DVec3; N]) -> f64 {
+        let [u, v] = self.edges;
+        let extent = offsets.iter().fold(larger(u.abs(), v.abs()), |e, w| larger(e, w.abs()));
+        extent.x * extent.y * extent.z * ERROR_3D + UNDERFLOW_3D
+    }
+
+    /// The unit normal of the triangle by the right-hand rule, or zero if it is degenerate.
+    fn unit_normal(&self) -> [f32; 3] {
+        let [u, v] = self.edges;
+        let extent = larger(u.abs(), v.abs());
+        let largest = (extent.yzx() * extent.zxy()).max_element();
+        let bound = (largest * ERROR_2D + UNDERFLOW_2D) * TWO_30;
+        let is_certain = self.normal.abs().max_element() > bound;
+        let normal = if is_certain {
+            self.normal
+        } else {
+            integer::direction_of_normal(self.triangle.each_ref())
+        };
+        // The squares of the largest f64 areas would overflow, those of the smallest vanish.
+        let squared = normal.length_squared();
+        let normal = match SQUARES.contains(&squared) {
+            true => normal / squared.sqrt(),
+            false => (normal / normal.abs().max_element()).normalize_or_zero(),
+        };
+        normal.as_vec3().to_array()
+    }
+}
+
+/// Points over the plane of a triangle.
+struct Over<'t, C> {
+    plane: &'t Plane<'t, C>,
+    points: [Point<C>; 3],
+    /// No error of a height is larger.
+    bound: f64,
+}
+
+struct Point<C> {
+    at: [C; 3],
+    /// The determinant of the plane and this point, rounded: positive on the side of the normal of the plane.
+    height: f64,
+}
+
+impl<'t, C: Coordinate> Over<'t, C> {
+    #[inline]
+    fn new(points: &[[C; 3]; 3], plane: &'t Plane<'t, C>) -> Self {
+        let offsets = points.each_ref().map(|p| difference(p, &plane.triangle[0]));
+        let heights = offsets.map(|offset| plane.normal.dot(offset));
+        let point = |k: usize| Point { at: points[k], height: heights[k] };
+        Self { plane, points: [point(0), point(1), point(2)], bound: plane.bound(&offsets) }
+    }
+
+    /// The exact sides of the triangle, as it turns, on which the points lie.
+    #[inline]
+    fn sides(&self) -> [i32; 3] {
+        let points = self.points.each_ref();
+        if points.iter().all(|point| point.height.abs() > self.bound) {
+            return points.map(|point| if point.height > 0.0 { 1 } else { -1 });
+        }
+        sides(self.plane.triangle.each_ref(), points.map(|point| &point.at))
+    }
+
+    /// The point in which the edge p–q, whose ends lie on different sides of the plane, cuts it.
+    ///
+    /// It does not depend on the order of ends, so that neighbours, which have the edge in common, have the point in common
+    /// too, to the bit.
+    fn cut(&self, p: &Point<C>, q: &Point<C>) -> [C; 3] {
+        let (p, q) = if q.at < p.at { (q, p) } else { (p, q) };
+        let is_certain = |bound: f64| p.height.abs().min(q.height.abs()) > bound * TWO_30;
+        let ends = || [p, q].map(|p| difference(&p.at, &self.plane.triangle[0]));
+        // Within 2^-28.
+        let s = if is_certain(self.bound) || is_certain(self.plane.bound(&ends())) {
+            p.height / (p.height - q.height)
+        } else {
+            integer::orient3d_ratio(self.plane.triangle.each_ref(), &p.at, &q.at)
+        };
+        // The parameter counts from the nearer end, so that an end in the plane is returned unchanged.
+        let (end, part) = if s <= 0.5 { (p, s) } else { (q, s - 1.0) };
+        C::point(difference(&end.at, &[C::from(0.0); 3]) + part * difference(&q.at, &p.at))
+    }
 }
 
 fn orient3d<C: Coordinate>(a: &[C; 3], b: &[C; 3], c: &[C; 3], d: &[C; 3]) -> i32 {
@@ -88,78 +193,31 @@ impl From<Contact> for Contact<f64> {
     }
 }
 
-/// The unit normal of a triangle by the right-hand rule, or zero if it is degenerate.
-fn unit_normal<C: Coordinate>(t: &[[C; 3]; 3]) -> [f32; 3] {
-    let (u, v) = (difference(&t[1], &t[0]), difference(&t[2], &t[0]));
-    let (in_f64, extent) = (u.cross(v), u.abs().max(v.abs()));
-    let largest = (extent.yzx() * extent.zxy()).max_element();
-    let bound = (largest * ERROR_2D + UNDERFLOW_2D) * TWO_30;
-    let is_certain = in_f64.abs().max_element() > bound;
-    let normal = if is_certain { in_f64 } else { integer::direction_of_normal(t.each_ref()) };
-    // The squares of the largest f32 areas would overflow, those of the smallest vanish.
-    let largest = normal.abs().max_element();
-    if largest == 0.0 { [0.0; 3] } else { (normal / largest).normalize().as_vec3().to_array() }
-}
-
-/// The overlap of the two intervals that [`intervals_overlap`](super::intervals_overlap) compares.
+/// The overlap of the two intervals that [`intervals_overlap`](super::intervals_overlap) compares: of `a` over the plane of
+/// `b`, and the other way round.
 fn crossing<C: Coordinate>(
-    a: &[[C; 3]; 3],
+    a: &Over<'_, C>,
     a_sides: &[i32; 3],
-    b: &[[C; 3]; 3],
+    b: &Over<'_, C>,
     b_sides: &[i32; 3],
 ) -> Option<[[C; 3]; 2]> {
-    let ([a0, a1, a2], [b0, b1, b2], side) = arrange(a, a_sides, b, b_sides);
-    if orient3d(a0, a1, b0, b1) == side || orient3d(a0, a2, b0, b2) == -side {
+    let ([a0, a1, a2], [b0, b1, b2], side) = arrange(&a.points, a_sides, &b.points, b_sides);
+    let turn = |a: &Point<C>| sides([&a0.at, &a.at, &b0.at], [&b1.at, &b2.at]);
+    let ([first, start], [end, last]) = (turn(a1), turn(a2));
+    if first == side || last == -side {
         return None;
     }
     // Along the line, a runs from a0a1 to a0a2 and b from b0b2 to b0b1.
-    let start = if orient3d(a0, a1, b0, b2) == -side {
-        edge_point(b0, b2, a)
-    } else {
-        edge_point(a0, a1, b)
-    };
-    let end = if orient3d(a0, a2, b0, b1) == side {
-        edge_point(b0, b1, a)
-    } else {
-        edge_point(a0, a2, b)
-    };
+    let start = if start == -side { b.cut(b0, b2) } else { a.cut(a0, a1) };
+    let end = if end == side { b.cut(b0, b1) } else { a.cut(a0, a2) };
     Some([start, end])
 }
 
-/// The point in which the edge p–q, whose ends lie on different sides of the plane of `t`, cuts it.
-///
-/// It does not depend on the order of ends and corners, so that neighbours, which have the edge in common, have the point in
-/// common too, to the bit.
+/// The point in which the edge p–q cuts the plane of a triangle.
 fn edge_point<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] {
-    let (p, q) = in_order(p, q);
-    let [a, b, c] = t;
-    let (a, b) = in_order(a, b);
-    let (b, c) = in_order(b, c);
-    let (a, b) = in_order(a, b);
-    let t = [a, b, c];
-    let s = edge_parameter(p, q, t);
-    // The parameter counts from the nearer end, so that an end in the plane is returned unchanged.
-    let (end, part) = if s <= 0.5 { (p, s) } else { (q, s - 1.0) };
-    C::point(difference(end, &[C::from(0.0); 3]) + part * difference(q, p))
-}
-
-/// Two points, the one with the smaller first coordinate in which they differ first.
-fn in_order<'p, C: Coordinate>(p: &'p [C; 3], q: &'p [C; 3]) -> (&'p [C; 3], &'p [C; 3]) {
-    if q < p { (q, p) } else { (p, q) }
-}
-
-/// The parameter of that point along the edge, within 2^-28.
-fn edge_parameter<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: [&[C; 3]; 3]) -> f64 {
-    let (u, v) = (difference(t[1], t[0]), difference(t[2], t[0]));
-    let w = [p, q].map(|p| difference(p, t[0]));
-    let extent = u.abs().max(v.abs()).max(w[0].abs()).max(w[1].abs());
-    let [d, e] = w.map(|w| u.cross(v).dot(w));
-    let bound = extent.x * extent.y * extent.z * ERROR_3D + UNDERFLOW_3D;
-    if d.abs().min(e.abs()) > bound * TWO_30 {
-        d / (d - e)
-    } else {
-        integer::orient3d_ratio(t, p, q)
-    }
+    let plane = Plane::of(t);
+    let over = Over::new(&[*p, *q, *q], &plane);
+    over.cut(&over.points[0], &over.points[1])
 }
 
 /// The longest chord between corners of the intersection of triangles that are coplanar or of which one is

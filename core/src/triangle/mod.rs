@@ -149,12 +149,12 @@ fn intervals_overlap<K: Orientation>(
 /// The corners of both triangles from their apexes on, and the side of the apex of `b`. The other two corners of `b` are in
 /// the order in which the intervals of both triangles run the same way.
 #[inline]
-fn arrange<'t, C>(
-    a: &'t [[C; 3]; 3],
+fn arrange<'t, T>(
+    a: &'t [T; 3],
     a_sides: &[i32; 3],
-    b: &'t [[C; 3]; 3],
+    b: &'t [T; 3],
     b_sides: &[i32; 3],
-) -> ([&'t [C; 3]; 3], [&'t [C; 3]; 3], i32) {
+) -> ([&'t T; 3], [&'t T; 3], i32) {
     let ((i, delta), (j, epsilon)) = (apex(a_sides), apex(b_sides));
     let [b0, b1, b2] = rotated(b, j);
     let b = if delta == epsilon { [b0, b1, b2] } else { [b0, b2, b1] };
@@ -181,7 +181,7 @@ fn apex(&[p, q, r]: &[i32; 3]) -> (usize, i32) {
 
 /// The corners, beginning with one.
 #[inline]
-fn rotated<C>([p, q, r]: &[[C; 3]; 3], first: usize) -> [&[C; 3]; 3] {
+fn rotated<T>([p, q, r]: &[T; 3], first: usize) -> [&T; 3] {
     match first {
         0 => [p, q, r],
         1 => [q, r, p],

@@ -39,17 +39,23 @@ fn normals_of_degenerate_triangles_are_zero() {
         for size in [1.0, 2f32.powi(60)] {
             let scales = [near, far, 1.5 * far].map(|scale| size * scale);
             let t = scales.map(|scale| direction.map(|x| scale * x));
-            assert_eq!(unit_normal(&t), [0.0; 3], "{exponent}");
+            assert_eq!(Plane::of(&t).unit_normal(), [0.0; 3], "{exponent}");
         }
     }
-    assert_eq!(unit_normal(&[[2.0; 3]; 3]), [0.0; 3]);
+    assert_eq!(Plane::of(&[[2.0; 3]; 3]).unit_normal(), [0.0; 3]);
     // And with an area that f64 does not see.
     let sliver = [[-1.0, 1.0, 0.0], [f32::from_bits(1), 1.0, -1.0], [-0.5, 1.0, -0.5]];
-    assert_eq!(unit_normal(&sliver), [0.0, 1.0, 0.0]);
+    assert_eq!(Plane::of(&sliver).unit_normal(), [0.0, 1.0, 0.0]);
     let least = f32::from_bits(1);
-    assert_eq!(unit_normal(&[[0.0; 3], [least, 0.0, 0.0], [0.0, least, 0.0]]), [0.0, 0.0, 1.0]);
+    assert_eq!(
+        Plane::of(&[[0.0; 3], [least, 0.0, 0.0], [0.0, least, 0.0]]).unit_normal(),
+        [0.0, 0.0, 1.0]
+    );
     let huge = f32::MAX;
-    assert_eq!(unit_normal(&[[0.0; 3], [0.0, huge, 0.0], [huge, 0.0, 0.0]]), [0.0, 0.0, -1.0]);
+    assert_eq!(
+        Plane::of(&[[0.0; 3], [0.0, huge, 0.0], [huge, 0.0, 0.0]]).unit_normal(),
+        [0.0, 0.0, -1.0]
+    );
 }
 
 #[test]
@@ -148,10 +154,10 @@ fn edge_parameters_that_f64_does_not_know_come_from_integers() {
     let (far, close) = (2f32.powi(20), 2f32.powi(-40));
     let t = [[far, far, 0.0], [-far, -far, 0.0], [0.0, 0.0, far]];
     let (p, q) = ([close, 0.0, 0.0], [0.0, 3.0 * close, 0.0]);
-    assert_eq!(edge_parameter(&p, &q, t.each_ref()), 0.25);
+    assert_eq!(edge_point(&p, &q, &t), [0.75 * close, 0.75 * close, 0.0]);
     // Ends at heights of 1 and −3 over the plane 7x = 3y, of which f64 knows four digits.
     let (far, near, close) = (1_572_863.0 * 2f32.powi(40), 1_398_101.0 * 32.0, 2f32.powi(20));
     let t = [[3.0 * far, 7.0 * far, 0.0], [-3.0 * near, -7.0 * near, 0.0], [0.0, 0.0, far]];
     let (p, q) = ([3.0 * close, 0.0, 0.0], [0.0, 21.0 * close, 0.0]);
-    assert_eq!(edge_parameter(&p, &q, t.each_ref()), 0.25);
+    assert_eq!(edge_point(&p, &q, &t), [2.25 * close, 5.25 * close, 0.0]);
 }
