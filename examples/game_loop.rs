@@ -3,7 +3,7 @@
 //! `cargo run --example game_loop --features glam033`. The types are those of bevy_math 0.20, which gives out glam 0.33.
 
 use glam033::{Affine3A, Quat, Vec3};
-use pfront::{BodyId, Error, Groups, Model, Pose, SceneQuery};
+use pfront::{BodyId, BodyOptions, Error, Groups, Model, Pose, SceneQuery};
 
 /// A thing in the game; `pfront` knows its body only.
 struct Entity {
@@ -25,10 +25,10 @@ fn main() -> Result<(), Error> {
     let (mut scene, mut entities) = (SceneQuery::new(), Vec::new());
     let mut spawn = |name, size: Vec3, at: Vec3, velocity, groups| {
         let transform = Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, at);
-        let body = scene.add(cube.clone(), Pose::from(transform))?;
-        scene.set_groups(body, groups)?;
         // The way back from a body to its entity: its index, or `Entity::to_bits` of bevy.
-        scene.set_user_data(body, entities.len() as u64)?;
+        let user_data = entities.len() as u64;
+        let options = BodyOptions { groups, user_data, ..BodyOptions::default() };
+        let body = scene.add_with(cube.clone(), Pose::from(transform), options)?;
         entities.push(Entity { name, transform, velocity, body });
         Ok::<_, Error>(body)
     };
@@ -53,7 +53,8 @@ fn main() -> Result<(), Error> {
         scene.update()?;
         // The hits of two bodies stand side by side; the scene may be looked into meanwhile.
         for of_two in scene.hits().chunk_by(|x, y| x.bodies == y.bodies) {
-            let entity = |id| Ok::<_, Error>(&entities[scene.body(id)?.user_data() as usize]);
+            let entity =
+                |id| Ok::<_, Error>(&entities[scene.body(id)?.options().user_data as usize]);
             let [a, b] = of_two[0].bodies;
             let names = [entity(a)?.name, entity(b)?.name];
             println!("frame {frame}: {names:?} meet in {} pairs", of_two.len());

@@ -5,7 +5,6 @@ use crate::environment::{Environment, with_default};
 use crate::executor::{Answer, Backend, CpuHistory, Executor, Frame, Plan, Run, Verb};
 #[cfg(feature = "gpu")]
 use crate::executor::{Device, Mirrors};
-use crate::memory::reserve;
 use crate::subject::{AnyBvtt, Key, Subject};
 #[cfg(feature = "threads")]
 use crate::threads::Report;
@@ -85,11 +84,11 @@ impl History {
         if self.touched.take() != Some(key) {
             let Self { run, pairs, contacts, .. } = self;
             let outlines = Default::default();
-            let query = subject.untraversed(&outlines)?;
+            let tree = &subject.untraversed(&outlines)?;
             contacts.clear();
             // An error gives the list back.
             let mut found = std::mem::take(contacts);
-            run.contacts(pairs, |pair| query.contact(pair), &mut found)?;
+            run.contacts(pairs, |()| Ok(Some(tree)), |tree, pair| tree.contact(pair), &mut found)?;
             *contacts = found;
         }
         // Not before: a thread may panic.
@@ -105,9 +104,9 @@ impl History {
         with_default(|| {
             self.ask(subject, Verb::All)?;
             let (outlines, mut contacts) = (Default::default(), Vec::new());
-            let query = subject.untraversed(&outlines)?;
-            reserve(&mut contacts, self.pairs.len())?;
-            self.run.contacts(&self.pairs, |pair| query.contact_f64(pair), &mut contacts)?;
+            let tree = &subject.untraversed(&outlines)?;
+            let contact = |tree: &&AnyBvtt<'_>, pair| tree.contact_f64(pair);
+            self.run.contacts(&self.pairs, |()| Ok(Some(tree)), contact, &mut contacts)?;
             Ok(contacts)
         })
     }

@@ -45,7 +45,7 @@
 //! - `gpu`: the module `gpu`, the queries on any GPU, with the same answers.
 //! - `glam033`, `glam034`: poses from and into the types of bevy and rapier; see [`pfront_core::pose`].
 //! - `serde`: `Serialize` and `Deserialize` for what is stored: [`Pose`], [`Aabb`], [`TrianglePair`], [`Contact`],
-//!   [`SceneHit`], [`BodyId`], [`Groups`], [`Adjacency`] and [`BuildOptions`].
+//!   [`SceneHit`], [`BodyId`], [`BodyOptions`], [`Groups`], [`Adjacency`] and [`BuildOptions`].
 //!
 //! The heart of it, [`pfront_core`], needs neither an allocator nor std. How to put any of it into an engine or into
 //! firmware, how large every buffer has to be, and the worst case of every call: [`embedding`].
@@ -80,7 +80,7 @@ pub use model::{Model, Scalar, Stamp};
 pub use once::{any, count, pairs, self_pairs};
 pub use pair::PairQuery;
 pub use pose::AnyPose;
-pub use scene::{Body, BodyId, Groups, Piece, SceneHit, SceneQuery};
+pub use scene::{Body, BodyId, BodyOptions, Groups, Piece, SceneHit, SceneQuery};
 pub use sphere::Sphere;
 pub use within::SelfQuery;
 

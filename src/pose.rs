@@ -1,6 +1,8 @@
 //! Poses of either precision.
 
+use crate::Contact;
 use crate::environment::with_default;
+use glam::{DVec3, Vec3};
 use pfront_core::bvtt::{PairBvtt, PosedBvh};
 use pfront_core::pose::PoseError;
 use pfront_core::{Aabb, Bvh, Pose, Pose64};
@@ -73,6 +75,23 @@ impl AnyPose {
             Self::F32(pose) => pose.check(bounds),
             Self::F64(pose) => pose.check(bounds),
         }
+    }
+
+    /// Where two triangles of a mesh meet, in this pose.
+    pub(crate) fn contact(&self, contact: Contact<f64>) -> Contact<f64> {
+        let pose = self.to_f64();
+        if pose == Pose64::IDENTITY {
+            return contact;
+        }
+        // Normals turn as cross products of edges do.
+        let [u, v, w] = pose.rows.map(|[x, y, z, _]| DVec3::new(x, y, z));
+        let cofactors = [v.cross(w), w.cross(u), u.cross(v)];
+        let normals = contact.normals.map(|normal| {
+            let normal = Vec3::from_array(normal).as_dvec3();
+            let turned = DVec3::from_array(cofactors.map(|row| row.dot(normal)));
+            turned.normalize_or_zero().as_vec3().to_array()
+        });
+        Contact { segment: contact.segment.map(|p| pose.apply(p)), normals, ..contact }
     }
 
     /// Whether it is the same pose, to the bit.

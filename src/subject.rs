@@ -165,7 +165,7 @@ impl<M: Borrow<Model>> Subject<M> {
     }
 }
 
-/// The BVTT of a subject, or of two bodies.
+/// The BVTT of a subject, or of bodies.
 #[derive(Clone, Debug)]
 pub(crate) enum AnyBvtt<'q> {
     Pair(PairBvtt<'q>),

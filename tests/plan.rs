@@ -214,7 +214,7 @@ mod on_gpu {
             assert_eq!(scene.all().unwrap(), truth.all().unwrap());
             let plan = scene.plan().unwrap();
             assert!([Backend::Sequential, Backend::Threads].contains(&plan.backend));
-            assert_eq!(plan.reason == Reason::InF64, is_gpu);
+            assert_eq!(plan.reason == Reason::CpuOnly, is_gpu);
         }
     }
 

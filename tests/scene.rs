@@ -4,7 +4,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::{
-    Body, BodyId, Error, Groups, Model, PairQuery, Pose, PoseError, SceneHit, SceneQuery,
+    Body, BodyId, BodyOptions, Error, Groups, Model, PairQuery, Pose, PoseError, SceneHit,
+    SceneQuery,
 };
 use pfront::{Piece, TrianglePair};
 use pfront_core::mesh::MeshError;
@@ -78,8 +79,9 @@ impl Trial {
         let id = self.known[place].0;
         let mut bits = || 1 << rng.random_range(0..3) | 1 << rng.random_range(0..3);
         let groups = Groups { memberships: bits(), filter: bits() };
-        self.tell(|scene| scene.set_groups(id, groups)).unwrap();
-        self.tell(|scene| scene.set_user_data(id, u64::from(groups.filter))).unwrap();
+        let user_data = u64::from(groups.filter);
+        let options = BodyOptions { groups, user_data, itself: None };
+        self.tell(|scene| scene.set_options(id, options)).unwrap();
     }
 
     /// Ignores two bodies, or no longer if they were ignored.
@@ -126,7 +128,9 @@ impl Trial {
         for (place, a) in self.known.iter().enumerate() {
             for b in &self.known[place + 1..] {
                 let [s, t] = [a.0, b.0].map(|id| self.scenes[0].body(id).unwrap());
-                if !s.groups().meet(&t.groups()) || self.ignored.contains(&[a.0, b.0]) {
+                if !s.options().groups.meet(&t.options().groups)
+                    || self.ignored.contains(&[a.0, b.0])
+                {
                     continue;
                 }
                 let found = pairs(&world(a), &a.1.triangles, &world(b), &b.1.triangles);

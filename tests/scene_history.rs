@@ -5,8 +5,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::{
-    AnyPose, Body, BodyId, Contact, Error, Executor, Groups, Model, Pose, Pose64, SceneHit,
-    SceneQuery,
+    Adjacency, AnyPose, Body, BodyId, BodyOptions, Contact, Error, Executor, Groups, Model, Pose,
+    Pose64, SceneHit, SceneQuery,
 };
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::scenes::icosphere;
@@ -83,9 +83,7 @@ impl History {
     fn fresh(&self) -> SceneQuery {
         let mut fresh = SceneQuery::new();
         let add = |body: &Body| {
-            let id = fresh.add(body.model().clone(), body.pose()).unwrap();
-            fresh.set_groups(id, body.groups()).unwrap();
-            id
+            fresh.add_with(body.model().clone(), body.pose(), body.options()).unwrap()
         };
         let ids: Vec<_> = self.scene.bodies().map(add).collect();
         let own = self.ids();
@@ -136,9 +134,11 @@ impl History {
             5 => {
                 let mut bits = || 1 << rng.random_range(0..2) | 1 << rng.random_range(0..2);
                 let groups = Groups { memberships: bits(), filter: bits() };
-                scene.set_groups(id, groups).unwrap();
+                let itself = rng.random::<bool>().then(Adjacency::default);
+                let options = BodyOptions { groups, user_data: rng.random(), itself };
+                scene.set_options(id, options).unwrap();
             }
-            6 => scene.set_groups(id, Groups::default()).unwrap(),
+            6 => scene.set_options(id, BodyOptions::default()).unwrap(),
             7 => {
                 let other = ids[rng.random_range(0..ids.len())];
                 scene.ignore(id, other, rng.random()).unwrap();

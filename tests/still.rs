@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::executor::Backend;
-use pfront::{Aabb, AnyPose, Body, BodyId, Groups, Model, Pose, SceneHit, SceneQuery};
+use pfront::{Aabb, AnyPose, Body, BodyId, BodyOptions, Model, Pose, SceneHit, SceneQuery};
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::scenes::icosphere;
 use std::sync::Arc;
@@ -135,7 +135,7 @@ fn what_is_there_already_changes_nothing() {
             let model = Model::clone(scene.body(id)?.model());
             scene.set_model(id, model)
         }),
-        Box::new(|scene, id| scene.set_groups(id, Groups::default())),
+        Box::new(|scene, id| scene.set_options(id, BodyOptions::default())),
         Box::new(|scene, id| {
             let model = scene.body(id)?.model().clone();
             let mesh = model.mesh();
@@ -148,7 +148,9 @@ fn what_is_there_already_changes_nothing() {
                 }
             }
         }),
-        Box::new(|scene, id| scene.set_user_data(id, 7)),
+        Box::new(|scene, id| {
+            scene.set_options(id, BodyOptions { user_data: 7, ..BodyOptions::default() })
+        }),
     ];
     for set in set {
         for &id in &all {

@@ -561,7 +561,7 @@ mod on_a_gpu {
         assert_eq!(ask(&|batch| batch.pair(&ball_f64, &ball, pose).unwrap()), on_gpu);
         assert_eq!(ask(&|batch| batch.pair(&ball, &ball, pose_f64).unwrap()), on_gpu);
         assert_eq!(ask(&|batch| batch.within(&ball, Adjacency::default())), on_gpu);
-        let on_cpu = (Backend::Sequential, Reason::InF64, false);
+        let on_cpu = (Backend::Sequential, Reason::CpuOnly, false);
         assert_eq!(ask(&|batch| batch.within(&ball_f64, Adjacency::default())), on_cpu);
         // In one batch, each has its own.
         let (mut batch, _) = mixed(9);

@@ -1,6 +1,6 @@
 //! What `engine.c` is to print, found by pfront's Rust API from the same meshes.
 
-use pfront::{Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
+use pfront::{BodyOptions, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use std::sync::Arc;
 
 const FRAMES: u32 = 8;
@@ -83,7 +83,7 @@ fn main() -> Result<(), pfront::Error> {
         scene.add(Model::new(roll(0), grid(SHEET[0], SHEET[1], false))?, Pose::IDENTITY)?;
     let bodies: Vec<_> = scene.bodies().map(|body| body.id()).collect();
     for (entity, &body) in (0..).zip(&bodies) {
-        scene.set_user_data(body, entity)?;
+        scene.set_options(body, BodyOptions { user_data: entity, ..BodyOptions::default() })?;
     }
     scene.ignore(sinking, twin, true)?;
     for frame in 0..FRAMES {
@@ -100,7 +100,7 @@ fn main() -> Result<(), pfront::Error> {
         scene.set_pose(twin, pose(frame))?;
         scene.set_positions(rolling, &roll(frame))?;
         scene.update()?;
-        let entity = |body| scene.body(body).map(|body| body.user_data() as u32);
+        let entity = |body| scene.body(body).map(|body| body.options().user_data as u32);
         let mut words = Vec::new();
         for hit in scene.hits() {
             let [first, second] = hit.bodies;

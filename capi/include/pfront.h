@@ -908,6 +908,13 @@ pfront_status_t pfront_scene_set_groups(struct pfront_scene_t *scene,
                                         uint32_t filter,
                                         struct pfront_error_t *error);
 
+// Asks with all else whether a body meets itself, as cloth does, by the rule of `pfront_query_self`; or no longer, if `asked` is
+// 0. A hit of it has the same body twice.
+pfront_status_t pfront_scene_ask_itself(struct pfront_scene_t *scene,
+                                        uint64_t body,
+                                        uint32_t asked,
+                                        struct pfront_error_t *error);
+
 // Ignores two bodies, as the links of a joint that overlap by design; or no longer, if `ignored` is 0.
 pfront_status_t pfront_scene_ignore(struct pfront_scene_t *scene,
                                     uint64_t a,

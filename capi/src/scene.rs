@@ -27,7 +27,7 @@ use core::ptr::null;
 use core::sync::atomic::AtomicU32;
 use core::sync::atomic::Ordering::Relaxed;
 pub use hits::*;
-use pfront::{BodyId, Executor, Groups, Pose64, SceneQuery};
+use pfront::{Adjacency, BodyId, BodyOptions, Executor, Groups, Pose64, SceneQuery};
 
 /// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
 /// Another one is refused: PFRONT_BUSY.
@@ -261,8 +261,35 @@ pub unsafe extern "C" fn pfront_scene_set_groups(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let query = &mut usable(call, scene)?.query;
-        Ok(query.set_groups(BodyId::from_bits(body), Groups { memberships, filter })?)
+        let groups = Groups { memberships, filter };
+        set_options(&mut usable(call, scene)?.query, body, |options| options.groups = groups)
+    })
+}
+
+fn set_options(
+    query: &mut SceneQuery,
+    body: u64,
+    set: impl FnOnce(&mut BodyOptions),
+) -> Result<(), Fault> {
+    let body = BodyId::from_bits(body);
+    let mut options = query.body(body)?.options();
+    set(&mut options);
+    Ok(query.set_options(body, options)?)
+}
+
+/// Asks with all else whether a body meets itself, as cloth does, by the rule of `pfront_query_self`; or no longer, if `asked` is
+/// 0. A hit of it has the same body twice.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_ask_itself(
+    scene: *mut pfront_scene_t,
+    body: u64,
+    asked: u32,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let itself = (asked != 0).then(Adjacency::default);
+        set_options(&mut usable(call, scene)?.query, body, |options| options.itself = itself)
     })
 }
 
@@ -292,8 +319,7 @@ pub unsafe extern "C" fn pfront_scene_set_user_data(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let query = &mut usable(call, scene)?.query;
-        Ok(query.set_user_data(BodyId::from_bits(body), user_data)?)
+        set_options(&mut usable(call, scene)?.query, body, |options| options.user_data = user_data)
     })
 }
 
@@ -309,7 +335,7 @@ pub unsafe extern "C" fn pfront_scene_user_data(
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"user_data", user_data)?;
         let query = &call.shared(c"scene", scene)?.query;
-        out.set(query.body(BodyId::from_bits(body))?.user_data());
+        out.set(query.body(BodyId::from_bits(body))?.options().user_data);
         Ok(())
     })
 }

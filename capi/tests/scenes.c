@@ -38,7 +38,7 @@ static size_t pairs_of(const pfront_scene_hit_t *hits, size_t count, uint64_t a,
 {
     size_t pairs = 0;
     for (size_t i = 0; i < count; i++) {
-        THAT(hits[i].bodies[0] < hits[i].bodies[1]);
+        THAT(hits[i].bodies[0] <= hits[i].bodies[1]);
         THAT(hits[i].pair.a < TRIANGLES && hits[i].pair.b < TRIANGLES);
         if (i > 0) {
             const pfront_scene_hit_t *x = &hits[i - 1], *y = &hits[i];
@@ -136,6 +136,16 @@ static void groups_and_numbers(void)
     THAT(number == UINT64_MAX - 1);
     OK(pfront_scene_user_data(scene, bodies[1], &number, &error));
     THAT(number == 0);
+
+    pfront_query_t query;
+    make();
+    OK(pfront_query_self(&bvh, NULL, 0, &query, &error));
+    OK(pfront_query_count(&query, &many, &error));
+    OK(pfront_scene_ask_itself(scene, bodies[1], 1, &error));
+    THAT(meeting(scene, bodies[1], bodies[1]) == many && meeting(scene, bodies[0], bodies[1]) == first);
+    THAT(meeting(scene, bodies[0], bodies[0]) == 0);
+    OK(pfront_scene_ask_itself(scene, bodies[1], 0, &error));
+    EXPECT(PFRONT_STALE_BODY, "body", pfront_scene_ask_itself(scene, 99, 1, &error));
 
     EXPECT(PFRONT_STALE_BODY, "body", pfront_scene_ignore(scene, bodies[0], 99, 1, &error));
     EXPECT(PFRONT_STALE_BODY, "body", pfront_scene_set_groups(scene, 99, 1, 1, &error));

@@ -1,6 +1,6 @@
 //! Workers and the threads that they run on: what frames share and none of them changes.
 
-use crate::memory::{push, reserve};
+use crate::memory::reserve;
 use crate::{MemoryError, Settings};
 use pfront_core::environment::{Environment, with_default};
 use rayon::{Scope, ThreadPool};
@@ -134,57 +134,58 @@ impl Pool {
         self.p().min(self.all_threads())
     }
 
-    /// Adds to `out`, in order, what `map` makes of some items. It takes the time of a contact or more for each, and runs in the
-    /// default floating-point environment.
+    /// Adds to `out`, in order, what `list` makes of pieces of some items, which takes the time of a contact or more for each, on
+    /// any thread and in the default floating-point environment. Few items are one piece.
     ///
     /// # Errors
-    /// [`MemoryError`] if that does not fit into memory; nothing is added then.
+    /// The first that `list` returns, or [`MemoryError`] if not all fits into memory; nothing is added then.
     ///
     /// # Examples
     /// ```
-    /// let (pool, mut out) = (pfront_cpu::Pool::new(2), Vec::new());
-    /// pool.filter_map(&[3, 5, 4], |&i| (i > 3).then_some(10 * i), &mut out)?;
-    /// assert_eq!(out, [50, 40]);
-    /// # Ok::<(), pfront_cpu::MemoryError>(())
+    /// use pfront_cpu::{MemoryError, Pool};
+    /// let (pool, mut out) = (Pool::new(2), Vec::new());
+    /// let double = |piece: &[u32], out: &mut Vec<u32>| -> Result<(), MemoryError> {
+    ///     out.extend(piece.iter().map(|i| 2 * i));
+    ///     Ok(())
+    /// };
+    /// pool.by_pieces(&[3, 5, 4], double, &mut out)?;
+    /// assert_eq!(out, [6, 10, 8]);
+    /// # Ok::<(), MemoryError>(())
     /// ```
-    pub fn filter_map<T: Sync, R: Send>(
+    pub fn by_pieces<T: Sync, R: Send, E: From<MemoryError> + Send>(
         &self,
         items: &[T],
-        map: impl Fn(&T) -> Option<R> + Sync,
+        list: impl Fn(&[T], &mut Vec<R>) -> Result<(), E> + Sync,
         out: &mut Vec<R>,
-    ) -> Result<(), MemoryError> {
+    ) -> Result<(), E> {
         let before = out.len();
         if items.len() < 2 * CONTACTS {
-            let added = with_default(|| {
-                items.iter().filter_map(map).try_for_each(|mapped| push(out, mapped))
-            });
-            if added.is_err() {
+            let listed = with_default(|| list(items, out));
+            if listed.is_err() {
                 out.truncate(before);
             }
-            return added;
+            return listed;
         }
         let size = items.len().div_ceil(PIECES * self.all_threads()).max(CONTACTS);
-        struct Piece<'t, T, R> {
-            items: &'t [T],
-            list: Vec<R>,
-            added: Result<(), MemoryError>,
-        }
         let mut pieces = Vec::new();
         reserve(&mut pieces, items.len().div_ceil(size))?;
-        let piece = |items| Piece { items, list: Vec::new(), added: Ok(()) };
-        pieces.extend(items.chunks(size).map(piece));
+        pieces.extend(items.chunks(size).map(|items| (items, Vec::new(), Ok(()))));
         let has_failed = AtomicBool::new(false);
-        self.for_each(&mut pieces, |Piece { items, list, added }| {
-            let mapped = items.iter().take_while(|_| !has_failed.load(Relaxed)).filter_map(&map);
-            *added = mapped.into_iter().try_for_each(|mapped| push(list, mapped));
-            if added.is_err() {
-                has_failed.store(true, Relaxed);
-                *list = Vec::new();
+        self.for_each(&mut pieces, |(items, own, listed)| {
+            if !has_failed.load(Relaxed) {
+                *listed = list(items, own);
+                has_failed.fetch_or(listed.is_err(), Relaxed);
             }
         });
-        pieces.iter().try_for_each(|piece| piece.added)?;
-        reserve(out, pieces.iter().map(|piece| piece.list.len()).sum())?;
-        pieces.iter_mut().for_each(|piece| out.append(&mut piece.list));
+        let sizes = pieces.iter().map(|(_, own, _)| own.len());
+        reserve(out, sizes.sum())?;
+        for (_, mut own, listed) in pieces {
+            if let Err(error) = listed {
+                out.truncate(before);
+                return Err(error);
+            }
+            out.append(&mut own);
+        }
         Ok(())
     }
 

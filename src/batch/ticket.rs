@@ -95,7 +95,7 @@ impl<T> Ticket<T> {
     pub fn plan(&self, question: usize) -> Option<Plan> {
         let Planned { questions, backend, reason, on_cpu } = &self.planned;
         (question < *questions).then(|| match on_cpu.binary_search(&question) {
-            Ok(_) => Plan::new(Backend::Sequential, Reason::InF64),
+            Ok(_) => Plan::new(Backend::Sequential, Reason::CpuOnly),
             Err(_) => Plan::new(*backend, *reason),
         })
     }

@@ -12,11 +12,15 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// An intersecting triangle pair, as a query shows it.
-pub(crate) trait Named: Copy + Ord + Send {
+pub(crate) trait Named: Copy + Ord + Send + Sync {
     /// What tells its subject from the others of a frame.
     type Name: Copy + Ord;
 
     fn new(name: Self::Name, pair: TrianglePair) -> Self;
+
+    fn name(&self) -> Self::Name;
+
+    fn pair(&self) -> TrianglePair;
 
     /// Adds all pairs of some trees to a list, sorted. That of a subject without a name is replaced.
     #[cfg(feature = "threads")]
@@ -35,6 +39,12 @@ impl Named for TrianglePair {
 
     fn new((): (), pair: TrianglePair) -> Self {
         pair
+    }
+
+    fn name(&self) {}
+
+    fn pair(&self) -> TrianglePair {
+        *self
     }
 
     #[cfg(feature = "threads")]

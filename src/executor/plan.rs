@@ -36,20 +36,27 @@ impl Backend {
 #[derive(Debug)]
 pub(crate) struct CpuPart {
     caller: usize,
+    has_worked: AtomicBool,
     is_other: AtomicBool,
 }
 
 impl CpuPart {
     /// Nobody has worked yet; the calling thread is this one.
     pub(crate) fn new() -> Self {
-        Self { caller: this_thread(), is_other: AtomicBool::new(false) }
+        let [has_worked, is_other] = [false; 2].map(AtomicBool::new);
+        Self { caller: this_thread(), has_worked, is_other }
     }
 
     /// To be called by whoever works.
     pub(crate) fn works(&self) {
+        self.has_worked.store(true, Relaxed);
         if this_thread() != self.caller {
             self.is_other.store(true, Relaxed);
         }
+    }
+
+    pub(crate) fn has_worked(&self) -> bool {
+        self.has_worked.load(Relaxed)
     }
 
     pub(crate) fn backend(&self) -> Backend {
@@ -84,9 +91,8 @@ pub enum Reason {
     NotWorthChanging,
     /// The CPU answers one frame of many, in case it has become faster than the GPU.
     Check,
-    /// A model or a pose is in f64, about which a GPU answers questions about two models only.
-    InF64,
-    /// Only a CPU answers this: contacts, visits, and which bodies meet.
+    /// Only a CPU answers this: contacts, visits, which bodies meet, a mesh in f64 with itself, and in a scene bodies in f64 and
+    /// bodies with themselves.
     CpuOnly,
     /// The GPU has failed: see [`Plan::failure`].
     GpuFailed,
@@ -146,7 +152,6 @@ impl fmt::Display for Reason {
             Self::Faster => "predicted to be as fast as the other or faster",
             Self::NotWorthChanging => "the other has not yet saved the price of a change",
             Self::Check => "to see whether the CPU has become faster",
-            Self::InF64 => "a GPU answers about f64 for two models only",
             Self::CpuOnly => "only a CPU answers this",
             Self::GpuFailed => "the GPU has failed",
         })

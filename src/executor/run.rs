@@ -9,17 +9,20 @@ use super::{
     choice::{Choice, Failure},
 };
 #[cfg(feature = "gpu")]
-#[cfg(feature = "gpu")]
 use crate::gpu::GpuError;
-use crate::memory::push;
+use crate::memory::{push, reserve};
 #[cfg(feature = "threads")]
 use crate::threads::Report;
 use crate::{Error, Model, Scalar, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+#[cfg(feature = "gpu")]
+use std::sync::atomic::Ordering::Relaxed;
 #[cfg(feature = "gpu")]
 use std::time::{Duration, Instant};
+
+/// Contacts between two looks at the flag of the executor: some 0.1 ms.
+const CONTACTS: usize = 256;
 
 /// The subjects of a query in a frame, as each kind of executor answers about them.
 pub(crate) trait Frame {
@@ -123,50 +126,57 @@ impl<N: Copy + Ord> Run<N> {
         self.note(Backend::Cached, Reason::Unchanged);
     }
 
-    /// Adds to `out`, in order, where each of `pairs` meets, if it does, and takes note of who has worked.
+    /// Adds to `out`, in order, where hits are, each by the `contact` in the tree of its subject, and takes note of who has
+    /// worked. Hits of subjects without a tree are left out.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] or [`Error::Memory`].
-    pub(crate) fn contacts<C: Send>(
+    /// [`Error::Cancelled`] or [`Error::Memory`]; nothing is added then.
+    pub(crate) fn contacts<H: Named<Name = N>, T, C: Send>(
         &mut self,
-        pairs: &[TrianglePair],
-        contact: impl Fn(TrianglePair) -> Option<C> + Sync,
-        out: &mut Vec<(TrianglePair, C)>,
+        hits: &[H],
+        tree: impl Fn(N) -> Result<Option<T>, Error> + Sync,
+        contact: impl Fn(&T, TrianglePair) -> Option<C> + Sync,
+        out: &mut Vec<(H, C)>,
     ) -> Result<(), Error> {
-        if pairs.is_empty() {
+        if hits.is_empty() {
             return Ok(());
         }
-        let (part, is_cancelled) = (CpuPart::new(), AtomicBool::new(false));
-        let flag = self.executor.cancel_flag();
-        let contact = |&pair: &TrianglePair| {
-            part.works();
-            if check(flag).is_err() {
-                is_cancelled.store(true, Relaxed);
-                return None;
+        let (part, flag) = (CpuPart::new(), self.executor.cancel_flag());
+        let list = |hits: &[H], out: &mut Vec<(H, C)>| {
+            for of_one in hits.chunk_by(|x, y| x.name() == y.name()) {
+                let Some(tree) = tree(of_one[0].name())? else { continue };
+                part.works();
+                for block in of_one.chunks(CONTACTS) {
+                    check(flag)?;
+                    reserve(out, block.len())?;
+                    let contact = |hit: &H| Some((*hit, contact(&tree, hit.pair())?));
+                    out.extend(block.iter().filter_map(contact));
+                }
             }
-            Some((pair, contact(pair)?))
+            Ok(())
         };
-        let listed = self.filter_map(pairs, contact, out);
-        self.note_also(part.backend());
-        listed?;
-        if is_cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(()) }
+        let listed = self.by_pieces(hits, list, out);
+        if part.has_worked() {
+            self.note_also(part.backend());
+        }
+        listed
     }
 
-    /// Adds to `out`, in order, what `map` makes of some items, on the threads of the executor.
+    /// Adds to `out`, in order, what `list` makes of pieces of some items, on the threads of the executor.
     ///
     /// # Errors
-    /// [`Error::Memory`].
-    pub(crate) fn filter_map<T: Sync, R: Send>(
+    /// Those of `list`, and [`Error::Memory`].
+    fn by_pieces<T: Sync, R: Send>(
         &self,
         items: &[T],
-        map: impl Fn(&T) -> Option<R> + Sync,
+        list: impl Fn(&[T], &mut Vec<R>) -> Result<(), Error> + Sync,
         out: &mut Vec<R>,
     ) -> Result<(), Error> {
         #[cfg(feature = "threads")]
         if let Some(pool) = &self.executor.pool {
-            return Ok(pool.filter_map(items, map, out)?);
+            return pool.by_pieces(items, list, out);
         }
-        items.iter().filter_map(map).try_for_each(|mapped| push(out, mapped))
+        list(items, out)
     }
 
     /// The names of those `subjects` whose query finds something, in order.
@@ -178,22 +188,23 @@ impl<N: Copy + Ord> Run<N> {
         subjects: &[S],
         query: impl Fn(S) -> Option<(T, Q)> + Sync,
     ) -> Result<Vec<T>, Error> {
-        let (flag, is_cancelled) = (self.executor.cancel_flag(), AtomicBool::new(false));
-        let name = |&subject: &S| {
-            let (name, query) = query(subject)?;
-            let mut meet = false;
-            let end = visit(&query, flag, |_| {
-                meet = true;
-                ControlFlow::Break(())
-            });
-            if end.is_err() {
-                is_cancelled.store(true, Relaxed);
+        let flag = self.executor.cancel_flag();
+        let list = |subjects: &[S], names: &mut Vec<T>| {
+            for (name, query) in subjects.iter().filter_map(|&subject| query(subject)) {
+                let mut meet = false;
+                visit(&query, flag, |_| {
+                    meet = true;
+                    ControlFlow::Break(())
+                })?;
+                if meet {
+                    push(names, name)?;
+                }
             }
-            meet.then_some(name)
+            Ok(())
         };
         let mut names = Vec::new();
-        self.filter_map(subjects, name, &mut names)?;
-        if is_cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(names) }
+        self.by_pieces(subjects, list, &mut names)?;
+        Ok(names)
     }
 
     /// Moves the vertices of a model that will be asked about next.
@@ -314,7 +325,7 @@ impl<N: Copy + Ord> Run<N> {
     ) -> Result<Answer<F::Hit>, Error> {
         let moving = std::mem::take(&mut self.moving);
         if frame.is_for_cpu() {
-            return self.on_cpu(frame, verb, Reason::InF64);
+            return self.on_cpu(frame, verb, Reason::CpuOnly);
         }
         let Some(line) = &device.line else {
             let answer = frame.on_gpu(device, &mut self.cpu, verb);

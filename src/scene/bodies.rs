@@ -1,6 +1,6 @@
 //! The bodies of a scene, in the order in which they were added.
 
-use super::body::Body;
+use super::body::{Body, BodyOptions};
 use super::id::BodyId;
 use crate::memory::reserve;
 use crate::{AnyPose, Error, Model};
@@ -14,8 +14,8 @@ pub(super) struct Bodies {
     known: Vec<(BodyId, u64)>,
     bodies: Vec<Option<Body>>,
     live: usize,
-    /// How many bodies are in f64.
-    in_f64: usize,
+    /// How many bodies are in f64 or are asked about themselves.
+    not_of_gpu: usize,
     next: u64,
     /// Counts changes.
     time: u64,
@@ -40,10 +40,10 @@ impl Bodies {
         self.live
     }
 
-    /// How many bodies are in f64.
+    /// Whether a GPU answers about all pairs.
     #[cfg(feature = "gpu")]
-    pub(super) fn in_f64(&self) -> usize {
-        self.in_f64
+    pub(super) fn are_all_of_gpu(&self) -> bool {
+        self.not_of_gpu == 0
     }
 
     /// Time of the last change; 0 before any.
@@ -98,13 +98,18 @@ impl Bodies {
         self.bodies.iter().flatten()
     }
 
-    pub(super) fn add(&mut self, model: Arc<Model>, pose: AnyPose) -> Result<BodyId, Error> {
+    pub(super) fn add(
+        &mut self,
+        model: Arc<Model>,
+        pose: AnyPose,
+        options: BodyOptions,
+    ) -> Result<BodyId, Error> {
         let id = BodyId(self.next);
-        let body = Body::new(id, model, pose, self.time + 1)?;
-        let is_f64 = body.is_f64();
+        let body = Body::new(id, model, pose, options, self.time + 1)?;
+        let is_of_gpu = body.is_of_gpu();
         self.reserve(1)?;
         self.bodies.push(Some(body));
-        self.in_f64 += usize::from(is_f64);
+        self.not_of_gpu += usize::from(!is_of_gpu);
         self.regathered();
         self.known.push((id, self.time));
         self.live += 1;
@@ -136,9 +141,9 @@ impl Bodies {
         if is_listed {
             reserve(&mut self.moved, 1)?;
         }
-        let was_f64 = body.is_f64();
+        let was_of_gpu = body.is_of_gpu();
         change(body)?;
-        self.in_f64 = self.in_f64 + usize::from(body.is_f64()) - usize::from(was_f64);
+        self.not_of_gpu = self.not_of_gpu + usize::from(was_of_gpu) - usize::from(body.is_of_gpu());
         self.time += 1;
         self.known[place].1 = self.time;
         if is_listed {
@@ -168,7 +173,7 @@ impl Bodies {
         let body = self.bodies[place].take().ok_or(Error::StaleBody { id })?;
         self.known[place].1 = GONE;
         self.live -= 1;
-        self.in_f64 -= usize::from(body.is_f64());
+        self.not_of_gpu -= usize::from(!body.is_of_gpu());
         self.regathered();
         self.lost = self.time;
         let own = [id, BodyId(0)]..=[id, BodyId(u64::MAX)];
@@ -211,13 +216,17 @@ impl Bodies {
     /// Whether two bodies are asked about if their bounds overlap, by their places.
     pub(super) fn may_meet(&self, two: [u32; 2]) -> bool {
         let [Some(a), Some(b)] = two.map(|place| self.at(place)) else { return false };
-        a.groups.meet(&b.groups)
+        if a.id == b.id {
+            return a.options.itself.is_some();
+        }
+        a.options.groups.meet(&b.options.groups)
             && (self.ignored.is_empty() || !self.ignored.contains(&[a.id, b.id]))
     }
 
-    /// Whether one of two bodies is in f64, by their places.
-    pub(super) fn is_f64(&self, two: [u32; 2]) -> bool {
-        self.in_f64 > 0 && two.iter().any(|&place| self.at(place).is_some_and(Body::is_f64))
+    /// Whether a GPU answers about two bodies, by their places: they are two, and none is in f64.
+    pub(super) fn are_of_gpu(&self, two: [u32; 2]) -> bool {
+        let is_f64 = |&place: &u32| self.at(place).is_some_and(Body::is_f64);
+        self.not_of_gpu == 0 || two[0] != two[1] && !two.iter().any(is_f64)
     }
 
     pub(super) fn get_mut(&mut self, id: BodyId) -> Result<&mut Body, Error> {

@@ -2,7 +2,7 @@
 
 use super::id::BodyId;
 use crate::sphere::Sphere;
-use crate::{Aabb, AnyPose, Error, Model};
+use crate::{Aabb, Adjacency, AnyPose, Error, Model};
 use pfront_core::bvtt::PosedBvh;
 use std::sync::{Arc, OnceLock};
 
@@ -41,6 +41,39 @@ impl Default for Groups {
     }
 }
 
+/// What a scene can know of a body beside its model and its pose.
+///
+/// # Examples
+/// ```
+/// use pfront::{Adjacency, BodyOptions, Model, Pose, SceneQuery};
+/// // A fold of two triangles, and a third that pierces the first.
+/// let points = vec![
+///     [0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0],
+///     [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [9.0, 9.0, 9.0],
+/// ];
+/// let cloth = Model::new(points, vec![[0, 1, 2], [1, 0, 3], [4, 5, 6]])?;
+/// let mut scene = SceneQuery::new();
+/// let itself = Some(Adjacency::default());
+/// let options = BodyOptions { user_data: 7, itself, ..BodyOptions::default() };
+/// let body = scene.add_with(cloth, Pose::IDENTITY, options)?;
+/// let hits = scene.all()?;
+/// assert_eq!((hits[0].bodies, hits[0].pair.a, hits[0].pair.b), ([body; 2], 0, 2));
+/// # Ok::<(), pfront::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BodyOptions {
+    /// Which other bodies it may meet; all, by default.
+    pub groups: Groups,
+    /// A number of the caller's: the index of an entity, `Entity::to_bits` of bevy, or both halves of rapier's
+    /// `RigidBodyHandle::into_raw_parts`.
+    pub user_data: u64,
+    /// If there is a rule for triangles that share a vertex, whether the body meets itself is asked with all else, as
+    /// [`SelfQuery`](crate::SelfQuery) asks it: in its own frame, by that rule. Cloth wants it; a body that does not deform
+    /// costs as much in each frame in which it moves.
+    pub itself: Option<Adjacency>,
+}
+
 /// A model and where it is.
 #[derive(Clone, Debug)]
 pub struct Body {
@@ -52,8 +85,7 @@ pub struct Body {
     sphere: OnceLock<Sphere>,
     /// When it got the mesh that it has.
     pub(super) meshed: u64,
-    pub(super) groups: Groups,
-    pub(super) user_data: u64,
+    pub(super) options: BodyOptions,
 }
 
 impl Body {
@@ -75,16 +107,10 @@ impl Body {
         self.pose
     }
 
-    /// The groups of [`crate::SceneQuery::set_groups`].
+    /// What else is known of it: groups, the number of the caller, and whether it is asked about itself.
     #[must_use]
-    pub fn groups(&self) -> Groups {
-        self.groups
-    }
-
-    /// The number of [`crate::SceneQuery::set_user_data`], 0 at first.
-    #[must_use]
-    pub fn user_data(&self) -> u64 {
-        self.user_data
+    pub fn options(&self) -> BodyOptions {
+        self.options
     }
 
     /// A box in the world that contains every posed vertex, rounding included; `None` if there is no
@@ -110,15 +136,21 @@ impl Body {
         self.pose.is_f64() || self.model.is_f64()
     }
 
+    /// Whether a GPU answers about all pairs of it and of others like it.
+    pub(super) fn is_of_gpu(&self) -> bool {
+        !self.is_f64() && self.options.itself.is_none()
+    }
+
     /// A body in this pose, that gets its mesh at a time.
     pub(super) fn new(
         id: BodyId,
         model: Arc<Model>,
         pose: AnyPose,
+        options: BodyOptions,
         meshed: u64,
     ) -> Result<Self, Error> {
-        let (groups, sphere) = (Groups::default(), OnceLock::new());
-        let mut body = Self { id, model, pose, aabb: None, sphere, meshed, groups, user_data: 0 };
+        let sphere = OnceLock::new();
+        let mut body = Self { id, model, pose, aabb: None, sphere, meshed, options };
         body.set_pose(pose)?;
         Ok(body)
     }

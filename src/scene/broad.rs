@@ -83,10 +83,14 @@ impl Broad {
         reserve(&mut self.corners, 2 * bodies.len())?;
         reserve(&mut self.places, bodies.len())?;
         reserve(&mut self.spheres, bodies.len())?;
+        self.pairs.clear();
         for (body, place) in bodies.iter().zip(0..) {
             if let Some(aabb) = body.aabb() {
                 self.corners.extend([aabb.min, aabb.max]);
                 self.places.push(place);
+                if body.options.itself.is_some() {
+                    push(&mut self.pairs, [place; 2])?;
+                }
             }
         }
         self.spheres.resize(self.places.len(), None);
@@ -111,7 +115,6 @@ impl Broad {
         check(cancel)?;
         let query = SelfBvtt::new(boxes.bvh()).boxes_only();
         let Self { pairs, spheres, places, .. } = self;
-        pairs.clear();
         let mut pushed = Ok(());
         visit(&query, cancel, |pair| {
             let [a, b] = [pair.a, pair.b].map(|i| i as usize);
@@ -152,6 +155,9 @@ impl Broad {
         for &place in &self.moved {
             check(cancel)?;
             let Ok(own) = places.binary_search(&place) else { continue };
+            if bodies.at(place).is_some_and(|body| body.options.itself.is_some()) {
+                push(found, [place; 2])?;
+            }
             let [min, max] = [self.corners[2 * own], self.corners[2 * own + 1]];
             overlapping(boxes, &Aabb { min, max }, |i| {
                 let other = places[i];
@@ -169,7 +175,7 @@ impl Broad {
         Ok(())
     }
 
-    /// The pairs in order of bodies, the first of each before the second.
+    /// The pairs in order of bodies, the first of each before the second; a body that is asked about itself is there twice.
     pub(super) fn pairs(&self) -> &[Places] {
         &self.pairs
     }

@@ -1,7 +1,7 @@
 //! Changes to a scene between frames.
 
 use super::SceneQuery;
-use super::body::{Body, Groups};
+use super::body::{Body, BodyOptions};
 use super::id::BodyId;
 use super::split::{Cutter, parts};
 use crate::environment::with_default;
@@ -32,8 +32,21 @@ impl SceneQuery {
         model: impl Into<Arc<Model>>,
         world_from_body: impl Into<AnyPose>,
     ) -> Result<BodyId, Error> {
+        self.add_with(model, world_from_body, BodyOptions::default())
+    }
+
+    /// [`SceneQuery::add`] of a body of which more is known.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::add`].
+    pub fn add_with(
+        &mut self,
+        model: impl Into<Arc<Model>>,
+        world_from_body: impl Into<AnyPose>,
+        options: BodyOptions,
+    ) -> Result<BodyId, Error> {
         let (model, world_from_body) = (model.into(), world_from_body.into());
-        with_default(|| self.bodies.add(model, world_from_body))
+        with_default(|| self.bodies.add(model, world_from_body, options))
     }
 
     /// Takes a body out and returns it. [`SceneQuery::hits`] and [`SceneQuery::last_contacts`] list nothing of it any more.
@@ -146,31 +159,35 @@ impl SceneQuery {
         })
     }
 
-    /// Says which other bodies a body may meet; all, at first.
+    /// Says anew what is known of a body beside its model and its pose.
     ///
     /// # Errors
     /// [`Error::StaleBody`] if it is not there.
     ///
     /// # Examples
     /// ```
-    /// # use pfront::{Groups, Model, Pose, SceneQuery};
+    /// # use pfront::{BodyOptions, Groups, Model, Pose, SceneQuery};
     /// # let tile = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
     /// # let tile = std::sync::Arc::new(tile);
     /// let mut scene = SceneQuery::new();
     /// let bodies = [0; 2].map(|_| scene.add(tile.clone(), Pose::IDENTITY));
     /// assert_eq!(scene.count()?, 1);
     /// for body in bodies {
-    ///     scene.set_groups(body?, Groups { memberships: 0b1, filter: 0b10 })?;
+    ///     let groups = Groups { memberships: 0b1, filter: 0b10 };
+    ///     scene.set_options(body?, BodyOptions { groups, ..BodyOptions::default() })?;
     /// }
     /// assert_eq!(scene.count()?, 0);
     /// # Ok::<(), pfront::Error>(())
     /// ```
-    pub fn set_groups(&mut self, id: BodyId, groups: Groups) -> Result<(), Error> {
-        if self.bodies.get(id)?.groups() == groups {
+    pub fn set_options(&mut self, id: BodyId, options: BodyOptions) -> Result<(), Error> {
+        let body = self.bodies.get_mut(id)?;
+        if body.options == (BodyOptions { user_data: body.options.user_data, ..options }) {
+            // A number of the caller's changes no answer.
+            body.options = options;
             return Ok(());
         }
         self.bodies.change(id, |body| {
-            body.groups = groups;
+            body.options = options;
             Ok(())
         })
     }
@@ -204,7 +221,7 @@ impl SceneQuery {
     }
 
     /// Breaks a body into one for each part, that is each value of `part_of` over its triangles. The
-    /// pieces stay where they are, in f32 or f64 as the body was, in the same groups and with the same user data; their ids follow all others, in ascending
+    /// pieces stay where they are, in f32 or f64 as the body was, with the same options; their ids follow all others, in ascending
     /// order of the parts. Nobody ignores them.
     ///
     /// The triangles of a piece keep their order and are numbered anew, as [`Piece::triangles`] tells;
@@ -234,7 +251,7 @@ impl SceneQuery {
     pub fn split(&mut self, id: BodyId, part_of: impl Fn(u32) -> u32) -> Result<Vec<Piece>, Error> {
         let body = self.bodies.get(id)?;
         let (model, pose) = (body.model().clone(), body.pose());
-        let (groups, user_data) = (body.groups(), body.user_data());
+        let options = body.options();
         let mut cutter = Cutter::new(&model);
         let parts = parts(model.mesh().triangles().len() as u32, part_of);
         let models = parts.iter().map(|(_, triangles)| cutter.cut(triangles));
@@ -243,9 +260,7 @@ impl SceneQuery {
         self.bodies.reserve(models.len())?;
         self.remove(id)?;
         let pieces = parts.into_iter().zip(models).map(|((part, triangles), model)| {
-            let body = with_default(|| self.bodies.add(model.into(), pose))?;
-            let piece = self.bodies.get_mut(body)?;
-            (piece.groups, piece.user_data) = (groups, user_data);
+            let body = with_default(|| self.bodies.add(model.into(), pose, options))?;
             Ok(Piece { body, part, triangles })
         });
         pieces.collect()
@@ -257,16 +272,6 @@ impl SceneQuery {
     /// [`Error::StaleBody`] if it is not there.
     pub fn body(&self, id: BodyId) -> Result<&Body, Error> {
         self.bodies.get(id)
-    }
-
-    /// Keeps a number of the caller's with a body: the index of an entity, `Entity::to_bits` of bevy, or both halves of
-    /// rapier's `RigidBodyHandle::into_raw_parts`.
-    ///
-    /// # Errors
-    /// [`Error::StaleBody`] if it is not there.
-    pub fn set_user_data(&mut self, id: BodyId, user_data: u64) -> Result<(), Error> {
-        self.bodies.get_mut(id)?.user_data = user_data;
-        Ok(())
     }
 
     /// The bodies in the order in which they were added.

@@ -8,6 +8,7 @@ use super::{cache::merge, device::DeviceScene};
 #[cfg(feature = "gpu")]
 use crate::executor::Device;
 use crate::executor::{Answer, Backend, CpuHistory, Frame, Named, Verb};
+#[cfg(feature = "threads")]
 use crate::subject::AnyBvtt;
 use crate::{Error, TrianglePair};
 
@@ -17,7 +18,7 @@ pub(super) struct SceneFrame<'s> {
     pub(super) hits: &'s mut Vec<SceneHit>,
     #[cfg(feature = "gpu")]
     pub(super) device: &'s mut DeviceScene,
-    /// The part of the CPU that answered about pairs in f64, beside a GPU.
+    /// The part of the CPU that answered about the others beside a GPU.
     #[cfg(feature = "gpu")]
     pub(super) beside: Option<Backend>,
 }
@@ -27,6 +28,14 @@ impl Named for SceneHit {
 
     fn new(bodies: [BodyId; 2], pair: TrianglePair) -> Self {
         Self { bodies, pair }
+    }
+
+    fn name(&self) -> [BodyId; 2] {
+        self.bodies
+    }
+
+    fn pair(&self) -> TrianglePair {
+        self.pair
     }
 
     #[cfg(feature = "threads")]
@@ -54,14 +63,12 @@ impl Frame for SceneFrame<'_> {
         cpu: &mut CpuHistory<[BodyId; 2]>,
         verb: Verb,
     ) -> (Backend, Result<Answer<SceneHit>, Error>) {
-        let trees = self.pairs.queries().map(|(bodies, query)| (bodies, AnyBvtt::Pair(query)));
-        cpu.ask_in_turn(trees, verb, self.hits)
+        cpu.ask_in_turn(self.pairs.queries(), verb, self.hits)
     }
 
-    /// Where no pair is in f32 only.
     #[cfg(feature = "gpu")]
     fn is_for_cpu(&self) -> bool {
-        self.pairs.bodies.in_f64() > 0 && self.pairs.in_f64(false).pairs().next().is_none()
+        !self.pairs.bodies.are_all_of_gpu() && self.pairs.of_gpu(true).pairs().next().is_none()
     }
 
     /// A scene stays itself, whichever bodies it has.
@@ -75,7 +82,7 @@ impl Frame for SceneFrame<'_> {
         self.device.lacks(self.pairs.bodies)
     }
 
-    /// Pairs with a body in f64 are asked about on the CPU beside, and both lists are merged.
+    /// Pairs that no GPU answers are asked about on the CPU beside, and both lists are merged.
     #[cfg(feature = "gpu")]
     fn on_gpu(
         &mut self,
@@ -83,15 +90,15 @@ impl Frame for SceneFrame<'_> {
         cpu: &mut CpuHistory<[BodyId; 2]>,
         verb: Verb,
     ) -> Result<Answer<SceneHit>, Error> {
-        if self.pairs.bodies.in_f64() == 0 {
+        if self.pairs.bodies.are_all_of_gpu() {
             return self.device.ask(device, &self.pairs, verb, self.hits);
         }
         let whole = self.pairs;
-        let own = self.device.ask(device, &whole.in_f64(false), verb, self.hits)?;
+        let own = self.device.ask(device, &whole.of_gpu(true), verb, self.hits)?;
         if own.first.is_some() && verb == Verb::Any {
             return Ok(own);
         }
-        let rest = whole.in_f64(true);
+        let rest = whole.of_gpu(false);
         if rest.pairs().next().is_none() {
             return Ok(own);
         }

@@ -11,10 +11,9 @@ mod frame;
 mod hit;
 mod id;
 mod pairs;
-mod segments;
 mod split;
 
-pub use body::{Body, Groups};
+pub use body::{Body, BodyOptions, Groups};
 pub use edit::Piece;
 pub use hit::SceneHit;
 pub use id::BodyId;
@@ -31,8 +30,7 @@ use cache::{Cache, merge};
 #[cfg(feature = "gpu")]
 use device::DeviceScene;
 use frame::SceneFrame;
-use pairs::BodyPairs;
-use pfront_core::bvtt::{PairBvtt, Query};
+use pairs::{BodyPairs, Meeting};
 use std::fmt;
 use std::ops::ControlFlow;
 
@@ -45,7 +43,7 @@ use std::ops::ControlFlow;
 /// does. Vertices of a body at [`crate::Pose::IDENTITY`] stay as they are. Two bodies are posed and decided in f64 if the
 /// model or the pose of one is in f64.
 ///
-/// A deforming body is not asked whether it meets itself; [`crate::SelfQuery`] does that.
+/// Cloth is asked whether it meets itself in the same question, if [`BodyOptions::itself`] says so.
 ///
 /// # Threads
 /// On [`Executor::threads`] all pairs of bodies that have to be asked are divided among the workers
@@ -54,8 +52,8 @@ use std::ops::ControlFlow;
 /// many, which bounds the memory; then nothing is remembered. Contacts, and which bodies meet, are found by the same threads.
 ///
 /// # GPU
-/// On an executor with a GPU, pairs with a body in f64 are asked about on the CPU, all others by the GPU; contacts, visits and
-/// which bodies meet are found on the CPU. [`SceneQuery::plan`] tells.
+/// On an executor with a GPU, pairs with a body in f64 and bodies themselves are asked about on the CPU, all others by the GPU;
+/// contacts, visits and which bodies meet are found on the CPU. [`SceneQuery::plan`] tells.
 ///
 /// # Still bodies
 /// Hits that [`SceneQuery::all`] and [`SceneQuery::contacts`] find are kept: as long as neither of two bodies
@@ -371,10 +369,12 @@ impl SceneQuery {
         if contacts.at() != bodies.time() {
             new_contacts.clear();
             let (list, at) = (hits.list(bodies), contacts.at());
-            let has_changed = |two| bodies.changed(two) > at;
-            let contact = |query: &PairBvtt<'_>, pair| query.contact(pair);
+            let meeting = |two| match bodies.changed(two) > at {
+                true => Meeting::new(bodies, two).map(Some),
+                false => Ok(None),
+            };
             with_default(|| {
-                segments::contacts(run, bodies, list, has_changed, contact, new_contacts)?;
+                run.contacts(list, meeting, Meeting::contact, new_contacts)?;
                 contacts.complete(new_contacts, bodies, run.executor().cancel_flag())
             })?;
         }
@@ -398,8 +398,8 @@ impl SceneQuery {
         self.find_hits()?;
         let Self { bodies, hits, run, .. } = self;
         let (hits, mut contacts) = (hits.list(bodies), Vec::new());
-        let contact = |query: &PairBvtt<'_>, pair| query.contact_f64(pair);
-        with_default(|| segments::contacts(run, bodies, hits, |_| true, contact, &mut contacts))?;
+        let meeting = |two| Meeting::new(bodies, two).map(Some);
+        with_default(|| run.contacts(hits, meeting, Meeting::contact_f64, &mut contacts))?;
         Ok(contacts)
     }
 

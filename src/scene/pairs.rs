@@ -1,10 +1,12 @@
-//! The pairs of bodies that have to be asked about in a frame.
+//! The pairs of bodies that have to be asked about in a frame; a body twice stands for the body and itself.
 
 use super::bodies::Bodies;
 use super::body::Body;
 use super::broad::{Broad, Places};
 use super::id::BodyId;
-use pfront_core::bvtt::PairBvtt;
+use crate::subject::AnyBvtt;
+use crate::{AnyPose, Contact, Error, TrianglePair};
+use pfront_core::bvtt::{PairBvtt, Query};
 
 /// The bodies of a frame, and which of them may meet.
 #[derive(Clone, Copy)]
@@ -13,8 +15,8 @@ pub(super) struct BodyPairs<'s> {
     pairs: &'s [Places],
     /// If there is a number, a pair of bodies that have both not changed since is not asked about.
     since: Option<u64>,
-    /// Only pairs with a body in f64, or only others, are asked about; all if there is nothing here.
-    in_f64: Option<bool>,
+    /// Only pairs that a GPU answers, or only others, are asked about; all if there is nothing here.
+    of_gpu: Option<bool>,
 }
 
 impl<'s> BodyPairs<'s> {
@@ -23,40 +25,73 @@ impl<'s> BodyPairs<'s> {
             Some(changed) => (changed, None),
             None => (broad.pairs(), Some(since)),
         };
-        Self { bodies, pairs, since, in_f64: None }
+        Self { bodies, pairs, since, of_gpu: None }
     }
 
-    /// The pairs with a body in f64, or the others.
+    /// The pairs that a GPU answers, or the others.
     #[cfg(feature = "gpu")]
-    pub(super) fn in_f64(self, in_f64: bool) -> Self {
-        Self { in_f64: Some(in_f64), ..self }
+    pub(super) fn of_gpu(self, of_gpu: bool) -> Self {
+        Self { of_gpu: Some(of_gpu), ..self }
     }
 
     /// Bodies that may meet and whose bounds overlap, by their places and in order.
     pub(super) fn pairs(&self) -> impl Iterator<Item = Places> + use<'s> {
-        let Self { bodies, pairs, since, in_f64, .. } = *self;
+        let Self { bodies, pairs, since, of_gpu, .. } = *self;
         let changed = move |two: &Places| since.is_none_or(|t| bodies.changed_at(*two) > t);
         let is_asked = move |two: &Places| {
-            bodies.may_meet(*two) && in_f64.is_none_or(|in_f64| bodies.is_f64(*two) == in_f64)
+            bodies.may_meet(*two) && of_gpu.is_none_or(|of_gpu| bodies.are_of_gpu(*two) == of_gpu)
         };
         pairs.iter().copied().filter(changed).filter(is_asked)
     }
 
     /// The same as queries.
-    pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], PairBvtt<'s>)> {
+    pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], AnyBvtt<'s>)> {
         let own = *self;
         self.pairs().filter_map(move |places| own.query(places))
     }
 
     /// The query about two bodies by their places.
-    pub(super) fn query(&self, [a, b]: Places) -> Option<([BodyId; 2], PairBvtt<'s>)> {
+    pub(super) fn query(&self, [a, b]: Places) -> Option<([BodyId; 2], AnyBvtt<'s>)> {
         // Always there: the places are those of this frame.
         let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
         Some(([a.id(), b.id()], meeting(a, b)))
     }
 }
 
-/// Whether two bodies meet in the world.
-pub(super) fn meeting<'s>(a: &'s Body, b: &'s Body) -> PairBvtt<'s> {
-    PairBvtt::in_world(a.placed(), b.placed())
+/// Which triangles of two bodies meet in the world, or of one in its own frame.
+fn meeting<'s>(a: &'s Body, b: &'s Body) -> AnyBvtt<'s> {
+    match a.options.itself {
+        Some(adjacency) if a.id() == b.id() => AnyBvtt::within(&a.model, adjacency),
+        _ => AnyBvtt::Pair(PairBvtt::in_world(a.placed(), b.placed())),
+    }
+}
+
+/// Two bodies whose triangles are known to meet, or one twice.
+pub(super) struct Meeting<'s> {
+    tree: AnyBvtt<'s>,
+    /// The pose of one that meets itself.
+    world_from_body: Option<AnyPose>,
+}
+
+impl<'s> Meeting<'s> {
+    /// # Errors
+    /// [`Error::StaleBody`] if one of them is not there.
+    pub(super) fn new(bodies: &'s Bodies, [a, b]: [BodyId; 2]) -> Result<Self, Error> {
+        let (first, second) = (bodies.get(a)?, bodies.get(b)?);
+        let world_from_body = (a == b).then_some(first.pose);
+        Ok(Self { tree: meeting(first, second), world_from_body })
+    }
+
+    /// Where two triangles meet, in the world.
+    pub(super) fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        match self.world_from_body {
+            None => self.tree.contact(pair),
+            Some(_) => self.contact_f64(pair).map(Contact::from),
+        }
+    }
+
+    pub(super) fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
+        let contact = self.tree.contact_f64(pair)?;
+        Some(self.world_from_body.map_or(contact, |pose| pose.contact(contact)))
+    }
 }

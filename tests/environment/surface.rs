@@ -23,8 +23,8 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
     (
         "SceneQuery's bodies",
         include_str!("../../src/scene/edit.rs"),
-        "add remove set_pose set_model set_positions split",
-        "set_groups ignore ignored body set_user_data bodies len is_empty",
+        "add add_with remove set_pose set_model set_positions split",
+        "set_options ignore ignored body bodies len is_empty",
     ),
     (
         "Batch",

@@ -3,7 +3,9 @@
 use crate::executors::{Executors, QueryExecutor};
 use crate::models::{Fresh, Points, Shape, somewhere};
 use crate::truth::{Answers, Truth, Verb};
-use pfront::{AnyPose, Body, BodyId, Error, Groups, Pose, SceneHit, SceneQuery};
+use pfront::{
+    Adjacency, AnyPose, Body, BodyId, BodyOptions, Error, Groups, Pose, SceneHit, SceneQuery,
+};
 use pfront_testkit::rng::{Rng, RngExt};
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
@@ -12,20 +14,29 @@ use std::rc::Rc;
 /// The most bodies of a scene.
 const BODIES: usize = 8;
 
+/// Whether a body is to be asked about itself, which a third is.
+fn itself(rng: &mut impl Rng) -> Option<Adjacency> {
+    match rng.random_range(0..6) {
+        0 => Some(Adjacency::SharedIndexRule),
+        1 => Some(Adjacency::SkipNeighbours),
+        _ => None,
+    }
+}
+
 /// A body as it should be in the scene.
 #[derive(Clone)]
 struct KnownBody {
     id: BodyId,
     fresh: Rc<Fresh>,
     pose: AnyPose,
-    groups: Groups,
+    options: BodyOptions,
     /// The body in the world, in f32 and in f64.
     placed: [OnceCell<Rc<Fresh>>; 2],
 }
 
 impl KnownBody {
-    fn new(id: BodyId, fresh: Rc<Fresh>, pose: AnyPose, groups: Groups) -> Self {
-        Self { id, fresh, pose, groups, placed: Default::default() }
+    fn new(id: BodyId, fresh: Rc<Fresh>, pose: AnyPose, options: BodyOptions) -> Self {
+        Self { id, fresh, pose, options, placed: Default::default() }
     }
 
     fn is_f64(&self) -> bool {
@@ -59,9 +70,14 @@ impl ScenePlayer {
     pub(crate) fn truth(&self, answers: &mut Answers, verb: Verb) -> Truth<SceneHit> {
         let mut truth = Truth::default();
         for (i, a) in self.known.iter().enumerate() {
+            if let Some(adjacency) = a.options.itself {
+                let answer = answers.within(&a.fresh, adjacency);
+                truth
+                    .add_posed(&answer, verb, &a.pose, |pair| SceneHit { bodies: [a.id; 2], pair });
+            }
             for b in &self.known[i + 1..] {
                 let bodies = [a.id, b.id];
-                if self.ignored.contains(&bodies) || !a.groups.meet(&b.groups) {
+                if self.ignored.contains(&bodies) || !a.options.groups.meet(&b.options.groups) {
                     continue;
                 }
                 let is_in_f64 = a.is_f64() || b.is_f64();
@@ -89,18 +105,19 @@ impl ScenePlayer {
             2 => self.scene.set_pose(id, pose).unwrap(),
             3 | 4 => {
                 self.scene.set_model(id, shape.model.clone()).unwrap();
-                let groups = self.known[at].groups;
-                self.known[at] = KnownBody::new(id, shape.fresh.clone(), pose, groups);
+                let options = self.known[at].options;
+                self.known[at] = KnownBody::new(id, shape.fresh.clone(), pose, options);
             }
             5 => {
                 let mut bits = || 1 << rng.random_range(0..2) | 1 << rng.random_range(0..2);
                 let groups = Groups { memberships: bits(), filter: bits() };
-                self.scene.set_groups(id, groups).unwrap();
-                self.known[at].groups = groups;
+                let options = BodyOptions { groups, user_data: rng.random(), itself: itself(rng) };
+                self.scene.set_options(id, options).unwrap();
+                self.known[at].options = options;
             }
             6 => {
-                self.scene.set_groups(id, Groups::default()).unwrap();
-                self.known[at].groups = Groups::default();
+                self.scene.set_options(id, BodyOptions::default()).unwrap();
+                self.known[at].options = BodyOptions::default();
             }
             7 => {
                 let (other, is_ignored) = (self.known[rng.random_range(0..n)].id, rng.random());
@@ -116,8 +133,8 @@ impl ScenePlayer {
             _ => {
                 let pose = somewhere(rng);
                 self.scene.set_pose(id, pose).unwrap();
-                let KnownBody { fresh, groups, .. } = &self.known[at];
-                self.known[at] = KnownBody::new(id, fresh.clone(), pose, *groups);
+                let KnownBody { fresh, options, .. } = &self.known[at];
+                self.known[at] = KnownBody::new(id, fresh.clone(), pose, *options);
             }
         }
         while self.known.len() > BODIES {
@@ -128,8 +145,9 @@ impl ScenePlayer {
 
     fn add(&mut self, shape: &Shape, rng: &mut impl Rng) {
         let pose = somewhere(rng);
-        let id = self.scene.add(shape.model.clone(), pose).unwrap();
-        self.known.push(KnownBody::new(id, shape.fresh.clone(), pose, Groups::default()));
+        let options = BodyOptions { itself: itself(rng), ..BodyOptions::default() };
+        let id = self.scene.add_with(shape.model.clone(), pose, options).unwrap();
+        self.known.push(KnownBody::new(id, shape.fresh.clone(), pose, options));
     }
 
     fn remove(&mut self, at: usize) {
@@ -144,18 +162,18 @@ impl ScenePlayer {
     }
 
     fn deform(&mut self, at: usize, rng: &mut impl Rng) {
-        let KnownBody { id, fresh, pose, groups, .. } = &self.known[at];
+        let KnownBody { id, fresh, pose, options, .. } = &self.known[at];
         let points = fresh.deformed(rng);
         match &points {
             Points::F32(points) => self.scene.set_positions(*id, points).unwrap(),
             Points::F64(points) => self.scene.set_positions(*id, points).unwrap(),
         }
-        self.known[at] = KnownBody::new(*id, fresh.with(points), *pose, *groups);
+        self.known[at] = KnownBody::new(*id, fresh.with(points), *pose, *options);
     }
 
     /// Splits a body, whose pieces have the triangles that it had.
     fn split(&mut self, at: usize, rng: &mut impl Rng) {
-        let KnownBody { id, fresh, pose, groups, .. } = self.known.remove(at);
+        let KnownBody { id, fresh, pose, options, .. } = self.known.remove(at);
         let parts = rng.random_range(1..4);
         for piece in self.scene.split(id, |triangle| triangle % parts).unwrap() {
             let model = self.scene.body(piece.body).unwrap().model();
@@ -168,7 +186,7 @@ impl ScenePlayer {
                 assert!(model.is_f64() || own == whole);
             }
             let fresh = Fresh::new(Points::of(model), triangles);
-            self.known.push(KnownBody::new(piece.body, fresh, pose, groups));
+            self.known.push(KnownBody::new(piece.body, fresh, pose, options));
         }
         self.forget(id);
     }

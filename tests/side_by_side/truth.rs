@@ -1,7 +1,7 @@
 //! What fresh sequential queries answer about fresh models, kept as long as nothing changes.
 
 use crate::models::Fresh;
-use pfront::{Adjacency, AnyPose, Contact, PairQuery, Pose, SelfQuery, TrianglePair};
+use pfront::{Adjacency, AnyPose, Contact, PairQuery, Pose, Pose64, SelfQuery, TrianglePair};
 use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -112,6 +112,28 @@ impl<H> Default for Truth<H> {
 }
 
 impl<H> Truth<H> {
+    /// The same about a mesh and itself, whose contacts are posed.
+    pub(crate) fn add_posed(
+        &mut self,
+        answer: &Answer,
+        verb: Verb,
+        pose: &AnyPose,
+        named: impl Fn(TrianglePair) -> H,
+    ) {
+        self.hits.extend(answer.pairs.iter().map(|&pair| named(pair)));
+        let contacts = |()| {
+            let contacts = answer.contacts_f64().iter();
+            contacts.map(|&(pair, contact)| (named(pair), posed(pose, contact)))
+        };
+        match verb {
+            Verb::Contacts => {
+                self.contacts.extend(contacts(()).map(|(hit, contact)| (hit, contact.into())));
+            }
+            Verb::ContactsF64 => self.contacts_f64.extend(contacts(())),
+            _ => {}
+        }
+    }
+
     /// Adds the answer about one subject, whose hits have a name.
     pub(crate) fn add(&mut self, answer: &Answer, verb: Verb, named: impl Fn(TrianglePair) -> H) {
         self.hits.extend(answer.pairs.iter().map(|&pair| named(pair)));
@@ -127,6 +149,27 @@ impl<H> Truth<H> {
             _ => {}
         }
     }
+}
+
+/// Where a mesh in a pose meets itself.
+fn posed(pose: &AnyPose, contact: Contact<f64>) -> Contact<f64> {
+    let pose = pose.to_f64();
+    if pose == Pose64::IDENTITY {
+        return contact;
+    }
+    let [u, v, w] = pose.rows;
+    let cross = |u: [f64; 4], v: [f64; 4]| {
+        [u[1] * v[2] - v[1] * u[2], u[2] * v[0] - v[2] * u[0], u[0] * v[1] - v[0] * u[1]]
+    };
+    let cofactors = [cross(v, w), cross(w, u), cross(u, v)];
+    let normals = contact.normals.map(|n| {
+        let n = n.map(f64::from);
+        let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        let turned = cofactors.map(|row| dot(row, n));
+        let length = dot(turned, turned).sqrt();
+        turned.map(|x| if length > 0.0 { (x * (1.0 / length)) as f32 } else { 0.0 })
+    });
+    Contact { segment: contact.segment.map(|p| pose.apply(p)), normals, ..contact }
 }
 
 /// A question of any query.

@@ -11,7 +11,10 @@ use crate::poses::Poses;
 use crate::threads::{apart, heard};
 use crate::watchdog::{BUDGET, WatchdogGuard};
 use numpy::PyReadonlyArrayDyn;
-use pfront::{Aabb, AnyPose, BodyId, Contact, Error, Groups, SceneHit, SceneQuery, TrianglePair};
+use pfront::{
+    Aabb, Adjacency, AnyPose, BodyId, BodyOptions, Contact, Error, Groups, SceneHit, SceneQuery,
+    TrianglePair,
+};
 use pyo3::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -62,13 +65,15 @@ impl Scene {
         Self { state: Arc::default(), cancel: Arc::default() }
     }
 
-    /// Adds a body for each pose and returns their ids. There are as many user ids, or one for all.
+    /// Adds a body for each pose and returns their ids. There are as many user ids, or one for all. Each is asked about itself too,
+    /// if that is wanted.
     fn add(
         &self,
         py: Python<'_>,
         model: &Model,
         pose: Option<Bound<'_, PyAny>>,
         user_ids: Option<PyReadonlyArrayDyn<'_, i64>>,
+        itself: bool,
     ) -> PyResult<Py<PyAny>> {
         let (model, poses) = (model.0.clone(), Poses::new(py, pose.as_ref())?);
         let is_one = matches!(poses, Poses::One(_));
@@ -88,7 +93,9 @@ impl Scene {
             let id = query.add(model.clone(), poses[i])?;
             ids.push(id.to_bits() as i64);
             let user_id = user_ids.as_ref().and_then(|given| given.get(i).or(given.first()));
-            query.set_user_data(id, user_id.map_or(id.to_bits(), |&user_id| user_id as u64))
+            let user_data = user_id.map_or(id.to_bits(), |&user_id| user_id as u64);
+            let itself = itself.then(Adjacency::default);
+            query.set_options(id, BodyOptions { user_data, itself, ..BodyOptions::default() })
         });
         if let Err(error) = added {
             // All or none.
@@ -110,7 +117,7 @@ impl Scene {
         memory::reserve(&mut found, ids.len()).map_err(|error| exception(py, error, None))?;
         let state = self.state.lock(py)?;
         edit_each(py, &state, ids.len(), true, |query, i| {
-            found.push(query.body(BodyId::from_bits(ids[i]))?.user_data() as i64);
+            found.push(query.body(BodyId::from_bits(ids[i]))?.options().user_data as i64);
             Ok(())
         })?;
         Ok(list(py, found))
@@ -170,9 +177,9 @@ impl Scene {
         let add = |bodies: &[Placed], memberships, filter| {
             edit_each(py, &state, bodies.len(), true, |query, i| {
                 let Placed { id, model, pose, .. } = &bodies[i];
-                let body = query.add(model.clone(), *pose)?;
-                query.set_groups(body, Groups { memberships, filter })?;
-                query.set_user_data(body, id.to_bits())
+                let groups = Groups { memberships, filter };
+                let options = BodyOptions { groups, user_data: id.to_bits(), itself: None };
+                query.add_with(model.clone(), *pose, options).map(drop)
             })
         };
         add(&own, 0b01, 0b10)?;

@@ -143,7 +143,7 @@ fn hits<'f>(
 
 /// Says on standard error who has answered, and why, if there was a choice.
 fn explain(executor: &ExecutorArgs, plan: Option<&Plan>) {
-    if let Some(plan) = plan.filter(|plan| executor.is_auto() || plan.reason == Reason::InF64) {
+    if let Some(plan) = plan.filter(|plan| executor.is_auto() || plan.reason == Reason::CpuOnly) {
         match plan.reason {
             Reason::NoChoice => eprintln!("{}: there is no GPU to choose", plan.backend),
             _ => eprintln!("{}", escaped(&plan.to_string())),

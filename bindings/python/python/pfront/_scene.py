@@ -22,7 +22,7 @@ __all__ = ["Scene", "Hits", "SceneContacts"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Hits:
-    """Pairs of triangles of different bodies that meet, sorted.
+    """Pairs of triangles of different bodies that meet, or of one that is asked about itself, sorted.
 
     Attributes
     ----------
@@ -82,7 +82,9 @@ class Scene:
         self._scene = _pfront.Scene()
         self._names: dict[int, Hashable] = {}
 
-    def add(self, mesh: Any, pose: Pose = None, *, name: Hashable = None, user_id: Any = None) -> Any:
+    def add(
+        self, mesh: Any, pose: Pose = None, *, name: Hashable = None, user_id: Any = None, itself: bool = False
+    ) -> Any:
         """Add a body, or one for each of many poses.
 
         Parameters
@@ -95,13 +97,17 @@ class Scene:
             Anything; see `name`.
         user_id : int, or array_like of k, optional
             Numbers of your own; see `user_ids`.
+        itself : bool
+            Whether it is also asked, with all else, whether the body meets itself, as cloth does; its hits have the same
+            body twice. What two faces share by index is no contact.
 
         Returns
         -------
         int or ndarray of int64
             The id of each body: 0, 1, 2, ... in the order of adding; none is ever used again.
         """
-        body = self._scene.add(_mesh(mesh), pose, None if user_id is None else _user_ids(user_id))
+        user_ids = None if user_id is None else _user_ids(user_id)
+        body = self._scene.add(_mesh(mesh), pose, user_ids, bool(itself))
         if name is not None:
             self._names.update(dict.fromkeys(np.atleast_1d(body).tolist(), name))
         return body
