@@ -62,7 +62,6 @@ mod error;
 pub mod executor;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-mod history;
 mod memory;
 mod model;
 mod once;
@@ -71,6 +70,7 @@ mod pose;
 mod scene;
 mod sphere;
 mod subject;
+mod subject_query;
 mod within;
 
 pub use batch::{Batch, PairLists, Ticket};

@@ -2,10 +2,8 @@
 
 use crate::environment::with_default;
 use crate::executor::Plan;
-use crate::history::History;
 use crate::subject::Subject;
-#[cfg(feature = "threads")]
-use crate::threads;
+use crate::subject_query::SubjectQuery;
 use crate::{AnyPose, Contact, Error, Executor, Model, TrianglePair};
 use std::ops::ControlFlow;
 
@@ -28,7 +26,7 @@ use std::ops::ControlFlow;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct PairQuery {
-    history: History,
+    query: SubjectQuery,
 }
 
 impl PairQuery {
@@ -51,25 +49,25 @@ impl PairQuery {
     /// ```
     #[must_use]
     pub fn on(self, executor: &Executor) -> Self {
-        Self { history: self.history.on(executor) }
+        Self { query: self.query.on(executor) }
     }
 
-    /// Counts and times of the last frame on threads; see [`threads::Report`].
+    /// Counts and times of the last frame on threads; see [`Report`](crate::threads::Report).
     #[cfg(feature = "threads")]
     #[must_use]
-    pub fn report(&self) -> Option<&threads::Report> {
-        self.history.report()
+    pub fn report(&self) -> Option<&crate::threads::Report> {
+        self.query.report()
     }
 
     /// Forgets the last answer, so that the same question is answered anew, as a measurement wants it.
     pub fn forget(&mut self) {
-        self.history.forget();
+        self.query.forget();
     }
 
     /// The backend that answered the last frame, and the reason; `None` before the first.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
-        self.history.plan()
+        self.query.plan()
     }
 
     /// All pairs that meet, sorted; `a` and `b` of a pair are triangles of `a` and `b`.
@@ -84,7 +82,7 @@ impl PairQuery {
         a_from_b: impl Into<AnyPose>,
     ) -> Result<&[TrianglePair], Error> {
         let subject = subject(a, b, a_from_b)?;
-        self.history.all(&subject)
+        self.query.all(&subject)
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -98,7 +96,7 @@ impl PairQuery {
         a_from_b: impl Into<AnyPose>,
     ) -> Result<Option<TrianglePair>, Error> {
         let subject = subject(a, b, a_from_b)?;
-        self.history.any(&subject)
+        self.query.any(&subject)
     }
 
     /// How many pairs meet.
@@ -112,7 +110,7 @@ impl PairQuery {
         a_from_b: impl Into<AnyPose>,
     ) -> Result<u64, Error> {
         let subject = subject(a, b, a_from_b)?;
-        self.history.count(&subject)
+        self.query.count(&subject)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
@@ -143,7 +141,7 @@ impl PairQuery {
     ) -> Result<ControlFlow<()>, Error> {
         let subject = subject(a, b, a_from_b)?;
         let tree = with_default(|| subject.tree())?;
-        Ok(self.history.visit(&tree, visit))
+        Ok(self.query.visit(&tree, visit))
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals, in the
@@ -158,7 +156,7 @@ impl PairQuery {
         a_from_b: impl Into<AnyPose>,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
         let subject = subject(a, b, a_from_b)?;
-        self.history.contacts(&subject)
+        self.query.contacts(&subject)
     }
 
     /// [`PairQuery::contacts`] in f64, in a list of their own.
@@ -183,7 +181,7 @@ impl PairQuery {
         a_from_b: impl Into<AnyPose>,
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
         let subject = subject(a, b, a_from_b)?;
-        self.history.contacts_f64(&subject)
+        self.query.contacts_f64(&subject)
     }
 }
 

@@ -2,10 +2,8 @@
 
 use crate::environment::with_default;
 use crate::executor::Plan;
-use crate::history::History;
 use crate::subject::{AnyBvtt, Subject};
-#[cfg(feature = "threads")]
-use crate::threads;
+use crate::subject_query::SubjectQuery;
 use crate::{Adjacency, Contact, Error, Executor, Model, Scalar, TrianglePair};
 use std::ops::ControlFlow;
 
@@ -29,7 +27,7 @@ use std::ops::ControlFlow;
 #[derive(Clone, Debug, Default)]
 pub struct SelfQuery {
     adjacency: Adjacency,
-    history: History,
+    query: SubjectQuery,
 }
 
 impl SelfQuery {
@@ -48,25 +46,25 @@ impl SelfQuery {
     /// The same by an executor; see [`crate::PairQuery::on`].
     #[must_use]
     pub fn on(self, executor: &Executor) -> Self {
-        Self { history: self.history.on(executor), ..self }
+        Self { query: self.query.on(executor), ..self }
     }
 
-    /// Counts and times of the last frame on threads; see [`threads::Report`].
+    /// Counts and times of the last frame on threads; see [`Report`](crate::threads::Report).
     #[cfg(feature = "threads")]
     #[must_use]
-    pub fn report(&self) -> Option<&threads::Report> {
-        self.history.report()
+    pub fn report(&self) -> Option<&crate::threads::Report> {
+        self.query.report()
     }
 
     /// Forgets the last answer, so that the same question is answered anew, as a measurement wants it.
     pub fn forget(&mut self) {
-        self.history.forget();
+        self.query.forget();
     }
 
     /// The backend that answered the last frame, and the reason; `None` before the first.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
-        self.history.plan()
+        self.query.plan()
     }
 
     /// Moves the vertices of a model before it is asked about, as [`Model::set_positions`] does, on the threads of the
@@ -89,7 +87,7 @@ impl SelfQuery {
         model: &mut Model,
         positions: &[[S; 3]],
     ) -> Result<(), Error> {
-        self.history.set_positions(model, positions)
+        self.query.set_positions(model, positions)
     }
 
     /// All pairs that meet, sorted.
@@ -98,7 +96,7 @@ impl SelfQuery {
     /// `Error::Gpu` if a GPU fails that is to answer everything; on CPU threads there is none.
     pub fn all(&mut self, model: &Model) -> Result<&[TrianglePair], Error> {
         let subject = self.subject(model);
-        self.history.all(&subject)
+        self.query.all(&subject)
     }
 
     /// Some pair that meets, if any does; stops at the first.
@@ -107,7 +105,7 @@ impl SelfQuery {
     /// As [`SelfQuery::all`].
     pub fn any(&mut self, model: &Model) -> Result<Option<TrianglePair>, Error> {
         let subject = self.subject(model);
-        self.history.any(&subject)
+        self.query.any(&subject)
     }
 
     /// How many pairs meet.
@@ -116,7 +114,7 @@ impl SelfQuery {
     /// As [`SelfQuery::all`].
     pub fn count(&mut self, model: &Model) -> Result<u64, Error> {
         let subject = self.subject(model);
-        self.history.count(&subject)
+        self.query.count(&subject)
     }
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
@@ -127,7 +125,7 @@ impl SelfQuery {
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let tree = with_default(|| AnyBvtt::within(model, self.adjacency));
-        self.history.visit(&tree, visit)
+        self.query.visit(&tree, visit)
     }
 
     /// All pairs that meet, sorted, with the segment in which they do and their normals. For
@@ -137,7 +135,7 @@ impl SelfQuery {
     /// As [`SelfQuery::all`].
     pub fn contacts(&mut self, model: &Model) -> Result<&[(TrianglePair, Contact)], Error> {
         let subject = self.subject(model);
-        self.history.contacts(&subject)
+        self.query.contacts(&subject)
     }
 
     /// [`SelfQuery::contacts`] in f64, in a list of their own.
@@ -160,7 +158,7 @@ impl SelfQuery {
         model: &Model,
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
         let subject = self.subject(model);
-        self.history.contacts_f64(&subject)
+        self.query.contacts_f64(&subject)
     }
 
     fn subject<'m>(&self, model: &'m Model) -> Subject<&'m Model> {

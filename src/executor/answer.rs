@@ -1,5 +1,7 @@
 //! What a frame asks, and the answer.
 
+use crate::TrianglePair;
+
 /// The verbs of a query.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Verb {
@@ -39,5 +41,43 @@ impl<T: Copy> Answer<T> {
     /// The answer to `any`: a pair found.
     pub(crate) fn found(first: Option<T>) -> Self {
         Self { count: u64::from(first.is_some()), first }
+    }
+}
+
+/// An intersecting triangle pair, as a query shows it.
+pub(crate) trait Named: Copy + Ord + Send + Sync {
+    /// What tells its subject from the others of a frame.
+    type Name: Copy + Ord;
+
+    fn new(name: Self::Name, pair: TrianglePair) -> Self;
+
+    fn name(&self) -> Self::Name;
+
+    fn pair(&self) -> TrianglePair;
+
+    /// A list of these as one of pairs, if they are nothing else.
+    #[cfg(feature = "threads")]
+    fn as_pairs(_: &mut Vec<Self>) -> Option<&mut Vec<TrianglePair>> {
+        None
+    }
+}
+
+/// The pairs of a single subject.
+impl Named for TrianglePair {
+    type Name = ();
+
+    fn new((): (), pair: TrianglePair) -> Self {
+        pair
+    }
+
+    fn name(&self) {}
+
+    fn pair(&self) -> TrianglePair {
+        *self
+    }
+
+    #[cfg(feature = "threads")]
+    fn as_pairs(list: &mut Vec<Self>) -> Option<&mut Vec<TrianglePair>> {
+        Some(list)
     }
 }

@@ -1,12 +1,31 @@
 //! The choice between the CPU and a GPU, for one verb of one query: see [the bound](crate::executor).
 
 use super::Reason;
-use super::measure::Line;
 use std::time::Duration;
 
 /// On the GPU, the CPU answers one frame as soon as the GPU has taken so many times what the CPU last took, in case it has
 /// become faster. Each time that it has not, the next such frame comes twice as late.
 const FIRST_CHECK: f64 = 8.0;
+
+/// The line of a GPU and a CPU. All times are in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Line {
+    /// To ask anything at all and read the answer.
+    pub(super) latency: f64,
+    /// The time of a longer question beyond that, as a multiple of its time on the CPU.
+    pub(super) slope: f64,
+    /// To bring a model there, however small.
+    pub(super) setup: f64,
+    /// To bring a triangle there.
+    pub(super) upload: f64,
+}
+
+impl Line {
+    /// To bring so many triangles there.
+    pub(super) fn upload(&self, triangles: usize) -> f64 {
+        if triangles == 0 { 0.0 } else { self.setup + self.upload * triangles as f64 }
+    }
+}
 
 /// Predictions are the last frames of both sides. All times are in seconds.
 #[derive(Clone, Copy, Debug)]

@@ -50,49 +50,34 @@
 
 mod answer;
 mod cancel;
-#[cfg(feature = "gpu")]
 mod choice;
 mod cpu;
 #[cfg(feature = "gpu")]
-mod device;
-#[cfg(feature = "gpu")]
-mod gathered;
-#[cfg(feature = "gpu")]
-mod measure;
-#[cfg(feature = "gpu")]
-mod meshes;
-#[cfg(feature = "gpu")]
-mod mirror;
+mod gpu;
+#[cfg(not(feature = "gpu"))]
+#[path = "no_gpu.rs"]
+mod gpu;
+mod history;
 mod models;
 mod plan;
-#[cfg(feature = "gpu")]
-mod reader;
-mod run;
+#[cfg(feature = "threads")]
+mod threads;
+#[cfg(not(feature = "threads"))]
+#[path = "no_threads.rs"]
+mod threads;
 
-pub(crate) use answer::{Answer, Verb};
+pub(crate) use answer::{Answer, Named, Verb};
 pub(crate) use cancel::{BLOCK, SLICE, check, sort, visit};
-pub(crate) use cpu::{CpuHistory, Named, step};
-#[cfg(feature = "gpu")]
-pub(crate) use device::{Device, Slot, merge_open, read};
-#[cfg(feature = "gpu")]
-pub(crate) use gathered::Gathered;
-#[cfg(feature = "gpu")]
-pub(crate) use mirror::Mirrors;
+pub(crate) use cpu::{CpuHistory, step};
+pub(crate) use gpu::*;
+pub(crate) use history::{Frame, History};
 pub(crate) use plan::CpuPart;
 pub use plan::{Backend, Plan, Reason};
-#[cfg(feature = "gpu")]
-pub(crate) use reader::{Reader, Seat, Work};
-pub(crate) use run::{Frame, Run};
 
-#[cfg(feature = "gpu")]
-use crate::environment::with_default;
-#[cfg(feature = "gpu")]
-use crate::gpu::{Gpu, GpuError, GpuSettings};
-#[cfg(feature = "threads")]
-use crate::threads::{Pool, Schedule};
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use threads::Pool;
 
 /// The threads or the GPU that answer queries. See [the module](crate::executor).
 ///
@@ -100,12 +85,9 @@ use std::sync::atomic::AtomicBool;
 #[derive(Clone, Default)]
 pub struct Executor {
     /// The threads; the calling thread alone if there are none.
-    #[cfg(feature = "threads")]
     pub(crate) pool: Option<Pool>,
     /// The thread that answers tickets of a GPU.
-    #[cfg(feature = "gpu")]
     reader: Option<Arc<Reader>>,
-    #[cfg(feature = "gpu")]
     device: Option<Arc<Device>>,
     /// Ends queries early as soon as it is true.
     cancel: Option<Arc<AtomicBool>>,
@@ -114,12 +96,10 @@ pub struct Executor {
 /// Without what threads and a GPU keep.
 impl fmt::Debug for Executor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut text = f.debug_struct("Executor");
-        #[cfg(feature = "threads")]
-        text.field("workers", &self.pool.as_ref().map_or(1, |pool| pool.workers));
-        #[cfg(feature = "gpu")]
-        text.field("has_gpu", &self.device.is_some());
-        text.finish_non_exhaustive()
+        f.debug_struct("Executor")
+            .field("threads", &self.pool.as_ref().map_or(1, Pool::threads))
+            .field("has_gpu", &self.device.is_some())
+            .finish_non_exhaustive()
     }
 }
 
@@ -130,87 +110,13 @@ impl Executor {
         Self::default()
     }
 
-    /// Several threads: each frame that is worth it is divided into `workers` parts, which run in the rayon pool of whoever
-    /// asks. A number beyond [`MAX_WORKERS`](crate::threads::MAX_WORKERS) is lowered to that. A rayon pool and settings
-    /// of your own: `Executor::from(pool)`.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront::threads::{Pool, Schedule, Settings};
-    /// use pfront::{Executor, PairQuery};
-    /// let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
-    /// let executor = Executor::from(Pool::new(8).with_settings(settings));
-    /// let query = PairQuery::new().on(&executor);
-    /// ```
-    #[cfg(feature = "threads")]
-    #[must_use]
-    pub fn threads(workers: usize) -> Self {
-        Pool::new(workers).into()
-    }
-
     /// All threads of the rayon pool of the caller, and the best GPU if there is one that does not compute on the CPU. A GPU
     /// that cannot be used is left out; `Executor::and_gpu` would tell why.
     ///
     /// Opening and measuring a GPU takes about two seconds: make one executor and keep it.
     #[must_use]
     pub fn auto() -> Self {
-        #[cfg(feature = "threads")]
-        let own = Self::from(Pool::default());
-        #[cfg(not(feature = "threads"))]
-        let own = Self::sequential();
-        #[cfg(feature = "gpu")]
-        if let Ok(gpu) = with_default(Gpu::new)
-            && gpu.device().adapter_info().device_type != crate::gpu::wgpu::DeviceType::Cpu
-            && let Ok(both) = own.clone().and_gpu(&gpu, gpu.settings())
-        {
-            return both;
-        }
-        own
-    }
-
-    /// A GPU, which answers all questions. Where it fails, the verb returns its error.
-    ///
-    /// A query keeps the models of its last question there, and shares them with others that ask about the same. Models that no
-    /// query or ticket holds any more stay there within [`GpuSettings::mesh_bytes`], the least recently used going first; so
-    /// the next question about them uploads nothing. All are given back when the executor goes. A mesh that
-    /// deforms has a tree of its own there, which is built anew as soon as the box tests beyond those of a new tree have taken as long as
-    /// a build does.
-    ///
-    /// Lists take [`GpuSettings::budget`] of device memory each: as many as questions are asked at once by threads that wait
-    /// for them, one for each scene, and for tickets at most two for batches of pairs and four for others, however many
-    /// are in flight (see [`crate::batch`]).
-    ///
-    /// # Examples
-    /// ```no_run
-    /// use pfront::gpu::Gpu;
-    /// use pfront::{Executor, PairQuery};
-    /// let gpu = Gpu::new()?;
-    /// let query = PairQuery::new().on(&Executor::gpu(&gpu, gpu.settings()));
-    /// # Ok::<(), pfront::gpu::GpuError>(())
-    /// ```
-    #[cfg(feature = "gpu")]
-    #[must_use]
-    pub fn gpu(gpu: &Gpu, settings: GpuSettings) -> Self {
-        Self {
-            #[cfg(feature = "threads")]
-            pool: None,
-            reader: Some(Arc::new(Reader::new(gpu))),
-            device: Some(Arc::new(Device::new(gpu, settings, None))),
-            cancel: None,
-        }
-    }
-
-    /// The same CPU and a GPU, which answers where that pays. Measures both, which takes about two seconds.
-    ///
-    /// After an error of the GPU, the CPU answers the next question of that query, and after each further error twice as many,
-    /// at most 1,024; then the GPU is asked again. After the loss of the device it is not. [`Plan::failure`] tells why.
-    ///
-    /// # Errors
-    /// As [`crate::PairQuery::all`] on a GPU, while it is measured.
-    #[cfg(feature = "gpu")]
-    pub fn and_gpu(self, gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
-        let line = with_default(|| measure::measure(&self, gpu))?;
-        Ok(self.with_line(gpu, settings, line))
+        Self { pool: threads::all(), ..Self::default() }.and_best_gpu()
     }
 
     /// The same with a flag that ends its queries early: as soon as it is true they return [`Error::Cancelled`](crate::Error)
@@ -242,51 +148,20 @@ impl Executor {
     }
 
     /// The GPU, if it answers all questions, and the thread for its tickets.
-    #[cfg(feature = "gpu")]
     pub(crate) fn only_device(&self) -> Option<(&Arc<Device>, &Reader)> {
-        let device = self.device.as_ref().filter(|device| device.line.is_none())?;
+        let device = self.device.as_ref().filter(|device| device.line().is_none())?;
         Some((device, self.reader.as_deref()?))
     }
 
     /// Whether the GPU answers where that pays.
     pub(crate) fn has_choice(&self) -> bool {
-        #[cfg(feature = "gpu")]
-        return self.device.as_ref().is_some_and(|device| device.line.is_some());
-        #[cfg(not(feature = "gpu"))]
-        false
-    }
-
-    #[cfg(feature = "gpu")]
-    fn with_line(mut self, gpu: &Gpu, settings: GpuSettings, line: measure::Line) -> Self {
-        self.device = Some(Arc::new(Device::new(gpu, settings, Some(line))));
-        self
-    }
-}
-
-#[cfg(feature = "threads")]
-impl From<Pool> for Executor {
-    /// Several threads. What it takes to call others is measured, except under [`Schedule::Static`], whose counts are to be the
-    /// same on every machine.
-    fn from(pool: Pool) -> Self {
-        let is_static = pool.settings.schedule == Schedule::Static;
-        Self {
-            pool: Some(if is_static { pool } else { pool.measured() }),
-            #[cfg(feature = "gpu")]
-            reader: None,
-            #[cfg(feature = "gpu")]
-            device: None,
-            cancel: None,
-        }
+        self.device.as_ref().is_some_and(|device| device.line().is_some())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    #[cfg(feature = "gpu")]
-    use super::Backend;
     use super::Executor;
-    #[cfg(feature = "gpu")]
-    use crate::Pose;
     use crate::{Model, PairQuery, SceneQuery, SelfQuery};
 
     #[test]
@@ -298,112 +173,5 @@ mod tests {
         sent::<PairQuery>();
         sent::<SelfQuery>();
         sent::<SceneQuery>();
-    }
-
-    /// A CPU and a GPU that promises to be faster. Lavapipe is slower than the CPU that it runs on, so that queries change
-    /// to it and back.
-    #[cfg(feature = "gpu")]
-    fn promising() -> Executor {
-        let gpu = crate::gpu::Gpu::new().unwrap();
-        let line = super::measure::Line { latency: 0.0, slope: 0.0, setup: 0.0, upload: 0.0 };
-        Executor::sequential().with_line(&gpu, gpu.settings(), line)
-    }
-
-    #[cfg(feature = "gpu")]
-    fn ball() -> Model {
-        let ball = pfront_testkit::scenes::icosphere(500);
-        Model::new(ball.positions, ball.triangles).unwrap()
-    }
-
-    #[cfg(feature = "gpu")]
-    #[test]
-    fn pairs_are_the_same_while_the_query_changes_sides() {
-        let (ball, mut query, mut truth) =
-            (ball(), PairQuery::new().on(&promising()), PairQuery::new());
-        let mut seen = Vec::new();
-        for frame in 0..60 {
-            let pose = Pose::from_translation([0.1 + 0.02 * frame as f32, 0.0, 0.0]);
-            assert_eq!(
-                query.all(&ball, &ball, pose).unwrap(),
-                truth.all(&ball, &ball, pose).unwrap()
-            );
-            seen.push(query.plan().unwrap().backend);
-        }
-        assert!(
-            [Backend::Sequential, Backend::Gpu].iter().all(|one| seen.contains(one)),
-            "{seen:?}"
-        );
-    }
-
-    /// A GPU does not pose coordinates of more than half the range of f32.
-    #[cfg(feature = "gpu")]
-    #[test]
-    fn a_gpu_that_failed_is_asked_again() {
-        use super::Reason;
-        let ball = pfront_testkit::scenes::icosphere(80);
-        let most = ball.positions.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs()));
-        let scaled = ball.positions.iter().map(|p| p.map(|x| x / most * 2e38)).collect();
-        let ball = Model::new(scaled, ball.triangles).unwrap();
-        let mut query = PairQuery::new().on(&promising());
-        let mut ask = |scale: f32| {
-            query.forget();
-            let rows = [0, 1, 2].map(|k| [0, 1, 2, 3].map(|i| if i == k { scale } else { 0.0 }));
-            query.count(&ball, &ball, Pose::new(rows)).unwrap();
-            let plan = query.plan().unwrap();
-            (plan.backend, plan.reason, plan.failure.is_some())
-        };
-        // Some frames on the CPU come first.
-        let failed = (Backend::Sequential, Reason::GpuFailed, true);
-        assert!((0..40).any(|_| ask(0.1) == failed));
-        assert_eq!(ask(1.0), failed);
-        let (backend, _, has_failed) = ask(1.0);
-        assert_eq!((backend, has_failed), (Backend::Gpu, false));
-    }
-
-    #[cfg(feature = "gpu")]
-    #[test]
-    fn deforming_meshes_and_scenes_are_the_same_while_queries_change_sides() {
-        let executor = promising();
-        let (mut own, mut other, start) = (ball(), ball(), ball());
-        let (mut query, mut truth) = (SelfQuery::new().on(&executor), SelfQuery::new());
-        let scenes = || [SceneQuery::new().on(&executor), SceneQuery::new()];
-        let mut scenes = scenes();
-        let shared = std::sync::Arc::new(ball());
-        let bodies = scenes.each_mut().map(|scene| {
-            [0.0, 0.7, 1.4]
-                .map(|x| scene.add(shared.clone(), Pose::from_translation([x, 0.0, 0.0])).unwrap())
-        });
-        let mut seen = Vec::new();
-        for frame in 0..40 {
-            let fold = 0.02 * frame as f32;
-            let folded: Vec<_> = start
-                .mesh()
-                .shadow()
-                .iter()
-                .map(|&[x, y, z]| [x, y, z * (1.0 - 3.0 * fold * x)])
-                .collect();
-            query.set_positions(&mut own, &folded).unwrap();
-            truth.set_positions(&mut other, &folded).unwrap();
-            assert_eq!(query.all(&own).unwrap(), truth.all(&other).unwrap(), "{frame}");
-            seen.push(query.plan().unwrap().backend);
-            for (scene, bodies) in scenes.iter_mut().zip(&bodies) {
-                scene.set_pose(bodies[1], Pose::from_translation([0.7, fold, 0.0])).unwrap();
-                if frame % 7 == 3 {
-                    scene.set_positions(bodies[2], &folded).unwrap();
-                }
-                if frame % 11 == 5 {
-                    scene
-                        .add(shared.clone(), Pose::from_translation([0.3, 0.1 * fold, 0.5]))
-                        .unwrap();
-                }
-            }
-            let [scene, truth] = &mut scenes;
-            assert_eq!(scene.all().unwrap(), truth.all().unwrap(), "{frame}");
-            seen.push(scene.plan().unwrap().backend);
-        }
-        for parity in 0..2 {
-            let of = |backend| seen.iter().skip(parity).step_by(2).any(|&one| one == backend);
-            assert!(of(Backend::Sequential) && of(Backend::Gpu), "{seen:?}");
-        }
     }
 }

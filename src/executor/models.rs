@@ -2,11 +2,10 @@
 
 use super::Executor;
 use crate::environment::with_default;
-use crate::model::{ONE_THREAD, Parallel};
+use crate::model::{ONE_THREAD, Parallel, THREADS};
 use crate::{BuildOptions, Error, Model, Scalar};
 
 /// A refit of fewer triangles takes less, at some 10 ns each, than to call another thread or a GPU.
-#[cfg(any(feature = "threads", feature = "gpu"))]
 pub(super) const SMALL: usize = 1 << 11;
 
 impl Executor {
@@ -50,7 +49,6 @@ impl Executor {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn refit<S: Scalar>(&self, model: &mut Model, positions: &[[S; 3]]) -> Result<(), Error> {
-        #[cfg(feature = "gpu")]
         if self.only_device().is_some() {
             return model.set_positions_unfitted(positions);
         }
@@ -73,12 +71,9 @@ impl Executor {
 
     /// Runs passes over a model of so many triangles, on threads if that pays.
     fn passes<R: Send>(&self, triangles: usize, run: impl FnOnce(Parallel) -> R + Send) -> R {
-        #[cfg(feature = "threads")]
-        if let Some(pool) = self.pool.as_ref().filter(|_| triangles >= SMALL) {
-            return pool.install(|| run(crate::model::THREADS));
+        match self.pool.as_ref().filter(|_| triangles >= SMALL) {
+            Some(pool) => pool.install(|| run(THREADS)),
+            None => run(ONE_THREAD),
         }
-        #[cfg(not(feature = "threads"))]
-        let _ = triangles;
-        run(ONE_THREAD)
     }
 }

@@ -23,9 +23,7 @@ use crate::sphere::Sphere;
 use certificates::Certificates;
 use in_f64::Exact;
 use moves::Moves;
-#[cfg(feature = "threads")]
-pub(crate) use passes::THREADS;
-pub(crate) use passes::{ONE_THREAD, Parallel};
+pub(crate) use passes::{ONE_THREAD, Parallel, THREADS};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
 use pfront_core::{Bvh, Mesh};

@@ -10,23 +10,24 @@ pub(crate) const ONE_THREAD: Parallel = None;
 
 #[cfg(feature = "threads")]
 pub(crate) const THREADS: Parallel = Some(&crate::threads::join);
+#[cfg(not(feature = "threads"))]
+pub(crate) const THREADS: Parallel = ONE_THREAD;
+
+#[cfg(feature = "threads")]
+use crate::threads::rayon::current_num_threads;
+#[cfg(not(feature = "threads"))]
+fn current_num_threads() -> usize {
+    1
+}
 
 /// `parallel` if the pool has at least four threads: the divided pass does half as much work again.
 pub(super) fn if_four_threads(parallel: Parallel) -> Parallel {
-    #[cfg(feature = "threads")]
-    let parallel = parallel.filter(|_| crate::threads::rayon::current_num_threads() >= 4);
-    parallel
+    parallel.filter(|_| current_num_threads() >= 4)
 }
 
 /// The number of threads that passes run on.
 pub(super) fn threads(parallel: Parallel) -> usize {
-    #[cfg(feature = "threads")]
-    if parallel.is_some() {
-        return crate::threads::rayon::current_num_threads();
-    }
-    #[cfg(not(feature = "threads"))]
-    let _ = parallel;
-    1
+    parallel.map_or(1, |_| current_num_threads())
 }
 
 /// Does two things, side by side if it can.

@@ -41,7 +41,6 @@ impl Bodies {
     }
 
     /// Whether a GPU answers about all pairs.
-    #[cfg(feature = "gpu")]
     pub(super) fn are_all_of_gpu(&self) -> bool {
         self.not_of_gpu == 0
     }

@@ -10,17 +10,17 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// An answer about two bodies.
-pub(super) trait OfTwo: Copy {
+pub(super) trait WithBodies: Copy {
     fn bodies(&self) -> [BodyId; 2];
 }
 
-impl OfTwo for SceneHit {
+impl WithBodies for SceneHit {
     fn bodies(&self) -> [BodyId; 2] {
         self.bodies
     }
 }
 
-impl OfTwo for (SceneHit, Contact) {
+impl WithBodies for (SceneHit, Contact) {
     fn bodies(&self) -> [BodyId; 2] {
         self.0.bodies
     }
@@ -50,7 +50,7 @@ impl<T: Clone> Clone for Cache<T> {
     }
 }
 
-impl<T: OfTwo> Cache<T> {
+impl<T: WithBodies> Cache<T> {
     /// The time at which the list was complete; 0 if it never was.
     pub(super) fn at(&self) -> u64 {
         self.at

@@ -146,7 +146,7 @@ impl SceneQuery {
         if S::is_same(self.bodies.get(id)?.model(), positions) {
             return Ok(());
         }
-        let executor = self.run.executor();
+        let executor = self.history.executor();
         with_default(|| {
             self.bodies.change(id, |body| {
                 let checked = S::check(body.model(), positions, ONE_THREAD)?;

@@ -1,25 +1,19 @@
 //! A frame of a scene, as its executor answers it.
 
+use super::cache::merge;
+use super::device::DeviceScene;
 use super::hit::SceneHit;
 use super::id::BodyId;
 use super::pairs::BodyPairs;
-#[cfg(feature = "gpu")]
-use super::{cache::merge, device::DeviceScene};
-#[cfg(feature = "gpu")]
-use crate::executor::Device;
-use crate::executor::{Answer, Backend, CpuHistory, Frame, Named, Verb};
-#[cfg(feature = "threads")]
-use crate::subject::AnyBvtt;
+use crate::executor::{Answer, Backend, CpuHistory, Device, Frame, Named, Verb};
 use crate::{Error, TrianglePair};
 
 pub(super) struct SceneFrame<'s> {
     pub(super) pairs: BodyPairs<'s>,
     /// New hits; empty.
     pub(super) hits: &'s mut Vec<SceneHit>,
-    #[cfg(feature = "gpu")]
     pub(super) device: &'s mut DeviceScene,
     /// The part of the CPU that answered about the others beside a GPU.
-    #[cfg(feature = "gpu")]
     pub(super) beside: Option<Backend>,
 }
 
@@ -37,22 +31,6 @@ impl Named for SceneHit {
     fn pair(&self) -> TrianglePair {
         self.pair
     }
-
-    #[cfg(feature = "threads")]
-    fn list(
-        traversal: &mut crate::threads::Traversal,
-        names: &[[BodyId; 2]],
-        trees: &[AnyBvtt<'_>],
-        numbered: &mut Vec<crate::threads::Hit>,
-        list: &mut Vec<Self>,
-    ) -> Result<(), Error> {
-        traversal.all(trees, numbered)?;
-        numbered.chunks(crate::executor::BLOCK).try_for_each(|block| {
-            crate::executor::check(traversal.cancel.as_deref())?;
-            let named = block.iter().map(|hit| Self::new(names[hit.query as usize], hit.pair));
-            crate::memory::extend(list, named)
-        })
-    }
 }
 
 impl Frame for SceneFrame<'_> {
@@ -66,24 +44,20 @@ impl Frame for SceneFrame<'_> {
         cpu.ask_in_turn(self.pairs.queries(), verb, self.hits)
     }
 
-    #[cfg(feature = "gpu")]
     fn is_for_cpu(&self) -> bool {
         !self.pairs.bodies.are_all_of_gpu() && self.pairs.of_gpu(true).pairs().next().is_none()
     }
 
     /// A scene stays itself, whichever bodies it has.
-    #[cfg(feature = "gpu")]
     fn meshes(&self) -> [u64; 2] {
         [0; 2]
     }
 
-    #[cfg(feature = "gpu")]
     fn to_upload(&mut self) -> usize {
         self.device.lacks(self.pairs.bodies)
     }
 
     /// Pairs that no GPU answers are asked about on the CPU beside, and both lists are merged.
-    #[cfg(feature = "gpu")]
     fn on_gpu(
         &mut self,
         device: &Device,

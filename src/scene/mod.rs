@@ -6,6 +6,9 @@ mod broad;
 mod cache;
 #[cfg(feature = "gpu")]
 mod device;
+#[cfg(not(feature = "gpu"))]
+#[path = "no_device.rs"]
+mod device;
 mod edit;
 mod frame;
 mod hit;
@@ -19,15 +22,12 @@ pub use hit::SceneHit;
 pub use id::BodyId;
 
 use crate::environment::{Environment, with_default};
-use crate::executor::{Answer, Backend, CpuPart, Plan, Run, Verb, visit as search};
+use crate::executor::{Answer, Backend, CpuPart, History, Plan, Verb, visit as search};
 use crate::memory::push;
-#[cfg(feature = "threads")]
-use crate::threads;
 use crate::{Aabb, Contact, Error, Executor};
 use bodies::Bodies;
 use broad::Broad;
 use cache::{Cache, merge};
-#[cfg(feature = "gpu")]
 use device::DeviceScene;
 use frame::SceneFrame;
 use pairs::{BodyPairs, Meeting};
@@ -100,8 +100,7 @@ pub struct SceneQuery {
     /// Hits and contacts of the bodies that have changed.
     new_hits: Vec<SceneHit>,
     new_contacts: Vec<(SceneHit, Contact)>,
-    run: Run<[BodyId; 2]>,
-    #[cfg(feature = "gpu")]
+    history: History<[BodyId; 2]>,
     device: DeviceScene,
 }
 
@@ -125,26 +124,23 @@ impl SceneQuery {
     /// The same by an executor; see [`crate::PairQuery::on`]. Bodies, and what is known of those that stay, are kept.
     #[must_use]
     pub fn on(mut self, executor: &Executor) -> Self {
-        self.run = Run::on(executor);
-        #[cfg(feature = "gpu")]
-        {
-            self.device = DeviceScene::default();
-        }
+        self.history = History::on(executor);
+        self.device = DeviceScene::default();
         self
     }
 
-    /// Counts and times of the last frame on threads in which something had changed; see [`threads::Report`].
+    /// Counts and times of the last frame on threads in which something had changed; see [`Report`](crate::threads::Report).
     #[cfg(feature = "threads")]
     #[must_use]
-    pub fn report(&self) -> Option<&threads::Report> {
-        self.run.report()
+    pub fn report(&self) -> Option<&crate::threads::Report> {
+        self.history.report()
     }
 
     /// The backend that answered the last question, whatever it was and however it ended, and the reason; `None` before the
     /// first. What is kept of still bodies is no backend's work, unless it is the whole answer.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
-        self.run.plan()
+        self.history.plan()
     }
 
     /// All pairs that meet, sorted.
@@ -189,11 +185,11 @@ impl SceneQuery {
     pub fn any(&mut self) -> Result<Option<SceneHit>, Error> {
         let since = self.start();
         if let Some(hits) = self.hits.still_true(&self.bodies).next() {
-            self.run.keep();
+            self.history.keep();
             return Ok(hits.first().copied());
         }
         if since == self.bodies.time() {
-            self.run.keep();
+            self.history.keep();
             return Ok(None);
         }
         Ok(self.ask(since, Verb::Any)?.first)
@@ -207,7 +203,7 @@ impl SceneQuery {
         let since = self.start();
         let kept = self.hits.still_true(&self.bodies).map(|hits| hits.len() as u64).sum::<u64>();
         if since == self.bodies.time() {
-            self.run.keep();
+            self.history.keep();
             return Ok(kept);
         }
         Ok(kept + self.ask(since, Verb::Count)?.count)
@@ -237,7 +233,7 @@ impl SceneQuery {
             push(&mut pairs, of_two[0].bodies)?;
         }
         if since == self.bodies.time() {
-            self.run.keep();
+            self.history.keep();
             return Ok(pairs);
         }
         with_default(|| {
@@ -246,11 +242,11 @@ impl SceneQuery {
             let mut asked = Vec::new();
             candidates.pairs().try_for_each(|places| push(&mut asked, places))?;
             let part = CpuPart::new();
-            let meeting = self.run.meeting(&asked, |places| {
+            let meeting = self.history.meeting(&asked, |places| {
                 part.works();
                 candidates.query(places)
             });
-            self.run.note_cpu(part.backend());
+            self.history.note_cpu(part.backend());
             merge(&mut pairs, &meeting?)?;
             Ok(pairs)
         })
@@ -280,7 +276,7 @@ impl SceneQuery {
         self.start();
         with_default(|| {
             self.find_overlaps()?;
-            self.run.note_cpu(Backend::Sequential);
+            self.history.note_cpu(Backend::Sequential);
             let (mut found, mut pushed) = (Vec::new(), Ok(()));
             self.broad.in_box(&aabb, |place| {
                 if let (Ok(()), Some(body)) = (&pushed, self.bodies.at(place)) {
@@ -316,15 +312,15 @@ impl SceneQuery {
     ) -> Result<ControlFlow<()>, Error> {
         let since = self.start();
         if since == self.bodies.time() {
-            self.run.keep();
+            self.history.keep();
             return Ok(self.hits().iter().try_for_each(|&hit| visit(hit)));
         }
         let callers = Environment::current();
         let mut tell = |hit| callers.run(|| visit(hit));
         with_default(|| {
             self.find_overlaps()?;
-            self.run.note_cpu(Backend::Sequential);
-            let cancel = self.run.executor().cancel_flag();
+            self.history.note_cpu(Backend::Sequential);
+            let cancel = self.history.executor().cancel_flag();
             let mut kept = self.hits.still_true(&self.bodies).peekable();
             let candidates = BodyPairs::since(since, &self.bodies, &self.broad);
             for (bodies, query) in candidates.queries() {
@@ -365,7 +361,7 @@ impl SceneQuery {
     /// ```
     pub fn contacts(&mut self) -> Result<&[(SceneHit, Contact)], Error> {
         self.find_hits()?;
-        let Self { bodies, hits, contacts, new_contacts, run, .. } = self;
+        let Self { bodies, hits, contacts, new_contacts, history, .. } = self;
         if contacts.at() != bodies.time() {
             new_contacts.clear();
             let (list, at) = (hits.list(bodies), contacts.at());
@@ -374,8 +370,8 @@ impl SceneQuery {
                 false => Ok(None),
             };
             with_default(|| {
-                run.contacts(list, meeting, Meeting::contact, new_contacts)?;
-                contacts.complete(new_contacts, bodies, run.executor().cancel_flag())
+                history.contacts(list, meeting, Meeting::contact, new_contacts)?;
+                contacts.complete(new_contacts, bodies, history.executor().cancel_flag())
             })?;
         }
         Ok(contacts.list(bodies))
@@ -396,10 +392,10 @@ impl SceneQuery {
     /// ```
     pub fn contacts_f64(&mut self) -> Result<Vec<(SceneHit, Contact<f64>)>, Error> {
         self.find_hits()?;
-        let Self { bodies, hits, run, .. } = self;
+        let Self { bodies, hits, history, .. } = self;
         let (hits, mut contacts) = (hits.list(bodies), Vec::new());
         let meeting = |two| Meeting::new(bodies, two).map(Some);
-        with_default(|| run.contacts(hits, meeting, Meeting::contact_f64, &mut contacts))?;
+        with_default(|| history.contacts(hits, meeting, Meeting::contact_f64, &mut contacts))?;
         Ok(contacts)
     }
 
@@ -420,19 +416,19 @@ impl SceneQuery {
     fn find_hits(&mut self) -> Result<(), Error> {
         let since = self.start();
         if since == self.bodies.time() {
-            self.run.keep();
+            self.history.keep();
             return Ok(());
         }
         self.ask(since, Verb::All)?;
-        let Self { bodies, hits, new_hits, run, .. } = self;
-        hits.complete(new_hits, bodies, run.executor().cancel_flag())
+        let Self { bodies, hits, new_hits, history, .. } = self;
+        hits.complete(new_hits, bodies, history.executor().cancel_flag())
     }
 
     /// Finds which bodies may meet, on the calling thread.
     fn find_overlaps(&mut self) -> Result<(), Error> {
-        let found = self.broad.update(&mut self.bodies, self.run.executor().cancel_flag());
+        let found = self.broad.update(&mut self.bodies, self.history.executor().cancel_flag());
         if found.is_err() {
-            self.run.note_cpu(Backend::Sequential);
+            self.history.note_cpu(Backend::Sequential);
         }
         found
     }
@@ -445,15 +441,12 @@ impl SceneQuery {
             let mut frame = SceneFrame {
                 pairs: BodyPairs::since(since, &self.bodies, &self.broad),
                 hits: &mut self.new_hits,
-                #[cfg(feature = "gpu")]
                 device: &mut self.device,
-                #[cfg(feature = "gpu")]
                 beside: None,
             };
-            let answer = self.run.ask(&mut frame, verb);
-            #[cfg(feature = "gpu")]
+            let answer = self.history.ask(&mut frame, verb);
             if let Some(part) = frame.beside {
-                self.run.note_also(part);
+                self.history.note_also(part);
             }
             answer
         })

@@ -29,7 +29,6 @@ impl<'s> BodyPairs<'s> {
     }
 
     /// The pairs that a GPU answers, or the others.
-    #[cfg(feature = "gpu")]
     pub(super) fn of_gpu(self, of_gpu: bool) -> Self {
         Self { of_gpu: Some(of_gpu), ..self }
     }

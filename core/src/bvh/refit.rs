@@ -87,7 +87,7 @@ pub fn refit(
     let pass = Pass { mesh, order, join, moved, ranged };
     let (root, nodes) = split(nodes, 2);
     let [root, ..] = root else { return Ok(0.0) };
-    let row = pass.fit(root, &mut Part { nodes, rows: table, base: 2 });
+    let row = pass.fit(root, &mut Subtree { nodes, rows: table, base: 2 });
     Ok(row.visits.quality(mesh))
 }
 
@@ -102,7 +102,7 @@ struct Pass<'p> {
 }
 
 /// The nodes from index `base` on, and the rows of their pairs, if there is a table.
-struct Part<'p> {
+struct Subtree<'p> {
     nodes: &'p mut [Node],
     rows: &'p mut [RefitRow],
     base: usize,
@@ -111,7 +111,7 @@ struct Part<'p> {
 impl Pass<'_> {
     /// The box of a node, after what lies below it in `part` is fitted.
     #[inline(always)]
-    fn node(&self, node: &Node, part: &mut Part<'_>) -> (Aabb, RefitRow) {
+    fn node(&self, node: &Node, part: &mut Subtree<'_>) -> (Aabb, RefitRow) {
         if node.is_leaf() {
             return self.leaf(node);
         }
@@ -122,14 +122,14 @@ impl Pass<'_> {
     }
 
     #[inline(never)]
-    fn fit(&self, node: &mut Node, part: &mut Part<'_>) -> RefitRow {
+    fn fit(&self, node: &mut Node, part: &mut Subtree<'_>) -> RefitRow {
         let (aabb, row) = self.node(node, part);
         node.set_aabb(&aabb);
         row
     }
 
     /// Fits the siblings in slots `left` and `left + 1` of `part`.
-    fn pair(&self, part: &mut Part<'_>, left: usize) -> RefitRow {
+    fn pair(&self, part: &mut Subtree<'_>, left: usize) -> RefitRow {
         if let Some(moved) = self.moved {
             let row = at(part.rows, left / 2);
             if !holds_any(moved, row.vertices) {
@@ -157,7 +157,7 @@ impl Pass<'_> {
     /// Fits the first two nodes of `part`, below which all others lie: first those below the left one.
     // Apart, so that the tasks are not on the stack of every level below.
     #[inline(never)]
-    fn side_by_side(&self, part: &mut Part<'_>) -> RefitRow {
+    fn side_by_side(&self, part: &mut Subtree<'_>) -> RefitRow {
         let ([left, right, nodes @ ..], base) = (&mut *part.nodes, part.base + 2) else {
             return RefitRow::NONE;
         };
@@ -165,8 +165,8 @@ impl Pass<'_> {
         let (left_nodes, right_nodes) = split(nodes, middle);
         let (_, rows) = split(part.rows, 1);
         let (left_rows, right_rows) = split(rows, middle / 2);
-        let mut below_left = Part { nodes: left_nodes, rows: left_rows, base };
-        let mut below_right = Part { nodes: right_nodes, rows: right_rows, base: base + middle };
+        let mut below_left = Subtree { nodes: left_nodes, rows: left_rows, base };
+        let mut below_right = Subtree { nodes: right_nodes, rows: right_rows, base: base + middle };
         let (left, right) = both(
             self.join,
             || self.fit(left, &mut below_left),

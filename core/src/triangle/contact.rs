@@ -56,7 +56,7 @@ pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
 
 /// [`contact`] of triangles with coordinates of either kind, which are in range.
 pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<Contact<C>> {
-    let [of_a, of_b] = [Plane::of(a), Plane::of(b)];
+    let [of_a, of_b] = [TrianglePlane::of(a), TrianglePlane::of(b)];
     let (over_b, over_a) = (Over::new(a, &of_b), Over::new(b, &of_a));
     let (a_sides, b_sides) = (over_b.sides(), over_a.sides());
     if one_sided(&a_sides) || one_sided(&b_sides) {
@@ -73,7 +73,7 @@ pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Opt
 }
 
 /// The plane of a triangle.
-struct Plane<'t, C> {
+struct TrianglePlane<'t, C> {
     triangle: &'t [[C; 3]; 3],
     /// The edges from the first corner.
     edges: [DVec3; 2],
@@ -81,7 +81,7 @@ struct Plane<'t, C> {
     normal: DVec3,
 }
 
-impl<'t, C: Coordinate> Plane<'t, C> {
+impl<'t, C: Coordinate> TrianglePlane<'t, C> {
     #[inline]
     fn of(triangle: &'t [[C; 3]; 3]) -> Self {
         let [a, b, c] = triangle;
@@ -121,13 +121,13 @@ impl<'t, C: Coordinate> Plane<'t, C> {
 
 /// Points over the plane of a triangle.
 struct Over<'t, C> {
-    plane: &'t Plane<'t, C>,
-    points: [Point<C>; 3],
+    plane: &'t TrianglePlane<'t, C>,
+    points: [Corner<C>; 3],
     /// No error of a height is larger.
     bound: f64,
 }
 
-struct Point<C> {
+struct Corner<C> {
     at: [C; 3],
     /// The determinant of the plane and this point, rounded: positive on the side of the normal of the plane.
     height: f64,
@@ -135,10 +135,10 @@ struct Point<C> {
 
 impl<'t, C: Coordinate> Over<'t, C> {
     #[inline]
-    fn new(points: &[[C; 3]; 3], plane: &'t Plane<'t, C>) -> Self {
+    fn new(points: &[[C; 3]; 3], plane: &'t TrianglePlane<'t, C>) -> Self {
         let offsets = points.each_ref().map(|p| difference(p, &plane.triangle[0]));
         let heights = offsets.map(|offset| plane.normal.dot(offset));
-        let point = |k: usize| Point { at: points[k], height: heights[k] };
+        let point = |k: usize| Corner { at: points[k], height: heights[k] };
         Self { plane, points: [point(0), point(1), point(2)], bound: plane.bound(&offsets) }
     }
 
@@ -156,7 +156,7 @@ impl<'t, C: Coordinate> Over<'t, C> {
     ///
     /// It does not depend on the order of ends, so that neighbours, which have the edge in common, have the point in common
     /// too, to the bit.
-    fn cut(&self, p: &Point<C>, q: &Point<C>) -> [C; 3] {
+    fn cut(&self, p: &Corner<C>, q: &Corner<C>) -> [C; 3] {
         let (p, q) = if q.at < p.at { (q, p) } else { (p, q) };
         let is_certain = |bound: f64| p.height.abs().min(q.height.abs()) > bound * TWO_30;
         let ends = || [p, q].map(|p| difference(&p.at, &self.plane.triangle[0]));
@@ -202,7 +202,7 @@ fn crossing<C: Coordinate>(
     b_sides: &[i32; 3],
 ) -> Option<[[C; 3]; 2]> {
     let ([a0, a1, a2], [b0, b1, b2], side) = arrange(&a.points, a_sides, &b.points, b_sides);
-    let turn = |a: &Point<C>| sides([&a0.at, &a.at, &b0.at], [&b1.at, &b2.at]);
+    let turn = |a: &Corner<C>| sides([&a0.at, &a.at, &b0.at], [&b1.at, &b2.at]);
     let ([first, start], [end, last]) = (turn(a1), turn(a2));
     if first == side || last == -side {
         return None;
@@ -215,7 +215,7 @@ fn crossing<C: Coordinate>(
 
 /// The point in which the edge p–q cuts the plane of a triangle.
 fn edge_point<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] {
-    let plane = Plane::of(t);
+    let plane = TrianglePlane::of(t);
     let over = Over::new(&[*p, *q, *q], &plane);
     over.cut(&over.points[0], &over.points[1])
 }

@@ -61,19 +61,19 @@ pub fn morton<'a>(
     for (key, triangle) in keys.iter_mut().zip(0..) {
         *key = triangle;
     }
-    let run = Run { keys, spare, coincide: false };
+    let run = MortonRun { keys, spare, coincide: false };
     build(mesh, options, storage, &Curve { mesh, join: options.join }, run)
 }
 
 /// Triangles by their keys: a Morton code above the index. Every run but that of all triangles is sorted.
-struct Run<'r> {
+struct MortonRun<'r> {
     keys: &'r mut [u64],
     spare: &'r mut [u64],
     /// Whether no code can tell the centres apart.
     coincide: bool,
 }
 
-impl Run<'_> {
+impl MortonRun<'_> {
     /// The highest bit of the code in which keys differ, or 0.
     fn highest_bit(&self) -> u64 {
         let differing = match *self.keys {
@@ -90,9 +90,9 @@ struct Curve<'c> {
 }
 
 impl Divide for Curve<'_> {
-    type Run<'r> = Run<'r>;
+    type Run<'r> = MortonRun<'r>;
 
-    fn leaf(&self, run: &Run<'_>, order: &mut [u32]) -> Aabb {
+    fn leaf(&self, run: &MortonRun<'_>, order: &mut [u32]) -> Aabb {
         let mut all = Bounds::EMPTY;
         for (entry, &key) in order.iter_mut().zip(&*run.keys) {
             *entry = (key & INDEX) as u32;
@@ -101,7 +101,12 @@ impl Divide for Curve<'_> {
         all.into()
     }
 
-    fn divide<'r>(&self, run: &'r mut Run<'_>, count: usize, free: bool) -> (usize, [Run<'r>; 2]) {
+    fn divide<'r>(
+        &self,
+        run: &'r mut MortonRun<'_>,
+        count: usize,
+        free: bool,
+    ) -> (usize, [MortonRun<'r>; 2]) {
         if free && !run.coincide && run.highest_bit() == 0 {
             self.encode(run);
             run.coincide = run.highest_bit() == 0;
@@ -112,7 +117,7 @@ impl Divide for Curve<'_> {
         };
         let ((left, right), (left_spare, right_spare)) =
             (split(run.keys, middle), split(run.spare, middle));
-        let half = |keys, spare| Run { keys, spare, coincide: run.coincide };
+        let half = |keys, spare| MortonRun { keys, spare, coincide: run.coincide };
         (middle, [half(left, left_spare), half(right, right_spare)])
     }
 }
@@ -120,7 +125,7 @@ impl Divide for Curve<'_> {
 impl Curve<'_> {
     /// Replaces the codes of a run by those within the box of its centres, and sorts.
     #[inline(never)]
-    fn encode(&self, run: &mut Run<'_>) {
+    fn encode(&self, run: &mut MortonRun<'_>) {
         // At half scale neither a centre nor the difference of two can overflow. In between, x and y are in the
         // key, z and the index in the other word.
         let centre = |keys: &mut [u64], spare: &mut [u64]| {

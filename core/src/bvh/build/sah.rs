@@ -58,10 +58,10 @@ pub fn sah<'a>(
         centres(items)
     };
     let centres = halves(options.join, items, order, &load, &|a, b| Bounds::union(&a, &b));
-    build(mesh, options, storage, &Sah { join: options.join }, Run { items, centres })
+    build(mesh, options, storage, &Sah { join: options.join }, SahRun { items, centres })
 }
 
-struct Run<'r> {
+struct SahRun<'r> {
     items: &'r mut [Node],
     /// The box of the items' centres.
     centres: Bounds,
@@ -72,9 +72,9 @@ struct Sah<'s> {
 }
 
 impl Divide for Sah<'_> {
-    type Run<'r> = Run<'r>;
+    type Run<'r> = SahRun<'r>;
 
-    fn leaf(&self, run: &Run<'_>, order: &mut [u32]) -> Aabb {
+    fn leaf(&self, run: &SahRun<'_>, order: &mut [u32]) -> Aabb {
         let mut all = Bounds::EMPTY;
         for (entry, item) in order.iter_mut().zip(&*run.items) {
             *entry = triangle(item);
@@ -85,7 +85,12 @@ impl Divide for Sah<'_> {
 
     // Apart, so that the bins are not on the stack of every level below.
     #[inline(never)]
-    fn divide<'r>(&self, run: &'r mut Run<'_>, _: usize, free: bool) -> (usize, [Run<'r>; 2]) {
+    fn divide<'r>(
+        &self,
+        run: &'r mut SahRun<'_>,
+        _: usize,
+        free: bool,
+    ) -> (usize, [SahRun<'r>; 2]) {
         let centres = run.centres;
         let split = if free { best_split(run.items, &centres, self.join) } else { None };
         let divided = match split {
@@ -94,7 +99,7 @@ impl Divide for Sah<'_> {
         };
         let (left, right) = run.items.split_at_mut(divided.left);
         let [left_centres, right_centres] = divided.centres;
-        let left = Run { items: left, centres: left_centres };
-        (divided.left, [left, Run { items: right, centres: right_centres }])
+        let left = SahRun { items: left, centres: left_centres };
+        (divided.left, [left, SahRun { items: right, centres: right_centres }])
     }
 }

@@ -39,21 +39,21 @@ fn normals_of_degenerate_triangles_are_zero() {
         for size in [1.0, 2f32.powi(60)] {
             let scales = [near, far, 1.5 * far].map(|scale| size * scale);
             let t = scales.map(|scale| direction.map(|x| scale * x));
-            assert_eq!(Plane::of(&t).unit_normal(), [0.0; 3], "{exponent}");
+            assert_eq!(TrianglePlane::of(&t).unit_normal(), [0.0; 3], "{exponent}");
         }
     }
-    assert_eq!(Plane::of(&[[2.0; 3]; 3]).unit_normal(), [0.0; 3]);
+    assert_eq!(TrianglePlane::of(&[[2.0; 3]; 3]).unit_normal(), [0.0; 3]);
     // And with an area that f64 does not see.
     let sliver = [[-1.0, 1.0, 0.0], [f32::from_bits(1), 1.0, -1.0], [-0.5, 1.0, -0.5]];
-    assert_eq!(Plane::of(&sliver).unit_normal(), [0.0, 1.0, 0.0]);
+    assert_eq!(TrianglePlane::of(&sliver).unit_normal(), [0.0, 1.0, 0.0]);
     let least = f32::from_bits(1);
     assert_eq!(
-        Plane::of(&[[0.0; 3], [least, 0.0, 0.0], [0.0, least, 0.0]]).unit_normal(),
+        TrianglePlane::of(&[[0.0; 3], [least, 0.0, 0.0], [0.0, least, 0.0]]).unit_normal(),
         [0.0, 0.0, 1.0]
     );
     let huge = f32::MAX;
     assert_eq!(
-        Plane::of(&[[0.0; 3], [0.0, huge, 0.0], [huge, 0.0, 0.0]]).unit_normal(),
+        TrianglePlane::of(&[[0.0; 3], [0.0, huge, 0.0], [huge, 0.0, 0.0]]).unit_normal(),
         [0.0, 0.0, -1.0]
     );
 }

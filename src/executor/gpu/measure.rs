@@ -1,6 +1,7 @@
 //! A line from the time of a question on the CPU to that on a GPU: a short and a long one are asked of both.
 
-use super::{CpuHistory, Executor, Verb};
+use crate::executor::choice::Line;
+use crate::executor::{CpuHistory, Executor, Verb};
 use crate::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion};
 use crate::subject::Subject;
 use crate::{Model, Pose, TrianglePair};
@@ -11,26 +12,6 @@ use std::time::Instant;
 const SIDES: [usize; 2] = [32, 192];
 /// How often each question is asked, in other poses; the median counts.
 const RUNS: usize = 9;
-
-/// The line of a GPU and a CPU. All times are in seconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Line {
-    /// To ask anything at all and read the answer.
-    pub(super) latency: f64,
-    /// The time of a longer question beyond that, as a multiple of its time on the CPU.
-    pub(super) slope: f64,
-    /// To bring a model there, however small.
-    pub(super) setup: f64,
-    /// To bring a triangle there.
-    pub(super) upload: f64,
-}
-
-impl Line {
-    /// To bring so many triangles there.
-    pub(super) fn upload(&self, triangles: usize) -> f64 {
-        if triangles == 0 { 0.0 } else { self.setup + self.upload * triangles as f64 }
-    }
-}
 
 /// Measures a GPU and the CPU of an executor.
 pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> {

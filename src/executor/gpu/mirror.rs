@@ -1,8 +1,10 @@
 //! The models of a query on a GPU, brought there when it is first asked and kept up to date from then on.
 
 use super::Device;
+use crate::executor::{Answer, Verb};
 use crate::gpu::{Deforming, GpuError, GpuModel};
-use crate::{Model, Stamp};
+use crate::subject::Subject;
+use crate::{Error, Model, Stamp, TrianglePair};
 use pfront_core::bvh::BuildOptions;
 use std::sync::Arc;
 
@@ -40,8 +42,26 @@ impl Mirrors {
         self.0.iter().zip(distinct(models)).map(lacks).sum()
     }
 
+    /// Brings the models of a subject there and asks about them; `pairs` is replaced, by the list under [`Verb::All`]. What the
+    /// device leaves open is decided here.
+    pub(crate) fn ask(
+        &mut self,
+        device: &Device,
+        subject: &Subject<&Model>,
+        verb: Verb,
+        pairs: &mut Vec<TrianglePair>,
+    ) -> Result<Answer<TrianglePair>, Error> {
+        let is_within = matches!(subject, Subject::Within { .. });
+        let models = self.bring(device, subject.models(), is_within)?;
+        let outlines = Default::default();
+        let in_f64 = subject.in_f64(&outlines)?;
+        let question = subject.question(models, in_f64.as_ref());
+        let intersects = |pair| in_f64.as_ref().is_some_and(|tree| tree.intersects(pair));
+        device.ask(&question, verb, pairs, intersects)
+    }
+
     /// Brings models there, whose vertices will move if `moves`, and returns them.
-    pub(crate) fn bring(
+    fn bring(
         &mut self,
         device: &Device,
         models: &[&Model],

@@ -1,6 +1,6 @@
 //! Many pairs of models in one submission to a GPU, which has each model once and a body for each pair.
 
-use super::{Answer, Verb};
+use crate::executor::{Answer, Verb};
 use crate::gpu::{Gpu, GpuError, GpuSettings, GpuVerb, World};
 use crate::memory::reserve;
 use crate::{Error, Model, Pose, Stamp, TrianglePair};

@@ -1,9 +1,9 @@
 //! A GPU as an executor has it: its lists, lent to a question until it is read, and the models that are there.
 
 use super::gathered::Gathered;
-use super::measure::Line;
 use super::meshes::DeviceMeshes;
-use super::{Answer, Verb};
+use crate::executor::choice::Line;
+use crate::executor::{Answer, Verb};
 use crate::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb};
 use crate::memory::push;
 use crate::{Error, Model, TrianglePair};
@@ -17,8 +17,7 @@ pub(crate) const IN_FLIGHT: usize = 2;
 pub(crate) struct Device {
     pub(crate) gpu: Gpu,
     pub(crate) settings: GpuSettings,
-    /// The times that it is predicted to take beside a CPU; `None` if it is to answer all questions.
-    pub(super) line: Option<Line>,
+    line: Option<Line>,
     /// Lists, while no question has them.
     idle: Mutex<Vec<GpuQuery>>,
     /// Worlds of batches of pairs, while no batch has them.
@@ -43,6 +42,17 @@ impl Device {
             in_flight: AtomicUsize::new(0),
             shown: AtomicUsize::new(0),
         }
+    }
+
+    /// The times that it is predicted to take beside a CPU; `None` if it is to answer all questions.
+    pub(crate) fn line(&self) -> Option<&Line> {
+        self.line.as_ref()
+    }
+
+    /// Whether the device is lost after this error, if it is one of the device.
+    pub(crate) fn is_lost_by(&self, error: &Error) -> Option<bool> {
+        let Error::Gpu(error) = error else { return None };
+        Some(matches!(error, GpuError::DeviceLost { .. }) || self.gpu.is_lost())
     }
 
     /// A model there, which is uploaded unless it is there already.

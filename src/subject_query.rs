@@ -1,22 +1,19 @@
-//! The history of a query subject one subject: lists whose memory is used again, and the last question, whose answer is
-//! that to the next if nothing has changed.
+//! A query about one subject: lists whose memory is used again, and the last question, whose answer is that to the next if
+//! nothing has changed.
 
 use crate::environment::{Environment, with_default};
-use crate::executor::{Answer, Backend, CpuHistory, Executor, Frame, Plan, Run, Verb};
-#[cfg(feature = "gpu")]
-use crate::executor::{Device, Mirrors};
+use crate::executor::{
+    Answer, Backend, CpuHistory, Device, Executor, Frame, History, Mirrors, Plan, Verb,
+};
 use crate::subject::{AnyBvtt, Key, Subject};
-#[cfg(feature = "threads")]
-use crate::threads::Report;
 use crate::{Contact, Error, Model, Scalar, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
-/// The memory of a query.
+/// What a pair query and a self query are.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct History {
-    run: Run<()>,
-    #[cfg(feature = "gpu")]
+pub(crate) struct SubjectQuery {
+    history: History<()>,
     mirrors: Mirrors,
     pairs: Vec<TrianglePair>,
     contacts: Vec<(TrianglePair, Contact)>,
@@ -26,19 +23,19 @@ pub(crate) struct History {
     touched: Option<Key>,
 }
 
-impl History {
-    /// A history of its own, on another executor.
+impl SubjectQuery {
+    /// The same on another executor, without what is remembered.
     pub(crate) fn on(&self, executor: &Executor) -> Self {
-        Self { run: Run::on(executor), ..Self::default() }
+        Self { history: History::on(executor), ..Self::default() }
     }
 
     #[cfg(feature = "threads")]
-    pub(crate) fn report(&self) -> Option<&Report> {
-        self.run.report()
+    pub(crate) fn report(&self) -> Option<&crate::threads::Report> {
+        self.history.report()
     }
 
     pub(crate) fn plan(&self) -> Option<&Plan> {
-        self.run.plan()
+        self.history.plan()
     }
 
     pub(crate) fn forget(&mut self) {
@@ -50,7 +47,7 @@ impl History {
         model: &mut Model,
         positions: &[[S; 3]],
     ) -> Result<(), Error> {
-        self.run.set_positions(model, positions)
+        self.history.set_positions(model, positions)
     }
 
     /// All pairs, sorted. Allocates only when there are more than ever before.
@@ -82,13 +79,18 @@ impl History {
         self.ask(subject, Verb::All)?;
         let key = subject.key();
         if self.touched.take() != Some(key) {
-            let Self { run, pairs, contacts, .. } = self;
+            let Self { history, pairs, contacts, .. } = self;
             let outlines = Default::default();
             let tree = &subject.untraversed(&outlines)?;
             contacts.clear();
             // An error gives the list back.
             let mut found = std::mem::take(contacts);
-            run.contacts(pairs, |()| Ok(Some(tree)), |tree, pair| tree.contact(pair), &mut found)?;
+            history.contacts(
+                pairs,
+                |()| Ok(Some(tree)),
+                |tree, pair| tree.contact(pair),
+                &mut found,
+            )?;
             *contacts = found;
         }
         // Not before: a thread may panic.
@@ -96,7 +98,7 @@ impl History {
         Ok(())
     }
 
-    /// [`History::contacts`] in f64, in a list of their own.
+    /// [`SubjectQuery::contacts`] in f64, in a list of their own.
     pub(crate) fn contacts_f64(
         &mut self,
         subject: &Subject<&Model>,
@@ -106,7 +108,7 @@ impl History {
             let (outlines, mut contacts) = (Default::default(), Vec::new());
             let tree = &subject.untraversed(&outlines)?;
             let contact = |tree: &&AnyBvtt<'_>, pair| tree.contact_f64(pair);
-            self.run.contacts(&self.pairs, |()| Ok(Some(tree)), contact, &mut contacts)?;
+            self.history.contacts(&self.pairs, |()| Ok(Some(tree)), contact, &mut contacts)?;
             Ok(contacts)
         })
     }
@@ -121,23 +123,17 @@ impl History {
         match self.last {
             // From a list follows everything else.
             Some((asked, Verb::All, given)) if asked == key => {
-                self.run.keep();
+                self.history.keep();
                 return Ok(given);
             }
             Some((asked, answered, given)) if asked == key && answered == verb => {
-                self.run.keep();
+                self.history.keep();
                 return Ok(given);
             }
             _ => self.last = None,
         }
-        let Self { run, pairs, .. } = self;
-        let mut frame = SubjectFrame {
-            subject,
-            pairs,
-            #[cfg(feature = "gpu")]
-            mirrors: &mut self.mirrors,
-        };
-        let given = run.ask(&mut frame, verb)?;
+        let Self { history, pairs, mirrors, .. } = self;
+        let given = history.ask(&mut SubjectFrame { subject, pairs, mirrors }, verb)?;
         self.last = Some((key, verb, given));
         Ok(given)
     }
@@ -148,7 +144,7 @@ impl History {
         tree: &AnyBvtt<'_>,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        self.run.note_cpu(Backend::Sequential);
+        self.history.note_cpu(Backend::Sequential);
         let callers = Environment::current();
         with_default(|| tree.visit(&mut tree.start(), |pair| callers.run(|| visit(pair))))
     }
@@ -158,7 +154,6 @@ impl History {
 struct SubjectFrame<'a, 'm> {
     subject: &'a Subject<&'m Model>,
     pairs: &'a mut Vec<TrianglePair>,
-    #[cfg(feature = "gpu")]
     mirrors: &'a mut Mirrors,
 }
 
@@ -177,35 +172,24 @@ impl Frame for SubjectFrame<'_, '_> {
         }
     }
 
-    #[cfg(feature = "gpu")]
     fn is_for_cpu(&self) -> bool {
         self.subject.is_for_cpu()
     }
 
-    #[cfg(feature = "gpu")]
     fn meshes(&self) -> [u64; 2] {
         self.subject.key().meshes()
     }
 
-    #[cfg(feature = "gpu")]
     fn to_upload(&mut self) -> usize {
         self.mirrors.lack(self.subject.models())
     }
 
-    #[cfg(feature = "gpu")]
     fn on_gpu(
         &mut self,
         device: &Device,
         _: &mut CpuHistory<()>,
         verb: Verb,
     ) -> Result<Answer<TrianglePair>, Error> {
-        let Self { subject, mirrors, pairs, .. } = self;
-        let is_within = matches!(subject, Subject::Within { .. });
-        let models = mirrors.bring(device, subject.models(), is_within)?;
-        let outlines = Default::default();
-        let in_f64 = subject.in_f64(&outlines)?;
-        let question = subject.question(models, in_f64.as_ref());
-        let intersects = |pair| in_f64.as_ref().is_some_and(|tree| tree.intersects(pair));
-        device.ask(&question, verb, pairs, intersects)
+        self.mirrors.ask(device, self.subject, verb, self.pairs)
     }
 }

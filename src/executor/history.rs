@@ -1,24 +1,14 @@
 //! One query on its executor, from frame to frame.
 
+use super::choice::{Choice, Failure};
 use super::{
-    Answer, Backend, CpuHistory, CpuPart, Executor, Named, Plan, Reason, Verb, check, visit,
+    Answer, Backend, CpuHistory, CpuPart, Device, Executor, Named, Plan, Reason, Verb, check, visit,
 };
-#[cfg(feature = "gpu")]
-use super::{
-    Device,
-    choice::{Choice, Failure},
-};
-#[cfg(feature = "gpu")]
-use crate::gpu::GpuError;
 use crate::memory::{push, reserve};
-#[cfg(feature = "threads")]
-use crate::threads::Report;
 use crate::{Error, Model, Scalar, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
-#[cfg(feature = "gpu")]
 use std::sync::atomic::Ordering::Relaxed;
-#[cfg(feature = "gpu")]
 use std::time::{Duration, Instant};
 
 /// Contacts between two looks at the flag of the executor: some 0.1 ms.
@@ -36,19 +26,15 @@ pub(crate) trait Frame {
     ) -> (Backend, Result<Answer<Self::Hit>, Error>);
 
     /// Whether only a CPU answers, since a model or a pose is in f64.
-    #[cfg(feature = "gpu")]
     fn is_for_cpu(&self) -> bool;
 
     /// The numbers of the meshes that it is about.
-    #[cfg(feature = "gpu")]
     fn meshes(&self) -> [u64; 2];
 
     /// Triangles that the GPU does not have.
-    #[cfg(feature = "gpu")]
     fn to_upload(&mut self) -> usize;
 
     /// Brings the GPU what it lacks, and asks it; about the rest, if it leaves any, the CPU.
-    #[cfg(feature = "gpu")]
     fn on_gpu(
         &mut self,
         device: &Device,
@@ -62,46 +48,36 @@ pub(crate) type Name<F> = <<F as Frame>::Hit as Named>::Name;
 
 /// The history of a query on its executor, with the names of its subjects.
 #[derive(Clone, Debug)]
-pub(crate) struct Run<N> {
+pub(crate) struct History<N> {
     executor: Executor,
     cpu: CpuHistory<N>,
     /// One for each verb.
-    #[cfg(feature = "gpu")]
     choices: [Choice; 3],
     /// The meshes that the choices are about.
-    #[cfg(feature = "gpu")]
     meshes: Option<[u64; 2]>,
-    #[cfg(feature = "gpu")]
     last_verb: Verb,
     /// The time that it took to move vertices for the next frame.
-    #[cfg(feature = "gpu")]
     moving: Duration,
     /// The last failure of the GPU, which is not asked for a while.
-    #[cfg(feature = "gpu")]
     failure: Failure,
     last: Option<Plan>,
 }
 
-impl<N: Copy + Ord> Default for Run<N> {
+impl<N: Copy + Ord> Default for History<N> {
     fn default() -> Self {
         Self::on(&Executor::default())
     }
 }
 
-impl<N: Copy + Ord> Run<N> {
+impl<N: Copy + Ord> History<N> {
     pub(crate) fn on(executor: &Executor) -> Self {
         Self {
             executor: executor.clone(),
             cpu: CpuHistory::new(executor),
-            #[cfg(feature = "gpu")]
             choices: Default::default(),
-            #[cfg(feature = "gpu")]
             meshes: None,
-            #[cfg(feature = "gpu")]
             last_verb: Verb::default(),
-            #[cfg(feature = "gpu")]
             moving: Duration::ZERO,
-            #[cfg(feature = "gpu")]
             failure: Failure::default(),
             last: None,
         }
@@ -109,7 +85,7 @@ impl<N: Copy + Ord> Run<N> {
 
     /// Counts and times of the last frame on threads.
     #[cfg(feature = "threads")]
-    pub(crate) fn report(&self) -> Option<&Report> {
+    pub(crate) fn report(&self) -> Option<&crate::threads::Report> {
         self.cpu.report()
     }
 
@@ -119,10 +95,7 @@ impl<N: Copy + Ord> Run<N> {
 
     /// Takes note of a frame that was answered from the cache.
     pub(crate) fn keep(&mut self) {
-        #[cfg(feature = "gpu")]
-        {
-            self.moving = Duration::ZERO;
-        }
+        self.moving = Duration::ZERO;
         self.note(Backend::Cached, Reason::Unchanged);
     }
 
@@ -172,7 +145,6 @@ impl<N: Copy + Ord> Run<N> {
         list: impl Fn(&[T], &mut Vec<R>) -> Result<(), Error> + Sync,
         out: &mut Vec<R>,
     ) -> Result<(), Error> {
-        #[cfg(feature = "threads")]
         if let Some(pool) = &self.executor.pool {
             return pool.by_pieces(items, list, out);
         }
@@ -213,10 +185,8 @@ impl<N: Copy + Ord> Run<N> {
         model: &mut Model,
         positions: &[[S; 3]],
     ) -> Result<(), Error> {
-        #[cfg(feature = "gpu")]
         let is_at_once = model.mesh().triangles().len() < super::models::SMALL
             && self.choices[self.last_verb as usize].is_at_once;
-        #[cfg(feature = "gpu")]
         if self.executor.device.is_some() && !is_at_once {
             let clock = Instant::now();
             let moved = match self.is_on_gpu() {
@@ -236,7 +206,6 @@ impl<N: Copy + Ord> Run<N> {
         frame: &mut F,
         verb: Verb,
     ) -> Result<Answer<F::Hit>, Error> {
-        #[cfg(feature = "gpu")]
         if let Some(device) = self.executor.device.clone() {
             return self.ask_either(&device, frame, verb);
         }
@@ -255,7 +224,6 @@ impl<N: Copy + Ord> Run<N> {
     }
 
     /// The answer of a GPU, which nothing ends early.
-    #[cfg(feature = "gpu")]
     fn unless_cancelled<T>(&self, answer: T) -> Result<T, Error> {
         let is_set = self.executor.cancel_flag().is_some_and(|flag| flag.load(Relaxed));
         if is_set { Err(Error::Cancelled) } else { Ok(answer) }
@@ -263,13 +231,10 @@ impl<N: Copy + Ord> Run<N> {
 
     /// Takes note that a part of the CPU has answered, whatever the executor has.
     pub(crate) fn note_cpu(&mut self, backend: Backend) {
-        #[cfg(feature = "gpu")]
         let reason = match self.executor.device.is_some() {
             true => Reason::CpuOnly,
             false => Reason::NoChoice,
         };
-        #[cfg(not(feature = "gpu"))]
-        let reason = Reason::NoChoice;
         self.note(backend, reason);
     }
 
@@ -289,32 +254,19 @@ impl<N: Copy + Ord> Run<N> {
     }
 
     fn note(&mut self, backend: Backend, reason: Reason) {
-        #[cfg(feature = "gpu")]
         let failure = self.failure.reason().map(str::to_owned);
-        #[cfg(not(feature = "gpu"))]
-        let failure = None;
         self.last = Some(Plan { backend, reason, predicted: None, failure });
     }
 }
 
 /// Choosing between the CPU and a GPU.
-#[cfg(feature = "gpu")]
-impl<N: Copy + Ord> Run<N> {
+impl<N: Copy + Ord> History<N> {
     /// Whether the GPU will answer the next frame, as far as that is known.
     fn is_on_gpu(&self) -> bool {
-        let is_only = |device: &Device| device.line.is_none();
+        let is_only = |device: &Device| device.line().is_none();
         let is_chosen = || self.choices[self.last_verb as usize].is_on_gpu();
         let device = self.executor.device.as_deref();
         !self.failure.is_pausing() && device.is_some_and(|device| is_only(device) || is_chosen())
-    }
-
-    /// Whether the last frame on the CPU ended within its first few hundred tests, which the traversal does not time either.
-    fn was_at_once(&self) -> bool {
-        #[cfg(feature = "threads")]
-        if let Some(report) = self.report() {
-            return report.shares.is_empty() && report.traversal_time.is_zero();
-        }
-        false
     }
 
     fn ask_either<F: Frame<Hit: Named<Name = N>>>(
@@ -327,7 +279,7 @@ impl<N: Copy + Ord> Run<N> {
         if frame.is_for_cpu() {
             return self.on_cpu(frame, verb, Reason::CpuOnly);
         }
-        let Some(line) = &device.line else {
+        let Some(line) = device.line() else {
             let answer = frame.on_gpu(device, &mut self.cpu, verb);
             self.note(Backend::Gpu, Reason::NoChoice);
             return self.unless_cancelled(answer?);
@@ -345,7 +297,7 @@ impl<N: Copy + Ord> Run<N> {
         // A look at the clock costs as much as such a frame, and no GPU answers sooner.
         if self.choices[verb as usize].is_at_once && moving.is_zero() {
             let answer = self.on_cpu(frame, verb, Reason::Faster);
-            self.choices[verb as usize].is_at_once = self.was_at_once();
+            self.choices[verb as usize].is_at_once = self.cpu.was_at_once();
             return answer;
         }
         let (to_upload, clock) = (frame.to_upload(), Instant::now());
@@ -359,22 +311,22 @@ impl<N: Copy + Ord> Run<N> {
             false => self.on_cpu(frame, verb, reason),
         };
         match answer {
-            // For a while the CPU answers, and the plan says why.
-            Err(Error::Gpu(error)) if by_gpu => {
-                let is_lost = matches!(error, GpuError::DeviceLost { .. }) || device.gpu.is_lost();
-                self.failure.failed(error.to_string(), is_lost);
-                self.on_cpu(frame, verb, Reason::GpuFailed)
-            }
-            Err(error) => {
-                if by_gpu {
-                    self.note(Backend::Gpu, reason);
+            Err(error) if by_gpu => match device.is_lost_by(&error) {
+                // For a while the CPU answers, and the plan says why.
+                Some(is_lost) => {
+                    self.failure.failed(error.to_string(), is_lost);
+                    self.on_cpu(frame, verb, Reason::GpuFailed)
                 }
-                Err(error)
-            }
+                None => {
+                    self.note(Backend::Gpu, reason);
+                    Err(error)
+                }
+            },
+            Err(error) => Err(error),
             Ok(answer) => {
                 let time = clock.elapsed() + moving;
                 self.choices[verb as usize].took(line, by_gpu, to_upload > 0, time);
-                self.choices[verb as usize].is_at_once = !by_gpu && self.was_at_once();
+                self.choices[verb as usize].is_at_once = !by_gpu && self.cpu.was_at_once();
                 if by_gpu {
                     self.failure.answered();
                     self.note(Backend::Gpu, reason);

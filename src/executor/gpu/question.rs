@@ -1,0 +1,56 @@
+//! What a GPU is asked about a subject.
+
+use crate::gpu::{GpuModel, GpuQuestion};
+use crate::model::Outline;
+use crate::subject::{AnyBvtt, Subject};
+use crate::{AnyPose, Error, Model, Pose};
+use pfront_core::bvtt::PairBvtt;
+use std::borrow::Borrow;
+
+impl<M: Borrow<Model>> Subject<M> {
+    /// The models and the pose of two in f32.
+    pub(crate) fn pair_in_f32(&self) -> Option<([&Model; 2], Pose)> {
+        match self {
+            Self::Pair { models, a_from_b: AnyPose::F32(a_from_b) } => {
+                let models = models.each_ref().map(|model| model.borrow());
+                models.iter().all(|model| !model.is_f64()).then_some((models, *a_from_b))
+            }
+            _ => None,
+        }
+    }
+
+    /// The tree of two of which a model or the pose is in f64: a GPU goes by its shadows, and it decides what they leave open.
+    pub(crate) fn in_f64<'q>(
+        &'q self,
+        outlines: &'q [Outline; 2],
+    ) -> Result<Option<PairBvtt<'q>>, Error> {
+        if self.pair_in_f32().is_some() {
+            return Ok(None);
+        }
+        Ok(match self.untraversed(outlines)? {
+            AnyBvtt::Pair(tree) => Some(tree),
+            AnyBvtt::Within(_) => None,
+        })
+    }
+
+    /// The question for a GPU that has [`Subject::both`] models.
+    pub(crate) fn question<'q>(
+        &self,
+        [a, b]: [&'q GpuModel; 2],
+        in_f64: Option<&PairBvtt<'_>>,
+    ) -> GpuQuestion<'q> {
+        match (self, in_f64.and_then(PairBvtt::shadows)) {
+            (Self::Within { adjacency, .. }, _) => {
+                GpuQuestion::Within { model: a, adjacency: *adjacency }
+            }
+            (_, Some(shadows)) => GpuQuestion::shadows(a, b, &shadows),
+            (Self::Pair { a_from_b: AnyPose::F32(a_from_b), .. }, None) => {
+                GpuQuestion::pair(a, b, a_from_b)
+            }
+            // One of them is empty.
+            (Self::Pair { a_from_b: AnyPose::F64(_), .. }, None) => {
+                GpuQuestion::pair(a, b, &Pose::IDENTITY)
+            }
+        }
+    }
+}

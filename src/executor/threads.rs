@@ -1,0 +1,256 @@
+//! Several threads: an executor of them, and what a query remembers of its frames there.
+
+use super::{Answer, BLOCK, Backend, Executor, Named, Verb, check};
+use crate::Error;
+use crate::memory::{extend, push, reserve};
+use crate::subject::AnyBvtt;
+pub(super) use crate::threads::Pool;
+use crate::threads::{Hit, Report, Schedule, Traversal};
+use std::mem::take;
+use std::slice::from_ref;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+impl Executor {
+    /// Several threads: each frame that is worth it is divided into `workers` parts, which run in the rayon pool of whoever
+    /// asks. A number beyond [`MAX_WORKERS`](crate::threads::MAX_WORKERS) is lowered to that. A rayon pool and settings
+    /// of your own: `Executor::from(pool)`.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::threads::{Pool, Schedule, Settings};
+    /// use pfront::{Executor, PairQuery};
+    /// let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
+    /// let executor = Executor::from(Pool::new(8).with_settings(settings));
+    /// let query = PairQuery::new().on(&executor);
+    /// ```
+    #[must_use]
+    pub fn threads(workers: usize) -> Self {
+        Pool::new(workers).into()
+    }
+}
+
+impl From<Pool> for Executor {
+    /// Several threads. What it takes to call others is measured, except under [`Schedule::Static`], whose counts are to be the
+    /// same on every machine.
+    fn from(pool: Pool) -> Self {
+        let is_static = pool.settings.schedule == Schedule::Static;
+        let pool = Some(if is_static { pool } else { pool.measured() });
+        Self { pool, ..Self::default() }
+    }
+}
+
+/// All threads of the rayon pool of the caller.
+pub(super) fn all() -> Option<Pool> {
+    Executor::from(Pool::default()).pool
+}
+
+/// The most trees that are asked at once. Each takes some 1,300 bytes with its node of the front, so that all of them take
+/// 85 MiB at most, however many pairs a frame has.
+const BATCH: usize = 1 << 16;
+
+/// A query on the threads of a pool.
+#[derive(Clone, Debug)]
+pub(super) struct ThreadsHistory<N> {
+    pub(super) traversal: Traversal,
+    /// The names of the trees of the last batch: what each cost is remembered by its number.
+    asked: Vec<N>,
+    /// The names of the trees of this batch.
+    asking: Vec<N>,
+    /// Empty, to use its memory again.
+    trees: Vec<AnyBvtt<'static>>,
+    numbered: Vec<Hit>,
+}
+
+/// Every verb, about some trees by their names. Pairs are added to the list.
+fn ask<F: Named>(
+    traversal: &mut Traversal,
+    names: &[F::Name],
+    trees: &[AnyBvtt<'_>],
+    verb: Verb,
+    numbered: &mut Vec<Hit>,
+    list: &mut Vec<F>,
+) -> Result<Answer<F>, Error> {
+    Ok(match verb {
+        Verb::All => {
+            let before = list.len();
+            match F::as_pairs(list) {
+                Some(pairs) => traversal.all(trees, pairs)?,
+                None => {
+                    traversal.all(trees, numbered)?;
+                    for block in numbered.chunks(BLOCK) {
+                        check(traversal.cancel.as_deref())?;
+                        let named = |hit: &Hit| F::new(names[hit.query as usize], hit.pair);
+                        extend(list, block.iter().map(named))?;
+                    }
+                }
+            }
+            Answer::counted((list.len() - before) as u64)
+        }
+        Verb::Count => Answer::counted(traversal.count(trees)?),
+        Verb::Any => {
+            let hit = traversal.any(trees)?;
+            Answer::found(hit.map(|hit| F::new(names[hit.query as usize], hit.pair)))
+        }
+    })
+}
+
+impl<N: Copy + Ord> ThreadsHistory<N> {
+    pub(super) fn new(pool: &Pool, cancel: Option<Arc<AtomicBool>>) -> Self {
+        let mut traversal = Traversal::new(pool);
+        traversal.cancel = cancel;
+        let (asked, asking, trees) = (Vec::new(), Vec::new(), Vec::new());
+        Self { traversal, asked, asking, trees, numbered: Vec::new() }
+    }
+
+    /// Whether the last frame ended within its first few hundred tests, which the traversal does not time either.
+    pub(super) fn was_at_once(&self) -> bool {
+        let Report { shares, traversal_time, .. } = &self.traversal.report;
+        shares.is_empty() && traversal_time.is_zero()
+    }
+
+    /// [`CpuHistory::ask`](super::CpuHistory::ask).
+    pub(super) fn ask_one<F: Named<Name = N>>(
+        &mut self,
+        name: N,
+        tree: &AnyBvtt<'_>,
+        verb: Verb,
+        list: &mut Vec<F>,
+    ) -> (Backend, Result<Answer<F>, Error>) {
+        self.reported(|own| {
+            let (names, trees) = (from_ref(&name), from_ref(tree));
+            let answer = ask(&mut own.traversal, names, trees, verb, &mut Vec::new(), list)?;
+            Ok(answer.with(verb, list))
+        })
+    }
+
+    /// [`CpuHistory::ask_in_turn`](super::CpuHistory::ask_in_turn).
+    pub(super) fn ask_in_turn<'q, F: Named<Name = N>>(
+        &mut self,
+        trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+        verb: Verb,
+        list: &mut Vec<F>,
+    ) -> (Backend, Result<Answer<F>, Error>) {
+        self.reported(|own| Ok(own.ask(trees, verb, list)?.with(verb, list)))
+    }
+
+    /// Runs a question, and tells which part of the CPU answered.
+    fn reported<A>(
+        &mut self,
+        ask: impl FnOnce(&mut Self) -> Result<A, Error>,
+    ) -> (Backend, Result<A, Error>) {
+        // A question that ends before it traverses anything leaves the report as it was.
+        self.traversal.report.cancelled = false;
+        self.traversal.report.shares.clear();
+        let answer = ask(self);
+        let Report { shares, cancelled, .. } = &self.traversal.report;
+        let part = if shares.is_empty() { Backend::Sequential } else { Backend::Threads };
+        let unless_cancelled = |answer| if *cancelled { Err(Error::Cancelled) } else { Ok(answer) };
+        (part, answer.and_then(unless_cancelled))
+    }
+
+    fn ask<'q, F: Named<Name = N>>(
+        &mut self,
+        trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+        verb: Verb,
+        list: &mut Vec<F>,
+    ) -> Result<Answer<F>, Error> {
+        let (mut whole, mut numbered) = (Answer::counted(0), take(&mut self.numbered));
+        let mut ask_some = |traversal: &mut Traversal, names: &[N], trees: &[AnyBvtt<'_>]| {
+            whole = whole.and(ask(traversal, names, trees, verb, &mut numbered, list)?);
+            Ok(whole.first.is_some())
+        };
+        match verb {
+            Verb::Any => self.each_until_found(trees, &mut ask_some)?,
+            Verb::All | Verb::Count => self.each_batch(trees, &mut ask_some)?,
+        }
+        self.numbered = numbered;
+        Ok(whole)
+    }
+
+    /// Asks about trees, of which nothing is remembered, until one is found that has a pair.
+    fn each_until_found<'q>(
+        &mut self,
+        mut rest: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+        ask: &mut impl FnMut(&mut Traversal, &[N], &[AnyBvtt<'_>]) -> Result<bool, Error>,
+    ) -> Result<(), Error> {
+        let mut batch: Vec<AnyBvtt<'_>> = take(&mut self.trees);
+        // Batches grow, so that not much more is prepared than is asked.
+        let (mut is_over, mut size) = (false, 1);
+        while !is_over && !self.traversal.report.cancelled {
+            self.asking.clear();
+            for (name, tree) in rest.by_ref().take(size) {
+                push(&mut self.asking, name)?;
+                push(&mut batch, tree)?;
+            }
+            is_over = batch.is_empty() || ask(&mut self.traversal, &self.asking, &batch)?;
+            batch.clear();
+            size = (4 * size).min(BATCH);
+        }
+        self.trees = emptied(batch);
+        Ok(())
+    }
+
+    /// Asks about trees in batches of at most [`BATCH`], until time runs out or the flag is set. The report of the traversal is
+    /// then that of all batches together.
+    fn each_batch<'q>(
+        &mut self,
+        trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+        ask: &mut impl FnMut(&mut Traversal, &[N], &[AnyBvtt<'_>]) -> Result<bool, Error>,
+    ) -> Result<(), Error> {
+        let mut batch: Vec<AnyBvtt<'_>> = take(&mut self.trees);
+        let mut rest = trees.peekable();
+        let mut before: Option<Report> = None;
+        loop {
+            self.asking.clear();
+            for (name, tree) in rest.by_ref().take(BATCH) {
+                push(&mut self.asking, name)?;
+                push(&mut batch, tree)?;
+            }
+            let is_last = rest.peek().is_none();
+            if before.is_none() && is_last {
+                self.renumber()?;
+            } else {
+                // The costs of other trees tell nothing of these.
+                self.traversal.forget();
+                std::mem::swap(&mut self.asked, &mut self.asking);
+            }
+            ask(&mut self.traversal, &self.asked, &batch)?;
+            batch.clear();
+            if let Some(mut report) = before.take() {
+                report.add(&self.traversal.report);
+                self.traversal.report = report;
+            }
+            if is_last || self.traversal.report.late || self.traversal.report.cancelled {
+                break;
+            }
+            before = Some(self.traversal.report.clone());
+        }
+        self.trees = emptied(batch);
+        Ok(())
+    }
+
+    /// Makes the names of this frame those of the last, and keeps what is remembered of trees that are in both.
+    fn renumber(&mut self) -> Result<(), Error> {
+        if self.asking == self.asked {
+            return Ok(());
+        }
+        // Both ascend, so that one pass finds them all.
+        let mut rest = (0..).zip(&self.asking).peekable();
+        let number = |name: &N| {
+            while rest.next_if(|(_, new)| *new < name).is_some() {}
+            rest.next_if(|(_, new)| *new == name).map(|(number, _)| number)
+        };
+        let mut numbers = Vec::new();
+        reserve(&mut numbers, self.asked.len())?;
+        numbers.extend(self.asked.iter().map(number));
+        self.traversal.renumber(|old| numbers[old as usize]);
+        std::mem::swap(&mut self.asked, &mut self.asking);
+        Ok(())
+    }
+}
+
+/// An empty vector of one lifetime becomes one of another, in place.
+fn emptied(trees: Vec<AnyBvtt<'_>>) -> Vec<AnyBvtt<'static>> {
+    trees.into_iter().map_while(|_| None).collect()
+}

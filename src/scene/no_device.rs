@@ -1,0 +1,26 @@
+//! Without the feature `gpu` no body is on a GPU: what others use of `device.rs`.
+
+use super::bodies::Bodies;
+use super::hit::SceneHit;
+use super::pairs::BodyPairs;
+use crate::Error;
+use crate::executor::{Answer, Device, Verb};
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct DeviceScene;
+
+impl DeviceScene {
+    pub(super) fn lacks(&mut self, _: &Bodies) -> usize {
+        0
+    }
+
+    pub(super) fn ask(
+        &mut self,
+        device: &Device,
+        _: &BodyPairs<'_>,
+        _: Verb,
+        _: &mut Vec<SceneHit>,
+    ) -> Result<Answer<SceneHit>, Error> {
+        match *device {}
+    }
+}
