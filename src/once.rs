@@ -63,7 +63,8 @@ pub fn count(a: &Model, b: &Model, a_from_b: impl Into<AnyPose>) -> Result<u64, 
     PairQuery::new().count(a, b, a_from_b)
 }
 
-/// All pairs of triangles of one model that intersect, sorted, `a` before `b`. What two triangles share by index does not count.
+/// All pairs of triangles of one model that intersect, sorted, `a` before `b`. Vertices and edges that
+/// two triangles share by index do not count.
 ///
 /// # Errors
 /// [`Error::Memory`] if the list does not fit into memory.

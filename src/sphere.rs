@@ -44,7 +44,7 @@ impl Sphere {
     /// A sphere that contains the points of this one as [`Pose::apply`] poses them, rounding included; in f64 they are
     /// rounded less. The identity changes nothing.
     ///
-    /// A ball is stretched at most by the square root of the largest eigenvalue of RᵀR. That is no larger than
+    /// A ball is stretched at most by the square root of the largest eigenvalue of RᵀR. This is no larger than
     /// the largest sum of absolute values along a row, which is l²·m for the longest column l of R, and
     /// l·√m is at most l·(1 + m)/2; for rotations and scalings, m = 1. The error of a posed point is
     /// bounded by [`Pose::ROUNDING`].

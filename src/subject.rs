@@ -1,4 +1,4 @@
-//! What a query asks about: two models, or one and itself.
+//! The subjects of questions: two models, or one and itself.
 
 use crate::model::{Outline, Stamp};
 use crate::{Adjacency, AnyPose, Contact, Error, Model};

@@ -10,7 +10,7 @@ use crate::{Contact, Error, Model, Scalar, TrianglePair};
 use pfront_core::bvtt::Query;
 use std::ops::ControlFlow;
 
-/// What a pair query and a self query are.
+/// A pair query or a self query.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SubjectQuery {
     history: History<()>,

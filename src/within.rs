@@ -10,7 +10,8 @@ use std::ops::ControlFlow;
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with
 /// `a < b`.
 ///
-/// Make one for each model that is asked about every frame: it keeps what [`crate::PairQuery`] does. What two triangles share by index is no contact.
+/// Make one for each model that is asked about every frame: it keeps what [`crate::PairQuery`] does. Two
+/// triangles have no contact in a vertex or an edge that they share by index.
 ///
 /// # Examples
 /// ```

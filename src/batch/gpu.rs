@@ -293,7 +293,7 @@ impl Answering {
     }
 }
 
-/// What has been submitted goes on; its lists serve the next ticket, after it.
+/// Parts that have been submitted go on; their lists serve the next ticket afterwards.
 impl Drop for Answering {
     fn drop(&mut self) {
         for InFlight { lists, _slot, .. } in std::mem::take(&mut self.in_flight) {

@@ -45,7 +45,7 @@ impl Default for State {
 }
 
 impl Outcome {
-    /// Makes the outcome known, if it is not, and wakes whoever waits. Whoever still works on it may stop.
+    /// Makes the outcome known, if it is not, and wakes whoever waits. Threads that still work on it may stop.
     pub(super) fn set(&self, outcome: Result<Found, Error>) {
         let mut state = self.state();
         let State::Pending(waker) = &mut *state else { return };

@@ -224,8 +224,8 @@ impl<T> Ticket<T> {
     /// other tickets show their buffers.
     ///
     /// `array<vec2<u32>>`: the triangles `(a, b)` of each hit, sorted for [`Batch::all`](super::Batch::all) unless they
-    /// are far more than in the last answers, or very uneven; [`Ticket::read`] sorts them then. What is submitted to the queue after the ticket finds them there, without waiting, until the ticket is dropped or read by
-    /// [`Ticket::read`]; then the lists go to the next ticket. Only [`Ticket::count_buffer`] says how many there are, and
+    /// are far more than in the last answers, or very uneven; [`Ticket::read`] sorts them then. Work that is submitted to the queue
+    /// after the ticket finds them there, without waiting, until the ticket is dropped or read by [`Ticket::read`]; then the lists go to the next ticket. Only [`Ticket::count_buffer`] says how many there are, and
     /// whether these are all. Bind it to read (`STORAGE`, `COPY_SRC`).
     ///
     /// # Examples

@@ -1,4 +1,4 @@
-//! What a frame asks, and the answer.
+//! The questions and the answers of a frame.
 
 use crate::TrianglePair;
 
@@ -46,7 +46,7 @@ impl<T: Copy> Answer<T> {
 
 /// An intersecting triangle pair, as a query shows it.
 pub(crate) trait Named: Copy + Ord + Send + Sync {
-    /// What tells its subject from the others of a frame.
+    /// Tells its subject from the others of a frame.
     type Name: Copy + Ord;
 
     fn new(name: Self::Name, pair: TrianglePair) -> Self;

@@ -120,9 +120,9 @@ impl Executor {
     }
 
     /// The same with a flag that ends its queries early: as soon as it is true they return [`Error::Cancelled`](crate::Error)
-    /// within some 0.1 ms of traversal, on one thread and on several, and keep nothing of that frame. What is not interrupted: a
-    /// BVH that is built or refitted, and a GPU. Batches have tickets for that. Nobody but the caller clears the flag. One
-    /// that is cleared before a traversal has seen it ends nothing; no query returns a part of an answer.
+    /// within some 0.1 ms of traversal, on one thread and on several, and keep nothing of that frame. A build or a
+    /// refit of a BVH is not interrupted, nor is a GPU; batches have tickets for that. Nobody but the caller clears the flag. It
+    /// ends nothing if it is cleared before a traversal has seen it; no query returns a part of an answer.
     ///
     /// # Examples
     /// ```

@@ -31,8 +31,8 @@ impl Executor {
 }
 
 impl From<Pool> for Executor {
-    /// Several threads. What it takes to call others is measured, except under [`Schedule::Static`], whose counts are to be the
-    /// same on every machine.
+    /// Several threads. The time that it takes to call others is measured, except under [`Schedule::Static`], whose counts are
+    /// to be the same on every machine.
     fn from(pool: Pool) -> Self {
         let is_static = pool.settings.schedule == Schedule::Static;
         let pool = Some(if is_static { pool } else { pool.measured() });

@@ -4,8 +4,8 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A value that follows something else: up to date, out of date, or not made yet.
 ///
-/// Asking for one that is up to date costs a look at an atomic. Whoever asks first for one that is not
-/// brings it up to date, and whoever asks meanwhile waits. Bringing it up to date must not wait for another
+/// Asking for one that is up to date costs a look at an atomic. The first thread that asks for one that is not
+/// brings it up to date, and others that ask meanwhile wait. Bringing it up to date must not wait for another
 /// thread, which might be one that waits here: no rayon.
 #[derive(Debug)]
 pub(super) struct Renewed<T> {

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Says what a [`Model`](crate::Model) holds: where stamps are equal, so are the mesh, the BVH and every
-/// position, to the bit, whichever models they were taken of. That stamps differ says nothing.
+/// position, to the bit, whichever models they were taken of. Stamps that differ say nothing.
 ///
 /// A stamp changes only with what borrows the model mutably: a clone has that of its original until
 /// either is changed.

@@ -7,7 +7,7 @@ use crate::{AnyPose, Error, Model};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Bodies by ascending id. What is removed leaves a gap until the next frame, or until there are more gaps than bodies.
+/// Bodies by ascending id. A body that is removed leaves a gap until the next frame, or until there are more gaps than bodies.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     /// The ids, and when each body has last changed, or [`GONE`]: apart, since far more is asked of these.

@@ -41,7 +41,7 @@ impl Default for Groups {
     }
 }
 
-/// What a scene can know of a body beside its model and its pose.
+/// The options of a body, beside its model and its pose.
 ///
 /// # Examples
 /// ```
@@ -63,7 +63,7 @@ impl Default for Groups {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyOptions {
-    /// Which other bodies it may meet; all, by default.
+    /// The groups that it is in, and those whose members it may meet; all, by default.
     pub groups: Groups,
     /// A number of the caller's: the index of an entity, `Entity::to_bits` of bevy, or both halves of rapier's
     /// `RigidBodyHandle::into_raw_parts`.
@@ -107,7 +107,7 @@ impl Body {
         self.pose
     }
 
-    /// What else is known of it: groups, the number of the caller, and whether it is asked about itself.
+    /// Its groups, the number of the caller, and whether it is asked about itself.
     #[must_use]
     pub fn options(&self) -> BodyOptions {
         self.options

@@ -205,7 +205,7 @@ fn triangles(model: &Model) -> usize {
     model.mesh().triangles().len()
 }
 
-/// What the mesh there was brought from, if there is one for this body.
+/// The stamp of the model that the mesh there was brought from, if there is one for this body.
 fn stamp(body: &Body) -> Option<Stamp> {
     (!body.is_f64()).then(|| body.model().stamp())
 }

@@ -35,7 +35,7 @@ impl SceneQuery {
         self.add_with(model, world_from_body, BodyOptions::default())
     }
 
-    /// [`SceneQuery::add`] of a body of which more is known.
+    /// [`SceneQuery::add`] with options.
     ///
     /// # Errors
     /// As [`SceneQuery::add`].
@@ -159,7 +159,7 @@ impl SceneQuery {
         })
     }
 
-    /// Says anew what is known of a body beside its model and its pose.
+    /// Gives a body other options.
     ///
     /// # Errors
     /// [`Error::StaleBody`] if it is not there.

@@ -47,7 +47,7 @@ use std::ops::ControlFlow;
 ///
 /// # Threads
 /// On [`Executor::threads`] all pairs of bodies that have to be asked are divided among the workers
-/// together, by one front under one bound (Zhang & Kim 2014, eq. 5). What a pair of bodies cost is
+/// together, by one front under one bound (Zhang & Kim 2014, eq. 5). The cost of a pair of bodies is
 /// remembered from one frame to the next in which it is asked. More pairs than 65,536 are asked in batches of as
 /// many, which bounds the memory; then nothing is remembered. Contacts, and which bodies meet, are found by the same threads.
 ///
@@ -137,7 +137,7 @@ impl SceneQuery {
     }
 
     /// The backend that answered the last question, whatever it was and however it ended, and the reason; `None` before the
-    /// first. What is kept of still bodies is no backend's work, unless it is the whole answer.
+    /// first. Kept hits of still bodies are no backend's work, unless they are the whole answer.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
         self.history.plan()

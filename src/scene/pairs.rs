@@ -57,7 +57,7 @@ impl<'s> BodyPairs<'s> {
     }
 }
 
-/// Which triangles of two bodies meet in the world, or of one in its own frame.
+/// The BVTT of two bodies in the world, or of one and itself in its own frame.
 fn meeting<'s>(a: &'s Body, b: &'s Body) -> AnyBvtt<'s> {
     match a.options.itself {
         Some(adjacency) if a.id() == b.id() => AnyBvtt::within(&a.model, adjacency),

@@ -42,8 +42,8 @@ impl Mirrors {
         self.0.iter().zip(distinct(models)).map(lacks).sum()
     }
 
-    /// Brings the models of a subject there and asks about them; `pairs` is replaced, by the list under [`Verb::All`]. What the
-    /// device leaves open is decided here.
+    /// Brings the models of a subject there and asks about them; `pairs` is replaced, by the list under [`Verb::All`]. Pairs
+    /// that the device leaves open are decided here.
     pub(crate) fn ask(
         &mut self,
         device: &Device,

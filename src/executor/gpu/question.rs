@@ -1,4 +1,4 @@
-//! What a GPU is asked about a subject.
+//! Subjects as questions for a GPU.
 
 use crate::gpu::{GpuModel, GpuQuestion};
 use crate::model::Outline;
