@@ -5,7 +5,7 @@
 //! over that plane. They come from integers if f64 does not know them to 2^-30, so that nearly parallel triangles
 //! lose no accuracy.
 
-use super::coplanar::{extremes, flat};
+use super::coplanar::{Projection, extremes, flat, projection, turn};
 use super::{arrange, one_sided, triangles_intersect};
 use crate::Triangle;
 use crate::exact::filter64::{ERROR_2D, ERROR_3D, UNDERFLOW_2D, UNDERFLOW_3D, larger};
@@ -57,6 +57,12 @@ pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
 /// [`contact`] of triangles with coordinates of either kind, which are in range.
 pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<Contact<C>> {
     let [of_a, of_b] = [TrianglePlane::of(a), TrianglePlane::of(b)];
+    let normals = || [of_a.unit_normal(), of_b.unit_normal()];
+    // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
+    if (0..3).any(|axis| a.iter().chain(b).all(|p| p[axis] == a[0][axis])) {
+        let segment = flat_chord(a, b, true)?;
+        return Some(Contact { is_flat: true, segment, normals: normals() });
+    }
     let (over_b, over_a) = (Over::new(a, &of_b), Over::new(b, &of_a));
     let (a_sides, b_sides) = (over_b.sides(), over_a.sides());
     if one_sided(&a_sides) || one_sided(&b_sides) {
@@ -69,7 +75,7 @@ pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Opt
     } else {
         crossing(&over_b, &a_sides, &over_a, &b_sides)?
     };
-    Some(Contact { is_flat, segment, normals: [of_a.unit_normal(), of_b.unit_normal()] })
+    Some(Contact { is_flat, segment, normals: normals() })
 }
 
 /// The plane of a triangle.
@@ -227,38 +233,84 @@ fn flat_chord<C: Coordinate>(
     b: &[[C; 3]; 3],
     are_coplanar: bool,
 ) -> Option<[[C; 3]; 2]> {
+    if are_coplanar && let [Some(Some(of_a)), Some(Some(of_b))] = [a, b].map(projection::<Exact<C>>)
+    {
+        return coplanar_chord(a, b, of_a.axis, [of_a.turn, turn_along(b, of_a.axis, &of_b)]);
+    }
     let meet = |p: &[[C; 3]; 3], t| triangles_intersect::<Exact<C>>(p, t) == Some(true);
-    // 6 corners, and 9 crossings of edges or 2 of segments with triangles.
-    let mut corners = [[C::from(0.0); 3]; 15];
-    let mut free = corners.iter_mut();
-    let mut add = |p: [C; 3]| match free.next() {
-        Some(slot) => *slot = p,
-        None => debug_assert!(false, "6 + 9 corners at most"),
-    };
+    let mut corners = Corners::new();
     for (own, other) in [(a, b), (b, a)] {
         for p in own {
             if meet(&[*p; 3], other) {
-                add(*p);
+                corners.add(*p);
             }
         }
     }
     if are_coplanar {
-        edge_crossings(a, b, &mut add);
+        edge_crossings(a, b, |p| corners.add(p));
     } else {
         for (thin, t) in [(a, b), (b, a)] {
             let [p, q] = extremes(thin);
             let [p_side, q_side] = sides(t.each_ref(), [&p, &q]);
             if p_side * q_side < 0 && meet(&[p, q, q], t) {
-                add(edge_point(&p, &q, t));
+                corners.add(edge_point(&p, &q, t));
             }
         }
     }
-    let count = 15 - free.len();
-    longest(corners.iter().take(count))
+    corners.longest()
+}
+
+/// The same of coplanar triangles that have areas, by their turns in a projection along an axis.
+fn coplanar_chord<C: Coordinate>(
+    a: &[[C; 3]; 3],
+    b: &[[C; 3]; 3],
+    axis: usize,
+    turns: [i32; 2],
+) -> Option<[[C; 3]; 2]> {
+    let [p, q] = [a, b].map(|t| flat(t, axis));
+    // The sides of each edge on which the corners of the other triangle lie, 1 being the inner one.
+    let sides = |p: &[[C; 2]; 3], turn: i32, q: &[[C; 2]; 3]| {
+        [0, 1, 2].map(|i| q.map(|point| turn * orient2d(&p[i], &p[(i + 1) % 3], &point)))
+    };
+    let (of_a, of_b) = (sides(&p, turns[0], &q), sides(&q, turns[1], &p));
+    let mut corners = Corners::new();
+    for (t, of_other) in [(a, &of_b), (b, &of_a)] {
+        for (k, corner) in t.iter().enumerate() {
+            if of_other.iter().all(|sides| sides[k] >= 0) {
+                corners.add(*corner);
+            }
+        }
+    }
+    for (i, own) in of_a.iter().enumerate() {
+        for (j, other) in of_b.iter().enumerate() {
+            let (i_end, j_end) = ((i + 1) % 3, (j + 1) % 3);
+            if own[j] * own[j_end] < 0 && other[i] * other[i_end] < 0 {
+                corners.add(edges_cross_at([&a[i], &a[i_end]], [&b[j], &b[j_end]], axis));
+            }
+        }
+    }
+    corners.longest()
+}
+
+/// The turn of a triangle in the projection along an axis, given that in another one.
+fn turn_along<C: Coordinate>(t: &[[C; 3]; 3], axis: usize, known: &Projection) -> i32 {
+    if known.axis == axis { known.turn } else { turn::<Exact<C>>(t, axis).unwrap_or(0) }
+}
+
+/// The point in which two edges cross that cross in the projection along an axis and lie in one plane.
+fn edges_cross_at<C: Coordinate>(
+    [p, q]: [&[C; 3]; 2],
+    [r, s]: [&[C; 3]; 2],
+    axis: usize,
+) -> [C; 3] {
+    // The plane through r–s along the axis.
+    let mut up = *r;
+    up[axis] = C::from(if r[axis] == C::from(0.0) { 1.0 } else { 0.0 });
+    edge_point(p, q, &[*r, *s, up])
 }
 
 /// The points in which an edge of one coplanar triangle crosses an edge of the other.
-fn edge_crossings<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], add: &mut impl FnMut([C; 3])) {
+fn edge_crossings<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], mut add: impl FnMut([C; 3])) {
     let differ =
         |[p, q]: [[C; 2]; 2], [r, s]: [[C; 2]; 2]| orient2d(&p, &q, &r) * orient2d(&p, &q, &s) < 0;
     for axis in 0..3 {
@@ -267,10 +319,7 @@ fn edge_crossings<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], add: &mut imp
             for (r, s) in edges(b) {
                 let (k, l) = (flat(&[*p, *q], axis), flat(&[*r, *s], axis));
                 if differ(k, l) && differ(l, k) && orient3d(p, q, r, s) == 0 {
-                    // The plane through r–s along the axis of the projection.
-                    let mut up = *r;
-                    up[axis] = C::from(if r[axis] == C::from(0.0) { 1.0 } else { 0.0 });
-                    add(edge_point(p, q, &[*r, *s, up]));
+                    add(edges_cross_at([p, q], [r, s], axis));
                     any = true;
                 }
             }
@@ -286,21 +335,39 @@ fn edges<C>(t: &[[C; 3]; 3]) -> [(&[C; 3], &[C; 3]); 3] {
     [(&t[0], &t[1]), (&t[1], &t[2]), (&t[2], &t[0])]
 }
 
-/// The two points farthest from each other.
-fn longest<'p, C: Coordinate + 'p>(
-    points: impl Iterator<Item = &'p [C; 3]> + Clone,
-) -> Option<[[C; 3]; 2]> {
-    let mut best = None;
-    let mut length = -1.0;
-    for (i, p) in points.clone().enumerate() {
-        for q in points.clone().skip(i) {
-            let squared = difference(p, q).length_squared();
-            if squared > length {
-                (length, best) = (squared, Some([*p, *q]));
-            }
+/// The corners of an intersection: 6 corners of triangles, and 9 crossings of edges or 2 of segments with triangles.
+struct Corners<C> {
+    points: [[C; 3]; 15],
+    count: usize,
+}
+
+impl<C: Coordinate> Corners<C> {
+    fn new() -> Self {
+        Self { points: [[C::from(0.0); 3]; 15], count: 0 }
+    }
+
+    fn add(&mut self, p: [C; 3]) {
+        match self.points.get_mut(self.count) {
+            Some(slot) => (*slot, self.count) = (p, self.count + 1),
+            None => debug_assert!(false, "6 + 9 corners at most"),
         }
     }
-    best
+
+    /// The two points farthest from each other.
+    fn longest(&self) -> Option<[[C; 3]; 2]> {
+        let points = self.points.iter().take(self.count);
+        let mut best = None;
+        let mut length = -1.0;
+        for (i, p) in points.clone().enumerate() {
+            for q in points.clone().skip(i) {
+                let squared = difference(p, q).length_squared();
+                if squared > length {
+                    (length, best) = (squared, Some([*p, *q]));
+                }
+            }
+        }
+        best
+    }
 }
 
 #[cfg(test)]
