@@ -1,11 +1,9 @@
 //! The subjects of questions: two models, or one and itself.
 
 use crate::model::{Outline, Stamp};
-use crate::{Adjacency, AnyPose, Contact, Error, Model};
-use pfront_core::Aabb;
-use pfront_core::bvtt::{Cursor, NodePair, PairBvtt, Query, SelfBvtt, TrianglePair};
+use crate::{Adjacency, AnyPose, Error, Model};
+use pfront_core::bvtt::{AnyBvtt, SelfBvtt};
 use std::borrow::Borrow;
-use std::ops::ControlFlow;
 
 /// A subject of a frame, which borrows its models or shares them.
 #[derive(Clone, Debug)]
@@ -75,9 +73,7 @@ impl<M: Borrow<Model>> Subject<M> {
                 let bvhs = models.each_ref().map(|model| model.borrow().bvh());
                 Ok(AnyBvtt::Pair(a_from_b.pair(bvhs)?))
             }
-            Self::Within { models: [model], adjacency } => {
-                Ok(AnyBvtt::within(model.borrow(), *adjacency))
-            }
+            Self::Within { models: [model], adjacency } => Ok(within(model.borrow(), *adjacency)),
         }
     }
 
@@ -110,84 +106,8 @@ impl<M: Borrow<Model>> Subject<M> {
     }
 }
 
-/// The BVTT of a subject, or of bodies.
-#[derive(Clone, Debug)]
-pub(crate) enum AnyBvtt<'q> {
-    Pair(PairBvtt<'q>),
-    Within(SelfBvtt<'q>),
-}
-
-impl<'m> AnyBvtt<'m> {
-    /// The tree of a model and itself. Fits its BVH and its certificates, if that has not been done.
-    pub(crate) fn within(model: &'m Model, adjacency: Adjacency) -> Self {
-        let tree = SelfBvtt::new(model.bvh())
-            .with_adjacency(adjacency)
-            .with_certificates(model.certificates());
-        Self::Within(tree)
-    }
-}
-
-impl Query for AnyBvtt<'_> {
-    #[inline]
-    fn root(&self) -> Option<NodePair> {
-        match self {
-            Self::Pair(tree) => tree.root(),
-            Self::Within(tree) => tree.root(),
-        }
-    }
-
-    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
-        match self {
-            Self::Pair(tree) => tree.children(n, push),
-            Self::Within(tree) => tree.children(n, push),
-        }
-    }
-
-    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
-        match self {
-            Self::Pair(tree) => tree.boxes(n),
-            Self::Within(tree) => tree.boxes(n),
-        }
-    }
-
-    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
-        match self {
-            Self::Pair(tree) => tree.triangles_below(n),
-            Self::Within(tree) => tree.triangles_below(n),
-        }
-    }
-
-    fn leaf_edge(&self) -> f32 {
-        match self {
-            Self::Pair(tree) => tree.leaf_edge(),
-            Self::Within(tree) => tree.leaf_edge(),
-        }
-    }
-
-    #[inline]
-    fn step(
-        &self,
-        cursor: &mut Cursor,
-        budget: u64,
-        visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        match self {
-            Self::Pair(tree) => tree.step(cursor, budget, visit),
-            Self::Within(tree) => tree.step(cursor, budget, visit),
-        }
-    }
-
-    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
-        match self {
-            Self::Pair(tree) => tree.contact_f64(pair),
-            Self::Within(tree) => tree.contact_f64(pair),
-        }
-    }
-
-    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        match self {
-            Self::Pair(tree) => tree.contact(pair),
-            Self::Within(tree) => tree.contact(pair),
-        }
-    }
+/// The tree of a model and itself. Fits its BVH and its certificates, if that has not been done.
+pub(crate) fn within(model: &Model, adjacency: Adjacency) -> AnyBvtt<'_> {
+    let tree = SelfBvtt::new(model.bvh()).with_adjacency(adjacency);
+    AnyBvtt::Within(tree.with_certificates(model.certificates()))
 }

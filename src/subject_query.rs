@@ -5,9 +5,9 @@ use crate::environment::{Environment, with_default};
 use crate::executor::{
     Answer, Backend, CpuHistory, Device, Executor, Frame, History, Mirrors, Plan, Verb,
 };
-use crate::subject::{AnyBvtt, Key, Subject};
+use crate::subject::{Key, Subject};
 use crate::{Contact, Error, Model, Scalar, TrianglePair};
-use pfront_core::bvtt::Query;
+use pfront_core::bvtt::{AnyBvtt, Query};
 use std::ops::ControlFlow;
 
 /// A pair query or a self query.

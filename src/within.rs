@@ -2,7 +2,7 @@
 
 use crate::environment::with_default;
 use crate::executor::Plan;
-use crate::subject::{AnyBvtt, Subject};
+use crate::subject::{Subject, within};
 use crate::subject_query::SubjectQuery;
 use crate::{Adjacency, Contact, Error, Executor, Model, Scalar, TrianglePair};
 use std::ops::ControlFlow;
@@ -125,7 +125,7 @@ impl SelfQuery {
         model: &Model,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let tree = with_default(|| AnyBvtt::within(model, self.adjacency));
+        let tree = with_default(|| within(model, self.adjacency));
         self.query.visit(&tree, visit)
     }
 

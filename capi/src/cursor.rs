@@ -7,11 +7,11 @@
 )]
 
 use crate::memory::{Call, Caller};
-use crate::query::{Asked, pfront_query_t};
+use crate::query::pfront_query_t;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::mem::MaybeUninit;
-use pfront_core::bvtt::{Cursor, NodePair, Query, Work};
+use pfront_core::bvtt::{AnyBvtt, Cursor, NodePair, Query, Work};
 
 /// A node of a bounding volume test tree: one node of either BVH, or two of one.
 #[repr(C)]
@@ -89,7 +89,7 @@ pub(crate) fn on_walk<'c>(
     call: &mut Call<'c>,
     query: *const pfront_query_t,
     cursor: *mut pfront_cursor_t,
-) -> Result<(pfront_query_t, Asked<'c>, &'c mut pfront_cursor_t), Fault> {
+) -> Result<(pfront_query_t, AnyBvtt<'c>, &'c mut pfront_cursor_t), Fault> {
     let cursor = call.one(c"cursor", cursor)?;
     let query = call.get(c"query", query)?;
     Ok((query, query.asked(call)?, cursor))

@@ -11,13 +11,14 @@
 
 use crate::cursor::pfront_node_pair_t;
 use crate::memory::{Call, Caller};
-use crate::query::{Asked, pfront_query_t};
+use crate::query::pfront_query_t;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use core::cell::Cell;
 use core::mem::offset_of;
-use pfront_core::bvtt::{Query, Work};
+use pfront_core::bvtt::{AnyBvtt, Query, SelfBvtt, Work};
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
+use pfront_core::{Bvh, Mesh};
 
 /// What a triangle test costs, in box tests, as measured on x86-64.
 pub const PFRONT_TRIANGLE_COST: f32 = 6.5;
@@ -140,9 +141,16 @@ struct Queries<'q, 'c> {
 
 impl<'c> Queries<'_, 'c> {
     /// A query that could be asked before.
-    fn again(&self, number: u32) -> Asked<'c> {
+    fn again(&self, number: u32) -> AnyBvtt<'c> {
         let query = self.queries.get(number as usize);
-        query.and_then(|query| query.asked(self.call).ok()).unwrap_or_else(Asked::nothing)
+        query.and_then(|query| query.asked(self.call).ok()).unwrap_or_else(|| {
+            // Nothing, since it cannot fail.
+            AnyBvtt::Within(SelfBvtt::new(Bvh::new_unchecked(
+                Mesh::new_unchecked(&[], &[]),
+                &[],
+                &[],
+            )))
+        })
     }
 }
 

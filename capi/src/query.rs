@@ -9,19 +9,16 @@
     reason = "the header has the contract, once for all functions"
 )]
 
-mod asked;
-
 use crate::bvh::pfront_bvh_t;
 use crate::memory::{Call, Caller};
 use crate::one_ring::pfront_history_bound;
 use crate::pose::pfront_pose_t;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
-pub(crate) use asked::Asked;
 use core::ffi::CStr;
 use core::ptr::null;
 use pfront_core::Bvh;
-use pfront_core::bvtt::{PairBvtt, PosedBvh, SelfBvtt};
+use pfront_core::bvtt::{AnyBvtt, PairBvtt, PosedBvh, SelfBvtt};
 use pfront_core::one_ring::{Certified, OneRings};
 use pfront_core::triangle::Adjacency;
 
@@ -64,15 +61,15 @@ const SELF: u32 = u32::from_be_bytes(*b"self");
 
 impl pfront_query_t {
     /// What C asks.
-    pub(crate) fn asked<'c>(&self, call: &Call<'c>) -> Result<Asked<'c>, Fault> {
+    pub(crate) fn asked<'c>(&self, call: &Call<'c>) -> Result<AnyBvtt<'c>, Fault> {
         match self.seal {
             PAIR => {
                 let (a, b) = (self.a.view(call, c"a")?, self.b.view(call, c"b")?);
                 let a = PosedBvh::new_unchecked(a, &self.frame_from_a.pose());
                 let b = PosedBvh::new_unchecked(b, &self.frame_from_b.pose());
-                Ok(Asked::Pair(PairBvtt::in_world(a, b)))
+                Ok(AnyBvtt::Pair(PairBvtt::in_world(a, b)))
             }
-            SELF => Ok(Asked::Within(self.within(self.a.view(call, c"bvh")?, call)?)),
+            SELF => Ok(AnyBvtt::Within(self.within(self.a.view(call, c"bvh")?, call)?)),
             _ => Err(Fault::of(PFRONT_NOT_MADE, c"query")),
         }
     }

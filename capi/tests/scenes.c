@@ -117,7 +117,7 @@ static void frames(void)
 
 static void groups_and_numbers(void)
 {
-    uint64_t bodies[BODIES], number = 1;
+    uint64_t bodies[BODIES], number = 1, many;
     pfront_scene_t *scene = row(bodies);
     size_t first = meeting(scene, bodies[0], bodies[1]);
     OK(pfront_scene_ignore(scene, bodies[1], bodies[0], 1, &error));

@@ -2,7 +2,7 @@
 
 use super::{Answer, Backend, Named, Verb};
 use crate::Error;
-use crate::subject::AnyBvtt;
+use pfront_core::bvtt::AnyBvtt;
 use std::convert::Infallible;
 use std::marker::PhantomData;
 use std::sync::Arc;

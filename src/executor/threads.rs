@@ -3,9 +3,9 @@
 use super::{Answer, BLOCK, Backend, Executor, Named, Verb, check};
 use crate::Error;
 use crate::memory::{extend, push, reserve};
-use crate::subject::AnyBvtt;
 pub(super) use crate::threads::Pool;
 use crate::threads::{Hit, Report, Schedule, Traversal};
+use pfront_core::bvtt::AnyBvtt;
 use std::mem::take;
 use std::slice::from_ref;
 use std::sync::Arc;

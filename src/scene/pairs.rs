@@ -4,9 +4,9 @@ use super::bodies::Bodies;
 use super::body::Body;
 use super::broad::{Broad, Places};
 use super::id::BodyId;
-use crate::subject::AnyBvtt;
+use crate::subject::within;
 use crate::{AnyPose, Contact, Error, TrianglePair};
-use pfront_core::bvtt::{PairBvtt, Query};
+use pfront_core::bvtt::{AnyBvtt, PairBvtt, Query};
 
 /// The bodies of a frame, and which of them may meet.
 #[derive(Clone, Copy)]
@@ -60,7 +60,7 @@ impl<'s> BodyPairs<'s> {
 /// The BVTT of two bodies in the world, or of one and itself in its own frame.
 fn meeting<'s>(a: &'s Body, b: &'s Body) -> AnyBvtt<'s> {
     match a.options.itself {
-        Some(adjacency) if a.id() == b.id() => AnyBvtt::within(&a.model, adjacency),
+        Some(adjacency) if a.id() == b.id() => within(&a.model, adjacency),
         _ => AnyBvtt::Pair(PairBvtt::in_world(a.placed(), b.placed())),
     }
 }

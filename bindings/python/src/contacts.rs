@@ -6,10 +6,10 @@ use crate::errors::exception;
 use crate::executor::Executor;
 use crate::memory::{push, reserve};
 use crate::model::Model;
-use crate::question::{Ask, Question, Subject, listed};
+use crate::question::{Question, Subject, listed};
 use crate::threads::apart;
 use bytemuck::Pod;
-use pfront::pfront_core::bvtt::Query;
+use pfront::pfront_core::bvtt::{AnyBvtt, Query};
 use pfront::threads::rayon::ThreadPool;
 use pfront::threads::rayon::prelude::*;
 use pfront::{AnyPose, Batch, Contact, Error, PairLists, TrianglePair};
@@ -76,69 +76,45 @@ impl<C: numpy::Element + Pod> Columns<C> {
 /// A pair and where it meets, if it does.
 type Found<C> = Option<(TrianglePair, Contact<C>)>;
 
-/// Where pairs meet, in their order.
-struct Where<'s, C, F> {
-    pairs: &'s [TrianglePair],
-    /// The threads, if the pairs are many.
-    pool: Option<&'s ThreadPool>,
-    /// Replaced.
-    out: &'s mut Vec<Found<C>>,
-    contact: F,
-}
+/// Where two triangles meet, in either precision.
+type ContactOf<C> = fn(&AnyBvtt<'_>, TrianglePair) -> Option<Contact<C>>;
 
-/// Contacts in either precision.
-trait Verb<C> {
-    fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<Contact<C>>;
-}
-
-#[derive(Clone, Copy)]
-struct InF32;
-#[derive(Clone, Copy)]
-struct InF64;
-
-impl Verb<f32> for InF32 {
-    fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<Contact> {
-        query.contact(pair)
+/// Finds where pairs meet, in their order, on threads if there are some.
+fn find<C: Send>(
+    subject: &Subject,
+    pairs: &[TrianglePair],
+    pool: Option<&ThreadPool>,
+    contact: ContactOf<C>,
+    out: &mut Vec<Found<C>>,
+) -> Result<(), Error> {
+    out.clear();
+    reserve(out, pairs.len())?;
+    let tree = subject.tree()?;
+    let contact = |&pair: &TrianglePair| Some((pair, contact(&tree, pair)?));
+    match pool {
+        Some(pool) => pool.install(|| {
+            pairs.par_iter().with_min_len(512).map(contact).collect_into_vec(out);
+        }),
+        None => out.extend(pairs.iter().map(contact)),
     }
-}
-
-impl Verb<f64> for InF64 {
-    fn contact(self, query: &(impl Query + Sync), pair: TrianglePair) -> Option<Contact<f64>> {
-        query.contact_f64(pair)
-    }
-}
-
-impl<C: Send, F: Verb<C> + Copy + Sync> Ask<()> for Where<'_, C, F> {
-    fn ask(self, query: &(impl Query + Sync)) -> Result<(), Error> {
-        let Self { pairs, pool, out, contact: verb } = self;
-        out.clear();
-        reserve(out, pairs.len())?;
-        let contact = |&pair: &TrianglePair| Some((pair, verb.contact(query, pair)?));
-        match pool {
-            Some(pool) => pool.install(|| {
-                pairs.par_iter().with_min_len(512).map(contact).collect_into_vec(out);
-            }),
-            None => out.extend(pairs.iter().map(contact)),
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 /// Adds the contacts of one subject, while signals are heard.
-fn locate<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
+fn locate<C: Copy + Send>(
     py: Python<'_>,
     columns: &mut Columns<C>,
     subject: &Subject,
     pairs: &[TrianglePair],
     pool: Option<&ThreadPool>,
-    contact: F,
+    contact: ContactOf<C>,
 ) -> PyResult<()> {
     let mut out = Vec::new();
     apart(py, || columns.reserve(pairs.len())).map_err(|error| exception(py, error, None))?;
     for pairs in pairs.chunks(CONTACTS) {
         let pool = pool.filter(|_| pairs.len() >= CONTACTS);
         let locate = || {
-            subject.with(Where { pairs, pool, out: &mut out, contact })?;
+            find(subject, pairs, pool, contact, &mut out)?;
             columns.extend(&out)
         };
         apart(py, locate).map_err(|error| exception(py, error, None))?;
@@ -154,12 +130,12 @@ fn pool(py: Python<'_>, on: &Executor) -> Option<Arc<ThreadPool>> {
 }
 
 /// The contacts of one subject.
-fn located<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
+fn located<C: Copy + Send>(
     py: Python<'_>,
     subject: &Subject,
     pairs: &[TrianglePair],
     on: &Executor,
-    contact: F,
+    contact: ContactOf<C>,
 ) -> PyResult<Columns<C>> {
     let mut columns = Columns::default();
     locate(py, &mut columns, subject, pairs, pool(py, on).as_deref(), contact)?;
@@ -167,11 +143,11 @@ fn located<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
 }
 
 /// The contacts of many poses, and where those of each begin and end.
-fn swept<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
+fn swept<C: Copy + Send>(
     py: Python<'_>,
     many: &PoseBatch<'_>,
     on: &Executor,
-    contact: F,
+    contact: ContactOf<C>,
 ) -> PyResult<(Columns<C>, Vec<i64>)> {
     let (mut columns, mut offsets) = (Columns::default(), vec![0]);
     let (models, pool) = (&many.models, pool(py, on));
@@ -179,7 +155,7 @@ fn swept<C: Copy + Send, F: Verb<C> + Copy + Send + Sync>(
         let of_pose = |(&a_from_b, pairs): (&AnyPose, &[TrianglePair])| {
             let subject = Subject::Pair { models: models.clone(), a_from_b };
             let mut out = Vec::new();
-            subject.with(Where { pairs, pool: None, out: &mut out, contact })?;
+            find(&subject, pairs, None, contact, &mut out)?;
             Ok(out)
         };
         let questions: Vec<_> = poses.iter().zip(lists.iter()).collect();
@@ -236,18 +212,20 @@ pub fn contacts(
         Question::One(subject) => {
             let pairs = listed(py, &subject, on, None)?;
             let arrays = if subject.is_f64() {
-                located(py, &subject, &pairs, on, InF64)?.into_arrays(py)?
+                located(py, &subject, &pairs, on, |tree, pair| tree.contact_f64(pair))?
+                    .into_arrays(py)?
             } else {
-                located(py, &subject, &pairs, on, InF32)?.into_arrays(py)?
+                located(py, &subject, &pairs, on, |tree, pair| tree.contact(pair))?
+                    .into_arrays(py)?
             };
             Ok((arrays, None))
         }
         Question::Many(many) => {
             let (arrays, offsets) = if many.is_f64() {
-                let (found, offsets) = swept(py, &many, on, InF64)?;
+                let (found, offsets) = swept(py, &many, on, |tree, pair| tree.contact_f64(pair))?;
                 (found.into_arrays(py)?, offsets)
             } else {
-                let (found, offsets) = swept(py, &many, on, InF32)?;
+                let (found, offsets) = swept(py, &many, on, |tree, pair| tree.contact(pair))?;
                 (found.into_arrays(py)?, offsets)
             };
             Ok((arrays, Some(list(py, offsets))))

@@ -10,7 +10,7 @@ use crate::part::starts;
 use crate::poses::Poses;
 use crate::submission::Submission;
 use crate::threads::{apart, heard};
-use pfront::pfront_core::bvtt::{Cursor, NodePair, Query, SelfBvtt};
+use pfront::pfront_core::bvtt::{AnyBvtt, Cursor, Query, SelfBvtt};
 use pfront::{Adjacency, AnyPose, Batch, Error, Ticket, TrianglePair};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -77,16 +77,17 @@ impl Subject {
         }
     }
 
-    /// Calls a function with the BVTT.
-    pub(crate) fn with<R>(&self, ask: impl Ask<R>) -> Result<R, Error> {
-        match self {
+    /// The BVTT.
+    pub(crate) fn tree(&self) -> Result<AnyBvtt<'_>, Error> {
+        Ok(match self {
             Self::Pair { models, a_from_b } => {
-                ask.ask(&a_from_b.pair(models.each_ref().map(|model| model.bvh()))?)
+                AnyBvtt::Pair(a_from_b.pair(models.each_ref().map(|model| model.bvh()))?)
             }
             Self::Within { model } => {
-                ask.ask(&SelfBvtt::new(model.bvh()).with_certificates(model.certificates()))
+                let tree = SelfBvtt::new(model.bvh());
+                AnyBvtt::Within(tree.with_certificates(model.certificates()))
             }
-        }
+        })
     }
 }
 
@@ -118,52 +119,36 @@ impl<'py> Question<'py> {
     }
 }
 
-/// A function of any BVTT.
-pub(crate) trait Ask<R> {
-    fn ask(self, query: &(impl Query + Sync)) -> Result<R, Error>;
-}
-
 /// The node pairs of a part, or the root.
-struct Starts {
-    part: Option<(usize, usize)>,
-}
-
-impl Ask<Vec<Cursor>> for Starts {
-    fn ask(self, query: &(impl Query + Sync)) -> Result<Vec<Cursor>, Error> {
-        let nodes: Vec<NodePair> = match self.part {
-            None => return memory::collect([query.start()].into_iter()),
-            Some((i, n)) => starts(query, i, n)?,
-        };
-        memory::collect(nodes.into_iter().map(Cursor::at))
+fn cursors(subject: &Subject, part: Option<(usize, usize)>) -> Result<Vec<Cursor>, Error> {
+    let tree = subject.tree()?;
+    match part {
+        None => memory::collect([tree.start()].into_iter()),
+        Some((i, n)) => memory::collect(starts(&tree, i, n)?.into_iter().map(Cursor::at)),
     }
 }
 
-/// One step of a traversal on the calling thread.
-struct Step<'s, V> {
-    cursors: &'s mut Vec<Cursor>,
+/// One step of a traversal on the calling thread. Returns whether nothing is left.
+fn step(
+    tree: &AnyBvtt<'_>,
+    cursors: &mut Vec<Cursor>,
     budget: u64,
-    visit: &'s mut V,
-}
-
-impl<V: FnMut(TrianglePair) -> ControlFlow<()>> Ask<bool> for Step<'_, V> {
-    /// Returns whether nothing is left.
-    fn ask(self, query: &(impl Query + Sync)) -> Result<bool, Error> {
-        let Self { cursors, budget, visit } = self;
-        let mut left = budget;
-        while let Some(cursor) = cursors.last_mut() {
-            let before = cursor.work.box_tests + cursor.work.triangle_tests;
-            if query.step(cursor, left, &mut *visit).is_break() {
-                return Ok(true);
-            }
-            if !cursor.is_done() {
-                return Ok(false);
-            }
-            let after = cursor.work.box_tests + cursor.work.triangle_tests;
-            left = left.saturating_sub(after - before).max(1);
-            cursors.pop();
+    visit: &mut impl FnMut(TrianglePair) -> ControlFlow<()>,
+) -> bool {
+    let mut left = budget;
+    while let Some(cursor) = cursors.last_mut() {
+        let before = cursor.work.box_tests + cursor.work.triangle_tests;
+        if tree.step(cursor, left, &mut *visit).is_break() {
+            return true;
         }
-        Ok(true)
+        if !cursor.is_done() {
+            return false;
+        }
+        let after = cursor.work.box_tests + cursor.work.triangle_tests;
+        left = left.saturating_sub(after - before).max(1);
+        cursors.pop();
     }
+    true
 }
 
 /// Traverses on the calling thread, in steps between which signals are heard. Returns whether the traversal ended; with
@@ -181,19 +166,18 @@ fn alone(
         return Err(PyValueError::new_err(format!("part {i} of {n} is none")));
     }
     subject.prepare(py)?;
-    let start = Starts { part };
     let cursors = if part.is_some_and(|(_, n)| n > PARTS) {
         let subject = subject.clone();
-        heard(py, &Arc::default(), move || subject.with(start))?
+        heard(py, &Arc::default(), move || cursors(&subject, part))?
     } else {
-        apart(py, || subject.with(start))
+        apart(py, || cursors(subject, part))
     };
     let mut cursors = cursors.map_err(|error| exception(py, error, None))?;
     let is_alone = on.threads == 1 || part.is_some();
     let mut budget = if is_alone { STEP } else { ALONE };
     loop {
         let began = Instant::now();
-        let step = || subject.with(Step { cursors: &mut cursors, budget, visit: &mut visit });
+        let step = || Ok(step(&subject.tree()?, &mut cursors, budget, &mut visit));
         if apart(py, step).map_err(|error| exception(py, error, None))? {
             on.note(BEGAN.into());
             return Ok(true);

@@ -21,6 +21,7 @@
 //! The traversal descends two levels at a time, all pairs of up to four nodes and four others, since a
 //! single box test is too small for a vector unit. Box tests, and so costs, are counted on these pairs.
 
+mod any;
 mod block;
 mod cull;
 mod cursor;
@@ -34,6 +35,7 @@ mod traversal;
 mod trees;
 mod wide_node;
 
+pub use any::AnyBvtt;
 pub use cursor::{Cursor, Work};
 pub use in_f64::Shadows;
 pub use posed_bvh::PosedBvh;

@@ -2,9 +2,9 @@
 
 use crate::gpu::{GpuModel, GpuQuestion};
 use crate::model::Outline;
-use crate::subject::{AnyBvtt, Subject};
+use crate::subject::Subject;
 use crate::{AnyPose, Error, Model, Pose};
-use pfront_core::bvtt::PairBvtt;
+use pfront_core::bvtt::{AnyBvtt, PairBvtt};
 use std::borrow::Borrow;
 
 impl<M: Borrow<Model>> Subject<M> {
