@@ -243,6 +243,23 @@ def test_scene_in_float64():
     assert scene.collides()
 
 
+def test_a_body_that_is_asked_about_itself():
+    points = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4], [1, 1, -1], [1, 1, 1], [9, 9, 9]]
+    fold, pose = pf.Mesh(points, [[0, 1, 2], [1, 0, 3], [4, 5, 6]]), placed(z=2)
+    for device in ["cpu", "gpu"]:
+        with pf.using(device=device):
+            scene = pf.Scene()
+            scene.add(fold)
+            cloth = scene.add(fold, pose, itself=True)
+            hits = scene.pairs()
+            own = hits.pairs[(hits.bodies == cloth).all(axis=1)]
+            assert np.array_equal(own, pf.pairs(fold)) and len(own) == 1
+            assert not (hits.bodies == 0).all(axis=1).any()
+            contacts = scene.contacts()
+            at = contacts.segments[(contacts.bodies == cloth).all(axis=1)]
+            assert np.allclose(at, pf.contacts(fold).segments + [0, 0, 2])
+
+
 def test_sweep():
     many = poses(250)
     for what, whole in [("collides", pf.collides), ("count", pf.count), ("pairs", pf.pairs)]:
