@@ -3,7 +3,7 @@
 
 use crate::environment::{Environment, with_default};
 use crate::executor::{
-    Answer, Backend, CpuHistory, Device, Executor, Frame, History, Mirrors, Plan, Verb,
+    Answer, Backend, CpuHistory, Device, Executor, Frame, History, Meeting, Mirrors, Plan, Verb,
 };
 use crate::subject::{Key, Subject};
 use crate::{Contact, Error, Model, Scalar, TrianglePair};
@@ -81,16 +81,11 @@ impl SubjectQuery {
         if self.touched.take() != Some(key) {
             let Self { history, pairs, contacts, .. } = self;
             let outlines = Default::default();
-            let tree = &subject.untraversed(&outlines)?;
+            let meeting = Meeting::new(subject.untraversed(&outlines)?, None);
             contacts.clear();
             // An error gives the list back.
             let mut found = std::mem::take(contacts);
-            history.contacts(
-                pairs,
-                |()| Ok(Some(tree)),
-                |tree, pair| tree.contact(pair),
-                &mut found,
-            )?;
+            history.contacts(pairs, |()| Ok(Some(meeting)), Meeting::contact, &mut found)?;
             *contacts = found;
         }
         // Not before: a thread may panic.
@@ -106,9 +101,13 @@ impl SubjectQuery {
         with_default(|| {
             self.ask(subject, Verb::All)?;
             let (outlines, mut contacts) = (Default::default(), Vec::new());
-            let tree = &subject.untraversed(&outlines)?;
-            let contact = |tree: &&AnyBvtt<'_>, pair| tree.contact_f64(pair);
-            self.history.contacts(&self.pairs, |()| Ok(Some(tree)), contact, &mut contacts)?;
+            let meeting = Meeting::new(subject.untraversed(&outlines)?, None);
+            self.history.contacts(
+                &self.pairs,
+                |()| Ok(Some(meeting)),
+                Meeting::contact_f64,
+                &mut contacts,
+            )?;
             Ok(contacts)
         })
     }

@@ -2,7 +2,8 @@
 
 use super::choice::{Choice, Failure};
 use super::{
-    Answer, Backend, CpuHistory, CpuPart, Device, Executor, Named, Plan, Reason, Verb, check, visit,
+    Answer, Backend, CpuHistory, CpuPart, Device, Executor, Meeting, Named, Plan, Reason, Verb,
+    check, visit,
 };
 use crate::memory::{push, reserve};
 use crate::{Error, Model, Scalar, TrianglePair};
@@ -99,16 +100,16 @@ impl<N: Copy + Ord> History<N> {
         self.note(Backend::Cached, Reason::Unchanged);
     }
 
-    /// Adds to `out`, in order, where hits are, each by the `contact` in the tree of its subject, and takes note of who has
-    /// worked. Hits of subjects without a tree are left out.
+    /// Adds the contacts of hits to `out`, in order, and takes note of who has worked. Hits of subjects without a meeting are
+    /// left out.
     ///
     /// # Errors
     /// [`Error::Cancelled`] or [`Error::Memory`]; nothing is added then.
-    pub(crate) fn contacts<H: Named<Name = N>, T, C: Send>(
+    pub(crate) fn contacts<'q, H: Named<Name = N>, C: Send>(
         &mut self,
         hits: &[H],
-        tree: impl Fn(N) -> Result<Option<T>, Error> + Sync,
-        contact: impl Fn(&T, TrianglePair) -> Option<C> + Sync,
+        meeting: impl Fn(N) -> Result<Option<Meeting<'q>>, Error> + Sync,
+        contact: impl Fn(&Meeting<'q>, TrianglePair) -> Option<C> + Sync,
         out: &mut Vec<(H, C)>,
     ) -> Result<(), Error> {
         if hits.is_empty() {
@@ -117,12 +118,12 @@ impl<N: Copy + Ord> History<N> {
         let (part, flag) = (CpuPart::new(), self.executor.cancel_flag());
         let list = |hits: &[H], out: &mut Vec<(H, C)>| {
             for of_one in hits.chunk_by(|x, y| x.name() == y.name()) {
-                let Some(tree) = tree(of_one[0].name())? else { continue };
+                let Some(meeting) = meeting(of_one[0].name())? else { continue };
                 part.works();
                 for block in of_one.chunks(CONTACTS) {
                     check(flag)?;
                     reserve(out, block.len())?;
-                    let contact = |hit: &H| Some((*hit, contact(&tree, hit.pair())?));
+                    let contact = |hit: &H| Some((*hit, contact(&meeting, hit.pair())?));
                     out.extend(block.iter().filter_map(contact));
                 }
             }
@@ -155,7 +156,7 @@ impl<N: Copy + Ord> History<N> {
     ///
     /// # Errors
     /// [`Error::Cancelled`] or [`Error::Memory`].
-    pub(crate) fn meeting<S: Copy + Sync, T: Send, Q: Query>(
+    pub(crate) fn intersecting<S: Copy + Sync, T: Send, Q: Query>(
         &self,
         subjects: &[S],
         query: impl Fn(S) -> Option<(T, Q)> + Sync,

@@ -58,6 +58,7 @@ mod gpu;
 #[path = "no_gpu.rs"]
 mod gpu;
 mod history;
+mod meeting;
 mod models;
 mod plan;
 #[cfg(feature = "threads")]
@@ -71,6 +72,7 @@ pub(crate) use cancel::{BLOCK, SLICE, check, sort, visit};
 pub(crate) use cpu::{CpuHistory, step};
 pub(crate) use gpu::*;
 pub(crate) use history::{Frame, History};
+pub(crate) use meeting::Meeting;
 pub(crate) use plan::CpuPart;
 pub use plan::{Backend, Plan, Reason};
 

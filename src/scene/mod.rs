@@ -22,7 +22,7 @@ pub use hit::SceneHit;
 pub use id::BodyId;
 
 use crate::environment::{Environment, with_default};
-use crate::executor::{Answer, Backend, CpuPart, History, Plan, Verb, visit as search};
+use crate::executor::{Answer, Backend, CpuPart, History, Meeting, Plan, Verb, visit as search};
 use crate::memory::push;
 use crate::{Aabb, Contact, Error, Executor};
 use bodies::Bodies;
@@ -30,7 +30,7 @@ use broad::Broad;
 use cache::{Cache, merge};
 use device::DeviceScene;
 use frame::SceneFrame;
-use pairs::{BodyPairs, Meeting};
+use pairs::{BodyPairs, meeting};
 use std::fmt;
 use std::ops::ControlFlow;
 
@@ -242,7 +242,7 @@ impl SceneQuery {
             let mut asked = Vec::new();
             candidates.pairs().try_for_each(|places| push(&mut asked, places))?;
             let part = CpuPart::new();
-            let meeting = self.history.meeting(&asked, |places| {
+            let meeting = self.history.intersecting(&asked, |places| {
                 part.works();
                 candidates.query(places)
             });
@@ -365,12 +365,12 @@ impl SceneQuery {
         if contacts.at() != bodies.time() {
             new_contacts.clear();
             let (list, at) = (hits.list(bodies), contacts.at());
-            let meeting = |two| match bodies.changed(two) > at {
-                true => Meeting::new(bodies, two).map(Some),
+            let changed = |two| match bodies.changed(two) > at {
+                true => meeting(bodies, two).map(Some),
                 false => Ok(None),
             };
             with_default(|| {
-                history.contacts(list, meeting, Meeting::contact, new_contacts)?;
+                history.contacts(list, changed, Meeting::contact, new_contacts)?;
                 contacts.complete(new_contacts, bodies, history.executor().cancel_flag())
             })?;
         }
@@ -394,7 +394,7 @@ impl SceneQuery {
         self.find_hits()?;
         let Self { bodies, hits, history, .. } = self;
         let (hits, mut contacts) = (hits.list(bodies), Vec::new());
-        let meeting = |two| Meeting::new(bodies, two).map(Some);
+        let meeting = |two| meeting(bodies, two).map(Some);
         with_default(|| history.contacts(hits, meeting, Meeting::contact_f64, &mut contacts))?;
         Ok(contacts)
     }

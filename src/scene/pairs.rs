@@ -4,9 +4,10 @@ use super::bodies::Bodies;
 use super::body::Body;
 use super::broad::{Broad, Places};
 use super::id::BodyId;
+use crate::Error;
+use crate::executor::Meeting;
 use crate::subject::within;
-use crate::{AnyPose, Contact, Error, TrianglePair};
-use pfront_core::bvtt::{AnyBvtt, PairBvtt, Query};
+use pfront_core::bvtt::{AnyBvtt, PairBvtt};
 
 /// The bodies of a frame, and which of them may meet.
 #[derive(Clone, Copy)]
@@ -53,44 +54,23 @@ impl<'s> BodyPairs<'s> {
     pub(super) fn query(&self, [a, b]: Places) -> Option<([BodyId; 2], AnyBvtt<'s>)> {
         // Always there: the places are those of this frame.
         let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
-        Some(([a.id(), b.id()], meeting(a, b)))
+        Some(([a.id(), b.id()], tree(a, b)))
     }
 }
 
 /// The BVTT of two bodies in the world, or of one and itself in its own frame.
-fn meeting<'s>(a: &'s Body, b: &'s Body) -> AnyBvtt<'s> {
+fn tree<'s>(a: &'s Body, b: &'s Body) -> AnyBvtt<'s> {
     match a.options.itself {
         Some(adjacency) if a.id() == b.id() => within(&a.model, adjacency),
         _ => AnyBvtt::Pair(PairBvtt::in_world(a.placed(), b.placed())),
     }
 }
 
-/// Two bodies whose triangles are known to meet, or one twice.
-pub(super) struct Meeting<'s> {
-    tree: AnyBvtt<'s>,
-    /// The pose of one that meets itself.
-    world_from_body: Option<AnyPose>,
-}
-
-impl<'s> Meeting<'s> {
-    /// # Errors
-    /// [`Error::StaleBody`] if one of them is not there.
-    pub(super) fn new(bodies: &'s Bodies, [a, b]: [BodyId; 2]) -> Result<Self, Error> {
-        let (first, second) = (bodies.get(a)?, bodies.get(b)?);
-        let world_from_body = (a == b).then_some(first.pose);
-        Ok(Self { tree: meeting(first, second), world_from_body })
-    }
-
-    /// Where two triangles meet, in the world.
-    pub(super) fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        match self.world_from_body {
-            None => self.tree.contact(pair),
-            Some(_) => self.contact_f64(pair).map(Contact::from),
-        }
-    }
-
-    pub(super) fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
-        let contact = self.tree.contact_f64(pair)?;
-        Some(self.world_from_body.map_or(contact, |pose| pose.contact(contact)))
-    }
+/// Two bodies whose triangles are known to meet, or one twice, whose contacts are posed.
+///
+/// # Errors
+/// [`Error::StaleBody`] if one of them is not there.
+pub(super) fn meeting(bodies: &Bodies, [a, b]: [BodyId; 2]) -> Result<Meeting<'_>, Error> {
+    let (first, second) = (bodies.get(a)?, bodies.get(b)?);
+    Ok(Meeting::new(tree(first, second), (a == b).then_some(first.pose)))
 }

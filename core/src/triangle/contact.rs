@@ -118,7 +118,7 @@ impl<'t, C: Coordinate> TrianglePlane<'t, C> {
         // The squares of the largest f64 areas would overflow, those of the smallest vanish.
         let squared = normal.length_squared();
         let normal = match SQUARES.contains(&squared) {
-            true => normal / squared.sqrt(),
+            true => normal / normal.length(),
             false => (normal / normal.abs().max_element()).normalize_or_zero(),
         };
         normal.as_vec3().to_array()
