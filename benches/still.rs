@@ -1,7 +1,7 @@
 //! No more than what moves: a scene of 10,000 bodies of which all move, 1 % do, or none.
 //!
-//! `cargo bench --bench still`. A frame moves the bodies that move, to and fro, and asks for all pairs. Answers
-//! are compared with those of a scene that remembers nothing before anything is timed.
+//! `cargo bench --bench still`. A frame moves the bodies that move, to and fro, and asks for all pairs, or for all contacts.
+//! Answers are compared with those of a scene that remembers nothing before anything is timed.
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
@@ -46,13 +46,13 @@ impl Crowd {
         Self { query, bodies, moving, frame: 0 }
     }
 
-    /// Moves what moves, and says how many pairs meet.
-    fn step(&mut self) -> usize {
+    /// Moves those that move.
+    fn step(&mut self) -> &mut SceneQuery {
         self.frame += 1;
         for (body, poses) in &self.bodies[..self.moving] {
             self.query.set_pose(*body, poses[self.frame % 2]).unwrap();
         }
-        self.query.all().unwrap().len()
+        &mut self.query
     }
 }
 
@@ -64,12 +64,20 @@ fn still(c: &mut Criterion) {
         for (who, executor) in &executors {
             let mut crowd = Crowd::new(SceneQuery::new().on(executor), moving);
             for _ in 0..3 {
-                let found = crowd.step();
+                let found = crowd.step().all().unwrap().len();
                 let mut fresh = Crowd::new(SceneQuery::new(), moving);
                 fresh.frame = crowd.frame - 1;
-                assert_eq!(found, fresh.step(), "{name}, {who}");
+                assert_eq!(found, fresh.step().all().unwrap().len(), "{name}, {who}");
             }
-            group.bench_function(BenchmarkId::new(name, who), |bench| bench.iter(|| crowd.step()));
+            group.bench_function(BenchmarkId::new(name, who), |bench| {
+                bench.iter(|| crowd.step().all().unwrap().len());
+            });
+            if moving > 0 {
+                let name = format!("{name}, contacts");
+                group.bench_function(BenchmarkId::new(name, who), |bench| {
+                    bench.iter(|| crowd.step().contacts().unwrap().len());
+                });
+            }
         }
     }
     group.finish();
