@@ -24,9 +24,9 @@ use core::ops::ControlFlow;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub enum AnyBvtt<'q> {
-    /// That of two meshes.
+    /// Two meshes.
     Pair(PairBvtt<'q>),
-    /// That of a mesh and itself.
+    /// A mesh and itself.
     Within(SelfBvtt<'q>),
 }
 
