@@ -81,7 +81,9 @@ fn other_languages_have_what_the_page_says() {
 fn who_answers() -> Vec<Vec<String>> {
     use pfront::executor::Plan;
     use pfront::gpu::Gpu;
-    use pfront::{Adjacency, Batch, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
+    use pfront::{
+        Adjacency, Batch, BodyOptions, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery,
+    };
     use std::ops::ControlFlow;
     use std::sync::Arc;
     // Two balls in one mesh, which intersect.
@@ -144,14 +146,20 @@ fn who_answers() -> Vec<Vec<String>> {
             add(&format!("self, in {precision}"), verb, executors.each_ref().map(ask));
         }
     }
-    for (precision, model) in &models {
+    let [in_f32, in_f64] = &models;
+    for (body, (_, model), itself) in [
+        ("in f32", in_f32, None),
+        ("in f64", in_f64, None),
+        ("with itself", in_f32, Some(Adjacency::default())),
+    ] {
         for verb in ["any", "all", "count", "contacts", "visit", "intersecting_bodies"] {
             let ask = |executor: &Executor| {
                 let mut scene = SceneQuery::new().on(executor);
                 for i in 0..2 {
                     scene.add(still.clone(), aside(i)).unwrap();
                 }
-                scene.add(model.clone(), aside(2)).unwrap();
+                let options = BodyOptions { itself, ..BodyOptions::default() };
+                scene.add_with(model.clone(), aside(2), options).unwrap();
                 match verb {
                     "any" => scene.any().map(drop),
                     "all" => scene.all().map(drop),
@@ -163,7 +171,7 @@ fn who_answers() -> Vec<Vec<String>> {
                 .unwrap();
                 backend(scene.plan())
             };
-            add(&format!("scene, a body in {precision}"), verb, executors.each_ref().map(ask));
+            add(&format!("scene, a body {body}"), verb, executors.each_ref().map(ask));
         }
     }
     for (precision, model) in &models {
