@@ -15,7 +15,7 @@ pub(crate) enum Asked<'c> {
 }
 
 impl Asked<'_> {
-    /// What nothing answers to.
+    /// A query about an empty mesh, which has no answers.
     pub(crate) fn nothing() -> Self {
         Self::Within(SelfBvtt::new(Bvh::new_unchecked(Mesh::new_unchecked(&[], &[]), &[], &[])))
     }
