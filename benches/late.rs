@@ -1,8 +1,8 @@
 //! Reading late on a device that draws: how long a ticket blocks that was submitted before a renderer's 10 ms.
 //!
 //! `cargo bench --features gpu --bench late`. Each frame submits a question about two torus knots and then a dispatch that
-//! keeps the device busy for 10 ms, as a renderer would; 2 ms later, when the answer is there, it reads the ticket. What is
-//! timed is the reading alone: beside it, the same without a renderer, and the device time of the question is in the first.
+//! keeps the device busy for 10 ms, as a renderer would; 2 ms later, when the answer is there, it reads the ticket. Only the
+//! reading is timed: beside it, the same without a renderer, and the device time of the question is in the first.
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 

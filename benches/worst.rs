@@ -21,14 +21,14 @@ struct Length {
     runs: usize,
 }
 
-/// What deforms: the positions of each mesh in each pose.
+/// Meshes that deform: the positions of each in each pose.
 struct Play {
     name: &'static str,
     meshes: Vec<MeshData>,
     poses: Vec<Vec<Vec<[f32; 3]>>>,
 }
 
-/// Those who ask.
+/// A query, with the model or the bodies that it is about.
 enum Asker {
     Within(Box<Model>, Box<SelfQuery>),
     Scene(Box<SceneQuery>, Vec<BodyId>),

@@ -132,7 +132,7 @@ fn faults_are_errors_of_the_library() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
-    /// Whatever words an attacker puts under a right checksum: refused, or a model that answers as one built of
+    /// Words that an attacker puts under a right checksum are refused, or make a model that answers as one built of
     /// the same mesh does.
     #[test]
     fn tampering_is_refused_or_harmless(

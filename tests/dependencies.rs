@@ -13,7 +13,7 @@ const LINKED: [&str; 7] =
 const MACRO: [&str; 6] =
     ["bytemuck_derive", "proc-macro2", "quote", "syn", "thiserror-impl", "unicode-ident"];
 
-/// What `pfront-core` is built from on any target, a line a package with the features in force:
+/// Packages that `pfront-core` is built from on any target, a line each with the features in force:
 /// `glam v0.34.2|f64,libm`. A package met again ends in ` (*)`.
 fn tree() -> Result<String, Box<dyn Error>> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| env!("CARGO").into());

@@ -145,7 +145,7 @@ fn leave(way: &str) -> Result<(), Error> {
         "exit" | "exit with a static executor" => exit(7),
         "terminate" => {
             let id = std::process::id().to_string();
-            // Whoever starts tests in the background has interrupts ignored.
+            // Tests that a shell starts in the background ignore interrupts.
             Command::new("kill").args(["-TERM", &id]).status().unwrap();
             std::thread::sleep(Duration::from_secs(30));
         }

@@ -188,7 +188,7 @@ fn pairs_within_a_model_that_do_not_fit_into_memory_are_refused() {
     }
 }
 
-/// What a model gives away of itself.
+/// The numbers of nodes, vertices and triangles of a model.
 fn shape(model: &Model) -> (usize, [usize; 2]) {
     (model.bvh().nodes().len(), [model.mesh().vertex_count(), model.mesh().triangles().len()])
 }

@@ -207,7 +207,7 @@ mod on_gpu {
                 assert_eq!(scene.all().unwrap(), truth.all().unwrap());
                 assert_eq!(backend(&scene) == expected, is_gpu);
             }
-            // Of the pairs that have changed, none is in f32.
+            // None of the pairs that have changed is in f32.
             let near = Pose64::from_translation([4.0, 0.3, 0.2]);
             scene.set_pose(far, near).unwrap();
             truth.set_pose(far, near).unwrap();

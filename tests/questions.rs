@@ -19,7 +19,7 @@ fn rows(page: &str, header: &str) -> Vec<Vec<String>> {
     rows.skip(2).take_while(|line| line.starts_with('|')).map(cells).collect()
 }
 
-/// What a text has in backquotes.
+/// The names that a text has in backquotes.
 fn names(text: &str) -> BTreeSet<&str> {
     text.split('`').skip(1).step_by(2).collect()
 }

@@ -48,7 +48,7 @@ fn nasty_pairs() {
     }
 }
 
-/// What the numbers in the file say: rounded to f32, there are 27 and 95 pairs.
+/// The counts are those of the coordinates in the files: rounded to f32, there are 27 and 95 pairs.
 #[test]
 fn nasty_pairs_in_f64() {
     for (a, b, count) in data::NASTY_PAIRS_IN_F64 {

@@ -4,8 +4,8 @@
 //! install. `data/mod.rs` says where the data is looked for.
 //!
 //! `PFRONT_GPU_FULL=1` asks about every frame of every recording, among them all 121 of `cloth/kick`,
-//! and about the epicyclic train in its own size. That is for a real GPU; without it they are as many as
-//! an adapter that computes on the CPU bears in a minute.
+//! and about the epicyclic train in its own size. This takes a real GPU; without the variable the frames are
+//! as many as an adapter that computes on the CPU bears in a minute.
 
 #![cfg(all(feature = "recorded", feature = "gpu"))]
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]

@@ -51,7 +51,7 @@ fn somewhere(rng: &mut impl Rng) -> AnyPose {
     }
 }
 
-/// What a scene is asked, by places of bodies instead of ids.
+/// The hits of a scene, by places of bodies instead of ids.
 type Listed = Vec<([usize; 2], [u32; 2])>;
 
 struct History {

@@ -19,7 +19,7 @@ const DISTANCE: f64 = 1.1;
 /// Steps of an edge of the icosahedron.
 const REFINEMENTS: [u32; 3] = [16, 32, 64];
 
-/// What rounding to f32 adds to a length of about 1: of the vertices, the pose and the contact.
+/// The error that rounding to f32 adds to a length of about 1: of the vertices, the pose and the contact.
 const ROUNDING: f64 = 1e-6;
 
 /// The segments in which two icospheres meet, and how far a mesh lies below its sphere.

@@ -108,7 +108,7 @@ fn likewise_on_threads() {
 
 type Set = Box<dyn Fn(&mut SceneQuery, BodyId) -> Result<(), pfront::Error>>;
 
-/// What a body is set to that it is already changes nothing, so that nothing is asked again.
+/// A body that is set to what it is already does not change, so that nothing is asked again.
 #[test]
 fn what_is_there_already_changes_nothing() {
     let ball = icosphere(80);
@@ -177,7 +177,7 @@ fn what_is_there_already_changes_nothing() {
     assert_ne!(scene.plan().unwrap().backend, Backend::Cached);
     let bits = |pose: AnyPose| pose.to_f64().rows[0][3].to_bits();
     assert_eq!(bits(scene.body(all[0]).unwrap().pose()), (-0.0_f64).to_bits());
-    // What cannot be set is refused as before.
+    // Positions that cannot be set are refused as before.
     assert!(scene.set_positions(all[2], &ball.positions).is_err());
     assert!(scene.set_positions::<f64>(all[0], &[]).is_err());
     // Its own positions without the first or the last are too few.

@@ -1,7 +1,7 @@
 //! Embree 3: `rtcCollide` on BVHs of the triangles' boxes, refitted to posed positions.
 //!
 //! Embree collides user geometries only, so it gets triangles as boxes, by a callback, and a second
-//! callback tests the candidates. What is declared here is the little that is called of Embree's C
+//! callback tests the candidates. The declarations here are the little that is called of Embree's C
 //! header; the library is Debian's libembree-dev. Embree cannot stop at the first hit.
 
 #![expect(unsafe_code, reason = "Embree is a C library")]

@@ -21,8 +21,8 @@
 //! quaternion, which rounds, so that flush contact is missed.
 //!
 //! Answers are checked in every frame before anything is timed: what an exact test leaves of all
-//! candidates of parry's BVHs has to be what pfront finds. What the others miss and invent is printed.
-//! This takes 50 seconds, and is what `-- --test` does; all of it takes some minutes.
+//! candidates of parry's BVHs has to be what pfront finds. Hits that the others miss or invent are
+//! printed. This takes 50 seconds, and is what `-- --test` does; all of it takes some minutes.
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 

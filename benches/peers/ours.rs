@@ -3,7 +3,7 @@
 use super::work::{Finder, Hit, Work, model};
 use pfront::{BodyId, Model, PairQuery, SceneQuery, SelfQuery};
 
-/// All hits. Those within one mesh include triangles that share a vertex.
+/// All hits. Hits within one mesh include triangles that share a vertex.
 pub(crate) fn all(work: &Work) -> Box<dyn Finder + '_> {
     match work.meshes.len() {
         1 => Box::new(SelfFinder { work, model: model(&work.meshes[0]), query: SelfQuery::new() }),

@@ -8,8 +8,8 @@ use pfront_testkit::scenes::{Kind, Scene, icosphere, torus_knot};
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-/// Two bodies, the first of them first, and a triangle of each. Of one body both are the same, and the
-/// triangles ascend.
+/// Two bodies, the first of them first, and a triangle of each. Both bodies are the same within one mesh,
+/// and the triangles ascend.
 pub(crate) type Hit = ([u32; 2], TrianglePair);
 
 /// A library that is asked for the hits of a work.

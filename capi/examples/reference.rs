@@ -1,4 +1,4 @@
-//! What `engine.c` is to print, found by pfront's Rust API from the same meshes.
+//! The output that `engine.c` must have, found by pfront's Rust API from the same meshes.
 
 use pfront::{BodyOptions, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use std::sync::Arc;

@@ -25,12 +25,12 @@
 //
 // Models and scenes: freed by a function each, and PFRONT_NOT_MADE if they are freed again, as far as their memory tells, or are
 // copied byte by byte; PFRONT_BUSY if a thread calls a function that takes one not const, or frees one, while another is inside
-// a call with it; PFRONT_FORKED for a scene with threads in a child of fork, which may use all else. What a scene hands out is
-// good until the same function is called again. capi/README.md has a table of it.
+// a call with it; PFRONT_FORKED for a scene with threads in a child of fork, which may use all else. Arrays that a scene hands
+// out are good until the same function is called again. capi/README.md has a table of it.
 //
 // An answer is about surfaces, not solids: a body wholly inside another has no hit. It is for one instant, not a motion.
 //
-// Whatever a function takes by a pointer to const, any number of threads may use at once; but the arrays that a
+// Any number of threads may use at once whatever a function takes by a pointer to const; but the arrays that a
 // pfront_bvh_memory_t names are for one call at a time.
 //
 // A thread may flush subnormal numbers (-ffast-math) or round in any direction: each function works in the default
@@ -49,11 +49,11 @@
 // Words of 8 bytes for all that a walk remembers.
 #define PFRONT_CURSOR_WORDS 487
 
-// What a triangle test costs, in box tests, as measured on x86-64.
+// The cost of a triangle test, in box tests, as measured on x86-64.
 #define PFRONT_TRIANGLE_COST 6.5
 
-// What became of a call. All but PFRONT_OK are errors: then no structure was made or changed, and what arrays hold that
-// were to be written is anyone's guess.
+// The result of a call. All but PFRONT_OK are errors: then no structure was made or changed, and what arrays hold that were
+// to be written is anyone's guess.
 enum pfront_status_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -227,7 +227,7 @@ typedef struct pfront_pose_t {
 // Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
 // write it whatever becomes of the call; it may be null.
 typedef struct pfront_error_t {
-  // What the function returned.
+  // The status that the function returned.
   pfront_status_t status;
   // The parameter or member at fault, by name; null where there is none. The string lives for ever.
   const char *what;
@@ -235,7 +235,7 @@ typedef struct pfront_error_t {
   size_t index;
   // The number that is needed, or the limit.
   size_t needed;
-  // What was given.
+  // The number that was given.
   size_t given;
 } pfront_error_t;
 
@@ -388,7 +388,7 @@ typedef struct pfront_front_node_t {
   struct pfront_node_pair_t pair;
   // Private.
   uint64_t path[2];
-  // What it is expected to cost. The worker puts in its place what it did cost:
+  // Its expected cost. The worker puts its true cost in the same place:
   // `1 + box_tests + PFRONT_TRIANGLE_COST * triangle_tests` of the cursor, so that it is above 0.
   float cost;
   // The query it belongs to.
@@ -431,7 +431,7 @@ typedef struct pfront_front_t {
 
 // The part of a front that one worker gets.
 typedef struct pfront_part_t {
-  // What it is expected to cost in all.
+  // Its expected cost in all.
   double cost;
   // The worker, from 0.
   uint32_t number;
@@ -501,7 +501,7 @@ typedef struct pfront_scene_contact64_t {
 extern "C" {
 #endif // __cplusplus
 
-// What an error code means, in a sentence without numbers. Takes any number; the string lives for ever.
+// The meaning of an error code, in a sentence without numbers. Takes any number; the string lives for ever.
 const char *pfront_error_text(uint32_t status);
 
 // The version of the library, as in "0.1.0". The string lives for ever.
@@ -606,7 +606,7 @@ pfront_status_t pfront_bvh_adopt(const struct pfront_mesh_t *mesh,
 //
 // `positions` take the place of those of the mesh; they may be the same array, changed in place. If one is not finite
 // the boxes stay as they were: then give other positions before the next query. `quality`, which may be null, is told
-// how good the tree still is, see PFRONT_REBUILD_RATIO. One that borrows a blob is refused.
+// how good the tree still is, see PFRONT_REBUILD_RATIO. A BVH that borrows a blob is refused.
 pfront_status_t pfront_bvh_refit(struct pfront_bvh_t *bvh,
                                  const float *positions,
                                  size_t vertex_count,
@@ -618,7 +618,7 @@ pfront_status_t pfront_bvh_quality(const struct pfront_bvh_t *bvh,
                                    float *quality,
                                    struct pfront_error_t *error);
 
-// A box that contains every vertex of every triangle in a pose, rounding included, for a broad phase. That of an empty
+// A box that contains every vertex of every triangle in a pose, rounding included, for a broad phase. The box of an empty
 // mesh reaches from infinity to minus infinity. In O(1).
 pfront_status_t pfront_bvh_bounds(const struct pfront_bvh_t *bvh,
                                   const struct pfront_pose_t *world_from_bvh,
@@ -645,7 +645,7 @@ pfront_status_t pfront_blob_scratch_bytes(const void *blob,
                                           struct pfront_error_t *error);
 
 // Makes a BVH of the blob that `blob_bytes` bytes begin with, where it lies, after checking all that a query relies on:
-// the checksum, and since that is no signature, every coordinate, index, box and child. What lies behind it is left
+// the checksum, and since that is no signature, every coordinate, index, box and child. The bytes behind the blob are left
 // alone.
 //
 // `blob` must be at a multiple of 4 bytes, and had better be at one of 64; it is only read, now and by queries, and may
@@ -779,7 +779,7 @@ pfront_status_t pfront_front_remember(struct pfront_front_t *front,
                                       struct pfront_error_t *error);
 
 // Tells a front that the next frame asks other queries than the last: the one with number `i` gets `numbers[i]`, or is
-// gone if that is UINT32_MAX or `i` is not below `count`. No two get the same. Without this, change no numbers, or set
+// gone if that is UINT32_MAX or `i` is not below `count`. No two get the same. Without this, keep all numbers, or set
 // `history_count` to 0.
 pfront_status_t pfront_front_renumber(struct pfront_front_t *front,
                                       const uint32_t *numbers,
@@ -821,8 +821,8 @@ pfront_status_t pfront_model_create(const struct pfront_buffers_t *buffers,
                                     struct pfront_error_t *error);
 
 // `pfront_model_create` of positions in double in place of float: `stride` is at least 24, and 0 stands for 24. Coordinates
-// are at most 2^125. What is asked about the model is decided in f64, exactly for the positions given, whatever the other
-// body and the poses. Takes 24 bytes a vertex more, unless floats hold every coordinate.
+// are at most 2^125. Questions about the model are decided in f64, exactly for the positions given, whatever the other body
+// and the poses. Takes 24 bytes a vertex more, unless floats hold every coordinate.
 pfront_status_t pfront_model_create_f64(const struct pfront_buffers_t *buffers,
                                         struct pfront_model_t **model,
                                         struct pfront_error_t *error);
@@ -856,8 +856,8 @@ pfront_status_t pfront_scene_create(uint32_t workers,
 pfront_status_t pfront_scene_free(struct pfront_scene_t *scene,
                                   struct pfront_error_t *error);
 
-// Adds a body: a model, which many bodies may share, in the pose `world_from_body`. `body` names it for good: no
-// number is ever used again, and they ascend in the order of adding.
+// Adds a body: a model, which many bodies may share, in the pose `world_from_body`. `body` names it for good:
+// numbers are never used again, and they ascend in the order of adding.
 pfront_status_t pfront_scene_add(struct pfront_scene_t *scene,
                                  const struct pfront_model_t *model,
                                  const struct pfront_pose_t *world_from_body,
@@ -935,8 +935,8 @@ pfront_status_t pfront_scene_user_data(const struct pfront_scene_t *scene,
                                        struct pfront_error_t *error);
 
 // Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
-// triangles. They belong to the scene and are good until this is called again, or the scene is freed. What is known
-// of bodies that stand still is kept, so that a frame costs what the others do.
+// triangles. They belong to the scene and are good until this is called again, or the scene is freed. Answers about
+// bodies that stand still are kept, so that a frame costs what the others do.
 pfront_status_t pfront_scene_update(struct pfront_scene_t *scene,
                                     const struct pfront_scene_hit_t **hits,
                                     size_t *count,

@@ -96,7 +96,7 @@ impl Block {
         unsafe { slice::from_raw_parts_mut(self.first.as_ptr(), self.count) }
     }
 
-    /// What a structure of C's keeps, for [`Block::from_raw`].
+    /// The address and the number of the words, which a structure of C's keeps for [`Block::from_raw`].
     pub(crate) fn into_raw(self) -> (*mut u64, usize) {
         let raw = (self.first.as_ptr(), self.count);
         core::mem::forget(self);

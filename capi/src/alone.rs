@@ -1,4 +1,4 @@
-//! What takes the place of the standard library.
+//! The panic handler that takes the place of the standard library's.
 
 /// Spins: an index was out of range in arrays that have changed since they were checked, or there is a fault in `core`,
 /// by which the SAH build selects medians and `pfront_all` sorts. Nothing else panics without the feature `std`.

@@ -76,7 +76,7 @@ fn own(bytes: &[u8]) -> &[u8] {
 }
 
 /// Makes a BVH of the blob that `blob_bytes` bytes begin with, where it lies, after checking all that a query relies on:
-/// the checksum, and since that is no signature, every coordinate, index, box and child. What lies behind it is left
+/// the checksum, and since that is no signature, every coordinate, index, box and child. The bytes behind the blob are left
 /// alone.
 ///
 /// `blob` must be at a multiple of 4 bytes, and had better be at one of 64; it is only read, now and by queries, and may

@@ -50,7 +50,7 @@ pub struct pfront_buffers_t {
     pub index_type: u32,
 }
 
-/// What C calls the members of some buffers.
+/// The names that C has for the members of some buffers.
 pub(crate) struct Names {
     pub(crate) positions: &'static CStr,
     pub(crate) stride: &'static CStr,
@@ -104,7 +104,7 @@ impl<P: Pod> Buffers<P> {
     fn copy_positions(&self, call: &Call<'_>, out: &mut [P]) -> Result<(), Fault> {
         let packed = size_of::<P>();
         let (what, count, stride) = (self.names.positions, self.vertex_count(), self.stride);
-        // What lies behind the last position may not be there.
+        // The bytes of the last vertex behind its position may not be there.
         let bytes = count.saturating_sub(1).checked_mul(stride);
         let bytes = bytes.and_then(|bytes| bytes.checked_add(packed.min(count * packed)));
         let bytes = bytes.ok_or(Fault::of(PFRONT_TOO_LONG, what).numbers(0, count))?;

@@ -155,7 +155,7 @@ pub unsafe extern "C" fn pfront_bvh_adopt(
 ///
 /// `positions` take the place of those of the mesh; they may be the same array, changed in place. If one is not finite
 /// the boxes stay as they were: then give other positions before the next query. `quality`, which may be null, is told
-/// how good the tree still is, see PFRONT_REBUILD_RATIO. One that borrows a blob is refused.
+/// how good the tree still is, see PFRONT_REBUILD_RATIO. A BVH that borrows a blob is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_bvh_refit(
     bvh: *mut pfront_bvh_t,
@@ -204,7 +204,7 @@ pub unsafe extern "C" fn pfront_bvh_quality(
     })
 }
 
-/// A box that contains every vertex of every triangle in a pose, rounding included, for a broad phase. That of an empty
+/// A box that contains every vertex of every triangle in a pose, rounding included, for a broad phase. The box of an empty
 /// mesh reaches from infinity to minus infinity. In O(1).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_bvh_bounds(

@@ -57,7 +57,7 @@ impl pfront_cursor_t {
         (self.seal, self.node_counts) = (SEAL, query.node_counts());
         // SAFETY: the state is large enough and aligned, which is asserted above.
         unsafe { self.state.as_mut_ptr().cast::<Cursor>().write(cursor) };
-        // What was sealed just now can be gone on with.
+        // This cannot fail: the cursor was sealed just now.
         let _ = self.go_on(query, |_| ());
     }
 

@@ -20,7 +20,7 @@ use pfront_core::bvtt::{AnyBvtt, Query, SelfBvtt, Work};
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::{Bvh, Mesh};
 
-/// What a triangle test costs, in box tests, as measured on x86-64.
+/// The cost of a triangle test, in box tests, as measured on x86-64.
 pub const PFRONT_TRIANGLE_COST: f32 = 6.5;
 
 /// A node of a front: a part of a query that one worker answers.
@@ -31,7 +31,7 @@ pub struct pfront_front_node_t {
     pub pair: pfront_node_pair_t,
     /// Private.
     pub path: [u64; 2],
-    /// What it is expected to cost. The worker puts in its place what it did cost:
+    /// Its expected cost. The worker puts its true cost in the same place:
     /// `1 + box_tests + PFRONT_TRIANGLE_COST * triangle_tests` of the cursor, so that it is above 0.
     pub cost: f32,
     /// The query it belongs to.
@@ -46,7 +46,7 @@ pub struct pfront_front_node_t {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct pfront_part_t {
-    /// What it is expected to cost in all.
+    /// Its expected cost in all.
     pub cost: f64,
     /// The worker, from 0.
     pub number: u32,
@@ -247,7 +247,7 @@ pub unsafe extern "C" fn pfront_front_remember(
 }
 
 /// Tells a front that the next frame asks other queries than the last: the one with number `i` gets `numbers[i]`, or is
-/// gone if that is UINT32_MAX or `i` is not below `count`. No two get the same. Without this, change no numbers, or set
+/// gone if that is UINT32_MAX or `i` is not below `count`. No two get the same. Without this, keep all numbers, or set
 /// `history_count` to 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_front_renumber(

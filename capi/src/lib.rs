@@ -1,10 +1,10 @@
 //! pfront for C: `include/pfront.h`, which a test makes from these sources, says what there is.
 //!
-//! Every function goes through [`memory`], the one place that follows a pointer of the caller's. What C holds between
-//! two calls is plain data: numbers, and pointers into arrays that belong to the caller. Rust's views of them
-//! ([`pfront_core::Bvh`] and so on) are made anew in each call and end with it, so nothing is kept behind the caller's
-//! back, and there is nothing to lock or to free; but for models and scenes, which own what they need, and lists, which
-//! an [`allocator`] owns. Names are those of C.
+//! Every function goes through [`memory`], the one place that follows a pointer of the caller's. The structures that C
+//! holds between two calls are plain data: numbers, and pointers into arrays that belong to the caller. Rust's views of
+//! them ([`pfront_core::Bvh`] and so on) are made anew in each call and end with it, so nothing is kept behind the caller's
+//! back, and there is nothing to lock or to free; but for models and scenes, which own what they need, and lists, which an
+//! [`allocator`] owns. Names are those of C.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![expect(non_camel_case_types, reason = "the names of types are those of C")]

@@ -1,8 +1,8 @@
 //! Where pointers of C become slices: the only place that follows one, but for what an allocator returns.
 //!
-//! What can be checked about a pointer is: that it is not null, that it is aligned, that no array goes around the end
-//! of the address space, and that what is written overlaps nothing else that the call uses. What cannot be checked, that
-//! memory is there, as much as is said, and is no other thread's to write, is the caller's part of the contract.
+//! Four things about a pointer can be checked: that it is not null, that it is aligned, that no array goes around the end of
+//! the address space, and that what is written overlaps nothing else that the call uses. The rest is the caller's part of the
+//! contract: that memory is there, as much as is said, and is no other thread's to write.
 //!
 //! Buffers that a call writes need not be initialised in C, and become references all the same: `pfront_core` reads nothing
 //! of a buffer that it has not written, which miri and valgrind check.
@@ -25,7 +25,7 @@ use pfront_core::bvtt::TrianglePair;
 use pfront_core::environment;
 use pfront_core::front::{FrontNode, Part};
 
-/// What may be read from memory that C has written, whatever it wrote.
+/// A type that may be read from memory that C has written, whatever it wrote.
 ///
 /// # Safety
 /// All bytes make a value.
@@ -133,7 +133,7 @@ impl Claim {
     const NONE: Self = Self { start: 0, end: 0, lent: false };
 }
 
-/// The memory that one call uses. What it lends lives as long as the call, `'c`.
+/// The memory that one call uses. The references that it lends live as long as the call, `'c`.
 ///
 /// Calls claim the buffers that they write first, so only these claims need to be kept.
 pub(crate) struct Call<'c> {

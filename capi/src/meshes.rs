@@ -42,7 +42,7 @@ pub struct pfront_pair_list_t {
 
 const SEAL: u32 = u32::from_be_bytes(*b"list");
 
-/// What C calls the members of the buffers of either mesh.
+/// The names that C has for the members of the buffers of either mesh.
 const NAMES: [Names; 2] = [
     Names {
         positions: c"a.positions",

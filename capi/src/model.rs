@@ -44,8 +44,8 @@ pub unsafe extern "C" fn pfront_model_create(
 }
 
 /// `pfront_model_create` of positions in double in place of float: `stride` is at least 24, and 0 stands for 24. Coordinates
-/// are at most 2^125. What is asked about the model is decided in f64, exactly for the positions given, whatever the other
-/// body and the poses. Takes 24 bytes a vertex more, unless floats hold every coordinate.
+/// are at most 2^125. Questions about the model are decided in f64, exactly for the positions given, whatever the other body
+/// and the poses. Takes 24 bytes a vertex more, unless floats hold every coordinate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_model_create_f64(
     buffers: *const pfront_buffers_t,

@@ -60,7 +60,7 @@ const PAIR: u32 = u32::from_be_bytes(*b"pair");
 const SELF: u32 = u32::from_be_bytes(*b"self");
 
 impl pfront_query_t {
-    /// What C asks.
+    /// The query of `pfront_core` that this one stands for.
     pub(crate) fn asked<'c>(&self, call: &Call<'c>) -> Result<AnyBvtt<'c>, Fault> {
         match self.seal {
             PAIR => {

@@ -38,7 +38,7 @@ pub(crate) struct Scene {
     query: SceneQuery,
     /// The process whose threads the scene asks, if it has some.
     threads_of: Option<NonZero<u32>>,
-    /// What was handed out last.
+    /// The answers that were handed out last.
     hits: Vec<pfront_scene_hit_t>,
     contacts: Vec<pfront_scene_contact_t>,
     contacts_f64: Vec<pfront_scene_contact64_t>,
@@ -129,8 +129,8 @@ pub unsafe extern "C" fn pfront_scene_free(
     unsafe { Caller::trusted() }.call(error, |call| call.free(c"scene", scene))
 }
 
-/// Adds a body: a model, which many bodies may share, in the pose `world_from_body`. `body` names it for good: no
-/// number is ever used again, and they ascend in the order of adding.
+/// Adds a body: a model, which many bodies may share, in the pose `world_from_body`. `body` names it for good:
+/// numbers are never used again, and they ascend in the order of adding.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_add(
     scene: *mut pfront_scene_t,

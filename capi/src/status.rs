@@ -5,8 +5,8 @@ mod fault;
 use core::ffi::{CStr, c_char};
 pub(crate) use fault::Fault;
 
-/// What became of a call. All but PFRONT_OK are errors: then no structure was made or changed, and what arrays hold that
-/// were to be written is anyone's guess.
+/// The result of a call. All but PFRONT_OK are errors: then no structure was made or changed, and what arrays hold that were
+/// to be written is anyone's guess.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum pfront_status_t {
@@ -92,7 +92,7 @@ pub enum pfront_status_t {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct pfront_error_t {
-    /// What the function returned.
+    /// The status that the function returned.
     pub status: pfront_status_t,
     /// The parameter or member at fault, by name; null where there is none. The string lives for ever.
     pub what: *const c_char,
@@ -100,11 +100,11 @@ pub struct pfront_error_t {
     pub index: usize,
     /// The number that is needed, or the limit.
     pub needed: usize,
-    /// What was given.
+    /// The number that was given.
     pub given: usize,
 }
 
-/// What an error code means, in a sentence without numbers. Takes any number; the string lives for ever.
+/// The meaning of an error code, in a sentence without numbers. Takes any number; the string lives for ever.
 #[unsafe(no_mangle)]
 #[expect(unsafe_code, reason = "C finds functions by name")]
 pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {

@@ -61,7 +61,7 @@ fn truth(query: &impl Query) -> Vec<(u32, u32)> {
     all
 }
 
-/// What Rust makes of the arrays of a BVH that C holds.
+/// The BVH of Rust over the arrays of one that C holds, checked.
 fn checked(bvh: &pfront_bvh_t) -> Bvh<'_> {
     let pfront_bvh_t { mesh, nodes, node_count, order, .. } = *bvh;
     // SAFETY: the arrays are there, of these lengths, and nobody writes them as long as the view is in use.

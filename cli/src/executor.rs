@@ -19,12 +19,12 @@ pub struct ExecutorArgs {
     /// CPU threads [default: all]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<NonZero<usize>>,
-    /// What to run on
+    /// Backend that answers
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     backend: Backend,
 }
 
-/// What may answer.
+/// The backends that may answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Backend {
     /// The threads of this machine
@@ -112,7 +112,7 @@ const FEWEST: usize = 64;
 /// Reads a number of threads, which must be within what the machine can use.
 ///
 /// # Errors
-/// If it is no number, 0, or beyond the bound.
+/// If it is not a number, 0, or beyond the bound.
 pub fn parse_threads(text: &str) -> Result<NonZero<usize>> {
     let own = available_parallelism().map_or(1, NonZero::get);
     let most = FEWEST.max(MOST_PER_THREAD * own);

@@ -40,7 +40,7 @@ pub(crate) struct Hit {
     pub(crate) contact: Option<AnyContact>,
 }
 
-/// What rows tell.
+/// The kind of the rows of a listing.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A pair of triangles.
@@ -51,7 +51,7 @@ pub(crate) enum Kind {
     Bodies,
 }
 
-/// What a query found.
+/// The hits that a query found.
 pub(crate) struct Found<'f> {
     pub(crate) origins: &'f [Origin<'f>],
     pub(crate) kind: Kind,

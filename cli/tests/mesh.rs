@@ -86,13 +86,13 @@ fn decimals_and_doubles_are_kept_in_f64() {
     let numbers = three.as_flattened().iter().flat_map(|x| x.to_le_bytes());
     let bytes = header.bytes().chain(numbers).chain([3, 0, 1, 2]).collect();
     assert_eq!(load("double.ply", bytes).positions, three);
-    // What f32 holds needs no f64.
+    // Positions that f32 holds need no f64.
     for (name, bytes) in [("b.stl", stl_binary()), ("b.ply", ply_little())] {
         assert_eq!(beyond_f32(&load(name, bytes)), 0, "{name}");
     }
 }
 
-/// What the crates that read these formats refuse or take for something else.
+/// The crates that read these formats refuse such text or take it for something else.
 #[test]
 fn unusual_text_is_read() {
     assert_eq!(
@@ -320,7 +320,7 @@ fn baked_meshes_come_back_with_their_bvh() {
     let MeshData { positions, triangles } = quad();
     let model = Model::new(positions, triangles).unwrap();
     let bytes = model.to_blob().unwrap();
-    // Whatever a file is called, it is known by how it begins.
+    // A file is known by how it begins, whatever it is called.
     for name in ["square.pfb", "square.PFB", "square.obj", "square"] {
         assert_eq!(parse(name, &bytes).unwrap(), quad(), "{name}");
     }

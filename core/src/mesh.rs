@@ -148,8 +148,9 @@ impl<'a> Mesh<'a> {
         self.positions_f64().is_none().then_some(self.shadow)
     }
 
-    /// The shadow: the positions in f32, or, of positions in f64, these minus [`Mesh::origin`], rounded to f32. What only has
-    /// to be conservative reads it, such as builds and refits of a BVH. It decides nothing if there are positions in f64.
+    /// The shadow: the positions in f32, or, of positions in f64, these minus [`Mesh::origin`], rounded to f32. Builds and
+    /// refits of a BVH read it, and all else that only has to be conservative. It decides nothing if there are positions in
+    /// f64.
     #[must_use]
     pub fn shadow(self) -> &'a [[f32; 3]] {
         self.shadow

@@ -8,9 +8,9 @@ pub enum Schedule {
     Static,
     /// No front but the roots of the queries: a thread that has nothing is given half of the pending node pairs of another.
     Stealing,
-    /// Both: a worker that is done takes nodes that others have not begun, and then half of what they have begun. That
-    /// makes up for wrong costs, so the front is coarse: g is at most 2, and after a frame unlike the last there
-    /// is no more than the starting front.
+    /// Both: a worker that is done takes nodes that others have not begun, and then half of what they have begun. Taking
+    /// from others makes up for wrong costs, so the front is coarse: g is at most 2, and after a frame unlike the last
+    /// there is no more than the starting front.
     #[default]
     Hybrid,
 }

@@ -192,7 +192,7 @@ impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
                 self.take_nodes(part, &mut slot, scope);
             }
         }
-        // What this output gets later is sorted when all lists are merged.
+        // Hits that this output gets later are sorted when all lists are merged.
         slot.output.finish();
         self.leave(slot, clock);
     }

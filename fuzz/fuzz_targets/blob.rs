@@ -15,7 +15,7 @@ use pfront_testkit::oracle::self_pairs;
 #[derive(Arbitrary, Debug)]
 struct Input {
     raw: Vec<u8>,
-    /// What `positions` and `moved` pick from.
+    /// The coordinates that `positions` and `moved` pick from.
     palette: Palette,
     positions: Vec<[u8; 3]>,
     triangles: Vec<[u8; 3]>,

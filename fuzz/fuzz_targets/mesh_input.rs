@@ -13,7 +13,7 @@ use pfront_testkit::shapes::posed;
 
 #[derive(Arbitrary, Debug)]
 struct Input {
-    /// What `positions` and `moved` pick from.
+    /// The coordinates that `positions` and `moved` pick from.
     palette: Palette,
     positions: Vec<[u8; 3]>,
     triangles: Vec<[u8; 3]>,

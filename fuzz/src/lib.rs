@@ -1,4 +1,4 @@
-//! What the fuzz targets have in common, and a world in which any sequence of calls is checked.
+//! The parts that all fuzz targets share, and a world in which any sequence of calls is checked.
 //!
 //! [`input`] turns bytes into meshes, poses and steps. A world makes the [`Calls`], on every backend at
 //! once, and compares all answers with each other and with the exact oracle's loop over all pairs.

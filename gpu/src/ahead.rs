@@ -11,7 +11,7 @@ use crate::results::Run;
 use crate::task::{GpuVerb, Start, Task};
 use wgpu::{Buffer, CommandBuffer, WriteOnly};
 
-/// What the commands of a run from the seeds depend on, but for the copies for the host.
+/// All that the commands of a run from the seeds depend on, but for the copies for the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Subject {
     bound: [u64; 2],

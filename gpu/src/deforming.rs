@@ -90,7 +90,7 @@ impl Deforming {
     /// Uploads a mesh and builds its BVH on the device.
     ///
     /// All leaves hold the same number of triangles or one more, at most `options.leaf_size`, of which 1
-    /// counts as 2. Such a tree is balanced, and a refit of it takes fewer rounds than of one of the CPU's.
+    /// counts as 2. The tree is balanced, and a refit of it takes fewer rounds than that of a CPU's tree.
     ///
     /// # Errors
     /// As [`GpuModel::new`].

@@ -1,8 +1,8 @@
 //! One run of the passes, recorded.
 //!
 //! All passes of a run are known before it starts: the depth of both trees bounds how many it takes to
-//! get to the bottom. What a pass works on is counted on the device, so a run is one submission with
-//! nothing read back in between.
+//! get to the bottom. The device counts what a pass works on, so a run is one submission with nothing read
+//! back in between.
 
 use crate::clock::{Clock, Timing};
 use crate::gpu::{Descent, Gpu, OfShadows};
@@ -34,7 +34,7 @@ pub(crate) struct Engine {
     depth: u32,
     workgroups: u32,
     descent: Arc<Descent>,
-    /// What takes the place of some of them about shadows, once there was a question about some.
+    /// The passes that replace two of these in questions about shadows, once there was one.
     shadows: Option<Arc<OfShadows>>,
     groups: Groups,
     meshes: Option<Meshes>,

@@ -111,7 +111,7 @@ impl Gpu {
         let failure = Failure::default();
         let seen = failure.clone();
         device.set_device_lost_callback(move |_, reason| {
-            // Whatever else is a consequence.
+            // Any other failure is a consequence of this one.
             *seen.lock().unwrap_or_else(PoisonError::into_inner) =
                 Some(GpuError::DeviceLost { reason });
         });

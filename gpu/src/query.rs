@@ -30,7 +30,7 @@ use wgpu::{Buffer, CommandEncoder};
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum GpuQuestion<'m> {
-    /// Two models, the second posed into the frame of the first. Of a pair, `a` is a triangle of `models[0]`.
+    /// Two models, the second posed into the frame of the first. Triangle `a` of a pair is one of `models[0]`.
     Pair {
         /// The models.
         models: [&'m GpuModel; 2],
@@ -289,7 +289,7 @@ impl GpuQuery {
     }
 
     /// Has questions end early: once the flag is set, reading one waits for nothing, submits nothing more, and returns
-    /// [`GpuError::Cancelled`]. What has been submitted goes on.
+    /// [`GpuError::Cancelled`]. Work that has been submitted goes on.
     pub fn set_cancel(&mut self, flag: Option<Arc<AtomicBool>>) {
         self.answer.engine.cancel = flag;
     }

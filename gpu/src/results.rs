@@ -1,4 +1,4 @@
-//! What a run found, brought to the host.
+//! The results of a run, brought to the host.
 
 use crate::buffer::Usage;
 use crate::layout::{Counters, Rest};

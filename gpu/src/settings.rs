@@ -26,7 +26,7 @@ pub struct GpuSettings {
     /// Memory for fronts and lists.
     pub budget: Budget,
     /// Bytes of device memory in which meshes stay that no query holds any more: a question about the same meshes does not
-    /// upload them again. Those that were asked about longest ago go first.
+    /// upload them again. The meshes that were asked about longest ago go first.
     pub mesh_bytes: u64,
 }
 

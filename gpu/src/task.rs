@@ -1,4 +1,4 @@
-//! What a run is to do: its verb, its subject, and what it starts from.
+//! The task of a run: its verb, its subject, and what it starts from.
 
 use crate::layout::{Counters, Query};
 use bytemuck::Zeroable;
@@ -92,7 +92,7 @@ pub(crate) enum Order {
 }
 
 impl Order {
-    /// What suits so many hits, if they are all wanted.
+    /// The passes that suit so many hits, if all of these are wanted.
     pub(crate) fn new(verb: GpuVerb, hits: u32) -> Self {
         match verb {
             GpuVerb::All if hits <= FEW => Self::Few,

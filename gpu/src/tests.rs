@@ -65,7 +65,8 @@ fn structs_have_the_same_layout_in_wgsl_and_in_rust() {
 }
 
 /// naga 30 decorates no buffer as coherent, so that one invocation may never see what another of its
-/// dispatch has stored, barrier or not. What passes read of buffers that they also store to is listed here.
+/// dispatch has stored, barrier or not. All buffers that a pass both reads and stores to are listed here, with
+/// the reason why it may.
 #[test]
 fn no_pass_reads_storage_that_other_invocations_of_its_dispatch_write() {
     let mut found = BTreeSet::new();

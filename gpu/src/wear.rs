@@ -1,10 +1,10 @@
 //! When a tree that is refitted is worth a new one.
 //!
 //! A refit keeps the tree, and boxes grow as the mesh leaves the shape that it was built for. How much a query suffers shows in
-//! its box tests. What they are beyond the fewest since the tree was built is what a new tree may save, so that a rebuild
-//! is a ski rental: it is due as soon as that sum reaches its cost, and all frames together take at most twice what they would at best.
-//! More tests may have another reason, a pose or folds. A rebuild after which they are not halved was of no use, and the
-//! next one waits for twice as much.
+//! its box tests. The tests beyond the fewest since the tree was built are what a new tree may save, so that a rebuild is a ski
+//! rental: it is due as soon as their sum reaches its cost, and all frames together take at most twice what they would at best.
+//! More tests may have another reason, a pose or folds. A rebuild after which they are not halved was of no use, and the next
+//! one waits for twice as much.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

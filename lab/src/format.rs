@@ -20,7 +20,7 @@ pub enum FormatError {
     Truncated {
         /// Where it begins.
         offset: u64,
-        /// What it is.
+        /// Its name.
         what: &'static str,
         /// Its size in bytes.
         needed: u64,

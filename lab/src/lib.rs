@@ -1,4 +1,4 @@
-//! What pfront is worth, measured: speed against accuracy, stability where methods fail, and the regret of plans.
+//! Measurements of what pfront is worth: speed against accuracy, stability where methods fail, and the regret of plans.
 //!
 //! - [`workload`], [`pairs`]: recorded motion, and the answers to it, as files.
 //! - [`recorded`]: recorded meshes in contact.

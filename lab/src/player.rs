@@ -45,7 +45,7 @@ impl Objects {
 /// How a question is asked.
 #[derive(Clone, Debug, Default)]
 pub struct Asked {
-    /// What counts within one mesh.
+    /// The rule for triangles of one mesh that share vertices.
     pub adjacency: Adjacency,
     /// The executor that answers.
     pub executor: Executor,
@@ -217,7 +217,7 @@ impl Player {
         }
     }
 
-    /// What the last frame on threads did.
+    /// The report of the last frame on threads.
     pub fn report(&self) -> Option<&Report> {
         match &self.0 {
             Subject::Pair { query, .. } => query.report(),

@@ -47,7 +47,7 @@ pub enum Scale {
 
 /// Points of one name.
 pub struct Series {
-    /// What the legend calls it.
+    /// Its name in the legend.
     pub name: String,
     /// x and y.
     pub points: Vec<(f64, f64)>,

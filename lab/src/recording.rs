@@ -121,7 +121,7 @@ impl Recording {
     }
 }
 
-/// What all frames of a built-in scene have in common.
+/// The header of a built-in scene: all that its frames have in common.
 pub(crate) fn header(scene: &Scene, frames: u32) -> Header {
     Header {
         kind: scene.kind(),

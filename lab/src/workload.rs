@@ -20,7 +20,7 @@ pub use crate::format::FormatError;
 const MAGIC: &[u8; 8] = b"TRICOLW1";
 const KINDS: [Kind; 3] = [Kind::Pair, Kind::SelfMesh, Kind::Many];
 
-/// What every frame of a workload has in common.
+/// The header of a workload: all that its frames have in common.
 #[derive(Clone, Debug)]
 pub struct Header {
     /// The kind of question that it asks.
@@ -113,7 +113,7 @@ impl<R: Read + Seek> Workload<R> {
         Ok(Self { header, reader, next: 0, poses, positions })
     }
 
-    /// What the frames have in common.
+    /// The header: all that the frames have in common.
     pub fn header(&self) -> &Header {
         &self.header
     }

@@ -1,4 +1,4 @@
-//! What the charts of speed against accuracy are made of.
+//! The points that charts of speed against accuracy are made of.
 
 use pfront_lab::chart::{Point, Source, front, together};
 use pfront_lab::judge::Tally;

@@ -3,8 +3,8 @@
 //!
 //! There is no preprocessor. A [`Pass`] names its parts, and [`Pass::source`] is a header of constants,
 //! those of [`constants`], followed by the parts and the pass; in WGSL the order of declarations
-//! is free. Whoever sets up buffers or dispatches reads the same constants, and a test of
-//! pfront-gpu compares structs with Rust's by reflection.
+//! is free. Code that sets up buffers or dispatches reads the same constants, and a test of pfront-gpu
+//! compares structs with Rust's by reflection.
 //!
 //! ```
 //! let source = pfront_shaders::EXPAND.source();

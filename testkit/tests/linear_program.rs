@@ -1,8 +1,8 @@
 //! The oracle against a second exact formulation: linear programming by definition.
 //!
-//! Two hulls share a point exactly if Σλᵢpᵢ = Σμⱼqⱼ for some weights λ, μ ≥ 0 with sums 1. That is
-//! decided by the simplex method in integers (Bland's rule, so it ends), with numbers scaled by
-//! 2^149, which makes every f32 an integer.
+//! Two hulls share a point exactly if Σλᵢpᵢ = Σμⱼqⱼ for some weights λ, μ ≥ 0 with sums 1. The simplex
+//! method in integers (Bland's rule, so it ends) decides this, with numbers scaled by 2^149, which
+//! makes every f32 an integer.
 
 #![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 

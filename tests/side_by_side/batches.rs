@@ -103,7 +103,7 @@ fn read(ticket: Flying, truth: &[Rc<Answer>], rng: &mut impl Rng) {
     }
 }
 
-/// What a ticket brings, unless it is cancelled or dropped.
+/// The answer that a ticket brings, unless it is cancelled or dropped.
 fn brought<T>(mut ticket: Ticket<T>, rng: &mut impl Rng) -> Option<T> {
     match rng.random_range(0..8) {
         0 => return None,

@@ -1,4 +1,4 @@
-//! What fresh sequential queries answer about fresh models, kept as long as nothing changes.
+//! The answers of fresh sequential queries about fresh models, kept as long as nothing changes.
 
 use crate::models::Fresh;
 use pfront::{Adjacency, AnyPose, Contact, PairQuery, Pose, Pose64, SelfQuery, TrianglePair};
@@ -98,7 +98,7 @@ impl Answers {
     }
 }
 
-/// What a query should answer; contacts only where these are asked for.
+/// The right answer to a query; contacts only where these are asked for.
 pub(crate) struct Truth<H> {
     pub(crate) hits: Vec<H>,
     pub(crate) contacts: Contacts<H>,

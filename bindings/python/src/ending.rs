@@ -1,8 +1,8 @@
 //! Threads of the interpreter at the end of the process.
 //!
-//! An interpreter that is being finalised ends each thread that wants it back (before CPython 3.14), by unwinding its stack. That
-//! aborts the process where frames of Rust are on the stack. So once the process ends, all threads but the one that ends it
-//! stop for ever as soon as they are here without the interpreter, and [`wait`] lets those that are not come this far.
+//! An interpreter that is being finalised ends each thread that wants it back (before CPython 3.14), by unwinding its stack.
+//! Unwinding aborts the process where frames of Rust are on the stack. So once the process ends, all threads but the one that
+//! ends it stop for ever as soon as they are here without the interpreter, and [`wait`] lets those that are not come this far.
 
 use pyo3::prelude::*;
 use std::cell::Cell;

@@ -53,7 +53,7 @@ pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> Py
     raised
 }
 
-/// What a parent's thread was using when this process was forked.
+/// The error of an object that a parent's thread was using when this process was forked.
 pub(crate) fn forked() -> PyErr {
     PyRuntimeError::new_err(
         "another thread was using this scene when the process was forked, and may have left it half changed: make the scene \

@@ -25,7 +25,7 @@ pub(crate) enum Device {
     Auto,
 }
 
-/// What a process has made.
+/// The threads and executors that a process has made.
 #[derive(Clone)]
 pub(crate) struct Made {
     process: u32,
@@ -100,7 +100,7 @@ impl Executor {
         *lock(&self.answered) = answered;
     }
 
-    /// What this process has, made if it is not there.
+    /// The threads and executors of this process, made if they are not there.
     pub(crate) fn made(&self, py: Python<'_>) -> Made {
         let process = process::id();
         if let Some(made) = lock(&self.made).as_ref().filter(|made| made.process == process) {
@@ -135,7 +135,7 @@ impl Executor {
                 kept.clone()
             }
             other => {
-                // What a parent has made is left as it is: to drop it would wait for its threads.
+                // Executors that a parent has made are left as they are: to drop them would wait for its threads.
                 mem::forget(other.take());
                 other.insert(new).clone()
             }

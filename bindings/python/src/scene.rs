@@ -41,7 +41,7 @@ impl State {
     }
 }
 
-/// What a parent has made is left as it is.
+/// A query that has asked the threads or the device of a parent is left as it is.
 impl Drop for State {
     fn drop(&mut self) {
         if self.is_of_parent() {

@@ -87,7 +87,7 @@ pub(crate) fn heard<T: Send + 'static>(
     heard
 }
 
-/// Takes threads of this process off the list. Those of a parent are not here.
+/// Takes threads of this process off the list. The threads of a parent are not here.
 fn take(mut is_taken: impl FnMut(&Worker) -> bool) -> Vec<Worker> {
     let mut running = lock(&RUNNING);
     let process = process::id();

@@ -68,8 +68,8 @@ fn replace<T>(list: &mut Vec<T>, count: usize, with: impl Iterator<Item = T>) ->
 }
 
 /// Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
-/// triangles. They belong to the scene and are good until this is called again, or the scene is freed. What is known
-/// of bodies that stand still is kept, so that a frame costs what the others do.
+/// triangles. They belong to the scene and are good until this is called again, or the scene is freed. Answers about
+/// bodies that stand still are kept, so that a frame costs what the others do.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_update(
     scene: *mut pfront_scene_t,

@@ -19,7 +19,7 @@ use std::num::NonZero;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// What was measured.
+/// The measurements of a course.
 #[derive(Serialize)]
 struct Record {
     name: String,

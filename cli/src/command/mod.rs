@@ -1,4 +1,4 @@
-//! What each command does. `Ok(false)` is only for a question whose answer is no.
+//! The commands, a module for each. `Ok(false)` is only for a question whose answer is no.
 
 pub(crate) mod any;
 pub(crate) mod bake;

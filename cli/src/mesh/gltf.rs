@@ -102,7 +102,7 @@ fn push(
     }
     let reader = primitive.reader(|buffer| buffers.get(buffer.index()));
     let first = mesh.positions.len() as u32;
-    // What stays where it is stays so to the bit.
+    // Positions that no node moves stay the same to the bit.
     let moves = *world != DMat4::IDENTITY;
     let place = |p: [f32; 3]| {
         let p = p.map(f64::from);

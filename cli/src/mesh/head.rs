@@ -1,5 +1,5 @@
-//! What the first bytes of a file tell: its format, and how long it says it is. A file that is not what its name says is refused by
-//! these, before the rest is read.
+//! The first bytes of a file, which tell its format, and how long it says it is. A file that is not what its name says is
+//! refused by these, before the rest is read.
 
 use super::error::{Fault, other_format};
 use super::format::BAKED;

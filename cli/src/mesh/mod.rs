@@ -2,8 +2,8 @@
 //!
 //! All readers keep the order of the file. A face of n corners becomes n − 2 triangles, so that triangles have the numbers of
 //! the file's faces where all of these are triangles, and count on through the other faces where not. Coordinates are the nearest f64 to
-//! what is written, or the nearest f32 if that is asked for. What is no number is refused; NaN is one, and left to [`pfront::Model::new`], which
-//! names the vertex.
+//! what is written, or the nearest f32 if that is asked for. A word that is not a number is refused; NaN is one, and left to
+//! [`pfront::Model::new`], which names the vertex.
 
 mod baked;
 mod budget;
@@ -68,7 +68,7 @@ fn megabytes(text: &str) -> Result<usize, String> {
 /// The most bytes of something that is not a regular file, unless more are asked for.
 const MOST_STREAMED: usize = 1 << 30;
 
-/// What was in a mesh file.
+/// The contents of a mesh file.
 #[derive(Debug)]
 pub enum Loaded {
     /// A mesh, of which nothing is checked, and where it comes from.
@@ -90,10 +90,10 @@ impl Loaded {
 /// Reads a mesh in f32; the extension tells the format, in whatever case, or else how the file begins, as it always does a
 /// baked mesh. The path `-` is standard input.
 ///
-/// An STL file has three vertices of its own for each triangle, see [`MeshData::welded`]. Of glTF these
-/// are the triangles of all meshes of the default scene, placed by their nodes, in the order of the nodes,
-/// children after their parent; without skins and morphs. What a file says of its size is not believed;
-/// but a glTF mesh is read as often as nodes place it.
+/// An STL file has three vertices of its own for each triangle, see [`MeshData::welded`]. A glTF file has the
+/// triangles of all meshes of the default scene, placed by their nodes, in the order of the nodes, children
+/// after their parent; without skins and morphs. The size that a file states is not believed; but a glTF mesh is
+/// read as often as nodes place it.
 ///
 /// # Errors
 /// [`ReadError`] names the file, and the line or what else is wrong; a file without a triangle is taken for
@@ -170,7 +170,7 @@ fn load_from(
     let mut budget = Budget::new(options.memory, read);
     budget.take(read)?;
     if format == BAKED {
-        // As much again for the model.
+        // The model takes as much again.
         budget.check(read)?;
         return baked::model(&bytes).map(|model| Loaded::Baked(Box::new(model)));
     }

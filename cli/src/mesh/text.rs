@@ -44,7 +44,7 @@ impl<'t> Line<'t> {
         word.ok_or_else(|| self.fault("the line ends too early"))
     }
 
-    /// What `word` says.
+    /// The number that `word` states.
     pub(super) fn number<T: FromStr>(&self, word: Option<&[u8]>) -> Result<T, Fault> {
         let word = self.word(word)?;
         let parsed = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());

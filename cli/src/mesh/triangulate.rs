@@ -4,7 +4,7 @@
 //!
 //! A face is projected along the axis that is nearest to its normal (Newell's), which rounds nothing, and every sign is exact. An ear
 //! is clipped if no corner that is reflex or straight lies in it; so corners on straight edges stay corners of triangles
-//! with an area. What has no ear, a face that crosses itself or has no area, becomes a fan.
+//! with an area. A face that has no ear, as it crosses itself or has no area, becomes a fan.
 
 mod blockers;
 
@@ -59,7 +59,7 @@ fn projected(corners: &[u32], positions: &[[f64; 3]]) -> Option<Vec<Point>> {
     Some(points.iter().map(|p| [p[x], p[y]]).collect())
 }
 
-/// What is left of a face.
+/// The part of a face that is left.
 struct Ring<'p> {
     points: &'p [Point],
     /// The corners before and after each, and whether it is left.

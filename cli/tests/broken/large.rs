@@ -42,7 +42,7 @@ fn a_file_is_refused_by_its_head() {
     }
 }
 
-/// Whatever it begins with.
+/// A file is refused whatever it begins with.
 #[test]
 fn a_file_beyond_the_memory_that_is_allowed_is_not_read() {
     let folder = TempDir::new().unwrap();

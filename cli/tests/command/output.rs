@@ -138,7 +138,7 @@ fn a_full_disk_is_named() {
     );
 }
 
-/// What a run says on standard error if that is a terminal, when standard input brings a mesh after so long.
+/// The text of a run on standard error if that is a terminal, when standard input brings a mesh after so long.
 #[cfg(unix)]
 fn on_a_terminal(folder: &Path, wait: Duration) -> String {
     use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};

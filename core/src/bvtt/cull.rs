@@ -129,8 +129,8 @@ impl TriangleBlock {
         !(self.certified[0] & self.certified[1] & self.certified[2]) & self.occupied_mask()
     }
 
-    /// Lanes of `candidates` that certainly intersect triangle `j` of `other`, and those that may. Of `neighbours`, which
-    /// may share a vertex with it, only those are left out that a plane separates beside what they share.
+    /// Lanes of `candidates` that certainly intersect triangle `j` of `other`, and those that may. Lanes of `neighbours`,
+    /// which may share a vertex with it, are left out only if a plane separates them beside what they share.
     #[inline(always)]
     fn decide<S: Simd, const SELF: bool>(
         &self,

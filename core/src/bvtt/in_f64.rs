@@ -1,9 +1,9 @@
 //! Queries about positions or poses in f64.
 //!
-//! What lanes and boxes see of them are shadows (see [`Mesh::from_f64`](crate::Mesh::from_f64)), in a frame whose origin is
-//! that of the first shadow as it is posed: large translations cancel in f64, before they are rounded to f32. Boxes are
-//! padded by how far a shadow may be from what it stands for, and lanes certify signs by a bound that allows for it. All
-//! other pairs are decided by the positions themselves, posed in f64.
+//! Lanes and boxes see only shadows of them (see [`Mesh::from_f64`](crate::Mesh::from_f64)), in a frame whose origin is that of
+//! the first shadow as it is posed: large translations cancel in f64, before they are rounded to f32. Boxes are padded by how
+//! far a shadow may be from what it stands for, and lanes certify signs by a bound that allows for it. All other pairs are
+//! decided by the positions themselves, posed in f64.
 
 use super::TrianglePair;
 use super::trees::view;
@@ -26,8 +26,8 @@ pub struct Shadows {
     pub error: [f32; 3],
 }
 
-/// What only these queries call. It comes by pointer with a mesh or a pose in f64, so that firmware that has neither links
-/// none of it.
+/// The functions that only these queries call. They come by pointer with a mesh or a pose in f64, so that firmware that has
+/// neither links none of them.
 #[derive(Debug)]
 pub(crate) struct F64 {
     pub(super) check: fn(Mesh<'_>, &Bounds, &Pose) -> Result<(), PoseError>,

@@ -7,8 +7,8 @@
 //! # How a leaf pair is decided
 //! 1. `traversal` pops node pairs from a [`Cursor`] and tests the boxes of their descendants, up to a leaf pair.
 //! 2. `block` loads the triangles of both leaves into vector lanes, at most eight a side, and poses them.
-//! 3. `cull` compares their boxes, and rejects pairs that share a vertex whose one-ring is certified. Of the others, `planes`
-//!    tests eight at a time whether a supporting plane separates them and, if none does, whether they intersect.
+//! 3. `cull` compares their boxes, and rejects pairs that share a vertex whose one-ring is certified. The others are tested by
+//!    `planes`, eight at a time: whether a supporting plane separates them and, if none does, whether they intersect.
 //! 4. [`Cursor`] goes through the hits, and the pairs that f32 left undecided, in the order of their bits, as far as the
 //!    budget reaches, and notes where to resume.
 //! 5. [`crate::triangle`] decides what is undecided by signs of orientation determinants from `exact`. Triangles of one

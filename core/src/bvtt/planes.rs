@@ -1,7 +1,7 @@
 //! The triangle test of [`crate::triangle`] for the pairs of eight triangles with another one, side by side.
 //!
 //! The steps are those of `triangles_intersect`, with signs that f32 certifies by the bound of
-//! [`crate::exact::filter32`] or, for corners on a grid, computes without any error. What is open then is left to that test.
+//! [`crate::exact::filter32`] or, for corners on a grid, computes without any error. Pairs still open are left to that test.
 
 use super::block::TriangleBlock;
 use crate::exact::filter32::{ERROR, MAX_EXTENT, UNDERFLOW};

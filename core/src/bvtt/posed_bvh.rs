@@ -77,7 +77,7 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
         Self { bvh, pose: None, exact: None }
     }
 
-    /// What a query in f64 needs, if the mesh or the pose is in f64.
+    /// The functions that a query in f64 calls, if the mesh or the pose is in f64.
     pub(super) fn f64(&self) -> Option<&'static F64> {
         self.exact.as_ref().map(|exact| exact.f64).or(self.bvh.mesh().f64())
     }

@@ -39,8 +39,8 @@ pub(crate) fn are_exact_in_f64(a: &Triangle, b: &Triangle) -> bool {
     let rounding = Vec3A::splat(ROUNDING);
     let mut are_multiples = first.cmpeq(first);
     for (p, d) in others.into_iter().zip(differences) {
-        // A difference of floats is exact if it leads from each to the other (Dekker 1971). What overflows or underflows
-        // does not come back the same.
+        // A difference of floats is exact if it leads from each to the other (Dekker 1971). A difference that overflows or
+        // underflows does not lead back to the same.
         let rounded = ((d * inverse + rounding) - rounding) * unit;
         are_multiples &= (d + first).cmpeq(p) & (p - d).cmpeq(first) & rounded.cmpeq(d);
     }

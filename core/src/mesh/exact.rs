@@ -11,12 +11,12 @@ use crate::exact::LIMIT;
 use crate::index::at;
 use glam::{DVec3, Vec3};
 
-/// What a mesh in f64 has beside its positions.
+/// The origin and the functions that a mesh in f64 has beside its positions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shadowed {
     /// Where the origin of the shadow is; zero if f32 holds the positions.
     origin: DVec3,
-    /// What queries need for such meshes only.
+    /// The functions that queries call for such meshes only.
     f64: &'static F64,
 }
 
@@ -181,7 +181,7 @@ impl<'a> Mesh<'a> {
         }
     }
 
-    /// What queries need for meshes in f64 only.
+    /// The functions that queries call for meshes in f64 only.
     pub(crate) fn f64(&self) -> Option<&'static F64> {
         self.shadowed.as_ref().map(|shadowed| shadowed.f64)
     }

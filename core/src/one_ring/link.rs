@@ -126,8 +126,8 @@ fn linked_by_sorting(triangles: &[[u32; 3]], corners: &mut [u32]) -> OneRing {
     if end == start {
         return if edges == corners.len() { OneRing(RING | size) } else { OneRing(0) };
     }
-    // Of a row, all vertices are the end of one edge and the start of another, but the first and the last, which the walk has
-    // found if it is one.
+    // All vertices of a row are the end of one edge and the start of another, but for the first and the last, which the walk
+    // has found if this is a row.
     let ends = corners.iter().map(|&corner| edge(triangles, corner));
     let first = ends.fold(end, |all, [from, to]| all ^ from ^ to);
     let (end, edges) = walk(first);

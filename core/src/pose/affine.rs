@@ -44,8 +44,8 @@ impl Affine {
     }
 
     /// The pose of the shadow of a mesh in f64, whose origin and bounds these are, in a frame that has its own origin at `zero`
-    /// of where `pose` takes the mesh. What it takes a point of the shadow to, in f32 too, is within the padding of what `pose`
-    /// takes the position to, minus `zero`.
+    /// of where `pose` takes the mesh. It takes a point of the shadow, in f32 too, to within the padding of where `pose` takes
+    /// the position, minus `zero`.
     ///
     /// # Rounding
     /// With h the farthest of the bounds and m = |R|h + |t| as above, t the translation from `zero`: the entries of R and t are

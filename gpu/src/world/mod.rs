@@ -388,7 +388,7 @@ impl World {
     }
 
     /// Has questions end early: once the flag is set, reading one waits for nothing, submits nothing more, and returns
-    /// [`GpuError::Cancelled`]. What has been submitted goes on.
+    /// [`GpuError::Cancelled`]. Work that has been submitted goes on.
     pub fn set_cancel(&mut self, flag: Option<Arc<AtomicBool>>) {
         self.answer.engine.cancel = flag;
     }

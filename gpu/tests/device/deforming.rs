@@ -33,7 +33,7 @@ fn a_sheet_that_folds() {
     assert!(found > 0);
 }
 
-/// What a question about a flat sheet was divided into covers the same sheet crumpled.
+/// The parts that a question about a flat sheet was divided into cover the same sheet crumpled.
 #[test]
 fn parts_serve_other_positions() {
     let flat = bumpy(60);

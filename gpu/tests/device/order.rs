@@ -6,7 +6,7 @@ use pfront_gpu::{GpuQuery, GpuQuestion, wgpu};
 use pfront_shaders::constants;
 use pfront_testkit::shapes::sphere;
 
-/// What puts hits in order is recorded before their number is known, by that of the last answer.
+/// The passes that put hits in order are recorded before the number of hits is known, by that of the last answer.
 #[test]
 fn answers_that_grow_and_shrink_are_in_order() {
     let mut query = GpuQuery::new(gpu()).unwrap();

@@ -271,7 +271,7 @@ fn the_parts_of_a_question_are_those_of_the_next() {
     }
 }
 
-/// What a question was divided into covers the next as well, in whose pose other boxes overlap.
+/// The parts that a question was divided into cover the next one as well, in whose pose other boxes overlap.
 #[test]
 fn parts_serve_questions_in_other_poses() {
     let ball = both(&bumpy(24));

@@ -25,7 +25,7 @@ use std::time::Instant;
 pub struct Point {
     /// The set.
     pub set: String,
-    /// What the set is made of.
+    /// Where its pairs come from.
     pub source: Source,
     /// The test.
     pub test: String,
@@ -35,7 +35,7 @@ pub struct Point {
     pub tally: Tally,
 }
 
-/// What a set is made of.
+/// Where the pairs of a set come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// Pairs that are made to be hard.
@@ -75,8 +75,7 @@ pub fn together(name: &str, sets: &[&[Point]]) -> Vec<Point> {
     (0..first.len()).map(joined).collect()
 }
 
-/// Ours, the inexact ones, and those of the textbook. What a query makes of one pair is left out: it spends its time on
-/// setting up.
+/// Ours, the inexact ones, and those of the textbook. A query about one pair is left out: it spends its time on setting up.
 fn tests() -> Vec<(String, Test)> {
     let [exact, _] = OURS;
     let others = INEXACT.into_iter().chain(textbook::tests());

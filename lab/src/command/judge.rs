@@ -25,7 +25,7 @@ pub(crate) struct Judge {
     /// How many pairs to generate, equally many of each set
     #[arg(long, value_name = "N", default_value_t = 1_000_000, conflicts_with = "file")]
     pairs: u64,
-    /// What they are generated from
+    /// Number that the pairs are generated from
     #[arg(long, value_name = "SEED", default_value_t = 1, conflicts_with = "file")]
     seed: u64,
     /// Write them here, with their truth

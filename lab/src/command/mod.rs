@@ -1,4 +1,4 @@
-//! What each command does. `Ok(false)` says that something was measured and found wrong.
+//! The commands, a module for each. `Ok(false)` says that something was measured and found wrong.
 
 pub(crate) mod balance;
 pub(crate) mod chart;

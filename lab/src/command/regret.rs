@@ -13,7 +13,7 @@ use std::time::Duration;
 
 #[derive(Debug, Args)]
 pub(crate) struct Regret {
-    /// What the cases are generated from
+    /// Number that the cases are generated from
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// How many of them [default: 48, or 8]
@@ -25,7 +25,7 @@ pub(crate) struct Regret {
     /// CPU threads [default: all]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<NonZero<usize>>,
-    /// What else there is to choose from
+    /// Backends to choose from beside CPU threads
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     backend: Backend,
     /// Write one line for each case

@@ -21,7 +21,7 @@ fn rounded(a: &Triangle64, b: &Triangle64) -> bool {
     intersects(&a, &b)
 }
 
-/// About `pairs` pairs of all families, made f64 in one way, in blocks; by the rayon pool of the caller. Those with a
+/// About `pairs` pairs of all families, made f64 in one way, in blocks; by the rayon pool of the caller. Pairs with a
 /// coordinate beyond 2^125 are left out.
 pub fn cases_in_f64(
     way: InF64,

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 /// A way to tell whether two triangles meet.
 #[derive(Clone, Copy, Debug)]
 pub struct Test<T = Triangle> {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
     /// The test.
     pub meets: fn(&T, &T) -> bool,
@@ -77,7 +77,7 @@ impl Tally {
         1e6 * count as f64 / self.pairs.max(1) as f64
     }
 
-    /// What the rate of errors, per million, does not exceed with 95 % confidence where none was seen: 3/N.
+    /// The rate of errors, per million, that is not exceeded with 95 % confidence where no error was seen: 3/N.
     pub fn bound(&self) -> f64 {
         3e6 / self.pairs.max(1) as f64
     }

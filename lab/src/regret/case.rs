@@ -21,7 +21,7 @@ pub enum Verb {
     Count,
 }
 
-/// What moves in a frame; all else stays where it is.
+/// The objects or vertices that move in a frame; all others stay where they are.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Moved {
     /// Objects, and where each is now.
@@ -101,7 +101,7 @@ impl Moved {
 }
 
 impl Verb {
-    /// What tables call it.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::All => "all",
@@ -122,8 +122,8 @@ impl Verb {
         }
     }
 
-    /// Asks for what every executor must answer alike: all pairs, as a hash, or a number. Which pair `any`
-    /// finds is anyone's choice.
+    /// Asks for what every executor must answer alike: all pairs, as a hash, or a number. Executors may differ
+    /// in the pair that `any` finds.
     ///
     /// # Errors
     /// Fails as the player does.

@@ -70,7 +70,7 @@ impl Cloth {
             scene.positions(moment, &mut positions);
             positions
         };
-        // What does not go through the scene goes from one of these to the other, or part of the way.
+        // Motions that do not go through the scene stay at the first of these or go from it towards the second.
         let ends = [at(first), at(first + 1)];
         let positions = |frame: usize, random: &mut ChaCha8Rng| match self.motion {
             Motion::Open => at(frame % 4),

@@ -129,7 +129,7 @@ impl Crowd {
         })
     }
 
-    /// What moves in a frame; in the first all bodies are placed.
+    /// The bodies that move in a frame, with their poses; in the first frame all bodies are placed.
     fn moves(
         &self,
         frame: usize,

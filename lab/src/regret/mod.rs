@@ -1,4 +1,4 @@
-//! What a plan costs that was chosen, against the best of all that never change: its regret.
+//! The regret of the plans that an executor chooses: their cost against that of the best plan that never changes.
 //!
 //! Regret is the chooser's time for a whole case, deciding included, over that of the best fixed plan, minus
 //! one; the best is known only afterwards, and may be another for each case. It is the one over which the chooser

@@ -167,7 +167,7 @@ pub fn race(case: &Case, field: &Field, effort: &Effort) -> Result<Row> {
     })
 }
 
-/// What one took over what another did in the same round, the median; 0 where the other did not play.
+/// The time of one over that of another in the same round, as a median; 0 where the other did not play.
 fn over(own: &[f64], other: &[f64]) -> f64 {
     let mut ratios: Vec<_> = own.iter().zip(other).map(|(own, other)| own / other).collect();
     let upper = median(&mut ratios);
@@ -189,7 +189,7 @@ fn play(case: &Case, executor: &Executor) -> Result<f64> {
     Ok(clock.elapsed().as_secs_f64())
 }
 
-/// What the executor that chooses does, after everything else.
+/// Counts the plans of the executor that chooses, in a run after everything else.
 fn watch(case: &Case, chooser: &Executor) -> Result<Tally> {
     let mut player = Player::new(case.fresh(), &chooser.into())?;
     let mut tally = Tally::default();
@@ -206,7 +206,7 @@ fn watch(case: &Case, chooser: &Executor) -> Result<Tally> {
 /// The first round.
 struct Rehearsal<'c> {
     case: &'c Case,
-    /// What the first player found in each frame.
+    /// The digests of the first player's answers, one for each frame.
     digests: Vec<u64>,
 }
 

@@ -101,7 +101,7 @@ pub(super) fn samples() -> [Recipe; 3] {
 }
 
 impl Recipe {
-    /// What tables call the case.
+    /// The name of the case in tables.
     pub fn name(&self) -> String {
         let kind = match self.actors {
             Actors::Pair(_) => "pair",

@@ -1,4 +1,4 @@
-//! What a case came to, and what all cases did.
+//! The results of a case, and of all cases together.
 
 use super::case::Verb;
 use crate::tally::Tally;
@@ -38,7 +38,7 @@ const UPLOAD: f64 = 10e-9;
 pub struct Row {
     /// The case.
     pub name: String,
-    /// What moves, and how.
+    /// The motion, and the shapes that move.
     pub class: String,
     /// The triangles of all bodies together.
     pub triangles: usize,
@@ -46,7 +46,7 @@ pub struct Row {
     pub bodies: usize,
     /// Number of frames.
     pub frames: usize,
-    /// What was asked.
+    /// The question.
     pub verb: Verb,
     /// How many rounds were counted.
     pub rounds: usize,
@@ -56,7 +56,7 @@ pub struct Row {
     pub fixed: Vec<Lane>,
     /// The time of the chooser.
     pub chooser: f64,
-    /// What was chosen, once everything was warm.
+    /// The backends that were chosen, once everything was warm.
     pub tally: Tally,
     /// By how much the fixed plan that played twice in each round took longer than itself, as a share; less than
     /// nothing if it took less.
@@ -192,7 +192,7 @@ fn time(seconds: f64) -> String {
     }
 }
 
-/// Writes a line for each row, with times in milliseconds. What was not played to the end has none.
+/// Writes a line for each row, with times in milliseconds. Plans that were not played to the end have no time.
 ///
 /// # Errors
 /// If it cannot be written.

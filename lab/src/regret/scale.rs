@@ -7,8 +7,8 @@ pub struct Scale {
     pub triangles: usize,
     /// Bodies of a scene.
     pub bodies: usize,
-    /// What all frames may take one thread, at a guess; one frame may take more. It bounds what frames take of
-    /// memory, too: 2 seconds are some 200 MB.
+    /// The time that all frames may take one thread, at a guess; one frame may take more. It bounds what frames
+    /// take of memory, too: 2 seconds are some 200 MB.
     pub seconds: f64,
 }
 

@@ -12,7 +12,7 @@ use pfront_testkit::scenes::{Scene, icosphere, round, torus_knot};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// What a mesh can be.
+/// The shape of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     /// Triangles in a ball, each where it likes.

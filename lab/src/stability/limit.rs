@@ -9,9 +9,9 @@
 //!   share. Nothing in the last frame tells of it, so that the most by which a node has risen that was not worth
 //!   splitting comes on top of 1. (With 1024 workers of 452 box tests each a sheet has one frame in 60 with 1.95.)
 //! - Below [`THIN`] box tests a worker, about a microsecond, a single node that is too small to be worth
-//!   splitting is most of what a worker does. What dominates then counts everywhere, and more so the further its
-//!   estimate is off: no forecast meets the limits (measured with 1024 workers of 26 tests each: 12 in a first
-//!   frame, where p·w_max/W is 2.4).
+//!   splitting is most of what a worker does. The node that dominates then counts in every limit, and more so the
+//!   further its estimate is off: no forecast meets the limits (measured with 1024 workers of 26 tests each: 12 in a
+//!   first frame, where p·w_max/W is 2.4).
 
 use pfront::pfront_core::bvtt::{Cursor, NodePair, Query};
 use std::collections::HashMap;
@@ -38,7 +38,7 @@ pub enum Bound {
     Scarce,
 }
 
-/// What no partition can help, relative to what a worker has to do on average.
+/// The imbalance that no partition can avoid, and what it comes from.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hardness {
     /// p·w_max/W.
@@ -62,7 +62,7 @@ impl Bound {
         }
     }
 
-    /// What the limit is where workers have much to do.
+    /// The limit where workers have much to do.
     pub fn usual(self, Hardness { dominance, .. }: Hardness) -> f64 {
         match self {
             Self::None => f64::INFINITY,
@@ -106,7 +106,7 @@ impl Census {
         self.costs.insert(n, cost);
     }
 
-    /// What a BVTT node costs, and the dearest at or below it that no front splits.
+    /// The cost of a BVTT node, and that of the dearest node at or below it that no front splits.
     fn cost_and_w_max(&mut self, query: &impl Query, n: NodePair) -> (f64, f64) {
         let (mut children, mut count) = ([NodePair::default(); 4], 0);
         let tests = query.children(n, &mut |child, _| {

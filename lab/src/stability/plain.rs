@@ -47,7 +47,7 @@ impl Plain {
         Self { workers: workers.max(1), grain, last, report }
     }
 
-    /// What the last frame did: shares, nodes and tests, as [`pfront::threads::Traversal`] counts them.
+    /// The report of the last frame: shares, nodes and tests, as [`pfront::threads::Traversal`] counts them.
     pub fn report(&self) -> &Report {
         &self.report
     }
@@ -151,7 +151,7 @@ impl Plain {
 }
 
 /// Sorts a front by cost and gives each node to the worker with the least so far; returns whose each is.
-/// Comparisons are plain ones, so that costs that are no numbers do what they would do in print.
+/// Comparisons are plain ones, so that costs that are NaN do what they would do in print.
 fn deal(front: &mut [Node], workers: usize) -> Vec<usize> {
     front.sort_by(|x, y| y.cost.total_cmp(&x.cost));
     let mut loads = vec![0.0; workers];

@@ -9,7 +9,7 @@ use pfront::threads::{Pool, Report, Schedule, Settings, Traversal};
 use pfront::{Model, Pose, TrianglePair};
 use std::ops::ControlFlow;
 
-/// What the oracle looks at: no more triangle tests than it does in about a second.
+/// The most triangle tests of a frame that the oracle looks at: as many as it does in about a second.
 const ORACLE: u64 = 150_000;
 
 /// The g of the matrix.
@@ -29,7 +29,7 @@ impl Method {
     /// All of them.
     pub const ALL: [Self; 2] = [Self::Ours, Self::Printed];
 
-    /// What tables call it.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ours => "pfront, g = 16",
@@ -71,10 +71,10 @@ impl Divider {
     }
 }
 
-/// What a frame came to.
+/// The result of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// What happened in it.
+    /// The name of what happened in it.
     pub what: &'static str,
     /// Whether the pairs were those that one core finds, and the oracle where it looked.
     pub right: bool,
@@ -82,7 +82,7 @@ pub struct Frame {
     pub finite: bool,
     /// Busiest worker over mean.
     pub imbalance: f64,
-    /// What that may be.
+    /// The limit of the imbalance.
     pub limit: f64,
     /// Whether the limit is wider than usual, as workers had so little to do, see [`Hardness`].
     pub widened: bool,
@@ -162,7 +162,7 @@ struct Player<'t> {
     dividers: Vec<Divider>,
     by_oracle: usize,
     census: Census,
-    /// What happened in the last frame.
+    /// The name of what happened in the last frame.
     last: &'static str,
     tick: &'t mut dyn FnMut(),
 }
@@ -232,7 +232,7 @@ fn sorted(pairs: Vec<(u32, u32)>) -> Vec<TrianglePair> {
     pairs.into_iter().map(|(a, b)| TrianglePair { a, b }).collect()
 }
 
-/// What one core finds, sorted, and its triangle tests.
+/// The pairs that one core finds, sorted, and the number of its triangle tests.
 fn one_core(query: &impl Query) -> (Vec<TrianglePair>, u64) {
     let (mut pairs, mut cursor) = (Vec::new(), query.start());
     // Never broken off.

@@ -38,7 +38,7 @@ pub const ROWS: [Row; 12] = [
 /// A figure and its limit, for one method and number of workers.
 #[derive(Clone, Debug)]
 pub struct Finding {
-    /// What was measured.
+    /// The name of the figure.
     pub measure: &'static str,
     /// The method that was measured.
     pub method: Method,
@@ -46,7 +46,7 @@ pub struct Finding {
     pub workers: usize,
     /// The worst figure: that nearest to its limit, or farthest beyond.
     pub figure: f64,
-    /// What it may be.
+    /// The limit of the figure.
     pub limit: f64,
     /// Where it was found.
     pub place: String,
@@ -92,7 +92,7 @@ impl Finding {
     }
 }
 
-/// What a row came to.
+/// The results of a row.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
     /// The frames of its scenes.

@@ -8,7 +8,7 @@ use pfront_testkit::MeshData;
 /// One frame to come.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// What happens in it.
+    /// The name of what happens in it.
     pub what: &'static str,
     /// How far it may be out of balance.
     pub bound: Bound,

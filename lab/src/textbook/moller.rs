@@ -40,8 +40,8 @@ fn largest(v: Vec3) -> usize {
     if x >= y && x >= z { 0 } else { if y >= z { 1 } else { 2 } }
 }
 
-/// What a triangle covers of the line, by its corners' places along it and their distances from the other
-/// plane; `None` if all these are zero.
+/// The interval of the line that a triangle covers, by the places of its corners along it and their distances
+/// from the other plane; `None` if all these are zero.
 fn interval(p: [f32; 3], d: [f32; 3]) -> Option<[f32; 2]> {
     // The corner that is alone on its side.
     let alone = if d[0] * d[1] > 0.0 {

@@ -1,7 +1,7 @@
-//! What parry3d does for two triangles, as for all its convex shapes: GJK.
+//! The test of parry3d for two triangles, as for all its convex shapes: GJK.
 //!
-//! It panics where its arithmetic overflows (coordinates near the ends of the range of f32). That is caught,
-//! without a word on standard error, and passes for "they meet".
+//! It panics where its arithmetic overflows (coordinates near the ends of the range of f32). The panic is
+//! caught, without a word on standard error, and passes for "they meet".
 
 use parry3d::math::{Pose, Vec3};
 use parry3d::query::details::intersection_test_support_map_support_map;

@@ -159,7 +159,7 @@ fn fronts_are_balanced_and_passes_are_timed() {
     assert!(refused(at, "passes sheet --budget 100").contains("minimum"));
 }
 
-/// Which hides the page of the kernel that tells the time.
+/// Valgrind hides the page of the kernel that tells the time.
 #[cfg(target_os = "linux")]
 #[test]
 fn replays_run_under_valgrind() {

@@ -1,4 +1,4 @@
-// Boxes in the frame of the query. What is posed is padded for roundings in either direction and flushed
+// Boxes in the frame of the query. A posed box is padded for roundings in either direction and flushed
 // subnormal numbers: it contains every posed corner (accuracy.md, with 2^-23 for the unit).
 
 struct Box {

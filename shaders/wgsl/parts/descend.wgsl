@@ -32,8 +32,8 @@ struct Placed {
     reference: u32,
     run: u32,
     is_leaf: bool,
-    // Children come after their parents. What a buffer holds that nothing was written to is no
-    // tree, and not followed: a descent ends whatever it reads.
+    // Children come after their parents. Nodes where they do not, in a buffer that was not written
+    // to, are not followed: a descent ends whatever it reads.
     is_sound: bool,
 }
 
@@ -56,7 +56,8 @@ fn placed_node(side: u32, index: u32, node: Node, run: u32) -> Placed {
 }
 
 // Puts a pair of nodes in its place, if their boxes overlap: in a stretch of the queue that has
-// room for so many. What the host divides a question by serves others, too, in which they may.
+// room for so many. Pairs whose boxes do not are kept where the host divides a question
+// (`keep_leaves`): its parts serve others, too, in which they may.
 fn visit(a: Placed, b: Placed, half: u32, room: u32) {
     let is_apart = (step.keep_leaves == 0u) & !overlap(a.box, b.box);
     if is_apart || !a.is_sound || !b.is_sound {

@@ -162,8 +162,8 @@ fn seen_with_area(a: vec3u, b: vec3u) -> Seen {
     return Seen(3u, vec2i(0));
 }
 
-// Triangles of one plane: whether the line along one edge separates them. Of neighbours it is the
-// edge of each opposite to the first corner that may meet the other: a segment has 1 edge.
+// Triangles of one plane: whether the line along one edge separates them. Neighbours are tested by
+// the edge of either opposite to its first corner, against the other: a segment has 1 edge.
 fn flat_reply(pair: Pair, member: u32) -> u32 {
     let seen = seen_with_area(pair.a, pair.b);
     if seen.axis == 3u {

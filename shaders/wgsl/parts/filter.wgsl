@@ -69,7 +69,7 @@ fn error_bound(permanent: f32, most: vec3f) -> f32 {
     return bound;
 }
 
-// What the error of coordinates can make of a determinant whose rows are within `most`: it is linear in each of them, and
+// The most that errors of coordinates change a determinant whose rows are within `most`: it is linear in each of them, and
 // has six products. A sixtieth more covers the roundings here.
 fn shadow_error(most: vec3f) -> f32 {
     let e = query.error;

@@ -3,7 +3,7 @@
 // A workgroup reads the boxes that it has fitted from its own memory. In storage they are only written:
 // a barrier orders the storage accesses of a workgroup in WGSL, but naga 30 does not decorate the buffer
 // as coherent, and where invocations of a workgroup have caches of their own they may read old boxes
-// (gfx-rs/wgpu#9221). What an earlier dispatch has written is read from storage.
+// (gfx-rs/wgpu#9221). Boxes that an earlier dispatch has written are read from storage.
 
 @group(0) @binding(0) var<storage, read_write> nodes: array<Node>;
 @group(0) @binding(1) var<storage, read_write> corners: array<Corner>;

@@ -123,7 +123,7 @@ fn surface(extent: vec3u) -> u32 {
     return e.x * e.y + e.y * e.z + e.z * e.x;
 }
 
-// Sorts each run along the axis that costs least (Batcher 1968). What is at the same place stays in order.
+// Sorts each run along the axis that costs least (Batcher 1968). Triangles at the same place stay in order.
 fn sort_runs(lane: u32, level: u32) {
     let size = BLOCK >> level;
     for (var i = lane; i < BLOCK; i += GROUP) {

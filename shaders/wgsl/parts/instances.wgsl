@@ -3,8 +3,8 @@
 //
 // Nodes, slots and triangles of the first side are virtual: every pair of bodies has a run of ids of its own, in
 // whose order that of the hits is right. A run takes whole blocks of 2^`query.pair_shift` ids, and each
-// block has the row of its pair, so that finding it takes a shift and no search. Of the second side they are what
-// they are in the arrays, but for triangles, which are numbered within their mesh.
+// block has the row of its pair, so that finding it takes a shift and no search. Nodes and slots of the second side
+// are those of the arrays, and its triangles are numbered within their mesh.
 
 struct InstancePair {
     // The second body, seen from the frame in which boxes are compared.

@@ -20,7 +20,7 @@ fn half_box(triangle: u32) -> HalfBox {
     return HalfBox(min(min(a, b), c), max(max(a, b), c));
 }
 
-// How many cells of a grid of 2^bits go to a unit. What is too small to be divided is in one cell.
+// How many cells of a grid of 2^bits go to a unit. An extent that is too small to be divided has one cell.
 fn cells_of(extent: f32, bits: u32) -> f32 {
     return select(0.0, f32(1u << bits) / extent, extent > 1e-30);
 }

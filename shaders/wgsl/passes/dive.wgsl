@@ -2,8 +2,8 @@
 // left over: looks for one hit of each, depth-first, a workgroup for each node pair.
 //
 // A breadth-first descent would do all the box tests of a pair of bodies that meet, and this does about as many
-// as one thread. Once it has found a hit it drops the rest. What f32 leaves open is left to `decide`, which
-// also writes the hits; a workgroup that has found much of that, or has taken long, hands its stack on.
+// as one thread. Once it has found a hit it drops the rest. Pairs that f32 leaves open are left to `decide`, which
+// also writes the hits; a workgroup that has found many of these, or has taken long, hands its stack on.
 
 // Triangle pairs whose boxes overlap.
 var<workgroup> waiting: array<vec2u, 2 * GROUP>;

@@ -119,7 +119,7 @@ fn test_boxes(runs: vec2u, which: u32) {
 }
 
 // Keeps a triangle pair unless a plane of either has the other on one side, but for corners in common: cheap, the same for
-// neighbours as for others, and the end of nearly all. What neighbours need beyond that would make all others wait.
+// neighbours as for others, and the end of nearly all. The further tests that neighbours need would make all others wait.
 fn test_planes(slots: vec2u) {
     doubt = false;
     turn_to_pair_of(slots.x);

@@ -2,10 +2,10 @@
 //!
 //! The library decides signs of orientation determinants, case by case. Here there are no cases.
 //! Two convex hulls are apart exactly if a plane separates them strictly, and if any plane does, so
-//! does the one orthogonal to the shortest vector z between them (`separated`, below). That vector is a
-//! difference of two corners, or what is left of one orthogonally to an edge, or orthogonal to two
-//! edges: 78 candidates for two triangles, all of which are tried in integers. Nothing changes
-//! where triangles are segments or points, coplanar, or equal.
+//! does the one orthogonal to the shortest vector z between them (`separated`, below). The vector z is a
+//! difference of two corners, or what is left of one orthogonally to an edge, or orthogonal to two edges:
+//! 78 candidates for two triangles, all of which are tried in integers. Nothing changes where triangles are
+//! segments or points, coplanar, or equal.
 
 mod crossing;
 mod lattice;

@@ -1,4 +1,4 @@
-//! What a scene is.
+//! A scene: meshes, the objects made of them, and how these move.
 
 use std::fmt;
 
@@ -37,7 +37,7 @@ type PairMotion = dyn Fn(usize) -> DAffine3 + Send + Sync;
 type ManyMotion = dyn Fn(usize, &mut Vec<Rows>) + Send + Sync;
 type Deformation = dyn Fn(usize, &mut Vec<[f32; 3]>) + Send + Sync;
 
-/// What each frame is computed by.
+/// The function that computes each frame.
 pub(crate) enum Motion {
     Pair(Box<PairMotion>),
     Many(Box<ManyMotion>),

@@ -1,5 +1,5 @@
-//! What `gltf` takes for granted, checked before it does: else it panics, reads what is no position, or
-//! reads without end.
+//! Checks of all that `gltf` takes for granted: without them it panics, reads what is no position, or reads
+//! without end.
 
 use crate::escape::shown_path;
 use crate::mesh::budget::Budget;

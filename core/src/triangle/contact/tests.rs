@@ -120,7 +120,7 @@ fn contacts_in_f64_are_those_in_f32() {
             if extent > 1e20 || expected.is_flat {
                 continue;
             }
-            // What a scale does to coordinates it does to where they meet.
+            // The segment in which they meet is scaled as their coordinates are.
             let scale = [2f64.powi(40), 1.0, 2f64.powi(-900)];
             let scaled = |p: [f64; 3]| [0, 1, 2].map(|k: usize| p[k] * scale[k]);
             let [p, q] = [p, q].map(|t| t.map(scaled));
