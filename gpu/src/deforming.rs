@@ -1,10 +1,11 @@
 //! A mesh that moves: positions are uploaded, everything else happens on the device.
 
-use crate::build::{Built, Source, price};
+use crate::build::{Built, price};
 use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
+use crate::source::Source;
 use crate::staging::Staging;
 use crate::totals::count;
 use crate::{GpuError, GpuModel};
@@ -76,7 +77,9 @@ impl Deforming {
     /// # Complexity
     /// O(triangles).
     pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, GpuError> {
-        let (model, source) = (GpuModel::new(gpu, bvh)?, Source::new(gpu, bvh.mesh())?);
+        GpuModel::check_precision(bvh.mesh())?;
+        let source = Source::new(gpu, bvh.mesh())?;
+        let model = GpuModel::of_source(gpu, bvh, &source)?;
         let schedule = Schedule::new(bvh.nodes());
         let refit = schedule.sequence(gpu, [&model.nodes, &model.corners], 0, &source.positions)?;
         // A rebuild keeps to leaves of this size.
@@ -98,6 +101,7 @@ impl Deforming {
     /// # Complexity
     /// O(vertices + triangles) on the host, which waits for nothing, and on the device.
     pub fn build(gpu: &Gpu, mesh: Mesh<'_>, options: &BuildOptions) -> Result<Self, GpuError> {
+        GpuModel::check_precision(mesh)?;
         let source = Source::new(gpu, mesh)?;
         count(&gpu.counted().uploads);
         let bounds = Aabb::of(mesh.shadow());
@@ -190,7 +194,7 @@ impl Deforming {
     /// them it takes twice as many.
     #[must_use]
     pub fn is_worn(&self) -> bool {
-        self.model.wear.is_due(price(self.source.triangle_count(), self.options))
+        self.model.wear.is_due(price(self.source.count, self.options))
     }
 
     /// The same in an encoder of the caller's, which has to be submitted before anything else is asked

@@ -6,8 +6,8 @@ use crate::pass::{Arithmetic, Pass, Target};
 use crate::totals::Totals;
 use crate::{GpuError, GpuSettings, GpuTotals, probe};
 use pfront_shaders::{
-    DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, NARROW, NARROW_INSTANCES,
-    ORDER, SAMPLE, SEED, SETTLE,
+    DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, GATHER, NARROW,
+    NARROW_INSTANCES, ORDER, SAMPLE, SEED, SETTLE,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -57,6 +57,7 @@ pub(crate) struct Passes {
     pub(crate) sample: Pass,
     pub(crate) deal: Pass,
     pub(crate) settle: Pass,
+    pub(crate) gather: Pass,
 }
 
 /// The passes that read meshes.
@@ -152,6 +153,7 @@ impl Gpu {
             sample: pass(&SAMPLE)?,
             deal: pass(&DEAL)?,
             settle: pass(&SETTLE)?,
+            gather: pass(&GATHER)?,
         };
         let gpu = Self {
             shared: Arc::new(Shared {

@@ -42,6 +42,7 @@ mod results;
 mod schedule;
 mod sequence;
 mod settings;
+mod source;
 mod staging;
 mod task;
 #[cfg(test)]

@@ -4,6 +4,7 @@ use crate::GpuError;
 use crate::buffer::Usage;
 use crate::gpu::Gpu;
 use crate::layout::Corner;
+use crate::source::Source;
 use crate::totals::count;
 use crate::wear::Wear;
 use pfront_core::{Aabb, Bvh, Mesh, Node};
@@ -21,7 +22,8 @@ pub(crate) const MOST_SEEDS: usize = 128;
 /// leaves: the triangles of a leaf are one run of memory, where indices into vertices would be three
 /// loads that wait for each other.
 ///
-/// Takes 52 bytes a triangle and 32 a node (about 21 a triangle with the default leaf size).
+/// Takes 52 bytes a triangle and 32 a node (about 21 a triangle with the default leaf size), and 12 a triangle and a vertex more
+/// until the device has gathered the corners.
 #[derive(Debug)]
 pub struct GpuModel {
     pub(crate) id: u64,
@@ -62,20 +64,22 @@ impl GpuModel {
     /// # Complexity
     /// O(triangles).
     pub fn new(gpu: &Gpu, bvh: Bvh<'_>) -> Result<Self, GpuError> {
+        Self::of_source(gpu, bvh, &Source::new(gpu, bvh.mesh())?)
+    }
+
+    /// The same of a mesh that is there.
+    pub(crate) fn of_source(gpu: &Gpu, bvh: Bvh<'_>, source: &Source) -> Result<Self, GpuError> {
         Self::check_size(bvh.order().len())?;
         let (level, seeds) = seeds(bvh.nodes());
-        let mesh = bvh.mesh();
-        let triangles = bvh.order().iter().map(|&t| mesh.triangles()[t as usize]);
-        let corner = |vertex: u32| Corner { position: mesh.shadow()[vertex as usize], vertex };
-        let corners: Vec<Corner> = triangles.flat_map(|t| t.map(corner)).collect();
+        let order = gpu.upload("the order of the triangles", bvh.order(), Usage::Input)?;
         let depth = bvh.depth() as u32;
         count(&gpu.counted().uploads);
         Ok(Self {
             id: Self::next_id(),
             device: gpu.id(),
             nodes: gpu.upload("the nodes", bvh.nodes(), Usage::Input)?,
-            corners: gpu.upload("the triangles", &corners, Usage::Input)?,
-            order: gpu.upload("the order of the triangles", bvh.order(), Usage::Input)?,
+            corners: source.corners(gpu, &order)?,
+            order,
             seeds: gpu.upload("the seeds", &seeds, Usage::Input)?,
             seed_count: seeds.len() as u32,
             root: bvh.aabb().map_or(LEAF, |_| reference(bvh.nodes(), 0)),
@@ -83,7 +87,7 @@ impl GpuModel {
             depth_below_seeds: depth - level,
             leaf_size: bvh.nodes().iter().map(|node| node.count).fold(1, u32::max),
             bounds: bvh.aabb(),
-            is_shadow: mesh.is_f64(),
+            is_shadow: bvh.mesh().is_f64(),
             wear: Arc::default(),
         })
     }

@@ -141,6 +141,9 @@ pub const DEAL: Pass = pass!("deal", LAYOUT, GROUP, RANKING);
 /// Hits in order.
 pub const SETTLE: Pass = pass!("settle", LAYOUT, GROUP, RANKING, RANK);
 
+/// Corners of a mesh in the order of its leaves.
+pub const GATHER: Pass = pass!("gather", LAYOUT, SOURCE);
+
 /// Boxes and corners of a mesh that has moved.
 pub const REFIT: Pass = pass!("refit", LAYOUT, ORDERED, SOURCE, FITTED);
 
@@ -169,7 +172,7 @@ pub const FIT: Pass = pass!("fit", LAYOUT, BALANCED, ORDERED, SOURCE, FITTED);
 pub const PROBE: Pass = pass!("probe", NOTHING, PLACE, SOFT, WIDE);
 
 /// Every pass.
-pub const PASSES: [Pass; 21] = [
+pub const PASSES: [Pass; 22] = [
     SEED,
     EXPAND,
     NARROW,
@@ -182,6 +185,7 @@ pub const PASSES: [Pass; 21] = [
     SAMPLE,
     DEAL,
     SETTLE,
+    GATHER,
     REFIT,
     SURVEY,
     KEYS,

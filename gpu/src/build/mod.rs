@@ -19,23 +19,14 @@ use crate::buffer::Usage;
 use crate::layout::{Corner, Cut};
 use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
+use crate::source::Source;
 use crate::{Gpu, GpuError, GpuModel};
 use pfront_core::bvh::BuildOptions;
-use pfront_core::{Aabb, Mesh, Node};
+use pfront_core::{Aabb, Node};
 use pfront_shaders::constants::{CUT_BITS, LEAF};
 use shape::Balanced;
 use sort::Sort;
 use std::sync::Arc;
-use wgpu::Buffer;
-
-/// The mesh that a tree is built of.
-#[derive(Debug)]
-pub(crate) struct Source {
-    pub(crate) positions: Buffer,
-    pub(crate) triangles: Buffer,
-    pub(crate) vertices: usize,
-    count: usize,
-}
 
 /// A model with how it is built, as often as wanted, and how it is refitted.
 #[derive(Debug)]
@@ -45,29 +36,10 @@ pub(crate) struct Built {
     pub(crate) refit: Sequence,
 }
 
-impl Source {
-    pub(crate) fn new(gpu: &Gpu, mesh: Mesh<'_>) -> Result<Self, GpuError> {
-        GpuModel::check_precision(mesh)?;
-        let (positions, triangles) = (mesh.shadow(), mesh.triangles());
-        Ok(Self {
-            vertices: positions.len(),
-            count: triangles.len(),
-            positions: gpu.upload("the positions", positions, Usage::Input)?,
-            triangles: gpu.upload("the vertices of triangles", triangles, Usage::Input)?,
-        })
-    }
-}
-
 /// The box tests that take about as long as a build: each of its passes visits all triangles.
 pub(crate) fn price(triangles: usize, options: BuildOptions<'_>) -> u64 {
     let shape = Balanced::new(triangles as u32, options);
     triangles as u64 * u64::from(shape.map_or(0, Balanced::passes))
-}
-
-impl Source {
-    pub(crate) fn triangle_count(&self) -> usize {
-        self.count
-    }
 }
 
 impl Built {

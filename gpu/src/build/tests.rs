@@ -1,11 +1,12 @@
 //! The sort and the tree it gives, read back from the device.
 
-use super::{Built, Source, sort::Sort};
+use super::{Built, sort::Sort};
 use crate::groups::EXTRA;
 use crate::layout::{Build, Corner};
 use crate::pass::Target;
 use crate::read::read_now;
 use crate::sequence::Sequence;
+use crate::source::Source;
 use crate::{Gpu, GpuQuery, GpuQuestion};
 use bytemuck::{Pod, Zeroable};
 use pfront_core::bvh::node_bound;
