@@ -31,7 +31,6 @@ pub(crate) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), Error> {
 ///
 /// # Errors
 /// As [`reserve`].
-#[cfg(any(feature = "threads", feature = "gpu"))]
 pub(crate) fn extend<T>(
     list: &mut Vec<T>,
     items: impl ExactSizeIterator<Item = T>,

@@ -10,7 +10,7 @@ use super::job::Job;
 use super::outcome::Outcome;
 use super::shown::Shown;
 use crate::Error;
-use crate::executor::{Device, Gathered, Reader, Seat, Slot, Verb, Work, merge_open, read};
+use crate::executor::{Device, Gathered, Reader, Seat, Slot, Verb, Work, check, merge_open, read};
 use crate::gpu::GpuQuery;
 use crate::memory::{push, reserve};
 use std::collections::VecDeque;
@@ -40,7 +40,7 @@ pub(super) fn submit(
         failure: None,
         job,
     };
-    let seat = reader.add(Box::new(answering), outcome.flag())?;
+    let seat = reader.add(Box::new(answering), outcome.flag().clone())?;
     Ok((outcome, Some(seat)))
 }
 
@@ -134,9 +134,7 @@ impl Answering {
             return Err(failure);
         }
         while !self.parts.is_empty() || !self.in_flight.is_empty() {
-            if self.outcome.is_over() {
-                return Err(Error::Cancelled);
-            }
+            check(Some(self.outcome.flag()))?;
             // The ticket whose turn it is never waits for those after it.
             let slot = match self.in_flight.len() {
                 0 => Some(self.device.slot_at_once()),
@@ -159,19 +157,19 @@ impl Answering {
                 let pairs: Vec<_> =
                     numbers.iter().filter_map(|&n| self.job.questions[n].pair_in_f32()).collect();
                 let mut world = Box::new(self.device.lend_gathered()?);
-                world.set_cancel(Some(self.outcome.flag()));
+                world.set_cancel(Some(self.outcome.flag().clone()));
                 world.submit(&pairs, self.job.verb)?;
                 Submitted::World(world)
             }
             &Part::One(number) => {
                 let mut lists = Box::new(self.device.lend()?);
-                lists.set_cancel(Some(self.outcome.flag()));
+                lists.set_cancel(Some(self.outcome.flag().clone()));
                 self.submit_one(number, &mut lists)?;
                 if self.job.questions.len() == 1 && self.device.show() {
                     let buffers = [lists.hits_buffer(), lists.count_buffer()].map(Clone::clone);
                     let shown =
                         Shown { device: self.device.clone(), buffers, lists: Mutex::default() };
-                    self.outcome.show(shown);
+                    self.outcome.shown.show(shown);
                 }
                 Submitted::Query(lists)
             }
@@ -237,9 +235,7 @@ impl Answering {
                 for &number in part.questions() {
                     let mut steps = Steps::part(self.job.clone(), number..number + 1);
                     while !steps.step()? {
-                        if self.outcome.is_over() {
-                            return Err(Error::Cancelled);
-                        }
+                        check(Some(self.outcome.flag()))?;
                     }
                     found = steps.found;
                 }
@@ -257,7 +253,7 @@ impl Answering {
             }
             Submitted::Query(mut lists) => {
                 lists.set_cancel(None);
-                self.device.take_back(self.outcome.keep(*lists));
+                self.device.take_back(self.outcome.shown.keep(*lists));
             }
             Submitted::Nothing => {}
         }

@@ -1,21 +1,16 @@
 //! The outcome of a submission: what a ticket and those who work for it share.
 
 use super::found::Found;
-use crate::Error;
-#[cfg(any(feature = "threads", feature = "gpu"))]
-use crate::environment::with_default;
-#[cfg(any(feature = "threads", feature = "gpu"))]
-use std::panic::{AssertUnwindSafe, catch_unwind};
 #[cfg(feature = "gpu")]
-use std::sync::OnceLock;
+use super::shown::ShownLists;
+use crate::Error;
+use crate::environment::with_default;
+use crate::executor::wait_in_pool;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::task::{Poll, Waker};
 use std::time::{Duration, Instant};
-
-/// A thread of a pool looks so often whether there is work that only it can do.
-#[cfg(feature = "threads")]
-const IDLE: Duration = Duration::from_micros(100);
 
 /// The outcome, once there is one.
 #[derive(Debug, Default)]
@@ -24,9 +19,8 @@ pub(super) struct Outcome {
     known: Condvar,
     /// Nobody works on it any longer.
     cancel: Arc<AtomicBool>,
-    /// The lists of a GPU, whose buffers the ticket shows: others get them when this is dropped.
     #[cfg(feature = "gpu")]
-    shown: OnceLock<super::shown::Shown>,
+    pub(super) shown: ShownLists,
 }
 
 #[derive(Debug)]
@@ -60,7 +54,6 @@ impl Outcome {
     }
 
     /// Runs a part of the work in the default floating-point environment, in which an error or a panic is the outcome.
-    #[cfg(any(feature = "threads", feature = "gpu"))]
     pub(super) fn guard<R>(&self, work: impl FnOnce() -> Result<R, Error>) -> Option<R> {
         // After a panic nobody looks at what the work has left.
         match catch_unwind(AssertUnwindSafe(|| with_default(work))) {
@@ -69,27 +62,6 @@ impl Outcome {
             Err(_) => self.set(Err(Error::Panicked)),
         }
         None
-    }
-
-    /// Has the ticket show buffers of a GPU.
-    #[cfg(feature = "gpu")]
-    pub(super) fn show(&self, shown: super::shown::Shown) {
-        let _ = self.shown.set(shown);
-    }
-
-    /// The buffers of hits and counters, if the ticket shows them.
-    #[cfg(feature = "gpu")]
-    pub(super) fn buffers(&self) -> Option<&[crate::gpu::wgpu::Buffer; 2]> {
-        self.shown.get().map(|shown| &shown.buffers)
-    }
-
-    /// Keeps the lists whose buffers the ticket shows; else returns them.
-    #[cfg(feature = "gpu")]
-    pub(super) fn keep(&self, lists: crate::gpu::GpuQuery) -> Option<crate::gpu::GpuQuery> {
-        match self.shown.get() {
-            Some(shown) => shown.keep(lists),
-            None => Some(lists),
-        }
     }
 
     /// Makes [`Error::Cancelled`] the outcome, unless it has been handed out.
@@ -101,16 +73,10 @@ impl Outcome {
         }
     }
 
-    /// Whether nobody needs to work on it.
+    /// The flag that says that nobody needs to work on it.
     #[cfg(any(feature = "threads", feature = "gpu"))]
-    pub(super) fn is_over(&self) -> bool {
-        self.cancel.load(Relaxed)
-    }
-
-    /// The flag that says so.
-    #[cfg(any(feature = "threads", feature = "gpu"))]
-    pub(super) fn flag(&self) -> Arc<AtomicBool> {
-        self.cancel.clone()
+    pub(super) fn flag(&self) -> &Arc<AtomicBool> {
+        &self.cancel
     }
 
     pub(super) fn is_known(&self) -> bool {
@@ -152,22 +118,14 @@ impl Outcome {
     pub(super) fn wait(&self, until: Option<Instant>) {
         let left = || until.map(|until| until.saturating_duration_since(Instant::now()));
         loop {
-            let mut most = left();
+            let most = left();
             if self.is_known() || most == Some(Duration::ZERO) {
                 return;
             }
-            #[cfg(feature = "threads")]
-            match crate::threads::rayon::yield_now() {
-                Some(crate::threads::rayon::Yield::Executed) => continue,
-                Some(crate::threads::rayon::Yield::Idle) => {
-                    most = Some(most.map_or(IDLE, |most| most.min(IDLE)));
-                }
-                None => {}
-            }
+            let Some(most) = wait_in_pool(most.unwrap_or(Duration::MAX)) else { continue };
             let is_pending = |state: &mut State| matches!(state, State::Pending(_));
-            let (state, most) = (self.state(), most.take().unwrap_or(Duration::MAX));
             // A lock that a panic has poisoned guards a state that is whole.
-            let _ = self.known.wait_timeout_while(state, most, is_pending);
+            let _ = self.known.wait_timeout_while(self.state(), most, is_pending);
         }
     }
 
@@ -177,9 +135,10 @@ impl Outcome {
     }
 }
 
-#[cfg(feature = "threads")]
 #[cfg(test)]
 mod tests {
+    #![cfg(feature = "threads")]
+
     use super::*;
     use std::panic::resume_unwind;
 
@@ -187,9 +146,9 @@ mod tests {
     fn a_panic_is_the_outcome_and_ends_all_work() {
         let outcome = Outcome::default();
         assert_eq!(outcome.guard(|| Ok(1)), Some(1));
-        assert!(!outcome.is_known() && !outcome.is_over());
+        assert!(!outcome.is_known() && !outcome.flag().load(Relaxed));
         assert_eq!(outcome.guard(|| -> Result<(), _> { resume_unwind(Box::new(0)) }), None);
-        assert!(outcome.is_known() && outcome.is_over());
+        assert!(outcome.is_known() && outcome.flag().load(Relaxed));
         // Others come too late.
         outcome.set(Ok(Found::default()));
         for _ in 0..2 {

@@ -4,7 +4,7 @@ use super::cpu::Steps;
 use super::found::Found;
 use super::job::Job;
 use super::outcome::Outcome;
-use crate::executor::CpuHistory;
+use crate::executor::{CpuHistory, check};
 use crate::memory::{push, reserve};
 use crate::threads::Pool;
 use crate::{Error, Executor};
@@ -21,7 +21,7 @@ pub(super) fn submit(executor: &Executor, pool: &Pool, job: Job) -> Arc<Outcome>
     let (outcome, threads) = (Arc::<Outcome>::default(), pool.threads());
     let count = job.questions.len();
     if count < threads {
-        let mut cpu = CpuHistory::new(&executor.clone().with_cancel(outcome.flag()));
+        let mut cpu = CpuHistory::new(&executor.clone().with_cancel(outcome.flag().clone()));
         let own = outcome.clone();
         pool.spawn(move || {
             own.guard(|| {
@@ -87,9 +87,10 @@ impl Blocks {
         {
             let block = first..count.min(first + self.size);
             let mut steps = Steps::part(self.job.clone(), block);
-            while !self.outcome.is_over() && !steps.step()? {}
-            if self.outcome.is_over() {
-                return Ok(());
+            // An outcome that is known stays.
+            check(Some(self.outcome.flag()))?;
+            while !steps.step()? {
+                check(Some(self.outcome.flag()))?;
             }
             let mut answered = self.answered.lock().unwrap_or_else(PoisonError::into_inner);
             push(&mut answered, (first, steps.found))?;

@@ -2,7 +2,7 @@
 
 use crate::executor::Device;
 use crate::gpu::{GpuQuery, wgpu};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The lists of a single question, whose buffers its ticket shows. They go back to the device when this is dropped.
 #[derive(Debug)]
@@ -14,10 +14,25 @@ pub(super) struct Shown {
     pub(super) lists: Mutex<Option<GpuQuery>>,
 }
 
-impl Shown {
-    /// Keeps the lists, unless some are kept already.
+/// The lists of a ticket, if it shows some.
+#[derive(Debug, Default)]
+pub(super) struct ShownLists(OnceLock<Shown>);
+
+impl ShownLists {
+    /// Shows buffers of a GPU, until the ticket and its outcome are dropped.
+    pub(super) fn show(&self, shown: Shown) {
+        let _ = self.0.set(shown);
+    }
+
+    /// The buffers of hits and counters, if they are shown.
+    pub(super) fn buffers(&self) -> Option<&[wgpu::Buffer; 2]> {
+        self.0.get().map(|shown| &shown.buffers)
+    }
+
+    /// Keeps the lists whose buffers are shown; else returns them.
     pub(super) fn keep(&self, lists: GpuQuery) -> Option<GpuQuery> {
-        let mut own = self.lists.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(shown) = self.0.get() else { return Some(lists) };
+        let mut own = shown.lists.lock().unwrap_or_else(PoisonError::into_inner);
         match &*own {
             Some(_) => Some(lists),
             None => own.replace(lists),

@@ -4,8 +4,7 @@ use super::cpu::Steps;
 use super::found::Found;
 use super::outcome::Outcome;
 use crate::Error;
-use crate::environment::with_default;
-use crate::executor::{Backend, Plan, Reason};
+use crate::executor::{Backend, Plan, Reason, Seat};
 use std::fmt;
 use std::future::Future;
 use std::pin::Pin;
@@ -41,8 +40,7 @@ pub struct Ticket<T> {
     answer: fn(Found) -> T,
     planned: Planned,
     /// The place in the queue of a GPU.
-    #[cfg(feature = "gpu")]
-    pub(super) seat: Option<crate::executor::Seat>,
+    pub(super) seat: Option<Seat>,
 }
 
 /// Who answers the questions of a ticket.
@@ -62,14 +60,7 @@ impl<T> Ticket<T> {
         answer: fn(Found) -> T,
         planned: Planned,
     ) -> Self {
-        Self {
-            outcome,
-            steps: steps.map(Box::new),
-            answer,
-            planned,
-            #[cfg(feature = "gpu")]
-            seat: None,
-        }
+        Self { outcome, steps: steps.map(Box::new), answer, planned, seat: None }
     }
 
     /// The backend that answers a question, and the reason; `None` if there is no such question. It is known from the
@@ -207,10 +198,11 @@ impl<T> Ticket<T> {
     /// Does a slice, if nobody else works.
     fn step(&mut self) {
         let Some(steps) = &mut self.steps else { return };
-        match with_default(|| steps.step()) {
-            Ok(false) => return,
-            Ok(true) => self.outcome.set(Ok(std::mem::take(&mut steps.found))),
-            Err(error) => self.outcome.set(Err(error)),
+        match self.outcome.guard(|| steps.step()) {
+            Some(false) => return,
+            Some(true) => self.outcome.set(Ok(std::mem::take(&mut steps.found))),
+            // The outcome says why.
+            None => {}
         }
         self.steps = None;
     }
@@ -248,7 +240,7 @@ impl<T> Ticket<T> {
     /// ```
     #[must_use]
     pub fn hits_buffer(&self) -> Option<&crate::gpu::wgpu::Buffer> {
-        self.outcome.buffers().map(|[hits, _]| hits)
+        self.outcome.shown.buffers().map(|[hits, _]| hits)
     }
 
     /// The counters of a single question, as [`Ticket::hits_buffer`].
@@ -260,7 +252,7 @@ impl<T> Ticket<T> {
     /// gets the answer, in parts, and what the buffers hold is not defined.
     #[must_use]
     pub fn count_buffer(&self) -> Option<&crate::gpu::wgpu::Buffer> {
-        self.outcome.buffers().map(|[_, count]| count)
+        self.outcome.shown.buffers().map(|[_, count]| count)
     }
 }
 
@@ -280,7 +272,6 @@ impl<T> Future for Ticket<T> {
 impl<T> Drop for Ticket<T> {
     fn drop(&mut self) {
         self.outcome.cancel();
-        #[cfg(feature = "gpu")]
         if let Some(seat) = &self.seat {
             seat.leave();
         }

@@ -75,6 +75,7 @@ pub(crate) use history::{Frame, History};
 pub(crate) use meeting::Meeting;
 pub(crate) use plan::CpuPart;
 pub use plan::{Backend, Plan, Reason};
+pub(crate) use threads::wait_in_pool;
 
 use std::fmt;
 use std::sync::Arc;

@@ -5,10 +5,15 @@ use super::{Answer, Executor, Verb};
 use crate::subject::Subject;
 use crate::{Error, Model, TrianglePair};
 
+/// Has no value.
 #[derive(Debug)]
-pub(crate) enum Device {}
+pub(crate) enum NoGpu {}
 
-impl Device {
+pub(crate) type Device = NoGpu;
+pub(crate) type Reader = NoGpu;
+pub(crate) type Seat = NoGpu;
+
+impl NoGpu {
     pub(crate) fn line(&self) -> Option<&Line> {
         match *self {}
     }
@@ -16,15 +21,19 @@ impl Device {
     pub(crate) fn is_lost_by(&self, _: &Error) -> Option<bool> {
         match *self {}
     }
+
+    pub(crate) fn leave(&self) {
+        match *self {}
+    }
 }
 
-#[derive(Debug)]
-pub(crate) enum Reader {}
-
+/// Has no mesh.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Mirrors;
+pub(crate) struct NoMirrors;
 
-impl Mirrors {
+pub(crate) type Mirrors = NoMirrors;
+
+impl NoMirrors {
     pub(crate) fn lack(&self, _: &[&Model]) -> usize {
         0
     }

@@ -7,11 +7,15 @@ use std::convert::Infallible;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
+/// Has no value.
 #[derive(Clone, Debug)]
-pub(crate) enum Pool {}
+pub(crate) enum NoPool {}
 
-impl Pool {
+pub(crate) type Pool = NoPool;
+
+impl NoPool {
     pub(crate) fn threads(&self) -> usize {
         match *self {}
     }
@@ -30,14 +34,21 @@ impl Pool {
     }
 }
 
+pub(crate) fn wait_in_pool(most: Duration) -> Option<Duration> {
+    Some(most)
+}
+
 pub(super) fn all() -> Option<Pool> {
     None
 }
 
+/// Has no value.
 #[derive(Clone, Debug)]
-pub(super) struct ThreadsHistory<N>(Infallible, PhantomData<N>);
+pub(super) struct NoHistory<N>(Infallible, PhantomData<N>);
 
-impl<N> ThreadsHistory<N> {
+pub(super) type ThreadsHistory<N> = NoHistory<N>;
+
+impl<N> NoHistory<N> {
     pub(super) fn new(pool: &Pool, _: Option<Arc<AtomicBool>>) -> Self {
         match *pool {}
     }

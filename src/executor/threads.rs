@@ -4,12 +4,14 @@ use super::{Answer, BLOCK, Backend, Executor, Named, Verb, check};
 use crate::Error;
 use crate::memory::{extend, push, reserve};
 pub(super) use crate::threads::Pool;
+use crate::threads::rayon::{Yield, yield_now};
 use crate::threads::{Hit, Report, Schedule, Traversal};
 use pfront_core::bvtt::AnyBvtt;
 use std::mem::take;
 use std::slice::from_ref;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 impl Executor {
     /// Several threads: each frame that is worth it is divided into `workers` parts, which run in the rayon pool of whoever
@@ -37,6 +39,19 @@ impl From<Pool> for Executor {
         let is_static = pool.settings.schedule == Schedule::Static;
         let pool = Some(if is_static { pool } else { pool.measured() });
         Self { pool, ..Self::default() }
+    }
+}
+
+/// A thread of a pool looks so often whether there is work that only it can do.
+const IDLE: Duration = Duration::from_micros(100);
+
+/// Does something that waits in the pool of this thread, if it is one of a pool; else returns how long it may wait, at most so
+/// long.
+pub(crate) fn wait_in_pool(most: Duration) -> Option<Duration> {
+    match yield_now() {
+        Some(Yield::Executed) => None,
+        Some(Yield::Idle) => Some(most.min(IDLE)),
+        None => Some(most),
     }
 }
 

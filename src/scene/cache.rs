@@ -4,7 +4,7 @@ use super::bodies::Bodies;
 use super::hit::SceneHit;
 use super::id::BodyId;
 use crate::executor::{BLOCK, check};
-use crate::memory::reserve;
+use crate::memory::{extend, reserve};
 use crate::{Contact, Error};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -165,8 +165,7 @@ impl<T: WithBodies> Cache<T> {
 /// Merges two ascending lists without a third, from their ends. Equal keys are not in both.
 pub(super) fn merge<T: Copy + Ord>(list: &mut Vec<T>, rest: &[T]) -> Result<(), Error> {
     let mut left = list.len();
-    reserve(list, rest.len())?;
-    list.extend_from_slice(rest);
+    extend(list, rest.iter().copied())?;
     for (waiting, last) in rest.iter().enumerate().rev() {
         while left > 0 && list[left - 1] > *last {
             left -= 1;

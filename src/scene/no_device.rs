@@ -6,10 +6,13 @@ use super::pairs::BodyPairs;
 use crate::Error;
 use crate::executor::{Answer, Device, Verb};
 
+/// Has no body.
 #[derive(Clone, Debug, Default)]
-pub(super) struct DeviceScene;
+pub(super) struct NoDeviceScene(());
 
-impl DeviceScene {
+pub(super) type DeviceScene = NoDeviceScene;
+
+impl NoDeviceScene {
     pub(super) fn lacks(&mut self, _: &Bodies) -> usize {
         0
     }
