@@ -2,7 +2,7 @@
 
 use crate::layout::{Counters, Query};
 use bytemuck::Zeroable;
-use pfront_shaders::constants::FEW;
+use pfront_shaders::constants::{FEW, LEAF};
 use std::mem::offset_of;
 
 /// The verbs of a query.
@@ -69,9 +69,15 @@ impl<'a> Start<'a> {
         counters
     }
 
-    /// Whether a run along a narrow beam goes first.
+    /// Whether a run along a narrow beam goes first. It lists leaf pairs that the whole run lists again, so that none goes before
+    /// leaf pairs alone: lists have room for the results of one leaf pair at least, but not twice.
     pub(crate) fn looks_ahead(self, verb: GpuVerb) -> bool {
-        verb == GpuVerb::Any && !matches!(self, Start::Left(..))
+        let leads_on = match self {
+            Start::Seeds => true,
+            Start::Front(front) => front.as_flattened().iter().any(|node| node & LEAF == 0),
+            Start::Left(..) => false,
+        };
+        verb == GpuVerb::Any && leads_on
     }
 
     /// The byte of the counters up to which the run along the beam leaves its own to the whole one.

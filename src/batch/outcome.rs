@@ -135,10 +135,9 @@ impl Outcome {
     }
 }
 
+#[cfg(feature = "threads")]
 #[cfg(test)]
 mod tests {
-    #![cfg(feature = "threads")]
-
     use super::*;
     use std::panic::resume_unwind;
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Names a body of one scene for good: no id is ever used again. Ids ascend in the order of adding.
 ///
-/// It means nothing in another scene, nor in one that is filled again from a file: store [`Body::user_data`](crate::Body::user_data) there.
+/// It means nothing in another scene, nor in one that is filled again from a file: store [`BodyOptions::user_data`](crate::BodyOptions::user_data) there.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

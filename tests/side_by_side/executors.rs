@@ -83,6 +83,16 @@ impl Executors {
             all.push(FlaggedExecutor::new("static", threads(3, Schedule::Static, 12)));
             all.push(FlaggedExecutor::new("stealing", threads(2, Schedule::Stealing, 64)));
         }
+        #[cfg(feature = "gpu")]
+        {
+            use pfront::gpu::{Budget, Gpu, GpuSettings};
+            let gpu = Gpu::new().unwrap();
+            let small = GpuSettings { depth: 3, budget: Budget::LEAST, ..gpu.settings() };
+            all.push(FlaggedExecutor::new("gpu", Executor::gpu(&gpu, gpu.settings())));
+            all.push(FlaggedExecutor::new("gpu, small lists", Executor::gpu(&gpu, small)));
+            let both = Executor::sequential().and_gpu(&gpu, gpu.settings()).unwrap();
+            all.push(FlaggedExecutor::new("cpu and gpu", both));
+        }
         Self { all, canceller: Canceller::new(), cancelled: 0 }
     }
 

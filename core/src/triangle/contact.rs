@@ -59,7 +59,11 @@ pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Opt
     let [of_a, of_b] = [TrianglePlane::of(a), TrianglePlane::of(b)];
     let normals = || [of_a.unit_normal(), of_b.unit_normal()];
     // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
-    if (0..3).any(|axis| a.iter().chain(b).all(|p| p[axis] == a[0][axis])) {
+    let [[x, y, z], ..] = a;
+    let level = |[all_x, all_y, all_z]: [bool; 3], [u, v, w]: &[C; 3]| {
+        [all_x & (u == x), all_y & (v == y), all_z & (w == z)]
+    };
+    if a.iter().chain(b).fold([true; 3], level).contains(&true) {
         let segment = flat_chord(a, b, true)?;
         return Some(Contact { is_flat: true, segment, normals: normals() });
     }
@@ -143,9 +147,10 @@ impl<'t, C: Coordinate> Over<'t, C> {
     #[inline]
     fn new(points: &[[C; 3]; 3], plane: &'t TrianglePlane<'t, C>) -> Self {
         let offsets = points.each_ref().map(|p| difference(p, &plane.triangle[0]));
-        let heights = offsets.map(|offset| plane.normal.dot(offset));
-        let point = |k: usize| Corner { at: points[k], height: heights[k] };
-        Self { plane, points: [point(0), point(1), point(2)], bound: plane.bound(&offsets) }
+        let ([p, q, r], heights) = (*points, offsets.map(|offset| plane.normal.dot(offset)));
+        let corner = |at, height| Corner { at, height };
+        let points = [corner(p, heights[0]), corner(q, heights[1]), corner(r, heights[2])];
+        Self { plane, points, bound: plane.bound(&offsets) }
     }
 
     /// The exact sides of the triangle, as it turns, on which the points lie.
@@ -270,26 +275,32 @@ fn coplanar_chord<C: Coordinate>(
     let [p, q] = [a, b].map(|t| flat(t, axis));
     // The sides of each edge on which the corners of the other triangle lie, 1 being the inner one.
     let sides = |p: &[[C; 2]; 3], turn: i32, q: &[[C; 2]; 3]| {
-        [0, 1, 2].map(|i| q.map(|point| turn * orient2d(&p[i], &p[(i + 1) % 3], &point)))
+        edges(p).map(|(from, to)| q.each_ref().map(|point| turn * orient2d(from, to, point)))
     };
     let (of_a, of_b) = (sides(&p, turns[0], &q), sides(&q, turns[1], &p));
     let mut corners = Corners::new();
-    for (t, of_other) in [(a, &of_b), (b, &of_a)] {
-        for (k, corner) in t.iter().enumerate() {
-            if of_other.iter().all(|sides| sides[k] >= 0) {
+    for (t, of_other) in [(a, of_b), (b, of_a)] {
+        for (corner, sides) in t.iter().zip(transposed(of_other)) {
+            if sides.iter().all(|&side| side >= 0) {
                 corners.add(*corner);
             }
         }
     }
-    for (i, own) in of_a.iter().enumerate() {
-        for (j, other) in of_b.iter().enumerate() {
-            let (i_end, j_end) = ((i + 1) % 3, (j + 1) % 3);
-            if own[j] * own[j_end] < 0 && other[i] * other[i_end] < 0 {
-                corners.add(edges_cross_at([&a[i], &a[i_end]], [&b[j], &b[j_end]], axis));
+    // Whether the ends of an edge of the other triangle are on different sides.
+    let parts = |sides: [[i32; 3]; 3]| sides.map(|own| edges(&own).map(|(x, y)| x * y < 0));
+    let crossings = parts(of_a).into_iter().zip(transposed(parts(of_b)));
+    for ((p, q), (own, other)) in edges(a).into_iter().zip(crossings) {
+        for ((r, s), (x, y)) in edges(b).into_iter().zip(own.into_iter().zip(other)) {
+            if x && y {
+                corners.add(edges_cross_at([p, q], [r, s], axis));
             }
         }
     }
     corners.longest()
+}
+
+fn transposed<T>([[a, b, c], [d, e, f], [g, h, i]]: [[T; 3]; 3]) -> [[T; 3]; 3] {
+    [[a, d, g], [b, e, h], [c, f, i]]
 }
 
 /// The turn of a triangle in the projection along an axis, given that in another one.
@@ -304,8 +315,13 @@ fn edges_cross_at<C: Coordinate>(
     axis: usize,
 ) -> [C; 3] {
     // The plane through r–s along the axis.
-    let mut up = *r;
-    up[axis] = C::from(if r[axis] == C::from(0.0) { 1.0 } else { 0.0 });
+    let other = |x: C| C::from(if x == C::from(0.0) { 1.0 } else { 0.0 });
+    let [x, y, z] = *r;
+    let up = match axis {
+        0 => [other(x), y, z],
+        1 => [x, other(y), z],
+        _ => [x, y, other(z)],
+    };
     edge_point(p, q, &[*r, *s, up])
 }
 
@@ -331,8 +347,8 @@ fn edge_crossings<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], mut add: impl
     }
 }
 
-fn edges<C>(t: &[[C; 3]; 3]) -> [(&[C; 3], &[C; 3]); 3] {
-    [(&t[0], &t[1]), (&t[1], &t[2]), (&t[2], &t[0])]
+fn edges<T>([p, q, r]: &[T; 3]) -> [(&T, &T); 3] {
+    [(p, q), (q, r), (r, p)]
 }
 
 /// The corners of an intersection: 6 corners of triangles, and 9 crossings of edges or 2 of segments with triangles.

@@ -49,7 +49,7 @@ impl Executor {
     /// The same CPU and a GPU, which answers where that pays. Measures both, which takes about two seconds.
     ///
     /// After an error of the GPU, the CPU answers the next question of that query, and after each further error twice as many,
-    /// at most 1,024; then the GPU is asked again. After the loss of the device it is not. [`Plan::failure`] tells why.
+    /// at most 1,024; then the GPU is asked again. After the loss of the device it is not. [`Plan::failure`](super::Plan::failure) tells why.
     ///
     /// # Errors
     /// As [`crate::PairQuery::all`] on a GPU, while it is measured.
