@@ -355,7 +355,7 @@ impl SceneQuery {
     /// # let mut scene = pfront::SceneQuery::new();
     /// scene.contacts()?;
     /// for (hit, contact) in scene.last_contacts() {
-    ///     println!("{} at {:?}", scene.body(hit.bodies[0])?.user_data(), contact.segment[0]);
+    ///     println!("{} at {:?}", scene.body(hit.bodies[0])?.options().user_data, contact.segment[0]);
     /// }
     /// # Ok::<(), pfront::Error>(())
     /// ```
