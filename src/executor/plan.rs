@@ -152,7 +152,7 @@ impl fmt::Display for Reason {
             Self::Faster => "predicted to be as fast as the other or faster",
             Self::NotWorthChanging => "the other has not yet saved the price of a change",
             Self::Check => "to see whether the CPU has become faster",
-            Self::CpuOnly => "only a CPU answers this",
+            Self::CpuOnly => "only a CPU answers this; a GPU answers about f64 for two models only",
             Self::GpuFailed => "the GPU has failed",
         })
     }
