@@ -1,8 +1,6 @@
 //! Poses of either precision.
 
-use crate::Contact;
 use crate::environment::with_default;
-use glam::{DVec3, Vec3};
 use pfront_core::bvtt::{PairBvtt, PosedBvh};
 use pfront_core::pose::PoseError;
 use pfront_core::{Aabb, Bvh, Pose, Pose64};
@@ -77,23 +75,6 @@ impl AnyPose {
         }
     }
 
-    /// Where two triangles of a mesh meet, in this pose.
-    pub(crate) fn contact(&self, contact: Contact<f64>) -> Contact<f64> {
-        let pose = self.to_f64();
-        if pose == Pose64::IDENTITY {
-            return contact;
-        }
-        // Normals turn as cross products of edges do.
-        let [u, v, w] = pose.rows.map(|[x, y, z, _]| DVec3::new(x, y, z));
-        let cofactors = [v.cross(w), w.cross(u), u.cross(v)];
-        let normals = contact.normals.map(|normal| {
-            let normal = Vec3::from_array(normal).as_dvec3();
-            let turned = DVec3::from_array(cofactors.map(|row| row.dot(normal)));
-            turned.normalize_or_zero().as_vec3().to_array()
-        });
-        Contact { segment: contact.segment.map(|p| pose.apply(p)), normals, ..contact }
-    }
-
     /// Whether it is the same pose, to the bit.
     pub(crate) fn same_bits(&self, other: &Self) -> bool {
         match (self, other) {
@@ -158,44 +139,5 @@ impl From<&Pose64> for AnyPose {
 impl From<&Self> for AnyPose {
     fn from(pose: &Self) -> Self {
         *pose
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use pfront_core::triangle::contact;
-
-    /// A contact that is posed is that of the posed triangles, in a mirror and stretched too.
-    #[test]
-    fn contacts_are_posed_as_triangles_are() {
-        let floor = [[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
-        let blade = [[1.0, 1.0, -1.0], [1.0, 2.0, -1.0], [1.0, 1.0, 1.0]];
-        let unposed = contact(&floor, &blade).unwrap().into();
-        let turned = Pose::from_rotation_translation([0.5, -0.5, 0.5, 0.5], [3.0, -7.0, 0.5]);
-        let mirrored =
-            Pose::new([[-1.0, 0.0, 0.0, 2.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 9.0]]);
-        let stretched =
-            Pose::new([[2.0, 0.5, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 3.0, 0.25, 1.0]]);
-        for pose in [Pose::IDENTITY, turned, mirrored, stretched] {
-            let [a, b] = [floor, blade].map(|t| t.map(|p| pose.apply(p)));
-            let (found, expected) = (
-                AnyPose::from(pose).contact(unposed),
-                Contact::<f64>::from(contact(&a, &b).unwrap()),
-            );
-            // The order of the ends is up to the plane.
-            let ends = |c: Contact<f64>| {
-                let mut ends = c.segment;
-                ends.sort_by(|p, q| p.partial_cmp(q).unwrap());
-                ends
-            };
-            let distance = |p: &[f64], q: &[f64]| {
-                p.iter().zip(q).fold(0.0, |most: f64, (x, y)| most.max((x - y).abs()))
-            };
-            assert!(distance(ends(found).as_flattened(), ends(expected).as_flattened()) < 1e-5);
-            let normals = |c: Contact<f64>| c.normals.map(|n| n.map(f64::from));
-            let apart = distance(normals(found).as_flattened(), normals(expected).as_flattened());
-            assert!(apart < 1e-6, "{pose:?} {found:?} {expected:?}");
-        }
     }
 }

@@ -81,11 +81,11 @@ impl SubjectQuery {
         if self.touched.take() != Some(key) {
             let Self { history, pairs, contacts, .. } = self;
             let outlines = Default::default();
-            let meeting = Meeting::new(subject.untraversed(&outlines)?, None);
+            let meeting = Meeting::InTree(subject.untraversed(&outlines)?);
             contacts.clear();
             // An error gives the list back.
             let mut found = std::mem::take(contacts);
-            history.contacts(pairs, |()| Ok(Some(meeting)), Meeting::contact, &mut found)?;
+            history.contacts(pairs, |()| Ok(meeting), Meeting::contact, &mut found)?;
             *contacts = found;
         }
         // Not before: a thread may panic.
@@ -101,10 +101,10 @@ impl SubjectQuery {
         with_default(|| {
             self.ask(subject, Verb::All)?;
             let (outlines, mut contacts) = (Default::default(), Vec::new());
-            let meeting = Meeting::new(subject.untraversed(&outlines)?, None);
+            let meeting = Meeting::InTree(subject.untraversed(&outlines)?);
             self.history.contacts(
                 &self.pairs,
-                |()| Ok(Some(meeting)),
+                |()| Ok(meeting),
                 Meeting::contact_f64,
                 &mut contacts,
             )?;

@@ -11,7 +11,7 @@ const STACK: usize = 32 << 10;
 #[test]
 fn a_walk_fits_a_small_stack() {
     let ball = icosphere(1280);
-    // Twice the ball in one place: coplanar, touching, and undecided by all but integers.
+    // Twice the ball in one place: coplanar, touching, and left open by all but integers.
     let mut triangles = ball.triangles.clone();
     let n = ball.positions.len() as u32;
     triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + n)));

@@ -76,7 +76,7 @@ impl Control {
                 if self.has_stopped() {
                     return ControlFlow::Break(());
                 }
-                if output.take(number, pair).is_break() {
+                if output.add(number, pair).is_break() {
                     self.stop.store(true, Relaxed);
                     return ControlFlow::Break(());
                 }

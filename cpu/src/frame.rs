@@ -6,7 +6,7 @@ use crate::memory::{push, reserve, resize};
 use crate::output::Output;
 use crate::report::sum;
 use crate::search::Search;
-use crate::workers::Frame;
+use crate::workers::DividedFrame;
 use crate::{MemoryError, Report, Schedule, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
 use pfront_core::environment::{Environment, with_default};
@@ -256,7 +256,7 @@ impl Traversal {
                 })
             })?;
             let clock = Instant::now();
-            let frame = Frame { queries, nodes: front.nodes(), slice, control };
+            let frame = DividedFrame { queries, nodes: front.nodes(), slice, control };
             is_ready.store(true, Relaxed);
             [report.waking_time, report.busy_time] =
                 buffers.traverse(&frame, pool, outputs, &mut report.shares)?;

@@ -2,8 +2,8 @@
 //! workers and every schedule.
 //!
 //! A [`Pool`] is p workers and their threads, which any number of traversals share. A [`Traversal`] keeps what a frame leaves
-//! for the next: the measured cost of each node of its p-partition front, and every buffer. Each frame it generates a front,
-//! partitions it over p workers, lets each traverse from its nodes, and gathers what they found (Zhang & Kim 2014, sections 3
+//! for the next: the measured cost of each node of its p-partition front, and every buffer. In each frame that is worth
+//! several threads it generates a front, partitions it over p workers, lets each traverse from its nodes, and gathers what they found (Zhang & Kim 2014, sections 3
 //! and 3.4). Under
 //! [`Schedule::Static`] that is all, as in the paper; by default a worker that is done takes nodes that others
 //! have not begun, and then halves of what they have begun ([`Schedule::Hybrid`]). A small frame ends on the calling
@@ -42,6 +42,9 @@
 //! default one, on every thread, and afterwards each thread has its own again; visitors run in that of their thread.
 //! [`Pool::install`] and [`Pool::spawn`] change nothing for the function that they run.
 
+// `traversal` has the verbs; each calls `Traversal::run` in `frame`, which begins alone and then divides: `front` makes and
+// partitions the front, `workers` has each thread traverse its part, into an output of `output`. A search for one hit goes
+// by `search` instead. `control` ends frames early.
 mod build;
 mod control;
 mod frame;

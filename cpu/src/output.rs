@@ -22,10 +22,11 @@ pub(crate) trait Output: Send {
     /// Called by each thread that is about to fill it, with the thread's own floating-point environment.
     fn begin(&mut self, _environment: Environment) {}
 
-    /// Ends the frame at a break.
-    fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()>;
+    /// Takes a pair that was found; a break ends the frame.
+    fn add(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()>;
 
-    /// Called by the first thread when it has no more of its own.
+    /// Called once a frame, by the first thread that fills it, when that has no more parts to take. Pairs of threads that fill it
+    /// afterwards still come.
     fn finish(&mut self) {}
 
     /// The error for which it ended the frame.
@@ -78,7 +79,7 @@ impl<T> OutputBuffer<T> {
 
 impl<T: Item> Output for OutputBuffer<T> {
     #[inline]
-    fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
+    fn add(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         if self.items.len() == self.items.capacity() {
             self.grow()?;
         }
@@ -105,14 +106,14 @@ impl<T: Item> Output for OutputBuffer<T> {
 
 impl Output for u64 {
     #[inline]
-    fn take(&mut self, _: u32, _: TrianglePair) -> ControlFlow<()> {
+    fn add(&mut self, _: u32, _: TrianglePair) -> ControlFlow<()> {
         *self += 1;
         ControlFlow::Continue(())
     }
 }
 
 impl Output for Option<Hit> {
-    fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
+    fn add(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         *self = Some(Hit { query, pair });
         ControlFlow::Break(())
     }
@@ -135,7 +136,7 @@ impl<V: Fn(Hit) -> ControlFlow<()> + Sync> Output for Visitor<'_, V> {
         self.environment = environment;
     }
 
-    fn take(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
+    fn add(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()> {
         self.environment.run(|| (self.visit)(Hit { query, pair }))
     }
 }
@@ -409,7 +410,7 @@ mod tests {
                     for count in [last, 0, 3] {
                         for _ in 0..count {
                             let pair = TrianglePair { a: random(key), b: random(key) };
-                            assert!(list.take(0, pair).is_continue());
+                            assert!(list.add(0, pair).is_continue());
                             expected.push(pair);
                         }
                         list.finish();

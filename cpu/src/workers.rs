@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Buffers for one partition, and its counters.
+/// The parts of a partition, one for each worker, and what was counted of them.
 #[derive(Debug, Default)]
 pub(crate) struct Workers {
     parts: Vec<PartOfFront>,
@@ -65,8 +65,8 @@ impl Tally {
     }
 }
 
-/// A frame, as all threads see it.
-pub(crate) struct Frame<'f, Q> {
+/// A frame whose front has been partitioned, as all threads see it.
+pub(crate) struct DividedFrame<'f, Q> {
     pub(crate) queries: &'f [Q],
     pub(crate) nodes: &'f [FrontNode],
     /// Tests between two looks at whether a thread has nothing to do; `None` under a static schedule.
@@ -79,10 +79,10 @@ impl Workers {
     /// they began, and in which they were busy.
     ///
     /// # Errors
-    /// [`MemoryError`] if there is no room for the parts.
+    /// [`MemoryError`] if there is no room for the parts, of which there are as many as `shares`.
     pub(crate) fn traverse<Q: Query + Sync, O: Output>(
         &mut self,
-        frame: &Frame<'_, Q>,
+        frame: &DividedFrame<'_, Q>,
         pool: &Pool,
         outputs: &mut [O],
         shares: &mut [Share],
@@ -146,7 +146,7 @@ impl Workers {
 /// A traversal under way.
 struct Run<'r, Q, O> {
     workers: &'r Workers,
-    frame: &'r Frame<'r, Q>,
+    frame: &'r DividedFrame<'r, Q>,
     called: Instant,
     /// How many parts have been begun.
     begun: AtomicUsize,
@@ -222,7 +222,7 @@ impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
     ) where
         'r: 's,
     {
-        let Frame { queries, nodes, slice, control } = *self.frame;
+        let DividedFrame { queries, nodes, slice, control } = *self.frame;
         let number = nodes[position as usize].query;
         let is_wanted = || slice.is_some() && self.idle.load(Relaxed) > 0;
         while !cursor.is_done() && !control.is_over() {

@@ -119,7 +119,7 @@ shared! {
         hits: u32,
         overflow: u32,
         kept: u32,
-        undecided: u32,
+        open: u32,
         rest: u32,
         unordered: u32,
         node_pairs: u32,

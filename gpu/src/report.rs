@@ -16,7 +16,7 @@ pub struct GpuReport {
     /// Triangle pairs that meet, and those that the first tests left open.
     pub triangle_pairs: u32,
     /// Triangle pairs that f32 left open.
-    pub undecided: u32,
+    pub open: u32,
     /// Triangle pairs that were left to the CPU.
     pub on_cpu: u32,
     /// Node pairs whose children were tested, four box tests each at most, of all runs together.
@@ -37,7 +37,7 @@ impl GpuReport {
             (&mut self.longest_front, counters.longest_front()),
             (&mut self.leaf_pairs, counters.leaves),
             (&mut self.triangle_pairs, counters.kept),
-            (&mut self.undecided, counters.undecided),
+            (&mut self.open, counters.open),
             (&mut self.on_cpu, counters.rest),
         ] {
             *most = now.max(*most);
@@ -52,7 +52,7 @@ impl GpuReport {
         most(&mut self.longest_front, other.longest_front);
         most(&mut self.leaf_pairs, other.leaf_pairs);
         most(&mut self.triangle_pairs, other.triangle_pairs);
-        most(&mut self.undecided, other.undecided);
+        most(&mut self.open, other.open);
         most(&mut self.on_cpu, other.on_cpu);
         self.runs += other.runs;
         self.node_pairs += other.node_pairs;

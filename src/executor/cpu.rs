@@ -116,8 +116,8 @@ impl<N: Copy + Ord> CpuHistory<N> {
         (Backend::Sequential, answer.map(|answer| answer.with(verb, list)))
     }
 
-    /// The same about many subjects, in the order of their names.
-    pub(crate) fn ask_in_turn<'q, F: Named<Name = N>>(
+    /// The same about many subjects, given in the order of their names: in turn on the calling thread, together on several.
+    pub(crate) fn ask_many<'q, F: Named<Name = N>>(
         &mut self,
         trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
         verb: Verb,
@@ -125,7 +125,7 @@ impl<N: Copy + Ord> CpuHistory<N> {
     ) -> (Backend, Result<Answer<F>, Error>) {
         list.clear();
         if let Some(threads) = &mut self.threads {
-            return threads.ask_in_turn(trees, verb, list);
+            return threads.ask_many(trees, verb, list);
         }
         let mut whole = Answer::counted(0);
         for (name, tree) in trees {

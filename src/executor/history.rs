@@ -12,10 +12,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
-/// Contacts between two looks at the flag of the executor: some 0.1 ms.
-const CONTACTS: usize = 256;
-
-/// The subjects of a query in a frame, as each kind of executor answers about them.
+/// The subjects of a query in a frame, as each kind of executor answers about them: a [`History`] chooses the executor, and
+/// calls the frame back with what that remembers, since pairs and scenes are brought to a GPU in different ways.
 pub(crate) trait Frame {
     type Hit: Named;
 
@@ -100,15 +98,15 @@ impl<N: Copy + Ord> History<N> {
         self.note(Backend::Cached, Reason::Unchanged);
     }
 
-    /// Adds the contacts of hits to `out`, in order, and takes note of who has worked. Hits of subjects without a meeting are
-    /// left out.
+    /// Adds the contacts of hits to `out`, in order, and takes note of who has worked.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] or [`Error::Memory`]; nothing is added then.
+    /// The error of a meeting, [`Error::Cancelled`], [`Error::Memory`], or [`Error::Panicked`] for a thread of a pool. With
+    /// several threads nothing is added then; the calling thread alone has added a part.
     pub(crate) fn contacts<'q, H: Named<Name = N>, C: Send>(
         &mut self,
         hits: &[H],
-        meeting: impl Fn(N) -> Result<Option<Meeting<'q>>, Error> + Sync,
+        meeting: impl Fn(N) -> Result<Meeting<'q>, Error> + Sync,
         contact: impl Fn(&Meeting<'q>, TrianglePair) -> Option<C> + Sync,
         out: &mut Vec<(H, C)>,
     ) -> Result<(), Error> {
@@ -117,29 +115,26 @@ impl<N: Copy + Ord> History<N> {
         }
         let (part, flag) = (CpuPart::new(), self.executor.cancel_flag());
         let list = |hits: &[H], out: &mut Vec<(H, C)>| {
+            part.works();
+            reserve(out, hits.len())?;
             for of_one in hits.chunk_by(|x, y| x.name() == y.name()) {
-                let Some(meeting) = meeting(of_one[0].name())? else { continue };
-                part.works();
-                for block in of_one.chunks(CONTACTS) {
+                let meeting = meeting(of_one[0].name())?;
+                for hit in of_one {
                     check(flag)?;
-                    reserve(out, block.len())?;
-                    let contact = |hit: &H| Some((*hit, contact(&meeting, hit.pair())?));
-                    out.extend(block.iter().filter_map(contact));
+                    out.extend(contact(&meeting, hit.pair()).map(|contact| (*hit, contact)));
                 }
             }
             Ok(())
         };
         let listed = self.by_pieces(hits, list, out);
-        if part.has_worked() {
-            self.note_also(part.backend());
-        }
+        self.note_also(part.backend());
         listed
     }
 
     /// Adds to `out`, in order, what `list` makes of pieces of some items, on the threads of the executor.
     ///
     /// # Errors
-    /// Those of `list`, and [`Error::Memory`].
+    /// Every error of `list`. With several threads also [`Error::Memory`] and [`Error::Panicked`].
     fn by_pieces<T: Sync, R: Send>(
         &self,
         items: &[T],

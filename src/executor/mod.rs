@@ -84,7 +84,8 @@ use threads::Pool;
 
 /// The threads or the GPU that answer queries. See [the module](crate::executor).
 ///
-/// Copies share the pool and the GPU.
+/// Copies share the number of workers, the settings and the GPU. The threads are those of the rayon pool of whoever asks: an
+/// executor owns none.
 #[derive(Clone, Default)]
 pub struct Executor {
     /// The threads; the calling thread alone if there are none.

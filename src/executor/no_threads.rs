@@ -67,7 +67,7 @@ impl<N> NoHistory<N> {
         match self.0 {}
     }
 
-    pub(super) fn ask_in_turn<'q, F: Named<Name = N>>(
+    pub(super) fn ask_many<'q, F: Named<Name = N>>(
         &mut self,
         _: impl Iterator<Item = (N, AnyBvtt<'q>)>,
         _: Verb,

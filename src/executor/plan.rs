@@ -36,27 +36,20 @@ impl Backend {
 #[derive(Debug)]
 pub(crate) struct CpuPart {
     caller: usize,
-    has_worked: AtomicBool,
     is_other: AtomicBool,
 }
 
 impl CpuPart {
     /// Nobody has worked yet; the calling thread is this one.
     pub(crate) fn new() -> Self {
-        let [has_worked, is_other] = [false; 2].map(AtomicBool::new);
-        Self { caller: this_thread(), has_worked, is_other }
+        Self { caller: this_thread(), is_other: AtomicBool::new(false) }
     }
 
     /// To be called by whoever works.
     pub(crate) fn works(&self) {
-        self.has_worked.store(true, Relaxed);
         if this_thread() != self.caller {
             self.is_other.store(true, Relaxed);
         }
-    }
-
-    pub(crate) fn has_worked(&self) -> bool {
-        self.has_worked.load(Relaxed)
     }
 
     pub(crate) fn backend(&self) -> Backend {

@@ -22,9 +22,10 @@ impl Executor {
     /// ```
     /// use pfront::threads::{Pool, Schedule, Settings};
     /// use pfront::{Executor, PairQuery};
+    /// let query = PairQuery::new().on(&Executor::threads(8));
+    /// // With settings of your own:
     /// let settings = Settings { schedule: Schedule::Static, ..Settings::default() };
-    /// let executor = Executor::from(Pool::new(8).with_settings(settings));
-    /// let query = PairQuery::new().on(&executor);
+    /// let query = PairQuery::new().on(&Pool::new(8).with_settings(settings).into());
     /// ```
     #[must_use]
     pub fn threads(workers: usize) -> Self {
@@ -68,7 +69,7 @@ const BATCH: usize = 1 << 16;
 #[derive(Clone, Debug)]
 pub(super) struct ThreadsHistory<N> {
     pub(super) traversal: Traversal,
-    /// The names of the trees of the last batch: what each cost is remembered by its number.
+    /// The names of the trees of the last batch, by whose numbers the traversal remembers what each cost.
     asked: Vec<N>,
     /// The names of the trees of this batch.
     asking: Vec<N>,
@@ -77,8 +78,9 @@ pub(super) struct ThreadsHistory<N> {
     numbered: Vec<Hit>,
 }
 
-/// Every verb, about some trees by their names. Pairs are added to the list.
-fn ask<F: Named>(
+/// Every verb, about some trees by their names, on the threads at once. Pairs are added to the list, which is empty where its items
+/// are pairs without names.
+fn ask_batch<F: Named>(
     traversal: &mut Traversal,
     names: &[F::Name],
     trees: &[AnyBvtt<'_>],
@@ -134,19 +136,19 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
     ) -> (Backend, Result<Answer<F>, Error>) {
         self.reported(|own| {
             let (names, trees) = (from_ref(&name), from_ref(tree));
-            let answer = ask(&mut own.traversal, names, trees, verb, &mut Vec::new(), list)?;
+            let answer = ask_batch(&mut own.traversal, names, trees, verb, &mut Vec::new(), list)?;
             Ok(answer.with(verb, list))
         })
     }
 
-    /// [`CpuHistory::ask_in_turn`](super::CpuHistory::ask_in_turn).
-    pub(super) fn ask_in_turn<'q, F: Named<Name = N>>(
+    /// [`CpuHistory::ask_many`](super::CpuHistory::ask_many).
+    pub(super) fn ask_many<'q, F: Named<Name = N>>(
         &mut self,
         trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
         verb: Verb,
         list: &mut Vec<F>,
     ) -> (Backend, Result<Answer<F>, Error>) {
-        self.reported(|own| Ok(own.ask(trees, verb, list)?.with(verb, list)))
+        self.reported(|own| Ok(own.ask_trees(trees, verb, list)?.with(verb, list)))
     }
 
     /// Runs a question, and tells which part of the CPU answered.
@@ -164,7 +166,7 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
         (part, answer.and_then(unless_cancelled))
     }
 
-    fn ask<'q, F: Named<Name = N>>(
+    fn ask_trees<'q, F: Named<Name = N>>(
         &mut self,
         trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
         verb: Verb,
@@ -172,7 +174,7 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
     ) -> Result<Answer<F>, Error> {
         let (mut whole, mut numbered) = (Answer::counted(0), take(&mut self.numbered));
         let mut ask_some = |traversal: &mut Traversal, names: &[N], trees: &[AnyBvtt<'_>]| {
-            whole = whole.and(ask(traversal, names, trees, verb, &mut numbered, list)?);
+            whole = whole.and(ask_batch(traversal, names, trees, verb, &mut numbered, list)?);
             Ok(whole.first.is_some())
         };
         match verb {
@@ -206,7 +208,7 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
         Ok(())
     }
 
-    /// Asks about trees in batches of at most [`BATCH`], until time runs out or the flag is set. The report of the traversal is
+    /// Asks about trees in batches of at most [`BATCH`], until the flag is set. The report of the traversal is
     /// then that of all batches together.
     fn each_batch<'q>(
         &mut self,
@@ -236,7 +238,7 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
                 report.add(&self.traversal.report);
                 self.traversal.report = report;
             }
-            if is_last || self.traversal.report.late || self.traversal.report.cancelled {
+            if is_last || self.traversal.report.cancelled {
                 break;
             }
             before = Some(self.traversal.report.clone());

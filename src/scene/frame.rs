@@ -41,7 +41,7 @@ impl Frame for SceneFrame<'_> {
         cpu: &mut CpuHistory<[BodyId; 2]>,
         verb: Verb,
     ) -> (Backend, Result<Answer<SceneHit>, Error>) {
-        cpu.ask_in_turn(self.pairs.queries(), verb, self.hits)
+        cpu.ask_many(self.pairs.queries(), verb, self.hits)
     }
 
     fn is_for_cpu(&self) -> bool {

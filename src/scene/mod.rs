@@ -23,7 +23,7 @@ pub use id::BodyId;
 
 use crate::environment::{Environment, with_default};
 use crate::executor::{Answer, Backend, CpuPart, History, Meeting, Plan, Verb, visit as search};
-use crate::memory::push;
+use crate::memory::{extend, push};
 use crate::{Aabb, Contact, Error, Executor};
 use bodies::Bodies;
 use broad::Broad;
@@ -46,8 +46,8 @@ use std::ops::ControlFlow;
 /// Cloth is asked whether it meets itself in the same question, if [`BodyOptions::itself`] says so.
 ///
 /// # Threads
-/// On [`Executor::threads`] all pairs of bodies that have to be asked are divided among the workers
-/// together, by one front under one bound (Zhang & Kim 2014, eq. 5). The cost of a pair of bodies is
+/// On [`Executor::threads`] all pairs of bodies that have to be asked are one frame, which, if it is worth several
+/// threads, is divided among the workers by one front under one bound (Zhang & Kim 2014, eq. 5). The cost of a pair of bodies is
 /// remembered from one frame to the next in which it is asked. More pairs than 65,536 are asked in batches of as
 /// many, which bounds the memory; then nothing is remembered. Contacts, and which bodies meet, are found by the same threads.
 ///
@@ -211,7 +211,8 @@ impl SceneQuery {
 
     /// The pairs of bodies that meet, sorted, each with the body that was added first before the other: every two are asked
     /// until their first hit, so that this takes far less than [`SceneQuery::all`] where bodies share many hits. Several threads
-    /// divide the pairs of bodies; a GPU is not asked. Keeps nothing.
+    /// divide the pairs of bodies; a GPU is not asked. A body that meets itself, if it is asked, is there twice: `[a, a]`.
+    /// Keeps nothing.
     ///
     /// # Errors
     /// [`Error::Mesh`] if there are more than 2^31 bodies; [`Error::Cancelled`] by the flag of [`Executor::with_cancel`].
@@ -242,12 +243,12 @@ impl SceneQuery {
             let mut asked = Vec::new();
             candidates.pairs().try_for_each(|places| push(&mut asked, places))?;
             let part = CpuPart::new();
-            let meeting = self.history.intersecting(&asked, |places| {
+            let intersecting = self.history.intersecting(&asked, |places| {
                 part.works();
                 candidates.query(places)
             });
             self.history.note_cpu(part.backend());
-            merge(&mut pairs, &meeting?)?;
+            merge(&mut pairs, &intersecting?)?;
             Ok(pairs)
         })
     }
@@ -361,16 +362,22 @@ impl SceneQuery {
     /// ```
     pub fn contacts(&mut self) -> Result<&[(SceneHit, Contact)], Error> {
         self.find_hits()?;
-        let Self { bodies, hits, contacts, new_contacts, history, .. } = self;
+        let Self { bodies, hits, new_hits, contacts, new_contacts, history, .. } = self;
         if contacts.at() != bodies.time() {
+            let mut changed = hits.list(bodies);
+            if !bodies.all_changed_since(contacts.at()) {
+                new_hits.clear();
+                for piece in changed.chunk_by(|x, y| x.bodies == y.bodies) {
+                    if bodies.changed(piece[0].bodies) > contacts.at() {
+                        extend(new_hits, piece.iter().copied())?;
+                    }
+                }
+                changed = new_hits;
+            }
             new_contacts.clear();
-            let (list, at) = (hits.list(bodies), contacts.at());
-            let changed = |two| match bodies.changed(two) > at {
-                true => meeting(bodies, two).map(Some),
-                false => Ok(None),
-            };
             with_default(|| {
-                history.contacts(list, changed, Meeting::contact, new_contacts)?;
+                let meeting = |two| meeting(bodies, two);
+                history.contacts(changed, meeting, Meeting::contact, new_contacts)?;
                 contacts.complete(new_contacts, bodies, history.executor().cancel_flag())
             })?;
         }
@@ -394,7 +401,7 @@ impl SceneQuery {
         self.find_hits()?;
         let Self { bodies, hits, history, .. } = self;
         let (hits, mut contacts) = (hits.list(bodies), Vec::new());
-        let meeting = |two| meeting(bodies, two).map(Some);
+        let meeting = |two| meeting(bodies, two);
         with_default(|| history.contacts(hits, meeting, Meeting::contact_f64, &mut contacts))?;
         Ok(contacts)
     }
@@ -412,7 +419,7 @@ impl SceneQuery {
         self.hits.at()
     }
 
-    /// Completes the list of hits.
+    /// Completes the list of hits; `new_hits` is free for other use afterwards.
     fn find_hits(&mut self) -> Result<(), Error> {
         let since = self.start();
         if since == self.bodies.time() {

@@ -72,5 +72,8 @@ fn tree<'s>(a: &'s Body, b: &'s Body) -> AnyBvtt<'s> {
 /// [`Error::StaleBody`] if one of them is not there.
 pub(super) fn meeting(bodies: &Bodies, [a, b]: [BodyId; 2]) -> Result<Meeting<'_>, Error> {
     let (first, second) = (bodies.get(a)?, bodies.get(b)?);
-    Ok(Meeting::new(tree(first, second), (a == b).then_some(first.pose)))
+    Ok(match tree(first, second) {
+        AnyBvtt::Within(tree) => Meeting::Posed(tree, first.pose),
+        tree => Meeting::InTree(tree),
+    })
 }

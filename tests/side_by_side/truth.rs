@@ -1,7 +1,9 @@
 //! The answers of fresh sequential queries about fresh models, kept as long as nothing changes.
 
-use crate::models::Fresh;
-use pfront::{Adjacency, AnyPose, Contact, PairQuery, Pose, Pose64, SelfQuery, TrianglePair};
+use crate::models::{Fresh, Points};
+use pfront::{
+    Adjacency, AnyPose, Contact, Model, PairQuery, Pose, Pose64, SelfQuery, TrianglePair,
+};
 use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -47,6 +49,24 @@ impl Answer {
         })
     }
 
+    /// The contacts of a mesh and itself, posed in f64.
+    fn posed_contacts(&self, pose: &Pose64) -> Contacts<TrianglePair, f64> {
+        let Subject::Within(a, adjacency) = &self.subject else { unreachable!("of two meshes") };
+        let posed = |pose: &Pose64| match a.points.posed(&AnyPose::F64(*pose), true) {
+            Points::F64(points) => points,
+            Points::F32(_) => unreachable!("asked for in f64"),
+        };
+        let (points, triangles) = (posed(pose), a.model.mesh().triangles());
+        let model = Model::from_f64(posed(&Pose64::IDENTITY), triangles.to_vec()).unwrap();
+        let mut found = within(*adjacency).contacts_f64(&model).unwrap();
+        for (pair, contact) in &mut found {
+            contact.segment = contact.segment.map(|p| pose.apply(p));
+            let corners = [pair.a, pair.b].map(|t| triangles[t as usize]);
+            contact.normals = corners.map(|t| normal(t.map(|vertex| points[vertex as usize])));
+        }
+        found
+    }
+
     fn contacts_f64(&self) -> &[(TrianglePair, Contact<f64>)] {
         self.contacts_f64.get_or_init(|| match &self.subject {
             Subject::Pair([a, b], pose) => {
@@ -55,6 +75,13 @@ impl Answer {
             Subject::Within(a, adjacency) => within(*adjacency).contacts_f64(&a.model).unwrap(),
         })
     }
+}
+
+/// The normal of a triangle, as that of any contact with itself.
+fn normal(corners: [[f64; 3]; 3]) -> [f32; 3] {
+    let alone = Model::from_f64(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+    let found = PairQuery::new().contacts_f64(&alone, &alone, Pose::IDENTITY).unwrap();
+    found[0].1.normals[0]
 }
 
 fn within(adjacency: Adjacency) -> SelfQuery {
@@ -122,8 +149,8 @@ impl<H> Truth<H> {
     ) {
         self.hits.extend(answer.pairs.iter().map(|&pair| named(pair)));
         let contacts = |()| {
-            let contacts = answer.contacts_f64().iter();
-            contacts.map(|&(pair, contact)| (named(pair), posed(pose, contact)))
+            let contacts = answer.posed_contacts(&pose.to_f64());
+            contacts.into_iter().map(|(pair, contact)| (named(pair), contact))
         };
         match verb {
             Verb::Contacts => {
@@ -149,27 +176,6 @@ impl<H> Truth<H> {
             _ => {}
         }
     }
-}
-
-/// Where a mesh in a pose meets itself.
-fn posed(pose: &AnyPose, contact: Contact<f64>) -> Contact<f64> {
-    let pose = pose.to_f64();
-    if pose == Pose64::IDENTITY {
-        return contact;
-    }
-    let [u, v, w] = pose.rows;
-    let cross = |u: [f64; 4], v: [f64; 4]| {
-        [u[1] * v[2] - v[1] * u[2], u[2] * v[0] - v[2] * u[0], u[0] * v[1] - v[0] * u[1]]
-    };
-    let cofactors = [cross(v, w), cross(w, u), cross(u, v)];
-    let normals = contact.normals.map(|n| {
-        let n = n.map(f64::from);
-        let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-        let turned = cofactors.map(|row| dot(row, n));
-        let length = dot(turned, turned).sqrt();
-        turned.map(|x| if length > 0.0 { (x * (1.0 / length)) as f32 } else { 0.0 })
-    });
-    Contact { segment: contact.segment.map(|p| pose.apply(p)), normals, ..contact }
 }
 
 /// A question of any query.

@@ -35,7 +35,7 @@ impl<T: Send> ProcessMutex<T> {
     /// Waits for the lock, while signals are heard.
     ///
     /// # Errors
-    /// What a signal raises; a RuntimeError if another thread had the lock when this process was forked.
+    /// The exception that a signal raised; a RuntimeError if another thread had the lock when this process was forked.
     pub(crate) fn lock(self: &Arc<Self>, py: Python<'_>) -> PyResult<ProcessGuard<T>> {
         let own = process::id();
         let mut pause = PAUSES[0];

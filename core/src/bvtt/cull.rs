@@ -25,7 +25,7 @@ pub(super) struct PairSets {
     /// Pairs that intersect, as far as f32 certifies it.
     pub(super) hits: u64,
     /// Overlapping pairs that neither f32 nor a certificate decides.
-    pub(super) undecided: u64,
+    pub(super) open: u64,
     /// Undecided pairs that may share a vertex.
     pub(super) may_share_vertex: u64,
 }
@@ -58,7 +58,7 @@ impl TriangleBlock {
             let mut found = overlapping & (allowed >> shift) as u32;
             pairs.overlapping |= u64::from(found) << shift;
             if SELF && boxes_only {
-                pairs.undecided = pairs.overlapping;
+                pairs.open = pairs.overlapping;
                 continue;
             }
             let mut neighbours = 0;
@@ -68,17 +68,17 @@ impl TriangleBlock {
             }
             // Firmware, which has no vectors, has little room for code either.
             if S::WIDTH == 1 && error.is_some() {
-                pairs.undecided |= u64::from(found) << shift;
+                pairs.open |= u64::from(found) << shift;
                 pairs.may_share_vertex |= u64::from(found & neighbours) << shift;
                 continue;
             }
             if found == 0 {
                 continue;
             }
-            let [hits, undecided] = self.decide::<S, SELF>(other, j, found, neighbours, error);
+            let [hits, open] = self.decide::<S, SELF>(other, j, found, neighbours, error);
             pairs.hits |= u64::from(hits) << shift;
-            pairs.undecided |= u64::from(undecided) << shift;
-            pairs.may_share_vertex |= u64::from(undecided & neighbours) << shift;
+            pairs.open |= u64::from(open) << shift;
+            pairs.may_share_vertex |= u64::from(open & neighbours) << shift;
         }
         pairs
     }
@@ -140,23 +140,23 @@ impl TriangleBlock {
         neighbours: u32,
         error: Option<[S; 3]>,
     ) -> [u32; 2] {
-        let [mut hits, mut undecided] = [0; 2];
+        let [mut hits, mut open] = [0; 2];
         for at in chunk_starts::<S>() {
-            let mut open = candidates >> at & (u32::MAX >> (u32::BITS as usize - S::WIDTH));
-            if S::WIDTH < LANES && open == 0 {
+            let mut left = candidates >> at & (u32::MAX >> (u32::BITS as usize - S::WIDTH));
+            if S::WIDTH < LANES && left == 0 {
                 continue;
             }
             let error = if S::WIDTH > 1 { error } else { None };
             let (own, others) =
                 (Planes::<S>::load(self, at, error), Planes::splat(other, j, error));
             let of_others = own.heights(&others);
-            open &= !own.separates::<SELF>(&others, &of_others, neighbours);
-            if open == 0 {
+            left &= !own.separates::<SELF>(&others, &of_others, neighbours);
+            if left == 0 {
                 continue;
             }
             let of_own = others.heights(&own);
-            open &= !others.separates::<SELF>(&own, &of_own, neighbours);
-            let mut distinct = open & !(neighbours >> at);
+            left &= !others.separates::<SELF>(&own, &of_own, neighbours);
+            let mut distinct = left & !(neighbours >> at);
             let mut meet = [0; 2];
             // One lane alone gains nothing over the test of two triangles, and firmware has little room for code.
             if S::WIDTH > 1 && distinct != 0 {
@@ -170,9 +170,9 @@ impl TriangleBlock {
                 distinct &= !(met | apart);
             }
             hits |= (meet[0] | meet[1]) << at;
-            open = distinct | open & neighbours >> at;
-            undecided |= open << at;
+            left = distinct | left & neighbours >> at;
+            open |= left << at;
         }
-        [hits, undecided]
+        [hits, open]
     }
 }

@@ -163,25 +163,25 @@ impl Cursor {
         bits_from(self.next_bit)
     }
 
-    /// Calls `visit` for each bit of `undecided` until it breaks or the budget is spent; the traversal then resumes
+    /// Calls `visit` for each bit of `visited` until it breaks or the budget is spent; the traversal then resumes
     /// inside this leaf pair. Bits are triangle pairs of a leaf pair. Every bit of `tested`, which contains
-    /// `undecided`, counts as a triangle test.
+    /// `visited`, counts as a triangle test.
     #[inline(always)]
     pub(super) fn for_each_within_budget(
         &mut self,
         mut tested: u64,
-        mut undecided: u64,
+        mut visited: u64,
         mut visit: impl FnMut(u32) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         self.next_bit = 0;
         if i64::from(tested.count_ones()) > self.tests_left {
             tested = self.truncate_at_budget(tested);
-            undecided &= tested;
+            visited &= tested;
         }
         let mut flow = ControlFlow::Continue(());
-        while undecided != 0 && flow.is_continue() {
-            let bit = undecided.trailing_zeros();
-            undecided &= undecided - 1;
+        while visited != 0 && flow.is_continue() {
+            let bit = visited.trailing_zeros();
+            visited &= visited - 1;
             flow = visit(bit);
             if flow.is_break() {
                 // The tests after this pair count in the step that does them.

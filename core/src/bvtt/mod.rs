@@ -9,9 +9,9 @@
 //! 2. `block` loads the triangles of both leaves into vector lanes, at most eight a side, and poses them.
 //! 3. `cull` compares their boxes, and rejects pairs that share a vertex whose one-ring is certified. The others are tested by
 //!    `planes`, eight at a time: whether a supporting plane separates them and, if none does, whether they intersect.
-//! 4. [`Cursor`] goes through the hits, and the pairs that f32 left undecided, in the order of their bits, as far as the
+//! 4. [`Cursor`] goes through the hits, and the pairs that f32 left open, in the order of their bits, as far as the
 //!    budget reaches, and notes where to resume.
-//! 5. [`crate::triangle`] decides what is undecided by signs of orientation determinants from `exact`. Triangles of one
+//! 5. [`crate::triangle`] decides what is open by signs of orientation determinants from `exact`. Triangles of one
 //!    mesh that share vertices follow a rule of their own there.
 //!
 //! `wide_node` has the boxes of a step of the traversal, `trees` how queries are made, and `query` the verbs

@@ -189,4 +189,8 @@ impl<Q: Query> Query for &Q {
     fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
         Q::contact_f64(self, pair)
     }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        Q::contact(self, pair)
+    }
 }

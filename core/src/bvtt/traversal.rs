@@ -135,8 +135,8 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
         let in_f64 = if F64 { self.in_f64.as_ref() } else { None };
         let error = in_f64.map(|in_f64| in_f64.error);
         let pairs = a.cull::<S, SELF>(b, allowed, self.boxes_only, error);
-        let open = pairs.hits | pairs.undecided;
-        cursor.for_each_within_budget(pairs.overlapping, open, |bit| {
+        let visited = pairs.hits | pairs.open;
+        cursor.for_each_within_budget(pairs.overlapping, visited, |bit| {
             let (i, j) = (bit as usize % LANES, bit as usize / LANES % LANES);
             let mut pair = TrianglePair { a: a.triangles[i], b: b.triangles[j] };
             if SELF && pair.a > pair.b {

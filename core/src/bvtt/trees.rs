@@ -14,7 +14,7 @@ use crate::bvh::Layout;
 use crate::one_ring::{Certified, OneRing, hub_of, is_marked};
 use crate::pose::{Affine, Pose64, PoseError};
 use crate::simd::VECTORS;
-use crate::triangle::{Adjacency, Contact, contact, intersects};
+use crate::triangle::{Adjacency, Contact, contact, intersects, posed_contact};
 use crate::{Aabb, Bvh, Node, Pose};
 use core::ops::{ControlFlow, Range};
 use glam::Vec3A;
@@ -193,6 +193,30 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     #[must_use]
     pub fn with_adjacency(self, adjacency: Adjacency) -> Self {
         Self { adjacency, ..self }
+    }
+
+    /// Where two triangles of the mesh meet, told of the posed mesh: the segment is posed, and the normals are those
+    /// of the posed triangles. The pose decides nothing, so that a body that moves keeps the contacts with itself.
+    ///
+    /// # Panics
+    /// If an index is out of range.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvtt::*, *};
+    /// let points = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.5, 0.5, 0.0], [1.0, 1.0, 1.0], [1.0; 3]];
+    /// let mesh = Mesh::new(&points, &[[0, 1, 2], [3, 4, 5]])?;
+    /// # let root = [Node { min: [0.0; 3], first: 0, max: [2.0, 2.0, 1.0], count: 2 }];
+    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0, 1]);
+    /// let up = Pose64::from_translation([0.0, 0.0, 7.0]);
+    /// let contact = SelfBvtt::new(bvh).posed_contact(TrianglePair { a: 0, b: 1 }, &up);
+    /// assert_eq!(contact.map(|contact| contact.segment), Some([[0.5, 0.5, 7.0]; 2]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn posed_contact(&self, pair: TrianglePair, pose: &Pose64) -> Option<Contact<f64>> {
+        let [a, b] = [pair.a, pair.b].map(|triangle| self.a.bvh.mesh().triangle_f64(triangle));
+        posed_contact(&a, &b, pose)
     }
 
     /// The true pairs, found sooner where many vertices are certified: see [`one_ring`](crate::one_ring).

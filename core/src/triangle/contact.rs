@@ -5,12 +5,12 @@
 //! over that plane. They come from integers if f64 does not know them to 2^-30, so that nearly parallel triangles
 //! lose no accuracy.
 
-use super::coplanar::{Projection, extremes, flat, projection, turn};
+use super::coplanar::{extremes, flat, projection};
 use super::{arrange, one_sided, triangles_intersect};
-use crate::Triangle;
 use crate::exact::filter64::{ERROR_2D, ERROR_3D, UNDERFLOW_2D, UNDERFLOW_3D, larger};
 use crate::exact::orientation::{orient2d, sides};
 use crate::exact::{Coordinate, Exact, difference, integer};
+use crate::{Pose64, Triangle};
 use core::ops::Range;
 use glam::{DVec3, Vec3Swizzles};
 
@@ -29,7 +29,8 @@ pub struct Contact<C = f32> {
     pub is_flat: bool,
     /// End points, each coordinate within 2^-28 of the extent of the edge it lies on, plus half a
     /// unit in the last place, of the true one. Where triangles that have an edge in common cross the same triangle, the
-    /// end on that edge is the same to the bit, but for the sign of zero.
+    /// end on that edge is the same to the bit, but for the sign of zero, and but where it is on an edge of that triangle
+    /// too, of which either may then bound the segment.
     pub segment: [[C; 3]; 2],
     /// Unit normals of both triangles by the right-hand rule, which is outward where corners are counter-clockwise seen from
     /// outside, each coordinate within 2^-23; zero for a degenerate triangle.
@@ -67,7 +68,7 @@ pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Opt
         let segment = flat_chord(a, b, true)?;
         return Some(Contact { is_flat: true, segment, normals: normals() });
     }
-    let (over_b, over_a) = (Over::new(a, &of_b), Over::new(b, &of_a));
+    let (over_b, over_a) = (Heights::new(a, &of_b), Heights::new(b, &of_a));
     let (a_sides, b_sides) = (over_b.sides(), over_a.sides());
     if one_sided(&a_sides) || one_sided(&b_sides) {
         return None;
@@ -80,6 +81,18 @@ pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Opt
         crossing(&over_b, &a_sides, &over_a, &b_sides)?
     };
     Some(Contact { is_flat, segment, normals: normals() })
+}
+
+/// [`contact_of`] two triangles as they stand, whatever the pose, told of the posed ones: its segment is posed, and the
+/// normals are those of the posed triangles.
+pub(crate) fn posed_contact(
+    a: &[[f64; 3]; 3],
+    b: &[[f64; 3]; 3],
+    pose: &Pose64,
+) -> Option<Contact<f64>> {
+    let contact = contact_of(a, b)?;
+    let normals = [a, b].map(|t| TrianglePlane::of(&t.map(|p| pose.apply(p))).unit_normal());
+    Some(Contact { segment: contact.segment.map(|p| pose.apply(p)), normals, ..contact })
 }
 
 /// The plane of a triangle.
@@ -129,8 +142,8 @@ impl<'t, C: Coordinate> TrianglePlane<'t, C> {
     }
 }
 
-/// Points over the plane of a triangle.
-struct Over<'t, C> {
+/// The corners of a triangle, with their heights over the plane of another.
+struct Heights<'t, C> {
     plane: &'t TrianglePlane<'t, C>,
     points: [Corner<C>; 3],
     /// No error of a height is larger.
@@ -143,7 +156,7 @@ struct Corner<C> {
     height: f64,
 }
 
-impl<'t, C: Coordinate> Over<'t, C> {
+impl<'t, C: Coordinate> Heights<'t, C> {
     #[inline]
     fn new(points: &[[C; 3]; 3], plane: &'t TrianglePlane<'t, C>) -> Self {
         let offsets = points.each_ref().map(|p| difference(p, &plane.triangle[0]));
@@ -207,9 +220,9 @@ impl From<Contact> for Contact<f64> {
 /// The overlap of the two intervals that [`intervals_overlap`](super::intervals_overlap) compares: of `a` over the plane of
 /// `b`, and the other way round.
 fn crossing<C: Coordinate>(
-    a: &Over<'_, C>,
+    a: &Heights<'_, C>,
     a_sides: &[i32; 3],
-    b: &Over<'_, C>,
+    b: &Heights<'_, C>,
     b_sides: &[i32; 3],
 ) -> Option<[[C; 3]; 2]> {
     let ([a0, a1, a2], [b0, b1, b2], side) = arrange(&a.points, a_sides, &b.points, b_sides);
@@ -227,7 +240,7 @@ fn crossing<C: Coordinate>(
 /// The point in which the edge p–q cuts the plane of a triangle.
 fn edge_point<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] {
     let plane = TrianglePlane::of(t);
-    let over = Over::new(&[*p, *q, *q], &plane);
+    let over = Heights::new(&[*p, *q, *q], &plane);
     over.cut(&over.points[0], &over.points[1])
 }
 
@@ -238,9 +251,11 @@ fn flat_chord<C: Coordinate>(
     b: &[[C; 3]; 3],
     are_coplanar: bool,
 ) -> Option<[[C; 3]; 2]> {
-    if are_coplanar && let [Some(Some(of_a)), Some(Some(of_b))] = [a, b].map(projection::<Exact<C>>)
+    if are_coplanar
+        && let [Some(Some(of_a)), Some(Some(of_b))] = [a, b].map(projection::<Exact<C>>)
+        && let Some(turn_of_b) = of_b.turn_along::<Exact<C>>(b, of_a.axis)
     {
-        return coplanar_chord(a, b, of_a.axis, [of_a.turn, turn_along(b, of_a.axis, &of_b)]);
+        return coplanar_chord(a, b, of_a.axis, [of_a.turn, turn_of_b]);
     }
     let meet = |p: &[[C; 3]; 3], t| triangles_intersect::<Exact<C>>(p, t) == Some(true);
     let mut corners = Corners::new();
@@ -303,11 +318,6 @@ fn transposed<T>([[a, b, c], [d, e, f], [g, h, i]]: [[T; 3]; 3]) -> [[T; 3]; 3] 
     [[a, d, g], [b, e, h], [c, f, i]]
 }
 
-/// The turn of a triangle in the projection along an axis, given that in another one.
-fn turn_along<C: Coordinate>(t: &[[C; 3]; 3], axis: usize, known: &Projection) -> i32 {
-    if known.axis == axis { known.turn } else { turn::<Exact<C>>(t, axis).unwrap_or(0) }
-}
-
 /// The point in which two edges cross that cross in the projection along an axis and lie in one plane.
 fn edges_cross_at<C: Coordinate>(
     [p, q]: [&[C; 3]; 2],
@@ -325,7 +335,7 @@ fn edges_cross_at<C: Coordinate>(
     edge_point(p, q, &[*r, *s, up])
 }
 
-/// The points in which an edge of one coplanar triangle crosses an edge of the other.
+/// The points in which an edge of one coplanar triangle crosses an edge of the other, where one of them is degenerate.
 fn edge_crossings<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], mut add: impl FnMut([C; 3])) {
     let differ =
         |[p, q]: [[C; 2]; 2], [r, s]: [[C; 2]; 2]| orient2d(&p, &q, &r) * orient2d(&p, &q, &s) < 0;
@@ -369,7 +379,7 @@ impl<C: Coordinate> Corners<C> {
         }
     }
 
-    /// The two points farthest from each other.
+    /// The two points farthest from each other; any two where all are closer than 2^-537, whose squares f64 does not know.
     fn longest(&self) -> Option<[[C; 3]; 2]> {
         let points = self.points.iter().take(self.count);
         let mut best = None;

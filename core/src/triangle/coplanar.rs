@@ -14,7 +14,7 @@ pub(super) fn coplanar_triangles_intersect<K: Orientation>(
 ) -> Option<bool> {
     match (projection::<K>(a)?, projection::<K>(b)?) {
         (Some(p), Some(q)) => {
-            let turn = if p.axis == q.axis { q.turn } else { turn::<K>(b, p.axis)? };
+            let turn = q.turn_along::<K>(b, p.axis)?;
             polygons_intersect::<K>(&flat(a, p.axis), p.turn, &flat(b, p.axis), turn)
         }
         (_, None) => segment_intersects::<K>(extremes(b), a),
@@ -47,7 +47,18 @@ pub(super) struct Projection {
     pub(super) turn: i32,
 }
 
-/// `None` if the triangle is degenerate.
+impl Projection {
+    /// The turn of the same corners in the projection along an axis.
+    pub(super) fn turn_along<K: Orientation>(
+        &self,
+        t: &[[K::C; 3]; 3],
+        axis: usize,
+    ) -> Option<i32> {
+        if self.axis == axis { Some(self.turn) } else { turn::<K>(t, axis) }
+    }
+}
+
+/// The projection in which the triangle has about the largest area; `Some(None)` if it is degenerate.
 pub(super) fn projection<K: Orientation>(t: &[[K::C; 3]; 3]) -> Option<Option<Projection>> {
     let normal = difference(&t[1], &t[0]).cross(difference(&t[2], &t[0]));
     // The largest area first: it nearly always decides.

@@ -28,8 +28,8 @@ mod in_mesh;
 
 use coplanar::coplanar_triangles_intersect;
 
-pub(crate) use contact::contact_of;
 pub use contact::{Contact, contact};
+pub(crate) use contact::{contact_of, posed_contact};
 pub(crate) use in_mesh::intersects_in_mesh_f64;
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 

@@ -73,7 +73,7 @@ struct Counters {
     overflow: atomic<u32>,
     // Triangle pairs that are left after the first tests, and those of them that f32 leaves open.
     kept: atomic<u32>,
-    undecided: atomic<u32>,
+    open: atomic<u32>,
     rest: atomic<u32>,
     // Not 0 if there were too many hits in a bucket to sort them.
     unordered: atomic<u32>,

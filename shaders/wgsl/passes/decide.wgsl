@@ -3,8 +3,8 @@
 // Two kinds of work take turns: deciding pairs that are not known to meet in f32, one an invocation, and those that f32
 // leaves open in integers, one a team.
 
-var<workgroup> undecided: array<vec2u, 2 * GROUP>;
-var<workgroup> undecided_count: atomic<u32>;
+var<workgroup> waiting: array<vec2u, 2 * GROUP>;
+var<workgroup> waiting_count: atomic<u32>;
 // For each team: its corners, whether they are in doubt, the bits of each axis, and the signs of two
 // rounds. Doubts are numbers: as truth values in workgroup memory, an H200 read them as false. The cause is
 // not known. Idle teams then read memory that nothing had written, which they no longer do.
@@ -22,7 +22,7 @@ fn decide(
 ) {
     nothing = group.z;
     if lane == 0u {
-        atomicStore(&undecided_count, 0u);
+        atomicStore(&waiting_count, 0u);
     }
     clear_results(lane);
     if lane == 0u {
@@ -44,7 +44,7 @@ fn decide(
         if workgroupUniformLoad(&told) == 1u {
             break;
         }
-        let ready = tell(lane, atomicLoad(&undecided_count));
+        let ready = tell(lane, atomicLoad(&waiting_count));
         if ready < TEAMS && next < mine {
             if next + lane < mine {
                 decide_in_f32(kept[group.x + (next + lane) * groups.x]);
@@ -55,7 +55,7 @@ fn decide(
             let taken = min(ready, TEAMS);
             decide_in_integers(lane, ready - taken, taken);
             if lane == 0u {
-                atomicStore(&undecided_count, ready - taken);
+                atomicStore(&waiting_count, ready - taken);
             }
             left_open += taken;
         } else {
@@ -65,7 +65,7 @@ fn decide(
     }
     write_results(lane);
     if lane == 0u && left_open != 0u {
-        atomicAdd(&counters.undecided, left_open);
+        atomicAdd(&counters.open, left_open);
     }
 }
 
@@ -87,7 +87,7 @@ fn decide_in_f32(found: vec2u) {
     if outcome == UNSURE && SHADOWS == 1u {
         add_open(slots);
     } else if outcome == UNSURE {
-        undecided[atomicAdd(&undecided_count, 1u)] = slots;
+        waiting[atomicAdd(&waiting_count, 1u)] = slots;
     } else if outcome == HIT {
         add_hit(slots);
     }
@@ -99,7 +99,7 @@ fn decide_in_integers(lane: u32, first: u32, count: u32) {
     let member = lane % TEAM;
     lattice_at = team * 3u * POINTS;
     let is_busy = team < count;
-    let slots = undecided[first + min(team, count - 1u)];
+    let slots = waiting[first + min(team, count - 1u)];
     if is_busy && member < POINTS {
         doubt = false;
         corners[team * POINTS + member] = placed_corner(slots, member);

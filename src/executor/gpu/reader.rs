@@ -85,7 +85,7 @@ impl Reader {
     /// Adds a ticket, whose flag says once it is set that nobody awaits it. It begins at once if all before it have.
     ///
     /// # Errors
-    /// What `begin` returns; [`GpuError::Device`] if no thread can be started.
+    /// The error of `begin`; [`GpuError::Device`] if no thread can be started.
     pub(crate) fn add(
         &self,
         mut work: Box<dyn Work>,

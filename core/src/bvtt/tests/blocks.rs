@@ -49,7 +49,7 @@ impl Task for Two<'_> {
         let a = a.get::<S, Node, true>(0, &first, rings);
         let b = b.get::<S, Node, true>(0, &second, rings);
         Found {
-            boxes: a.cull::<S, true>(b, u64::MAX, true, None).undecided,
+            boxes: a.cull::<S, true>(b, u64::MAX, true, None).open,
             in_mesh: a.cull::<S, true>(b, u64::MAX, false, None),
             apart: a.cull::<S, false>(b, u64::MAX, false, None),
         }
@@ -106,7 +106,7 @@ fn side_by_side_as_one_by_one() {
         assert_eq!(single.boxes, found.boxes);
         for (one, many) in [(single.in_mesh, found.in_mesh), (single.apart, found.apart)] {
             assert_eq!([one.overlapping, one.hits], [many.overlapping, 0]);
-            assert_eq!(one.undecided & (many.hits | many.undecided), many.hits | many.undecided);
+            assert_eq!(one.open & (many.hits | many.open), many.hits | many.open);
         }
         for (j, &tb) in leaves[1].iter().enumerate() {
             for (i, &ta) in leaves[0].iter().enumerate() {
@@ -118,20 +118,20 @@ fn side_by_side_as_one_by_one() {
                     continue;
                 }
                 let meet = intersects(&a, &b);
-                assert!(is(found.apart.undecided) || is(found.apart.hits) == meet);
+                assert!(is(found.apart.open) || is(found.apart.hits) == meet);
                 hits += u32::from(is(found.apart.hits));
-                let is_known = !is(found.apart.undecided);
-                apart += u32::from(is(single.apart.undecided) && is_known && !meet);
+                let is_known = !is(found.apart.open);
+                apart += u32::from(is(single.apart.open) && is_known && !meet);
                 // No error bound certifies that a determinant is zero.
                 let has_zero = sides(a.each_ref(), b.each_ref()).contains(&0);
                 on_grid += u32::from(is(found.apart.hits) && has_zero);
                 let separated = clearly_separated(&a, &b, &[]) || clearly_separated(&b, &a, &[]);
-                assert!(!is(found.apart.undecided) || !separated);
+                assert!(!is(found.apart.open) || !separated);
                 if ta == tb {
                     continue;
                 }
                 let collide = intersects_in_mesh(mesh, ta, tb, Adjacency::SharedIndexRule);
-                let is_known = !is(found.in_mesh.undecided);
+                let is_known = !is(found.in_mesh.open);
                 assert!(!is_known || is(found.in_mesh.hits) == collide, "{ta} and {tb}");
                 let [t, u] = [ta, tb].map(|t| mesh.triangles()[t as usize]);
                 let shared = t.iter().any(|v| u.contains(v));
@@ -140,13 +140,11 @@ fn side_by_side_as_one_by_one() {
                 });
                 let separated = clearly_separated(&a, &b, &u.map(|v| t.contains(&v)))
                     || clearly_separated(&b, &a, &t.map(|v| u.contains(&v)));
-                assert!(!is(found.in_mesh.undecided) || !certificate && !separated);
-                assert!(
-                    !is(found.in_mesh.undecided) || !shared || is(found.in_mesh.may_share_vertex)
-                );
+                assert!(!is(found.in_mesh.open) || !certificate && !separated);
+                assert!(!is(found.in_mesh.open) || !shared || is(found.in_mesh.may_share_vertex));
                 by_planes += u32::from(shared && separated && !certificate);
                 by_certificates += u32::from(certificate && !separated);
-                kept += u32::from(is(found.in_mesh.undecided) && shared && !collide);
+                kept += u32::from(is(found.in_mesh.open) && shared && !collide);
             }
         }
     }
@@ -205,12 +203,12 @@ fn corners_beside_planes_of_a_grid() {
         let [a, b] = [0, 1].map(|t| mesh.shadow_triangle(t));
         let found = widest(Two { mesh, leaves: [&[0], &[1]], rings: &[] }).apart;
         let meet = intersects(&a, &b);
-        assert!(found.undecided != 0 || (found.hits != 0) == meet, "{a:?} {b:?}");
-        open += found.undecided;
+        assert!(found.open != 0 || (found.hits != 0) == meet, "{a:?} {b:?}");
+        open += found.open;
         if wanted == 0 {
             touching += found.hits;
         } else {
-            beside += found.overlapping & !found.undecided;
+            beside += found.overlapping & !found.open;
         }
     }
     let counts = [touching, beside, open];

@@ -161,3 +161,38 @@ fn edge_parameters_that_f64_does_not_know_come_from_integers() {
     let (p, q) = ([3.0 * close, 0.0, 0.0], [0.0, 21.0 * close, 0.0]);
     assert_eq!(edge_point(&p, &q, &t), [2.25 * close, 5.25 * close, 0.0]);
 }
+
+/// A posed contact is rounded once, at its end, however far the body is from its own origin or however small it is posed.
+#[test]
+fn posed_contacts_are_those_of_posed_triangles() {
+    let far = |[x, y, z]: [f64; 3]| [x + 1_048_576.0, y, z];
+    let floor = [[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]].map(far);
+    // The blade cuts the floor at x = 1/3.
+    let blade = [[0.0, 1.0, -1.0], [1.0, 1.0, 2.0], [1.0, 2.0, 2.0]].map(far);
+    let back = Pose64::from_translation([-1_048_576.0, 0.0, 0.0]);
+    let [p, _] = posed_contact(&floor, &blade, &back).unwrap().segment;
+    assert!((p[0] - 1.0 / 3.0).abs() < 1e-8, "{p:?}");
+
+    let tilted = [[0.0, 0.0, 0.0], [3.0, 0.0, 1.0], [0.0, 7.0, 1.0]];
+    let blade = [[1.0, 1.0, -1.0], [1.0, 2.0, -1.0], [1.0, 1.0, 1.0]];
+    let sheared =
+        Pose64::new([[1.0, 1000.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+    let tiny =
+        Pose64::new([[1e-90, 0.0, 0.0, 0.0], [0.0, 1e-90, 0.0, 0.0], [0.0, 0.0, 1e-90, 0.0]]);
+    let mirrored = Pose64::new([[-1.0, 0.0, 0.0, 2.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 9.0]]);
+    let flat = Pose64::new([[0.0; 4], [1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 5.0]]);
+    for pose in [Pose64::IDENTITY, sheared, tiny, mirrored, flat] {
+        let found = posed_contact(&tilted, &blade, &pose).unwrap();
+        let unposed = contact_of(&tilted, &blade).unwrap();
+        assert_eq!(found.segment, unposed.segment.map(|p| pose.apply(p)));
+        for (t, normal) in [tilted, blade].iter().zip(found.normals) {
+            let [a, b, c] = t.map(|p| DVec3::from_array(pose.apply(p)));
+            let expected = (b - a).cross(c - a);
+            // Far from where its square vanishes.
+            let expected =
+                (expected / expected.abs().max_element().max(1e-300)).normalize_or_zero();
+            let apart = expected - DVec3::from_array(normal.map(f64::from));
+            assert!(apart.abs().max_element() < 2f64.powi(-23), "{pose:?} {normal:?}");
+        }
+    }
+}
