@@ -48,6 +48,15 @@
 //! Frames that are not alike have no such bound: the tests of `choice.rs` play frames that shrink, jump, bring new models or
 //! are interrupted.
 
+// How `SceneQuery::all` is answered on threads; other queries and executors branch off on the way.
+// 1. `scene/mod.rs` finds the bodies whose boxes overlap, and makes a frame of those pairs that have changed: `scene/frame.rs`.
+// 2. `History::ask` in `history.rs` chooses the executor, and calls the frame back with what the query remembers of it.
+// 3. `CpuHistory::ask_many` in `cpu.rs` asks on the calling thread; with threads, `threads.rs` hands batches of trees to a
+//    `pfront_cpu::Traversal`.
+// 4. `Traversal::run` in `cpu/src/frame.rs` begins alone and divides what is left: `cpu/src/front.rs` makes and partitions the
+//    front, by `core/src/front`, and `cpu/src/workers.rs` has each thread traverse its part.
+// 5. The traversal that each thread runs is `core/src/bvtt/traversal.rs`; the lists are merged by `cpu/src/output.rs`.
+// 6. `scene/cache.rs` completes the new hits with those of bodies that have not changed.
 mod answer;
 mod cancel;
 mod choice;
