@@ -68,7 +68,7 @@ pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Opt
         let segment = flat_chord(a, b, true)?;
         return Some(Contact { is_flat: true, segment, normals: normals() });
     }
-    let (over_b, over_a) = (Heights::new(a, &of_b), Heights::new(b, &of_a));
+    let (over_b, over_a) = (CornerHeights::new(a, &of_b), CornerHeights::new(b, &of_a));
     let (a_sides, b_sides) = (over_b.sides(), over_a.sides());
     if one_sided(&a_sides) || one_sided(&b_sides) {
         return None;
@@ -143,7 +143,7 @@ impl<'t, C: Coordinate> TrianglePlane<'t, C> {
 }
 
 /// The corners of a triangle, with their heights over the plane of another.
-struct Heights<'t, C> {
+struct CornerHeights<'t, C> {
     plane: &'t TrianglePlane<'t, C>,
     points: [Corner<C>; 3],
     /// No error of a height is larger.
@@ -156,7 +156,7 @@ struct Corner<C> {
     height: f64,
 }
 
-impl<'t, C: Coordinate> Heights<'t, C> {
+impl<'t, C: Coordinate> CornerHeights<'t, C> {
     #[inline]
     fn new(points: &[[C; 3]; 3], plane: &'t TrianglePlane<'t, C>) -> Self {
         let offsets = points.each_ref().map(|p| difference(p, &plane.triangle[0]));
@@ -220,9 +220,9 @@ impl From<Contact> for Contact<f64> {
 /// The overlap of the two intervals that [`intervals_overlap`](super::intervals_overlap) compares: of `a` over the plane of
 /// `b`, and the other way round.
 fn crossing<C: Coordinate>(
-    a: &Heights<'_, C>,
+    a: &CornerHeights<'_, C>,
     a_sides: &[i32; 3],
-    b: &Heights<'_, C>,
+    b: &CornerHeights<'_, C>,
     b_sides: &[i32; 3],
 ) -> Option<[[C; 3]; 2]> {
     let ([a0, a1, a2], [b0, b1, b2], side) = arrange(&a.points, a_sides, &b.points, b_sides);
@@ -240,7 +240,7 @@ fn crossing<C: Coordinate>(
 /// The point in which the edge p–q cuts the plane of a triangle.
 fn edge_point<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] {
     let plane = TrianglePlane::of(t);
-    let over = Heights::new(&[*p, *q, *q], &plane);
+    let over = CornerHeights::new(&[*p, *q, *q], &plane);
     over.cut(&over.points[0], &over.points[1])
 }
 
