@@ -71,9 +71,10 @@ mod scene;
 mod sphere;
 mod subject;
 mod subject_query;
+mod ticket;
 mod within;
 
-pub use batch::{Batch, PairLists, Ticket};
+pub use batch::{Batch, PairLists};
 pub use error::Error;
 pub use executor::Executor;
 pub use model::{Model, Scalar, Stamp};
@@ -82,6 +83,7 @@ pub use pair::PairQuery;
 pub use pose::AnyPose;
 pub use scene::{Body, BodyId, BodyOptions, Groups, Piece, SceneHit, SceneQuery};
 pub use sphere::Sphere;
+pub use ticket::Ticket;
 pub use within::SelfQuery;
 
 pub use pfront_core;

@@ -246,15 +246,18 @@ impl Traversal {
         let in_pool = rayon::current_thread_index().is_some();
         let waiting = if in_pool || settings.schedule == Schedule::Stealing { 1 } else { threads };
         pool.awake(waiting, |is_ready| {
+            let divided = with_default(|| front.divide(queries, starts, &settings, report));
+            // Nobody stays awake for a front that there is no memory for.
+            is_ready.store(divided.is_err(), Relaxed);
+            divided?;
             let slice = with_default(|| {
-                front.divide(queries, starts, &settings, report)?;
                 let predicted = || report.shares.iter().map(|share| share.predicted).sum();
                 let mean = expected.unwrap_or_else(predicted) / threads as f64;
-                Ok(match settings.schedule {
+                match settings.schedule {
                     Schedule::Static => None,
                     _ => Some(((mean * LATENESS) as u64).clamp(FEWEST, SLICE)),
-                })
-            })?;
+                }
+            });
             let clock = Instant::now();
             let frame = DividedFrame { queries, nodes: front.nodes(), slice, control };
             is_ready.store(true, Relaxed);

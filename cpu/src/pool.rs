@@ -158,8 +158,8 @@ impl Pool {
         list: impl Fn(&[T], &mut Vec<R>) -> Result<(), E> + Sync,
         out: &mut Vec<R>,
     ) -> Result<(), E> {
-        let before = out.len();
         if items.len() < 2 * CONTACTS {
+            let before = out.len();
             let listed = with_default(|| list(items, out));
             if listed.is_err() {
                 out.truncate(before);
@@ -177,15 +177,12 @@ impl Pool {
                 has_failed.fetch_or(listed.is_err(), Relaxed);
             }
         });
+        for (_, _, listed) in &mut pieces {
+            std::mem::replace(listed, Ok(()))?;
+        }
         let sizes = pieces.iter().map(|(_, own, _)| own.len());
         reserve(out, sizes.sum())?;
-        for (_, mut own, listed) in pieces {
-            if let Err(error) = listed {
-                out.truncate(before);
-                return Err(error);
-            }
-            out.append(&mut own);
-        }
+        pieces.iter_mut().for_each(|(_, own, _)| out.append(own));
         Ok(())
     }
 

@@ -7,28 +7,25 @@
 use super::cpu::Steps;
 use super::found::Found;
 use super::job::Job;
-use super::outcome::Outcome;
-use super::shown::Shown;
 use crate::Error;
 use crate::executor::{Device, Gathered, Reader, Seat, Slot, Verb, Work, check, merge_open, read};
 use crate::gpu::GpuQuery;
 use crate::memory::{push, reserve};
+use crate::ticket::{Outcome, Shown};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// Whether a thread can wait for a GPU.
-pub(super) const CAN_WAIT: bool = cfg!(not(target_arch = "wasm32"));
-
 /// Submits a batch. Returns the place of the ticket in the queue of the thread, unless there is no question.
-pub(super) fn submit(
+pub(super) fn submit<T: Send + 'static>(
     device: &Arc<Device>,
     reader: &Reader,
     job: Job,
-) -> Result<(Arc<Outcome>, Option<Seat>), Error> {
-    let outcome = Arc::<Outcome>::default();
+    answer: fn(Found) -> T,
+) -> Result<(Arc<Outcome<T>>, Option<Seat>), Error> {
+    let outcome = Arc::<Outcome<T>>::default();
     if job.questions.is_empty() {
-        outcome.set(Ok(Found::default()));
+        outcome.set(Ok(answer(Found::default())));
         return Ok((outcome, None));
     }
     let answering = Answering {
@@ -39,6 +36,7 @@ pub(super) fn submit(
         found: Vec::new(),
         failure: None,
         job,
+        answer,
     };
     let seat = reader.add(Box::new(answering), outcome.flag().clone())?;
     Ok((outcome, Some(seat)))
@@ -97,10 +95,11 @@ enum Submitted {
 }
 
 /// A batch while it is answered.
-struct Answering {
+struct Answering<T> {
     device: Arc<Device>,
     job: Job,
-    outcome: Arc<Outcome>,
+    answer: fn(Found) -> T,
+    outcome: Arc<Outcome<T>>,
     /// Parts that are left to be submitted, the next one first.
     parts: VecDeque<Part>,
     /// Parts that have been, the oldest first.
@@ -111,7 +110,7 @@ struct Answering {
     failure: Option<Error>,
 }
 
-impl Work for Answering {
+impl<T: Send> Work for Answering<T> {
     fn begin(&mut self) -> Result<bool, Error> {
         let Some(slot) = self.device.slot() else { return Ok(false) };
         self.submit(slot).inspect_err(|error| self.failure = Some(error.clone()))?;
@@ -121,15 +120,15 @@ impl Work for Answering {
     fn finish(mut self: Box<Self>) {
         let outcome = self.outcome.clone();
         outcome.guard(|| {
-            let found = self.answer()?;
-            outcome.set(Ok(found));
+            let found = self.find()?;
+            outcome.set(Ok((self.answer)(found)));
             Ok(())
         });
     }
 }
 
-impl Answering {
-    fn answer(&mut self) -> Result<Found, Error> {
+impl<T> Answering<T> {
+    fn find(&mut self) -> Result<Found, Error> {
         if let Some(failure) = self.failure.take() {
             return Err(failure);
         }
@@ -290,7 +289,7 @@ impl Answering {
 }
 
 /// Parts that have been submitted go on; their lists serve the next ticket afterwards.
-impl Drop for Answering {
+impl<T> Drop for Answering<T> {
     fn drop(&mut self) {
         for InFlight { lists, _slot, .. } in std::mem::take(&mut self.in_flight) {
             self.give_back(lists);

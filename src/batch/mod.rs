@@ -53,25 +53,20 @@ mod found;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod job;
-mod outcome;
 #[cfg(feature = "threads")]
 mod pool;
-#[cfg(feature = "gpu")]
-mod shown;
-mod ticket;
 
 pub use found::PairLists;
-pub use ticket::Ticket;
 
 use crate::environment::with_default;
 use crate::executor::{Backend, Reason, Verb};
 use crate::subject::Subject;
-use crate::{Adjacency, AnyPose, Error, Executor, Model, TrianglePair};
+use crate::ticket::Planned;
+use crate::{Adjacency, AnyPose, Error, Executor, Model, Ticket, TrianglePair};
 use found::Found;
 use job::Job;
 use std::fmt;
 use std::sync::Arc;
-use ticket::Planned;
 
 /// Questions for one submission. See [the module](crate::batch).
 ///
@@ -248,7 +243,7 @@ impl Batch {
         Arc::make_mut(&mut self.job.questions).push(question);
     }
 
-    fn submit<T>(
+    fn submit<T: Send + 'static>(
         &mut self,
         executor: &Executor,
         verb: Verb,
@@ -261,25 +256,25 @@ impl Batch {
             Planned { questions, backend, reason, on_cpu: Vec::new() }
         };
         #[cfg(feature = "gpu")]
-        if let Some((device, reader)) = executor.only_device()
-            && gpu::CAN_WAIT
-        {
+        if let Some((device, reader)) = executor.for_tickets() {
             let mut planned = planned(Backend::Gpu);
             let numbered = job.questions.iter().enumerate();
             let on_cpu = numbered.filter(|(_, question)| question.is_for_cpu());
             planned.on_cpu.extend(on_cpu.map(|(number, _)| number));
-            let (outcome, seat) = with_default(|| gpu::submit(device, reader, job))?;
-            let mut ticket = Ticket::new(outcome, None, answer, planned);
+            let (outcome, seat) = with_default(|| gpu::submit(device, reader, job, answer))?;
+            let mut ticket = Ticket::new(outcome, planned);
             ticket.seat = seat;
             return Ok(ticket);
         }
         #[cfg(feature = "threads")]
         if let Some(pool) = &executor.pool {
             let planned = planned(Backend::Threads);
-            return Ok(Ticket::new(pool::submit(executor, pool, job), None, answer, planned));
+            return Ok(Ticket::new(pool::submit(executor, pool, job, answer), planned));
         }
         let planned = planned(Backend::Sequential);
-        Ok(Ticket::new(Arc::default(), Some(cpu::Steps::new(job)), answer, planned))
+        let mut steps = cpu::Steps::new(job);
+        let step = move || Ok(steps.step()?.then(|| answer(std::mem::take(&mut steps.found))));
+        Ok(Ticket::in_steps(Box::new(step), planned))
     }
 }
 

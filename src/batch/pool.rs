@@ -3,10 +3,10 @@
 use super::cpu::Steps;
 use super::found::Found;
 use super::job::Job;
-use super::outcome::Outcome;
 use crate::executor::{CpuHistory, check};
 use crate::memory::{push, reserve};
 use crate::threads::Pool;
+use crate::ticket::Outcome;
 use crate::{Error, Executor};
 use std::sync::atomic::{AtomicUsize, Ordering::AcqRel, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,8 +17,13 @@ const BLOCK: usize = 64;
 const TURNS: usize = 16;
 
 /// Submits a batch to the pool of an executor.
-pub(super) fn submit(executor: &Executor, pool: &Pool, job: Job) -> Arc<Outcome> {
-    let (outcome, threads) = (Arc::<Outcome>::default(), pool.threads());
+pub(super) fn submit<T: Send + 'static>(
+    executor: &Executor,
+    pool: &Pool,
+    job: Job,
+    answer: fn(Found) -> T,
+) -> Arc<Outcome<T>> {
+    let (outcome, threads) = (Arc::<Outcome<T>>::default(), pool.threads());
     let count = job.questions.len();
     if count < threads {
         let mut cpu = CpuHistory::new(&executor.clone().with_cancel(outcome.flag().clone()));
@@ -27,7 +32,7 @@ pub(super) fn submit(executor: &Executor, pool: &Pool, job: Job) -> Arc<Outcome>
             own.guard(|| {
                 let found = together(&mut cpu, &job)?;
                 // If it is cancelled, the outcome is known.
-                own.set(Ok(found));
+                own.set(Ok(answer(found)));
                 Ok(())
             });
         });
@@ -36,6 +41,7 @@ pub(super) fn submit(executor: &Executor, pool: &Pool, job: Job) -> Arc<Outcome>
     let blocks = Arc::new(Blocks {
         size: (count / (TURNS * threads)).clamp(1, BLOCK),
         job,
+        answer,
         outcome: outcome.clone(),
         taken: AtomicUsize::new(0),
         answered: Mutex::default(),
@@ -66,9 +72,10 @@ fn together(cpu: &mut CpuHistory<()>, job: &Job) -> Result<Found, Error> {
 }
 
 /// Questions that threads take in blocks, in their order.
-struct Blocks {
+struct Blocks<T> {
     job: Job,
-    outcome: Arc<Outcome>,
+    answer: fn(Found) -> T,
+    outcome: Arc<Outcome<T>>,
     size: usize,
     /// Questions that have been taken.
     taken: AtomicUsize,
@@ -78,7 +85,7 @@ struct Blocks {
     at_work: AtomicUsize,
 }
 
-impl Blocks {
+impl<T> Blocks<T> {
     /// Takes blocks until none is left. The last thread puts them in order.
     fn work(&self) -> Result<(), Error> {
         let count = self.job.questions.len();
@@ -107,7 +114,7 @@ impl Blocks {
                 all.pairs.append(&mut found.pairs);
             }
             drop(answered);
-            self.outcome.set(Ok(all));
+            self.outcome.set(Ok((self.answer)(all)));
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Executors: the threads or the GPU that answer queries.
 //!
-//! An [`Executor`] owns resources: a pool of threads, a GPU with its lists. It is made once and shared by any number of
+//! An [`Executor`] has resources: workers in a pool of threads, a GPU with its lists. It is made once and shared by any number of
 //! queries, and remembers nothing of them. A query owns its history: the front and the costs of its nodes, the models that the
 //! GPU has, the last answer.
 //! All executors give the same lists and counts, to the bit. `any` names a true pair if there is one; which of them may differ
@@ -49,13 +49,14 @@
 //! are interrupted.
 
 // How `SceneQuery::all` is answered on threads; other queries and executors branch off on the way.
-// 1. `scene/mod.rs` finds the bodies whose boxes overlap, and makes a frame of those pairs that have changed: `scene/frame.rs`.
+// 1. `scene/mod.rs` has `scene/broad.rs` find the bodies whose boxes overlap, and makes a frame (`scene/frame.rs`) of the pairs that
+//    have changed (`scene/pairs.rs`).
 // 2. `History::ask` in `history.rs` chooses the executor, and calls the frame back with what the query remembers of it.
 // 3. `CpuHistory::ask_many` in `cpu.rs` asks on the calling thread; with threads, `threads.rs` hands batches of trees to a
-//    `pfront_cpu::Traversal`.
+//    `pfront_cpu::Traversal`, `cpu/src/traversal.rs`, by the names of which it remembers their costs.
 // 4. `Traversal::run` in `cpu/src/frame.rs` begins alone and divides what is left: `cpu/src/front.rs` makes and partitions the
-//    front, by `core/src/front`, and `cpu/src/workers.rs` has each thread traverse its part.
-// 5. The traversal that each thread runs is `core/src/bvtt/traversal.rs`; the lists are merged by `cpu/src/output.rs`.
+//    front, by `core/src/front`, whose costs it remembers, and `cpu/src/workers.rs` has each thread traverse its part.
+// 5. The traversal that each thread runs is `core/src/bvtt/traversal.rs`; `cpu/src/output.rs` merges the lists.
 // 6. `scene/cache.rs` completes the new hits with those of bodies that have not changed.
 mod answer;
 mod cancel;
@@ -93,8 +94,8 @@ use threads::Pool;
 
 /// The threads or the GPU that answer queries. See [the module](crate::executor).
 ///
-/// Copies share the number of workers, the settings and the GPU. The threads are those of the rayon pool of whoever asks: an
-/// executor owns none.
+/// Copies share the number of workers, the settings and the GPU. The threads are those of the rayon pool of whoever asks, unless the executor
+/// was made from a pool.
 #[derive(Clone, Default)]
 pub struct Executor {
     /// The threads; the calling thread alone if there are none.
@@ -160,10 +161,15 @@ impl Executor {
         self.cancel.as_deref()
     }
 
-    /// The GPU, if it answers all questions, and the thread for its tickets.
-    pub(crate) fn only_device(&self) -> Option<(&Arc<Device>, &Reader)> {
-        let device = self.device.as_ref().filter(|device| device.line().is_none())?;
-        Some((device, self.reader.as_deref()?))
+    /// The GPU, if it answers all questions.
+    pub(crate) fn only_device(&self) -> Option<&Arc<Device>> {
+        self.device.as_ref().filter(|device| device.line().is_none())
+    }
+
+    /// The same with the thread for its tickets. There is none on wasm32, where no thread can wait for a GPU.
+    pub(crate) fn for_tickets(&self) -> Option<(&Arc<Device>, &Reader)> {
+        let can_wait = cfg!(not(target_arch = "wasm32"));
+        Some((self.only_device().filter(|_| can_wait)?, self.reader.as_deref()?))
     }
 
     /// Whether the GPU answers where that pays.

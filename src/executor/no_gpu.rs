@@ -4,6 +4,8 @@ use super::choice::Line;
 use super::{Answer, Executor, Verb};
 use crate::subject::Subject;
 use crate::{Error, Model, TrianglePair};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Has no value.
 #[derive(Debug)]
@@ -23,6 +25,14 @@ impl NoGpu {
     }
 
     pub(crate) fn leave(&self) {
+        match *self {}
+    }
+
+    pub(crate) fn add_function(
+        &self,
+        _: Box<dyn FnOnce() + Send>,
+        _: Arc<AtomicBool>,
+    ) -> Result<Seat, Error> {
         match *self {}
     }
 }

@@ -24,6 +24,10 @@ impl NoPool {
         match *self {}
     }
 
+    pub(crate) fn spawn(&self, _: impl FnOnce()) {
+        match *self {}
+    }
+
     pub(crate) fn by_pieces<T, R>(
         &self,
         _: &[T],

@@ -218,6 +218,7 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
         let mut batch: Vec<AnyBvtt<'_>> = take(&mut self.trees);
         let mut rest = trees.peekable();
         let mut before: Option<Report> = None;
+        let mut is_divided = false;
         loop {
             self.asking.clear();
             for (name, tree) in rest.by_ref().take(BATCH) {
@@ -229,6 +230,7 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
                 self.renumber()?;
             } else {
                 // The costs of other trees tell nothing of these.
+                is_divided = true;
                 self.traversal.forget();
                 std::mem::swap(&mut self.asked, &mut self.asking);
             }
@@ -242,6 +244,10 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
                 break;
             }
             before = Some(self.traversal.report.clone());
+        }
+        if is_divided {
+            // The next frame resembles all batches together, of which nothing is remembered.
+            self.traversal.forget();
         }
         self.trees = emptied(batch);
         Ok(())

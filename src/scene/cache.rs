@@ -95,9 +95,6 @@ impl<T: WithBodies> Cache<T> {
         bodies: &Bodies,
         cancel: Option<&AtomicBool>,
     ) -> Result<(), Error> {
-        if self.at == bodies.time() {
-            return Ok(());
-        }
         self.drop_lost();
         if bodies.all_changed_since(self.at) {
             reserve(self.next(), new.len())?;

@@ -6,7 +6,7 @@ use super::broad::Places;
 use super::hit::SceneHit;
 use super::id::BodyId;
 use super::pairs::BodyPairs;
-use crate::executor::{Answer, Device, Verb};
+use crate::executor::{Answer, Device, Hidden, Verb};
 use crate::gpu::{GpuError, World};
 use crate::memory::{extend, push};
 use crate::{AnyPose, Error, Model, Pose, Stamp};
@@ -15,7 +15,7 @@ use std::collections::{HashMap, HashSet};
 
 #[derive(Debug, Default)]
 pub(super) struct DeviceScene {
-    scene: Option<Scene>,
+    scene: Option<Hidden<Scene>>,
     lack: Lack,
 }
 
@@ -79,17 +79,17 @@ impl DeviceScene {
     ) -> Result<Answer<SceneHit>, Error> {
         let scene = match &mut self.scene {
             Some(scene) => scene,
-            none => none.insert(Scene {
+            none => none.insert(Hidden::new(Scene {
                 world: World::new(&device.gpu, device.settings)?,
                 meshes: HashMap::new(),
                 triangles: 0,
                 bodies: Vec::new(),
                 at: 0,
                 pairs: Vec::new(),
-            }),
+            })),
         };
         scene.bring(frame.bodies)?;
-        let Scene { world, pairs, .. } = scene;
+        let Scene { world, pairs, .. } = &mut **scene;
         pairs.clear();
         for pair in frame.pairs() {
             push(pairs, pair)?;

@@ -146,7 +146,8 @@ impl SceneQuery {
     /// All pairs that meet, sorted.
     ///
     /// # Errors
-    /// [`Error::Mesh`] if there are more than 2^31 bodies; `Error::Gpu` if a GPU fails that is to answer everything.
+    /// [`Error::Mesh`] if there are more than 2^31 bodies; [`Error::Cancelled`] by the flag of [`Executor::with_cancel`];
+    /// [`Error::Memory`]; `Error::Gpu` if a GPU fails that is to answer everything.
     pub fn all(&mut self) -> Result<&[SceneHit], Error> {
         self.find_hits()?;
         Ok(self.hits.list(&self.bodies))
@@ -215,7 +216,7 @@ impl SceneQuery {
     /// Keeps nothing.
     ///
     /// # Errors
-    /// [`Error::Mesh`] if there are more than 2^31 bodies; [`Error::Cancelled`] by the flag of [`Executor::with_cancel`].
+    /// As [`SceneQuery::all`], without a GPU.
     ///
     /// # Examples
     /// ```
@@ -257,7 +258,7 @@ impl SceneQuery {
     /// which a point lies in the box. On the calling thread.
     ///
     /// # Errors
-    /// As [`SceneQuery::intersecting_bodies`], and [`Error::Memory`].
+    /// As [`SceneQuery::intersecting_bodies`].
     ///
     /// # Complexity
     /// For the first question after a change, which bodies may meet is found, as for any verb; then O(log n + found) for n bodies.

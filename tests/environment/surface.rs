@@ -34,7 +34,7 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
     ),
     (
         "Ticket",
-        include_str!("../../src/batch/ticket.rs"),
+        include_str!("../../src/ticket/mod.rs"),
         "is_ready try_read wait read",
         "cancel plan hits_buffer count_buffer",
     ),

@@ -1,6 +1,7 @@
 //! A GPU as an executor has it: its lists, lent to a question until it is read, and the models that are there.
 
 use super::gathered::Gathered;
+use super::hidden::Hidden;
 use super::meshes::DeviceMeshes;
 use crate::executor::choice::Line;
 use crate::executor::{Answer, Verb};
@@ -15,15 +16,15 @@ pub(crate) const IN_FLIGHT: usize = 2;
 
 #[derive(Debug)]
 pub(crate) struct Device {
-    pub(crate) gpu: Gpu,
+    pub(crate) gpu: Hidden<Gpu>,
     pub(crate) settings: GpuSettings,
     line: Option<Line>,
     /// Lists, while no question has them.
-    idle: Mutex<Vec<GpuQuery>>,
+    idle: Hidden<Mutex<Vec<GpuQuery>>>,
     /// Worlds of batches of pairs, while no batch has them.
-    gathered: Mutex<Vec<Gathered>>,
+    gathered: Hidden<Mutex<Vec<Gathered>>>,
     /// Meshes that do not move.
-    meshes: Mutex<DeviceMeshes>,
+    meshes: Hidden<Mutex<DeviceMeshes>>,
     /// Parts of tickets that are submitted and not read yet.
     in_flight: AtomicUsize,
     /// Tickets that show their buffers.
@@ -33,12 +34,12 @@ pub(crate) struct Device {
 impl Device {
     pub(super) fn new(gpu: &Gpu, settings: GpuSettings, line: Option<Line>) -> Self {
         Self {
-            gpu: gpu.clone(),
+            gpu: Hidden::new(gpu.clone()),
             settings,
             line,
-            idle: Mutex::default(),
-            gathered: Mutex::default(),
-            meshes: Mutex::default(),
+            idle: Hidden::new(Mutex::default()),
+            gathered: Hidden::new(Mutex::default()),
+            meshes: Hidden::new(Mutex::default()),
             in_flight: AtomicUsize::new(0),
             shown: AtomicUsize::new(0),
         }

@@ -1,6 +1,6 @@
 //! The models of a query on a GPU, brought there when it is first asked and kept up to date from then on.
 
-use super::Device;
+use super::{Device, Hidden};
 use crate::executor::{Answer, Verb};
 use crate::gpu::{Deforming, GpuError, GpuModel};
 use crate::subject::Subject;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// One model or two, of which the second may be the first.
 #[derive(Debug, Default)]
-pub(crate) struct Mirrors([Option<Mirror>; 2]);
+pub(crate) struct Mirrors([Option<Hidden<Mirror>>; 2]);
 
 /// A clone has to bring its models there by itself.
 impl Clone for Mirrors {
@@ -35,7 +35,7 @@ enum Mirrored {
 impl Mirrors {
     /// Triangles of models that are not there.
     pub(crate) fn lack(&self, models: &[&Model]) -> usize {
-        let lacks = |(own, model): (&Option<Mirror>, &&Model)| match own {
+        let lacks = |(own, model): (&Option<Hidden<Mirror>>, &&Model)| match own {
             Some(own) if own.stamp.mesh() == model.stamp().mesh() => 0,
             _ => model.mesh().triangles().len(),
         };
@@ -72,9 +72,9 @@ impl Mirrors {
             Mirror::bring(own, device, model, moves)?;
         }
         let [first, second] = &self.0;
-        let first = first.as_ref().map(Mirror::model).ok_or(GpuError::OtherDevice)?;
+        let first = first.as_ref().map(|own| own.model()).ok_or(GpuError::OtherDevice)?;
         let second = if distinct.len() == 1 { None } else { second.as_ref() };
-        Ok([first, second.map_or(first, Mirror::model)])
+        Ok([first, second.map_or(first, |own| own.model())])
     }
 }
 
@@ -96,14 +96,14 @@ impl Mirror {
 
     /// Makes it that of a model: uploads it, or its positions if it is the same mesh that has moved.
     fn bring(
-        own: &mut Option<Self>,
+        own: &mut Option<Hidden<Self>>,
         device: &Device,
         model: &Model,
         moves: bool,
     ) -> Result<(), GpuError> {
         let stamp = model.stamp();
         // After an error nothing is known of what is there.
-        let before = own.take();
+        let before = own.take().map(Hidden::into_inner);
         let same_mesh = before.as_ref().is_some_and(|own| own.stamp.mesh() == stamp.mesh());
         match before {
             Some(mut before) if before.stamp == stamp => {
@@ -112,7 +112,7 @@ impl Mirror {
                 {
                     moving.rebuild()?;
                 }
-                *own = Some(before);
+                *own = Some(Hidden::new(before));
                 return Ok(());
             }
             Some(Self { model: Mirrored::Moving(mut moving), .. }) if same_mesh => {
@@ -122,7 +122,7 @@ impl Mirror {
                     true => moving.rebuild_at(positions)?,
                     false => moving.set_positions(positions)?,
                 }
-                *own = Some(Self { stamp, model: Mirrored::Moving(moving) });
+                *own = Some(Hidden::new(Self { stamp, model: Mirrored::Moving(moving) }));
                 return Ok(());
             }
             _ => {}
@@ -135,7 +135,7 @@ impl Mirror {
             }
             false => Mirrored::Rigid(device.model(model)?),
         };
-        *own = Some(Self { stamp, model });
+        *own = Some(Hidden::new(Self { stamp, model }));
         Ok(())
     }
 }

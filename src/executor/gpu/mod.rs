@@ -2,6 +2,7 @@
 
 mod device;
 mod gathered;
+mod hidden;
 mod measure;
 mod meshes;
 mod mirror;
@@ -10,6 +11,7 @@ mod reader;
 
 pub(crate) use device::{Device, Slot, merge_open, read};
 pub(crate) use gathered::Gathered;
+pub(crate) use hidden::Hidden;
 pub(crate) use mirror::Mirrors;
 pub(crate) use reader::{Reader, Seat, Work};
 

@@ -4,6 +4,7 @@
 //! is awaited any longer. It is never detached: inside a driver while the process ends, it would bring the process down. So
 //! `exit`, which drops nothing, stops it as well, and waits a while for what the device works on.
 
+use super::Hidden;
 use crate::Error;
 use crate::environment::with_default;
 use crate::gpu::{Gpu, GpuError, wgpu};
@@ -24,7 +25,8 @@ pub(crate) trait Work: Send {
     /// that the next ticket may begin.
     fn begin(&mut self) -> Result<bool, Error>;
 
-    /// Answers the ticket, an error of `begin` being the answer. Returns soon after the ticket's flag is set.
+    /// Answers the ticket, an error of `begin` being the answer. Work that was submitted in parts returns soon after the ticket's
+    /// flag is set.
     fn finish(self: Box<Self>);
 }
 
@@ -40,7 +42,7 @@ pub(crate) struct Seat(Arc<Shared>);
 struct Shared {
     state: Mutex<ReaderState>,
     changed: Condvar,
-    gpu: Gpu,
+    gpu: Hidden<Gpu>,
     /// The process that the thread belongs to. A child of `fork` has no such thread.
     process: u32,
 }
@@ -77,7 +79,7 @@ impl Reader {
         Self(Arc::new(Shared {
             state: Mutex::default(),
             changed: Condvar::new(),
-            gpu: gpu.clone(),
+            gpu: Hidden::new(gpu.clone()),
             process: process(),
         }))
     }
@@ -100,6 +102,30 @@ impl Reader {
         drop(state);
         shared.changed.notify_all();
         Ok(Seat(shared.clone()))
+    }
+
+    /// Adds a ticket whose work is this function, of which nothing is submitted before its turn.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] if no thread can be started.
+    pub(crate) fn add_function(
+        &self,
+        run: Box<dyn FnOnce() + Send>,
+        is_over: Arc<AtomicBool>,
+    ) -> Result<Seat, Error> {
+        self.add(Box::new(Function(run)), is_over)
+    }
+}
+
+struct Function(Box<dyn FnOnce() + Send>);
+
+impl Work for Function {
+    fn begin(&mut self) -> Result<bool, Error> {
+        Ok(true)
+    }
+
+    fn finish(self: Box<Self>) {
+        (self.0)();
     }
 }
 

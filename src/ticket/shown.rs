@@ -1,36 +1,36 @@
 //! Lists of a GPU whose buffers a ticket shows.
 
-use crate::executor::Device;
+use crate::executor::{Device, Hidden};
 use crate::gpu::{GpuQuery, wgpu};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The lists of a single question, whose buffers its ticket shows. They go back to the device when this is dropped.
 #[derive(Debug)]
-pub(super) struct Shown {
-    pub(super) device: Arc<Device>,
+pub(crate) struct Shown {
+    pub(crate) device: Arc<Device>,
     /// The buffers of hits and counters.
-    pub(super) buffers: [wgpu::Buffer; 2],
+    pub(crate) buffers: [wgpu::Buffer; 2],
     /// Once they are read.
-    pub(super) lists: Mutex<Option<GpuQuery>>,
+    pub(crate) lists: Mutex<Option<GpuQuery>>,
 }
 
 /// The lists of a ticket, if it shows some.
 #[derive(Debug, Default)]
-pub(super) struct ShownLists(OnceLock<Shown>);
+pub(crate) struct ShownLists(OnceLock<Hidden<Shown>>);
 
 impl ShownLists {
     /// Shows buffers of a GPU, until the ticket and its outcome are dropped.
-    pub(super) fn show(&self, shown: Shown) {
-        let _ = self.0.set(shown);
+    pub(crate) fn show(&self, shown: Shown) {
+        let _ = self.0.set(Hidden::new(shown));
     }
 
     /// The buffers of hits and counters, if they are shown.
-    pub(super) fn buffers(&self) -> Option<&[wgpu::Buffer; 2]> {
+    pub(crate) fn buffers(&self) -> Option<&[wgpu::Buffer; 2]> {
         self.0.get().map(|shown| &shown.buffers)
     }
 
     /// Keeps the lists whose buffers are shown; else returns them.
-    pub(super) fn keep(&self, lists: GpuQuery) -> Option<GpuQuery> {
+    pub(crate) fn keep(&self, lists: GpuQuery) -> Option<GpuQuery> {
         let Some(shown) = self.0.get() else { return Some(lists) };
         let mut own = shown.lists.lock().unwrap_or_else(PoisonError::into_inner);
         match &*own {

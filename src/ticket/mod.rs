@@ -1,19 +1,26 @@
-//! Tickets: reading the answers to a batch, now or later.
+//! Tickets: answers that are read later.
 
-use super::cpu::Steps;
-use super::found::Found;
-use super::outcome::Outcome;
+mod outcome;
+#[cfg(feature = "gpu")]
+mod shown;
+mod submit;
+
+pub(crate) use outcome::Outcome;
+#[cfg(feature = "gpu")]
+pub(crate) use shown::Shown;
+
 use crate::Error;
 use crate::executor::{Backend, Plan, Reason, Seat};
 use std::fmt;
 use std::future::Future;
 use std::pin::Pin;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::task::{Context, Poll};
 #[cfg(not(target_arch = "wasm32"))]
 use std::time::{Duration, Instant};
 
-/// The answers to a batch, which are on their way. See [the module](crate::batch) for who works on them, and when.
+/// The answers to a [`Batch`](crate::Batch), or to what [`Executor::submit`](crate::Executor::submit) was given, which are on their way. See
+/// [the module `batch`](crate::batch) for who works on them, and when.
 ///
 /// Answers are handed out once, by any of its methods or to a future. Dropping a ticket cancels it. It needs neither its batch nor its
 /// executor any longer.
@@ -21,7 +28,7 @@ use std::time::{Duration, Instant};
 /// # Examples
 /// ```
 /// use pfront::{Batch, Executor, Model, Pose};
-/// use std::sync::Arc;
+/// use std::sync::{Arc, Mutex, PoisonError};
 /// # async fn frame() -> Result<(), pfront::Error> {
 /// # let triangle = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
 /// let model = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
@@ -34,37 +41,39 @@ use std::time::{Duration, Instant};
 /// ```
 #[must_use = "dropping a ticket cancels it"]
 pub struct Ticket<T> {
-    outcome: Arc<Outcome>,
-    /// The work, if nobody else does it.
-    steps: Option<Box<Steps>>,
-    answer: fn(Found) -> T,
+    outcome: Arc<Outcome<T>>,
+    /// The work, if nobody else does it. Only the ticket calls it, so that nobody waits for this lock.
+    steps: Mutex<Option<Steps<T>>>,
     planned: Planned,
     /// The place in the queue of a GPU.
-    pub(super) seat: Option<Seat>,
+    pub(crate) seat: Option<Seat>,
 }
+
+/// Work in slices: each call does one, and returns the answer after the last.
+pub(crate) type Steps<T> = Box<dyn FnMut() -> Result<Option<T>, Error> + Send>;
 
 /// Who answers the questions of a ticket.
 #[derive(Clone, Debug)]
-pub(super) struct Planned {
-    pub(super) questions: usize,
-    pub(super) backend: Backend,
-    pub(super) reason: Reason,
+pub(crate) struct Planned {
+    pub(crate) questions: usize,
+    pub(crate) backend: Backend,
+    pub(crate) reason: Reason,
     /// The questions that one thread answers in place of a GPU, in order.
-    pub(super) on_cpu: Vec<usize>,
+    pub(crate) on_cpu: Vec<usize>,
 }
 
 impl<T> Ticket<T> {
-    pub(super) fn new(
-        outcome: Arc<Outcome>,
-        steps: Option<Steps>,
-        answer: fn(Found) -> T,
-        planned: Planned,
-    ) -> Self {
-        Self { outcome, steps: steps.map(Box::new), answer, planned, seat: None }
+    pub(crate) fn new(outcome: Arc<Outcome<T>>, planned: Planned) -> Self {
+        Self { outcome, steps: Mutex::default(), planned, seat: None }
     }
 
-    /// The backend that answers a question, and the reason; `None` if there is no such question. It is known from the
-    /// submission on.
+    /// A ticket whose work is done by whoever asks for the answer.
+    pub(crate) fn in_steps(steps: Steps<T>, planned: Planned) -> Self {
+        Self { outcome: Arc::default(), steps: Mutex::new(Some(steps)), planned, seat: None }
+    }
+
+    /// The backend that answers a question of a batch, and the reason; `None` if there is no such question. It is known from the
+    /// submission on. Queries that [`Executor::submit`](crate::Executor::submit) was given tell of themselves.
     ///
     /// # Complexity
     /// O(log n) for n questions.
@@ -73,7 +82,7 @@ impl<T> Ticket<T> {
     /// ```
     /// use pfront::executor::Backend;
     /// use pfront::{Batch, Executor, Model, Pose};
-    /// # use std::sync::Arc;
+    /// # use std::sync::{Arc, Mutex, PoisonError};
     /// # let model = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
     /// let mut batch = Batch::new();
     /// batch.pair(&model, &model, Pose::IDENTITY)?;
@@ -127,7 +136,7 @@ impl<T> Ticket<T> {
     /// ```
     pub fn try_read(&mut self) -> Result<Option<T>, Error> {
         self.step();
-        self.outcome.take().transpose().map(|found| found.map(self.answer))
+        self.outcome.take().transpose()
     }
 
     /// The answers, if they are there in time. Waits for this ticket and for nothing else; a thread of a rayon pool works on
@@ -151,13 +160,13 @@ impl<T> Ticket<T> {
         // A time too long to be told is waited for without an end.
         let until = Instant::now().checked_add(timeout);
         self.step();
-        while self.steps.is_some() && until.is_none_or(|until| Instant::now() < until) {
+        while self.steps().is_some() && until.is_none_or(|until| Instant::now() < until) {
             self.step();
         }
-        if self.steps.is_none() {
+        if self.steps().is_none() {
             self.outcome.wait(until);
         }
-        self.outcome.take().transpose().map(|found| found.map(self.answer))
+        self.outcome.take().transpose()
     }
 
     /// The answers, for which it waits.
@@ -172,11 +181,11 @@ impl<T> Ticket<T> {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn read(mut self) -> Result<T, Error> {
-        while self.steps.is_some() {
+        while self.steps().is_some() {
             self.step();
         }
         self.outcome.wait(None);
-        self.outcome.take().unwrap_or(Err(Error::Cancelled)).map(self.answer)
+        self.outcome.take().unwrap_or(Err(Error::Cancelled))
     }
 
     /// Gives up the answers: reading the ticket returns [`Error::Cancelled`] from now on. Each thread stops within 4096 tests,
@@ -191,20 +200,25 @@ impl<T> Ticket<T> {
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn cancel(&mut self) {
-        self.steps = None;
+        *self.steps() = None;
         self.outcome.cancel();
+    }
+
+    fn steps(&mut self) -> &mut Option<Steps<T>> {
+        self.steps.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Does a slice, if nobody else works.
     fn step(&mut self) {
-        let Some(steps) = &mut self.steps else { return };
-        match self.outcome.guard(|| steps.step()) {
-            Some(false) => return,
-            Some(true) => self.outcome.set(Ok(std::mem::take(&mut steps.found))),
+        let outcome = self.outcome.clone();
+        let Some(steps) = self.steps() else { return };
+        match outcome.guard(steps) {
+            Some(None) => return,
+            Some(Some(answer)) => outcome.set(Ok(answer)),
             // The outcome says why.
             None => {}
         }
-        self.steps = None;
+        *self.steps() = None;
     }
 }
 
@@ -215,7 +229,7 @@ impl<T> Ticket<T> {
     /// does not have just one question; while the ticket waits for its turn, since two others are in flight; and if two
     /// other tickets show their buffers.
     ///
-    /// `array<vec2<u32>>`: the triangles `(a, b)` of each hit, sorted for [`Batch::all`](super::Batch::all) unless they
+    /// `array<vec2<u32>>`: the triangles `(a, b)` of each hit, sorted for [`Batch::all`](crate::Batch::all) unless they
     /// are far more than in the last answers, or very uneven; [`Ticket::read`] sorts them then. Work that is submitted to the queue
     /// after the ticket finds them there, without waiting, until the ticket is dropped or read by [`Ticket::read`]; then the lists go to the next ticket. Only [`Ticket::count_buffer`] says how many there are, and
     /// whether these are all. Bind it to read (`STORAGE`, `COPY_SRC`).
@@ -224,7 +238,7 @@ impl<T> Ticket<T> {
     /// ```no_run
     /// use pfront::gpu::{Gpu, GpuQuery};
     /// use pfront::{Batch, Executor, Model, Pose};
-    /// # use std::sync::Arc;
+    /// # use std::sync::{Arc, Mutex, PoisonError};
     /// # fn demo(model: Arc<Model>, indirect: pfront::gpu::wgpu::Buffer) -> Result<(), pfront::Error> {
     /// let gpu = Gpu::new()?;
     /// let mut batch = Batch::new();
@@ -261,11 +275,11 @@ impl<T> Future for Ticket<T> {
 
     fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
         self.step();
-        if self.steps.is_some() {
+        if self.steps().is_some() {
             // Nobody else would.
             context.waker().wake_by_ref();
         }
-        self.outcome.poll(context.waker()).map(|found| found.map(self.answer))
+        self.outcome.poll(context.waker())
     }
 }
 
