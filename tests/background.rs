@@ -48,7 +48,7 @@ fn a_scene_is_asked_in_the_background_and_comes_back() {
             scene = back;
             assert_eq!(scene.hits().len(), truth.all().unwrap().len(), "{name} {frame}");
             assert_eq!(contacts, truth.contacts().map(<[_]>::len), "{name} {frame}");
-            // What the scene found it still knows.
+            // The scene knows what it has found.
             scene.all().unwrap();
             let backend = scene.plan().unwrap().backend;
             assert_eq!(backend, pfront::executor::Backend::Cached, "{name} {frame}");

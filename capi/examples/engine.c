@@ -110,10 +110,13 @@ static pfront_scene_t *new_scene(const pfront_buffers_t *a, const void *blob, si
                                  uint64_t bodies[BODIES])
 {
     const pfront_pose_t still = PFRONT_POSE_IDENTITY;
+    pfront_executor_t *executor;
     pfront_scene_t *scene;
     pfront_model_t *models[3];
     pfront_error_t error;
-    check(pfront_scene_create(WORKERS_OF_SCENE, &scene, &error), &error);
+    check(pfront_executor_create(PFRONT_CPU, WORKERS_OF_SCENE, &executor, &error), &error);
+    check(pfront_scene_create(executor, &scene, &error), &error);
+    check(pfront_executor_free(executor, &error), &error); // the scene keeps its threads
     check(pfront_model_create(a, &models[0], &error), &error);
     check(pfront_model_from_blob(blob, blob_bytes, &models[1], &error), &error);
     check(pfront_model_create(sheet, &models[2], &error), &error);

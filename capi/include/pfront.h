@@ -2,12 +2,13 @@
 //
 // Written by cbindgen from capi/src: do not edit, see capi/tests/header.rs.
 //
-// Two meshes, once: `pfront_all`. Many bodies, frame by frame: `pfront_scene_create`. Two meshes or one with itself, in
+// Two meshes, once: `pfront_all`; one: `pfront_self`. Many bodies, frame by frame: `pfront_scene_create`. Models, frame by frame
+// or many at once, on threads or a GPU: `pfront_model_query_create`, `pfront_batch_count`. Two meshes or one with itself, in
 // memory and time that the caller bounds: `pfront_mesh_from_buffers` or `pfront_mesh_check`, `pfront_bvh_build_sah`,
 // `pfront_query_pair` or `pfront_query_self`, `pfront_cursor_start`, `pfront_query_page` until the cursor is done.
 // capi/README.md and capi/examples/engine.c show how.
 //
-// All memory is the caller's, but for what `pfront_all`, `pfront_any`, models and scenes take from an allocator: a function
+// All memory is the caller's, but for what `pfront_all`, `pfront_self`, `pfront_any`, models, executors, queries about models and scenes take from an allocator: a function
 // frees each. Everywhere else nothing is allocated, kept or locked, and there is nothing to free. There are no globals,
 // but for the pool of threads of a library that was built with some.
 //
@@ -17,15 +18,15 @@
 // Functions that can fail return PFRONT_OK or an error code, and tell more through `error` unless it is null. A null
 // pointer, one that is not aligned, arrays that overlap, one that is too small, a structure that was not made, a number
 // out of range: each has its code. The contract is what no function can find out: that a pointer which is neither null
-// nor misaligned leads to as many elements as is said, or to one structure, that a model, a scene or a list is not used
+// nor misaligned leads to as many elements as is said, or to one structure, that a model, an executor, a query about models, a scene or a list is not used
 // after it was freed, that `error` overlaps nothing else, and that during a call no other thread writes what the call
 // uses, nor reads what it writes.
 //
-// Models and scenes need the library with Rust's standard library, which it has unless it is built without.
+// Models, executors, queries about models, batches and scenes need the library with Rust's standard library, which it has unless it is built without.
 //
-// Models and scenes: freed by a function each, and PFRONT_NOT_MADE if they are freed again, as far as their memory tells, or are
+// Models, executors, queries about models and scenes: freed by a function each, and PFRONT_NOT_MADE if they are freed again, as far as their memory tells, or are
 // copied byte by byte; PFRONT_BUSY if a thread calls a function that takes one not const, or frees one, while another is inside
-// a call with it; PFRONT_FORKED for a scene with threads in a child of fork, which may use all else. Arrays that a scene hands
+// a call with it; PFRONT_FORKED for what has threads or a GPU in a child of fork, which may use all else. Arrays that a scene or a query hands
 // out are good until the same function is called again. capi/README.md has a table of it.
 //
 // An answer is about surfaces, not solids: a body wholly inside another has no hit. It is for one instant, not a motion.
@@ -134,6 +135,10 @@ enum pfront_status_t
   PFRONT_FORKED = 34,
   // The quaternion `what` is no rotation: the square of its length is not within 1/1024 of 1, or is NaN.
   PFRONT_NOT_UNIT = 35,
+  // There is no GPU that can be used, or the library was built without.
+  PFRONT_NO_DEVICE = 36,
+  // The GPU failed: it is out of memory or lost. Another call may succeed, or another executor.
+  PFRONT_DEVICE = 37,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -205,6 +210,34 @@ typedef enum pfront_contact_kind_t pfront_contact_kind_t;
 typedef uint32_t pfront_contact_kind_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
+
+// Who answers.
+enum pfront_device_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The CPU.
+  PFRONT_CPU = 0,
+  // The best GPU, always; what no GPU decides, such as bodies in f64, is decided on the CPU.
+  PFRONT_GPU = 1,
+  // The CPU, or the best GPU where that pays.
+  PFRONT_AUTO = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pfront_device_t pfront_device_t;
+#else
+typedef uint32_t pfront_device_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Threads or a GPU that answer. Any number of threads, scenes and queries may use one at once.
+typedef struct pfront_executor_t pfront_executor_t;
+
+// What is remembered of questions about models from frame to frame. For one thread at a time; another one is refused:
+// PFRONT_BUSY.
+typedef struct pfront_model_query_t pfront_model_query_t;
 
 // A mesh and its BVH, for the bodies of scenes. Any number of threads and scenes may use one at once.
 typedef struct pfront_model_t pfront_model_t;
@@ -468,6 +501,28 @@ typedef struct pfront_pose64_t {
   double rows[3][4];
 } pfront_pose64_t;
 
+// Two models, the second posed, or one model and itself.
+typedef struct pfront_subject_t {
+  // The first.
+  const struct pfront_model_t *a;
+  // The second; null for `a` and itself.
+  const struct pfront_model_t *b;
+  // The pose of `b`, which only then has to be there.
+  const struct pfront_pose_t *a_from_b;
+  // A pose in f64 in place of `a_from_b`, unless it is null; then the answer is that of f64.
+  const struct pfront_pose64_t *a_from_b_f64;
+  // A `pfront_rule_t` for one model and itself: PFRONT_SHARED_INDEX or PFRONT_SKIP_NEIGHBOURS.
+  uint32_t rule;
+} pfront_subject_t;
+
+// Two triangles that meet, and where they do, in the frame of the first model.
+typedef struct pfront_model_contact_t {
+  // The triangles.
+  struct pfront_pair_t pair;
+  // Where they meet.
+  struct pfront_contact_t contact;
+} pfront_model_contact_t;
+
 // Two triangles of different bodies that meet.
 typedef struct pfront_scene_hit_t {
   // The bodies, the one that was added first before the other.
@@ -496,6 +551,16 @@ typedef struct pfront_scene_contact64_t {
   // Unit normals of both by the right-hand rule; 0 for a triangle without area.
   float normals[2][3];
 } pfront_scene_contact64_t;
+
+// A body that was part of another one.
+typedef struct pfront_piece_t {
+  // The body.
+  uint64_t body;
+  // The number of its part.
+  uint32_t part;
+  // How many triangles it has.
+  uint32_t triangle_count;
+} pfront_piece_t;
 
 #ifdef __cplusplus
 extern "C" {
@@ -799,6 +864,13 @@ pfront_status_t pfront_all(const struct pfront_buffers_t *a,
                            struct pfront_pair_list_t *list,
                            struct pfront_error_t *error);
 
+// Finds all pairs of triangles of one mesh that meet, by a `pfront_rule_t`; all else is as for `pfront_all`.
+pfront_status_t pfront_self(const struct pfront_buffers_t *buffers,
+                            uint32_t rule,
+                            const struct pfront_allocator_t *allocator,
+                            struct pfront_pair_list_t *list,
+                            struct pfront_error_t *error);
+
 // Finds some pair of triangles of `a` and `b` that meet, and stops at the first: `found` is 1 if there is one, else 0
 // and `pair` is not written. All else is as for `pfront_all`; there is nothing to free.
 pfront_status_t pfront_any(const struct pfront_buffers_t *a,
@@ -839,15 +911,85 @@ pfront_status_t pfront_model_from_blob(const void *blob,
 pfront_status_t pfront_model_free(struct pfront_model_t *model,
                                   struct pfront_error_t *error);
 
-// Makes a scene without bodies. With `workers` above 1, which needs a library
-// that was built with threads, a frame that is worth it is divided into as many parts, for as many threads as the
-// machine has cores; else each call works on its own thread, and more than 1 is
-// PFRONT_OUT_OF_RANGE. 0 counts as 1.
+// Makes an executor of a `pfront_device_t`. With `workers` above 1, which needs a library that was built with threads, a frame
+// that is worth it is divided into as many parts, for as many threads as the machine has cores; else the calling thread works
+// alone, and more than 1 is PFRONT_OUT_OF_RANGE. 0 counts as 1. PFRONT_GPU does not look at it.
+//
+// PFRONT_NO_DEVICE if there is no GPU that can be used, or the library was built without. Opening one takes a second or two,
+// measuring it for PFRONT_AUTO as long again: make one executor and keep it. A child of fork can use and make executors without
+// threads and GPU only; the others are PFRONT_FORKED there, and can only be freed.
+pfront_status_t pfront_executor_create(uint32_t device,
+                                       uint32_t workers,
+                                       struct pfront_executor_t **executor,
+                                       struct pfront_error_t *error);
+
+// Frees an executor; null is fine. Scenes and queries that were made with it go on. PFRONT_BUSY if another thread is inside a
+// call with it.
+pfront_status_t pfront_executor_free(struct pfront_executor_t *executor,
+                                     struct pfront_error_t *error);
+
+// Makes a query that asks `executor`, or the calling thread if that is null. It keeps its last answer, and what its frames
+// took: use one for each series of frames that resemble each other.
+pfront_status_t pfront_model_query_create(const struct pfront_executor_t *executor,
+                                          struct pfront_model_query_t **query,
+                                          struct pfront_error_t *error);
+
+// Frees a query and all that it has handed out; null is fine. PFRONT_BUSY if another thread is inside a call with it.
+pfront_status_t pfront_model_query_free(struct pfront_model_query_t *query,
+                                        struct pfront_error_t *error);
+
+// Finds all pairs of triangles of a subject that meet: `count` of them in `pairs`, sorted. They belong to the query and are good
+// until it is asked again or freed.
+pfront_status_t pfront_model_query_all(struct pfront_model_query_t *query,
+                                       const struct pfront_subject_t *subject,
+                                       const struct pfront_pair_t **pairs,
+                                       size_t *count,
+                                       struct pfront_error_t *error);
+
+// Finds some pair that meets, and stops at the first: `found` is 1 if there is one, else 0 and `pair` is not written.
+pfront_status_t pfront_model_query_any(struct pfront_model_query_t *query,
+                                       const struct pfront_subject_t *subject,
+                                       struct pfront_pair_t *pair,
+                                       uint32_t *found,
+                                       struct pfront_error_t *error);
+
+// Tells how many pairs meet.
+pfront_status_t pfront_model_query_count(struct pfront_model_query_t *query,
+                                         const struct pfront_subject_t *subject,
+                                         uint64_t *count,
+                                         struct pfront_error_t *error);
+
+// `pfront_model_query_all` that also tells where they meet. `contacts` belongs to the query and is good until this is called again,
+// or the query is freed.
+pfront_status_t pfront_model_query_contacts(struct pfront_model_query_t *query,
+                                            const struct pfront_subject_t *subject,
+                                            const struct pfront_model_contact_t **contacts,
+                                            size_t *count,
+                                            struct pfront_error_t *error);
+
+// Finds for each of `subject_count` subjects some pair that meets: `found[i]` is 1 if there is one, else 0 and `pairs[i]` is not
+// written. Where that pays, all threads of `executor` work on them, or its GPU; null stands for the calling thread. A subject at
+// fault is `index` of the error.
+pfront_status_t pfront_batch_any(const struct pfront_executor_t *executor,
+                                 const struct pfront_subject_t *subjects,
+                                 size_t subject_count,
+                                 struct pfront_pair_t *pairs,
+                                 uint32_t *found,
+                                 struct pfront_error_t *error);
+
+// Tells for each of `subject_count` subjects how many pairs meet. All else is as for `pfront_batch_any`.
+pfront_status_t pfront_batch_count(const struct pfront_executor_t *executor,
+                                   const struct pfront_subject_t *subjects,
+                                   size_t subject_count,
+                                   uint64_t *counts,
+                                   struct pfront_error_t *error);
+
+// Makes a scene without bodies, which asks `executor`, or the calling thread if that is null.
 //
 // A scene takes memory by malloc. PFRONT_OUT_OF_MEMORY if an answer or a mesh does not fit: then nothing has changed, and the
-// call can be made again. After PFRONT_DAMAGED a scene can only be freed. A child of fork may use a scene that has one worker; one
-// with threads, which stay behind, is PFRONT_FORKED there, and can only be freed.
-pfront_status_t pfront_scene_create(uint32_t workers,
+// call can be made again. After PFRONT_DAMAGED a scene can only be freed. A child of fork may use a scene whose executor has
+// neither threads nor a GPU; any other one is PFRONT_FORKED there, and can only be freed.
+pfront_status_t pfront_scene_create(const struct pfront_executor_t *executor,
                                     struct pfront_scene_t **scene,
                                     struct pfront_error_t *error);
 
@@ -966,6 +1108,50 @@ pfront_status_t pfront_scene_any(struct pfront_scene_t *scene,
 // Tells how many pairs of triangles of different bodies meet.
 pfront_status_t pfront_scene_count(struct pfront_scene_t *scene,
                                    uint64_t *count,
+                                   struct pfront_error_t *error);
+
+// Finds which bodies meet, each two until their first hit: `count` pairs in `pairs`, sorted, of which each is two numbers, the
+// body that was added first before the other; a body that is asked about itself twice. They belong to the scene and are
+// good until this is called again, or the scene is freed.
+pfront_status_t pfront_scene_intersecting_bodies(struct pfront_scene_t *scene,
+                                                 const uint64_t (**pairs)[2],
+                                                 size_t *count,
+                                                 struct pfront_error_t *error);
+
+// Finds the bodies whose box in the world overlaps the box from `min` to `max`, each of 3 floats: `count` of them in `bodies`,
+// sorted. They belong to the scene and are good until this is called again, or the scene is freed.
+pfront_status_t pfront_scene_bodies_in(struct pfront_scene_t *scene,
+                                       const float *min,
+                                       const float *max,
+                                       const uint64_t **bodies,
+                                       size_t *count,
+                                       struct pfront_error_t *error);
+
+// Calls `visit` with `context` and each hit, on the calling thread, bodies in order and their triangles in none, until it returns
+// another number than 0: then `stopped` is 1, else 0. `visit` must not call a function with this scene, nor leave by longjmp.
+// Nothing is kept.
+pfront_status_t pfront_scene_visit(struct pfront_scene_t *scene,
+                                   int32_t (*visit)(void *context,
+                                                    const struct pfront_scene_hit_t *hit),
+                                   void *context,
+                                   uint32_t *stopped,
+                                   struct pfront_error_t *error);
+
+// Gives a body another model.
+pfront_status_t pfront_scene_set_model(struct pfront_scene_t *scene,
+                                       uint64_t body,
+                                       const struct pfront_model_t *model,
+                                       struct pfront_error_t *error);
+
+// Splits a body: triangle i goes to part `parts[i]`, of which there are as many as triangles. Each part becomes a body in the same
+// pose, with a mesh of its own whose triangles are in the old order, the groups, the number and the ignored bodies of the old one, which is gone. `pieces` tells
+// `count` of them, by parts; it belongs to the scene and is good until this is called again, or the scene is freed.
+pfront_status_t pfront_scene_split(struct pfront_scene_t *scene,
+                                   uint64_t body,
+                                   const uint32_t *parts,
+                                   size_t triangle_count,
+                                   const struct pfront_piece_t **pieces,
+                                   size_t *count,
                                    struct pfront_error_t *error);
 
 #ifdef __cplusplus

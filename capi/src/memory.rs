@@ -41,6 +41,7 @@ macro_rules! plain {
 plain!(
     u8,
     u32,
+    u64,
     [u8; 2],
     [u8; 4],
     [f32; 3],
@@ -66,6 +67,8 @@ plain!(
     crate::pfront_pose64_t,
     crate::pfront_query_t
 );
+#[cfg(feature = "std")]
+plain!(crate::pfront_subject_t);
 
 /// Someone who keeps to the contract of the header.
 pub(crate) struct Caller(());

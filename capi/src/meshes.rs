@@ -13,6 +13,7 @@ use crate::allocator::{Block, pfront_allocator_t};
 use crate::buffers::{Buffers, Names, pfront_buffers_t};
 use crate::memory::{Call, Caller};
 use crate::pose::pfront_pose_t;
+use crate::query::by_rule;
 use crate::status::pfront_status_t::{self, *};
 use crate::status::{Fault, pfront_error_t};
 use crate::verbs::pfront_pair_t;
@@ -145,7 +146,7 @@ fn split(words: &mut [u64], count: usize) -> Result<(&mut [u64], &mut [u64]), Fa
 }
 
 /// All pairs of a query, sorted, in a block that grows twofold; and their number.
-fn list(query: &PairBvtt<'_>, allocator: pfront_allocator_t) -> Result<(Block, usize), Fault> {
+fn list(query: &impl Query, allocator: pfront_allocator_t) -> Result<(Block, usize), Fault> {
     let (mut block, mut count, mut cursor) = (Block::new(allocator, FIRST)?, 0, query.start());
     loop {
         let pairs: &mut [TrianglePair] = must_cast_slice_mut(block.words());
@@ -197,6 +198,32 @@ pub unsafe extern "C" fn pfront_all(
             .ask(call, |query, allocator| Ok((self::list(&query, allocator)?, allocator)))?;
         let (block, count) = found;
         let (pairs, capacity) = block.into_raw();
+        out.set(pfront_pair_list_t { seal: SEAL, pairs: pairs.cast(), count, capacity, allocator });
+        Ok(())
+    })
+}
+
+/// Finds all pairs of triangles of one mesh that meet, by a `pfront_rule_t`; all else is as for `pfront_all`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_self(
+    buffers: *const pfront_buffers_t,
+    rule: u32,
+    allocator: *const pfront_allocator_t,
+    list: *mut pfront_pair_list_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"list", list)?;
+        let allocator = pfront_allocator_t::of(call, allocator)?;
+        let buffers = call.get(c"buffers", buffers)?.checked(&crate::buffers::NAMES)?;
+        let room = Room::of(&buffers)?;
+        let mut block = Block::new(allocator, room.words() + room.scratch)?;
+        let (scratch, words) = split(block.words(), room.scratch)?;
+        let query = by_rule(room.build(&buffers, call, words, scratch)?, rule)?;
+        let (pairs, count) = self::list(&query, allocator)?;
+        drop(block);
+        let (pairs, capacity) = pairs.into_raw();
         out.set(pfront_pair_list_t { seal: SEAL, pairs: pairs.cast(), count, capacity, allocator });
         Ok(())
     })

@@ -80,19 +80,24 @@ impl pfront_query_t {
     }
 
     fn within<'c>(&self, bvh: Bvh<'c>, call: &Call<'c>) -> Result<SelfBvtt<'c>, Fault> {
-        let query = SelfBvtt::new(bvh);
-        let query = match self.rule {
-            0 => query,
-            1 => query.with_adjacency(Adjacency::SkipNeighbours),
-            2 => query.boxes_only(),
-            other => return Err(out_of_range(c"rule", other)),
-        };
+        let query = by_rule(bvh, self.rule)?;
         if self.history.is_null() {
             return Ok(query);
         }
         let history = call.read(c"history", self.history, self.a.mesh.vertex_count)?;
         Ok(query.with_certificates(Certified::new_unchecked(bvh.mesh(), history)))
     }
+}
+
+/// The query about one BVH by a `pfront_rule_t`.
+pub(crate) fn by_rule(bvh: Bvh<'_>, rule: u32) -> Result<SelfBvtt<'_>, Fault> {
+    let query = SelfBvtt::new(bvh);
+    Ok(match rule {
+        0 => query,
+        1 => query.with_adjacency(Adjacency::SkipNeighbours),
+        2 => query.boxes_only(),
+        other => return Err(out_of_range(c"rule", other)),
+    })
 }
 
 fn out_of_range(what: &'static CStr, given: u32) -> Fault {

@@ -13,21 +13,21 @@
     reason = "the header has the contract, once for all functions"
 )]
 
+mod bodies;
 mod hits;
 
 use crate::buffers::{NAMES, pfront_buffers_t, resize};
+use crate::executor::{OwnExecutor, pfront_executor_t};
 use crate::memory::{Call, Caller, Handle};
 use crate::model::pfront_model_t;
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
-use crate::status::pfront_status_t::{self, PFRONT_FORKED};
+use crate::status::pfront_status_t;
 use crate::status::{Fault, pfront_error_t};
+pub use bodies::*;
 use core::ffi::c_void;
-use core::num::NonZero;
 use core::ptr::null;
-use core::sync::atomic::AtomicU32;
-use core::sync::atomic::Ordering::Relaxed;
 pub use hits::*;
-use pfront::{Adjacency, BodyId, BodyOptions, Executor, Groups, Pose64, SceneQuery};
+use pfront::{Adjacency, BodyId, BodyOptions, Groups, Pose64, SceneQuery};
 
 /// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
 /// Another one is refused: PFRONT_BUSY.
@@ -36,9 +36,11 @@ pub struct pfront_scene_t(());
 /// A scene, and what it has handed out.
 pub(crate) struct Scene {
     query: SceneQuery,
-    /// The process whose threads the scene asks, if it has some.
-    threads_of: Option<NonZero<u32>>,
+    own: OwnExecutor,
     /// The answers that were handed out last.
+    body_pairs: Vec<[u64; 2]>,
+    bodies: Vec<u64>,
+    pieces: Vec<pfront_piece_t>,
     hits: Vec<pfront_scene_hit_t>,
     contacts: Vec<pfront_scene_contact_t>,
     contacts_f64: Vec<pfront_scene_contact64_t>,
@@ -51,67 +53,37 @@ impl Handle for pfront_scene_t {
     const SEAL: u32 = u32::from_be_bytes(*b"scen");
 }
 
-/// The process that has made the first scene with threads: they are all of one pool, which a child of `fork` has not.
-static THREADS_OF: AtomicU32 = AtomicU32::new(0);
-
-/// Checks that the pool of threads is of this process, or becomes so.
-fn own_threads() -> Result<Option<NonZero<u32>>, Fault> {
-    let own = std::process::id();
-    match THREADS_OF.compare_exchange(0, own, Relaxed, Relaxed) {
-        Err(other) if other != own => Err(Fault::of(PFRONT_FORKED, c"workers")),
-        _ => Ok(NonZero::new(own)),
-    }
-}
-
 /// A scene to ask or to change, in the process whose threads it has.
 fn usable<'c>(call: &mut Call<'c>, scene: *mut pfront_scene_t) -> Result<&'c mut Scene, Fault> {
     let scene = call.owned(c"scene", scene)?;
-    match scene.threads_of {
-        Some(process) if process.get() != std::process::id() => {
-            Err(Fault::of(PFRONT_FORKED, c"scene"))
-        }
-        _ => Ok(scene),
-    }
+    scene.own.check(c"scene")?;
+    Ok(scene)
 }
 
-/// The most workers.
-const WORKERS: usize = if cfg!(feature = "threads") { u32::MAX as usize } else { 1 };
-
-fn executor(workers: u32) -> Executor {
-    #[cfg(feature = "threads")]
-    if workers > 1 {
-        return Executor::threads(workers as usize);
-    }
-    let _ = workers;
-    Executor::sequential()
-}
-
-/// Makes a scene without bodies. With `workers` above 1, which needs a library
-/// that was built with threads, a frame that is worth it is divided into as many parts, for as many threads as the
-/// machine has cores; else each call works on its own thread, and more than 1 is
-/// PFRONT_OUT_OF_RANGE. 0 counts as 1.
+/// Makes a scene without bodies, which asks `executor`, or the calling thread if that is null.
 ///
 /// A scene takes memory by malloc. PFRONT_OUT_OF_MEMORY if an answer or a mesh does not fit: then nothing has changed, and the
-/// call can be made again. After PFRONT_DAMAGED a scene can only be freed. A child of fork may use a scene that has one worker; one
-/// with threads, which stay behind, is PFRONT_FORKED there, and can only be freed.
+/// call can be made again. After PFRONT_DAMAGED a scene can only be freed. A child of fork may use a scene whose executor has
+/// neither threads nor a GPU; any other one is PFRONT_FORKED there, and can only be freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_create(
-    workers: u32,
+    executor: *const pfront_executor_t,
     scene: *mut *mut pfront_scene_t,
     error: *mut pfront_error_t,
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"scene", scene)?;
-        Fault::below(c"workers", workers as usize, WORKERS.saturating_add(1))?;
-        let threads_of = if workers > 1 { own_threads()? } else { None };
-        let query = SceneQuery::new().on(&executor(workers));
+        let (out, own) = (call.out(c"scene", scene)?, OwnExecutor::of(call, executor)?);
+        let query = SceneQuery::new().on(&own.executor);
         out.set(Call::boxed(Scene {
             query,
-            threads_of,
+            own,
             hits: Vec::new(),
             contacts: Vec::new(),
             contacts_f64: Vec::new(),
+            body_pairs: Vec::new(),
+            bodies: Vec::new(),
+            pieces: Vec::new(),
             positions: Vec::new(),
         })?);
         Ok(())

@@ -85,6 +85,10 @@ pub enum pfront_status_t {
     PFRONT_FORKED = 34,
     /// The quaternion `what` is no rotation: the square of its length is not within 1/1024 of 1, or is NaN.
     PFRONT_NOT_UNIT = 35,
+    /// There is no GPU that can be used, or the library was built without.
+    PFRONT_NO_DEVICE = 36,
+    /// The GPU failed: it is out of memory or lost. Another call may succeed, or another executor.
+    PFRONT_DEVICE = 37,
 }
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
@@ -108,7 +112,7 @@ pub struct pfront_error_t {
 #[unsafe(no_mangle)]
 #[expect(unsafe_code, reason = "C finds functions by name")]
 pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 36] = [
+    const TEXTS: [&CStr; 38] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
@@ -145,6 +149,8 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"another thread is inside a call with a structure that is for one at a time",
         c"a structure has threads of the process that this one was forked from",
         c"a quaternion is not of length 1",
+        c"there is no GPU, or the library was built without",
+        c"the GPU failed",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

@@ -265,7 +265,7 @@ fn bodies_of_a_scene() {
         triangle_count: TRIANGLES,
         index_type: pfront_index_type_t::PFRONT_INDEX_U32 as u32,
     };
-    let scene: *mut pfront_scene_t = made!(pfront_scene_create(1));
+    let scene: *mut pfront_scene_t = made!(pfront_scene_create(null()));
     let model: *mut pfront_model_t = made!(pfront_model_create(&buffers));
     let still = pfront_pose_t::IDENTITY;
     let bodies: [u64; 2] = [0; 2].map(|_| made!(pfront_scene_add(scene, model, &still)));

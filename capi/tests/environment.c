@@ -78,6 +78,10 @@ static void ask_everything(void)
     pfront_pair_list_t list;
     pfront_pair_t pair = {0, 0};
     pfront_model_t *model, *doubles, *baked;
+    pfront_executor_t *executor;
+    pfront_model_query_t *models;
+    const pfront_pair_t *pairs;
+    const pfront_model_contact_t *of_models;
     pfront_scene_t *scene;
     const pfront_scene_hit_t *hits;
     const pfront_scene_contact_t *contacts;
@@ -126,7 +130,26 @@ static void ask_everything(void)
     IN(pfront_model_create(&soup, &model, NULL));
     IN(pfront_model_create_f64(&in_doubles, &doubles, NULL));
     IN(pfront_model_from_blob(blob, bytes, &baked, NULL));
-    IN(pfront_scene_create(1, &scene, NULL));
+    IN(pfront_executor_create(PFRONT_CPU, 1, &executor, NULL));
+    IN(pfront_scene_create(executor, &scene, NULL));
+    IN(pfront_model_query_create(executor, &models, NULL));
+    {
+        const pfront_subject_t subjects[2] = {{model, doubles, &pose, NULL, 0},
+                                              {baked, NULL, NULL, NULL, PFRONT_SHARED_INDEX}};
+        uint64_t counts[2];
+        for (int i = 0; i < 2; i++) {
+            IN(pfront_model_query_all(models, &subjects[i], &pairs, &count, NULL));
+            tell(pairs, count * sizeof *pairs);
+            IN(pfront_model_query_contacts(models, &subjects[i], &of_models, &count, NULL));
+            for (size_t j = 0; j < count; j++) {
+                tell(&of_models[j].contact, sizeof of_models[j].contact);
+            }
+        }
+        IN(pfront_batch_count(executor, subjects, 2, counts, NULL));
+        tell(counts, sizeof counts);
+    }
+    IN(pfront_model_query_free(models, NULL));
+    IN(pfront_executor_free(executor, NULL));
     IN(pfront_scene_add(scene, model, &pose, &bodies[0], NULL));
     IN(pfront_scene_add(scene, doubles, &still, &bodies[1], NULL));
     IN(pfront_scene_add(scene, baked, &still, &bodies[2], NULL));

@@ -59,6 +59,17 @@ static inline void make(void)
     OK(pfront_bvh_build_sah(&mesh, 1, &memory, &bvh, &error));
 }
 
+// A scene on so many workers. It keeps what it needs of its executor.
+static inline pfront_scene_t *scene_of(uint32_t workers)
+{
+    pfront_executor_t *executor = NULL;
+    pfront_scene_t *scene = NULL;
+    OK(pfront_executor_create(PFRONT_CPU, workers, &executor, &error));
+    OK(pfront_scene_create(executor, &scene, &error));
+    OK(pfront_executor_free(executor, &error));
+    return scene;
+}
+
 // How a program ends.
 static inline int verdict(void)
 {

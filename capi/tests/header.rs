@@ -3,7 +3,7 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 17] = [
+const MODULES: [&str; 20] = [
     "status",
     "pose",
     "mesh",
@@ -19,8 +19,11 @@ const MODULES: [&str; 17] = [
     "allocator",
     "meshes",
     "model",
+    "executor",
+    "subject",
     "scene",
     "scene/hits",
+    "scene/bodies",
 ];
 
 #[test]
@@ -43,4 +46,54 @@ fn the_header_is_up_to_date() {
         "include/pfront.h is not up to date from line {} on: PFRONT_WRITE_HEADER=1 cargo test --test header",
         differs.unwrap_or(header.lines().count().min(kept.lines().count())) + 1
     );
+}
+
+/// The verbs of a scene that C has by another name, or has no use for.
+const BY_ANOTHER_NAME: [(&str, &str); 16] = [
+    ("new", "pfront_scene_create"),
+    ("on", "pfront_scene_create"),
+    ("all", "pfront_scene_update"),
+    ("hits", "pfront_scene_update"),
+    ("last_contacts", "pfront_scene_contacts"),
+    ("add_with", "pfront_scene_add"),
+    ("set_options", "pfront_scene_set_groups"),
+    ("body", "pfront_scene_user_data"),
+    // C keeps the numbers of bodies, and what it ignores.
+    ("bodies", "pfront_scene_add"),
+    ("len", "pfront_scene_add"),
+    ("is_empty", "pfront_scene_add"),
+    ("ignored", "pfront_scene_ignore"),
+    // Counts, times and who answered are for those who tune.
+    ("report", "pfront_executor_create"),
+    ("plan", "pfront_executor_create"),
+    ("add", "pfront_scene_add"),
+    ("set_positions", "pfront_scene_set_positions_f64"),
+];
+
+/// The names of the public methods of a source.
+fn methods(source: &str) -> impl Iterator<Item = &str> {
+    let lines = source.lines().filter_map(|line| line.strip_prefix("    pub fn "));
+    lines.filter_map(|rest| rest.split(['(', '<']).next())
+}
+
+#[test]
+fn every_verb_of_a_scene_and_of_models_is_there() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let header = fs::read_to_string(folder.join("include/pfront.h")).unwrap();
+    let has = |function: &str| header.contains(&format!("{function}("));
+    for file in ["scene/mod.rs", "scene/edit.rs"] {
+        let source = fs::read_to_string(folder.join("../src").join(file)).unwrap();
+        for verb in methods(&source) {
+            let other = BY_ANOTHER_NAME.iter().find(|(name, _)| *name == verb);
+            let function =
+                other.map_or(format!("pfront_scene_{verb}"), |(_, name)| (*name).to_owned());
+            assert!(has(&function), "SceneQuery::{verb} is not in C as {function}");
+        }
+    }
+    // These have no counterpart: C takes a mesh in its own memory step by step, and forgets by a new query.
+    let elsewhere = ["new", "on", "visit", "report", "forget", "plan", "contacts_f64"];
+    let pair = fs::read_to_string(folder.join("../src/pair.rs")).unwrap();
+    for verb in methods(&pair).filter(|verb| !elsewhere.contains(verb)) {
+        assert!(has(&format!("pfront_model_query_{verb}")), "PairQuery::{verb} is not in C");
+    }
 }

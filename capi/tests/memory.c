@@ -46,7 +46,7 @@ int main(void)
     }
     OK(pfront_model_create(&buffers, &model, &error));
     OK(pfront_model_create(&blades, &blade, &error));
-    OK(pfront_scene_create(1, &scene, &error));
+    OK(pfront_scene_create(NULL, &scene, &error));
     for (int i = 0; i < 2; i++) {
         OK(pfront_scene_add(scene, i ? blade : model, &still, &bodies[i], &error));
     }

@@ -26,8 +26,7 @@ static pfront_pose_t at(float x)
 // A scene of two bodies in touch.
 static pfront_scene_t *two(pfront_model_t **model, uint64_t bodies[2], uint32_t workers)
 {
-    pfront_scene_t *scene;
-    OK(pfront_scene_create(workers, &scene, &error));
+    pfront_scene_t *scene = scene_of(workers);
     OK(pfront_model_create(&tetrahedra, model, &error));
     for (int i = 0; i < 2; i++) {
         const pfront_pose_t pose = at((float)i * 1.5f);
@@ -211,7 +210,9 @@ static void forked(void)
     uint64_t bodies[2], many;
     int status = 1;
     pfront_model_t *second;
-    pfront_scene_t *scene = two(&model, bodies, 1), *threaded = two(&second, bodies, WORKERS), *another;
+    pfront_scene_t *scene = two(&model, bodies, 1), *threaded = two(&second, bodies, WORKERS), *third = NULL;
+    pfront_executor_t *executor, *another = NULL;
+    OK(pfront_executor_create(PFRONT_CPU, WORKERS, &executor, &error));
     size_t count = hits_of(scene);
     THAT(count > 0 && hits_of(threaded) == count);
     pid_t child = fork();
@@ -222,21 +223,26 @@ static void forked(void)
         THAT(hits_of(scene) > 0);
 #if WORKERS > 1
         EXPECT(PFRONT_FORKED, "scene", pfront_scene_count(threaded, &many, &error));
-        EXPECT(PFRONT_FORKED, "workers", pfront_scene_create(WORKERS, &another, &error));
+        EXPECT(PFRONT_FORKED, "workers", pfront_executor_create(PFRONT_CPU, WORKERS, &another, &error));
+        EXPECT(PFRONT_FORKED, "executor", pfront_scene_create(executor, &third, &error));
 #else
         OK(pfront_scene_count(threaded, &many, &error));
         THAT(many == count);
-        OK(pfront_scene_create(WORKERS, &another, &error));
-        OK(pfront_scene_free(another, &error));
+        OK(pfront_executor_create(PFRONT_CPU, WORKERS, &another, &error));
+        OK(pfront_executor_free(another, &error));
+        OK(pfront_scene_create(executor, &third, &error));
+        OK(pfront_scene_free(third, &error));
 #endif
         OK(pfront_scene_free(threaded, &error));
         OK(pfront_scene_free(scene, &error));
+        OK(pfront_executor_free(executor, &error));
         _exit(wrong);
     }
     THAT(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
     THAT(hits_of(scene) == count && hits_of(threaded) == count);
     OK(pfront_scene_free(scene, &error));
     OK(pfront_scene_free(threaded, &error));
+    OK(pfront_executor_free(executor, &error));
     OK(pfront_model_free(model, &error));
     OK(pfront_model_free(second, &error));
 }
@@ -273,7 +279,7 @@ int main(int count, char **arguments)
     if (strcmp(way, "exit") == 0) {
         exit(wrong);
     } else if (strcmp(way, "error") == 0) {
-        EXPECT(PFRONT_NULL, "scene", pfront_scene_create(1, NULL, &error));
+        EXPECT(PFRONT_NULL, "scene", pfront_scene_create(NULL, NULL, &error));
         return wrong;
     } else if (strcmp(way, "thread") == 0) {
         pthread_t thread;

@@ -19,9 +19,8 @@ static pfront_pose_t at(float x)
 // A row of bodies of one model, each in touch with its neighbours.
 static pfront_scene_t *row(uint64_t bodies[BODIES])
 {
-    pfront_scene_t *scene;
+    pfront_scene_t *scene = scene_of(WORKERS);
     pfront_model_t *model;
-    OK(pfront_scene_create(WORKERS, &scene, &error));
     OK(pfront_model_create(&tetrahedra, &model, &error));
     for (int i = 0; i < BODIES; i++) {
         const pfront_pose_t pose = at((float)i * 1.5f);
@@ -201,7 +200,7 @@ static void blobs(void)
     THAT(bytes <= sizeof blob);
     OK(pfront_blob_write(&bvh, blob, sizeof blob, &error));
     OK(pfront_model_from_blob(blob, bytes, &model, &error));
-    OK(pfront_scene_create(WORKERS, &scene, &error));
+    scene = scene_of(WORKERS);
     OK(pfront_scene_add(scene, model, &still, &bodies[0], &error));
     OK(pfront_scene_add(scene, model, &still, &bodies[1], &error));
     THAT(meeting(scene, bodies[0], bodies[1]) > TRIANGLES);
@@ -234,7 +233,7 @@ static void in_f64(void)
         strided[i / 3 * 4 + 3] = NAN;
     }
     OK(pfront_model_create_f64(&buffers, &model, &error));
-    OK(pfront_scene_create(WORKERS, &scene, &error));
+    scene = scene_of(WORKERS);
     for (int i = 0; i < 2; i++) {
         OK(pfront_scene_add(scene, model, &still, &bodies[i], &error));
     }
@@ -327,12 +326,9 @@ static void mistakes(void)
     THAT(model == NULL);
     OK(pfront_model_create(&tetrahedra, &model, &error));
 
-    EXPECT(PFRONT_NULL, "scene", pfront_scene_create(1, NULL, &error));
-#if WORKERS == 1
-    EXPECT(PFRONT_OUT_OF_RANGE, "workers", pfront_scene_create(2, &scene, &error));
-#endif
+    EXPECT(PFRONT_NULL, "scene", pfront_scene_create(NULL, NULL, &error));
     THAT(scene == NULL);
-    OK(pfront_scene_create(0, &scene, &error));
+    OK(pfront_scene_create(NULL, &scene, &error));
     EXPECT(PFRONT_NULL, "scene", pfront_scene_add(NULL, model, &still, &body, &error));
     EXPECT(PFRONT_NULL, "model", pfront_scene_add(scene, NULL, &still, &body, &error));
     EXPECT(PFRONT_NULL, "world_from_body", pfront_scene_add(scene, model, NULL, &body, &error));

@@ -14,7 +14,7 @@ impl Executor {
     /// answers everything, its thread for tickets asks, after the tickets that were submitted before. On one thread, nobody else
     /// can: whoever polls or reads the ticket does all of the work then. `ask` runs in the default floating-point environment.
     ///
-    /// Cancelling or dropping the ticket ends what has not begun. What has begun goes on to its end, unless the queries' own executor
+    /// Cancelling or dropping the ticket ends what has not begun. Work that has begun goes on to its end, unless the queries' own executor
     /// has a flag, see [`Executor::with_cancel`].
     ///
     /// # Errors

@@ -73,7 +73,7 @@ impl<'c> Call<'c> {
         let users = unsafe { &(*sealed).users };
         let taken = users.compare_exchange(0, WRITER, Acquire, Relaxed);
         taken.map_err(|_| Fault::of(PFRONT_BUSY, what))?;
-        self.inside(users);
+        self.inside(Use(users));
         // SAFETY: nobody else is inside until the call ends.
         Ok(unsafe { &mut (*sealed.cast_mut()).value })
     }
@@ -84,6 +84,29 @@ impl<'c> Call<'c> {
         what: &'static CStr,
         at: *const T,
     ) -> Result<&'c T::Value, Fault> {
+        let (sealed, used) = self.used(what, at)?;
+        self.inside(used);
+        // SAFETY: nobody changes it until the call ends.
+        Ok(unsafe { &(*sealed).value })
+    }
+
+    /// A copy of the value of a structure, which is free again at once.
+    pub(crate) fn cloned<T: Handle<Value: Clone>>(
+        &self,
+        what: &'static CStr,
+        at: *const T,
+    ) -> Result<T::Value, Fault> {
+        let (sealed, _used) = self.used(what, at)?;
+        // SAFETY: nobody changes it as long as it is in use.
+        Ok(unsafe { &(*sealed).value }.clone())
+    }
+
+    /// A structure with one more user who reads.
+    fn used<T: Handle>(
+        &self,
+        what: &'static CStr,
+        at: *const T,
+    ) -> Result<(*const Sealed<T::Value>, Use), Fault> {
         let sealed = sealed(what, at)?;
         self.apart(what, &addresses(what, sealed, 1)?, |_| true)?;
         // SAFETY: by the seal it was made, and by the contract not freed since.
@@ -91,9 +114,7 @@ impl<'c> Call<'c> {
         let more = |users: u32| users.checked_add(1).filter(|&users| users != WRITER);
         let counted = users.fetch_update(Acquire, Relaxed, more);
         counted.map_err(|_| Fault::of(PFRONT_BUSY, what))?;
-        self.inside(users);
-        // SAFETY: nobody changes it until the call ends.
-        Ok(unsafe { &(*sealed).value })
+        Ok((sealed, Use(users)))
     }
 
     /// Frees a structure, unless it is null.
@@ -115,11 +136,11 @@ impl<'c> Call<'c> {
     }
 
     /// Remembers a structure that this call is inside of.
-    fn inside(&mut self, users: &AtomicU32) {
+    fn inside(&mut self, used: Use) {
         let free = self.inside.iter_mut().find(|used| used.is_none());
         debug_assert!(free.is_some(), "no call uses more than two structures");
         if let Some(free) = free {
-            *free = Some(Use(users));
+            *free = Some(used);
         }
     }
 }

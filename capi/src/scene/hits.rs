@@ -58,7 +58,11 @@ pub struct pfront_scene_contact64_t {
 }
 
 /// Replaces what was handed out by so many others.
-fn replace<T>(list: &mut Vec<T>, count: usize, with: impl Iterator<Item = T>) -> Result<(), Fault> {
+pub(crate) fn replace<T>(
+    list: &mut Vec<T>,
+    count: usize,
+    with: impl Iterator<Item = T>,
+) -> Result<(), Fault> {
     list.clear();
     let bytes = count.saturating_mul(size_of::<T>());
     let fault = Fault::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(bytes, 0);

@@ -162,6 +162,8 @@ impl From<pfront::Error> for Fault {
             Error::StaleBody { id } => {
                 Self::of(PFRONT_STALE_BODY, c"body").at(id.to_bits() as usize)
             }
+            #[cfg(feature = "gpu")]
+            Error::Gpu(_) => Self::of(PFRONT_DEVICE, c"executor"),
             _ => Self::new(PFRONT_DAMAGED),
         }
     }

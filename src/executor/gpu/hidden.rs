@@ -1,4 +1,4 @@
-//! What a query holds on a device, without its types.
+//! Values of a device, behind which the compiler does not look.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};

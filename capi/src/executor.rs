@@ -1,0 +1,144 @@
+//! Executors: the threads and the GPU that answer about models and scenes.
+
+#![expect(
+    unsafe_code,
+    reason = "C finds functions by name, and keeps to the contract of the header"
+)]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+use crate::memory::{Call, Caller, Handle};
+use crate::status::pfront_status_t::{self, PFRONT_FORKED, PFRONT_NO_DEVICE};
+use crate::status::{Fault, pfront_error_t};
+use core::ffi::CStr;
+use core::num::NonZero;
+use pfront::Executor;
+
+/// Who answers.
+#[repr(u32)]
+#[derive(Clone, Copy)]
+pub enum pfront_device_t {
+    /// The CPU.
+    PFRONT_CPU = 0,
+    /// The best GPU, always; what no GPU decides, such as bodies in f64, is decided on the CPU.
+    PFRONT_GPU = 1,
+    /// The CPU, or the best GPU where that pays.
+    PFRONT_AUTO = 2,
+}
+
+/// Threads or a GPU that answer. Any number of threads, scenes and queries may use one at once.
+pub struct pfront_executor_t(());
+
+/// An executor, in the process that it belongs to.
+#[derive(Clone)]
+pub(crate) struct OwnExecutor {
+    pub(crate) executor: Executor,
+    /// The process that has its threads or its GPU, if it has some.
+    process: Option<NonZero<u32>>,
+}
+
+impl Handle for pfront_executor_t {
+    type Value = OwnExecutor;
+    const SEAL: u32 = u32::from_be_bytes(*b"exec");
+}
+
+/// The most workers.
+const WORKERS: usize = if cfg!(feature = "threads") { u32::MAX as usize } else { 1 };
+
+impl OwnExecutor {
+    /// The calling thread, if `at` is null.
+    pub(crate) fn of(call: &mut Call<'_>, at: *const pfront_executor_t) -> Result<Self, Fault> {
+        if at.is_null() {
+            return Ok(Self { executor: Executor::sequential(), process: None });
+        }
+        let own = call.cloned(c"executor", at)?;
+        own.check(c"executor")?;
+        Ok(own)
+    }
+
+    /// Checks that it is of this process.
+    pub(crate) fn check(&self, what: &'static CStr) -> Result<(), Fault> {
+        match self.process {
+            Some(process) if process.get() != std::process::id() => {
+                Err(Fault::of(PFRONT_FORKED, what))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn threads(workers: u32) -> Result<Executor, Fault> {
+    Fault::below(c"workers", workers as usize, WORKERS.saturating_add(1))?;
+    #[cfg(feature = "threads")]
+    if workers > 1 {
+        use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+        /// The process that has made the first executor with threads: they are all of one pool, which a child of `fork` has not.
+        static THREADS_OF: AtomicU32 = AtomicU32::new(0);
+        let own = std::process::id();
+        // The pool is of this process, or becomes so.
+        return match THREADS_OF.compare_exchange(0, own, Relaxed, Relaxed) {
+            Err(other) if other != own => Err(Fault::of(PFRONT_FORKED, c"workers")),
+            _ => Ok(Executor::threads(workers as usize)),
+        };
+    }
+    Ok(Executor::sequential())
+}
+
+#[cfg(feature = "gpu")]
+fn gpu(cpu: Executor, always: bool) -> Result<Executor, Fault> {
+    let gpu = pfront::gpu::Gpu::new().map_err(|_| Fault::of(PFRONT_NO_DEVICE, c"device"))?;
+    let settings = gpu.settings();
+    match always {
+        true => Ok(Executor::gpu(&gpu, settings)),
+        false => Ok(cpu.and_gpu(&gpu, settings).map_err(pfront::Error::from)?),
+    }
+}
+
+#[cfg(not(feature = "gpu"))]
+fn gpu(_: Executor, _: bool) -> Result<Executor, Fault> {
+    Err(Fault::of(PFRONT_NO_DEVICE, c"device"))
+}
+
+/// Makes an executor of a `pfront_device_t`. With `workers` above 1, which needs a library that was built with threads, a frame
+/// that is worth it is divided into as many parts, for as many threads as the machine has cores; else the calling thread works
+/// alone, and more than 1 is PFRONT_OUT_OF_RANGE. 0 counts as 1. PFRONT_GPU does not look at it.
+///
+/// PFRONT_NO_DEVICE if there is no GPU that can be used, or the library was built without. Opening one takes a second or two,
+/// measuring it for PFRONT_AUTO as long again: make one executor and keep it. A child of fork can use and make executors without
+/// threads and GPU only; the others are PFRONT_FORKED there, and can only be freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_executor_create(
+    device: u32,
+    workers: u32,
+    executor: *mut *mut pfront_executor_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"executor", executor)?;
+        Fault::below(c"device", device as usize, 3)?;
+        let (cpu, is_gpu) = (threads(workers)?, pfront_device_t::PFRONT_GPU as u32);
+        let process = (workers > 1 || device != pfront_device_t::PFRONT_CPU as u32)
+            .then(std::process::id)
+            .and_then(NonZero::new);
+        let executor = match device {
+            0 => cpu,
+            _ => gpu(cpu, device == is_gpu)?,
+        };
+        out.set(Call::boxed(OwnExecutor { executor, process })?);
+        Ok(())
+    })
+}
+
+/// Frees an executor; null is fine. Scenes and queries that were made with it go on. PFRONT_BUSY if another thread is inside a
+/// call with it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_executor_free(
+    executor: *mut pfront_executor_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| call.free(c"executor", executor))
+}

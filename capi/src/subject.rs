@@ -1,0 +1,313 @@
+//! Questions about models, frame by frame or many at once.
+
+#![expect(
+    unsafe_code,
+    reason = "C finds functions by name, and keeps to the contract of the header"
+)]
+#![expect(
+    clippy::missing_safety_doc,
+    reason = "the header has the contract, once for all functions"
+)]
+
+use crate::executor::{OwnExecutor, pfront_executor_t};
+use crate::memory::{Call, Caller, Handle};
+use crate::model::pfront_model_t;
+use crate::pose::{pfront_pose_t, pfront_pose64_t};
+use crate::query::pfront_rule_t;
+use crate::scene::replace;
+use crate::status::pfront_status_t;
+use crate::status::{Fault, pfront_error_t};
+use crate::verbs::{pfront_contact_t, pfront_pair_t};
+use pfront::{Adjacency, AnyPose, Batch, Error, Model, PairQuery, Pose64, SelfQuery, TrianglePair};
+use std::sync::Arc;
+
+/// Two models, the second posed, or one model and itself.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_subject_t {
+    /// The first.
+    pub a: *const pfront_model_t,
+    /// The second; null for `a` and itself.
+    pub b: *const pfront_model_t,
+    /// The pose of `b`, which only then has to be there.
+    pub a_from_b: *const pfront_pose_t,
+    /// A pose in f64 in place of `a_from_b`, unless it is null; then the answer is that of f64.
+    pub a_from_b_f64: *const pfront_pose64_t,
+    /// A `pfront_rule_t` for one model and itself: PFRONT_SHARED_INDEX or PFRONT_SKIP_NEIGHBOURS.
+    pub rule: u32,
+}
+
+/// A subject whose models are held.
+enum Subject {
+    Pair(Arc<Model>, Arc<Model>, AnyPose),
+    Within(Arc<Model>, Adjacency),
+}
+
+impl Subject {
+    fn new(call: &mut Call<'_>, subject: pfront_subject_t) -> Result<Self, Fault> {
+        let a = call.cloned(c"a", subject.a)?;
+        if subject.b.is_null() {
+            Fault::below(c"rule", subject.rule as usize, 2)?;
+            let skips = subject.rule == pfront_rule_t::PFRONT_SKIP_NEIGHBOURS as u32;
+            let rule = if skips { Adjacency::SkipNeighbours } else { Adjacency::SharedIndexRule };
+            return Ok(Self::Within(a, rule));
+        }
+        let b = call.cloned(c"b", subject.b)?;
+        let pose = match subject.a_from_b_f64.is_null() {
+            true => call.get(c"a_from_b", subject.a_from_b)?.pose().into(),
+            false => Pose64::new(call.get(c"a_from_b_f64", subject.a_from_b_f64)?.rows).into(),
+        };
+        Ok(Self::Pair(a, b, pose))
+    }
+}
+
+/// The names of the poses of a subject in errors.
+fn fault(error: Error) -> Fault {
+    match error {
+        Error::Pose(error) => Fault::pose(c"a_from_b")(error),
+        other => other.into(),
+    }
+}
+
+/// What is remembered of questions about models from frame to frame. For one thread at a time; another one is refused:
+/// PFRONT_BUSY.
+pub struct pfront_model_query_t(());
+
+/// The queries of an executor, one for each kind of subject, so that each remembers its own.
+pub(crate) struct ModelQuery {
+    own: OwnExecutor,
+    pair: PairQuery,
+    within: [SelfQuery; 2],
+    /// The contacts that were handed out last.
+    contacts: Vec<pfront_model_contact_t>,
+}
+
+impl Handle for pfront_model_query_t {
+    type Value = ModelQuery;
+    const SEAL: u32 = u32::from_be_bytes(*b"mqry");
+}
+
+/// Two triangles that meet, and where they do, in the frame of the first model.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_model_contact_t {
+    /// The triangles.
+    pub pair: pfront_pair_t,
+    /// Where they meet.
+    pub contact: pfront_contact_t,
+}
+
+/// Makes a query that asks `executor`, or the calling thread if that is null. It keeps its last answer, and what its frames
+/// took: use one for each series of frames that resemble each other.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_query_create(
+    executor: *const pfront_executor_t,
+    query: *mut *mut pfront_model_query_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, own) = (call.out(c"query", query)?, OwnExecutor::of(call, executor)?);
+        let within = [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours]
+            .map(|rule| SelfQuery::new().with_adjacency(rule).on(&own.executor));
+        let pair = PairQuery::new().on(&own.executor);
+        out.set(Call::boxed(ModelQuery { own, pair, within, contacts: Vec::new() })?);
+        Ok(())
+    })
+}
+
+/// Frees a query and all that it has handed out; null is fine. PFRONT_BUSY if another thread is inside a call with it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_query_free(
+    query: *mut pfront_model_query_t,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| call.free(c"query", query))
+}
+
+/// A query in the process that it belongs to, and what it is asked about.
+fn asked<'c>(
+    call: &mut Call<'c>,
+    query: *mut pfront_model_query_t,
+    subject: *const pfront_subject_t,
+) -> Result<(&'c mut ModelQuery, Subject), Fault> {
+    let query = call.owned(c"query", query)?;
+    query.own.check(c"query")?;
+    let subject = call.get(c"subject", subject)?;
+    Ok((query, Subject::new(call, subject)?))
+}
+
+/// The query for a rule.
+fn of_rule(within: &mut [SelfQuery; 2], rule: Adjacency) -> &mut SelfQuery {
+    let [shared, skips] = within;
+    if rule == Adjacency::SkipNeighbours { skips } else { shared }
+}
+
+/// Finds all pairs of triangles of a subject that meet: `count` of them in `pairs`, sorted. They belong to the query and are good
+/// until it is asked again or freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_query_all(
+    query: *mut pfront_model_query_t,
+    subject: *const pfront_subject_t,
+    pairs: *mut *const pfront_pair_t,
+    count: *mut usize,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, out_count) = (call.out(c"pairs", pairs)?, call.out(c"count", count)?);
+        let (query, subject) = asked(call, query, subject)?;
+        let found = match &subject {
+            Subject::Pair(a, b, pose) => query.pair.all(a, b, pose).map_err(fault)?,
+            Subject::Within(a, rule) => of_rule(&mut query.within, *rule).all(a).map_err(fault)?,
+        };
+        // Both have the same members: see `pfront_pair_t`.
+        out.set(found.as_ptr().cast());
+        out_count.set(found.len());
+        Ok(())
+    })
+}
+
+/// Finds some pair that meets, and stops at the first: `found` is 1 if there is one, else 0 and `pair` is not written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_query_any(
+    query: *mut pfront_model_query_t,
+    subject: *const pfront_subject_t,
+    pair: *mut pfront_pair_t,
+    found: *mut u32,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, is_found) = (call.out(c"pair", pair)?, call.out(c"found", found)?);
+        let (query, subject) = asked(call, query, subject)?;
+        let some = match &subject {
+            Subject::Pair(a, b, pose) => query.pair.any(a, b, pose).map_err(fault)?,
+            Subject::Within(a, rule) => of_rule(&mut query.within, *rule).any(a).map_err(fault)?,
+        };
+        is_found.set(some.is_some().into());
+        if let Some(TrianglePair { a, b }) = some {
+            out.set(pfront_pair_t { a, b });
+        }
+        Ok(())
+    })
+}
+
+/// Tells how many pairs meet.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_query_count(
+    query: *mut pfront_model_query_t,
+    subject: *const pfront_subject_t,
+    count: *mut u64,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let out = call.out(c"count", count)?;
+        let (query, subject) = asked(call, query, subject)?;
+        out.set(match &subject {
+            Subject::Pair(a, b, pose) => query.pair.count(a, b, pose).map_err(fault)?,
+            Subject::Within(a, rule) => {
+                of_rule(&mut query.within, *rule).count(a).map_err(fault)?
+            }
+        });
+        Ok(())
+    })
+}
+
+/// `pfront_model_query_all` that also tells where they meet. `contacts` belongs to the query and is good until this is called again,
+/// or the query is freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_query_contacts(
+    query: *mut pfront_model_query_t,
+    subject: *const pfront_subject_t,
+    contacts: *mut *const pfront_model_contact_t,
+    count: *mut usize,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let (out, out_count) = (call.out(c"contacts", contacts)?, call.out(c"count", count)?);
+        let (ModelQuery { pair, within, contacts, .. }, subject) = asked(call, query, subject)?;
+        let found = match &subject {
+            Subject::Pair(a, b, pose) => pair.contacts(a, b, pose).map_err(fault)?,
+            Subject::Within(a, rule) => of_rule(within, *rule).contacts(a).map_err(fault)?,
+        };
+        let for_c = |&(TrianglePair { a, b }, contact): &(_, _)| pfront_model_contact_t {
+            pair: pfront_pair_t { a, b },
+            contact: Some(contact).into(),
+        };
+        replace(contacts, found.len(), found.iter().map(for_c))?;
+        out.set(contacts.as_ptr());
+        out_count.set(contacts.len());
+        Ok(())
+    })
+}
+
+/// The executor and the questions of a batch.
+fn batch(
+    call: &mut Call<'_>,
+    executor: *const pfront_executor_t,
+    subjects: *const pfront_subject_t,
+    subject_count: usize,
+) -> Result<(OwnExecutor, Batch), Fault> {
+    let own = OwnExecutor::of(call, executor)?;
+    let mut batch = Batch::new();
+    for (index, subject) in call.read(c"subjects", subjects, subject_count)?.iter().enumerate() {
+        let added = match Subject::new(call, *subject).map_err(|fault| fault.at(index))? {
+            Subject::Pair(a, b, pose) => batch.pair(&a, &b, pose).map_err(fault),
+            Subject::Within(a, rule) => {
+                batch.within(&a, rule);
+                Ok(())
+            }
+        };
+        added.map_err(|fault| fault.at(index))?;
+    }
+    Ok((own, batch))
+}
+
+/// Finds for each of `subject_count` subjects some pair that meets: `found[i]` is 1 if there is one, else 0 and `pairs[i]` is not
+/// written. Where that pays, all threads of `executor` work on them, or its GPU; null stands for the calling thread. A subject at
+/// fault is `index` of the error.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_batch_any(
+    executor: *const pfront_executor_t,
+    subjects: *const pfront_subject_t,
+    subject_count: usize,
+    pairs: *mut pfront_pair_t,
+    found: *mut u32,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let pairs = call.write(c"pairs", pairs.cast::<TrianglePair>(), subject_count)?;
+        let found = call.write(c"found", found, subject_count)?;
+        let (own, mut batch) = batch(call, executor, subjects, subject_count)?;
+        let answers = batch.any(&own.executor).and_then(|ticket| ticket.read())?;
+        for ((answer, pair), found) in answers.iter().zip(pairs).zip(found) {
+            *found = answer.is_some().into();
+            answer.iter().for_each(|&some| *pair = some);
+        }
+        Ok(())
+    })
+}
+
+/// Tells for each of `subject_count` subjects how many pairs meet. All else is as for `pfront_batch_any`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_batch_count(
+    executor: *const pfront_executor_t,
+    subjects: *const pfront_subject_t,
+    subject_count: usize,
+    counts: *mut u64,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let counts = call.write(c"counts", counts, subject_count)?;
+        let (own, mut batch) = batch(call, executor, subjects, subject_count)?;
+        let answers = batch.count(&own.executor).and_then(|ticket| ticket.read())?;
+        counts.iter_mut().zip(answers).for_each(|(count, answer)| *count = answer);
+        Ok(())
+    })
+}
