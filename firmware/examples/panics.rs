@@ -34,7 +34,6 @@ struct Slices<'s> {
     words: &'s mut [u32],
     table: &'s mut [RefitRow],
     moved: &'s mut [Moved],
-    shadows: [&'s mut [[f32; 3]]; 2],
     history: &'s mut [u32],
     front: &'s mut [FrontNode],
     last: &'s mut [FrontNode],
@@ -47,11 +46,6 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     let Slices { positions, triangles, nodes: [nodes, others], order, keys, words, .. } = slices;
     let mesh = Mesh::new(positions, triangles).ok()?;
     let mesh = mesh.with_positions(some()?).ok()?;
-    let [first, second] = slices.shadows;
-    let in_f64 = Mesh::from_f64(some()?, mesh.triangles(), first).ok()?;
-    let in_f64 = in_f64.with_positions_f64(some()?, second).ok()?;
-    any((in_f64.is_f64(), in_f64.positions_f64(), in_f64.origin()));
-    let mesh = if some()? { mesh } else { in_f64 };
     let join: &Join<'_> = some()?;
     let storage = BvhStorage { nodes, order };
     let options = BuildOptions { leaf_size: some()?, join: Some(join) };

@@ -112,6 +112,7 @@ impl TreeNode for Node {
 
     #[inline(always)]
     fn boxes((): &(), nodes: [&Self; 4]) -> Box4 {
-        Box4::of_nodes(nodes)
+        // Both halves of a node are a corner and a word.
+        Box4::transposed(nodes.map(|node| bytemuck::must_cast(*node)))
     }
 }

@@ -1,7 +1,7 @@
 //! The triangles of a leaf in vector lanes.
 
 use super::PosedBvh;
-use crate::bvh::Layout;
+use crate::bvh::{Layout, MAX_LEAF_SIZE};
 use crate::index::at;
 use crate::one_ring::OneRing;
 use crate::simd::point8::{
@@ -9,6 +9,8 @@ use crate::simd::point8::{
 };
 use crate::simd::{LANES, Simd, VECTORS};
 use crate::{Aabb, Triangle};
+
+const _: () = assert!(LANES == MAX_LEAF_SIZE as usize, "a block holds a leaf");
 
 /// Up to eight posed triangles with their boxes and planes.
 #[derive(Clone, Debug)]

@@ -1,12 +1,12 @@
 //! The traversal: one loop for every query, layout and processor.
 
 use super::block::BlockCache;
-use super::trees::InF64;
 use super::wide_node::WideNode;
 use super::{Bvtt, Cursor, NodePair, TrianglePair};
 use crate::bvh::Layout;
+use crate::scalar::IN_F64;
 use crate::simd::{LANES, Simd, Task, VECTORS, widest};
-use crate::triangle::{intersects, intersects_in_mesh};
+use crate::triangle::{intersects, intersects_in_f64, intersects_in_mesh};
 use core::ops::ControlFlow;
 
 /// The visitor of hits. A trait object, so that there is one traversal in machine code per kind of query.
@@ -24,9 +24,9 @@ pub(super) fn traverse<A: Layout, B: Layout, const SELF: bool>(
     }
     cursor.set_budget(tests);
     if !VECTORS {
-        // Once for both, since firmware has little room for code.
-        Traversal::<A, B, SELF, true> { query, cursor, visit }.run::<f32>()
-    } else if query.in_f64.is_none() {
+        // Once for both, to save machine code.
+        Traversal::<A, B, SELF, IN_F64> { query, cursor, visit }.run::<f32>()
+    } else if query.error().is_none() {
         widest(Traversal::<A, B, SELF, false> { query, cursor, visit })
     } else {
         traverse_in_f64(query, cursor, visit)
@@ -132,8 +132,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
         if SELF && n.a == n.b {
             allowed &= BEFORE;
         }
-        let in_f64 = if F64 { self.in_f64.as_ref() } else { None };
-        let error = in_f64.map(|in_f64| in_f64.error);
+        let error = if F64 { self.error() } else { None };
         let pairs = a.cull::<S, SELF>(b, allowed, self.boxes_only, error);
         let visited = pairs.hits | pairs.open;
         cursor.for_each_within_budget(pairs.overlapping, visited, |bit| {
@@ -147,8 +146,9 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
             } else if SELF && pairs.may_share_vertex >> bit & 1 != 0 {
                 let mesh = self.a.bvh.mesh();
                 intersects_in_mesh(mesh, pair.a, pair.b, self.adjacency)
-            } else if let Some(InF64 { f64, .. }) = in_f64 {
-                (f64.intersects)(self.posed_meshes(), pair)
+            } else if error.is_some() {
+                let Self { a, b, .. } = self;
+                intersects_in_f64(&a.triangle_f64(pair.a), &b.triangle_f64(pair.b))
             } else {
                 intersects(&a.triangle(i), &b.triangle(j))
             };

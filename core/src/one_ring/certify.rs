@@ -9,7 +9,9 @@
 //! the plane through the vertex across each of the two other axes once upwards and once downwards, which comparisons
 //! of coordinates tell. A row that crosses one of these planes once at most makes less than a full turn.
 
-use super::{CERTIFIED, Certified, OneRing, OneRings, RING};
+use super::OneRings;
+use super::certified::Certified;
+use super::ring::{CERTIFIED, OneRing, RING};
 use crate::Mesh;
 use crate::bvh::Join;
 use crate::exact::filter64::{ERROR_2D, UNDERFLOW_2D};
@@ -27,9 +29,10 @@ impl OneRings<'_> {
     /// O(vertices + triangles).
     pub fn certify<'m>(&'m mut self, mesh: Mesh<'m>, join: Option<&Join<'_>>) -> Certified<'m> {
         let positions = mesh.shadow();
-        match mesh.f64() {
-            None => self.certify_by(mesh, join, |t| turns_of(positions, t)),
-            Some(f64) => self.certify_by(mesh, join, |t| (f64.turns)(mesh, t)),
+        if mesh.is_f64() {
+            self.certify_by(mesh, join, |t| turns_in_f64(mesh, t))
+        } else {
+            self.certify_by(mesh, join, |t| turns_of(positions, t))
         }
     }
 
@@ -151,7 +154,7 @@ fn turns_of(positions: &[[f32; 3]], t: &[u32; 3]) -> u32 {
 }
 
 /// [`turns_of`] a triangle of a mesh in f64.
-pub(crate) fn turns_in_f64(mesh: Mesh<'_>, t: &[u32; 3]) -> u32 {
+fn turns_in_f64(mesh: Mesh<'_>, t: &[u32; 3]) -> u32 {
     let [p, q, r] = t.map(|vertex| DVec3::from_array(mesh.position_f64(vertex)));
     let (u, v) = (q - p, r - p);
     let (extent, normal) = (u.abs().max(v.abs()), u.cross(v));

@@ -4,14 +4,12 @@
 //! Around a vertex of many triangles these are too many, even if a certificate then rejects all their triangle pairs. So nodes
 //! are marked below which all triangles are around one such vertex: if that is certified, a pair of such nodes has no hits.
 
-use super::{Certified, OneRing, OneRings, SIZE};
-use crate::bvh::{Bvh, Layout, MAX_LEAF_SIZE};
+use super::OneRings;
+use super::certified::{Certified, Fans};
+use super::ring::{OneRing, SIZE};
+use crate::bvh::{Bvh, Layout};
 use crate::index::{at, at_mut};
 use crate::{CapacityError, Mesh};
-
-/// The fewest triangles of a large one-ring: eight full leaves, whose pairs are about as many as those of eight leaves of any
-/// surface with their neighbours.
-pub(super) const LARGE: usize = 8 * MAX_LEAF_SIZE as usize;
 
 const WORD: usize = u32::BITS as usize;
 
@@ -19,20 +17,6 @@ const WORD: usize = u32::BITS as usize;
 #[must_use]
 pub const fn fan_bound(nodes: usize) -> usize {
     nodes.div_ceil(WORD)
-}
-
-/// A bit for each node of a BVH: whether all triangles below have the same [`hub`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Fans<'a> {
-    /// Empty if no node is marked.
-    marks: &'a [u32],
-    /// The BVH: where its nodes are, and its order.
-    nodes: usize,
-    order: &'a [u32],
-}
-
-impl Fans<'_> {
-    pub(super) const NONE: Self = Self { marks: &[], nodes: 0, order: &[] };
 }
 
 impl OneRings<'_> {
@@ -149,10 +133,4 @@ fn first_triangle<L: Layout>(bvh: &Bvh<'_, L>, node: u32) -> u32 {
         node = bvh.node(node.left());
     }
     *at(bvh.leaf_triangles(node), 0)
-}
-
-impl OneRing {
-    fn is_large(self) -> bool {
-        self.0 & SIZE != 0
-    }
 }

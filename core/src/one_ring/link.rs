@@ -1,6 +1,7 @@
 //! Connectivity of one-rings: which vertices have triangles that form one ring or one row.
 
-use super::{OneRing, OneRings, RING, ROW};
+use super::OneRings;
+use super::ring::{OneRing, RING, ROW};
 use crate::index::{at, at_mut, range_mut, split};
 use crate::sort::sort;
 

@@ -210,11 +210,7 @@ macro_rules! pose {
     };
 }
 pose!(Pose, f32, "A pose of meshes with f32 positions.");
-pose!(
-    Pose64,
-    f64,
-    "A pose in f64, of meshes with positions of either kind: see [`Mesh::from_f64`](crate::Mesh::from_f64)."
-);
+pose!(Pose64, f64, "A pose in f64, of meshes with positions of either kind: see `Mesh::from_f64`.");
 
 impl Pose {
     /// The rounding error of [`Pose::apply`] in a coordinate is less than this times |R|·|p| + |t| of that coordinate,

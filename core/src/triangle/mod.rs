@@ -30,7 +30,6 @@ use coplanar::coplanar_triangles_intersect;
 
 pub use contact::{Contact, contact};
 pub(crate) use contact::{contact_of, posed_contact};
-pub(crate) use in_mesh::intersects_in_mesh_f64;
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
@@ -97,7 +96,8 @@ pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, Mesh
     Ok(intersects_in_f64(a, b))
 }
 
-/// [`intersects_f64`] of coordinates that are in range.
+/// [`intersects_f64`] of coordinates that are in range. A function of its own, so that a traversal does not take its stack.
+#[inline(never)]
 pub(crate) fn intersects_in_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> bool {
     triangles_intersect::<Exact<f64>>(a, b) == Some(true)
 }

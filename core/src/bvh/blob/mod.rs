@@ -178,8 +178,7 @@ impl<'a> Blob<'a> {
         Ok(Bvh::new(Mesh::new(mesh.shadow(), mesh.triangles())?, nodes, order, scratch)?)
     }
 
-    /// [`Blob::read_into`] for meshes of either kind, apart for programs that have none in f64 and link nothing of them;
-    /// `positions` must hold [`Counts::positions_f64`].
+    /// [`Blob::read_into`] for meshes of either kind; `positions` must hold [`Counts::positions_f64`].
     ///
     /// # Errors
     /// As [`Blob::read_into`].
@@ -208,6 +207,7 @@ impl<'a> Blob<'a> {
     /// assert_eq!(copied.mesh().positions_f64(), Some(&points[..]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[cfg(feature = "f64")]
     pub fn read_into_f64<'s>(
         &self,
         storage: BlobStorage<'s>,

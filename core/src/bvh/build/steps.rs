@@ -1,7 +1,7 @@
 //! The build by the surface area heuristic in steps: for a mesh that deforms, so that no frame waits for all of it.
 
-use super::bins::best_split;
-use super::divide::{Split, halve};
+use super::bins::{Split, best_split};
+use super::divide::halve;
 use super::item::{bounds, item, triangle};
 use super::{BuildOptions, BvhStorage};
 use crate::aabb::Bounds;
