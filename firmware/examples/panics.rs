@@ -11,7 +11,6 @@ use core::hint::black_box as any;
 use core::ops::ControlFlow::Continue;
 use core::panic::PanicInfo;
 use pfront_core::bvh::*;
-use pfront_core::bvh::{CompactNode, compact};
 use pfront_core::bvtt::*;
 use pfront_core::front::*;
 use pfront_core::one_ring::OneRings;
@@ -28,7 +27,6 @@ struct Slices<'s> {
     positions: &'s [[f32; 3]],
     triangles: &'s [[u32; 3]],
     nodes: [&'s mut [Node]; 2],
-    compact: &'s mut [CompactNode],
     order: &'s mut [u32],
     keys: &'s mut [u64],
     words: &'s mut [u32],
@@ -70,11 +68,6 @@ fn everything(slices: Slices<'_>) -> Option<()> {
     front.add(some()?, some()?).ok()?;
     front.refine(&some()?, slices.last, |_| &pair);
     any((front.partition(slices.parts).len(), estimate(&pair, some()?)));
-    let small = compact(mesh, bvh.nodes(), bvh.order(), slices.compact).ok()?;
-    any((Bvh::new(mesh, small.nodes(), small.order(), words).ok()?.depth(), small.aabb()));
-    asked(&SelfBvtt::new(small), slices.page)?;
-    asked(&PairBvtt::new(small, small, some()?).ok()?, slices.page)?;
-    asked(&PairBvtt::in_world(placed, PosedBvh::new(small, &some()?).ok()?), slices.page)?;
     any(intersects(&some()?, &some()?));
     any(intersects_in_mesh(mesh, some()?, some()?, some()?));
     any((contact(&some()?, &some()?), mesh.shadow_triangle(some()?)));

@@ -1,7 +1,7 @@
 //! The triangles of a leaf in vector lanes.
 
 use super::PosedBvh;
-use crate::bvh::{Layout, MAX_LEAF_SIZE};
+use crate::bvh::MAX_LEAF_SIZE;
 use crate::index::at;
 use crate::one_ring::OneRing;
 use crate::simd::point8::{
@@ -63,10 +63,10 @@ impl TriangleBlock {
     /// Loads, poses and prepares the triangles of the leaf with index `node`. With `SELF`, `rings` are certificates of its
     /// vertices.
     #[inline(always)]
-    fn fill<S: Simd, L: Layout, const SELF: bool>(
+    fn fill<S: Simd, const SELF: bool>(
         &mut self,
         node: u32,
-        side: &PosedBvh<'_, L>,
+        side: &PosedBvh<'_>,
         rings: &[OneRing],
     ) {
         let (leaf, mesh) = (side.bvh.node(node), side.bvh.mesh());
@@ -105,13 +105,8 @@ impl TriangleBlock {
 
     /// [`TriangleBlock::fill`] without vectors: one copy for both sides, for firmware.
     #[inline(never)]
-    fn fill_singly<L: Layout, const SELF: bool>(
-        &mut self,
-        node: u32,
-        side: &PosedBvh<'_, L>,
-        rings: &[OneRing],
-    ) {
-        self.fill::<f32, L, SELF>(node, side, rings);
+    fn fill_singly<const SELF: bool>(&mut self, node: u32, side: &PosedBvh<'_>, rings: &[OneRing]) {
+        self.fill::<f32, SELF>(node, side, rings);
     }
 
     /// Stores posed corners and derives boxes and planes, in the lanes from `lane` on.
@@ -156,18 +151,18 @@ impl BlockCache {
 
     /// The block of the leaf with index `node`.
     #[inline(always)]
-    pub(super) fn get<S: Simd, L: Layout, const SELF: bool>(
+    pub(super) fn get<S: Simd, const SELF: bool>(
         &mut self,
         node: u32,
-        side: &PosedBvh<'_, L>,
+        side: &PosedBvh<'_>,
         rings: &[OneRing],
     ) -> &TriangleBlock {
         let block = self.0[node as usize % CACHED].get_or_insert_with(TriangleBlock::empty);
         if block.node != node {
             if S::WIDTH == 1 {
-                block.fill_singly::<L, SELF>(node, side, rings);
+                block.fill_singly::<SELF>(node, side, rings);
             } else {
-                block.fill::<S, L, SELF>(node, side, rings);
+                block.fill::<S, SELF>(node, side, rings);
             }
         }
         block

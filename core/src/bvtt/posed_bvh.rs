@@ -1,7 +1,6 @@
 //! A BVH in a pose: one side of a query.
 
 use crate::aabb::Bounds;
-use crate::bvh::Layout;
 use crate::pose::{Affine, Pose64, PoseError};
 use crate::scalar::IN_F64;
 use crate::{Aabb, Bvh, Node, Pose, Triangle};
@@ -22,20 +21,20 @@ use glam::{DVec3, Vec3A};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct PosedBvh<'a, L: Layout = Node> {
-    pub(super) bvh: Bvh<'a, L>,
+pub struct PosedBvh<'a> {
+    pub(super) bvh: Bvh<'a>,
     /// The pose of the corners; `None` is the identity. If there is another in f64, that of the shadow.
     pub(super) pose: Option<Affine>,
     /// The pose of the positions in f64, if the mesh or the pose is in f64, or the other side of a query.
     pub(super) exact: Option<Pose64>,
 }
 
-impl<'a, L: Layout> PosedBvh<'a, L> {
+impl<'a> PosedBvh<'a> {
     /// Poses a BVH. [`Pose::IDENTITY`] leaves every vertex as it is and costs a query nothing.
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes the mesh out of range.
-    pub fn new(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
+    pub fn new(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
         if bvh.mesh().is_f64() {
             check(&bvh, &(*world_from_bvh).into())?;
         } else if *world_from_bvh != Pose::IDENTITY {
@@ -47,7 +46,7 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     /// Poses a BVH as [`PosedBvh::new`] or [`Pose::check`] has accepted it. In a pose that they refuse a query may
     /// miss pairs.
     #[must_use]
-    pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
+    pub fn new_unchecked(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Self {
         let mut new = Self::unposed(bvh);
         if bvh.mesh().is_f64() {
             new.pose_in_f64((*world_from_bvh).into(), DVec3::ZERO);
@@ -62,7 +61,7 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     /// # Errors
     /// As [`PosedBvh::new`].
     #[cfg(feature = "f64")]
-    pub fn in_f64(bvh: Bvh<'a, L>, world_from_bvh: &Pose64) -> Result<Self, PoseError> {
+    pub fn in_f64(bvh: Bvh<'a>, world_from_bvh: &Pose64) -> Result<Self, PoseError> {
         check(&bvh, world_from_bvh)?;
         Ok(Self::in_f64_unchecked(bvh, world_from_bvh))
     }
@@ -70,13 +69,13 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     /// Poses a BVH as [`PosedBvh::in_f64`] has accepted it.
     #[cfg(feature = "f64")]
     #[must_use]
-    pub fn in_f64_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose64) -> Self {
+    pub fn in_f64_unchecked(bvh: Bvh<'a>, world_from_bvh: &Pose64) -> Self {
         let mut new = Self::unposed(bvh);
         new.pose_in_f64(*world_from_bvh, DVec3::ZERO);
         new
     }
 
-    pub(super) fn unposed(bvh: Bvh<'a, L>) -> Self {
+    pub(super) fn unposed(bvh: Bvh<'a>) -> Self {
         Self { bvh, pose: None, exact: None }
     }
 
@@ -108,8 +107,8 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
 
     /// A box that contains the posed triangles below a node.
     #[inline(always)]
-    pub(super) fn bounds(&self, node: &L) -> Bounds {
-        posed(self.pose.as_ref(), &self.bvh.bounds(node))
+    pub(super) fn bounds(&self, node: &Node) -> Bounds {
+        posed(self.pose.as_ref(), &node.bounds())
     }
 
     /// The posed corners of a triangle.
@@ -127,7 +126,7 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
 }
 
 /// Checks that a pose in f64 is finite and keeps a mesh in range.
-fn check<L: Layout>(bvh: &Bvh<'_, L>, pose: &Pose64) -> Result<(), PoseError> {
+fn check(bvh: &Bvh<'_>, pose: &Pose64) -> Result<(), PoseError> {
     let bounds = root_bounds(bvh);
     let half = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
     let half = if bounds.min.x <= bounds.max.x { half } else { DVec3::ZERO };
@@ -136,8 +135,8 @@ fn check<L: Layout>(bvh: &Bvh<'_, L>, pose: &Pose64) -> Result<(), PoseError> {
     pose.check_reach(extent.to_array())
 }
 
-pub(super) fn root_bounds<L: Layout>(bvh: &Bvh<'_, L>) -> Bounds {
-    bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root))
+pub(super) fn root_bounds(bvh: &Bvh<'_>) -> Bounds {
+    bvh.root().map_or(Bounds::EMPTY, Node::bounds)
 }
 
 /// A box that contains posed `bounds`.

@@ -2,7 +2,6 @@
 
 use super::traversal::traverse;
 use super::{Bvtt, Cursor, NodePair, TrianglePair};
-use crate::bvh::Layout;
 use crate::triangle::{Contact, contact, contact_of};
 use crate::{Aabb, Bvh};
 use core::ops::{ControlFlow, Range};
@@ -158,7 +157,7 @@ pub trait Query {
     }
 }
 
-impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
+impl<const SELF: bool> Query for Bvtt<'_, SELF> {
     fn root(&self) -> Option<NodePair> {
         self.root.filter(|&root| !self.is_in_certified_fan(root))
     }
@@ -224,7 +223,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
 }
 
 /// The children of a node, or a leaf itself.
-fn children<L: Layout>(bvh: &Bvh<'_, L>, index: u32) -> Range<u32> {
+fn children(bvh: &Bvh<'_>, index: u32) -> Range<u32> {
     let node = bvh.node(index);
     if node.is_leaf() { index..index + 1 } else { node.left()..node.left() + 2 }
 }

@@ -8,13 +8,12 @@
 use super::posed_bvh::{posed, root_bounds};
 use super::{NodePair, PosedBvh, TrianglePair};
 use crate::aabb::Bounds;
-use crate::bvh::Layout;
 use crate::one_ring::{Certified, OneRing, hub_of, is_marked};
 use crate::pose::{Affine, Pose64, PoseError};
 use crate::scalar::IN_F64;
 use crate::simd::VECTORS;
 use crate::triangle::{Adjacency, Contact, intersects, intersects_in_f64, posed_contact};
-use crate::{Bvh, Node, Pose};
+use crate::{Bvh, Pose};
 use glam::{DVec3, Vec3A};
 
 /// Two meshes in one frame: that of the first ([`PairBvtt::new`]), or a world in which both are posed
@@ -33,16 +32,16 @@ use glam::{DVec3, Vec3A};
 /// assert_eq!(query.any(), Some(TrianglePair { a: 0, b: 0 }));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub type PairBvtt<'a, A = Node, B = A> = Bvtt<'a, A, B, false>;
+pub type PairBvtt<'a> = Bvtt<'a, false>;
 
 /// One mesh against itself, each unordered pair of triangles once.
-pub type SelfBvtt<'a, L = Node> = Bvtt<'a, L, L, true>;
+pub type SelfBvtt<'a> = Bvtt<'a, true>;
 
 /// A [`PairBvtt`], or with `SELF` a [`SelfBvtt`].
 #[derive(Clone, Copy, Debug)]
-pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
-    pub(super) a: PosedBvh<'a, A>,
-    pub(super) b: PosedBvh<'a, B>,
+pub struct Bvtt<'a, const SELF: bool> {
+    pub(super) a: PosedBvh<'a>,
+    pub(super) b: PosedBvh<'a>,
     /// The poses in which the boxes of each side are compared. The box of a rotated box is larger, so the boxes of
     /// the second of two posed meshes are taken to the frame of the first where possible. Hits depend on corners alone.
     pub(super) box_poses: [Option<Affine>; 2],
@@ -73,13 +72,13 @@ pub struct Shadows {
     pub error: [f32; 3],
 }
 
-impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
+impl<'a> PairBvtt<'a> {
     /// Asks for `a` against `b` posed by `a_from_b`, exactly. If one of the three is in f64, positions are posed and pairs
     /// decided there.
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes `b` out of range.
-    pub fn new(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: Pose) -> Result<Self, PoseError> {
+    pub fn new(a: Bvh<'a>, b: Bvh<'a>, a_from_b: Pose) -> Result<Self, PoseError> {
         Ok(Self::in_world(PosedBvh::unposed(a), PosedBvh::new(b, &a_from_b)?))
     }
 
@@ -88,16 +87,16 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     /// # Errors
     /// As [`PairBvtt::new`].
     #[cfg(feature = "f64")]
-    pub fn in_f64(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: &Pose64) -> Result<Self, PoseError> {
+    pub fn in_f64(a: Bvh<'a>, b: Bvh<'a>, a_from_b: &Pose64) -> Result<Self, PoseError> {
         Ok(Self::in_world(PosedBvh::unposed(a), PosedBvh::in_f64(b, a_from_b)?))
     }
 
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
-    pub fn in_world(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
+    pub fn in_world(a: PosedBvh<'a>, b: PosedBvh<'a>) -> Self {
         let mut query = Self::of_sides(a, b);
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
-        let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
+        let (of_a, of_b) = (root_a.bounds(), root_b.bounds());
         if a.is_f64() || b.is_f64() {
             let poses = query.pose_in_f64();
             query.box_poses = poses.map(Some);
@@ -184,10 +183,10 @@ pub(super) fn view(poses: &mut [Option<Affine>; 2], of_b: &Bounds) {
     }
 }
 
-impl<'a, L: Layout> SelfBvtt<'a, L> {
+impl<'a> SelfBvtt<'a> {
     /// Asks for all pairs under the shared-index rule, exactly.
     #[must_use]
-    pub fn new(bvh: Bvh<'a, L>) -> Self {
+    pub fn new(bvh: Bvh<'a>) -> Self {
         let side = PosedBvh::unposed(bvh);
         let query = Self { root: bvh.root().map(|_| NodePair::ROOT), ..Self::of_sides(side, side) };
         if !bvh.mesh().is_f64() {
@@ -274,9 +273,9 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     }
 }
 
-impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
+impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     /// A query without a root.
-    fn of_sides(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
+    fn of_sides(a: PosedBvh<'a>, b: PosedBvh<'a>) -> Self {
         Self {
             a,
             b,
@@ -322,8 +321,8 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
     pub(super) fn bounds(&self, n: NodePair) -> [Bounds; 2] {
         let Self { a, b, box_poses: [pose_a, pose_b], .. } = self;
         [
-            posed(pose_a.as_ref(), &a.bvh.bounds(a.bvh.node(n.a))),
-            posed(pose_b.as_ref(), &b.bvh.bounds(b.bvh.node(n.b))),
+            posed(pose_a.as_ref(), &a.bvh.node(n.a).bounds()),
+            posed(pose_b.as_ref(), &b.bvh.node(n.b).bounds()),
         ]
     }
 }

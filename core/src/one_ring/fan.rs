@@ -7,9 +7,8 @@
 use super::OneRings;
 use super::certified::{Certified, Fans};
 use super::ring::{OneRing, SIZE};
-use crate::bvh::{Bvh, Layout};
 use crate::index::{at, at_mut};
-use crate::{CapacityError, Mesh};
+use crate::{Bvh, CapacityError, Mesh};
 
 const WORD: usize = u32::BITS as usize;
 
@@ -61,11 +60,7 @@ impl<'a> Certified<'a> {
     /// assert!(SelfBvtt::new(bvh).with_certificates(certified).start().is_done());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn with_fans<L: Layout>(
-        self,
-        bvh: &Bvh<'a, L>,
-        marks: &'a mut [u32],
-    ) -> Result<Self, CapacityError> {
+    pub fn with_fans(self, bvh: &Bvh<'a>, marks: &'a mut [u32]) -> Result<Self, CapacityError> {
         let nodes = bvh.nodes();
         CapacityError::check("marks", fan_bound(nodes.len()), marks.len())?;
         marks.fill(0);
@@ -94,7 +89,7 @@ impl<'a> Certified<'a> {
     ///
     /// Nothing is checked: with any others a query may miss pairs.
     #[must_use]
-    pub fn with_fans_unchecked<L: Layout>(self, bvh: &Bvh<'a, L>, marks: &'a [u32]) -> Self {
+    pub fn with_fans_unchecked(self, bvh: &Bvh<'a>, marks: &'a [u32]) -> Self {
         let fans = Fans { marks, nodes: bvh.nodes().as_ptr().addr(), order: bvh.order() };
         Self { fans, ..self }
     }
@@ -102,7 +97,7 @@ impl<'a> Certified<'a> {
     /// The marks of the nodes if they are of the very BVH, else none.
     ///
     /// Both borrow their slices, so slices in the same place hold the same.
-    pub(crate) fn fans_of<L: Layout>(self, bvh: &Bvh<'_, L>) -> &'a [u32] {
+    pub(crate) fn fans_of(self, bvh: &Bvh<'_>) -> &'a [u32] {
         let Fans { marks, nodes, order } = self.fans;
         let same = nodes == bvh.nodes().as_ptr().addr() && core::ptr::eq(order, bvh.order());
         if same && !self.of_mesh(bvh.mesh()).is_empty() { marks } else { &[] }
@@ -116,7 +111,7 @@ pub(crate) fn is_marked(marks: &[u32], node: u32) -> bool {
 }
 
 /// The vertex that all triangles below a marked node share.
-pub(crate) fn hub_of<L: Layout>(bvh: &Bvh<'_, L>, rings: &[OneRing], node: u32) -> Option<u32> {
+pub(crate) fn hub_of(bvh: &Bvh<'_>, rings: &[OneRing], node: u32) -> Option<u32> {
     hub(bvh.mesh(), rings, first_triangle(bvh, node))
 }
 
@@ -127,7 +122,7 @@ fn hub(mesh: Mesh<'_>, rings: &[OneRing], triangle: u32) -> Option<u32> {
 }
 
 /// The first triangle below a node.
-fn first_triangle<L: Layout>(bvh: &Bvh<'_, L>, node: u32) -> u32 {
+fn first_triangle(bvh: &Bvh<'_>, node: u32) -> u32 {
     let mut node = bvh.node(node);
     while !node.is_leaf() {
         node = bvh.node(node.left());
