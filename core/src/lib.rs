@@ -165,7 +165,6 @@ pub mod environment;
 mod error;
 mod exact;
 pub mod front;
-mod index;
 pub mod mesh;
 pub mod one_ring;
 mod parallel;

@@ -7,7 +7,6 @@
 use super::{Bvh, MAX_DEPTH, MAX_LEAF_SIZE, preorder};
 use crate::CapacityError;
 use crate::aabb::Bounds;
-use crate::index::{at, range};
 
 impl Bvh<'_> {
     pub(super) fn check(&self, scratch: &mut [u32]) -> Result<(), BvhError> {
@@ -17,13 +16,13 @@ impl Bvh<'_> {
         }
         check_permutation(self.order, scratch)?;
         let bounds = |index: usize| {
-            let bounds = at(self.nodes, index).bounds();
+            let bounds = self.nodes[index].bounds();
             let is_finite = bounds.min.is_finite() && bounds.max.is_finite();
             if is_finite { Ok(bounds) } else { Err(BvhError::Box { node: index }) }
         };
         let (mut reached, mut covered) = (0, 0);
         preorder(self.nodes, |index, depth| {
-            let node = at(self.nodes, index);
+            let node = &self.nodes[index];
             reached += 1;
             let content = if node.is_leaf() {
                 let (first, count) = (node.first, node.count);
@@ -32,7 +31,7 @@ impl Bvh<'_> {
                     return Err(BvhError::Leaf { node: index });
                 }
                 covered += count as usize;
-                let triangles = range(self.order, first, count).iter();
+                let triangles = self.order[first as usize..][..count as usize].iter();
                 triangles.fold(Bounds::EMPTY, |all, &t| all.union(&self.mesh.bounds(t)))
             } else {
                 let left = node.left() as usize;

@@ -26,7 +26,6 @@ pub use refit::{Refit, RefitRow, refit};
 pub use crate::parallel::Join;
 pub use crate::vertex_set::{Moved, mark_moved};
 
-use crate::index::{at, at_mut, out_of_range, range};
 use crate::{Aabb, Mesh};
 use core::convert::Infallible;
 
@@ -166,7 +165,7 @@ impl<'a> Bvh<'a> {
     pub fn is_depth_first(&self) -> bool {
         let mut children = 2;
         let laid = preorder(self.nodes, |index, _| {
-            let node = at(self.nodes, index);
+            let node = &self.nodes[index];
             if node.is_leaf() {
                 return Ok(());
             }
@@ -196,16 +195,14 @@ impl<'a> Bvh<'a> {
 
     #[inline(always)]
     pub(crate) fn node(&self, index: u32) -> &'a Node {
-        at(self.nodes, index)
+        &self.nodes[index as usize]
     }
 
     /// The triangles of a leaf, at most [`MAX_LEAF_SIZE`].
     #[inline]
     pub(crate) fn leaf_triangles(&self, leaf: &Node) -> &'a [u32] {
-        if leaf.count > MAX_LEAF_SIZE {
-            out_of_range();
-        }
-        range(self.order, leaf.first, leaf.count)
+        assert!(leaf.count <= MAX_LEAF_SIZE, "a leaf holds too many triangles");
+        &self.order[leaf.first as usize..][..leaf.count as usize]
     }
 
     /// How many triangles lie below a node: one range of the order, from its leftmost leaf to its rightmost.
@@ -248,15 +245,15 @@ fn preorder<E>(
     let mut next = nodes.first().map(|_| (0, 0));
     while let Some((index, depth)) = next {
         visit(index, depth)?;
-        let node = at(nodes, index);
+        let node = &nodes[index];
         if !node.is_leaf() {
             let left = node.left() as usize;
-            *at_mut(&mut waiting, len) = (left + 1, depth + 1);
+            waiting[len] = (left + 1, depth + 1);
             len += 1;
             next = Some((left, depth + 1));
         } else if len > 0 {
             len -= 1;
-            next = Some(*at(&waiting, len));
+            next = Some(waiting[len]);
         } else {
             next = None;
         }

@@ -2,7 +2,6 @@
 
 use super::PosedBvh;
 use crate::bvh::MAX_LEAF_SIZE;
-use crate::index::at;
 use crate::one_ring::OneRing;
 use crate::simd::point8::{
     Points, abs, chunk_starts, cross, difference, highest, load, lowest, store,
@@ -79,9 +78,9 @@ impl TriangleBlock {
         for (lane, &triangle) in triangles.iter().enumerate() {
             let lane = lane % LANES;
             self.triangles[lane] = triangle;
-            let vertices = at(mesh.triangles(), triangle);
+            let vertices = &mesh.triangles()[triangle as usize];
             for (k, &vertex) in vertices.iter().enumerate() {
-                let [x, y, z] = *at(mesh.shadow(), vertex);
+                let [x, y, z] = mesh.shadow()[vertex as usize];
                 (corners[k][0][lane], corners[k][1][lane], corners[k][2][lane]) = (x, y, z);
                 if !SELF {
                     continue;
@@ -101,12 +100,6 @@ impl TriangleBlock {
             }
             self.derive(posed, lane);
         }
-    }
-
-    /// [`TriangleBlock::fill`] without vectors: one copy for both sides, for firmware.
-    #[inline(never)]
-    fn fill_singly<const SELF: bool>(&mut self, node: u32, side: &PosedBvh<'_>, rings: &[OneRing]) {
-        self.fill::<f32, SELF>(node, side, rings);
     }
 
     /// Stores posed corners and derives boxes and planes, in the lanes from `lane` on.
@@ -159,11 +152,7 @@ impl BlockCache {
     ) -> &TriangleBlock {
         let block = self.0[node as usize % CACHED].get_or_insert_with(TriangleBlock::empty);
         if block.node != node {
-            if S::WIDTH == 1 {
-                block.fill_singly::<SELF>(node, side, rings);
-            } else {
-                block.fill::<S, SELF>(node, side, rings);
-            }
+            block.fill::<S, SELF>(node, side, rings);
         }
         block
     }

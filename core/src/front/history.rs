@@ -4,7 +4,6 @@
 //! same O(N_p) memory, so that a frame refines by measured costs as far as the last one did.
 
 use super::FrontNode;
-use crate::index::part;
 use crate::sort::sort;
 
 /// The nodes of the last front, sorted by query and path. None overlaps another, so those at and below a node follow each
@@ -71,7 +70,7 @@ impl<'a> CostHistory<'a> {
 
     fn from(self, first: u32) -> &'a [FrontNode] {
         // No position that `find` stores exceeds the number of nodes.
-        part(self.nodes, first as usize..)
+        &self.nodes[first as usize..]
     }
 }
 

@@ -73,7 +73,6 @@ pub use refine::{FrontReport, RefineOptions};
 
 use crate::CapacityError;
 use crate::bvtt::NodePair;
-use crate::index::{at_mut, range, split};
 
 /// A front in the caller's slice, whose length bounds its nodes, 40 bytes each.
 ///
@@ -105,15 +104,15 @@ impl<'a> Front<'a> {
     }
 
     fn nodes(&self) -> &[FrontNode] {
-        range(self.nodes, 0, self.len as u32)
+        &self.nodes[..self.len]
     }
 
     fn nodes_mut(&mut self) -> &mut [FrontNode] {
-        split(self.nodes, self.len).0
+        &mut self.nodes[..self.len]
     }
 
     fn push(&mut self, node: FrontNode) {
-        *at_mut(self.nodes, self.len) = node;
+        self.nodes[self.len] = node;
         self.len += 1;
     }
 

@@ -13,7 +13,6 @@ pub(crate) use check::check_position;
 pub use check::{MAX_TRIANGLES, MeshError};
 
 use crate::aabb::Bounds;
-use crate::index::at;
 use crate::scalar::IN_F64;
 use check::{check_positions, same_length};
 use glam::{DVec3, Vec3A};
@@ -192,20 +191,20 @@ impl<'a> Mesh<'a> {
     #[inline]
     #[must_use]
     pub fn shadow_triangle(self, index: u32) -> Triangle {
-        let [a, b, c] = *at(self.triangles, index);
-        [*at(self.shadow, a), *at(self.shadow, b), *at(self.shadow, c)]
+        let [a, b, c] = self.triangles[index as usize];
+        [self.shadow[a as usize], self.shadow[b as usize], self.shadow[c as usize]]
     }
 
     /// The corners of a triangle in f64, exact in a mesh of either kind.
     pub(crate) fn triangle_f64(self, index: u32) -> [[f64; 3]; 3] {
-        at(self.triangles, index).map(|vertex| self.position_f64(vertex))
+        self.triangles[index as usize].map(|vertex| self.position_f64(vertex))
     }
 
     /// The position of a vertex in f64, exact in a mesh of either kind.
     pub(crate) fn position_f64(self, vertex: u32) -> [f64; 3] {
         match self.positions_f64 {
-            Some(positions) => *at(positions, vertex),
-            None => at(self.shadow, vertex).map(f64::from),
+            Some(positions) => positions[vertex as usize],
+            None => self.shadow[vertex as usize].map(f64::from),
         }
     }
 

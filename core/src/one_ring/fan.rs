@@ -7,7 +7,6 @@
 use super::OneRings;
 use super::certified::{Certified, Fans};
 use super::ring::{OneRing, SIZE};
-use crate::index::{at, at_mut};
 use crate::{Bvh, CapacityError, Mesh};
 
 const WORD: usize = u32::BITS as usize;
@@ -80,7 +79,7 @@ impl<'a> Certified<'a> {
                     && is_marked(marks, right)
                     && hub(first_triangle(bvh, left)) == hub(first_triangle(bvh, right))
             };
-            *at_mut(marks, index / WORD) |= u32::from(is_fan) << (index % WORD);
+            marks[index / WORD] |= u32::from(is_fan) << (index % WORD);
         }
         Ok(self.with_fans_unchecked(bvh, marks))
     }
@@ -118,7 +117,7 @@ pub(crate) fn hub_of(bvh: &Bvh<'_>, rings: &[OneRing], node: u32) -> Option<u32>
 /// The corner of a triangle whose one-ring is the largest, if it is large.
 fn hub(mesh: Mesh<'_>, rings: &[OneRing], triangle: u32) -> Option<u32> {
     let size = |vertex: &u32| rings.get(*vertex as usize).map_or(0, |ring| ring.0 & SIZE);
-    at(mesh.triangles(), triangle).iter().copied().max_by_key(size).filter(|hub| size(hub) > 0)
+    mesh.triangles()[triangle as usize].iter().copied().max_by_key(size).filter(|hub| size(hub) > 0)
 }
 
 /// The first triangle below a node.
@@ -127,5 +126,5 @@ fn first_triangle(bvh: &Bvh<'_>, node: u32) -> u32 {
     while !node.is_leaf() {
         node = bvh.node(node.left());
     }
-    *at(bvh.leaf_triangles(node), 0)
+    bvh.leaf_triangles(node)[0]
 }

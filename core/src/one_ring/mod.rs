@@ -41,7 +41,7 @@ pub(crate) use fan::{hub_of, is_marked};
 pub(crate) use ring::OneRing;
 
 use crate::CapacityError;
-use crate::index::split;
+use crate::parallel::split;
 use bytemuck::must_cast_slice_mut;
 
 /// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.
@@ -143,6 +143,6 @@ impl<'a> OneRings<'a> {
     pub fn with_links(self, links: &'a mut [u32]) -> Result<Self, CapacityError> {
         let needed = links_bound(self.rings.len(), self.triangles.len());
         CapacityError::check("links", needed, links.len())?;
-        Ok(Self { links: split(links, needed).0, ..self })
+        Ok(Self { links: &mut links[..needed], ..self })
     }
 }

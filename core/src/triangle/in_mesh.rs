@@ -17,7 +17,6 @@ use super::{intersects, intersects_in_f64};
 use crate::Mesh;
 use crate::exact::filter64::{UNDERFLOW_2D, UNDERFLOW_3D};
 use crate::exact::{Exact, Orientation, difference};
-use crate::index::at;
 use crate::scalar::Scalar;
 use glam::DVec3;
 
@@ -51,7 +50,7 @@ pub fn intersects_in_mesh(mesh: Mesh<'_>, i: u32, j: u32, adjacency: Adjacency) 
     if mesh.is_f64() {
         return intersects_in_mesh_f64(mesh, [i, j], adjacency);
     }
-    match neighbours(mesh, [i, j], |vertex| *at(mesh.shadow(), vertex)) {
+    match neighbours(mesh, [i, j], |vertex| mesh.shadow()[vertex as usize]) {
         None => intersects(&mesh.shadow_triangle(i), &mesh.shadow_triangle(j)),
         Some(_) if adjacency == Adjacency::SkipNeighbours => false,
         Some([a, b]) => neighbours_intersect::<Exact<f32>>(&a, &b) == Some(true),
@@ -74,7 +73,7 @@ fn neighbours<C: Scalar>(
     triangles: [u32; 2],
     position: impl Fn(u32) -> [C; 3],
 ) -> Option<[Neighbour<C>; 2]> {
-    let [a, b] = triangles.map(|triangle| at(mesh.triangles(), triangle));
+    let [a, b] = triangles.map(|triangle| &mesh.triangles()[triangle as usize]);
     let shared = shared_with(b, a);
     (shared != [false; 3]).then(|| {
         [Neighbour::new(&position, a, shared), Neighbour::new(&position, b, shared_with(a, b))]

@@ -53,8 +53,7 @@ use glam::Vec3A;
 /// assert!(intersects(&floor, &tip(0.0)));
 /// assert!(!intersects(&floor, &tip(1e-45)));
 /// ```
-#[cfg_attr(not(target_os = "none"), inline)]
-#[cfg_attr(target_os = "none", inline(never))] // Firmware has little room for code.
+#[inline]
 #[must_use]
 pub fn intersects(a: &Triangle, b: &Triangle) -> bool {
     // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
