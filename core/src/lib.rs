@@ -181,3 +181,4 @@ pub use bvh::{Bvh, BvhError, Node};
 pub use error::CapacityError;
 pub use mesh::{Mesh, MeshError, Triangle};
 pub use pose::{Pose, Pose64};
+pub use scalar::Scalar;
