@@ -3,9 +3,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod layouts;
-
-use layouts::Compact;
 use pfront::{
     Adjacency, BuildOptions, Executor, Model, Node, PairQuery, Pose, SceneQuery, SelfQuery,
     TrianglePair,
@@ -221,11 +218,6 @@ fn pair(a: &MeshData, b: &MeshData, a_from_b: &Pose) -> usize {
             assert!(contacts.iter().map(|c| &c.0).eq(&truth));
         }
         pages(&bvtt::PairBvtt::new(s.bvh(), t.bvh(), *a_from_b).unwrap(), &truth);
-        let (small, least) = (Compact::of(s.bvh()), Compact::of(t.bvh()));
-        let (small, least) = (small.bvh(s.mesh()), least.bvh(t.mesh()));
-        pages(&bvtt::PairBvtt::new(small, least, *a_from_b).unwrap(), &truth);
-        pages(&bvtt::PairBvtt::new(small, t.bvh(), *a_from_b).unwrap(), &truth);
-        pages(&bvtt::PairBvtt::new(s.bvh(), least, *a_from_b).unwrap(), &truth);
     }
     morton(a, |s| {
         morton(b, |t| {
@@ -255,8 +247,6 @@ fn within(soup: &MeshData) -> usize {
                 stops(truth, stop, |visit| query.visit(model, visit));
             }
             pages(&bvtt::SelfBvtt::new(model.bvh()).with_adjacency(adjacency), truth);
-            let small = Compact::of(model.bvh());
-            pages(&bvtt::SelfBvtt::new(small.bvh(model.mesh())).with_adjacency(adjacency), truth);
         }
         morton(soup, |bvh| {
             pages(&bvtt::SelfBvtt::new(bvh).with_adjacency(adjacency), truth);

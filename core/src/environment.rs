@@ -158,7 +158,8 @@ mod control {
     pub(super) fn write(_: u32) {}
 }
 
-#[cfg(all(test, target_arch = "x86_64", not(miri)))]
+#[cfg(all(target_arch = "x86_64", not(miri)))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Mesh, MeshError};

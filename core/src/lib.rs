@@ -16,7 +16,7 @@
 //! - `exact` (private): exact signs of orientation determinants, with floating-point filters before integers;
 //! - [`triangle`]: whether two triangles intersect, the rule for triangles that share vertices, and contacts;
 //! - `simd` (private): boxes and triangles in vector lanes;
-//! - [`bvh`]: builds, refits, checks and compact nodes of a BVH; [`blob`]: a BVH and its mesh as bytes;
+//! - [`bvh`]: builds, refits and checks of a BVH; [`blob`]: a BVH and its mesh as bytes;
 //! - [`bvtt`]: the traversal, its cursor, and the queries [`bvtt::PairBvtt`] and [`bvtt::SelfBvtt`];
 //! - [`front`]: fronts, their refinement, their partition, and the cost history from frame to frame;
 //! - [`one_ring`]: certificates that save a self query the tests of neighbours.
@@ -27,8 +27,9 @@
 //! - **No allocation.** Buffers are slices of the caller's. A `const fn` such as [`bvh::node_bound`] gives the length, and
 //!   [`CapacityError`] says how many elements a buffer lacks. Stack use is bounded: no query recurses.
 //! - **No `std`.** The crate is `no_std` and needs no allocator.
-//! - **Additive features.** `std` switches on run-time detection of AVX2 and the float functions of the standard library;
-//!   it changes no answer and no type. `glam033` and `glam034` convert [poses](pose) from and into what engines keep;
+//! - **Additive features.** `f64`, on by default, lets meshes and poses be in f64; firmware that needs none leaves it out and
+//!   is smaller. `std` switches on run-time detection of AVX2 and the float functions of the standard library; it changes no
+//!   answer and no type. `glam033` and `glam034` convert [poses](pose) from and into what engines keep;
 //!   `serde` implements `Serialize` and `Deserialize` for [`Pose`], [`Aabb`], [`bvtt::TrianglePair`],
 //!   [`triangle::Contact`], [`triangle::Adjacency`] and [`bvh::BuildOptions`].
 //!
@@ -164,11 +165,11 @@ pub mod environment;
 mod error;
 mod exact;
 pub mod front;
-mod index;
 pub mod mesh;
 pub mod one_ring;
 mod parallel;
 pub mod pose;
+mod scalar;
 mod simd;
 mod sort;
 pub mod triangle;
@@ -180,3 +181,4 @@ pub use bvh::{Bvh, BvhError, Node};
 pub use error::CapacityError;
 pub use mesh::{Mesh, MeshError, Triangle};
 pub use pose::{Pose, Pose64};
+pub use scalar::Scalar;

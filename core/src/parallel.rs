@@ -76,3 +76,9 @@ pub(crate) fn each<T: Send>(
         }
     }
 }
+
+/// Divides a slice at `middle`, or at its end if that comes before: builds that run out of nodes go on counting.
+#[inline]
+pub(crate) fn split<T>(slice: &mut [T], middle: usize) -> (&mut [T], &mut [T]) {
+    slice.split_at_mut(middle.min(slice.len()))
+}

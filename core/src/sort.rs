@@ -1,13 +1,11 @@
 //! Sorting in place.
 
-use crate::index::{at, at_mut};
-
-/// Sorts items by a key. Without `std` a heap sort, which is slower, but small and free of panics.
+/// Sorts items by a key. Without `std` a heap sort, which is slower, but small.
 pub(crate) fn sort<T: Copy, K: Ord>(items: &mut [T], key: impl Fn(&T) -> K) {
     if cfg!(feature = "std") {
         return items.sort_unstable_by_key(key);
     }
-    // One copy serves all keys: firmware has little room for code.
+    // One copy in machine code serves all keys.
     let after: &dyn Fn(&T, &T) -> bool = &|x, y| key(x) > key(y);
     for root in (0..items.len() / 2).rev() {
         sift_down(items, root, after);
@@ -34,13 +32,13 @@ pub(crate) fn sift_down<T: Copy>(
         let left = 2 * index + 1;
         let right = (left + 1).min(heap.len() - 1);
         // The choice takes no branch: which child is first is a coin toss to a predictor.
-        let child = left + usize::from(before(at(heap, right), at(heap, left)));
-        let risen = *at(heap, child);
+        let child = left + usize::from(before(&heap[right], &heap[left]));
+        let risen = heap[child];
         if !before(&risen, &moved) {
             break;
         }
-        *at_mut(heap, index) = risen;
+        heap[index] = risen;
         index = child;
     }
-    *at_mut(heap, index) = moved;
+    heap[index] = moved;
 }

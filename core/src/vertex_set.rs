@@ -4,7 +4,6 @@
 //! more than two words is empty if these numbers do not differ between its ends.
 
 use crate::CapacityError;
-use crate::index::at;
 use bytemuck::{Pod, Zeroable};
 
 /// The number of vertices in a word.
@@ -75,7 +74,7 @@ fn number(set: &mut [Moved]) {
 /// Whether the set holds any vertex from the first to the last.
 #[inline(always)]
 pub(crate) fn holds_any(set: &[Moved], [first, last]: [u32; 2]) -> bool {
-    let [low, high] = [first, last].map(|vertex| at(set, vertex / SHARE as u32));
+    let [low, high] = [first, last].map(|vertex| &set[(vertex / SHARE as u32) as usize]);
     let from_first = !0 << (first as usize % SHARE);
     let to_last = !0 >> (SHARE - 1 - last as usize % SHARE);
     if first as usize / SHARE == last as usize / SHARE {

@@ -4,12 +4,11 @@
 //! path ends; the range of a leaf must begin where that of the leaf before it ended, so a node
 //! reached twice is caught at its first leaf, and a tangled graph cannot take longer than a tree.
 
-use super::{Bvh, Layout, MAX_DEPTH, MAX_LEAF_SIZE, preorder};
+use super::{Bvh, MAX_DEPTH, MAX_LEAF_SIZE, preorder};
 use crate::CapacityError;
 use crate::aabb::Bounds;
-use crate::index::{at, range};
 
-impl<N: Layout> Bvh<'_, N> {
+impl Bvh<'_> {
     pub(super) fn check(&self, scratch: &mut [u32]) -> Result<(), BvhError> {
         let (found, expected) = (self.order.len(), self.mesh.triangles().len());
         if found != expected {
@@ -17,22 +16,22 @@ impl<N: Layout> Bvh<'_, N> {
         }
         check_permutation(self.order, scratch)?;
         let bounds = |index: usize| {
-            let bounds = self.bounds(at(self.nodes, index));
+            let bounds = self.nodes[index].bounds();
             let is_finite = bounds.min.is_finite() && bounds.max.is_finite();
             if is_finite { Ok(bounds) } else { Err(BvhError::Box { node: index }) }
         };
         let (mut reached, mut covered) = (0, 0);
         preorder(self.nodes, |index, depth| {
-            let node = at(self.nodes, index);
+            let node = &self.nodes[index];
             reached += 1;
             let content = if node.is_leaf() {
-                let [first, count] = node.leaf_range();
+                let (first, count) = (node.first, node.count);
                 let in_range = count as usize <= self.order.len() - covered;
                 if first as usize != covered || count > MAX_LEAF_SIZE || !in_range {
                     return Err(BvhError::Leaf { node: index });
                 }
                 covered += count as usize;
-                let triangles = range(self.order, first, count).iter();
+                let triangles = self.order[first as usize..][..count as usize].iter();
                 triangles.fold(Bounds::EMPTY, |all, &t| all.union(&self.mesh.bounds(t)))
             } else {
                 let left = node.left() as usize;
@@ -50,7 +49,7 @@ impl<N: Layout> Bvh<'_, N> {
             return Err(BvhError::Order { entry: covered });
         }
         // The reached nodes are all different, and slot 1 is never among them.
-        let expected = if reached == 1 { N::LONE } else { reached + usize::from(reached > 1) };
+        let expected = reached + usize::from(reached > 1);
         let found = self.nodes.len();
         if found != expected {
             return Err(BvhError::Length { array: "nodes", expected, found });
@@ -91,7 +90,7 @@ fn check_permutation(order: &[u32], scratch: &mut [u32]) -> Result<(), BvhError>
 #[non_exhaustive]
 pub enum BvhError {
     /// An array has another length: `order` one entry per triangle, `nodes` those that the root leads to and the unused
-    /// slot 1, which a lone root of the standard layout does without.
+    /// slot 1, which a lone root does without.
     #[error("`{array}` has {found} elements instead of {expected}")]
     Length {
         /// The array.
@@ -127,18 +126,12 @@ pub enum BvhError {
         node: usize,
     },
     /// A box is not finite, or does not contain the boxes or triangles below it.
-    #[error(
-        "the box of node {node} must be finite and contain the boxes below it: refit first, and \
-         write compact nodes anew"
-    )]
+    #[error("the box of node {node} must be finite and contain the boxes below it: refit first")]
     Box {
         /// The node at fault.
         node: usize,
     },
-    /// Slot 1 of a compact BVH holds no grid.
-    #[error("slot 1 of a compact BVH must hold its grid: keep all that `compact` has written")]
-    Grid,
-    /// An array is longer than compact nodes or a blob can tell.
+    /// An array is longer than a blob can tell.
     #[error("`{array}` has {found} elements, and may have at most {most}: split the mesh")]
     TooMany {
         /// The array.

@@ -5,15 +5,13 @@
 //! comes after its parent: one backward pass over the array refits the whole tree. A leaf holds a range of the
 //! order, an array of triangle indices; the ranges of the leaves, from left to right, follow one another.
 //!
-//! [`Node`] takes 32 bytes and is the same on CPU and GPU; [`CompactNode`] takes 16, for meshes that do not deform
-//! ([`compact()`]). Builds make trees of `Node`s, refits follow a deforming mesh, [`Bvh::new`] checks arrays from
+//! [`Node`] takes 32 bytes and is the same on CPU and GPU. Builds make trees of `Node`s, refits follow a deforming mesh, [`Bvh::new`] checks arrays from
 //! elsewhere, and [`blob`] stores a tree with its mesh.
 
 pub mod blob;
 mod build;
 mod check;
-mod compact;
-mod layout;
+mod node;
 mod quality;
 mod refit;
 #[cfg(test)]
@@ -21,19 +19,13 @@ pub(crate) mod tests;
 
 pub use build::{BuildOptions, BvhStorage, SahSteps, morton, sah};
 pub use check::BvhError;
-pub use compact::{CompactNode, compact};
-pub use layout::{Layout, Node};
+pub use node::Node;
 pub use quality::{REBUILD_RATIO, quality};
 pub use refit::{Refit, RefitRow, refit};
 
 pub use crate::parallel::Join;
 pub use crate::vertex_set::{Moved, mark_moved};
 
-pub(crate) use layout::TreeNode;
-
-use crate::aabb::Bounds;
-use crate::index::{at, at_mut, out_of_range, range};
-use crate::simd::Box4;
 use crate::{Aabb, Mesh};
 use core::convert::Infallible;
 
@@ -67,17 +59,14 @@ pub const fn node_bound(triangles: usize) -> usize {
 }
 
 /// A mesh and its BVH, in borrowed arrays. Copying is free.
-///
-/// `N` is the [`Layout`] of its nodes.
 #[derive(Clone, Copy, Debug)]
-pub struct Bvh<'a, N: Layout = Node> {
+pub struct Bvh<'a> {
     pub(crate) mesh: Mesh<'a>,
-    nodes: &'a [N],
+    nodes: &'a [Node],
     order: &'a [u32],
-    grid: N::Grid,
 }
 
-impl<'a, N: Layout> Bvh<'a, N> {
+impl<'a> Bvh<'a> {
     /// Adopts arrays from elsewhere (a file, a GPU) after checking all that queries rely on.
     ///
     /// `scratch` marks the triangles seen: a bit for each does it in one pass. Fewer words are enough for the same
@@ -103,17 +92,16 @@ impl<'a, N: Layout> Bvh<'a, N> {
     /// ```
     pub fn new(
         mesh: Mesh<'a>,
-        nodes: &'a [N],
+        nodes: &'a [Node],
         order: &'a [u32],
         scratch: &mut [u32],
     ) -> Result<Self, BvhError> {
-        let grid = N::grid(nodes).ok_or(BvhError::Grid)?;
-        let bvh = Self { mesh, nodes, order, grid };
+        let bvh = Self { mesh, nodes, order };
         bvh.check(scratch)?;
         Ok(bvh)
     }
 
-    /// Makes a BVH of arrays that a build, a refit or [`compact()`] has written, or that [`Bvh::new`] has accepted,
+    /// Makes a BVH of arrays that a build or a refit has written, or that [`Bvh::new`] has accepted,
     /// without checking them.
     ///
     /// Not `unsafe`: memory safety never depends on the arrays.
@@ -123,9 +111,8 @@ impl<'a, N: Layout> Bvh<'a, N> {
     /// or in the query that meets it.
     #[inline]
     #[must_use]
-    pub fn new_unchecked(mesh: Mesh<'a>, nodes: &'a [N], order: &'a [u32]) -> Self {
-        let Some(grid) = N::grid(nodes) else { out_of_range() };
-        Self { mesh, nodes, order, grid }
+    pub fn new_unchecked(mesh: Mesh<'a>, nodes: &'a [Node], order: &'a [u32]) -> Self {
+        Self { mesh, nodes, order }
     }
 
     /// The mesh.
@@ -138,7 +125,7 @@ impl<'a, N: Layout> Bvh<'a, N> {
     /// The nodes in use; empty for an empty mesh.
     #[inline]
     #[must_use]
-    pub fn nodes(&self) -> &'a [N] {
+    pub fn nodes(&self) -> &'a [Node] {
         self.nodes
     }
 
@@ -152,7 +139,7 @@ impl<'a, N: Layout> Bvh<'a, N> {
     /// The box of the root, or `None` for an empty mesh.
     #[must_use]
     pub fn aabb(&self) -> Option<Aabb> {
-        Some(self.bounds(self.root()?).into())
+        Some(self.root()?.aabb())
     }
 
     /// The depth of the deepest node: 0 for a lone root, at most [`MAX_DEPTH`].
@@ -178,7 +165,7 @@ impl<'a, N: Layout> Bvh<'a, N> {
     pub fn is_depth_first(&self) -> bool {
         let mut children = 2;
         let laid = preorder(self.nodes, |index, _| {
-            let node = at(self.nodes, index);
+            let node = &self.nodes[index];
             if node.is_leaf() {
                 return Ok(());
             }
@@ -202,35 +189,20 @@ impl<'a, N: Layout> Bvh<'a, N> {
 
     /// The root node, or `None` for an empty mesh.
     #[inline]
-    pub(crate) fn root(&self) -> Option<&'a N> {
+    pub(crate) fn root(&self) -> Option<&'a Node> {
         self.nodes.first()
     }
 
     #[inline(always)]
-    pub(crate) fn node(&self, index: u32) -> &'a N {
-        at(self.nodes, index)
-    }
-
-    /// The box of a node.
-    #[inline(always)]
-    pub(crate) fn bounds(&self, node: &N) -> Bounds {
-        node.bounds(&self.grid)
-    }
-
-    /// The boxes of four nodes.
-    #[inline(always)]
-    pub(crate) fn boxes(&self, nodes: [&N; 4]) -> Box4 {
-        N::boxes(&self.grid, nodes)
+    pub(crate) fn node(&self, index: u32) -> &'a Node {
+        &self.nodes[index as usize]
     }
 
     /// The triangles of a leaf, at most [`MAX_LEAF_SIZE`].
     #[inline]
-    pub(crate) fn leaf_triangles(&self, leaf: &N) -> &'a [u32] {
-        let [first, count] = leaf.leaf_range();
-        if count > MAX_LEAF_SIZE {
-            out_of_range();
-        }
-        range(self.order, first, count)
+    pub(crate) fn leaf_triangles(&self, leaf: &Node) -> &'a [u32] {
+        assert!(leaf.count <= MAX_LEAF_SIZE, "a leaf holds too many triangles");
+        &self.order[leaf.first as usize..][..leaf.count as usize]
     }
 
     /// How many triangles lie below a node: one range of the order, from its leftmost leaf to its rightmost.
@@ -243,10 +215,10 @@ impl<'a, N: Layout> Bvh<'a, N> {
             while !node.is_leaf() {
                 node = self.node(node.left() + side);
             }
-            node.leaf_range()
+            node
         };
-        let ([left, _], [right, count]) = (end(0), end(1));
-        right + count - left
+        let (left, right) = (end(0), end(1));
+        right.first + right.count - left.first
     }
 
     /// The edge of a leaf's box, roughly: the longest edge of the root's box over the square root of the number of
@@ -262,8 +234,8 @@ impl<'a, N: Layout> Bvh<'a, N> {
 /// Visits each node and its depth, parents first and left before right, until `visit` refuses one.
 ///
 /// `visit` must refuse an inner node whose children are out of range or deeper than [`MAX_DEPTH`].
-fn preorder<N: Layout, E>(
-    nodes: &[N],
+fn preorder<E>(
+    nodes: &[Node],
     mut visit: impl FnMut(usize, usize) -> Result<(), E>,
 ) -> Result<(), E> {
     // Each level above the current node left at most one right child waiting, and no node is
@@ -273,15 +245,15 @@ fn preorder<N: Layout, E>(
     let mut next = nodes.first().map(|_| (0, 0));
     while let Some((index, depth)) = next {
         visit(index, depth)?;
-        let node = at(nodes, index);
+        let node = &nodes[index];
         if !node.is_leaf() {
             let left = node.left() as usize;
-            *at_mut(&mut waiting, len) = (left + 1, depth + 1);
+            waiting[len] = (left + 1, depth + 1);
             len += 1;
             next = Some((left, depth + 1));
         } else if len > 0 {
             len -= 1;
-            next = Some(*at(&waiting, len));
+            next = Some(waiting[len]);
         } else {
             next = None;
         }

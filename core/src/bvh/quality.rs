@@ -10,7 +10,6 @@
 
 use crate::aabb::Bounds;
 use crate::bvh::Node;
-use crate::index::at;
 use crate::{Aabb, Bvh, Mesh};
 
 /// Rebuild a tree once its [`quality()`] is above this many times what it was when built.
@@ -50,7 +49,7 @@ fn visits(bvh: &Bvh<'_>, node: &Node) -> Visits {
     if node.is_leaf() {
         return Visits::of_leaf(bvh.mesh(), bvh.leaf_triangles(node)).1;
     }
-    let [left, right] = [0, 1].map(|side| visits(bvh, at(bvh.nodes(), node.first + side)));
+    let [left, right] = [0, 1].map(|side| visits(bvh, &bvh.nodes()[(node.first + side) as usize]));
     left.and(&right).with_node(&Bounds::new(&node.aabb()), 2, bvh.mesh())
 }
 

@@ -9,8 +9,7 @@
 use super::quality::Visits;
 use crate::aabb::Bounds;
 use crate::bvh::Node;
-use crate::index::{at, at_mut, range, split};
-use crate::parallel::{FINE, Join, both};
+use crate::parallel::{FINE, Join, both, split};
 use crate::vertex_set::{Moved, holds_any, moved_bound};
 use crate::{Aabb, CapacityError, Mesh};
 
@@ -117,7 +116,7 @@ impl Pass<'_> {
         }
         let left = node.first as usize - part.base;
         let row = self.pair(part, left);
-        let aabb = at(part.nodes, left).aabb().union(&at(part.nodes, left + 1).aabb());
+        let aabb = part.nodes[left].aabb().union(&part.nodes[left + 1].aabb());
         (aabb, RefitRow { visits: row.visits.with_node(&Bounds::new(&aabb), 2, self.mesh), ..row })
     }
 
@@ -131,7 +130,7 @@ impl Pass<'_> {
     /// Fits the siblings in slots `left` and `left + 1` of `part`.
     fn pair(&self, part: &mut Subtree<'_>, left: usize) -> RefitRow {
         if let Some(moved) = self.moved {
-            let row = at(part.rows, left / 2);
+            let row = &part.rows[left / 2];
             if !holds_any(moved, row.vertices) {
                 return *row;
             }
@@ -141,15 +140,15 @@ impl Pass<'_> {
         } else {
             let mut row = RefitRow::NONE;
             for slot in [left, left + 1] {
-                let node = *at(part.nodes, slot);
+                let node = part.nodes[slot];
                 let (aabb, own) = self.node(&node, part);
-                at_mut(part.nodes, slot).set_aabb(&aabb);
+                part.nodes[slot].set_aabb(&aabb);
                 row = row.and(&own);
             }
             row
         };
         if self.ranged {
-            *at_mut(part.rows, left / 2) = row;
+            part.rows[left / 2] = row;
         }
         row
     }
@@ -177,10 +176,10 @@ impl Pass<'_> {
 
     #[inline(always)]
     fn leaf(&self, node: &Node) -> (Aabb, RefitRow) {
-        let triangles = range(self.order, node.first, node.count);
+        let triangles = &self.order[node.first as usize..][..node.count as usize];
         let mut vertices = [u32::MAX, 0];
         if self.ranged {
-            for &vertex in triangles.iter().flat_map(|&t| at(self.mesh.triangles(), t)) {
+            for &vertex in triangles.iter().flat_map(|&t| &self.mesh.triangles()[t as usize]) {
                 vertices = [vertices[0].min(vertex), vertices[1].max(vertex)];
             }
         }

@@ -193,10 +193,10 @@ fn a_graph_that_folds_onto_itself_is_refused_at_once() {
 #[test]
 fn an_empty_mesh_has_an_empty_tree() {
     let mesh = Mesh::new(&[], &[]).unwrap();
-    assert!(Bvh::<Node>::new(mesh, &[], &[], &mut []).is_ok());
+    assert!(Bvh::new(mesh, &[], &[], &mut []).is_ok());
     assert!(Bvh::new(mesh, &[Node::EMPTY], &[], &mut []).is_err());
     let one = Mesh::new(&[[0.0; 3]], &[[0; 3]]).unwrap();
-    let found = Bvh::<Node>::new(one, &[], &[0], &mut []).err();
+    let found = Bvh::new(one, &[], &[0], &mut []).err();
     assert!(matches!(found, Some(BvhError::Capacity(_))));
 }
 

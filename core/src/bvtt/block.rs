@@ -1,14 +1,15 @@
 //! The triangles of a leaf in vector lanes.
 
 use super::PosedBvh;
-use crate::bvh::Layout;
-use crate::index::at;
+use crate::bvh::MAX_LEAF_SIZE;
 use crate::one_ring::OneRing;
 use crate::simd::point8::{
     Points, abs, chunk_starts, cross, difference, highest, load, lowest, store,
 };
 use crate::simd::{LANES, Simd, VECTORS};
 use crate::{Aabb, Triangle};
+
+const _: () = assert!(LANES == MAX_LEAF_SIZE as usize, "a block holds a leaf");
 
 /// Up to eight posed triangles with their boxes and planes.
 #[derive(Clone, Debug)]
@@ -61,10 +62,10 @@ impl TriangleBlock {
     /// Loads, poses and prepares the triangles of the leaf with index `node`. With `SELF`, `rings` are certificates of its
     /// vertices.
     #[inline(always)]
-    fn fill<S: Simd, L: Layout, const SELF: bool>(
+    fn fill<S: Simd, const SELF: bool>(
         &mut self,
         node: u32,
-        side: &PosedBvh<'_, L>,
+        side: &PosedBvh<'_>,
         rings: &[OneRing],
     ) {
         let (leaf, mesh) = (side.bvh.node(node), side.bvh.mesh());
@@ -77,9 +78,9 @@ impl TriangleBlock {
         for (lane, &triangle) in triangles.iter().enumerate() {
             let lane = lane % LANES;
             self.triangles[lane] = triangle;
-            let vertices = at(mesh.triangles(), triangle);
+            let vertices = &mesh.triangles()[triangle as usize];
             for (k, &vertex) in vertices.iter().enumerate() {
-                let [x, y, z] = *at(mesh.shadow(), vertex);
+                let [x, y, z] = mesh.shadow()[vertex as usize];
                 (corners[k][0][lane], corners[k][1][lane], corners[k][2][lane]) = (x, y, z);
                 if !SELF {
                     continue;
@@ -99,17 +100,6 @@ impl TriangleBlock {
             }
             self.derive(posed, lane);
         }
-    }
-
-    /// [`TriangleBlock::fill`] without vectors: one copy for both sides, for firmware.
-    #[inline(never)]
-    fn fill_singly<L: Layout, const SELF: bool>(
-        &mut self,
-        node: u32,
-        side: &PosedBvh<'_, L>,
-        rings: &[OneRing],
-    ) {
-        self.fill::<f32, L, SELF>(node, side, rings);
     }
 
     /// Stores posed corners and derives boxes and planes, in the lanes from `lane` on.
@@ -154,19 +144,15 @@ impl BlockCache {
 
     /// The block of the leaf with index `node`.
     #[inline(always)]
-    pub(super) fn get<S: Simd, L: Layout, const SELF: bool>(
+    pub(super) fn get<S: Simd, const SELF: bool>(
         &mut self,
         node: u32,
-        side: &PosedBvh<'_, L>,
+        side: &PosedBvh<'_>,
         rings: &[OneRing],
     ) -> &TriangleBlock {
         let block = self.0[node as usize % CACHED].get_or_insert_with(TriangleBlock::empty);
         if block.node != node {
-            if S::WIDTH == 1 {
-                block.fill_singly::<L, SELF>(node, side, rings);
-            } else {
-                block.fill::<S, L, SELF>(node, side, rings);
-            }
+            block.fill::<S, SELF>(node, side, rings);
         }
         block
     }

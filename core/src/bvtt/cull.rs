@@ -66,12 +66,6 @@ impl TriangleBlock {
                 found &= !self.share_certified_vertex::<S>(other, j);
                 neighbours = if other_uncertified >> j & 1 != 0 { found & uncertified } else { 0 };
             }
-            // Firmware, which has no vectors, has little room for code either.
-            if S::WIDTH == 1 && error.is_some() {
-                pairs.open |= u64::from(found) << shift;
-                pairs.may_share_vertex |= u64::from(found & neighbours) << shift;
-                continue;
-            }
             if found == 0 {
                 continue;
             }
@@ -146,7 +140,6 @@ impl TriangleBlock {
             if S::WIDTH < LANES && left == 0 {
                 continue;
             }
-            let error = if S::WIDTH > 1 { error } else { None };
             let (own, others) =
                 (Planes::<S>::load(self, at, error), Planes::splat(other, j, error));
             let of_others = own.heights(&others);
@@ -158,7 +151,7 @@ impl TriangleBlock {
             left &= !others.separates::<SELF>(&own, &of_own, neighbours);
             let mut distinct = left & !(neighbours >> at);
             let mut meet = [0; 2];
-            // One lane alone gains nothing over the test of two triangles, and firmware has little room for code.
+            // One lane alone gains nothing over the test of two triangles.
             if S::WIDTH > 1 && distinct != 0 {
                 let [met, apart] = own.decide(&others, &of_own, &of_others);
                 meet[0] = distinct & met;

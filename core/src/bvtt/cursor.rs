@@ -3,7 +3,6 @@
 
 use super::NodePair;
 use crate::bvh::MAX_DEPTH;
-use crate::index::{at, at_mut, range};
 use core::ops::ControlFlow;
 
 /// Work done, which the cost |n| = m1 + k·m2 of the paper counts (section 2.2).
@@ -72,7 +71,7 @@ impl Cursor {
     /// The last may be a leaf pair of which a part has been visited: to go on elsewhere, use [`Cursor::take_pending`].
     #[must_use]
     pub fn pending(&self) -> &[NodePair] {
-        range(&self.stack, 0, self.len as u32)
+        &self.stack[..self.len]
     }
 
     /// Takes out the pending node pairs below which nothing has been visited, for other cursors to start from. This cursor
@@ -80,12 +79,12 @@ impl Cursor {
     pub fn take_pending(&mut self) -> &[NodePair] {
         let pending = core::mem::take(&mut self.len);
         if self.is_inside_leaf_pair() {
-            let top = *at(&self.stack, pending - 1);
-            let first = core::mem::replace(at_mut(&mut self.stack, 0), top);
-            *at_mut(&mut self.stack, pending - 1) = first;
+            let top = self.stack[pending - 1];
+            let first = core::mem::replace(&mut self.stack[0], top);
+            self.stack[pending - 1] = first;
             self.len = 1;
         }
-        range(&self.stack, self.len as u32, (pending - self.len) as u32)
+        &self.stack[self.len..][..pending - self.len]
     }
 
     /// Takes out half of the pending node pairs, as a cursor for another worker: every second one from the bottom on, so
@@ -98,11 +97,11 @@ impl Cursor {
         }
         let (mut other, mut kept) = (Self::at(None), 0);
         for index in 0..self.len {
-            let n = *at(&self.stack, index);
+            let n = self.stack[index];
             if index < given && index % 2 == 0 {
                 other.push(n);
             } else {
-                *at_mut(&mut self.stack, kept) = n;
+                self.stack[kept] = n;
                 kept += 1;
             }
         }
@@ -119,11 +118,11 @@ impl Cursor {
         if self.len < 2 {
             return None;
         }
-        let last = *at(&self.stack, 0);
+        let last = self.stack[0];
         self.len -= 1;
         for index in 0..self.len {
-            let n = *at(&self.stack, index + 1);
-            *at_mut(&mut self.stack, index) = n;
+            let n = self.stack[index + 1];
+            self.stack[index] = n;
         }
         Some(last)
     }
@@ -131,7 +130,7 @@ impl Cursor {
     #[inline]
     pub(super) fn push(&mut self, n: NodePair) {
         // There is room by the proof at STACK.
-        *at_mut(&mut self.stack, self.len) = n;
+        self.stack[self.len] = n;
         self.len += 1;
     }
 

@@ -14,8 +14,14 @@
 //! 5. [`crate::triangle`] decides what is open by signs of orientation determinants from `exact`. Triangles of one
 //!    mesh that share vertices follow a rule of their own there.
 //!
-//! `wide_node` has the boxes of a step of the traversal, `trees` how queries are made, and `query` the verbs
-//! of the public interface.
+//! `wide_node` has the boxes of a step of the traversal, `posed_bvh` one side of a query, `trees` how queries are made, and
+//! `query` the verbs of the public interface.
+//!
+//! # In f64
+//! Lanes and boxes see only shadows of positions in f64 (see [`Mesh::from_f64`](crate::Mesh::from_f64)), in a frame whose origin
+//! is that of the first shadow as it is posed: large translations cancel in f64, before they are rounded to f32. Boxes are padded
+//! by how far a shadow may be from what it stands for, and lanes certify signs by a bound that allows for it. All other pairs are
+//! decided by the positions themselves, posed in f64.
 //!
 //! # Where we depart from the paper
 //! The traversal descends two levels at a time, all pairs of up to four nodes and four others, since a
@@ -25,7 +31,6 @@ mod any;
 mod block;
 mod cull;
 mod cursor;
-mod in_f64;
 mod planes;
 mod posed_bvh;
 mod query;
@@ -37,12 +42,9 @@ mod wide_node;
 
 pub use any::AnyBvtt;
 pub use cursor::{Cursor, Work};
-pub use in_f64::Shadows;
 pub use posed_bvh::PosedBvh;
 pub use query::Query;
-pub use trees::{Bvtt, PairBvtt, SelfBvtt};
-
-pub(crate) use in_f64::F64;
+pub use trees::{Bvtt, PairBvtt, SelfBvtt, Shadows};
 
 /// A BVTT node: a node of the first BVH and one of the second.
 #[repr(C)]

@@ -1,9 +1,8 @@
 //! A BVH in a pose: one side of a query.
 
-use super::in_f64::{F64, Posed64, Side, check, place};
 use crate::aabb::Bounds;
-use crate::bvh::Layout;
 use crate::pose::{Affine, Pose64, PoseError};
+use crate::scalar::IN_F64;
 use crate::{Aabb, Bvh, Node, Pose, Triangle};
 use glam::{DVec3, Vec3A};
 
@@ -22,24 +21,24 @@ use glam::{DVec3, Vec3A};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct PosedBvh<'a, L: Layout = Node> {
-    pub(super) bvh: Bvh<'a, L>,
+pub struct PosedBvh<'a> {
+    pub(super) bvh: Bvh<'a>,
     /// The pose of the corners; `None` is the identity. If there is another in f64, that of the shadow.
     pub(super) pose: Option<Affine>,
-    /// If the mesh or the pose is in f64, or the other one of a query.
-    pub(super) exact: Option<Posed64>,
+    /// The pose of the positions in f64, if the mesh or the pose is in f64, or the other side of a query.
+    pub(super) exact: Option<Pose64>,
 }
 
-impl<'a, L: Layout> PosedBvh<'a, L> {
+impl<'a> PosedBvh<'a> {
     /// Poses a BVH. [`Pose::IDENTITY`] leaves every vertex as it is and costs a query nothing.
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes the mesh out of range.
-    pub fn new(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
-        match bvh.mesh().f64() {
-            None if *world_from_bvh == Pose::IDENTITY => {}
-            None => world_from_bvh.check(&bvh.aabb().unwrap_or(Aabb::EMPTY))?,
-            Some(f64) => (f64.check)(bvh.mesh(), &root_bounds(&bvh), world_from_bvh)?,
+    pub fn new(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Result<Self, PoseError> {
+        if bvh.mesh().is_f64() {
+            check(&bvh, &(*world_from_bvh).into())?;
+        } else if *world_from_bvh != Pose::IDENTITY {
+            world_from_bvh.check(&bvh.aabb().unwrap_or(Aabb::EMPTY))?;
         }
         Ok(Self::new_unchecked(bvh, world_from_bvh))
     }
@@ -47,11 +46,12 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     /// Poses a BVH as [`PosedBvh::new`] or [`Pose::check`] has accepted it. In a pose that they refuse a query may
     /// miss pairs.
     #[must_use]
-    pub fn new_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose) -> Self {
-        let (mut new, bounds) = (Self::unposed(bvh), root_bounds(&bvh));
-        match bvh.mesh().f64() {
-            None => new.pose = Affine::new(world_from_bvh, &bounds),
-            Some(f64) => (f64.pose)(new.side(&bounds), world_from_bvh),
+    pub fn new_unchecked(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Self {
+        let mut new = Self::unposed(bvh);
+        if bvh.mesh().is_f64() {
+            new.pose_in_f64((*world_from_bvh).into(), DVec3::ZERO);
+        } else {
+            new.pose = Affine::new(world_from_bvh, &root_bounds(&bvh));
         }
         new
     }
@@ -60,32 +60,42 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
     ///
     /// # Errors
     /// As [`PosedBvh::new`].
-    pub fn in_f64(bvh: Bvh<'a, L>, world_from_bvh: &Pose64) -> Result<Self, PoseError> {
-        check(bvh.mesh(), &root_bounds(&bvh), world_from_bvh)?;
+    #[cfg(feature = "f64")]
+    pub fn in_f64(bvh: Bvh<'a>, world_from_bvh: &Pose64) -> Result<Self, PoseError> {
+        check(&bvh, world_from_bvh)?;
         Ok(Self::in_f64_unchecked(bvh, world_from_bvh))
     }
 
     /// Poses a BVH as [`PosedBvh::in_f64`] has accepted it.
+    #[cfg(feature = "f64")]
     #[must_use]
-    pub fn in_f64_unchecked(bvh: Bvh<'a, L>, world_from_bvh: &Pose64) -> Self {
+    pub fn in_f64_unchecked(bvh: Bvh<'a>, world_from_bvh: &Pose64) -> Self {
         let mut new = Self::unposed(bvh);
-        place(new.side(&root_bounds(&bvh)), *world_from_bvh, DVec3::ZERO);
+        new.pose_in_f64(*world_from_bvh, DVec3::ZERO);
         new
     }
 
-    pub(super) fn unposed(bvh: Bvh<'a, L>) -> Self {
+    pub(super) fn unposed(bvh: Bvh<'a>) -> Self {
         Self { bvh, pose: None, exact: None }
     }
 
-    /// The functions that a query in f64 calls, if the mesh or the pose is in f64.
-    pub(super) fn f64(&self) -> Option<&'static F64> {
-        self.exact.as_ref().map(|exact| exact.f64).or(self.bvh.mesh().f64())
+    /// Whether the mesh or the pose is in f64.
+    pub(super) fn is_f64(&self) -> bool {
+        IN_F64 && (self.exact.is_some() || self.bvh.mesh().is_f64())
     }
 
-    /// This side of a query in f64, given the bounds of its shadow.
-    pub(super) fn side<'s>(&'s mut self, bounds: &'s Bounds) -> Side<'s> {
-        let Self { bvh, pose, exact } = self;
-        Side { mesh: &bvh.mesh, bounds, pose, exact }
+    /// The pose in f64, the same if it is given in f32.
+    pub(super) fn pose_f64(&self) -> Pose64 {
+        let in_f32 = || self.pose.map_or(Pose::IDENTITY, Affine::to_pose);
+        self.exact.unwrap_or_else(|| in_f32().into())
+    }
+
+    /// Poses positions, and their shadow in a frame whose origin is at `zero`. Returns the pose of the shadow.
+    pub(super) fn pose_in_f64(&mut self, pose: Pose64, zero: DVec3) -> Affine {
+        let origin = DVec3::from_array(self.bvh.mesh().origin());
+        let shadow = Affine::of_shadow(&pose, origin, &root_bounds(&self.bvh), zero);
+        (self.pose, self.exact) = (Some(shadow), Some(pose));
+        shadow
     }
 
     /// A box that contains every posed vertex of every triangle, rounding included; `None` for an
@@ -97,8 +107,8 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
 
     /// A box that contains the posed triangles below a node.
     #[inline(always)]
-    pub(super) fn bounds(&self, node: &L) -> Bounds {
-        posed(self.pose.as_ref(), &self.bvh.bounds(node))
+    pub(super) fn bounds(&self, node: &Node) -> Bounds {
+        posed(self.pose.as_ref(), &node.bounds())
     }
 
     /// The posed corners of a triangle.
@@ -107,10 +117,26 @@ impl<'a, L: Layout> PosedBvh<'a, L> {
         let Some(pose) = self.pose else { return corners };
         corners.map(|p| pose.point(Vec3A::from_array(p)).to_array())
     }
+
+    /// The corners of a triangle as they are posed in f64.
+    pub(super) fn triangle_f64(&self, triangle: u32) -> [[f64; 3]; 3] {
+        let corners = self.bvh.mesh().triangle_f64(triangle);
+        self.exact.map_or(corners, |pose| corners.map(|p| pose.apply(p)))
+    }
 }
 
-pub(super) fn root_bounds<L: Layout>(bvh: &Bvh<'_, L>) -> Bounds {
-    bvh.root().map_or(Bounds::EMPTY, |root| bvh.bounds(root))
+/// Checks that a pose in f64 is finite and keeps a mesh in range.
+fn check(bvh: &Bvh<'_>, pose: &Pose64) -> Result<(), PoseError> {
+    let bounds = root_bounds(bvh);
+    let half = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
+    let half = if bounds.min.x <= bounds.max.x { half } else { DVec3::ZERO };
+    // At least 1, so that no entry of the pose overflows in f32.
+    let extent = (DVec3::from_array(bvh.mesh().origin()).abs() + half).max(DVec3::ONE);
+    pose.check_reach(extent.to_array())
+}
+
+pub(super) fn root_bounds(bvh: &Bvh<'_>) -> Bounds {
+    bvh.root().map_or(Bounds::EMPTY, Node::bounds)
 }
 
 /// A box that contains posed `bounds`.

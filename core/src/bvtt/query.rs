@@ -1,9 +1,10 @@
 //! The verbs of a query over borrowed meshes, in memory that the caller already has.
 
-use super::{Cursor, NodePair, TrianglePair};
-use crate::Aabb;
-use crate::triangle::Contact;
-use core::ops::ControlFlow;
+use super::traversal::traverse;
+use super::{Bvtt, Cursor, NodePair, TrianglePair};
+use crate::triangle::{Contact, contact, contact_of};
+use crate::{Aabb, Bvh};
+use core::ops::{ControlFlow, Range};
 
 /// A query about two meshes, or about one: its BVTT, of which a [front](crate::front) is a cut, and its verbs.
 ///
@@ -154,6 +155,77 @@ pub trait Query {
         });
         found
     }
+}
+
+impl<const SELF: bool> Query for Bvtt<'_, SELF> {
+    fn root(&self) -> Option<NodePair> {
+        self.root.filter(|&root| !self.is_in_certified_fan(root))
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        let (of_a, of_b) = (children(&self.a.bvh, n.a), children(&self.b.bvh, n.b));
+        if of_a.len() + of_b.len() == 2 {
+            return 0;
+        }
+        let mut tests = 0;
+        for a in of_a {
+            for b in of_b.clone() {
+                // (l, r) and (r, l) are the same pair.
+                if SELF && n.a == n.b && a > b {
+                    continue;
+                }
+                let child = NodePair { a, b };
+                tests += u32::from(!SELF || a != b);
+                let bounds = self.bounds(child);
+                if bounds[0].overlaps(&bounds[1]) && !self.is_in_certified_fan(child) {
+                    push(child, bounds.map(Aabb::from));
+                }
+            }
+        }
+        tests
+    }
+
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        self.bounds(n).map(Aabb::from)
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        [self.a.bvh.triangles_below(n.a), self.b.bvh.triangles_below(n.b)]
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        self.leaf_edge
+    }
+
+    fn step(
+        &self,
+        cursor: &mut Cursor,
+        budget: u64,
+        mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        traverse(self, cursor, budget, &mut visit)
+    }
+
+    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
+        let Self { a, b, .. } = self;
+        match self.error() {
+            None => Some(contact(&a.triangle(pair.a), &b.triangle(pair.b))?.into()),
+            Some(_) => contact_of(&a.triangle_f64(pair.a), &b.triangle_f64(pair.b)),
+        }
+    }
+
+    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
+        match self.error() {
+            None => contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b)),
+            Some(_) => self.contact_f64(pair).map(Contact::from),
+        }
+    }
+}
+
+/// The children of a node, or a leaf itself.
+fn children(bvh: &Bvh<'_>, index: u32) -> Range<u32> {
+    let node = bvh.node(index);
+    if node.is_leaf() { index..index + 1 } else { node.left()..node.left() + 2 }
 }
 
 impl<Q: Query> Query for &Q {

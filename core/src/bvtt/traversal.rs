@@ -1,20 +1,19 @@
-//! The traversal: one loop for every query, layout and processor.
+//! The traversal: one loop for every query and processor.
 
 use super::block::BlockCache;
-use super::trees::InF64;
 use super::wide_node::WideNode;
 use super::{Bvtt, Cursor, NodePair, TrianglePair};
-use crate::bvh::Layout;
+use crate::scalar::IN_F64;
 use crate::simd::{LANES, Simd, Task, VECTORS, widest};
-use crate::triangle::{intersects, intersects_in_mesh};
+use crate::triangle::{intersects, intersects_in_f64, intersects_in_mesh};
 use core::ops::ControlFlow;
 
 /// The visitor of hits. A trait object, so that there is one traversal in machine code per kind of query.
 type Visitor<'v> = dyn FnMut(TrianglePair) -> ControlFlow<()> + 'v;
 
 /// Continues from `cursor` until `visit` breaks, `tests` more tests are done or nothing is left.
-pub(super) fn traverse<A: Layout, B: Layout, const SELF: bool>(
-    query: &Bvtt<'_, A, B, SELF>,
+pub(super) fn traverse<const SELF: bool>(
+    query: &Bvtt<'_, SELF>,
     cursor: &mut Cursor,
     tests: u64,
     visit: &mut Visitor<'_>,
@@ -24,10 +23,10 @@ pub(super) fn traverse<A: Layout, B: Layout, const SELF: bool>(
     }
     cursor.set_budget(tests);
     if !VECTORS {
-        // Once for both, since firmware has little room for code.
-        Traversal::<A, B, SELF, true> { query, cursor, visit }.run::<f32>()
-    } else if query.in_f64.is_none() {
-        widest(Traversal::<A, B, SELF, false> { query, cursor, visit })
+        // Once for both, to save machine code.
+        Traversal::<SELF, IN_F64> { query, cursor, visit }.run::<f32>()
+    } else if query.error().is_none() {
+        widest(Traversal::<SELF, false> { query, cursor, visit })
     } else {
         traverse_in_f64(query, cursor, visit)
     }
@@ -35,24 +34,22 @@ pub(super) fn traverse<A: Layout, B: Layout, const SELF: bool>(
 
 /// Apart, so that the other traversal does not take the stack of this one.
 #[inline(never)]
-fn traverse_in_f64<A: Layout, B: Layout, const SELF: bool>(
-    query: &Bvtt<'_, A, B, SELF>,
+fn traverse_in_f64<const SELF: bool>(
+    query: &Bvtt<'_, SELF>,
     cursor: &mut Cursor,
     visit: &mut Visitor<'_>,
 ) -> ControlFlow<()> {
-    widest(Traversal::<A, B, SELF, true> { query, cursor, visit })
+    widest(Traversal::<SELF, true> { query, cursor, visit })
 }
 
 /// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes; without `F64`, nothing is in f64.
-struct Traversal<'t, 'v, 'a, A: Layout, B: Layout, const SELF: bool, const F64: bool> {
-    query: &'t Bvtt<'a, A, B, SELF>,
+struct Traversal<'t, 'v, 'a, const SELF: bool, const F64: bool> {
+    query: &'t Bvtt<'a, SELF>,
     cursor: &'t mut Cursor,
     visit: &'t mut Visitor<'v>,
 }
 
-impl<A: Layout, B: Layout, const SELF: bool, const F64: bool> Task
-    for Traversal<'_, '_, '_, A, B, SELF, F64>
-{
+impl<const SELF: bool, const F64: bool> Task for Traversal<'_, '_, '_, SELF, F64> {
     type Output = ControlFlow<()>;
 
     #[inline(always)]
@@ -85,7 +82,7 @@ impl<A: Layout, B: Layout, const SELF: bool, const F64: bool> Task
 /// The triangle pairs of a leaf with itself, each once: for triangle j, in byte j, bits i < j (see [`super::cull`]).
 const BEFORE: u64 = 0x7f3f_1f0f_0703_0100;
 
-impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
+impl<const SELF: bool> Bvtt<'_, SELF> {
     /// Whether the boxes of a node pair, which overlap in the frame in which all boxes are compared, are apart in that of
     /// the second mesh.
     #[inline(always)]
@@ -97,7 +94,7 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
         }
         cursor.spend_box_tests(1);
         let (a, b) = (&self.a.bvh, &self.b.bvh);
-        !first_seen.bounds(&a.bounds(a.node(n.a))).overlaps(&b.bounds(b.node(n.b)))
+        !first_seen.bounds(&a.node(n.a).bounds()).overlaps(&b.node(n.b).bounds())
     }
 
     #[inline]
@@ -126,14 +123,13 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
         cursor: &mut Cursor,
         visit: &mut Visitor<'_>,
     ) -> ControlFlow<()> {
-        let a = blocks_a.get::<S, A, SELF>(n.a, &self.a, self.rings);
-        let b = blocks_b.get::<S, B, SELF>(n.b, &self.b, self.rings);
+        let a = blocks_a.get::<S, SELF>(n.a, &self.a, self.rings);
+        let b = blocks_b.get::<S, SELF>(n.b, &self.b, self.rings);
         let mut allowed = cursor.bits_left();
         if SELF && n.a == n.b {
             allowed &= BEFORE;
         }
-        let in_f64 = if F64 { self.in_f64.as_ref() } else { None };
-        let error = in_f64.map(|in_f64| in_f64.error);
+        let error = if F64 { self.error() } else { None };
         let pairs = a.cull::<S, SELF>(b, allowed, self.boxes_only, error);
         let visited = pairs.hits | pairs.open;
         cursor.for_each_within_budget(pairs.overlapping, visited, |bit| {
@@ -147,8 +143,9 @@ impl<A: Layout, B: Layout, const SELF: bool> Bvtt<'_, A, B, SELF> {
             } else if SELF && pairs.may_share_vertex >> bit & 1 != 0 {
                 let mesh = self.a.bvh.mesh();
                 intersects_in_mesh(mesh, pair.a, pair.b, self.adjacency)
-            } else if let Some(InF64 { f64, .. }) = in_f64 {
-                (f64.intersects)(self.posed_meshes(), pair)
+            } else if error.is_some() {
+                let Self { a, b, .. } = self;
+                intersects_in_f64(&a.triangle_f64(pair.a), &b.triangle_f64(pair.b))
             } else {
                 intersects(&a.triangle(i), &b.triangle(j))
             };

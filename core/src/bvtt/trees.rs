@@ -5,19 +5,16 @@
 //! of two meshes does. Boxes of triangles that share a vertex overlap, so the traversal reaches all of these pairs; what
 //! they share by index is left to [`Adjacency`], in the leaves.
 
-use super::in_f64::{F64, PosedMesh, Shadows};
 use super::posed_bvh::{posed, root_bounds};
-use super::traversal::traverse;
-use super::{Cursor, NodePair, PosedBvh, Query, TrianglePair};
+use super::{NodePair, PosedBvh, TrianglePair};
 use crate::aabb::Bounds;
-use crate::bvh::Layout;
 use crate::one_ring::{Certified, OneRing, hub_of, is_marked};
 use crate::pose::{Affine, Pose64, PoseError};
+use crate::scalar::IN_F64;
 use crate::simd::VECTORS;
-use crate::triangle::{Adjacency, Contact, contact, intersects, posed_contact};
-use crate::{Aabb, Bvh, Node, Pose};
-use core::ops::{ControlFlow, Range};
-use glam::Vec3A;
+use crate::triangle::{Adjacency, Contact, intersects, intersects_in_f64, posed_contact};
+use crate::{Bvh, Pose};
+use glam::{DVec3, Vec3A};
 
 /// Two meshes in one frame: that of the first ([`PairBvtt::new`]), or a world in which both are posed
 /// ([`PairBvtt::in_world`]). The choice changes how vertices are rounded, and so which pairs intersect.
@@ -35,16 +32,16 @@ use glam::Vec3A;
 /// assert_eq!(query.any(), Some(TrianglePair { a: 0, b: 0 }));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub type PairBvtt<'a, A = Node, B = A> = Bvtt<'a, A, B, false>;
+pub type PairBvtt<'a> = Bvtt<'a, false>;
 
 /// One mesh against itself, each unordered pair of triangles once.
-pub type SelfBvtt<'a, L = Node> = Bvtt<'a, L, L, true>;
+pub type SelfBvtt<'a> = Bvtt<'a, true>;
 
 /// A [`PairBvtt`], or with `SELF` a [`SelfBvtt`].
 #[derive(Clone, Copy, Debug)]
-pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
-    pub(super) a: PosedBvh<'a, A>,
-    pub(super) b: PosedBvh<'a, B>,
+pub struct Bvtt<'a, const SELF: bool> {
+    pub(super) a: PosedBvh<'a>,
+    pub(super) b: PosedBvh<'a>,
     /// The poses in which the boxes of each side are compared. The box of a rotated box is larger, so the boxes of
     /// the second of two posed meshes are taken to the frame of the first where possible. Hits depend on corners alone.
     pub(super) box_poses: [Option<Affine>; 2],
@@ -57,27 +54,31 @@ pub struct Bvtt<'a, A: Layout, B: Layout, const SELF: bool> {
     /// Marks of the nodes below which all triangles share a vertex: see [`crate::one_ring`].
     fans: &'a [u32],
     pub(super) boxes_only: bool,
-    pub(super) in_f64: Option<InF64>,
+    error: Option<Vec3A>,
     /// Computed once, as fronts ask for it often, like `leaf_edge`.
-    root: Option<NodePair>,
-    leaf_edge: f32,
+    pub(super) root: Option<NodePair>,
+    pub(super) leaf_edge: f32,
 }
 
-/// Positions or poses in f64 decide.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct InF64 {
-    /// How far the difference of two coordinates in lanes may be from that of the positions posed in f64.
-    pub(super) error: Vec3A,
-    pub(super) f64: &'static F64,
+/// The shadows of two meshes as a query in f64 poses them, for a device that poses them by itself: both into the frame whose
+/// origin is that of the first shadow as it is posed. See [`PairBvtt::shadows`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shadows {
+    /// The poses of both.
+    pub poses: [Pose; 2],
+    /// How far a corner of each, as [`Pose::apply`] poses it, may be from what it stands for, on each axis.
+    pub padding: [[f32; 3]; 2],
+    /// How far the difference of two coordinates of such corners may be from that of what they stand for.
+    pub error: [f32; 3],
 }
 
-impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
+impl<'a> PairBvtt<'a> {
     /// Asks for `a` against `b` posed by `a_from_b`, exactly. If one of the three is in f64, positions are posed and pairs
     /// decided there.
     ///
     /// # Errors
     /// [`PoseError`] if the pose is not finite or takes `b` out of range.
-    pub fn new(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: Pose) -> Result<Self, PoseError> {
+    pub fn new(a: Bvh<'a>, b: Bvh<'a>, a_from_b: Pose) -> Result<Self, PoseError> {
         Ok(Self::in_world(PosedBvh::unposed(a), PosedBvh::new(b, &a_from_b)?))
     }
 
@@ -85,23 +86,24 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     ///
     /// # Errors
     /// As [`PairBvtt::new`].
-    pub fn in_f64(a: Bvh<'a, A>, b: Bvh<'a, B>, a_from_b: &Pose64) -> Result<Self, PoseError> {
+    #[cfg(feature = "f64")]
+    pub fn in_f64(a: Bvh<'a>, b: Bvh<'a>, a_from_b: &Pose64) -> Result<Self, PoseError> {
         Ok(Self::in_world(PosedBvh::unposed(a), PosedBvh::in_f64(b, a_from_b)?))
     }
 
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
-    pub fn in_world(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
+    pub fn in_world(a: PosedBvh<'a>, b: PosedBvh<'a>) -> Self {
         let mut query = Self::of_sides(a, b);
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
-        let (of_a, of_b) = (a.bvh.bounds(root_a), b.bvh.bounds(root_b));
-        if let Some(f64) = a.f64().or(b.f64()) {
-            let sides = [query.a.side(&of_a), query.b.side(&of_b)];
-            let error = (f64.pose_in_frame_of_first)(sides, &mut query.box_poses);
-            query.in_f64 = Some(InF64 { error, f64 });
-        } else {
-            view(&mut query.box_poses, &of_b);
+        let (of_a, of_b) = (root_a.bounds(), root_b.bounds());
+        if a.is_f64() || b.is_f64() {
+            let poses = query.pose_in_f64();
+            query.box_poses = poses.map(Some);
+            // Boxes need all of the paddings, corners no more than 13/16 of each.
+            query.error = Some(poses[0].padding().max(poses[1].padding()) * 1.75);
         }
+        view(&mut query.box_poses, &of_b);
         if VECTORS && let Some(pose_b) = &query.b.pose {
             let pose_a = query.a.pose.unwrap_or_else(|| Affine::identity(&of_a));
             query.first_seen = pose_a.seen_from(&of_a, pose_b).filter(Affine::is_turned);
@@ -112,6 +114,13 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
         let [own, other] = query.bounds(NodePair::ROOT);
         query.root = own.overlaps(&other).then_some(NodePair::ROOT);
         query
+    }
+
+    /// Poses both shadows in the frame whose origin is that of the first as it is posed. Returns their poses.
+    fn pose_in_f64(&mut self) -> [Affine; 2] {
+        let (pose_a, pose_b) = (self.a.pose_f64(), self.b.pose_f64());
+        let zero = DVec3::from_array(pose_a.apply(self.a.bvh.mesh().origin()));
+        [self.a.pose_in_f64(pose_a, zero), self.b.pose_in_f64(pose_b, zero)]
     }
 
     /// The shadows of both meshes, and their error, if the query is in f64.
@@ -131,14 +140,10 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     /// ```
     #[must_use]
     pub fn shadows(&self) -> Option<Shadows> {
-        let InF64 { f64, .. } = self.in_f64.as_ref()?;
-        let (mut a, mut b) = (self.a, self.b);
-        let (of_a, of_b) = (root_bounds(&a.bvh), root_bounds(&b.bvh));
-        let sides = [a.side(&of_a), b.side(&of_b)];
-        let error = (f64.pose_in_frame_of_first)(sides, &mut [None; 2]).to_array();
-        let shadows = [a.pose?, b.pose?];
-        let padding = shadows.map(|pose| pose.padding().to_array());
-        Some(Shadows { poses: shadows.map(Affine::to_pose), padding, error })
+        let (error, mut posed) = (self.error()?.to_array(), *self);
+        let poses = posed.pose_in_f64();
+        let padding = poses.map(|pose| pose.padding().to_array());
+        Some(Shadows { poses: poses.map(Affine::to_pose), padding, error })
     }
 
     /// Whether two triangles meet, exactly.
@@ -159,9 +164,11 @@ impl<'a, A: Layout, B: Layout> PairBvtt<'a, A, B> {
     /// ```
     #[must_use]
     pub fn intersects(&self, pair: TrianglePair) -> bool {
-        match &self.in_f64 {
+        match self.error() {
             None => intersects(&self.a.triangle(pair.a), &self.b.triangle(pair.b)),
-            Some(InF64 { f64, .. }) => (f64.intersects)(self.posed_meshes(), pair),
+            Some(_) => {
+                intersects_in_f64(&self.a.triangle_f64(pair.a), &self.b.triangle_f64(pair.b))
+            }
         }
     }
 }
@@ -176,17 +183,19 @@ pub(super) fn view(poses: &mut [Option<Affine>; 2], of_b: &Bounds) {
     }
 }
 
-impl<'a, L: Layout> SelfBvtt<'a, L> {
+impl<'a> SelfBvtt<'a> {
     /// Asks for all pairs under the shared-index rule, exactly.
     #[must_use]
-    pub fn new(bvh: Bvh<'a, L>) -> Self {
+    pub fn new(bvh: Bvh<'a>) -> Self {
         let side = PosedBvh::unposed(bvh);
         let query = Self { root: bvh.root().map(|_| NodePair::ROOT), ..Self::of_sides(side, side) };
-        let Some(f64) = bvh.mesh().f64() else { return query };
+        if !bvh.mesh().is_f64() {
+            return query;
+        }
         let shadow = Affine::identity(&root_bounds(&bvh));
         // Nothing is posed, so that corners are off by a sixteenth of the padding each.
-        let in_f64 = Some(InF64 { error: shadow.padding() * 0.25, f64 });
-        Self { in_f64, box_poses: [Some(shadow); 2], ..query }
+        let error = Some(shadow.padding() * 0.25);
+        Self { error, box_poses: [Some(shadow); 2], ..query }
     }
 
     /// The same with another rule for neighbours.
@@ -264,9 +273,9 @@ impl<'a, L: Layout> SelfBvtt<'a, L> {
     }
 }
 
-impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
+impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     /// A query without a root.
-    fn of_sides(a: PosedBvh<'a, A>, b: PosedBvh<'a, B>) -> Self {
+    fn of_sides(a: PosedBvh<'a>, b: PosedBvh<'a>) -> Self {
         Self {
             a,
             b,
@@ -276,15 +285,17 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
             rings: &[],
             fans: &[],
             boxes_only: false,
-            in_f64: None,
+            error: None,
             root: None,
             leaf_edge: a.bvh.leaf_edge().max(b.bvh.leaf_edge()),
         }
     }
 
-    /// Both sides, as what decides in f64 takes them.
-    pub(super) fn posed_meshes(&self) -> [PosedMesh<'_>; 2] {
-        [(&self.a.bvh.mesh, &self.a.exact), (&self.b.bvh.mesh, &self.b.exact)]
+    /// If positions or poses in f64 decide: how far the difference of two coordinates in lanes may be from that of the positions
+    /// posed in f64.
+    #[inline(always)]
+    pub(super) fn error(&self) -> Option<Vec3A> {
+        if IN_F64 { self.error } else { None }
     }
 
     /// Whether all triangles below both nodes share a certified vertex, so that no two of them are a hit.
@@ -306,81 +317,12 @@ impl<'a, A: Layout, B: Layout, const SELF: bool> Bvtt<'a, A, B, SELF> {
         a == b && a.is_some_and(certified)
     }
 
-    fn bounds(&self, n: NodePair) -> [Bounds; 2] {
+    /// The boxes of both nodes in the frame in which all boxes are compared.
+    pub(super) fn bounds(&self, n: NodePair) -> [Bounds; 2] {
         let Self { a, b, box_poses: [pose_a, pose_b], .. } = self;
         [
-            posed(pose_a.as_ref(), &a.bvh.bounds(a.bvh.node(n.a))),
-            posed(pose_b.as_ref(), &b.bvh.bounds(b.bvh.node(n.b))),
+            posed(pose_a.as_ref(), &a.bvh.node(n.a).bounds()),
+            posed(pose_b.as_ref(), &b.bvh.node(n.b).bounds()),
         ]
     }
-}
-
-impl<A: Layout, B: Layout, const SELF: bool> Query for Bvtt<'_, A, B, SELF> {
-    fn root(&self) -> Option<NodePair> {
-        self.root.filter(|&root| !self.is_in_certified_fan(root))
-    }
-
-    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
-        let (of_a, of_b) = (children(&self.a.bvh, n.a), children(&self.b.bvh, n.b));
-        if of_a.len() + of_b.len() == 2 {
-            return 0;
-        }
-        let mut tests = 0;
-        for a in of_a {
-            for b in of_b.clone() {
-                // (l, r) and (r, l) are the same pair.
-                if SELF && n.a == n.b && a > b {
-                    continue;
-                }
-                let child = NodePair { a, b };
-                tests += u32::from(!SELF || a != b);
-                let bounds = self.bounds(child);
-                if bounds[0].overlaps(&bounds[1]) && !self.is_in_certified_fan(child) {
-                    push(child, bounds.map(Aabb::from));
-                }
-            }
-        }
-        tests
-    }
-
-    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
-        self.bounds(n).map(Aabb::from)
-    }
-
-    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
-        [self.a.bvh.triangles_below(n.a), self.b.bvh.triangles_below(n.b)]
-    }
-
-    fn leaf_edge(&self) -> f32 {
-        self.leaf_edge
-    }
-
-    fn step(
-        &self,
-        cursor: &mut Cursor,
-        budget: u64,
-        mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        traverse(self, cursor, budget, &mut visit)
-    }
-
-    fn contact_f64(&self, pair: TrianglePair) -> Option<Contact<f64>> {
-        match &self.in_f64 {
-            None => Some(contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b))?.into()),
-            Some(InF64 { f64, .. }) => (f64.contact)(self.posed_meshes(), pair),
-        }
-    }
-
-    fn contact(&self, pair: TrianglePair) -> Option<Contact> {
-        match &self.in_f64 {
-            None => contact(&self.a.triangle(pair.a), &self.b.triangle(pair.b)),
-            Some(_) => self.contact_f64(pair).map(Contact::from),
-        }
-    }
-}
-
-/// The children of a node, or a leaf itself.
-fn children<L: Layout>(bvh: &Bvh<'_, L>, index: u32) -> Range<u32> {
-    let node = bvh.node(index);
-    if node.is_leaf() { index..index + 1 } else { node.left()..node.left() + 2 }
 }

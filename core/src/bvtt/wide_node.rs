@@ -1,9 +1,9 @@
 //! A wide node: the up to four nodes two levels below a node, tested together.
 
 use super::NodePair;
-use crate::bvh::{Bvh, Layout};
 use crate::pose::Affine;
 use crate::simd::Box4;
+use crate::{Bvh, Node};
 
 /// The grandchildren of a node, with their posed boxes. A leaf counts as its only child.
 pub(super) struct WideNode {
@@ -15,11 +15,7 @@ pub(super) struct WideNode {
 impl WideNode {
     /// The grandchildren of the node with this index, their boxes in a pose.
     #[inline(always)]
-    pub(super) fn grandchildren<L: Layout>(
-        bvh: &Bvh<'_, L>,
-        index: u32,
-        pose: Option<&Affine>,
-    ) -> Self {
+    pub(super) fn grandchildren(bvh: &Bvh<'_>, index: u32, pose: Option<&Affine>) -> Self {
         let parent = bvh.node(index);
         let (nodes, len) = if parent.is_leaf() {
             ([index; 4], 1)
@@ -35,7 +31,7 @@ impl WideNode {
                 (false, false) => ([p, q, s, t], 4),
             }
         };
-        let mut boxes = bvh.boxes(nodes.map(|index| bvh.node(index)));
+        let mut boxes = Node::boxes(nodes.map(|index| bvh.node(index)));
         if let Some(pose) = pose {
             boxes = pose.boxes(&boxes);
         }

@@ -12,7 +12,7 @@
 //! underflow either; for those of f64, at most 2^126, [`UNDERFLOW_3D`] and [`UNDERFLOW_2D`] bound what it costs. The extents
 //! are multiplied first: a small one times the constant could underflow, and the bound with it, beside a large one.
 
-use super::Coordinate;
+use crate::scalar::Scalar;
 use glam::DVec3;
 
 /// Bound of the error of a determinant of three differences, for extents of 1.
@@ -28,7 +28,7 @@ pub(crate) const UNDERFLOW_2D: f64 = f64::from_bits(1 << 4);
 
 /// Signs of several points over one plane, 0 where f64 certifies none.
 #[inline]
-pub(super) fn orient3d<C: Coordinate, const N: usize>(
+pub(super) fn orient3d<C: Scalar, const N: usize>(
     [a, b, c]: [&[C; 3]; 3],
     points: [&[C; 3]; N],
 ) -> [i32; N] {
@@ -51,7 +51,7 @@ pub(super) fn orient3d<C: Coordinate, const N: usize>(
 
 /// The sign of the turn of three points, 0 where f64 does not certify it.
 #[inline]
-pub(super) fn orient2d<C: Coordinate>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32 {
+pub(super) fn orient2d<C: Scalar>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32 {
     let edge = |p: &[C; 2], k: usize| p[k].into() - a[k].into();
     let (ux, uy, vx, vy) = (edge(b, 0), edge(b, 1), edge(c, 0), edge(c, 1));
     let larger = |u: f64, v: f64| if u > v { u } else { v };
@@ -66,7 +66,7 @@ fn certified_sign(determinant: f64, bound: f64) -> i32 {
 
 /// p − q, rounded at most once.
 #[inline(always)]
-pub(crate) fn difference<C: Coordinate>(p: &[C; 3], q: &[C; 3]) -> DVec3 {
+pub(crate) fn difference<C: Scalar>(p: &[C; 3], q: &[C; 3]) -> DVec3 {
     DVec3::new(p[0].into() - q[0].into(), p[1].into() - q[1].into(), p[2].into() - q[2].into())
 }
 

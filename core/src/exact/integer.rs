@@ -6,8 +6,8 @@
 //!
 //! Expansions as Shewchuk's need exponents from −142 on in f64 and fail silently below; integers have no such limit.
 
-use super::Coordinate;
 use super::wide::Wide;
+use crate::scalar::Scalar;
 use glam::DVec3;
 
 /// As many limbs as determinants of finite f32 need: in units of the smallest, a difference is below 2^278 (24 bits of
@@ -20,7 +20,7 @@ const LIMBS_IN_F64: usize = 57;
 /// The sign of det(b − a, c − a, d − a).
 #[cold]
 #[inline(never)]
-pub(super) fn orient3d<C: Coordinate>([a, b, c]: [&[C; 3]; 3], d: &[C; 3]) -> i32 {
+pub(super) fn orient3d<C: Scalar>([a, b, c]: [&[C; 3]; 3], d: &[C; 3]) -> i32 {
     let coordinates = by_axis([a, b, c, d]);
     if is_degenerate(&coordinates) {
         return 0;
@@ -34,7 +34,7 @@ pub(super) fn orient3d<C: Coordinate>([a, b, c]: [&[C; 3]; 3], d: &[C; 3]) -> i3
 
 /// The sign of det(b − a, c − a): in space, of the corners and of a point above the first.
 #[inline]
-pub(super) fn orient2d<C: Coordinate>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32 {
+pub(super) fn orient2d<C: Scalar>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32 {
     let lift = |[x, y]: [C; 2], z: f32| [x, y, C::from(z)];
     orient3d([&lift(*a, 0.0), &lift(*b, 0.0), &lift(*c, 0.0)], &lift(*a, 1.0))
 }
@@ -43,11 +43,7 @@ pub(super) fn orient2d<C: Coordinate>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32
 /// at which p–q cuts the plane. Within a relative 2^-48, however close to 0 both are; in f64 down to 2^-768.
 #[cold]
 #[inline(never)]
-pub(crate) fn orient3d_ratio<C: Coordinate>(
-    [a, b, c]: [&[C; 3]; 3],
-    p: &[C; 3],
-    q: &[C; 3],
-) -> f64 {
+pub(crate) fn orient3d_ratio<C: Scalar>([a, b, c]: [&[C; 3]; 3], p: &[C; 3], q: &[C; 3]) -> f64 {
     fn ratio<const L: usize>(axes: &[Axis<5>; 3]) -> f64 {
         let axes = differences(axes);
         let (d, e) = (determinant::<L, 5, 3>(&axes), determinant::<L, 5, 4>(&axes));
@@ -63,7 +59,7 @@ pub(crate) fn orient3d_ratio<C: Coordinate>(
 /// degenerate.
 #[cold]
 #[inline(never)]
-pub(crate) fn direction_of_normal<C: Coordinate>(t: [&[C; 3]; 3]) -> DVec3 {
+pub(crate) fn direction_of_normal<C: Scalar>(t: [&[C; 3]; 3]) -> DVec3 {
     fn direction<const L: usize>(axes: &[Axis<3>; 3]) -> DVec3 {
         let minors = normal::<L, 3>(&differences(axes));
         let limbs = minors.each_ref().map(Wide::len).into_iter().max().unwrap_or(0);
@@ -77,21 +73,21 @@ pub(crate) fn direction_of_normal<C: Coordinate>(t: [&[C; 3]; 3]) -> DVec3 {
 }
 
 /// Whether the determinants fit in [`LIMBS`], as those of f32 always do.
-fn fit<C: Coordinate, const N: usize>(axes: &[Axis<N>; 3]) -> bool {
+fn fit<C: Scalar, const N: usize>(axes: &[Axis<N>; 3]) -> bool {
     // A product of one difference of each axis, and 3 bits for the sum of six.
     let bits = axes.iter().fold(3, |bits, axis| bits + axis.bits() + 1);
     size_of::<C>() == size_of::<f32>() || bits <= LIMBS as u32 * u64::BITS
 }
 
 /// The coordinates of points along each axis.
-fn by_axis<C: Coordinate, const N: usize>(points: [&[C; 3]; N]) -> [[C; N]; 3] {
+fn by_axis<C: Scalar, const N: usize>(points: [&[C; 3]; N]) -> [[C; N]; 3] {
     [points.map(|p| p[0]), points.map(|p| p[1]), points.map(|p| p[2])]
 }
 
 /// Whether two points are equal, or all agree in one coordinate: nearly every zero of bodies that lie
 /// flush or share corners, for which integers would take ten times as long.
 #[inline]
-fn is_degenerate<C: Coordinate, const N: usize>(axes: &[[C; N]; 3]) -> bool {
+fn is_degenerate<C: Scalar, const N: usize>(axes: &[[C; N]; 3]) -> bool {
     let equal = |i: usize, j: usize| axes.iter().all(|axis| axis[i] == axis[j]);
     axes.iter().any(|axis| axis.iter().all(|x| *x == axis[0]))
         || (1..N).any(|i| (0..i).any(|j| equal(i, j)))
@@ -152,13 +148,13 @@ struct Axis<const N: usize> {
 }
 
 impl<const N: usize> Axis<N> {
-    fn new<C: Coordinate>(coordinates: [C; N]) -> Self {
+    fn new<C: Scalar>(coordinates: [C; N]) -> Self {
         let finest = coordinates.iter().filter_map(finest_bit).min().unwrap_or(0);
         Self::in_units(coordinates, finest)
     }
 
     /// In units of 2^finest, of which all coordinates are multiples.
-    fn in_units<C: Coordinate>(coordinates: [C; N], finest: i32) -> Self {
+    fn in_units<C: Scalar>(coordinates: [C; N], finest: i32) -> Self {
         let parts = coordinates.map(odd_significand);
         Self {
             significand: parts.map(|p| p.0),
@@ -187,13 +183,13 @@ impl<const N: usize> Axis<N> {
 }
 
 /// The exponent of the lowest bit that is set; none in zero.
-fn finest_bit<C: Coordinate>(value: &C) -> Option<i32> {
+fn finest_bit<C: Scalar>(value: &C) -> Option<i32> {
     let (significand, exponent) = odd_significand(*value);
     (significand != 0).then_some(exponent)
 }
 
 /// `value = m · 2^e` with `m` odd, or (0, 0).
-fn odd_significand<C: Coordinate>(value: C) -> (i64, i32) {
+fn odd_significand<C: Scalar>(value: C) -> (i64, i32) {
     let bits = value.into().to_bits();
     let exponent = (bits >> 52 & 0x7ff) as i32;
     let fraction = (bits & 0xf_ffff_ffff_ffff) as i64;

@@ -22,7 +22,7 @@ mod wide;
 pub(crate) use exact64::{ExactF64, are_exact_in_f64};
 pub(crate) use filter32::CertifiedF32;
 pub(crate) use filter64::difference;
-pub(crate) use orientation::{Coordinate, Exact, HAS_F64, LIMIT, Orientation};
+pub(crate) use orientation::{Exact, HAS_F64, Orientation};
 
 /// A point in space.
 pub(crate) type Point = [f32; 3];

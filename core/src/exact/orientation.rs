@@ -2,36 +2,14 @@
 //!
 //! The triangle tests are written once over [`Orientation`]: what they promise is what its signs promise.
 
-use super::{Point, filter64, integer};
+use super::{filter64, integer};
+use crate::scalar::Scalar;
 use core::marker::PhantomData;
-use glam::DVec3;
-
-/// A coordinate of the points that predicates decide: a finite f32, or an f64 of at most [`LIMIT`].
-pub(crate) trait Coordinate: Copy + PartialOrd + From<f32> + Into<f64> {
-    /// The nearest point.
-    fn point(p: DVec3) -> [Self; 3];
-}
-
-impl Coordinate for f32 {
-    fn point(p: DVec3) -> Point {
-        p.as_vec3().to_array()
-    }
-}
-
-impl Coordinate for f64 {
-    fn point(p: DVec3) -> [Self; 3] {
-        p.to_array()
-    }
-}
-
-/// The largest position in f64 that a mesh may have, and a pose may lead to: 2^125. Positions in f32 that are decided in f64,
-/// unposed, reach up to 2^128; filters and integers have room for them.
-pub(crate) const LIMIT: f64 = 42_535_295_865_117_307_932_921_825_928_971_026_432.0;
 
 /// Decides the orientation of points in space and in a plane. A sign that is not known is `None`.
 pub(crate) trait Orientation {
     /// The coordinates of the points.
-    type C: Coordinate;
+    type C: Scalar;
 
     /// The sides of one plane, through three points, on which several points lie; `None` if one of them is not known.
     fn orient3d<const N: usize>(
@@ -57,7 +35,7 @@ pub(crate) const HAS_F64: bool = !cfg!(all(target_arch = "arm", target_os = "non
 /// is 1 when a, b, c turn counter-clockwise seen from the side of d, −1 on the other side, 0 when the four points are
 /// coplanar.
 #[inline]
-pub(crate) fn sides<C: Coordinate, const N: usize>(
+pub(crate) fn sides<C: Scalar, const N: usize>(
     plane: [&[C; 3]; 3],
     points: [&[C; 3]; N],
 ) -> [i32; N] {
@@ -72,12 +50,12 @@ pub(crate) fn sides<C: Coordinate, const N: usize>(
 
 /// The exact turn of three points, the sign of det(b − a, c − a): 1 is counter-clockwise, −1 clockwise, 0 collinear.
 #[inline]
-pub(crate) fn orient2d<C: Coordinate>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32 {
+pub(crate) fn orient2d<C: Scalar>(a: &[C; 2], b: &[C; 2], c: &[C; 2]) -> i32 {
     let turn = if HAS_F64 { filter64::orient2d(a, b, c) } else { 0 };
     if turn == 0 { integer::orient2d(a, b, c) } else { turn }
 }
 
-impl<C: Coordinate> Orientation for Exact<C> {
+impl<C: Scalar> Orientation for Exact<C> {
     type C = C;
 
     #[inline(always)]

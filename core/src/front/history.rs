@@ -4,9 +4,7 @@
 //! same O(N_p) memory, so that a frame refines by measured costs as far as the last one did.
 
 use super::FrontNode;
-use crate::index::part;
 use crate::sort::sort;
-use bytemuck::{Pod, Zeroable};
 
 /// The nodes of the last front, sorted by query and path. None overlaps another, so those at and below a node follow each
 /// other.
@@ -72,54 +70,13 @@ impl<'a> CostHistory<'a> {
 
     fn from(self, first: u32) -> &'a [FrontNode] {
         // No position that `find` stores exceeds the number of nodes.
-        part(self.nodes, first as usize..)
-    }
-}
-
-/// The way from a node that was added to a front, such as the root of a BVTT, to one below: the child taken at each level,
-/// 2 bits each from the top, and the level in the low 7 bits of 128; the default is the path of the node that was added.
-/// The order of paths is the depth-first order of the tree, and the paper's backward index is a prefix.
-///
-/// A path tells no more than [`Path::MAX_LEVEL`] levels. All nodes below share the path of their ancestor there: what
-/// is remembered of them is remembered of all together, and they are split all the same.
-#[repr(transparent)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
-pub(super) struct Path([u64; 2]);
-
-impl Path {
-    /// The last level at which paths differ.
-    pub(super) const MAX_LEVEL: u32 = 60;
-
-    const fn bits(self) -> u128 {
-        (self.0[0] as u128) << 64 | self.0[1] as u128
-    }
-
-    const fn of(bits: u128) -> Self {
-        Self([(bits >> 64) as u64, bits as u64])
-    }
-
-    pub(super) fn level(self) -> u32 {
-        (self.0[1] & 127) as u32
-    }
-
-    /// The path to child number `child`, 0 to 3.
-    pub(super) fn child(self, child: u32) -> Self {
-        let level = self.level();
-        if level >= Self::MAX_LEVEL {
-            return self;
-        }
-        Self::of((self.bits() + 1) | u128::from(child) << (126 - 2 * level))
-    }
-
-    /// The largest path of the subtree.
-    pub(super) fn last(self) -> Self {
-        // Memory that a caller hands back may hold any level.
-        Self::of(self.bits() | u128::MAX.checked_shr(2 * self.level()).unwrap_or(0))
+        &self.nodes[first as usize..]
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::node::Path;
     use super::*;
 
     fn node(path: Path, cost: f32) -> FrontNode {
@@ -144,24 +101,5 @@ mod tests {
         assert_eq!(nodes.each_ref().map(|n| history.is_at_or_below(n)), [true, true, false, true]);
         assert_eq!([history.share_in(&nodes), history.share_in(&nodes[1..2])], [1.0, 0.5]);
         assert_eq!(CostHistory::default().share_in(&nodes), 0.0);
-    }
-
-    #[test]
-    fn paths_sort_depth_first() {
-        let root = Path::default();
-        let order = [
-            root,
-            root.child(0),
-            root.child(0).child(0),
-            root.child(0).child(3),
-            root.child(1),
-            root.child(3).child(2),
-        ];
-        assert!(order.is_sorted());
-        assert!(root.child(0).last() > order[3] && root.child(0).last() < order[4]);
-        let deepest = (0..Path::MAX_LEVEL).fold(root, |p, _| p.child(3));
-        assert_eq!(deepest.level(), Path::MAX_LEVEL);
-        assert_eq!([0, 1, 2, 3].map(|child| deepest.child(child)), [deepest; 4]);
-        assert!(deepest <= root.last() && deepest <= deepest.last());
     }
 }

@@ -60,57 +60,19 @@
 
 mod estimate;
 mod history;
+mod node;
 mod partition;
 mod refine;
 #[cfg(test)]
 mod tests;
 
 pub use estimate::estimate;
+pub use node::FrontNode;
 pub use partition::Part;
 pub use refine::{FrontReport, RefineOptions};
 
 use crate::CapacityError;
 use crate::bvtt::NodePair;
-use crate::index::{at_mut, range, split};
-use history::Path;
-
-/// One node of a front: 40 bytes.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct FrontNode {
-    /// The BVTT node.
-    pub pair: NodePair,
-    /// Its way from the node that was added.
-    path: Path,
-    /// Its expected cost |n| = m1 + k·m2, in box tests. Where the next frame is to use it, the worker replaces this by the
-    /// measured cost, finite and positive.
-    pub cost: f32,
-    /// The number of its query, where one front serves many. If the next frame numbers its queries otherwise, nodes of the
-    /// cost history are to be renumbered before, and those of queries that are gone left out.
-    pub query: u32,
-    /// The worker that it is assigned to.
-    pub part: u32,
-    /// The position in the cost history of the first node whose [`FrontNode::first_key`] is not below its own.
-    first_past: u32,
-}
-
-impl FrontNode {
-    /// The first query and path of its subtree, its own.
-    fn first_key(&self) -> (u32, Path) {
-        (self.query, self.path)
-    }
-
-    /// The last query and path of its subtree.
-    fn last_key(&self) -> (u32, Path) {
-        (self.query, self.path.last())
-    }
-
-    /// Its place in the order of a front: by query and path, and where these are equal, as for nodes that were added to one
-    /// query or lie deep, by node pair. No two nodes of a front have the same.
-    fn order(&self) -> (u32, Path, [u32; 2]) {
-        (self.query, self.path, [self.pair.a, self.pair.b])
-    }
-}
 
 /// A front in the caller's slice, whose length bounds its nodes, 40 bytes each.
 ///
@@ -142,15 +104,15 @@ impl<'a> Front<'a> {
     }
 
     fn nodes(&self) -> &[FrontNode] {
-        range(self.nodes, 0, self.len as u32)
+        &self.nodes[..self.len]
     }
 
     fn nodes_mut(&mut self) -> &mut [FrontNode] {
-        split(self.nodes, self.len).0
+        &mut self.nodes[..self.len]
     }
 
     fn push(&mut self, node: FrontNode) {
-        *at_mut(self.nodes, self.len) = node;
+        self.nodes[self.len] = node;
         self.len += 1;
     }
 

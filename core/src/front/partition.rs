@@ -7,7 +7,6 @@
 //! at most (1 + ε)·W/p for a front whose costs are all at most ε·W/p.
 
 use super::{Front, FrontNode};
-use crate::index::{at_mut, split};
 use crate::sort::{sift_down, sort};
 
 /// The part of a front that one worker gets. The caller's slice of these is the heap of the greedy partition.
@@ -32,14 +31,14 @@ impl<'a> Front<'a> {
     /// # Complexity
     /// O(N log N + N log p) for N nodes and p parts; no allocation.
     pub fn partition(self, parts: &mut [Part]) -> &'a mut [FrontNode] {
-        let (nodes, _) = split(self.nodes, self.len);
+        let nodes = &mut self.nodes[..self.len];
         // Costs are positive, so that their bits sort as they do. Equal ones sort alike on every machine.
         sort(nodes, |node| (!node.cost.to_bits(), node.order()));
         clear(parts);
         let less =
             |x: &Part, y: &Part| (x.cost < y.cost) | ((x.cost == y.cost) & (x.number < y.number));
         for node in &mut *nodes {
-            let least = at_mut(parts, 0_usize);
+            let least = &mut parts[0];
             node.part = least.number;
             least.cost += f64::from(node.cost);
             sift_down(parts, 0, less);
@@ -47,7 +46,7 @@ impl<'a> Front<'a> {
         // The heap is not in the order of the numbers of parts, so the sums are written anew.
         clear(parts);
         for node in &*nodes {
-            at_mut(parts, node.part).cost += f64::from(node.cost);
+            parts[node.part as usize].cost += f64::from(node.cost);
         }
         nodes
     }

@@ -8,7 +8,6 @@ use super::history::CostHistory;
 use super::{Front, FrontNode};
 use crate::Aabb;
 use crate::bvtt::{NodePair, Query};
-use crate::index::{at, at_mut, part_mut, range};
 use crate::sort::sort;
 
 /// The starting front is the first level of the BVTT with this many overlapping nodes, or the last.
@@ -131,7 +130,6 @@ impl Front<'_> {
 
     /// Replaces each node that `is_due` by its overlapping children, as long as there is room. Leaf pairs stay. Returns
     /// whether any node was split.
-    #[inline(never)] // One copy serves both uses: firmware has little room for code.
     fn split_nodes<Q: Query>(
         &mut self,
         history: CostHistory<'_>,
@@ -142,7 +140,7 @@ impl Front<'_> {
         let mut was_any_split = false;
         // The loop runs backwards, so that only nodes that have had their turn move into gaps.
         for index in (0..self.len).rev() {
-            let parent = *at(self.nodes, index);
+            let parent = self.nodes[index];
             if !is_due(&parent) {
                 continue;
             }
@@ -157,7 +155,7 @@ impl Front<'_> {
                 if !has_room {
                     return;
                 }
-                *at_mut(&mut boxes, self.len - first) = both;
+                boxes[self.len - first] = both;
                 self.push(FrontNode {
                     pair,
                     path: parent.path.child(child_number(pair)),
@@ -170,7 +168,7 @@ impl Front<'_> {
                 continue;
             }
             was_any_split = true;
-            let children = part_mut(self.nodes, first..self.len);
+            let children = &mut self.nodes[first..self.len];
             history.find(children, parent.first_past);
             let was_split = history.has_split(&parent);
             for child in &mut *children {
@@ -178,7 +176,7 @@ impl Front<'_> {
             }
             if children.iter().any(|child| child.cost == 0.0) {
                 let is_measured = history.is_at_or_below(&parent);
-                let boxes = range(&boxes, 0, children.len() as u32);
+                let boxes = &boxes[..children.len()];
                 let shares = costs_of_children(&query, &parent, is_measured, boxes);
                 for (child, share) in children.iter_mut().zip(shares) {
                     child.cost = if child.cost > 0.0 { child.cost } else { share };
@@ -187,7 +185,7 @@ impl Front<'_> {
             children.iter_mut().for_each(|child| child.cost = child.cost.max(1.0));
             // The last node takes the parent's place.
             self.len -= 1;
-            *at_mut(self.nodes, index) = *at(self.nodes, self.len);
+            self.nodes[index] = self.nodes[self.len];
         }
         was_any_split
     }

@@ -3,6 +3,7 @@
 extern crate std;
 
 use super::history::CostHistory;
+use super::node::Path;
 use super::*;
 use crate::Pose;
 use crate::bvh::tests::Owned;

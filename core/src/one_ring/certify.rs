@@ -9,11 +9,12 @@
 //! the plane through the vertex across each of the two other axes once upwards and once downwards, which comparisons
 //! of coordinates tell. A row that crosses one of these planes once at most makes less than a full turn.
 
-use super::{CERTIFIED, Certified, OneRing, OneRings, RING};
+use super::OneRings;
+use super::certified::Certified;
+use super::ring::{CERTIFIED, OneRing, RING};
 use crate::Mesh;
 use crate::bvh::Join;
 use crate::exact::filter64::{ERROR_2D, UNDERFLOW_2D};
-use crate::index::{at, at_mut, part, range, split};
 use crate::parallel::parts;
 use glam::{DVec3, Vec3A, Vec3Swizzles};
 
@@ -27,9 +28,10 @@ impl OneRings<'_> {
     /// O(vertices + triangles).
     pub fn certify<'m>(&'m mut self, mesh: Mesh<'m>, join: Option<&Join<'_>>) -> Certified<'m> {
         let positions = mesh.shadow();
-        match mesh.f64() {
-            None => self.certify_by(mesh, join, |t| turns_of(positions, t)),
-            Some(f64) => self.certify_by(mesh, join, |t| (f64.turns)(mesh, t)),
+        if mesh.is_f64() {
+            self.certify_by(mesh, join, |t| turns_in_f64(mesh, t))
+        } else {
+            self.certify_by(mesh, join, |t| turns_of(positions, t))
         }
     }
 
@@ -69,21 +71,21 @@ fn certify_in_parts(
     links: &mut [u32],
     join: Option<&Join<'_>>,
 ) {
-    let (ends, rest) = split(links, rings.len() + 1);
-    let (corners, turns) = split(rest, 3 * triangles.len());
+    let (ends, rest) = links.split_at_mut(rings.len() + 1);
+    let (corners, turns) = rest.split_at_mut(3 * triangles.len());
     parts(join, 0, turns, &|first, turns| {
-        for (turns, t) in turns.iter_mut().zip(part(triangles, first..)) {
+        for (turns, t) in turns.iter_mut().zip(&triangles[first..]) {
             *turns = turns_of(t);
         }
     });
     let (ends, corners, turns) = (&*ends, &*corners, &*turns);
     parts(join, 0, rings, &|first, rings| {
-        let mut start = first.checked_sub(1).map_or(0, |before| *at(ends, before));
-        for (ring, &end) in rings.iter_mut().zip(part(ends, first..)) {
+        let mut start = first.checked_sub(1).map_or(0, |before| ends[before]);
+        for (ring, &end) in rings.iter_mut().zip(&ends[first..]) {
             ring.clear();
             if ring.is_connected() {
-                for corner in range(corners, start, end - start) {
-                    ring.add(*at(turns, corner / 3), corner % 3);
+                for corner in &corners[start as usize..][..(end - start) as usize] {
+                    ring.add(turns[(corner / 3) as usize], corner % 3);
                 }
             }
             ring.certify();
@@ -134,7 +136,7 @@ impl OneRing {
 #[inline(always)]
 fn add(turns: u32, t: &[u32; 3], rings: &mut [OneRing]) {
     for (corner, &vertex) in (0..).zip(t) {
-        let ring = at_mut(rings, vertex);
+        let ring = &mut rings[vertex as usize];
         if ring.is_connected() {
             ring.add(turns, corner);
         }
@@ -145,13 +147,13 @@ fn add(turns: u32, t: &[u32; 3], rings: &mut [OneRing]) {
 /// uncertified signs from [`SIGNS`] on.
 #[inline(always)]
 fn turns_of(positions: &[[f32; 3]], t: &[u32; 3]) -> u32 {
-    let [p, q, r] = t.map(|vertex| Vec3A::from_array(*at(positions, vertex)));
+    let [p, q, r] = t.map(|vertex| Vec3A::from_array(positions[vertex as usize]));
     let signs = uncertified_signs(q - p, r - p);
     signs << SIGNS | crossed([p, q, r], |x, y| x.cmpge(y).bitmask())
 }
 
 /// [`turns_of`] a triangle of a mesh in f64.
-pub(crate) fn turns_in_f64(mesh: Mesh<'_>, t: &[u32; 3]) -> u32 {
+fn turns_in_f64(mesh: Mesh<'_>, t: &[u32; 3]) -> u32 {
     let [p, q, r] = t.map(|vertex| DVec3::from_array(mesh.position_f64(vertex)));
     let (u, v) = (q - p, r - p);
     let (extent, normal) = (u.abs().max(v.abs()), u.cross(v));

@@ -4,14 +4,10 @@
 //! Around a vertex of many triangles these are too many, even if a certificate then rejects all their triangle pairs. So nodes
 //! are marked below which all triangles are around one such vertex: if that is certified, a pair of such nodes has no hits.
 
-use super::{Certified, OneRing, OneRings, SIZE};
-use crate::bvh::{Bvh, Layout, MAX_LEAF_SIZE};
-use crate::index::{at, at_mut};
-use crate::{CapacityError, Mesh};
-
-/// The fewest triangles of a large one-ring: eight full leaves, whose pairs are about as many as those of eight leaves of any
-/// surface with their neighbours.
-pub(super) const LARGE: usize = 8 * MAX_LEAF_SIZE as usize;
+use super::OneRings;
+use super::certified::{Certified, Fans};
+use super::ring::{OneRing, SIZE};
+use crate::{Bvh, CapacityError, Mesh};
 
 const WORD: usize = u32::BITS as usize;
 
@@ -19,20 +15,6 @@ const WORD: usize = u32::BITS as usize;
 #[must_use]
 pub const fn fan_bound(nodes: usize) -> usize {
     nodes.div_ceil(WORD)
-}
-
-/// A bit for each node of a BVH: whether all triangles below have the same [`hub`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Fans<'a> {
-    /// Empty if no node is marked.
-    marks: &'a [u32],
-    /// The BVH: where its nodes are, and its order.
-    nodes: usize,
-    order: &'a [u32],
-}
-
-impl Fans<'_> {
-    pub(super) const NONE: Self = Self { marks: &[], nodes: 0, order: &[] };
 }
 
 impl OneRings<'_> {
@@ -77,11 +59,7 @@ impl<'a> Certified<'a> {
     /// assert!(SelfBvtt::new(bvh).with_certificates(certified).start().is_done());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn with_fans<L: Layout>(
-        self,
-        bvh: &Bvh<'a, L>,
-        marks: &'a mut [u32],
-    ) -> Result<Self, CapacityError> {
+    pub fn with_fans(self, bvh: &Bvh<'a>, marks: &'a mut [u32]) -> Result<Self, CapacityError> {
         let nodes = bvh.nodes();
         CapacityError::check("marks", fan_bound(nodes.len()), marks.len())?;
         marks.fill(0);
@@ -101,7 +79,7 @@ impl<'a> Certified<'a> {
                     && is_marked(marks, right)
                     && hub(first_triangle(bvh, left)) == hub(first_triangle(bvh, right))
             };
-            *at_mut(marks, index / WORD) |= u32::from(is_fan) << (index % WORD);
+            marks[index / WORD] |= u32::from(is_fan) << (index % WORD);
         }
         Ok(self.with_fans_unchecked(bvh, marks))
     }
@@ -110,7 +88,7 @@ impl<'a> Certified<'a> {
     ///
     /// Nothing is checked: with any others a query may miss pairs.
     #[must_use]
-    pub fn with_fans_unchecked<L: Layout>(self, bvh: &Bvh<'a, L>, marks: &'a [u32]) -> Self {
+    pub fn with_fans_unchecked(self, bvh: &Bvh<'a>, marks: &'a [u32]) -> Self {
         let fans = Fans { marks, nodes: bvh.nodes().as_ptr().addr(), order: bvh.order() };
         Self { fans, ..self }
     }
@@ -118,7 +96,7 @@ impl<'a> Certified<'a> {
     /// The marks of the nodes if they are of the very BVH, else none.
     ///
     /// Both borrow their slices, so slices in the same place hold the same.
-    pub(crate) fn fans_of<L: Layout>(self, bvh: &Bvh<'_, L>) -> &'a [u32] {
+    pub(crate) fn fans_of(self, bvh: &Bvh<'_>) -> &'a [u32] {
         let Fans { marks, nodes, order } = self.fans;
         let same = nodes == bvh.nodes().as_ptr().addr() && core::ptr::eq(order, bvh.order());
         if same && !self.of_mesh(bvh.mesh()).is_empty() { marks } else { &[] }
@@ -132,27 +110,21 @@ pub(crate) fn is_marked(marks: &[u32], node: u32) -> bool {
 }
 
 /// The vertex that all triangles below a marked node share.
-pub(crate) fn hub_of<L: Layout>(bvh: &Bvh<'_, L>, rings: &[OneRing], node: u32) -> Option<u32> {
+pub(crate) fn hub_of(bvh: &Bvh<'_>, rings: &[OneRing], node: u32) -> Option<u32> {
     hub(bvh.mesh(), rings, first_triangle(bvh, node))
 }
 
 /// The corner of a triangle whose one-ring is the largest, if it is large.
 fn hub(mesh: Mesh<'_>, rings: &[OneRing], triangle: u32) -> Option<u32> {
     let size = |vertex: &u32| rings.get(*vertex as usize).map_or(0, |ring| ring.0 & SIZE);
-    at(mesh.triangles(), triangle).iter().copied().max_by_key(size).filter(|hub| size(hub) > 0)
+    mesh.triangles()[triangle as usize].iter().copied().max_by_key(size).filter(|hub| size(hub) > 0)
 }
 
 /// The first triangle below a node.
-fn first_triangle<L: Layout>(bvh: &Bvh<'_, L>, node: u32) -> u32 {
+fn first_triangle(bvh: &Bvh<'_>, node: u32) -> u32 {
     let mut node = bvh.node(node);
     while !node.is_leaf() {
         node = bvh.node(node.left());
     }
-    *at(bvh.leaf_triangles(node), 0)
-}
-
-impl OneRing {
-    fn is_large(self) -> bool {
-        self.0 & SIZE != 0
-    }
+    bvh.leaf_triangles(node)[0]
 }

@@ -1,7 +1,7 @@
 //! Connectivity of one-rings: which vertices have triangles that form one ring or one row.
 
-use super::{OneRing, OneRings, RING, ROW};
-use crate::index::{at, at_mut, range_mut, split};
+use super::OneRings;
+use super::ring::{OneRing, RING, ROW};
 use crate::sort::sort;
 
 /// Returns the number of words of scratch that [`OneRings::new`] needs.
@@ -25,13 +25,13 @@ impl OneRings<'_> {
             // Corners are numbered 3t + k in 32 bits.
             return;
         }
-        let (ends, corners) = split(scratch, self.rings.len() + 1);
+        let (ends, corners) = scratch.split_at_mut(self.rings.len() + 1);
         ends.fill(0);
         let all = || triangles.as_flattened().iter().map(|&vertex| vertex as usize);
         // A corner without a vertex is in no mesh, and may be left out.
         let vertices = self.rings.len();
         for vertex in all().filter(|&vertex| vertex < vertices) {
-            *at_mut(ends, vertex + 1) += 1;
+            ends[vertex + 1] += 1;
         }
         let mut sum = 0;
         for end in &mut *ends {
@@ -39,13 +39,13 @@ impl OneRings<'_> {
             *end = sum;
         }
         for (corner, vertex) in all().enumerate().filter(|&(_, vertex)| vertex < vertices) {
-            let end = at_mut(ends, vertex);
-            *at_mut(corners, *end) = corner as u32;
+            let end = &mut ends[vertex];
+            corners[*end as usize] = corner as u32;
             *end += 1;
         }
         let mut start = 0;
         for (ring, &end) in self.rings.iter_mut().zip(ends.iter()) {
-            *ring = linked(triangles, range_mut(corners, start, end - start));
+            *ring = linked(triangles, &mut corners[start as usize..end as usize]);
             start = end;
         }
     }
@@ -56,7 +56,7 @@ const FEW: usize = 15;
 
 /// The edge that faces a corner, from one vertex to another.
 fn edge(triangles: &[[u32; 3]], corner: u32) -> [u32; 2] {
-    let (t, k) = (at(triangles, corner / 3), corner as usize % 3);
+    let (t, k) = (&triangles[(corner / 3) as usize], corner as usize % 3);
     [t[(k + 1) % 3], t[(k + 2) % 3]]
 }
 
@@ -66,7 +66,7 @@ fn linked(triangles: &[[u32; 3]], corners: &mut [u32]) -> OneRing {
     if corners.len() > edges.len() {
         return linked_by_sorting(triangles, corners);
     }
-    let (edges, _) = split(&mut edges, corners.len());
+    let edges = &mut edges[..corners.len()];
     for (to, &corner) in edges.iter_mut().zip(&*corners) {
         *to = edge(triangles, corner);
     }
@@ -104,7 +104,7 @@ fn linked_by_sorting(triangles: &[[u32; 3]], corners: &mut [u32]) -> OneRing {
     }
     let next = |vertex: u32| {
         let found = corners.binary_search_by_key(&vertex, from).ok()?;
-        Some(edge(triangles, *at(corners, found))[1])
+        Some(edge(triangles, corners[found])[1])
     };
     // Goes from edge to edge until no edge goes on, or there were as many as there are, or it is where it began. Since no two
     // edges begin at one vertex, it goes through no edge twice unless it goes round.

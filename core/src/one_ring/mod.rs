@@ -25,20 +25,24 @@
 //! not certified, and their pairs are tested as all others are. Both conditions are decided exactly, by certified signs and
 //! by comparisons.
 
+mod certified;
 mod certify;
 mod fan;
 mod link;
+mod ring;
 #[cfg(test)]
 mod tests;
 
-use crate::index::split;
-use crate::{CapacityError, Mesh};
-use bytemuck::{Pod, Zeroable, must_cast_slice, must_cast_slice_mut};
-pub(crate) use certify::turns_in_f64;
+pub use certified::Certified;
 pub use fan::fan_bound;
-use fan::{Fans, LARGE};
-pub(crate) use fan::{hub_of, is_marked};
 pub use link::{link_scratch_bound, links_bound};
+
+pub(crate) use fan::{hub_of, is_marked};
+pub(crate) use ring::OneRing;
+
+use crate::CapacityError;
+use crate::parallel::split;
+use bytemuck::must_cast_slice_mut;
 
 /// The one-rings of a mesh: how the triangles around each vertex are connected, which its positions do not change.
 ///
@@ -78,7 +82,7 @@ impl<'a> OneRings<'a> {
     /// Finds the vertices whose triangles form one ring or one row. None of them is certified yet, and none ever is
     /// in a mesh of more than 2^32 / 3 triangles.
     ///
-    /// `triangles` are those of a [`Mesh`] of so many vertices; `scratch` is not used afterwards, but for
+    /// `triangles` are those of a [`Mesh`](crate::Mesh) of so many vertices; `scratch` is not used afterwards, but for
     /// [`OneRings::with_links`].
     ///
     /// # Errors
@@ -139,96 +143,6 @@ impl<'a> OneRings<'a> {
     pub fn with_links(self, links: &'a mut [u32]) -> Result<Self, CapacityError> {
         let needed = links_bound(self.rings.len(), self.triangles.len());
         CapacityError::check("links", needed, links.len())?;
-        Ok(Self { links: split(links, needed).0, ..self })
-    }
-}
-
-/// Certificates of the one-rings of a mesh, for its positions.
-///
-/// It borrows the positions that it holds for, so that they cannot change while it is used:
-/// ```compile_fail,E0506
-/// # use pfront_core::{Mesh, one_ring::OneRings};
-/// # let (mut positions, triangles) = ([[0.0; 3]; 3], [[0, 1, 2]]);
-/// # let (mut history, mut scratch) = ([0; 9], [0; 9]);
-/// # let mut rings = OneRings::new(3, &triangles, &mut history, &mut scratch)?;
-/// let mesh = Mesh::new(&positions, &triangles)?;
-/// let certified = rings.certify(mesh, None);
-/// positions[0] = [1.0; 3];
-/// certified.is_certified(0);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Copy, Debug)]
-pub struct Certified<'a> {
-    mesh: Mesh<'a>,
-    /// One for each vertex, or none at all.
-    rings: &'a [OneRing],
-    fans: Fans<'a>,
-}
-
-impl<'a> Certified<'a> {
-    fn new(mesh: Mesh<'a>, rings: &'a [OneRing]) -> Self {
-        Self { mesh, rings, fans: Fans::NONE }
-    }
-
-    /// Borrows again the certificates in a history that [`OneRings::certify`] has brought up to date.
-    ///
-    /// Nothing is checked: if the mesh has other triangles, or any other position, a query may miss pairs.
-    #[must_use]
-    pub fn new_unchecked(mesh: Mesh<'a>, history: &'a [u32]) -> Self {
-        let (rings, _) = history.split_at(mesh.vertex_count().min(history.len()));
-        Self::new(mesh, must_cast_slice(rings))
-    }
-
-    /// Whether no two triangles around the vertex intersect in more than what they share by index.
-    #[must_use]
-    pub fn is_certified(self, vertex: u32) -> bool {
-        self.rings.get(vertex as usize).is_some_and(|ring| ring.is_certified())
-    }
-
-    /// The certificate of each vertex if `mesh` is the very one that they were made for, else none.
-    ///
-    /// Both borrow their slices, so slices in the same place hold the same.
-    pub(crate) fn of_mesh(self, mesh: Mesh<'_>) -> &'a [OneRing] {
-        let in_f64 = |mesh: Mesh<'_>| mesh.positions_f64().map(<[_]>::as_ptr);
-        let same = core::ptr::eq(self.mesh.shadow(), mesh.shadow())
-            && in_f64(self.mesh) == in_f64(mesh)
-            && core::ptr::eq(self.mesh.triangles(), mesh.triangles());
-        if same { self.rings } else { &[] }
-    }
-}
-
-/// The triangles around one vertex: how they are connected, and whether they are certified.
-#[repr(transparent)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub(crate) struct OneRing(u32);
-
-/// The triangles around the vertex form a closed ring.
-const RING: u32 = 1 << 31;
-/// They form a row that begins and ends at the boundary.
-const ROW: u32 = 1 << 30;
-/// How many triangles there are, to a power of two; 0 if they are fewer than [`LARGE`].
-const SIZE: u32 = 0x1f << 25;
-/// No two of the triangles intersect in more than what they share by index.
-const CERTIFIED: u32 = 1;
-
-impl OneRing {
-    /// The bits of the size of a one-ring, which are there if it is large: to a power of two.
-    fn size(triangles: usize) -> u32 {
-        if triangles < LARGE { 0 } else { triangles.ilog2() << SIZE.trailing_zeros() }
-    }
-
-    #[inline]
-    pub(crate) fn is_certified(self) -> bool {
-        self.0 & CERTIFIED != 0
-    }
-
-    /// Whether the triangles form one ring or one row.
-    fn is_connected(self) -> bool {
-        self.0 & (RING | ROW) != 0
-    }
-
-    /// Forgets all but how the triangles are connected.
-    fn clear(&mut self) {
-        self.0 &= RING | ROW | SIZE;
+        Ok(Self { links: &mut links[..needed], ..self })
     }
 }

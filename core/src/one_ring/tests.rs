@@ -3,6 +3,7 @@
 extern crate std;
 
 use super::*;
+use crate::Mesh;
 use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, morton, node_bound, refit};
 use crate::bvtt::{Query, SelfBvtt};
 use crate::parallel::FINE;

@@ -26,195 +26,188 @@ mod tests;
 pub(crate) use affine::Affine;
 
 use crate::Aabb;
+use crate::scalar::Scalar;
 
-/// The type of a pose over one type of coordinates, with its methods.
-macro_rules! pose {
-    ($name:ident, $real:ident, $summary:literal) => {
-        #[doc = $summary]
-        ///
-        /// `rows[i] = [r_i0, r_i1, r_i2, t_i]`, row-major 3×4. It is meant to be rigid, but any finite affine map works.
-        ///
-        /// # Examples
-        /// ```
-        #[doc = concat!("use pfront_core::", stringify!($name), " as Pose;")]
-        /// let a_from_b = Pose::from_translation([0.0, 0.0, 2.0]);
-        /// assert_eq!(a_from_b.apply([1.0, 0.0, 0.0]), [1.0, 0.0, 2.0]);
-        /// ```
-        #[repr(C)]
-        #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-        pub struct $name {
-            /// The three rows of the matrix.
-            pub rows: [[$real; 4]; 3],
-        }
-
-        impl $name {
-            /// The pose that leaves every point where it is, to the bit but for the sign of zero.
-            pub const IDENTITY: Self =
-                Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
-
-            /// Makes a pose from its rows.
-            #[must_use]
-            pub const fn new(rows: [[$real; 4]; 3]) -> Self {
-                Self { rows }
-            }
-
-            /// Makes a pose that only translates.
-            #[must_use]
-            pub const fn from_translation(t: [$real; 3]) -> Self {
-                let mut pose = Self::IDENTITY;
-                pose.rows[0][3] = t[0];
-                pose.rows[1][3] = t[1];
-                pose.rows[2][3] = t[2];
-                pose
-            }
-
-            /// Makes a pose from a matrix by columns, as glam, bevy, rapier, OpenGL and three.js keep it. Its last row, 0 0 0 1
-            /// of every affine map, is not read.
-            ///
-            /// # Examples
-            /// ```
-            #[doc = concat!("use pfront_core::", stringify!($name), " as Pose;")]
-            /// let matrix =
-            ///     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0, 1.0];
-            /// assert_eq!(Pose::from_cols_array(&matrix), Pose::from_translation([5.0, 6.0, 7.0]));
-            /// ```
-            #[must_use]
-            pub const fn from_cols_array(m: &[$real; 16]) -> Self {
-                Self {
-                    rows: [
-                        [m[0], m[4], m[8], m[12]],
-                        [m[1], m[5], m[9], m[13]],
-                        [m[2], m[6], m[10], m[14]],
-                    ],
-                }
-            }
-
-            /// Makes a pose from a rotation, as a unit quaternion (x, y, z, w), and a translation that comes after it.
-            ///
-            /// # Examples
-            /// ```
-            #[doc = concat!("use pfront_core::", stringify!($name), " as Pose;")]
-            /// let half_turn_about_z =
-            ///     Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 5.0]);
-            /// assert_eq!(half_turn_about_z.apply([1.0, 2.0, 3.0]), [-1.0, -2.0, 8.0]);
-            /// ```
-            #[must_use]
-            pub fn from_rotation_translation(
-                rotation: [$real; 4],
-                translation: [$real; 3],
-            ) -> Self {
-                let ([x, y, z, w], [tx, ty, tz]) = (rotation.map(f64::from), translation);
-                let row = |r: [f64; 3], t: $real| [r[0] as $real, r[1] as $real, r[2] as $real, t];
-                let (xx, yy, zz) = (x * x, y * y, z * z);
-                Self {
-                    rows: [
-                        row([1.0 - 2.0 * (yy + zz), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)], tx),
-                        row([2.0 * (x * y + z * w), 1.0 - 2.0 * (xx + zz), 2.0 * (y * z - x * w)], ty),
-                        row([2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (xx + yy)], tz),
-                    ],
-                }
-            }
-
-            /// The pose that takes every point back; `None` if there is none, since the pose is flat or not finite. Computed in
-            /// f64 and rounded once.
-            ///
-            /// # Examples
-            /// With the poses of two bodies in the world, the pose of a query is
-            /// `a_from_b = world_from_a⁻¹ · world_from_b`:
-            /// ```
-            #[doc = concat!("use pfront_core::", stringify!($name), " as Pose;")]
-            /// let world_from_a =
-            ///     Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
-            /// let world_from_b = Pose::from_translation([3.0, 0.0, 0.0]);
-            /// let inverse = world_from_a.inverse().expect("a rigid pose has an inverse");
-            /// assert_eq!((inverse * world_from_b).apply([0.0; 3]), [-2.0, 0.0, 0.0]);
-            /// ```
-            #[must_use]
-            pub fn inverse(&self) -> Option<Self> {
-                let m = self.rows.map(|row| row.map(f64::from));
-                let minor = |i: usize, j: usize| {
-                    let ([r, s], [c, d]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
-                    m[r][c] * m[s][d] - m[r][d] * m[s][c]
-                };
-                let determinant: f64 = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
-                let rows = [0, 1, 2].map(|i| {
-                    let r = [0, 1, 2].map(|j| minor(j, i) / determinant);
-                    let t = -(r[0] * m[0][3] + r[1] * m[1][3] + r[2] * m[2][3]);
-                    [r[0], r[1], r[2], t].map(|x| x as $real)
-                });
-                rows.iter().flatten().all(|x| x.is_finite()).then_some(Self { rows })
-            }
-
-            /// Returns the posed point, rounded as the [module](self) says.
-            #[inline]
-            #[must_use]
-            pub fn apply(&self, p: [$real; 3]) -> [$real; 3] {
-                self.rows.map(|r| ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3])
-            }
-
-            /// Checks that the pose is finite and keeps a mesh within `bounds`, which may be empty, well inside the range of
-            /// f32, so that neither a posed corner nor a padded box can overflow.
-            ///
-            /// # Errors
-            /// [`PoseError`] names the entry or the row.
-            ///
-            /// # Examples
-            /// ```
-            #[doc = concat!("use pfront_core::{Aabb, ", stringify!($name), " as Pose, pose::PoseError};")]
-            /// let far = Pose::from_translation([0.0, 1e38, 0.0]);
-            /// let unit = Aabb { min: [0.0; 3], max: [1.0; 3] };
-            /// assert_eq!(far.check(&unit), Err(PoseError::Range { row: 1 }));
-            /// ```
-            pub fn check(&self, bounds: &Aabb) -> Result<(), PoseError> {
-                let extent = |min: f32, max: f32| {
-                    if min <= max { min.abs().max(max.abs()).into() } else { 0.0 }
-                };
-                let ([a, b, c], [d, e, f]) = (bounds.min, bounds.max);
-                self.check_reach([extent(a, d), extent(b, e), extent(c, f)])
-            }
-
-            /// [`Self::check`] for a mesh whose coordinates are at most so large.
-            pub(crate) fn check_reach(&self, extent: [$real; 3]) -> Result<(), PoseError> {
-                for (row, entries) in self.rows.iter().enumerate() {
-                    if let Some(column) = entries.iter().position(|x| !x.is_finite()) {
-                        return Err(PoseError::NonFinite { row, column });
-                    }
-                    let [x, y, z, t] = entries.map(|entry| entry.abs());
-                    let reach = t + x * extent[0] + y * extent[1] + z * extent[2];
-                    if reach.is_nan() || reach >= POSED_LIMIT.into() {
-                        return Err(PoseError::Range { row });
-                    }
-                }
-                Ok(())
-            }
-        }
-
-        /// `a_from_b * b_from_c` is `a_from_c`: the pose on the right comes first. Computed in f64 and rounded once, so that a
-        /// point posed by it may differ from one posed twice in the last digits.
-        impl core::ops::Mul for $name {
-            type Output = Self;
-
-            fn mul(self, other: Self) -> Self {
-                let other = other.rows.map(|row| row.map(f64::from));
-                Self {
-                    rows: self.rows.map(|row| {
-                        let r = row.map(f64::from);
-                        let entry =
-                            |k: usize| r[0] * other[0][k] + r[1] * other[1][k] + r[2] * other[2][k];
-                        [entry(0), entry(1), entry(2), entry(3) + r[3]].map(|x| x as $real)
-                    }),
-                }
-            }
-        }
-    };
+/// A pose over one type of coordinates: [`Pose`] of meshes with f32 positions, or [`Pose64`].
+///
+/// `rows[i] = [r_i0, r_i1, r_i2, t_i]`, row-major 3×4. It is meant to be rigid, but any finite affine map works.
+///
+/// # Examples
+/// ```
+/// use pfront_core::Pose;
+/// let a_from_b = Pose::from_translation([0.0, 0.0, 2.0]);
+/// assert_eq!(a_from_b.apply([1.0, 0.0, 0.0]), [1.0, 0.0, 2.0]);
+/// ```
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename = "Pose"))]
+pub struct PoseOf<S> {
+    /// The three rows of the matrix.
+    pub rows: [[S; 4]; 3],
 }
-pose!(Pose, f32, "A pose of meshes with f32 positions.");
-pose!(
-    Pose64,
-    f64,
-    "A pose in f64, of meshes with positions of either kind: see [`Mesh::from_f64`](crate::Mesh::from_f64)."
-);
+
+impl<S: Scalar> PoseOf<S> {
+    /// The pose that leaves every point where it is, to the bit but for the sign of zero.
+    pub const IDENTITY: Self = {
+        let (zero, one) = (S::ZERO, S::ONE);
+        Self { rows: [[one, zero, zero, zero], [zero, one, zero, zero], [zero, zero, one, zero]] }
+    };
+
+    /// Makes a pose from its rows.
+    #[must_use]
+    pub const fn new(rows: [[S; 4]; 3]) -> Self {
+        Self { rows }
+    }
+
+    /// Makes a pose that only translates.
+    #[must_use]
+    pub const fn from_translation(t: [S; 3]) -> Self {
+        let mut pose = Self::IDENTITY;
+        pose.rows[0][3] = t[0];
+        pose.rows[1][3] = t[1];
+        pose.rows[2][3] = t[2];
+        pose
+    }
+
+    /// Makes a pose from a matrix by columns, as glam, bevy, rapier, OpenGL and three.js keep it. Its last row, 0 0 0 1
+    /// of every affine map, is not read.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Pose;
+    /// let matrix =
+    ///     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0, 1.0];
+    /// assert_eq!(Pose::from_cols_array(&matrix), Pose::from_translation([5.0, 6.0, 7.0]));
+    /// ```
+    #[must_use]
+    pub const fn from_cols_array(m: &[S; 16]) -> Self {
+        Self {
+            rows: [
+                [m[0], m[4], m[8], m[12]],
+                [m[1], m[5], m[9], m[13]],
+                [m[2], m[6], m[10], m[14]],
+            ],
+        }
+    }
+
+    /// Makes a pose from a rotation, as a unit quaternion (x, y, z, w), and a translation that comes after it.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::Pose;
+    /// let half_turn_about_z =
+    ///     Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 5.0]);
+    /// assert_eq!(half_turn_about_z.apply([1.0, 2.0, 3.0]), [-1.0, -2.0, 8.0]);
+    /// ```
+    #[must_use]
+    pub fn from_rotation_translation(rotation: [S; 4], translation: [S; 3]) -> Self {
+        let ([x, y, z, w], [tx, ty, tz]) = (rotation.map(S::into), translation);
+        let row = |r: [f64; 3], t: S| [S::nearest(r[0]), S::nearest(r[1]), S::nearest(r[2]), t];
+        let (xx, yy, zz) = (x * x, y * y, z * z);
+        Self {
+            rows: [
+                row([1.0 - 2.0 * (yy + zz), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)], tx),
+                row([2.0 * (x * y + z * w), 1.0 - 2.0 * (xx + zz), 2.0 * (y * z - x * w)], ty),
+                row([2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (xx + yy)], tz),
+            ],
+        }
+    }
+
+    /// The pose that takes every point back; `None` if there is none, since the pose is flat or not finite. Computed in
+    /// f64 and rounded once.
+    ///
+    /// # Examples
+    /// With the poses of two bodies in the world, the pose of a query is
+    /// `a_from_b = world_from_a⁻¹ · world_from_b`:
+    /// ```
+    /// use pfront_core::Pose;
+    /// let world_from_a =
+    ///     Pose::from_rotation_translation([0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
+    /// let world_from_b = Pose::from_translation([3.0, 0.0, 0.0]);
+    /// let inverse = world_from_a.inverse().expect("a rigid pose has an inverse");
+    /// assert_eq!((inverse * world_from_b).apply([0.0; 3]), [-2.0, 0.0, 0.0]);
+    /// ```
+    #[must_use]
+    pub fn inverse(&self) -> Option<Self> {
+        let m = self.rows.map(|row| row.map(S::into));
+        let minor = |i: usize, j: usize| {
+            let ([r, s], [c, d]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
+            m[r][c] * m[s][d] - m[r][d] * m[s][c]
+        };
+        let determinant: f64 = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
+        let rows = [0, 1, 2].map(|i| {
+            let r = [0, 1, 2].map(|j| minor(j, i) / determinant);
+            let t = -(r[0] * m[0][3] + r[1] * m[1][3] + r[2] * m[2][3]);
+            [r[0], r[1], r[2], t].map(S::nearest)
+        });
+        rows.iter().flatten().all(|&x| x.into().is_finite()).then_some(Self { rows })
+    }
+
+    /// Returns the posed point, rounded as the [module](self) says.
+    #[inline]
+    #[must_use]
+    pub fn apply(&self, p: [S; 3]) -> [S; 3] {
+        self.rows.map(|r| ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3])
+    }
+
+    /// Checks that the pose is finite and keeps a mesh within `bounds`, which may be empty, well inside the range of
+    /// f32, so that neither a posed corner nor a padded box can overflow.
+    ///
+    /// # Errors
+    /// [`PoseError`] names the entry or the row.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{Aabb, Pose, pose::PoseError};
+    /// let far = Pose::from_translation([0.0, 1e38, 0.0]);
+    /// let unit = Aabb { min: [0.0; 3], max: [1.0; 3] };
+    /// assert_eq!(far.check(&unit), Err(PoseError::Range { row: 1 }));
+    /// ```
+    pub fn check(&self, bounds: &Aabb) -> Result<(), PoseError> {
+        let extent =
+            |min: f32, max: f32| S::from(if min <= max { min.abs().max(max.abs()) } else { 0.0 });
+        let ([a, b, c], [d, e, f]) = (bounds.min, bounds.max);
+        self.check_reach([extent(a, d), extent(b, e), extent(c, f)])
+    }
+
+    /// [`Self::check`] for a mesh whose coordinates are at most so large.
+    pub(crate) fn check_reach(&self, extent: [S; 3]) -> Result<(), PoseError> {
+        for (row, entries) in self.rows.iter().enumerate() {
+            if let Some(column) = entries.iter().position(|&x| !x.into().is_finite()) {
+                return Err(PoseError::NonFinite { row, column });
+            }
+            let [x, y, z, t] = entries.map(S::abs);
+            let reach: f64 = (t + x * extent[0] + y * extent[1] + z * extent[2]).into();
+            if reach.is_nan() || reach >= POSED_LIMIT.into() {
+                return Err(PoseError::Range { row });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `a_from_b * b_from_c` is `a_from_c`: the pose on the right comes first. Computed in f64 and rounded once, so that a
+/// point posed by it may differ from one posed twice in the last digits.
+impl<S: Scalar> core::ops::Mul for PoseOf<S> {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        let other = other.rows.map(|row| row.map(S::into));
+        Self {
+            rows: self.rows.map(|row| {
+                let r = row.map(S::into);
+                let entry = |k: usize| r[0] * other[0][k] + r[1] * other[1][k] + r[2] * other[2][k];
+                [entry(0), entry(1), entry(2), entry(3) + r[3]].map(S::nearest)
+            }),
+        }
+    }
+}
+
+/// A pose of meshes with f32 positions.
+pub type Pose = PoseOf<f32>;
+
+/// A pose in f64, of meshes with positions of either kind: see `Mesh::from_f64`.
+pub type Pose64 = PoseOf<f64>;
 
 impl Pose {
     /// The rounding error of [`Pose::apply`] in a coordinate is less than this times |R|·|p| + |t| of that coordinate,

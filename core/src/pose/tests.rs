@@ -65,7 +65,8 @@ fn posed_boxes_contain_posed_corners() {
         let affine = affine(&pose, &points);
         let posed = affine.bounds(&Bounds::new(&aabb));
         let one = Node { min: aabb.min, max: aabb.max, ..Node::EMPTY };
-        let four = affine.boxes(&Box4::of_nodes([&one, &Node::EMPTY, &one, &one]));
+        let four =
+            affine.boxes(&Box4::transposed([one, Node::EMPTY, one, one].map(bytemuck::must_cast)));
         for corner in 0..8 {
             let p = [0, 1, 2].map(|k| [aabb.min, aabb.max][corner >> k & 1][k]);
             let p = Vec3A::from_array(pose.apply(p));

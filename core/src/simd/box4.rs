@@ -1,6 +1,5 @@
 //! Four boxes side by side.
 
-use crate::Node;
 use glam::{Mat4, Vec4};
 
 /// Four closed boxes by coordinates. A box with a NaN bound overlaps nothing.
@@ -11,12 +10,11 @@ pub(crate) struct Box4 {
 }
 
 impl Box4 {
+    /// The boxes whose smallest and largest corners these are, each with a word of something else.
     #[inline(always)]
-    pub(crate) fn of_nodes(nodes: [&Node; 4]) -> Self {
-        // Both halves of a node are a corner and a word, which are loaded whole and transposed.
-        let halves: [[Vec4; 2]; 4] = nodes.map(|node| bytemuck::must_cast(*node));
-        let corner = |half: usize| {
-            let [a, b, c, d] = halves.map(|node| node[half]);
+    pub(crate) fn transposed(boxes: [[Vec4; 2]; 4]) -> Self {
+        let corner = |which: usize| {
+            let [a, b, c, d] = boxes.map(|corners| corners[which]);
             let columns = Mat4::from_cols(a, b, c, d).transpose();
             [columns.x_axis, columns.y_axis, columns.z_axis]
         };

@@ -4,7 +4,6 @@ use core::ops::{Add, BitAnd, BitOr, Mul, Sub};
 
 /// The number of lanes: as many as a leaf may hold triangles.
 pub(crate) const LANES: usize = 8;
-const _: () = assert!(LANES == crate::bvh::MAX_LEAF_SIZE as usize);
 
 /// Whether the target has vector registers. Without them, a traversal with one lane is faster, since most boxes are
 /// separated by the first comparisons, and takes less machine code.

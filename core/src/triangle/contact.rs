@@ -9,7 +9,8 @@ use super::coplanar::{extremes, flat, projection};
 use super::{arrange, one_sided, triangles_intersect};
 use crate::exact::filter64::{ERROR_2D, ERROR_3D, UNDERFLOW_2D, UNDERFLOW_3D, larger};
 use crate::exact::orientation::{orient2d, sides};
-use crate::exact::{Coordinate, Exact, difference, integer};
+use crate::exact::{Exact, difference, integer};
+use crate::scalar::Scalar;
 use crate::{Pose64, Triangle};
 use core::ops::Range;
 use glam::{DVec3, Vec3Swizzles};
@@ -56,7 +57,7 @@ pub fn contact(a: &Triangle, b: &Triangle) -> Option<Contact> {
 }
 
 /// [`contact`] of triangles with coordinates of either kind, which are in range.
-pub(crate) fn contact_of<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<Contact<C>> {
+pub(crate) fn contact_of<C: Scalar>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<Contact<C>> {
     let [of_a, of_b] = [TrianglePlane::of(a), TrianglePlane::of(b)];
     let normals = || [of_a.unit_normal(), of_b.unit_normal()];
     // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
@@ -104,7 +105,7 @@ struct TrianglePlane<'t, C> {
     normal: DVec3,
 }
 
-impl<'t, C: Coordinate> TrianglePlane<'t, C> {
+impl<'t, C: Scalar> TrianglePlane<'t, C> {
     #[inline]
     fn of(triangle: &'t [[C; 3]; 3]) -> Self {
         let [a, b, c] = triangle;
@@ -156,7 +157,7 @@ struct Corner<C> {
     height: f64,
 }
 
-impl<'t, C: Coordinate> CornerHeights<'t, C> {
+impl<'t, C: Scalar> CornerHeights<'t, C> {
     #[inline]
     fn new(points: &[[C; 3]; 3], plane: &'t TrianglePlane<'t, C>) -> Self {
         let offsets = points.each_ref().map(|p| difference(p, &plane.triangle[0]));
@@ -196,7 +197,7 @@ impl<'t, C: Coordinate> CornerHeights<'t, C> {
     }
 }
 
-fn orient3d<C: Coordinate>(a: &[C; 3], b: &[C; 3], c: &[C; 3], d: &[C; 3]) -> i32 {
+fn orient3d<C: Scalar>(a: &[C; 3], b: &[C; 3], c: &[C; 3], d: &[C; 3]) -> i32 {
     let [side] = sides([a, b, c], [d]);
     side
 }
@@ -219,7 +220,7 @@ impl From<Contact> for Contact<f64> {
 
 /// The overlap of the two intervals that [`intervals_overlap`](super::intervals_overlap) compares: of `a` over the plane of
 /// `b`, and the other way round.
-fn crossing<C: Coordinate>(
+fn crossing<C: Scalar>(
     a: &CornerHeights<'_, C>,
     a_sides: &[i32; 3],
     b: &CornerHeights<'_, C>,
@@ -238,7 +239,7 @@ fn crossing<C: Coordinate>(
 }
 
 /// The point in which the edge p–q cuts the plane of a triangle.
-fn edge_point<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] {
+fn edge_point<C: Scalar>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] {
     let plane = TrianglePlane::of(t);
     let over = CornerHeights::new(&[*p, *q, *q], &plane);
     over.cut(&over.points[0], &over.points[1])
@@ -246,7 +247,7 @@ fn edge_point<C: Coordinate>(p: &[C; 3], q: &[C; 3], t: &[[C; 3]; 3]) -> [C; 3] 
 
 /// The longest chord between corners of the intersection of triangles that are coplanar or of which one is
 /// degenerate. These corners are corners of one within the other, and points where two edges cross.
-fn flat_chord<C: Coordinate>(
+fn flat_chord<C: Scalar>(
     a: &[[C; 3]; 3],
     b: &[[C; 3]; 3],
     are_coplanar: bool,
@@ -281,7 +282,7 @@ fn flat_chord<C: Coordinate>(
 }
 
 /// The same of coplanar triangles that have areas, by their turns in a projection along an axis.
-fn coplanar_chord<C: Coordinate>(
+fn coplanar_chord<C: Scalar>(
     a: &[[C; 3]; 3],
     b: &[[C; 3]; 3],
     axis: usize,
@@ -319,11 +320,7 @@ fn transposed<T>([[a, b, c], [d, e, f], [g, h, i]]: [[T; 3]; 3]) -> [[T; 3]; 3] 
 }
 
 /// The point in which two edges cross that cross in the projection along an axis and lie in one plane.
-fn edges_cross_at<C: Coordinate>(
-    [p, q]: [&[C; 3]; 2],
-    [r, s]: [&[C; 3]; 2],
-    axis: usize,
-) -> [C; 3] {
+fn edges_cross_at<C: Scalar>([p, q]: [&[C; 3]; 2], [r, s]: [&[C; 3]; 2], axis: usize) -> [C; 3] {
     // The plane through r–s along the axis.
     let other = |x: C| C::from(if x == C::from(0.0) { 1.0 } else { 0.0 });
     let [x, y, z] = *r;
@@ -336,7 +333,7 @@ fn edges_cross_at<C: Coordinate>(
 }
 
 /// The points in which an edge of one coplanar triangle crosses an edge of the other, where one of them is degenerate.
-fn edge_crossings<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], mut add: impl FnMut([C; 3])) {
+fn edge_crossings<C: Scalar>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], mut add: impl FnMut([C; 3])) {
     let differ =
         |[p, q]: [[C; 2]; 2], [r, s]: [[C; 2]; 2]| orient2d(&p, &q, &r) * orient2d(&p, &q, &s) < 0;
     for axis in 0..3 {
@@ -367,7 +364,7 @@ struct Corners<C> {
     count: usize,
 }
 
-impl<C: Coordinate> Corners<C> {
+impl<C: Scalar> Corners<C> {
     fn new() -> Self {
         Self { points: [[C::from(0.0); 3]; 15], count: 0 }
     }

@@ -4,7 +4,8 @@
 //! which takes only the turns of points in a projection that keeps areas. A degenerate triangle is its
 //! segment or point, and a segment is a polygon of two edges, there and back.
 
-use crate::exact::{Coordinate, Orientation, difference};
+use crate::exact::{Orientation, difference};
+use crate::scalar::Scalar;
 
 /// Whether two triangles intersect that are coplanar or of which at least one is degenerate.
 #[cold]
@@ -88,7 +89,7 @@ pub(super) fn flat<C: Copy, const N: usize>(points: &[[C; 3]; N], axis: usize) -
 }
 
 /// The ends of a degenerate triangle: lexicographic order is monotone along a line.
-pub(super) fn extremes<C: Coordinate>(t: &[[C; 3]; 3]) -> [[C; 3]; 2] {
+pub(super) fn extremes<C: Scalar>(t: &[[C; 3]; 3]) -> [[C; 3]; 2] {
     t.iter().fold([t[0]; 2], |[low, high], &p| {
         [if p < low { p } else { low }, if p > high { p } else { high }]
     })

@@ -16,8 +16,8 @@ use super::coplanar::{projection, segment_intersects, turn};
 use super::{intersects, intersects_in_f64};
 use crate::Mesh;
 use crate::exact::filter64::{UNDERFLOW_2D, UNDERFLOW_3D};
-use crate::exact::{Coordinate, Exact, Orientation, difference};
-use crate::index::at;
+use crate::exact::{Exact, Orientation, difference};
+use crate::scalar::Scalar;
 use glam::DVec3;
 
 /// The rule for triangles of one mesh that share vertices.
@@ -47,10 +47,10 @@ pub enum Adjacency {
 /// ```
 #[must_use]
 pub fn intersects_in_mesh(mesh: Mesh<'_>, i: u32, j: u32, adjacency: Adjacency) -> bool {
-    if let Some(f64) = mesh.f64() {
-        return (f64.intersects_in_mesh)(mesh, [i, j], adjacency);
+    if mesh.is_f64() {
+        return intersects_in_mesh_f64(mesh, [i, j], adjacency);
     }
-    match neighbours(mesh, [i, j], |vertex| *at(mesh.shadow(), vertex)) {
+    match neighbours(mesh, [i, j], |vertex| mesh.shadow()[vertex as usize]) {
         None => intersects(&mesh.shadow_triangle(i), &mesh.shadow_triangle(j)),
         Some(_) if adjacency == Adjacency::SkipNeighbours => false,
         Some([a, b]) => neighbours_intersect::<Exact<f32>>(&a, &b) == Some(true),
@@ -58,11 +58,7 @@ pub fn intersects_in_mesh(mesh: Mesh<'_>, i: u32, j: u32, adjacency: Adjacency) 
 }
 
 /// [`intersects_in_mesh`] of a mesh whose positions are in f64.
-pub(crate) fn intersects_in_mesh_f64(
-    mesh: Mesh<'_>,
-    [i, j]: [u32; 2],
-    adjacency: Adjacency,
-) -> bool {
+fn intersects_in_mesh_f64(mesh: Mesh<'_>, [i, j]: [u32; 2], adjacency: Adjacency) -> bool {
     match neighbours(mesh, [i, j], |vertex| mesh.position_f64(vertex)) {
         None => intersects_in_f64(&mesh.triangle_f64(i), &mesh.triangle_f64(j)),
         Some(_) if adjacency == Adjacency::SkipNeighbours => false,
@@ -72,12 +68,12 @@ pub(crate) fn intersects_in_mesh_f64(
 
 /// Two triangles of a mesh, if they share a vertex.
 #[inline]
-fn neighbours<C: Coordinate>(
+fn neighbours<C: Scalar>(
     mesh: Mesh<'_>,
     triangles: [u32; 2],
     position: impl Fn(u32) -> [C; 3],
 ) -> Option<[Neighbour<C>; 2]> {
-    let [a, b] = triangles.map(|triangle| at(mesh.triangles(), triangle));
+    let [a, b] = triangles.map(|triangle| &mesh.triangles()[triangle as usize]);
     let shared = shared_with(b, a);
     (shared != [false; 3]).then(|| {
         [Neighbour::new(&position, a, shared), Neighbour::new(&position, b, shared_with(a, b))]
@@ -94,7 +90,7 @@ struct Neighbour<C> {
     distinct: usize,
 }
 
-impl<C: Coordinate> Neighbour<C> {
+impl<C: Scalar> Neighbour<C> {
     #[inline]
     fn new(position: impl Fn(u32) -> [C; 3], triangle: &[u32; 3], is_shared: [bool; 3]) -> Self {
         let (vertices, shared, distinct) = shared_first(triangle, is_shared);
@@ -203,7 +199,7 @@ fn edge_rule<K: Orientation>(a: &[[K::C; 3]; 3], b: &[[K::C; 3]; 3]) -> Option<b
 /// Any plane will do; this one is normal to the directions of one triangle minus those of the other. Its height
 /// over a corner is off by less than (1+u)^4 − 1 of the sum of the three products, u = 2^-53, and by 3 · 2^-1075 where they
 /// underflow; the bound loses as little.
-fn separated_at_vertex<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> bool {
+fn separated_at_vertex<C: Scalar>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> bool {
     let edges = [&a[1], &a[2], &b[1], &b[2]].map(|p| difference(p, &a[0]));
     // An edge without length has the direction NaN, and nothing is above such a plane.
     let [p, q, r, s] = edges.map(|e| e / e.abs().element_sum());
@@ -218,7 +214,7 @@ fn separated_at_vertex<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> bool 
 /// The six products of det(f − e, normal, x − e) are off by less than (1+u)^7 − 1 each. Any normal will do. Where they
 /// underflow, the determinant loses 6 · 2^-1075 times the extent of x − e, and the bound as much, as in `filter64`: so
 /// the extents are multiplied first there too.
-fn separated_at_edge<C: Coordinate>(a: &[[C; 3]; 3], d: &[C; 3]) -> bool {
+fn separated_at_edge<C: Scalar>(a: &[[C; 3]; 3], d: &[C; 3]) -> bool {
     let [edge, c, d] = [&a[1], &a[2], d].map(|p| difference(p, &a[0]));
     let normal = edge.cross(c);
     let across = edge.cross(normal);

@@ -30,7 +30,6 @@ use coplanar::coplanar_triangles_intersect;
 
 pub use contact::{Contact, contact};
 pub(crate) use contact::{contact_of, posed_contact};
-pub(crate) use in_mesh::intersects_in_mesh_f64;
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 
 use crate::Triangle;
@@ -54,8 +53,7 @@ use glam::Vec3A;
 /// assert!(intersects(&floor, &tip(0.0)));
 /// assert!(!intersects(&floor, &tip(1e-45)));
 /// ```
-#[cfg_attr(not(target_os = "none"), inline)]
-#[cfg_attr(target_os = "none", inline(never))] // Firmware has little room for code.
+#[inline]
 #[must_use]
 pub fn intersects(a: &Triangle, b: &Triangle) -> bool {
     // Six corners with the same x, y or z are coplanar, which is common where faces lie flush.
@@ -97,7 +95,8 @@ pub fn intersects_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Result<bool, Mesh
     Ok(intersects_in_f64(a, b))
 }
 
-/// [`intersects_f64`] of coordinates that are in range.
+/// [`intersects_f64`] of coordinates that are in range. A function of its own, so that a traversal does not take its stack.
+#[inline(never)]
 pub(crate) fn intersects_in_f64(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> bool {
     triangles_intersect::<Exact<f64>>(a, b) == Some(true)
 }

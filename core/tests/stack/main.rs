@@ -120,8 +120,6 @@ fn checks_and_conversions() {
         _ = black_box(Mesh::new(mesh.positions().unwrap(), mesh.triangles())).unwrap();
     });
     check("Bvh::new", || _ = black_box(Bvh::new(mesh, &tree.nodes, &tree.order, scratch)).unwrap());
-    let mut nodes = vec![CompactNode::default(); tree.nodes.len()];
-    check("compact", || _ = compact(mesh, &tree.nodes, &tree.order, &mut nodes).unwrap());
     let mut bytes = blob::Aligned([0; 1 << 14]);
     let bytes = &mut bytes.0[..blob::Counts::of(&bvh).bytes()];
     check("blob::write", || _ = blob::write(&bvh, bytes).unwrap());
@@ -145,15 +143,10 @@ fn queries() {
         [sheets(40), disparate(3000), coincident(2000)].map(|soup| (Tree::of(mesh(&soup)), soup));
     for (tree, soup) in trees.iter().map(|(tree, soup)| (tree, soup)).chain([(&deepest, &deep)]) {
         let (mesh, bvh) = (mesh(soup), tree.bvh(mesh(soup)));
-        let mut nodes = vec![CompactNode::default(); tree.nodes.len()];
-        let small = compact(mesh, &tree.nodes, &tree.order, &mut nodes).unwrap();
-        let standard = PosedBvh::new(bvh, &turned()).unwrap();
-        let compact = PosedBvh::new(small, &turned()).unwrap();
+        let posed = PosedBvh::new(bvh, &turned()).unwrap();
         walk(&SelfBvtt::new(bvh));
-        walk(&SelfBvtt::new(small));
         walk(&PairBvtt::new(bvh, bvh, turned()).unwrap());
-        walk(&PairBvtt::in_world(standard, standard));
-        walk(&PairBvtt::in_world(compact, standard));
+        walk(&PairBvtt::in_world(posed, posed));
         let query = PairBvtt::new(bvh, bvh, turned()).unwrap();
         let mut page = vec![TrianglePair::default(); 1000];
         check("PairBvtt::new", || _ = black_box(PairBvtt::new(bvh, bvh, turned())).unwrap());

@@ -2,7 +2,6 @@
 
 use super::BlobError;
 use crate::CapacityError;
-use crate::index::part_mut;
 use bytemuck::Pod;
 
 /// The elements where they lie.
@@ -26,7 +25,7 @@ pub(super) fn copy_from<'s, const WORD: usize, T: Pod>(
 ) -> Result<&'s [T], CapacityError> {
     let count = bytes.len() / size_of::<T>();
     CapacityError::check(buffer, count, to.len())?;
-    let to = part_mut(to, ..count);
+    let to = &mut to[..count];
     copy::<WORD>(bytes, bytemuck::must_cast_slice_mut(to));
     Ok(to)
 }

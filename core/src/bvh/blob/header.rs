@@ -1,7 +1,6 @@
 //! The header, the place of each section, and the checksum.
 
 use super::BlobError;
-use crate::index::{part, part_mut};
 use crate::{Bvh, Node};
 use bytemuck::{Pod, Zeroable};
 use core::ops::Range;
@@ -91,9 +90,9 @@ impl Header {
 
     /// Writes the header before the sections of a blob, with the checksum of all.
     pub(super) fn write(mut self, out: &mut [u8]) {
-        part_mut(out, ..size_of::<Self>()).copy_from_slice(bytemuck::bytes_of(&self));
+        out[..size_of::<Self>()].copy_from_slice(bytemuck::bytes_of(&self));
         self.checksum = checksum(out).to_le_bytes();
-        part_mut(out, CHECKSUM).copy_from_slice(&self.checksum);
+        out[CHECKSUM].copy_from_slice(&self.checksum);
     }
 
     pub(super) fn counts(&self) -> Counts {
@@ -189,7 +188,7 @@ pub(super) fn checksum(bytes: &[u8]) -> u32 {
     static CRC: crc::Crc<u32, Table> = crc::Crc::<u32, Table>::new(&crc::CRC_32_ISO_HDLC);
 
     let mut digest = CRC.digest();
-    digest.update(part(bytes, ..CHECKSUM.start));
-    digest.update(part(bytes, CHECKSUM.end..));
+    digest.update(&bytes[..CHECKSUM.start]);
+    digest.update(&bytes[CHECKSUM.end..]);
     digest.finalize()
 }

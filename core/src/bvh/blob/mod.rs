@@ -70,7 +70,6 @@ mod tests;
 pub use error::BlobError;
 pub use header::{Counts, MAGIC};
 
-use crate::index::{part, part_mut, split};
 use crate::{Bvh, BvhError, CapacityError, Mesh, Node};
 use bytes::{borrow, copy_from, copy_to};
 use header::{Header, checksum};
@@ -178,8 +177,7 @@ impl<'a> Blob<'a> {
         Ok(Bvh::new(Mesh::new(mesh.shadow(), mesh.triangles())?, nodes, order, scratch)?)
     }
 
-    /// [`Blob::read_into`] for meshes of either kind, apart for programs that have none in f64 and link nothing of them;
-    /// `positions` must hold [`Counts::positions_f64`].
+    /// [`Blob::read_into`] for meshes of either kind; `positions` must hold [`Counts::positions_f64`].
     ///
     /// # Errors
     /// As [`Blob::read_into`].
@@ -208,6 +206,7 @@ impl<'a> Blob<'a> {
     /// assert_eq!(copied.mesh().positions_f64(), Some(&points[..]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[cfg(feature = "f64")]
     pub fn read_into_f64<'s>(
         &self,
         storage: BlobStorage<'s>,
@@ -241,13 +240,13 @@ impl<'a> Blob<'a> {
         }
         let mut end = size_of::<Header>();
         for section in self.counts().sections() {
-            let mut between = part(self.bytes, end..section.start).iter();
+            let mut between = self.bytes[end..section.start].iter();
             if let Some(index) = between.position(|&byte| byte != 0) {
                 return Err(BlobError::Byte { byte: end + index });
             }
             end = section.end;
         }
-        Ok(self.counts().sections().map(|section| part(self.bytes, section)))
+        Ok(self.counts().sections().map(|section| &self.bytes[section]))
     }
 }
 
@@ -282,18 +281,18 @@ pub fn write<'o>(bvh: &Bvh<'_>, out: &'o mut [u8]) -> Result<&'o [u8], BvhError>
         return Err(BvhError::TooMany { array: "positions", most, found });
     }
     CapacityError::check("out", counts.bytes(), out.len())?;
-    let out = part_mut(out, ..counts.bytes());
+    let out = &mut out[..counts.bytes()];
     out.fill(0);
     let [nodes, positions, triangles, order, in_f64] = counts.sections();
     if let Some(points) = mesh.positions_f64() {
-        let (origin, rest) = split(part_mut(out, in_f64), size_of::<[f64; 3]>());
+        let (origin, rest) = out[in_f64].split_at_mut(size_of::<[f64; 3]>());
         copy_to::<8, _>(&[mesh.origin()], origin);
         copy_to::<8, _>(points, rest);
     }
-    copy_to::<4, _>(bvh.nodes(), part_mut(out, nodes));
-    copy_to::<4, _>(mesh.shadow(), part_mut(out, positions));
-    copy_to::<4, _>(mesh.triangles(), part_mut(out, triangles));
-    copy_to::<4, _>(bvh.order(), part_mut(out, order));
+    copy_to::<4, _>(bvh.nodes(), &mut out[nodes]);
+    copy_to::<4, _>(mesh.shadow(), &mut out[positions]);
+    copy_to::<4, _>(mesh.triangles(), &mut out[triangles]);
+    copy_to::<4, _>(bvh.order(), &mut out[order]);
     Header::new(counts, mesh.is_f64()).write(out);
     Ok(out)
 }

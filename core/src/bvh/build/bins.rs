@@ -1,6 +1,5 @@
 //! The cheapest plane between bins of triangles, by the surface area heuristic.
 
-use super::divide::Split;
 use super::item::bounds;
 use crate::Node;
 use crate::aabb::Bounds;
@@ -13,7 +12,7 @@ const MAX_BINS: usize = 16;
 
 /// Maps centres to bins.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Binning {
+struct Binning {
     origin: Vec3A,
     /// 0 on axes across which no plane is sought.
     bins_per_unit: Vec3A,
@@ -34,9 +33,31 @@ impl Binning {
 
     /// The bin of a centre on each axis, plus [`TO_BITS`].
     #[inline(always)]
-    pub(super) fn bins(&self, centre: Vec3A) -> Vec3A {
+    fn bins(&self, centre: Vec3A) -> Vec3A {
         let position = (centre - self.origin) * self.bins_per_unit;
         (position - 0.5).max(Vec3A::ZERO) + TO_BITS
+    }
+}
+
+/// A plane between two bins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Split {
+    binning: Binning,
+    /// Across the plane.
+    axis: usize,
+    /// The first bin on the right, plus [`TO_BITS`].
+    bin: f32,
+}
+
+impl Split {
+    fn new(axis: usize, binning: Binning, bin: usize) -> Self {
+        Self { binning, axis, bin: bin as f32 + TO_BITS }
+    }
+
+    /// Whether a centre lies on the right of the plane.
+    #[inline(always)]
+    pub(super) fn is_right(&self, centre: Vec3A) -> bool {
+        self.binning.bins(centre)[self.axis] >= self.bin
     }
 }
 

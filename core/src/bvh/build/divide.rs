@@ -1,21 +1,10 @@
 //! Reordering a run of items into two.
 
-use super::bins::Binning;
+use super::bins::Split;
 use super::item::bounds;
 use crate::Node;
 use crate::aabb::Bounds;
-use crate::bvh::TO_BITS;
 use crate::parallel::{GRAIN, Join, both, halves};
-
-/// A plane between two bins.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Split {
-    binning: Binning,
-    /// Across the plane.
-    axis: usize,
-    /// The first bin on the right, plus [`TO_BITS`].
-    bin: f32,
-}
 
 /// How many items are on the left, and the boxes of the centres on both sides.
 pub(super) struct Divided {
@@ -24,10 +13,6 @@ pub(super) struct Divided {
 }
 
 impl Split {
-    pub(super) fn new(axis: usize, binning: Binning, bin: usize) -> Self {
-        Self { binning, axis, bin: bin as f32 + TO_BITS }
-    }
-
     /// Moves the items left of the plane to the front.
     pub(super) fn divide(&self, items: &mut [Node], join: Option<&Join<'_>>) -> Divided {
         if items.len() <= GRAIN {
@@ -56,7 +41,7 @@ impl Split {
         for i in 0..items.len() {
             let item = items[i];
             let centre = bounds(&item).half_centre();
-            let side = usize::from(self.binning.bins(centre)[self.axis] >= self.bin);
+            let side = usize::from(self.is_right(centre));
             centres[side] = centres[side].union(&Bounds::of(centre));
             items[i] = items[left];
             items[left] = item;

@@ -11,7 +11,6 @@ use super::tree::{Divide, build};
 use super::{BuildOptions, BvhStorage, radix};
 use crate::aabb::Bounds;
 use crate::bvh::TO_BITS;
-use crate::index::split;
 use crate::parallel::{Join, halves};
 use crate::{Aabb, Bvh, CapacityError, Mesh};
 use glam::Vec3A;
@@ -57,7 +56,7 @@ pub fn morton<'a>(
     let count = mesh.triangles().len();
     CapacityError::check("order", count, storage.order.len())?;
     CapacityError::check("scratch", 2 * count, scratch.len())?;
-    let (keys, spare) = split(split(scratch, 2 * count).0, count);
+    let (keys, spare) = scratch[..2 * count].split_at_mut(count);
     for (key, triangle) in keys.iter_mut().zip(0..) {
         *key = triangle;
     }
@@ -116,7 +115,7 @@ impl Divide for Curve<'_> {
             _ => count / 2,
         };
         let ((left, right), (left_spare, right_spare)) =
-            (split(run.keys, middle), split(run.spare, middle));
+            (run.keys.split_at_mut(middle), run.spare.split_at_mut(middle));
         let half = |keys, spare| MortonRun { keys, spare, coincide: run.coincide };
         (middle, [half(left, left_spare), half(right, right_spare)])
     }

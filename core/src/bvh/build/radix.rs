@@ -4,8 +4,7 @@
 //! their highest digit before, so that the other digits are sorted within the cache and side by side. To fill buckets
 //! side by side, each of several runs of keys is sorted by bucket for itself.
 
-use crate::index::{at, part, split};
-use crate::parallel::{GRAIN, Join, both, each};
+use crate::parallel::{GRAIN, Join, both, each, split};
 use crate::simd::VECTORS;
 use core::array::from_fn;
 use core::iter::once;
@@ -33,7 +32,7 @@ pub(super) fn sort(from: &mut [u64], to: &mut [u64], lowest: u32, join: Option<&
         }
         return insert_each(to);
     }
-    // Firmware, which has no vectors, has no meshes so large either, and little room for code.
+    // Firmware, which has no vectors, has no meshes so large either.
     if VECTORS && from.len() > 8 * GRAIN {
         return sort_buckets(from, to, lowest, join);
     }
@@ -65,9 +64,9 @@ fn sort_buckets(from: &mut [u64], to: &mut [u64], lowest: u32, join: Option<&Joi
         }
     });
     let range = |run: usize, bucket: usize| {
-        let ends = at(&ends, run);
-        let start = if bucket == 0 { 0 } else { *at(ends, bucket - 1) };
-        start as usize..*at(ends, bucket) as usize
+        let ends = &ends[run];
+        let start = if bucket == 0 { 0 } else { ends[bucket - 1] };
+        start as usize..ends[bucket] as usize
     };
     let buckets = Buckets {
         join,
@@ -76,7 +75,7 @@ fn sort_buckets(from: &mut [u64], to: &mut [u64], lowest: u32, join: Option<&Joi
     // While runs are read, nothing is written to `to`.
     buckets.each(0..BUCKETS, from, &mut [], &|bucket, keys, _| {
         let runs = to.chunks(length).enumerate();
-        sort_digit(runs.map(|(run, keys)| part(keys, range(run, bucket))), keys, lowest);
+        sort_digit(runs.map(|(run, keys)| &keys[range(run, bucket)]), keys, lowest);
     });
     buckets.each(0..BUCKETS, from, to, &|_, from, to| {
         sort_digit(once(&*from), to, lowest + DIGIT_BITS);
@@ -98,8 +97,9 @@ impl Buckets<'_> {
             return task(buckets.start, a, b);
         }
         let middle = buckets.start + buckets.len() / 2;
-        let size = part(&self.sizes, buckets.start..middle).iter().sum();
-        let ((a, right_a), (b, right_b)) = (split(a, size), split(b, size));
+        let size = self.sizes[buckets.start..middle].iter().sum();
+        // The second slice may be empty.
+        let ((a, right_a), (b, right_b)) = (a.split_at_mut(size), split(b, size));
         both(
             self.join,
             || self.each(buckets.start..middle, a, b, task),

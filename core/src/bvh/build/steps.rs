@@ -1,12 +1,11 @@
 //! The build by the surface area heuristic in steps: for a mesh that deforms, so that no frame waits for all of it.
 
-use super::bins::best_split;
-use super::divide::{Split, halve};
+use super::bins::{Split, best_split};
+use super::divide::halve;
 use super::item::{bounds, item, triangle};
 use super::{BuildOptions, BvhStorage};
 use crate::aabb::Bounds;
 use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE, Node};
-use crate::index::{at, at_mut, part_mut};
 use crate::{Aabb, CapacityError, Mesh};
 
 /// A build by the surface area heuristic under way. It makes the tree that [`sah`](super::sah()) makes, but for the boxes,
@@ -117,17 +116,17 @@ impl SahSteps {
         if self.loaded < all {
             return Ok(self.load(mesh, all, items));
         }
-        let run = *at(&self.pending, self.len - 1);
-        let own = part_mut(items, run.first..run.first + run.count);
+        let run = self.pending[self.len - 1];
+        let own = &mut items[run.first..run.first + run.count];
         if run.count <= options.leaf_size.clamp(1, MAX_LEAF_SIZE) as usize {
             let mut aabb = Bounds::EMPTY;
-            for (entry, item) in part_mut(order, run.first..).iter_mut().zip(&*own) {
+            for (entry, item) in order[run.first..].iter_mut().zip(&*own) {
                 *entry = triangle(item);
                 aabb = aabb.union(&bounds(item));
             }
             let Aabb { min, max } = aabb.into();
             let (first, count) = (run.first as u32, run.count as u32);
-            *at_mut(nodes, run.node) = Node { min, first, max, count };
+            nodes[run.node] = Node { min, first, max, count };
             if run.node == 0 {
                 self.used = 1;
             }
@@ -148,7 +147,7 @@ impl SahSteps {
                     None => halve(own, &run.centres),
                 };
                 let children = self.used;
-                *at_mut(nodes, run.node) = Node { first: children as u32, ..Node::EMPTY };
+                nodes[run.node] = Node { first: children as u32, ..Node::EMPTY };
                 self.used += 2;
                 self.len -= 1;
                 let ([left, right], middle) = (divided.centres, divided.left);
@@ -167,7 +166,7 @@ impl SahSteps {
     /// Loads triangles; the root is pending when all are there.
     fn load(&mut self, mesh: Mesh<'_>, all: usize, items: &mut [Node]) -> usize {
         let before = self.loaded;
-        for slot in part_mut(items, before..).iter_mut().take(all - before) {
+        for slot in items[before..].iter_mut().take(all - before) {
             let index = self.loaded as u32;
             *slot = item(index, &mesh.bounds(index));
             self.centres = self.centres.union(&Bounds::of(bounds(slot).half_centre()));
@@ -183,7 +182,7 @@ impl SahSteps {
     }
 
     fn push(&mut self, run: Pending) {
-        *at_mut(&mut self.pending, self.len) = run;
+        self.pending[self.len] = run;
         self.len += 1;
     }
 }

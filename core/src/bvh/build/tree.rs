@@ -6,8 +6,7 @@
 
 use super::{BuildOptions, BvhStorage};
 use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE, Node, node_bound};
-use crate::index::{at, at_mut, split};
-use crate::parallel::{GRAIN, Join, both};
+use crate::parallel::{GRAIN, Join, both, split};
 use crate::{Aabb, Bvh, CapacityError, Mesh};
 
 /// How a build divides triangles.
@@ -128,7 +127,7 @@ impl<D: Divide> Tree<'_, D> {
         };
         right.0 = moved(right.0);
         for index in left.1..left.1 + right.1 {
-            *at_mut(below, index) = moved(*at(below, index + gap));
+            below[index] = moved(below[index + gap]);
         }
         [left, right]
     }

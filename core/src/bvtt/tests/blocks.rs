@@ -46,8 +46,8 @@ impl Task for Two<'_> {
         });
         let mut caches = [BlockCache::new(), BlockCache::new()];
         let [a, b] = &mut caches;
-        let a = a.get::<S, Node, true>(0, &first, rings);
-        let b = b.get::<S, Node, true>(0, &second, rings);
+        let a = a.get::<S, true>(0, &first, rings);
+        let b = b.get::<S, true>(0, &second, rings);
         Found {
             boxes: a.cull::<S, true>(b, u64::MAX, true, None).open,
             in_mesh: a.cull::<S, true>(b, u64::MAX, false, None),

@@ -4,8 +4,8 @@ extern crate std;
 
 use super::super::{Cursor, PairBvtt, Query, SelfBvtt, TrianglePair, Work};
 use super::{at_one_go, with_certificates};
+use crate::bvh::MAX_DEPTH;
 use crate::bvh::tests::Owned;
-use crate::bvh::{CompactNode, MAX_DEPTH, compact, node_bound};
 use crate::{Bvh, Mesh, Node, Pose};
 use core::ops::ControlFlow::{Break, Continue};
 use pfront_testkit::MeshData;
@@ -60,12 +60,6 @@ fn with_each_budget(query: &impl Query) {
     }
 }
 
-/// A BVH in the compact layout, in `memory`.
-fn compacted<'m>(bvh: Bvh<'m>, memory: &'m mut Vec<CompactNode>) -> Bvh<'m, CompactNode> {
-    memory.resize(node_bound(bvh.order().len()), CompactNode::default());
-    compact(bvh.mesh(), bvh.nodes(), bvh.order(), memory).unwrap()
-}
-
 #[test]
 #[cfg_attr(miri, ignore = "takes miri too long; `blocks` runs the same vector code")]
 fn two_meshes_with_each_budget() {
@@ -76,9 +70,6 @@ fn two_meshes_with_each_budget() {
             for translation in [[0.0; 3], [0.3, 0.1, 0.02]] {
                 let pose = Pose::from_translation(translation);
                 with_each_budget(&PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap());
-                let mut memory = Vec::new();
-                let small = compacted(a.bvh(), &mut memory);
-                with_each_budget(&PairBvtt::new(small, b.bvh(), pose).unwrap());
             }
         }
     }
@@ -117,13 +108,8 @@ fn with_any_budgets() {
         let mut steps: Vec<_> =
             (0..count).map(|_| (rng.random_range(0..40), rng.random_range(1..6))).collect();
         steps.push((1, 1));
-        let [mut memory_a, mut memory_b] = [Vec::new(), Vec::new()];
-        let (small_a, small_b) =
-            (compacted(a.bvh(), &mut memory_a), compacted(b.bvh(), &mut memory_b));
         with_steps(&PairBvtt::new(a.bvh(), b.bvh(), pose).unwrap(), &steps);
         with_steps(&SelfBvtt::new(a.bvh()), &steps);
-        with_steps(&PairBvtt::new(small_a, small_b, pose).unwrap(), &steps);
-        with_steps(&SelfBvtt::new(small_a), &steps);
     }
 }
 

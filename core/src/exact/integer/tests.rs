@@ -4,7 +4,8 @@ extern crate std;
 
 use super::*;
 use crate::exact::filter64;
-use crate::exact::orientation::{LIMIT, orient2d, sides};
+use crate::exact::orientation::{orient2d, sides};
+use crate::scalar::LIMIT;
 use num_bigint::BigInt;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 
@@ -194,7 +195,7 @@ fn ratios_and_normals_of_any_size() {
     }
 }
 
-fn ratio_and_normals<C: Coordinate>(size: C) {
+fn ratio_and_normals<C: Scalar>(size: C) {
     let zero = C::from(0.0);
     let times = |x: f64| C::point(DVec3::splat(size.into() * x))[0];
     let (o, x, y) = ([zero; 3], [size, zero, zero], [zero, size, zero]);

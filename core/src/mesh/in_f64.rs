@@ -5,20 +5,9 @@
 //! wherever in the world that is. All that only has to be conservative reads the shadow: builds, refits, boxes, and the
 //! filter in vector lanes, which allows for its error. The positions decide.
 
-use super::{Mesh, MeshError, check_environment};
-use crate::bvtt::F64;
-use crate::exact::LIMIT;
-use crate::index::at;
+use super::check::{check_environment, check_position, same_length};
+use super::{Mesh, MeshError};
 use glam::{DVec3, Vec3};
-
-/// The origin and the functions that a mesh in f64 has beside its positions.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Shadowed {
-    /// Where the origin of the shadow is; zero if f32 holds the positions.
-    origin: DVec3,
-    /// The functions that queries call for such meshes only.
-    f64: &'static F64,
-}
 
 impl<'a> Mesh<'a> {
     /// Checks a mesh whose positions are in f64, and fills its shadow: as many positions in f32, on which queries do what
@@ -75,9 +64,9 @@ impl<'a> Mesh<'a> {
         positions: &'a [[f64; 3]],
         shadow: &'a mut [[f32; 3]],
     ) -> Result<Self, MeshError> {
-        let Some(before) = self.shadowed else { return Err(MeshError::OtherPrecision) };
+        let Some(before) = self.origin else { return Err(MeshError::OtherPrecision) };
         same_length(self.vertex_count(), positions.len())?;
-        let origin = fill(shadow, positions, Some(before.origin))?;
+        let origin = fill(shadow, positions, Some(before))?;
         Ok(Self::new_unchecked(shadow, self.triangles).with_exact(Some(positions), origin))
     }
 
@@ -150,45 +139,8 @@ impl<'a> Mesh<'a> {
         Ok(mesh)
     }
 
-    /// Whether it is in f64: posed and decided there, whatever the pose and the other mesh.
-    #[must_use]
-    pub fn is_f64(self) -> bool {
-        self.shadowed.is_some()
-    }
-
-    /// The positions in f64; `None` if f32 holds them.
-    #[must_use]
-    pub fn positions_f64(self) -> Option<&'a [[f64; 3]]> {
-        self.positions_f64
-    }
-
-    /// The position that the shadow has at zero; that is zero in a mesh without one.
-    #[must_use]
-    pub fn origin(self) -> [f64; 3] {
-        self.shadowed.map_or([0.0; 3], |shadowed| shadowed.origin.to_array())
-    }
-
-    /// The corners of a triangle in f64, exact in a mesh of either kind.
-    pub(crate) fn triangle_f64(self, index: u32) -> [[f64; 3]; 3] {
-        at(self.triangles, index).map(|vertex| self.position_f64(vertex))
-    }
-
-    /// The position of a vertex in f64, exact in a mesh of either kind.
-    pub(crate) fn position_f64(self, vertex: u32) -> [f64; 3] {
-        match self.positions_f64() {
-            Some(positions) => *at(positions, vertex),
-            None => at(self.shadow, vertex).map(f64::from),
-        }
-    }
-
-    /// The functions that queries call for meshes in f64 only.
-    pub(crate) fn f64(&self) -> Option<&'static F64> {
-        self.shadowed.as_ref().map(|shadowed| shadowed.f64)
-    }
-
     fn with_exact(self, positions_f64: Option<&'a [[f64; 3]]>, origin: DVec3) -> Self {
-        let shadowed = Some(Shadowed { origin, f64: &F64::METHODS });
-        Self { positions_f64, shadowed, ..self }
+        Self { positions_f64, origin: Some(origin), ..self }
     }
 }
 
@@ -212,20 +164,4 @@ fn fill(
         *shadow = (DVec3::from_array(position) - origin).as_vec3().to_array();
     }
     Ok(origin)
-}
-
-/// The position of a vertex, if it is in range.
-pub(crate) fn check_position(vertex: usize, position: [f64; 3]) -> Result<DVec3, MeshError> {
-    let p = DVec3::from_array(position);
-    if p.abs().cmple(DVec3::splat(LIMIT)).all() {
-        Ok(p)
-    } else if p.is_finite() {
-        Err(MeshError::Range { vertex })
-    } else {
-        Err(MeshError::NonFinite { vertex })
-    }
-}
-
-pub(super) fn same_length(expected: usize, found: usize) -> Result<(), MeshError> {
-    if found == expected { Ok(()) } else { Err(MeshError::VertexCount { expected, found }) }
 }

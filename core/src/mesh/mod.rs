@@ -3,24 +3,22 @@
 //! All other modules rely on a [`Mesh`]: indices are in range and coordinates finite, so no traversal checks either
 //! again.
 
-mod exact;
+mod check;
+#[cfg(feature = "f64")]
+mod in_f64;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use exact::check_position;
-use exact::{Shadowed, same_length};
+pub(crate) use check::check_position;
+pub use check::{MAX_TRIANGLES, MeshError};
 
 use crate::aabb::Bounds;
-use crate::environment;
-use crate::index::at;
-use glam::Vec3A;
+use crate::scalar::IN_F64;
+use check::{check_positions, same_length};
+use glam::{DVec3, Vec3A};
 
 /// Corner positions of one triangle, in the units of the mesh.
 pub type Triangle = [[f32; 3]; 3];
-
-/// The most triangles one mesh may have: 2^31 − 1, so that a node index of its BVH and the sum of two triangle counts
-/// fit in a `u32`, and a triangle index shares a `u64` with a 33-bit Morton code.
-pub const MAX_TRIANGLES: usize = (1 << 31) - 1;
 
 /// A triangle mesh borrowed from the caller and checked once, by [`Mesh::new`].
 ///
@@ -41,8 +39,8 @@ pub struct Mesh<'a> {
     triangles: &'a [[u32; 3]],
     /// The positions in f64, if the shadow has others.
     positions_f64: Option<&'a [[f64; 3]]>,
-    /// Set for a mesh in f64.
-    shadowed: Option<Shadowed>,
+    /// Where the shadow of a mesh in f64 has its origin.
+    origin: Option<DVec3>,
 }
 
 impl<'a> Mesh<'a> {
@@ -110,7 +108,7 @@ impl<'a> Mesh<'a> {
     /// ```
     pub fn with_positions(self, positions: &'a [[f32; 3]]) -> Result<Self, MeshError> {
         same_length(self.vertex_count(), positions.len())?;
-        if self.positions_f64().is_some() {
+        if self.positions_f64.is_some() {
             return Err(MeshError::OtherPrecision);
         }
         check_positions(positions)?;
@@ -129,7 +127,7 @@ impl<'a> Mesh<'a> {
     #[inline]
     #[must_use]
     pub fn new_unchecked(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
-        Self { shadow: positions, triangles, positions_f64: None, shadowed: None }
+        Self { shadow: positions, triangles, positions_f64: None, origin: None }
     }
 
     /// The vertex positions, if they are in f32: `None` if those that decide are
@@ -156,6 +154,24 @@ impl<'a> Mesh<'a> {
         self.shadow
     }
 
+    /// Whether it is in f64: posed and decided there, whatever the pose and the other mesh.
+    #[must_use]
+    pub fn is_f64(self) -> bool {
+        IN_F64 && self.origin.is_some()
+    }
+
+    /// The positions in f64; `None` if f32 holds them.
+    #[must_use]
+    pub fn positions_f64(self) -> Option<&'a [[f64; 3]]> {
+        self.positions_f64
+    }
+
+    /// The position that the shadow has at zero; that is zero in a mesh without one.
+    #[must_use]
+    pub fn origin(self) -> [f64; 3] {
+        self.origin.map_or([0.0; 3], |origin| origin.to_array())
+    }
+
     /// The number of vertices.
     #[must_use]
     pub fn vertex_count(self) -> usize {
@@ -175,8 +191,21 @@ impl<'a> Mesh<'a> {
     #[inline]
     #[must_use]
     pub fn shadow_triangle(self, index: u32) -> Triangle {
-        let [a, b, c] = *at(self.triangles, index);
-        [*at(self.shadow, a), *at(self.shadow, b), *at(self.shadow, c)]
+        let [a, b, c] = self.triangles[index as usize];
+        [self.shadow[a as usize], self.shadow[b as usize], self.shadow[c as usize]]
+    }
+
+    /// The corners of a triangle in f64, exact in a mesh of either kind.
+    pub(crate) fn triangle_f64(self, index: u32) -> [[f64; 3]; 3] {
+        self.triangles[index as usize].map(|vertex| self.position_f64(vertex))
+    }
+
+    /// The position of a vertex in f64, exact in a mesh of either kind.
+    pub(crate) fn position_f64(self, vertex: u32) -> [f64; 3] {
+        match self.positions_f64 {
+            Some(positions) => positions[vertex as usize],
+            None => self.shadow[vertex as usize].map(f64::from),
+        }
     }
 
     /// The box of triangle `index` of the shadow.
@@ -185,80 +214,4 @@ impl<'a> Mesh<'a> {
         let [a, b, c] = self.shadow_triangle(index).map(Vec3A::from_array);
         Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
     }
-}
-
-/// Vertices that are checked between two branches, so that the check compiles to vector instructions.
-const AT_ONCE: usize = 256;
-
-fn check_environment() -> Result<(), MeshError> {
-    if environment::is_default() { Ok(()) } else { Err(MeshError::FloatEnvironment) }
-}
-
-fn check_positions(positions: &[[f32; 3]]) -> Result<(), MeshError> {
-    check_environment()?;
-    for (chunk, first) in positions.chunks(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
-        if !chunk.as_flattened().iter().fold(true, |well, x| well & x.is_finite()) {
-            let at_fault = chunk.iter().position(|p| !p.iter().all(|x| x.is_finite()));
-            return Err(MeshError::NonFinite { vertex: first + at_fault.unwrap_or(0) });
-        }
-    }
-    Ok(())
-}
-
-/// Positions and indices that are not a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MeshError {
-    /// A coordinate is NaN or infinite.
-    #[error("vertex {vertex} has a NaN or infinite coordinate")]
-    NonFinite {
-        /// The vertex with that coordinate.
-        vertex: usize,
-    },
-    /// A triangle names a vertex that does not exist.
-    #[error("triangle {triangle} names vertex {index}, but there are {vertices} vertices")]
-    IndexOutOfRange {
-        /// The triangle at fault.
-        triangle: usize,
-        /// The index it holds.
-        index: u32,
-        /// The number of vertices.
-        vertices: usize,
-    },
-    /// A coordinate in f64 is beyond ±2^125, the limit of poses.
-    #[error("vertex {vertex} has a coordinate beyond ±2^125")]
-    Range {
-        /// The vertex with that coordinate.
-        vertex: usize,
-    },
-    /// A position of a shadow is not that of the mesh in f64 minus its origin.
-    #[error("vertex {vertex} of the shadow is not its position in f64 minus the origin")]
-    Shadow {
-        /// The vertex.
-        vertex: usize,
-    },
-    /// Positions in f32 were given for a mesh in f64, or in f64 for one in f32.
-    #[error("positions were given in f32 for a mesh in f64, or in f64 for one in f32")]
-    OtherPrecision,
-    /// More triangles than [`MAX_TRIANGLES`].
-    #[error("{triangles} triangles are more than the {MAX_TRIANGLES} supported")]
-    TooManyTriangles {
-        /// The number of triangles.
-        triangles: usize,
-    },
-    /// New positions for a deforming mesh differ in number.
-    #[error("{found} positions were given for a mesh of {expected} vertices")]
-    VertexCount {
-        /// The number of vertices of the mesh.
-        expected: usize,
-        /// The number of positions given.
-        found: usize,
-    },
-    /// The calling thread flushes subnormal numbers or does not round to nearest, so that answers could
-    /// be wrong. Restore the default environment before each call: MXCSR 0x1f80 on x86, FPCR 0 on Arm.
-    #[error(
-        "this thread flushes subnormal numbers or does not round to nearest: \
-         set MXCSR to 0x1f80 (x86) or FPCR to 0 (Arm) before calling"
-    )]
-    FloatEnvironment,
 }
