@@ -235,7 +235,7 @@ typedef uint32_t pfront_device_t;
 // Threads or a GPU that answer. Any number of threads, scenes and queries may use one at once.
 typedef struct pfront_executor_t pfront_executor_t;
 
-// What is remembered of questions about models from frame to frame. For one thread at a time; another one is refused:
+// A query about models, which remembers from frame to frame. For one thread at a time; another one is refused:
 // PFRONT_BUSY.
 typedef struct pfront_model_query_t pfront_model_query_t;
 

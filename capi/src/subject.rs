@@ -69,7 +69,7 @@ fn fault(error: Error) -> Fault {
     }
 }
 
-/// What is remembered of questions about models from frame to frame. For one thread at a time; another one is refused:
+/// A query about models, which remembers from frame to frame. For one thread at a time; another one is refused:
 /// PFRONT_BUSY.
 pub struct pfront_model_query_t(());
 
