@@ -1,8 +1,9 @@
 //! One error for everything a call can refuse.
 
 use crate::BodyId;
+use pfront_core::blob::BlobError;
 use pfront_core::pose::PoseError;
-use pfront_core::{BlobError, CapacityError, MeshError};
+use pfront_core::{CapacityError, MeshError};
 
 /// Why a call could not answer. Each variant names the vertex, triangle, entry or size at fault.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

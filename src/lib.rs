@@ -87,11 +87,12 @@ pub use ticket::Ticket;
 pub use within::SelfQuery;
 
 pub use pfront_core;
+pub use pfront_core::blob::{Blob, BlobError};
 pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::TrianglePair;
 pub use pfront_core::pose::PoseError;
 pub use pfront_core::triangle::{Adjacency, Contact};
-pub use pfront_core::{Aabb, Blob, BlobError, Bvh, Mesh, MeshError, Node, Pose, Pose64};
+pub use pfront_core::{Aabb, Bvh, Mesh, MeshError, Node, Pose, Pose64};
 /// The backend on several CPU threads, and what can be chosen about it.
 #[cfg(feature = "threads")]
 pub use pfront_cpu as threads;

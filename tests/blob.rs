@@ -4,8 +4,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::{Blob, BlobError, Bvh, Error, Executor, Model, Node, SelfQuery};
+use pfront_core::BvhError;
 use pfront_core::blob::{self, Counts};
-use pfront_core::bvh::BvhError;
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::{Scene, icosphere, torus_knot};
 use proptest::prelude::*;

@@ -8,7 +8,7 @@ use pfront::{
     SceneQuery,
 };
 use pfront::{Piece, TrianglePair};
-use pfront_core::mesh::MeshError;
+use pfront_core::MeshError;
 use pfront_testkit::oracle::pairs;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::shapes::{pose_rows, posed, sheet, sphere, tangle, union};

@@ -16,7 +16,7 @@ use crate::mesh::pfront_mesh_t;
 use crate::status::{pfront_error_t, pfront_status_t};
 use core::ffi::c_void;
 use pfront_core::blob::{self, Counts};
-use pfront_core::{Blob, BlobError};
+use pfront_core::blob::{Blob, BlobError};
 
 /// How many bytes `pfront_blob_write` writes of a BVH, its mesh included; or how many the blob of a borrowed one has.
 #[unsafe(no_mangle)]

@@ -22,7 +22,7 @@ use core::ops::ControlFlow::{Break, Continue};
 use core::ptr::null_mut;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
 use pfront_core::bvtt::{PairBvtt, Query, TrianglePair};
-use pfront_core::mesh::MAX_TRIANGLES;
+use pfront_core::MAX_TRIANGLES;
 use pfront_core::{Bvh, Node};
 
 /// A list of pairs in memory of an allocator, to be freed by `pfront_pair_list_free`.

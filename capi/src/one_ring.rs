@@ -15,7 +15,7 @@ use crate::status::Fault;
 use crate::status::pfront_error_t;
 use crate::status::pfront_status_t;
 use core::ffi::c_void;
-use pfront_core::mesh::MAX_TRIANGLES;
+use pfront_core::MAX_TRIANGLES;
 use pfront_core::one_ring::{OneRings, history_bound, link_scratch_bound};
 
 /// Numbers of vertices or triangles for which no size overflows.

@@ -11,8 +11,8 @@
 //! # Modules
 //! In the order in which data flows through them:
 //!
-//! - [`mesh`]: borrowed positions and triangles, checked once; [`pose`]: affine maps, and how a posed vertex is rounded;
-//!   [`aabb`]: boxes;
+//! - [`Mesh`]: borrowed positions and triangles, checked once; [`pose`]: affine maps, and how a posed vertex is rounded;
+//!   [`Aabb`]: boxes;
 //! - `exact` (private): exact signs of orientation determinants, with floating-point filters before integers;
 //! - [`triangle`]: whether two triangles intersect, the rule for triangles that share vertices, and contacts;
 //! - `simd` (private): boxes and triangles in vector lanes;
@@ -158,14 +158,15 @@
 #[cfg(feature = "std")]
 extern crate std;
 
-pub mod aabb;
+mod aabb;
+pub mod blob;
 pub mod bvh;
 pub mod bvtt;
 pub mod environment;
 mod error;
 mod exact;
 pub mod front;
-pub mod mesh;
+mod mesh;
 pub mod one_ring;
 mod parallel;
 pub mod pose;
@@ -176,9 +177,10 @@ pub mod triangle;
 mod vertex_set;
 
 pub use aabb::Aabb;
-pub use bvh::blob::{self, Blob, BlobError};
-pub use bvh::{Bvh, BvhError, Node};
+pub use bvh::borrowed::Bvh;
+pub use bvh::error::BvhError;
+pub use bvh::node::Node;
 pub use error::CapacityError;
-pub use mesh::{Mesh, MeshError, Triangle};
+pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, Triangle};
 pub use pose::{Pose, Pose64};
 pub use scalar::Scalar;

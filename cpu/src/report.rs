@@ -103,3 +103,46 @@ pub(crate) fn sum(one: Work, other: Work) -> Work {
         triangle_tests: one.triangle_tests + other.triangle_tests,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn work(box_tests: u64, triangle_tests: u64) -> Work {
+        Work { box_tests, triangle_tests }
+    }
+
+    /// A frame of two workers, the second with three times the work of the first.
+    fn frame() -> Report {
+        let share = |predicted, work| Share { predicted, work };
+        let (nodes, front_bytes, late) = (7, 560, true);
+        let front = FrontReport { coherent: true, epsilon: 0.5, full: false, box_tests: 4 };
+        let shares = vec![share(1.0, work(10, 20)), share(2.0, work(30, 60))];
+        let time = Duration::from_millis(3);
+        let times = Report { front_time: time, gather_time: time, ..Report::default() };
+        Report { alone: work(1, 2), shares, late, front, nodes, front_bytes, ..times }
+    }
+
+    #[test]
+    fn a_report_counts_all_work_and_compares_the_busiest_with_the_mean() {
+        assert_eq!(frame().work(), work(4 + 1 + 40, 2 + 80));
+        assert!((frame().imbalance() - 1.5).abs() < 1e-12);
+        assert_eq!(Report::default().imbalance(), 1.0);
+    }
+
+    #[test]
+    fn reports_add_up_and_keep_maxima() {
+        let (mut sum, mut next) = (frame(), frame());
+        next.shares.push(Share { predicted: 4.0, work: work(5, 6) });
+        (next.front.coherent, next.front.epsilon, next.front.full) = (false, 0.75, true);
+        (next.front_bytes, next.late, next.cancelled) = (400, false, true);
+        sum.add(&next);
+        let shares: Vec<_> = sum.shares.iter().map(|share| (share.predicted, share.work)).collect();
+        assert_eq!(shares, [(2.0, work(20, 40)), (4.0, work(60, 120)), (4.0, work(5, 6))]);
+        assert_eq!((sum.alone, sum.nodes, sum.front_bytes), (work(2, 4), 14, 560));
+        let FrontReport { coherent, epsilon, full, box_tests } = sum.front;
+        assert_eq!((coherent, epsilon, full, box_tests), (false, 0.75, true, 8));
+        assert!(sum.late && sum.cancelled);
+        assert_eq!([sum.front_time, sum.gather_time], [Duration::from_millis(6); 2]);
+    }
+}

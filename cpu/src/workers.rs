@@ -93,7 +93,7 @@ impl Workers {
         // Each output lies there once at a time.
         let mut free = Vec::new();
         reserve(&mut free, outputs.len())?;
-        let run = Run {
+        let run = FrameRun {
             workers: self,
             frame,
             called,
@@ -144,7 +144,7 @@ impl Workers {
 }
 
 /// A traversal under way.
-struct Run<'r, Q, O> {
+struct FrameRun<'r, Q, O> {
     workers: &'r Workers,
     frame: &'r DividedFrame<'r, Q>,
     called: Instant,
@@ -164,7 +164,7 @@ struct OutputSlot<'r, O> {
     worker: usize,
 }
 
-impl<'r, Q: Query + Sync, O: Output> Run<'r, Q, O> {
+impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
     /// Takes parts of which none is begun, and after the last nodes of any part, on a thread whose own floating-point
     /// environment is this one.
     fn take_parts<'s>(

@@ -1,6 +1,7 @@
-//! Builds and refits in the parts that [`pfront_cpu::join`] runs: the same as in one.
+//! Builds, refits and certificates in the parts that [`pfront_cpu::join`] runs: the same as in one.
 
 use pfront_core::bvh::{BuildOptions, BvhStorage, Join, Refit, morton, node_bound, refit, sah};
+use pfront_core::one_ring::{OneRings, history_bound, links_bound};
 use pfront_core::{Mesh, Node};
 use pfront_cpu::join;
 use pfront_testkit::scenes::icosphere;
@@ -38,5 +39,31 @@ fn parts_give_the_tree_of_the_whole() {
             assert_eq!(refit(moved, &mut nodes, &order, options), quality);
             assert!(nodes == whole);
         }
+    }
+}
+
+#[test]
+fn parts_give_the_certificates_of_the_whole() {
+    let mut ball = icosphere(30_000);
+    for (p, i) in ball.positions.iter_mut().zip(0..) {
+        // Some vertices stick out, so that those around them are not certified.
+        let out = if i % 17 == 0 { 1.5 } else { 1.0 };
+        *p = p.map(|x| x * out);
+    }
+    let mesh = Mesh::new(&ball.positions, &ball.triangles).unwrap();
+    let (vertices, triangles) = (ball.positions.len(), ball.triangles.len());
+    let mut history = vec![0; history_bound(vertices)];
+    let mut links = vec![0; links_bound(vertices, triangles)];
+    OneRings::new(vertices, &ball.triangles, &mut history, &mut links).unwrap();
+    let mut certified = |join: Option<&Join<'_>>| -> Vec<bool> {
+        let rings = OneRings::new_unchecked(vertices, &ball.triangles, &mut history);
+        let mut rings = rings.with_links(&mut links).unwrap();
+        let certified = rings.certify(mesh, join);
+        (0..vertices as u32).map(|vertex| certified.is_certified(vertex)).collect()
+    };
+    let whole = certified(None);
+    assert!(whole.contains(&true) && whole.contains(&false));
+    for _ in 0..4 {
+        assert_eq!(certified(Some(&join)), whole);
     }
 }

@@ -2,8 +2,8 @@
 //! in flash and are borrowed from there.
 
 use crate::shape::{TRIANGLES, VERTICES, grid, ring};
-use pfront_core::blob::Aligned;
-use pfront_core::{Blob, BlobError, Bvh, Mesh, MeshError};
+use pfront_core::blob::{Aligned, Blob, BlobError};
+use pfront_core::{Bvh, Mesh, MeshError};
 
 static POSITIONS: [[f32; 3]; VERTICES] = ring(0.0);
 static GRID: [[u32; 3]; TRIANGLES] = grid();

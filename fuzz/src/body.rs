@@ -3,7 +3,7 @@
 use crate::input::{Build, Builder};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BvhStorage, Join, Refit};
-use pfront::pfront_core::mesh::MeshError;
+use pfront::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Executor, Mesh, Model, Node, threads};
 use pfront_testkit::MeshData;
 

@@ -7,9 +7,9 @@ use super::tree::Tree;
 use crate::Error;
 use crate::environment::with_default;
 use crate::memory::filled;
-use pfront_core::blob::{Blob, BlobStorage, Counts, write};
+use pfront_core::Node;
+use pfront_core::blob::{Blob, BlobError, BlobStorage, Counts, write};
 use pfront_core::bvh::BuildOptions;
-use pfront_core::{BlobError, Node};
 
 impl Model {
     /// Copies a mesh, in f32 or in f64, and its BVH out of a blob, wherever that lies, instead of building the BVH. Nothing in it

@@ -5,7 +5,8 @@ use super::pfront_status_t::{self, *};
 use core::ffi::CStr;
 use core::ptr::null;
 use pfront_core::pose::PoseError;
-use pfront_core::{BlobError, BvhError, CapacityError, MeshError};
+use pfront_core::blob::BlobError;
+use pfront_core::{BvhError, CapacityError, MeshError};
 
 /// An error on its way to the caller.
 pub(crate) type Fault = pfront_error_t;
@@ -67,7 +68,7 @@ impl Fault {
             }
             MeshError::TooManyTriangles { triangles: given } => {
                 let fault = Self::of(PFRONT_TOO_MANY_TRIANGLES, triangles);
-                fault.numbers(pfront_core::mesh::MAX_TRIANGLES, given)
+                fault.numbers(pfront_core::MAX_TRIANGLES, given)
             }
             MeshError::VertexCount { expected, found } => {
                 Self::of(PFRONT_VERTEX_COUNT, positions).numbers(expected, found)

@@ -8,8 +8,8 @@
 //! by these at least and by all triangles of the mesh at most. So a triangle far away, whose ancestors are larger than
 //! everything else together, does not hide what happens among the others.
 
+use crate::Node;
 use crate::aabb::Bounds;
-use crate::bvh::Node;
 use crate::{Aabb, Bvh, Mesh};
 
 /// Rebuild a tree once its [`quality()`] is above this many times what it was when built.
@@ -42,20 +42,21 @@ pub const REBUILD_RATIO: f32 = 1.2;
 /// O(triangles).
 #[must_use]
 pub fn quality(bvh: &Bvh<'_>) -> f32 {
-    bvh.root().map_or(0.0, |root| visits(bvh, root).quality(bvh.mesh()))
+    bvh.root().map_or(0.0, |root| expected_tests(bvh, root).quality(bvh.mesh()))
 }
 
-fn visits(bvh: &Bvh<'_>, node: &Node) -> Visits {
+fn expected_tests(bvh: &Bvh<'_>, node: &Node) -> ExpectedTests {
     if node.is_leaf() {
-        return Visits::of_leaf(bvh.mesh(), bvh.leaf_triangles(node)).1;
+        return ExpectedTests::of_leaf(bvh.mesh(), bvh.leaf_triangles(node)).1;
     }
-    let [left, right] = [0, 1].map(|side| visits(bvh, &bvh.nodes()[(node.first + side) as usize]));
+    let [left, right] =
+        [0, 1].map(|side| expected_tests(bvh, &bvh.nodes()[(node.first + side) as usize]));
     left.and(&right).with_node(&Bounds::new(&node.aabb()), 2, bvh.mesh())
 }
 
 /// The tests in a node and all below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Visits {
+pub(super) struct ExpectedTests {
     /// Half-areas of the triangles' boxes, summed.
     area: f64,
     triangles: u32,
@@ -63,7 +64,7 @@ pub(super) struct Visits {
     tests: f32,
 }
 
-impl Visits {
+impl ExpectedTests {
     pub(super) const NONE: Self = Self { area: 0.0, triangles: 0, tests: 0.0 };
 
     /// A leaf, and the box of its triangles.
@@ -76,8 +77,8 @@ impl Visits {
             all = all.union(&bounds);
         }
         let count = triangles.len() as u32;
-        let visits = Self { area, triangles: count, tests: 0.0 };
-        (all.into(), visits.with_node(&all, count, mesh))
+        let expected_tests = Self { area, triangles: count, tests: 0.0 };
+        (all.into(), expected_tests.with_node(&all, count, mesh))
     }
 
     pub(super) fn and(&self, other: &Self) -> Self {

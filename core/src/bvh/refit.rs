@@ -6,9 +6,9 @@
 //! indices, so that a pair of siblings knows by the smallest and the largest index below it whether anything there can
 //! have moved. A row of a table for each pair holds that range, and what the nodes below add to the quality.
 
-use super::quality::Visits;
+use super::quality::ExpectedTests;
+use crate::Node;
 use crate::aabb::Bounds;
-use crate::bvh::Node;
 use crate::parallel::{FINE, Join, both, split};
 use crate::vertex_set::{Moved, holds_any, moved_bound};
 use crate::{Aabb, CapacityError, Mesh};
@@ -29,7 +29,7 @@ pub struct Refit<'r> {
 /// A row of [`Refit::table`]: a pair of siblings and all below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RefitRow {
-    visits: Visits,
+    visits: ExpectedTests,
     /// The smallest and the largest index of a vertex.
     vertices: [u32; 2],
 }
@@ -129,11 +129,10 @@ impl Pass<'_> {
 
     /// Fits the siblings in slots `left` and `left + 1` of `part`.
     fn pair(&self, part: &mut Subtree<'_>, left: usize) -> RefitRow {
-        if let Some(moved) = self.moved {
-            let row = &part.rows[left / 2];
-            if !holds_any(moved, row.vertices) {
-                return *row;
-            }
+        if let (Some(moved), Some(row)) = (self.moved, part.rows.get(left / 2))
+            && !holds_any(moved, row.vertices)
+        {
+            return *row;
         }
         let row = if self.join.is_some() && part.nodes.len() > FINE {
             self.side_by_side(part)
@@ -147,8 +146,8 @@ impl Pass<'_> {
             }
             row
         };
-        if self.ranged {
-            part.rows[left / 2] = row;
+        if let Some(place) = part.rows.get_mut(left / 2) {
+            *place = row;
         }
         row
     }
@@ -176,20 +175,21 @@ impl Pass<'_> {
 
     #[inline(always)]
     fn leaf(&self, node: &Node) -> (Aabb, RefitRow) {
-        let triangles = &self.order[node.first as usize..][..node.count as usize];
+        let first = node.first as usize;
+        let triangles = &self.order[first..first + node.count as usize];
         let mut vertices = [u32::MAX, 0];
         if self.ranged {
             for &vertex in triangles.iter().flat_map(|&t| &self.mesh.triangles()[t as usize]) {
                 vertices = [vertices[0].min(vertex), vertices[1].max(vertex)];
             }
         }
-        let (aabb, visits) = Visits::of_leaf(self.mesh, triangles);
+        let (aabb, visits) = ExpectedTests::of_leaf(self.mesh, triangles);
         (aabb, RefitRow { visits, vertices })
     }
 }
 
 impl RefitRow {
-    const NONE: Self = Self { visits: Visits::NONE, vertices: [u32::MAX, 0] };
+    const NONE: Self = Self { visits: ExpectedTests::NONE, vertices: [u32::MAX, 0] };
 
     #[inline(always)]
     fn and(&self, other: &Self) -> Self {

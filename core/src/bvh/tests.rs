@@ -3,9 +3,9 @@
 extern crate std;
 
 use super::*;
-use crate::Pose;
 use crate::bvh::{BuildOptions, BvhStorage, morton, node_bound, sah};
 use crate::bvtt::{PairBvtt, Query, SelfBvtt};
+use crate::{Bvh, BvhError, Mesh, Node, Pose};
 use pfront_testkit::MeshData;
 use pfront_testkit::shapes::strip;
 use std::sync::LazyLock;

@@ -75,7 +75,7 @@ impl<S: Simd> Planes<S> {
         if SELF && neighbours != 0 {
             heights.unshared_on_one_side(self.shared(other))
         } else {
-            heights.between(heights.of, heights.of)
+            heights.on_one_side(heights.of, heights.of)
         }
     }
 
@@ -86,7 +86,7 @@ impl<S: Simd> Planes<S> {
     pub(super) fn decide(&self, other: &Self, own: &Heights<S>, others: &Heights<S>) -> [u32; 2] {
         let (own, others) = (own.signs(), others.signs());
         let known = S::bits(are_nonzero(own) & are_nonzero(others));
-        let [first, second] = self.ends(other, own, others, None);
+        let [first, second] = self.interval_signs(other, own, others, None);
         let (one, minus_one) = (S::splat(1.0), S::splat(-1.0));
         let meet = S::bits(first.eq(minus_one) & second.eq(one));
         let apart = S::bits(first.eq(one) | second.eq(minus_one));
@@ -131,9 +131,9 @@ impl<S: Simd> Planes<S> {
             return [0; 2];
         }
         let (own, others) = (Heights { of: own.of, bound }, Heights { of: others.of, bound });
-        let separated = own.between(own.of, own.of) | others.between(others.of, others.of);
+        let separated = own.on_one_side(own.of, own.of) | others.on_one_side(others.of, others.of);
         let (own, others) = (own.signs(), others.signs());
-        let [first, second] = self.ends(other, own, others, Some(bound));
+        let [first, second] = self.interval_signs(other, own, others, Some(bound));
         let zero = S::splat(0.0);
         let cross = !S::bits(are_zero(own) | are_zero(others)) & !separated;
         let meet = S::bits(first.le(zero) & zero.le(second));
@@ -146,7 +146,13 @@ impl<S: Simd> Planes<S> {
     ///
     /// The proof is at `intervals_overlap` of [`crate::triangle`].
     #[inline(always)]
-    fn ends(&self, other: &Self, own: [S; 3], others: [S; 3], on_grid: Option<S>) -> [S; 2] {
+    fn interval_signs(
+        &self,
+        other: &Self,
+        own: [S; 3],
+        others: [S; 3],
+        on_grid: Option<S>,
+    ) -> [S; 2] {
         let ([a0, a1, a2], delta) = arrange(self.corners, own);
         let ([b0, b1, b2], epsilon) = arrange(other.corners, others);
         let same_side = delta.eq(epsilon);
@@ -180,12 +186,12 @@ impl<S: Simd> Heights<S> {
             high[k] = S::select(&shared[k], S::splat(f32::NEG_INFINITY), high[k]);
         }
         let [p, q, r] = shared;
-        self.between(low, high) & !S::bits(p & q & r)
+        self.on_one_side(low, high) & !S::bits(p & q & r)
     }
 
     /// Lanes in which the lowest or the highest of some heights certainly have the sign of all.
     #[inline(always)]
-    fn between(&self, [p, q, r]: [S; 3], [x, y, z]: [S; 3]) -> u32 {
+    fn on_one_side(&self, [p, q, r]: [S; 3], [x, y, z]: [S; 3]) -> u32 {
         let (low, high) = (p.min(q).min(r), x.max(y).max(z));
         S::bits(self.bound.le(low) | high.le(S::splat(0.0) - self.bound))
     }

@@ -26,7 +26,7 @@ pub struct PosedBvh<'a> {
     /// The pose of the corners; `None` is the identity. If there is another in f64, that of the shadow.
     pub(super) pose: Option<Affine>,
     /// The pose of the positions in f64, if the mesh or the pose is in f64, or the other side of a query.
-    pub(super) exact: Option<Pose64>,
+    pub(super) pose_f64: Option<Pose64>,
 }
 
 impl<'a> PosedBvh<'a> {
@@ -49,7 +49,7 @@ impl<'a> PosedBvh<'a> {
     pub fn new_unchecked(bvh: Bvh<'a>, world_from_bvh: &Pose) -> Self {
         let mut new = Self::unposed(bvh);
         if bvh.mesh().is_f64() {
-            new.pose_in_f64((*world_from_bvh).into(), DVec3::ZERO);
+            new.pose_shadow((*world_from_bvh).into(), DVec3::ZERO);
         } else {
             new.pose = Affine::new(world_from_bvh, &root_bounds(&bvh));
         }
@@ -71,30 +71,30 @@ impl<'a> PosedBvh<'a> {
     #[must_use]
     pub fn in_f64_unchecked(bvh: Bvh<'a>, world_from_bvh: &Pose64) -> Self {
         let mut new = Self::unposed(bvh);
-        new.pose_in_f64(*world_from_bvh, DVec3::ZERO);
+        new.pose_shadow(*world_from_bvh, DVec3::ZERO);
         new
     }
 
     pub(super) fn unposed(bvh: Bvh<'a>) -> Self {
-        Self { bvh, pose: None, exact: None }
+        Self { bvh, pose: None, pose_f64: None }
     }
 
     /// Whether the mesh or the pose is in f64.
     pub(super) fn is_f64(&self) -> bool {
-        IN_F64 && (self.exact.is_some() || self.bvh.mesh().is_f64())
+        IN_F64 && (self.pose_f64.is_some() || self.bvh.mesh().is_f64())
     }
 
     /// The pose in f64, the same if it is given in f32.
-    pub(super) fn pose_f64(&self) -> Pose64 {
+    pub(super) fn as_pose64(&self) -> Pose64 {
         let in_f32 = || self.pose.map_or(Pose::IDENTITY, Affine::to_pose);
-        self.exact.unwrap_or_else(|| in_f32().into())
+        self.pose_f64.unwrap_or_else(|| in_f32().into())
     }
 
     /// Poses positions, and their shadow in a frame whose origin is at `zero`. Returns the pose of the shadow.
-    pub(super) fn pose_in_f64(&mut self, pose: Pose64, zero: DVec3) -> Affine {
+    pub(super) fn pose_shadow(&mut self, pose: Pose64, zero: DVec3) -> Affine {
         let origin = DVec3::from_array(self.bvh.mesh().origin());
         let shadow = Affine::of_shadow(&pose, origin, &root_bounds(&self.bvh), zero);
-        (self.pose, self.exact) = (Some(shadow), Some(pose));
+        (self.pose, self.pose_f64) = (Some(shadow), Some(pose));
         shadow
     }
 
@@ -121,7 +121,7 @@ impl<'a> PosedBvh<'a> {
     /// The corners of a triangle as they are posed in f64.
     pub(super) fn triangle_f64(&self, triangle: u32) -> [[f64; 3]; 3] {
         let corners = self.bvh.mesh().triangle_f64(triangle);
-        self.exact.map_or(corners, |pose| corners.map(|p| pose.apply(p)))
+        self.pose_f64.map_or(corners, |pose| corners.map(|p| pose.apply(p)))
     }
 }
 

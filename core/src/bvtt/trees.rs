@@ -98,12 +98,12 @@ impl<'a> PairBvtt<'a> {
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
         let (of_a, of_b) = (root_a.bounds(), root_b.bounds());
         if a.is_f64() || b.is_f64() {
-            let poses = query.pose_in_f64();
+            let poses = query.pose_shadows();
             query.box_poses = poses.map(Some);
             // Boxes need all of the paddings, corners no more than 13/16 of each.
             query.error = Some(poses[0].padding().max(poses[1].padding()) * 1.75);
         }
-        view(&mut query.box_poses, &of_b);
+        into_frame_of_first(&mut query.box_poses, &of_b);
         if VECTORS && let Some(pose_b) = &query.b.pose {
             let pose_a = query.a.pose.unwrap_or_else(|| Affine::identity(&of_a));
             query.first_seen = pose_a.seen_from(&of_a, pose_b).filter(Affine::is_turned);
@@ -117,10 +117,10 @@ impl<'a> PairBvtt<'a> {
     }
 
     /// Poses both shadows in the frame whose origin is that of the first as it is posed. Returns their poses.
-    fn pose_in_f64(&mut self) -> [Affine; 2] {
-        let (pose_a, pose_b) = (self.a.pose_f64(), self.b.pose_f64());
+    fn pose_shadows(&mut self) -> [Affine; 2] {
+        let (pose_a, pose_b) = (self.a.as_pose64(), self.b.as_pose64());
         let zero = DVec3::from_array(pose_a.apply(self.a.bvh.mesh().origin()));
-        [self.a.pose_in_f64(pose_a, zero), self.b.pose_in_f64(pose_b, zero)]
+        [self.a.pose_shadow(pose_a, zero), self.b.pose_shadow(pose_b, zero)]
     }
 
     /// The shadows of both meshes, and their error, if the query is in f64.
@@ -141,7 +141,7 @@ impl<'a> PairBvtt<'a> {
     #[must_use]
     pub fn shadows(&self) -> Option<Shadows> {
         let (error, mut posed) = (self.error()?.to_array(), *self);
-        let poses = posed.pose_in_f64();
+        let poses = posed.pose_shadows();
         let padding = poses.map(|pose| pose.padding().to_array());
         Some(Shadows { poses: poses.map(Affine::to_pose), padding, error })
     }
@@ -175,7 +175,7 @@ impl<'a> PairBvtt<'a> {
 
 /// Replaces the poses of boxes by that of the second mesh as the first sees it, where possible.
 #[inline]
-pub(super) fn view(poses: &mut [Option<Affine>; 2], of_b: &Bounds) {
+pub(super) fn into_frame_of_first(poses: &mut [Option<Affine>; 2], of_b: &Bounds) {
     if let [Some(pose_a), Some(pose_b)] = poses
         && let Some(seen) = pose_b.seen_from(of_b, pose_a)
     {

@@ -5,7 +5,7 @@
 
 mod check;
 #[cfg(feature = "f64")]
-mod in_f64;
+mod shadow;
 #[cfg(test)]
 mod tests;
 

@@ -1,6 +1,8 @@
 //! Corners to the bit, and boxes that contain them.
 
-use super::{Affine, Pose, PoseError};
+extern crate std;
+
+use super::{Affine, Pose, Pose64, PoseError};
 use crate::aabb::Bounds;
 use crate::simd::{Box4, LANES, Simd, Task, widest};
 use crate::{Aabb, Node};
@@ -227,4 +229,54 @@ fn a_pose_and_its_inverse_take_points_back() {
     let flat = Pose::new([[1.0, 2.0, 3.0, 0.0], [2.0, 4.0, 6.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
     let endless = Pose::from_translation([f32::INFINITY, 0.0, 0.0]);
     assert_eq!([flat.inverse(), endless.inverse()], [None, None]);
+}
+
+/// How far points of a shadow, posed in f32, lie from where the positions are posed in f64, in units of the padding.
+fn error_of_shadow(pose: &Pose64, positions: &[[f64; 3]], origin: DVec3, zero: DVec3) -> f64 {
+    let shadow = |p: &[f64; 3]| (DVec3::from_array(*p) - origin).as_vec3().to_array();
+    let shadows: std::vec::Vec<_> = positions.iter().map(shadow).collect();
+    let affine = Affine::of_shadow(pose, origin, &Bounds::new(&Aabb::of(&shadows)), zero);
+    let errors = positions.iter().zip(&shadows).map(|(&p, &shadow)| {
+        let posed = affine.point(Vec3A::from_array(shadow)).as_dvec3();
+        let error = posed - (DVec3::from_array(pose.apply(p)) - zero);
+        (error.abs() / affine.padding().as_dvec3()).max_element()
+    });
+    errors.fold(0.0, f64::max)
+}
+
+/// Corners are off by no more than 13/16 of the padding, and by 1/16 where nothing is posed, as queries in f64 rely on.
+#[test]
+fn posed_shadows_are_as_near_to_posed_positions_as_queries_rely_on() {
+    let mut rng = seeded(17);
+    let (mut worst, mut unposed) = (0.0_f64, 0.0_f64);
+    for round in 0..if cfg!(miri) { 20 } else { 30_000 } {
+        let (size, far) = ([1e-3, 1.0, 1e4][round % 3], [0.0, 1.0, 1e3, 1e8][round / 3 % 4]);
+        let mut within = |reach: f64| reach * rng.random_range(-1.0..1.0);
+        let origin = DVec3::from_array([0; 3].map(|_| within(far)));
+        // Corners of the box, where products are largest, and points near them.
+        let positions: [[f64; 3]; 16] = core::array::from_fn(|corner| {
+            let near = if corner < 8 { 0.0 } else { 0.01 };
+            let side = |k: usize| if corner >> k & 1 == 0 { -size } else { size };
+            [0, 1, 2].map(|k| origin[k] + side(k) * (1.0 - near * within(1.0).abs()))
+        });
+        let pose = Pose64::new([0; 3].map(|_| {
+            let r = [0; 3].map(|_| within(1.0));
+            [r[0], r[1], r[2], within(far)]
+        }));
+        let zero = DVec3::from_array(pose.apply(origin.to_array()));
+        let aside = DVec3::from_array([0; 3].map(|_| within(size)));
+        for zero in [zero, zero + aside] {
+            worst = worst.max(error_of_shadow(&pose, &positions, origin, zero));
+        }
+        let bounds = [origin - DVec3::splat(size), origin + DVec3::splat(size)];
+        let shadows = bounds.map(|p| (p - origin).as_vec3().to_array());
+        let padding = Affine::identity(&Bounds::new(&Aabb::of(&shadows))).padding().as_dvec3();
+        for p in positions.map(DVec3::from_array) {
+            let error = (p - origin).as_vec3().as_dvec3() - (p - origin);
+            unposed = unposed.max((error.abs() / padding).max_element());
+        }
+    }
+    assert!(worst <= 13.0 / 16.0 && unposed <= 1.0 / 16.0, "{worst} {unposed}");
+    // Else these positions would say nothing of the bounds.
+    assert!(worst > 0.25 && unposed > 0.02, "{worst} {unposed}");
 }

@@ -10,12 +10,13 @@ mod meter;
 
 use inputs::{Tree, coincident, curled, disparate, mesh, peeling, sheets};
 use meter::stack_of;
+use pfront_core::blob::{self, Blob};
 use pfront_core::bvh::*;
 use pfront_core::bvtt::*;
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::one_ring::{OneRings, history_bound, links_bound};
 use pfront_core::triangle::intersects;
-use pfront_core::{Blob, Bvh, Mesh, Node, Pose, Pose64, blob};
+use pfront_core::{Bvh, Mesh, Node, Pose, Pose64};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
 use std::hint::black_box;

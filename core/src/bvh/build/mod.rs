@@ -22,7 +22,8 @@ pub use morton::morton;
 pub use sah::sah;
 pub use steps::SahSteps;
 
-use crate::bvh::{MAX_LEAF_SIZE, Node};
+use crate::Node;
+use crate::bvh::MAX_LEAF_SIZE;
 use crate::parallel::Join;
 use crate::{Bvh, CapacityError, Mesh};
 use core::fmt;

@@ -15,7 +15,7 @@ use crate::parallel::{Join, halves};
 use crate::{Aabb, Bvh, CapacityError, Mesh};
 use glam::Vec3A;
 
-/// Bits of a triangle index: [`MAX_TRIANGLES`](crate::mesh::MAX_TRIANGLES) fits.
+/// Bits of a triangle index: [`MAX_TRIANGLES`](crate::MAX_TRIANGLES) fits.
 const INDEX_BITS: u32 = 31;
 const INDEX: u64 = (1 << INDEX_BITS) - 1;
 

@@ -4,8 +4,9 @@ use super::bins::{Split, best_split};
 use super::divide::halve;
 use super::item::{bounds, item, triangle};
 use super::{BuildOptions, BvhStorage};
+use crate::Node;
 use crate::aabb::Bounds;
-use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE, Node};
+use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE};
 use crate::{Aabb, CapacityError, Mesh};
 
 /// A build by the surface area heuristic under way. It makes the tree that [`sah`](super::sah()) makes, but for the boxes,

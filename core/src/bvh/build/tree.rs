@@ -5,7 +5,8 @@
 //! right one begins where it would if the left side had leaves of one triangle, and moves up afterwards.
 
 use super::{BuildOptions, BvhStorage};
-use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE, Node, node_bound};
+use crate::Node;
+use crate::bvh::{MAX_DEPTH, MAX_LEAF_SIZE, node_bound};
 use crate::parallel::{GRAIN, Join, both, split};
 use crate::{Aabb, Bvh, CapacityError, Mesh};
 

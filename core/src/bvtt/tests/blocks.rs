@@ -41,7 +41,7 @@ impl Task for Two<'_> {
         });
         let [first, second] = [0, 1].map(|side: usize| PosedBvh {
             bvh: Bvh::new_unchecked(mesh, &nodes[side], leaves[side]),
-            exact: None,
+            pose_f64: None,
             pose: None,
         });
         let mut caches = [BlockCache::new(), BlockCache::new()];

@@ -8,9 +8,9 @@ mod moved;
 mod outliers;
 
 use super::*;
-use crate::Mesh;
 use crate::bvh::MAX_DEPTH;
 use crate::bvh::*;
+use crate::{Bvh, Mesh};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded};
 use pfront_testkit::shapes::{point, sheet};

@@ -43,8 +43,8 @@
 //!
 //! # Examples
 //! ```
-//! use pfront_core::blob::{self, Aligned, Counts};
-//! use pfront_core::{Blob, Bvh, Mesh, Node};
+//! use pfront_core::blob::{self, Aligned, Blob, Counts};
+//! use pfront_core::{Bvh, Mesh, Node};
 //! // On the machine that bakes:
 //! let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
 //! let nodes = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
@@ -121,7 +121,7 @@ impl<'a> Blob<'a> {
     ///
     /// # Examples
     /// ```
-    /// use pfront_core::{Blob, BlobError};
+    /// use pfront_core::blob::{Blob, BlobError};
     /// assert_eq!(Blob::new(b"solid teapot").err(), Some(BlobError::Magic));
     /// ```
     pub fn new(bytes: &'a [u8]) -> Result<Self, BlobError> {
@@ -187,7 +187,7 @@ impl<'a> Blob<'a> {
     ///
     /// # Examples
     /// ```
-    /// use pfront_core::{blob::{self, BlobStorage}, Blob, Bvh, Mesh, Node};
+    /// use pfront_core::{blob::{self, Blob, BlobStorage}, Bvh, Mesh, Node};
     /// let (points, mut shadow) = ([[0.1, 0.2, 0.3]; 3], [[0.0; 3]; 3]);
     /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
     /// let nodes = [Node { min: [0.0; 3], first: 0, max: [0.0; 3], count: 1 }];

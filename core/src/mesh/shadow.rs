@@ -37,7 +37,7 @@ impl<'a> Mesh<'a> {
         shadow: &'a mut [[f32; 3]],
     ) -> Result<Self, MeshError> {
         let origin = fill(shadow, positions, None)?;
-        Ok(Self::new(shadow, triangles)?.with_exact(Some(positions), origin))
+        Ok(Self::new(shadow, triangles)?.with_origin(Some(positions), origin))
     }
 
     /// The same triangles over other positions in f64, as a deforming mesh has each frame. The origin of the shadow stays where
@@ -67,7 +67,7 @@ impl<'a> Mesh<'a> {
         let Some(before) = self.origin else { return Err(MeshError::OtherPrecision) };
         same_length(self.vertex_count(), positions.len())?;
         let origin = fill(shadow, positions, Some(before))?;
-        Ok(Self::new_unchecked(shadow, self.triangles).with_exact(Some(positions), origin))
+        Ok(Self::new_unchecked(shadow, self.triangles).with_origin(Some(positions), origin))
     }
 
     /// The same mesh in f64: posed and decided there. Its positions stay those in f32, and take no memory in f64.
@@ -81,7 +81,7 @@ impl<'a> Mesh<'a> {
     /// ```
     #[must_use]
     pub fn widened(self) -> Self {
-        if self.is_f64() { self } else { self.with_exact(None, DVec3::ZERO) }
+        if self.is_f64() { self } else { self.with_origin(None, DVec3::ZERO) }
     }
 
     /// Makes a mesh again of what [`Mesh::from_f64`] has checked and filled, and of its [`Mesh::origin`].
@@ -113,7 +113,7 @@ impl<'a> Mesh<'a> {
             "one position in f64 for each of the shadow"
         );
         let origin = DVec3::from_array(origin);
-        Self::new_unchecked(shadow, triangles).with_exact(Some(positions), origin)
+        Self::new_unchecked(shadow, triangles).with_origin(Some(positions), origin)
     }
 
     /// [`Mesh::from_f64_unchecked`] of arrays that nobody has checked; [`Mesh::widened`] without positions.
@@ -128,7 +128,7 @@ impl<'a> Mesh<'a> {
         if let Some(positions) = positions {
             same_length(shadow.len(), positions.len())?;
         }
-        let mesh = Self::new(shadow, triangles)?.with_exact(positions, origin);
+        let mesh = Self::new(shadow, triangles)?.with_origin(positions, origin);
         for (vertex, &shadow) in shadow.iter().enumerate() {
             let position = check_position(vertex, mesh.position_f64(vertex as u32))?;
             let is_near = check_position(vertex, origin.to_array()).is_ok();
@@ -139,7 +139,7 @@ impl<'a> Mesh<'a> {
         Ok(mesh)
     }
 
-    fn with_exact(self, positions_f64: Option<&'a [[f64; 3]]>, origin: DVec3) -> Self {
+    fn with_origin(self, positions_f64: Option<&'a [[f64; 3]]>, origin: DVec3) -> Self {
         Self { positions_f64, origin: Some(origin), ..self }
     }
 }

@@ -1,6 +1,6 @@
 //! The error of reading blobs.
 
-use crate::bvh::BvhError;
+use crate::BvhError;
 use crate::{CapacityError, MeshError};
 
 /// The fault of bytes that are not a blob of a BVH, or the reason why they cannot be read as one.
