@@ -6,7 +6,6 @@ use pfront::{Adjacency, BodyOptions, Error, Executor, Model, Pose, SceneQuery, S
 use pfront_testkit::scenes::{Scene, icosphere};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::{Arc, LazyLock, mpsc};
-use std::time::Duration;
 
 static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
     let mut all = vec![("sequential", Executor::sequential())];
@@ -159,10 +158,47 @@ fn a_thousand_tickets_take_no_thread_each() {
     for (name, executor) in &*EXECUTORS {
         executor.submit(|| ()).unwrap().read().unwrap();
         let before = threads();
-        let slow = || std::thread::sleep(Duration::from_micros(10));
+        let slow = || std::thread::sleep(std::time::Duration::from_micros(10));
         let tickets: Vec<_> = (0..1_000).map(|_| executor.submit(slow).unwrap()).collect();
         // Other tests of this file start executors of their own meanwhile.
         assert!(threads() < before + 100, "{name}");
         tickets.into_iter().for_each(|ticket| ticket.read().unwrap());
     }
+}
+
+/// A ticket within a ticket: the thread that answers both does not wait for itself.
+#[test]
+fn a_question_may_ask_in_the_background_itself() {
+    let ball = icosphere(80);
+    let ball = Arc::new(Model::new(ball.positions, ball.triangles).unwrap());
+    for (name, executor) in &*EXECUTORS {
+        let (own, model) = (executor.clone(), ball.clone());
+        let ticket = executor.submit(move || {
+            let mut batch = pfront::Batch::new();
+            batch.pair(&model, &model, Pose::IDENTITY)?;
+            batch.pair(&model, &model, aside(9.0))?;
+            Ok::<_, Error>((own.submit(|| 7)?.read()?, batch.count(&own)?.read()?))
+        });
+        let (seven, counts) = ticket.unwrap().read().unwrap().unwrap();
+        assert_eq!((seven, counts[1]), (7, 0), "{name}");
+        assert!(counts[0] > 0, "{name}");
+    }
+}
+
+/// A function that waits for what is dropped after its ticket and its executor.
+#[cfg(feature = "gpu")]
+#[test]
+fn whoever_drops_a_ticket_does_not_wait_for_its_function() {
+    let gpu = pfront::gpu::Gpu::new().unwrap();
+    let executor = Executor::gpu(&gpu, gpu.settings());
+    let ((begin, begun), (end, ended)) = (mpsc::channel(), mpsc::channel::<()>());
+    let wait = move || {
+        begin.send(()).unwrap();
+        let _ = ended.recv();
+    };
+    let ticket = executor.submit(wait).unwrap();
+    begun.recv().unwrap();
+    drop(ticket);
+    drop(executor);
+    drop(end);
 }

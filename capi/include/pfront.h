@@ -8,9 +8,9 @@
 // `pfront_query_pair` or `pfront_query_self`, `pfront_cursor_start`, `pfront_query_page` until the cursor is done.
 // capi/README.md and capi/examples/engine.c show how.
 //
-// All memory is the caller's, but for what `pfront_all`, `pfront_self`, `pfront_any`, models, executors, queries about models and scenes take from an allocator: a function
+// All memory is the caller's, but for what `pfront_all`, `pfront_self`, `pfront_any`, models, executors, queries about models, batches and scenes take from an allocator: a function
 // frees each. Everywhere else nothing is allocated, kept or locked, and there is nothing to free. There are no globals,
-// but for the pool of threads of a library that was built with some.
+// but for the pool of threads and the driver of a GPU in a library that was built with them.
 //
 // Structures whose members are told here are plain data with pointers into the caller's arrays: they can be copied, and
 // are good as long as these arrays are where they were and nobody else writes them.
@@ -137,7 +137,8 @@ enum pfront_status_t
   PFRONT_NOT_UNIT = 35,
   // There is no GPU that can be used, or the library was built without.
   PFRONT_NO_DEVICE = 36,
-  // The GPU failed: it is out of memory or lost. Another call may succeed, or another executor.
+  // The GPU failed: it is lost or out of memory, has no room for a mesh, or does not compute with a coordinate as large as one of
+  // these. Another executor may answer.
   PFRONT_DEVICE = 37,
 };
 #ifndef __cplusplus
@@ -505,9 +506,9 @@ typedef struct pfront_pose64_t {
 typedef struct pfront_subject_t {
   // The first.
   const struct pfront_model_t *a;
-  // The second; null for `a` and itself.
+  // The second; null for `a` and itself, which has no pose.
   const struct pfront_model_t *b;
-  // The pose of `b`, which only then has to be there.
+  // The pose of `b`; null if there is none.
   const struct pfront_pose_t *a_from_b;
   // A pose in f64 in place of `a_from_b`, unless it is null; then the answer is that of f64.
   const struct pfront_pose64_t *a_from_b_f64;
@@ -917,7 +918,8 @@ pfront_status_t pfront_model_free(struct pfront_model_t *model,
 //
 // PFRONT_NO_DEVICE if there is no GPU that can be used, or the library was built without. Opening one takes a second or two,
 // measuring it for PFRONT_AUTO as long again: make one executor and keep it. A child of fork can use and make executors without
-// threads and GPU only; the others are PFRONT_FORKED there, and can only be freed.
+// threads and GPU only, once its parent has made one with either; the others are PFRONT_FORKED there, and can only be freed, which
+// leaves their memory.
 pfront_status_t pfront_executor_create(uint32_t device,
                                        uint32_t workers,
                                        struct pfront_executor_t **executor,
@@ -939,7 +941,7 @@ pfront_status_t pfront_model_query_free(struct pfront_model_query_t *query,
                                         struct pfront_error_t *error);
 
 // Finds all pairs of triangles of a subject that meet: `count` of them in `pairs`, sorted. They belong to the query and are good
-// until it is asked again or freed.
+// until this is called again, or the query is freed.
 pfront_status_t pfront_model_query_all(struct pfront_model_query_t *query,
                                        const struct pfront_subject_t *subject,
                                        const struct pfront_pair_t **pairs,
@@ -1128,8 +1130,8 @@ pfront_status_t pfront_scene_bodies_in(struct pfront_scene_t *scene,
                                        struct pfront_error_t *error);
 
 // Calls `visit` with `context` and each hit, on the calling thread, bodies in order and their triangles in none, until it returns
-// another number than 0: then `stopped` is 1, else 0. `visit` must not call a function with this scene, nor leave by longjmp.
-// Nothing is kept.
+// another number than 0: then `stopped` is 1, else 0. `visit` runs in the default floating-point environment; a call with this scene
+// is PFRONT_BUSY there, and it must not leave by an exception or by longjmp. Nothing is kept.
 pfront_status_t pfront_scene_visit(struct pfront_scene_t *scene,
                                    int32_t (*visit)(void *context,
                                                     const struct pfront_scene_hit_t *hit),
@@ -1144,7 +1146,7 @@ pfront_status_t pfront_scene_set_model(struct pfront_scene_t *scene,
                                        struct pfront_error_t *error);
 
 // Splits a body: triangle i goes to part `parts[i]`, of which there are as many as triangles. Each part becomes a body in the same
-// pose, with a mesh of its own whose triangles are in the old order, the groups, the number and the ignored bodies of the old one, which is gone. `pieces` tells
+// pose, with a mesh of its own whose triangles are in the old order, the groups and the number of the old one, which is gone, and asked about itself if that was; nobody ignores it. `pieces` tells
 // `count` of them, by parts; it belongs to the scene and is good until this is called again, or the scene is freed.
 pfront_status_t pfront_scene_split(struct pfront_scene_t *scene,
                                    uint64_t body,

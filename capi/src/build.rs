@@ -13,9 +13,9 @@ use crate::bvh::{pfront_bvh_memory_t, pfront_bvh_t};
 use crate::memory::{Call, Caller};
 use crate::mesh::pfront_mesh_t;
 use crate::status::{Fault, pfront_error_t, pfront_status_t};
+use pfront_core::MAX_TRIANGLES;
 use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton, sah};
-use pfront_core::MAX_TRIANGLES;
 use pfront_core::{Bvh, CapacityError, Mesh, Node};
 
 /// Bytes for `count` elements at any address, if there can be so many.

@@ -14,6 +14,7 @@ use crate::status::pfront_status_t::{self, PFRONT_FORKED, PFRONT_NO_DEVICE};
 use crate::status::{Fault, pfront_error_t};
 use core::ffi::CStr;
 use core::num::NonZero;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use pfront::Executor;
 
 /// Who answers.
@@ -42,6 +43,10 @@ pub(crate) struct OwnExecutor {
 impl Handle for pfront_executor_t {
     type Value = OwnExecutor;
     const SEAL: u32 = u32::from_be_bytes(*b"exec");
+
+    fn is_foreign(own: &OwnExecutor) -> bool {
+        own.is_foreign()
+    }
 }
 
 /// The most workers.
@@ -60,44 +65,49 @@ impl OwnExecutor {
 
     /// Checks that it is of this process.
     pub(crate) fn check(&self, what: &'static CStr) -> Result<(), Fault> {
-        match self.process {
-            Some(process) if process.get() != std::process::id() => {
-                Err(Fault::of(PFRONT_FORKED, what))
-            }
-            _ => Ok(()),
-        }
+        if self.is_foreign() { Err(Fault::of(PFRONT_FORKED, what)) } else { Ok(()) }
+    }
+
+    /// Whether another process has its threads or its GPU.
+    pub(crate) fn is_foreign(&self) -> bool {
+        self.process.is_some_and(|process| process.get() != std::process::id())
+    }
+}
+
+/// Checks that the pool of threads and the driver of the GPU are of this process, or become so.
+fn own_process(what: &'static CStr) -> Result<(), Fault> {
+    /// The process that has made the first executor with either: a child of `fork` has neither.
+    static PROCESS: AtomicU32 = AtomicU32::new(0);
+    let own = std::process::id();
+    match PROCESS.compare_exchange(0, own, Relaxed, Relaxed) {
+        Err(other) if other != own => Err(Fault::of(PFRONT_FORKED, what)),
+        _ => Ok(()),
     }
 }
 
 fn threads(workers: u32) -> Result<Executor, Fault> {
     Fault::below(c"workers", workers as usize, WORKERS.saturating_add(1))?;
-    #[cfg(feature = "threads")]
     if workers > 1 {
-        use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-        /// The process that has made the first executor with threads: they are all of one pool, which a child of `fork` has not.
-        static THREADS_OF: AtomicU32 = AtomicU32::new(0);
-        let own = std::process::id();
-        // The pool is of this process, or becomes so.
-        return match THREADS_OF.compare_exchange(0, own, Relaxed, Relaxed) {
-            Err(other) if other != own => Err(Fault::of(PFRONT_FORKED, c"workers")),
-            _ => Ok(Executor::threads(workers as usize)),
-        };
+        own_process(c"workers")?;
+        #[cfg(feature = "threads")]
+        return Ok(Executor::threads(workers as usize));
     }
     Ok(Executor::sequential())
 }
 
 #[cfg(feature = "gpu")]
-fn gpu(cpu: Executor, always: bool) -> Result<Executor, Fault> {
+fn gpu(cpu: Option<Executor>) -> Result<Executor, Fault> {
+    own_process(c"device")?;
     let gpu = pfront::gpu::Gpu::new().map_err(|_| Fault::of(PFRONT_NO_DEVICE, c"device"))?;
     let settings = gpu.settings();
-    match always {
-        true => Ok(Executor::gpu(&gpu, settings)),
-        false => Ok(cpu.and_gpu(&gpu, settings).map_err(pfront::Error::from)?),
+    match cpu {
+        None => Ok(Executor::gpu(&gpu, settings)),
+        Some(cpu) => Ok(cpu.and_gpu(&gpu, settings).map_err(pfront::Error::from)?),
     }
 }
 
 #[cfg(not(feature = "gpu"))]
-fn gpu(_: Executor, _: bool) -> Result<Executor, Fault> {
+fn gpu(_: Option<Executor>) -> Result<Executor, Fault> {
     Err(Fault::of(PFRONT_NO_DEVICE, c"device"))
 }
 
@@ -107,7 +117,8 @@ fn gpu(_: Executor, _: bool) -> Result<Executor, Fault> {
 ///
 /// PFRONT_NO_DEVICE if there is no GPU that can be used, or the library was built without. Opening one takes a second or two,
 /// measuring it for PFRONT_AUTO as long again: make one executor and keep it. A child of fork can use and make executors without
-/// threads and GPU only; the others are PFRONT_FORKED there, and can only be freed.
+/// threads and GPU only, once its parent has made one with either; the others are PFRONT_FORKED there, and can only be freed, which
+/// leaves their memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_executor_create(
     device: u32,
@@ -119,14 +130,15 @@ pub unsafe extern "C" fn pfront_executor_create(
     unsafe { Caller::trusted() }.call(error, |call| {
         let out = call.out(c"executor", executor)?;
         Fault::below(c"device", device as usize, 3)?;
-        let (cpu, is_gpu) = (threads(workers)?, pfront_device_t::PFRONT_GPU as u32);
-        let process = (workers > 1 || device != pfront_device_t::PFRONT_CPU as u32)
-            .then(std::process::id)
-            .and_then(NonZero::new);
+        const GPU: u32 = pfront_device_t::PFRONT_GPU as u32;
+        const CPU: u32 = pfront_device_t::PFRONT_CPU as u32;
         let executor = match device {
-            0 => cpu,
-            _ => gpu(cpu, device == is_gpu)?,
+            GPU => gpu(None)?,
+            CPU => threads(workers)?,
+            _ => gpu(Some(threads(workers)?))?,
         };
+        let has_either = device != CPU || workers > 1;
+        let process = NonZero::new(std::process::id()).filter(|_| has_either);
         out.set(Call::boxed(OwnExecutor { executor, process })?);
         Ok(())
     })

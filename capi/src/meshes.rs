@@ -20,9 +20,9 @@ use crate::verbs::pfront_pair_t;
 use bytemuck::{must_cast_slice_mut, pod_align_to_mut};
 use core::ops::ControlFlow::{Break, Continue};
 use core::ptr::null_mut;
+use pfront_core::MAX_TRIANGLES;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
 use pfront_core::bvtt::{PairBvtt, Query, TrianglePair};
-use pfront_core::MAX_TRIANGLES;
 use pfront_core::{Bvh, Node};
 
 /// A list of pairs in memory of an allocator, to be freed by `pfront_pair_list_free`.

@@ -51,6 +51,10 @@ pub(crate) struct Scene {
 impl Handle for pfront_scene_t {
     type Value = Scene;
     const SEAL: u32 = u32::from_be_bytes(*b"scen");
+
+    fn is_foreign(scene: &Scene) -> bool {
+        scene.own.is_foreign()
+    }
 }
 
 /// A scene to ask or to change, in the process whose threads it has.

@@ -87,7 +87,8 @@ pub enum pfront_status_t {
     PFRONT_NOT_UNIT = 35,
     /// There is no GPU that can be used, or the library was built without.
     PFRONT_NO_DEVICE = 36,
-    /// The GPU failed: it is out of memory or lost. Another call may succeed, or another executor.
+    /// The GPU failed: it is lost or out of memory, has no room for a mesh, or does not compute with a coordinate as large as one of
+    /// these. Another executor may answer.
     PFRONT_DEVICE = 37,
 }
 

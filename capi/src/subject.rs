@@ -15,7 +15,7 @@ use crate::model::pfront_model_t;
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::pfront_rule_t;
 use crate::scene::replace;
-use crate::status::pfront_status_t;
+use crate::status::pfront_status_t::{self, PFRONT_NULL};
 use crate::status::{Fault, pfront_error_t};
 use crate::verbs::{pfront_contact_t, pfront_pair_t};
 use pfront::{Adjacency, AnyPose, Batch, Error, Model, PairQuery, Pose64, SelfQuery, TrianglePair};
@@ -27,9 +27,9 @@ use std::sync::Arc;
 pub struct pfront_subject_t {
     /// The first.
     pub a: *const pfront_model_t,
-    /// The second; null for `a` and itself.
+    /// The second; null for `a` and itself, which has no pose.
     pub b: *const pfront_model_t,
-    /// The pose of `b`, which only then has to be there.
+    /// The pose of `b`; null if there is none.
     pub a_from_b: *const pfront_pose_t,
     /// A pose in f64 in place of `a_from_b`, unless it is null; then the answer is that of f64.
     pub a_from_b_f64: *const pfront_pose64_t,
@@ -47,6 +47,10 @@ impl Subject {
     fn new(call: &mut Call<'_>, subject: pfront_subject_t) -> Result<Self, Fault> {
         let a = call.cloned(c"a", subject.a)?;
         if subject.b.is_null() {
+            // Perhaps the model could not be made.
+            if !subject.a_from_b.is_null() || !subject.a_from_b_f64.is_null() {
+                return Err(Fault::of(PFRONT_NULL, c"b"));
+            }
             Fault::below(c"rule", subject.rule as usize, 2)?;
             let skips = subject.rule == pfront_rule_t::PFRONT_SKIP_NEIGHBOURS as u32;
             let rule = if skips { Adjacency::SkipNeighbours } else { Adjacency::SharedIndexRule };
@@ -78,13 +82,18 @@ pub(crate) struct ModelQuery {
     own: OwnExecutor,
     pair: PairQuery,
     within: [SelfQuery; 2],
-    /// The contacts that were handed out last.
+    /// The answers that were handed out last.
+    pairs: Vec<pfront_pair_t>,
     contacts: Vec<pfront_model_contact_t>,
 }
 
 impl Handle for pfront_model_query_t {
     type Value = ModelQuery;
     const SEAL: u32 = u32::from_be_bytes(*b"mqry");
+
+    fn is_foreign(query: &ModelQuery) -> bool {
+        query.own.is_foreign()
+    }
 }
 
 /// Two triangles that meet, and where they do, in the frame of the first model.
@@ -111,7 +120,13 @@ pub unsafe extern "C" fn pfront_model_query_create(
         let within = [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours]
             .map(|rule| SelfQuery::new().with_adjacency(rule).on(&own.executor));
         let pair = PairQuery::new().on(&own.executor);
-        out.set(Call::boxed(ModelQuery { own, pair, within, contacts: Vec::new() })?);
+        out.set(Call::boxed(ModelQuery {
+            own,
+            pair,
+            within,
+            pairs: Vec::new(),
+            contacts: Vec::new(),
+        })?);
         Ok(())
     })
 }
@@ -145,7 +160,7 @@ fn of_rule(within: &mut [SelfQuery; 2], rule: Adjacency) -> &mut SelfQuery {
 }
 
 /// Finds all pairs of triangles of a subject that meet: `count` of them in `pairs`, sorted. They belong to the query and are good
-/// until it is asked again or freed.
+/// until this is called again, or the query is freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_model_query_all(
     query: *mut pfront_model_query_t,
@@ -157,14 +172,15 @@ pub unsafe extern "C" fn pfront_model_query_all(
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| {
         let (out, out_count) = (call.out(c"pairs", pairs)?, call.out(c"count", count)?);
-        let (query, subject) = asked(call, query, subject)?;
+        let (ModelQuery { pair, within, pairs, .. }, subject) = asked(call, query, subject)?;
         let found = match &subject {
-            Subject::Pair(a, b, pose) => query.pair.all(a, b, pose).map_err(fault)?,
-            Subject::Within(a, rule) => of_rule(&mut query.within, *rule).all(a).map_err(fault)?,
+            Subject::Pair(a, b, pose) => pair.all(a, b, pose).map_err(fault)?,
+            Subject::Within(a, rule) => of_rule(within, *rule).all(a).map_err(fault)?,
         };
-        // Both have the same members: see `pfront_pair_t`.
-        out.set(found.as_ptr().cast());
-        out_count.set(found.len());
+        let for_c = |&TrianglePair { a, b }: &_| pfront_pair_t { a, b };
+        replace(pairs, found.len(), found.iter().map(for_c))?;
+        out.set(pairs.as_ptr());
+        out_count.set(pairs.len());
         Ok(())
     })
 }

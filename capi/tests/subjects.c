@@ -1,7 +1,11 @@
 // Executors, questions about models and many of them at once, and bodies of scenes as such: right uses, and mistakes with their
 // error codes. With WORKERS defined on threads, with DEVICE defined on that device.
 
+#define _POSIX_C_SOURCE 200809L
 #include "expect.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
 
 #ifndef WORKERS
 #define WORKERS 1
@@ -112,6 +116,9 @@ static void subjects(void)
     EXPECT(PFRONT_OUT_OF_RANGE, "rule", pfront_batch_count(executor, wrong_one, 2, many, &error));
     THAT(error.index == 1);
     EXPECT(PFRONT_NULL, "subject", pfront_model_query_count(query, NULL, &count, &error));
+    wrong_one[1] = asked[0];
+    wrong_one[1].b = NULL;
+    EXPECT(PFRONT_NULL, "b", pfront_batch_count(executor, wrong_one, 2, many, &error));
     wrong_one[0].a_from_b = NULL;
     EXPECT(PFRONT_NULL, "a_from_b", pfront_model_query_count(query, &wrong_one[0], &count, &error));
     wrong_one[0].a = NULL;
@@ -124,6 +131,14 @@ static void subjects(void)
     EXPECT(PFRONT_NULL, "query", pfront_model_query_count(NULL, &asked[0], &count, &error));
     EXPECT(PFRONT_NULL, "count", pfront_model_query_count(query, &asked[0], NULL, &error));
     EXPECT(PFRONT_OUT_OF_RANGE, "rule", pfront_self(&tetrahedra, 3, NULL, &list, &error));
+    // A list is good until another one of the kind is asked for.
+    const pfront_pair_t *kept;
+    const pfront_model_contact_t *contacts;
+    size_t kept_count = 0, contact_count = 0;
+    OK(pfront_model_query_all(query, &asked[0], &kept, &kept_count, &error));
+    OK(pfront_model_query_contacts(query, &asked[4], &contacts, &contact_count, &error));
+    OK(pfront_model_query_count(query, &asked[1], &count, &error));
+    THAT(kept_count == list.count && memcmp(kept, list.pairs, kept_count * sizeof *kept) == 0);
     OK(pfront_model_query_free(query, &error));
     OK(pfront_model_query_free(NULL, &error));
     OK(pfront_pair_list_free(&list, &error));
@@ -192,12 +207,53 @@ static void bodies(void)
     OK(pfront_scene_free(scene, &error));
 }
 
+// A child has neither the threads nor the GPU of its parent.
+static void forked(void)
+{
+    int status = 1;
+    uint64_t many = 0;
+    pfront_scene_t *scene = NULL;
+    pfront_model_query_t *query = NULL;
+    pfront_executor_t *own = NULL;
+    const pfront_subject_t subject = {model, NULL, NULL, NULL, PFRONT_SHARED_INDEX};
+    OK(pfront_scene_create(executor, &scene, &error));
+    OK(pfront_model_query_create(executor, &query, &error));
+    pid_t child = fork();
+    if (child == 0) {
+        alarm(20);
+        OK(pfront_executor_create(PFRONT_CPU, 1, &own, &error));
+        OK(pfront_batch_count(own, &subject, 1, &many, &error));
+        THAT(many > 0);
+        OK(pfront_executor_free(own, &error));
+#ifndef WITHOUT_GPU
+        EXPECT(PFRONT_FORKED, "device", pfront_executor_create(PFRONT_GPU, 1, &own, &error));
+#endif
+        if (WORKERS > 1 || DEVICE != PFRONT_CPU) {
+            EXPECT(PFRONT_FORKED, "query", pfront_model_query_count(query, &subject, &many, &error));
+            EXPECT(PFRONT_FORKED, "scene", pfront_scene_count(scene, &many, &error));
+            EXPECT(PFRONT_FORKED, "executor", pfront_batch_count(executor, &subject, 1, &many, &error));
+        }
+        OK(pfront_model_query_free(query, &error));
+        OK(pfront_scene_free(scene, &error));
+        OK(pfront_executor_free(executor, &error));
+        OK(pfront_model_free(model, &error));
+        OK(pfront_model_free(doubles, &error));
+        _exit(wrong);
+    }
+    THAT(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    OK(pfront_model_query_count(query, &subject, &many, &error));
+    THAT(many > 0);
+    OK(pfront_model_query_free(query, &error));
+    OK(pfront_scene_free(scene, &error));
+}
+
 int main(void)
 {
     executors();
     models();
     subjects();
     bodies();
+    forked();
     OK(pfront_executor_free(executor, &error));
     OK(pfront_model_free(model, &error));
     OK(pfront_model_free(doubles, &error));

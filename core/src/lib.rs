@@ -177,7 +177,7 @@ pub mod triangle;
 mod vertex_set;
 
 pub use aabb::Aabb;
-pub use bvh::borrowed::Bvh;
+pub use bvh::arrays::Bvh;
 pub use bvh::error::BvhError;
 pub use bvh::node::Node;
 pub use error::CapacityError;

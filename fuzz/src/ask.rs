@@ -22,8 +22,7 @@ impl World {
     pub(crate) fn ask_pair(&mut self, two: [usize; 2], placing: Placing, ask: Ask) {
         let pose = placing.pose(&self.palette);
         let [a, b] = two.map(|place| &self.bodies[place].body);
-        let core = bvtt::PairBvtt::new(a.bvh(), b.bvh(), pose)
-            .map(|query| of_core(&query, ask));
+        let core = bvtt::PairBvtt::new(a.bvh(), b.bvh(), pose).map(|query| of_core(&query, ask));
         let said = [&mut self.one, &mut self.many]
             .map(|queries| of_two(&mut queries.pair, &a.model, &b.model, &pose, ask));
         match (core, said) {

@@ -1,9 +1,9 @@
 //! A mesh, what is known of it, and its BVHs.
 
 use crate::input::{Build, Builder};
+use pfront::MeshError;
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BvhStorage, Join, Refit};
-use pfront::MeshError;
 use pfront::{BuildOptions, Bvh, Error, Executor, Mesh, Model, Node, threads};
 use pfront_testkit::MeshData;
 

@@ -14,6 +14,7 @@ use crate::memory::{push, reserve};
 use crate::ticket::{Outcome, Shown};
 use std::collections::VecDeque;
 use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex};
 
 /// Submits a batch. Returns the place of the ticket in the queue of the thread, unless there is no question.
@@ -113,7 +114,9 @@ struct Answering<T> {
 impl<T: Send> Work for Answering<T> {
     fn begin(&mut self) -> Result<bool, Error> {
         let Some(slot) = self.device.slot() else { return Ok(false) };
-        self.submit(slot).inspect_err(|error| self.failure = Some(error.clone()))?;
+        let begun = catch_unwind(AssertUnwindSafe(|| self.submit(slot)));
+        let begun = begun.unwrap_or(Err(Error::Panicked));
+        begun.inspect_err(|error| self.failure = Some(error.clone()))?;
         Ok(true)
     }
 

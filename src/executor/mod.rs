@@ -166,10 +166,12 @@ impl Executor {
         self.device.as_ref().filter(|device| device.line().is_none())
     }
 
-    /// The same with the thread for its tickets. There is none on wasm32, where no thread can wait for a GPU.
+    /// The same with the thread for its tickets. There is none on wasm32, where no thread can wait for a GPU, and for that thread
+    /// itself, which would wait for what comes after it.
     pub(crate) fn for_tickets(&self) -> Option<(&Arc<Device>, &Reader)> {
-        let can_wait = cfg!(not(target_arch = "wasm32"));
-        Some((self.only_device().filter(|_| can_wait)?, self.reader.as_deref()?))
+        let (device, reader) = (self.only_device()?, self.reader.as_deref()?);
+        let can_wait = cfg!(not(target_arch = "wasm32")) && !reader.is_this_thread();
+        can_wait.then_some((device, reader))
     }
 
     /// Whether the GPU answers where that pays.

@@ -28,6 +28,10 @@ impl NoGpu {
         match *self {}
     }
 
+    pub(crate) fn is_this_thread(&self) -> bool {
+        match *self {}
+    }
+
     pub(crate) fn add_function(
         &self,
         _: Box<dyn FnOnce() + Send>,

@@ -103,7 +103,8 @@ impl<T> Ticket<T> {
     /// Whether reading would not wait: the answers are there, or an error is, which reading tells. Never waits.
     ///
     /// # Complexity
-    /// O(1); on a sequential executor, one slice of about 4096 tests.
+    /// O(1); on a sequential executor, one slice of about 4096 tests of a batch, or all of what
+    /// [`Executor::submit`](crate::Executor::submit) was given.
     ///
     /// # Examples
     /// ```
@@ -188,8 +189,8 @@ impl<T> Ticket<T> {
         self.outcome.take().unwrap_or(Err(Error::Cancelled))
     }
 
-    /// Gives up the answers: reading the ticket returns [`Error::Cancelled`] from now on. Each thread stops within 4096 tests,
-    /// about 0.1 ms, and a GPU after what has been submitted, two runs at most; nothing more is. Does not wait for them.
+    /// Gives up the answers: reading the ticket returns [`Error::Cancelled`] from now on. Each thread that works on a batch stops within
+    /// 4096 tests, about 0.1 ms, and a GPU after what has been submitted, two runs at most; nothing more is. Does not wait for them.
     ///
     /// # Examples
     /// ```

@@ -73,8 +73,15 @@ impl<T> Outcome<T> {
     pub(crate) fn cancel(&self) {
         self.cancel.store(true, Relaxed);
         let mut state = self.state();
-        if !matches!(*state, State::Read) {
-            *state = State::Known(Err(Error::Cancelled));
+        if matches!(*state, State::Read) {
+            return;
+        }
+        let before = std::mem::replace(&mut *state, State::Known(Err(Error::Cancelled)));
+        // An answer that nobody reads may take a while to drop.
+        drop(state);
+        self.known.notify_all();
+        if let State::Pending(Some(waker)) = before {
+            waker.wake();
         }
     }
 

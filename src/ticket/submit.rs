@@ -8,11 +8,13 @@ use std::sync::Arc;
 impl Executor {
     /// Has whatever `ask` asks asked in the background, and returns at once: a scene, a mesh that deforms, several questions one
     /// after the other. The queries go with it, and come back by the ticket with whatever it returns; they keep what they remember, so
-    /// that asking them again for what they have just found costs nothing. A panic is [`Error::Panicked`]; whatever went with it is lost.
+    /// that asking them again for what they have just found costs nothing. Whatever went with it is lost with a ticket that is dropped or
+    /// cancelled, and after a panic, which is [`Error::Panicked`].
     ///
     /// On threads, one of the pool begins, and queries of the same executor divide their frames among all of them. With a GPU that
     /// answers everything, its thread for tickets asks, after the tickets that were submitted before. On one thread, nobody else
-    /// can: whoever polls or reads the ticket does all of the work then. `ask` runs in the default floating-point environment.
+    /// can: whoever polls, waits for or reads the ticket does all of the work then, whatever the timeout. So it is for a ticket that
+    /// the thread of a GPU submits, from within `ask`. `ask` runs in the default floating-point environment.
     ///
     /// Cancelling or dropping the ticket ends what has not begun. Work that has begun goes on to its end, unless the queries' own executor
     /// has a flag, see [`Executor::with_cancel`].
@@ -53,12 +55,15 @@ impl Executor {
         };
         let outcome = Arc::<Outcome<T>>::default();
         let own = outcome.clone();
-        // It has not begun if nobody awaits it any longer.
         let work = |ask: F| {
             move || {
-                if !own.is_known() {
-                    own.guard(|| Ok(ask())).into_iter().for_each(|answer| own.set(Ok(answer)));
-                }
+                // The guard is also for answers and functions that nobody awaits, which are dropped in it.
+                own.guard(|| {
+                    if !own.is_known() {
+                        own.set(Ok(ask()));
+                    }
+                    Ok(())
+                });
             }
         };
         if let Some((_, reader)) = self.for_tickets() {

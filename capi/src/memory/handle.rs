@@ -17,6 +17,11 @@ use std::alloc::{Layout, alloc};
 pub(crate) trait Handle {
     type Value;
     const SEAL: u32;
+
+    /// Whether another process has what the value holds: then its memory stays, and nothing of it is closed.
+    fn is_foreign(_: &Self::Value) -> bool {
+        false
+    }
 }
 
 /// The seal lies first, whatever the value is, so that one of another kind is told.
@@ -124,14 +129,17 @@ impl<'c> Call<'c> {
         }
         let sealed = sealed(what, at)?;
         {
-            // SAFETY: by the seal it was made, and by the contract not freed since.
-            let Sealed { seal, users, .. } = unsafe { &*sealed };
+            // SAFETY: by the seal it was made, and by the contract not freed since. The value may be another call's to change.
+            let (seal, users) = unsafe { (&(*sealed).seal, &(*sealed).users) };
             let taken = users.compare_exchange(0, WRITER, Acquire, Relaxed);
             taken.map_err(|_| Fault::of(PFRONT_BUSY, what))?;
             seal.store(0, Relaxed);
         }
         // SAFETY: `boxed` has made it, in memory of the same layout, and nobody is inside.
-        drop(unsafe { Box::from_raw(sealed.cast_mut()) });
+        let boxed = unsafe { Box::from_raw(sealed.cast_mut()) };
+        if T::is_foreign(&boxed.value) {
+            Box::leak(boxed);
+        }
         Ok(())
     }
 

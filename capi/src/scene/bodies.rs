@@ -77,8 +77,8 @@ pub unsafe extern "C" fn pfront_scene_bodies_in(
 }
 
 /// Calls `visit` with `context` and each hit, on the calling thread, bodies in order and their triangles in none, until it returns
-/// another number than 0: then `stopped` is 1, else 0. `visit` must not call a function with this scene, nor leave by longjmp.
-/// Nothing is kept.
+/// another number than 0: then `stopped` is 1, else 0. `visit` runs in the default floating-point environment; a call with this scene
+/// is PFRONT_BUSY there, and it must not leave by an exception or by longjmp. Nothing is kept.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_visit(
     scene: *mut pfront_scene_t,
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn pfront_scene_set_model(
 }
 
 /// Splits a body: triangle i goes to part `parts[i]`, of which there are as many as triangles. Each part becomes a body in the same
-/// pose, with a mesh of its own whose triangles are in the old order, the groups, the number and the ignored bodies of the old one, which is gone. `pieces` tells
+/// pose, with a mesh of its own whose triangles are in the old order, the groups and the number of the old one, which is gone, and asked about itself if that was; nobody ignores it. `pieces` tells
 /// `count` of them, by parts; it belongs to the scene and is good until this is called again, or the scene is freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pfront_scene_split(
@@ -142,6 +142,9 @@ pub unsafe extern "C" fn pfront_scene_split(
         let body = BodyId::from_bits(body);
         let needed = query.body(body)?.model().mesh().triangles().len();
         Fault::room(c"parts", triangle_count, needed)?;
+        Fault::below(c"triangle_count", triangle_count, needed.saturating_add(1))?;
+        // Room for as many as there can be, so that nothing fails once the body is split.
+        replace(pieces, needed, core::iter::empty())?;
         let part = |triangle: u32| parts.get(triangle as usize).copied().unwrap_or_default();
         let found = query.split(body, part)?;
         let for_c = |piece: &pfront::Piece| pfront_piece_t {

@@ -4,8 +4,8 @@ use super::pfront_error_t;
 use super::pfront_status_t::{self, *};
 use core::ffi::CStr;
 use core::ptr::null;
-use pfront_core::pose::PoseError;
 use pfront_core::blob::BlobError;
+use pfront_core::pose::PoseError;
 use pfront_core::{BvhError, CapacityError, MeshError};
 
 /// An error on its way to the caller.
@@ -164,7 +164,7 @@ impl From<pfront::Error> for Fault {
                 Self::of(PFRONT_STALE_BODY, c"body").at(id.to_bits() as usize)
             }
             #[cfg(feature = "gpu")]
-            Error::Gpu(_) => Self::of(PFRONT_DEVICE, c"executor"),
+            Error::Gpu(_) => Self::new(PFRONT_DEVICE),
             _ => Self::new(PFRONT_DAMAGED),
         }
     }

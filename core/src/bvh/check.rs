@@ -4,7 +4,7 @@
 //! path ends; the range of a leaf must begin where that of the leaf before it ended, so a node
 //! reached twice is caught at its first leaf, and a tangled graph cannot take longer than a tree.
 
-use super::borrowed::{Bvh, preorder};
+use super::arrays::{Bvh, preorder};
 use super::{MAX_DEPTH, MAX_LEAF_SIZE};
 use crate::aabb::Bounds;
 use crate::{BvhError, CapacityError};

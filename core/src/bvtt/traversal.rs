@@ -3,7 +3,6 @@
 use super::block::BlockCache;
 use super::wide_node::WideNode;
 use super::{Bvtt, Cursor, NodePair, TrianglePair};
-use crate::scalar::IN_F64;
 use crate::simd::{LANES, Simd, Task, VECTORS, widest};
 use crate::triangle::{intersects, intersects_in_f64, intersects_in_mesh};
 use core::ops::ControlFlow;
@@ -22,14 +21,16 @@ pub(super) fn traverse<const SELF: bool>(
         return ControlFlow::Continue(());
     }
     cursor.set_budget(tests);
-    if !VECTORS {
-        // Once for both, to save machine code.
-        Traversal::<SELF, IN_F64> { query, cursor, visit }.run::<f32>()
-    } else if query.error().is_none() {
-        widest(Traversal::<SELF, false> { query, cursor, visit })
-    } else {
-        traverse_in_f64(query, cursor, visit)
+    match query.error() {
+        None => run(Traversal::<SELF, false> { query, cursor, visit }),
+        Some(_) => traverse_in_f64(query, cursor, visit),
     }
+}
+
+/// Runs in the widest lanes. Without vectors several lanes gain nothing over one.
+#[inline(always)]
+fn run<T: Task>(task: T) -> T::Output {
+    if VECTORS { widest(task) } else { task.run::<f32>() }
 }
 
 /// Apart, so that the other traversal does not take the stack of this one.
@@ -39,7 +40,7 @@ fn traverse_in_f64<const SELF: bool>(
     cursor: &mut Cursor,
     visit: &mut Visitor<'_>,
 ) -> ControlFlow<()> {
-    widest(Traversal::<SELF, true> { query, cursor, visit })
+    run(Traversal::<SELF, true> { query, cursor, visit })
 }
 
 /// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes; without `F64`, nothing is in f64.

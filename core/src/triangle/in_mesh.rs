@@ -57,7 +57,8 @@ pub fn intersects_in_mesh(mesh: Mesh<'_>, i: u32, j: u32, adjacency: Adjacency) 
     }
 }
 
-/// [`intersects_in_mesh`] of a mesh whose positions are in f64.
+/// [`intersects_in_mesh`] of a mesh whose positions are in f64. Apart, so that the other does not take its stack.
+#[inline(never)]
 fn intersects_in_mesh_f64(mesh: Mesh<'_>, [i, j]: [u32; 2], adjacency: Adjacency) -> bool {
     match neighbours(mesh, [i, j], |vertex| mesh.position_f64(vertex)) {
         None => intersects_in_f64(&mesh.triangle_f64(i), &mesh.triangle_f64(j)),

@@ -52,6 +52,8 @@ struct ReaderState {
     waiting: VecDeque<Waiting>,
     /// The flag of the ticket that is being answered.
     current: Option<Arc<AtomicBool>>,
+    /// Its work is a function of the caller's, which ends when it does.
+    runs_function: bool,
     thread: Option<JoinHandle<()>>,
     is_running: bool,
     /// There is no executor any more.
@@ -63,6 +65,7 @@ struct ReaderState {
 /// A ticket that is not being answered yet.
 struct Waiting {
     work: Box<dyn Work>,
+    is_function: bool,
     has_begun: bool,
     /// Nobody awaits it any longer.
     is_over: Arc<AtomicBool>,
@@ -88,9 +91,14 @@ impl Reader {
     ///
     /// # Errors
     /// The error of `begin`; [`GpuError::Device`] if no thread can be started.
-    pub(crate) fn add(
+    pub(crate) fn add(&self, work: Box<dyn Work>, is_over: Arc<AtomicBool>) -> Result<Seat, Error> {
+        self.push(work, false, is_over)
+    }
+
+    fn push(
         &self,
         mut work: Box<dyn Work>,
+        is_function: bool,
         is_over: Arc<AtomicBool>,
     ) -> Result<Seat, Error> {
         let Self(shared) = self;
@@ -98,7 +106,7 @@ impl Reader {
         let may_begin = state.waiting.iter().all(|other| other.has_begun);
         let has_begun = may_begin && work.begin()?;
         Shared::start(shared, &mut state)?;
-        state.waiting.push_back(Waiting { work, has_begun, is_over });
+        state.waiting.push_back(Waiting { work, is_function, has_begun, is_over });
         drop(state);
         shared.changed.notify_all();
         Ok(Seat(shared.clone()))
@@ -113,7 +121,14 @@ impl Reader {
         run: Box<dyn FnOnce() + Send>,
         is_over: Arc<AtomicBool>,
     ) -> Result<Seat, Error> {
-        self.add(Box::new(Function(run)), is_over)
+        self.push(Box::new(Function(run)), true, is_over)
+    }
+
+    /// Whether this is the thread, which cannot wait for itself.
+    pub(crate) fn is_this_thread(&self) -> bool {
+        let Self(shared) = self;
+        let state = shared.lock();
+        state.thread.as_ref().is_some_and(|own| own.thread().id() == thread::current().id())
     }
 }
 
@@ -169,7 +184,7 @@ impl Shared {
         let own = shared.clone();
         let thread = thread::Builder::new().name("pfront tickets".to_owned()).spawn(move || {
             // A thread begins in the environment of the one that starts it.
-            with_default(|| own.answer_all());
+            let _ = catch_unwind(AssertUnwindSafe(|| with_default(|| own.answer_all())));
             own.lock().is_running = false;
             own.changed.notify_all();
         });
@@ -189,7 +204,7 @@ impl Shared {
                 drop(left);
                 return wait_until_idle(&self.gpu);
             }
-            let Some(Waiting { work, is_over, .. }) = state.waiting.pop_front() else {
+            let Some(Waiting { work, is_function, is_over, .. }) = state.waiting.pop_front() else {
                 if state.is_closed {
                     return;
                 }
@@ -206,7 +221,7 @@ impl Shared {
                     break;
                 }
             }
-            state.current = Some(is_over.clone());
+            (state.current, state.runs_function) = (Some(is_over.clone()), is_function);
             drop(state);
             // A panic is the outcome of its ticket.
             let _ = catch_unwind(AssertUnwindSafe(|| match is_over.load(Relaxed) {
@@ -222,7 +237,10 @@ impl Shared {
         let mut state = self.lock();
         let mut awaited =
             state.waiting.iter().map(|waiting| &waiting.is_over).chain(&state.current);
-        if !state.is_closed || !awaited.all(|is_over| is_over.load(Relaxed)) {
+        // A function may wait for whoever is here: then the thread ends by itself, and `exit` waits for it.
+        let runs_function = state.current.is_some() && state.runs_function;
+        let is_awaited = !awaited.all(|is_over| is_over.load(Relaxed));
+        if !state.is_closed || runs_function || is_awaited {
             return;
         }
         let thread = state.thread.take();
