@@ -1,7 +1,7 @@
 //! A BVTT of either kind.
 
 use super::cursor::Cursor;
-use super::query::Query;
+use super::query::{Estimated, Query};
 use super::trees::{PairBvtt, SelfBvtt};
 use super::{NodePair, TrianglePair};
 use crate::Aabb;
@@ -40,16 +40,7 @@ macro_rules! either {
     };
 }
 
-impl Query for AnyBvtt<'_> {
-    #[inline]
-    fn root(&self) -> Option<NodePair> {
-        either!(self, tree => tree.root())
-    }
-
-    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
-        either!(self, tree => tree.children(n, push))
-    }
-
+impl Estimated for AnyBvtt<'_> {
     fn boxes(&self, n: NodePair) -> [Aabb; 2] {
         either!(self, tree => tree.boxes(n))
     }
@@ -60,6 +51,17 @@ impl Query for AnyBvtt<'_> {
 
     fn leaf_edge(&self) -> f32 {
         either!(self, tree => tree.leaf_edge())
+    }
+}
+
+impl Query for AnyBvtt<'_> {
+    #[inline]
+    fn root(&self) -> Option<NodePair> {
+        either!(self, tree => tree.root())
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        either!(self, tree => tree.children(n, push))
     }
 
     #[inline]

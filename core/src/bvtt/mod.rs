@@ -43,6 +43,7 @@ mod wide_node;
 pub use any::AnyBvtt;
 pub use cursor::{Cursor, Work};
 pub use posed_bvh::PosedBvh;
+pub(crate) use query::Estimated;
 pub use query::Query;
 pub use trees::{Bvtt, PairBvtt, SelfBvtt, Shadows};
 

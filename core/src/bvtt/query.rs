@@ -6,18 +6,8 @@ use crate::triangle::{Contact, contact, contact_of};
 use crate::{Aabb, Bvh};
 use core::ops::{ControlFlow, Range};
 
-/// A query about two meshes, or about one: its BVTT, of which a [front](crate::front) is a cut, and its verbs.
-///
-/// # Panics
-/// Methods may panic if a node pair is not one of this tree.
-pub trait Query {
-    /// The root of the BVTT, if its boxes overlap.
-    fn root(&self) -> Option<NodePair>;
-
-    /// Passes on the children of a node that overlap, at most four and in ascending order, each with
-    /// its [`Query::boxes`]. Returns the number of box tests: 0 for a leaf pair, which has no children.
-    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32;
-
+/// The questions of an estimate of costs.
+pub(crate) trait Estimated {
     /// The boxes of both nodes in one frame: that of the query, or of the first mesh.
     fn boxes(&self, n: NodePair) -> [Aabb; 2];
 
@@ -29,6 +19,20 @@ pub trait Query {
 
     /// The edge of a leaf's box, roughly. The extent of an overlap that is smaller than this says nothing of its cost.
     fn leaf_edge(&self) -> f32;
+}
+
+/// A query about two meshes, or about one: its BVTT, of which a [front](crate::front) is a cut, and its verbs.
+///
+/// # Panics
+/// Methods may panic if a node pair is not one of this tree.
+#[expect(private_bounds, reason = "sealed: what an estimate asks is internal")]
+pub trait Query: Estimated {
+    /// The root of the BVTT, if its boxes overlap.
+    fn root(&self) -> Option<NodePair>;
+
+    /// Passes on the children of a node that overlap, at most four and in ascending order, each with the boxes of both of its
+    /// nodes in one frame: that of the query, or of the first mesh. Returns the number of box tests: 0 for a leaf pair, which has no children.
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32;
 
     /// A cursor before the first triangle pair.
     #[inline]
@@ -157,6 +161,20 @@ pub trait Query {
     }
 }
 
+impl<const SELF: bool> Estimated for Bvtt<'_, SELF> {
+    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
+        self.bounds(n).map(Aabb::from)
+    }
+
+    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
+        [self.a.bvh.triangles_below(n.a), self.b.bvh.triangles_below(n.b)]
+    }
+
+    fn leaf_edge(&self) -> f32 {
+        self.leaf_edge
+    }
+}
+
 impl<const SELF: bool> Query for Bvtt<'_, SELF> {
     fn root(&self) -> Option<NodePair> {
         self.root.filter(|&root| !self.is_in_certified_fan(root))
@@ -183,18 +201,6 @@ impl<const SELF: bool> Query for Bvtt<'_, SELF> {
             }
         }
         tests
-    }
-
-    fn boxes(&self, n: NodePair) -> [Aabb; 2] {
-        self.bounds(n).map(Aabb::from)
-    }
-
-    fn triangles_below(&self, n: NodePair) -> [u32; 2] {
-        [self.a.bvh.triangles_below(n.a), self.b.bvh.triangles_below(n.b)]
-    }
-
-    fn leaf_edge(&self) -> f32 {
-        self.leaf_edge
     }
 
     fn step(
@@ -228,15 +234,7 @@ fn children(bvh: &Bvh<'_>, index: u32) -> Range<u32> {
     if node.is_leaf() { index..index + 1 } else { node.left()..node.left() + 2 }
 }
 
-impl<Q: Query> Query for &Q {
-    fn root(&self) -> Option<NodePair> {
-        Q::root(self)
-    }
-
-    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
-        Q::children(self, n, push)
-    }
-
+impl<Q: Query> Estimated for &Q {
     fn boxes(&self, n: NodePair) -> [Aabb; 2] {
         Q::boxes(self, n)
     }
@@ -247,6 +245,16 @@ impl<Q: Query> Query for &Q {
 
     fn leaf_edge(&self) -> f32 {
         Q::leaf_edge(self)
+    }
+}
+
+impl<Q: Query> Query for &Q {
+    fn root(&self) -> Option<NodePair> {
+        Q::root(self)
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
+        Q::children(self, n, push)
     }
 
     fn step(

@@ -6,7 +6,7 @@
 
 use super::FrontNode;
 use crate::Aabb;
-use crate::bvtt::{NodePair, Query};
+use crate::bvtt::{Estimated, NodePair, Query};
 
 /// The cost in box tests of a triangle that may lie in an overlap.
 const TESTS_PER_TRIANGLE: f64 = 16.0;
@@ -19,6 +19,10 @@ const TESTS_PER_TRIANGLE: f64 = 16.0;
 /// O(depth), to count triangles.
 #[must_use]
 pub fn estimate(query: &impl Query, n: NodePair) -> f64 {
+    cost_of(query, n)
+}
+
+fn cost_of(query: &impl Estimated, n: NodePair) -> f64 {
     let margin = margin(query);
     let [a, b] = query.boxes(n);
     let counts = query.triangles_below(n);
@@ -37,7 +41,7 @@ pub fn estimate(query: &impl Query, n: NodePair) -> f64 {
 /// A measured cost |n| is shared by overlap volume, as |n| − 1 in eq. 3. An estimate is not, since that would carry its
 /// error down: the estimate of a child is its parent's times the child's overlap volume over its parent's.
 pub(super) fn costs_of_children(
-    query: &impl Query,
+    query: &impl Estimated,
     parent: &FrontNode,
     is_measured: bool,
     boxes: &[[Aabb; 2]],
@@ -65,7 +69,7 @@ pub(super) fn costs_of_children(
 }
 
 /// Half the edge of a leaf, by which boxes are dilated in all.
-fn margin(query: &impl Query) -> f64 {
+fn margin(query: &impl Estimated) -> f64 {
     f64::from(query.leaf_edge()) * 0.5
 }
 
@@ -86,20 +90,11 @@ fn intersection(a: &Aabb, b: &Aabb) -> Aabb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvtt::{Cursor, TrianglePair};
-    use crate::triangle::Contact;
-    use core::ops::ControlFlow;
 
-    /// A query of one node pair, whose boxes are these.
+    /// A tree of one node pair, whose boxes are these.
     struct Boxes([Aabb; 2], f32);
 
-    impl Query for Boxes {
-        fn root(&self) -> Option<NodePair> {
-            Some(NodePair::ROOT)
-        }
-        fn children(&self, _: NodePair, _: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
-            0
-        }
+    impl Estimated for Boxes {
         fn boxes(&self, _: NodePair) -> [Aabb; 2] {
             self.0
         }
@@ -108,17 +103,6 @@ mod tests {
         }
         fn leaf_edge(&self) -> f32 {
             self.1
-        }
-        fn step(
-            &self,
-            _: &mut Cursor,
-            _: u64,
-            _: impl FnMut(TrianglePair) -> ControlFlow<()>,
-        ) -> ControlFlow<()> {
-            ControlFlow::Continue(())
-        }
-        fn contact_f64(&self, _: TrianglePair) -> Option<Contact<f64>> {
-            None
         }
     }
 
@@ -131,9 +115,9 @@ mod tests {
     fn estimates_follow_the_overlap() {
         let (a, b) = (aabb([0.0; 3], [3.0; 3]), aabb([2.0, 1.0, 3.0], [5.0, 4.0, 6.0]));
         let share = 2.0 * 3.0 * 1.0 / 64.0;
-        assert_eq!(estimate(&Boxes([a, b], 2.0), NodePair::ROOT), 16.0 * share * (32.0 + 64.0));
+        assert_eq!(cost_of(&Boxes([a, b], 2.0), NodePair::ROOT), 16.0 * share * (32.0 + 64.0));
         let point = aabb([1.0; 3], [1.0; 3]);
-        assert_eq!(estimate(&Boxes([point; 2], 0.0), NodePair::ROOT), 16.0 * (32.0 + 64.0));
+        assert_eq!(cost_of(&Boxes([point; 2], 0.0), NodePair::ROOT), 16.0 * (32.0 + 64.0));
     }
 
     /// Costs of children that overlap by these lengths, below a parent that costs 9 and overlaps by 10.

@@ -278,5 +278,5 @@ fn posed_shadows_are_as_near_to_posed_positions_as_queries_rely_on() {
     }
     assert!(worst <= 13.0 / 16.0 && unposed <= 1.0 / 16.0, "{worst} {unposed}");
     // Else these positions would say nothing of the bounds.
-    assert!(worst > 0.25 && unposed > 0.02, "{worst} {unposed}");
+    assert!(worst > 0.15 && unposed > 0.02, "{worst} {unposed}");
 }
