@@ -52,7 +52,7 @@ fn sheet() -> Case {
 fn bunnies() -> Option<Case> {
     let folder = std::env::var_os("PFRONT_DATA")?;
     let path = std::path::Path::new(&folder).join("classic/bunny_69451.obj");
-    let read = pfront_cli::mesh::read(&path).unwrap_or_else(|e| panic!("{e}"));
+    let read = pfront_files::read_f32(&path).unwrap_or_else(|e| panic!("{e}"));
     let mesh = MeshData { positions: read.positions, triangles: read.triangles };
     let (sin, cos) = 0.3_f32.sin_cos();
     // A bunny is 0.16 wide.

@@ -11,7 +11,7 @@ use clap_complete::Shell;
 use pfront::pfront_core::bvh::MAX_LEAF_SIZE;
 use pfront::{AnyPose, Pose, Pose64};
 use pfront_cli::executor::{Backend, ExecutorArgs, parse_threads};
-use pfront_cli::mesh::ReadOptions;
+use pfront_files::{FORMATS, ReadOptions};
 use std::num::NonZero;
 use std::path::PathBuf;
 
@@ -98,10 +98,44 @@ pub(crate) enum Command {
     },
 }
 
+/// How meshes are read.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct Reading {
+    /// Format of a mesh whose name does not tell, as that of standard input [default: by how it begins]
+    #[arg(long, value_name = "FORMAT", value_parser = FORMATS)]
+    input_format: Option<String>,
+    /// MB that a mesh may take while it is read, and as many again for baking it or for an answer [default: reading: 16
+    /// times the file and 64 MB, baking and answer: what is free]
+    #[arg(long, value_name = "MB", value_parser = megabytes)]
+    pub(crate) memory: Option<usize>,
+    /// Round coordinates to f32, and compute poses there: faster, and what graphics do [default: in f64, as written]
+    #[arg(long = "f32")]
+    pub(crate) in_f32: bool,
+    /// Read files that a glTF names outside its own folder too [default: refused, since it may name any file]
+    #[arg(long)]
+    allow_outside_files: bool,
+}
+
+impl Reading {
+    pub(crate) fn options(&self) -> ReadOptions {
+        ReadOptions {
+            format: self.input_format.clone(),
+            memory: self.memory,
+            in_f32: self.in_f32,
+            allow_outside_files: self.allow_outside_files,
+        }
+    }
+}
+
+fn megabytes(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok().and_then(|number| number.checked_mul(1_000_000));
+    number.ok_or_else(|| "not a number of MB".to_owned())
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct TwoMeshes {
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
+    pub(crate) reading: Reading,
     /// The first mesh: obj, ply, stl, off, gltf, glb, or pfb from bake; - is standard input
     pub(crate) a: PathBuf,
     /// The second mesh
@@ -179,7 +213,7 @@ pub(crate) struct SelfCollision {
     #[arg(long)]
     pub(crate) skip_neighbours: bool,
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
+    pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) listing: Listing,
     #[command(flatten)]
@@ -198,7 +232,7 @@ pub(crate) struct Scene {
     #[arg(long, conflicts_with_all = ["contacts", "source"])]
     pub(crate) bodies: bool,
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
+    pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) listing: Listing,
     #[command(flatten)]
@@ -208,7 +242,7 @@ pub(crate) struct Scene {
 #[derive(Debug, Args)]
 pub(crate) struct Bake {
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
+    pub(crate) reading: Reading,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
@@ -243,7 +277,7 @@ pub(crate) struct Bench {
     #[arg(num_args = 2, value_names = ["A", "B"])]
     pub(crate) meshes: Vec<PathBuf>,
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
+    pub(crate) reading: Reading,
     /// How many frames
     #[arg(long, value_name = "N", default_value = "120")]
     pub(crate) frames: NonZero<u32>,

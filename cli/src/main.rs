@@ -8,9 +8,9 @@ mod progress;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
-use pfront_cli::escape::{escaped, is_shown};
 use pfront_cli::executor::quieten_drivers;
 use pfront_cli::output::{out, remove_half_written};
+use pfront_files::escape::{escaped, is_shown};
 use std::ffi::OsString;
 use std::process::ExitCode;
 

@@ -84,7 +84,7 @@ fn binaries() -> Vec<(String, Vec<u8>)> {
     ];
     let mut files: Vec<_> = named.map(|(name, bytes)| (name.to_owned(), bytes)).into();
     let mut rng = seeded(6);
-    for format in pfront_cli::mesh::FORMATS {
+    for format in pfront_files::FORMATS {
         for length in [1, 84, 4096] {
             let mut garbage = vec![0; length];
             rng.fill_bytes(&mut garbage);

@@ -17,7 +17,6 @@ mod outside;
 #[path = "command/scene.rs"]
 mod scene;
 
-use pfront_cli::mesh;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -147,7 +146,7 @@ fn pictures() {
     let folder = folder();
     let at = folder.path();
     assert!(out(at, "pairs a.obj b.obj --out hits.ply").starts_with("2 pairs"));
-    let picture = mesh::read(&at.join("hits.ply")).unwrap();
+    let picture = pfront_files::read_f32(&at.join("hits.ply")).unwrap();
     assert_eq!((picture.positions.len(), picture.triangles.len()), (15, 5));
     assert!(out(at, "self a.obj --out hits.ply").starts_with("0 pairs"));
 }

@@ -4,7 +4,8 @@
 use crate::suite::{Body, Contacts, Site, Suite};
 use anyhow::{Context, Result};
 use pfront::{Model, Pose};
-use pfront_cli::mesh;
+use pfront_files::{TriangleMesh, read_f32};
+use pfront_testkit::MeshData;
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::Path;
@@ -108,7 +109,8 @@ impl Library<'_> {
             return Ok(body.clone());
         }
         let path = self.folder.join(file);
-        let mesh = mesh::read(&path)?;
+        let TriangleMesh { positions, triangles } = read_f32(&path)?;
+        let mesh = MeshData { positions, triangles };
         // The triangles of an STL file share no vertex by index.
         let mesh = if file.ends_with(".stl") { mesh.welded() } else { mesh };
         let body = Model::new(mesh.positions, mesh.triangles).map(Arc::new);

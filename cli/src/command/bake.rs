@@ -1,15 +1,16 @@
 //! `pfront bake MESH`
 
-use super::{check_files, fits, in_file};
+use super::{advised, check_files, fits, in_file};
 use crate::args::{Bake, Build};
 use anyhow::{Context, Result, ensure};
 use pfront::pfront_core::blob::{self, Counts};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
-use pfront_cli::escape::{shown_path, write_json};
-use pfront_cli::mesh::{self, FileMesh, beyond_f32};
+use pfront_cli::json::write_json;
 use pfront_cli::output::{Draft, out};
+use pfront_files::escape::shown_path;
+use pfront_files::{MeshFile, TriangleMesh};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -21,7 +22,7 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     ensure!(path != Path::new("-"), "--out - is no file: bake writes one");
     check_files(&[&bake.mesh], Some(&path))?;
     let mesh = super::read(&bake.mesh, &bake.reading)?;
-    let (mesh, source) = mesh.into_mesh();
+    let MeshFile { mesh, source, .. } = mesh.into_mesh(&bake.mesh).map_err(advised)?;
     let mesh = if bake.weld { mesh.welded() } else { mesh };
     let (bytes, counts) = baked(mesh, bake).map_err(|error| in_file(error, &bake.mesh, &source))?;
     let mut to = Draft::new(&path)?;
@@ -62,14 +63,14 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     Ok(true)
 }
 
-fn baked(file: FileMesh, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
+fn baked(file: TriangleMesh, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
     let (positions, in_f32, mut shadow);
-    let mesh = if beyond_f32(&file) > 0 {
+    let mesh = if file.beyond_f32() > 0 {
         shadow = vec![[0.0; 3]; file.positions.len()];
         positions = file;
         Mesh::from_f64(&positions.positions, &positions.triangles, &mut shadow)?
     } else {
-        in_f32 = mesh::in_f32(file);
+        in_f32 = file.into_f32();
         Mesh::new(&in_f32.positions, &in_f32.triangles)?
     };
     let n = mesh.triangles().len();

@@ -1,16 +1,16 @@
 //! `pfront bench`, and `pfront` alone: frames of two meshes on every executor that this machine has.
 
 use super::{check_files, model};
-use crate::args::Bench;
+use crate::args::{Bench, Reading};
 use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use pfront::gpu::{Gpu, GpuModel, GpuQuery, GpuQuestion};
 use pfront::{AnyPose, Executor, Model, PairQuery, Pose, Pose64, TrianglePair};
-use pfront_cli::escape::{escaped, write_json};
 use pfront_cli::executor::{Backend, adapter_name, number, threads};
+use pfront_cli::json::write_json;
 use pfront_cli::memory;
-use pfront_cli::mesh::ReadOptions;
 use pfront_cli::output::out;
+use pfront_files::escape::escaped;
 use pfront_testkit::scenes::Scene;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -54,7 +54,7 @@ struct Course {
 
 pub(crate) fn demo() -> Result<bool> {
     let frames = NonZero::<u32>::MIN.saturating_add(119);
-    let reading = ReadOptions::default();
+    let reading = Reading::default();
     run(&Bench {
         reading,
         meshes: Vec::new(),

@@ -8,19 +8,17 @@ pub(crate) mod pairs;
 pub(crate) mod scene;
 pub(crate) mod self_collision;
 
-use crate::args::TwoMeshes;
+use crate::args::{Reading, TwoMeshes};
 use crate::curve::AnyContact;
 use crate::listing::Hit;
 use crate::progress::shown;
-use anyhow::{Error, Result, ensure};
+use anyhow::{Context, Error, Result, anyhow, ensure};
 use pfront::executor::{Plan, Reason};
 use pfront::pfront_core::bvtt::Query;
 use pfront::{Model, TrianglePair};
-use pfront_cli::escape::{escaped, shown_path};
 use pfront_cli::executor::ExecutorArgs;
-use pfront_cli::memory;
-use pfront_cli::mesh::{self, FileMesh, Loaded, ReadOptions, Source};
-use pfront_testkit::MeshData;
+use pfront_files::escape::{escaped, shown_path};
+use pfront_files::{Contents, MeshFile, ReadError, Remedy, Source, TriangleMesh, available, open};
 use std::path::Path;
 
 /// Checks that at most one of the meshes is standard input, and that the output replaces none of them.
@@ -47,13 +45,13 @@ fn check_files(meshes: &[&Path], out: Option<&Path>) -> Result<()> {
 fn model(
     path: &Path,
     weld: bool,
-    options: &ReadOptions,
-    inspect: impl FnOnce(&FileMesh),
+    reading: &Reading,
+    inspect: impl FnOnce(&TriangleMesh),
 ) -> Result<(Model, Source)> {
-    shown(format!("reading {}", path.display()), || match read(path, options)? {
-        Loaded::Baked(model) if !weld => Ok((*model, Source::default())),
-        loaded => {
-            let (mesh, source) = loaded.into_mesh();
+    shown(format!("reading {}", path.display()), || match read(path, reading)? {
+        Contents::Baked(bytes) if !weld => Ok((baked(&bytes, path)?, Source::default())),
+        contents => {
+            let MeshFile { mesh, source, .. } = contents.into_mesh(path).map_err(advised)?;
             inspect(&mesh);
             let mesh = if weld { mesh.welded() } else { mesh };
             Ok((built(mesh, path, &source)?, source))
@@ -68,25 +66,39 @@ fn two(meshes: &TwoMeshes, out: Option<&Path>) -> Result<[(Model, Source); 2]> {
     Ok([read(&meshes.a)?, read(&meshes.b)?])
 }
 
-/// Reads a mesh. Standard error tells how many coordinates it loses digits of; in f64 it loses none.
-fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
-    let loaded = mesh::load(path, options)?;
-    if let Loaded::Mesh(mesh, Source { rounded: rounded @ 1.., .. }) = &loaded {
-        let (path, all) = (shown_path(path), 3 * mesh.positions.len());
-        eprintln!(
-            "{path}: {rounded} of {all} coordinates were rounded to f32; the answer is exact for what they became"
-        );
+/// Reads a mesh file, whose notes go to standard error.
+fn read(path: &Path, reading: &Reading) -> Result<Contents> {
+    let contents = open(path, &reading.options()).map_err(advised)?;
+    if let Contents::Mesh(MeshFile { notes, .. }) = &contents {
+        let path = shown_path(path);
+        notes.iter().for_each(|note| eprintln!("{path}: {}", escaped(note)));
     }
-    Ok(loaded)
+    Ok(contents)
+}
+
+/// The error with the option that may help.
+fn advised(error: ReadError) -> Error {
+    let advice = match error.remedy() {
+        None => return error.into(),
+        Some(Remedy::Format) => "see --input-format if its format is another",
+        Some(Remedy::Memory) => "--memory lets it take more",
+        Some(Remedy::OutsideFiles) => "see --allow-outside-files",
+    };
+    anyhow!("{error}; {advice}")
+}
+
+/// A baked model.
+fn baked(bytes: &[u8], path: &Path) -> Result<Model> {
+    Model::from_blob(bytes).with_context(|| shown_path(path))
 }
 
 /// Builds a model, in f64 if f32 does not hold every coordinate. The error names the file, and the line of a coordinate that
 /// is not finite.
-fn built(mesh: FileMesh, path: &Path, source: &Source) -> Result<Model> {
-    let model = if mesh::beyond_f32(&mesh) > 0 {
+fn built(mesh: TriangleMesh, path: &Path, source: &Source) -> Result<Model> {
+    let model = if mesh.beyond_f32() > 0 {
         Model::from_f64(mesh.positions, mesh.triangles)
     } else {
-        let MeshData { positions, triangles } = mesh::in_f32(mesh);
+        let TriangleMesh { positions, triangles } = mesh.into_f32();
         Model::new(positions, triangles)
     };
     model.map_err(|error| in_file(error.into(), path, source))
@@ -101,15 +113,15 @@ fn in_file(error: Error, path: &Path, source: &Source) -> Error {
 }
 
 /// Checks that a list of so many hits fits into memory, before it is asked for.
-fn list_fits(hits: u64, bytes: usize, options: &ReadOptions) -> Result<()> {
+fn list_fits(hits: u64, bytes: usize, reading: &Reading) -> Result<()> {
     // A list grows to twice its length, while the old half is still there.
     let demand = usize::try_from(hits).unwrap_or(usize::MAX).saturating_mul(3 * bytes);
-    fits(format!("{hits} pairs meet, whose list"), demand, options)
+    fits(format!("{hits} pairs meet, whose list"), demand, reading)
 }
 
 /// Checks that what takes so many bytes fits into memory, before it is begun.
-fn fits(what: String, demand: usize, options: &ReadOptions) -> Result<()> {
-    let most = options.memory.or_else(memory::available).unwrap_or(usize::MAX);
+fn fits(what: String, demand: usize, reading: &Reading) -> Result<()> {
+    let most = reading.memory.or_else(available).unwrap_or(usize::MAX);
     let megabytes = |bytes: usize| bytes.div_ceil(1_000_000);
     let has_room = || Vec::<u8>::new().try_reserve_exact(demand).is_ok();
     ensure!(

@@ -1,13 +1,13 @@
 //! `pfront scene MESH…`
 
-use super::{built, check_files, explain, list_fits, read};
+use super::{baked, built, check_files, explain, list_fits, read};
 use crate::args::Scene;
 use crate::curve::AnyContact;
 use crate::listing::{Found, Hit, Kind, Origin};
 use crate::progress::shown;
 use anyhow::{Context, Result, bail, ensure};
 use pfront::{Model, Pose, SceneHit, SceneQuery};
-use pfront_cli::mesh::{Loaded, Source, name_apart};
+use pfront_files::{Contents, MeshFile, Source, name_apart};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -114,18 +114,18 @@ fn body_name(path: &Path, files: &[PathBuf]) -> String {
 
 /// Adds the bodies of a file, which has the name if it is one body.
 fn split(
-    loaded: Loaded,
+    loaded: Contents,
     path: &Path,
     name: String,
     file: usize,
     parts: &mut Vec<Part>,
 ) -> Result<Source> {
     let (mesh, source) = match loaded {
-        Loaded::Baked(model) => {
-            parts.push(Part { name, model: *model, file, first: 0 });
+        Contents::Baked(bytes) => {
+            parts.push(Part { name, model: baked(&bytes, path)?, file, first: 0 });
             return Ok(Source::default());
         }
-        Loaded::Mesh(mesh, source) => (mesh, source),
+        Contents::Mesh(MeshFile { mesh, source, .. }) => (mesh, source),
     };
     let mut nodes: Vec<_> = source.nodes().map(|(name, first)| (name.to_owned(), first)).collect();
     if nodes.is_empty() {

@@ -7,7 +7,7 @@ use crate::progress::shown;
 use anyhow::Result;
 use pfront::pfront_core::bvtt::SelfBvtt;
 use pfront::{Adjacency, Pose, SelfQuery, TrianglePair};
-use pfront_cli::escape::shown_path;
+use pfront_files::escape::shown_path;
 
 pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
     let SelfCollision { mesh: path, weld, skip_neighbours, reading, listing, executor } = asked;

@@ -1,7 +1,6 @@
 //! `pfront scene`: bodies of several files, and of the nodes of one.
 
 use super::{folder, out, refused};
-use pfront_cli::mesh;
 use std::fs;
 
 /// Three nodes that place one triangle: upright through the second is the first, the third is apart.
@@ -52,7 +51,10 @@ fn nodes_are_bodies() {
     assert!(out(at, "scene room.gltf --out room.ply").starts_with("1 pair;"));
     let marks = fs::read(at.join("room.ply")).unwrap();
     let red = marks.windows(3).filter(|colour| *colour == [214, 40, 40]).count();
-    assert_eq!((red, mesh::read(&at.join("room.ply")).unwrap().triangles.len()), (6, 3));
+    assert_eq!(
+        (red, pfront_files::read_f32(&at.join("room.ply")).unwrap().triangles.len()),
+        (6, 3)
+    );
     for backend in ["gpu --f32", "cpu --threads 2"] {
         assert_eq!(out(at, &format!("scene room.gltf --csv --backend {backend}")), csv);
     }
