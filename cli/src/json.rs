@@ -5,6 +5,9 @@ use serde::Serialize;
 use serde_json::ser::Formatter;
 use std::io::{self, Write};
 
+/// The version of all JSON objects: it changes when something in them gets another name or meaning.
+pub const VERSION: u32 = 1;
+
 /// Writes a value as JSON in one line, which says the same and is [`escaped`](pfront_files::escape::escaped).
 ///
 /// # Errors

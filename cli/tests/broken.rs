@@ -112,7 +112,7 @@ fn broken_meshes_are_refused_by_every_command() {
 
 /// By every command that reads a mesh.
 fn refused(at: &Path, name: &str) {
-    for command in ["self", "self --weld --contacts", "any good.obj", "pairs good.obj"] {
+    for command in ["self", "self --weld=0 --contacts", "any good.obj", "pairs good.obj"] {
         refuses(at, &format!("{command} {name} {FEW}"), name);
     }
     refuses(at, &format!("pairs {name} good.obj --out hits.ply {FEW}"), name);

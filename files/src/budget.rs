@@ -61,6 +61,25 @@ impl Budget {
         self.check(GROWTH.saturating_mul(size_of::<T>()).saturating_mul(len))
     }
 
+    /// The bytes that are left.
+    pub(crate) fn left(&self) -> usize {
+        self.left
+    }
+
+    /// Checks that a mesh can have so many more vertices and triangles.
+    pub(crate) fn check_growth(
+        &self,
+        mesh: &TriangleMesh,
+        vertices: usize,
+        triangles: usize,
+    ) -> Result<(), Fault> {
+        let TriangleMesh { positions, triangles: own } = mesh;
+        self.check(demand(
+            positions.len().saturating_add(vertices),
+            own.len().saturating_add(triangles),
+        ))
+    }
+
     /// Checks that a mesh, as it is read, can have more triangles and faces.
     pub(crate) fn check_mesh(
         &self,

@@ -1,8 +1,10 @@
-//! glTF and GLB, through `gltf`: the triangles of all meshes of the default scene (or of the first),
-//! placed by their nodes, in f64. Strips and fans become triangles; points and lines are
-//! passed over.
+//! glTF and GLB, through `gltf`: the triangles of all meshes of the default scene (or of the first), placed by their nodes and
+//! instances, in f64, in the pose of the file: morph targets by their weights, skins by their joints. Strips and fans
+//! become triangles; points and lines are passed over.
 
+mod accessor;
 mod checked;
+mod pose;
 
 use crate::budget;
 use crate::error::Fault;
@@ -12,41 +14,69 @@ use checked::Buffers;
 use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
 use gltf::mesh::{Mode, Semantic};
 use gltf::scene::Transform;
-use gltf::{Document, Gltf, Node, Primitive, Scene};
+use gltf::{Document, Gltf, Node, Primitive};
+use pose::Pose;
+use std::collections::HashSet;
 
 pub(crate) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> Result<(), Fault> {
-    let Gltf { document, blob } = checked::document(bytes, &mut import.budget)?;
+    import.is_split = true;
+    let Gltf { document, blob } = checked::document(bytes, import)?;
     let buffers = Buffers::load(&document, blob, folder, &mut import.budget)?;
     let document = &document;
     let scene = document.default_scene().or_else(|| document.scenes().next());
-    let scene = scene.ok_or_else(|| Fault::broken("there is no scene"))?;
+    let roots: Vec<_> = match scene {
+        Some(scene) => scene.nodes().collect(),
+        None => {
+            import.notes.push("there is no scene: all nodes are read".to_owned());
+            let children = document.nodes().flat_map(|node| node.children());
+            let children: HashSet<_> = children.map(|child| child.index()).collect();
+            document.nodes().filter(|node| !children.contains(&node.index())).collect()
+        }
+    };
 
     // A small file may place a mesh any number of times: what is asked for is counted before it is read.
     let mut bytes = 0;
-    walk(document, &scene, |node, _| {
-        for primitive in primitives(node) {
-            bytes = demand(&primitive).saturating_add(bytes);
+    let mut worlds = vec![None; document.nodes().len()];
+    let mut others = 0;
+    walk(document, &roots, |node, world| {
+        worlds[node.index()] = Some(*world);
+        let times = pose::instances_count(node, document)?;
+        for primitive in node.mesh().into_iter().flat_map(|mesh| mesh.primitives()) {
+            if !is_of_triangles(&primitive) {
+                others += 1;
+                continue;
+            }
+            bytes = demand(&primitive).saturating_mul(times).saturating_add(bytes);
             import.budget.check(bytes)?;
         }
         Ok(())
     })?;
-    walk(document, &scene, |node, world| {
+    if others > 0 {
+        import.notes.push(format!("points and lines are passed over: {others} primitives"));
+    }
+    walk(document, &roots, |node, world| {
         let name = node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned);
-        import.source.begin_node(name, import.mesh.triangles.len());
-        primitives(node).try_for_each(|primitive| push(import, &primitive, &buffers, world))
-    })?;
-    import.source.end_nodes(import.mesh.triangles.len());
-    Ok(())
+        let pose = Pose::new(node, &worlds, &buffers, &import.budget)?;
+        for instance in pose::instances(node, document, &buffers, &import.budget)? {
+            import.begin_body(name.clone())?;
+            let world = if pose.is_skinned() { instance } else { *world * instance };
+            let primitives = node.mesh().into_iter().flat_map(|mesh| mesh.primitives());
+            for primitive in primitives.filter(is_of_triangles) {
+                push(import, &primitive, &buffers, &world, &pose)?;
+            }
+        }
+        Ok(())
+    })
 }
 
-/// Calls `visit` for all nodes of a scene, children after their parent, with `world_from_node`.
-fn walk(
-    document: &Document,
-    scene: &Scene<'_>,
-    mut visit: impl FnMut(&Node<'_>, &DMat4) -> Result<(), Fault>,
+/// Calls `visit` for all nodes below some, children after their parent, with `world_from_node`.
+fn walk<'d>(
+    document: &'d Document,
+    roots: &[Node<'d>],
+    mut visit: impl FnMut(&Node<'d>, &DMat4) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
-    let mut pending: Vec<_> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
-    pending.reverse();
+    let mut pending: Vec<_> =
+        roots.iter().rev().map(|node| (node.clone(), DMat4::IDENTITY)).collect();
     let mut left = document.nodes().count();
     while let Some((node, above)) = pending.pop() {
         left = left.checked_sub(1).ok_or_else(|| Fault::broken("a node is below two others"))?;
@@ -59,12 +89,8 @@ fn walk(
     Ok(())
 }
 
-/// The primitives of a node that have triangles.
-fn primitives<'n>(node: &Node<'n>) -> impl Iterator<Item = Primitive<'n>> + use<'n> {
-    let is_of_triangles = |primitive: &Primitive<'_>| {
-        matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
-    };
-    node.mesh().into_iter().flat_map(|mesh| mesh.primitives()).filter(is_of_triangles)
+fn is_of_triangles(primitive: &Primitive<'_>) -> bool {
+    matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }
 
 /// The bytes that a primitive takes while it is read.
@@ -91,29 +117,29 @@ fn push(
     primitive: &Primitive<'_>,
     buffers: &Buffers,
     world: &DMat4,
+    pose: &Pose,
 ) -> Result<(), Fault> {
+    let Some(accessor) = primitive.get(&Semantic::Positions) else { return Ok(()) };
+    let budget = &import.budget;
+    let mut positions = accessor::positions(&accessor, buffers, budget)?;
+    pose.apply(primitive, &mut positions, buffers, budget)?;
     let in_f32 = import.source.in_f32;
     let mesh = &mut import.mesh;
-    if let Some(positions) = primitive.get(&Semantic::Positions) {
-        checked::positions(&positions, buffers)?;
-    }
-    if let Some(indices) = primitive.indices() {
-        checked::indices(&indices, buffers)?;
-    }
-    let reader = primitive.reader(|buffer| buffers.get(buffer.index()));
     let first = mesh.positions.len() as u32;
     // Positions that no node moves stay the same to the bit.
     let moves = *world != DMat4::IDENTITY;
-    let place = |p: [f32; 3]| {
-        let p = p.map(f64::from);
+    let place = |p: [f64; 3]| {
         let placed = if moves { world.transform_point3(DVec3::from(p)).to_array() } else { p };
         if in_f32 { placed.map(|x| f64::from(x as f32)) } else { placed }
     };
-    mesh.positions.extend(reader.read_positions().into_iter().flatten().map(place));
+    mesh.positions.extend(positions.into_iter().map(place));
     let end = mesh.positions.len() as u32;
 
-    let corners: Vec<u32> = match reader.read_indices() {
-        Some(indices) => indices.into_u32().map(|i| first.saturating_add(i)).collect(),
+    let corners: Vec<u32> = match primitive.indices() {
+        Some(indices) => {
+            let indices = accessor::indices(&indices, buffers, budget)?;
+            indices.into_iter().map(|[i]| first.saturating_add(i as u32)).collect()
+        }
         None => (first..end).collect(),
     };
     if let Some(stray) = corners.iter().find(|&&corner| corner >= end) {
@@ -122,13 +148,7 @@ fn push(
     }
     match primitive.mode() {
         Mode::TriangleFan => mesh.push_fan(&corners),
-        // Every other triangle of a strip is turned round.
-        Mode::TriangleStrip => mesh.triangles.extend(
-            corners
-                .windows(3)
-                .zip([false, true].into_iter().cycle())
-                .map(|(t, odd)| if odd { [t[1], t[0], t[2]] } else { [t[0], t[1], t[2]] }),
-        ),
+        Mode::TriangleStrip => mesh.push_strip(&corners),
         _ => {
             let (triangles, over) = corners.as_chunks();
             if !over.is_empty() {

@@ -1,6 +1,7 @@
 //! Triangle meshes as files have them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// An indexed triangle mesh, in f64 unless said otherwise: neither coordinates nor indices are checked, except that a reader
 /// gives only indices of vertices that there are.
@@ -20,6 +21,20 @@ impl<S> TriangleMesh<S> {
     }
 }
 
+impl<S> TriangleMesh<S> {
+    /// Adds the triangles of a strip, of which every other is turned round. Triangles with a corner twice are left out.
+    pub(crate) fn push_strip(&mut self, corners: &[u32]) {
+        let turns = [false, true].into_iter().cycle();
+        self.triangles.extend(
+            corners
+                .windows(3)
+                .zip(turns)
+                .filter(|(t, _)| t[0] != t[1] && t[1] != t[2] && t[2] != t[0])
+                .map(|(t, odd)| if odd { [t[1], t[0], t[2]] } else { [t[0], t[1], t[2]] }),
+        );
+    }
+}
+
 impl TriangleMesh {
     /// How many coordinates no f32 is equal to. If there is none, the mesh may as well be in f32.
     pub fn beyond_f32(&self) -> usize {
@@ -33,56 +48,70 @@ impl TriangleMesh {
         TriangleMesh { positions, triangles: self.triangles }
     }
 
-    /// The same with vertices at exactly the same place joined, where −0 is 0; each stays where it first appears. Triangles
-    /// keep their numbers. A mesh with an index out of range stays as it is.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront_files::TriangleMesh;
-    /// let positions = vec![[0.0; 3], [1.0; 3], [2.0; 3], [-0.0; 3], [1.0; 3], [3.0; 3]];
-    /// let mesh = TriangleMesh { positions, triangles: vec![[0, 1, 2], [3, 4, 5]] }.welded();
-    /// assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]]);
-    /// ```
-    #[must_use]
-    pub fn welded(self) -> Self {
-        if self.triangles.iter().flatten().any(|&v| v as usize >= self.positions.len()) {
-            return self;
-        }
+    /// Joins vertices at exactly the same place, where −0 is 0; each stays where it first appears. Triangles keep their
+    /// numbers.
+    pub(crate) fn weld(&mut self) {
         let mut seen = HashMap::with_capacity(self.positions.len());
-        let mut positions = Vec::new();
-        let mut join = |p: [f64; 3]| {
-            *seen.entry(place(&p)).or_insert_with(|| {
-                positions.push(p);
-                positions.len() as u32 - 1
-            })
-        };
-        let joined: Vec<u32> = self.positions.into_iter().map(&mut join).collect();
-        let triangles = self.triangles.into_iter().map(|t| t.map(|v| joined[v as usize]));
-        Self { triangles: triangles.collect(), positions }
+        self.join(|position, next| match seen.entry(place(position)) {
+            Entry::Occupied(first) => *first.get(),
+            Entry::Vacant(new) => *new.insert(next),
+        });
     }
 
-    /// How many vertices lie exactly where another does, if no two triangles share a vertex: neighbours within such a
-    /// soup are not known to be neighbours.
-    pub fn unwelded(&self) -> usize {
-        let mut used = vec![false; self.positions.len()];
-        let mut is_new =
-            |&v: &u32| used.get_mut(v as usize).is_some_and(|used| !std::mem::replace(used, true));
-        if self.triangles.len() < 2 || !self.triangles.iter().flatten().all(&mut is_new) {
-            return 0;
+    /// Joins each vertex with the first within a distance, and returns how many that moves.
+    pub(crate) fn weld_within(&mut self, distance: f64) -> usize {
+        self.weld();
+        let before = self.positions.len();
+        if distance > 0.0 && distance.is_finite() {
+            let mut cells: HashMap<[i64; 3], Vec<(u32, [f64; 3])>> = HashMap::new();
+            self.join(|position, next| {
+                let at = position.map(|x| (x / distance).floor() as i64);
+                let beside = |i: i64| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1];
+                let near = (0..27).filter_map(|i| {
+                    let by = beside(i);
+                    cells.get(&[0, 1, 2].map(|k| at[k].saturating_add(by[k])))
+                });
+                let is_near = |(_, other): &&(u32, [f64; 3])| {
+                    let square = |k: usize| (position[k] - other[k]).powi(2);
+                    square(0) + square(1) + square(2) <= distance * distance
+                };
+                let first = near.flatten().filter(is_near).map(|(number, _)| *number).min();
+                first.unwrap_or_else(|| {
+                    cells.entry(at).or_default().push((next, *position));
+                    next
+                })
+            });
         }
-        let places: HashSet<_> = self.positions.iter().map(place).collect();
-        self.positions.len() - places.len()
+        before - self.positions.len()
     }
 
-    /// Some of the triangles, with the vertices from the first to the last that they use.
+    /// Joins vertices: `first` gives the number of the vertex that one becomes, or the number that is next.
+    fn join(&mut self, mut first: impl FnMut(&[f64; 3], u32) -> u32) {
+        let mut kept = 0;
+        let mut numbers = Vec::with_capacity(self.positions.len());
+        for vertex in 0..self.positions.len() {
+            let number = first(&self.positions[vertex], kept);
+            if number == kept {
+                self.positions[kept as usize] = self.positions[vertex];
+                kept += 1;
+            }
+            numbers.push(number);
+        }
+        self.positions.truncate(kept as usize);
+        self.triangles.as_flattened_mut().iter_mut().for_each(|v| *v = numbers[*v as usize]);
+    }
+
+    /// Some of the triangles, with the vertices that they use in the order of their numbers.
     #[must_use]
-    pub fn part(&self, triangles: std::ops::Range<usize>) -> Self {
-        let part = &self.triangles[triangles];
-        let used = || part.iter().flatten().copied();
-        let first = used().min().unwrap_or(0);
-        let end = used().max().map_or(0, |last| last as usize + 1).min(self.positions.len());
-        let positions = self.positions.get(first as usize..end).unwrap_or_default().to_vec();
-        Self { positions, triangles: part.iter().map(|t| t.map(|v| v - first)).collect() }
+    pub fn part(&self, triangles: &[u32]) -> Self {
+        let part: Vec<_> = triangles.iter().map(|&t| self.triangles[t as usize]).collect();
+        let mut used: Vec<u32> = part.as_flattened().to_vec();
+        used.sort_unstable();
+        used.dedup();
+        let number = |v: u32| used.binary_search(&v).unwrap_or_else(|at| at) as u32;
+        let triangles = part.iter().map(|t| t.map(number)).collect();
+        let positions = used.iter().map(|&v| self.positions[v as usize]).collect();
+        Self { positions, triangles }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Wavefront OBJ: vertices and faces, everything else is passed over.
+//! Wavefront OBJ: vertices, faces, and the objects or groups that these are of; everything else is passed over.
 //!
 //! By hand: `tobj` renumbers vertices group by group, so that faces of two groups share none, and `obj-rs`
 //! panics on statements it does not know.
@@ -6,14 +6,17 @@
 use crate::error::{Fault, Remedy};
 use crate::import::Import;
 use crate::text::{Line, lines, quote};
+use std::collections::HashMap;
 
 /// The statements of the specification, of which three are read.
 const STATEMENTS: &str = "v vt vn vp f fo l p g s o mg usemtl mtllib usemap maplib deg bmat step cstype curv curv2 surf parm \
     trim hole scrv sp end con bevel c_interp d_interp lod shadow_obj trace_obj ctech stech call csh";
 
 pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
+    let bytes = import.text(bytes);
     let joined = join_continued(bytes, import)?;
     let mut corners = Vec::new();
+    let mut bodies = Bodies::default();
     // Faces may come before their vertices.
     let mut farthest = (0, 0);
     for line in lines(joined.as_deref().unwrap_or(bytes)) {
@@ -21,20 +24,19 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
         match words.next() {
             Some(b"v") => {
                 let position = line.position(&mut words, &mut import.source)?;
-                import.push_position(position)?;
+                import.push_position(position, line.number)?;
             }
             Some(b"f" | b"fo") => {
                 corners.clear();
                 for word in words {
+                    import.is_split |= word.contains(&b'/');
                     let corner = corner(&line, word, import.mesh.positions.len())?;
                     farthest = farthest.max((corner, line.number));
                     import.push_corner(&mut corners, corner)?;
                 }
-                if corners.len() < 3 {
-                    return Err(line.fault(format!("a face of {} corners", corners.len())));
-                }
                 import.push_face(&corners)?;
             }
+            Some(word @ (b"o" | b"g")) => bodies.begin(word, words, import)?,
             _ => {}
         }
     }
@@ -54,6 +56,42 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
             Err(Fault::line(line, format!("vertex {} of {all}", u64::from(vertex) + 1)))
         }
         _ => Ok(()),
+    }
+}
+
+/// The bodies of a file: its objects, or its groups if there are none. A body that is named again goes on.
+#[derive(Default)]
+struct Bodies {
+    has_objects: bool,
+    numbers: HashMap<Vec<u8>, u32>,
+}
+
+impl Bodies {
+    fn begin<'w>(
+        &mut self,
+        word: &[u8],
+        name: impl Iterator<Item = &'w [u8]>,
+        import: &mut Import,
+    ) -> Result<(), Fault> {
+        let triangles = import.mesh.triangles.len();
+        let is_object = word == b"o";
+        if is_object && !self.has_objects {
+            self.has_objects = true;
+            self.numbers.clear();
+            import.source.forget_bodies();
+        }
+        if is_object != self.has_objects {
+            return Ok(());
+        }
+        let name = name.collect::<Vec<_>>().join(&b' ');
+        match self.numbers.get(&name) {
+            Some(&body) => import.source.resume_body(body, triangles),
+            None => {
+                let body = import.begin_body(String::from_utf8_lossy(&name).into_owned())?;
+                self.numbers.insert(name, body);
+            }
+        }
+        Ok(())
     }
 }
 

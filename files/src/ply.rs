@@ -1,4 +1,4 @@
-//! PLY, text and binary: x, y and z of `vertex`, `vertex_indices` (or `vertex_index`) of `face`; other
+//! PLY, text and binary: x, y and z of `vertex`, `vertex_indices` (or `vertex_index`) of `face` and `tristrips`; other
 //! elements and properties are passed over.
 //!
 //! `ply-rs-bw` reads the header and binary elements. Not those in text: it knows no `nan` and no `.5`
@@ -9,7 +9,7 @@ mod element;
 use crate::error::Fault;
 use crate::import::Import;
 use crate::text::{Line, lines};
-use element::{AXES, Element, INDICES};
+use element::{AXES, Element, INDICES, RESTART};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType};
 use std::io::ErrorKind;
@@ -28,9 +28,13 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
         for number in 0..element.count {
             let at = bytes.len() - rest.len();
             let fault = |e| binary_fault(&e, at, element, number);
+            let mut line_number = 0;
             let record = match header.encoding {
                 Encoding::Ascii => match lines.next() {
-                    Some(line) => Element::from_text(&line, element, &mut import.source),
+                    Some(line) => {
+                        line_number = line.number;
+                        Element::from_text(&line, element, &mut import.source)
+                    }
                     None => Err(Fault::broken(ends_in(element, number))),
                 },
                 Encoding::BinaryLittleEndian => {
@@ -50,15 +54,28 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
                         let both = position.into_iter().zip(record.position);
                         import.source.rounded += both.filter(is_rounded).count();
                     }
-                    import.push_position(position)?;
+                    import.push_position(position, line_number)?;
                 }
-                ("face", n @ 0..3) => {
-                    return Err(Fault::broken(format!("face {number} has {n} corners")));
+                ("face", _) if record.corners.contains(&RESTART) => {
+                    return Err(Fault::byte(at, not_natural(element, number)));
                 }
                 ("face", _) => import.push_face(&record.corners)?,
+                ("tristrips", _) => {
+                    let corners = record.corners.split(|&corner| corner == RESTART);
+                    corners.into_iter().try_for_each(|strip| import.push_strip(strip))?;
+                }
                 _ => {}
             }
         }
+    }
+    let (lines_over, bytes_over) = match header.encoding {
+        Encoding::Ascii => (lines.count(), 0),
+        _ => (0, rest.len()),
+    };
+    if lines_over + bytes_over > 0 {
+        let what = if lines_over > 0 { "lines" } else { "bytes" };
+        let over = lines_over + bytes_over;
+        import.notes.push(format!("{what} after the last element are passed over: {over}"));
     }
     Ok(())
 }
@@ -97,8 +114,7 @@ fn check_header(header: &Header, bytes: &[u8]) -> Result<(), Fault> {
         let name = &element.name;
         let missing = match &name[..] {
             "vertex" => AXES.into_iter().find(|&axis| !has(&[axis], false)),
-            "face" if !has(&INDICES, true) => Some("vertex_indices or vertex_index"),
-            "tristrips" => return Err(Fault::broken("has tristrips: convert them to faces")),
+            "face" | "tristrips" if !has(&INDICES, true) => Some("vertex_indices or vertex_index"),
             // Any number of them would take no bytes.
             _ if element.properties.is_empty() => Some("properties"),
             _ => None,
@@ -114,13 +130,15 @@ fn ends_in(element: &ElementDef, number: usize) -> String {
     format!("the file ends in {} {number} of {}", element.name, element.count)
 }
 
+fn not_natural(element: &ElementDef, number: usize) -> String {
+    format!("the indices of {} {number} are no natural numbers", element.name)
+}
+
 fn binary_fault(e: &ParseError, at: usize, element: &ElementDef, number: usize) -> Fault {
     let what = match e.kind() {
         ErrorKind::UnexpectedEof => ends_in(element, number),
         // `Element` does not take every type.
-        ErrorKind::InvalidData => {
-            format!("the indices of {} {number} are no natural numbers", element.name)
-        }
+        ErrorKind::InvalidData => not_natural(element, number),
         _ => format!("{} {number}: {e}", element.name),
     };
     Fault::byte(at, what)

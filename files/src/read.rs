@@ -9,7 +9,7 @@ use crate::import::Import;
 use crate::memory::available;
 use crate::mesh::TriangleMesh;
 use crate::source::Source;
-use crate::{gltf, head, obj, off, ply, stl};
+use crate::{gltf, head, obj, off, ply, stl, threemf};
 use pfront_core::blob::MAGIC;
 use std::fs::File;
 use std::io::{Read, stdin};
@@ -26,6 +26,21 @@ pub struct ReadOptions {
     pub in_f32: bool,
     /// Whether files are read that a glTF names outside its own folder: it may name any.
     pub allow_outside_files: bool,
+    /// The vertices that become one.
+    pub weld: Weld,
+}
+
+/// The vertices that become one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Weld {
+    /// Vertices at exactly the same place, in formats that split vertices: STL, glTF, 3MF, and OBJ whose faces have normals
+    /// or texture coordinates.
+    #[default]
+    Split,
+    /// None: each is the one that the file numbers.
+    Never,
+    /// Vertices within a distance of the first of them, in every format.
+    Within(f64),
 }
 
 /// The most bytes of something that is not a regular file, unless more are asked for.
@@ -180,7 +195,12 @@ fn load(
     let length = due.unwrap_or(most as u64).saturating_add(1);
     from.take(length.saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
     let read = bytes.len();
+    let mut notes = Vec::new();
     match due {
+        Some(due) if due < read as u64 && format != BAKED => {
+            bytes.truncate(due as usize);
+            notes.push(format!("what follows the {due} bytes of the header is passed over"));
+        }
         Some(due) if due != read as u64 => {
             return Err(head::other_length(format, due, read as u64));
         }
@@ -193,22 +213,37 @@ fn load(
         // The model takes as much again.
         budget.check(read)?;
         baked::check(&bytes)?;
-        return Ok(Contents::Baked(bytes));
+        let Weld::Within(distance) = options.weld else { return Ok(Contents::Baked(bytes)) };
+        let mut mesh = baked::mesh(&bytes)?;
+        notes.extend(joined(&mut mesh, distance));
+        return Ok(Contents::Mesh(MeshFile { mesh, source: Source::default(), notes }));
     }
     let is_alone = path == Path::new("-") || path == Path::new("bytes");
     let folder = Folder {
         path: if is_alone { None } else { Some(path.parent().unwrap_or(Path::new(""))) },
         allows_outside: options.allow_outside_files,
     };
-    let mut import = Import { budget, ..Import::default() };
-    import.source.in_f32 = options.in_f32;
+    let mut import = Import::new(budget, notes, options.in_f32);
     match format {
         "obj" => obj::parse(&bytes, &mut import),
         "ply" => ply::parse(&bytes, &mut import),
         "stl" => stl::parse(&bytes, &mut import),
         "off" => off::parse(&bytes, &mut import),
+        "3mf" => threemf::parse(&bytes, &mut import),
         _ => gltf::parse(&bytes, &folder, &mut import),
     }?;
-    let (mesh, source, notes) = import.finish()?;
+    import.finish()?;
+    let Import { mut mesh, source, mut notes, is_split, .. } = import;
+    match options.weld {
+        Weld::Split if is_split => mesh.weld(),
+        Weld::Split | Weld::Never => {}
+        Weld::Within(distance) => notes.extend(joined(&mut mesh, distance)),
+    }
     Ok(Contents::Mesh(MeshFile { mesh, source, notes }))
+}
+
+/// Joins vertices within a distance, and returns a note if that moves some.
+fn joined(mesh: &mut TriangleMesh, distance: f64) -> Option<String> {
+    let moved = mesh.weld_within(distance);
+    (moved > 0).then(|| format!("vertices that were joined with others nearby: {moved}"))
 }

@@ -1,5 +1,4 @@
-//! STL, text and binary: a soup of three vertices a triangle, in the order of the file.
-//! [`welded`](TriangleMesh::welded) joins them.
+//! STL, text and binary: three vertices a triangle, in the order of the file, each solid a body.
 //!
 //! By hand: of several solids `stl_io` reads the first, it takes text whose solid has no name for binary
 //! and binary that begins with `solid` for text, and it refuses the NaN normals that triangles without
@@ -9,87 +8,152 @@ use crate::budget::demand;
 use crate::error::{Fault, Remedy};
 use crate::import::Import;
 use crate::mesh::TriangleMesh;
-use crate::text::{Line, lines, quote};
+use crate::text::{Line, lines, quote, without_padding};
 
 /// Header and count of a binary STL file, and each of its triangles.
-pub(crate) const HEADER: usize = 84;
-pub(crate) const TRIANGLE: usize = 50;
+const HEADER: usize = 84;
+const TRIANGLE: usize = 50;
 
-pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
-    let count = bytes.first_chunk::<HEADER>().map(|header| {
-        let [.., a, b, c, d] = *header;
-        u32::from_le_bytes([a, b, c, d]) as usize
-    });
-    match count {
-        // Text is never as long as its bytes 80 to 83 say: as a count they are 150 million at least.
-        Some(n) if HEADER + n * TRIANGLE == bytes.len() => {
-            import.budget.check(demand(3 * n, n))?;
-            binary(bytes, &mut import.mesh);
-            Ok(())
+/// The triangles that a binary file says it has.
+fn count(head: &[u8]) -> Option<usize> {
+    let [.., a, b, c, d] = *head.first_chunk::<HEADER>()?;
+    Some(u32::from_le_bytes([a, b, c, d]) as usize)
+}
+
+/// The length of a binary file that has so many triangles.
+fn length(triangles: usize) -> u64 {
+    HEADER as u64 + TRIANGLE as u64 * triangles as u64
+}
+
+/// Checks the beginning of a file, and returns whether it is text.
+///
+/// # Errors
+/// If it is binary, and too short for its triangles.
+pub(crate) fn check(head: &[u8], found: Option<u64>) -> Result<bool, Fault> {
+    let triangles = count(head);
+    // Text is never as long as its bytes 80 to 83 say: as a count they are 150 million at least.
+    let is_as_long = triangles.is_some_and(|n| found == Some(length(n)));
+    if !is_as_long && is_text(without_padding(head)) {
+        return Ok(true);
+    }
+    match (triangles, found) {
+        (Some(0), Some(found)) if !(found - length(0)).is_multiple_of(TRIANGLE as u64) => {
+            Err(other_length(0, found))
         }
-        _ if is_text(bytes) => text(bytes, import),
-        Some(n) => {
-            let (due, found) = (HEADER + n * TRIANGLE, bytes.len());
-            let what = format!("a binary STL of {n} triangles has {due} bytes, not {found}");
-            Err(Fault::broken(what).or(Remedy::Format))
-        }
-        None => {
-            Err(Fault::broken("neither `solid` nor the 84 bytes that a binary STL has at least")
-                .or(Remedy::Format))
-        }
+        (Some(n), Some(found)) if found < length(n) => Err(other_length(n, found)),
+        _ => Ok(false),
     }
 }
 
-/// Binary files may begin with `solid` too, but have zeros.
-pub(crate) fn is_text(bytes: &[u8]) -> bool {
-    let word = lines(bytes).next().and_then(|line| line.words().next());
-    word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes.contains(&0)
+fn other_length(triangles: usize, found: u64) -> Fault {
+    let due = length(triangles);
+    let what = format!("a binary STL of {triangles} triangles has {due} bytes, not {found}");
+    Fault::broken(what).or(Remedy::Format)
 }
 
-fn binary(bytes: &[u8], mesh: &mut TriangleMesh) {
-    for triangle in bytes[HEADER..].chunks_exact(TRIANGLE) {
+pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
+    import.is_split = true;
+    if check(bytes, Some(bytes.len() as u64))? {
+        return text(import.text(bytes), import);
+    }
+    let Some(mut n) = count(bytes) else {
+        let what = "neither `solid` nor the 84 bytes that a binary STL has at least";
+        return Err(Fault::broken(what).or(Remedy::Format));
+    };
+    let (triangles, over) = bytes[HEADER..].as_chunks::<TRIANGLE>();
+    if n == 0 && over.is_empty() && !triangles.is_empty() {
+        n = triangles.len();
+        import.notes.push(format!("the header counts 0 triangles: all {n} that follow are read"));
+    }
+    // After that only what holds no triangle may follow.
+    let after = &bytes[length(n) as usize..];
+    let is_padding = |byte: &u8| *byte == 0 || byte.is_ascii_whitespace();
+    if after.len() >= TRIANGLE && !after.iter().all(is_padding) {
+        return Err(other_length(n, bytes.len() as u64));
+    }
+    if !after.is_empty() {
+        let over = after.len();
+        import.notes.push(format!("bytes after the last triangle are passed over: {over}"));
+    }
+    import.budget.check(demand(3 * n, n))?;
+    for triangle in &triangles[..n] {
         let number =
             |i: usize| f64::from(f32::from_le_bytes([0, 1, 2, 3].map(|k| triangle[4 * i + k])));
         // After the normal.
-        push(mesh, [3, 6, 9].map(|i| [i, i + 1, i + 2].map(number)));
+        push(&mut import.mesh, [3, 6, 9].map(|i| [i, i + 1, i + 2].map(number)));
     }
+    Ok(())
 }
 
-fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
-    let mut corners = Vec::new();
-    let mut ended = false;
-    for line in lines(bytes) {
-        let mut words = line.words();
-        let keyword = line.word(words.next())?.to_ascii_lowercase();
-        ended = keyword == b"endsolid";
-        match &keyword[..] {
-            b"vertex" => corners.push(line.position(&mut words, &mut import.source)?),
-            b"endloop" => {
-                push(&mut import.mesh, three(&line, &mut corners)?);
-                import.check_memory()?;
-            }
-            b"solid" | b"facet" | b"outer" | b"endfacet" | b"endsolid" => {}
-            _ => {
-                let what = format!("{} is no word of STL", quote(&keyword));
-                return Err(line.fault(what).or(Remedy::Format));
-            }
-        }
-    }
-    if ended && corners.is_empty() {
-        return Ok(());
-    }
-    Err(Fault::broken("the file ends before its last endsolid").or(Remedy::Format))
-}
-
-fn three(line: &Line<'_>, corners: &mut Vec<[f64; 3]>) -> Result<[[f64; 3]; 3], Fault> {
-    let found = std::mem::take(corners);
-    found
-        .try_into()
-        .map_err(|found: Vec<_>| line.fault(format!("a facet of {} corners", found.len())))
+/// Binary files may begin with `solid` too, but have zeros.
+fn is_text(bytes: &[u8]) -> bool {
+    let word = lines(bytes).next().and_then(|line| line.words().next());
+    word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes.contains(&0)
 }
 
 fn push(mesh: &mut TriangleMesh, corners: [[f64; 3]; 3]) {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend(corners);
     mesh.triangles.push([first, first + 1, first + 2]);
+}
+
+fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
+    let mut corners = Vec::new();
+    let (mut is_open, mut facet_is_open, mut is_end_solid) = (false, false, false);
+    for line in lines(bytes) {
+        let mut words = line.words();
+        let keyword = line.word(words.next())?.to_ascii_lowercase();
+        match &keyword[..] {
+            b"vertex" => {
+                let position = line.position(&mut words, &mut import.source)?;
+                corners.push((position, line.number));
+                import.budget.check_list(&corners, 1)?;
+            }
+            b"endloop" => push_facet(&line, &mut corners, import)?,
+            b"solid" => {
+                is_open = true;
+                let name = words.collect::<Vec<_>>().join(&b' ');
+                let name = if name.is_empty() { b"solid" } else { &name[..] };
+                import.begin_body(String::from_utf8_lossy(name).into_owned())?;
+            }
+            b"facet" => facet_is_open = true,
+            b"endfacet" => facet_is_open = false,
+            b"outer" => {}
+            b"endsolid" => is_open = false,
+            b"end" if words.next().is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) => {
+                (is_open, is_end_solid) = (false, true);
+            }
+            _ => {
+                let what = format!("{} is no word of STL", quote(&keyword));
+                return Err(line.fault(what).or(Remedy::Format));
+            }
+        }
+    }
+    if facet_is_open || !corners.is_empty() {
+        let what = "the file ends within a facet, before its last endsolid";
+        return Err(Fault::broken(what).or(Remedy::Format));
+    }
+    if is_end_solid {
+        import.notes.push("a solid ends with `end solid`, which is read as endsolid".to_owned());
+    }
+    if is_open {
+        import.notes.push("the file ends before its last endsolid".to_owned());
+    }
+    Ok(())
+}
+
+fn push_facet(
+    line: &Line<'_>,
+    corners: &mut Vec<([f64; 3], usize)>,
+    import: &mut Import,
+) -> Result<(), Fault> {
+    if corners.len() != 3 {
+        return Err(line.fault(format!("a facet of {} corners", corners.len())));
+    }
+    let first = import.mesh.positions.len() as u32;
+    for (position, number) in corners.drain(..) {
+        import.push_position(position, number)?;
+    }
+    import.mesh.triangles.push([first, first + 1, first + 2]);
+    Ok(())
 }

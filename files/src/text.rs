@@ -5,6 +5,7 @@ use crate::source::Source;
 use std::str::FromStr;
 
 /// A line that has words, without its comment.
+#[derive(Clone, Copy)]
 pub(crate) struct Line<'t> {
     /// From 1.
     pub(crate) number: usize,
@@ -22,6 +23,12 @@ pub(crate) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
         Line { number, text: line[..end].trim_ascii() }
     });
     lines.filter(|line| !line.text.is_empty())
+}
+
+/// The bytes of a text before the NULs that some programs end it with.
+pub(crate) fn without_padding(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    &bytes[..end]
 }
 
 /// A word for an error text, on one line however long and strange it is.
@@ -47,8 +54,11 @@ impl<'t> Line<'t> {
     /// The number that `word` states.
     pub(crate) fn number<T: FromStr>(&self, word: Option<&[u8]>) -> Result<T, Fault> {
         let word = self.word(word)?;
-        let parsed = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
-        parsed.ok_or_else(|| self.fault(format!("{} is not the number it should be", quote(word))))
+        parsed(word).ok_or_else(|| self.no_number(word))
+    }
+
+    fn no_number(&self, word: &[u8]) -> Fault {
+        self.fault(format!("{} is not the number it should be", quote(word)))
     }
 
     /// The next three words as coordinates.
@@ -67,22 +77,24 @@ impl<'t> Line<'t> {
         word: Option<&[u8]>,
         source: &mut Source,
     ) -> Result<f64, Fault> {
-        let (nearest, most): (f64, f64) = if source.in_f32 {
-            let nearest: f32 = self.number(word)?;
-            source.rounded += usize::from(loses_digits(word.unwrap_or_default(), nearest));
-            (nearest.into(), f32::MAX.into())
-        } else {
-            (self.number(word)?, LARGEST_IN_F64)
-        };
-        if nearest.is_nan() || nearest.abs() > most {
-            source.out_of_range.get_or_insert(self.number);
-        }
-        Ok(nearest)
+        let word = self.word(word)?;
+        coordinate(word, source).ok_or_else(|| self.no_number(word))
     }
 }
 
-/// 2^125, the largest coordinate of a mesh in f64.
-const LARGEST_IN_F64: f64 = 4.253529586511731e37;
+/// The number nearest to what `word` says, if it is one; `source` tells in which precision, and notes what it loses.
+pub(crate) fn coordinate(word: &[u8], source: &mut Source) -> Option<f64> {
+    if !source.in_f32 {
+        return parsed(word);
+    }
+    let nearest: f32 = parsed(word)?;
+    source.rounded += usize::from(loses_digits(word, nearest));
+    Some(nearest.into())
+}
+
+fn parsed<T: FromStr>(word: &[u8]) -> Option<T> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
 
 /// Whether a decimal has digits that the nearest f32, rounded to as many, does not.
 fn loses_digits(word: &[u8], nearest: f32) -> bool {
@@ -97,7 +109,7 @@ fn loses_digits(word: &[u8], nearest: f32) -> bool {
     let mut parts = text.split(['e', 'E']);
     let decimals = parts.next().and_then(|mantissa| Some(mantissa.split_once('.')?.1.len()));
     let exponent: i32 = parts.next().and_then(|exponent| exponent.parse().ok()).unwrap_or(0);
-    // An infinity is refused by `Model::new`.
+    // An infinity is refused later.
     nearest.is_finite()
         && error > 0.5 * 10_f64.powi(exponent.saturating_sub(decimals.unwrap_or(0) as i32))
 }

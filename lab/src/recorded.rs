@@ -5,7 +5,6 @@ use crate::suite::{Body, Contacts, Site, Suite};
 use anyhow::{Context, Result};
 use pfront::{Model, Pose};
 use pfront_files::{TriangleMesh, read_f32};
-use pfront_testkit::MeshData;
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::Path;
@@ -110,10 +109,7 @@ impl Library<'_> {
         }
         let path = self.folder.join(file);
         let TriangleMesh { positions, triangles } = read_f32(&path)?;
-        let mesh = MeshData { positions, triangles };
-        // The triangles of an STL file share no vertex by index.
-        let mesh = if file.ends_with(".stl") { mesh.welded() } else { mesh };
-        let body = Model::new(mesh.positions, mesh.triangles).map(Arc::new);
+        let body = Model::new(positions, triangles).map(Arc::new);
         let body = body.with_context(|| path.display().to_string())?;
         self.bodies.insert(file.to_owned(), body.clone());
         Ok(body)

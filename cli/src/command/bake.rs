@@ -1,13 +1,13 @@
 //! `pfront bake MESH`
 
-use super::{advised, check_files, fits, in_file};
+use super::{advised, check_files, fits};
 use crate::args::{Bake, Build};
 use anyhow::{Context, Result, ensure};
 use pfront::pfront_core::blob::{self, Counts};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
-use pfront_cli::json::write_json;
+use pfront_cli::json::{VERSION as JSON, write_json};
 use pfront_cli::output::{Draft, out};
 use pfront_files::escape::shown_path;
 use pfront_files::{MeshFile, TriangleMesh};
@@ -22,9 +22,8 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     ensure!(path != Path::new("-"), "--out - is no file: bake writes one");
     check_files(&[&bake.mesh], Some(&path))?;
     let mesh = super::read(&bake.mesh, &bake.reading)?;
-    let MeshFile { mesh, source, .. } = mesh.into_mesh(&bake.mesh).map_err(advised)?;
-    let mesh = if bake.weld { mesh.welded() } else { mesh };
-    let (bytes, counts) = baked(mesh, bake).map_err(|error| in_file(error, &bake.mesh, &source))?;
+    let MeshFile { mesh, .. } = mesh.into_mesh(&bake.mesh).map_err(advised)?;
+    let (bytes, counts) = baked(mesh, bake).with_context(|| shown_path(&bake.mesh))?;
     let mut to = Draft::new(&path)?;
     to.write_all(&bytes).with_context(|| format!("cannot write {}", path.display()))?;
     to.finish()?;
@@ -47,7 +46,10 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
         let bytes: BTreeMap<_, _> = sections.into_iter().collect();
         let counts = json!({ "triangles": triangles, "vertices": vertices, "nodes": nodes });
         let file = path.to_string_lossy();
-        write_json(&mut out, &json!({ "file": file, "counts": counts, "bytes": bytes }))?;
+        write_json(
+            &mut out,
+            &json!({ "version": JSON, "file": file, "counts": counts, "bytes": bytes }),
+        )?;
         return Ok(true);
     }
     writeln!(

@@ -15,7 +15,7 @@ use crate::progress::shown;
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use pfront::executor::{Plan, Reason};
 use pfront::pfront_core::bvtt::Query;
-use pfront::{Model, TrianglePair};
+use pfront::{Mesh, Model, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
 use pfront_files::escape::{escaped, shown_path};
 use pfront_files::{Contents, MeshFile, ReadError, Remedy, Source, TriangleMesh, available, open};
@@ -40,29 +40,18 @@ fn check_files(meshes: &[&Path], out: Option<&Path>) -> Result<()> {
     Ok(())
 }
 
-/// Reads a mesh, welds it if asked to, and builds its BVH, unless it was baked with one. `inspect` sees the mesh as it
-/// was read.
-fn model(
-    path: &Path,
-    weld: bool,
-    reading: &Reading,
-    inspect: impl FnOnce(&TriangleMesh),
-) -> Result<(Model, Source)> {
+/// Reads a mesh and builds its BVH, unless it was baked with one.
+fn model(path: &Path, reading: &Reading) -> Result<(Model, Source)> {
     shown(format!("reading {}", path.display()), || match read(path, reading)? {
-        Contents::Baked(bytes) if !weld => Ok((baked(&bytes, path)?, Source::default())),
-        contents => {
-            let MeshFile { mesh, source, .. } = contents.into_mesh(path).map_err(advised)?;
-            inspect(&mesh);
-            let mesh = if weld { mesh.welded() } else { mesh };
-            Ok((built(mesh, path, &source)?, source))
-        }
+        Contents::Baked(bytes) => Ok((baked(&bytes, path)?, Source::default())),
+        Contents::Mesh(MeshFile { mesh, source, .. }) => Ok((built(mesh, path)?, source)),
     })
 }
 
 /// Reads the two meshes of a question, which the output must not replace.
 fn two(meshes: &TwoMeshes, out: Option<&Path>) -> Result<[(Model, Source); 2]> {
     check_files(&[&meshes.a, &meshes.b], out)?;
-    let read = |path: &Path| model(path, false, &meshes.reading, |_| ());
+    let read = |path: &Path| model(path, &meshes.reading);
     Ok([read(&meshes.a)?, read(&meshes.b)?])
 }
 
@@ -92,44 +81,36 @@ fn baked(bytes: &[u8], path: &Path) -> Result<Model> {
     Model::from_blob(bytes).with_context(|| shown_path(path))
 }
 
-/// Builds a model, in f64 if f32 does not hold every coordinate. The error names the file, and the line of a coordinate that
-/// is not finite.
-fn built(mesh: TriangleMesh, path: &Path, source: &Source) -> Result<Model> {
+/// Builds a model, in f64 if f32 does not hold every coordinate.
+fn built(mesh: TriangleMesh, path: &Path) -> Result<Model> {
     let model = if mesh.beyond_f32() > 0 {
         Model::from_f64(mesh.positions, mesh.triangles)
     } else {
         let TriangleMesh { positions, triangles } = mesh.into_f32();
         Model::new(positions, triangles)
     };
-    model.map_err(|error| in_file(error.into(), path, source))
+    model.with_context(|| path.display().to_string())
 }
 
-fn in_file(error: Error, path: &Path, source: &Source) -> Error {
-    let path = path.display();
-    match source.out_of_range {
-        Some(line) => error.context(format!("{path}, line {line} (vertices count from 0)")),
-        None => error.context(path.to_string()),
-    }
-}
-
-/// Checks that a list of so many hits fits into memory, before it is asked for.
-fn list_fits(hits: u64, bytes: usize, reading: &Reading) -> Result<()> {
+/// Checks that a list of so many hits, which is there already, takes no more memory than is allowed.
+fn list_fits(hits: usize, bytes: usize, reading: &Reading) -> Result<()> {
+    let Some(most) = reading.memory else { return Ok(()) };
     // A list grows to twice its length, while the old half is still there.
-    let demand = usize::try_from(hits).unwrap_or(usize::MAX).saturating_mul(3 * bytes);
-    fits(format!("{hits} pairs meet, whose list"), demand, reading)
+    let demand = hits.saturating_mul(3 * bytes);
+    ensure!(demand <= most, too_much(&format!("{hits} pairs meet, whose list"), demand, most));
+    Ok(())
+}
+
+fn too_much(what: &str, demand: usize, most: usize) -> String {
+    let [demand, most] = [demand, most].map(|bytes| bytes.div_ceil(1_000_000));
+    format!("{what} takes {demand} MB, and {most} are allowed: see --memory")
 }
 
 /// Checks that what takes so many bytes fits into memory, before it is begun.
 fn fits(what: String, demand: usize, reading: &Reading) -> Result<()> {
     let most = reading.memory.or_else(available).unwrap_or(usize::MAX);
-    let megabytes = |bytes: usize| bytes.div_ceil(1_000_000);
     let has_room = || Vec::<u8>::new().try_reserve_exact(demand).is_ok();
-    ensure!(
-        demand <= most && has_room(),
-        "{what} takes {} MB, and {} are allowed: see --memory",
-        megabytes(demand),
-        megabytes(most)
-    );
+    ensure!(demand <= most && has_room(), too_much(&what, demand, most));
     Ok(())
 }
 
@@ -161,4 +142,21 @@ fn explain(executor: &ExecutorArgs, plan: Option<&Plan>) {
             _ => eprintln!("{}", escaped(&plan.to_string())),
         }
     }
+}
+
+/// How many pairs of triangles share a position, and no vertex.
+fn unshared(mesh: Mesh<'_>, pairs: &[TrianglePair]) -> usize {
+    let triangles = mesh.triangles();
+    let place = |v: u32| match mesh.positions_f64() {
+        Some(positions) => positions[v as usize],
+        None => mesh.shadow()[v as usize].map(f64::from),
+    };
+    let is_unshared = |pair: &&TrianglePair| {
+        let [a, b] = [pair.a, pair.b].map(|t| triangles[t as usize]);
+        a.iter().all(|v| !b.contains(v)) && {
+            let [a, b] = [a, b].map(|t| t.map(place));
+            a.iter().any(|p| b.contains(p))
+        }
+    };
+    pairs.iter().filter(is_unshared).count()
 }

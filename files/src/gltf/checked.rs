@@ -5,11 +5,13 @@ use crate::budget::Budget;
 use crate::error::Fault;
 use crate::escape::shown_path;
 use crate::folder::Folder;
+use crate::import::Import;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use gltf::accessor::{Accessor, DataType, Dimensions};
+use gltf::accessor::Accessor;
 use gltf::buffer::{Buffer, Source};
-use gltf::{Document, Gltf};
+use gltf::json::validation::Checked;
+use gltf::{Document, Gltf, Semantic};
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::Read;
@@ -19,7 +21,8 @@ use std::path::{Path, PathBuf};
 const OBJECT: usize = 512;
 
 /// A document and the buffer within its file.
-pub(crate) fn document(bytes: &[u8], budget: &mut Budget) -> Result<Gltf, Fault> {
+pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault> {
+    let Import { budget, notes, .. } = import;
     // A binary file has text from its byte 20 on, of the length that bytes 12 to 15 tell.
     let text = match *bytes {
         [b'g', b'l', b'T', b'F', _, _, _, _, _, _, _, _, a, b, c, d, _, _, _, _, ref rest @ ..] => {
@@ -33,14 +36,77 @@ pub(crate) fn document(bytes: &[u8], budget: &mut Budget) -> Result<Gltf, Fault>
     budget.take(bytes.len())?;
     let broken = |e: gltf::Error| Fault::broken(e.to_string());
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(broken)?;
-    let root = document.into_json();
-    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let mut used = primitives.flat_map(|primitive| primitive.attributes.values());
-    if let Some(stray) = used.find(|accessor| accessor.value() >= root.accessors.len()) {
-        return Err(Fault::broken(format!("there is no accessor {}", stray.value())));
+    let mut root = document.into_json();
+    for extension in std::mem::take(&mut root.extensions_required) {
+        let is = |names: &[&str]| names.iter().any(|name| extension.starts_with(name));
+        if is(&HARMLESS) {
+            notes.push(format!("{extension} is passed over: it leaves geometry alone"));
+        } else if !is(&READ) {
+            let what = format!("requires the extension {extension}, which is not read");
+            return Err(Fault::broken(what));
+        }
     }
+    let mut has_bounds = true;
+    let (accessors, count) = (&mut root.accessors, 3);
+    for primitive in root.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
+        primitive.material = None;
+        let mut used = primitive.attributes.values();
+        if let Some(stray) = used.find(|accessor| accessor.value() >= accessors.len()) {
+            return Err(Fault::broken(format!("there is no accessor {}", stray.value())));
+        }
+        let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+        let Some(accessor) = positions.and_then(|at| accessors.get_mut(at.value())) else {
+            continue;
+        };
+        // Beside compressed data there may be others, for readers that do not know it.
+        let others = primitive.extensions.as_ref().map(|extensions| &extensions.others);
+        let is_compressed = others.is_some_and(|others| others.contains_key(DRACO));
+        if is_compressed && accessor.buffer_view.is_none() {
+            return Err(compressed(DRACO));
+        }
+        if accessor.min.is_none() || accessor.max.is_none() {
+            has_bounds = false;
+            let zeros = || Some(vec![0; count].into());
+            (accessor.min, accessor.max) = (zeros(), zeros());
+        }
+    }
+    if !has_bounds {
+        notes.push("POSITION has no min and max".to_owned());
+    }
+    // Only geometry is checked.
+    root.nodes.iter_mut().for_each(|node| node.camera = None);
+    root.materials.clear();
+    root.textures.clear();
+    root.images.clear();
+    root.samplers.clear();
+    root.animations.clear();
+    root.cameras.clear();
     Ok(Gltf { document: Document::from_json(root).map_err(broken)?, blob })
 }
+
+fn compressed(extension: &str) -> Fault {
+    Fault::broken(format!("is compressed with {extension}, which is not read"))
+}
+
+const DRACO: &str = "KHR_draco_mesh_compression";
+const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Extensions of what is read.
+const READ: [&str; 2] = ["KHR_mesh_quantization", "EXT_mesh_gpu_instancing"];
+
+/// Beginnings of the names of extensions that leave geometry alone.
+const HARMLESS: [&str; 10] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    "EXT_lights_",
+    "KHR_xmp",
+    "KHR_animation_pointer",
+    "KHR_audio",
+    "EXT_materials_",
+];
 
 /// The bytes of all buffers, those of one file once.
 pub(crate) struct Buffers {
@@ -120,6 +186,10 @@ fn inline(
     budget: &mut Budget,
 ) -> Result<Vec<u8>, Fault> {
     let Source::Uri(uri) = buffer.source() else {
+        // Stands for data that is compressed elsewhere.
+        if MESHOPT.into_iter().any(|name| buffer.extension_value(name).is_some()) {
+            return Ok(Vec::new());
+        }
         return blob.take().ok_or_else(|| Fault::broken("the file has no binary chunk"));
     };
     // Six bits a character.
@@ -146,27 +216,8 @@ fn read(path: &Path, length: usize, budget: &mut Budget) -> Result<Vec<u8>, Faul
     Ok(data)
 }
 
-pub(crate) fn positions(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<(), Fault> {
-    is(accessor, Dimensions::Vec3, &[DataType::F32])?;
-    inside(accessor, buffers)
-}
-
-pub(crate) fn indices(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<(), Fault> {
-    is(accessor, Dimensions::Scalar, &[DataType::U8, DataType::U16, DataType::U32])?;
-    inside(accessor, buffers)
-}
-
-fn is(accessor: &Accessor<'_>, shape: Dimensions, types: &[DataType]) -> Result<(), Fault> {
-    let (found, of) = (accessor.dimensions(), accessor.data_type());
-    if found == shape && types.contains(&of) {
-        return Ok(());
-    }
-    let what = format!("accessor {}: {found:?} of {of:?}, not {shape:?} of", accessor.index());
-    Err(Fault::broken(format!("{what} {types:?}")))
-}
-
 /// Checks that an accessor has entries, and all of them in its buffer.
-fn inside(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<(), Fault> {
+pub(super) fn inside(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<(), Fault> {
     let fault = || {
         let at = accessor.index();
         Fault::broken(format!("accessor {at} is empty, overlaps itself or leaves its buffer"))
@@ -180,6 +231,12 @@ fn inside(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<(), Fault> {
             (values.view(), values.offset(), sparse.count(), accessor.size()),
         ]
     });
+    let views = accessor.view().into_iter();
+    for view in views {
+        if let Some(name) = MESHOPT.into_iter().find(|name| view.extension_value(name).is_some()) {
+            return Err(compressed(name));
+        }
+    }
     for (view, offset, count, size) in dense.into_iter().chain(sparse.into_iter().flatten()) {
         let stride = view.stride().unwrap_or(size);
         let last = count.checked_sub(1).and_then(|last| last.checked_mul(stride));

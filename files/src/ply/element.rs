@@ -8,6 +8,9 @@ use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult,
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 pub(crate) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
+/// Stands for −1, with which a strip ends and another begins.
+pub(crate) const RESTART: u32 = u32::MAX;
+
 #[derive(Default)]
 pub(crate) struct Element {
     pub(crate) position: [f64; 3],
@@ -29,7 +32,11 @@ impl Element {
                 let count: u32 = line.number(Some(word))?;
                 let mut list = (0..count).map(|_| line.word(words.next()));
                 if INDICES.contains(&&name[..]) {
-                    let corners = list.map(|word| line.number(Some(word?)));
+                    let is_strip = element.name == "tristrips";
+                    let corners = list.map(|word| match word? {
+                        b"-1" if is_strip => Ok(RESTART),
+                        word => line.number(Some(word)),
+                    });
                     read.corners = corners.collect::<Result<_, _>>()?;
                 } else {
                     list.try_for_each(|word| word.map(drop))?;
@@ -58,12 +65,28 @@ impl PropertyAccess for Element {
         if let (Some(k), Some(x)) = (axis(name), number) {
             self.position[k] = x;
         } else if INDICES.contains(&name) {
-            let Some(corners) = property.to_u32_list() else {
+            let Some(corners) = indices(&property) else {
                 return PropertyAccessResult::UnsupportedType;
             };
             self.corners = corners;
         }
         PropertyAccessResult::Set
+    }
+}
+
+fn indices(property: &Property) -> Option<Vec<u32>> {
+    fn restarting<T: Copy + Into<i64>>(list: &[T]) -> Option<Vec<u32>> {
+        let index = |&index: &T| match index.into() {
+            -1 => Some(RESTART),
+            index => u32::try_from(index).ok(),
+        };
+        list.iter().map(index).collect()
+    }
+    match property {
+        Property::ListChar(list) => restarting(list),
+        Property::ListShort(list) => restarting(list),
+        Property::ListInt(list) => restarting(list),
+        _ => property.to_u32_list(),
     }
 }
 

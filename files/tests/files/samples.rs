@@ -103,3 +103,10 @@ pub(super) fn glb() -> Vec<u8> {
     let length = (12 + chunks.len() as u32).to_le_bytes();
     [b"glTF\x02\0\0\0", &length[..], &chunks].concat()
 }
+
+/// A strip of two triangles, and one of one.
+pub(super) fn ply_strips() -> String {
+    let header = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
+        element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n";
+    format!("{header}8 0 1 2 3 -1 2 3 4\n")
+}
