@@ -48,6 +48,15 @@ impl Import {
         text
     }
 
+    /// Forgets all that was read.
+    pub(crate) fn forget_mesh(&mut self) {
+        self.mesh = TriangleMesh::default();
+        self.source.faces.clear();
+        self.source.rounded = 0;
+        self.strange.clear();
+        self.small_faces = 0;
+    }
+
     /// Begins a new body with the triangle that comes next, and returns its number.
     pub(crate) fn begin_body(&mut self, name: String) -> Result<u32, Fault> {
         // Names are copied while they are told apart.

@@ -5,7 +5,8 @@ use crate::import::Import;
 use crate::text::{Line, lines};
 
 pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
-    let mut rest = lines(import.text(bytes));
+    let bytes = import.text(bytes);
+    let mut rest = lines(bytes);
     let mut line = rest.next().ok_or_else(|| ends("its header"))?;
     let mut words: Vec<_> = line.words().collect();
     let header = words.remove(0);
@@ -33,7 +34,6 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     }
     let count = |i: usize| -> Result<u32, Fault> { line.number(words.get(i).copied()) };
     let (vertices, faces) = (count(0)?, count(1)?);
-    let mut corners = Vec::new();
     if words.len() > 3 && letters.is_empty() {
         import.notes.push("vertices and faces follow the counts on their line".to_owned());
         let first = line.words().count() - words.len() + usize::from(!glued.is_empty()) + 3;
@@ -41,6 +41,31 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
         return by_words(after, vertices, faces, import);
     }
 
+    let first = line.number;
+    match by_lines(rest, vertices, faces, import) {
+        Err(fault) if letters.is_empty() => {
+            // Lines may end anywhere where there is nothing but numbers to count.
+            let notes = std::mem::take(&mut import.notes);
+            import.forget_mesh();
+            let after = lines(bytes).filter(|line| line.number > first);
+            let words = after.flat_map(|line| line.words().map(move |word| (line, word)));
+            let read = by_words(words, vertices, faces, import).map_err(|_| fault);
+            import.notes = notes;
+            import.notes.push("lines do not end where vertices and faces do".to_owned());
+            read
+        }
+        read => read,
+    }
+}
+
+/// Reads a vertex or a face a line.
+fn by_lines<'t>(
+    mut rest: impl Iterator<Item = Line<'t>>,
+    vertices: u32,
+    faces: u32,
+    import: &mut Import,
+) -> Result<(), Fault> {
+    let mut corners = Vec::new();
     // Nothing is reserved on the word of a header.
     for _ in 0..vertices {
         let line = rest.next().ok_or_else(|| ends("its last vertex"))?;

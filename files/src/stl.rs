@@ -99,10 +99,14 @@ fn push(mesh: &mut TriangleMesh, corners: [[f64; 3]; 3]) {
 
 fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let mut corners = Vec::new();
-    let (mut is_open, mut facet_is_open, mut is_end_solid) = (false, false, false);
+    let (mut is_open, mut facet_is_open, mut is_apart) = (false, false, false);
     for line in lines(bytes) {
         let mut words = line.words();
-        let keyword = line.word(words.next())?.to_ascii_lowercase();
+        let mut keyword = line.word(words.next())?.to_ascii_lowercase();
+        if keyword == b"end" {
+            keyword.extend(words.next().unwrap_or_default().to_ascii_lowercase());
+            is_apart = true;
+        }
         match &keyword[..] {
             b"vertex" => {
                 let position = line.position(&mut words, &mut import.source)?;
@@ -120,9 +124,6 @@ fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
             b"endfacet" => facet_is_open = false,
             b"outer" => {}
             b"endsolid" => is_open = false,
-            b"end" if words.next().is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) => {
-                (is_open, is_end_solid) = (false, true);
-            }
             _ => {
                 let what = format!("{} is no word of STL", quote(&keyword));
                 return Err(line.fault(what).or(Remedy::Format));
@@ -133,8 +134,8 @@ fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
         let what = "the file ends within a facet, before its last endsolid";
         return Err(Fault::broken(what).or(Remedy::Format));
     }
-    if is_end_solid {
-        import.notes.push("a solid ends with `end solid`, which is read as endsolid".to_owned());
+    if is_apart {
+        import.notes.push("`end solid` and the like are read as endsolid".to_owned());
     }
     if is_open {
         import.notes.push("the file ends before its last endsolid".to_owned());

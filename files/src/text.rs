@@ -84,12 +84,21 @@ impl<'t> Line<'t> {
 
 /// The number nearest to what `word` says, if it is one; `source` tells in which precision, and notes what it loses.
 pub(crate) fn coordinate(word: &[u8], source: &mut Source) -> Option<f64> {
+    if parsed::<f64>(word).is_none() && is_nan(word) {
+        return Some(f64::NAN);
+    }
     if !source.in_f32 {
         return parsed(word);
     }
     let nearest: f32 = parsed(word)?;
     source.rounded += usize::from(loses_digits(word, nearest));
     Some(nearest.into())
+}
+
+/// Whether a word is NaN as C libraries write it: `-nan(ind)`.
+fn is_nan(word: &[u8]) -> bool {
+    let word = word.strip_prefix(b"-").unwrap_or(word);
+    word.get(..4).is_some_and(|beginning| beginning.eq_ignore_ascii_case(b"nan("))
 }
 
 fn parsed<T: FromStr>(word: &[u8]) -> Option<T> {

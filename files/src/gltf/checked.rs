@@ -95,7 +95,7 @@ const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"
 const READ: [&str; 2] = ["KHR_mesh_quantization", "EXT_mesh_gpu_instancing"];
 
 /// Beginnings of the names of extensions that leave geometry alone.
-const HARMLESS: [&str; 10] = [
+const HARMLESS: [&str; 15] = [
     "KHR_materials_",
     "KHR_texture_",
     "EXT_texture_",
@@ -106,6 +106,11 @@ const HARMLESS: [&str; 10] = [
     "KHR_animation_pointer",
     "KHR_audio",
     "EXT_materials_",
+    "EXT_mesh_features",
+    "EXT_instance_features",
+    "EXT_structural_metadata",
+    "EXT_feature_metadata",
+    "VRMC_",
 ];
 
 /// The bytes of all buffers, those of one file once.

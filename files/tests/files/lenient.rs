@@ -39,6 +39,7 @@ fn stl_beside_the_rule() {
     same("stl", &binary, &none, "counts 0 triangles");
     assert!(read("stl", &none[..none.len() - 1]).unwrap_err().contains("0 triangles has 84 bytes"));
     same("stl", ascii.as_bytes(), ascii.replace("endsolid", "end solid"), "end solid");
+    same("stl", ascii.as_bytes(), ascii.replace("endloop", "END LOOP"), "end solid");
     same("stl", ascii.as_bytes(), ascii.trim_end_matches("endsolid\n"), "before its last endsolid");
     same("stl", ascii.as_bytes(), ascii.clone() + "\0\0\0", "NULs after the text");
     assert!(read("stl", ascii.replacen("outer", "\0uter", 1)).is_err());
@@ -54,6 +55,8 @@ fn off_beside_the_rule() {
     same("off", good, off.replace('\n', " "), "follow the counts");
     same("off", good, off.replace("0\n0 0 0\n", "0 0\n0\n0 "), "follow the counts");
     same("off", good, off.to_owned() + "\0", "NULs");
+    let rewrapped = off.replace("0\n1 1 0\n", "0 1 1\n0 ").replace("3 0 2 3", "3\n0\n2 3");
+    same("off", good, rewrapped, "lines do not end where");
     assert!(read("off", off.replace('\n', " ") + "3 0 1 3").unwrap_err().contains("goes on"));
     assert!(read("off", off.replace('\n', " ").replace("3 0 2 3", "3 0 2")).is_err());
     // The numbers of colours cannot be told from others.
@@ -82,6 +85,9 @@ fn vertices_that_no_face_uses_may_be_nan() {
     assert_eq!(odd.mesh.triangles, QUAD);
     assert_eq!(odd.mesh.positions[4], odd.mesh.positions[2]);
     assert!(odd.notes[0].contains("not finite"), "{:?}", odd.notes);
+    for nan in ["-nan(ind)", "NaN(0x1)", "-inf"] {
+        assert!(read("ply", square.replace("7 7 7", &format!("7 7 {nan}"))).is_ok(), "{nan}");
+    }
     let error = read("ply", square.replace("0 1 16777216", "0 nan 0")).unwrap_err();
     assert!(error.contains("line 18: vertex 3 has a NaN"), "{error}");
 }
